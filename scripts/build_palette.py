@@ -3,15 +3,18 @@
 Usage: python scripts/build_palette.py FOLDER [--out FILE]
 
 FOLDER holds the published measurements: drawdowns.csv (CC0), kimera_relative_KS.csv (MIT) and
-usgs_reflectance.csv (public domain). The two inks are computed (scripts/soot.py). In order of
-preference a pigment comes from
+usgs_reflectance.csv (public domain). The two inks are computed (scripts/soot.py), azurite,
+malachite and lapis lazuli by the size of their grains (scripts/grains.py) and indigo by its band
+(scripts/indigo.py). In order of preference another pigment comes from
 
 - drawdowns over black and white: K and S as fitted by scripts/fit_drawdowns.py, here without
-  Saunderson's correction, so that they give the measured reflectance; one drawdown is one coat;
+  Saunderson's correction, so that they give the measured reflectance less the gloss, which was
+  measured with it and is the picture's to add; one drawdown is one coat;
 - K and S relative to a white paint: scaled so that one coat hides 98 %;
 - the reflectance R of an opaque layer: K/S = (1 - R)^2 / 2R, one S for all wavelengths, scaled
   likewise. That is a guess of S, good for strongly scattering pigments.
 
+A coat of every grade of a stone holds as much of it as a coat of the second, which hides 98 %.
 Hiding is the luminance of one coat over black by that over a chart of 80 %. Dyes and lakes that
 are painted as washes (gamboge, indigo, carmine) hide only when almost black: their coat is the
 one that takes the chart's lightness L* 80 % of the way down to the opaque layer's. A pigment
@@ -27,7 +30,9 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-from fit_drawdowns import HEADER, fit, read_drawdowns
+from fit_drawdowns import HEADER, fit, read_drawdowns, without_gloss
+from grains import SIZES_UM, STONES, grade, powders
+from indigo import indigo
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 from soot import SOOTS, soot_ink
@@ -47,12 +52,19 @@ LICENCES = {"drawdown": "CC0-1.0", "kimera": "MIT", "usgs": "public domain (US g
 SOURCES = {"drawdown": GELDOF, "kimera": KIMERA, "usgs": USGS}
 BASES = {"drawdown": "measured K,S", "kimera": "measured K,S", "usgs": "masstone"}
 
-# name, Chinese name, table, row or column of it, what it stands in for ("" where it is the thing)
+# name, Chinese name, table, row or column of it, what it stands in for ("" where it is the thing);
+# for stones the number of the grade
 COLOURS = [
     ("cinnabar", "朱砂", "drawdown", "Vermillion", "synthetic cinnabar (vermilion)"),
     ("minium", "铅丹", "drawdown", "Minium", ""),
-    ("azurite", "石青", "usgs", "Azurite_WS316_BECKa", ""),
-    ("malachite", "石绿", "usgs", "Malachite_GDS801_synthetic_ASDFRa", "synthetic malachite"),
+    ("azurite 1", "头青", "grains", "azurite", 0),
+    ("azurite", "石青", "grains", "azurite", 1),
+    ("azurite 3", "三青", "grains", "azurite", 2),
+    ("azurite 4", "四青", "grains", "azurite", 3),
+    ("malachite 1", "头绿", "grains", "malachite", 0),
+    ("malachite", "石绿", "grains", "malachite", 1),
+    ("malachite 3", "三绿", "grains", "malachite", 2),
+    ("malachite 4", "四绿", "grains", "malachite", 3),
     ("ochre", "赭石", "usgs", "Terra_Pozzuoli_GDS806_ASDFRa", "red-brown earth of Pozzuoli"),
     ("yellow ochre", "土黄", "kimera", "yellow oxide", "substitute: synthetic goethite"),
     ("red ochre", "土红", "kimera", "red oxide", "substitute: synthetic hematite"),
@@ -60,8 +72,8 @@ COLOURS = [
     ("gamboge", "藤黄", "kimera", "warm yellow", "substitute: organic warm yellow"),
     ("orpiment", "雌黄", "drawdown", "ChromeYellowOtero", "substitute: chrome yellow"),
     ("realgar", "雄黄", "kimera", "orange", "substitute: organic orange"),
-    ("indigo", "花青", "drawdown", "PrussianBlue", "substitute: Prussian blue"),
-    ("lapis lazuli", "青金石", "drawdown", "UltramarineBlue", "substitute: synthetic ultramarine"),
+    ("indigo", "花青", "band", "", ""),
+    ("lapis lazuli", "青金石", "grains", "lapis lazuli", 1),
     ("verdigris", "铜绿", "usgs", "Verdigris_GDS789_ASDFRa", ""),
     ("emerald green", "巴黎绿", "drawdown", "EmeraldGreen", ""),
     ("carmine", "胭脂", "drawdown", "Cochineal", "substitute: cochineal lake"),
@@ -76,6 +88,14 @@ SOOT_SOURCE = (
     "Boku-undo; scripts/soot.py"
 )
 SOOT_BASIS = "computed from spheres of {:g} to {:g} nm in glue (strength set by eye)"
+STONE_SOURCE = "powder of {}, and the stone's index (Handbook of Mineralogy); scripts/grains.py"
+STONE_BASIS = "computed from a powder for grains of {:g} um in paint (sizes set by eye)"
+INDIGO_SOURCE = "its band: Ratnapandian, thesis, RMIT University (2013); scripts/indigo.py"
+INDIGO_BASIS = "computed from one band at 660 nm (widths and grey set by eye)"
+
+
+GLOSSES = {"oil soot": 0.4, "gamboge": 0.3}
+"""How glossy a coat dries; set by eye: oil soot is known for its gloss, gamboge is a resin."""
 
 
 def scale_to_hiding(k: NDArray, s: NDArray) -> tuple[NDArray, NDArray]:
@@ -106,8 +126,8 @@ def scale_to_depth(k: NDArray, s: NDArray) -> tuple[NDArray, NDArray]:
 
 def drawdown_reader(path: Path) -> Callable[[str], tuple[NDArray, NDArray]]:
     """K and S per drawdown, by the name of the paint."""
-    data = read_drawdowns(path)
-    k, s = np.exp(fit(data, (0.0, 0.0), pulls=(0.005, 0.0))).transpose(1, 2, 0)
+    data = without_gloss(read_drawdowns(path))
+    k, s = np.exp(fit(data, (0.0, 0.0), pulls=(0.005, 0.005, 0.0))).transpose(1, 2, 0)
     return lambda name: (k[data.paints.index(name)], s[data.paints.index(name)])
 
 
@@ -150,6 +170,9 @@ def palette_rows(folder: Path) -> list[list[str]]:
         basis = SOOT_BASIS.format(*SOOTS[name])
         rows.append(_row(name, chinese, SOOT_SOURCE, basis, "MIT", *soot_ink(name)))
     for name, chinese, table, key, note in COLOURS:
+        if table in ("grains", "band"):
+            rows.append(_computed_row(folder, name, chinese, key, note))
+            continue
         k, s = readers[table](key)
         if name in WASHES:
             k, s = scale_to_depth(k, s)
@@ -160,9 +183,23 @@ def palette_rows(folder: Path) -> list[list[str]]:
     return rows
 
 
+def _computed_row(folder: Path, name: str, chinese: str, stone: str, number: int) -> list[str]:
+    """A grade of a stone, or indigo."""
+    if not stone:
+        return _row(name, chinese, INDIGO_SOURCE, INDIGO_BASIS, "MIT", *scale_to_depth(*indigo()))
+    powder = powders(folder)
+    k, s = grade(STONES[stone], SIZES_UM[number], powder)
+    second = grade(STONES[stone], SIZES_UM[1], powder)
+    per_coat = scale_to_hiding(*second)[0][0] / second[0][0]
+    source = STONE_SOURCE.format(USGS.format(STONES[stone].powders[0][0]))
+    basis = STONE_BASIS.format(SIZES_UM[number])
+    return _row(name, chinese, source, basis, LICENCES["usgs"], k * per_coat, s * per_coat)
+
+
 def _row(name, chinese, source, basis, licence, k, s) -> list[str]:
     values = [f"{value:.5g}" for value in (*k, *s)]
-    return [name, chinese, source, basis, licence, "no", *values]
+    gloss = f"{GLOSSES.get(name, 0.0):g}"
+    return [name, chinese, source, basis, licence, "no", gloss, *values]
 
 
 def main() -> None:
@@ -171,7 +208,7 @@ def main() -> None:
     parser.add_argument("folder", type=Path, help="folder with the three tables")
     parser.add_argument("--out", type=Path, default=OUT)
     options = parser.parse_args()
-    header = HEADER + [f"{letter}_{nm:.0f}" for letter in "KS" for nm in WAVELENGTHS]
+    header = [*HEADER, "gloss"] + [f"{letter}_{nm:.0f}" for letter in "KS" for nm in WAVELENGTHS]
     with options.out.open("w", newline="", encoding="utf-8") as stream:
         csv.writer(stream, lineterminator="\n").writerows([header, *palette_rows(options.folder)])
 

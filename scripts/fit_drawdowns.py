@@ -5,15 +5,20 @@ Usage: python scripts/fit_drawdowns.py FOLDER [--out FILE]
 FOLDER holds drawdowns.csv: paints measured over a black and a white chart, with their mass
 fractions. One fit takes all paints and wavelengths together (two-constant Kubelka-Munk, one
 drawdown as one coat, Saunderson's correction, residual in cube-root reflectance, a slight pull
-of log K and log S towards the next wavelength, and a slighter one of log S towards the mean of
-all paints, for a film that hides tells K/S alone). The two pulls and k2 were chosen by what
-they predict for mixtures left out. Written: K and S of each paint, the table that
-`paint3d.mixture_reflectance` uses. Printed: what is left of the fit, what it predicts for
-mixtures left out of it, and what blending RGB gives. The output is the same bytes on every run.
+of log K towards the next wavelength and a stronger one of log S, which particles change slowly
+with it, and a slight one of log S towards the mean of all paints, for a film that hides tells K/S
+alone). The three pulls and k2 were chosen by what they predict for samples left out. Written: K
+and S of each paint, the table that `paint3d.mixture_reflectance` uses. Printed: what is left of the
+fit, what it predicts for samples left out of it, and what blending RGB gives. The output is the
+same bytes on every run.
 
-Most paints have one tint here. Without it nothing but the hiding film is left, which does not
-tell how strong the paint is in a mixture; so leaving mixtures out is told apart: those whose
-paints occur in other mixtures (the ramp of bone black in zinc white), and the tints.
+The protocol of what is left out: all 34 samples are dealt to five folds in the table's order, so
+that a paint's film and its tint are never left out together; each fold is fitted from scratch, and
+a sample that is left out is predicted if each of its paints occurs among the rest. Told apart are
+films of one paint (from its tint alone: ten times the concentration), tints (from the hiding film
+alone, which does not tell how strong the paint is), and mixtures whose paints occur in other
+mixtures (the ramp of bone black in zinc white). Mixtures of other ratios were measured by the
+authors too; they are kept out of this table, and figures for them cannot be had here.
 """
 
 from __future__ import annotations
@@ -37,7 +42,7 @@ SOURCE = (
     "fitted on drawdowns of Geldof, Proano Gaibor, Kirchner, Ligterink, "
     "Heritage Science 6:17 (2018), repository fligt/revigo-spectra"
 )
-PULL, PULL_TO_MEAN = 0.01, 0.005
+PULLS = (0.01, 0.05, 0.0075)  # of log K and log S to the next wavelength, of log S to its mean
 BOUNDS = np.log([1e-4, 300.0])
 HEADER = ["name", "chinese", "source", "basis", "licence", "saunderson"]
 
@@ -74,6 +79,20 @@ def read_drawdowns(path: Path) -> Drawdowns:
     return Drawdowns(paints, fractions, charts, films)
 
 
+def without_gloss(data: Drawdowns) -> Drawdowns:
+    """The same without what surfaces throw back outside: .04, or nine tenths of the darkest band.
+
+    The films were measured with their gloss: none of 34 but the ultramarines' falls below .039 at
+    any wavelength, which is what a smooth surface of index 1.5 reflects.
+    """
+
+    def off(spectra: NDArray) -> NDArray:
+        outer = np.minimum(0.04, 0.9 * spectra.min(axis=(1, 2), keepdims=True))
+        return (spectra - outer) / (1.0 - outer)
+
+    return Drawdowns(data.paints, data.fractions, off(data.charts), off(data.films))
+
+
 def predict(log_ks: NDArray, data: Drawdowns, gloss: tuple[float, float]) -> NDArray:
     """Films (M, 2, 31) as measured, from log K and log S (31, 2, P)."""
     k, s = np.einsum("wip,mp->imw", np.exp(log_ks), data.fractions)
@@ -108,14 +127,15 @@ def _above_mean(log_ks: NDArray) -> NDArray:
 
 def _cost(log_ks, data, gloss, pulls) -> float:
     bumps, apart = np.diff(log_ks, axis=0), _above_mean(log_ks)
-    pulled = pulls[0] ** 2 * (bumps**2).sum() + pulls[1] ** 2 * (apart**2).sum()
+    pulled = pulls[0] ** 2 * (bumps[:, 0] ** 2).sum() + pulls[1] ** 2 * (bumps[:, 1] ** 2).sum()
+    pulled += pulls[2] ** 2 * (apart**2).sum()
     return float((_residual(log_ks, data, gloss) ** 2).sum() + pulled)
 
 
 def _step(hessian, gradient, log_ks, damping, pulls) -> NDArray:
     """Solve one damped Gauss-Newton step; wavelengths are coupled by the pull alone."""
     n_waves, n = gradient.shape
-    pull, to_mean = pulls[0] ** 2, pulls[1] ** 2
+    pull, to_mean = np.repeat(np.square(pulls[:2]), n // 2), pulls[2] ** 2
     scattering = slice(n // 2, n)
     hessian, gradient = hessian.copy(), gradient.copy()
     hessian[:, range(n // 2, n), range(n // 2, n)] += to_mean
@@ -131,8 +151,8 @@ def _step(hessian, gradient, log_ks, damping, pulls) -> NDArray:
         diagonal = np.zeros((n_waves, n))
         diagonal[:, : n - d] = np.diagonal(hessian, offset=-d, axis1=1, axis2=2)
         band[d] = diagonal.ravel()
-    band[0] += np.repeat(pull * ends, n) + damping
-    band[n, : (n_waves - 1) * n] = -pull
+    band[0] += np.outer(ends, pull).ravel() + damping
+    band[n, : (n_waves - 1) * n] = -np.tile(pull, n_waves - 1)
     right = -(gradient + pull * pulled).ravel()
     return solveh_banded(band, right, lower=True).reshape(log_ks.shape)
 
@@ -140,11 +160,11 @@ def _step(hessian, gradient, log_ks, damping, pulls) -> NDArray:
 def fit(
     data: Drawdowns,
     gloss: tuple[float, float],
-    pulls: tuple[float, float] = (PULL, PULL_TO_MEAN),
+    pulls: tuple[float, float, float] = PULLS,
 ) -> NDArray:
     """Least-squares log K and log S (31, 2, P) by Levenberg-Marquardt; 1-2 s.
 
-    `pulls` are the weights of the pull to the next wavelength, and of log S to its mean.
+    `pulls` are the weights of log K and of log S to the next wavelength, and of log S to its mean.
     """
     log_ks = np.zeros((WAVELENGTHS.size, 2, len(data.paints)))
     damping, cost = 1e-3, _cost(log_ks, data, gloss, pulls)
@@ -189,17 +209,14 @@ def rgb_differences(log_ks, data: Drawdowns, gloss) -> NDArray:
 
 
 def left_out_differences(data: Drawdowns, gloss, folds: int) -> tuple[NDArray, NDArray]:
-    """Mixtures left out of the fit (K-fold, each fit from scratch): which, and dE00 (L, 2).
+    """Samples left out of the fit (K-fold, each fit from scratch): which, and dE00 (L, 2).
 
-    Mixtures are dealt to the folds in the table's order. One whose paint occurs nowhere else
-    among what is left cannot be predicted, and is not counted.
+    Samples are dealt to the folds in the table's order. One whose paint occurs nowhere else among
+    what is left cannot be predicted, and is not counted.
     """
-    mixtures = np.flatnonzero((data.fractions > 0).sum(axis=1) > 1)
     which, found = [], []
     for fold in range(folds):
-        out = mixtures[fold::folds]
-        if not out.size:
-            continue
+        out = np.arange(fold, len(data.fractions), folds)
         rest = data.without(out)
         apart = differences(fit(rest, gloss), data, gloss)
         for sample in out:
@@ -249,10 +266,16 @@ def main() -> None:
     print(_line("fit, mixtures", differences(log_ks, data, SAUNDERSON)[mixtures]))
     rgb = rgb_differences(log_ks, data, SAUNDERSON)
     which, apart = left_out_differences(data, SAUNDERSON, folds=5)
-    shared = np.array([_paints_recur(data, sample) for sample in which])
-    for name, chosen in (("paints in other mixtures", shared), ("a paint's only tint", ~shared)):
-        print(_line(f"left out (5-fold), {name}", apart[chosen]))
-        print(_line("    RGB blending of the same", rgb[which[chosen]]))
+    print(_line("left out (5-fold), all that can be predicted", apart))
+    shared = np.array([_paints_recur(data, sample) for sample in which]) & mixtures[which]
+    kinds = {
+        "films of one paint": ~mixtures[which],
+        "tints": mixtures[which] & ~shared,
+        "paints in other mixtures": shared,
+    }
+    for name, chosen in kinds.items():
+        print(_line(f"    {name}", apart[chosen]))
+    print(_line("    RGB blending of the mixtures", rgb[which[mixtures[which]]]))
     write_paints(options.out, data, log_ks)
 
 

@@ -154,9 +154,9 @@ def mixture_reflectance(
     Notes
     -----
     Under gloss a backing darker than k1 = 0.03 counts as black. Mean error on the drawdowns that
-    the paints were fitted to 1.1 dE00, on mixtures left out of the fit whose paints occur in
+    the paints were fitted to 1.2 dE00, on mixtures left out of the fit whose paints occur in
     other mixtures 1.0; blending RGB is wrong by 26. A paint known by a hiding film alone has an
-    unknown strength: its tint is then missed by 13 (`scripts/fit_drawdowns.py`, docs/ink.md).
+    unknown strength: its tint is then missed by 10 (`scripts/fit_drawdowns.py`, docs/ink.md).
     """
     k, s, glossy = mix_pigments(mass_fractions)
     return stack_reflectance(

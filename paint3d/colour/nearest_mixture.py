@@ -28,7 +28,7 @@ __all__ = ["Nearest", "nearest_mixture"]
 _SPLITS = ((3, 3, 1), (3, 1, 3), (1, 3, 3), (8, 1, 1), (1, 8, 1), (1, 1, 8))
 _INKED = (1.0, 0.5, 0.2, 0.08, 0.02)  # share that is not water
 _BEST = 60  # threes that are followed
-_ROUNDS, _FIRST, _KEPT = 16, 0.16, 0.75  # in the root of the shares
+_ROUNDS, _FIRST, _KEPT = 30, 0.16, 0.75  # in the root of the shares
 _LEAST = 0.0005  # of a coat: less is left out of the mixture
 
 
@@ -147,7 +147,7 @@ def _follow(
         best = off.argmin(axis=1)
         moved = best != len(steps) // 2
         roots = tried[np.arange(len(tried)), best]
-        reach = np.where(moved, reach * 0.9, reach * 0.5)
+        reach = np.where(moved, reach * 0.9, reach * 0.7)
         order = np.argsort(off.min(axis=1), kind="stable")
         if len(order) > 6:  # those that fall behind are left
             order = order[: max(6, int(_KEPT * len(order)))]

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from paint3d.core.arrays import as_array
+from paint3d.core.arrays import as_array, as_number
 from paint3d.core.types import AnyArray
 from paint3d.errors import PigmentError
 
@@ -32,11 +32,14 @@ class Pigment:
     saunderson : bool
         Whether K and S describe the film below its gloss, so that Saunderson's correction leads
         to what is measured. Otherwise they give the measured reflectance themselves.
+    gloss : float
+        How glossy a full coat of it dries, 0 (as what it lies on) to 1.
 
     Raises
     ------
     PigmentError
-        If the name is empty, or K or S has the wrong length or is not between 0 and a million.
+        If the name is empty, K or S has the wrong length or is not between 0 and a million, or the
+        gloss is not between 0 and 1.
     """
 
     name: str
@@ -47,10 +50,12 @@ class Pigment:
     basis: str = ""
     licence: str = ""
     saunderson: bool = False
+    gloss: float = 0.0
 
     def __post_init__(self) -> None:
         if not self.name:
             raise PigmentError("a pigment has no name")
+        as_number(self.gloss, f"gloss of {self.name}", 0.0, 1.0, error=PigmentError)
         for letter in "KS":
             values = as_array(
                 getattr(self, letter), f"{letter} of {self.name}", (31,), error=PigmentError

@@ -19,6 +19,7 @@ from paint3d.errors import InputError, PigmentError
 
 __all__ = ["load_pigments_csv"]
 
+_NUMBER = re.compile(r"\d+(\.\d*)?|\.\d+")
 _BAND = re.compile(r"\s*([KSR])_(\d+(?:\.\d+)?)\s*")
 
 
@@ -31,7 +32,8 @@ def load_pigments_csv(path: str | Path) -> Mapping[str, Pigment]:
         CSV in UTF-8 with a header: ``name``, and either ``K_<nm>`` and ``S_<nm>``, per full coat,
         or ``R_<nm>``, the reflectance of a masstone (see `masstone_strengths`), for rising
         wavelengths that cover 400 to 700 nm (others than every 10 nm are interpolated linearly);
-        where wanted ``chinese``, ``source``, ``basis``, ``licence``, ``saunderson`` (yes|no).
+        where wanted ``chinese``, ``source``, ``basis``, ``licence``, ``saunderson`` (yes|no),
+        ``gloss`` (0 to 1).
         Or measured masstones as `spectral_files` reads them: IES TM-27 (.spdx), and .txt of two
         columns or of X-Rite.
 
@@ -40,7 +42,7 @@ def load_pigments_csv(path: str | Path) -> Mapping[str, Pigment]:
     PigmentError
         Naming file and line, if it cannot be read, holds no pigment, a name is empty or occurs
         twice, the wavelengths do not rise or cover 400-700 nm, K or S is negative, not finite
-        or not a number, or R is not between 0 and 1.
+        or not a number, or R or the gloss is not between 0 and 1.
     """
     path = Path(path)
     if is_spectral(path):
@@ -120,9 +122,12 @@ def _read_row(
     words["licence"] = (row.get("licence") or "").strip()
     if not words["name"]:
         raise PigmentError(f"{where}: name is empty")
-    gloss = (row.get("saunderson") or "no").strip().lower()
-    if gloss not in ("yes", "no"):
-        raise PigmentError(f"{where}: saunderson is {gloss!r}; expected yes or no")
+    corrected = (row.get("saunderson") or "no").strip().lower()
+    if corrected not in ("yes", "no"):
+        raise PigmentError(f"{where}: saunderson is {corrected!r}; expected yes or no")
+    gloss = (row.get("gloss") or "0").strip()
+    if not _NUMBER.fullmatch(gloss) or not 0.0 <= float(gloss) <= 1.0:
+        raise PigmentError(f"{where}: gloss is {gloss[-40:]!r}; expected a number from 0 to 1")
     if "R" in spectra:
         worst = int(np.abs(spectra["R"] - 0.5).argmax())
         if not 0.0 < spectra["R"][worst] < 1.0:
@@ -130,13 +135,19 @@ def _read_row(
                 f"{where}: R is {spectra['R'][worst]:g} at {BANDS_NM[worst]:.0f} nm; "
                 "expected a reflectance between 0 and 1"
             )
-        if gloss == "yes":
+        if corrected == "yes":
             raise PigmentError(f"{where}: saunderson is yes; expected no for a masstone")
         strengths = masstone_strengths(spectra["R"])
         words["basis"] = words["basis"] or "masstone"
     else:
         strengths = spectra["K"], spectra["S"]
-    return Pigment(**words, K=strengths[0], S=strengths[1], saunderson=gloss == "yes")
+    return Pigment(
+        **words,
+        K=strengths[0],
+        S=strengths[1],
+        saunderson=corrected == "yes",
+        gloss=float(gloss),
+    )
 
 
 def _read_spectrum(row: dict[str, Any], where: str, nm: AnyArray, columns: list[str]) -> AnyArray:

@@ -33,6 +33,9 @@ __all__ = [
 
 _DATA = Path(__file__).parent / "data"
 
+_ALSO = {"azurite 2": "azurite", "二青": "azurite", "malachite 2": "malachite", "二绿": "malachite"}
+_SIMPLIFIED = str.maketrans("頭綠煙硃鉛黃銅鐵礦鈦臙", "头绿烟朱铅黄铜铁矿钛胭")
+
 WATER = Pigment(
     "water",
     "水",
@@ -65,6 +68,7 @@ def pigment_names() -> list[str]:
 def load_pigment(name: str, *, own_tables: bool = True) -> Pigment:
     """Return a pigment by its name in the palette, English or Chinese, or a drawdown paint.
 
+    Chinese may be in either script; ``azurite 2`` and ``二青`` are the grade that ``azurite`` is.
     ``water`` is one too; ``FILE.csv:NAME`` is the pigment NAME of a user's own table.
 
     Parameters
@@ -94,7 +98,9 @@ def load_pigment(name: str, *, own_tables: bool = True) -> Pigment:
     palette, paints = load_palette(), load_drawdown_paints()
     found = palette.get(name) or paints.get(name)
     if found is None and name:
-        found = next((p for p in (*palette.values(), WATER) if name in (p.chinese, p.name)), None)
+        plain = name.translate(_SIMPLIFIED)
+        plain = _ALSO.get(plain, plain)
+        found = next((p for p in (*palette.values(), WATER) if plain in (p.chinese, p.name)), None)
     if found is None:
         raise UnknownNameError("ink", name, [*palette, *paints, WATER.name])
     return found

@@ -4,7 +4,7 @@ Three ways, one class:
 
 - `reference`: all 31 bands, any mixture;
 - `live`, several pigments: 12 bands chosen for the palette (`scripts/search_live_bands.py`),
-  twice as fast, within mean 0.07 and maximum 0.6 dE00 of the reference on random mixtures;
+  twice as fast, within mean 0.09 and maximum 0.5 dE00 of the reference on random mixtures;
   mixtures with any other pigment, for which these bands could be wrong by 4 dE00, take all 31;
 - `live`, one pigment: a table over the layer's thickness, three times as fast, within 0.001 dE00.
 """

@@ -219,7 +219,7 @@ def _write_glb(path: Path, painting: Painting, options: ExportOptions, unit: str
 
     finish, unlit, steps = _finish(painting), options.unlit, painting.steps
     if painting.texture is None:
-        write_glb(path, *painting[:4], finish, unlit=unlit, steps=steps)
+        write_glb(path, *painting[:3], painting.shown_srgb, finish, unlit=unlit, steps=steps)
     else:
         write_textured_glb(path, *painting[:3], painting.texture, finish, unlit=unlit, steps=steps)
 
@@ -250,9 +250,9 @@ def _write_usdz(path: Path, painting: Painting, options: ExportOptions, unit: st
     from paint3d.colour.viewing import linear_srgb_of
     from paint3d.files.writers.write_usdz import write_usdz
 
-    colours: AnyArray = painting.srgb
+    colours: AnyArray = painting.shown_srgb
     if painting.gamut != "srgb":  # USD's colours are linear, and may be outside of sRGB
-        linear = linear_srgb_of(decode_srgb(painting.srgb), painting.gamut)
+        linear = linear_srgb_of(decode_srgb(colours), painting.gamut)
         colours = linear.astype("<f4")
     write_usdz(
         path,
@@ -290,13 +290,16 @@ def _write_png(path: Path, painting: Painting, options: ExportOptions, unit: str
     from paint3d.view.picture import draw_picture  # brings VTK: only where a picture is asked
 
     look: dict[str, Any] = {} if options.size is None else {"size": options.size}
-    pixels = draw_picture(*painting[:4], gloss=gloss_of(painting), **look)
+    arrays = *painting[:3], painting.shown_srgb
+    pixels = draw_picture(*arrays, gloss=gloss_of(painting), **look)
     Image.fromarray(pixels).save(path, format="PNG", **picture_tags(painting.gamut, "PNG"))
 
 
 def _finish(painting: Painting) -> Finish:
     gloss = gloss_of(painting)
-    return Finish(painting.material, DEFAULT_ROUGHNESS if gloss is None else gloss.roughness)
+    roughness = DEFAULT_ROUGHNESS if gloss is None else gloss.roughness
+    look = painting.look
+    return Finish(painting.material, roughness, None if look is None else look.roughness(roughness))
 
 
 def _write_html(path: Path, painting: Painting, options: ExportOptions, unit: str) -> None:
@@ -305,8 +308,18 @@ def _write_html(path: Path, painting: Painting, options: ExportOptions, unit: st
     write_html(path, *painting[:4], title=painting.title)
 
 
-def gloss_of(painting: Painting) -> Gloss | None:
-    """Return how a painting's material shines, or None for one that does not say it."""
+def gloss_of(painting: Painting, gloss: Gloss | None = None) -> Gloss | None:
+    """Return how a painting shines, wet parts too; None where its material does not say it.
+
+    A `gloss` is taken in place of the material's.
+    """
+    gloss = gloss or _gloss_of_material(painting)
+    if gloss is None or painting.look is None:
+        return gloss
+    return replace(gloss, each=painting.look.roughness(gloss.roughness))
+
+
+def _gloss_of_material(painting: Painting) -> Gloss | None:
     from paint3d.view.studio import Gloss
 
     try:

@@ -95,8 +95,8 @@ def write_picture(
         )
     read = read_painting(painting, ExportOptions(viewing=viewing))
     assert isinstance(read, Painting), "no texture was asked for"
-    gloss = gloss_of(read) if material is None else Gloss.of(material)
-    arrays, how = read[:4], _how(form) | picture_tags(read.gamut, form)
+    gloss = gloss_of(read, None if material is None else Gloss.of(material))
+    arrays, how = (*read[:3], read.shown_srgb), _how(form) | picture_tags(read.gamut, form)
     with write_atomically(path, progress) as part:
         if turning is None:
             Image.fromarray(take_shot(arrays, shot, gloss)).save(part, form, **how)

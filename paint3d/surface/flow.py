@@ -119,6 +119,11 @@ class Flow:
         return not (self._patch.is_wet() or len(self.waiting))
 
     @property
+    def is_wet(self) -> bool:
+        """Whether any water is left that `depths` tells."""
+        return self._patch.is_wet()
+
+    @property
     def patience(self) -> float:
         """Time that may pass before anything has to move, s; infinite where nothing is wet."""
         patch = self._patch

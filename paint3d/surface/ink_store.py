@@ -339,7 +339,7 @@ def _same_light(one: Pigment, two: Pigment) -> bool:
     if one is two:
         return True
     same = np.array_equal(one.K, two.K) and np.array_equal(one.S, two.S)
-    return same and one.saunderson == two.saunderson
+    return same and (one.saunderson, one.gloss) == (two.saunderson, two.gloss)
 
 
 class _MeshColours:

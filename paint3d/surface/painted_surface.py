@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from paint3d.colour.difference import delta_e, lab_from_srgb
 from paint3d.colour.materials import Material, load_material
+from paint3d.colour.wet_look import WetLook
 from paint3d.core.arrays import as_array, as_number
 from paint3d.core.types import AnyArray
 from paint3d.errors import InputError
@@ -23,6 +24,7 @@ from paint3d.surface.flow import Flow
 from paint3d.surface.ink_store import InkStore
 from paint3d.surface.layer_stack import LayerStack
 from paint3d.surface.objects import open3d_of, plot_painting, pyvista_of, spectral_of, trimesh_of
+from paint3d.surface.sheen import WetWatch, look_when_wet
 from paint3d.surface.vertex_sets import union
 from paint3d.surface.water import Water
 
@@ -290,6 +292,19 @@ class PaintedSurface(InkStore):
         return share
 
     @property
+    def wet_look(self) -> WetLook | None:
+        """How wet and glossy each vertex is; None where all are as dry and rough as the material.
+
+        Water is what `diffuse` and wet replays move: ink that no time has passed for has none. Of
+        layers the one that is painted on counts.
+        """
+        return look_when_wet(self, self._water.depths())
+
+    def watch_wet(self) -> WetWatch:
+        """What follows `wet_look` from one picture to the next."""
+        return WetWatch(self, self._water.depths)
+
+    @property
     def mesh(self) -> TriangleMesh:
         """The mesh as it is refined now, with its colours."""
         return TriangleMesh(
@@ -327,18 +342,27 @@ class PaintedSurface(InkStore):
         normals : (K, 3) float32
         srgb : (K, 3) uint8
         """
-        codes = self.srgb if srgb is None else srgb
-        mesh = self.paint_mesh
-        if tolerance is None:
-            ids = mesh.source_order()
-            place = np.empty(len(ids), np.int32)
-            place[ids] = np.arange(len(ids), dtype=np.int32)
-            faces = place[mesh.leaf_faces()]
-        elif srgb is None and not self.painted.any():
+        if tolerance is not None and srgb is None and not self.painted.any():
             return self._source_arrays()
-        else:
-            ids, faces = coarse_faces(mesh, codes, tolerance, _code_difference, progress)
+        codes = self.srgb if srgb is None else srgb
+        ids, faces = self.export_ids(tolerance, codes, progress)
+        mesh = self.paint_mesh
         return mesh.vertices[ids], faces, mesh.normals[ids], codes[ids]
+
+    def export_ids(
+        self,
+        tolerance: float | None,
+        srgb: NDArray[np.uint8],
+        progress: Callable[[float], None] | None = None,
+    ) -> tuple[AnyArray, AnyArray]:
+        """Vertices (K,) that `export_arrays` gives out, and faces (F, 3) by their places there."""
+        mesh = self.paint_mesh
+        if tolerance is not None:
+            return coarse_faces(mesh, srgb, tolerance, _code_difference, progress)
+        ids = mesh.source_order()
+        place = np.empty(len(ids), np.int32)
+        place[ids] = np.arange(len(ids), dtype=np.int32)
+        return ids, place[mesh.leaf_faces()]
 
     def detail_arrays(self) -> tuple[AnyArray, ...]:
         """The object's own triangles, and those painted on it, for a texture.

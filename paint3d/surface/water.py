@@ -51,6 +51,12 @@ class Water:
         is_fresh = n_dirty > 0 or any(len(ids) for ids in self.fresh or ())
         return 0.0 if is_fresh else self._flow.patience
 
+    def depths(self) -> tuple[AnyArray, AnyArray] | None:
+        """Vertices (C,) int32 and the depth of water on each, mm; None where there is none."""
+        if self._flow is None or not self._flow.is_wet:
+            return None
+        return self._flow.depths()
+
     def advance(self, seconds: float, step: float | None) -> None:
         """See `Flow.advance`."""
         self.flow.advance(seconds, step, self._take_fresh())

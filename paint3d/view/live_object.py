@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.colour.wet_look import darkened
 from paint3d.core.types import AnyArray
 from paint3d.surface.painted_surface import PaintedSurface
 from paint3d.view.live_coarse import CoarseObject
@@ -34,7 +35,8 @@ class PatchUpload:
     Attributes
     ----------
     patch : int
-    colours : (K, 3) uint8
+    colours : (K, 3) or (K, 4) uint8
+        The fourth is 255 less how smooth water or a glossy ink makes the surface.
     points, normals : (K, 3) float32, or None where only colours have changed
     faces : (L, 3) int32, or None likewise
     """
@@ -87,6 +89,7 @@ class LiveObject:
         self._coarse_triangles = 0
         self._changed = np.empty(0, np.int32)
         self._covers: Callable[[AnyArray], AnyArray] | None = None
+        self._wet = surface.watch_wet()
         edge = 1.1 * float(np.sqrt(surface.vertex_areas.sum() / len(surface.source.vertices)))
         self._stripe = max(2.0 * self.radius / _STRIPES, _LEAST_EDGES * edge)
 
@@ -119,6 +122,9 @@ class LiveObject:
         if self._all:
             vertex_ids = np.arange(surface.n_vertices, dtype=np.int32)
             self._all = False
+        by_water = self._wet.follow(vertex_ids)
+        if len(by_water):
+            vertex_ids = np.concatenate([vertex_ids, by_water])
         self._changed = vertex_ids
         field = surface.paint_mesh.arrays
         found = []
@@ -129,12 +135,18 @@ class LiveObject:
                 points = np.stack([field.px[ids], field.py[ids], field.pz[ids]], axis=1)
                 normals = np.stack([field.nx[ids], field.ny[ids], field.nz[ids]], axis=1)
             colours = self._shown(ids, srgb)
+            if not self._wet.is_plain:
+                colours = np.column_stack([colours, 255 - self._wet.smooth(ids)])
             found.append(PatchUpload(change.patch, colours, points, normals, change.faces))
         return found
 
     def _shown(self, ids: AnyArray, srgb: AnyArray) -> NDArray[np.uint8]:
         """(N, 3) uint8: vertices (N,) as they are seen; srgb (V, 3) is their paint."""
         colours = self.light.colours(ids, srgb)
+        if not self._wet.is_plain:
+            damp = self._wet.damp(ids)
+            there = damp > 0.0
+            colours[there] = darkened(colours[there], damp[there])
         if self._covers is not None:
             self._hatch(ids, self._covers(ids), colours)
         return colours

@@ -47,10 +47,15 @@ _SHINE = """
   vec3 facing = vec3(dot(normalVCVSOutput, lightDirectionVC0),
                      dot(normalVCVSOutput, lightDirectionVC1),
                      dot(normalVCVSOutput, lightDirectionVC2));
-  vec3 bright = step(vec3(0.0), -facing) * pow(max(vec3(1e-5), toward), vec3(specularPowerUniform));
-  fragOutput0 = vec4(RELIEF * vertexColorVSOutput.rgb + specularIntensity
+  float film = 1.0 - vertexColorVSOutput.a;
+  float power = mix(specularPowerUniform, FILM_POWER, film);
+  vec3 bright = step(vec3(0.0), -facing) * pow(max(vec3(1e-5), toward), vec3(power));
+  fragOutput0 = vec4(RELIEF * vertexColorVSOutput.rgb
+    + mix(specularIntensity, max(specularIntensity, FILM_SHARE), film)
     * (bright.x * lightColor0 + bright.y * lightColor1 + bright.z * lightColor2), 1.0);
-"""  # of three parallel lamps, as VTK draws them but for what comes to nothing
+""".replace("FILM_POWER", "120.0").replace("FILM_SHARE", "0.22")
+# of three parallel lamps, as VTK draws them but for what comes to nothing; alpha says how much of
+# the vertex is no film of water, which shines as glaze does
 _RELIEF = """
 float relief() {
   vec3 turned = grainPlace * TURNS;
@@ -249,6 +254,7 @@ class LiveScene:
         _shine(look, self._gloss)
         look.SetBackfaceCulling(self._is_solid)
         _mirror(drawn, True, self._gloss)
+        drawn.actor.ForceOpaqueOn()  # alpha says what is wet
         self.renderer.AddActor(drawn.actor)
         return drawn
 

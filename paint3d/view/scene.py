@@ -27,6 +27,10 @@ FINER = 2  # pixels drawn for each of the picture, across and down
 MOST_PIXELS = 8192  # drawn, along a side
 MATTE_IOR, GLAZE_IOR = 1.1, 1.53
 GLAZE_ROUGHNESS = 0.07  # of the one lobe that is used: VTK's own coat is weighed by Fresnel twice
+_FILM_MIRRORS = (
+    "vec3(mix(max(baseF0Uniform, 0.02), baseF0Uniform, smoothstep(0.1, 0.6, roughness)))"
+)
+"""What reflects straight on: a smooth film as much as water at least, what is rough as it is."""
 POOL_RADIUS = 0.62  # of the ground's half-width
 
 
@@ -193,13 +197,39 @@ def _add_object(plotter: Any, scene: Scene, gloss: Gloss) -> Any:
     mesh.point_data["Normals"] = scene.normals
     mesh.GetPointData().SetActiveNormals("Normals")
     mesh.point_data["light"] = scene.colours
-    roughness = gloss.roughness + gloss.coat * (GLAZE_ROUGHNESS - gloss.roughness)
+    roughness = _under_glaze(gloss.roughness, gloss.coat)
+    if gloss.each is not None:
+        mesh.active_texture_coordinates = _places(_under_glaze(gloss.each, gloss.coat))
+        roughness = 1.0  # of what the texture says
     actor = plotter.add_mesh(
         mesh, scalars="light", rgb=True, pbr=True, metallic=0.0, roughness=roughness
     )
     # What a matte surface reflects all around is already part of its painted colour.
     actor.GetProperty().SetBaseIOR(MATTE_IOR + gloss.coat * (GLAZE_IOR - MATTE_IOR))
+    if gloss.each is not None:
+        actor.GetProperty().SetORMTexture(_texture(_scale_of_roughness(), plain=True))
+        shader = actor.GetShaderProperty()
+        shader.AddFragmentShaderReplacement("vec3(baseF0Uniform)", False, _FILM_MIRRORS, True)
     return mesh
+
+
+def _under_glaze(roughness: Any, coat: float) -> Any:
+    return roughness + coat * (GLAZE_ROUGHNESS - roughness)
+
+
+def _places(roughness: AnyArray) -> AnyArray:
+    """Places (V, 2) of roughnesses (V,) in their scale."""
+    across = (255.0 * np.clip(roughness, 0.0, 1.0) + 0.5) / 256.0
+    places: AnyArray = np.stack([across, np.full_like(across, 0.5)], axis=1)
+    return places
+
+
+def _scale_of_roughness() -> NDArray[np.uint8]:
+    """Pixels (1, 256, 3): no shade, roughness 0 to 1, no metal."""
+    scale = np.zeros((1, 256, 3), np.uint8)
+    scale[..., 0] = 255
+    scale[..., 1] = np.arange(256)
+    return scale
 
 
 def _add_ground(plotter: Any, ground: Ground) -> Any:

@@ -6,7 +6,7 @@ exposure is set in `paint3d.view.picture`.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,12 +46,15 @@ class Gloss:
         How coarse it is, 0 (smooth) to 1: its bumps are lighter and its pits darker.
     wave_mm : float
         How far apart they are.
+    each : (V,) float32, optional
+        Roughness of each vertex, where they differ: wet, or under an ink that dries glossy.
     """
 
     roughness: float
     coat: float
     grain: float = 0.0
     wave_mm: float = 1.0
+    each: NDArray[np.float32] | None = field(default=None, compare=False)
 
     def __post_init__(self) -> None:
         as_number(self.grain, "grain", 0.0, 1.0)

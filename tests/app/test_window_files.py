@@ -28,7 +28,9 @@ from paint3d.app.window.named import named
 from paint3d.app.window.wording import say
 from paint3d.errors import ExportError
 from paint3d.files.load import load_mesh
+from paint3d.files.project import painting
 from paint3d.files.project.session import load_session
+from paint3d.files.writers.colour_tags import icc_profile
 from tests.support.app.gestures import answer, drag, live, wait_for, when
 from tests.support.app.windows import opened, settled
 
@@ -303,6 +305,36 @@ def test_the_studios_light_is_offered_too(window, tmp_path: Path) -> None:
         window.workspace.actions["export"].trigger()
     with Image.open(tmp_path / "b.png") as picture:
         assert picture.size == (320, 200)
+
+
+def test_the_screen_whose_colours_a_file_has_is_chosen_and_what_does_not_fit_is_told(
+    window, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    window.workspace.keep(exports={})
+    window.targets.folder = tmp_path
+
+    def of_p3(dialog: ExportDialog) -> None:
+        screens = dialog.choices["gamut"]
+        assert not screens.isEnabled()  # the screen's own picture is as it is
+        dialog.choices["view"].setCurrentIndex(1)
+        assert screens.isEnabled()
+        screens.setCurrentIndex(screens.findText("Display P3"))
+        dialog.size_boxes.width_box.setValue(160)
+        dialog.size_boxes.height_box.setValue(100)
+        dialog.accept()
+
+    with answers("wide.png", of_p3):
+        window.workspace.actions["export"].trigger()
+    with Image.open(tmp_path / "wide.png") as picture:
+        assert picture.size == (160, 100)
+        assert picture.info["icc_profile"] == icc_profile("p3")
+    told: list[str] = []
+    monkeypatch.setattr(window.workspace, "tell", lambda text, **how: told.append(text))
+    assert window.exporting.export_to(tmp_path / "plain.ply")
+    monkeypatch.setattr(painting, "tell_clipped", lambda surface, viewing: 1234)
+    assert window.exporting.export_to(tmp_path / "clipped.ply")
+    assert "1,234" not in told[-2]
+    assert told[-1].endswith("1,234 colours do not fit in and are the nearest that do.")
 
 
 @pytest.mark.parametrize("suffix", [".gif", ".webp"])

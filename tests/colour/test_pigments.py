@@ -10,6 +10,7 @@ import pytest
 
 from paint3d.cli.lists.inks import swatches_table
 from paint3d.cli.main import main
+from paint3d.colour.difference import lab_from_reflectance
 from paint3d.colour.layers import layer_reflectance
 from paint3d.colour.materials import Material, load_material, load_materials, material_names
 from paint3d.colour.pigments import (
@@ -53,7 +54,7 @@ def test_every_row_says_where_it_is_from():
 
 
 def test_what_could_not_be_had_is_named_a_substitute():
-    for name in ("indigo", "gamboge", "carmine", "orpiment"):
+    for name in ("gamboge", "carmine", "orpiment"):
         assert "substitute" in load_pigment(name).basis
 
 
@@ -67,6 +68,41 @@ def test_drawdown_paints_are_glossy_and_apart_from_the_palette():
 
 def test_chinese_names_find_pigments():
     assert load_pigment("石青") is load_pigment("azurite")
+    assert load_pigment("頭綠") is load_pigment("头绿") is load_pigment("malachite 1")
+    assert load_pigment("硃砂") is load_pigment("cinnabar")
+
+
+def lab_of(name, coats=1.0, material="xuan"):
+    pigment, ground = load_pigment(name), load_material(material).reflectance
+    return lab_from_reflectance(layer_reflectance(pigment.K, pigment.S, coats, ground))
+
+
+@pytest.mark.parametrize(("stone", "chinese"), [("azurite", "青"), ("malachite", "绿")])
+def test_grades_of_a_stone_go_from_deep_and_clear_to_pale_and_hiding(stone, chinese):
+    grades = [load_pigment(f"{stone} {n}") for n in (1, 2, 3, 4)]
+    assert grades[1] is load_pigment(stone) is load_pigment(f"二{chinese}")
+    assert [p.chinese[-1] for p in grades] == [chinese] * 4
+    light = [lab_of(p.name)[0] for p in grades]
+    assert (np.diff(light) > 8.0).all()
+    assert (np.diff([p.S.mean() for p in grades]) > 0.0).all()
+    over_black = [xyz_from_reflectance(layer_reflectance(p.K, p.S, 1.0, 0.0))[1] for p in grades]
+    over_white = [xyz_from_reflectance(layer_reflectance(p.K, p.S, 1.0, 0.8))[1] for p in grades]
+    hides = np.array(over_black) / over_white
+    assert (np.diff(hides) > 0.0).all()
+    assert hides[1] == pytest.approx(0.98, abs=0.002)
+
+
+def test_pigments_look_as_painters_know_them():
+    hue = {n: np.degrees(np.arctan2(*lab_of(n)[:0:-1])) % 360.0 for n in ("cinnabar", "azurite 1")}
+    chroma = {n: np.hypot(*lab_of(n)[1:]) for n in ("cinnabar", "azurite 1", "malachite")}
+    assert 30.0 < hue["cinnabar"] < 45.0  # a red towards orange, not salmon
+    assert chroma["cinnabar"] > 60.0
+    assert chroma["azurite 1"] > 35.0  # blue, not slate
+    assert 280.0 < hue["azurite 1"] < 300.0
+    assert chroma["malachite"] > 20.0
+    wash, full = lab_of("indigo", 0.1), lab_of("indigo", 2.0)
+    assert np.hypot(*wash[1:]) < 12.0  # the grey blue of a wash
+    assert full[0] < 35.0
 
 
 def test_pigments_cannot_be_changed():
@@ -91,6 +127,22 @@ def test_own_table_is_read_and_interpolated(tmp_path):
     assert mine.K[30] == 3
     assert (mine.S == 4).all()
     assert not mine.saunderson
+
+
+def test_a_gloss_of_ones_own_is_read_and_checked(tmp_path):
+    path = tmp_path / "mine.csv"
+    head = "name,gloss,K_400,K_700,S_400,S_700\n"
+    path.write_text(f"{head}lacquer,.8,1,1,2,2\nchalk,,1,1,2,2\n", "utf-8")
+    mine = load_pigments_csv(path)
+    assert mine["lacquer"].gloss == 0.8
+    assert mine["chalk"].gloss == 0.0
+    for bad in ("2", "shiny", "-1", "nan"):
+        path.write_text(f"{head}lacquer,{bad},1,1,2,2\n", "utf-8")
+        with pytest.raises(
+            PigmentError, match=rf"mine\.csv:2: gloss is '{bad}'; expected a number"
+        ):
+            load_pigments_csv(path)
+    assert load_pigment("oil soot").gloss > load_pigment("pine soot").gloss == 0.0
 
 
 @pytest.mark.parametrize(

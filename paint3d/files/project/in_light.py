@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from paint3d.colour.glazing import srgb_primaries
 from paint3d.colour.spectra import decode_srgb
 from paint3d.colour.viewing import GAMUTS, Codes, Viewing
+from paint3d.colour.wet_look import WetLook
 from paint3d.core.types import AnyArray
 from paint3d.files.progress import Progress
 
@@ -52,6 +53,24 @@ class InLight:
         areas: NDArray[np.float64] = self._surface.vertex_areas
         return areas
 
+    @property
+    def wet_look(self) -> WetLook | None:
+        """The surface's own."""
+        found: WetLook | None = getattr(self._surface, "wet_look", None)
+        return found
+
+    @property
+    def paint_mesh(self) -> Any:
+        """The surface's own, of one that has a wet look."""
+        return self._surface.paint_mesh
+
+    def export_ids(
+        self, tolerance: float | None, srgb: NDArray[np.uint8], progress: Progress | None = None
+    ) -> tuple[AnyArray, AnyArray]:
+        """The surface's own, of one that has a wet look."""
+        found: tuple[AnyArray, AnyArray] = self._surface.export_ids(tolerance, srgb, progress)
+        return found
+
     def export_arrays(
         self,
         tolerance: float | None = 1.0,
@@ -82,18 +101,18 @@ def codes_in_light(surface: Any, viewing: Viewing) -> Codes:
     return viewing.codes_of(len(codes), lambda ids: decode_srgb(codes[ids]) @ primaries)
 
 
-def tell_clipped(surface: Any, viewing: Viewing | None) -> None:
-    """Warn of colours that a gamut does not hold; nothing where there are none."""
+def tell_clipped(surface: Any, viewing: Viewing | None) -> int:
+    """Warn of colours that a gamut does not hold, where there are any; return how many."""
     if isinstance(surface, InLight):
         n_clipped, n = surface.seen.n_clipped, len(surface.srgb)
     elif hasattr(surface, "spectra"):
         ids = np.flatnonzero(surface.painted).astype(np.int32)
         if not may_leave_srgb(surface.pigments):
-            return
+            return 0
         found = _OWN_LIGHT.codes_of(len(ids), lambda some: surface.spectra(ids[some]))
         n_clipped, n = found.n_clipped, surface.n_vertices
     else:
-        return
+        return 0
     if n_clipped:
         gamut = GAMUTS[viewing.gamut if viewing is not None else "srgb"].title
         wider = " (--gamut p3 or rec2020 keeps more)" if gamut == "sRGB" else ""
@@ -101,6 +120,7 @@ def tell_clipped(surface: Any, viewing: Viewing | None) -> None:
             "%s of %s vertices have colours outside %s and are shown in the nearest that it has%s",
             f"{n_clipped:,}", f"{n:,}", gamut, wider,
         )  # fmt: skip
+    return n_clipped
 
 
 def may_leave_srgb(pigments: Any) -> bool:

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple, Protocol, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.colour.wet_look import WetLook, darkened
 from paint3d.core.arrays import as_array
 from paint3d.core.types import AnyArray
 from paint3d.errors import ExportError, MeshError
@@ -72,7 +73,9 @@ class Painting(NamedTuple):
 
     `finish` is how rough the material is and how strong its glaze, None where it does not say it.
     `steps` (V,) lead from metres back to millimetres where float32 has lost them; see
-    `paint3d.files.project.position_steps`. `gamut` is what the codes mean.
+    `paint3d.files.project.position_steps`. `gamut` is what the codes mean. `look` is how wet and
+    glossy vertices are, None where all are as the material; `srgb` is of the dry painting.
+    `n_clipped` vertices have colours outside the gamut.
     """
 
     vertices: NDArray[np.float32]
@@ -87,6 +90,18 @@ class Painting(NamedTuple):
     steps: NDArray[np.float32] | None = None
     finish: tuple[float, float] | None = None
     gamut: str = "srgb"
+    look: WetLook | None = None
+    n_clipped: int = 0
+
+    @property
+    def shown_srgb(self) -> NDArray[np.uint8]:
+        """(V, 3) codes, darker where it is wet."""
+        look = self.look
+        if look is None or not look.damp.any():
+            return self.srgb
+        codes, ids = self.srgb.copy(), np.flatnonzero(look.damp)
+        codes[ids] = darkened(codes[ids], look.damp[ids])
+        return codes
 
     def placed(self, unit: str, up_axis: str) -> Painting:
         """Return the painting in another unit, with another axis up; it is in mm with z up."""
@@ -154,6 +169,7 @@ class Untextured(NamedTuple):
     size: int | None
     material: str
     finish: tuple[float, float] | None = None
+    n_clipped: int = 0
 
     def baked(self) -> Painting:
         """Return the painting with its texture; on a large object this takes long."""
@@ -182,11 +198,11 @@ def read_painting(
     viewing = options.viewing
     if viewing is not None and not viewing.is_plain:
         surface = InLight(surface, viewing)
-    tell_clipped(surface, viewing)
+    n_clipped = tell_clipped(surface, viewing)
     painting = _read(surface, options, progress)
     if isinstance(painting, Painting):
-        return painting._replace(gamut=options.gamut or "srgb")
-    return painting
+        return painting._replace(gamut=options.gamut or "srgb", n_clipped=n_clipped)
+    return painting._replace(n_clipped=n_clipped)
 
 
 def _read(
@@ -199,6 +215,9 @@ def _read(
         return Untextured(_detail_of(surface), size, material, finish)
     if options.filaments is None:
         tolerance = None if options.exact else options.tolerance
+        look = getattr(surface, "wet_look", None)
+        if look is not None:
+            return _read_wet(surface, look, tolerance, progress)
         arrays = surface.export_arrays(tolerance, **_told(progress))
         return _checked(arrays, material)._replace(finish=finish)
     filaments = choose_filaments(surface.srgb, surface.vertex_areas, options.filaments)
@@ -207,6 +226,18 @@ def _read(
     arrays = surface.export_arrays(None if options.exact else 0.0, codes, **told)
     painting = _checked(arrays, material)._replace(finish=finish)
     return _in_filaments(painting, filaments.palette)
+
+
+def _read_wet(
+    surface: Any, look: WetLook, tolerance: float | None, progress: Progress | None
+) -> Painting:
+    """A painting on which something is wet, or has dried with a gloss."""
+    codes, mesh = surface.srgb, surface.paint_mesh
+    ids, faces = surface.export_ids(tolerance, codes, progress)
+    painting = _checked(
+        (mesh.vertices[ids], faces, mesh.normals[ids], codes[ids]), surface.material.name
+    )
+    return painting._replace(finish=_finish_of(surface.material), look=look.at(ids))
 
 
 def _finish_of(material: object) -> tuple[float, float] | None:

@@ -11,10 +11,11 @@ __all__ = ["Finish", "Texture"]
 
 
 class Finish(NamedTuple):
-    """The material: its name, and its roughness from 0 to 1."""
+    """The material: its name, its roughness, 0 to 1, and each vertex's (V,) where they differ."""
 
     name: str = "painting"
     roughness: float = 0.5
+    each: NDArray[np.float32] | None = None
 
 
 class Texture(NamedTuple):

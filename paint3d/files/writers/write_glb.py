@@ -56,7 +56,8 @@ def write_glb(
         Unit.
     srgb : (V, 3) uint8
     finish : Finish
-        Of the material; its name is the mesh's too.
+        Of the material; its name is the mesh's too. Where vertices have roughnesses of their own,
+        these are places in a texture that is a scale of roughness: glTF knows none at vertices.
     unlit : bool
         Show the colours without light (KHR_materials_unlit).
     steps : (V,) float32, optional
@@ -79,12 +80,42 @@ def write_glb(
     blocks = [(vertices, VERTEX_DATA), (normals, VERTEX_DATA), (_linear(srgb), VERTEX_DATA)]
     blocks.append((faces.astype("<u4"), INDEX_DATA))
     _add_steps(steps, attributes, accessors, blocks)
-    document = {
-        "meshes": [{"name": finish.name, "primitives": [_primitive(attributes)]}],
-        "materials": [material(finish, unlit, baseColorFactor=WHITE)],
-        "accessors": accessors,
-    }
+    surface: dict[str, Any] = {"baseColorFactor": WHITE}
+    more: dict[str, Any] = {}
+    if finish.each is not None and not unlit:
+        more = _roughness_scale(finish.each, attributes, accessors, blocks)
+        surface["metallicRoughnessTexture"] = {"index": 0}
+        finish = finish._replace(roughness=1.0)  # what the texture's is multiplied by
+    meshes = [{"name": finish.name, "primitives": [_primitive(attributes)]}]
+    materials = [material(finish, unlit, **surface)]
+    document = {"meshes": meshes, "materials": materials, "accessors": accessors, **more}
     write_container(path, document, blocks)
+
+
+def _roughness_scale(
+    roughness: NDArray[np.float32],
+    attributes: dict[str, int],
+    accessors: list[dict[str, Any]],
+    blocks: list[tuple[AnyArray | bytes, int | None]],
+) -> dict[str, Any]:
+    """Add a texture of all roughnesses from 0 to 1, and each vertex's place in it."""
+    from PIL import Image
+
+    steps = np.arange(256, dtype=np.uint8)
+    scale = np.zeros((1, 256, 3), np.uint8)
+    scale[0, :, 1] = steps  # green is roughness, blue metal
+    png = io.BytesIO()
+    Image.fromarray(scale).save(png, "PNG", compress_level=PNG_COMPRESSION)
+    places = np.full((len(roughness), 2), 0.5, "<f4")
+    places[:, 0] = (255.0 * np.clip(roughness, 0.0, 1.0) + 0.5) / 256.0
+    attributes["TEXCOORD_0"] = len(accessors)
+    accessors.append(vertex_accessor(len(blocks), places))
+    blocks += [(places, VERTEX_DATA), (png.getvalue(), None)]
+    return {
+        "textures": [{"sampler": 0, "source": 0}],
+        "images": [{"bufferView": len(blocks) - 1, "mimeType": "image/png"}],
+        "samplers": [{"magFilter": LINEAR, "minFilter": LINEAR, "wrapS": CLAMP, "wrapT": CLAMP}],
+    }
 
 
 def write_textured_glb(

@@ -25,6 +25,7 @@ EARLIEST = (1980, 1, 1, 0, 0, 0)
 SCENE, MESH, MATERIAL = "/Painting", "/Painting/Mesh", "/Painting/Material"
 PLAIN = Finish()
 SURFACE, COLOUR = f"{MATERIAL}/Surface", f"{MATERIAL}/Colour"
+ROUGHNESS = f"{MATERIAL}/Roughness"
 
 
 def write_usdz(
@@ -51,7 +52,8 @@ def write_usdz(
     colours : (V, 3) uint8 or float32
         sRGB codes, or linear sRGB, which is below 0 or above 1 where a colour is outside sRGB.
     finish : Finish
-        Of the material; its name goes into the scene's documentation.
+        Of the material; its name goes into the scene's documentation. Where vertices have
+        roughnesses of their own, the material reads them like the colour.
     unit : {"mm", "cm", "m", "in"}
         Of the vertices.
     up_axis : {"y", "z"}
@@ -66,8 +68,8 @@ def write_usdz(
     specs = [
         _root(finish.name, unit, up_axis),
         _prim(SCENE, "Xform", children=["Mesh", "Material"], kind=Value(Type.TOKEN, "component")),
-        *_mesh(vertices, faces, normals, told),
-        *_material(finish.roughness),
+        *_mesh(vertices, faces, normals, told, finish.each),
+        *_material(finish.roughness, finish.each is not None),
     ]
     scene = io.BytesIO()
     write_crate(scene, specs)
@@ -112,7 +114,13 @@ def _attribute(path: str, type_name: str, value: Value | None, **others: Value) 
     return Spec(path, SpecType.ATTRIBUTE, fields)
 
 
-def _mesh(vertices: AnyArray, faces: AnyArray, normals: AnyArray, colours: AnyArray) -> list[Spec]:
+def _mesh(
+    vertices: AnyArray,
+    faces: AnyArray,
+    normals: AnyArray,
+    colours: AnyArray,
+    roughness: AnyArray | None,
+) -> list[Spec]:
     limits = np.stack([vertices.min(axis=0), vertices.max(axis=0)]).astype("<f4")
     each_vertex = {"interpolation": Value(Type.TOKEN, "vertex")}
     uniform = {"variability": Value(Type.VARIABILITY, 1)}
@@ -140,6 +148,15 @@ def _mesh(vertices: AnyArray, faces: AnyArray, normals: AnyArray, colours: AnyAr
             )
             for name, (kind, data, more) in floats.items()
         ),
+        *(
+            _attribute(
+                f"{MESH}.primvars:roughness",
+                "float[]",
+                Value(Type.FLOAT, np.ascontiguousarray(each, "<f4")),
+                **each_vertex,
+            )
+            for each in ([] if roughness is None else [roughness])
+        ),
         _attribute(f"{MESH}.subdivisionScheme", "token", Value(Type.TOKEN, "none"), **uniform),
     ]
     properties = [spec.path.partition(".")[2] for spec in attributes]
@@ -147,7 +164,7 @@ def _mesh(vertices: AnyArray, faces: AnyArray, normals: AnyArray, colours: AnyAr
     return [_prim(MESH, "Mesh", properties, apiSchemas=schemas), *attributes]
 
 
-def _material(roughness: float) -> list[Spec]:
+def _material(roughness: float, is_uneven: bool) -> list[Spec]:
     uniform = {"variability": Value(Type.VARIABILITY, 1)}
 
     def connected(path: str, type_name: str, source: str) -> Spec:
@@ -157,18 +174,29 @@ def _material(roughness: float) -> list[Spec]:
     def identity(path: str, shader: str) -> Spec:
         return _attribute(f"{path}.info:id", "token", Value(Type.TOKEN, shader), **uniform)
 
+    def reader(path: str, kind: str, primvar: str) -> list[Spec]:
+        return [
+            _prim(path, "Shader", ["info:id", "inputs:varname", "outputs:result"]),
+            identity(path, f"UsdPrimvarReader_{kind}"),
+            _attribute(f"{path}.inputs:varname", "string", Value(Type.STRING, primvar)),
+            _attribute(f"{path}.outputs:result", kind, None),
+        ]
+
+    rough, parts = f"{SURFACE}.inputs:roughness", ["Surface", "Colour"]
+    roughly = _attribute(rough, "float", Value(Type.FLOAT, roughness))
+    if is_uneven:
+        roughly = connected(rough, "float", f"{ROUGHNESS}.outputs:result")
+        parts.append("Roughness")
     inputs = ["info:id", "inputs:diffuseColor", "inputs:metallic", "inputs:roughness"]
     return [
-        _prim(MATERIAL, "Material", ["outputs:surface"], ["Surface", "Colour"]),
+        _prim(MATERIAL, "Material", ["outputs:surface"], parts),
         connected(f"{MATERIAL}.outputs:surface", "token", f"{SURFACE}.outputs:surface"),
         _prim(SURFACE, "Shader", [*inputs, "outputs:surface"]),
         identity(SURFACE, "UsdPreviewSurface"),
         connected(f"{SURFACE}.inputs:diffuseColor", "color3f", f"{COLOUR}.outputs:result"),
         _attribute(f"{SURFACE}.inputs:metallic", "float", Value(Type.FLOAT, 0.0)),
-        _attribute(f"{SURFACE}.inputs:roughness", "float", Value(Type.FLOAT, roughness)),
+        roughly,
         _attribute(f"{SURFACE}.outputs:surface", "token", None),
-        _prim(COLOUR, "Shader", ["info:id", "inputs:varname", "outputs:result"]),
-        identity(COLOUR, "UsdPrimvarReader_float3"),
-        _attribute(f"{COLOUR}.inputs:varname", "string", Value(Type.STRING, "displayColor")),
-        _attribute(f"{COLOUR}.outputs:result", "float3", None),
+        *reader(COLOUR, "float3", "displayColor"),
+        *(reader(ROUGHNESS, "float", "roughness") if is_uneven else []),
     ]

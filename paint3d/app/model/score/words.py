@@ -115,7 +115,7 @@ def _pigment_words(pigment: Pigment) -> Words:
 
 def _same_light(one: Pigment, other: Pigment) -> bool:
     same = np.array_equal(one.K, other.K) and np.array_equal(one.S, other.S)
-    return same and one.saunderson == other.saunderson
+    return same and (one.saunderson, one.gloss) == (other.saunderson, other.gloss)
 
 
 def brush_named(brush: BrushSpec) -> str | Words:

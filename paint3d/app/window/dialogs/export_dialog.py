@@ -8,6 +8,7 @@ from PySide6 import QtWidgets
 
 from paint3d.app.window.dialogs.forms import FormDialog, SizeBoxes, kept_number
 from paint3d.app.window.wording import say
+from paint3d.colour.viewing import GAMUTS, Viewing
 from paint3d.files.export import FORMATS
 from paint3d.files.export_options import MOST_FILAMENTS, UP_AXES
 from paint3d.files.load import UNITS_MM
@@ -59,6 +60,7 @@ class ExportDialog(FormDialog):
             self._add_picture()
         else:
             self._add_mesh()
+        self._add_gamut()
         self._add_filaments()
         self.finish("button.save")
         self._follow()
@@ -120,6 +122,12 @@ class ExportDialog(FormDialog):
     def _add_kept_check(self, name: str, text: str) -> None:
         self.checks[name] = self.add_check(text, self._kept.get(name) is True)
 
+    def _add_gamut(self) -> None:
+        if "gamut" in self._takes:
+            screens = {name: gamut.title for name, gamut in GAMUTS.items()}
+            kept = self._kept.get("gamut", "srgb")
+            self.choices["gamut"] = self.add_box(say("Colours of a screen"), screens, kept)
+
     def _add_filaments(self) -> None:
         if "filaments" not in self._takes:
             return
@@ -139,6 +147,8 @@ class ExportDialog(FormDialog):
             self.numbers["filaments"].setEnabled(possible and few)
         if "texture" in self.choices:
             self.choices["texture"].setEnabled(not few)
+        if "gamut" in self.choices:
+            self.choices["gamut"].setEnabled(not self.is_of_screen)
         if "tolerance" in self.numbers:
             whole = self._is_on("exact") or self._has_texture()
             self.numbers["tolerance"].setEnabled(not whole and not few)
@@ -172,6 +182,12 @@ class ExportDialog(FormDialog):
 
     def options(self) -> dict[str, object]:
         """What `ExportOptions` takes."""
+        options = self._plain_options()
+        if "gamut" in self.choices and not self.is_of_screen:
+            options["viewing"] = Viewing(gamut=self.choices["gamut"].currentData())
+        return options
+
+    def _plain_options(self) -> dict[str, object]:
         if self.suffix in _PICTURES:
             options: dict[str, object] = {"size": self.picture_size()}
         else:
@@ -189,10 +205,11 @@ class ExportDialog(FormDialog):
 
     def chosen(self) -> dict[str, object]:
         """Everything, as JSON can hold it, to begin with the next time."""
+        gamut = {n: box.currentData() for n, box in self.choices.items() if n == "gamut"}
         if self.suffix not in _PICTURES:
-            return self.options()
+            return self._plain_options() | gamut
         kept: dict[str, object] = {
-            "view": self.choices["view"].currentData(), "size": list(self.picture_size())
+            "view": self.choices["view"].currentData(), "size": list(self.picture_size()), **gamut
         }  # fmt: skip
         if "quality" in self.numbers:
             kept["quality"] = self.quality()

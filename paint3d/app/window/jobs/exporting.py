@@ -76,14 +76,18 @@ class Exporting:
         **options
             See `ExportOptions`.
         """
-        workspace = self._workspace
+        workspace, clipped = self._workspace, list[int]()
         if path.name.lower().endswith(EXPORT_SUFFIXES) and path.suffix.lower() != SESSION_SUFFIX:
-            work = self._beside(path, options)
+            work = self._beside(path, options, clipped)
         else:
             work = self._by_the_easel(path)
         if not workspace.went_well(workspace.run(say("Writing {name}…", name=path.name), work)):
             return False
-        workspace.tell(say("status.exported", name=path.name), state="good")
+        told = say("status.exported", name=path.name)
+        if sum(clipped):
+            n = f"{sum(clipped):,}"
+            told += " " + say("{n} colours do not fit in and are the nearest that do.", n=n)
+        workspace.tell(told, state="good")
         return True
 
     def _by_the_easel(self, path: Path) -> Callable[[Progress], None]:
@@ -95,8 +99,13 @@ class Exporting:
 
         return work
 
-    def _beside(self, path: Path, options: Mapping[str, Any]) -> Callable[[Progress], None]:
-        """Take what is needed from the painting, then write it while that may go on."""
+    def _beside(
+        self, path: Path, options: Mapping[str, Any], clipped: list[int]
+    ) -> Callable[[Progress], None]:
+        """Take what is needed from the painting, then write it while that may go on.
+
+        How many colours did not fit in, is added to `clipped`.
+        """
         easel = self._workspace.easel
         seconds = self._workspace.document.surface.n_vertices / _VERTICES_A_SECOND
 
@@ -105,6 +114,7 @@ class Exporting:
             taken = part_of(progress, 0.0, _TAKEN)
             asked = easel.post("prepare_export", path, ExportOptions(**options), taken)
             prepared = result_of(asked, progress)
+            clipped.append(prepared.painting.n_clipped)
             progress.expect(_TAKEN, 0.98, 1.0 + seconds)
             prepared.write(part_of(progress, _TAKEN, 1.0))
 

@@ -1,0 +1,163 @@
+"""Wet paint in files and pictures: smoother and darker than dry, and nothing where all is dry."""
+
+import runpy
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+from PIL import Image
+
+from paint3d.colour.pigments import load_pigment
+from paint3d.colour.viewing import Viewing
+from paint3d.files.export import export, gloss_of
+from paint3d.files.export_options import ExportOptions
+from paint3d.files.pictures import write_picture
+from paint3d.files.project.painting import read_painting
+from paint3d.mesh.triangle_mesh import TriangleMesh
+from paint3d.surface.painted_surface import PaintedSurface
+from paint3d.view.shot import Shot
+from paint3d.view.studio import Gloss
+
+SCRIPT = runpy.run_path(str(Path(__file__).parents[2] / "scripts" / "validate_exports.py"))
+
+
+def ball(ink="cinnabar", material="sized xuan"):
+    """A ball with a patch of ink on the side that is looked at."""
+    solid = trimesh.creation.icosphere(subdivisions=4, radius=10.0)
+    mesh = TriangleMesh(np.float32(solid.vertices), np.int32(solid.faces))
+    surface = PaintedSurface(mesh, None, material=material)
+    return inked(surface, ink)
+
+
+def inked(surface, ink):
+    column = surface.column_of(load_pigment(ink))
+    front = surface.paint_mesh.vertices @ np.array([-0.4, -0.8, 0.45]) > 6.0
+    ids = np.flatnonzero(front).astype(np.int32)
+    surface.ink.amounts[ids, column] = 2.0
+    surface.ink.coverage[ids] = 1.0
+    surface.touch(ids)
+    return surface
+
+
+@pytest.fixture(scope="module")
+def wet():
+    surface = ball()
+    surface.diffuse(0.1)
+    return surface
+
+
+def test_what_is_dry_has_no_look_of_its_own():
+    surface = ball()
+    assert surface.wet_look is None  # no time has passed: nothing is known of water
+    surface.diffuse(0.1)
+    assert surface.wet_look is not None
+    surface.dry()
+    assert surface.wet_look is None
+    assert read_painting(surface, ExportOptions()).look is None
+
+
+def test_a_film_is_smooth_and_dark_and_the_rest_as_the_material(wet):
+    look, inked_there = wet.wet_look, wet.coverage > 0.5
+    rough = look.roughness(wet.material.roughness)
+    assert rough[inked_there].max() < 0.15
+    assert (rough[look.damp == 0.0] == np.float32(wet.material.roughness)).all()
+    painting = read_painting(wet, ExportOptions(exact=True))
+    dry, shown = painting.srgb.astype(int), painting.shown_srgb.astype(int)
+    assert (shown <= dry).all()
+    assert (shown[painting.look.damp == 0.0] == dry[painting.look.damp == 0.0]).all()
+    assert (dry - shown)[painting.look.damp > 0.9, 0].min() > 15
+
+
+def test_raw_paper_gets_dark_and_stays_matt():
+    surface = ball(material="xuan")
+    surface.diffuse(1.0)
+    look = surface.wet_look
+    assert look.damp.max() > 0.3
+    assert look.film.max() == 0.0
+
+
+def test_oil_soot_dries_glossier_than_pine_soot():
+    pine, oil = ball("pine soot", "xuan"), ball("oil soot", "xuan")
+    for surface in (pine, oil):
+        surface.dry()
+    assert pine.wet_look is None
+    rough = oil.wet_look.roughness(0.95)
+    there = oil.share_painted() > 0.5
+    assert rough[there].max() < 0.75
+    assert (rough[~there] == np.float32(0.95)).all()
+
+
+def test_gltf_says_how_rough_each_vertex_is(wet, tmp_path):
+    export(wet, tmp_path / "wet.glb", ExportOptions(exact=True))
+    read = trimesh.load(tmp_path / "wet.glb", process=False, force="mesh")
+    picture = np.asarray(read.visual.material.metallicRoughnessTexture.convert("RGB"))
+    u = read.visual.uv[:, 0]
+    found = picture[0, np.rint(u * 256.0 - 0.5).astype(int), 1] / 255.0
+    painting = read_painting(wet, ExportOptions(exact=True))
+    wanted = painting.look.roughness(wet.material.roughness)
+    np.testing.assert_allclose(found, wanted, atol=0.003)
+    assert picture[..., 2].max() == 0  # no metal
+    assert read.visual.material.roughnessFactor == 1.0
+
+
+def test_khronos_validator_finds_nothing(wet, tmp_path):
+    export(wet, tmp_path / "wet.glb")
+    try:
+        assert SCRIPT["gltf_validator"](tmp_path) == []
+    except SCRIPT["MissingToolError"] as missing:
+        pytest.skip(f"not here: {missing}")
+
+
+def test_usd_says_how_rough_each_vertex_is(wet, tmp_path):
+    usd = pytest.importorskip("pxr.Usd")
+    from pxr import UsdGeom, UsdShade
+
+    export(wet, tmp_path / "wet.usdz", ExportOptions(exact=True))
+    stage = usd.Stage.Open(str(tmp_path / "wet.usdz"))
+    prim = stage.GetPrimAtPath("/Painting/Mesh")
+    primvar = UsdGeom.PrimvarsAPI(prim).GetPrimvar("roughness")
+    assert primvar.GetInterpolation() == "vertex"
+    painting = read_painting(wet, ExportOptions(exact=True))
+    wanted = painting.look.roughness(wet.material.roughness)
+    np.testing.assert_array_equal(np.array(primvar.Get()), wanted)
+    material, _ = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial()
+    surface = material.ComputeSurfaceSource()[0]
+    source = surface.GetInput("roughness").GetConnectedSources()[0][0].source
+    reader = UsdShade.Shader(source.GetPrim())
+    assert reader.GetShaderId() == "UsdPrimvarReader_float"
+    assert reader.GetInput("varname").Get() == "roughness"
+    try:
+        assert [p for p in SCRIPT["CHECKS"]["usd"](tmp_path) if "wet" in p] == []
+    except (SCRIPT["MissingToolError"], KeyError) as missing:
+        pytest.skip(f"not here: {missing}")
+
+
+def test_a_wet_spot_mirrors_the_lamps_in_a_picture(wet, tmp_path):
+    shot = Shot(size=(120, 120), view="front")
+    write_picture(wet, tmp_path / "wet.png", shot)
+    dry = ball()
+    write_picture(dry, tmp_path / "dry.png", shot)
+    one, two = (
+        np.asarray(Image.open(tmp_path / f"{n}.png").convert("RGB"), float) for n in ("wet", "dry")
+    )
+    spot = two[..., 0] - two[..., 2] > 60.0  # vermilion
+    assert spot.sum() > 1000
+    assert np.median(one[spot, 0]) < np.median(two[spot, 0]) - 10.0  # darker,
+    assert np.percentile(one[spot, 2], 99) > np.percentile(two[spot, 2], 99) + 30.0  # and it shines
+
+
+def test_the_gloss_of_another_material_is_that_of_its_dry_parts(wet):
+    painting = read_painting(wet, ExportOptions(exact=True))
+    glazed = gloss_of(painting, Gloss.of("porcelain"))
+    assert glazed.coat == Gloss.of("porcelain").coat
+    dry = painting.look.damp == 0.0
+    assert (glazed.each[dry] == np.float32(Gloss.of("porcelain").roughness)).all()
+    assert glazed.each[~dry].min() < 0.1
+
+
+def test_another_light_keeps_what_is_wet(wet, tmp_path):
+    painting = read_painting(wet, ExportOptions(viewing=Viewing(gamut="p3")))
+    assert painting.look is not None
+    assert painting.gamut == "p3"
+    assert (painting.shown_srgb < painting.srgb).any()

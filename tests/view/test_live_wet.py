@@ -1,0 +1,102 @@
+"""Wet paint in the live view: it shines and is darker, until it dries."""
+
+import numpy as np
+import pytest
+import trimesh
+
+from paint3d.colour.pigments import load_pigment
+from paint3d.mesh.triangle_mesh import TriangleMesh
+from paint3d.surface.painted_surface import PaintedSurface
+from paint3d.surface.sheen import WetWatch
+from paint3d.view.camera import View, fit_camera
+from paint3d.view.live_object import LiveObject
+from paint3d.view.live_scene import LiveScene
+from paint3d.view.studio import Gloss
+
+TOWARD = np.array([-0.4, -0.8, 0.45]) / np.linalg.norm([-0.4, -0.8, 0.45])
+
+
+def ball(ink, material):
+    solid = trimesh.creation.icosphere(subdivisions=4, radius=10.0)
+    mesh = TriangleMesh(np.float32(solid.vertices), np.int32(solid.faces))
+    surface = PaintedSurface(mesh, None, material=material)
+    column = surface.column_of(load_pigment(ink))
+    ids = np.flatnonzero(surface.paint_mesh.vertices @ TOWARD > 6.0).astype(np.int32)
+    surface.ink.amounts[ids, column] = 2.0
+    surface.ink.coverage[ids] = 1.0
+    surface.touch(ids)
+    return surface
+
+
+@pytest.fixture
+def scene():
+    made = LiveScene((160, 160))
+    yield made
+    made.close()
+
+
+def show(scene, surface):
+    """The object on the scene, and a function that takes what is new and returns the picture."""
+    shown = LiveObject(surface)
+    gloss = Gloss(surface.material.roughness, surface.material.coat)
+    scene.clear(shown.centre, shown.radius, gloss, solid=shown.is_solid)
+    view = View(TOWARD, np.array([0.0, 0.0, 1.0]))
+
+    def picture():
+        scene.apply(shown.uploads(surface.refresh()))
+        scene.set_camera(fit_camera(surface.paint_mesh.vertices, view, 1.0))
+        scene.draw_object()
+        return scene.show()[..., :3].astype(int)
+
+    return picture
+
+
+def test_wet_paint_shines_and_is_darker_until_it_dries(scene):
+    surface = ball("cinnabar", "sized xuan")
+    picture = show(scene, surface)
+    fresh = picture()
+    surface.diffuse(0.1)
+    wet = picture()
+    surface.dry()
+    dry = picture()
+    spot = (fresh[..., 0] - fresh[..., 2] > 60) & (fresh[..., 1] < 75)  # without its border
+    assert spot.sum() > 3000
+    assert np.median(wet[spot, 0]) < np.median(fresh[spot, 0]) - 15
+    brightest, most = (np.ptp([np.median(a[spot, 2]), a[spot, 2].max()]) for a in (wet, fresh))
+    assert brightest > most + 10  # a lamp in it
+    assert np.abs(dry - fresh)[spot].max() <= 2
+
+
+def test_only_wet_patches_send_how_smooth_they_are():
+    surface = ball("pine soot", "sized xuan")
+    shown = LiveObject(surface, faces=200)
+    assert {up.colours.shape[1] for up in shown.uploads(surface.refresh())} == {3}
+    surface.diffuse(0.1)
+    sent = shown.uploads(surface.refresh())
+    assert {up.colours.shape[1] for up in sent} == {4}
+    assert len(sent) < shown.patches.n_patches
+    assert shown.uploads(surface.refresh()) == []
+
+
+def test_what_dries_beside_what_is_wet_is_matt_again():
+    now = [(np.array([1, 2], np.int32), np.array([0.06, 0.06]))]
+    watch = WetWatch(ball("pine soot", "sized xuan"), lambda: now[0])
+    nothing = np.zeros(0, np.int32)
+    assert sorted(watch.follow(nothing)) == [1, 2]
+    assert watch.smooth(now[0][0]).min() > 200
+    assert len(watch.follow(nothing)) == 0
+    now[0] = (np.array([2], np.int32), np.array([0.06]))
+    assert watch.follow(nothing).tolist() == [1]
+    assert watch.smooth(np.array([1, 2])).tolist() == [0, 255]
+    assert watch.damp(np.array([1, 2])).tolist() == [0.0, 1.0]
+    now[0] = None
+    assert watch.follow(nothing).tolist() == [2]
+    assert watch.is_plain
+
+
+def test_oil_soot_shines_dry_and_pine_soot_does_not():
+    for ink, columns in (("pine soot", 3), ("oil soot", 4)):
+        surface = ball(ink, "xuan")
+        surface.dry()
+        sent = LiveObject(surface).uploads(surface.refresh())
+        assert {up.colours.shape[1] for up in sent} == {columns}
