@@ -106,7 +106,7 @@ class Hud:
         clip.addEllipse(box.adjusted(2, 2, -2, -2))
         painter.save()
         painter.setClipPath(clip)
-        step = (box.height() - 4) * held.share / len(held.bands)
+        step = (box.height() - 4) * _level(held) / len(held.bands)
         for k, colour in enumerate(held.bands):
             top = box.bottom() - 2 - (k + 1) * step
             band = QtCore.QRectF(box.left(), top, box.width(), step + 0.5)
@@ -116,4 +116,9 @@ class Hud:
 
 def _looks(name: str, told: str, held: HeldInk) -> tuple[object, ...]:
     """All that tells one plate from another."""
-    return name, told, held.bands, round(_LEVELS * held.share)
+    return name, told, held.bands, _level(held)
+
+
+def _level(held: HeldInk) -> float:
+    """How high the ink is drawn in the dish, 0 to 1."""
+    return round(_LEVELS * held.share) / _LEVELS
