@@ -62,7 +62,7 @@ class LivePicture:
 
     def __init__(self, scene: LiveScene, prepare: Callable[[int], bool]) -> None:
         self._scene, self._prepare = scene, prepare
-        self._stale = True
+        self._stale, self._turns = True, False
         self._object: list[Box] = []
         self._front: list[Box] = []
         self._cells = np.zeros((0, 0), np.uint8)
@@ -79,8 +79,8 @@ class LivePicture:
         return sum(self._took) / len(self._took) if self._took else 0.0
 
     def touch(self) -> None:
-        """Have everything drawn anew."""
-        self._stale = True
+        """Have everything drawn anew: it is seen from elsewhere, or otherwise."""
+        self._stale = self._turns = True
 
     def touch_object(self, box: Box | None) -> None:
         """Have the object drawn anew within a box."""
@@ -100,8 +100,9 @@ class LivePicture:
         """(H, W, 4) uint8 pixels, the first row at the bottom; None if nothing has changed."""
         started, scene = time.perf_counter(), self._scene
         if self._stale:
-            moves = scene.is_software and not self._is_settled(started)
-            self._stale, self._turned, self._moved = False, started, started
+            moves = scene.is_software and self._turns and not self._is_settled(started)
+            self._stale = self._turns = False
+            self._turned = self._moved = started
             pixels = self._draw_all(started, moves=moves)
             self._judge(scene.frame_s)
             return pixels
@@ -126,7 +127,7 @@ class LivePicture:
     def draw_whole(self, *, fine: bool) -> NDArray[np.uint8]:
         """(H, W, 4) uint8 pixels, all of them drawn anew to the last triangle."""
         pixels = self._scene.draw(fine=fine)
-        self.touch()
+        self._stale = True
         return pixels
 
     def draw_by_parts(self, *, fine: bool) -> Iterator[tuple[float, AnyArray]]:
@@ -145,7 +146,7 @@ class LivePicture:
             box = x, y, min(x + _PART, width), min(y + _PART, height)
             self._scene.draw_object(box, fine=fine)
             pixels = self._scene.show(box, fine=fine)
-            self.touch()
+            self._stale = True
             yield (k + 1) / len(corners), pixels
 
     def _show(

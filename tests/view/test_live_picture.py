@@ -138,3 +138,16 @@ def test_fewer_pixels_are_drawn_only_while_the_view_moves() -> None:
     while not picture.is_done():
         picture.draw()
     assert renderer.share == 1.0
+
+
+def test_what_is_drawn_for_a_file_is_no_view_that_moves() -> None:
+    renderer = Renderer()
+    renderer.us_a_triangle = 10.0
+    renderer.draw = lambda **_: np.zeros((160, 320, 4), np.uint8)  # type: ignore[attr-defined]
+    picture = LivePicture(renderer, renderer.prepare)  # type: ignore[arg-type]
+    turned(picture, 50)
+    assert renderer.share < 1.0
+    picture.draw()
+    picture.draw_whole(fine=False)
+    assert picture.draw() is not None
+    assert renderer.share == 1.0
