@@ -1,4 +1,4 @@
-"""What stands on the screen is what the window would draw anew, wherever only parts are repainted."""
+"""What stands on the screen is what the window would draw anew, though only parts are repainted."""
 
 from __future__ import annotations
 
