@@ -674,6 +674,7 @@ class LiveScene:
         if self._smaller is not None:
             self._smaller.backdrop.release()
         self._kept = self._smaller = self._pixels = self._boxes = self._seen = None
+        self._is_small = False
 
     def _keep(self) -> tuple[KeptPicture, LastPicture]:
         """The backdrop, and where the object is kept."""
