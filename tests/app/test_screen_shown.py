@@ -34,6 +34,16 @@ def on_screen(window) -> np.ndarray:
     return pixels(shown.copy(QtCore.QRect(place, canvas.size())).toImage())
 
 
+def with_nothing_new(window) -> None:
+    """Compare the two while no picture comes between them."""
+    window.workspace.hold()
+    try:
+        shown, anew = on_screen(window), pixels(window.canvas.grab().toImage())
+    finally:
+        window.workspace.go_on()
+    np.testing.assert_array_equal(shown, anew)
+
+
 def repainted(window) -> list[float]:
     """The shares of the canvas that are repainted from now on."""
     shares: list[float] = []
@@ -60,20 +70,19 @@ def test_the_screen_shows_what_a_whole_repaint_would(window) -> None:
         mouse(canvas, KIND.MouseMove, x, y, buttons=BUTTON.LeftButton)
         live(0.03)
         if k % 4 == 3:
-            window.stage.follow()
-            np.testing.assert_array_equal(on_screen(window), pixels(canvas.grab().toImage()))
+            settled(window)
+            with_nothing_new(window)
     mouse(canvas, KIND.MouseButtonRelease, x, y, BUTTON.LeftButton)
     assert min(shares) < 0.3
     assert min(shares[: len(shares) // 2]) < 0.3
     mouse(canvas, KIND.MouseMove, 0.3 * width, 0.3 * height)
     settled(window)
     wait_for(lambda: window.stage.is_drawn)
-    np.testing.assert_array_equal(on_screen(window), pixels(canvas.grab().toImage()))
+    with_nothing_new(window)
 
 
 def test_the_plate_is_repainted_where_the_ink_becomes_less(window) -> None:
     """The screen's plate is the one that is drawn anew, though the brush is far from it."""
-    canvas = window.canvas
     window.workspace.actions["rinse"].trigger()
     settled(window)
     wait_for(lambda: window.stage.is_drawn)
@@ -81,6 +90,6 @@ def test_the_plate_is_repainted_where_the_ink_becomes_less(window) -> None:
     window.workspace.actions["dip"].trigger()
     settled(window)
     after = on_screen(window)
-    np.testing.assert_array_equal(after, pixels(canvas.grab().toImage()))
+    with_nothing_new(window)
     corner = np.s_[-60:, :250]
     assert (before[corner] != after[corner]).any()
