@@ -66,7 +66,7 @@ def test_the_first_picture_comes_before_soft_light_is_looked_for(
 @pytest.fixture(autouse=True)
 def all_pixels(monkeypatch: pytest.MonkeyPatch) -> None:
     """Draw whole pictures by all of their pixels, though the machine may be slow."""
-    monkeypatch.setattr(live_picture, "_LEVELS", live_picture._LEVELS[:1])
+    monkeypatch.setattr(live_picture, "_LEVELS", ((120_000, 1.0),))
 
 
 @pytest.fixture
