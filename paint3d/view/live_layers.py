@@ -15,16 +15,17 @@ from numpy.typing import NDArray
 
 from paint3d.core.types import AnyArray
 from paint3d.errors import ExportError
+from paint3d.view.kernels.enlarge import enlarge
 
 if TYPE_CHECKING:
     from vtkmodules.vtkRenderingCore import vtkRenderWindow
 
-__all__ = ["Box", "KeptPicture", "LastPicture", "Target", "joined_box"]
+__all__ = ["Box", "Enlarger", "KeptPicture", "LastPicture", "Target", "joined_box"]
 
 Box = tuple[int, int, int, int]
 
 _COLOUR, _DEPTH = 0x4000, 0x0100  # OpenGL's bits and names
-_NEAREST = 0x2600
+_NEAREST, _LINEAR = 0x2600, 0x2601
 _SCISSOR_TEST = 0x0C11
 _BYTES, _DEPTH_BITS = 3, 32  # as VTK makes the picture it draws into
 
@@ -72,12 +73,38 @@ class KeptPicture:
         """Put a box of pixels back where the window draws."""
         self._copy(self._kept, self._window.GetRenderFramebuffer(), box)
 
+    def spread(self, small: Box, box: Box) -> None:
+        """Spread a box of what the window has drawn over all of it, as far as it lies in another.
+
+        What was kept in the small box is lost.
+        """
+        self._copy(self._window.GetRenderFramebuffer(), self._kept, small)
+        state = self._window.GetState()
+        x0, y0, x1, y1 = box
+        state.vtkglScissor(x0, y0, x1 - x0, y1 - y0)
+        whole = (0, 0, *self.size)
+        source, target = self._kept, self._window.GetRenderFramebuffer()
+        self._blit(source, target, (small, whole), (_COLOUR, _LINEAR), clipped=True)
+        self._blit(source, target, (small, whole), (_DEPTH, _NEAREST), clipped=True)
+
     def release(self) -> None:
         """Let go of the graphics memory."""
         self._window.MakeCurrent()
         self._kept.ReleaseGraphicsResources(self._window)
 
     def _copy(self, source: Any, target: Any, box: Box) -> None:
+        self._blit(source, target, (box, box), (self._parts, _NEAREST))
+
+    def _blit(
+        self,
+        source: Any,
+        target: Any,
+        boxes: tuple[Box, Box],
+        how: tuple[int, int],
+        *,
+        clipped: bool = False,
+    ) -> None:
+        """Copy from one box to another what OpenGL's bits name, as its filter does."""
         self._window.MakeCurrent()
         state = self._window.GetState()
         state.PushFramebufferBindings()
@@ -85,10 +112,8 @@ class KeptPicture:
         source.ActivateReadBuffer(0)
         target.Bind(target.GetDrawMode())
         target.ActivateDrawBuffer(0)
-        state.SetEnumState(_SCISSOR_TEST, False)
-        x0, y0, x1, y1 = box
-        place = (x0, x1, y0, y1)
-        source.Blit(place, place, self._parts, _NEAREST)
+        state.SetEnumState(_SCISSOR_TEST, clipped)
+        source.Blit(*((x0, x1, y0, y1) for x0, y0, x1, y1 in boxes), *how)
         state.PopFramebufferBindings()
 
 
@@ -134,6 +159,36 @@ class LastPicture(KeptPicture):
         if self._covered is not None:
             super().give(box)
             self._covered = _without(self._covered, box)
+
+
+class Enlarger:
+    """Spreads a picture over one of more pixels; keeps what that is reckoned with.
+
+    Parameters
+    ----------
+    small, large : (int, int)
+        Widths and heights, pixels.
+    """
+
+    def __init__(self, small: tuple[int, int], large: tuple[int, int]) -> None:
+        self._columns, self._across = _between(small[0], large[0])
+        self._rows, self._down = _between(small[1], large[1])
+        self._mixed = np.empty(small[0] + 1, np.uint64)
+
+    def enlarge(self, pixels: NDArray[np.uint8], out: NDArray[np.uint8]) -> None:
+        """Spread (h, w, 4), the first row at the bottom, over (H, W, 4), the first row at the top.
+
+        Both are C-contiguous.
+        """
+        small, large = (a.view(np.uint32)[..., 0] for a in (pixels, out))
+        enlarge(small, self._rows, self._down, self._columns, self._across, self._mixed, large)
+
+
+def _between(few: int, many: int) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+    """Which of a few pixels many more begin after, and how far on they lie, of 256: (many,)."""
+    place = np.clip((np.arange(many) + 0.5) * few / many - 0.5, 0.0, few - 1.0)
+    before = place.astype(np.int32)
+    return before, np.rint(256.0 * (place - before)).astype(np.int32)
 
 
 def _without(box: Box | None, taken: Box) -> Box | None:

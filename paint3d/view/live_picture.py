@@ -1,6 +1,7 @@
 """What of a scene to draw next, so that no picture takes long and all of it is fine in the end.
 
-While the view moves, an object of many triangles is drawn coarsely. Where it stands still, it is
+While the view moves, an object of many triangles is drawn coarsely, and on a machine that takes
+long for it by fewer pixels. Where it stands still, it is
 drawn to the last triangle, cell by cell of the picture, a few at a time; and once nothing moves any
 more, software renderers smooth its edges in the same way. What changes meanwhile comes first: a
 hand never waits for more than one step.
@@ -29,10 +30,12 @@ _SETTLED_S = 0.15  # after the view moved: then all triangles are drawn,
 _CALM_S = 0.35  # and after anything moved: then edges are smoothed
 _STEP_S = 0.025  # what may be spent on that at once
 _MANY = 120_000  # triangles: more are drawn coarsely while the view moves,
-_FEWEST = 30_000  # or, where that takes too long, more than fewer, but no fewer than these;
 _TOO_MANY = 700_000  # and of more the edges are not smoothed
-_LONG_S, _SHORT_S = 0.025, 0.012  # that a picture of a view that moves may take, and may well take
-_FEWER = 0.7  # times as many triangles as before, where it takes longer
+_LEVELS = (  # while the view moves: triangles that may be drawn, and the share of pixels per side
+    (_MANY, 1.0), (60_000, 1.0), (60_000, 2 / 3), (30_000, 2 / 3), (30_000, 0.5),
+)  # fmt: skip
+_LONG_S, _SHORT_S = 0.018, 0.016  # that such a picture may take, and may well take
+_SOON, _LATE = 2, 64  # judgements that were well, after which a better level is tried again
 _JUDGED = 5  # pictures, of which the middle one counts
 _MANY_PIECES = 60
 _RECENT = 20  # pictures
@@ -59,14 +62,15 @@ class LivePicture:
 
     def __init__(self, scene: LiveScene, prepare: Callable[[int], bool]) -> None:
         self._scene, self._prepare = scene, prepare
-        self._stale = True
+        self._stale, self._turns = True, False
         self._object: list[Box] = []
         self._front: list[Box] = []
         self._cells = np.zeros((0, 0), np.uint8)
         self._front_is_fine = True
         self._turned, self._moved = -math.inf, time.perf_counter()
         self._took: deque[float] = deque(maxlen=_RECENT)
-        self._many, self._wholes = _MANY, list[float]()
+        self._level, self._wholes = 0, list[float]()
+        self._well, self._wait, self._is_tried = 0, _SOON, False
         self.changed: Box | None = None
 
     @property
@@ -75,8 +79,8 @@ class LivePicture:
         return sum(self._took) / len(self._took) if self._took else 0.0
 
     def touch(self) -> None:
-        """Have everything drawn anew."""
-        self._stale = True
+        """Have everything drawn anew: it is seen from elsewhere, or otherwise."""
+        self._stale = self._turns = True
 
     def touch_object(self, box: Box | None) -> None:
         """Have the object drawn anew within a box."""
@@ -96,9 +100,10 @@ class LivePicture:
         """(H, W, 4) uint8 pixels, the first row at the bottom; None if nothing has changed."""
         started, scene = time.perf_counter(), self._scene
         if self._stale:
-            moves = scene.is_software and not self._is_settled(started)
-            self._stale, self._turned, self._moved = False, started, started
-            pixels = self._draw_all(started, keep=not moves)  # or it is drawn again soon
+            moves = scene.is_software and self._turns and not self._is_settled(started)
+            self._stale = self._turns = False
+            self._turned = self._moved = started
+            pixels = self._draw_all(started, moves=moves)
             self._judge(scene.frame_s)
             return pixels
         if scene.is_lost and (self._object or self._front or self._is_settled(started)):
@@ -122,7 +127,7 @@ class LivePicture:
     def draw_whole(self, *, fine: bool) -> NDArray[np.uint8]:
         """(H, W, 4) uint8 pixels, all of them drawn anew to the last triangle."""
         pixels = self._scene.draw(fine=fine)
-        self.touch()
+        self._stale = True
         return pixels
 
     def draw_by_parts(self, *, fine: bool) -> Iterator[tuple[float, AnyArray]]:
@@ -141,7 +146,7 @@ class LivePicture:
             box = x, y, min(x + _PART, width), min(y + _PART, height)
             self._scene.draw_object(box, fine=fine)
             pixels = self._scene.show(box, fine=fine)
-            self.touch()
+            self._stale = True
             yield (k + 1) / len(corners), pixels
 
     def _show(
@@ -158,29 +163,41 @@ class LivePicture:
         """Whether the view has stood still for a while."""
         return now - self._turned >= _SETTLED_S
 
-    def _draw_all(self, started: float, *, keep: bool = True) -> AnyArray:
-        scene = self._scene
+    def _draw_all(self, started: float, *, moves: bool = False) -> AnyArray:
+        """Draw all anew; of a view that moves soon again, so it is not kept."""
+        scene, (many, share) = self._scene, _LEVELS[self._level]
+        share = share if moves else 1.0
         self._object.clear()
         self._front.clear()
         n_triangles, n_pieces = scene.seen()
-        heavy = n_triangles > self._many or n_pieces > _MANY_PIECES
-        coarse = scene.is_software and heavy and self._prepare(self._many)
-        scene.draw_object(coarse=coarse)
+        heavy = n_triangles > many or n_pieces > _MANY_PIECES
+        coarse = scene.is_software and heavy and self._prepare(many)
+        scene.draw_object(coarse=coarse, share=share)
         columns, rows = (-(-pixels // _CELL) for pixels in scene.size)
-        self._cells = np.full((rows, columns), _ROUGH if coarse else _PLAIN, np.uint8)
-        return self._show(None, started, keep=keep)
+        rough = coarse or share < 1.0
+        self._cells = np.full((rows, columns), _ROUGH if rough else _PLAIN, np.uint8)
+        return self._show(None, started, keep=not moves)
 
     def _judge(self, took_s: float) -> None:
-        """Draw fewer triangles while the view moves if pictures take long, more if they do not."""
+        """Draw less while the view moves if pictures take long, more if they do not.
+
+        Whether more can be drawn is found by trying, and ever more seldom where it could not.
+        """
         self._wholes.append(took_s)
         if len(self._wholes) < _JUDGED:
             return
         middle = sorted(self._wholes)[_JUDGED // 2]
         self._wholes.clear()
+        self._well = self._well + 1 if middle < _SHORT_S else 0
         if middle > _LONG_S:
-            self._many = max(int(_FEWER * self._many), _FEWEST)
-        elif middle < _SHORT_S:
-            self._many = min(int(self._many / _FEWER), _MANY)
+            self._level = min(self._level + 1, len(_LEVELS) - 1)
+            if self._is_tried:
+                self._wait = min(2 * self._wait, _LATE)
+            self._is_tried = False
+        elif self._is_tried:
+            self._wait, self._is_tried = _SOON, False
+        elif self._level > 0 and self._well >= self._wait:
+            self._level, self._well, self._is_tried = self._level - 1, 0, True
 
     def _improve(self, started: float, fine: bool) -> list[Box]:
         """Draw some cells better than they are; return where."""

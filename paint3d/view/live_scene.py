@@ -23,7 +23,7 @@ from paint3d.view.kernels.facing import cone_of
 from paint3d.view.kernels.shine import add_shine
 from paint3d.view.live_coarse import CoarseObject
 from paint3d.view.live_facing import turned_away
-from paint3d.view.live_layers import Box, KeptPicture, LastPicture, Target
+from paint3d.view.live_layers import Box, Enlarger, KeptPicture, LastPicture, Target
 from paint3d.view.live_light import BakedLight
 from paint3d.view.live_object import PatchUpload
 from paint3d.view.studio import Gloss
@@ -37,6 +37,7 @@ _MARGINS = np.array([-4, -4, 5, 5])  # pixels around what changed: lines are wid
 _JITTER = tuple((x, y) for y in (-0.25, 0.25) for x in (-0.25, 0.25))  # of a pixel: four samples
 _SOFTWARE = ("llvmpipe", "softpipe", "swrast", "swr ")
 _SAMPLES = 4  # a pixel, where a graphics card draws
+_CORNERS = np.array([(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)], bool)  # of a box
 _FEW_PIXELS = (
     20.0  # across a triangle: while the view moves, lamps mirrored in its corners are enough
 )
@@ -94,6 +95,22 @@ LIGHT = Background((0.815, 0.805, 0.785), (0.640, 0.630, 0.612))
 DARK = Background((0.300, 0.296, 0.290), (0.150, 0.150, 0.154))
 
 
+@dataclass(frozen=True, eq=False)
+class _Smaller:
+    """What an object is drawn with by fewer pixels."""
+
+    share: float
+    box: Box
+    backdrop: KeptPicture
+    enlarger: Enlarger
+
+    @classmethod
+    def of(cls, share: float, window: Any, size: tuple[int, int]) -> _Smaller:
+        """With so many of the pixels along each side of a size."""
+        small = max(1, round(share * size[0])), max(1, round(share * size[1]))
+        return cls(share, (0, 0, *small), KeptPicture(window, depth=False), Enlarger(small, size))
+
+
 class LiveScene:
     """Everything seen while painting, in three layers: the backdrop, the object, the brush.
 
@@ -143,6 +160,9 @@ class LiveScene:
             self._window.SetMultiSamples(_SAMPLES)
         self._target = Target(self._window)
         self._kept: tuple[KeptPicture, LastPicture] | None = None
+        self._smaller: _Smaller | None = None
+        self._is_small = False
+        self._beside: dict[DrawnMesh, float] = {}  # what else there is, and how wide its lines are
         self._pixels: AnyArray | None = None
         self._patches: dict[int, DrawnMesh] = {}
         self._coarse: list[DrawnMesh] = []
@@ -331,9 +351,12 @@ class LiveScene:
     def add(self, drawn: DrawnMesh, *, front: bool = False) -> None:
         """Show something else besides: a line on the object; in front, a brush over it."""
         (self._front if front else self.renderer).AddActor(drawn.actor)
+        if not front:
+            self._beside[drawn] = drawn.actor.GetProperty().GetLineWidth()
 
     def remove(self, drawn: DrawnMesh) -> None:
         """Show it no longer."""
+        self._beside.pop(drawn, None)
         self.renderer.RemoveActor(drawn.actor)
         self._front.RemoveActor(drawn.actor)
 
@@ -404,8 +427,7 @@ class LiveScene:
         """(P, 4) the box of each patch; empty where it is seen nowhere."""
         if self._boxes is None:
             low, high = self._bounds_of[:, :3], self._bounds_of[:, 3:]
-            corner = np.array([(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)], bool)
-            self._boxes = self._screen_boxes(np.where(corner, high[:, None], low[:, None]))
+            self._boxes = self._screen_boxes(np.where(_CORNERS, high[:, None], low[:, None]))
         return self._boxes
 
     def _screen_boxes(self, points: AnyArray) -> AnyArray:
@@ -425,7 +447,12 @@ class LiveScene:
     # -- pixels -----------------------------------------------------------------------------
 
     def draw_object(
-        self, box: Box | None = None, *, coarse: bool = False, fine: bool = False
+        self,
+        box: Box | None = None,
+        *,
+        coarse: bool = False,
+        fine: bool = False,
+        share: float = 1.0,
     ) -> None:
         """Draw the object anew; `show` then shows it.
 
@@ -438,11 +465,20 @@ class LiveScene:
             Draw what `set_coarse` was given.
         fine : bool
             Smooth edges also where software draws, at four times the cost: for when nothing moves.
+        share : float
+            Of the pixels along each side of the whole that are drawn, and then spread over it: for
+            while the view moves. The object is lost with the next picture (`is_lost`).
         """
         started = time.perf_counter()
         backdrop, kept = self._keep()
         box = box or self.whole
         self._choose(box, coarse and bool(self._coarse))
+        self._is_small = share < 1.0
+        if self._is_small:
+            self._draw_smaller(share)
+            kept.cover(self.whole, keep=False)
+            self.frame_s = time.perf_counter() - started
+            return
         sums = None
         for shift in _JITTER if fine and self.is_software else ((0.0, 0.0),):
             backdrop.give(box)
@@ -454,6 +490,47 @@ class LiveScene:
             self._target.write(box, _mean(sums))
         kept.keep(box)
         self.frame_s = time.perf_counter() - started
+
+    def _draw_smaller(self, share: float) -> None:
+        """Draw the object in the lower left corner, by fewer pixels."""
+        if self._smaller is None or self._smaller.share != share:
+            if self._smaller is not None:
+                self._smaller.backdrop.release()
+            self._smaller = _Smaller.of(share, self._window, self._size)
+            self._draw_within(self._backdrop, self._smaller.box)
+            self._smaller.backdrop.keep(self._smaller.box)
+        self._smaller.backdrop.give(self._smaller.box)
+        for drawn, width in self._beside.items():
+            drawn.actor.GetProperty().SetLineWidth(share * width)
+        self._draw_within(self.renderer, self._smaller.box)
+        for drawn, width in self._beside.items():
+            drawn.actor.GetProperty().SetLineWidth(width)
+
+    def _draw_within(self, layer: Any, box: Box) -> None:
+        """Draw all that a layer shows within a box of pixels."""
+        layer.SetViewport(0.0, 0.0, box[2] / self._size[0], box[3] / self._size[1])
+        self._draw_layer(layer, box, (0.0, 0.0))
+        layer.SetViewport(0.0, 0.0, 1.0, 1.0)
+
+    def _show_enlarged(self, pixels: AnyArray) -> None:
+        """Write what was drawn by fewer pixels into the whole, and what is in front by all."""
+        assert self._smaller is not None, "it was drawn"
+        smaller, kept, top = self._smaller, self._keep()[1], self._size[1]
+        smaller.enlarger.enlarge(self._target.read(smaller.box), pixels)
+        box = self._front_box()
+        if box is not None:
+            kept.spread(smaller.box, box)
+            self._draw_layer(self._front, box, (0.0, 0.0))
+            pixels[top - box[3] : top - box[1], box[0] : box[2]] = self._target.read(box)[::-1]
+
+    def _front_box(self) -> Box | None:
+        """The box around what is to be drawn in front of the object; None around nothing."""
+        bounds = [a.GetBounds() for a in self._front.GetActors() if a.GetVisibility()]
+        if not bounds:
+            return None
+        edges = np.array(bounds).reshape(-1, 3, 2)
+        low, high = edges[..., 0].min(axis=0), edges[..., 1].max(axis=0)
+        return self.screen_box(np.where(_CORNERS, high, low))
 
     @property
     def is_lost(self) -> bool:
@@ -484,6 +561,10 @@ class LiveScene:
         if self._pixels is None:
             box, (width, height) = None, self._size
             self._pixels = np.empty((height, width, 4), np.uint8)  # the first row at the top
+        if self._is_small:
+            self._show_enlarged(self._pixels)
+            self.frame_s += time.perf_counter() - started
+            return self._pixels[::-1]
         box = box or self.whole
         sums = None
         shifts = _JITTER if fine and self.is_software and self._has_front() else ((0.0, 0.0),)
@@ -596,7 +677,10 @@ class LiveScene:
         """Let go of what is kept: it no longer fits."""
         for kept in self._kept or ():
             kept.release()
-        self._kept = self._pixels = self._boxes = self._seen = None
+        if self._smaller is not None:
+            self._smaller.backdrop.release()
+        self._kept = self._smaller = self._pixels = self._boxes = self._seen = None
+        self._is_small = False
 
     def _keep(self) -> tuple[KeptPicture, LastPicture]:
         """The backdrop, and where the object is kept."""

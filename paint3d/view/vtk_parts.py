@@ -23,6 +23,10 @@ def quiet_vtk() -> None:
     vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_ERROR)
 
 
+_RGB = 3
+_WIDE = 1000.0  # mm from the origin: up to there VTK would not shift what it is given
+
+
 class DrawnMesh:
     """Triangles on screen, whose arrays can be replaced.
 
@@ -45,6 +49,7 @@ class DrawnMesh:
         self._points = np.empty((0, 3), np.float32)
         self._normals: AnyArray | None = None
         self._colours: AnyArray | None = None
+        self._sent = np.empty((0, 4), np.uint8)  # with four channels: VTK copies any other number
         self._place: Any = None
         self._vtk_normals: Any = None
         self._vtk_colours: Any = None
@@ -141,13 +146,18 @@ class DrawnMesh:
         """Replace the colours (K, 3) or (K, 4) uint8 of the points."""
         from vtkmodules.util.numpy_support import numpy_to_vtk
 
-        before = self._colours
+        before, channels = self._colours, colours.shape[1]
         if before is not None and before.shape == colours.shape:
             before[:] = colours
+            self._sent[:, :channels] = colours
             self._vtk_colours.Modified()
             return
+        if channels == _RGB:
+            self.actor.ForceOpaqueOn()  # or VTK looks through the colours for what lets light by
         self._colours = np.array(colours, np.uint8, order="C")
-        self._vtk_colours = numpy_to_vtk(self._colours, deep=False)
+        self._sent = np.full((len(colours), _RGB + 1), 255, np.uint8)
+        self._sent[:, :channels] = colours
+        self._vtk_colours = numpy_to_vtk(self._sent, deep=False)
         self._data.GetPointData().SetScalars(self._vtk_colours)
 
     def changed_by(self, colours: AnyArray) -> AnyArray:

@@ -63,6 +63,12 @@ def test_the_first_picture_comes_before_soft_light_is_looked_for(
     stage.close()
 
 
+@pytest.fixture(autouse=True)
+def all_pixels(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Draw whole pictures by all of their pixels, though the machine may be slow."""
+    monkeypatch.setattr(live_picture, "_LEVELS", ((120_000, 1.0),))
+
+
 @pytest.fixture
 def stage(screen: str) -> Iterator[Stage]:
     found = standing("plane", 1.5, View((0.2, -0.6, 1.0), (0, 1, 0)), screen)

@@ -18,7 +18,7 @@ from paint3d.view import live_scene
 from paint3d.view.camera import View, fit_camera
 from paint3d.view.kernels.facing import cone_of
 from paint3d.view.live_facing import turned_away
-from paint3d.view.live_layers import Box, KeptPicture, joined_box
+from paint3d.view.live_layers import Box, Enlarger, KeptPicture, joined_box
 from paint3d.view.live_object import LiveObject
 from paint3d.view.live_patches import LivePatches
 from paint3d.view.live_scene import DARK, LiveScene
@@ -31,6 +31,23 @@ NONE = np.empty(0, np.int32)
 @pytest.fixture
 def surface() -> PaintedSurface:
     return PaintedSurface(paint3d.load_mesh("plane"), 1.0)
+
+
+def painted_scene(surface: PaintedSurface, size: tuple[int, int]) -> LiveScene:
+    """A sheet with a dark half in a picture, seen a little from the side."""
+    shown = LiveObject(surface)
+    scene = LiveScene(size, DARK)
+    scene.clear(shown.centre, shown.radius, Gloss.of("xuan"))
+    column = surface.column_of(paint3d.Painter(surface).ink)
+    ids = np.flatnonzero(surface.paint_mesh.vertices[:, 0] < -20.0).astype(np.int32)
+    surface.ink.amounts[ids, column] = 1.0
+    surface.ink.coverage[ids] = 1.0
+    surface.touch(ids)
+    surface.refresh()
+    scene.apply(shown.uploads(NONE))
+    view = View((0.1, -0.4, 1.0), (0.0, 1.0, 0.0))
+    scene.set_camera(fit_camera(surface.source.vertices, view, size[0] / size[1]))
+    return scene
 
 
 def canonical(faces: NDArray) -> NDArray:
@@ -358,3 +375,87 @@ def test_grain_is_seen_from_near_and_makes_nothing_darker_on_the_whole(
     assert near[0.6].std() > 1.7 * near[0.3].std() > 3.0
     assert near[0.6].mean() == pytest.approx(near[0.0].mean(), rel=0.01)
     assert np.abs(pictures[0.6, 4000.0] - pictures[0.0, 4000.0]).max() <= 1.0
+
+
+@pytest.mark.parametrize("share", [2 / 3, 0.5])
+def test_fewer_pixels_show_the_same_in_the_same_place(
+    surface: PaintedSurface, share: float
+) -> None:
+    scene = painted_scene(surface, (241, 161))
+    whole = scene.draw().copy()
+    scene.draw_object(share=share)
+    assert scene.is_lost
+    fewer = scene.show().copy()
+    assert fewer.shape == whole.shape
+    apart = np.abs(fewer.astype(int) - whole)
+    assert 0.0 < apart.mean() < 2.0
+    for aside, along in ((0, 1), (0, -1), (1, 1), (-1, 1)):
+        shifted = np.abs(np.roll(fewer.astype(int), along, axis=aside) - whole)
+        assert shifted.mean() > apart.mean()
+    scene.draw_object()
+    assert not scene.is_lost
+    assert np.array_equal(scene.show(), whole)  # at rest it is what it was, to the bit
+
+
+def test_what_is_in_front_has_all_its_pixels_over_an_object_that_has_fewer(
+    surface: PaintedSurface,
+) -> None:
+    scene = painted_scene(surface, (240, 160))
+    tip = DrawnMesh()
+    corners = np.array([[-20.0, -10, 5], [20, -10, 5], [0, 22, 5], [0, 0, -30], [9, 0, -30]])
+    tip.set_shape(corners.astype(np.float32), np.array([[0, 1, 2], [2, 3, 4]], np.int32))
+    tip.set_colours(np.tile(np.array([200, 20, 20], np.uint8), (5, 1)))
+    tip.actor.GetProperty().LightingOff()
+    scene.add(tip, front=True)
+    camera = scene.camera
+    below = View((0.1, 0.4, -1.0), (0.0, 1.0, 0.0))
+    scene.set_camera(fit_camera(surface.source.vertices, below, 240 / 160))
+    scene.draw()  # of what is seen from there nothing is left
+    scene.set_camera(camera)
+    scene.draw_object(share=0.5)
+    fewer = scene.show().copy()
+    whole = scene.draw().copy()
+    red = (whole[..., 0] > 150) & (whole[..., 1] < 60)
+    assert 200 < red.sum() < 0.2 * red.size
+    assert np.array_equal((fewer[..., 0] > 150) & (fewer[..., 1] < 60), red)
+    assert np.array_equal(fewer[red], whole[red])
+
+
+def test_lines_are_as_wide_where_fewer_pixels_are_drawn(surface: PaintedSurface) -> None:
+    scene = painted_scene(surface, (240, 160))
+    line = DrawnMesh()
+    line.set_lines([np.array([[-30.0, -20, 0.5], [30, 20, 0.5]])])
+    line.set_colours(np.tile(np.array([20, 20, 220], np.uint8), (2, 1)))
+    line.actor.GetProperty().LightingOff()
+    line.actor.GetProperty().SetLineWidth(4.0)
+    scene.add(line)
+
+    def blue(share: float) -> float:
+        scene.draw_object(share=share)
+        seen = scene.show().astype(int)
+        return float((seen[..., 2] - seen[..., 0]).clip(6, 240).sum() - 6 * seen[..., 0].size)
+
+    assert blue(0.5) == pytest.approx(blue(1.0), rel=0.2)
+
+
+@given(
+    st.tuples(st.integers(1, 24), st.integers(1, 24)),
+    st.tuples(st.integers(0, 24), st.integers(0, 24)),
+    st.integers(0, 2**32 - 1),
+)
+def test_a_picture_is_spread_as_its_neighbours_say(
+    small: tuple[int, int], more: tuple[int, int], seed: int
+) -> None:
+    large = small[0] + more[0], small[1] + more[1]
+    pixels = np.random.default_rng(seed).integers(0, 256, (*small[::-1], 4)).astype(np.uint8)
+    out = np.empty((*large[::-1], 4), np.uint8)
+    Enlarger(small, large).enlarge(pixels, out)
+    wanted = pixels.astype(np.float64)
+    for axis in (0, 1):
+        n, many = wanted.shape[axis], large[1 - axis]
+        place = np.clip((np.arange(many) + 0.5) * n / many - 0.5, 0, n - 1)
+        low = np.floor(place).astype(int)
+        share = (place - low).reshape((-1, 1, 1) if axis == 0 else (1, -1, 1))
+        ahead = np.take(wanted, np.minimum(low + 1, n - 1), axis=axis)
+        wanted = (1 - share) * np.take(wanted, low, axis=axis) + share * ahead
+    assert np.abs(out[::-1] - wanted).max() <= 2.0

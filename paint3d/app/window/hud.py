@@ -18,6 +18,7 @@ PLATE_ALPHA = 242
 _PORCELAIN = "#f3f0ea"
 _MARGIN, _HEIGHT, _LEAST_WIDTH = 14, 46, 236
 _BESIDE = 52  # where the words begin
+_LEVELS = 56  # of the ink in the dish that can be told apart: half pixels
 
 
 class Hud:
@@ -25,6 +26,8 @@ class Hud:
 
     def __init__(self, workspace: Workspace) -> None:
         self._workspace = workspace
+        self._painted: tuple[object, ...] = ()
+        self._plate = QtCore.QRectF()
         workspace.canvas.overlays.append(self.paint)
 
     def paint(self, painter: QtGui.QPainter, area: QtCore.QRect) -> None:
@@ -32,15 +35,18 @@ class Hud:
         workspace = self._workspace
         if workspace.stage.easel is None:
             return
-        theme, brush = workspace.theme, workspace.stage.easel.brush
-        held = held_ink(workspace.document.painter)
-        name = f"{say_brush(plain_name(brush))}  ·  {say_length(brush.length_mm)}"
-        told = self.told(held)
+        clip = painter.clipBoundingRect()
+        if self._plate.isValid() and not (clip.isEmpty() or clip.intersects(self._plate)):
+            return
+        theme, held = workspace.theme, held_ink(workspace.document.painter)
+        name, told = self._words(held)
+        self._painted = _looks(name, told, held)
         wide = max(painter.fontMetrics().horizontalAdvance(text) for text in (name, told))
         width = min(max(_LEAST_WIDTH, wide + _BESIDE + 14), area.width() - 2 * _MARGIN)
         plate = QtCore.QRectF(
             area.left() + _MARGIN, area.bottom() - _MARGIN - _HEIGHT, width, _HEIGHT
         )
+        self._plate = plate.adjusted(-1, -1, 1, 1)
         back = QtGui.QColor(theme.panel)
         back.setAlpha(PLATE_ALPHA)
         painter.setPen(QtGui.QPen(QtGui.QColor(theme.line), 1))
@@ -57,9 +63,24 @@ class Hud:
         told = painter.fontMetrics().elidedText(told, right, round(below.width()))
         painter.drawText(below, left, told)
 
+    def _words(self, held: HeldInk) -> tuple[str, str]:
+        """Its two lines."""
+        brush = self._workspace.easel.brush
+        name = f"{say_brush(plain_name(brush))}  ·  {say_length(brush.length_mm)}"
+        return name, self.told(held)
+
+    def follow(self) -> None:
+        """Have it drawn again if the brush in use is another than it shows."""
+        if self._workspace.stage.easel is None:
+            return
+        held = held_ink(self._workspace.document.painter)
+        if _looks(*self._words(held), held) != self._painted:
+            self.refresh()
+
     def refresh(self) -> None:
         """Have it drawn again, where the picture under it is as it was."""
         canvas, high = self._workspace.canvas, _HEIGHT + 2 * _MARGIN
+        self._plate = QtCore.QRectF()
         canvas.update(0, canvas.height() - high, canvas.width(), high)
 
     def told(self, held: HeldInk) -> str:
@@ -85,9 +106,19 @@ class Hud:
         clip.addEllipse(box.adjusted(2, 2, -2, -2))
         painter.save()
         painter.setClipPath(clip)
-        step = (box.height() - 4) * held.share / len(held.bands)
+        step = (box.height() - 4) * _level(held) / len(held.bands)
         for k, colour in enumerate(held.bands):
             top = box.bottom() - 2 - (k + 1) * step
             band = QtCore.QRectF(box.left(), top, box.width(), step + 0.5)
             painter.fillRect(band, QtGui.QColor(*colour))
         painter.restore()
+
+
+def _looks(name: str, told: str, held: HeldInk) -> tuple[object, ...]:
+    """All that tells one plate from another."""
+    return name, told, held.bands, _level(held)
+
+
+def _level(held: HeldInk) -> float:
+    """How high the ink is drawn in the dish, 0 to 1."""
+    return round(_LEVELS * held.share) / _LEVELS

@@ -274,7 +274,8 @@ class StudioWindow(QtWidgets.QMainWindow):
             self.panels.follow(frame)
         pixels = self.stage.draw()
         if pixels is not None:
-            self.canvas.show_pixels(pixels)
+            self.canvas.show_pixels(pixels, self.stage.changed)
+            self.hud.follow()
             # where nothing is painted, and only the view has moved, nobody needs the time
             rest = _REST * (time.thread_time() - started) if frame is not None else 0.0
             self._next_draw = time.perf_counter() + rest

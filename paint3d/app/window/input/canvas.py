@@ -20,6 +20,7 @@ from paint3d.app.window.input.touch import (
     touch_of_tablet,
 )
 from paint3d.core.types import AnyArray
+from paint3d.view.live_layers import Box
 
 __all__ = ["WRITING", "Canvas", "Drag"]
 
@@ -134,20 +135,35 @@ class Canvas(QtWidgets.QWidget):
         """Whether a drag goes on that turns or moves the view."""
         return self._mode is not None
 
-    def show_pixels(self, pixels: AnyArray) -> None:
-        """Show (H, W, 4) uint8 pixels, the first row at the bottom."""
+    def show_pixels(self, pixels: AnyArray, changed: Box | None = None) -> None:
+        """Show (H, W, 4) uint8 pixels, the first row at the bottom.
+
+        Parameters
+        ----------
+        pixels : (H, W, 4) uint8
+        changed : Box, optional
+            Where they are others than those shown before; None: anywhere.
+        """
+        before = self._image
         self.pixels = np.ascontiguousarray(pixels[::-1])
         height, width = pixels.shape[:2]
         form = QtGui.QImage.Format.Format_RGBX8888
         self._image = QtGui.QImage(self.pixels.data, width, height, 4 * width, form)
-        self._image.setDevicePixelRatio(self.devicePixelRatioF())
-        self.update()
+        ratio = self.devicePixelRatioF()
+        self._image.setDevicePixelRatio(ratio)
+        if changed is None or before is None or before.size() != self._image.size():
+            self.update()
+            return
+        x0, y0, x1, y1 = (edge / ratio for edge in changed)
+        box = QtCore.QRectF(x0, height / ratio - y1, x1 - x0, y1 - y0).toAlignedRect()
+        self.update(box.adjusted(-1, -1, 1, 1))  # where pixels are scaled they blend with the next
 
     # -- what Qt calls ----------------------------------------------------------------------
 
     def paintEvent(self, event: QtGui.QPaintEvent) -> None:
         """Paint the picture, and what lies over it."""
         painter = QtGui.QPainter(self)
+        painter.setClipRect(event.rect())
         if self._image is None:
             painter.fillRect(event.rect(), self.palette().window())
         else:

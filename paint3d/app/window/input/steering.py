@@ -99,7 +99,9 @@ class Steering(QtCore.QObject):
         found = self.grip_at(x, y)
         if found is None and self._is_beside(x, y):
             return "orbit"
-        self.grips.held = found
+        if found != self.grips.held:
+            self.grips.held = found
+            self._canvas.update()
         return found
 
     def _is_beside(self, x: float, y: float) -> bool:
