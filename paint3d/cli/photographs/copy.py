@@ -7,6 +7,7 @@ painted as dry as each was along its way.
 from __future__ import annotations
 
 import argparse
+import logging
 import math
 from functools import partial
 from pathlib import Path
@@ -26,6 +27,7 @@ __all__ = ["HELP", "add_arguments", "run"]
 
 HELP = "copy writing from a photograph: find its strokes, then write them"
 
+_LOG = logging.getLogger("paint3d")
 _MATERIAL = "xuan"  # a brush that runs dry shows on its grain
 _SIZE_MM = 40.0
 _PICTURES = (".png", ".jpg", ".jpeg")
@@ -115,6 +117,11 @@ def run(options: argparse.Namespace) -> None:
     check_widths(sheet.page, brush, options.size, options.resolution)
     page = sheet.page if options.dryness == "photo" else sheet.wet_page
     written, painting = carry_out(options, partial(write_page, text=page), {}, "always")
+    if written.dryness is not None and not painting.surface.material.grain > 0.0:
+        _LOG.warning(
+            "%s has no grain, so no stroke stays bare in places; --material xuan has",
+            options.material,
+        )
     if options.beside is not None:
         from paint3d.cli.photographs.beside import show_beside
 
