@@ -138,6 +138,11 @@ def test_three_bars_of_one_character_are_kept_apart_from_the_next() -> None:
     assert [len(one.shape.geoms) for one in found] == [3, 2]
 
 
+def test_halves_of_a_character_are_no_lines() -> None:
+    found = characters_of(boxes((0, 0, 30, 80), (60, 0, 100, 80)), 8.0, ("林",))
+    assert [len(one.shape.geoms) for one in found] == [2]
+
+
 def test_a_text_that_is_longer_than_the_sheet_is_refused() -> None:
     with pytest.raises(InputError, match=r"5 characters, the sheet 2 inks"):
         characters_of(boxes((0, 0, 80, 80), (100, 0, 180, 80)), 8.0, ("一二三四五",))

@@ -162,7 +162,7 @@ def _in_lines(boxes: AnyArray, lines: list[str], columns: bool) -> list[list[int
     """Which boxes (K, 4) belong to each character; lines run along y, side by side along x."""
     counts = [len(line) for line in lines]
     across = 0.5 * (boxes[:, 0] + boxes[:, 2])
-    bounds = _line_spans(boxes)
+    bounds = _line_spans(boxes, sum(counts))
     if len(lines) > 1 and len(bounds) != len(lines):
         bounds = _cut_evenly(boxes[:, [0, 2]], [1] * len(lines))
     if columns:
@@ -178,8 +178,8 @@ def _in_lines(boxes: AnyArray, lines: list[str], columns: bool) -> list[list[int
     return found
 
 
-def _line_spans(boxes: AnyArray) -> list[tuple[float, float]]:
-    """Spans across the lines that no ink joins, small ones with their neighbour."""
+def _line_spans(boxes: AnyArray, most: int) -> list[tuple[float, float]]:
+    """Spans of lines that no ink joins, small ones with their neighbour; `most` or fewer."""
     order = np.argsort(boxes[:, 0])
     spans: list[list[float]] = []
     for k in order:
@@ -193,9 +193,9 @@ def _line_spans(boxes: AnyArray) -> list[tuple[float, float]]:
         gaps = [b[0] - a[1] for a, b in pairwise(spans)]
         joined = [b[1] - a[0] for a, b in pairwise(spans)]
         can = [k for k in range(len(gaps)) if joined[k] < 1.25 * widest]
-        if not can:
+        if not can and len(spans) <= most:
             break
-        k = min(can, key=lambda i: gaps[i])
+        k = min(can or range(len(gaps)), key=lambda i: gaps[i])
         spans[k : k + 2] = [[spans[k][0], spans[k + 1][1]]]
         widest = max(right - left for left, right in spans)
     return [(left, right + 1e-9) for left, right in spans]
@@ -208,11 +208,6 @@ def _shared_out(boxes: AnyArray, bounds: list[tuple[float, float]], n: int) -> l
         across = 0.5 * (boxes[:, 0] + boxes[:, 2])
         mine = boxes[(across >= left) & (across < right)]
         lengths.append(float(mine[:, 3].max() - mine[:, 1].min()))
-    if n < len(bounds):
-        raise InputError(
-            f"the text has {n} characters, the sheet {len(bounds)} lines; expected no more lines "
-            "than characters"
-        )
     counts = [1] * len(bounds)
     while sum(counts) < n:
         counts[int(np.argmax(np.array(lengths) / counts))] += 1
