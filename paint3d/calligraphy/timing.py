@@ -113,6 +113,8 @@ class Motion:
         2 while the brush is dipped.
     group : (N,) int64
         Which character the hand writes or goes to.
+    stroke : (N,) int64
+        Which stroke of it the hand writes; -1 on its ways between them.
     """
 
     time_s: NDArray[np.float64]
@@ -121,6 +123,7 @@ class Motion:
     height: NDArray[np.float64]
     buttons: NDArray[np.int32]
     group: NDArray[np.int64]
+    stroke: NDArray[np.int64]
 
 
 def time_courses(
@@ -162,7 +165,7 @@ def time_courses(
                 parts.extend(_dip(pose, poses[0], tempo, k))
             else:
                 parts.append(_Part(*_lift(pose, poses[0], tempo), False, k))
-            parts.append(_Part(*travel(poses, em_mm, tempo.cruise, limits), False, k))
+            parts.append(_Part(*travel(poses, em_mm, tempo.cruise, limits), False, k, j))
             pose = poses[-1]
     if pose is None:
         raise InputError("there is no stroke to write; expected at least one")
@@ -179,6 +182,7 @@ class _Part:
     poses: AnyArray
     dips: bool
     group: int
+    stroke: int = -1
 
 
 def _poses(course: StrokePath) -> NDArray[np.float64]:
@@ -249,4 +253,5 @@ def _join(parts: list[_Part], tempo: Tempo) -> Motion:
     dips = np.array([part.dips for part in parts])[which] & (poses[:, 2] > 0.5 * tempo.dip_mm)
     groups = np.array([part.group for part in parts])[which]
     buttons = np.where(dips, DIP, 0).astype(np.int32)
-    return Motion(time, poses[:, :2], poses[:, 3], poses[:, 2], buttons, groups)
+    strokes = np.array([part.stroke for part in parts])[which]
+    return Motion(time, poses[:, :2], poses[:, 3], poses[:, 2], buttons, groups, strokes)

@@ -12,10 +12,12 @@ from functools import lru_cache, partial
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from paint3d.brush.bending import build_tuft
 from paint3d.brush.spec import BrushSpec
 from paint3d.brush_engine.tuft import Tuft
+from paint3d.calligraphy.flying_white import dryness_of_motion
 from paint3d.calligraphy.footprint_table import FootprintTable, tabulate_footprints
 from paint3d.calligraphy.glyph_sources import GlyphSource, load_glyphs
 from paint3d.calligraphy.glyphs import EM_BOX, Glyph
@@ -88,11 +90,18 @@ class Written:
         units; there the origin is the box's lower left corner.
     page : Page, optional
         As it was composed, where a page was written.
+    dryness : (N,) float64, optional
+        What share shall stay bare below the brush at each sample, 0 to 1; NaN where it is not
+        known. None where no stroke says so.
+    placed : tuple of PlacedPiece
+        What was written, in writing order, and the squares or boxes that it lies in.
     """
 
     recording: Recording
     characters: list[dict[str, Any]]
     page: Page | None = None
+    dryness: NDArray[np.float64] | None = None
+    placed: tuple[PlacedPiece, ...] = ()
 
 
 def write_text(
@@ -200,6 +209,7 @@ def _write(
             if progress is not None:
                 progress(glyph.text, len(motions) / len(glyphs))
     laid = [_laid(surface, piece, motions[id(piece.glyph)], tuft, pen) for piece in placed]
+    dry = {key: _dryness(glyph, motions[key], footprints, pen) for key, glyph in glyphs.items()}
     told = [_described(piece) for piece in placed]
     entries = {
         "brush": pen.brush.name,
@@ -209,7 +219,15 @@ def _write(
         **header,
         "characters": told,
     }
-    return Written(_recording(_joined(laid, surface, tuft, pen.tempo), pen, entries), told)
+    parts = _joined(laid, surface, tuft, pen.tempo)
+    recording = _recording(join_motions(parts), pen, entries)
+    if all(one is None for one in dry.values()):
+        return Written(recording, told, placed=tuple(placed))
+    dryness = [np.full(len(part.pressure), np.nan) for part in parts]
+    for k, piece in enumerate(placed):  # every other part is the way to the next piece
+        own = dry[id(piece.glyph)]
+        dryness[2 * k] = dryness[2 * k] if own is None else own
+    return Written(recording, told, dryness=np.concatenate(dryness), placed=tuple(placed))
 
 
 @lru_cache(maxsize=1)
@@ -284,11 +302,23 @@ def _described(piece: PlacedPiece) -> dict[str, Any]:
     return entry if box == EM_BOX else {**entry, "box": [round(side, 3) for side in box]}
 
 
-def _joined(laid: list[HandMotion], surface: ClosestPoints, tuft: Tuft, tempo: Tempo) -> HandMotion:
+def _dryness(
+    glyph: Glyph, motion: Motion, footprints: FootprintTable, pen: Pen
+) -> NDArray[np.float64] | None:
+    """What share shall stay bare at every sample of a glyph's motion, where its strokes say so."""
+    if not any(stroke.dryness for stroke in glyph.strokes):
+        return None
+    return dryness_of_motion(motion, glyph, pen.em_mm, footprints)
+
+
+def _joined(
+    laid: list[HandMotion], surface: ClosestPoints, tuft: Tuft, tempo: Tempo
+) -> list[HandMotion]:
+    """The pieces' motions with the ways between them."""
     parts = [laid[0]]
     for motion in laid[1:]:
         parts.extend([travel(parts[-1], motion, surface, tuft, tempo), motion])
-    return join_motions(parts)
+    return parts
 
 
 def _recording(hand: HandMotion, pen: Pen, header: Mapping[str, object]) -> Recording:

@@ -31,6 +31,7 @@ from paint3d.cli import (
 )
 from paint3d.cli.lists import brushes, fonts, inks, materials
 from paint3d.cli.parsing import Parser, UsageError
+from paint3d.cli.photographs import copy
 from paint3d.cli.pictures import picture
 from paint3d.cli.seals import seal
 from paint3d.errors import Paint3DError
@@ -41,6 +42,7 @@ _COMMANDS = {
     "demo": demo,
     "replay": replay,
     "write": write,
+    "copy": copy,
     "seal": seal,
     "paint": paint,
     "score": score,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -29,7 +29,7 @@ from paint3d.cli.outlines import check_is_plane, export_outlines
 from paint3d.cli.pictures.films import add_film_options, film_of
 from paint3d.cli.progress import ProgressBar
 from paint3d.cli.replay import DEFAULT_INK, PaintOptions, paint, prepare, read_for_ink
-from paint3d.cli.results import result_suffixes, timed, write_report, write_result
+from paint3d.cli.results import Painting, result_suffixes, timed, write_report, write_result
 from paint3d.cli.sources import (
     STROKES_FILE,
     add_source_options,
@@ -44,7 +44,7 @@ if TYPE_CHECKING:
     from paint3d.calligraphy.writing import Pen, Written
     from paint3d.mesh.triangle_mesh import TriangleMesh
 
-__all__ = ["HELP", "add_arguments", "run"]
+__all__ = ["HELP", "add_arguments", "add_task_options", "carry_out", "check_files", "run"]
 
 HELP = "write a text or a drawing: plan the strokes, then replay them"
 
@@ -62,10 +62,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="what to write; a line break starts a new column or row",
     )
     add_source_options(parser)
+    add_task_options(parser)
+    add_dip_option(parser, f"{DIPS}; of drawings always")
+
+
+def add_task_options(parser: argparse.ArgumentParser) -> None:
+    """Add where strokes are written, with what, and which files are made: what `carry_out` asks."""
     add_on_and_out(parser)
     _add_writing_options(parser)
     add_painting_options(parser, brush="one that suits the size", ink=DEFAULT_INK)
-    add_dip_option(parser, f"{DIPS}; of drawings always")
     parser.add_argument(
         "--recording", metavar="FILE", type=Path, help="also write the way of the hand"
     )
@@ -132,15 +137,42 @@ def run(options: argparse.Namespace) -> None:
     Paint3DError
         If anything handed in cannot be used, or a result cannot be written.
     """
-    from paint3d.calligraphy.dips import dipped_as
-    from paint3d.recording.recording import save_recording
-
-    _check_files(options)
-    wanted = PaintOptions.of(options)
-    wanted.check()
+    check_files(options, (options.font, options.svg, options.strokes))
+    PaintOptions.of(options).check()
     check_source(options)
-    film = film_of(options)
-    pen, (write, source) = _pen(options), _prepared(options)
+    dips = options.dip or (DIPS if options.text is not None else "always")
+    write, source = _prepared(options)
+    carry_out(options, write, source, dips)
+
+
+def carry_out(
+    options: argparse.Namespace,
+    write: Callable[..., Written],
+    source: dict[str, str],
+    dips: str | int,
+) -> tuple[Written, Painting]:
+    """Plan, paint and write the files that the options of `add_task_options` name.
+
+    Parameters
+    ----------
+    options : Namespace
+    write : callable
+        `write_page` or `write_text`, with what is written.
+    source : dict
+        What the recording's header says of it besides.
+    dips : {"auto", "always"} or int
+        See `dipped_as`.
+
+    Raises
+    ------
+    Paint3DError
+        If it does not fit, cannot be planned, or a file cannot be written.
+    """
+    from paint3d.calligraphy.dips import dipped_as
+    from paint3d.calligraphy.flying_white import dried_as
+
+    wanted = PaintOptions.of(options)
+    film, pen = film_of(options), _pen(options)
     as_outlines = options.out.name.lower().endswith(".svg")
     if as_outlines and options.azimuth != "commanded":
         raise InputError("--azimuth dragged turns the tuft; outlines (.svg) need a commanded one")
@@ -151,8 +183,8 @@ def run(options: argparse.Namespace) -> None:
     surface = prepare(mesh, wanted, seconds)
     with timed(seconds, "plan"):
         written = _plan(options, mesh, write, pen, source)
-        dips = options.dip or (DIPS if options.text is not None else "always")
         recording = dipped_as(written.recording, pen.brush, dips)
+        recording = dried_as(recording, written.dryness, surface.material)
         written = replace(written, recording=recording)
     watch = None if film is None else film.of_recording(surface, recording, wanted.spread_s)
     painting = paint(surface, recording, wanted, seconds, watch)
@@ -167,9 +199,17 @@ def run(options: argparse.Namespace) -> None:
             write_result(painting, options.out, quiet=options.quiet)
         if watch is not None:
             watch.write()
+    _write_beside(options, written, painting)
+    return written, painting
+
+
+def _write_beside(options: argparse.Namespace, written: Written, painting: Painting) -> None:
+    """Write the recording, the strokes and the report where they are asked for; tell the result."""
+    from paint3d.recording.recording import save_recording
+
     if options.recording is not None:
         with ProgressBar("writing", enabled=not options.quiet) as progress:
-            save_recording(recording, options.recording, progress)
+            save_recording(written.recording, options.recording, progress)
     if options.save_strokes is not None:
         save_written(written, options.save_strokes)
     if options.report is not None:
@@ -178,8 +218,20 @@ def run(options: argparse.Namespace) -> None:
         sys.stdout.write(f"{options.out}: {painting.summarize()}\n")
 
 
-def _check_files(options: argparse.Namespace) -> None:
-    """Refuse files that could not be written at the end, or that are read from."""
+def check_files(
+    options: argparse.Namespace,
+    sources: Iterable[str | Path | None],
+    also: Iterable[Path | None] = (),
+) -> None:
+    """Refuse files that could not be written at the end, or that are read from.
+
+    `sources` are read, and `also` written, besides what the options of `add_task_options` name.
+
+    Raises
+    ------
+    ExportError
+        Which one, and why.
+    """
     check_output_file(options.out, (*result_suffixes(), ".svg"))
     for file, suffixes in (
         (options.report, (".json",)),
@@ -189,15 +241,13 @@ def _check_files(options: argparse.Namespace) -> None:
         if file is not None:
             check_output_file(file, suffixes)
     check_overwriting(
-        (options.out, options.film, options.report, options.recording, options.save_strokes),
+        (options.out, options.film, options.report, options.recording, options.save_strokes, *also),
         (
             options.on,
             *read_for_ink(options),
             own_file(options.brush),
             own_file(options.material),
-            options.font,
-            options.svg,
-            options.strokes,
+            *sources,
         ),
         force=options.force,
     )

@@ -51,6 +51,7 @@ from paint3d.errors import InputError
 from paint3d.painter.bristle_state import HairTuft
 from paint3d.painter.flat_input import LaidPad
 from paint3d.painter.ink_time import LOOKAHEAD, PIECE_S, Pauses, pieces_until
+from paint3d.painter.recorded_tools import recorded_loads
 from paint3d.pose.brush_pose import BrushPath, brush_poses, joined_samples, object_poses, velocities
 from paint3d.recording.recording import Recording
 from paint3d.surface.painted_surface import PaintedSurface
@@ -230,6 +231,29 @@ class Painter:
             self._hold_along(ink.reservoirs * (1.0 - share))
         else:
             self._hold(ink.load * (1.0 - share))
+        if self.hairs is not None:
+            self.hairs.hold(self.surface.ink.load)
+            self.surface.ink.load[:] = self.hairs.held()
+
+    def fill_to(self, share: float) -> None:
+        """Let the brush hold such a share, 0 to 1, of what a dip gives, in its own mixture.
+
+        Raises
+        ------
+        InputError
+            If the share is not between 0 and 1.
+        """
+        share = as_number(share, "share", 0.0, 1.0)
+        ink = self.surface.ink
+        held = float(ink.load.sum())
+        if not held > 0.0:
+            self.dip()
+            held = float(ink.load.sum())
+        factor = share * self.tuft.load / held
+        if len(ink.reservoirs) > 1:
+            self._hold_along(ink.reservoirs * factor)
+        else:
+            self._hold(ink.load * factor)
         if self.hairs is not None:
             self.hairs.hold(self.surface.ink.load)
             self.surface.ink.load[:] = self.hairs.held()
@@ -430,15 +454,15 @@ class Painter:
         ready = ahead(partial(self._prepare, recording, *span) for span in _spans(n))
         while True:
             last = min(n, first + _PART)
-            times_ns, samples, dips = next(ready)
+            times_ns, samples, refills = next(ready)
             time_s = (times_ns - start) * 1e-9
             known = last - first - 1 - (LOOKAHEAD if last < n else 0)
             pauses = Pauses(times_ns, samples.joined, passed - first)
             for stop, is_frame in _stops(time_s, int(at[0]), known, frame_rate):
                 for pause, pieces in pauses.until(stop) if wet else ():
-                    self._paint(samples, pause, dips)
+                    self._paint(samples, pause, refills)
                     self._let_pass(pieces, progress, max(0, first + pause + 1) / n)
-                self._paint(samples, stop, dips)
+                self._paint(samples, stop, refills)
                 if is_frame or (frame_rate is not None and first + stop == n - 1):
                     self._refresh()
                 if progress is not None:
@@ -475,14 +499,15 @@ class Painter:
 
     def _prepare(
         self, recording: Recording | LaidPad, first: int, last: int
-    ) -> tuple[AnyArray, Samples, AnyArray]:
-        """The times of a part that follows the one before, its samples, and their dips."""
+    ) -> tuple[AnyArray, Samples, list[_Refill]]:
+        """The times of a part that follows the one before, its samples, what fills the brush."""
         started = time.perf_counter()
         part = recording.part(first, last)
         path = brush_poses(part)
         samples, origins = _samples(path, part.time_ns, self._origin_ns)
         self._origin_ns = int(origins[max(0, len(part) - 1 - 2 * LOOKAHEAD)])
-        prepared = part.time_ns, samples, _dips(path.buttons)
+        loads = recorded_loads(recording.header) if "loads" in recording.header else None
+        prepared = part.time_ns, samples, _refills(path.buttons, part.time_ns, loads)
         self.seconds["poses"] += time.perf_counter() - started
         return prepared
 
@@ -523,20 +548,24 @@ class Painter:
         times = np.array([sample.time_ns for sample in self._held], np.int64)
         samples, origins = _samples(path, times, self._origin_ns)
         self.seconds["poses"] += time.perf_counter() - started
-        self._paint(samples, last, _dips(path.buttons))
+        self._paint(samples, last, _refills(path.buttons))
         done = max(0, int(self._progress.at[0]) - LOOKAHEAD)
         self._origin_ns = int(origins[done])
         self._n_samples += done
         self._held = self._held[done:]
         self._progress.at[0] -= done
 
-    def _paint(self, samples: Samples, last: int, dips: AnyArray) -> None:
+    def _paint(self, samples: Samples, last: int, refills: list[_Refill]) -> None:
         """Paint up to sample `last`, dipping the brush where the recording does."""
-        at = self._progress.at
-        first = int(at[0])
-        for stop in dips[(dips > first) & (dips <= last)]:
-            self._run(samples, int(stop))
-            self.dip()
+        first = int(self._progress.at[0])
+        for stop, share in refills:
+            if not first < stop <= last:
+                continue
+            self._run(samples, stop)
+            if share is None:
+                self.dip()
+            else:
+                self.fill_to(share)
         self._run(samples, last)
 
     def _run(self, samples: Samples, last: int) -> None:
@@ -637,10 +666,23 @@ def _spans(n: int) -> Iterator[tuple[int, int]]:
     yield first, n
 
 
-def _dips(buttons: AnyArray) -> AnyArray:
-    """Samples at which the dip button goes down."""
+_Refill = tuple[int, float | None]
+"""A sample up to which is painted first, and the share of a dip that is held then; None: a dip."""
+
+
+def _refills(
+    buttons: AnyArray,
+    time_ns: AnyArray | None = None,
+    loads: tuple[AnyArray, AnyArray] | None = None,
+) -> list[_Refill]:
+    """Samples at which the dip button goes down, or at whose time the load is said."""
     down = (np.asarray(buttons) & DIP) != 0
-    return np.flatnonzero(down[1:] & ~down[:-1]) + 1
+    found: list[_Refill] = [(int(k), None) for k in np.flatnonzero(down[1:] & ~down[:-1]) + 1]
+    if time_ns is None or loads is None:
+        return found
+    at = np.searchsorted(time_ns, loads[0])
+    told = [(int(k), float(share)) for k, share in zip(at, loads[1], strict=True)]
+    return sorted(found + [one for one in told if one[0] < len(time_ns)], key=lambda one: one[0])
 
 
 def _stops(

@@ -5,6 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from paint3d.brush.dip_amount import DipAmount
 from paint3d.brush.presets import load_brush
 from paint3d.brush.spec import BrushSpec
@@ -14,7 +17,14 @@ from paint3d.colour.pigments import load_pigment
 from paint3d.core.arrays import as_number
 from paint3d.errors import BrushError, InputError, PigmentError, RecordingError, UnknownNameError
 
-__all__ = ["TIP_REACH", "recorded_amount", "recorded_brush", "recorded_ink", "recorded_tip"]
+__all__ = [
+    "TIP_REACH",
+    "recorded_amount",
+    "recorded_brush",
+    "recorded_ink",
+    "recorded_loads",
+    "recorded_tip",
+]
 
 TIP_REACH = 0.35  # of the tuft's length that a tip is dipped, where nothing is said
 
@@ -86,6 +96,34 @@ def recorded_amount(header: Mapping[str, Any]) -> DipAmount:
         return DipAmount.of(header.get("dip", {}))
     except InputError as cause:
         raise RecordingError(f"the header: {cause}") from None
+
+
+def recorded_loads(header: Mapping[str, Any]) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    """When the brush comes to hold how much, beyond what dips and its way make of it.
+
+    Returns
+    -------
+    (K,) int64
+        Times, ns, growing.
+    (K,) float64
+        Shares of what a dip gives, 0 to 1.
+
+    Raises
+    ------
+    RecordingError
+        If they are no such pairs.
+    """
+    told = header.get("loads", [])
+    expected = "pairs of a time (ns) and a share from 0 to 1, in the order of time"
+    try:
+        times = np.array([when for when, _ in told], np.int64)
+        shares = np.array([share for _, share in told], np.float64)
+    except (TypeError, ValueError, OverflowError):
+        raise RecordingError(f"the header's loads are {told!r:.60}; expected {expected}") from None
+    whole = all(type(when) is int for when, _ in told)
+    if not (whole and (np.diff(times) > 0).all() and ((shares >= 0.0) & (shares <= 1.0)).all()):
+        raise RecordingError(f"the header's loads are {told!r:.60}; expected {expected}")
+    return times, shares
 
 
 def _named_in(header: Mapping[str, Any], what: str) -> str | None:

@@ -11,6 +11,7 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 pytest.importorskip("uharfbuzz", reason="uharfbuzz is not installed")
 pytest.importorskip("svgelements", reason="svgelements is not installed")
 
+from PIL import Image
 from PySide6 import QtGui, QtTest, QtWidgets
 
 from paint3d.calligraphy.fonts.system_fonts import fonts_with
@@ -91,6 +92,19 @@ def test_characters_that_the_font_lacks_are_named(panel, monkeypatch) -> None:
     assert "U+9F98" in told[0]
     assert panel.copybook is None
     panel.font_box.setCurrentIndex(0)
+
+
+def test_a_photograph_is_opened(window, panel, tmp_path: Path) -> None:
+    pytest.importorskip("skimage", reason="scikit-image is not installed")
+    pixels = np.full((300, 300, 3), 235, np.uint8)
+    pixels[60:84, 50:250] = pixels[200:224, 50:250] = 20  # a scan of two bars: no table is seen
+    file = tmp_path / "two.png"
+    Image.fromarray(pixels).save(file)
+    panel.em.setValue(30)
+    answer(take_file(file), QtWidgets.QFileDialog)
+    QtTest.QTest.mouseClick(panel.open_button, BUTTON.LeftButton)
+    wait_for(lambda: panel.copybook is not None)
+    assert sum(len(ghost.glyph.strokes) for ghost in panel.copybook.ghosts) == 2
 
 
 @pytest.mark.parametrize("kind", [".svg", ".strokes.json"])

@@ -306,3 +306,52 @@ def test_wet_replays_take_what_is_due_and_come_out_as_if_all_were_moved():
     assert square == pytest.approx(exact[1], rel=0.02)
     assert whole == pytest.approx(exact[2], rel=1e-3)
     assert steps < 0.8 * exact[3]
+
+
+# -- loads that a recording tells ---------------------------------------------------------------
+
+
+def loaded(*loads: list[float], pressures=LANDING) -> Recording:
+    """A stroke whose header tells the brush's load from samples on."""
+    recording = stroke(pressures)
+    told = [[int(recording.time_ns[int(k)]), share] for k, share in loads]
+    return dataclasses.replace(recording, header={**recording.header, "loads": told})
+
+
+def test_a_recording_tells_how_much_the_brush_holds():
+    painter = Painter(surface())
+    full = painter.tuft.load
+    painter.replay(loaded([2, 0.2], [5, 0.1]))
+    assert 0.05 * full < painter.in_brush() <= 0.1 * full
+    accounts = painter.ledger()
+    loaded_ink = accounts.pop("loaded")
+    assert loaded_ink == pytest.approx(sum(accounts.values()), rel=1e-6)
+
+
+def test_loads_are_heeded_whatever_the_parts(monkeypatch):
+    way = loaded([5, 0.2], [19, 0.1], [30, 0.3], pressures=0.3 * np.sin(np.linspace(0, 3.1, 40)))
+    whole = Painter(surface())
+    whole.replay(way)
+    monkeypatch.setattr(engine, "_PART", 12)
+    parts = Painter(surface())
+    parts.replay(way)
+    assert np.array_equal(whole.surface.amounts, parts.surface.amounts)
+
+
+def test_a_brush_that_was_rinsed_is_filled_with_what_it_was_dipped_in():
+    painter = Painter(surface(), ink="cinnabar")
+    painter.rinse()
+    painter.fill_to(0.5)
+    assert painter.in_brush() == pytest.approx(0.5 * painter.tuft.load)
+    with pytest.raises(InputError, match="share"):
+        painter.fill_to(1.5)
+
+
+@pytest.mark.parametrize(
+    "told", ["much", [[1]], [[5, 0.1], [5, 0.2]], [[0, 2.0]], [[0.5, 0.1]], [[0, None]], 7]
+)
+def test_loads_that_are_none_are_refused(told):
+    recording = stroke(LANDING)
+    recording = dataclasses.replace(recording, header={**recording.header, "loads": told})
+    with pytest.raises(RecordingError, match=r"loads are .* expected pairs"):
+        Painter(surface()).replay(recording)

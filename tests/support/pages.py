@@ -15,7 +15,7 @@ from paint3d.brush.presets import choose_brush, load_brush
 from paint3d.calligraphy.fonts.font_file import FontFile, open_font
 from paint3d.calligraphy.fonts.shaping import Style
 from paint3d.calligraphy.fonts.typesetting import set_text
-from paint3d.calligraphy.glyph_sources import open_glyphs
+from paint3d.calligraphy.glyph_sources import GlyphSource, open_glyphs
 from paint3d.calligraphy.glyphs import EM_UNITS, Glyph
 from paint3d.calligraphy.layout import Layout
 from paint3d.calligraphy.metrics import PIXELS, Likeness, compare, copybook_mask, painted_mask
@@ -34,7 +34,15 @@ from paint3d.mesh.unrolling import unroll
 from paint3d.painter.painter import Painter
 from paint3d.surface.painted_surface import PaintedSurface
 
-__all__ = ["SCRIPTS", "PageDesk", "PieceCopy", "copy_piece", "draw_letters", "page_of"]
+__all__ = [
+    "SCRIPTS",
+    "PageDesk",
+    "PieceCopy",
+    "copy_piece",
+    "draw_letters",
+    "draw_letters_of",
+    "page_of",
+]
 
 SCRIPTS = {
     "latin": ((0x41, 0x5A), (0x61, 0x7A)),
@@ -119,6 +127,14 @@ def draw_letters(font: FontFile, script: str, n: int, seed: int) -> str:
     if not known:
         raise InputError(f"{font.name} has no letters of {script}; expected another font")
     order = np.random.default_rng(seed).permutation(len(known))[:n]
+    return "".join(chr(known[k]) for k in order)
+
+
+def draw_letters_of(source: GlyphSource, count: int, seed: int) -> str:
+    """Different Han characters that a source knows, drawn at random, the same for a seed."""
+    low, high = SCRIPTS["han"][0]
+    known = [code for code in range(low, high + 1) if source.has(chr(code))]
+    order = np.random.default_rng(seed).permutation(len(known))[:count]
     return "".join(chr(known[k]) for k in order)
 
 

@@ -6,8 +6,9 @@ __all__ = ["CHINESE"]
 
 CHINESE = {
     "No home to write to: all is kept in {folder}": "没有可写的主目录：一切暂存于 {folder}",
-    "Characters of the copybook": "字帖字形", "Open a drawing or strokes…": "打开图样或笔画…",
-    "Drawings and strokes": "图样与笔画",
+    "Characters of the copybook": "字帖字形",
+    "Open a drawing, strokes or a photograph…": "打开图样、笔画或照片…",
+    "Drawings, strokes and photographs": "图样、笔画与照片",
     "Press a seal…": "钤印…", "Lines of one width": "等宽线条", "Font": "字体",
     "A drawing instead of the text": "以图代文", "A drawing": "图样",
     "Red lines (zhuwen)": "朱文", "White lines (baiwen)": "白文", "Style": "印文",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from concurrent.futures import Future
+from pathlib import Path
 
 from paint3d.app.model.copybook import Copybook
 from paint3d.app.model.document import Document
@@ -13,7 +14,8 @@ from paint3d.app.window.wording import say
 from paint3d.app.window.workspace import Workspace
 from paint3d.calligraphy.layout import Layout
 from paint3d.calligraphy.page.opening import opened_page, set_in
-from paint3d.calligraphy.page.page import Composer
+from paint3d.calligraphy.page.page import Composer, Page
+from paint3d.files.photographs import PHOTOGRAPH_SUFFIXES, load_photograph
 
 __all__ = ["CopybookGuide"]
 
@@ -46,8 +48,8 @@ class CopybookGuide:
         return self._lay(composed, em_mm, Layout(order="columns" if columns else "row"))
 
     def layout_file(self, file: str, em_mm: float) -> bool:
-        """Lay a drawing (.svg) or a file of strokes on the object; whether that went well."""
-        return self._lay(lambda: opened_page(file), em_mm, Layout())
+        """Lay a drawing, a file of strokes or a photographed sheet; whether that went well."""
+        return self._lay(lambda: _page_of(file), em_mm, Layout())
 
     def _lay(self, compose: Callable[[], str | Composer], em_mm: float, layout: Layout) -> bool:
         workspace = self._workspace
@@ -109,3 +111,13 @@ class CopybookGuide:
         stage.show_lines("ghosts", [line for g in waiting for line in g.outlines], _OUTLINE, 1.4)
         stage.show_lines("next ghost", [line for g in current for line in g.outlines], _NEXT, 2.2)
         stage.show_lines("next way", [line for g in current for line in g.medians], _MEDIAN, 1.2)
+
+
+def _page_of(file: str) -> Page:
+    """The page in a file, by its ending; a photograph without a sheet that stands out is one."""
+    if not file.lower().endswith(PHOTOGRAPH_SUFFIXES):
+        return opened_page(file)
+    from paint3d.calligraphy.photo.copying import Asked, copy_sheet
+
+    pixels, _ = load_photograph(file)
+    return copy_sheet(pixels, Path(file).name, Asked(or_whole=True)).page

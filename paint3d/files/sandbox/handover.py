@@ -20,7 +20,7 @@ from paint3d.errors import MeshError
 __all__ = ["receive", "send"]
 
 MAX_LINE = 1 << 20
-TYPES = {"vertices": "<f4", "faces": "<i4", "normals": "<f4", "colours": "|u1"}
+TYPES = {"vertices": "<f4", "faces": "<i4", "normals": "<f4", "colours": "|u1", "pixels": "|u1"}
 NUMBERS_A_ROW = 3
 _ALIGNED = 8  # where numbers begin: kernels take no others
 

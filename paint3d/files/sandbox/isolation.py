@@ -15,8 +15,13 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from paint3d.core.machine import handed_to_child, make_memory_file
+from paint3d.core.types import AnyArray
 from paint3d.errors import MeshError
 from paint3d.files.progress import Progress
 from paint3d.files.sandbox.handover import receive
@@ -24,7 +29,14 @@ from paint3d.files.sandbox.patience import Watch
 from paint3d.files.sandbox.reading import Reading, Wanted
 from paint3d.mesh.triangle_mesh import TriangleMesh
 
-__all__ = ["MAX_IDLE_SECONDS", "MAX_MEMORY", "MAX_SECONDS", "PICTURE_SECONDS", "read_apart"]
+__all__ = [
+    "MAX_IDLE_SECONDS",
+    "MAX_MEMORY",
+    "MAX_SECONDS",
+    "PICTURE_SECONDS",
+    "read_apart",
+    "read_photograph_apart",
+]
 
 MAX_MEMORY = 2 << 30
 MAX_SECONDS = 20  # of computing
@@ -56,9 +68,51 @@ def read_apart(
     """
     if seconds is None:
         seconds = PICTURE_SECONDS if wanted.texture else MAX_SECONDS
+    limits = seconds, idle_seconds
+    return _reading(*_read_apart(path, "mesh", list(wanted), limits, progress))
+
+
+def read_photograph_apart(
+    path: Path, longest: int, progress: Progress | None = None
+) -> tuple[NDArray[np.uint8], tuple[int, int]]:
+    """Read a photograph in a child process with 2 GiB of memory and 60 s of computing.
+
+    Parameters
+    ----------
+    path : Path
+    longest : int
+        Pixels of its longer side, at the most: larger ones are made smaller.
+    progress : callable, optional
+
+    Returns
+    -------
+    (H, W, 3) uint8
+        sRGB codes, upright.
+    (int, int)
+        Its own height and width.
+
+    Raises
+    ------
+    InputError
+        As the reader says, or that it crashed, took too long or needed too much memory.
+    """
+    limits = PICTURE_SECONDS, MAX_IDLE_SECONDS
+    arrays, facts = _read_apart(path, "photograph", [longest], limits, progress)
+    (height, width), full = facts["size"], facts["full"]
+    return arrays["pixels"].reshape(int(height), int(width), 3), (int(full[0]), int(full[1]))
+
+
+def _read_apart(
+    path: Path,
+    kind: str,
+    wanted: list[Any],
+    limits: tuple[float, float],
+    progress: Progress | None,
+) -> tuple[dict[str, AnyArray], dict[str, Any]]:
+    """What a child process reads of a file: arrays, and facts."""
     descriptor = make_memory_file()
     try:
-        _run(path, wanted, descriptor, (seconds, idle_seconds), progress)
+        _run(path, kind, wanted, descriptor, limits, progress)
         return _received(path, descriptor)
     finally:
         os.close(descriptor)
@@ -66,7 +120,8 @@ def read_apart(
 
 def _run(
     path: Path,
-    wanted: Wanted,
+    kind: str,
+    wanted: list[Any],
     descriptor: int,
     limits: tuple[float, float],
     progress: Progress | None,
@@ -74,7 +129,8 @@ def _run(
     number, handed = handed_to_child(descriptor)
     request = {
         "path": os.fsencode(path).hex(),
-        "wanted": list(wanted),
+        "kind": kind,
+        "wanted": wanted,
         "file": number,
         "memory": MAX_MEMORY,
         "seconds": math.ceil(limits[0]),  # where its parent cannot look, or is gone
@@ -136,7 +192,7 @@ def _too_long(path: Path, seconds: float) -> MeshError:
     )
 
 
-def _received(path: Path, descriptor: int) -> Reading:
+def _received(path: Path, descriptor: int) -> tuple[dict[str, AnyArray], dict[str, Any]]:
     try:
         arrays, facts = receive(descriptor)
     except MeshError as cause:
@@ -145,6 +201,10 @@ def _received(path: Path, descriptor: int) -> Reading:
         ) from None
     if "error" in facts:
         raise MeshError(str(facts["error"]))
+    return arrays, facts
+
+
+def _reading(arrays: dict[str, AnyArray], facts: dict[str, Any]) -> Reading:
     mesh = TriangleMesh(
         arrays["vertices"],
         arrays["faces"],

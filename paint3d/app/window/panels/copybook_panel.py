@@ -12,6 +12,7 @@ from paint3d.app.window.panels.font_box import FontBox
 from paint3d.app.window.theme import Theme
 from paint3d.app.window.wording import say
 from paint3d.calligraphy.page.opening import PAGE_FILES
+from paint3d.files.photographs import PHOTOGRAPH_SUFFIXES
 
 __all__ = ["CopybookPanel"]
 
@@ -53,7 +54,7 @@ class CopybookPanel(QtWidgets.QWidget):
         self.direction.addItem(say("copybook.row"), False)
         self.font_box = FontBox()
         layout_text = QtWidgets.QPushButton(say("copybook.place"))
-        self.open_button = QtWidgets.QPushButton(say("Open a drawing or strokes…"))
+        self.open_button = QtWidgets.QPushButton(say("Open a drawing, strokes or a photograph…"))
         self.open_button.clicked.connect(self.choose_file)
         hide = QtWidgets.QPushButton(say("copybook.hide"))
         layout_text.clicked.connect(self.ask)
@@ -88,8 +89,11 @@ class CopybookPanel(QtWidgets.QWidget):
 
     def choose_file(self) -> None:
         """Ask for a drawing or a file of strokes."""
-        kinds = f"{say('Drawings and strokes')} ({' '.join('*' + kind for kind in PAGE_FILES)})"
-        dialog = QtWidgets.QFileDialog(self, say("Open a drawing or strokes…"), filter=kinds)
+        endings = " ".join("*" + kind for kind in (*PAGE_FILES, *PHOTOGRAPH_SUFFIXES))
+        kinds = f"{say('Drawings, strokes and photographs')} ({endings})"
+        dialog = QtWidgets.QFileDialog(
+            self, say("Open a drawing, strokes or a photograph…"), filter=kinds
+        )
         dialog.setOption(QtWidgets.QFileDialog.Option.DontUseNativeDialog)
         dialog.setFileMode(QtWidgets.QFileDialog.FileMode.ExistingFile)
         if dialog.exec() and dialog.selectedFiles():

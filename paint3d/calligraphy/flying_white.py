@@ -1,0 +1,160 @@
+"""How much ink a brush holds along a stroke, so that it leaves as much bare as was asked for.
+
+A brush that runs dry touches only what stands out of a surface's grain (docs/model.md, equation
+(13)). What share of its footprint that is depends on the level λ alone: its load over the one at
+which it begins to skip, g (0.8 - 0.4 pe) of a dip on a material of grain g. So a share that shall
+stay bare gives λ, by a table, and with the planned pressure the load. The recording's header tells
+it (``loads``) wherever it changes: how much is bare, and where along the stroke; not which streak.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.brush.dip_amount import DipAmount
+from paint3d.calligraphy.footprint_table import FootprintTable
+from paint3d.calligraphy.glyphs import Glyph
+from paint3d.calligraphy.planning import on_paper
+from paint3d.calligraphy.timing import Motion
+from paint3d.colour.material import Material
+from paint3d.core.types import AnyArray
+from paint3d.device.recorded import Recording
+
+__all__ = ["dried_as", "dryness_of_motion", "loads_for", "with_loads"]
+
+# What share of a written stroke is covered at levels of 0 to 1: three characters of 25, 40 and 70
+# mm, all their strokes alike, on xuan paper. Brushes drawn straight cover less (.05 at .05, .44 at
+# .4, .89 at .7; on plaster and with three brushes to .03 the same): a written footprint turns.
+_LEVELS = (0.0, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0)
+_COVERED = (
+    0.0, 0.107, 0.149, 0.201, 0.261, 0.332, 0.415, 0.489, 0.565, 0.703, 0.823, 0.907, 0.964,
+    0.998, 1.0,
+)  # fmt: skip
+_SKIPS_AT, _PRESSED = 0.8, 0.4  # of a dip, on grain 1: model.md, 5; less by so much when pressed
+_DRIEST = 0.97  # share left bare, that a stroke is painted with at the most
+_WET = 0.03  # share left bare, below which ink is as full as it comes
+_FULLNESS = 3.0  # of a dip: streaks of a brush that is nearly dry are as black as wet ink
+_NEXT = 0.04  # of itself, or of a tenth of a dip: by how much a load must differ to be told anew
+_MOST_TOLD = 1500  # loads in a header, whose line has no more room
+_DECIMALS = 4
+
+
+def dryness_of_motion(
+    motion: Motion, glyph: Glyph, em_mm: float, footprints: FootprintTable
+) -> NDArray[np.float64]:
+    """What share shall stay bare below the brush at every sample; NaN where it is not known.
+
+    Parameters
+    ----------
+    motion : Motion
+        Of the glyph, planned.
+    glyph : Glyph
+        Its strokes say how dry they are.
+    em_mm : float
+    footprints : FootprintTable
+        Of the brush: where below it the ink goes.
+    """
+    dryness = np.full(len(motion.time_s), np.nan)
+    depth = np.clip(-motion.height, footprints.descents[0], footprints.descents[-1])
+    ahead = np.interp(depth, footprints.descents, footprints.centroids)
+    bend = np.stack([np.cos(motion.azimuth), np.sin(motion.azimuth)], axis=1)
+    middle = motion.handle + ahead[:, None] * bend
+    for k, stroke in enumerate(glyph.strokes):
+        mine = np.flatnonzero(motion.stroke == k)
+        if not stroke.dryness or not len(mine):
+            continue
+        share = _along(on_paper(stroke.median, em_mm), middle[mine])
+        n = len(stroke.dryness)
+        dryness[mine] = np.interp(share, (np.arange(n) + 0.5) / n, stroke.dryness)
+    return dryness
+
+
+def _along(line: AnyArray, points: AnyArray) -> NDArray[np.float64]:
+    """How far along a line (M, 2) the nearest place to each point lies, 0 to 1, never going back.
+
+    A stroke may cross itself: each point is looked for near the one before.
+    """
+    steps = np.linalg.norm(np.diff(line, axis=0), axis=1)
+    way = np.concatenate([[0.0], np.cumsum(steps)])
+    fine = np.linspace(0.0, way[-1], 400)
+    places = np.column_stack([np.interp(fine, way, line[:, k]) for k in (0, 1)])
+    at = np.empty(len(points))
+    last = 0
+    for k, point in enumerate(points):
+        first, end = max(0, last - 20), min(len(fine), last + 60)
+        off = np.linalg.norm(places[first:end] - point, axis=1)
+        last = first + int(np.argmin(off))
+        at[k] = last / (len(fine) - 1)
+    return np.maximum.accumulate(at)
+
+
+def dried_as(recording: Recording, dryness: AnyArray | None, material: Material) -> Recording:
+    """A recording whose brush is as dry as was asked for, on a material.
+
+    Parameters
+    ----------
+    recording : Recording
+        With pressures.
+    dryness : (N,) float64, optional
+        What share shall stay bare below the brush at each sample; None: the same recording.
+    material : Material
+        Where it has no grain nothing stays bare.
+    """
+    if dryness is None or recording.pressure is None or not material.grain > 0.0:
+        return recording
+    return with_loads(recording, loads_for(dryness, recording.pressure, material.grain), _FULLNESS)
+
+
+def loads_for(dryness: AnyArray, pressure: AnyArray, grain: float) -> NDArray[np.float64]:
+    """The load, as a share of a dip three times as full as usual, that leaves such shares bare.
+
+    Parameters
+    ----------
+    dryness, pressure : (N,) float64
+        0 to 1.
+    grain : float
+        Of the surface's material; on one without, nothing stays bare.
+    """
+    begins = grain * (_SKIPS_AT - _PRESSED * np.asarray(pressure, np.float64))
+    bare = np.clip(dryness, 0.0, _DRIEST)
+    level = np.interp(1.0 - bare, _COVERED, _LEVELS)
+    wet = np.maximum(begins, 1.0 / _FULLNESS)
+    return np.where(np.isnan(dryness), np.nan, np.where(bare < _WET, wet, level * begins))
+
+
+def with_loads(recording: Recording, loads: AnyArray, fullness: float = 1.0) -> Recording:
+    """A recording whose header tells the brush's load wherever it changes.
+
+    Parameters
+    ----------
+    recording : Recording
+    loads : (N,) float64
+        Of every sample, as shares of a dip; NaN: as it comes.
+    fullness : float
+        Of a dip, see `DipAmount`.
+    """
+    step, told = _NEXT, _changes(recording, loads, _NEXT)
+    while len(told) > _MOST_TOLD and step < 1.0:
+        step *= 1.5
+        told = _changes(recording, loads, step)
+    amount = DipAmount(1.0, fullness).words()
+    return replace(
+        recording, header={**recording.header, "dip": amount, "loads": told[:_MOST_TOLD]}
+    )
+
+
+def _changes(recording: Recording, loads: AnyArray, step: float) -> list[list[float]]:
+    """Times (ns) and loads where they have changed by a share, and where each stroke begins."""
+    told: list[list[float]] = []
+    known = np.flatnonzero(np.isfinite(loads))
+    for run in np.split(known, np.flatnonzero(np.diff(known) > 1) + 1):
+        held = math.inf
+        for k in run:
+            if held == math.inf or abs(loads[k] - held) > step * max(held, 0.1):
+                held = float(loads[k])
+                told.append([int(recording.time_ns[k]), round(held, _DECIMALS)])
+    return told

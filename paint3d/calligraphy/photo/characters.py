@@ -1,0 +1,262 @@
+"""Which ink on a sheet is one character: by the gaps between them, or by how many there are."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.core.types import AnyArray
+from paint3d.errors import InputError
+
+if TYPE_CHECKING:
+    from shapely import MultiPolygon, Polygon
+
+__all__ = ["Character", "characters_of"]
+
+_APART = 1.2  # stroke widths between inks of two characters, at the least
+_ALIKE = 0.5  # of the usual size: smaller inks join their neighbour
+_CELLS = 240  # that a column is cut at
+_UNEVEN = 3.0  # price of a character that is twice as long as its share, in ink that a cut crosses
+
+
+@dataclass(frozen=True, eq=False)
+class Character:
+    """Ink that belongs together.
+
+    Attributes
+    ----------
+    text : str
+        The character where it is known, else its number.
+    shape : MultiPolygon
+        Pixels, y down.
+    """
+
+    text: str
+    shape: MultiPolygon
+
+    @property
+    def size(self) -> tuple[float, float]:
+        """Width and height, pixels."""
+        left, low, right, high = self.shape.bounds
+        return right - left, high - low
+
+
+def characters_of(
+    parts: Sequence[Polygon], width: float, lines: Sequence[str] = (), *, columns: bool = True
+) -> list[Character]:
+    """Put the connected inks of a sheet into characters, in the order of reading.
+
+    Parameters
+    ----------
+    parts : sequence of shapely.Polygon
+        Pixels, y down.
+    width : float
+        Of a usual stroke, pixels.
+    lines : sequence of str
+        The characters of each column, from the right, or of each row; a single one may stand for
+        all of them together.
+    columns : bool
+
+    Raises
+    ------
+    InputError
+        If there are fewer inks than characters.
+    """
+    if not lines:
+        return _by_gaps(parts, width, columns)
+    n = sum(map(len, lines))
+    if len(parts) < n:
+        raise InputError(
+            f"the text has {n} characters, the sheet {len(parts)} inks apart from each other; "
+            "expected no fewer: leave --text out where characters are joined"
+        )
+    boxes = np.array([part.bounds for part in parts])
+    if not columns:
+        boxes = boxes[:, [1, 0, 3, 2]]
+    found = _in_lines(boxes, list(lines), columns)
+    text = "".join(lines)
+    return [_character(text[k], [parts[i] for i in found[k]]) for k in range(n)]
+
+
+def _character(text: str, parts: Sequence[Polygon]) -> Character:
+    import shapely
+
+    return Character(text, shapely.MultiPolygon(parts))
+
+
+# -- by gaps ------------------------------------------------------------------------------------
+
+
+def _by_gaps(parts: Sequence[Polygon], width: float, columns: bool) -> list[Character]:
+    """Inks whose boxes overlap or are near each other are one; small ones join the nearest."""
+    boxes = np.array([part.bounds for part in parts])
+    groups = [[k] for k in range(len(parts))]
+    near = _APART * width
+    while len(groups) > 1:
+        spans = np.array([_around(boxes[group]) for group in groups])
+        gaps = _gaps(spans)
+        sizes = np.maximum(spans[:, 2] - spans[:, 0], spans[:, 3] - spans[:, 1])
+        usual = float(np.quantile(sizes, 0.8))
+        small = np.minimum.outer(sizes, sizes) < _ALIKE * usual
+        grown = _grown(spans)
+        fits = grown < 1.35 * usual
+        price = np.where(small & fits, gaps, np.where(gaps < near, gaps, np.inf))
+        price = np.where(fits | (gaps <= 0.0), price, np.inf)
+        i, j = np.unravel_index(int(np.argmin(price)), price.shape)
+        if not np.isfinite(price[i, j]) or price[i, j] > 0.5 * usual:
+            break
+        groups[min(i, j)] += groups.pop(max(i, j))
+    spans = np.array([_around(boxes[group]) for group in groups])
+    order = _reading_order(spans, columns)
+    return [_character(str(n + 1), [parts[i] for i in groups[k]]) for n, k in enumerate(order)]
+
+
+def _around(boxes: AnyArray) -> NDArray[np.float64]:
+    return np.concatenate([boxes[:, :2].min(axis=0), boxes[:, 2:].max(axis=0)])
+
+
+def _gaps(spans: AnyArray) -> NDArray[np.float64]:
+    """How far boxes are apart (K, K); infinite from themselves."""
+    low, high = spans[:, :2], spans[:, 2:]
+    apart = np.maximum(low[:, None] - high[None], low[None] - high[:, None])
+    gaps = np.where((apart > 0.0).all(axis=2), np.hypot(*apart.transpose(2, 0, 1)), apart.max(2))
+    np.fill_diagonal(gaps, np.inf)
+    result: NDArray[np.float64] = gaps
+    return result
+
+
+def _grown(spans: AnyArray) -> NDArray[np.float64]:
+    """Longer side (K, K) of the box around two boxes."""
+    low = np.minimum(spans[:, None, :2], spans[None, :, :2])
+    high = np.maximum(spans[:, None, 2:], spans[None, :, 2:])
+    result: NDArray[np.float64] = (high - low).max(axis=2)
+    return result
+
+
+def _reading_order(spans: AnyArray, columns: bool) -> list[int]:
+    """Columns from the right, each downwards; or rows from the top, each to the right."""
+    middle = 0.5 * (spans[:, :2] + spans[:, 2:])
+    across = -middle[:, 0] if columns else middle[:, 1]
+    along = middle[:, 1] if columns else middle[:, 0]
+    size = spans[:, 2] - spans[:, 0] if columns else spans[:, 3] - spans[:, 1]
+    order = np.argsort(across, kind="stable")
+    line, lines = 0, np.zeros(len(spans), int)
+    begin = across[order[0]]
+    for k in order:
+        if across[k] - begin > 0.6 * float(np.median(size)):
+            line, begin = line + 1, across[k]
+        lines[k] = line
+    return sorted(range(len(spans)), key=lambda k: (lines[k], along[k]))
+
+
+# -- by how many there are ----------------------------------------------------------------------
+
+
+def _in_lines(boxes: AnyArray, lines: list[str], columns: bool) -> list[list[int]]:
+    """Which boxes (K, 4) belong to each character; lines run along y, side by side along x."""
+    counts = [len(line) for line in lines]
+    across = 0.5 * (boxes[:, 0] + boxes[:, 2])
+    bounds = _line_spans(boxes, sum(counts))
+    if len(lines) > 1 and len(bounds) != len(lines):
+        bounds = _cut_evenly(boxes[:, [0, 2]], [1] * len(lines))
+    if columns:
+        bounds = bounds[::-1]
+    if len(lines) == 1 and len(bounds) > 1:
+        counts = _shared_out(boxes, bounds, counts[0])
+    found: list[list[int]] = []
+    if len(bounds) != len(counts):
+        bounds = [(-math.inf, math.inf)]
+    for (left, right), n in zip(bounds, counts, strict=True):
+        mine = np.flatnonzero((across >= left) & (across < right))
+        found += _cut(boxes, mine, n)
+    return found
+
+
+def _line_spans(boxes: AnyArray, most: int) -> list[tuple[float, float]]:
+    """Spans of lines that no ink joins, small ones with their neighbour; `most` or fewer."""
+    order = np.argsort(boxes[:, 0])
+    spans: list[list[float]] = []
+    for k in order:
+        left, right = boxes[k, 0], boxes[k, 2]
+        if spans and left <= spans[-1][1]:
+            spans[-1][1] = max(spans[-1][1], right)
+        else:
+            spans.append([left, right])
+    widest = max(right - left for left, right in spans)
+    while len(spans) > 1:
+        gaps = [b[0] - a[1] for a, b in pairwise(spans)]
+        joined = [b[1] - a[0] for a, b in pairwise(spans)]
+        can = [k for k in range(len(gaps)) if joined[k] < 1.25 * widest]
+        if not can and len(spans) <= most:
+            break
+        k = min(can or range(len(gaps)), key=lambda i: gaps[i])
+        spans[k : k + 2] = [[spans[k][0], spans[k + 1][1]]]
+        widest = max(right - left for left, right in spans)
+    return [(left, right + 1e-9) for left, right in spans]
+
+
+def _shared_out(boxes: AnyArray, bounds: list[tuple[float, float]], n: int) -> list[int]:
+    """How many of n characters stand in each line, by how long the lines are; at least one."""
+    lengths = []
+    for left, right in bounds:
+        across = 0.5 * (boxes[:, 0] + boxes[:, 2])
+        mine = boxes[(across >= left) & (across < right)]
+        lengths.append(float(mine[:, 3].max() - mine[:, 1].min()))
+    counts = [1] * len(bounds)
+    while sum(counts) < n:
+        counts[int(np.argmax(np.array(lengths) / counts))] += 1
+    return counts
+
+
+def _cut_evenly(spans: AnyArray, counts: Sequence[int]) -> list[tuple[float, float]]:
+    """Spans of as many lines as there are, where least ink is crossed."""
+    cuts = _cuts(spans, len(counts))
+    return list(pairwise(cuts))
+
+
+def _cut(boxes: AnyArray, mine: AnyArray, n: int) -> list[list[int]]:
+    """The boxes of one line as n characters."""
+    if not len(mine):
+        raise InputError("the sheet has a line without ink; expected text in every line of --text")
+    cuts = _cuts(boxes[mine][:, [1, 3]], n)
+    middles = 0.5 * (boxes[mine, 1] + boxes[mine, 3])
+    which = np.clip(np.searchsorted(cuts, middles, side="right") - 1, 0, n - 1)
+    groups = [mine[which == k].tolist() for k in range(n)]
+    if not all(groups):
+        raise InputError(
+            f"{n} characters were expected in a line where {sum(map(bool, groups))} were found; "
+            "expected --text with a line break after each column (--layout row: row)"
+        )
+    return groups
+
+
+def _cuts(spans: AnyArray, n: int) -> NDArray[np.float64]:
+    """Places (n + 1,) that part inks with spans (K, 2) into n, evenly and crossing few.
+
+    The least of what the cuts cross and of how uneven the parts are, by dynamic programming.
+    """
+    low, high = float(spans[:, 0].min()), float(spans[:, 1].max())
+    grid = np.linspace(low, high + 1e-6, _CELLS + 1)
+    longest = max(float((spans[:, 1] - spans[:, 0]).max()), 1e-9)
+    inside = np.minimum(grid[:, None] - spans[:, 0], spans[:, 1] - grid[:, None])
+    crossed = np.clip(inside, 0.0, None).sum(axis=1) / longest
+    share = (high - low) / n
+    best = np.full((n + 1, len(grid)), np.inf)
+    came = np.zeros((n + 1, len(grid)), int)
+    best[0, 0] = 0.0
+    uneven = _UNEVEN * (np.subtract.outer(grid, grid) / share - 1.0) ** 2  # [end, start]
+    uneven[np.triu_indices(len(grid))] = np.inf
+    for k in range(1, n + 1):
+        total = best[k - 1][None] + uneven + crossed[:, None] * (k < n)
+        came[k] = total.argmin(axis=1)
+        best[k] = total.min(axis=1)
+    at = [len(grid) - 1]
+    for k in range(n, 0, -1):
+        at.append(int(came[k, at[-1]]))
+    return grid[at[::-1]]

@@ -1,0 +1,209 @@
+"""From a photograph to a page of strokes: the one way through the steps.
+
+The sheet is found and laid flat, its light taken out, black ink told from red; the ink's shape is
+taken apart into strokes as a font's is, and along each it is measured how dry the brush was.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.calligraphy.glyphs import EM_UNITS, Box, Glyph, GlyphStroke
+from paint3d.calligraphy.page.bands import fill_in_bands, is_wide
+from paint3d.calligraphy.page.page import Page, Piece
+from paint3d.calligraphy.photo.characters import Character, characters_of
+from paint3d.calligraphy.photo.dryness import dryness_along
+from paint3d.calligraphy.photo.ink_mask import InkMask, find_ink
+from paint3d.calligraphy.photo.inks import rubbed, unmixed
+from paint3d.calligraphy.photo.light import flattened
+from paint3d.calligraphy.photo.outlines import polygons_in
+from paint3d.calligraphy.photo.seen import check_exposure, check_ground
+from paint3d.calligraphy.photo.sheet import checked_corners, find_sheet, whole_picture
+from paint3d.calligraphy.photo.straighten import sheet_size, straightened
+from paint3d.calligraphy.shapes.decompose import decompose
+from paint3d.core.types import AnyArray
+from paint3d.errors import InputError
+
+if TYPE_CHECKING:
+    from shapely import MultiPolygon
+
+__all__ = ["Asked", "CopiedSheet", "copy_sheet", "on_sheet"]
+
+_LONGEST = 1600  # pixels of the straightened sheet
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What is known of a photograph.
+
+    Attributes
+    ----------
+    corners : (4, 2) array, optional
+        Of the sheet, pixels, in any order that goes around it.
+    whole, or_whole : bool
+        The picture is the sheet, as from a scanner; or it is where no sheet stands out in it.
+    invert : bool
+        It is a rubbing: white strokes on black.
+    lines : tuple of str
+        The characters, column by column from the right, or row by row; () where they are not
+        known.
+    columns : bool
+        Whether they stand in columns.
+    templates : mapping
+        Glyphs of characters that are known.
+    """
+
+    corners: AnyArray | None = None
+    whole: bool = False
+    or_whole: bool = False
+    invert: bool = False
+    lines: tuple[str, ...] = ()
+    columns: bool = True
+    templates: Mapping[str, Glyph] | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class CopiedSheet:
+    """A sheet and its strokes.
+
+    Attributes
+    ----------
+    page : Page
+        Its strokes know how dry they are.
+    picture : (H, W, 3) uint8
+        The sheet laid flat, sRGB codes.
+    ink : InkMask
+        On that sheet.
+    red : (H, W) float32
+        Density of seals there.
+    corners : (4, 2) float64
+        Of the sheet in the photograph, pixels.
+    per_unit : float
+        Pixels of the sheet to a glyph unit; the unit (x, y) of the page lies at pixel
+        per_unit * (x, -y) + origin.
+    origin : (2,) float64
+        Pixels.
+    """
+
+    page: Page
+    picture: NDArray[np.uint8]
+    ink: InkMask
+    red: NDArray[np.float32]
+    corners: NDArray[np.float64]
+    per_unit: float
+    origin: NDArray[np.float64]
+
+    @property
+    def wet_page(self) -> Page:
+        """The page as a full brush would write it."""
+        pieces = []
+        for piece in self.page.pieces:
+            strokes = tuple(replace(stroke, dryness=()) for stroke in piece.glyph.strokes)
+            pieces.append(replace(piece, glyph=replace(piece.glyph, strokes=strokes)))
+        return replace(self.page, pieces=tuple(pieces))
+
+
+def copy_sheet(pixels: NDArray[np.uint8], name: str, asked: Asked | None = None) -> CopiedSheet:
+    """Find the strokes on a photographed sheet.
+
+    Parameters
+    ----------
+    pixels : (H, W, 3) uint8
+        sRGB codes.
+    name : str
+        Of the photograph, for reports.
+    asked : Asked, optional
+
+    Raises
+    ------
+    InputError
+        If there is no sheet or no ink, or too little can be seen of it; the message says what to
+        do.
+    """
+    asked = asked or Asked()
+    corners = _corners(pixels, asked)
+    sheet = straightened(pixels, corners, sheet_size(corners, pixels.shape[:2], _LONGEST))
+    reflected, paper = flattened(sheet)
+    if not asked.invert:
+        check_ground(sheet)
+        check_exposure(sheet, paper)
+    inks = rubbed(sheet) if asked.invert else unmixed(reflected)
+    ink = find_ink(inks.black)
+    found = characters_of(polygons_in(ink.body), ink.width, asked.lines, columns=asked.columns)
+    per_unit = _em_of(found) / EM_UNITS
+    origin = np.array([0.0, float(sheet.shape[0])])
+    pieces = [_piece(one, ink, asked, per_unit, origin) for one in found]
+    page = Page(tuple(pieces), name, f"Photograph: {name}")
+    return CopiedSheet(page, _as_codes(sheet), ink, inks.red, corners, per_unit, origin)
+
+
+def _corners(pixels: NDArray[np.uint8], asked: Asked) -> NDArray[np.float64]:
+    """The sheet's corners, as they are asked for."""
+    if asked.corners is not None:
+        return checked_corners(asked.corners, pixels.shape[:2])
+    if asked.whole:
+        return whole_picture(pixels)
+    try:
+        return find_sheet(pixels)
+    except InputError:
+        if not asked.or_whole:
+            raise
+        return whole_picture(pixels)
+
+
+def _em_of(found: Sequence[Character]) -> float:
+    """Longer side of a usual character, pixels."""
+    return float(np.median([max(one.size) for one in found]))
+
+
+def _piece(one: Character, ink: InkMask, asked: Asked, per_unit: float, origin: AnyArray) -> Piece:
+    """One character with its strokes, which lie about the middle of its box."""
+    import shapely
+
+    shape: MultiPolygon = shapely.transform(
+        one.shape, lambda points: (points - origin) / per_unit * np.array([1.0, -1.0])
+    )
+    left, lower, right, upper = shape.bounds
+    box: Box = (left, lower, right, upper)
+    template = (asked.templates or {}).get(one.text)
+    strokes = []
+    for stroke in decompose(shape, template=template):
+        for part in _in_bands(stroke):
+            seen = on_sheet(part, per_unit, origin)
+            dryness, _ = dryness_along(seen, ink.cover, ink.mask)
+            strokes.append(replace(part, dryness=dryness))
+    at = 0.5 * (left + right), 0.5 * (lower + upper)
+    return Piece(Glyph(one.text, tuple(strokes), box), at)
+
+
+def _in_bands(stroke: GlyphStroke) -> list[GlyphStroke]:
+    """A stroke, or the bands that fill one that is wider than the brush."""
+    import shapely
+
+    if not is_wide(stroke):
+        return [stroke]
+    area = shapely.Polygon(stroke.outline, stroke.holes)
+    return fill_in_bands(area if area.is_valid else area.buffer(0.0))
+
+
+def on_sheet(stroke: GlyphStroke, per_unit: float, origin: AnyArray) -> GlyphStroke:
+    """A stroke of the page in pixels of the sheet, y down; see `CopiedSheet`."""
+
+    def back(points: AnyArray) -> AnyArray:
+        on: AnyArray = per_unit * points * np.array([1.0, -1.0]) + origin
+        return on
+
+    holes = tuple(back(hole) for hole in stroke.holes)
+    return GlyphStroke(back(stroke.outline), back(stroke.median), holes)
+
+
+def _as_codes(sheet: NDArray[np.float32]) -> NDArray[np.uint8]:
+    light = np.clip(sheet, 0.0, 1.0)
+    curve = np.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** (1.0 / 2.4) - 0.055)
+    result: NDArray[np.uint8] = np.round(255.0 * curve).astype(np.uint8)
+    return result

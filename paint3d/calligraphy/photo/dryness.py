@@ -1,0 +1,98 @@
+"""How dry the brush was along a stroke: what share of its body the ink left bare."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.calligraphy.glyphs import GlyphStroke
+from paint3d.calligraphy.kernels.raster import fill_polygon
+from paint3d.core.types import AnyArray
+
+__all__ = ["dryness_along", "stations_along"]
+
+_APART = 0.6  # stroke widths from station to station
+_FEWEST, _MOST = 4, 32
+_FULL = 70.0  # per cent of a stroke's inked pixels that are paler: its full ink
+_PALEST = 0.35  # of the sheet's full ink, that a stroke's own full ink is at the least
+_EDGE = 1.5  # pixels of the body's rim that are blurred with the paper
+_EVEN = 0.04  # of unevenness that wet ink has too
+
+
+def stations_along(median: AnyArray, width: float) -> NDArray[np.float64]:
+    """Even stations (K, 2) along a line, the middles of pieces of equal length."""
+    steps = np.linalg.norm(np.diff(median, axis=0), axis=1)
+    way = np.concatenate([[0.0], np.cumsum(steps)])
+    n = min(max(math.ceil(way[-1] / max(_APART * width, 1e-9)), _FEWEST), _MOST)
+    at = (np.arange(n) + 0.5) / n * way[-1]
+    return np.column_stack([np.interp(at, way, median[:, axis]) for axis in (0, 1)])
+
+
+def dryness_along(
+    stroke: GlyphStroke, cover: NDArray[np.float32], inked: NDArray[np.bool_]
+) -> tuple[tuple[float, ...], float]:
+    """How dry a stroke is at even stations, and how strong its ink.
+
+    Parameters
+    ----------
+    stroke : GlyphStroke
+        In pixels of the sheet, y down.
+    cover : (H, W) float32
+        How much of a pixel is inked, 0 to 1.
+    inked : (H, W) bool
+        Where ink is.
+
+    Returns
+    -------
+    tuple of float
+        The share that is bare at each station, 0 to 1.
+    float
+        How strong its own unbroken ink is, against the sheet's.
+    """
+    from scipy.spatial import cKDTree
+
+    low = np.floor(stroke.outline.min(axis=0)).astype(int) - 1
+    low = np.maximum(low, 0)
+    high = np.minimum(np.ceil(stroke.outline.max(axis=0)).astype(int) + 2, cover.shape[::-1])
+    box = slice(low[1], high[1]), slice(low[0], high[0])
+    region = _filled(stroke, low, high)
+    values = cover[box]
+    ink = values[region & inked[box]]
+    own = max(float(np.percentile(ink, _FULL)), _PALEST) if len(ink) else 1.0
+    rows, columns = np.nonzero(_core(region))
+    places = np.column_stack([columns, rows]) + low + 0.5
+    width = region.sum() / max(_length(stroke.median), 1.0)
+    stations = stations_along(stroke.median, width)
+    _, nearest = cKDTree(stations).query(places)
+    covered = np.clip(values[rows, columns] / own / (1.0 - _EVEN), 0.0, 1.0)
+    counts = np.bincount(nearest, minlength=len(stations))
+    sums = np.bincount(nearest, covered, minlength=len(stations))
+    bare = 1.0 - sums / np.maximum(counts, 1)
+    known = np.flatnonzero(counts)
+    bare = np.interp(np.arange(len(stations)), known, bare[known]) if len(known) else 0.0 * bare
+    return tuple(np.round(np.clip(bare, 0.0, 1.0), 3).tolist()), own
+
+
+def _length(line: AnyArray) -> float:
+    return float(np.linalg.norm(np.diff(line, axis=0), axis=1).sum())
+
+
+def _filled(stroke: GlyphStroke, low: AnyArray, high: AnyArray) -> NDArray[np.bool_]:
+    """The pixels of a stroke's region within a box."""
+    size = (high[1] - low[1], high[0] - low[0])
+    region, holes = np.zeros(size, np.bool_), np.zeros(size, np.bool_)
+    fill_polygon(np.ascontiguousarray(stroke.outline - low), region)
+    for hole in stroke.holes:
+        fill_polygon(np.ascontiguousarray(hole - low), holes)
+    return region & ~holes
+
+
+def _core(region: AnyArray) -> NDArray[np.bool_]:
+    """A region without its rim, or all of it where it is thin."""
+    from scipy.ndimage import distance_transform_edt
+
+    depth = distance_transform_edt(np.pad(region, 1))[1:-1, 1:-1]
+    core: NDArray[np.bool_] = depth > _EDGE
+    return core if core.sum() > 0.3 * region.sum() else region

@@ -1,0 +1,189 @@
+"""Where ink is on a sheet, and the strokes' bodies: as far as the brush went, flying white too."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.core.types import AnyArray
+from paint3d.errors import InputError
+
+__all__ = ["InkMask", "find_ink", "otsu"]
+
+_LOW, _HIGH = 0.3, 0.8  # of Otsu's threshold: ink goes on to the one where it reaches the other
+_EDGE = 0.55  # of the light that ink near by takes: there an edge lies, however it is blurred
+_NOISES = 5.0  # standard deviations of the paper that ink stands out by at the least
+_FAINTEST = 0.06  # density of the palest ink that is one
+_SPECK = 0.01  # squares of a stroke's width: smaller bits of ink are dust
+_MARGIN = 0.012  # of the sheet's shorter side: its edges are no strokes
+_GAP = 0.5  # half widths: bare streaks up to twice as wide belong to the stroke
+_DRY_GAP = 1.0  # the same where ink lies in streaks
+_STREAK, _STREAKS = 0.16, 0.16  # of a width: half of a streak's; share of a place that they cover
+_HOLE = 0.3  # squares of a width: smaller holes do
+_MOST = 0.6  # of the sheet: more than that is no writing
+_LEAST = 2e-4
+_COARSEST = 5.0  # pixels: narrower strokes are too coarse to be taken apart
+
+
+@dataclass(frozen=True, eq=False)
+class InkMask:
+    """Ink on a sheet.
+
+    Attributes
+    ----------
+    cover : (H, W) float32
+        What share of the paper's light the ink takes, over that of unbroken ink: how much of a
+        pixel is inked, 0 to 1.
+    mask : (H, W) bool
+        Where ink is.
+    body : (H, W) bool
+        What the strokes cover, with the bare streaks in them.
+    width : float
+        Of a usual stroke, pixels.
+    full : float
+        Share of the light that unbroken ink takes.
+    """
+
+    cover: NDArray[np.float32]
+    mask: NDArray[np.bool_]
+    body: NDArray[np.bool_]
+    width: float
+    full: float
+
+
+def find_ink(density: NDArray[np.float32]) -> InkMask:
+    """Find the ink on a sheet by its density (H, W).
+
+    Raises
+    ------
+    InputError
+        If there is none, or too much, or its strokes are too few pixels wide.
+    """
+    from scipy.ndimage import gaussian_filter
+
+    margin = max(1, round(_MARGIN * min(density.shape)))
+    inner = np.zeros(density.shape, bool)
+    inner[margin:-margin, margin:-margin] = True
+    smooth = np.where(inner, gaussian_filter(density, 0.5), 0.0)
+    taken = 1.0 - 10.0 ** -np.where(inner, density, 0.0)  # linear in what is inked of a pixel
+    near = _inked(smooth, inner)
+    mask = near & (taken > _EDGE * _taken_near(taken, near))
+    if mask.mean() < _LEAST:
+        raise InputError(
+            "no ink was found on the sheet; expected dark strokes on paper (of a rubbing: --invert)"
+        )
+    if mask.sum() > _MOST * inner.sum():
+        raise InputError(
+            f"{mask.sum() / inner.sum():.0%} of the sheet is dark; expected writing on paper: of a "
+            "rubbing --invert, of a picture that shows no sheet --corners around the paper"
+        )
+    width = _width(mask)
+    mask = _without_specks(mask, _SPECK * width**2)
+    body = _bodies(mask, width)
+    mask &= body
+    width = _width(body)
+    if width < _COARSEST:
+        raise InputError(
+            f"strokes are {width:.1f} pixels wide on the straightened sheet; expected "
+            f"{_COARSEST:g} or more: photograph it from nearer, or crop it to fewer characters"
+        )
+    full = max(float(np.percentile(taken[mask], 75.0)), 1e-3)
+    return InkMask(np.clip(taken / full, 0.0, 1.0).astype(np.float32), mask, body, width, full)
+
+
+def _inked(density: AnyArray, inner: AnyArray) -> NDArray[np.bool_]:
+    """Places where the density is high, and those around them where it is not low."""
+    from scipy.ndimage import label
+
+    values = density[inner]
+    middle = float(np.median(values))
+    noise = 1.4826 * float(np.median(np.abs(values - middle)))
+    threshold = otsu(np.clip(values, 0.0, np.percentile(values, 99.8)))
+    low = max(_LOW * threshold, middle + _NOISES * noise, _FAINTEST)
+    high = max(_HIGH * threshold, 1.05 * low)
+    areas, n = label(density > low, np.ones((3, 3)))
+    reached = np.zeros(n + 1, bool)
+    reached[np.unique(areas[density > high])] = True
+    reached[0] = False
+    result: NDArray[np.bool_] = reached[areas]
+    return result
+
+
+def _taken_near(taken: AnyArray, near: AnyArray) -> NDArray[np.float64]:
+    """The share of light that unbroken ink takes around each place."""
+    from scipy.ndimage import gaussian_filter, maximum_filter
+
+    reach = max(3, 2 * round(0.5 * _width(near)) + 1)
+    most = maximum_filter(np.where(near, gaussian_filter(taken, 0.7), 0.0), reach)
+    result: NDArray[np.float64] = gaussian_filter(most, 0.25 * reach)
+    return result
+
+
+def otsu(values: AnyArray) -> float:
+    """The threshold that parts values into two classes of least variance (Otsu 1979)."""
+    counts, edges = np.histogram(values, 256)
+    middles = 0.5 * (edges[:-1] + edges[1:])
+    below, sums = np.cumsum(counts), np.cumsum(counts * middles)
+    above = below[-1] - below
+    means = sums / np.maximum(below, 1), (sums[-1] - sums) / np.maximum(above, 1)
+    between = below * above * (means[0] - means[1]) ** 2.0
+    return float(middles[int(np.argmax(between))])
+
+
+def _width(mask: AnyArray) -> float:
+    """Of a usual stroke, pixels: twice the depth along the middle lines that half the ink has."""
+    from scipy.ndimage import distance_transform_edt, maximum_filter
+
+    depth = distance_transform_edt(mask)
+    ridge = mask & (depth >= maximum_filter(depth, 3) - 1e-6) & (depth > 1.0)
+    if not ridge.any():
+        return 1.0
+    depths = np.sort(depth[ridge])  # each stands for as much ink: streaks count for little
+    share = np.cumsum(depths)
+    return 2.0 * float(depths[np.searchsorted(share, 0.5 * share[-1])])
+
+
+def _without_specks(mask: AnyArray, least: float) -> NDArray[np.bool_]:
+    """A mask without connected bits of fewer pixels."""
+    from scipy.ndimage import label
+
+    areas, _ = label(mask, np.ones((3, 3)))
+    sizes = np.bincount(areas.ravel())
+    sizes[0] = 0
+    result: NDArray[np.bool_] = (sizes >= least)[areas]
+    return result
+
+
+def _bodies(mask: AnyArray, width: float) -> NDArray[np.bool_]:
+    """Strokes with the bare streaks within them; counters stay open."""
+    from scipy.ndimage import label
+
+    closed = _closed(mask, _GAP * 0.5 * width) | mask
+    closed |= _closed(mask, _DRY_GAP * 0.5 * width) & _streaky(mask, width)
+    holes, n = label(~closed)
+    small = np.bincount(holes.ravel(), minlength=n + 1) < _HOLE * width**2
+    small[0] = False
+    return _without_specks(closed | small[holes], 0.5 * width**2)
+
+
+def _closed(mask: AnyArray, reach: float) -> NDArray[np.bool_]:
+    """A mask with gaps filled that are narrower than twice a reach, pixels."""
+    from scipy.ndimage import distance_transform_edt
+
+    grown = np.pad(distance_transform_edt(~mask) <= reach, 1)
+    result: NDArray[np.bool_] = distance_transform_edt(grown)[1:-1, 1:-1] > reach
+    return result
+
+
+def _streaky(mask: AnyArray, width: float) -> NDArray[np.bool_]:
+    """Places around which a good part of the ink is much narrower than a stroke."""
+    from scipy.ndimage import distance_transform_edt, gaussian_filter
+
+    thin = _STREAK * width
+    core = distance_transform_edt(mask) > thin
+    broad = distance_transform_edt(~core) <= thin + 1.5
+    share = gaussian_filter((mask & ~broad).astype(np.float32), 0.45 * width)
+    result: NDArray[np.bool_] = share > _STREAKS
+    return result

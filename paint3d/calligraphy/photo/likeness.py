@@ -1,0 +1,154 @@
+"""How like its photograph a painted copy is, both seen on the same flat sheet."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.calligraphy.glyphs import EM_UNITS
+from paint3d.calligraphy.kernels.raster import fill_triangles
+from paint3d.calligraphy.page.laying import PlacedPiece
+from paint3d.calligraphy.page.page import Piece
+from paint3d.calligraphy.photo.copying import CopiedSheet, on_sheet
+from paint3d.calligraphy.photo.dryness import dryness_along
+from paint3d.core.types import AnyArray
+from paint3d.mesh.chart import make_chart
+from paint3d.mesh.closest_points import ClosestPoints
+from paint3d.mesh.unrolling import unroll
+from paint3d.surface.painted_surface import PaintedSurface
+
+__all__ = ["PaintedSheet", "SheetLikeness", "likeness_of", "painted_sheet"]
+
+_NODES_PER_EM = 24.0
+_REACH = 0.06  # ems beyond a piece's box, that strokes may stand out
+_COVERED = 0.5
+
+
+@dataclass(frozen=True, eq=False)
+class PaintedSheet:
+    """A painting, piece by piece, where its pieces lie on the sheet.
+
+    Attributes
+    ----------
+    picture : (H, W, 3) uint8
+        sRGB codes; what is not painted has the surface's colour.
+    cover : (H, W) float32
+        What share of each pixel is under ink.
+    """
+
+    picture: NDArray[np.uint8]
+    cover: NDArray[np.float32]
+
+
+@dataclass(frozen=True)
+class SheetLikeness:
+    """What a photograph and its painted copy have in common.
+
+    Attributes
+    ----------
+    iou : float
+        Of the strokes' bodies, flying white filled: area of the intersection over the union.
+    ink_iou : float
+        The same of the ink itself, streak against streak.
+    dryness_r, dryness_error : float
+        Correlation and mean difference of the shares left bare, station by station along all
+        strokes; NaN for the correlation where all are alike.
+    """
+
+    iou: float
+    ink_iou: float
+    dryness_r: float
+    dryness_error: float
+
+    def told(self) -> str:
+        """In one line."""
+        r = "none to compare" if np.isnan(self.dryness_r) else f"correlation {self.dryness_r:.2f}"
+        return (
+            f"strokes alike to {self.iou:.3f} (IoU), ink to {self.ink_iou:.3f}; dryness: {r}, "
+            f"off by {self.dryness_error:.2f}"
+        )
+
+
+def painted_sheet(
+    sheet: CopiedSheet, placed: list[tuple[Piece, PlacedPiece]], surface: PaintedSurface
+) -> PaintedSheet:
+    """The painting seen straight, each piece in a chart around its own middle.
+
+    Parameters
+    ----------
+    sheet : CopiedSheet
+    placed : list of (Piece, PlacedPiece)
+        Where the pieces lie on the page, and on the object.
+    surface : PaintedSurface
+    """
+    height, width = sheet.ink.mask.shape
+    colour = surface.mesh.colours
+    assert colour is not None
+    plain = np.median(colour[~surface.painted], axis=0) if (~surface.painted).any() else 255.0
+    planes = [np.full((height, width), level, np.float32) for level in np.broadcast_to(plain, 3)]
+    cover = np.zeros((height, width), np.float32)
+    closest = ClosestPoints(surface.source)
+    faces, covered = surface.paint_mesh.leaf_faces(), surface.coverage
+    faces = faces[(covered[faces] > 0.0).any(axis=1)]
+    used = np.unique(faces)
+    there = surface.paint_mesh.vertices[used].astype(np.float64)
+    for piece, laid in placed:
+        points = np.full((len(covered), 2), np.nan)
+        points[used] = _on_page(piece, laid, closest, there, sheet)
+        mine = faces[np.isfinite(points[faces]).all(axis=(1, 2))]
+        values = np.asarray(covered, np.float32)
+        fill_triangles(points, values, mine, cover)
+        for k, plane in enumerate(planes):
+            fill_triangles(points, np.ascontiguousarray(colour[:, k], np.float32), mine, plane)
+    picture = np.clip(np.round(np.stack(planes, axis=-1)), 0.0, 255.0).astype(np.uint8)
+    return PaintedSheet(picture, cover)
+
+
+def _on_page(
+    piece: Piece, laid: PlacedPiece, closest: ClosestPoints, there: AnyArray, sheet: CopiedSheet
+) -> NDArray[np.float64]:
+    """Where points of the surface lie on the sheet, pixels; NaN beyond the piece."""
+    square = laid.square
+    em = square.em_mm
+    half = 0.5 * np.array([square.width_mm, square.height_mm]) + _REACH * em
+    chart = make_chart(closest, square.chart.frame, half[0], half[1], em / _NODES_PER_EM)
+    units = unroll(chart, there) * (EM_UNITS / em) + np.array(piece.at)
+    result: NDArray[np.float64] = sheet.per_unit * units * np.array([1.0, -1.0]) + sheet.origin
+    return result
+
+
+def likeness_of(sheet: CopiedSheet, painted: PaintedSheet) -> SheetLikeness:
+    """Compare a photographed sheet and what was painted after it."""
+    ink, mask = sheet.ink, painted.cover > _COVERED
+    asked: list[float] = []
+    got: list[float] = []
+    for piece in sheet.page.pieces:
+        for stroke in piece.glyph.strokes:
+            seen = on_sheet(stroke, sheet.per_unit, sheet.origin)
+            dryness, _ = dryness_along(seen, painted.cover, mask)
+            asked += stroke.dryness
+            got += dryness
+    one, other = np.array(asked), np.array(got)
+    alike = len(one) < 3 or min(np.ptp(one), np.ptp(other)) < 0.05
+    r = float("nan") if alike else float(np.corrcoef(one, other)[0, 1])
+    error = float(np.abs(one - other).mean()) if len(one) else 0.0
+    return SheetLikeness(_iou(_filled(mask, ink.body), ink.body), _iou(mask, ink.mask), r, error)
+
+
+def _filled(mask: AnyArray, body: AnyArray) -> NDArray[np.bool_]:
+    """What is painted, with what it leaves bare within the body but for the body's rim.
+
+    A painted streak stands for the bare ones beside it, half a width to either side.
+    """
+    from scipy.ndimage import distance_transform_edt
+
+    depth = distance_transform_edt(body)
+    reach = distance_transform_edt(~mask)
+    result: NDArray[np.bool_] = mask | (reach < depth)
+    return result
+
+
+def _iou(one: AnyArray, other: AnyArray) -> float:
+    return float((one & other).sum() / max(int((one | other).sum()), 1))

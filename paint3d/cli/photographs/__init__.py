@@ -1,0 +1,1 @@
+"""Photographs of writing on the command line."""

@@ -1,0 +1,172 @@
+"""Copy writing from a photograph onto an object: find its strokes, then write them.
+
+The sheet is found and laid flat, ink told from paper and seals, taken apart into strokes, and
+painted as dry as each was along its way.
+"""
+
+from __future__ import annotations
+
+import argparse
+import logging
+import math
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from paint3d.cli.options import check_output_file
+from paint3d.cli.progress import ProgressBar
+from paint3d.cli.replay import PaintOptions
+from paint3d.cli.write import add_task_options, carry_out, check_files
+from paint3d.errors import InputError
+
+if TYPE_CHECKING:
+    from paint3d.calligraphy.glyphs import Glyph
+    from paint3d.calligraphy.photo.copying import Asked, CopiedSheet
+
+__all__ = ["HELP", "add_arguments", "run"]
+
+HELP = "copy writing from a photograph: find its strokes, then write them"
+
+_LOG = logging.getLogger("paint3d")
+_MATERIAL = "xuan"  # a brush that runs dry shows on its grain
+_SIZE_MM = 40.0
+_PICTURES = (".png", ".jpg", ".jpeg")
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add this command's options."""
+    parser.add_argument(
+        "photo",
+        metavar="PHOTO",
+        type=Path,
+        help="a photograph or a scan: .jpg, .png, .tif, .webp, .heic and others",
+    )
+    where = parser.add_mutually_exclusive_group()
+    where.add_argument(
+        "--corners",
+        metavar="X,Y",
+        nargs=4,
+        type=_parse_pixel,
+        help="of the sheet, pixels from the picture's upper left corner, one after another around "
+        "it from the sheet's upper left (default: it is looked for)",
+    )
+    where.add_argument(
+        "--whole", action="store_true", help="the picture is the sheet, as from a scanner"
+    )
+    parser.add_argument(
+        "--invert", action="store_true", help="a rubbing: the strokes are white on black"
+    )
+    parser.add_argument(
+        "--text",
+        metavar="TEXT",
+        help="the characters on the sheet, a line break after each column or row: their strokes' "
+        "order and direction are known then",
+    )
+    parser.add_argument(
+        "--dryness",
+        choices=("photo", "none"),
+        default="photo",
+        help="paint as dry as the photograph shows, on a material with grain, or with a full brush "
+        "(default: photo)",
+    )
+    parser.add_argument(
+        "--beside",
+        metavar="FILE",
+        type=Path,
+        help="also show the painting beside the photograph (.png), and say how alike they are",
+    )
+    parser.add_argument(
+        "--save-strokes",
+        metavar="FILE",
+        type=Path,
+        help="also keep the strokes in a plain file (.strokes.json) to correct, for `paint3d "
+        "write --strokes`",
+    )
+    add_task_options(parser)
+    parser.set_defaults(size=_SIZE_MM, material=_MATERIAL)
+
+
+def _parse_pixel(text: str) -> tuple[float, float]:
+    try:
+        x, y = (float(part) for part in text.split(","))
+    except ValueError:
+        x = y = math.nan
+    if not (math.isfinite(x) and math.isfinite(y)):
+        raise argparse.ArgumentTypeError(f"{text!r} is not a place; expected X,Y such as 120,80")
+    return x, y
+
+
+def run(options: argparse.Namespace) -> None:
+    """Check, read, find the strokes, plan, paint, write.
+
+    Raises
+    ------
+    Paint3DError
+        If the photograph cannot be used, or as `carry_out` says.
+    """
+    from paint3d.brush.presets import choose_brush, load_brush
+    from paint3d.calligraphy.photo.brush_room import check_widths
+    from paint3d.calligraphy.writing import write_page
+
+    check_files(options, (options.photo, options.glyphs), (options.beside,))
+    if options.beside is not None:
+        check_output_file(options.beside, _PICTURES)
+    PaintOptions.of(options).check()
+    sheet = _copied(options)
+    brush = load_brush(options.brush or choose_brush(options.size))
+    check_widths(sheet.page, brush, options.size, options.resolution)
+    page = sheet.page if options.dryness == "photo" else sheet.wet_page
+    written, painting = carry_out(options, partial(write_page, text=page), {}, "always")
+    if written.dryness is not None and not painting.surface.material.grain > 0.0:
+        _LOG.warning(
+            "%s has no grain, so no stroke stays bare in places; --material xuan has",
+            options.material,
+        )
+    if options.beside is not None:
+        from paint3d.cli.photographs.beside import show_beside
+
+        show_beside(sheet, written, painting, options)
+
+
+def _copied(options: argparse.Namespace) -> CopiedSheet:
+    """The strokes on the photographed sheet."""
+    from paint3d.calligraphy.photo.copying import copy_sheet
+    from paint3d.files.photographs import load_photograph
+
+    with ProgressBar("reading", enabled=not options.quiet) as progress:
+        pixels, scale = load_photograph(options.photo, progress)
+    with ProgressBar("looking", enabled=not options.quiet):
+        try:
+            return copy_sheet(pixels, options.photo.name, _asked(options, scale))
+        except InputError as cause:
+            raise InputError(f"{options.photo}: {cause}") from None
+
+
+def _asked(options: argparse.Namespace, scale: float) -> Asked:
+    """What the options say of a photograph of which each pixel shows `scale` of the file's."""
+    import numpy as np
+
+    from paint3d.calligraphy.photo.copying import Asked
+
+    corners = None if options.corners is None else np.array(options.corners) / scale
+    lines = tuple("".join(line.split()) for line in (options.text or "").splitlines())
+    lines = tuple(filter(None, lines))
+    return Asked(
+        corners,
+        whole=options.whole,
+        invert=options.invert,
+        lines=lines,
+        columns=(options.layout or "columns") == "columns",
+        templates=_templates("".join(lines), options.glyphs),
+    )
+
+
+def _templates(text: str, folder: Path | None) -> dict[str, Glyph]:
+    """The characters of a text that are known."""
+    from paint3d.calligraphy.glyph_sources import open_glyphs
+    from paint3d.calligraphy.kanjivg_folder import find_kanjivg
+
+    if not text or (folder is None and find_kanjivg() is None):
+        return {}
+    source = open_glyphs(folder)
+    return {one: source.load(one) for one in dict.fromkeys(text) if source.has(one)}

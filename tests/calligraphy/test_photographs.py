@@ -1,0 +1,204 @@
+"""Photographs of writing: sheet, light, inks, strokes, dryness, messages."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from paint3d.calligraphy.glyph_sources import open_glyphs
+from paint3d.calligraphy.photo.characters import characters_of
+from paint3d.calligraphy.photo.copying import Asked, CopiedSheet, copy_sheet
+from paint3d.calligraphy.photo.light import flattened
+from paint3d.calligraphy.photo.sheet import find_sheet
+from paint3d.calligraphy.photo.straighten import homography, map_points, sheet_size
+from paint3d.errors import InputError
+from tests.support.photographs import Camera, Photographed, judge, photograph, sheet_of
+
+pytest.importorskip("skimage")
+
+
+@cache
+def shot(text: str, seed: int, dry: float, camera: Camera, seals: int = 1) -> Photographed:
+    """A photograph of characters."""
+    source = open_glyphs(None)
+    glyphs = [source.load(one) for one in text]
+    return photograph(sheet_of(glyphs, seed, dry=dry, seals=seals, longest=700), seed, camera)
+
+
+@cache
+def copied(text: str, seed: int, dry: float) -> tuple[Photographed, CopiedSheet]:
+    """A photograph of characters that are known, and what was found."""
+    source = open_glyphs(None)
+    there = shot(text, seed, dry, Camera(size=900))
+    known = {one: source.load(one) for one in text}
+    return there, copy_sheet(there.pixels, "sheet.jpg", Asked(lines=(text,), templates=known))
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_corners_are_found(seed: int) -> None:
+    there = shot("永", seed, 0.0, Camera(size=800))
+    side = np.linalg.norm(there.corners - np.roll(there.corners, -1, axis=0), axis=1).mean()
+    off = np.linalg.norm(find_sheet(there.pixels) - there.corners, axis=1)
+    assert off.max() < 0.006 * side
+
+
+def test_strokes_of_a_wet_sheet_are_found() -> None:
+    there, sheet = copied("永和", 4, 0.0)
+    found = judge(there, sheet)
+    assert found.ink_iou > 0.95
+    assert found.seal < 0.005
+    assert found.dryness_error < 0.05
+    assert [len(piece.glyph.strokes) for piece in sheet.page.pieces] == [5, 8]
+
+
+def test_dry_strokes_are_known_along_their_way() -> None:
+    there, sheet = copied("永大", 5, 0.9)
+    found = judge(there, sheet)
+    assert found.ink_iou > 0.9
+    assert found.dryness_r > 0.85
+    assert found.dryness_error < 0.11
+
+
+def test_a_seal_is_no_ink() -> None:
+    there, sheet = copied("永和", 4, 0.0)
+    assert (sheet.red > 0.2).sum() > 200
+    assert judge(there, sheet).seal < 0.005
+
+
+def test_a_shadow_is_no_ink() -> None:
+    sheet = np.full((300, 240, 3), 0.8, np.float32)
+    sheet[:, 150:] *= 0.45  # a hand's
+    sheet[100:110, 40:200] *= 0.05
+    reflected, _ = flattened(sheet)
+    assert reflected[200:, :145].min() > 0.9
+    assert reflected[200:, 156:].min() > 0.9
+    assert reflected[104:106, 60:180].max() < 0.15
+
+
+def test_the_order_and_direction_are_the_characters_own() -> None:
+    _, sheet = copied("永和", 4, 0.0)
+    template = open_glyphs(None).load("和")
+    found = sheet.page.pieces[1].glyph
+    for one, other in zip(found.strokes, template.strokes, strict=True):
+        along = (one.median[-1] - one.median[0]) @ (other.median[-1] - other.median[0])
+        assert along > 0.0
+
+
+def test_proportions_follow_from_the_perspective() -> None:
+    """A sheet of 2 : 3 seen from the side by a camera whose focal length is that of its picture."""
+    flat = np.array([[-1.0, -1.5], [1.0, -1.5], [1.0, 1.5], [-1.0, 1.5]])
+    turned = np.column_stack([flat[:, 0] * np.cos(0.5), flat[:, 1], 5.0 + flat[:, 0] * np.sin(0.5)])
+    tilted = turned.copy()
+    tilted[:, 1] = turned[:, 1] * np.cos(0.4)
+    tilted[:, 2] = turned[:, 2] + turned[:, 1] * np.sin(0.4)
+    corners = 1000.0 * tilted[:, :2] / tilted[:, 2:] + np.array([500.0, 400.0])
+    height, width = sheet_size(corners, (800, 1000), 600)
+    assert width / height == pytest.approx(2.0 / 3.0, rel=0.06)
+
+
+def test_a_homography_carries_its_points() -> None:
+    start = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 3.0], [0.0, 3.0]])
+    end = np.array([[1.0, 1.0], [9.0, 2.0], [8.0, 7.0], [0.0, 6.0]])
+    assert map_points(homography(start, end), start) == pytest.approx(end)
+
+
+def test_a_rubbing_is_read_by_its_white_strokes() -> None:
+    there = shot("大", 2, 0.0, Camera(size=700, fills=True, shadow=0.0), seals=0)
+    sheet = copy_sheet(255 - there.pixels, "r", Asked(whole=True, invert=True))
+    assert judge(there, sheet).ink_iou > 0.85
+
+
+# -- what belongs together ----------------------------------------------------------------------
+
+
+def boxes(*corners: tuple[float, float, float, float]) -> list[object]:
+    """Rectangles as inks."""
+    import shapely
+
+    return [shapely.box(*one) for one in corners]
+
+
+def test_columns_are_read_from_the_right_and_rows_from_the_left() -> None:
+    parts = boxes((0, 0, 80, 80), (100, 0, 180, 80), (0, 100, 80, 180), (100, 100, 180, 180))
+    columns = characters_of(parts, 8.0, ("東南西北",))
+    assert [one.shape.bounds[:2] for one in columns] == [(100, 0), (100, 100), (0, 0), (0, 100)]
+    rows = characters_of(parts, 8.0, ("東南", "西北"), columns=False)
+    assert [one.shape.bounds[:2] for one in rows] == [(0, 0), (100, 0), (0, 100), (100, 100)]
+    unknown = characters_of(parts, 8.0)
+    assert [one.shape.bounds[:2] for one in unknown] == [(100, 0), (100, 100), (0, 0), (0, 100)]
+
+
+def test_three_bars_of_one_character_are_kept_apart_from_the_next() -> None:
+    three = [(10, 0, 70, 8), (14, 34, 66, 42), (2, 70, 78, 80)]
+    parts = boxes(*three, (0, 105, 80, 113), (0, 140, 80, 180))
+    found = characters_of(parts, 8.0, ("三二",))
+    assert [len(one.shape.geoms) for one in found] == [3, 2]
+
+
+def test_halves_of_a_character_are_no_lines() -> None:
+    found = characters_of(boxes((0, 0, 30, 80), (60, 0, 100, 80)), 8.0, ("林",))
+    assert [len(one.shape.geoms) for one in found] == [2]
+
+
+def test_a_text_that_is_longer_than_the_sheet_is_refused() -> None:
+    with pytest.raises(InputError, match=r"5 characters, the sheet 2 inks"):
+        characters_of(boxes((0, 0, 80, 80), (100, 0, 180, 80)), 8.0, ("一二三四五",))
+
+
+# -- messages -----------------------------------------------------------------------------------
+
+
+def refused(pixels: np.ndarray, **asked: object) -> str:
+    """Why a picture cannot be copied."""
+    with pytest.raises(InputError) as fault:
+        copy_sheet(pixels, "x", Asked(**asked))  # type: ignore[arg-type]
+    told = str(fault.value)
+    assert "expected" in told
+    return told
+
+
+def test_a_picture_without_a_sheet_says_what_to_give() -> None:
+    noise = np.random.default_rng(1).integers(90, 130, (400, 500, 3)).astype(np.uint8)
+    assert "--corners" in refused(noise)
+    assert "--whole" in refused(noise)
+
+
+def test_an_empty_sheet_has_no_ink() -> None:
+    rng = np.random.default_rng(2)
+    paper = (225 + 3 * rng.standard_normal((500, 400, 3))).clip(0, 255).astype(np.uint8)
+    assert "no ink" in refused(paper, whole=True)
+
+
+def test_a_rubbing_that_is_not_said_to_be_one_is_told() -> None:
+    there = shot("大", 2, 0.0, Camera(size=700, fills=True, shadow=0.0), seals=0)
+    assert "--invert" in refused(255 - there.pixels, whole=True)
+
+
+def test_strokes_of_few_pixels_are_too_coarse() -> None:
+    there = shot("書道", 3, 0.0, Camera(size=700, fills=True), seals=0)
+    assert "pixels wide" in refused(there.pixels[::6, ::6].copy(), whole=True)
+
+
+def test_a_highlight_is_told() -> None:
+    there = shot("大", 2, 0.0, Camera(size=700, fills=True, light=0.2), seals=0)
+    pixels = (0.8 * there.pixels).astype(np.uint8)
+    y, x = np.mgrid[0 : pixels.shape[0], 0 : pixels.shape[1]]
+    pixels[(y - 300) ** 2 + (x - 300) ** 2 < 120**2] = 255
+    assert "highlight" in refused(pixels, whole=True)
+
+
+def test_a_black_shadow_is_told() -> None:
+    there = shot("大", 2, 0.0, Camera(size=700, fills=True), seals=0)
+    pixels = there.pixels.copy()
+    pixels[:, : pixels.shape[1] // 3] = 4
+    assert "shadow" in refused(pixels, whole=True)
+
+
+def test_a_wet_page_says_nothing_of_dryness() -> None:
+    _, sheet = copied("永大", 5, 0.9)
+    assert any(stroke.dryness for stroke in sheet.page.pieces[0].glyph.strokes)
+    assert not any(s.dryness for piece in sheet.wet_page.pieces for s in piece.glyph.strokes)
+    assert replace(sheet, page=sheet.wet_page).page.source == "sheet.jpg"

@@ -1,0 +1,99 @@
+"""`paint3d copy`: from a photograph to a painting, and how it refuses what cannot be copied."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from paint3d.calligraphy.glyph_sources import open_glyphs
+from paint3d.calligraphy.page.strokes_file import load_strokes
+from paint3d.cli.main import main
+from paint3d.recording.recording import load_recording
+from tests.support.photographs import Camera, photograph, sheet_of
+
+pytest.importorskip("skimage")
+
+
+@pytest.fixture(scope="module")
+def photo(tmp_path_factory) -> Path:
+    """A photographed sheet with one character, dry in places."""
+    file = tmp_path_factory.mktemp("photo") / "ten.png"
+    sheet = sheet_of([open_glyphs(None).load("十")], 3, dry=0.9, longest=500)
+    Image.fromarray(photograph(sheet, 3, Camera(size=700)).pixels).save(file)
+    return file
+
+
+def copy(*arguments: object) -> int:
+    return main(["copy", *map(str, arguments)])
+
+
+def test_a_photograph_becomes_a_painting(photo: Path, tmp_path: Path, capsys) -> None:
+    names = ("a.ply", "a.jsonl", "a.json", "a.strokes.json", "beside.png")
+    out, way, report, strokes, beside = (tmp_path / name for name in names)
+    done = copy(
+        photo, "--text", "十", "--on", "plane", "--size", 20, "--resolution", 0.3, "--out", out,
+        "--recording", way, "--report", report, "--save-strokes", strokes, "--beside", beside,
+        "--processes", 1,
+    )  # fmt: skip
+    told = capsys.readouterr()
+    assert done == 0, told.err
+    assert "IoU" in told.out
+    assert "dryness" in told.out
+    page = load_strokes(strokes)
+    assert [len(piece.glyph.strokes) for piece in page.pieces] == [2]
+    assert all(stroke.dryness for stroke in page.pieces[0].glyph.strokes)
+    assert load_recording(way).header["loads"]
+    assert json.loads(report.read_text())["source"] == "ten.png"
+    picture = np.asarray(Image.open(beside))
+    half = picture.shape[1] // 2
+    assert picture[:, :half].min() < 110
+    assert picture[:, half + 12 :].min() < 60
+
+
+def test_a_full_brush_paints_without_flying_white(photo: Path, tmp_path: Path) -> None:
+    way = tmp_path / "a.jsonl"
+    out = tmp_path / "a.ply"
+    assert not copy(
+        photo, "--dryness", "none", "--on", "plane", "--size", 20, "--resolution", 1, "--out", out,
+        "--recording", way, "--quiet", "--processes", 1,
+    )  # fmt: skip
+    assert "loads" not in load_recording(way).header
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (["--corners", "0,0", "300,300", "500,0", "500,500"], "one after another around"),
+        (["--corners", "0,0", "9000,0", "9000,700", "0,700"], "expected places in it"),
+        (["--corners", "0,0", "wide", "500,0", "500,500"], "'wide' is not a place"),
+        (["--text", "十十十十十十"], "the text has 6 characters"),
+        (["--size", "9", "--resolution", "2"], "the vertices 2 mm; expected wider ones: --size"),
+        (["--brush", "gongbi", "--size", "300"], "larger brush"),
+        (["--beside", "a.xyz"], "unknown kind of file"),
+        (["--save-strokes", "a.json"], "unknown kind of file"),
+    ],
+)
+def test_what_cannot_be_copied_is_said_in_one_line(
+    photo: Path, tmp_path: Path, capsys, monkeypatch, options: list[str], words: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert copy(photo, "--on", "plane", "--out", "a.ply", "--quiet", *options) == 2
+    told = capsys.readouterr().err
+    assert words in told
+    assert len(told.splitlines()) == 1 or "usage" in told
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_photograph_is_never_written_over(photo: Path, capsys) -> None:
+    assert copy(photo, "--on", "plane", "--out", photo) == 2
+    assert "ten.png" in capsys.readouterr().err
+    assert Image.open(photo).size == (525, 700) or Image.open(photo).size == (700, 525)
+
+
+def test_a_file_that_is_missing_is_named(tmp_path: Path, capsys) -> None:
+    assert copy(tmp_path / "none.jpg", "--on", "plane", "--out", tmp_path / "a.ply") == 2
+    assert "none.jpg: there is no such file" in capsys.readouterr().err

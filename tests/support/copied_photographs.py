@@ -1,0 +1,147 @@
+"""Copying photographs whose truth is known, drawn at random, and the table of how well it went."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from paint3d.brush.presets import choose_brush, load_brush
+from paint3d.calligraphy.flying_white import dried_as
+from paint3d.calligraphy.glyph_sources import GlyphSource, open_glyphs
+from paint3d.calligraphy.glyphs import Glyph
+from paint3d.calligraphy.photo.copying import Asked, CopiedSheet, copy_sheet
+from paint3d.calligraphy.photo.likeness import likeness_of, painted_sheet
+from paint3d.calligraphy.writing import Pen, write_page
+from paint3d.colour.materials import load_material
+from paint3d.errors import Paint3DError
+from paint3d.files.load import load_mesh
+from paint3d.painter.painter import Painter
+from paint3d.painter.recorded_tools import recorded_amount
+from paint3d.surface.painted_surface import PaintedSurface
+from tests.support.pages import draw_letters_of
+from tests.support.photographs import (
+    Camera,
+    Judged,
+    Photographed,
+    carried,
+    judge,
+    photograph,
+    sheet_of,
+)
+
+__all__ = ["copied_at_random", "photos_table"]
+
+_EM_MM, _RESOLUTION_MM = 40.0, 0.15
+
+
+@dataclass(frozen=True)
+class _Row:
+    """One photograph's figures."""
+
+    name: str
+    dry: bool
+    judged: Judged
+    strokes: float  # found over those of the clean shapes
+    seconds: float
+    painted: float  # IoU with the true bodies; NaN where it was not painted
+    painted_r: float
+    painted_error: float
+
+
+def copied_at_random(
+    seed: int, source: GlyphSource
+) -> tuple[str, Photographed, CopiedSheet, float, list[Glyph]]:
+    """A photograph drawn by a seed, odd ones of dry strokes, and what was found on it."""
+    rng = np.random.default_rng(seed)
+    text = draw_letters_of(source, int(rng.integers(1, 5)), seed)
+    glyphs = [source.load(one) for one in text]
+    there = photograph(
+        sheet_of(glyphs, seed, dry=0.9 * (seed % 2), longest=1200),
+        seed,
+        Camera(size=int(rng.choice([1300, 1600, 2200])), jpeg=int(rng.integers(75, 95))),
+    )
+    asked = Asked(lines=(text,), templates=dict(zip(text, glyphs, strict=True)))
+    started = time.process_time()
+    sheet = copy_sheet(there.pixels, f"seed {seed}", asked)
+    return text, there, sheet, time.process_time() - started, glyphs
+
+
+def photos_table(n: int, seed: int, glyphs: Path | None, n_painted: int) -> str:
+    """Copy n photographs, paint the first of them; their figures as Markdown."""
+    source = open_glyphs(glyphs)
+    rows, lines = [], []
+    for k in range(seed, seed + n):
+        try:
+            rows.append(_row(k, source, k < seed + n_painted))
+        except Paint3DError as fault:
+            lines.append(f"refused: seed {k}: {fault}")
+            continue
+        one = rows[-1]
+        print(f"{one.name} {one.judged} strokes {one.strokes:.2f} {one.seconds:.1f} s", flush=True)
+    lines += ["", "| | wet: mean | least | dry: mean | least |", "|---|---|---|---|---|"]
+    for name, of in _FIGURES.items():
+        cells = []
+        for dry in (False, True):
+            values = np.array([of(row) for row in rows if row.dry is dry])
+            values = values[np.isfinite(values)]
+            worst = values.max if name in _WORST_IS_MOST else values.min
+            cells += [f"{values.mean():.4f} | {worst():.4f}" if len(values) else "- | -"]
+        lines.append(f"| {name} | " + " | ".join(cells) + " |")
+    within = [row.judged.corners < 0.006 for row in rows]
+    lines.append(f"\ncorners within .6 % of the side: {sum(within)} of {n}")
+    return "\n".join(lines)
+
+
+_FIGURES = {
+    "ink found, IoU": lambda row: row.judged.ink_iou,
+    "strokes' bodies, IoU": lambda row: row.judged.body_iou,
+    "corners off, shares of a side": lambda row: row.judged.corners,
+    "seal taken for ink": lambda row: row.judged.seal,
+    "dryness r": lambda row: row.judged.dryness_r if row.dry else np.nan,
+    "dryness off": lambda row: row.judged.dryness_error,
+    "strokes found / true": lambda row: row.strokes,
+    "processor s": lambda row: row.seconds,
+    "painted, IoU with the true bodies": lambda row: row.painted,
+    "painted dryness r": lambda row: row.painted_r if row.dry else np.nan,
+    "painted dryness off": lambda row: row.painted_error,
+}
+_WORST_IS_MOST = (
+    "corners off, shares of a side", "seal taken for ink", "dryness off", "processor s",
+    "strokes found / true", "painted dryness off",
+)  # fmt: skip
+
+
+def _row(seed: int, source: GlyphSource, paints: bool) -> _Row:
+    text, there, sheet, seconds, glyphs = copied_at_random(seed, source)
+    found = sum(len(piece.glyph.strokes) for piece in sheet.page.pieces)
+    true = sum(len(glyph.strokes) for glyph in glyphs)
+    painted = _painted(there, sheet) if paints else (np.nan, np.nan, np.nan)
+    name = f"seed {seed} {text} {'dry' if seed % 2 else 'wet'}"
+    return _Row(name, bool(seed % 2), judge(there, sheet), found / true, seconds, *painted)
+
+
+def _painted(there: Photographed, sheet: CopiedSheet) -> tuple[float, float, float]:
+    """IoU of a painting by a full brush with the true bodies; dryness of one on xuan paper."""
+    _, body, _ = carried(there, sheet)
+    brush = load_brush(choose_brush(_EM_MM))
+    mesh = load_mesh("plane")
+    ious, like = [], None
+    for page, material in ((sheet.wet_page, "porcelain"), (sheet.page, "xuan")):
+        written = write_page(mesh, page, Pen(brush, _EM_MM))
+        made_of = load_material(material)
+        recording = dried_as(written.recording, written.dryness, made_of)
+        surface = PaintedSurface(mesh, _RESOLUTION_MM, material=made_of)
+        amount = recorded_amount(recording.header)
+        Painter(surface, brush, amount=amount).replay(recording)
+        surface.refresh()
+        assert written.page is not None
+        placed = list(zip(written.page.pieces, written.placed, strict=True))
+        seen = painted_sheet(sheet, placed, surface)
+        mask = seen.cover > 0.5
+        ious.append(float((mask & (body > 0.5)).sum() / (mask | (body > 0.5)).sum()))
+        like = likeness_of(sheet, seen)
+    assert like is not None
+    return ious[0], like.dryness_r, like.dryness_error
