@@ -17,10 +17,11 @@ from paint3d.errors import InputError
 __all__ = [
     "CentreLine",
     "OutlineField",
-    "bend_towards",
     "centre_line",
     "grid_step",
+    "measured",
     "outline_field",
+    "resampled",
     "smoothed",
 ]
 
@@ -52,6 +53,13 @@ class OutlineField:
     def inside(self) -> NDArray[np.bool_]:
         """Which grid points lie inside (H, W)."""
         return self.distance > 0.0
+
+    def depths(self, points: AnyArray) -> NDArray[np.float64]:
+        """Signed distances (N,) of the grid points nearest to `points` (N, 2), mm."""
+        at = np.rint((points - self.grid[:2]) / self.grid[2]).astype(np.int64)
+        column, row = np.clip(at, 0, np.array(self.distance.shape[::-1]) - 1).T
+        result: NDArray[np.float64] = self.distance[row, column]
+        return result
 
     def room(self, points: AnyArray, directions: AnyArray, limit: float) -> NDArray[np.float64]:
         """How far (mm) one can go from `points` (N, 2) along unit `directions` (N, 2)."""
@@ -150,32 +158,23 @@ def centre_line(median: AnyArray, field: OutlineField, step: float) -> CentreLin
     """
     if not np.ptp(median, axis=0).any():
         raise InputError("the median has no length; expected two different points")
-    points = _resampled(median, step)
+    points = resampled(median, step)
     headings = _headings(points)
     width = float(np.median(_room(points, headings, field, 2.0 * field.distance.max()).sum(axis=1)))
     if width <= 0.0:
         raise InputError("most of the median lies outside the outline; expected it within")
     sigma = 0.25 * width / step
     points = smoothed(points, sigma)
-    points = _resampled(_extended(points, field, width), step)
+    points = resampled(_extended(points, field, width), step)
     for _ in range(2):
         headings = _headings(points)
         room = _room(points, headings, field, width)
         inner = np.minimum(room.min(axis=1), 0.3 * width)
         move = np.clip(0.5 * (room[:, 0] - room[:, 1]), -inner, inner)
         moved = points + move[:, None] * _normals(headings)
-        points = _resampled(smoothed(moved, sigma), step)
-    return _measured(points, width, field)
-
-
-def bend_towards(line: CentreLine, corner: AnyArray, field: OutlineField) -> CentreLine:
-    """Bend a line out to a point (2,) beside it and back, within about a width."""
-    apart = np.linalg.norm(line.points - corner, axis=1)
-    nearest = int(np.argmin(apart))
-    along = (np.arange(len(apart)) - nearest) * line.step / line.width
-    bump = np.exp(-0.5 * (along / 0.3) ** 2)[:, None]
-    points = line.points + bump * (corner - line.points[nearest])
-    return _measured(_resampled(points, line.step), line.width, field)
+        points = resampled(smoothed(moved, sigma), step)
+    step = float(np.linalg.norm(np.diff(points, axis=0), axis=1).mean())
+    return measured(points, width, step, field)
 
 
 def smoothed(points: AnyArray, sigma: float) -> NDArray[np.float64]:
@@ -192,7 +191,8 @@ def smoothed(points: AnyArray, sigma: float) -> NDArray[np.float64]:
     return result
 
 
-def _resampled(points: AnyArray, step: float) -> NDArray[np.float64]:
+def resampled(points: AnyArray, step: float) -> NDArray[np.float64]:
+    """A line (N, 2) at even distances of about `step`, at five points or more."""
     length = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))]
     n = max(4, math.ceil(length[-1] / step))
     at = np.linspace(0.0, length[-1], n + 1)
@@ -214,11 +214,10 @@ def _room(points: AnyArray, headings: AnyArray, field: OutlineField, limit: floa
     return np.stack(sides, axis=1)
 
 
-def _measured(points: AnyArray, width: float, field: OutlineField) -> CentreLine:
+def measured(points: AnyArray, width: float, step: float, field: OutlineField) -> CentreLine:
+    """A line of samples (S, 2) about a step apart with its headings and its room."""
     headings = _headings(points)
-    room = _room(points, headings, field, 1.5 * width)
-    step = float(np.linalg.norm(np.diff(points, axis=0), axis=1).mean())
-    return CentreLine(points, headings, room, width, step)
+    return CentreLine(points, headings, _room(points, headings, field, 1.5 * width), width, step)
 
 
 def _extended(points: AnyArray, field: OutlineField, width: float) -> NDArray[np.float64]:

@@ -21,9 +21,11 @@ from paint3d.calligraphy.plan_settings import TECHNIQUES, PlanSettings
 from paint3d.core.filters import gaussian_filter1d, minimum_filter1d
 from paint3d.core.types import AnyArray
 
-__all__ = ["PathFitter", "StrokePath"]
+__all__ = ["Followed", "PathFitter", "StrokePath"]
 
 _CALM = 3  # samples to either side that levels are smoothed over
+_CALM_WIDTHS = 0.2  # that chosen courses are smoothed over
+_ALIKE = 1e-9  # mm, or rad: samples no farther apart are the same
 _SPAN = 0.12  # of the width: how far a course steps aside to lie in the middle
 
 
@@ -53,6 +55,34 @@ class StrokePath:
 
 
 @dataclass(frozen=True, eq=False)
+class Followed:
+    """A line and what comes of following it.
+
+    Attributes
+    ----------
+    line : CentreLine
+        Of S samples.
+    gap : (S, A, O) float64
+        Width left bare by every direction and side step, mm.
+    chosen : (S, 2) float64
+        Azimuth, rad, and side step, mm.
+    shift : (S,) float64
+        The side steps balanced between both edges, mm.
+    course : StrokePath or None
+        None: nothing fits.
+    bare : (H, W) bool
+        What it leaves bare, on the outline's grid.
+    """
+
+    line: CentreLine
+    gap: NDArray[np.float64]
+    chosen: NDArray[np.float64]
+    shift: NDArray[np.float64]
+    course: StrokePath | None
+    bare: NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False)
 class PathFitter:
     """What stays the same while one stroke's course is improved; see `plan_stroke`."""
 
@@ -71,16 +101,25 @@ class PathFitter:
             footprints.points, footprints.support, field.distance, field.grid, margin
         )
 
-    def follow(self, line: CentreLine) -> tuple[StrokePath | None, NDArray[np.bool_]]:
-        """Return the course along a line (None: nothing fits), and what it leaves bare."""
-        azimuth, shift = _balanced(line, self, *_choose_course(line, self))
+    def follow(self, line: CentreLine, known: Followed | None = None) -> Followed:
+        """The course along a line; what is known of one that it shares samples with is kept."""
+        gap = _rated(line, self, known)
+        chosen = _chosen_course(line, gap, self)
+        shift = _balanced(line, self, chosen, known)
+        course, bare = self._fitted(line, chosen[:, 0], shift)
+        return Followed(line, gap, chosen, shift, course, bare)
+
+    def _fitted(
+        self, line: CentreLine, azimuth: AnyArray, shift: AnyArray
+    ) -> tuple[StrokePath | None, NDArray[np.bool_]]:
+        """The course of the largest footprints that fit, and what it leaves bare."""
+        shift = smoothed(shift[:, None], 0.5 * _calm_over(line))[:, 0]
         centre, azimuth = _smooth_course(line, azimuth, shift, self.settings.pose_step * self.em_mm)
         level = np.empty(len(centre))
         kernels.fit_levels(self.target, centre, azimuth, level)
-        touching = np.flatnonzero(level >= 0.0)
-        if len(touching) < 2:
+        kept = np.flatnonzero(level >= 0.0)
+        if len(kept) < 2:
             return None, self.field.inside
-        kept = slice(touching[0], touching[-1] + 1)
         if self.settings.azimuth == "dragged":
             start = azimuth[kept][0] if self.start is None else self.start
             pulled = pull(centre[kept], self.footprints, self.target, start)
@@ -95,14 +134,41 @@ class PathFitter:
         return course, self.field.inside & ~painted
 
 
-def _choose_course(line: CentreLine, plan: PathFitter) -> tuple[AnyArray, AnyArray]:
-    """Return the azimuth (rad) and the side step (mm) for every sample of the line."""
-    settings, footprints = plan.settings, plan.footprints
-    n, shifts = settings.n_directions, np.array(settings.shifts)
-    gap = np.empty((len(line.points), n, len(shifts)))
-    sparse = np.ascontiguousarray(footprints.points[:, ::2])  # directions are only compared
+def _rated(line: CentreLine, plan: PathFitter, known: Followed | None) -> NDArray[np.float64]:
+    """The width that every direction and side step leaves bare at every sample (S, A, O), mm."""
+    shifts = np.array(plan.settings.shifts)
+    gap = np.empty((len(line.points), plan.settings.n_directions, len(shifts)))
+    new = slice(None)
+    if known is not None:
+        new = _taken_over(gap, known.gap, _samples(line), _samples(known.line))
+    sparse = np.ascontiguousarray(plan.footprints.points[:, ::2])  # directions are only compared
     target = plan.target._replace(points=sparse)
-    kernels.rate(target, line.points, line.headings, line.room, shifts, gap)
+    kernels.rate(target, line.points[new], line.headings[new], line.room[new], shifts, gap[new])
+    return gap
+
+
+def _samples(line: CentreLine) -> NDArray[np.float64]:
+    """What a footprint's fit depends on at every sample of a line (S, 6)."""
+    return np.concatenate([line.points, line.normals, line.room], axis=1)
+
+
+def _taken_over(out: AnyArray, known: AnyArray, mine: AnyArray, theirs: AnyArray) -> slice:
+    """Copy the first and the last rows whose keys agree; the rows between, which are left."""
+    n = min(len(mine), len(theirs))
+    first, last = (
+        int(np.argmin([*(np.abs(a - b).max(axis=1) < _ALIKE), False]))
+        for a, b in ((mine[:n], theirs[:n]), (mine[::-1][:n], theirs[::-1][:n]))
+    )
+    last = min(last, n - first)
+    out[:first] = known[:first]
+    out[len(out) - last :] = known[len(known) - last :]
+    return slice(first, len(out) - last)
+
+
+def _chosen_course(line: CentreLine, gap: AnyArray, plan: PathFitter) -> NDArray[np.float64]:
+    """The azimuth (rad) and the side step (mm) chosen for every sample of the line (S, 2)."""
+    settings = plan.settings
+    n, shifts = settings.n_directions, np.array(settings.shifts)
     directions = 2.0 * np.pi * np.arange(n) / n
     ahead = directions[None, :] - line.headings[:, None]
     cost = gap / line.width + _cost_of_bend(ahead, settings)[:, :, None]
@@ -111,7 +177,13 @@ def _choose_course(line: CentreLine, plan: PathFitter) -> tuple[AnyArray, AnyArr
     aside = settings.shifting * ((shifts[1] - shifts[0]) / per_width) ** 2
     angle, side = np.empty(len(gap), np.int64), np.empty(len(gap), np.int64)
     kernels.best_course(cost, turn, aside, 3, angle, side)
-    return np.unwrap(directions[angle]), shifts[side] * line.room.min(axis=1)
+    steps = shifts[side] * line.room.min(axis=1)
+    return smoothed(np.stack([np.unwrap(directions[angle]), steps], axis=1), _calm_over(line))
+
+
+def _calm_over(line: CentreLine) -> float:
+    """Over how many samples a chosen course is smoothed."""
+    return _CALM_WIDTHS * line.width / line.step
 
 
 def _cost_of_bend(ahead: AnyArray, settings: PlanSettings) -> NDArray[np.float64]:
@@ -125,15 +197,22 @@ def _cost_of_bend(ahead: AnyArray, settings: PlanSettings) -> NDArray[np.float64
 
 
 def _balanced(
-    line: CentreLine, plan: PathFitter, azimuth: AnyArray, shift: AnyArray
-) -> tuple[AnyArray, AnyArray]:
-    """Smooth the chosen course, and step aside until both edges are reached alike."""
-    sigma = 0.2 * line.width / line.step
-    azimuth = smoothed(azimuth[:, None], sigma)[:, 0]
-    shift = smoothed(shift[:, None], sigma)[:, 0]
-    span = _SPAN * line.width
-    kernels.balance(plan.target, line.points, line.headings, line.room, azimuth, span, shift)
-    return azimuth, smoothed(shift[:, None], 0.5 * sigma)[:, 0]
+    line: CentreLine, plan: PathFitter, chosen: AnyArray, known: Followed | None
+) -> NDArray[np.float64]:
+    """Side steps (S,) near the chosen ones by which both edges are reached alike, mm."""
+    azimuth, shift = chosen[:, 0].copy(), chosen[:, 1].copy()
+    new = slice(None)
+    if known is not None:
+        mine, theirs = (
+            np.concatenate([_samples(one), course], axis=1)
+            for one, course in ((line, chosen), (known.line, known.chosen))
+        )
+        new = _taken_over(shift, known.shift, mine, theirs)
+    kernels.balance(
+        plan.target, line.points[new], line.headings[new], line.room[new], azimuth[new],
+        _SPAN * line.width, shift[new],
+    )  # fmt: skip
+    return shift
 
 
 def _smooth_course(

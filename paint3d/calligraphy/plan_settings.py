@@ -32,7 +32,7 @@ class PlanSettings:
     turning, shifting : float
         Cost of a turn of one radian, and of a side step of one half width, over one stroke width.
     detours : int
-        How many bare corners the line is bent into, one after another.
+        How many bare corners the line is led into, one after another.
     worth : float
         Share of the bare area that a detour must gain.
     technique : {"zhongfeng", "cefeng", "pianfeng"}, optional

@@ -2,29 +2,32 @@
 
 The method is that of contained footprints. Along the stroke's centre line every bend direction is
 rated by how much of the width the largest footprint leaves bare that still lies within the outline;
-a course is chosen among them and followed (`following`), and the line is then bent out into the
-largest corners that are still bare. The handle stands at P'_m, the foot of the root node, not at
-the footprint's centre.
+a course is chosen among them and followed (`path_fit`), and the line is then led into the largest
+corners that are still bare (`detours`). The handle stands at P'_m, the foot of the root node, not
+at the footprint's centre.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.calligraphy.centre_line import bend_towards, centre_line, grid_step, outline_field
+from paint3d.calligraphy.centre_line import CentreLine, centre_line, grid_step, outline_field
+from paint3d.calligraphy.detours import corners_in, detours_to, visiting
 from paint3d.calligraphy.footprint_table import FootprintTable
 from paint3d.calligraphy.glyphs import DESCENDER, EM_UNITS, Glyph
-from paint3d.calligraphy.kernels.patches import fill_depths, label_patches
-from paint3d.calligraphy.path_fit import PathFitter, StrokePath
+from paint3d.calligraphy.path_fit import Followed, PathFitter, StrokePath
 from paint3d.calligraphy.plan_settings import TECHNIQUES, PlanSettings
 from paint3d.core.types import AnyArray
 from paint3d.errors import InputError
 
 __all__ = ["TECHNIQUES", "PlanSettings", "StrokePath", "on_paper", "plan_glyph", "plan_stroke"]
+
+_FINEST = 1.0 / 9.0  # of the width: bare corners that are looked after
+_FINEST_DRAGGED = 1.0 / 8.0  # the same where each try costs a pull, which is half of all planning
 
 
 def on_paper(points: AnyArray, em_mm: float) -> NDArray[np.float64]:
@@ -123,39 +126,42 @@ def plan_stroke(
         raise InputError(f"{name} is finer than {step:g} mm; expected an outline to fill")
     line = centre_line(median, field, settings.sample_step * em_mm * fineness)
     plan = PathFitter(field, footprints, settings, em_mm * fineness, start)
-    best, bare = plan.follow(line)
-    tried = np.zeros_like(bare)
-    for _ in range(settings.detours):
-        corner, tried = _largest_corner(bare & ~tried, tried, line.width / step)
-        if corner is None:
-            break
-        detour = bend_towards(line, field.grid[:2] + step * corner, field)
-        course, left = plan.follow(detour)
-        if left.sum() < bare.sum() * (1.0 - settings.worth):
-            line, best, bare = detour, course, left
-    if best is None:
+    best = _into_corners(plan.follow(line), plan)
+    if best.course is None:
         raise InputError(f"{name} is too fine for this brush at an em of {em_mm:g} mm")
+    return best.course
+
+
+def _into_corners(best: Followed, plan: PathFitter) -> Followed:
+    """Lead a line into the bare corners, one after another, and into those that are left at once.
+
+    A detour at one end may change the course at the other: two that fail alone may do together.
+    """
+    settings, field = plan.settings, plan.field
+    held = settings.technique is not None
+    finest = _FINEST_DRAGGED if settings.azimuth == "dragged" else _FINEST
+    tried = np.zeros_like(best.bare)
+    for _ in range(settings.detours):
+        corners = corners_in(best.bare & ~tried, best.line, field, finest)
+        if not corners:
+            break
+        tried[corners[0].at] = True
+        best = _better(best, detours_to(corners[0], best.line, field, held), plan)
+    left = corners_in(best.bare, best.line, field, finest) if tried.any() and not held else []
+    if len(left) > 1:
+        line = best.line
+        for corner in left:
+            line = visiting(line, corner, field)
+        best = _better(best, [line], plan)
     return best
 
 
-def _largest_corner(
-    bare: AnyArray, tried: AnyArray, width: float
-) -> tuple[AnyArray | None, NDArray[np.bool_]]:
-    """Return the outermost pixel (x, y) of the largest bare patch, or None, and what was tried.
-
-    A patch counts where a disc of an eighth of the stroke's width (in pixels) would fit in.
-    """
-    depth, labels = np.empty(bare.shape), np.empty(bare.shape, np.int32)
-    fill_depths(bare, depth)
-    n = label_patches(bare, labels)
-    if n == 0:
-        return None, tried
-    deepest = np.zeros(n + 1)
-    np.maximum.at(deepest, labels[bare], depth[bare])
-    areas = (np.bincount(labels.ravel()) * (deepest > width / 16.0))[1:]
-    k = int(np.argmax(areas))
-    if areas[k] < (width / 6.0) ** 2:
-        return None, tried
-    patch = labels == k + 1
-    row, column = np.unravel_index(np.argmax(depth * patch), depth.shape)
-    return np.array([column, row], np.float64), tried | patch
+def _better(best: Followed, lines: Iterable[CentreLine], plan: PathFitter) -> Followed:
+    """The best of some detours, or none where none is worth it."""
+    least = float(best.bare.sum()) * (1.0 - plan.settings.worth)
+    found = best
+    for line in lines:
+        one = plan.follow(line, best)
+        if one.bare.sum() < least:
+            found, least = one, float(one.bare.sum())
+    return found
