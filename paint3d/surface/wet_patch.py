@@ -16,7 +16,7 @@ from paint3d.surface.ink_store import InkStore
 from paint3d.surface.kernels.grain import fill_grain
 from paint3d.surface.kernels.wet_step import WetFields
 
-__all__ = ["FIRST_PACE", "WetPatch"]
+__all__ = ["FINES", "FIRST_PACE", "WetPatch"]
 
 _GRAIN_MM = 1.2  # bumps of the paper that ink runs around
 _GRAIN_OF_PORES = 1.5  # of the residual, per unit of the material's grain
@@ -27,11 +27,14 @@ _UNDER_FIBRES = 0.35  # of the bumps that are left where there are fibres
 _FIBRE_MM = 0.3  # width of the bundles of fibres that are seen
 _SHEET_MM = 0.12  # pores that are no deeper are those of a sheet, which is felted of fibres
 _SHOWN = (0.7, 1.2)  # spacing of the vertices, mm, from which on fibres fade, and at which none are
-_KEPT = ("water", "inside", "soaked", "pigment")
+_KEPT = ("water", "inside", "soaked", "pigment", "fine")
 _OF_PLACES = ("written", "share")
 _OF_NODES = (
-    *_KEPT, "changed", "residual", "strength", "held", "entry", "dry_entry", "ways", "place",
+    *_KEPT, "changed", "residual", "strength", "sieve", "held", "entry", "dry_entry", "ways", "place",
 )  # fmt: skip
+_SIEVE = 2.8  # saturation at which pores let all soot pass, per unit of 1 less `passing`
+_FIBRES_OF_SIEVE = 0.7  # logarithm of the potential that it takes: fibres' pores are wide
+FINES = 0.12  # of a pigment, what is fine enough to go wherever the water goes
 FIRST_PACE = 1.0 / 30.0  # s: the step where something came
 
 
@@ -48,12 +51,16 @@ class WetPatch:
         Those of the graph, with the grain in them.
     totals, residual, strength, entry : (N,) float64
         Of `surface.kernels.diffusion`, with the grain in them.
+    sieve : (N,) float64
+        Potential from which on the pores let all pigment pass.
     held : (N,) float64
         Depth, mm, to which a dry node fills before water goes on.
     water : (N,) float64
         Depth, mm.
     pigment : (N, P) float64
         Coats times the covered share.
+    fine : (N, P) float64
+        Of these, what no pore holds back.
     inside : (N,) float32
         See `kernels.diffusion.solve_edges`.
     soaked : (N,) float32
@@ -70,6 +77,7 @@ class WetPatch:
 
     residual: NDArray[np.float64]
     strength: NDArray[np.float64]
+    sieve: NDArray[np.float64]
     entry: NDArray[np.float64]
     dry_entry: NDArray[np.float64]
     held: NDArray[np.float64]
@@ -85,7 +93,7 @@ class WetPatch:
             setattr(self, name, np.zeros(0))
         self.changed, self.place = np.zeros(0, bool), np.zeros(0, np.int32)
         self.inside, self.soaked = np.zeros((2, 0), np.float32)
-        self.pigment = np.zeros((0, count))
+        self.pigment, self.fine = np.zeros((2, 0, count))
         self.written, self.share = np.zeros((0, count), np.float32), np.zeros(0)
         self.weights, self.totals = np.zeros(0), np.zeros(0)
         self._n_nodes = self._n_links = 0
@@ -143,8 +151,8 @@ class WetPatch:
         graph = self.graph
         return WetFields(
             graph.first, graph.last, graph.links, self.weights, graph.area, graph.block,
-            graph.closed, self.place, self.residual, self.strength, self.held, self.entry,
-            self.water, self.pigment, self.soaked, self.changed, self.owed, due, mobile, moved,
+            graph.closed, self.place, self.residual, self.strength, self.sieve, self.held, self.entry,
+            self.water, self.pigment, self.fine, self.soaked, self.changed, self.owed, due, mobile, moved,
         )  # fmt: skip
 
     def is_wet(self) -> bool:
@@ -187,8 +195,7 @@ class WetPatch:
         kept = 1.0 - share * np.divide(went, before, out=np.zeros_like(went), where=before > 0)
         np.multiply.at(self.water, node, kept)
         np.add.at(self.water, node, WET_COAT_MM * share * came)
-        np.add.at(self.pigment, node, share[:, None] * change)
-        self.pigment[node] = np.maximum(self.pigment[node], 0.0)
+        self._add_pigment(node, share[:, None] * change)
         self.written[at] = now
         self._drop_water(node)
         laid = node[came > 0.0]
@@ -201,17 +208,27 @@ class WetPatch:
         self.pace[block] = FIRST_PACE
         self.owed[block[np.isinf(self.owed[block])]] = 0.0
 
+    def _add_pigment(self, node: AnyArray, change: AnyArray) -> None:
+        """Add pigment (N, P) to some nodes (N,), or take some away: of fine and coarse alike."""
+        came, before = np.maximum(change, 0.0), self.pigment[node]
+        left = 1.0 + np.divide(change - came, before, out=np.zeros_like(came), where=before > 0)
+        np.multiply.at(self.fine, node, np.clip(left, 0.0, 1.0))
+        np.add.at(self.fine, node, FINES * came)
+        np.add.at(self.pigment, node, change)
+        self.pigment[node] = np.maximum(self.pigment[node], 0.0)
+        self.fine[node] = np.minimum(self.fine[node], self.pigment[node])
+
     def _know_pigments(self) -> None:
         missing = len(self._store.pigments) - self.pigment.shape[1]
         if missing:
-            for name in ("pigment", "written"):
+            for name in ("pigment", "fine", "written"):
                 setattr(self, name, np.pad(getattr(self, name), ((0, 0), (0, missing))))
 
     def _drop_water(self, nodes: AnyArray) -> None:
         """Plain water has become depth: it is no longer an amount."""
         for column, pigment in enumerate(self._store.pigments):
             if pigment is WATER:
-                self.pigment[nodes, column] = 0.0
+                self.pigment[nodes, column] = self.fine[nodes, column] = 0.0
 
     def hand_back(self) -> None:
         """Put the pigment back on the vertices, where it moved; ink that came since stays there."""
@@ -237,7 +254,7 @@ class WetPatch:
         at = graph.places_at(nodes)
         ids = graph.vertices[at]
         painted = self._store.ink.coverage[ids] > 0.0
-        self.pigment[nodes] = 0.0
+        self.pigment[nodes] = self.fine[nodes] = 0.0
         self.soaked[nodes] = 0.0
         self.entry[nodes] = self.dry_entry[nodes]
         self._store.settle(ids[painted])
@@ -351,6 +368,10 @@ class WetPatch:
         s = np.minimum(1.0, s / (1.0 - residual))
         self.residual[nodes], self.strength[nodes], self.held[nodes] = residual, strength, held
         self.dry_entry[nodes] = self.entry[nodes] = strength * s**3
+        s = np.clip(_SIEVE * (1.0 - drink.passing), 0.0, 1.0)
+        self.sieve[nodes] = strength * s**3
+        if fibres is not None:
+            self.sieve[nodes] *= np.exp(-_FIBRES_OF_SIEVE * drink.grain * fibres)
         ways = np.maximum(0.05, 1.0 + _GRAIN_OF_WAYS * bump)
         if fibres is not None:
             ways *= np.exp(_FIBRES_OF_WAYS * drink.grain * fibres)
