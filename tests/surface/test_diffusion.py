@@ -363,8 +363,8 @@ def test_work_grows_with_the_root_of_the_time():
             runs[:-1], runs[1:], links, weights, np.full(n, 0.25), np.zeros(n, np.int32),
             np.zeros(n, np.uint8), np.zeros(n, np.int32), residual, np.full(n, 0.17),
             np.full(n, 0.02), np.full(n, 0.02), np.zeros(n), water, water[:, None].copy(),
-            water[:, None].copy(), np.ones(n, np.float32), np.zeros(n, bool), np.array([step], np.float32), np.ones(1, bool), np.zeros(1, bool),
-            np.zeros((1, 3)),
+            water[:, None].copy(), np.ones(n, np.float32), np.zeros(n, bool),
+            np.array([step], np.float32), np.ones(1, bool), np.zeros(1, bool), np.zeros((1, 3)),
         )  # fmt: skip
         stages.append(move_water(fields, nodes, nodes[:0], 0.06, 10.0, 0.8, step, np.zeros(1)))
         assert 0.05 - 1e-12 <= water.min() <= water.max() <= 0.055 + 1e-12

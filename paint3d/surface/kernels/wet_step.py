@@ -268,23 +268,11 @@ def _carry(f, rows, n_rows, n_ids):
         if out == 0.0 and gained[r] == 0.0:
             continue
         f.changed[i] = True
-        area, share = f.area[i], rows.share[r]
-        volume = f.water[i] * area + gained[r]
+        volume = f.water[i] * f.area[i] + gained[r]
         gained[r] = 0.0
         gone = min(out, volume)
         scale = gone / out if out > 0.0 else 0.0
-        # pigment at the speed of what carries it, mixed with what stays behind; fines go along
-        drawn = scale * carrying
-        part = drawn / (volume - gone + drawn) if drawn > 0.0 else 0.0
-        fine_part = gone / volume if gone > 0.0 else 0.0
-        f.water[i] = (volume - gone) * share
-        for p in range(n_pigments):
-            fine = f.fine[i, p] * area + brought[1, r, p]
-            coarse = max(0.0, f.pigment[i, p] - f.fine[i, p]) * area + brought[0, r, p]
-            brought[1, r, p] = fine_part * fine / gone if gone > 0.0 else 0.0  # per volume
-            brought[0, r, p] = part * coarse / drawn if drawn > 0.0 else 0.0
-            f.fine[i, p] = (1.0 - fine_part) * fine * share
-            f.pigment[i, p] = (1.0 - part) * coarse * share + f.fine[i, p]
+        _mix(f, rows, r, volume, gone, scale * carrying, brought)
         if out > 0.0:
             for e in range(rows.starts[r], rows.starts[r + 1]):
                 if rows.x[e] > 0.0:
@@ -302,6 +290,27 @@ def _carry(f, rows, n_rows, n_ids):
         for p in range(n_pigments):
             brought[0, r, p] = brought[1, r, p] = 0.0
     _take_rest(f, rows, n_rows, gained, brought)
+
+
+@kernel(error_model="numpy")
+def _mix(f, rows, r, volume, gone, drawn, brought):
+    """Mix what came to a row with what is there; turn `brought` (2, R, P) into what goes on.
+
+    Of a volume so much is gone: fines go with it, coarse pigment with what is drawn, and the rest
+    stays behind. What goes on is given per volume of these.
+    """
+    i = rows.ids[r]
+    area, share = f.area[i], rows.share[r]
+    part = drawn / (volume - gone + drawn) if drawn > 0.0 else 0.0
+    fine_part = gone / volume if gone > 0.0 else 0.0
+    f.water[i] = (volume - gone) * share
+    for p in range(f.pigment.shape[1]):
+        fine = f.fine[i, p] * area + brought[1, r, p]
+        coarse = max(0.0, f.pigment[i, p] - f.fine[i, p]) * area + brought[0, r, p]
+        brought[1, r, p] = fine_part * fine / gone if gone > 0.0 else 0.0
+        brought[0, r, p] = part * coarse / drawn if drawn > 0.0 else 0.0
+        f.fine[i, p] = (1.0 - fine_part) * fine * share
+        f.pigment[i, p] = (1.0 - part) * coarse * share + f.fine[i, p]
 
 
 @kernel(error_model="numpy")
