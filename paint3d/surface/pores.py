@@ -17,7 +17,7 @@ from paint3d.core.types import AnyArray
 from paint3d.surface.fibres import fibre_relief
 from paint3d.surface.kernels.grain import fill_grain
 
-__all__ = ["Pores", "close_pores", "find_pores"]
+__all__ = ["Pores", "capacity_of", "close_pores", "film_of", "find_pores"]
 
 _GRAIN_MM = 1.2  # bumps of the paper that ink runs around
 _GRAIN_OF_PORES = 1.5  # of the residual, per unit of the material's grain
@@ -34,6 +34,20 @@ _GLUE = 0.25  # coats of dried ink that close half of what can be closed
 _GLUE_OF_WAYS = 0.9  # of the conductance, at most
 _GLUE_OF_ENTRY = 0.85  # of the way from the advance saturation to full pores, at most
 _FULL = 0.98
+_LEAST_MM = 0.012  # of a film on what has no pores: what glue that thickens holds where it is
+_FILM_MM2_S = 0.3  # least diffusivity of a film of water: a few hundredths of a mm level in seconds
+_POOL_MM = 0.25  # depth of a pool at which its border goes on over what sheds water
+_SHEDS = (0.6, 0.9)  # advance saturations from which on, and at which, that is so
+
+
+def capacity_of(drink: Material) -> float:
+    """Depth of water that the pores hold, mm, above 0."""
+    return max(drink.pores_mm, _LEAST_MM)
+
+
+def film_of(drink: Material) -> float:
+    """Diffusivity of a film of water on full pores, mm2/s."""
+    return max(drink.spread_mm2_s, _FILM_MM2_S)
 
 
 class Pores(NamedTuple):
@@ -57,8 +71,8 @@ def find_pores(points: AnyArray, drink: Material, spacing: float) -> Pores:
     if fibres is not None:
         relief -= _FIBRES_OF_PORES * drink.grain * fibres
     residual = np.clip(drink.residual * (1.0 + relief), 0.0, 0.95)
-    strength = drink.pores_mm * drink.spread_mm2_s * (1.0 - residual) / 3.0
-    held = drink.pores_mm * np.maximum(residual, drink.advance * (1.0 + relief))
+    strength = capacity_of(drink) * drink.spread_mm2_s * (1.0 - residual) / 3.0
+    held = capacity_of(drink) * np.maximum(residual, drink.advance * (1.0 + relief))
     sieve = strength * np.clip(_SIEVE * (1.0 - drink.passing), 0.0, 1.0) ** 3
     ways = np.maximum(0.05, 1.0 + _GRAIN_OF_WAYS * bump)
     if fibres is not None:
@@ -79,11 +93,15 @@ def close_pores(
         the share of the conductance.
     """
     closed = glue / (glue + _GLUE)
-    full = _FULL * drink.pores_mm
+    depth = capacity_of(drink)
+    full = _FULL * depth
     held = pores.held + _GLUE_OF_ENTRY * closed * np.maximum(0.0, full - pores.held)
-    s = np.clip((held / max(drink.pores_mm, 1e-9) - pores.residual), 0.0, 1.0)
+    s = np.clip((held / depth - pores.residual), 0.0, 1.0)
     s = np.minimum(1.0, s / (1.0 - pores.residual))
-    return held, pores.strength * s**3, pores.ways * (1.0 - _GLUE_OF_WAYS * closed)
+    low, high = _SHEDS
+    sheds = np.clip((drink.advance - low) / (high - low), 0.0, 1.0) if drink.pores_mm else 1.0
+    pinned = film_of(drink) * _POOL_MM * sheds
+    return held, pores.strength * s**3 + pinned, pores.ways * (1.0 - _GLUE_OF_WAYS * closed)
 
 
 def _find_fibres(points: AnyArray, drink: Material, spacing: float) -> AnyArray | None:

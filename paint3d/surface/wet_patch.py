@@ -266,9 +266,7 @@ class WetPatch:
     # -- where ------------------------------------------------------------------------------
 
     def _is_open(self, place: AnyArray) -> NDArray[np.bool_]:
-        """(N,) bool: whether the ways from some places (N,) are known, if they have to be."""
-        if self.material.pores_mm <= 0.0:
-            return place >= 0
+        """(N,) bool: whether the ways from some places (N,) are known."""
         graph = self.graph
         here = place >= 0
         found = np.zeros(len(place), bool)
@@ -278,10 +276,7 @@ class WetPatch:
     def reach(self, ids: AnyArray) -> None:
         """Reach as far as some vertices (N,)."""
         cells = self.graph.cells_of(ids)
-        if self.material.pores_mm > 0.0:
-            self.graph.open(self.graph.blocks_of(cells))
-        else:
-            self.graph.know(cells)
+        self.graph.open(self.graph.blocks_of(cells))
         self._follow()
 
     def open_some(self, ids: AnyArray, most: int) -> tuple[AnyArray, AnyArray]:
@@ -291,7 +286,7 @@ class WetPatch:
         """
         place = self.graph.places(ids)
         wanted = self._store.ink.amounts[ids].any(axis=1) & ~self._is_open(place)
-        if self.material.pores_mm <= 0.0 or not wanted.any():
+        if not wanted.any():
             return ids, ids[:0]
         block = self.graph.block_of(ids)
         waiting = self._open_of(np.unique(block[wanted]), most)
@@ -301,8 +296,6 @@ class WetPatch:
     def open_wet(self, most: int) -> bool:
         """Open so many new ones of the blocks with water; whether all are open now."""
         wet = self.wet_blocks()
-        if self.material.pores_mm <= 0.0:
-            return True
         return not len(self._open_of(wet[~self.graph.block_open[wet]], most))
 
     def _open_of(self, closed: AnyArray, most: int) -> AnyArray:

@@ -29,6 +29,7 @@ from paint3d.core.kernel import kernel
 __all__ = ["WetFields", "move_water"]
 
 _MOST = 0.5  # of the pores' depth: a longer step in which more moves is cut in parts
+_FLOATS = 0.005  # mm: a film as deep carries pigment as fast as itself
 _GONE = -(1 << 30)  # of what a node waits for, once it is taken out of its turn
 
 
@@ -219,15 +220,17 @@ def _run_stage(rows, n_rows, stage, n_stages, film, capacity, come):
 
 
 @kernel(error_model="numpy")
-def _find_flows(rows, n_rows, n_stages, passing):
+def _find_flows(rows, n_rows, n_stages, passing, film):
     """Turn `x` into what runs out by each link, below 0 in, mm3; `ran` into what carries soot.
 
-    Pores that are barely wet let none of the coarse pigment pass, those above `sieve` all of it.
+    Pores that are barely wet let none of the coarse pigment pass, those above `sieve` all of it; in
+    a film on them nothing holds it.
     """
     mean, ran = rows.mean[n_stages % 2], rows.ran[n_stages % 2]
     carries = rows.ran[0]
     for r in range(n_rows):
         sieve = rows.sieve[r]
+        full, floats = rows.strength[r], 1.0 / (film * _FLOATS)
         always, opens = (0.0, passing / sieve) if sieve > 0.0 else (passing, 0.0)
         for e in range(rows.starts[r], rows.starts[r + 1]):
             k = rows.cols[e]
@@ -235,7 +238,9 @@ def _find_flows(rows, n_rows, n_stages, passing):
                 rows.x[e] *= mean[r] - mean[k]
             else:
                 rows.x[e] = -ran[e]
-            share = min(always + opens * min(mean[r], mean[k]), passing)
+            level = min(mean[r], mean[k])
+            share = min(always + opens * level, passing)
+            share = max(share, min(floats * (level - full), 1.0))
             carries[e] = max(rows.x[e], 0.0) * share
 
 
@@ -422,7 +427,7 @@ def _find(f, rows, known, rest, capacity, film, passing, come):
             n_stages = _count_stages(rows, n_rows, film)
         stage += 1
         _run_stage(rows, n_rows, stage, n_stages, film, capacity, come)
-    _find_flows(rows, n_rows, n_stages, passing)
+    _find_flows(rows, n_rows, n_stages, passing, film)
     return n_rows, known, n_stages
 
 
@@ -439,7 +444,7 @@ def move_water(f, nodes, around, capacity, film, passing, shortest, rest):
     around : (R,) i32
         All nodes next to them, and perhaps some more than once, or of the blocks themselves.
     capacity, film : f64
-        Depth that the pores hold, mm; diffusivity in full pores, mm2/s.
+        Depth that the pores hold, mm; diffusivity of a film on them, mm2/s.
     passing : f64
         Speed of coarse pigment over that of the water in pores that let it pass, 0 to 1.
     shortest : f64
