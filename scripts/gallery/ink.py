@@ -7,6 +7,9 @@ flowers        ink flowers and a branch on a vase wrapped in xuan, tip dark and 
 wet_in_wet     drops into wet washes, on xuan, and the same on paint that has dried
 feathering     the same strokes on raw xuan, on bisque and on glaze, a minute later
 vermilion      four characters in cinnabar on a bowl of dried soot
+bloom          five tones of one ink spread on raw xuan; water into half-dry washes; a later stroke
+               beside an earlier one
+lotus          a lotus leaf in broken ink with backruns, and a bud
 petals         tip dark in a light belly: petals by one side-laid stroke each, solid and with hairs
 """
 
@@ -264,7 +267,90 @@ def petals(folder: Path) -> None:
     draw(surface, folder / "petals.png", (1500, 560))
 
 
-SCENES = {f.__name__: f for f in (flowers, wet_in_wet, feathering, vermilion, petals)}
+def bloom(folder: Path) -> None:
+    """Drops of the five tones, what water does to half-dry washes, and a line of glue."""
+    mesh = sheet(150.0, 96.0)
+    surface = PaintedSurface(mesh, 0.25, "xuan")
+    surface.refine_all()
+    for k, share in enumerate((1.0, 0.25, 0.15, 0.09, 0.04)):
+        soot = {"pine soot": 2.6 * share, "water": 2.6 * (1.0 - share)}
+        drop(surface, (-56 + 28 * k, 28), 5.0, soot)
+    wash = {"pine soot": 0.16, "water": 1.6}
+    drop(surface, (-48, -20), 11.0, wash)
+    drop(surface, (-4, -20), 11.0, wash)
+    drop(surface, (36, -20), 9.0, {"pine soot": 0.2, "water": 1.4})
+    surface.diffuse(30.0)
+    drop(surface, (-50, -18), 2.6, {"water": 6.0})
+    for x, y in ((-9, -16), (1, -25), (3, -14)):
+        drop(surface, (x, y), 1.4, {"water": 6.0, "pine soot": 0.1})
+    surface.diffuse(1200.0)
+    drop(surface, (52, -20), 6.0, {"pine soot": 0.3, "water": 2.4})
+    surface.diffuse(1200.0)
+    draw(surface, folder / "bloom.png", (1500, 1000))
+
+
+def lotus(folder: Path) -> None:
+    """A lotus leaf: light washes, dark ink and water into them while they are wet, then veins."""
+    mesh = sheet(190.0, 150.0)
+    surface, chart = PaintedSurface(mesh, 0.35, "xuan"), sheet_chart(mesh)
+    heart, random = np.array([-18.0, 14.0]), np.random.default_rng(4)
+    painter = Painter(surface, "dabaiyun", "light")
+    turns = np.radians([8, 42, 75, 108, 140, 172, 205, 240, 275, 310, 338])
+    reach = np.column_stack([60.0 * np.cos(turns), 40.0 * np.sin(turns) - 4.0])
+    reach *= random.uniform(0.85, 1.05, (len(turns), 1))
+    for k, end in enumerate(reach):
+        painter.dip("light" if k % 3 else "heavy")
+        painter.dip("heavy" if k % 2 else "thick", reach=0.25)
+        wide(chart, painter, heart + 0.16 * end, heart + end, 0.34 + 0.08 * (k % 3))
+    surface.diffuse(1.5)
+    for k in (1, 4, 5, 8):
+        painter.dip("thick")
+        wide(chart, painter, heart + 0.3 * reach[k], heart + 0.8 * reach[k], 0.16)
+    surface.diffuse(14.0)
+    for k in (0, 2, 3, 6, 7, 9, 10):
+        at = heart + random.uniform(0.5, 0.8) * reach[k] + random.normal(0.0, 2.0, 2)
+        drop(surface, at, random.uniform(1.6, 3.0), {"water": 6.0})
+    surface.diffuse(40.0)
+    veins_and_bud(surface, chart, heart, reach)
+    surface.diffuse(20.0)
+    draw(surface, folder / "lotus.png", (1500, 1180))
+
+
+def wide(chart, painter, start, end, press: float) -> None:
+    """A broad stroke that is laid down, swells, and is lifted."""
+    t = np.linspace(0.0, 1.0, 24)
+    aside = 0.06 * np.array([start[1] - end[1], end[0] - start[0]])
+    way = start + np.outer(t, end - start) + np.outer(np.sin(np.pi * t), aside)
+    pressures = press * np.sin(np.pi * np.clip(t, 0.04, 0.97)) ** 0.55
+    painter.replay(stroke(chart, way, pressures, brush="dabaiyun"))
+
+
+def veins_and_bud(surface, chart, heart, reach) -> None:
+    """Veins from the heart, a stem, and a bud in carmine whose tip is dark."""
+    fine = Painter(surface, "xiaobaiyun", "thick")
+    for end in reach:
+        t = np.linspace(0.0, 0.86, 16)
+        aside = 0.05 * np.array([-end[1], end[0]])
+        way = heart + np.outer(t, end) + np.outer(np.sin(2.4 * t), aside)
+        fine.dip("thick")
+        fine.replay(stroke(chart, way, 0.13 - 0.13 * t, brush="xiaobaiyun"))
+    stem = np.array([[-14, 2], [-9, -22], [-8, -46], [-12, -70]], float)
+    fine.dip("heavy")
+    fine.replay(stroke(chart, stem, np.array([0.12, 0.16, 0.17, 0.14]), brush="xiaobaiyun"))
+    bud = np.array([62.0, 34.0])
+    way = np.array([bud + (1, -5), (60, 6), (52, -30), (44, -70)])
+    fine.dip("light")
+    fine.dip("heavy", reach=0.3)
+    fine.replay(stroke(chart, way, np.array([0.08, 0.1, 0.11, 0.1]), brush="xiaobaiyun"))
+    for turn, long in ((62, 15.0), (118, 15.0), (90, 19.0)):
+        painter = Painter(surface, "full", {"carmine": 0.03, "water": 0.97})
+        painter.dip({"carmine": 0.5, "water": 0.5}, reach=0.3)
+        petal(chart, painter, bud, np.radians(turn), long, 0.3)
+
+
+SCENES = {
+    f.__name__: f for f in (flowers, wet_in_wet, feathering, bloom, lotus, vermilion, petals)
+}
 
 
 def main() -> None:
