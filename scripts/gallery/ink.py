@@ -20,6 +20,7 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
 
 import paint3d
 from paint3d.brush.dip_amount import DipAmount
@@ -108,31 +109,53 @@ def line(chart, painter, points, press) -> None:
     painter.replay(stroke(chart, np.asarray(points, float), np.asarray(press, float)))
 
 
+def twig(chart, painter, points, press, kept, brush: str = "full") -> None:
+    """A bent twig through points, lifted over discs (x, y, radius) that are kept for blossoms."""
+    knots = np.asarray(points, float)
+    t = np.linspace(0.0, 1.0, 120)
+    way = CubicSpline(np.linspace(0.0, 1.0, len(knots)), knots)(t)
+    way += 0.012 * np.ptp(knots) * np.column_stack([np.sin(23.0 * t), np.sin(17.0 * t)])
+    pressures = np.interp(t, np.linspace(0.0, 1.0, len(press)), press)
+    pressures *= 1.0 + 0.12 * np.sin(31.0 * t)
+    discs = np.asarray(kept, float).reshape(-1, 3)
+    away = np.linalg.norm(way[:, None] - discs[:, :2], axis=2)
+    free = (away > discs[:, 2]).all(axis=1)
+    ends = np.flatnonzero(np.diff(np.r_[False, free, False]))
+    for first, last in ends.reshape(-1, 2):
+        if last - first > 5:
+            painter.replay(stroke(chart, way[first:last], pressures[first:last], brush=brush))
+
+
 def flowers(folder: Path) -> None:
     """Plum blossom on a vase wrapped in xuan."""
     mesh = load_mesh("vase")
     mesh = TriangleMesh(mesh.vertices * np.float32(0.5), mesh.faces, name="vase")
     surface = PaintedSurface(mesh, 0.5, "xuan")
     chart = make_chart(ClosestPoints(mesh), place(ClosestPoints(mesh), (0.5, 0.56)), 52.0, 88.0)
+    blossoms = (
+        ((19, 47), 15, 0.3), ((-31, 44), 13, 1.1), ((-3, 6), 15, 0.7), ((36, 16), 12, 0.1),
+        ((-36, -20), 13, 0.5), ((3, 76), 10, 0.9),
+    )  # fmt: skip
+    kept = [(*centre, 0.66 * size) for centre, size, _ in blossoms]
     painter = Painter(surface, "full", {"pine soot": 0.15, "water": 0.85})
-    painter.dip("pine soot", reach=0.3)
-    line(chart, painter, [(-40, -80), (-26, -44), (-20, -16), (2, 14), (8, 44)],
-         [0.10, 0.26, 0.2, 0.16, 0.05])  # fmt: skip
-    painter.dip("pine soot", reach=0.5)
-    line(chart, painter, [(-20, -16), (-28, 10), (-22, 40), (-28, 62)], [0.16, 0.12, 0.09, 0.03])
-    line(chart, painter, [(2, 14), (24, 26), (36, 50)], [0.12, 0.09, 0.03])
+    for points, press in (
+        ([(-40, -82), (-26, -50), (-22, -20), (-6, 2), (6, 26), (4, 64)],
+         [0.12, 0.26, 0.2, 0.17, 0.12, 0.03]),
+        ([(-23, -24), (-29, 4), (-23, 32), (-31, 62)], [0.16, 0.11, 0.09, 0.02]),
+        ([(2, 16), (20, 24), (30, 40), (34, 60)], [0.13, 0.1, 0.07, 0.02]),
+    ):  # fmt: skip
+        painter.dip({"pine soot": 0.15, "water": 0.85})
+        painter.dip("pine soot", reach=0.4)
+        twig(chart, painter, points, press, kept)
     surface.diffuse(4.0)
     surface.dry()
-    for centre, size, turn in (
-        ((14, 44), 15, 0.3), ((-24, 46), 13, 1.1), ((-8, 8), 15, 0.7), ((32, 20), 12, 0.1),
-        ((-34, -22), 13, 0.5), ((4, 74), 10, 0.9),
-    ):  # fmt: skip
+    for centre, size, turn in blossoms:
         flower(chart, painter, centre, 0.8 * size, turn)
         surface.diffuse(1.5)
     surface.diffuse(8.0)
     surface.dry()
     stamens = Painter(surface, "full", "pine soot")
-    for centre in ((14, 44), (-24, 46), (-8, 8), (32, 20), (-34, -22), (4, 74)):
+    for centre, _, _ in blossoms:
         for k in range(7):
             out = np.array([np.cos(k * 0.9), np.sin(k * 0.9)])
             way = np.asarray(centre) + out * np.linspace(0.8, 5.2, 5)[:, None]
@@ -338,7 +361,7 @@ def veins_and_bud(surface, chart, heart, reach) -> None:
     fine.dip("heavy")
     fine.replay(stroke(chart, stem, np.array([0.12, 0.16, 0.17, 0.14]), brush="xiaobaiyun"))
     bud = np.array([62.0, 34.0])
-    way = np.array([bud + (1, -5), (60, 6), (52, -30), (44, -70)])
+    way = np.array([(63, 29), (60, 6), (52, -30), (44, -70)])
     fine.dip("light")
     fine.dip("heavy", reach=0.3)
     fine.replay(stroke(chart, way, np.array([0.08, 0.1, 0.11, 0.1]), brush="xiaobaiyun"))
@@ -348,9 +371,7 @@ def veins_and_bud(surface, chart, heart, reach) -> None:
         petal(chart, painter, bud, np.radians(turn), long, 0.3)
 
 
-SCENES = {
-    f.__name__: f for f in (flowers, wet_in_wet, feathering, bloom, lotus, vermilion, petals)
-}
+SCENES = {f.__name__: f for f in (flowers, wet_in_wet, feathering, bloom, lotus, vermilion, petals)}
 
 
 def main() -> None:

@@ -8,10 +8,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw
-from scipy.interpolate import CubicSpline
 
 sys.path.insert(0, str(Path(__file__).parent))
-from ink import draw, line, sheet, sheet_chart
+from ink import draw, line, sheet, sheet_chart, twig
 from ink import stroke as way_of
 from writing import beside, drawn, seen_from_above, stacked, titled, written
 
@@ -207,16 +206,14 @@ def draw_bowl_bottom(file: Path, glyphs: Path) -> None:
         ([(3, 0), (8, -2), (12, -7)], (0.24, 0.15, 0.02)),
         ([(5.5, 2), (6, 8), (9, 14)], (0.16, 0.11, 0.02)),
     )
+    blossoms = ((12.0, 1.5, 1.0, 0.2), (-7.5, 9.5, 1.0, 0.9), (-10.5, -3.0, 1.0, 0.6))
     for points, presses in twigs:
         painter.dip("heavy")
         painter.dip("burnt", reach=0.4)
-        knots = np.array(points, float)
-        t = np.linspace(0.0, 1.0, 60)
-        way = CubicSpline(np.linspace(0.0, 1.0, len(knots)), knots)(t)
-        way += 0.12 * np.column_stack([np.sin(17.0 * t), np.sin(13.0 * t)])
-        line(chart, painter, way, np.interp(t, np.linspace(0.0, 1.0, len(presses)), presses))
+        kept = [(x, y, 3.1 * size) for x, y, size, _ in blossoms]
+        twig(chart, painter, points, presses, kept, "xiaobaiyun")
     surface.dry()
-    for x, y, size, turn in ((10.5, 4.0, 1.0, 0.2), (-4.5, 9.0, 1.0, 0.9), (-9.0, -5.5, 1.0, 0.6)):
+    for x, y, size, turn in blossoms:
         blossom(chart, painter, np.array([x, y]), size, turn)
     for x, y, turn in ((11.6, -6.6, -0.8), (8.8, 13.6, 1.2), (-2.2, 16, 1.4), (14.4, 9.6, 0.6)):
         petal(chart, painter, np.array([x, y]), turn, 0.55, 0.3)
