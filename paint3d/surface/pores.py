@@ -24,6 +24,8 @@ _GRAIN_OF_PORES = 1.5  # of the residual, per unit of the material's grain
 _GRAIN_OF_WAYS = 2.0  # of the conductance
 _FIBRES_OF_PORES = 0.4  # less of the residual on a fibre, per unit of the grain
 _FIBRES_OF_WAYS = 1.4  # logarithm of the conductance there
+_CLOUDS_MM = 5.0  # flocs of a sheet, seen against the light
+_CLOUDS_OF_PORES = 1.0  # of the residual, per unit of the grain
 _UNDER_FIBRES = 0.35  # of the bumps that are left where there are fibres
 _FIBRE_MM = 0.3  # width of the bundles of fibres that are seen
 _SHEET_MM = 0.12  # pores that are no deeper are those of a sheet, which is felted of fibres
@@ -70,6 +72,8 @@ def find_pores(points: AnyArray, drink: Material, spacing: float) -> Pores:
     relief = _GRAIN_OF_PORES * bump
     if fibres is not None:
         relief -= _FIBRES_OF_PORES * drink.grain * fibres
+        fill_grain(points, _CLOUDS_MM, height)
+        relief += _CLOUDS_OF_PORES * drink.grain * (2.0 * height - 1.0)
     residual = np.clip(drink.residual * (1.0 + relief), 0.0, 0.95)
     strength = capacity_of(drink) * drink.spread_mm2_s * (1.0 - residual) / 3.0
     held = capacity_of(drink) * np.maximum(residual, drink.advance * (1.0 + relief))

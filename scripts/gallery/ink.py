@@ -315,7 +315,7 @@ def bloom(folder: Path) -> None:
 def lotus(folder: Path) -> None:
     """A lotus leaf: light washes, dark ink and water into them while they are wet, then veins."""
     mesh = sheet(190.0, 150.0)
-    surface, chart = PaintedSurface(mesh, 0.35, "xuan"), sheet_chart(mesh)
+    surface, chart = PaintedSurface(mesh, 0.55, "xuan"), sheet_chart(mesh)
     heart, random = np.array([-18.0, 14.0]), np.random.default_rng(4)
     painter = Painter(surface, "dabaiyun", "light")
     turns = np.radians([8, 42, 75, 108, 140, 172, 205, 240, 275, 310, 338])
@@ -329,13 +329,13 @@ def lotus(folder: Path) -> None:
     for k in (1, 4, 5, 8):
         painter.dip("thick")
         wide(chart, painter, heart + 0.3 * reach[k], heart + 0.8 * reach[k], 0.16)
-    surface.diffuse(14.0)
+    surface.diffuse(10.0)
     for k in (0, 2, 3, 6, 7, 9, 10):
         at = heart + random.uniform(0.5, 0.8) * reach[k] + random.normal(0.0, 2.0, 2)
         drop(surface, at, random.uniform(1.6, 3.0), {"water": 6.0})
-    surface.diffuse(40.0)
+    surface.diffuse(16.0)
     veins_and_bud(surface, chart, heart, reach)
-    surface.diffuse(20.0)
+    surface.diffuse(4.0)
     draw(surface, folder / "lotus.png", (1500, 1180))
 
 

@@ -238,10 +238,11 @@ def _find_flows(rows, n_rows, n_stages, passing, film):
                 rows.x[e] *= mean[r] - mean[k]
             else:
                 rows.x[e] = -ran[e]
-            level = min(mean[r], mean[k])
-            share = min(always + opens * level, passing)
-            share = max(share, min(floats * (level - full), 1.0))
-            carries[e] = max(rows.x[e], 0.0) * share
+            carries[e] = 0.0
+            if rows.x[e] > 0.0:
+                level = min(mean[r], mean[k])
+                share = min(always + opens * level, passing)
+                carries[e] = rows.x[e] * max(share, min(floats * (level - full), 1.0))
 
 
 @kernel(error_model="numpy")
@@ -297,7 +298,7 @@ def _carry(f, rows, n_rows, n_ids):
     _take_rest(f, rows, n_rows, gained, brought)
 
 
-@kernel(error_model="numpy")
+@kernel(error_model="numpy", inline="always")
 def _mix(f, rows, r, volume, gone, drawn, brought):
     """Mix what came to a row with what is there; turn `brought` (2, R, P) into what goes on.
 
