@@ -315,20 +315,20 @@ def bloom(folder: Path) -> None:
 def lotus(folder: Path) -> None:
     """A lotus leaf: light washes, dark ink and water into them while they are wet, then veins."""
     mesh = sheet(190.0, 150.0)
-    surface, chart = PaintedSurface(mesh, 0.55, "xuan"), sheet_chart(mesh)
+    surface, chart = PaintedSurface(mesh, 0.65, "xuan"), sheet_chart(mesh)
     heart, random = np.array([-18.0, 14.0]), np.random.default_rng(4)
     painter = Painter(surface, "dabaiyun", "light")
     turns = np.radians([8, 42, 75, 108, 140, 172, 205, 240, 275, 310, 338])
     reach = np.column_stack([60.0 * np.cos(turns), 40.0 * np.sin(turns) - 4.0])
     reach *= random.uniform(0.85, 1.05, (len(turns), 1))
     for k, end in enumerate(reach):
-        painter.dip("light" if k % 3 else "heavy")
-        painter.dip("heavy" if k % 2 else "thick", reach=0.25)
-        wide(chart, painter, heart + 0.16 * end, heart + end, 0.34 + 0.08 * (k % 3))
+        painter.dip("clear" if k % 3 else "light")
+        painter.dip("light" if k % 2 else "heavy", reach=0.12)
+        wide(chart, painter, heart + 0.34 * end, heart + end, 0.24 + 0.06 * (k % 3))
     surface.diffuse(1.5)
     for k in (1, 4, 5, 8):
-        painter.dip("thick")
-        wide(chart, painter, heart + 0.3 * reach[k], heart + 0.8 * reach[k], 0.16)
+        painter.dip("heavy")
+        wide(chart, painter, heart + 0.45 * reach[k], heart + 0.8 * reach[k], 0.1)
     surface.diffuse(10.0)
     for k in (0, 2, 3, 6, 7, 9, 10):
         at = heart + random.uniform(0.5, 0.8) * reach[k] + random.normal(0.0, 2.0, 2)
@@ -361,7 +361,7 @@ def veins_and_bud(surface, chart, heart, reach) -> None:
     fine.dip("heavy")
     fine.replay(stroke(chart, stem, np.array([0.12, 0.16, 0.17, 0.14]), brush="xiaobaiyun"))
     bud = np.array([62.0, 34.0])
-    way = np.array([(63, 29), (60, 6), (52, -30), (44, -70)])
+    way = np.array([(62, 40), (60, 6), (52, -30), (44, -70)])
     fine.dip("light")
     fine.dip("heavy", reach=0.3)
     fine.replay(stroke(chart, way, np.array([0.08, 0.1, 0.11, 0.1]), brush="xiaobaiyun"))
