@@ -55,10 +55,12 @@ class DryLayers:
     ----------
     count : int
         Vertices that something has dried on, D.
+    changes : int
+        How often rows came, went or changed.
     """
 
     def __init__(self, n_pigments: int = 0, filters: bool = False) -> None:
-        self.count = 0
+        self.count = self.changes = 0
         bands = N_BANDS if filters else 0
         self._slots = np.empty(0, np.int32)
         self._ids = np.empty(0, np.int32)
@@ -164,6 +166,7 @@ class DryLayers:
 
         Amounts (N, P) have dried there and cover shares (N,) of the vertices.
         """
+        self.changes += 1
         self._slots[vertex_ids] = rows
         self._ids[rows] = vertex_ids
         self._amounts[rows] += amounts
@@ -208,6 +211,7 @@ class DryLayers:
         for array, old in zip(self._over, then.over, strict=True):
             array[then.rows] = old
         self._slots[then.vertex_ids] = then.rows
+        self.changes += 1
         self.count = then.count
         return now
 
@@ -247,6 +251,7 @@ class DryLayers:
         self._amounts = np.array(amounts, np.float32)
         self._share = np.array(share, np.float32)
         self.count = len(vertex_ids)
+        self.changes += 1
         if over is None:
             over = tuple(np.empty((len(vertex_ids), 0)) for _ in GROUNDS)
         self._over = tuple(np.array(array, np.uint16) for array in over)

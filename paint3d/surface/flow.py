@@ -24,11 +24,13 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.colour.materials import WET_COAT_MM
 from paint3d.core.types import AnyArray
 from paint3d.surface.ink_store import InkStore
 from paint3d.surface.kernels.block_groups import grade_paces
 from paint3d.surface.kernels.diffusion import Drying, evaporate, solve_edges
 from paint3d.surface.kernels.wet_step import move_water
+from paint3d.surface.pores import capacity_of, film_of
 from paint3d.surface.wet_patch import FIRST_PACE, WetPatch
 
 __all__ = [
@@ -255,10 +257,8 @@ class Flow:
         )
         step.due[blocks] = True
         was_dry = np.isinf(patch.owed)
-        bundles = [blocks]
-        if patch.material.pores_mm > 0.0:
-            patch.open(blocks)
-            bundles = self._bundles(blocks)
+        patch.open(blocks)
+        bundles = self._bundles(blocks)
         work = [(bundle, np.zeros(1)) for bundle in bundles]
         done = each(lambda own: self._move_and_dry(*own, step), work)
         dried = []
@@ -293,7 +293,7 @@ class Flow:
     def _choose_pace(self, step: _Step, came: AnyArray) -> None:
         """Let the next steps follow the motion in these; `came` (K,) are blocks wet since."""
         p, due, graph = self._patch, step.due, self._patch.graph
-        pores = p.material.pores_mm
+        pores = max(p.material.pores_mm, WET_COAT_MM)
         pace = p.pace[due]
         most, volume, area = step.moved[due].T
         change = np.maximum(most / _MOST, volume / np.maximum(area, 1e-12) / _MEAN)
@@ -316,14 +316,12 @@ class Flow:
         p = self._patch
         nodes = p.graph.nodes_of(blocks)
         drink = p.material
-        if drink.pores_mm > 0.0:
-            stages = move_water(
-                p.fields(step.due, step.mobile, step.moved), nodes, p.graph.rims_of(blocks),
-                drink.pores_mm, drink.spread_mm2_s, drink.passing,
-                _SHORTEST, rest,
-            )  # fmt: skip
-            if stages < 0:
-                return None
+        stages = move_water(
+            p.fields(step.due, step.mobile, step.moved), nodes, p.graph.rims_of(blocks),
+            capacity_of(drink), film_of(drink), drink.passing, _SHORTEST, rest,
+        )  # fmt: skip
+        if stages < 0:
+            return None
         return self._evaporate(nodes, float(rest[0]), step)
 
     def _wanted(self, blocks: AnyArray, step: _Step) -> AnyArray:
@@ -344,13 +342,10 @@ class Flow:
         fields = p.fields(step.due, step.mobile, step.moved)
         is_wet = p.water[nodes] > 0.0
         wet = nodes[is_wet]
-        gain = 0.0
-        if p.material.pores_mm > 0.0:
-            gain = _EDGE_GAIN
-            p.inside[nodes[~is_wet]] = 0.0
-            solve_edges(wet, fields, p.totals, _EDGE_REACH, _EDGE_SWEEPS, p.inside)
+        p.inside[nodes[~is_wet]] = 0.0
+        solve_edges(wet, fields, p.totals, _EDGE_REACH, _EDGE_SWEEPS, p.inside)
         dried = np.empty(len(wet), np.int32)
-        drying = Drying(float(p.material.drying_mm_s), gain, _DRY)
+        drying = Drying(float(p.material.drying_mm_s), _EDGE_GAIN, _DRY)
         count = evaporate(wet, fields, rest, drying, p.inside, dried, step.still_wet)
         return dried[:count]
 

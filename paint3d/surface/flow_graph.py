@@ -177,6 +177,10 @@ class FlowGraph:
         pick_nodes(starts, stops, nodes)
         return nodes
 
+    def links_of(self, nodes: AnyArray) -> AnyArray:
+        """The links of some nodes (N,), node after node; none where they are not known."""
+        return _from_runs(self.first[nodes], self.last[nodes] - self.first[nodes])
+
     def rims_of(self, blocks: AnyArray) -> AnyArray:
         """Nodes (R,) next to those of some open blocks (K,): always in the same order.
 

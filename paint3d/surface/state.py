@@ -24,6 +24,7 @@ from paint3d.mesh.likeness import Original
 from paint3d.mesh.refinement_log import refinement_log, repeat_refinement, saved_ids
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.surface.painted_surface import PaintedSurface
+from paint3d.surface.wet_patch import FINES
 
 __all__ = [
     "BRUSH_TRANSFER",
@@ -403,6 +404,9 @@ def checked_flow(
         kept[name] = _amounts(state, f"flow_{name}", shape, np.float64, most).astype(dtype)
     shape = (*shape, n_pigments)
     kept["pigment"] = _amounts(state, "flow_pigment", shape, np.float64)
+    kept["fine"] = FINES * kept["pigment"]
+    if "flow_fine" in state:  # once all pigment was alike
+        kept["fine"] = _amounts(state, "flow_fine", shape, np.float64)
     kept["written"] = _amounts(state, "flow_written", shape, np.float32)
     if not kept["pace"].all():
         raise SessionError("flow_pace is 0; expected a time")

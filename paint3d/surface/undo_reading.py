@@ -286,7 +286,9 @@ def _checked(flow: PackedFlow, n: int, n_pigments: int) -> PackedFlow:
     known = checked_flow(whole, n, n_pigments, lambda ids: ids)
     if len(known["vertices"]) != flow.n:
         raise SessionError(f"a flow of {flow.n} vertices has {len(known['vertices'])}")
-    return PackedFlow(flow.n, rows, {name: flow.arrays[name] for name in known})
+    own = {name: flow.arrays[name] for name in known if name in flow.arrays}
+    missing = {name: known[name][rows] for name in known if name not in own}  # of older files
+    return PackedFlow(flow.n, rows, own | missing)
 
 
 class _SameNumbers:

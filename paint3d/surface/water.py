@@ -80,7 +80,7 @@ class Water:
     def restore(self, kept: Mapping[str, AnyArray]) -> None:
         """Go on as on the surface that it was kept from."""
         kept, count = dict(kept), len(self._store.pigments)
-        for name in ("pigment", "written"):  # pigments may have come since
+        for name in ("pigment", "fine", "written"):  # pigments may have come since
             missing = count - kept[name].shape[1]
             kept[name] = np.pad(kept[name], ((0, 0), (0, missing)))
         self.flow.restore(kept)

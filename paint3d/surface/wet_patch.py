@@ -10,28 +10,21 @@ from numpy.typing import NDArray
 from paint3d.colour.materials import WET_COAT_MM
 from paint3d.colour.pigments import WATER
 from paint3d.core.types import AnyArray
-from paint3d.surface.fibres import fibre_relief
 from paint3d.surface.flow_graph import with_room
 from paint3d.surface.ink_store import InkStore
-from paint3d.surface.kernels.grain import fill_grain
 from paint3d.surface.kernels.wet_step import WetFields
+from paint3d.surface.pores import Pores, close_pores, find_pores
 
-__all__ = ["FIRST_PACE", "WetPatch"]
+__all__ = ["FINES", "FIRST_PACE", "WetPatch"]
 
-_GRAIN_MM = 1.2  # bumps of the paper that ink runs around
-_GRAIN_OF_PORES = 1.5  # of the residual, per unit of the material's grain
-_GRAIN_OF_WAYS = 2.0  # of the conductance
-_FIBRES_OF_PORES = 0.4  # less of the residual on a fibre, per unit of the grain
-_FIBRES_OF_WAYS = 1.4  # logarithm of the conductance there
-_UNDER_FIBRES = 0.35  # of the bumps that are left where there are fibres
-_FIBRE_MM = 0.3  # width of the bundles of fibres that are seen
-_SHEET_MM = 0.12  # pores that are no deeper are those of a sheet, which is felted of fibres
-_SHOWN = (0.7, 1.2)  # spacing of the vertices, mm, from which on fibres fade, and at which none are
-_KEPT = ("water", "inside", "soaked", "pigment")
+_KEPT = ("water", "inside", "soaked", "pigment", "fine")
 _OF_PLACES = ("written", "share")
 _OF_NODES = (
-    *_KEPT, "changed", "residual", "strength", "held", "entry", "dry_entry", "ways", "place",
+    *_KEPT, "changed", "residual", "strength", "sieve", "held", "entry", "dry_entry", "ways",
+    "place", "bare_held", "bare_ways",
 )  # fmt: skip
+_OF_PORES = ("residual", "strength", "sieve", "bare_held", "bare_ways")
+FINES = 0.12  # of a pigment, what is fine enough to go wherever the water goes
 FIRST_PACE = 1.0 / 30.0  # s: the step where something came
 
 
@@ -48,12 +41,18 @@ class WetPatch:
         Those of the graph, with the grain in them.
     totals, residual, strength, entry : (N,) float64
         Of `surface.kernels.diffusion`, with the grain in them.
+    sieve : (N,) float64
+        Potential from which on the pores let all pigment pass.
+    bare_held, bare_ways : (N,) float64
+        `held` and `ways` as they would be without glue.
     held : (N,) float64
         Depth, mm, to which a dry node fills before water goes on.
     water : (N,) float64
         Depth, mm.
     pigment : (N, P) float64
         Coats times the covered share.
+    fine : (N, P) float64
+        Of these, what no pore holds back.
     inside : (N,) float32
         See `kernels.diffusion.solve_edges`.
     soaked : (N,) float32
@@ -70,11 +69,14 @@ class WetPatch:
 
     residual: NDArray[np.float64]
     strength: NDArray[np.float64]
+    sieve: NDArray[np.float64]
     entry: NDArray[np.float64]
     dry_entry: NDArray[np.float64]
     held: NDArray[np.float64]
     water: NDArray[np.float64]
     ways: NDArray[np.float64]
+    bare_held: NDArray[np.float64]
+    bare_ways: NDArray[np.float64]
 
     def __init__(self, store: InkStore) -> None:
         self._store = store
@@ -85,10 +87,11 @@ class WetPatch:
             setattr(self, name, np.zeros(0))
         self.changed, self.place = np.zeros(0, bool), np.zeros(0, np.int32)
         self.inside, self.soaked = np.zeros((2, 0), np.float32)
-        self.pigment = np.zeros((0, count))
+        self.pigment, self.fine = np.zeros((2, 0, count))
         self.written, self.share = np.zeros((0, count), np.float32), np.zeros(0)
         self.weights, self.totals = np.zeros(0), np.zeros(0)
         self._n_nodes = self._n_links = 0
+        self._seen = (store.dry_layers, store.dry_layers.changes)
         self.owed = np.full(self.graph.n_blocks, np.inf, np.float32)
         self.pace = np.full(self.graph.n_blocks, FIRST_PACE, np.float32)
         self._follow()
@@ -118,6 +121,7 @@ class WetPatch:
         for name in _KEPT:
             getattr(self, name)[:] = 0.0
         self.written[:] = 0.0
+        self.see_glue()
         self.entry[:] = self.dry_entry
         self.changed[:] = False
         self.owed[:], self.pace[:] = np.inf, FIRST_PACE
@@ -143,8 +147,9 @@ class WetPatch:
         graph = self.graph
         return WetFields(
             graph.first, graph.last, graph.links, self.weights, graph.area, graph.block,
-            graph.closed, self.place, self.residual, self.strength, self.held, self.entry,
-            self.water, self.pigment, self.soaked, self.changed, self.owed, due, mobile, moved,
+            graph.closed, self.place, self.residual, self.strength, self.sieve, self.held,
+            self.entry, self.water, self.pigment, self.fine, self.soaked, self.changed, self.owed,
+            due, mobile, moved,
         )  # fmt: skip
 
     def is_wet(self) -> bool:
@@ -161,6 +166,7 @@ class WetPatch:
         """Places of those of some vertices (N,) whose ink is not what was handed back."""
         store = self._store
         self._know_pigments()
+        self.see_glue()
         place = self.graph.places(fresh)
         wet = store.ink.amounts[fresh].any(axis=1)
         if (wet & ((place < 0) | ~self._is_open(place))).any():
@@ -187,8 +193,7 @@ class WetPatch:
         kept = 1.0 - share * np.divide(went, before, out=np.zeros_like(went), where=before > 0)
         np.multiply.at(self.water, node, kept)
         np.add.at(self.water, node, WET_COAT_MM * share * came)
-        np.add.at(self.pigment, node, share[:, None] * change)
-        self.pigment[node] = np.maximum(self.pigment[node], 0.0)
+        self._add_pigment(node, share[:, None] * change)
         self.written[at] = now
         self._drop_water(node)
         laid = node[came > 0.0]
@@ -201,17 +206,27 @@ class WetPatch:
         self.pace[block] = FIRST_PACE
         self.owed[block[np.isinf(self.owed[block])]] = 0.0
 
+    def _add_pigment(self, node: AnyArray, change: AnyArray) -> None:
+        """Add pigment (N, P) to some nodes (N,), or take some away: of fine and coarse alike."""
+        came, before = np.maximum(change, 0.0), self.pigment[node]
+        left = 1.0 + np.divide(change - came, before, out=np.zeros_like(came), where=before > 0)
+        np.multiply.at(self.fine, node, np.clip(left, 0.0, 1.0))
+        np.add.at(self.fine, node, FINES * came)
+        np.add.at(self.pigment, node, change)
+        self.pigment[node] = np.maximum(self.pigment[node], 0.0)
+        self.fine[node] = np.minimum(self.fine[node], self.pigment[node])
+
     def _know_pigments(self) -> None:
         missing = len(self._store.pigments) - self.pigment.shape[1]
         if missing:
-            for name in ("pigment", "written"):
+            for name in ("pigment", "fine", "written"):
                 setattr(self, name, np.pad(getattr(self, name), ((0, 0), (0, missing))))
 
     def _drop_water(self, nodes: AnyArray) -> None:
         """Plain water has become depth: it is no longer an amount."""
         for column, pigment in enumerate(self._store.pigments):
             if pigment is WATER:
-                self.pigment[nodes, column] = 0.0
+                self.pigment[nodes, column] = self.fine[nodes, column] = 0.0
 
     def hand_back(self) -> None:
         """Put the pigment back on the vertices, where it moved; ink that came since stays there."""
@@ -237,10 +252,13 @@ class WetPatch:
         at = graph.places_at(nodes)
         ids = graph.vertices[at]
         painted = self._store.ink.coverage[ids] > 0.0
-        self.pigment[nodes] = 0.0
+        self.pigment[nodes] = self.fine[nodes] = 0.0
         self.soaked[nodes] = 0.0
-        self.entry[nodes] = self.dry_entry[nodes]
         self._store.settle(ids[painted])
+        dry = self._store.dry_layers
+        self._seen = (dry, dry.changes)
+        self._close_pores(nodes)
+        self._weigh(nodes)
         self._store.touch(ids[~painted])
         self._store.ink.amounts[ids] = 0.0
         self.written[at] = 0.0
@@ -248,9 +266,7 @@ class WetPatch:
     # -- where ------------------------------------------------------------------------------
 
     def _is_open(self, place: AnyArray) -> NDArray[np.bool_]:
-        """(N,) bool: whether the ways from some places (N,) are known, if they have to be."""
-        if self.material.pores_mm <= 0.0:
-            return place >= 0
+        """(N,) bool: whether the ways from some places (N,) are known."""
         graph = self.graph
         here = place >= 0
         found = np.zeros(len(place), bool)
@@ -260,10 +276,7 @@ class WetPatch:
     def reach(self, ids: AnyArray) -> None:
         """Reach as far as some vertices (N,)."""
         cells = self.graph.cells_of(ids)
-        if self.material.pores_mm > 0.0:
-            self.graph.open(self.graph.blocks_of(cells))
-        else:
-            self.graph.know(cells)
+        self.graph.open(self.graph.blocks_of(cells))
         self._follow()
 
     def open_some(self, ids: AnyArray, most: int) -> tuple[AnyArray, AnyArray]:
@@ -273,7 +286,7 @@ class WetPatch:
         """
         place = self.graph.places(ids)
         wanted = self._store.ink.amounts[ids].any(axis=1) & ~self._is_open(place)
-        if self.material.pores_mm <= 0.0 or not wanted.any():
+        if not wanted.any():
             return ids, ids[:0]
         block = self.graph.block_of(ids)
         waiting = self._open_of(np.unique(block[wanted]), most)
@@ -283,8 +296,6 @@ class WetPatch:
     def open_wet(self, most: int) -> bool:
         """Open so many new ones of the blocks with water; whether all are open now."""
         wet = self.wet_blocks()
-        if self.material.pores_mm <= 0.0:
-            return True
         return not len(self._open_of(wet[~self.graph.block_open[wet]], most))
 
     def _open_of(self, closed: AnyArray, most: int) -> AnyArray:
@@ -314,12 +325,11 @@ class WetPatch:
         self.totals = with_room(self.totals, graph.n_nodes)
         nodes = slice(self._n_nodes, graph.n_nodes)
         if self._n_nodes < graph.n_nodes:
-            self._find_grain(nodes)
+            self._find_pores(nodes)
             self._share_areas(nodes)
         links = slice(self._n_links, graph.n_links)
         if self._n_links < graph.n_links:
-            start, end = self.ways[graph.owner[links]], self.ways[graph.links[links]]
-            self.weights[links] = graph.weights[links] * (2.0 * start * end / (start + end))
+            self._weigh_links(np.arange(links.start, links.stop))
             owner = graph.owner[links]
             own = np.bincount(owner, self.weights[links], graph.n_nodes)
             self.totals[: graph.n_nodes] += own
@@ -333,34 +343,51 @@ class WetPatch:
         areas = self._store.paint_mesh.vertex_areas[graph.vertices[places]]
         self.share[places] = areas / graph.area[graph.node_of[places]]
 
-    def _find_grain(self, nodes: slice) -> None:
-        """Let the pores and the ways between them vary with the material's grain."""
-        drink, points = self.material, self.graph.points[nodes]
-        height = np.empty(len(points))
-        fill_grain(points, _GRAIN_MM, height)
-        bump, fibres = drink.grain * (2.0 * height - 1.0), self._find_fibres(points)
-        if fibres is not None:
-            bump *= _UNDER_FIBRES
-        relief = _GRAIN_OF_PORES * bump
-        if fibres is not None:
-            relief -= _FIBRES_OF_PORES * drink.grain * fibres
-        residual = np.clip(drink.residual * (1.0 + relief), 0.0, 0.95)
-        strength = drink.pores_mm * drink.spread_mm2_s * (1.0 - residual) / 3.0
-        held = drink.pores_mm * np.maximum(residual, drink.advance * (1.0 + relief))
-        s = np.clip((held / max(drink.pores_mm, 1e-9) - residual), 0.0, 1.0)
-        s = np.minimum(1.0, s / (1.0 - residual))
-        self.residual[nodes], self.strength[nodes], self.held[nodes] = residual, strength, held
-        self.dry_entry[nodes] = self.entry[nodes] = strength * s**3
-        ways = np.maximum(0.05, 1.0 + _GRAIN_OF_WAYS * bump)
-        if fibres is not None:
-            ways *= np.exp(_FIBRES_OF_WAYS * drink.grain * fibres)
-        self.ways[nodes] = ways
-
-    def _find_fibres(self, points: AnyArray) -> AnyArray | None:
-        """How far points (N, 3) lie on fibres of the sheet; None of what has none that show."""
+    def _find_pores(self, nodes: slice) -> None:
+        """Let pores and ways vary with the grain, and with what has dried there."""
         spacing = float(self._store.paint_mesh.arrays.resolution)
-        fade, gone = _SHOWN
-        if not 0.0 < self.material.pores_mm <= _SHEET_MM or spacing >= gone:
-            return None
-        relief = fibre_relief(points, max(_FIBRE_MM, spacing))
-        return relief * min(1.0, (gone - spacing) / (gone - fade))
+        pores = find_pores(self.graph.points[nodes], self.material, spacing)
+        self.residual[nodes], self.strength[nodes], self.sieve[nodes] = pores[:3]
+        self.bare_held[nodes], self.bare_ways[nodes] = pores.held, pores.ways
+        self._close_pores(np.arange(nodes.start, nodes.stop))
+
+    def _close_pores(self, nodes: AnyArray) -> None:
+        """Let glue lie in the pores of some nodes (N,) as it has dried there."""
+        store, graph = self._store, self.graph
+        first = np.searchsorted(graph.node_of[: graph.n_places], nodes)
+        row = store.dry_layers.rows_of(graph.vertices[first])
+        glue = np.zeros(len(nodes))
+        if (row >= 0).any():
+            glue[row >= 0] = store.dry_layers.amounts[row[row >= 0]].sum(axis=1)
+        pores = Pores(*(getattr(self, name)[nodes] for name in _OF_PORES))
+        held, entry, ways = close_pores(pores, self.material, glue)
+        self.held[nodes], self.dry_entry[nodes], self.ways[nodes] = held, entry, ways
+        self.entry[nodes] = np.where(self.soaked[nodes] >= 1.0, 0.0, entry)
+
+    def see_glue(self) -> None:
+        """Close pores anew all over, where paint dried or was taken away by others."""
+        dry = self._store.dry_layers
+        if (dry, dry.changes) == self._seen:
+            return
+        self._seen = (dry, dry.changes)
+        before = self.ways.copy()
+        self._close_pores(np.arange(self._n_nodes))
+        self._weigh(np.flatnonzero(self.ways != before))
+
+    def _weigh(self, nodes: AnyArray) -> None:
+        """Weights of all links from and to some nodes (N,) whose ways have changed."""
+        graph = self.graph
+        if not len(nodes):
+            return
+        beside = graph.links[graph.links_of(nodes)]
+        owners = np.unique(np.concatenate([nodes, beside]))
+        links = graph.links_of(owners)
+        self._weigh_links(links)
+        self.totals[owners] = 0.0
+        own = np.bincount(graph.owner[links], self.weights[links], graph.n_nodes)
+        self.totals[owners] = own[owners]
+
+    def _weigh_links(self, links: AnyArray) -> None:
+        graph = self.graph
+        start, end = self.ways[graph.owner[links]], self.ways[graph.links[links]]
+        self.weights[links] = graph.weights[links] * (2.0 * start * end / (start + end))

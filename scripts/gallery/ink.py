@@ -7,6 +7,9 @@ flowers        ink flowers and a branch on a vase wrapped in xuan, tip dark and 
 wet_in_wet     drops into wet washes, on xuan, and the same on paint that has dried
 feathering     the same strokes on raw xuan, on bisque and on glaze, a minute later
 vermilion      four characters in cinnabar on a bowl of dried soot
+bloom          five tones of one ink spread on raw xuan; water into half-dry washes; a later stroke
+               beside an earlier one
+lotus          a lotus leaf in broken ink with backruns, and a bud
 petals         tip dark in a light belly: petals by one side-laid stroke each, solid and with hairs
 """
 
@@ -17,6 +20,7 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
 
 import paint3d
 from paint3d.brush.dip_amount import DipAmount
@@ -105,31 +109,53 @@ def line(chart, painter, points, press) -> None:
     painter.replay(stroke(chart, np.asarray(points, float), np.asarray(press, float)))
 
 
+def twig(chart, painter, points, press, kept, brush: str = "full") -> None:
+    """A bent twig through points, lifted over discs (x, y, radius) that are kept for blossoms."""
+    knots = np.asarray(points, float)
+    t = np.linspace(0.0, 1.0, 120)
+    way = CubicSpline(np.linspace(0.0, 1.0, len(knots)), knots)(t)
+    way += 0.012 * np.ptp(knots) * np.column_stack([np.sin(23.0 * t), np.sin(17.0 * t)])
+    pressures = np.interp(t, np.linspace(0.0, 1.0, len(press)), press)
+    pressures *= 1.0 + 0.12 * np.sin(31.0 * t)
+    discs = np.asarray(kept, float).reshape(-1, 3)
+    away = np.linalg.norm(way[:, None] - discs[:, :2], axis=2)
+    free = (away > discs[:, 2]).all(axis=1)
+    ends = np.flatnonzero(np.diff(np.r_[False, free, False]))
+    for first, last in ends.reshape(-1, 2):
+        if last - first > 5:
+            painter.replay(stroke(chart, way[first:last], pressures[first:last], brush=brush))
+
+
 def flowers(folder: Path) -> None:
     """Plum blossom on a vase wrapped in xuan."""
     mesh = load_mesh("vase")
     mesh = TriangleMesh(mesh.vertices * np.float32(0.5), mesh.faces, name="vase")
     surface = PaintedSurface(mesh, 0.5, "xuan")
     chart = make_chart(ClosestPoints(mesh), place(ClosestPoints(mesh), (0.5, 0.56)), 52.0, 88.0)
+    blossoms = (
+        ((19, 47), 15, 0.3), ((-31, 44), 13, 1.1), ((-3, 6), 15, 0.7), ((36, 16), 12, 0.1),
+        ((-36, -20), 13, 0.5), ((3, 76), 10, 0.9),
+    )  # fmt: skip
+    kept = [(*centre, 0.66 * size) for centre, size, _ in blossoms]
     painter = Painter(surface, "full", {"pine soot": 0.15, "water": 0.85})
-    painter.dip("pine soot", reach=0.3)
-    line(chart, painter, [(-40, -80), (-26, -44), (-20, -16), (2, 14), (8, 44)],
-         [0.10, 0.26, 0.2, 0.16, 0.05])  # fmt: skip
-    painter.dip("pine soot", reach=0.5)
-    line(chart, painter, [(-20, -16), (-28, 10), (-22, 40), (-28, 62)], [0.16, 0.12, 0.09, 0.03])
-    line(chart, painter, [(2, 14), (24, 26), (36, 50)], [0.12, 0.09, 0.03])
+    for points, press in (
+        ([(-40, -82), (-26, -50), (-22, -20), (-6, 2), (6, 26), (4, 64)],
+         [0.12, 0.26, 0.2, 0.17, 0.12, 0.03]),
+        ([(-23, -24), (-29, 4), (-23, 32), (-31, 62)], [0.16, 0.11, 0.09, 0.02]),
+        ([(2, 16), (20, 24), (30, 40), (34, 60)], [0.13, 0.1, 0.07, 0.02]),
+    ):  # fmt: skip
+        painter.dip({"pine soot": 0.15, "water": 0.85})
+        painter.dip("pine soot", reach=0.4)
+        twig(chart, painter, points, press, kept)
     surface.diffuse(4.0)
     surface.dry()
-    for centre, size, turn in (
-        ((14, 44), 15, 0.3), ((-24, 46), 13, 1.1), ((-8, 8), 15, 0.7), ((32, 20), 12, 0.1),
-        ((-34, -22), 13, 0.5), ((4, 74), 10, 0.9),
-    ):  # fmt: skip
+    for centre, size, turn in blossoms:
         flower(chart, painter, centre, 0.8 * size, turn)
         surface.diffuse(1.5)
     surface.diffuse(8.0)
     surface.dry()
     stamens = Painter(surface, "full", "pine soot")
-    for centre in ((14, 44), (-24, 46), (-8, 8), (32, 20), (-34, -22), (4, 74)):
+    for centre, _, _ in blossoms:
         for k in range(7):
             out = np.array([np.cos(k * 0.9), np.sin(k * 0.9)])
             way = np.asarray(centre) + out * np.linspace(0.8, 5.2, 5)[:, None]
@@ -264,7 +290,88 @@ def petals(folder: Path) -> None:
     draw(surface, folder / "petals.png", (1500, 560))
 
 
-SCENES = {f.__name__: f for f in (flowers, wet_in_wet, feathering, vermilion, petals)}
+def bloom(folder: Path) -> None:
+    """Drops of the five tones, what water does to half-dry washes, and a line of glue."""
+    mesh = sheet(150.0, 96.0)
+    surface = PaintedSurface(mesh, 0.25, "xuan")
+    surface.refine_all()
+    for k, share in enumerate((1.0, 0.25, 0.15, 0.09, 0.04)):
+        soot = {"pine soot": 2.6 * share, "water": 2.6 * (1.0 - share)}
+        drop(surface, (-56 + 28 * k, 28), 5.0, soot)
+    wash = {"pine soot": 0.16, "water": 1.6}
+    drop(surface, (-48, -20), 11.0, wash)
+    drop(surface, (-4, -20), 11.0, wash)
+    drop(surface, (36, -20), 9.0, {"pine soot": 0.2, "water": 1.4})
+    surface.diffuse(30.0)
+    drop(surface, (-50, -18), 2.6, {"water": 6.0})
+    for x, y in ((-9, -16), (1, -25), (3, -14)):
+        drop(surface, (x, y), 1.4, {"water": 6.0, "pine soot": 0.1})
+    surface.diffuse(1200.0)
+    drop(surface, (52, -20), 6.0, {"pine soot": 0.3, "water": 2.4})
+    surface.diffuse(1200.0)
+    draw(surface, folder / "bloom.png", (1500, 1000))
+
+
+def lotus(folder: Path) -> None:
+    """A lotus leaf: light washes, dark ink and water into them while they are wet, then veins."""
+    mesh = sheet(190.0, 150.0)
+    surface, chart = PaintedSurface(mesh, 0.65, "xuan"), sheet_chart(mesh)
+    heart, random = np.array([-18.0, 14.0]), np.random.default_rng(4)
+    painter = Painter(surface, "dabaiyun", "light")
+    turns = np.radians([8, 42, 75, 108, 140, 172, 205, 240, 275, 310, 338])
+    reach = np.column_stack([60.0 * np.cos(turns), 40.0 * np.sin(turns) - 4.0])
+    reach *= random.uniform(0.85, 1.05, (len(turns), 1))
+    for k, end in enumerate(reach):
+        painter.dip("clear" if k % 3 else "light")
+        painter.dip("light" if k % 2 else "heavy", reach=0.12)
+        wide(chart, painter, heart + 0.34 * end, heart + end, 0.24 + 0.06 * (k % 3))
+    surface.diffuse(1.5)
+    for k in (1, 4, 5, 8):
+        painter.dip("heavy")
+        wide(chart, painter, heart + 0.45 * reach[k], heart + 0.8 * reach[k], 0.1)
+    surface.diffuse(10.0)
+    for k in (0, 2, 3, 6, 7, 9, 10):
+        at = heart + random.uniform(0.5, 0.8) * reach[k] + random.normal(0.0, 2.0, 2)
+        drop(surface, at, random.uniform(1.6, 3.0), {"water": 6.0})
+    surface.diffuse(16.0)
+    veins_and_bud(surface, chart, heart, reach)
+    surface.diffuse(4.0)
+    draw(surface, folder / "lotus.png", (1500, 1180))
+
+
+def wide(chart, painter, start, end, press: float) -> None:
+    """A broad stroke that is laid down, swells, and is lifted."""
+    t = np.linspace(0.0, 1.0, 24)
+    aside = 0.06 * np.array([start[1] - end[1], end[0] - start[0]])
+    way = start + np.outer(t, end - start) + np.outer(np.sin(np.pi * t), aside)
+    pressures = press * np.sin(np.pi * np.clip(t, 0.04, 0.97)) ** 0.55
+    painter.replay(stroke(chart, way, pressures, brush="dabaiyun"))
+
+
+def veins_and_bud(surface, chart, heart, reach) -> None:
+    """Veins from the heart, a stem, and a bud in carmine whose tip is dark."""
+    fine = Painter(surface, "xiaobaiyun", "thick")
+    for end in reach:
+        t = np.linspace(0.0, 0.86, 16)
+        aside = 0.05 * np.array([-end[1], end[0]])
+        way = heart + np.outer(t, end) + np.outer(np.sin(2.4 * t), aside)
+        fine.dip("thick")
+        fine.replay(stroke(chart, way, 0.13 - 0.13 * t, brush="xiaobaiyun"))
+    stem = np.array([[-14, 2], [-9, -22], [-8, -46], [-12, -70]], float)
+    fine.dip("heavy")
+    fine.replay(stroke(chart, stem, np.array([0.12, 0.16, 0.17, 0.14]), brush="xiaobaiyun"))
+    bud = np.array([62.0, 34.0])
+    way = np.array([(62, 40), (60, 6), (52, -30), (44, -70)])
+    fine.dip("light")
+    fine.dip("heavy", reach=0.3)
+    fine.replay(stroke(chart, way, np.array([0.08, 0.1, 0.11, 0.1]), brush="xiaobaiyun"))
+    for turn, long in ((62, 15.0), (118, 15.0), (90, 19.0)):
+        painter = Painter(surface, "full", {"carmine": 0.03, "water": 0.97})
+        painter.dip({"carmine": 0.5, "water": 0.5}, reach=0.3)
+        petal(chart, painter, bud, np.radians(turn), long, 0.3)
+
+
+SCENES = {f.__name__: f for f in (flowers, wet_in_wet, feathering, bloom, lotus, vermilion, petals)}
 
 
 def main() -> None:

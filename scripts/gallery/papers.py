@@ -8,10 +8,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw
-from scipy.interpolate import CubicSpline
 
 sys.path.insert(0, str(Path(__file__).parent))
-from ink import draw, line, sheet, sheet_chart
+from ink import draw, line, sheet, sheet_chart, twig
 from ink import stroke as way_of
 from writing import beside, drawn, seen_from_above, stacked, titled, written
 
@@ -194,8 +193,14 @@ def draw_beside_copybook(file: Path, glyphs: Path) -> None:
 
 def draw_bowl_bottom(file: Path, glyphs: Path) -> None:
     """A branch of plum in the bottom of the bowl: a twig dark at its tip, pale petals, buds."""
-    mesh = load_mesh("bowl")
-    surface, closest = PaintedSurface(mesh, 0.2, "porcelain"), ClosestPoints(mesh)
+    surface = PaintedSurface(load_mesh("bowl"), 0.2, "porcelain")
+    plum(surface, 0.0)
+    draw(surface, file, (1400, 1050), View((0.0, -0.5, 1.0), (0.0, 0.0, 1.0), 2.3))
+
+
+def plum(surface: PaintedSurface, seconds: float) -> None:
+    """The branch, lifted where blossoms sit, and after a time the blossoms."""
+    closest = ClosestPoints(load_mesh("bowl"))
     chart = make_chart(closest, place(closest, (0.5, 0.5), side="top"), 44.0, 44.0)
     painter = Painter(surface, "xiaobaiyun", "heavy")
     twigs = (
@@ -203,24 +208,22 @@ def draw_bowl_bottom(file: Path, glyphs: Path) -> None:
             [(-17, -9), (-10, -6), (-3, -4.5), (4, 1), (9, 3.5), (15, 10)],
             (0.5, 0.34, 0.4, 0.24, 0.02),
         ),
-        ([(-9, -6), (-8.5, 0), (-5, 5), (-4.5, 12), (-2, 17)], (0.28, 0.22, 0.12, 0.02)),
+        ([(-8, -6), (-7.5, 0), (-5, 5), (-4.5, 12), (-2, 17)], (0.26, 0.2, 0.12, 0.02)),
         ([(3, 0), (8, -2), (12, -7)], (0.24, 0.15, 0.02)),
         ([(5.5, 2), (6, 8), (9, 14)], (0.16, 0.11, 0.02)),
     )
+    blossoms = ((13.5, 1.5, 0.9, 0.2), (-8.5, 9.5, 0.95, 0.9), (-14.0, 0.5, 0.85, 0.6))
+    kept = [(x, y, 5.0 * size) for x, y, size, _ in blossoms]
     for points, presses in twigs:
         painter.dip("heavy")
         painter.dip("burnt", reach=0.4)
-        knots = np.array(points, float)
-        t = np.linspace(0.0, 1.0, 60)
-        way = CubicSpline(np.linspace(0.0, 1.0, len(knots)), knots)(t)
-        way += 0.12 * np.column_stack([np.sin(17.0 * t), np.sin(13.0 * t)])
-        line(chart, painter, way, np.interp(t, np.linspace(0.0, 1.0, len(presses)), presses))
+        twig(chart, painter, points, presses, kept, "xiaobaiyun")
+    surface.diffuse(seconds)
     surface.dry()
-    for x, y, size, turn in ((10.5, 4.0, 1.0, 0.2), (-4.5, 9.0, 1.0, 0.9), (-9.0, -5.5, 1.0, 0.6)):
+    for x, y, size, turn in blossoms:
         blossom(chart, painter, np.array([x, y]), size, turn)
     for x, y, turn in ((11.6, -6.6, -0.8), (8.8, 13.6, 1.2), (-2.2, 16, 1.4), (14.4, 9.6, 0.6)):
         petal(chart, painter, np.array([x, y]), turn, 0.55, 0.3)
-    draw(surface, file, (1400, 1050), View((0.0, -0.5, 1.0), (0.0, 0.0, 1.0), 1.9))
 
 
 def petal(chart, painter: Painter, centre: NDArray, turn: float, size: float, deep: float) -> None:
@@ -257,20 +260,25 @@ def draw_shi(file: Path, glyphs: Path) -> None:
 
 
 def draw_manbu(file: Path, glyphs: Path) -> None:
-    """漫步人生 on the bowl as it is written, and some seconds later: xuan drinks."""
+    """漫步人生 on the bowl as it is written, and later: xuan drinks; then a plum in its bottom."""
     pen = Pen(load_brush("xiaobaiyun"), 30.0, PlanSettings())
     mesh, pictures = load_mesh("bowl"), []
     told = write_text(mesh, "漫步人生", open_glyphs(glyphs), pen, Layout("row"))
-    for seconds in (0.0, 4.0):
+    side = View((0.0, -1.0, 0.3), (0.0, 0.0, 1.0), 1.12)
+    for seconds in (0.0, 20.0):
         surface = PaintedSurface(mesh, 0.3, "xuan")
-        painter = Painter(surface, "xiaobaiyun", {"pine soot": 0.25, "water": 0.75})
+        painter = Painter(surface, "xiaobaiyun", "thick")
         painter.replay(told.recording)
         surface.diffuse(seconds)
         part = file.with_name(f"part_{seconds:g}.png")
-        draw(surface, part, (900, 675), View((0.0, -1.0, 0.3), (0.0, 0.0, 1.0), 1.12))
+        draw(surface, part, (900, 675), side)
         pictures.append(Image.open(part).convert("RGB"))
         part.unlink()
-    beside(pictures).save(file)
+    surface.dry()
+    plum(surface, 0.0)
+    surface.diffuse(0.15)
+    draw(surface, file, (900, 675), View((0.0, -0.5, 1.0), (0.0, 0.0, 1.0), 2.3))
+    beside([*pictures, Image.open(file).convert("RGB")]).save(file)
 
 
 def draw_sea_of_clouds(file: Path, glyphs: Path) -> None:

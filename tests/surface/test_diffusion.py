@@ -89,7 +89,7 @@ def test_radius_and_profile_do_not_depend_on_the_triangles():
     for mesh in (irregular(22, 0.4), grid(22, 0.3)):
         other_radius, other_rings = spread_disc(mesh)
         assert other_radius == pytest.approx(radius, rel=0.03)
-        np.testing.assert_allclose(other_rings, rings, atol=0.03 * rings[0])
+        np.testing.assert_allclose(other_rings, rings, atol=0.04 * rings[0])  # a rim is sharp
     lazy = spread_disc(grid(22, 5.5), resolution=0.5)
     assert lazy[0] == pytest.approx(radius, rel=0.03)
 
@@ -142,21 +142,23 @@ def test_water_stops_where_the_fibres_hold_it():
     assert depth.max() < 1.35 * held
 
 
-def test_nothing_moves_in_a_glaze():
+def test_a_pool_on_glaze_stays_where_it_was_laid_and_gathers_at_its_border():
     surface = drop(PaintedSurface(grid(12, 0.5), None, "porcelain"), 2.0)
-    before, laid = surface.amounts.copy(), surface.wet_ink()
-    surface.diffuse(30.0)
-    assert (surface.amounts == before).all()
+    before, laid = everything(surface), surface.wet_ink()
     surface.diffuse(2.5 * 2.0 * WET_COAT_MM / surface.material.drying_mm_s)
     assert surface.dry_ink() == pytest.approx(laid, rel=1e-6)
-    np.testing.assert_allclose(everything(surface), before[:, 0], rtol=1e-6)
+    after = everything(surface)
+    assert not after[before == 0.0].any()
+    away = np.linalg.norm(surface.paint_mesh.vertices[:, :2], axis=1)
+    assert after[away < 1.0].mean() < 0.97 * before[away < 1.0].mean()
+    assert after.max() > 1.5 * before.max()
 
 
 def test_thick_paint_dries_later():
     surface = PaintedSurface(grid(12, 0.5), None, "porcelain")
     drop(surface, 0.5, 1.5, (-3.0, 0.0, 0.0))
     drop(surface, 2.0, 1.5, (3.0, 0.0, 0.0))
-    surface.diffuse(1.3 * WET_COAT_MM / surface.material.drying_mm_s)
+    surface.diffuse(0.2 * WET_COAT_MM / surface.material.drying_mm_s)
     left = surface.paint_mesh.vertices[:, 0] < 0
     middle = np.abs(np.abs(surface.paint_mesh.vertices[:, 0]) - 3.0) < 0.6
     assert not surface.coverage[left & middle].any()
@@ -275,7 +277,7 @@ def test_ink_runs_around_a_crease():
     u, v = np.meshgrid(s, s)
     points = np.column_stack([u.ravel(), v.ravel(), -np.abs(u.ravel())]).astype(np.float32)
     mesh = TriangleMesh(points, grid(10, 0.5).faces)
-    surface = drop(PaintedSurface(mesh, None, SMOOTH), 3.0, 2.0, (1.5, 0.0, -1.5))
+    surface = drop(PaintedSurface(mesh, None, SMOOTH), 5.0, 2.0, (1.5, 0.0, -1.5))
     surface.diffuse(10.0)
     left = surface.paint_mesh.vertices[:, 0] < -0.75
     assert everything(surface)[left].max() > 0.1
@@ -332,7 +334,8 @@ def test_no_new_extremes_at_any_step(step):
     volume, mass = water @ area, pigment[:, 0] @ area
     fields = WetFields(
         runs[:-1], runs[1:], links, weights, area, np.zeros(n, np.int32), np.zeros(n, np.uint8),
-        np.zeros(n, np.int32), residual, strength, np.full(n, 0.02), entry, water, pigment,
+        np.zeros(n, np.int32), residual, strength, np.zeros(n), np.full(n, 0.02), entry, water,
+        pigment, 0.2 * pigment,
         np.zeros(n, np.float32), np.zeros(n, bool), np.array([step], np.float32),
         np.ones(1, bool), np.zeros(1, bool), np.zeros((1, 3)),
     )  # fmt: skip
@@ -361,9 +364,9 @@ def test_work_grows_with_the_root_of_the_time():
         fields = WetFields(
             runs[:-1], runs[1:], links, weights, np.full(n, 0.25), np.zeros(n, np.int32),
             np.zeros(n, np.uint8), np.zeros(n, np.int32), residual, np.full(n, 0.17),
-            np.full(n, 0.02), np.zeros(n), water, water[:, None].copy(), np.ones(n, np.float32),
-            np.zeros(n, bool), np.array([step], np.float32), np.ones(1, bool), np.zeros(1, bool),
-            np.zeros((1, 3)),
+            np.full(n, 0.02), np.full(n, 0.02), np.zeros(n), water, water[:, None].copy(),
+            water[:, None].copy(), np.ones(n, np.float32), np.zeros(n, bool),
+            np.array([step], np.float32), np.ones(1, bool), np.zeros(1, bool), np.zeros((1, 3)),
         )  # fmt: skip
         stages.append(move_water(fields, nodes, nodes[:0], 0.06, 10.0, 0.8, step, np.zeros(1)))
         assert 0.05 - 1e-12 <= water.min() <= water.max() <= 0.055 + 1e-12

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.ndimage import uniform_filter
 
-import paint3d.surface.wet_patch as wet_patch
+import paint3d.surface.pores as pores
 from paint3d.surface.fibres import fibre_relief
 from paint3d.surface.painted_surface import PaintedSurface
 from tests.surface.test_diffusion import drop, grid
@@ -57,5 +57,5 @@ def outline_turns(material="xuan"):
 
 def test_ink_feathers_in_finer_points_than_by_bumps_alone(monkeypatch):
     feathered = outline_turns()
-    monkeypatch.setattr(wet_patch, "_SHEET_MM", 0.0)
+    monkeypatch.setattr(pores, "_SHEET_MM", 0.0)
     assert feathered > 1.15 * outline_turns()

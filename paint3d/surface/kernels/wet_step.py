@@ -29,6 +29,7 @@ from paint3d.core.kernel import kernel
 __all__ = ["WetFields", "move_water"]
 
 _MOST = 0.5  # of the pores' depth: a longer step in which more moves is cut in parts
+_FLOATS = 0.005  # mm: a film as deep carries pigment as fast as itself
 _GONE = -(1 << 30)  # of what a node waits for, once it is taken out of its turn
 
 
@@ -45,10 +46,12 @@ class WetFields(NamedTuple):
     place: NDArray  # (N,) int32, work, 0 before and after
     residual: NDArray  # (N,) float64, these carry the grain: see `surface.kernels.diffusion`
     strength: NDArray  # (N,) float64, c D (1 - r) / 3
+    sieve: NDArray  # (N,) float64, potential from which on pores let all pigment pass
     held: NDArray  # (N,) float64, depth to which a dry node fills before water goes on, mm
     entry: NDArray  # (N,) float64, potential that it takes to get in: 0 where it is wet already
     water: NDArray  # (N,) float64, depth, mm
     pigment: NDArray  # (N, P) float64, coats
+    fine: NDArray  # (N, P) float64, of these, what goes wherever the water goes
     soaked: NDArray  # (N,) float32, greatest share that was under water since it was dry
     changed: NDArray  # (N,) bool, set where anything moved
     owed: NDArray  # (B,) float32, time since each block's last step, s
@@ -71,6 +74,7 @@ class _Rows(NamedTuple):
     low: NDArray  # (R,) float64, depth below which nothing moves
     inverse: NDArray  # (R,) float64, 1 / (capacity - low)
     strength: NDArray  # (R,) float64
+    sieve: NDArray  # (R,) float64
     entry: NDArray  # (R + ring,) float64
     before: NDArray  # (R,) float64, depth
     free: NDArray  # (R,) bool: no entry stops anything here
@@ -92,8 +96,8 @@ def _make_rows(size, n_links):
     return _Rows(
         np.empty(size, np.int32), np.zeros(size + 1, np.uint32), np.empty(n_links, np.uint32),
         np.empty(n_links), np.empty((2, n_links)), np.empty(size), np.empty(size), np.empty(size),
-        np.empty(size), np.empty(size), np.empty(size), np.empty(size), np.empty(size, np.bool_),
-        np.zeros(size), np.zeros((2, size)),
+        np.empty(size), np.empty(size), np.empty(size), np.empty(size), np.empty(size),
+        np.empty(size, np.bool_), np.zeros(size), np.zeros((2, size)),
     )  # fmt: skip
 
 
@@ -139,6 +143,7 @@ def _grow(f, rows, n_rows, n_ids, rest, capacity, film):
         rows.low[r] = low
         rows.inverse[r] = 1.0 / (capacity - low)
         rows.strength[r] = f.strength[i]
+        rows.sieve[r] = f.sieve[i]
         rows.before[r] = f.water[i]
         rows.free[r] = barrier == 0.0
         rows.psi[r] = _psi(f.water[i], low, rows.inverse[r], f.strength[i], film, capacity)
@@ -215,26 +220,39 @@ def _run_stage(rows, n_rows, stage, n_stages, film, capacity, come):
 
 
 @kernel(error_model="numpy")
-def _find_flows(rows, n_rows, n_stages):
-    """Turn `x` into what runs out by each link, below 0 in, mm3."""
+def _find_flows(rows, n_rows, n_stages, passing, film):
+    """Turn `x` into what runs out by each link, below 0 in, mm3; `ran` into what carries soot.
+
+    Pores that are barely wet let none of the coarse pigment pass, those above `sieve` all of it; in
+    a film on them nothing holds it.
+    """
     mean, ran = rows.mean[n_stages % 2], rows.ran[n_stages % 2]
+    carries = rows.ran[0]
     for r in range(n_rows):
+        sieve = rows.sieve[r]
+        full, floats = rows.strength[r], 1.0 / (film * _FLOATS)
+        always, opens = (0.0, passing / sieve) if sieve > 0.0 else (passing, 0.0)
         for e in range(rows.starts[r], rows.starts[r + 1]):
             k = rows.cols[e]
             if rows.free[r] or (rows.entry[r] == 0.0 and rows.entry[k] == 0.0):
                 rows.x[e] *= mean[r] - mean[k]
             else:
                 rows.x[e] = -ran[e]
+            carries[e] = 0.0
+            if rows.x[e] > 0.0:
+                level = min(mean[r], mean[k])
+                share = min(always + opens * level, passing)
+                carries[e] = rows.x[e] * max(share, min(floats * (level - full), 1.0))
 
 
 @kernel(error_model="numpy")
-def _carry(f, rows, n_rows, n_ids, passing):
+def _carry(f, rows, n_rows, n_ids):
     """Move water and pigment, each node when all that flows into it has come."""
     n_pigments = f.pigment.shape[1]
     waits, turns = np.zeros(n_ids, np.int32), np.empty(n_ids, np.int32)
     n_turns = _line_up(rows, n_rows, waits, turns)
     gained = np.zeros(n_ids)
-    brought = np.zeros((n_ids, n_pigments))
+    brought = np.zeros((2, n_ids, n_pigments))  # coarse and fine
     turn = 0
     looked = 0
     while True:
@@ -249,40 +267,56 @@ def _carry(f, rows, n_rows, n_ids, passing):
         r = turns[turn]
         turn += 1
         i = rows.ids[r]
-        out = 0.0
+        out, carrying = 0.0, 0.0
         for e in range(rows.starts[r], rows.starts[r + 1]):
             out += max(0.0, rows.x[e])
+            carrying += rows.ran[0, e]
         if out == 0.0 and gained[r] == 0.0:
             continue
         f.changed[i] = True
-        area, share = f.area[i], rows.share[r]
-        volume = f.water[i] * area + gained[r]
+        volume = f.water[i] * f.area[i] + gained[r]
         gained[r] = 0.0
         gone = min(out, volume)
         scale = gone / out if out > 0.0 else 0.0
-        # pigment at `passing` times the water's speed, mixed with what stays behind
-        drawn = passing * gone
-        part = drawn / (volume - gone + drawn) if drawn > 0.0 else 0.0
-        f.water[i] = (volume - gone) * share
-        for p in range(n_pigments):
-            amount = f.pigment[i, p] * area + brought[r, p]
-            brought[r, p] = part * amount / gone if gone > 0.0 else 0.0  # per volume going out
-            f.pigment[i, p] = (1.0 - part) * amount * share
+        _mix(f, rows, r, volume, gone, scale * carrying, brought)
         if out > 0.0:
             for e in range(rows.starts[r], rows.starts[r + 1]):
                 if rows.x[e] > 0.0:
                     k = rows.cols[e]
                     flux = rows.x[e] * scale
+                    carried = rows.ran[0, e] * scale
                     gained[k] += flux
                     for p in range(n_pigments):
-                        brought[k, p] += flux * brought[r, p]
+                        brought[0, k, p] += carried * brought[0, r, p]
+                        brought[1, k, p] += flux * brought[1, r, p]
                     waits[k] -= 1
                     if waits[k] == 0:
                         turns[n_turns] = k
                         n_turns += 1
         for p in range(n_pigments):
-            brought[r, p] = 0.0
+            brought[0, r, p] = brought[1, r, p] = 0.0
     _take_rest(f, rows, n_rows, gained, brought)
+
+
+@kernel(error_model="numpy", inline="always")
+def _mix(f, rows, r, volume, gone, drawn, brought):
+    """Mix what came to a row with what is there; turn `brought` (2, R, P) into what goes on.
+
+    Of a volume so much is gone: fines go with it, coarse pigment with what is drawn, and the rest
+    stays behind. What goes on is given per volume of these.
+    """
+    i = rows.ids[r]
+    area, share = f.area[i], rows.share[r]
+    part = drawn / (volume - gone + drawn) if drawn > 0.0 else 0.0
+    fine_part = gone / volume if gone > 0.0 else 0.0
+    f.water[i] = (volume - gone) * share
+    for p in range(f.pigment.shape[1]):
+        fine = f.fine[i, p] * area + brought[1, r, p]
+        coarse = max(0.0, f.pigment[i, p] - f.fine[i, p]) * area + brought[0, r, p]
+        brought[1, r, p] = fine_part * fine / gone if gone > 0.0 else 0.0
+        brought[0, r, p] = part * coarse / drawn if drawn > 0.0 else 0.0
+        f.fine[i, p] = (1.0 - fine_part) * fine * share
+        f.pigment[i, p] = (1.0 - part) * coarse * share + f.fine[i, p]
 
 
 @kernel(error_model="numpy")
@@ -305,14 +339,15 @@ def _line_up(rows, n_rows, waits, turns):
 
 @kernel(error_model="numpy")
 def _take_rest(f, rows, n_rows, gained, brought):
-    """Give nodes what came to them after they had passed on theirs: water, and pigments (R, P)."""
+    """Give nodes what came to them after they had passed on theirs: water, pigments (2, R, P)."""
     for r in range(n_rows):
         if gained[r] > 0.0:
             i = rows.ids[r]
             f.changed[i] = True
             f.water[i] += gained[r] * rows.share[r]
-            for p in range(brought.shape[1]):
-                f.pigment[i, p] += brought[r, p] * rows.share[r]
+            for p in range(brought.shape[2]):
+                f.pigment[i, p] += (brought[0, r, p] + brought[1, r, p]) * rows.share[r]
+                f.fine[i, p] += brought[1, r, p] * rows.share[r]
 
 
 @kernel(error_model="numpy")
@@ -368,7 +403,7 @@ def _seed(f, rows, nodes, around, capacity):
 
 
 @kernel(error_model="numpy")
-def _find(f, rows, known, rest, capacity, film, come):
+def _find(f, rows, known, rest, capacity, film, passing, come):
     """Find what flows; return rows and nodes known, stages, and whether more has to be known."""
     inner, n_rows = 0, known  # those within have all neighbours among the rows
     known = _grow(f, rows, 0, known, rest, capacity, film)
@@ -393,7 +428,7 @@ def _find(f, rows, known, rest, capacity, film, come):
             n_stages = _count_stages(rows, n_rows, film)
         stage += 1
         _run_stage(rows, n_rows, stage, n_stages, film, capacity, come)
-    _find_flows(rows, n_rows, n_stages)
+    _find_flows(rows, n_rows, n_stages, passing, film)
     return n_rows, known, n_stages
 
 
@@ -410,9 +445,9 @@ def move_water(f, nodes, around, capacity, film, passing, shortest, rest):
     around : (R,) i32
         All nodes next to them, and perhaps some more than once, or of the blocks themselves.
     capacity, film : f64
-        Depth that the pores hold, mm; diffusivity in full pores, mm2/s.
+        Depth that the pores hold, mm; diffusivity of a film on them, mm2/s.
     passing : f64
-        Speed of the pigment over that of the water, 0 to 1: below 1 it lags behind.
+        Speed of coarse pigment over that of the water in pores that let it pass, 0 to 1.
     shortest : f64
         A longer step, s, in which much would move is not taken whole.
     rest : (1,) f64
@@ -444,14 +479,14 @@ def move_water(f, nodes, around, capacity, film, passing, shortest, rest):
         seeds = _seed(f, rows, nodes, around, capacity)
         n_rows, known, n_stages = seeds, seeds, 0
         if seeds > 0:
-            n_rows, known, n_stages = _find(f, rows, seeds, rest[0], capacity, film, come)
+            n_rows, known, n_stages = _find(f, rows, seeds, rest[0], capacity, film, passing, come)
         is_long = (
             n_stages > 0
             and length > 2.0 * shortest
             and _greatest_change(f, rows, n_rows, rest[0] + 2.0 * shortest) > _MOST * capacity
         )
         if n_stages > 0 and not is_long:
-            _carry(f, rows, n_rows, known, passing)
+            _carry(f, rows, n_rows, known)
             _note(f, rows, n_rows, rest[0])
         for k in range(known):
             f.place[rows.ids[k]] = 0

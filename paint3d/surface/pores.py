@@ -1,0 +1,117 @@
+"""The pores of a surface from place to place: its grain, its fibres, and the glue that dried there.
+
+Glue of ink that has dried closes pores: a later stroke's water goes on more slowly there, and needs
+to stand higher to get in at all, so it is pushed back at an earlier stroke's border. How much
+stands for how many coats is set by eye.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.colour.materials import Material
+from paint3d.core.types import AnyArray
+from paint3d.surface.fibres import fibre_relief
+from paint3d.surface.kernels.grain import fill_grain
+
+__all__ = ["Pores", "capacity_of", "close_pores", "film_of", "find_pores"]
+
+_GRAIN_MM = 1.2  # bumps of the paper that ink runs around
+_GRAIN_OF_PORES = 1.5  # of the residual, per unit of the material's grain
+_GRAIN_OF_WAYS = 2.0  # of the conductance
+_FIBRES_OF_PORES = 0.4  # less of the residual on a fibre, per unit of the grain
+_FIBRES_OF_WAYS = 1.4  # logarithm of the conductance there
+_CLOUDS_MM = 5.0  # flocs of a sheet, seen against the light
+_CLOUDS_OF_PORES = 1.0  # of the residual, per unit of the grain
+_UNDER_FIBRES = 0.35  # of the bumps that are left where there are fibres
+_FIBRE_MM = 0.3  # width of the bundles of fibres that are seen
+_SHEET_MM = 0.12  # pores that are no deeper are those of a sheet, which is felted of fibres
+_SHOWN = (0.7, 1.2)  # spacing of the vertices, mm, from which on fibres fade, and at which none are
+_SIEVE = 2.8  # saturation at which pores let all soot pass, per unit of 1 less `passing`
+_FIBRES_OF_SIEVE = 0.5  # logarithm of the potential that it takes: fibres' pores are wide
+_GLUE = 0.25  # coats of dried ink that close half of what can be closed
+_GLUE_OF_WAYS = 0.9  # of the conductance, at most
+_GLUE_OF_ENTRY = 0.85  # of the way from the advance saturation to full pores, at most
+_FULL = 0.98
+_LEAST_MM = 0.012  # of a film on what has no pores: what glue that thickens holds where it is
+_FILM_MM2_S = 0.3  # least diffusivity of a film of water: a few hundredths of a mm level in seconds
+_POOL_MM = 0.25  # depth of a pool at which its border goes on over what sheds water
+_SHEDS = (0.6, 0.9)  # advance saturations from which on, and at which, that is so
+
+
+def capacity_of(drink: Material) -> float:
+    """Depth of water that the pores hold, mm, above 0."""
+    return max(drink.pores_mm, _LEAST_MM)
+
+
+def film_of(drink: Material) -> float:
+    """Diffusivity of a film of water on full pores, mm2/s."""
+    return max(drink.spread_mm2_s, _FILM_MM2_S)
+
+
+class Pores(NamedTuple):
+    """What `find_pores` finds of each place (N,) float64; see `WetPatch`."""
+
+    residual: NDArray[np.float64]
+    strength: NDArray[np.float64]
+    sieve: NDArray[np.float64]
+    held: NDArray[np.float64]
+    ways: NDArray[np.float64]
+
+
+def find_pores(points: AnyArray, drink: Material, spacing: float) -> Pores:
+    """Pores without glue at points (N, 3), mm, of vertices that lie so far apart, mm."""
+    height = np.empty(len(points))
+    fill_grain(points, _GRAIN_MM, height)
+    bump, fibres = drink.grain * (2.0 * height - 1.0), _find_fibres(points, drink, spacing)
+    if fibres is not None:
+        bump *= _UNDER_FIBRES
+    relief = _GRAIN_OF_PORES * bump
+    if fibres is not None:
+        relief -= _FIBRES_OF_PORES * drink.grain * fibres
+        fill_grain(points, _CLOUDS_MM, height)
+        relief += _CLOUDS_OF_PORES * drink.grain * (2.0 * height - 1.0)
+    residual = np.clip(drink.residual * (1.0 + relief), 0.0, 0.95)
+    strength = capacity_of(drink) * drink.spread_mm2_s * (1.0 - residual) / 3.0
+    held = capacity_of(drink) * np.maximum(residual, drink.advance * (1.0 + relief))
+    sieve = strength * np.clip(_SIEVE * (1.0 - drink.passing), 0.0, 1.0) ** 3
+    ways = np.maximum(0.05, 1.0 + _GRAIN_OF_WAYS * bump)
+    if fibres is not None:
+        sieve *= np.exp(-_FIBRES_OF_SIEVE * drink.grain * fibres)
+        ways *= np.exp(_FIBRES_OF_WAYS * drink.grain * fibres)
+    return Pores(residual, strength, sieve, held, ways)
+
+
+def close_pores(
+    pores: Pores, drink: Material, glue: AnyArray
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """What so many coats of dried ink (N,) leave of them.
+
+    Returns
+    -------
+    held, entry, ways : (N,) float64
+        Depth to which a dry place fills before water goes on, mm; the potential that this takes;
+        the share of the conductance.
+    """
+    closed = glue / (glue + _GLUE)
+    depth = capacity_of(drink)
+    full = _FULL * depth
+    held = pores.held + _GLUE_OF_ENTRY * closed * np.maximum(0.0, full - pores.held)
+    s = np.clip((held / depth - pores.residual), 0.0, 1.0)
+    s = np.minimum(1.0, s / (1.0 - pores.residual))
+    low, high = _SHEDS
+    sheds = np.clip((drink.advance - low) / (high - low), 0.0, 1.0) if drink.pores_mm else 1.0
+    pinned = film_of(drink) * _POOL_MM * sheds
+    return held, pores.strength * s**3 + pinned, pores.ways * (1.0 - _GLUE_OF_WAYS * closed)
+
+
+def _find_fibres(points: AnyArray, drink: Material, spacing: float) -> AnyArray | None:
+    """How far points (N, 3) lie on fibres of the sheet; None of what has none that show."""
+    fade, gone = _SHOWN
+    if not 0.0 < drink.pores_mm <= _SHEET_MM or spacing >= gone:
+        return None
+    relief = fibre_relief(points, max(_FIBRE_MM, spacing))
+    return relief * min(1.0, (gone - spacing) / (gone - fade))

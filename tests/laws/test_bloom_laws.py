@@ -1,0 +1,181 @@
+"""Ink on what drinks: a halo of water, a dark rim, backruns, and glue that later strokes meet."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from paint3d.colour.materials import load_material
+from paint3d.mesh.triangle_mesh import TriangleMesh
+from paint3d.surface.painted_surface import PaintedSurface
+from tests.surface.test_diffusion import SMOOTH, drop, everything, grid
+
+XUAN = load_material("xuan")
+STILL = dataclasses.replace(SMOOTH, drying_mm_s=0.0)
+
+
+def washed(
+    share: float = 0.1,
+    coats: float = 3.0,
+    spacing: float = 0.4,
+    material=SMOOTH,
+    size: float = 18.0,
+) -> PaintedSurface:
+    """A disc of 3 mm radius of so many coats, of which a share is ink and the rest water."""
+    surface = PaintedSurface(grid(size, spacing), None, material)
+    drop(surface, coats * share)
+    return drop(surface, coats * (1.0 - share), ink="water")
+
+
+def rings(surface: PaintedSurface, width: float = 0.5, middle=(0.0, 0.0)) -> NDArray[np.float64]:
+    """Mean ink of rings so broad around a place, coats."""
+    away = np.linalg.norm(surface.paint_mesh.vertices[:, :2] - middle, axis=1)
+    ring, areas = (away / width).astype(int), surface.vertex_areas
+    mass = np.bincount(ring, everything(surface) * areas)
+    return mass / np.maximum(np.bincount(ring, areas), 1e-12)
+
+
+def radii(surface: PaintedSurface) -> tuple[float, float]:
+    """Radii of the areas that are wet and that bear half of the core's ink or more, mm."""
+    ids, depth = surface.flow.depths()
+    wet = surface.vertex_areas[ids[depth > 0.0]].sum()
+    inked = everything(surface) > 0.5 * rings(surface, 1.5)[0]
+    return float(np.sqrt(wet / np.pi)), float(np.sqrt(surface.vertex_areas[inked].sum() / np.pi))
+
+
+@pytest.mark.parametrize(("share", "coats"), [(0.03, 2.6), (1.0, 4.0)])
+def test_water_goes_ahead_of_the_soot(share: float, coats: float) -> None:
+    surface = washed(share, coats)
+    surface.diffuse(20.0)
+    water, soot = radii(surface)
+    assert 3.0 < soot < water - 0.7
+    halo = rings(surface)[int(soot / 0.5) + 2 : int(water / 0.5)]
+    assert 0.0 < halo.max() < 0.3 * rings(surface)[0]
+
+
+def test_where_nothing_holds_it_there_is_no_halo() -> None:
+    surface = washed(material=dataclasses.replace(SMOOTH, passing=1.0))
+    surface.diffuse(20.0)
+    water, soot = radii(surface)
+    assert soot > 0.93 * water
+
+
+@pytest.mark.parametrize(("material", "least"), [("xuan", 1.15), ("silk", 1.8), ("porcelain", 1.8)])
+def test_a_rim_grows_as_it_dries(material: str, least: float) -> None:
+    surface = washed(material=load_material(material))
+    rim = []
+    for seconds in (1.0, 9.0, 3000.0):
+        surface.diffuse(seconds)
+        inner = rings(surface)
+        rim.append(inner.max() / inner[:3].mean())
+    assert 0.99 * rim[0] < rim[1] < rim[2]
+    assert rim[2] > least
+
+
+def test_sized_paper_keeps_ink_where_it_was_laid() -> None:
+    surface = washed(material=load_material("sized xuan"))
+    away = np.linalg.norm(surface.paint_mesh.vertices[:, :2], axis=1)
+    surface.diffuse(3000.0)
+    assert everything(surface)[away > 3.0 + 0.5].max() < 1e-3
+
+
+def test_water_that_meets_a_damp_wash_leaves_a_dark_edge() -> None:
+    """A backrun: pale within, darker than the wash at its border, and unlike without the water."""
+    found = []
+    for water in (0.0, 5.0):
+        surface = PaintedSurface(grid(22.0, 0.4), None, STILL)
+        drop(surface, 0.15, 8.0)
+        drop(surface, 0.9, 8.0, ink="water")
+        surface.diffuse(30.0)
+        if water:
+            drop(surface, water, 2.0, ink="water")
+        surface.diffuse(20.0)
+        found.append(rings(surface)[:14])
+    still, run = found
+    edge = int(run.argmax())
+    assert run[0] < 0.3 * still[0]
+    assert run[edge] > 1.3 * still[edge]
+    assert 4 < edge < 14
+
+
+def test_dried_ink_keeps_later_water_back() -> None:
+    """The more has dried there the less; and after undo it is as if nothing had."""
+    reach = []
+    for coats in (0.0, 0.1, 0.6):
+        surface = PaintedSurface(grid(20.0, 0.4), None, SMOOTH)
+        if coats:
+            drop(surface, coats, 3.0, (-5.0, 0.0, 0.0))
+            surface.dry()
+        drop(surface, 3.0, 2.0, (1.0, 0.0, 0.0), ink="water")
+        surface.diffuse(20.0)
+        ids, depth = surface.flow.depths()
+        there = surface.paint_mesh.vertices[ids[depth > 0.0]]
+        reach.append(float(-there[np.abs(there[:, 1]) < 1.0, 0].min()))
+    assert reach[2] <= reach[1] < reach[0] - 0.5
+
+
+def test_glue_is_gone_where_dry_paint_is_taken_back() -> None:
+    """As undo does, while water is there: what comes next runs as if nothing had dried."""
+    found = []
+    for dries in (False, True):
+        surface = PaintedSurface(grid(12.0, 0.4), None, SMOOTH)
+        surface.dry_layers.mark()
+        drop(surface, 0.1, 1.0, (4.0, 4.0, 0.0))
+        surface.diffuse(0.0)
+        if dries:
+            drop(surface, 1.0, 2.0)
+            surface.settle(np.flatnonzero(surface.coverage > 0.0).astype(np.int32))
+            surface.diffuse(0.0)
+            back = surface.dry_layers.since_mark()
+            surface.dry_layers.exchange(back, surface.paint_mesh.capacity)
+        surface.drop_flow()
+        drop(surface, 3.0, 1.5, (-2.0, 0.0, 0.0), ink="water")
+        surface.diffuse(5.0)
+        ids, depth = surface.flow.depths()
+        left = surface.paint_mesh.vertices[ids, 0] < 1.0
+        found.append(np.sort(depth[left]))
+    np.testing.assert_array_equal(*found)
+
+
+def test_a_mirrored_scene_gives_the_mirrored_result() -> None:
+    """On a smooth sheet, whose triangles are mirrored along with what is laid."""
+    mesh = grid(16.0, 0.4)
+    flipped = TriangleMesh(mesh.vertices * np.array([-1, 1, 1], np.float32), mesh.faces[:, ::-1])
+    found = []
+    for sign, sheet in ((1.0, mesh), (-1.0, flipped)):
+        surface = PaintedSurface(sheet, None, SMOOTH)
+        drop(surface, 0.3, 3.0, (sign * 1.0, 0.5, 0.0))
+        drop(surface, 2.0, 3.0, (sign * 1.0, 0.5, 0.0), ink="water")
+        surface.diffuse(6.0)
+        drop(surface, 3.0, 1.0, (sign * 2.0, 0.0, 0.0), ink="water")
+        surface.diffuse(10.0)
+        points = surface.paint_mesh.vertices * np.array([sign, 1.0, 1.0])
+        found.append(everything(surface)[np.lexsort(points.round(3).T)])
+    np.testing.assert_allclose(*found, rtol=1e-3, atol=1e-4)
+
+
+def test_halo_and_rim_do_not_depend_on_the_triangles() -> None:
+    found = []
+    for spacing in (0.4, 0.25):
+        surface = washed(spacing=spacing)
+        surface.diffuse(20.0)
+        inner = rings(surface)
+        found.append((*radii(surface), inner.max() / inner[:3].mean()))
+    np.testing.assert_allclose(found[0][:2], found[1][:2], rtol=0.03)
+    assert found[0][2] == pytest.approx(found[1][2], rel=0.12)  # finer, and so sharper
+
+
+def test_halo_and_rim_do_not_depend_on_the_steps() -> None:
+    """At once, second by second, and by steps of 1/30 s."""
+    found = []
+    for parts in ([10.0], [1.0] * 10, [1.0 / 30.0] * 300):
+        surface = washed(material=XUAN, spacing=0.5)
+        for seconds in parts:
+            surface.diffuse(seconds)
+        inner = rings(surface)
+        found.append((*radii(surface), inner.max() / inner[:3].mean()))
+    np.testing.assert_allclose(found[0], found[2], rtol=0.02)
+    np.testing.assert_allclose(found[1], found[2], rtol=0.02)
