@@ -374,7 +374,7 @@ def _command_seeds() -> list[tuple[str, bytes]]:
 
 def _check_command(_: str, content: bytes) -> None:
     """Read the options, and check what is named before any work; nothing is run."""
-    from paint3d.cli.main import _make_parser
+    from paint3d.cli.main import make_parser
     from paint3d.cli.parsing import UsageError
     from paint3d.cli.replay import PaintOptions
     from paint3d.errors import InputError
@@ -383,7 +383,7 @@ def _check_command(_: str, content: bytes) -> None:
     if {"-h", "--help", "--version"} & set(words):
         return
     try:
-        chosen = _make_parser().parse_args(words)
+        chosen = make_parser().parse_args(words)
     except UsageError as cause:
         raise InputError(" ".join(str(cause).split())) from None
     if "spread" in chosen:
