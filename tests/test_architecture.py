@@ -17,6 +17,7 @@ import paint3d
 from paint3d.bench.registry import BENCHMARKS
 from paint3d.brush_engine.bristles.stroke_loop import paint_with_hairs
 from paint3d.brush_engine.stroke_loop import paint_samples
+from paint3d.cli.main import COMMANDS
 from paint3d.colour.kernels.kubelka_munk import single_colours
 from paint3d.core.face import names_of
 from paint3d.painter.painter import Painter
@@ -234,7 +235,7 @@ def test_every_module_is_reached() -> None:
     graph = import_graph(PACKAGE)
     roots = {f"paint3d.{word}" for word in ("__main__", "cli.main")}
     roots |= {module for module in graph if module.startswith(BY_NAME)}
-    roots |= set(names_of("paint3d").values())
+    roots |= set(names_of("paint3d").values()) | set(COMMANDS.values())
     roots |= {f"paint3d.bench.{where.split('.')[0]}" for where, _ in BENCHMARKS.values()}
     assert set(graph) - reached(graph, roots) == set()
 

@@ -15,48 +15,32 @@ import sys
 import traceback
 import warnings
 from collections.abc import Sequence
+from importlib import import_module
 
-from paint3d.cli import (
-    batch,
-    bench,
-    demo,
-    devices,
-    export,
-    paint,
-    replay,
-    report,
-    score,
-    study,
-    write,
-)
-from paint3d.cli.lists import brushes, fonts, inks, materials
 from paint3d.cli.parsing import Parser, UsageError
-from paint3d.cli.photographs import copy
-from paint3d.cli.pictures import picture
-from paint3d.cli.seals import seal
 from paint3d.errors import Paint3DError
 
-__all__ = ["main", "make_parser"]
+__all__ = ["COMMANDS", "main", "make_parser"]
 
-_COMMANDS = {
-    "demo": demo,
-    "replay": replay,
-    "write": write,
-    "copy": copy,
-    "seal": seal,
-    "paint": paint,
-    "score": score,
-    "export": export,
-    "picture": picture,
-    "batch": batch,
-    "devices": devices,
-    "inks": inks,
-    "brushes": brushes,
-    "materials": materials,
-    "fonts": fonts,
-    "study": study,
-    "bench": bench,
-    "report": report,
+COMMANDS = {  # each by its module, which is imported when the command is asked for
+    "demo": "paint3d.cli.demo",
+    "replay": "paint3d.cli.replay",
+    "write": "paint3d.cli.write",
+    "copy": "paint3d.cli.photographs.copy",
+    "seal": "paint3d.cli.seals.seal",
+    "paint": "paint3d.cli.paint",
+    "score": "paint3d.cli.score",
+    "export": "paint3d.cli.export",
+    "picture": "paint3d.cli.pictures.picture",
+    "batch": "paint3d.cli.batch",
+    "devices": "paint3d.cli.devices",
+    "inks": "paint3d.cli.lists.inks",
+    "brushes": "paint3d.cli.lists.brushes",
+    "materials": "paint3d.cli.lists.materials",
+    "fonts": "paint3d.cli.lists.fonts",
+    "study": "paint3d.cli.study",
+    "bench": "paint3d.cli.bench",
+    "report": "paint3d.cli.report",
 }
 # Linear algebra in threads of its own gains nothing here: they would only wait, at full load.
 _ONE_THREAD = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
@@ -74,8 +58,14 @@ class _Version(argparse.Action):
         parser.exit()
 
 
-def make_parser() -> argparse.ArgumentParser:
-    """The parser of the whole command line, which raises `UsageError`."""
+def make_parser(asked: str | None = None) -> argparse.ArgumentParser:
+    """The parser of the command line.
+
+    Parameters
+    ----------
+    asked : str, optional
+        The command that will be run: if there is such a one, no other is loaded.
+    """
     parser = Parser(
         prog="paint3d",
         description="Paint calligraphy and brushwork on 3-D objects.",
@@ -83,7 +73,8 @@ def make_parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action=_Version, nargs=0, help="print the version")
     commands = parser.add_subparsers(metavar="COMMAND", required=True, dest="command")
-    for name, module in _COMMANDS.items():
+    for name in [asked] if asked in COMMANDS else COMMANDS:
+        module = import_module(COMMANDS[name])
         command = commands.add_parser(
             name, help=module.HELP, description=module.__doc__, allow_abbrev=False
         )
@@ -113,7 +104,8 @@ def _describe_os_error(error: OSError) -> str:
 
 def _run(arguments: Sequence[str] | None) -> int:
     try:
-        options = make_parser().parse_args(arguments)
+        words = sys.argv[1:] if arguments is None else arguments
+        options = make_parser(*words[:1]).parse_args(words)
         _tell_warnings(quiet=getattr(options, "quiet", False))
         options.run(options)
         sys.stdout.flush()

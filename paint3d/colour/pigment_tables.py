@@ -20,6 +20,7 @@ from paint3d.errors import InputError, PigmentError
 __all__ = ["load_pigments_csv"]
 
 _NUMBER = re.compile(r"\d+(\.\d*)?|\.\d+")
+_DARKEST = 1e-6  # of a reflectance; nothing is as black
 _BAND = re.compile(r"\s*([KSR])_(\d+(?:\.\d+)?)\s*")
 
 
@@ -42,7 +43,7 @@ def load_pigments_csv(path: str | Path) -> Mapping[str, Pigment]:
     PigmentError
         Naming file and line, if it cannot be read, holds no pigment, a name is empty or occurs
         twice, the wavelengths do not rise or cover 400-700 nm, K or S is negative, not finite
-        or not a number, or R or the gloss is not between 0 and 1.
+        or not a number, R is not from 1e-6 to less than 1, or the gloss is not between 0 and 1.
     """
     path = Path(path)
     if is_spectral(path):
@@ -78,10 +79,10 @@ def _of_spectra(path: Path) -> Mapping[str, Pigment]:
     pigments = {}
     for name, (nm, values) in spectra.items():
         reflectance = np.interp(BANDS_NM, nm, values)
-        if not 0.0 < reflectance.min() <= reflectance.max() < 1.0:
+        if not _DARKEST <= reflectance.min() <= reflectance.max() < 1.0:
             raise PigmentError(
                 f"{path}: {name!r} is {reflectance.min():g} to {reflectance.max():g}; "
-                "expected the reflectance of a masstone, between 0 and 1"
+                f"expected the reflectance of a masstone, {_DARKEST:g} to less than 1"
             )
         k, s = masstone_strengths(reflectance)
         pigments[name] = Pigment(name, "", K=k, S=s, source=path.name, basis="masstone")
@@ -130,10 +131,10 @@ def _read_row(
         raise PigmentError(f"{where}: gloss is {gloss[-40:]!r}; expected a number from 0 to 1")
     if "R" in spectra:
         worst = int(np.abs(spectra["R"] - 0.5).argmax())
-        if not 0.0 < spectra["R"][worst] < 1.0:
+        if not _DARKEST <= spectra["R"][worst] < 1.0:
             raise PigmentError(
                 f"{where}: R is {spectra['R'][worst]:g} at {BANDS_NM[worst]:.0f} nm; "
-                "expected a reflectance between 0 and 1"
+                f"expected a reflectance from {_DARKEST:g} to less than 1"
             )
         if corrected == "yes":
             raise PigmentError(f"{where}: saunderson is yes; expected no for a masstone")

@@ -15,7 +15,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.core.foreign_xml import XmlFault, parse_xml
 from paint3d.core.types import AnyArray
 from paint3d.errors import InputError
 
@@ -80,10 +79,7 @@ def read_spectra(path: str | Path) -> Mapping[str, Spectrum]:
     path = Path(path)
     text = _text(path)
     if path.suffix.lower() in _XML:
-        try:
-            parse_xml(text.encode("utf-8"), _DEEPEST, doctypes=False)
-        except XmlFault as fault:
-            raise InputError(f"{path}: {fault}") from None
+        _check_xml(path, text)
     try:
         colour = import_module("colour")
     except ImportError as cause:
@@ -102,6 +98,15 @@ def read_spectra(path: str | Path) -> Mapping[str, Spectrum]:
         f"{path}: holds no spectrum that is known; expected two columns (nm, value), IES TM-27 "
         "(.spdx), or text of X-Rite, Sekonic or UPRtek"
     )
+
+
+def _check_xml(path: Path, text: str) -> None:
+    from paint3d.core.foreign_xml import XmlFault, parse_xml  # pigments are read without
+
+    try:
+        parse_xml(text.encode("utf-8"), _DEEPEST, doctypes=False)
+    except XmlFault as fault:
+        raise InputError(f"{path}: {fault}") from None
 
 
 def _readers(path: Path, text: str, colour: Any) -> tuple[Callable[[], Mapping[str, Any]], ...]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import difflib
 import json
-import tomllib
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any, TypeVar
@@ -47,7 +46,6 @@ def read_parameters(path: Path, what: str, error: type[Paint3DError]) -> dict[st
     error
         Naming the file, if it cannot be read or holds no parameters by name.
     """
-    parse: Callable[[str], Any] = json.loads if path.suffix.lower() == ".json" else tomllib.loads
     try:
         if not path.is_file():
             raise error(f"{path}: there is no such file; expected {what} in .toml or .json")
@@ -55,7 +53,7 @@ def read_parameters(path: Path, what: str, error: type[Paint3DError]) -> dict[st
             data = stream.read(_MOST_BYTES + 1)
         if len(data) > _MOST_BYTES:
             raise error(f"{path}: is over 1 MiB; expected {what}")
-        values = parse(data.decode("utf-8-sig"))
+        values = _parser(path)(data.decode("utf-8-sig"))
     except OSError as cause:
         raise error(f"{path}: {cause.strerror or cause}") from None
     except (ValueError, RecursionError) as cause:
@@ -65,6 +63,14 @@ def read_parameters(path: Path, what: str, error: type[Paint3DError]) -> dict[st
     if not isinstance(values, dict):
         raise error(f"{path}: holds {values!r:.40}; expected parameters by name")
     return values
+
+
+def _parser(path: Path) -> Callable[[str], Any]:
+    if path.suffix.lower() == ".json":
+        return json.loads
+    from tomllib import loads  # for files of one's own alone: most runs read none
+
+    return loads
 
 
 def read_thing(

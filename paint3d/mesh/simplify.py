@@ -183,14 +183,14 @@ class _Forest:
         wanted = np.zeros(int(self.split.max(initial=-1)) + 1, bool)
         split_of = np.full(len(self.nodes), -1, np.int64)
         split_of[self.halved] = self.split
-        fresh = np.unique(split_of[misses])
-        while len(fresh):
-            wanted[fresh] = True
-            new = np.zeros(len(wanted), bool)
-            new[fresh] = True
-            above = self.parent[self.halved[new[self.split]]]
-            fresh = np.unique(split_of[above[above >= 0]])
-            fresh = fresh[~wanted[fresh]]
+        fresh = np.zeros_like(wanted)
+        fresh[split_of[misses]] = True
+        while fresh.any():
+            wanted |= fresh
+            above = self.parent[self.halved[fresh[self.split]]]
+            fresh = np.zeros_like(wanted)
+            fresh[split_of[above[above >= 0]]] = True
+            fresh &= ~wanted
         halve = np.zeros(len(self.nodes), bool)
         halve[self.halved] = wanted[self.split]
         return halve

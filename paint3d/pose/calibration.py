@@ -7,6 +7,7 @@ points onto the world's with the least squares follow in closed form (Umeyama 19
 from __future__ import annotations
 
 import json
+import math
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -24,6 +25,7 @@ from paint3d.errors import DeviceError
 __all__ = ["DeviceCalibration", "fit_calibration", "load_calibration", "save_calibration"]
 
 _FORMAT = "paint3d-calibration"
+_FARTHEST_MM = 1e6
 _SCALES = (0.01, 100.0)
 
 
@@ -55,13 +57,16 @@ class DeviceCalibration:
 
     def __post_init__(self) -> None:
         rotation = as_array(self.rotation, "rotation", (4,), error=DeviceError).copy()
-        length = float(np.linalg.norm(rotation))
+        length = math.hypot(*rotation)
         if abs(length - 1.0) > 1e-3:
             raise DeviceError(f"rotation has length {length:.6g}; expected 1 within 0.001")
         object.__setattr__(self, "rotation", rotation / length)
         shift = as_array(self.shift, "shift", (3,), error=DeviceError)
+        for along, mm in zip("xyz", shift, strict=True):
+            as_number(mm, f"shift in {along}", -_FARTHEST_MM, _FARTHEST_MM, DeviceError)
         object.__setattr__(self, "shift", shift.copy())
         as_number(self.scale, "scale", *_SCALES, DeviceError)
+        as_number(self.residual_mm, "residual_mm", 0.0, _FARTHEST_MM, DeviceError)
 
     def to_world(self, points: AnyArray) -> AnyArray:
         """Points (..., 3), mm, from the device's frame to the world's."""
@@ -137,7 +142,7 @@ def load_calibration(path: str | os.PathLike[str]) -> DeviceCalibration:
     """
     try:
         found = json.loads(Path(path).read_text(encoding="utf-8"))
-    except (OSError, ValueError) as cause:
+    except (OSError, ValueError, RecursionError) as cause:
         raise DeviceError(f"{path}: no calibration can be read ({cause})") from None
     if not isinstance(found, Mapping) or found.get("format") != _FORMAT:
         raise DeviceError(f"{path}: expected a JSON object with format {_FORMAT!r}")

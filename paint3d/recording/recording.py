@@ -36,7 +36,6 @@ from paint3d.core.types import AnyArray
 from paint3d.device.recorded import FORMAT, MAX_FORCE_N, UNIT_TOLERANCE, Recording, checked_header
 from paint3d.errors import ExportError, RecordingError
 from paint3d.recording.flat_recording import MM_PER_PIXEL
-from paint3d.recording.read_inkml import read_inkml, write_inkml
 from paint3d.recording.read_table import read_csv, read_plain_table, write_csv
 
 __all__ = [
@@ -139,6 +138,8 @@ def _read(
     told: Callable[[], None] | None,
 ) -> Recording:
     if start.startswith(b"<"):
+        from paint3d.recording.read_inkml import read_inkml  # XML, which few recordings are in
+
         return read_inkml(_whole(stream, name), name, scale=scale, y_down=y_down)
     lines = TextLines(stream, name, told)
     suffixes = [s.lower() for s in path.suffixes]
@@ -549,10 +550,16 @@ def _compact(numbers: AnyArray) -> str:
     )
 
 
+def _inkml(recording: Recording) -> Iterator[str]:
+    from paint3d.recording.read_inkml import write_inkml
+
+    return write_inkml(recording)
+
+
 _WRITERS = {
     ".jsonl": write_jsonl,
     ".json": write_jsonl,
-    ".inkml": write_inkml,
+    ".inkml": _inkml,
     ".csv": write_csv,
 }
 

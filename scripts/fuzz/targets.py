@@ -9,59 +9,18 @@ import contextlib
 import gzip
 import json
 import random
-import tempfile
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 
 import numpy as np
 
+from scripts.fuzz.drawings import DRAWINGS
 from scripts.fuzz.mutation import damage, damage_archive
+from scripts.fuzz.parameters import PARAMETERS
+from scripts.fuzz.target import Target, file_of, written
 
 __all__ = ["TARGETS", "Target"]
-
-Damage = Callable[[bytes, random.Random, Sequence[bytes]], bytes]
-
-
-@dataclass(frozen=True)
-class Target:
-    """One kind of input.
-
-    Attributes
-    ----------
-    about : str
-    seeds : callable
-        Returns good inputs as (suffix, content), made afresh.
-    check : callable
-        Takes a suffix and a content; raises a Paint3DError for what it refuses, and an
-        AssertionError if something that it accepts breaks its promises.
-    damage : callable
-    """
-
-    about: str
-    seeds: Callable[[], list[tuple[str, bytes]]]
-    check: Callable[[str, bytes], None]
-    damage: Damage = damage
-
-
-_folder = tempfile.TemporaryDirectory(
-    prefix="fuzz", dir="/dev/shm" if Path("/dev/shm").is_dir() else None
-)
-
-
-def _file(suffix: str, content: bytes) -> Path:
-    path = Path(_folder.name) / f"a{suffix}"
-    path.write_bytes(content)
-    return path
-
-
-def _written(suffix: str, write: Callable[[Path], object]) -> tuple[str, bytes]:
-    with tempfile.TemporaryDirectory() as name:
-        path = Path(name) / f"a{suffix}"
-        write(path)
-        return suffix, path.read_bytes()
-
 
 # -- recordings -----------------------------------------------------------------------------------
 
@@ -84,7 +43,7 @@ def _recording(space: str = "world"):
 def _recording_seeds() -> list[tuple[str, bytes]]:
     from paint3d.recording.recording import save_recording
 
-    saved = [_written(s, partial(save_recording, _recording())) for s in (".jsonl", ".csv")]
+    saved = [written(s, partial(save_recording, _recording())) for s in (".jsonl", ".csv")]
     table = b"0.00 10 20 0.1\n0.01 11 20.5 0.2\n0.02 12 21 0.3\n"
     named = b"timestamp,spline_x,spline_y,pressure,altitude,azimuth,stroke_id\n"
     named += b"0,1,2,0.5,1.2,0.3,1\n8,2,3,0.6,1.2,0.3,1\n16,9,9,0.5,1.1,0.2,2\n"
@@ -99,7 +58,7 @@ def _recording_seeds() -> list[tuple[str, bytes]]:
 def _inkml_seeds() -> list[tuple[str, bytes]]:
     from paint3d.recording.recording import save_recording
 
-    made = _written(".inkml", lambda path: save_recording(_recording("pad"), path))
+    made = written(".inkml", lambda path: save_recording(_recording("pad"), path))
     plain = (
         b'<ink xmlns="http://www.w3.org/2003/InkML"><traceFormat>'
         b'<channel name="X" type="decimal" units="mm"/><channel name="Y" orientation="-ve"/>'
@@ -113,7 +72,7 @@ def _inkml_seeds() -> list[tuple[str, bytes]]:
 def _check_recording(suffix: str, content: bytes) -> None:
     from paint3d.recording.recording import load_recording
 
-    recording = load_recording(_file(suffix, content))
+    recording = load_recording(file_of(suffix, content))
     assert len(recording) > 0
     assert np.isfinite(recording.position).all()
     assert (np.diff(recording.time_ns) > 0).all()
@@ -135,7 +94,7 @@ def _mesh_seeds() -> list[tuple[str, bytes]]:
 
     codes = (np.arange(24).reshape(8, 3) * 10).astype(np.uint8)
     mesh = TriangleMesh(CORNERS, FACES, codes)
-    made = [_written(s, partial(export, mesh)) for s in (".ply", ".obj", ".glb", ".3mf")]
+    made = [written(s, partial(export, mesh)) for s in (".ply", ".obj", ".glb", ".3mf")]
     rows = "\n".join(" ".join(map(str, row)) for row in CORNERS.tolist())
     polygons = "\n".join(f"4 {a} {b} {c} {d}" for a, b, c, d in QUADS)
     header = "ply\nformat ascii 1.0\ncomment a box\nelement vertex 8\nproperty float x\n"
@@ -260,7 +219,7 @@ def _check_mesh(suffix: str, content: bytes) -> None:
     from paint3d.files.sandbox.reading import Wanted, read_surface
 
     wanted = Wanted(from_points=False, texture=True)
-    path = _file(suffix, content)
+    path = file_of(suffix, content)
     (path.parent / "none.txt").touch()
     refers_to(path, path.parent / "none.txt")  # whatever it is, this is no error
     mesh = read_surface(path, wanted).mesh
@@ -276,7 +235,7 @@ def _record_seeds() -> list[tuple[str, bytes]]:
 
     up, codes = np.tile([0.0, 0.0, 1.0], (8, 1)), np.arange(24).reshape(8, 3)
     return [
-        _written(".p3d.txt", lambda p, k=k: write_records(p, CORNERS, up, codes, packed=k))
+        written(".p3d.txt", lambda p, k=k: write_records(p, CORNERS, up, codes, packed=k))
         for k in (False, True)
     ]
 
@@ -284,7 +243,7 @@ def _record_seeds() -> list[tuple[str, bytes]]:
 def _check_records(suffix: str, content: bytes) -> None:
     from paint3d.files.project.records import read_records
 
-    records = read_records(_file(suffix, content))
+    records = read_records(file_of(suffix, content))
     assert np.isfinite(records.vertices).all()
     assert len(records.vertices) == len(records.normals) == len(records.srgb) > 0
 
@@ -304,7 +263,7 @@ def _session_seeds() -> list[tuple[str, bytes]]:
     surface.settle(ids[:3])
     surface.diffuse(0.05)
     session = Session(surface, (_recording(),), {"brush": "full"})
-    return [_written(".p3d", partial(save_session, session)), _session_with_steps()]
+    return [written(".p3d", partial(save_session, session)), _session_with_steps()]
 
 
 def _session_with_steps() -> tuple[str, bytes]:
@@ -320,13 +279,13 @@ def _session_with_steps() -> tuple[str, bytes]:
         document.dry()
     document.add_layer()
     document.undo()
-    return _written(".p3d", document.save)
+    return written(".p3d", document.save)
 
 
 def _check_session(suffix: str, content: bytes) -> None:
     from paint3d.app.model.document import Document
 
-    document = Document.open(_file(suffix, content))
+    document = Document.open(file_of(suffix, content))
     for _ in document.steps.done:
         document.undo()
     while document.can_redo:
@@ -345,13 +304,13 @@ def _journal_seeds() -> list[tuple[str, bytes]]:
             for sample in _recording().samples():
                 journal.append([sample])
 
-    return [_written(".p3dj", write)]
+    return [written(".p3dj", write)]
 
 
 def _check_journal(suffix: str, content: bytes) -> None:
     from paint3d.files.project.journal import read_journal
 
-    recording, _ = read_journal(_file(suffix, content))
+    recording, _ = read_journal(file_of(suffix, content))
     assert (np.diff(recording.time_ns) > 0).all()
 
 
@@ -402,7 +361,7 @@ def _check_table(suffix: str, content: bytes) -> None:
     from paint3d.cli.batches.table import read_table
     from paint3d.cli.parsing import UsageError
 
-    rows, refused = read_table(_file(suffix, content))
+    rows, refused = read_table(file_of(suffix, content))
     assert all("\n" not in one.message for one in refused)
     for row in rows:
         fingerprint(row)
@@ -443,4 +402,6 @@ TARGETS: dict[str, Target] = {
     "command": Target("command lines", _command_seeds, _check_command),
     "table": Target("tables of paintings", _table_seeds, _check_table),
     "journal": Target("journals", _journal_seeds, _check_journal),
+    **DRAWINGS,
+    **PARAMETERS,
 }

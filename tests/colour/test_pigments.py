@@ -192,6 +192,7 @@ def test_a_masstone_gives_its_own_colour_and_hides(tmp_path):
     ("row", "message"),
     [
         ("x,0.1,0.0,0.5", r":2: R is 0 at 550 nm"),
+        ("x,0.1,1e-300,0.5", r":2: R is 1e-300 at 550 nm; expected a reflectance from 1e-06"),
         ("x,0.1,1.2,0.5", r":2: R is 1.2 at 550 nm"),
         ("x,0.1,-0.2,0.5", r":2: R_550 is -0.2"),
     ],

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import ndimage
 
-from paint3d.core.filters import gaussian_filter1d, maximum_filter1d, minimum_filter1d
+from paint3d.core.filters import gaussian_filter1d, maximum_filter1d, median, minimum_filter1d
 
 CASES = [((7,), 0), ((400,), 0), ((60, 2), 0), ((33, 41), 1), ((5, 3, 2), 0)]
 
@@ -38,3 +38,10 @@ def test_extremes_are_scipys(shape, axis, mode, size) -> None:
         np.testing.assert_array_equal(
             ours(values, size, axis, mode), theirs(values, size, axis, mode=mode)
         )
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 8, 101, 1000])
+def test_the_median_is_numpys_to_the_bit(count: int) -> None:
+    values = np.random.default_rng(count).normal(size=count) ** 3
+    assert median(values) == np.median(values)
+    assert median(np.round(values)) == np.median(np.round(values)), "with equal ones"

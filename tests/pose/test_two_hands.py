@@ -210,6 +210,25 @@ def test_a_lifted_pen_is_lifted_at_once() -> None:
     assert state.pressure == 0.0
 
 
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ('{"rotation": [1e200, 0, 0, 0]}', "rotation has length 1e"),
+        ('{"shift": [0, 1e300, 0]}', "shift in y is 1e"),
+        ('{"residual_mm": Infinity}', "residual_mm is inf"),
+        ("[" * 100_000, "no calibration can be read"),
+    ],
+)
+def test_a_calibration_out_of_all_bounds_is_refused_in_one_line(tmp_path, text, told) -> None:
+    path = tmp_path / "a.json"
+    save_calibration(DeviceCalibration(), path)
+    whole = json.loads(path.read_text("utf-8"))
+    path.write_text(json.dumps(whole | json.loads(text)) if text[0] == "{" else text, "utf-8")
+    with pytest.raises(DeviceError, match=told) as refusal:
+        load_calibration(path)
+    assert "\n" not in str(refusal.value)
+
+
 # -- time stamps ------------------------------------------------------------------------------
 
 

@@ -38,6 +38,7 @@ __all__ = ["load_svg", "svg_shape"]
 
 _LOG = logging.getLogger(__name__)
 _MOST_BYTES = 20_000_000
+_FARTHEST = 1e12  # units, of any coordinate and width
 _FLATNESS = 1.0 / 8192.0  # of the drawing's longer side
 _FAINT = 20  # of 255: an opacity below it is none
 _PAPER = 245  # of 255: what is lighter is paper
@@ -74,7 +75,10 @@ def load_svg(file: Path | str, ids: Sequence[str] = ()) -> Page:
     """
     inks = _inks_of(file, ids)
     name = Path(file).name
-    return Page(_pieces(inks), name, f"Drawing: {name}")
+    pieces = _pieces(inks)
+    if not pieces:
+        raise InputError(f"{file}: nothing but hairlines; expected shapes to fill")
+    return Page(pieces, name, f"Drawing: {name}")
 
 
 def svg_shape(file: Path | str, ids: Sequence[str] = ()) -> MultiPolygon:
@@ -130,9 +134,14 @@ def _read(data: bytes, name: str, ids: Sequence[str]) -> Iterator[_Ink]:
         known = ", ".join(sorted(_names(document, svg))[:12]) or "none"
         raise InputError(f"{name}: no id {', '.join(map(repr, missing))}; it has {known}")
     paths = [(svg.Path(shape), shape) for shape in shapes]
-    boxes = [box for path, _ in paths if (box := path.bbox()) is not None]
+    with np.errstate(all="ignore"):  # it computes with what is not finite, too
+        boxes = [box for path, _ in paths if (box := path.bbox()) is not None]
     if not boxes:
         return
+    widths = [float(shape.stroke_width or 0.0) for shape in shapes]
+    farthest = np.abs([side for box in boxes for side in box] + widths).max()
+    if not farthest <= _FARTHEST:
+        raise InputError(f"{name}: reaches as far as {farthest:g}; expected {_FARTHEST:g} at most")
     left, upper, right, lower = bounds_of(boxes)
     flatness = _FLATNESS * max(right - left, lower - upper, 1e-9)
     for k, (path, shape) in enumerate(paths):
@@ -308,15 +317,23 @@ def _overlap(group: Sequence[_Ink], ink: _Ink) -> bool:
 def _strokes(ink: _Ink) -> list[GlyphStroke]:
     """The strokes of an ink, what is wider than the brush in bands."""
     if ink.line is None:
-        taken = decompose(ink.shape)
+        taken = _taken_apart(ink)
     elif len(ink.shape.geoms) == 1:
         outer, holes = rings_of(ink.shape.geoms[0])
         taken = [GlyphStroke(outer, _led_over(ink), tuple(holes))]
     else:  # white has cut it
-        taken = decompose(ink.shape)
+        taken = _taken_apart(ink)
     if not any(is_wide(stroke) for stroke in taken):
         return taken
     return _banded(ink, taken)
+
+
+def _taken_apart(ink: _Ink) -> list[GlyphStroke]:
+    try:
+        return decompose(ink.shape)
+    except InputError:  # nothing that a brush could fill
+        _LOG.warning("%s: not painted: it is a hairline", ink.name)
+        return []
 
 
 def _banded(ink: _Ink, taken: Sequence[GlyphStroke]) -> list[GlyphStroke]:

@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 __all__ = ["decompose"]
 
 _SPECK = 0.01  # squares of the mean width: smaller parts are no strokes
+_HAIRLINE = 1e-5  # of the size of a shape: thinner parts are no strokes
+_GRAIN = 2.0**-40  # of the farthest coordinate: thinner parts are what rounding left
 _GRID = 2.0**32  # points to the size of a shape
 _COMPACT = 0.75  # of a disc's area at the same perimeter: a dot; a square has 0.785
 _SHORTEST = 0.25  # of a dot's width: its line
@@ -56,12 +58,13 @@ def decompose(
     -------
     list of GlyphStroke
         In the frame of the outline. Their regions together are the shape, but for specks of less
-        than a hundredth of the square of a stroke's mean width.
+        than a hundredth of the square of a stroke's mean width, and parts thinner than a 100,000th
+        of its size.
 
     Raises
     ------
     InputError
-        If the outline has no area.
+        If the outline has no area, or nothing but such parts.
     """
     parts = _parts(outline)
     low = np.array(outline.bounds[:2])
@@ -112,9 +115,15 @@ def _parts(outline: MultiPolygon) -> list[Polygon]:
 
     valid = outline if shapely.is_valid(outline) else shapely.make_valid(outline)
     parts = shapely.get_parts(shapely.get_parts(valid))
+    bounds = np.reshape(outline.bounds, (2, 2))
+    thinnest = max(_HAIRLINE * np.ptp(bounds, axis=0).max(), _GRAIN * np.abs(bounds).max())
     parts = [part for part in parts if part.geom_type == "Polygon" and part.area > 0.0]
+    parts = [part for part in parts if _width([part]) >= thinnest]
     if not parts:
-        raise InputError("the outline has no area; expected a shape to fill")
+        raise InputError(
+            "the outline has no area, or is a hairline; expected a shape to fill, wider than a "
+            f"{1.0 / _HAIRLINE:,.0f}th of its length"
+        )
     least = _SPECK * _width(parts) ** 2
     kept = [part for part in parts if part.area >= least]
     return sorted(kept, key=lambda part: (part.bounds[0], -part.bounds[3], part.area))

@@ -10,11 +10,13 @@ import os
 import zlib
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import TYPE_CHECKING, Any, BinaryIO
 from urllib.parse import unquote
-from xml.etree import ElementTree
 
 from paint3d.errors import MeshError
+
+if TYPE_CHECKING:
+    from xml.etree import ElementTree
 
 __all__ = ["parse_json", "parse_xml", "path_beside", "plain_text", "read_beside", "read_contents"]
 
@@ -159,6 +161,8 @@ def parse_xml(data: bytes, name: str) -> ElementTree.Element:
     MeshError
         If it is not well-formed.
     """
+    from xml.etree import ElementTree  # most files hold none
+
     try:
         return ElementTree.fromstring(data)
     except (ElementTree.ParseError, LookupError, ValueError) as cause:

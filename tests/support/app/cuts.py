@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.core.arrays import cross
 from paint3d.mesh.base_surface import make_base_surface
 from paint3d.mesh.closest_points import ClosestPoints
 
@@ -48,7 +49,7 @@ class Cuts(NamedTuple):
 
 
 class _Faces:
-    """The faces of a mesh as plain floats, and what joins them: for walks of few steps each."""
+    """The faces of a mesh, and what joins them."""
 
     def __init__(self, surface: ClosestPoints) -> None:
         base = make_base_surface(surface.mesh)
@@ -64,19 +65,20 @@ class _Faces:
         self.number = np.full(len(surface.mesh.faces), -1, np.int64)
         self.number[base.source_faces] = np.arange(len(base.faces))
 
-    def beyond(self, face: int, edge: int) -> tuple[int, int]:
-        """The face and its edge on the other side of an edge; of several that which goes on
+    def beyond(self, face: NDArray, edge: NDArray) -> tuple[NDArray, NDArray]:
+        """The faces and their edges on the other side of edges; of several that which goes on
         straightest; -1 at the end of the surface.
         """
-        ring, found = int(self.radial[3 * face + edge]), (-1, -1)
-        flattest = -2.0
-        while ring != 3 * face + edge:
-            other = ring // 3, ring % 3
-            straight = -float(self.outward[face, edge] @ self.outward[other])
-            if straight > flattest:
-                flattest, found = straight, other
-            ring = int(self.radial[ring])
-        return found
+        own = 3 * face + edge
+        found, flattest = np.full(len(own), -1), np.full(len(own), -2.0)
+        outward = self.outward.reshape(-1, 3)
+        ring = self.radial[own].astype(np.int64)
+        while (ring != own).any():
+            straight = -np.einsum("ij,ij->i", outward[own], outward[ring])
+            better = (ring != own) & (straight > flattest)
+            found[better], flattest[better] = ring[better], straight[better]
+            ring = np.where(ring != own, self.radial[ring], own)
+        return np.where(found < 0, -1, found // 3), found % 3
 
     def over_crack(
         self, face: int, edge: int, place: NDArray, direction: NDArray
@@ -108,42 +110,50 @@ class _Faces:
         return found
 
     def walk(
-        self, face: int, start: NDArray, direction: NDArray, length_mm: float
-    ) -> tuple[list[NDArray], list[float]]:
-        """Straight on over faces: where it comes to edges, and how far that is."""
-        places, far = [start], [0.0]
-        edge = -1
-        while far[-1] < length_mm and len(far) < MOST_FACES:
-            away = self.corners[face] - places[-1]
-            outward = self.outward[face]
-            ahead = outward @ direction
-            steps = [
-                max(0.0, float(away[k] @ outward[k])) / ahead[k]
-                if k != edge and ahead[k] > 1e-12
-                else math.inf
-                for k in range(3)
-            ]
-            out = int(np.argmin(steps))
-            step = min(steps[out], length_mm - far[-1])
-            places.append(places[-1] + step * direction)
-            far.append(far[-1] + step)
-            if not math.isfinite(steps[out]) or far[-1] >= length_mm:
-                break
-            other, edge_there = self.beyond(face, out)
-            if other < 0:
-                face, direction = self.over_crack(face, out, places[-1], direction)
-                edge = -1
-                if face < 0:
-                    break
-                continue
-            line = self.along[face, out]
-            sideways = float(direction @ line)
-            direction = (
-                sideways * line
-                - math.sqrt(max(0.0, 1.0 - sideways**2)) * (self.outward[other, edge_there])
-            )
-            face, edge = other, edge_there
-        return places, far
+        self, face: NDArray, start: NDArray, direction: NDArray, length_mm: float
+    ) -> list[tuple[NDArray, NDArray]]:
+        """Straight on over faces, all walks (W,) at a time: of each the places where it comes to
+        edges (N, 3), and how far these are (N,).
+        """
+        walk, place, far = np.arange(len(face)), start.copy(), np.zeros(len(face))
+        edge, row = np.full(len(face), -1), np.arange(len(face))
+        passed = [(walk, place, far)]
+        while len(walk) and len(passed) < MOST_FACES:
+            outward, row = self.outward[face], row[: len(walk)]
+            ahead = np.einsum("wkj,wj->wk", outward, direction)
+            away = np.einsum("wkj,wkj->wk", self.corners[face] - place[:, None], outward)
+            leads_out = (ahead > 1e-12) & (np.arange(3) != edge[:, None])
+            steps = np.full(ahead.shape, math.inf)
+            steps[leads_out] = np.maximum(away[leads_out], 0.0) / ahead[leads_out]
+            out = steps.argmin(axis=1)
+            to_edge = steps[row, out]
+            step = np.minimum(to_edge, length_mm - far)
+            place, far = place + step[:, None] * direction, far + step
+            passed.append((walk, place, far))
+            on = np.isfinite(to_edge) & (far < length_mm)
+            walk, place, far, face, out = walk[on], place[on], far[on], face[on], out[on]
+            face, edge, direction = self._onward(face, out, place, direction[on])
+            on = face >= 0
+            walk, place, far = walk[on], place[on], far[on]
+            face, edge, direction = face[on], edge[on], direction[on]
+        walks, places, fars = (np.concatenate(part) for part in zip(*passed, strict=True))
+        order = np.argsort(walks, kind="stable")
+        ends = np.cumsum(np.bincount(walks, minlength=len(start)))[:-1]
+        return [*zip(np.split(places[order], ends), np.split(fars[order], ends), strict=True)]
+
+    def _onward(
+        self, face: NDArray, out: NDArray, place: NDArray, direction: NDArray
+    ) -> tuple[NDArray, NDArray, NDArray]:
+        """Faces behind edges, by which of their edges they are entered, and whither; or -1."""
+        other, edge = self.beyond(face, out)
+        line = self.along[face, out]
+        sideways = np.einsum("wj,wj->w", direction, line)
+        onward = np.sqrt(np.maximum(0.0, 1.0 - sideways**2))
+        whither = sideways[:, None] * line - onward[:, None] * self.outward[other, edge]
+        for k in np.flatnonzero(other < 0):
+            other[k], whither[k] = self.over_crack(face[k], out[k], place[k], direction[k])
+            edge[k] = -1
+        return other, edge, whither
 
 
 def cut_across(
@@ -173,27 +183,26 @@ def cut_across(
     faces = _faces_of(surface)
     on = surface.find(points)
     there = faces.number[on.faces]
-    found, steps, asides = [], [], []
+    begun: list[tuple[int, float, NDArray]] = []
     for k in np.flatnonzero(chosen):
-        face = int(there[k])
-        normal = faces.normals[face]
+        normal = faces.normals[there[k]]
         ahead = _ahead(points, k, normal)
-        if ahead is None:
-            continue
-        up = normal if normal @ ups[k] >= 0.0 else -normal
-        left = np.cross(up, ahead)
-        for side in (1.0, -1.0):
-            places, far = faces.walk(face, on.points[k], side * left, reach_mm)
-            at = np.arange(0.0 if side > 0.0 else SAMPLE_MM, far[-1] + 1e-9, SAMPLE_MM)
-            if not len(at):
-                continue
-            columns = np.array(places).T
-            found.append(np.stack([np.interp(at, far, column) for column in columns], axis=1))
-            steps.append(np.full(len(at), k))
-            asides.append(side * np.linalg.norm(found[-1] - on.points[k], axis=1))
-    if not found:
+        if ahead is not None:
+            left = cross(normal if normal @ ups[k] >= 0.0 else -normal, ahead)
+            begun += [(k, 1.0, left), (k, -1.0, -left)]
+    if not begun:
         return Cuts(np.empty((0, 3)), np.empty(0, np.int64), np.empty(0))
-    return Cuts(np.concatenate(found), np.concatenate(steps), np.concatenate(asides))
+    step = np.array([k for k, _, _ in begun])
+    walks = faces.walk(there[step], on.points[step], np.array([d for *_, d in begun]), reach_mm)
+    found, steps, sides = [], [], []
+    for (k, side, _), (places, far) in zip(begun, walks, strict=True):
+        at = np.arange(0.0 if side > 0.0 else SAMPLE_MM, far[-1] + 1e-9, SAMPLE_MM)
+        found.append(np.stack([np.interp(at, far, column) for column in places.T], axis=1))
+        steps.append(np.full(len(at), k))
+        sides.append(np.full(len(at), side))
+    points, step = np.concatenate(found), np.concatenate(steps)
+    away = np.linalg.norm(points - on.points[step], axis=1)
+    return Cuts(points, step, np.concatenate(sides) * away)
 
 
 def _ahead(points: NDArray, k: int, normal: NDArray) -> NDArray | None:

@@ -1,0 +1,65 @@
+"""Drawings with numbers that nobody can paint: refused in one line, or painted without them."""
+
+from __future__ import annotations
+
+import logging
+import warnings
+from pathlib import Path
+
+import pytest
+from shapely import MultiPolygon, box
+
+from paint3d.calligraphy.page.svg_drawing import load_svg
+from paint3d.calligraphy.shapes.decompose import decompose
+from paint3d.errors import InputError
+
+BAR = '<rect x="5" y="70" width="60" height="12" id="bar"/>'
+
+
+@pytest.fixture(autouse=True)
+def without_warnings():
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        yield
+
+
+def drawing(folder: Path, *elements: str) -> Path:
+    path = folder / "a.svg"
+    inner = "".join(elements)
+    path.write_text(f'<svg xmlns="http://www.w3.org/2000/svg">{inner}</svg>', "utf-8")
+    return path
+
+
+@pytest.mark.parametrize(
+    "element",
+    [
+        '<rect x="5" y="70" width="1e999" height="12"/>',
+        '<rect x="5" y="70" width="60" height="19007199254740993"/>',
+        '<path d="M1e999 10 C 20 20, 40 20, 50 10 z"/>',
+        '<polyline fill="none" stroke="black" stroke-width="1e999" points="1 1 20,30 40,5"/>',
+    ],
+)
+def test_what_reaches_too_far_is_refused(tmp_path: Path, element: str) -> None:
+    with pytest.raises(InputError, match=r"^a\.svg: reaches as far as .*1e\+12 at most$"):
+        load_svg(drawing(tmp_path, BAR, element))
+
+
+HAIRLINE = '<polygon points="90,90 100,60 110,4294967295" id="hair"/>'
+
+
+def test_a_hairline_is_left_out_and_said(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+    """Its line, in steps of its width, had four thousand million points."""
+    along = '<rect x="0" y="0" width="1e6" height="4294967295"/>'
+    with caplog.at_level(logging.WARNING):
+        page = load_svg(drawing(tmp_path, along, HAIRLINE))
+    assert len(page.pieces) == 1
+    assert "hair: not painted: it is a hairline" in caplog.text
+    with pytest.raises(InputError, match="nothing but hairlines"):
+        load_svg(drawing(tmp_path, HAIRLINE))
+
+
+def test_parts_that_are_hairlines_are_no_strokes() -> None:
+    thick, thin = box(0, 0, 1000, 10), box(0, 20, 1000, 20 + 1e-3)
+    assert len(decompose(MultiPolygon([thick, thin]))) == 1
+    with pytest.raises(InputError, match="is a hairline"):
+        decompose(MultiPolygon([thin]))
