@@ -293,7 +293,9 @@ def _in_hand(
 
     own = None if painter.hairs is None else painter.hairs.spec
     held = replace(brush, bristles=own)
-    settings = {"brush": asdict(held), "ink": painter.ink.name, "azimuth": painter.azimuth}
+    settings: dict[str, Any] = {
+        "brush": asdict(held), "ink": painter.ink.name, "azimuth": painter.azimuth
+    }  # fmt: skip
     last = ink if tip is None else tip
     if tip is not None or len(ink) > 1:
         settings["dipped"] = {pigment.name: parts for pigment, parts in last.items()}

@@ -135,12 +135,10 @@ def _original_state(surface: PaintedSurface) -> State:
 def _original_in(state: State) -> Original | None:
     if "original_resolution" not in state:
         return None
-    vertices, faces, normals = (
-        state.get(f"original_{name}") for name in ("vertices", "faces", "normals")
-    )
     resolution = as_number(state["original_resolution"], "its original's resolution", 0.005, 1e6)
-    mesh = TriangleMesh(vertices, faces, None, str(state["original"]), normals)
-    return Original(mesh, resolution)
+    vertices, faces = state["original_vertices"], state["original_faces"]
+    name, normals = str(state["original"]), state.get("original_normals")
+    return Original(TriangleMesh(vertices, faces, None, name, normals), resolution)
 
 
 def layer_state(surface: PaintedSurface, ids: NDArray[np.int32]) -> State:
