@@ -99,8 +99,8 @@ def petal(chart, painter, centre, turn, length, width=0.4) -> None:
 def flower(chart, painter, centre, size, turn) -> None:
     """Five petals in light ink with a red tip, then stamens."""
     for k in range(5):
-        painter.dip({"carmine": 0.015, "water": 0.985})
-        painter.dip({"carmine": 0.3, "water": 0.7}, reach=0.2)
+        painter.dip({"carmine": 0.006, "water": 0.994})
+        painter.dip({"carmine": 0.12, "water": 0.88}, reach=0.2)
         petal(chart, painter, np.asarray(centre), turn + k * 2 * np.pi / 5, size)
 
 
