@@ -54,7 +54,9 @@ def test_a_session_by_command_dips_belly_and_tip_again(tmp_path, how) -> None:
     assert [reach for _, reach in again.dips] == [None, 0.4]
 
 
-def test_a_tip_in_hand_is_there_still_when_old_strokes_were_painted_again(tmp_path) -> None:
+@pytest.mark.parametrize("brush", ["full", "slender"])
+def test_a_tip_in_hand_is_there_still_when_old_strokes_were_painted_again(tmp_path, brush) -> None:
+    """With the brush of the old strokes, too, and with another, which is dipped for it anew."""
     document = small_plane(2.5)
     paint(document, (-15, 0), (15, 0))
     document.save(tmp_path / "a.p3d")
@@ -62,10 +64,16 @@ def test_a_tip_in_hand_is_there_still_when_old_strokes_were_painted_again(tmp_pa
     save_session(dataclasses.replace(session, undone=(), history=None), tmp_path / "a.p3d")
     document = Document.open(tmp_path / "a.p3d")
     assert document.oldest_stroke == 1
+    document.set_brush(brush)
     document.dip("water")
     document.dip("indigo", 0.4)
-    before = document.painter.dips
+    before, full = document.painter.dips, held(document.surface)
+    full = {name: along.copy() for name, along in full.items()}
     document.recall_strokes()
+    ours = held(document.surface)
+    assert ours.keys() == full.keys() == {"water", "indigo"}
+    for name, along in full.items():
+        np.testing.assert_allclose(ours[name], along, rtol=1e-9)
     assert [(weights_of(ink), reach) for ink, reach in document.painter.dips] == [
         (weights_of(ink), reach) for ink, reach in before
     ]

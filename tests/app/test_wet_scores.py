@@ -115,6 +115,12 @@ def pieces_after(document) -> int:
     return sum(event.get("times", 1) for event in after)
 
 
+def time_goes_on(window) -> bool:
+    """Whether time passes for the ink by the wall's clock after what was played."""
+    with window.workspace.easel.paused() as document:
+        return pieces_after(document) > 0
+
+
 @pytest.mark.parametrize(
     ("header", "speed", "pause"), [(HEADERS[0], 0.5, True), (HEADERS[2], None, False),
                                    (HEADERS[3], 16.0, False), (HEADERS[1], 2.0, True)]
@@ -135,6 +141,7 @@ def test_a_recording_is_played_wet_as_the_command_does(
             live(0.6)
             window.player.pause(False)
         wait_for(lambda: not window.player.is_playing)
+        wait_for(lambda: time_goes_on(window), 30.0)
         window.workspace.actions["wet"].trigger()
         settled(window)
         assert window.document.score is not None
