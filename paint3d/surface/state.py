@@ -135,9 +135,8 @@ def _original_state(surface: PaintedSurface) -> State:
 def _original_in(state: State) -> Original | None:
     if "original_resolution" not in state:
         return None
-    vertices, faces, normals = (
-        state.get(f"original_{name}") for name in ("vertices", "faces", "normals")
-    )
+    arrays: list[Any] = [state.get(f"original_{name}") for name in ("vertices", "faces", "normals")]
+    vertices, faces, normals = arrays
     resolution = as_number(state["original_resolution"], "its original's resolution", 0.005, 1e6)
     mesh = TriangleMesh(vertices, faces, None, str(state["original"]), normals)
     return Original(mesh, resolution)
