@@ -142,8 +142,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--painted-on",
         metavar="MESH",
-        help="what a whole painting was painted on, where --on is the same object meshed anew: "
-        "strokes lie where they lay (default: the built-in object that it names)",
+        help="what a whole painting was painted on, with its normals, where --on is the same "
+        "object meshed anew: strokes lie where they lay (default: the built-in object that it "
+        "names)",
     )
     parser.add_argument(
         "--report", metavar="FILE", type=Path, help="write counts and times as JSON"

@@ -12,6 +12,7 @@ object was changed it stands for itself.
 from __future__ import annotations
 
 import dataclasses
+import hashlib
 from typing import NamedTuple
 
 import numpy as np
@@ -23,8 +24,9 @@ from paint3d.mesh.closest_points import ClosestPoints
 from paint3d.mesh.refined_mesh import PaintMesh
 from paint3d.mesh.triangle_mesh import TriangleMesh
 
-__all__ = ["Original", "build_like"]
+__all__ = ["Original", "build_like", "digest_of"]
 
+_DIGEST_BYTES = 8
 _FEWEST_EDGES, _MOST_EDGES = 2.0, 64.0  # to a cell that is taken over
 _ALIKE = 0.5  # share of the vertices that lie on the original where it is the same object
 _FACES_AS = 0.5  # cosine of normals that are one another's
@@ -38,6 +40,14 @@ class Original(NamedTuple):
     mesh: TriangleMesh
     resolution: float
     """mm"""
+
+
+def digest_of(mesh: TriangleMesh) -> str:
+    """16 hexadecimal digits of vertices, faces and normals: they tell meshes of one name apart."""
+    digest = hashlib.blake2b(digest_size=_DIGEST_BYTES)
+    for array in (mesh.vertices, mesh.faces, mesh.normals):
+        digest.update(b"none" if array is None else np.ascontiguousarray(array).tobytes())
+    return digest.hexdigest()
 
 
 def build_like(
@@ -63,9 +73,9 @@ def build_like(
     MeshError
         See `PaintMesh.build`.
     """
-    same = np.array_equal(mesh.vertices, original.mesh.vertices)
-    same = same and np.array_equal(mesh.faces, original.mesh.faces)
-    if resolution is None or (same and resolution == original.resolution):
+    if resolution is None:
+        return None
+    if resolution == original.resolution and digest_of(mesh) == digest_of(original.mesh):
         return None
     first = PaintMesh.build(original.mesh, original.resolution)
     size = first.arrays.cell_size

@@ -117,11 +117,11 @@ def recorded_loads(header: Mapping[str, Any]) -> tuple[NDArray[np.int64], NDArra
     expected = "pairs of a time (ns) and a share from 0 to 1, in the order of time"
     try:
         times = np.array([when for when, _ in told], np.int64)
-        shares = np.array([share for _, share in told], np.float64)
-    except (TypeError, ValueError, OverflowError):
+        shares = np.array([as_number(share, "share", 0.0, 1.0) for _, share in told], np.float64)
+    except (TypeError, ValueError, OverflowError, InputError):
         raise RecordingError(f"the header's loads are {told!r:.60}; expected {expected}") from None
     whole = all(type(when) is int for when, _ in told)
-    if not (whole and (np.diff(times) > 0).all() and ((shares >= 0.0) & (shares <= 1.0)).all()):
+    if not (whole and (times[1:] > times[:-1]).all()):
         raise RecordingError(f"the header's loads are {told!r:.60}; expected {expected}")
     return times, shares
 

@@ -166,6 +166,14 @@ def test_a_click_on_its_paint_chooses_a_stroke_and_a_drag_moves_it(window) -> No
     assert found[:, 0].mean() / canvas.pixels.shape[0] == pytest.approx(0.70, abs=0.03)
 
 
+def test_of_two_strokes_at_one_place_the_upper_one_is_chosen(window) -> None:
+    pen_stroke(window.canvas, (0.42, 0.58), (0.56, 0.58), PRESSURES)
+    settled(window)
+    choose_in_menu(window, "pick")
+    pen_stroke(window.canvas, (0.48, 0.58), (0.48, 0.58), [0.5, 0.5, 0.0])
+    assert window.mark.number == 3
+
+
 def test_beside_all_paint_no_stroke_is_chosen(window) -> None:
     choose_in_menu(window, "pick")
     pen_stroke(window.canvas, (0.48, 0.75), (0.48, 0.75), [0.5, 0.5, 0.0])

@@ -130,6 +130,20 @@ def test_a_wrong_order_is_told_and_asked_for_anew_until_it_is_cancelled(window, 
     assert window.canvas.tool is None
 
 
+def test_what_else_takes_the_next_touch_ends_it_and_is_ended_by_it(window, link) -> None:
+    calibrating, drag = window.both_hands.calibrating, window.editing.drag
+    press(window.panels.devices.stylus.calibrate)
+    drag.begin()
+    assert not calibrating.is_on
+    assert link.is_closed
+    assert drag.is_waiting
+    press(window.panels.devices.stylus.calibrate)
+    assert calibrating.is_on
+    assert not drag.is_waiting
+    calibrating.stop()
+    assert window.canvas.tool is None
+
+
 def test_without_a_pad_it_is_said_why(window) -> None:
     def find() -> PluggedDevices:
         plugged = PluggedDevices(list, None, 0.0)

@@ -10,11 +10,12 @@ from scipy.spatial import cKDTree
 
 from paint3d.app.model.document import Document
 from paint3d.app.model.score import playing
-from paint3d.app.model.score.playing import painted
+from paint3d.app.model.score.playing import begun, painted
 from paint3d.cli.main import main
 from paint3d.files.load import load_mesh
 from paint3d.files.project.session import load_session
 from paint3d.mesh.closest_points import ClosestPoints
+from paint3d.mesh.likeness import digest_of
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.recording.recording import Recording
 from paint3d.recording.score import Score, load_score, save_score
@@ -174,6 +175,39 @@ def test_on_the_object_that_it_was_painted_on_nothing_is_taken_over() -> None:
     )
 
 
+def without_normals(mesh: TriangleMesh) -> TriangleMesh:
+    return TriangleMesh(mesh.vertices, mesh.faces, name=mesh.name)
+
+
+def test_a_mesh_that_only_lost_its_normals_takes_them_over() -> None:
+    """Its own are computed of the triangles, and lean otherwise on the rim."""
+    bare = painted(rim(), without_normals(bowl()))
+    same_vertices(bare.surface, first(rim).surface)
+
+
+def test_a_file_that_is_called_like_a_built_in_object_is_none() -> None:
+    """What was painted on it is painted on it again to the bit, by its score's header."""
+    own = decimated()
+    own = TriangleMesh(own.vertices, own.faces, name="bowl")
+    header = {**rim().header, "object": "another"}
+    document = painted(Score(header, rim().events), own)
+    assert document.surface.original is None
+    again = painted(document.score, own)
+    assert again.surface.original is None
+    same_vertices(document.surface, again.surface)
+    finer = begun(document.score, own, 0.4).surface.original  # its own mesh is what it was
+    assert finer is not None
+    assert finer.mesh is own
+    assert begun(document.score, bowl()).surface.original is None
+    assert begun(first(rim).score, own).surface.original is not None
+
+
+def test_another_file_than_was_painted_on_is_warned_of(caplog) -> None:
+    for given, n in ((bowl(), 0), (without_normals(bowl()), 1)):
+        begun(first(rim).score, decimated(), painted_on=given)
+        assert sum("not to the bit" in one.message for one in caplog.records) == n
+
+
 def test_an_object_that_was_changed_stands_for_itself_there() -> None:
     """Half of the bowl grows by a tenth: its other half is the bowl's still."""
     vertices = bowl().vertices.copy()
@@ -191,8 +225,10 @@ def test_a_session_and_its_score_know_what_was_painted_on(tmp_path) -> None:
     document = painted(rim(), decimated(), 0.4)
     document.save(tmp_path / "a.p3d")
     again = Document.open(tmp_path / "a.p3d")
+    of_bowl = {"object": "bowl", "mesh": digest_of(bowl()), "resolution_mm": 0.5}
     for one in (document, again):
-        assert one.score.header["painted_on"] == {"object": "bowl", "resolution_mm": 0.5}
+        assert one.score.header["painted_on"] == of_bowl
+        assert one.score.header["mesh"] == digest_of(decimated())
     first, second = document.surface.paint_mesh.arrays, again.surface.paint_mesh.arrays
     np.testing.assert_array_equal(first.sheet_pack, second.sheet_pack)
     for one in (document, again):

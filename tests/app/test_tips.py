@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from contextlib import nullcontext
 from dataclasses import replace
 
 import numpy as np
@@ -11,6 +12,7 @@ import pytest
 from paint3d.app.model.document import Document
 from paint3d.app.model.stroke_log import weights_of
 from paint3d.cli.main import main
+from paint3d.errors import InputError
 from paint3d.files.load import load_mesh
 from paint3d.files.project.session import load_session, save_session
 from paint3d.painter.painter import Painter
@@ -54,7 +56,12 @@ def test_a_session_by_command_dips_belly_and_tip_again(tmp_path, how) -> None:
     assert [reach for _, reach in again.dips] == [None, 0.4]
 
 
-def test_a_tip_in_hand_is_there_still_when_old_strokes_were_painted_again(tmp_path) -> None:
+@pytest.mark.parametrize("fails", [False, True])
+@pytest.mark.parametrize("brush", ["full", "slender"])
+def test_a_tip_in_hand_is_there_still_when_old_strokes_were_painted_again(
+    tmp_path, monkeypatch, brush, fails
+) -> None:
+    """With the brush of the old strokes, too, and with another, which is dipped for it anew."""
     document = small_plane(2.5)
     paint(document, (-15, 0), (15, 0))
     document.save(tmp_path / "a.p3d")
@@ -62,10 +69,23 @@ def test_a_tip_in_hand_is_there_still_when_old_strokes_were_painted_again(tmp_pa
     save_session(dataclasses.replace(session, undone=(), history=None), tmp_path / "a.p3d")
     document = Document.open(tmp_path / "a.p3d")
     assert document.oldest_stroke == 1
+    document.set_brush(brush)
     document.dip("water")
     document.dip("indigo", 0.4)
-    before = document.painter.dips
-    document.recall_strokes()
+    before, full = document.painter.dips, held(document.surface)
+    full = {name: along.copy() for name, along in full.items()}
+    if fails:
+
+        def fail(_: object) -> None:
+            raise InputError("no")
+
+        monkeypatch.setattr(document, "_repeat", fail)
+    with pytest.raises(InputError) if fails else nullcontext():
+        document.recall_strokes()
+    ours = held(document.surface)
+    assert ours.keys() == full.keys() == {"water", "indigo"}
+    for name, along in full.items():
+        np.testing.assert_allclose(ours[name], along, rtol=1e-9)
     assert [(weights_of(ink), reach) for ink, reach in document.painter.dips] == [
         (weights_of(ink), reach) for ink, reach in before
     ]

@@ -10,6 +10,7 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 from PySide6 import QtCore, QtGui, QtTest, QtWidgets
 
 from tests.support.app.gestures import BUTTON, KIND, answer, live, mouse, type_key, wait_for
+from tests.support.app.pointers import Touching
 from tests.support.app.windows import opened, settled
 
 
@@ -92,6 +93,84 @@ def test_a_press_beside_the_object_turns_it_and_the_seal_waits(window) -> None:
     assert window.sealing.seal is not None
     assert window.document.steps.done == []
     window.sealing.let_be()
+
+
+def places(window, *shares) -> list[np.ndarray]:
+    return [np.array(one) * (window.canvas.width(), window.canvas.height()) for one in shares]
+
+
+@pytest.mark.parametrize("finger", ["auto", "turn"])
+def test_a_finger_presses_it_too_and_paints_nothing(window, finger) -> None:
+    window.canvas.finger = finger
+    ask(window, "永")
+    with Touching(window.canvas) as fingers:
+        fingers.drag({1: places(window, (0.5, 0.5), (0.52, 0.5))})
+    wait_for(lambda: window.document.steps.done == ["seal"])
+    settled(window)
+    assert len(window.document.strokes) == 0
+    assert window.canvas.tool is None
+
+
+def test_two_fingers_move_the_view_and_the_seal_waits(window) -> None:
+    camera = window.hand.camera
+    ask(window, "永")
+    with Touching(window.canvas) as fingers:
+        one, begun, other, there, aside = places(
+            window, (0.44, 0.42), (0.46, 0.42), (0.54, 0.42), (0.49, 0.44), (0.60, 0.44)
+        )
+        fingers.set({1: one})
+        fingers.set({1: begun})
+        fingers.drag({1: (begun, there), 2: (other, aside)})
+    settled(window)
+    assert window.hand.camera is not camera
+    assert window.sealing.seal is not None
+    assert window.document.steps.done == []
+    window.hand.look(camera)
+    window.sealing.let_be()
+
+
+def test_the_rest_of_a_drag_paints_nothing_after_esc(window) -> None:
+    canvas = window.canvas
+    ask(window, "永")
+    (x, y), end = places(window, (0.4, 0.5), (0.6, 0.5))
+    mouse(canvas, KIND.MouseButtonPress, x, y, BUTTON.LeftButton, BUTTON.LeftButton)
+    canvas.setFocus()
+    type_key(canvas, QtCore.Qt.Key.Key_Escape)
+    assert window.sealing.seal is None
+    for share in np.linspace(0.1, 1.0, 8):
+        mouse(canvas, KIND.MouseMove, *((1 - share) * np.array([x, y]) + share * end),
+              BUTTON.NoButton, BUTTON.LeftButton)  # fmt: skip
+    mouse(canvas, KIND.MouseButtonRelease, *end, BUTTON.LeftButton)
+    settled(window)
+    assert window.document.steps.done == []
+
+
+def test_a_stroke_that_goes_on_when_it_is_asked_for_is_painted_to_its_end(window) -> None:
+    canvas = window.canvas
+    (x, y), end = places(window, (0.4, 0.5), (0.6, 0.5))
+    mouse(canvas, KIND.MouseButtonPress, x, y, BUTTON.LeftButton, BUTTON.LeftButton)
+    ask(window, "永")
+    mouse(canvas, KIND.MouseMove, *end, BUTTON.NoButton, BUTTON.LeftButton)
+    mouse(canvas, KIND.MouseButtonRelease, *end, BUTTON.LeftButton)
+    settled(window)
+    assert len(window.document.strokes) == 1
+    assert not window.hand.in_stroke
+    assert window.sealing.seal is not None
+    window.sealing.let_be()
+
+
+def test_one_tool_lets_the_other_be(window) -> None:
+    drag, canvas = window.editing.drag, window.canvas
+    steers = canvas.mode_at
+    ask(window, "永")
+    drag.begin()
+    assert window.sealing.seal is None
+    assert drag.is_waiting
+    ask(window, "永")
+    assert not drag.is_waiting
+    assert canvas.mode_at == steers
+    window.sealing.let_be()
+    assert canvas.tool is None
 
 
 def test_a_drawing_that_is_none_is_said(window, monkeypatch) -> None:

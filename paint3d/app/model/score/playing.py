@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -12,7 +13,7 @@ from paint3d.app.model.score.words import Inks, brush_in, material_in
 from paint3d.colour.materials import Material
 from paint3d.errors import Paint3DError, RecordingError
 from paint3d.files.load import BUILT_IN_OBJECTS, load_mesh
-from paint3d.mesh.likeness import Original
+from paint3d.mesh.likeness import Original, digest_of
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.painter.painter import Painter
 from paint3d.recording.score import Score
@@ -21,6 +22,7 @@ from paint3d.surface.painted_surface import PaintedSurface
 __all__ = ["Step", "begun", "painted", "play"]
 
 _RESOLUTION_MM = 0.4
+_log = logging.getLogger("paint3d.score")
 
 
 def begun(
@@ -60,20 +62,38 @@ def begun(
         raise RecordingError(f"{score.name or 'the recording'}: its header: {cause}") from None
     if resolution is None:
         resolution = header.get("resolution_mm", _RESOLUTION_MM)
-    surface = PaintedSurface(mesh, resolution, made_of, _original(header, painted_on))
+    surface = PaintedSurface(mesh, resolution, made_of, _original(header, mesh, painted_on))
     azimuth, pickup = header.get("azimuth", "commanded"), header.get("pickup", 0.0)
     return Document(surface, Painter(surface, brush, ink, azimuth, pickup))
 
 
-def _original(header: Mapping[str, Any], painted_on: TriangleMesh | None) -> Original | None:
-    """What the score was painted on, where that may be known and another mesh."""
-    said = {"resolution_mm": _RESOLUTION_MM, **header}
-    said |= header.get("painted_on", {})  # it was itself played on an object that was meshed anew
-    if painted_on is None and said.get("object") in BUILT_IN_OBJECTS:
-        painted_on = load_mesh(said["object"])
-    if painted_on is None or said["resolution_mm"] is None:
+def _original(
+    header: Mapping[str, Any], mesh: TriangleMesh, painted_on: TriangleMesh | None
+) -> Original | None:
+    """What the score was painted on, where that may be known and another mesh.
+
+    A file may be called like a built-in object: only what has the digest that the header says is
+    that object. Scores from before headers said it are believed by the name.
+    """
+    said = header.get("painted_on", header)  # it was itself played on an object meshed anew
+    digest, resolution = said.get("mesh"), said.get("resolution_mm", _RESOLUTION_MM)
+    if resolution is None:
         return None
-    return Original(painted_on, said["resolution_mm"])
+    if painted_on is not None:
+        if digest not in (None, digest_of(painted_on)):
+            _log.warning(
+                "%s is not to the bit what was painted on first (its normals count, too): "
+                "strokes may lie elsewhere",
+                painted_on.name,
+            )
+        return Original(painted_on, resolution)
+    if digest == digest_of(mesh):
+        return Original(mesh, resolution)
+    if said.get("object") in BUILT_IN_OBJECTS:
+        built_in = load_mesh(said["object"])
+        if digest in (None, digest_of(built_in)):
+            return Original(built_in, resolution)
+    return None
 
 
 def painted(

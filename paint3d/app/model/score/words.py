@@ -26,6 +26,7 @@ from paint3d.colour.materials import Material, load_material, material_names
 from paint3d.colour.pigments import Pigment, load_pigment
 from paint3d.errors import Paint3DError, PigmentError, RecordingError, UnknownNameError
 from paint3d.mesh.closest_points import ClosestPoints
+from paint3d.mesh.likeness import digest_of
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.surface.painted_surface import PaintedSurface
 
@@ -157,14 +158,17 @@ def header_of(
     """What a header says of the object, and of the brush that is in hand at the beginning."""
     original, first = surface.original, Words()
     if original is not None:
-        first["painted_on"] = {"object": original.mesh.name, "resolution_mm": original.resolution}
+        first["painted_on"] = _mesh_said(original.mesh, original.resolution)
     return first | {
-        "object": surface.source.name,
-        "resolution_mm": surface.resolution,
+        **_mesh_said(surface.source, surface.resolution),
         "material": _material_said(surface.material),
         "brush": brush_named(brush),
         "ink": inks.words(ink),
     }
+
+
+def _mesh_said(mesh: TriangleMesh, resolution: float | None) -> Words:
+    return {"object": mesh.name, "mesh": digest_of(mesh), "resolution_mm": resolution}
 
 
 def _material_said(material: Material) -> str | Words:

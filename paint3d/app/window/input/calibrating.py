@@ -15,12 +15,18 @@ from paint3d.pose.touching import Touches, sheet_corners
 if TYPE_CHECKING:
     from paint3d.app.model.input.devices import Plugged
     from paint3d.app.window.input.canvas import Canvas
+    from paint3d.app.window.input.touch import Touch
     from paint3d.app.window.panels.device_forms import StylusForm
     from paint3d.device.sample import StylusReading
 
 __all__ = ["Calibrating"]
 
 _CORNERS = ("near left", "near right", "far right", "far left")
+
+
+def _keep_still(_: Touch) -> bool:
+    """The tool while a pad is calibrated: nothing is painted."""
+    return True
 
 
 class Calibrating:
@@ -79,7 +85,8 @@ class Calibrating:
             if pens is not None:
                 pens.stop()
             return None
-        self._pens, self._canvas.tool = pens, lambda _: True
+        self._pens = pens
+        self._canvas.take_up(_keep_still, self.stop)
         return key_of_node(nodes[0])
 
     def stop(self, told: str = "") -> None:
@@ -89,7 +96,8 @@ class Calibrating:
         self._touches = None
         if self._pens is not None:
             self._pens.stop()
-            self._pens = self._canvas.tool = None
+            self._pens = None
+            self._canvas.lay_down(_keep_still)
         self._form.show_calibrating(told, False)
 
     def hear_pens(self) -> None:

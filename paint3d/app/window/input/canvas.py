@@ -78,7 +78,8 @@ class Canvas(QtWidgets.QWidget):
         Given x and y; whether there is something to take hold of that is no place to paint.
     tool : callable or None
         Is given each `Touch` first, from whatever hand, and returns whether it was for itself: then
-        nothing is painted. While there is one, one finger is always such a hand.
+        nothing is painted until that hand is lifted. While there is one, one finger is always such
+        a hand. See `take_up`.
     finger : {"auto", "paint", "turn"}
         What one finger does; "auto": it paints until a pen was seen, then it turns.
     pen_seen_ns : int or None
@@ -115,6 +116,9 @@ class Canvas(QtWidgets.QWidget):
         self.mode_at: Callable[..., str | None] = lambda x, y, keys: None
         self.grip_at: Callable[..., object] = lambda x, y: None
         self.tool: Callable[[Touch], bool] | None = None
+        self._put_down: Callable[[], None] = lambda: None  # ends what the tool is for
+        self._is_down = False
+        self._had_by: Callable[[Touch], bool] | None = None  # the tool that the press was for
         self.finger = "auto"
         self._fingers = Fingers()
         self._mode: str | None = None  # of the drag that steers now
@@ -325,7 +329,7 @@ class Canvas(QtWidgets.QWidget):
         if self._by == "finger":
             (self._go_on if meant.kind == "move" else self._end)(place)
         elif meant.kind == "cancel":
-            self._finger_down = False
+            self._finger_down = self._is_down = False
             self.taken_back.emit()
         else:
             down = self._finger_down = meant.kind != "lift"
@@ -357,9 +361,39 @@ class Canvas(QtWidgets.QWidget):
             return False
         return True
 
+    # -- tools ------------------------------------------------------------------------------
+
+    def take_up(self, tool: Callable[[Touch], bool], put_down: Callable[[], None]) -> None:
+        """Let a tool have the touches; one that had them before is put down.
+
+        Parameters
+        ----------
+        tool : callable
+            As `tool`.
+        put_down : callable
+            Called when another tool is taken up: ends what this one is for, and lays it down.
+        """
+        if self.tool is not None:
+            self._put_down()
+        self.tool, self._put_down = tool, put_down
+
+    def lay_down(self, tool: Callable[[Touch], bool]) -> None:
+        """Let the brush have the touches again, if this tool has them."""
+        if self.tool == tool:
+            self.tool = None
+
     def _touch(self, touch: Touch) -> None:
-        """Hand a pen's, a mouse's or a finger's touch to the tool, or let it paint."""
-        if self.tool is None or not self.tool(touch):
+        """Hand a pen's, a mouse's or a finger's touch to the tool, or let it paint.
+
+        Until it is lifted it is for whom it came down, whatever is taken up or laid down meanwhile.
+        """
+        if not self._is_down:
+            tool = self.tool
+            self._had_by = tool if tool is not None and tool(touch) else None
+        elif self._had_by is not None and self._had_by == self.tool:
+            self._had_by(touch)
+        self._is_down = touch.down
+        if self._had_by is None:
             self.touched.emit(touch)
 
     # -- steering ---------------------------------------------------------------------------

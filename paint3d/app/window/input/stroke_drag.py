@@ -69,9 +69,8 @@ class StrokeDrag(QtCore.QObject):
         self.end()
         self._named = number
         self._is_down = False
-        self._canvas.tool = self._take
-        if self._canvas.mode_at != self._mode:  # it stays where another tool came between
-            self._mode_at, self._canvas.mode_at = self._canvas.mode_at, self._mode
+        self._canvas.take_up(self._take, self.end)
+        self._mode_at, self._canvas.mode_at = self._canvas.mode_at, self._mode
         self._canvas.installEventFilter(self)
         self._canvas.setCursor(QtCore.Qt.CursorShape.OpenHandCursor)
         self._canvas.setFocus()
@@ -87,7 +86,8 @@ class StrokeDrag(QtCore.QObject):
         if not self.is_waiting:
             return
         self._named = self._number = self._from = None
-        self._canvas.tool, self._canvas.mode_at = None, self._mode_at
+        self._canvas.lay_down(self._take)
+        self._canvas.mode_at = self._mode_at
         self._canvas.removeEventFilter(self)
         self._canvas.setCursor(QtCore.Qt.CursorShape.CrossCursor)
         self._canvas.update()

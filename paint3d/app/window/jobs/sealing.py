@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from concurrent.futures import Future
-from typing import Any, cast
+from typing import Any
 
 from PySide6 import QtCore, QtGui
 
-from paint3d.app.model.input import navigation
 from paint3d.app.window.dialogs.seal_dialog import SealAsked, SealDialog
+from paint3d.app.window.input.touch import Touch
 from paint3d.app.window.jobs.job import Progress
 from paint3d.app.window.wording import say
 from paint3d.app.window.workspace import Workspace
@@ -20,9 +20,7 @@ from paint3d.view.camera import picture_axes
 __all__ = ["Sealing"]
 
 _KIND = QtCore.QEvent.Type
-_PRESSES = (_KIND.MouseButtonPress, _KIND.TabletPress)
-_MOVES = (_KIND.MouseMove, _KIND.TabletMove)
-_LIFTS = (_KIND.MouseButtonRelease, _KIND.TabletRelease)
+_KEYS = (_KIND.ShortcutOverride, _KIND.KeyPress)
 _LOOK_MS = 40
 
 
@@ -40,11 +38,12 @@ class Sealing(QtCore.QObject):
         self._workspace = workspace
         self._kept = SealAsked()
         self.seal: Seal | None = None
-        self._pressing = False  # a press was taken, its lift is still to come
+        self._is_down = False  # a pen, a mouse or a finger that presses it when it is lifted
         self._done: Future[Any] | None = None
         self._timer = QtCore.QTimer(self)
         self._timer.timeout.connect(self._follow)
         workspace.canvas.installEventFilter(self)
+        workspace.canvas.taken_back.connect(self._drop)
         workspace.opened.connect(lambda _: self.let_be())
 
     def do_seal(self) -> None:
@@ -66,7 +65,8 @@ class Sealing(QtCore.QObject):
 
         done = workspace.run(say("Cutting the seal…"), work)
         if workspace.went_well(done):
-            self.seal = done.result()
+            workspace.canvas.take_up(self._take, self.let_be)
+            self.seal, self._is_down = done.result(), False
             workspace.canvas.setCursor(QtCore.Qt.CursorShape.PointingHandCursor)
             workspace.canvas.setFocus()
             workspace.tell(say("Click where the seal goes; Esc lets it be"), stays=True)
@@ -75,52 +75,36 @@ class Sealing(QtCore.QObject):
         """Press nothing."""
         if self.seal is not None:
             self.seal = None
+            self._workspace.canvas.lay_down(self._take)
             self._workspace.canvas.setCursor(QtCore.Qt.CursorShape.CrossCursor)
 
     # -- the click --------------------------------------------------------------------------
 
     def eventFilter(self, watched: QtCore.QObject, event: QtCore.QEvent) -> bool:
-        """Take the click that presses the seal; everything else goes on to the picture."""
-        if watched is not self._workspace.canvas:
+        """Let it be by Esc."""
+        if self.seal is None or event.type() not in _KEYS:
             return False
-        kind = event.type()
-        if self._pressing and kind in (*_MOVES, *_LIFTS):
-            self._pressing = kind not in _LIFTS
-            return True
-        if self.seal is None:
-            return False
-        if kind in (_KIND.KeyPress, _KIND.ShortcutOverride):
-            return self._take_key(cast(QtGui.QKeyEvent, event))
-        return kind in _PRESSES and self._take_press(cast(QtGui.QSinglePointEvent, event))
-
-    def _take_key(self, event: QtGui.QKeyEvent) -> bool:
-        if event.key() != QtCore.Qt.Key.Key_Escape:
+        if not isinstance(event, QtGui.QKeyEvent) or event.key() != QtCore.Qt.Key.Key_Escape:
             return False
         event.accept()
         self.let_be()
         self._workspace.tell(say("No seal was pressed"))
         return True
 
-    def _take_press(self, event: QtGui.QSinglePointEvent) -> bool:
-        if event.button() != QtCore.Qt.MouseButton.LeftButton or event.modifiers():
-            return False  # it steers
-        place = self._place(event.position())
-        if place is None:
-            return False
-        event.accept()
-        self._pressing = True
-        self._press(place)
-        return True
+    def _take(self, touch: Touch) -> bool:
+        """Press it where a mouse, a pen or a finger is lifted; False while that is only over it."""
+        was_down, self._is_down = self._is_down, touch.down
+        if was_down and not touch.down:
+            place = self._workspace.hand.place_at(touch.x, touch.y)
+            if place is None:
+                self._workspace.tell(say("There is nothing of the object there"), state="bad")
+            else:
+                self._press(place)
+        return was_down or touch.down
 
-    def _place(self, at: QtCore.QPointF) -> AnyArray | None:
-        """(3,) the place on the object at a pixel, or None."""
-        canvas, hand = self._workspace.canvas, self._workspace.hand
-        if hand.camera is None:
-            return None
-        size = canvas.width(), canvas.height()
-        ray = navigation.ray_at(hand.camera, at.x(), at.y(), size)
-        hits = hand.surface.cast(ray.origin[None], ray.direction[None])
-        return hits.points[0] if hits.hit[0] else None
+    def _drop(self) -> None:
+        """Press nothing: what a finger began was the beginning of a gesture of several."""
+        self._is_down = False
 
     def _press(self, place: AnyArray) -> None:
         """Press it there, upright in the picture."""
