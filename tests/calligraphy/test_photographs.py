@@ -45,6 +45,17 @@ def test_corners_are_found(seed: int) -> None:
     assert off.max() < 0.006 * side
 
 
+def test_a_seal_beside_the_edge_is_no_side_of_the_sheet() -> None:
+    """A side of the sheet is weaker than a seal's, and longer."""
+    rng = np.random.default_rng(3)
+    pixels = np.full((900, 700, 3), (105, 100, 98), float)
+    pixels[90:810, 80:620] = (172, 164, 142)
+    pixels[300:480, 440:602] = (150, 40, 40)
+    pixels = (pixels + rng.normal(0.0, 3.0, pixels.shape)).clip(0, 255).astype(np.uint8)
+    true = np.array([[80.0, 90.0], [620.0, 90.0], [620.0, 810.0], [80.0, 810.0]])
+    assert np.abs(find_sheet(pixels) - true).max() < 2.0
+
+
 def test_strokes_of_a_wet_sheet_are_found() -> None:
     there, sheet = copied("永和", 4, 0.0)
     found = judge(there, sheet)
