@@ -120,8 +120,8 @@ def recorded_loads(header: Mapping[str, Any]) -> tuple[NDArray[np.int64], NDArra
         shares = np.array([share for _, share in told], np.float64)
     except (TypeError, ValueError, OverflowError):
         raise RecordingError(f"the header's loads are {told!r:.60}; expected {expected}") from None
-    whole = all(type(when) is int for when, _ in told)
-    if not (whole and (np.diff(times) > 0).all() and ((shares >= 0.0) & (shares <= 1.0)).all()):
+    plain = all(type(when) is int and type(share) in (int, float) for when, share in told)
+    if not (plain and (np.diff(times) > 0).all() and ((shares >= 0.0) & (shares <= 1.0)).all()):
         raise RecordingError(f"the header's loads are {told!r:.60}; expected {expected}")
     return times, shares
 
