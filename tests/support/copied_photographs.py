@@ -14,7 +14,9 @@ from paint3d.calligraphy.glyph_sources import GlyphSource, open_glyphs
 from paint3d.calligraphy.glyphs import Glyph
 from paint3d.calligraphy.photo.copying import Asked, CopiedSheet, copy_sheet
 from paint3d.calligraphy.photo.likeness import likeness_of, painted_sheet
-from paint3d.calligraphy.writing import Pen, write_page
+from paint3d.calligraphy.photo.rehearsal import rehearsed
+from paint3d.calligraphy.writing import Pen, Written, write_page
+from paint3d.colour.material import Material
 from paint3d.colour.materials import load_material
 from paint3d.errors import Paint3DError
 from paint3d.files.load import load_mesh
@@ -34,7 +36,7 @@ from tests.support.photographs import (
 
 __all__ = ["copied_at_random", "photos_table"]
 
-_EM_MM, _RESOLUTION_MM = 40.0, 0.15
+_EM_MM, _RESOLUTION_MM, _TRIALS = 40.0, 0.15, 2
 
 
 @dataclass(frozen=True)
@@ -130,13 +132,18 @@ def _painted(there: Photographed, sheet: CopiedSheet) -> tuple[float, float, flo
     mesh = load_mesh("plane")
     ious, like = [], None
     for page, material in ((sheet.wet_page, "porcelain"), (sheet.page, "xuan")):
-        written = write_page(mesh, page, Pen(brush, _EM_MM))
         made_of = load_material(material)
-        recording = dried_as(written.recording, written.dryness, made_of)
-        surface = PaintedSurface(mesh, _RESOLUTION_MM, material=made_of)
-        amount = recorded_amount(recording.header)
-        Painter(surface, brush, amount=amount).replay(recording)
-        surface.refresh()
+
+        def paint(plan: Written, made_of: Material = made_of) -> PaintedSurface:
+            recording = dried_as(plan.recording, plan.dryness, made_of)
+            surface = PaintedSurface(mesh, _RESOLUTION_MM, material=made_of)
+            amount = recorded_amount(recording.header)
+            Painter(surface, brush, amount=amount).replay(recording)
+            surface.refresh()
+            return surface
+
+        written = rehearsed(sheet, write_page(mesh, page, Pen(brush, _EM_MM)), paint, _TRIALS)
+        surface = paint(written)
         assert written.page is not None
         placed = list(zip(written.page.pieces, written.placed, strict=True))
         seen = painted_sheet(sheet, placed, surface)
