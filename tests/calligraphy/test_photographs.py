@@ -12,9 +12,11 @@ from paint3d.calligraphy.glyph_sources import open_glyphs
 from paint3d.calligraphy.photo.characters import characters_of
 from paint3d.calligraphy.photo.copying import Asked, CopiedSheet, copy_sheet
 from paint3d.calligraphy.photo.light import flattened
+from paint3d.calligraphy.photo.likeness import likeness_of
 from paint3d.calligraphy.photo.sheet import find_sheet
 from paint3d.calligraphy.photo.straighten import homography, map_points, sheet_size
 from paint3d.errors import InputError
+from tests.support.copied_photographs import painted_copy
 from tests.support.photographs import Camera, Photographed, judge, photograph, sheet_of
 
 pytest.importorskip("skimage")
@@ -71,6 +73,16 @@ def test_dry_strokes_are_known_along_their_way() -> None:
     assert found.ink_iou > 0.9
     assert found.dryness_r > 0.85
     assert found.dryness_error < 0.11
+
+
+def test_trials_bring_flying_white_where_it_was() -> None:
+    _, sheet = copied("永大", 5, 0.9)
+    without, after = (
+        likeness_of(sheet, painted_copy(sheet, sheet.page, "xuan", trials, 0.3))
+        for trials in (0, 2)
+    )
+    assert after.dryness_r > without.dryness_r + 0.1
+    assert after.dryness_error < 0.75 * without.dryness_error
 
 
 def test_a_seal_is_no_ink() -> None:
