@@ -236,7 +236,7 @@ def _write(
         station[2 * k] = first + own[id(piece.glyph)]
         first += sum(len(stroke.dryness) for stroke in piece.glyph.strokes)
     at = np.concatenate(station)
-    return Written(recording, told, None, dryness_at(at, asked), at, tuple(placed))
+    return Written(recording, told, None, dryness_at(at, np.array(asked)), at, tuple(placed))
 
 
 @lru_cache(maxsize=1)

@@ -188,19 +188,12 @@ def carry_out(
     with timed(seconds, "plan"):
         written = _plan(options, mesh, write, pen, source)
         written = replace(written, recording=dipped_as(written.recording, pen.brush, dips))
-
-    def tried(plan: Written) -> PaintedSurface:
-        trial = prepare(mesh, wanted, seconds)
-        paint(trial, dried_as(plan.recording, plan.dryness, trial.material), wanted, seconds)
-        return trial
-
     if rehearse is not None and surface.material.grain > 0.0:
-        written = rehearse(written, tried)
+        written = rehearse(written, partial(_on_trial, mesh, wanted, seconds))
     recording = dried_as(written.recording, written.dryness, surface.material)
-    written = replace(written, recording=recording)
     watch = None if film is None else film.of_recording(surface, recording, wanted.spread_s)
     painting = paint(surface, recording, wanted, seconds, watch)
-    header = recording.header
+    header, written = recording.header, replace(written, recording=recording)
     told = {key: header[key] for key in ("glyphs", "source") if key in header}
     painting.counts.update(told, characters=written.characters)
     with timed(painting.seconds, "export"):
@@ -213,6 +206,17 @@ def carry_out(
             watch.write()
     _write_beside(options, written, painting)
     return written, painting
+
+
+def _on_trial(
+    mesh: TriangleMesh, wanted: PaintOptions, seconds: dict[str, float], plan: Written
+) -> PaintedSurface:
+    """A plan, painted on a fresh surface."""
+    from paint3d.calligraphy.flying_white import dried_as
+
+    surface = prepare(mesh, wanted, seconds)
+    recording = dried_as(plan.recording, plan.dryness, surface.material)
+    return paint(surface, recording, wanted, seconds).surface
 
 
 def _write_beside(options: argparse.Namespace, written: Written, painting: Painting) -> None:
