@@ -23,8 +23,9 @@ from paint3d.calligraphy.timing import Motion
 from paint3d.colour.material import Material
 from paint3d.core.types import AnyArray
 from paint3d.device.recorded import Recording
+from paint3d.errors import InputError
 
-__all__ = ["dried_as", "dryness_of_motion", "loads_for", "with_loads"]
+__all__ = ["dried_as", "dryness_at", "loads_for", "stations_of_motion", "with_loads"]
 
 # What share of a written stroke is covered at levels of 0 to 1: three characters of 25, 40 and 70
 # mm, all their strokes alike, on xuan paper. Brushes drawn straight cover less (.05 at .05, .44 at
@@ -43,10 +44,13 @@ _MOST_TOLD = 1500  # loads in a header, whose line has no more room
 _DECIMALS = 4
 
 
-def dryness_of_motion(
+def stations_of_motion(
     motion: Motion, glyph: Glyph, em_mm: float, footprints: FootprintTable
 ) -> NDArray[np.float64]:
-    """What share shall stay bare below the brush at every sample; NaN where it is not known.
+    """Between which stations of its strokes' dryness the brush is at every sample (N,).
+
+    Stations are counted from 0 through all strokes; NaN off strokes that do not say how dry they
+    are.
 
     Parameters
     ----------
@@ -58,19 +62,25 @@ def dryness_of_motion(
     footprints : FootprintTable
         Of the brush: where below it the ink goes.
     """
-    dryness = np.full(len(motion.time_s), np.nan)
+    station = np.full(len(motion.time_s), np.nan)
     depth = np.clip(-motion.height, footprints.descents[0], footprints.descents[-1])
     ahead = np.interp(depth, footprints.descents, footprints.centroids)
     bend = np.stack([np.cos(motion.azimuth), np.sin(motion.azimuth)], axis=1)
     middle = motion.handle + ahead[:, None] * bend
+    first = 0
     for k, stroke in enumerate(glyph.strokes):
-        mine = np.flatnonzero(motion.stroke == k)
-        if not stroke.dryness or not len(mine):
-            continue
-        share = _along(on_paper(stroke.median, em_mm), middle[mine])
-        n = len(stroke.dryness)
-        dryness[mine] = np.interp(share, (np.arange(n) + 0.5) / n, stroke.dryness)
-    return dryness
+        mine, n = np.flatnonzero(motion.stroke == k), len(stroke.dryness)
+        if n and len(mine):
+            share = _along(on_paper(stroke.median, em_mm), middle[mine])
+            station[mine] = first + np.clip(share * n - 0.5, 0.0, n - 1.0)
+        first += n
+    return station
+
+
+def dryness_at(station: AnyArray, shares: AnyArray) -> NDArray[np.float64]:
+    """Shares between stations, linearly; NaN where the station is."""
+    result: NDArray[np.float64] = np.interp(station, np.arange(len(shares)), shares)
+    return result
 
 
 def _along(line: AnyArray, points: AnyArray) -> NDArray[np.float64]:
@@ -136,15 +146,23 @@ def with_loads(recording: Recording, loads: AnyArray, fullness: float = 1.0) -> 
         Of every sample, as shares of a dip; NaN: as it comes.
     fullness : float
         Of a dip, see `DipAmount`.
+
+    Raises
+    ------
+    InputError
+        If there are more strokes than a header has room for.
     """
     step, told = _NEXT, _changes(recording, loads, _NEXT)
     while len(told) > _MOST_TOLD and step < 1.0:
         step *= 1.5
         told = _changes(recording, loads, step)
+    if len(told) > _MOST_TOLD:
+        raise InputError(
+            f"{len(told)} strokes say how dry they are; expected {_MOST_TOLD} or fewer in a "
+            "recording: write fewer characters at a time, or copy with --dryness none"
+        )
     amount = DipAmount(1.0, fullness).words()
-    return replace(
-        recording, header={**recording.header, "dip": amount, "loads": told[:_MOST_TOLD]}
-    )
+    return replace(recording, header={**recording.header, "dip": amount, "loads": told})
 
 
 def _changes(recording: Recording, loads: AnyArray, step: float) -> list[list[float]]:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from paint3d.brush.bending import build_tuft
 from paint3d.brush.spec import BrushSpec
 from paint3d.brush_engine.tuft import Tuft
-from paint3d.calligraphy.flying_white import dryness_of_motion
+from paint3d.calligraphy.flying_white import dryness_at, stations_of_motion
 from paint3d.calligraphy.footprint_table import FootprintTable, tabulate_footprints
 from paint3d.calligraphy.glyph_sources import GlyphSource, load_glyphs
 from paint3d.calligraphy.glyphs import EM_BOX, Glyph
@@ -93,6 +93,9 @@ class Written:
     dryness : (N,) float64, optional
         What share shall stay bare below the brush at each sample, 0 to 1; NaN where it is not
         known. None where no stroke says so.
+    station : (N,) float64, optional
+        Between which stations of the strokes' dryness each sample lies, counted from 0 through all
+        strokes in writing order; NaN and None as there.
     placed : tuple of PlacedPiece
         What was written, in writing order, and the squares or boxes that it lies in.
     """
@@ -101,6 +104,7 @@ class Written:
     characters: list[dict[str, Any]]
     page: Page | None = None
     dryness: NDArray[np.float64] | None = None
+    station: NDArray[np.float64] | None = None
     placed: tuple[PlacedPiece, ...] = ()
 
 
@@ -209,7 +213,6 @@ def _write(
             if progress is not None:
                 progress(glyph.text, len(motions) / len(glyphs))
     laid = [_laid(surface, piece, motions[id(piece.glyph)], tuft, pen) for piece in placed]
-    dry = {key: _dryness(glyph, motions[key], footprints, pen) for key, glyph in glyphs.items()}
     told = [_described(piece) for piece in placed]
     entries = {
         "brush": pen.brush.name,
@@ -221,13 +224,19 @@ def _write(
     }
     parts = _joined(laid, surface, tuft, pen.tempo)
     recording = _recording(join_motions(parts), pen, entries)
-    if all(one is None for one in dry.values()):
+    asked = [share for piece in placed for one in piece.glyph.strokes for share in one.dryness]
+    if not asked:
         return Written(recording, told, placed=tuple(placed))
-    dryness = [np.full(len(part.pressure), np.nan) for part in parts]
+    own = {
+        key: stations_of_motion(motions[key], glyph, pen.em_mm, footprints)
+        for key, glyph in glyphs.items()
+    }
+    station, first = [np.full(len(part.pressure), np.nan) for part in parts], 0
     for k, piece in enumerate(placed):  # every other part is the way to the next piece
-        own = dry[id(piece.glyph)]
-        dryness[2 * k] = dryness[2 * k] if own is None else own
-    return Written(recording, told, dryness=np.concatenate(dryness), placed=tuple(placed))
+        station[2 * k] = first + own[id(piece.glyph)]
+        first += sum(len(stroke.dryness) for stroke in piece.glyph.strokes)
+    at = np.concatenate(station)
+    return Written(recording, told, None, dryness_at(at, np.array(asked)), at, tuple(placed))
 
 
 @lru_cache(maxsize=1)
@@ -300,15 +309,6 @@ def _described(piece: PlacedPiece) -> dict[str, Any]:
         },
     }
     return entry if box == EM_BOX else {**entry, "box": [round(side, 3) for side in box]}
-
-
-def _dryness(
-    glyph: Glyph, motion: Motion, footprints: FootprintTable, pen: Pen
-) -> NDArray[np.float64] | None:
-    """What share shall stay bare at every sample of a glyph's motion, where its strokes say so."""
-    if not any(stroke.dryness for stroke in glyph.strokes):
-        return None
-    return dryness_of_motion(motion, glyph, pen.em_mm, footprints)
 
 
 def _joined(

@@ -43,6 +43,7 @@ from paint3d.errors import InputError
 if TYPE_CHECKING:
     from paint3d.calligraphy.writing import Pen, Written
     from paint3d.mesh.triangle_mesh import TriangleMesh
+    from paint3d.surface.painted_surface import PaintedSurface
 
 __all__ = ["HELP", "add_arguments", "add_task_options", "carry_out", "check_files", "run"]
 
@@ -150,6 +151,7 @@ def carry_out(
     write: Callable[..., Written],
     source: dict[str, str],
     dips: str | int,
+    rehearse: Callable[[Written, Callable[[Written], PaintedSurface]], Written] | None = None,
 ) -> tuple[Written, Painting]:
     """Plan, paint and write the files that the options of `add_task_options` name.
 
@@ -162,6 +164,8 @@ def carry_out(
         What the recording's header says of it besides.
     dips : {"auto", "always"} or int
         See `dipped_as`.
+    rehearse : callable, optional
+        Corrects the plan; it is given what paints one on a fresh surface.
 
     Raises
     ------
@@ -183,12 +187,13 @@ def carry_out(
     surface = prepare(mesh, wanted, seconds)
     with timed(seconds, "plan"):
         written = _plan(options, mesh, write, pen, source)
-        recording = dipped_as(written.recording, pen.brush, dips)
-        recording = dried_as(recording, written.dryness, surface.material)
-        written = replace(written, recording=recording)
+        written = replace(written, recording=dipped_as(written.recording, pen.brush, dips))
+    if rehearse is not None and surface.material.grain > 0.0:
+        written = rehearse(written, partial(_on_trial, mesh, wanted, seconds))
+    recording = dried_as(written.recording, written.dryness, surface.material)
     watch = None if film is None else film.of_recording(surface, recording, wanted.spread_s)
     painting = paint(surface, recording, wanted, seconds, watch)
-    header = recording.header
+    header, written = recording.header, replace(written, recording=recording)
     told = {key: header[key] for key in ("glyphs", "source") if key in header}
     painting.counts.update(told, characters=written.characters)
     with timed(painting.seconds, "export"):
@@ -201,6 +206,17 @@ def carry_out(
             watch.write()
     _write_beside(options, written, painting)
     return written, painting
+
+
+def _on_trial(
+    mesh: TriangleMesh, wanted: PaintOptions, seconds: dict[str, float], plan: Written
+) -> PaintedSurface:
+    """A plan, painted on a fresh surface."""
+    from paint3d.calligraphy.flying_white import dried_as
+
+    surface = prepare(mesh, wanted, seconds)
+    recording = dried_as(plan.recording, plan.dryness, surface.material)
+    return paint(surface, recording, wanted, seconds).surface
 
 
 def _write_beside(options: argparse.Namespace, written: Written, painting: Painting) -> None:

@@ -559,7 +559,7 @@ class Painter:
         """Paint up to sample `last`, dipping the brush where the recording does."""
         first = int(self._progress.at[0])
         for stop, share in refills:
-            if not first < stop <= last:
+            if not (first < stop <= last or stop == first == 0):
                 continue
             self._run(samples, stop)
             if share is None:

@@ -56,7 +56,7 @@ def test_a_stroke_is_as_dry_as_was_asked_for_where_it_was():
     found = bare_shares((0.0, 0.0, 0.0, 0.2, 0.4, 0.6, 0.8, 0.8))
     assert found[0] < 0.05
     assert found[1] < 0.2
-    assert 0.2 < found[2] < 0.7
+    assert 0.2 < found[2] < 0.85  # bundles of hairs that are supplied worse: see trials of copies
     assert found[3] > 0.5
     assert found == sorted(found)
 

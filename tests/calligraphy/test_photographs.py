@@ -12,9 +12,11 @@ from paint3d.calligraphy.glyph_sources import open_glyphs
 from paint3d.calligraphy.photo.characters import characters_of
 from paint3d.calligraphy.photo.copying import Asked, CopiedSheet, copy_sheet
 from paint3d.calligraphy.photo.light import flattened
+from paint3d.calligraphy.photo.likeness import likeness_of
 from paint3d.calligraphy.photo.sheet import find_sheet
 from paint3d.calligraphy.photo.straighten import homography, map_points, sheet_size
 from paint3d.errors import InputError
+from tests.support.copied_photographs import painted_copy
 from tests.support.photographs import Camera, Photographed, judge, photograph, sheet_of
 
 pytest.importorskip("skimage")
@@ -45,6 +47,17 @@ def test_corners_are_found(seed: int) -> None:
     assert off.max() < 0.006 * side
 
 
+def test_a_seal_beside_the_edge_is_no_side_of_the_sheet() -> None:
+    """A side of the sheet is weaker than a seal's, and longer."""
+    rng = np.random.default_rng(3)
+    pixels = np.full((900, 700, 3), (105, 100, 98), float)
+    pixels[90:810, 80:620] = (172, 164, 142)
+    pixels[300:480, 440:602] = (150, 40, 40)
+    pixels = (pixels + rng.normal(0.0, 3.0, pixels.shape)).clip(0, 255).astype(np.uint8)
+    true = np.array([[80.0, 90.0], [620.0, 90.0], [620.0, 810.0], [80.0, 810.0]])
+    assert np.abs(find_sheet(pixels) - true).max() < 2.0
+
+
 def test_strokes_of_a_wet_sheet_are_found() -> None:
     there, sheet = copied("永和", 4, 0.0)
     found = judge(there, sheet)
@@ -60,6 +73,16 @@ def test_dry_strokes_are_known_along_their_way() -> None:
     assert found.ink_iou > 0.9
     assert found.dryness_r > 0.85
     assert found.dryness_error < 0.11
+
+
+def test_trials_bring_flying_white_where_it_was() -> None:
+    _, sheet = copied("永大", 5, 0.9)
+    without, after = (
+        likeness_of(sheet, painted_copy(sheet, sheet.page, "xuan", trials, 0.3))
+        for trials in (0, 2)
+    )
+    assert after.dryness_r > without.dryness_r + 0.1
+    assert after.dryness_error < 0.75 * without.dryness_error
 
 
 def test_a_seal_is_no_ink() -> None:

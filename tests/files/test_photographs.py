@@ -114,15 +114,33 @@ def test_other_kinds_are_refused_by_their_content(tmp_path: Path) -> None:
         load_photograph(file)
 
 
-def test_heic_is_read_or_says_what_it_needs(tmp_path: Path) -> None:
+def test_heic_says_what_it_needs(tmp_path: Path, monkeypatch) -> None:
     file = tmp_path / "a.heic"
-    if importlib.util.find_spec("pillow_heif") is None:
-        file.write_bytes(b"\0\0\0\x18ftypheic" + b"\0" * 100)
-        with pytest.raises(InputError, match="pip install pillow-heif"):
-            load_photograph(file)
-        return
-    import pillow_heif
+    file.write_bytes(b"\0\0\0\x18ftypheic" + b"\0" * 100)
+    monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
+    with pytest.raises(InputError, match="pip install pillow-heif"):
+        read_photograph(file, 500)
 
-    pillow_heif.register_heif_opener()
-    halves().save(file, quality=90)
-    assert np.abs(load_photograph(file)[0][40, 20].astype(int) - (200, 30, 20)).max() < 25
+
+def test_heic_is_read(tmp_path: Path) -> None:
+    heif = pytest.importorskip("pillow_heif")
+    heif.register_heif_opener()
+    file = tmp_path / "a.HEIC"
+    halves(1600, 1200).save(file, "HEIF", quality=90)
+    pixels, scale = load_photograph(file)
+    assert pixels.shape == (1200, 1600, 3)
+    assert scale == 1.0
+    assert np.abs(pixels[40, 20].astype(int) - (200, 30, 20)).max() < 25
+    assert pixels[40, -20].max() < 12
+    file.write_bytes(file.read_bytes()[:2000])
+    with pytest.raises(InputError, match="no picture that can be read"):
+        load_photograph(file)
+
+
+def test_grey_of_real_numbers_goes_to_1(tmp_path: Path) -> None:
+    grey = np.full((80, 120), 0.5, np.float32)
+    grey[:, :60] = 1.0
+    grey[0, 0] = np.nan
+    Image.fromarray(grey).save(tmp_path / "a.tif")
+    assert read(tmp_path / "a.tif")[40, 20].tolist() == [255, 255, 255]
+    assert read(tmp_path / "a.tif")[40, 100].tolist() == [128, 128, 128]

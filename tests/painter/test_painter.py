@@ -328,6 +328,15 @@ def test_a_recording_tells_how_much_the_brush_holds():
     assert loaded_ink == pytest.approx(sum(accounts.values()), rel=1e-6)
 
 
+@pytest.mark.parametrize("told_ns", [0, -5])
+def test_a_load_may_be_told_from_the_start(told_ns):
+    way = stroke(LANDING)
+    way = dataclasses.replace(way, header={**way.header, "loads": [[told_ns, 0.1]]})
+    painter = Painter(surface())
+    painter.replay(way)
+    assert painter.in_brush() <= 0.1 * painter.tuft.load
+
+
 def test_loads_are_heeded_whatever_the_parts(monkeypatch):
     way = loaded([5, 0.2], [19, 0.1], [30, 0.3], pressures=0.3 * np.sin(np.linspace(0, 3.1, 40)))
     whole = Painter(surface())
@@ -350,7 +359,7 @@ def test_a_brush_that_was_rinsed_is_filled_with_what_it_was_dipped_in():
 @pytest.mark.parametrize(
     "told",
     ["much", [[1]], [[5, 0.1], [5, 0.2]], [[0, 2.0]], [[0.5, 0.1]], [[0, None]], 7, [[0, "0.5"]],
-     [[0, [0.5, 0.5]]], [[0, True]], [[-(2**63), 0.1], [2**63 - 1, 0.2], [0, 0.1]]],
+     [[0, [0.5, 0.5]]], [[0, [0.5]]], [[0, True]], [[0, float("nan")]], None, [[-(2**63), 0.1], [2**63 - 1, 0.2], [0, 0.1]]],
 )  # fmt: skip
 def test_loads_that_are_none_are_refused(told):
     recording = stroke(LANDING)

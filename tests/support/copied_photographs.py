@@ -12,9 +12,11 @@ from paint3d.brush.presets import choose_brush, load_brush
 from paint3d.calligraphy.flying_white import dried_as
 from paint3d.calligraphy.glyph_sources import GlyphSource, open_glyphs
 from paint3d.calligraphy.glyphs import Glyph
+from paint3d.calligraphy.page.page import Page
 from paint3d.calligraphy.photo.copying import Asked, CopiedSheet, copy_sheet
-from paint3d.calligraphy.photo.likeness import likeness_of, painted_sheet
-from paint3d.calligraphy.writing import Pen, write_page
+from paint3d.calligraphy.photo.likeness import PaintedSheet, likeness_of, painted_sheet
+from paint3d.calligraphy.photo.rehearsal import rehearsed
+from paint3d.calligraphy.writing import Pen, Written, write_page
 from paint3d.colour.materials import load_material
 from paint3d.errors import Paint3DError
 from paint3d.files.load import load_mesh
@@ -32,9 +34,9 @@ from tests.support.photographs import (
     sheet_of,
 )
 
-__all__ = ["copied_at_random", "photos_table"]
+__all__ = ["copied_at_random", "painted_copy", "photos_table"]
 
-_EM_MM, _RESOLUTION_MM = 40.0, 0.15
+_EM_MM, _RESOLUTION_MM, _TRIALS = 40.0, 0.15, 2
 
 
 @dataclass(frozen=True)
@@ -126,22 +128,31 @@ def _row(seed: int, source: GlyphSource, paints: bool) -> _Row:
 def _painted(there: Photographed, sheet: CopiedSheet) -> tuple[float, float, float]:
     """IoU of a painting by a full brush with the true bodies; dryness of one on xuan paper."""
     _, body, _ = carried(there, sheet)
-    brush = load_brush(choose_brush(_EM_MM))
-    mesh = load_mesh("plane")
-    ious, like = [], None
-    for page, material in ((sheet.wet_page, "porcelain"), (sheet.page, "xuan")):
-        written = write_page(mesh, page, Pen(brush, _EM_MM))
-        made_of = load_material(material)
-        recording = dried_as(written.recording, written.dryness, made_of)
-        surface = PaintedSurface(mesh, _RESOLUTION_MM, material=made_of)
-        amount = recorded_amount(recording.header)
-        Painter(surface, brush, amount=amount).replay(recording)
+    wet = painted_copy(sheet, sheet.wet_page, "porcelain").cover > 0.5
+    like = likeness_of(sheet, painted_copy(sheet, sheet.page, "xuan"))
+    iou = float((wet & (body > 0.5)).sum() / (wet | (body > 0.5)).sum())
+    return iou, like.dryness_r, like.dryness_error
+
+
+def painted_copy(
+    sheet: CopiedSheet,
+    page: Page,
+    material: str,
+    trials: int = _TRIALS,
+    resolution_mm: float = _RESOLUTION_MM,
+) -> PaintedSheet:
+    """A page of a sheet as it is painted on a plane of a material."""
+    brush, mesh = load_brush(choose_brush(_EM_MM)), load_mesh("plane")
+    made_of = load_material(material)
+
+    def paint(plan: Written) -> PaintedSurface:
+        recording = dried_as(plan.recording, plan.dryness, made_of)
+        surface = PaintedSurface(mesh, resolution_mm, material=made_of)
+        Painter(surface, brush, amount=recorded_amount(recording.header)).replay(recording)
         surface.refresh()
-        assert written.page is not None
-        placed = list(zip(written.page.pieces, written.placed, strict=True))
-        seen = painted_sheet(sheet, placed, surface)
-        mask = seen.cover > 0.5
-        ious.append(float((mask & (body > 0.5)).sum() / (mask | (body > 0.5)).sum()))
-        like = likeness_of(sheet, seen)
-    assert like is not None
-    return ious[0], like.dryness_r, like.dryness_error
+        return surface
+
+    written = rehearsed(sheet, write_page(mesh, page, Pen(brush, _EM_MM)), paint, trials)
+    assert written.page is not None
+    placed = list(zip(written.page.pieces, written.placed, strict=True))
+    return painted_sheet(sheet, placed, paint(written))

@@ -19,7 +19,7 @@ from paint3d.mesh.closest_points import ClosestPoints
 from paint3d.mesh.unrolling import unroll
 from paint3d.surface.painted_surface import PaintedSurface
 
-__all__ = ["PaintedSheet", "SheetLikeness", "likeness_of", "painted_sheet"]
+__all__ = ["PaintedSheet", "SheetLikeness", "dryness_of_both", "likeness_of", "painted_sheet"]
 
 _NODES_PER_EM = 24.0
 _REACH = 0.06  # ems beyond a piece's box, that strokes may stand out
@@ -122,6 +122,18 @@ def _on_page(
 def likeness_of(sheet: CopiedSheet, painted: PaintedSheet) -> SheetLikeness:
     """Compare a photographed sheet and what was painted after it."""
     ink, mask = sheet.ink, painted.cover > _COVERED
+    one, other = dryness_of_both(sheet, painted)
+    alike = len(one) < 3 or min(np.ptp(one), np.ptp(other)) < 0.05
+    r = float("nan") if alike else float(np.corrcoef(one, other)[0, 1])
+    error = float(np.abs(one - other).mean()) if len(one) else 0.0
+    return SheetLikeness(_iou(_filled(mask, ink.body), ink.body), _iou(mask, ink.mask), r, error)
+
+
+def dryness_of_both(
+    sheet: CopiedSheet, painted: PaintedSheet
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Shares (K,) left bare at the stations of all strokes: photographed, and painted."""
+    mask = painted.cover > _COVERED
     asked: list[float] = []
     got: list[float] = []
     for piece in sheet.page.pieces:
@@ -130,11 +142,7 @@ def likeness_of(sheet: CopiedSheet, painted: PaintedSheet) -> SheetLikeness:
             dryness, _ = dryness_along(seen, painted.cover, mask)
             asked += stroke.dryness
             got += dryness
-    one, other = np.array(asked), np.array(got)
-    alike = len(one) < 3 or min(np.ptp(one), np.ptp(other)) < 0.05
-    r = float("nan") if alike else float(np.corrcoef(one, other)[0, 1])
-    error = float(np.abs(one - other).mean()) if len(one) else 0.0
-    return SheetLikeness(_iou(_filled(mask, ink.body), ink.body), _iou(mask, ink.mask), r, error)
+    return np.array(asked), np.array(got)
 
 
 def _filled(mask: AnyArray, body: AnyArray) -> NDArray[np.bool_]:

@@ -34,7 +34,7 @@ def check_exposure(sheet: NDArray[np.float32], paper: NDArray[np.float32]) -> No
         How much of it a highlight or a shadow hides.
     """
     usual = float(np.median(paper.min(axis=2)))
-    clipped = float((sheet.min(axis=2) > max(_CLIPPED, 0.0)).mean())
+    clipped = float((sheet.min(axis=2) > _CLIPPED).mean())
     if _BRIGHTER * usual < _CLIPPED and clipped > _GLARE:
         raise InputError(
             f"a highlight hides {clipped:.0%} of the sheet; expected light from the side: "

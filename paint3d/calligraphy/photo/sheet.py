@@ -288,6 +288,7 @@ def _fitted(planes: _Planes, start: AnyArray, end: AnyArray, reach: float) -> An
     at = strong.argmax(axis=1)
     best = middles[at] + _between(strong, at)
     weight = strong.max(axis=1)
+    weight = np.minimum(weight, np.median(weight))  # a seal is stronger, but only in some places
     share = np.linspace(_LEFT_OUT, 1.0 - _LEFT_OUT, _STATIONS)
     slope, height = _line_through(share, best, weight, 0.25 * reach)
     way = end - start

@@ -30,6 +30,7 @@ HELP = "copy writing from a photograph: find its strokes, then write them"
 _LOG = logging.getLogger("paint3d")
 _MATERIAL = "xuan"  # a brush that runs dry shows on its grain
 _SIZE_MM = 40.0
+_TRIALS, _MOST_TRIALS = 2, 9
 _PICTURES = (".png", ".jpg", ".jpeg")
 
 
@@ -70,6 +71,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "(default: photo)",
     )
     parser.add_argument(
+        "--trials",
+        metavar="N",
+        type=_parse_trials,
+        default=_TRIALS,
+        help="paint it so often beforehand, to see how dry it comes out and correct that "
+        "(default: %(default)s)",
+    )
+    parser.add_argument(
         "--beside",
         metavar="FILE",
         type=Path,
@@ -84,6 +93,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     add_task_options(parser)
     parser.set_defaults(size=_SIZE_MM, material=_MATERIAL)
+
+
+def _parse_trials(text: str) -> int:
+    if not (text.isascii() and text.isdigit() and int(text) <= _MOST_TRIALS):
+        raise argparse.ArgumentTypeError(f"{text!r}; expected 0 to {_MOST_TRIALS}")
+    return int(text)
 
 
 def _parse_pixel(text: str) -> tuple[float, float]:
@@ -106,6 +121,7 @@ def run(options: argparse.Namespace) -> None:
     """
     from paint3d.brush.presets import choose_brush, load_brush
     from paint3d.calligraphy.photo.brush_room import check_widths
+    from paint3d.calligraphy.photo.rehearsal import rehearsed
     from paint3d.calligraphy.writing import write_page
 
     check_files(options, (options.photo, options.glyphs), (options.beside,))
@@ -116,7 +132,8 @@ def run(options: argparse.Namespace) -> None:
     brush = load_brush(options.brush or choose_brush(options.size))
     check_widths(sheet.page, brush, options.size, options.resolution)
     page = sheet.page if options.dryness == "photo" else sheet.wet_page
-    written, painting = carry_out(options, partial(write_page, text=page), {}, "always")
+    rehearse = partial(rehearsed, sheet, trials=options.trials)
+    written, painting = carry_out(options, partial(write_page, text=page), {}, "always", rehearse)
     if written.dryness is not None and not painting.surface.material.grain > 0.0:
         _LOG.warning(
             "%s has no grain, so no stroke stays bare in places; --material xuan has",

@@ -129,9 +129,10 @@ def _in_srgb(picture: Image, info: dict[Any, Any]) -> Image:
 
     exif = picture.getexif()
     if picture.mode.startswith(("I", "F")):  # 16 bits or more of grey
-        values = np.asarray(picture, np.float64)
-        most = 65535.0 if values.max() > 255.0 else 255.0
-        most = max(most, float(values.max()))
+        values = np.nan_to_num(np.asarray(picture, np.float64))
+        greatest = float(values.max())
+        shares = picture.mode.startswith("F") and greatest <= 1.0
+        most = 1.0 if shares else max(greatest, 65535.0 if greatest > 255.0 else 255.0)
         codes = np.clip(np.round(255.0 * values / most), 0.0, 255.0).astype(np.uint8)
         picture = Image.fromarray(codes)
     if picture.mode in ("RGBA", "LA", "PA", "La", "RGBa") or "transparency" in info:
