@@ -241,11 +241,11 @@ class WetPatch:
 
     def hand_back(self) -> None:
         """Put the pigment back on the vertices, where it moved; ink that came since stays there."""
-        graph, ink, count = self.graph, self._store.ink, self.graph.n_places
+        graph, count = self.graph, self.graph.n_places
         ids = np.empty(count, np.int32)
         n = give_back(
             graph.vertices[:count], graph.node_of[:count], self.changed, self.pigment, self.soaked,
-            self.written, ink.amounts, ink.coverage, ids,
+            self.written, self._store.ink, ids,
         )  # fmt: skip
         self._store.touch(ids[:n])
 

@@ -18,12 +18,12 @@ from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.surface.flow_graph import graph_of_triangles
 from paint3d.surface.kernels.diffusion import activate_cells
 from paint3d.surface.kernels.grain import fill_grain
-from paint3d.surface.kernels.wet_step import WetFields, move_water
+from paint3d.surface.kernels.wet_step import Drink, Room, WetFields, move_water
 from paint3d.surface.painted_surface import PaintedSurface
 
 XUAN = load_material("xuan")
 SMOOTH = dataclasses.replace(XUAN, grain=0.0)
-ROOM = np.full(100_000, np.nan), np.full(50_000, -7, np.int32)  # what is there counts for nothing
+ROOM = Room(np.full(100_000, np.nan), np.full(50_000, -7, np.int32))
 
 
 def grid(size: float, spacing: float) -> TriangleMesh:
@@ -341,7 +341,7 @@ def test_no_new_extremes_at_any_step(step):
         np.ones(1, bool), np.zeros(1, bool), np.zeros((1, 3)),
     )  # fmt: skip
     nodes = np.arange(n, dtype=np.int32)
-    assert move_water(fields, nodes, nodes[:0], 0.06, 10.0, 1.0, step, np.ones(1), *ROOM) > 0
+    assert move_water(fields, nodes, nodes[:0], Drink(0.06, 10.0, 1.0), step, np.ones(1), ROOM) > 0
     assert not fields.place.any()
     assert water.min() >= 0.0
     assert water @ area == pytest.approx(volume, rel=1e-12)
@@ -369,7 +369,7 @@ def test_work_grows_with_the_root_of_the_time():
             water[:, None].copy(), np.ones(n, np.float32), np.zeros(n, bool),
             np.array([step], np.float32), np.ones(1, bool), np.zeros(1, bool), np.zeros((1, 3)),
         )  # fmt: skip
-        given = (fields, nodes, nodes[:0], 0.06, 10.0, 0.8, step, np.zeros(1), *ROOM)
+        given = (fields, nodes, nodes[:0], Drink(0.06, 10.0, 0.8), step, np.zeros(1), ROOM)
         stages.append(move_water(*given))
         assert 0.05 - 1e-12 <= water.min() <= water.max() <= 0.055 + 1e-12
     assert stages[1] == pytest.approx(10 * stages[0], rel=0.25)

@@ -14,7 +14,7 @@ __all__ = ["give_back", "mark_news"]
 
 
 @kernel
-def give_back(vertices, node_of, changed, pigment, soaked, written, amounts, coverage, out):
+def give_back(vertices, node_of, changed, pigment, soaked, written, ink, out):
     """Put pigment back on the vertices of nodes where it moved; ink that came since stays there.
 
     Parameters
@@ -27,7 +27,7 @@ def give_back(vertices, node_of, changed, pigment, soaked, written, amounts, cov
         Coats times the covered share, and that share.
     written : (C, P) f32
         What was put there before, and is now.
-    amounts, coverage : (V, P) f32, (V,) f32
+    ink : InkField
         Of all vertices; changed.
     out : (C,) i32
         Filled with these vertices.
@@ -37,6 +37,7 @@ def give_back(vertices, node_of, changed, pigment, soaked, written, amounts, cov
     int
         How many they are.
     """
+    amounts, coverage = ink.amounts, ink.coverage
     count = 0
     for place in range(vertices.shape[0]):
         node = node_of[place]

@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 
 from paint3d.core.kernel import kernel
 
-__all__ = ["TOO_LITTLE_ROOM", "WetFields", "move_water"]
+__all__ = ["TOO_LITTLE_ROOM", "Drink", "Room", "WetFields", "move_water"]
 
 TOO_LITTLE_ROOM = -2
 
@@ -61,6 +61,21 @@ class WetFields(NamedTuple):
     mobile: NDArray  # (B,) bool, set where there is water that can move
     moved: NDArray  # (B, 3) float64: raised to the greatest change of depth, mm; added to: volume
     # that changed, and wet area that could, mm3 and mm2
+
+
+class Drink(NamedTuple):
+    """What takes the water up."""
+
+    capacity: float  # depth that the pores hold, mm
+    film: float  # diffusivity of a film on them, mm2/s
+    passing: float  # speed of coarse pigment over that of the water where pores let it pass, 0 to 1
+
+
+class Room(NamedTuple):
+    """Memory to work in; what is there counts for nothing."""
+
+    floats: NDArray  # (F,) float64
+    ints: NDArray  # (I,) int32
 
 
 class _Rows(NamedTuple):
@@ -418,8 +433,9 @@ def _seed(f, rows, nodes, around, capacity):
 
 
 @kernel(error_model="numpy")
-def _find(f, rows, known, rest, capacity, film, passing, come):
+def _find(f, rows, known, rest, drink, come):
     """Find what flows; return rows and nodes known, stages, and whether more has to be known."""
+    capacity, film, passing = drink
     inner, n_rows = 0, known  # those within have all neighbours among the rows
     rows.starts[0] = 0
     known = _grow(f, rows, 0, known, rest, capacity, film)
@@ -450,34 +466,10 @@ def _find(f, rows, known, rest, capacity, film, passing, come):
 
 
 @kernel(error_model="numpy")
-def move_water(f, nodes, around, capacity, film, passing, shortest, rest, floats, ints):
-    """Let the water of some blocks run for the time that they are owed, or a part of it.
+def _measure(f, nodes, around):
+    """How many nodes and links there are, and the longest time that is owed.
 
-    Parameters
-    ----------
-    f : WetFields
-        water, pigment, soaked, entry, changed, mobile, moved and owed are changed.
-    nodes : (K,) i32
-        All nodes of these blocks.
-    around : (R,) i32
-        All nodes next to them, and perhaps some more than once, or of the blocks themselves.
-    capacity, film : f64
-        Depth that the pores hold, mm; diffusivity of a film on them, mm2/s.
-    passing : f64
-        Speed of coarse pigment over that of the water in pores that let it pass, 0 to 1.
-    shortest : f64
-        A longer step, s, in which much would move is not taken whole.
-    rest : (1,) f64
-        Filled with what all these blocks are still owed then, if they are not owed less.
-    floats, ints : (F,) f64, (I,) i32
-        Memory to work in. For M nodes, these and around, and their K links that is
-        (13 + 2 P) M + 3 K and 4 M + 1 + K.
-
-    Returns
-    -------
-    int
-        Stages taken; below 0 nothing was done: -1 where more of the surface has to be known, or
-        TOO_LITTLE_ROOM.
+    -1 nodes where there is water around of which it is not known where it goes.
     """
     n_links = 0
     size = nodes.shape[0]
@@ -491,24 +483,57 @@ def move_water(f, nodes, around, capacity, film, passing, shortest, rest, floats
             size += 1
             n_links += f.last[i] - f.first[i]
             if f.closed[i] != 0 and f.water[i] > 0.0:
-                return -1
+                return -1, n_links, longest
+    return size, n_links, longest
+
+
+@kernel(error_model="numpy")
+def move_water(f, nodes, around, drink, shortest, rest, room):
+    """Let the water of some blocks run for the time that they are owed, or a part of it.
+
+    Parameters
+    ----------
+    f : WetFields
+        water, pigment, soaked, entry, changed, mobile, moved and owed are changed.
+    nodes : (K,) i32
+        All nodes of these blocks.
+    around : (R,) i32
+        All nodes next to them, and perhaps some more than once, or of the blocks themselves.
+    drink : Drink
+    shortest : f64
+        A longer step, s, in which much would move is not taken whole.
+    rest : (1,) f64
+        Filled with what all these blocks are still owed then, if they are not owed less.
+    room : Room
+        For M nodes, these and around, and their K links it has to have (13 + 2 P) M + 3 K numbers
+        and 4 M + 1 + K whole ones.
+
+    Returns
+    -------
+    int
+        Stages taken; below 0 nothing was done: -1 where more of the surface has to be known, or
+        TOO_LITTLE_ROOM.
+    """
+    size, n_links, longest = _measure(f, nodes, around)
+    if size < 0:
+        return -1
     n_work = size * (1 + 2 * f.pigment.shape[1])
     n_floats = n_work + 12 * size + 3 * n_links
-    if floats.shape[0] < n_floats or ints.shape[0] < 4 * size + 1 + n_links:
+    if room.floats.shape[0] < n_floats or room.ints.shape[0] < 4 * size + 1 + n_links:
         return TOO_LITTLE_ROOM
-    rows = _make_rows(floats[n_work:], ints, size, n_links)
-    work = floats[:n_work]
+    rows = _make_rows(room.floats[n_work:], room.ints, size, n_links)
+    work = room.floats[:n_work]
     length = longest
     while True:
         rest[0] = longest - length
-        seeds = _seed(f, rows, nodes, around, capacity)
+        seeds = _seed(f, rows, nodes, around, drink.capacity)
         n_rows, known, n_stages = seeds, seeds, 0
         if seeds > 0:
-            n_rows, known, n_stages = _find(f, rows, seeds, rest[0], capacity, film, passing, work)
+            n_rows, known, n_stages = _find(f, rows, seeds, rest[0], drink, work)
         is_long = (
             n_stages > 0
             and length > 2.0 * shortest
-            and _greatest_change(f, rows, n_rows, rest[0] + 2.0 * shortest) > _MOST * capacity
+            and _greatest_change(f, rows, n_rows, rest[0] + 2.0 * shortest) > _MOST * drink.capacity
         )
         if n_stages > 0 and not is_long:
             _carry(f, rows, n_rows, known, work)
