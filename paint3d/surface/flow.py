@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import math
 import os
+import threading
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -29,7 +30,7 @@ from paint3d.core.types import AnyArray
 from paint3d.surface.ink_store import InkStore
 from paint3d.surface.kernels.block_groups import grade_paces
 from paint3d.surface.kernels.diffusion import Drying, evaporate, solve_edges
-from paint3d.surface.kernels.wet_step import move_water
+from paint3d.surface.kernels.wet_step import TOO_LITTLE_ROOM, Drink, Room, move_water
 from paint3d.surface.pores import capacity_of, film_of
 from paint3d.surface.wet_patch import FIRST_PACE, WetPatch
 
@@ -56,8 +57,31 @@ _EDGE_GAIN, _EDGE_REACH = 8.0, 1.0  # evaporation at the border over that inside
 _EDGE_SWEEPS = 2
 _DRY = 1e-9  # mm
 _MOST_THREADS = 4
+_ROOM, _MOST_ROOM = 1 << 18, 1 << 24  # numbers to work with that a thread keeps; 128 MiB
 _Given = TypeVar("_Given")
 _Found = TypeVar("_Found")
+
+
+class _Memory(threading.local):
+    """Memory for the work of a thread: what is asked for anew the system clears at each step."""
+
+    def __init__(self) -> None:
+        self._make(_ROOM)
+
+    def _make(self, size: int) -> None:
+        self.room = Room(np.empty(size), np.empty(size // 2, np.int32))
+
+    def grow(self) -> None:
+        """Make it twice as large."""
+        self._make(2 * len(self.room.floats))
+
+    def give_back(self) -> None:
+        """Keep no more than a sheet's worth."""
+        if len(self.room.floats) > _MOST_ROOM:
+            self._make(_ROOM)
+
+
+_memory = _Memory()
 
 
 @dataclass(eq=False)
@@ -99,6 +123,8 @@ class Flow:
     def __init__(self, store: InkStore) -> None:
         self._store = store
         self._patch = WetPatch(store)
+        made_of = store.material
+        self._drink = Drink(capacity_of(made_of), film_of(made_of), made_of.passing)
         self.steps = 0
         self._ease = 1.0
         self.waiting = np.zeros(0, np.int32)
@@ -315,11 +341,13 @@ class Flow:
         """
         p = self._patch
         nodes = p.graph.nodes_of(blocks)
-        drink = p.material
-        stages = move_water(
-            p.fields(step.due, step.mobile, step.moved), nodes, p.graph.rims_of(blocks),
-            capacity_of(drink), film_of(drink), drink.passing, _SHORTEST, rest,
-        )  # fmt: skip
+        fields, rims = p.fields(step.due, step.mobile, step.moved), p.graph.rims_of(blocks)
+        while True:
+            stages = move_water(fields, nodes, rims, self._drink, _SHORTEST, rest, _memory.room)
+            if stages != TOO_LITTLE_ROOM:
+                break
+            _memory.grow()
+        _memory.give_back()
         if stages < 0:
             return None
         return self._evaporate(nodes, float(rest[0]), step)

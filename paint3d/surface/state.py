@@ -87,9 +87,10 @@ def surface_state(surface: PaintedSurface) -> State:
         (1/mm), capacity (coats x mm2) and length of a reservoir (mm) of `TRANSFER`.
 
         flows (bool) says whether there is water in motion (`WetPatch`); if so, of the C vertices
-        where there is any trace of it: flow_vertices (C,) int32, flow_water (C,) and flow_pigment
-        (C, P) float64, flow_inside, flow_soaked, flow_owed, flow_pace (C,) and flow_written (C, P)
-        float32; flow_fresh (N,) int32 vertices. open_blocks (B,) int32 are those of its
+        where there is any trace of it: flow_vertices (C,) int32, flow_water (C,), flow_pigment
+        and flow_fine (C, P) float64, flow_inside, flow_soaked, flow_owed, flow_pace (C,) and
+        flow_written (C, P) float32; flow_fresh (N,) int32 vertices. Older files have no flow_fine:
+        of all pigment the same share is fine. open_blocks (B,) int32 are those of its
         `FlowGraph` where water has been.
 
         layers is None, or says of each layer, the lowest first, name, visible and locked; active
@@ -404,7 +405,10 @@ def checked_flow(
     kept["pigment"] = _amounts(state, "flow_pigment", shape, np.float64)
     kept["fine"] = FINES * kept["pigment"]
     if "flow_fine" in state:  # once all pigment was alike
-        kept["fine"] = _amounts(state, "flow_fine", shape, np.float64)
+        fine = _amounts(state, "flow_fine", shape, np.float64)
+        if (fine > 1.000001 * kept["pigment"]).any():
+            raise SessionError("flow_fine is more than flow_pigment; expected a part of it")
+        kept["fine"] = np.minimum(fine, kept["pigment"])  # sums are rounded
     kept["written"] = _amounts(state, "flow_written", shape, np.float32)
     if not kept["pace"].all():
         raise SessionError("flow_pace is 0; expected a time")

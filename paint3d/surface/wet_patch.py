@@ -12,6 +12,7 @@ from paint3d.colour.pigments import WATER
 from paint3d.core.types import AnyArray
 from paint3d.surface.flow_graph import with_room
 from paint3d.surface.ink_store import InkStore
+from paint3d.surface.kernels.wet_ink import give_back, mark_news
 from paint3d.surface.kernels.wet_step import WetFields
 from paint3d.surface.pores import Pores, close_pores, find_pores
 
@@ -167,7 +168,7 @@ class WetPatch:
         store = self._store
         self._know_pigments()
         self.see_glue()
-        place = self.graph.places(fresh)
+        fresh, place = self._news(fresh)
         wet = store.ink.amounts[fresh].any(axis=1)
         if (wet & ((place < 0) | ~self._is_open(place))).any():
             self.reach(fresh[wet])
@@ -180,6 +181,16 @@ class WetPatch:
             (now != self.written[at]).any(axis=1)
         ]  # most are what was handed back
         return result
+
+    def _news(self, fresh: AnyArray) -> tuple[AnyArray, AnyArray]:
+        """Those of some vertices (N,) that are not what was handed back, and their places."""
+        graph, place = self.graph, self.graph.places(fresh)
+        is_new = np.empty(len(fresh), bool)
+        mark_news(
+            fresh, place, graph.node_of, graph.block, graph.block_open, self.written,
+            self._store.ink.amounts, is_new,
+        )  # fmt: skip
+        return fresh[is_new], place[is_new]
 
     def take_up(self, at: AnyArray) -> None:
         """Follow what happened to the ink at some places (N,); see `find_changed`."""
@@ -230,20 +241,13 @@ class WetPatch:
 
     def hand_back(self) -> None:
         """Put the pigment back on the vertices, where it moved; ink that came since stays there."""
-        graph = self.graph
-        at = np.flatnonzero(self.changed[graph.node_of[: graph.n_places]])
-        if not len(at):
-            return
-        ink, ids, nodes = self._store.ink, graph.vertices[at], graph.node_of[at]
-        amounts = self.pigment[nodes].astype(np.float32)
-        now, before = ink.amounts[ids], self.written[at]
-        since = np.maximum(now + (amounts - before), 0.0)
-        ink.amounts[ids] = np.where(now == before, amounts, since)
-        self.written[at] = amounts
-        inked = amounts.any(axis=1)
-        ink.coverage[ids[inked]] = np.maximum(ink.coverage[ids[inked]], self.soaked[nodes[inked]])
-        self._store.touch(ids)
-        self.changed[nodes] = False
+        graph, count = self.graph, self.graph.n_places
+        ids = np.empty(count, np.int32)
+        n = give_back(
+            graph.vertices[:count], graph.node_of[:count], self.changed, self.pigment, self.soaked,
+            self.written, self._store.ink, ids,
+        )  # fmt: skip
+        self._store.touch(ids[:n])
 
     def dry(self, nodes: AnyArray) -> None:
         """What is on some nodes (N,) has lost its water: it becomes a dry layer."""
@@ -383,9 +387,8 @@ class WetPatch:
         owners = np.unique(np.concatenate([nodes, beside]))
         links = graph.links_of(owners)
         self._weigh_links(links)
-        self.totals[owners] = 0.0
-        own = np.bincount(graph.owner[links], self.weights[links], graph.n_nodes)
-        self.totals[owners] = own[owners]
+        place = np.searchsorted(owners, graph.owner[links])
+        self.totals[owners] = np.bincount(place, self.weights[links], len(owners))
 
     def _weigh_links(self, links: AnyArray) -> None:
         graph = self.graph

@@ -313,29 +313,44 @@ def bloom(folder: Path) -> None:
 
 
 def lotus(folder: Path) -> None:
-    """A lotus leaf: light washes, dark ink and water into them while they are wet, then veins."""
+    """A lotus leaf from above: wet washes, dark ink and water into them, veins when it has set."""
     mesh = sheet(190.0, 150.0)
     surface, chart = PaintedSurface(mesh, 0.65, "xuan"), sheet_chart(mesh)
-    heart, random = np.array([-18.0, 14.0]), np.random.default_rng(4)
-    painter = Painter(surface, "dabaiyun", "light")
-    turns = np.radians([8, 42, 75, 108, 140, 172, 205, 240, 275, 310, 338])
-    reach = np.column_stack([60.0 * np.cos(turns), 40.0 * np.sin(turns) - 4.0])
-    reach *= random.uniform(0.85, 1.05, (len(turns), 1))
-    for k, end in enumerate(reach):
-        painter.dip("clear" if k % 3 else "light")
-        painter.dip("light" if k % 2 else "heavy", reach=0.12)
-        wide(chart, painter, heart + 0.34 * end, heart + end, 0.24 + 0.06 * (k % 3))
+    heart, random = np.array([-22.0, 16.0]), np.random.default_rng(4)
+    painter = Painter(surface, "dabaiyun", "light", amount=DipAmount(fullness=0.3))
+
+    def at(turn: float, part: float) -> NDArray:
+        """A place of the leaf, whose border waves and has a notch at the stem."""
+        wave = 1.0 + 0.05 * np.sin(5.0 * turn + 0.7) + 0.03 * np.sin(11.0 * turn)
+        notch = 1.0 - 0.25 * np.exp(-(((turn + 1.35 + np.pi) % (2 * np.pi) - np.pi) ** 2) / 0.02)
+        return heart + part * wave * notch * np.array([62.0 * np.cos(turn), 46.0 * np.sin(turn)])
+
+    veins = np.linspace(0.0, 2.0 * np.pi, 12)[:-1] - 1.05 + random.normal(0.0, 0.05, 11)
+    for turn in np.sort(np.concatenate([veins + k * 0.19 for k in range(3)])):
+        painter.dip("clear")
+        painter.dip(random.choice(["clear", "light", "light", "heavy"]), reach=0.2)
+        start = random.uniform(0.12, 0.4)
+        wide(chart, painter, at(turn, start), at(turn, random.uniform(0.86, 0.96)), 0.26)
+    for first in veins[::2]:  # the border, by strokes along it
+        arc = np.linspace(first, first + 1.25, 24)
+        painter.dip("clear")
+        painter.dip(random.choice(["light", "heavy"]), reach=0.3)
+        way = np.array([at(turn, 0.85 + 0.02 * np.sin(9.0 * turn)) for turn in arc])
+        press = 0.22 * np.sin(np.pi * np.linspace(0.06, 0.94, 24)) ** 0.5
+        painter.replay(stroke(chart, way, press, brush="dabaiyun"))
     surface.diffuse(1.5)
-    for k in (1, 4, 5, 8):
-        painter.dip("heavy")
-        wide(chart, painter, heart + 0.45 * reach[k], heart + 0.8 * reach[k], 0.1)
-    surface.diffuse(10.0)
-    for k in (0, 2, 3, 6, 7, 9, 10):
-        at = heart + random.uniform(0.5, 0.8) * reach[k] + random.normal(0.0, 2.0, 2)
-        drop(surface, at, random.uniform(1.6, 3.0), {"water": 6.0})
-    surface.diffuse(16.0)
-    veins_and_bud(surface, chart, heart, reach)
-    surface.diffuse(4.0)
+    for k in (1, 2, 4, 7, 8, 10):  # broken: dark ink while it is wet
+        painter.dip("thick")
+        turn = veins[k] + 0.28
+        wide(chart, painter, at(turn, 0.5), at(turn + 0.05, 0.84), 0.09)
+    surface.diffuse(12.0)
+    for turn in veins + 0.28:
+        for part in random.uniform(0.45, 0.9, random.integers(1, 3)):
+            place = at(turn + random.normal(0.0, 0.05), part)
+            drop(surface, place, random.uniform(0.8, 2.6), {"water": 6.0})
+    surface.diffuse(150.0)
+    veins_and_bud(surface, chart, at, veins)
+    surface.diffuse(3.0)
     draw(surface, folder / "lotus.png", (1500, 1180))
 
 
@@ -348,18 +363,20 @@ def wide(chart, painter, start, end, press: float) -> None:
     painter.replay(stroke(chart, way, pressures, brush="dabaiyun"))
 
 
-def veins_and_bud(surface, chart, heart, reach) -> None:
-    """Veins from the heart, a stem, and a bud in carmine whose tip is dark."""
+def veins_and_bud(surface, chart, at, veins) -> None:
+    """Veins that fork, places `at` of a leaf, its stem, and a bud in carmine whose tip is dark."""
     fine = Painter(surface, "xiaobaiyun", "thick")
-    for end in reach:
-        t = np.linspace(0.0, 0.86, 16)
-        aside = 0.05 * np.array([-end[1], end[0]])
-        way = heart + np.outer(t, end) + np.outer(np.sin(2.4 * t), aside)
-        fine.dip("thick")
-        fine.replay(stroke(chart, way, 0.13 - 0.13 * t, brush="xiaobaiyun"))
-    stem = np.array([[-14, 2], [-9, -22], [-8, -46], [-12, -70]], float)
+    t = np.linspace(0.0, 1.0, 16)
+    for turn in veins:
+        for first, last, aside in ((0.03, 0.9, 0.0), (0.5, 0.88, 0.16), (0.42, 0.84, -0.15)):
+            part = first + (last - first) * t
+            way = np.array([at(turn + aside * u, p) for u, p in zip(t, part, strict=True)])
+            fine.dip("heavy" if aside else "thick")
+            press = (0.05 if aside else 0.08) * (1.0 - t)
+            fine.replay(stroke(chart, way, press, brush="xiaobaiyun"))
+    stem = np.array([at(-1.35, 0.97), (-9, -46), (-10, -60), (-13, -72)])
     fine.dip("heavy")
-    fine.replay(stroke(chart, stem, np.array([0.12, 0.16, 0.17, 0.14]), brush="xiaobaiyun"))
+    fine.replay(stroke(chart, stem, np.array([0.13, 0.16, 0.17, 0.14]), brush="xiaobaiyun"))
     bud = np.array([62.0, 34.0])
     way = np.array([(62, 40), (60, 6), (52, -30), (44, -70)])
     fine.dip("light")

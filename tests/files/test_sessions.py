@@ -212,12 +212,27 @@ def test_water_of_older_files_goes_on_in_even_steps():
             restore_surface(mesh, old | {"flow_pace": np.atleast_1d(pace)})
 
 
+def test_water_of_files_without_fine_pigment_goes_on_and_loses_nothing():
+    mesh = sheet(flat, (40.0, 40.0), 5.0)
+    surface = PaintedSurface(mesh, 0.8, "xuan")
+    Painter(surface, "full", {"pine soot": 0.3, "cinnabar": 0.4, "water": 0.3}).replay(stroke())
+    surface.diffuse(0.5)
+    state = {k: v for k, v in surface_state(surface).items() if k != "flow_fine"}
+    again = restore_surface(mesh, state)
+    laid = again.wet_ink() + again.dry_ink()
+    kept = again.flow.keep()
+    np.testing.assert_allclose(kept["fine"], 0.12 * kept["pigment"])
+    again.diffuse(5.0)
+    assert again.wet_ink() + again.dry_ink() == pytest.approx(laid, rel=1e-6)
+
+
 @pytest.mark.parametrize(
     ("part", "value", "message"),
     [
         ("flow_owed", 1e300, "flow_owed holds 0 to 1e\\+300"),
         ("flow_pigment", 1e300, "flow_pigment holds 0 to 1e\\+300"),
         ("flow_water", -1e-3, "flow_water holds -0.001"),
+        ("flow_fine", 1e7, "flow_fine is more than flow_pigment"),
     ],
 )
 def test_water_beyond_all_measure_is_refused(part, value, message):

@@ -101,11 +101,16 @@ def test_water_that_meets_a_damp_wash_leaves_a_dark_edge() -> None:
     assert 4 < edge < 14
 
 
-def test_dried_ink_keeps_later_water_back() -> None:
-    """The more has dried there the less; and after undo it is as if nothing had."""
+@pytest.mark.parametrize("known", [False, True])
+def test_dried_ink_keeps_later_water_back(known: bool) -> None:
+    """The more has dried there the less, where water has been before (`known`), too."""
     reach = []
     for coats in (0.0, 0.1, 0.6):
         surface = PaintedSurface(grid(20.0, 0.4), None, SMOOTH)
+        if known:
+            drop(surface, 0.01, 9.0, ink="water")
+            surface.diffuse(0.0)
+            surface.dry()
         if coats:
             drop(surface, coats, 3.0, (-5.0, 0.0, 0.0))
             surface.dry()

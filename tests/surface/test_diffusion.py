@@ -18,11 +18,12 @@ from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.surface.flow_graph import graph_of_triangles
 from paint3d.surface.kernels.diffusion import activate_cells
 from paint3d.surface.kernels.grain import fill_grain
-from paint3d.surface.kernels.wet_step import WetFields, move_water
+from paint3d.surface.kernels.wet_step import TOO_LITTLE_ROOM, Drink, Room, WetFields, move_water
 from paint3d.surface.painted_surface import PaintedSurface
 
 XUAN = load_material("xuan")
 SMOOTH = dataclasses.replace(XUAN, grain=0.0)
+ROOM = Room(np.full(100_000, np.nan), np.full(50_000, -7, np.int32))
 
 
 def grid(size: float, spacing: float) -> TriangleMesh:
@@ -340,7 +341,12 @@ def test_no_new_extremes_at_any_step(step):
         np.ones(1, bool), np.zeros(1, bool), np.zeros((1, 3)),
     )  # fmt: skip
     nodes = np.arange(n, dtype=np.int32)
-    assert move_water(fields, nodes, nodes[:0], 0.06, 10.0, 1.0, step, np.ones(1)) > 0
+    given = (fields, nodes, nodes[:0], Drink(0.06, 10.0, 1.0), step, np.ones(1))
+    before = water.copy()
+    for little in (Room(ROOM.floats[:500], ROOM.ints), Room(ROOM.floats, ROOM.ints[:200])):
+        assert move_water(*given, little) == TOO_LITTLE_ROOM
+    np.testing.assert_array_equal(water, before)
+    assert move_water(*given, ROOM) > 0
     assert not fields.place.any()
     assert water.min() >= 0.0
     assert water @ area == pytest.approx(volume, rel=1e-12)
@@ -349,6 +355,19 @@ def test_no_new_extremes_at_any_step(step):
     concentration = pigment[wet, 0] / water[wet]
     assert concentration.min() > 0.2 - 1e-9
     assert concentration.max() < 0.7 + 1e-9
+
+
+def test_memory_to_work_in_grows_as_it_must_and_is_given_back(monkeypatch):
+    found = []
+    for least, most in ((1 << 18, 1 << 24), (1 << 8, 1 << 12)):
+        monkeypatch.setattr(flows, "_ROOM", least)
+        monkeypatch.setattr(flows, "_MOST_ROOM", most)
+        monkeypatch.setattr(flows, "_memory", flows._Memory())
+        surface = drop(PaintedSurface(grid(12, 0.5), None, SMOOTH), 2.0)
+        surface.diffuse(1.0)
+        assert len(flows._memory.room.floats) == least
+        found.append(surface.amounts)
+    np.testing.assert_array_equal(*found)
 
 
 def test_work_grows_with_the_root_of_the_time():
@@ -368,7 +387,8 @@ def test_work_grows_with_the_root_of_the_time():
             water[:, None].copy(), np.ones(n, np.float32), np.zeros(n, bool),
             np.array([step], np.float32), np.ones(1, bool), np.zeros(1, bool), np.zeros((1, 3)),
         )  # fmt: skip
-        stages.append(move_water(fields, nodes, nodes[:0], 0.06, 10.0, 0.8, step, np.zeros(1)))
+        given = (fields, nodes, nodes[:0], Drink(0.06, 10.0, 0.8), step, np.zeros(1), ROOM)
+        stages.append(move_water(*given))
         assert 0.05 - 1e-12 <= water.min() <= water.max() <= 0.055 + 1e-12
     assert stages[1] == pytest.approx(10 * stages[0], rel=0.25)
 

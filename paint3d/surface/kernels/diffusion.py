@@ -55,10 +55,11 @@ def solve_edges(wet, f, totals, reach, sweeps, inside):
     for sweep in range(sweeps):
         for n in range(wet.shape[0]):
             i = wet[n] if sweep % 2 == 0 else wet[wet.shape[0] - 1 - n]
+            own = 1.0 / (area[i] + square * totals[i])  # while what follows is on its way
             inflow = 0.0
             for e in range(first[i], last[i]):
                 inflow += weights[e] * inside[links[e]]
-            inside[i] = (area[i] + square * inflow) / (area[i] + square * totals[i])
+            inside[i] = (area[i] + square * inflow) * own
 
 
 @kernel(error_model="numpy")

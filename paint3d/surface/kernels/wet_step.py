@@ -26,7 +26,9 @@ from numpy.typing import NDArray
 
 from paint3d.core.kernel import kernel
 
-__all__ = ["WetFields", "move_water"]
+__all__ = ["TOO_LITTLE_ROOM", "Drink", "Room", "WetFields", "move_water"]
+
+TOO_LITTLE_ROOM = -2
 
 _MOST = 0.5  # of the pores' depth: a longer step in which more moves is cut in parts
 _FLOATS = 0.005  # mm: a film as deep carries pigment as fast as itself
@@ -61,11 +63,28 @@ class WetFields(NamedTuple):
     # that changed, and wet area that could, mm3 and mm2
 
 
+class Drink(NamedTuple):
+    """What takes the water up."""
+
+    capacity: float  # depth that the pores hold, mm
+    film: float  # diffusivity of a film on them, mm2/s
+    passing: float  # speed of coarse pigment over that of the water where pores let it pass, 0 to 1
+
+
+class Room(NamedTuple):
+    """Memory to work in; what is there counts for nothing."""
+
+    floats: NDArray  # (F,) float64
+    ints: NDArray  # (I,) int32
+
+
 class _Rows(NamedTuple):
     """The nodes that take part, in the order in which they came; R of them have their links."""
 
     ids: NDArray  # (R + ring,) int32
-    starts: NDArray  # (R + 1,) uint32: an index without a sign need not be looked at for one
+    waits: NDArray  # (R + ring,) int32, how many have to give before a node gives
+    turns: NDArray  # (R + ring,) uint32: an index without a sign need not be looked at for one
+    starts: NDArray  # (R + 1,) uint32
     cols: NDArray  # (K,) uint32, places in ids
     x: NDArray  # (K,) float64, weight times the time for which water runs there
     ran: NDArray  # (2, K) float64, what came in by edges with an entry
@@ -77,7 +96,7 @@ class _Rows(NamedTuple):
     sieve: NDArray  # (R,) float64
     entry: NDArray  # (R + ring,) float64
     before: NDArray  # (R,) float64, depth
-    free: NDArray  # (R,) bool: no entry stops anything here
+    barrier: NDArray  # (R,) float64, the highest entry here and beside: 0 where nothing is stopped
     psi: NDArray  # (R + ring,) float64, now
     mean: NDArray  # (2, R + ring) float64, averaged over the time up to this stage and the last
 
@@ -91,48 +110,62 @@ def _psi(depth, low, inverse, strength, film, capacity):
     return strength * within * within * within + above
 
 
-@kernel(error_model="numpy")
-def _make_rows(size, n_links):
+@kernel(error_model="numpy", inline="always")
+def _make_rows(floats, ints, size, n_links):
+    """Rows in memory that is there."""
+    of_nodes = floats[: 10 * size].reshape(10, size)
+    mean = floats[10 * size : 12 * size].reshape(2, size)
+    first = 12 * size
+    ran = floats[first : first + 2 * n_links].reshape(2, n_links)
+    x = floats[first + 2 * n_links : first + 3 * n_links]
+    numbers = ints.view(np.uint32)
     return _Rows(
-        np.empty(size, np.int32), np.zeros(size + 1, np.uint32), np.empty(n_links, np.uint32),
-        np.empty(n_links), np.empty((2, n_links)), np.empty(size), np.empty(size), np.empty(size),
-        np.empty(size), np.empty(size), np.empty(size), np.empty(size), np.empty(size),
-        np.empty(size, np.bool_), np.zeros(size), np.zeros((2, size)),
+        ints[:size], ints[size : 2 * size], numbers[2 * size : 3 * size],
+        numbers[3 * size : 4 * size + 1], numbers[4 * size + 1 : 4 * size + 1 + n_links], x, ran,
+        of_nodes[0], of_nodes[1], of_nodes[2], of_nodes[3], of_nodes[4], of_nodes[5], of_nodes[6],
+        of_nodes[7], of_nodes[8], of_nodes[9], mean,
     )  # fmt: skip
 
 
 @kernel(error_model="numpy")
 def _grow(f, rows, n_rows, n_ids, rest, capacity, film):
     """Give all that have none yet their row; return how many nodes are known now."""
-    end = np.int64(rows.starts[n_rows])
+    end = rows.starts[n_rows]
     known = n_ids
+    cols, weight, entry = rows.cols, rows.x, rows.entry
     for r in range(n_rows, n_ids):
         i = rows.ids[r]
         b = f.block[i]
-        is_due = f.due[b]
+        is_due, owed = f.due[b], f.owed[b] - rest
         total = 0.0
-        barrier = f.entry[i]
+        barrier = entry[r]
         begin = end
-        for e in range(f.first[i], f.last[i]):
-            j = f.links[e]
+        for e in range(np.uint64(f.first[i]), np.uint64(f.last[i])):
+            j = np.uint32(f.links[e])
             c = f.block[j]
-            if not is_due and not f.due[c]:
-                continue
-            x = f.weights[e] * (min(f.owed[b], f.owed[c]) - rest)
+            time = owed
+            if c == b:
+                if not is_due:
+                    continue
+            else:
+                time = min(owed, f.owed[c] - rest)
+                if not (is_due or f.due[c]):
+                    continue
+            x = f.weights[e] * time
             if x <= 0.0:
                 continue
             k = f.place[j] - 1
             if k < 0:
                 k = known
                 rows.ids[k] = j
-                rows.entry[k] = f.entry[j]
+                entry[k] = f.entry[j]
                 f.place[j] = k + 1
                 known += 1
-            barrier = max(barrier, f.entry[j])
-            rows.cols[end] = k
-            rows.x[end] = x
+            barrier = max(barrier, entry[np.uint32(k)])
+            cols[end] = k
+            weight[end] = x
             total += x
-            end += 1
+            end += np.uint32(1)
         if barrier > 0.0:
             for e in range(begin, end):
                 rows.ran[0, e] = rows.ran[1, e] = 0.0
@@ -145,7 +178,7 @@ def _grow(f, rows, n_rows, n_ids, rest, capacity, film):
         rows.strength[r] = f.strength[i]
         rows.sieve[r] = f.sieve[i]
         rows.before[r] = f.water[i]
-        rows.free[r] = barrier == 0.0
+        rows.barrier[r] = barrier
         rows.psi[r] = _psi(f.water[i], low, rows.inverse[r], f.strength[i], film, capacity)
     return known
 
@@ -165,21 +198,20 @@ def _is_shut(f, rows, r):
 @kernel(error_model="numpy")
 def _count_stages(rows, n_rows, film):
     """How many stages are stable, by the steepest slope of psi that each node can come to."""
-    stiffest = 0.0
+    stiffest = 0.0  # its third power: that of a slope that grows with psi to 2/3 needs no root
     for r in range(n_rows):
         top = rows.psi[r]
         for e in range(rows.starts[r], rows.starts[r + 1]):
             top = max(top, rows.psi[rows.cols[e]])
-        if top <= 0.0:
-            continue
         strength = rows.strength[r]
         slope = 3.0 * strength * rows.inverse[r]
-        if top < strength:
-            slope *= (top / strength) ** (2.0 / 3.0)
-        else:
-            slope = max(slope, film)
-        stiffest = max(stiffest, slope * rows.totals[r] * rows.share[r])
-    return max(1, int(np.ceil(0.5 * (np.sqrt(1.0 + 8.0 * stiffest) - 1.0))))
+        part = top / strength
+        if top >= strength:
+            slope, part = max(slope, film), 1.0
+        if top > 0.0:
+            stiff = slope * rows.totals[r] * rows.share[r]
+            stiffest = max(stiffest, stiff * stiff * stiff * part * part)
+    return max(1, int(np.ceil(0.5 * (np.sqrt(1.0 + 8.0 * np.cbrt(stiffest)) - 1.0))))
 
 
 @kernel(error_model="numpy", inline="always")
@@ -201,7 +233,7 @@ def _run_stage(rows, n_rows, stage, n_stages, film, capacity, come):
         now[r] = a * last[r] + b * now[r] + c * rows.psi[r]
     for r in range(n_rows):
         inflow = 0.0
-        if rows.free[r]:
+        if rows.barrier[r] == 0.0:
             for e in range(rows.starts[r], rows.starts[r + 1]):
                 inflow += rows.x[e] * now[rows.cols[e]]
             inflow -= rows.totals[r] * now[r]
@@ -220,41 +252,59 @@ def _run_stage(rows, n_rows, stage, n_stages, film, capacity, come):
 
 
 @kernel(error_model="numpy")
-def _find_flows(rows, n_rows, n_stages, passing, film):
-    """Turn `x` into what runs out by each link, below 0 in, mm3; `ran` into what carries soot.
+def _find_flows(rows, n_rows, n_ids, n_stages, passing, film):
+    """Find what runs out by each link, and what of it carries coarse pigment, mm3.
 
+    `starts`, `cols`, `x` and `ran` tell it of the links by which anything runs out, and of them
+    alone; `totals` is what leaves in all, below 0 what comes; `waits` how many give to each node.
     Pores that are barely wet let none of the coarse pigment pass, those above `sieve` all of it; in
     a film on them nothing holds it.
     """
     mean, ran = rows.mean[n_stages % 2], rows.ran[n_stages % 2]
-    carries = rows.ran[0]
+    x, cols, waits, carries = rows.x, rows.cols, rows.waits, rows.ran[0]
+    waits[:n_ids] = 0
+    floats = 1.0 / (film * _FLOATS)
+    end, n = np.uint32(0), np.uint32(0)  # flows that were found lie before links not yet read
     for r in range(n_rows):
-        sieve = rows.sieve[r]
-        full, floats = rows.strength[r], 1.0 / (film * _FLOATS)
+        begin, end = end, rows.starts[r + 1]
+        rows.starts[r] = n
+        own, full, sieve = mean[r], rows.strength[r], rows.sieve[r]
+        free = rows.barrier[r] == 0.0
+        free_here = free or rows.entry[r] == 0.0
         always, opens = (0.0, passing / sieve) if sieve > 0.0 else (passing, 0.0)
-        for e in range(rows.starts[r], rows.starts[r + 1]):
-            k = rows.cols[e]
-            if rows.free[r] or (rows.entry[r] == 0.0 and rows.entry[k] == 0.0):
-                rows.x[e] *= mean[r] - mean[k]
-            else:
-                rows.x[e] = -ran[e]
-            carries[e] = 0.0
-            if rows.x[e] > 0.0:
-                level = min(mean[r], mean[k])
-                share = min(always + opens * level, passing)
-                carries[e] = rows.x[e] * max(share, min(floats * (level - full), 1.0))
+        total = 0.0
+        for e in range(begin, end):
+            k = cols[e]
+            other = mean[k]
+            flow = x[e] * (own - other)
+            if not free and not (free_here and rows.entry[k] == 0.0):
+                flow = -ran[e]
+            total += flow
+            level = min(own, other)
+            share = max(min(always + opens * level, passing), min(floats * (level - full), 1.0))
+            cols[n], x[n], carries[n] = k, flow, flow * share
+            goes = np.uint32(flow > 0.0)
+            waits[k] += np.int32(goes)
+            n += goes
+        rows.totals[r] = total
+    rows.starts[n_rows] = n
 
 
 @kernel(error_model="numpy")
-def _carry(f, rows, n_rows, n_ids):
-    """Move water and pigment, each node when all that flows into it has come."""
+def _carry(f, rows, n_rows, n_ids, work):
+    """Move water and pigment, each node when all that flows into it has come.
+
+    `work` holds what comes to each: water, and of each pigment the coarse and the fine.
+    """
     n_pigments = f.pigment.shape[1]
-    waits, turns = np.zeros(n_ids, np.int32), np.empty(n_ids, np.int32)
-    n_turns = _line_up(rows, n_rows, waits, turns)
-    gained = np.zeros(n_ids)
-    brought = np.zeros((2, n_ids, n_pigments))  # coarse and fine
-    turn = 0
-    looked = 0
+    waits, turns = rows.waits, rows.turns
+    coming = work[: n_ids * (1 + 2 * n_pigments)].reshape(n_ids, 1 + 2 * n_pigments)
+    coming[:] = 0.0
+    n_turns = 0
+    for r in range(n_rows):
+        turns[n_turns] = r
+        n_turns += np.int64(waits[r] == 0)
+    turn, looked, n_forced = 0, 0, 0
     while True:
         if turn == n_turns:  # done, or they run in a circle round an entry: one has to be first
             while looked < n_rows and waits[looked] <= 0:
@@ -262,92 +312,75 @@ def _carry(f, rows, n_rows, n_ids):
             if looked == n_rows:
                 break
             waits[looked] = _GONE
+            n_forced += 1
             turns[n_turns] = looked
             n_turns += 1
         r = turns[turn]
         turn += 1
+        begin, end = rows.starts[r], rows.starts[r + 1]
+        if begin == end and coming[r, 0] == 0.0:
+            continue
         i = rows.ids[r]
         out, carrying = 0.0, 0.0
-        for e in range(rows.starts[r], rows.starts[r + 1]):
-            out += max(0.0, rows.x[e])
+        for e in range(begin, end):
+            out += rows.x[e]
             carrying += rows.ran[0, e]
-        if out == 0.0 and gained[r] == 0.0:
-            continue
-        f.changed[i] = True
-        volume = f.water[i] * f.area[i] + gained[r]
-        gained[r] = 0.0
+        volume = f.water[i] * f.area[i] + coming[r, 0]
         gone = min(out, volume)
         scale = gone / out if out > 0.0 else 0.0
-        _mix(f, rows, r, volume, gone, scale * carrying, brought)
-        if out > 0.0:
-            for e in range(rows.starts[r], rows.starts[r + 1]):
-                if rows.x[e] > 0.0:
-                    k = rows.cols[e]
-                    flux = rows.x[e] * scale
-                    carried = rows.ran[0, e] * scale
-                    gained[k] += flux
-                    for p in range(n_pigments):
-                        brought[0, k, p] += carried * brought[0, r, p]
-                        brought[1, k, p] += flux * brought[1, r, p]
-                    waits[k] -= 1
-                    if waits[k] == 0:
-                        turns[n_turns] = k
-                        n_turns += 1
-        for p in range(n_pigments):
-            brought[0, r, p] = brought[1, r, p] = 0.0
-    _take_rest(f, rows, n_rows, gained, brought)
+        f.changed[i] = True
+        _mix(f, rows, r, volume, gone, scale * carrying, coming)
+        for e in range(begin, end):
+            k = rows.cols[e]
+            flux = rows.x[e] * scale
+            carried = rows.ran[0, e] * scale
+            coming[k, 0] += flux
+            for p in range(n_pigments):
+                coming[k, 1 + 2 * p] += carried * coming[r, 1 + 2 * p]
+                coming[k, 2 + 2 * p] += flux * coming[r, 2 + 2 * p]
+            waits[k] -= 1
+            if waits[k] == 0:
+                turns[n_turns] = k
+                n_turns += 1
+        for q in range(coming.shape[1]):
+            coming[r, q] = 0.0
+    if n_forced > 0:
+        _take_rest(f, rows, n_rows, coming)
 
 
 @kernel(error_model="numpy", inline="always")
-def _mix(f, rows, r, volume, gone, drawn, brought):
-    """Mix what came to a row with what is there; turn `brought` (2, R, P) into what goes on.
+def _mix(f, rows, r, volume, gone, drawn, coming):
+    """Mix what came to a row with what is there; turn `coming` into what goes on.
 
     Of a volume so much is gone: fines go with it, coarse pigment with what is drawn, and the rest
     stays behind. What goes on is given per volume of these.
     """
     i = rows.ids[r]
     area, share = f.area[i], rows.share[r]
-    part = drawn / (volume - gone + drawn) if drawn > 0.0 else 0.0
-    fine_part = gone / volume if gone > 0.0 else 0.0
+    part = 1.0 / (volume - gone + drawn) if drawn > 0.0 else 0.0  # of the coarse, per volume drawn
+    fine_part = 1.0 / volume if gone > 0.0 else 0.0
     f.water[i] = (volume - gone) * share
     for p in range(f.pigment.shape[1]):
-        fine = f.fine[i, p] * area + brought[1, r, p]
-        coarse = max(0.0, f.pigment[i, p] - f.fine[i, p]) * area + brought[0, r, p]
-        brought[1, r, p] = fine_part * fine / gone if gone > 0.0 else 0.0
-        brought[0, r, p] = part * coarse / drawn if drawn > 0.0 else 0.0
-        f.fine[i, p] = (1.0 - fine_part) * fine * share
-        f.pigment[i, p] = (1.0 - part) * coarse * share + f.fine[i, p]
+        fine = f.fine[i, p] * area + coming[r, 2 + 2 * p]
+        coarse = max(0.0, f.pigment[i, p] - f.fine[i, p]) * area + coming[r, 1 + 2 * p]
+        coming[r, 2 + 2 * p] = fine_part * fine
+        coming[r, 1 + 2 * p] = part * coarse
+        f.fine[i, p] = (1.0 - fine_part * gone) * fine * share
+        f.pigment[i, p] = (1.0 - part * drawn) * coarse * share + f.fine[i, p]
 
 
 @kernel(error_model="numpy")
-def _line_up(rows, n_rows, waits, turns):
-    """Count the nodes that each waits for, and list those that wait for none; how many these are.
-
-    `waits` is 0 before, `turns` is filled.
-    """
+def _take_rest(f, rows, n_rows, coming):
+    """Give nodes what came to them after they had passed on theirs."""
     for r in range(n_rows):
-        for e in range(rows.starts[r], rows.starts[r + 1]):
-            if rows.x[e] > 0.0:
-                waits[rows.cols[e]] += 1
-    n_turns = 0
-    for r in range(n_rows):
-        if waits[r] == 0:
-            turns[n_turns] = r
-            n_turns += 1
-    return n_turns
-
-
-@kernel(error_model="numpy")
-def _take_rest(f, rows, n_rows, gained, brought):
-    """Give nodes what came to them after they had passed on theirs: water, pigments (2, R, P)."""
-    for r in range(n_rows):
-        if gained[r] > 0.0:
+        if coming[r, 0] > 0.0:
             i = rows.ids[r]
             f.changed[i] = True
-            f.water[i] += gained[r] * rows.share[r]
-            for p in range(brought.shape[2]):
-                f.pigment[i, p] += (brought[0, r, p] + brought[1, r, p]) * rows.share[r]
-                f.fine[i, p] += brought[1, r, p] * rows.share[r]
+            f.water[i] += coming[r, 0] * rows.share[r]
+            for p in range(f.pigment.shape[1]):
+                fine = coming[r, 2 + 2 * p] * rows.share[r]
+                f.pigment[i, p] += coming[r, 1 + 2 * p] * rows.share[r] + fine
+                f.fine[i, p] += fine
 
 
 @kernel(error_model="numpy")
@@ -357,10 +390,7 @@ def _greatest_change(f, rows, n_rows, shortest):
     for r in range(n_rows):
         if f.owed[f.block[rows.ids[r]]] < shortest:
             continue
-        gone = 0.0
-        for e in range(rows.starts[r], rows.starts[r + 1]):
-            gone += rows.x[e]
-        most = max(most, abs(gone) * rows.share[r])
+        most = max(most, abs(rows.totals[r]) * rows.share[r])
     return most
 
 
@@ -403,13 +433,16 @@ def _seed(f, rows, nodes, around, capacity):
 
 
 @kernel(error_model="numpy")
-def _find(f, rows, known, rest, capacity, film, passing, come):
+def _find(f, rows, known, rest, drink, come):
     """Find what flows; return rows and nodes known, stages, and whether more has to be known."""
+    capacity, film, passing = drink
     inner, n_rows = 0, known  # those within have all neighbours among the rows
+    rows.starts[0] = 0
     known = _grow(f, rows, 0, known, rest, capacity, film)
     n_stages = 0
     stage = 0
     rows.mean[:, :known] = 0.0
+    rows.psi[n_rows:known] = 0.0
     while n_stages == 0 or stage < n_stages:
         reaches = False
         is_shut = False
@@ -428,35 +461,15 @@ def _find(f, rows, known, rest, capacity, film, passing, come):
             n_stages = _count_stages(rows, n_rows, film)
         stage += 1
         _run_stage(rows, n_rows, stage, n_stages, film, capacity, come)
-    _find_flows(rows, n_rows, n_stages, passing, film)
+    _find_flows(rows, n_rows, known, n_stages, passing, film)
     return n_rows, known, n_stages
 
 
 @kernel(error_model="numpy")
-def move_water(f, nodes, around, capacity, film, passing, shortest, rest):
-    """Let the water of some blocks run for the time that they are owed, or a part of it.
+def _measure(f, nodes, around):
+    """How many nodes and links there are, and the longest time that is owed.
 
-    Parameters
-    ----------
-    f : WetFields
-        water, pigment, soaked, entry, changed, mobile, moved and owed are changed.
-    nodes : (K,) i32
-        All nodes of these blocks.
-    around : (R,) i32
-        All nodes next to them, and perhaps some more than once, or of the blocks themselves.
-    capacity, film : f64
-        Depth that the pores hold, mm; diffusivity of a film on them, mm2/s.
-    passing : f64
-        Speed of coarse pigment over that of the water in pores that let it pass, 0 to 1.
-    shortest : f64
-        A longer step, s, in which much would move is not taken whole.
-    rest : (1,) f64
-        Filled with what all these blocks are still owed then, if they are not owed less.
-
-    Returns
-    -------
-    int
-        Stages taken; -1 where more of the surface has to be known: then nothing was done.
+    -1 nodes where there is water around of which it is not known where it goes.
     """
     n_links = 0
     size = nodes.shape[0]
@@ -470,23 +483,60 @@ def move_water(f, nodes, around, capacity, film, passing, shortest, rest):
             size += 1
             n_links += f.last[i] - f.first[i]
             if f.closed[i] != 0 and f.water[i] > 0.0:
-                return -1
-    rows = _make_rows(size, n_links)
-    come = np.empty(size)
+                return -1, n_links, longest
+    return size, n_links, longest
+
+
+@kernel(error_model="numpy")
+def move_water(f, nodes, around, drink, shortest, rest, room):
+    """Let the water of some blocks run for the time that they are owed, or a part of it.
+
+    Parameters
+    ----------
+    f : WetFields
+        water, pigment, soaked, entry, changed, mobile, moved and owed are changed.
+    nodes : (K,) i32
+        All nodes of these blocks.
+    around : (R,) i32
+        All nodes next to them, and perhaps some more than once, or of the blocks themselves.
+    drink : Drink
+    shortest : f64
+        A longer step, s, in which much would move is not taken whole.
+    rest : (1,) f64
+        Filled with what all these blocks are still owed then, if they are not owed less.
+    room : Room
+        For M nodes, these and around, and their K links it has to have (13 + 2 P) M + 3 K numbers
+        and 4 M + 1 + K whole ones.
+
+    Returns
+    -------
+    int
+        Stages taken; below 0 nothing was done: -1 where more of the surface has to be known, or
+        TOO_LITTLE_ROOM.
+    """
+    size, n_links, longest = _measure(f, nodes, around)
+    if size < 0:
+        return -1
+    n_work = size * (1 + 2 * f.pigment.shape[1])
+    n_floats = n_work + 12 * size + 3 * n_links
+    if room.floats.shape[0] < n_floats or room.ints.shape[0] < 4 * size + 1 + n_links:
+        return TOO_LITTLE_ROOM
+    rows = _make_rows(room.floats[n_work:], room.ints, size, n_links)
+    work = room.floats[:n_work]
     length = longest
     while True:
         rest[0] = longest - length
-        seeds = _seed(f, rows, nodes, around, capacity)
+        seeds = _seed(f, rows, nodes, around, drink.capacity)
         n_rows, known, n_stages = seeds, seeds, 0
         if seeds > 0:
-            n_rows, known, n_stages = _find(f, rows, seeds, rest[0], capacity, film, passing, come)
+            n_rows, known, n_stages = _find(f, rows, seeds, rest[0], drink, work)
         is_long = (
             n_stages > 0
             and length > 2.0 * shortest
-            and _greatest_change(f, rows, n_rows, rest[0] + 2.0 * shortest) > _MOST * capacity
+            and _greatest_change(f, rows, n_rows, rest[0] + 2.0 * shortest) > _MOST * drink.capacity
         )
         if n_stages > 0 and not is_long:
-            _carry(f, rows, n_rows, known)
+            _carry(f, rows, n_rows, known, work)
             _note(f, rows, n_rows, rest[0])
         for k in range(known):
             f.place[rows.ids[k]] = 0
