@@ -359,7 +359,8 @@ def test_a_brush_that_was_rinsed_is_filled_with_what_it_was_dipped_in():
 @pytest.mark.parametrize(
     "told",
     ["much", [[1]], [[5, 0.1], [5, 0.2]], [[0, 2.0]], [[0.5, 0.1]], [[0, None]], 7, [[0, "0.5"]],
-     [[0, [0.5, 0.5]]], [[0, [0.5]]], [[0, True]], [[0, float("nan")]], None, [[-(2**63), 0.1], [2**63 - 1, 0.2], [0, 0.1]]],
+     [[0, [0.5, 0.5]]], [[0, [0.5]]], [[0, True]], [[0, float("nan")]], None,
+     [[-(2**63), 0.1], [2**63 - 1, 0.2], [0, 0.1]]],
 )  # fmt: skip
 def test_loads_that_are_none_are_refused(told):
     recording = stroke(LANDING)
