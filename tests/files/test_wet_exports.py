@@ -10,7 +10,9 @@ from PIL import Image
 
 import paint3d
 from paint3d.colour.pigments import WATER, load_pigment
+from paint3d.colour.spectra import decode_srgb, encode_srgb
 from paint3d.colour.viewing import Viewing
+from paint3d.colour.wet_look import darkened
 from paint3d.files.export import export, gloss_of
 from paint3d.files.export_options import ExportOptions
 from paint3d.files.pictures import write_picture
@@ -88,6 +90,14 @@ def test_clear_water_keeps_its_outline_though_its_colours_are_the_papers():
     areas = 0.5 * np.linalg.norm(np.cross(two_sides[:, 0], two_sides[:, 1]), axis=1)
     damp = painting.look.damp[painting.faces].mean(axis=1) @ areas
     assert damp == pytest.approx(np.pi * 15.0**2, rel=0.05)
+
+
+@pytest.mark.parametrize(("dry", "wet"), [(0.75, 0.61), (0.55, 0.39)])
+def test_under_water_a_surface_reflects_what_lekner_and_dorf_say(dry, wet):
+    codes = np.rint(255.0 * encode_srgb(np.full((1, 3), dry))).astype(np.uint8)
+    assert decode_srgb(darkened(codes, np.ones(1))) == pytest.approx(
+        np.full((1, 3), wet), abs=0.006
+    )
 
 
 def test_raw_paper_gets_dark_and_stays_matt():
