@@ -396,7 +396,8 @@ def test_what_spreads_a_picture_of_fewer_pixels_is_warmed_too(monkeypatch) -> No
     monkeypatch.setattr(
         live_layers, "enlarge", lambda *given: spread.extend((a.dtype.str, a.ndim) for a in given)
     )
-    warming._paint_unseen(lambda: None)
+    monkeypatch.setattr(warming, "_warm", [])
+    warming.warm_up()
     wanted = [("<u4", 2), *[("<i4", 1)] * 4, ("<u8", 1), ("<u4", 2)]  # as in entries.txt
     assert spread == wanted
     monkeypatch.setattr(warming, "is_ahead", lambda kernel: kernel is not warming.enlarge)

@@ -95,9 +95,8 @@ def test_clear_water_keeps_its_outline_though_its_colours_are_the_papers():
 @pytest.mark.parametrize(("dry", "wet"), [(0.75, 0.61), (0.55, 0.39)])
 def test_under_water_a_surface_reflects_what_lekner_and_dorf_say(dry, wet):
     codes = np.rint(255.0 * encode_srgb(np.full((1, 3), dry))).astype(np.uint8)
-    assert decode_srgb(darkened(codes, np.ones(1))) == pytest.approx(
-        np.full((1, 3), wet), abs=0.006
-    )
+    seen = decode_srgb(darkened(codes, np.ones(1)))
+    np.testing.assert_allclose(seen, wet, atol=0.012)  # two codes
 
 
 def test_raw_paper_gets_dark_and_stays_matt():

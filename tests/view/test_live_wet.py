@@ -106,16 +106,18 @@ def test_a_layer_that_is_hidden_or_left_does_not_shine():
     surface = ball("oil soot", "sized xuan")
     surface.diffuse(0.1)
     stack = surface.use_layers()
-    shown = LiveObject(surface)
+    shown, watch = LiveObject(surface), surface.watch_wet()
     everything = np.arange(surface.n_vertices)
 
     def shine():
-        sent = shown.uploads(surface.refresh())
-        smooth = shown._wet.smooth(everything).max() / 255.0
+        inked = surface.refresh()
+        sent = shown.uploads(inked)
+        watch.follow(inked)
+        smooth = watch.smooth(everything).max() / 255.0
         look = surface.wet_look
         wanted = 0.0 if look is None else np.maximum(look.film, look.gloss).max()
         assert smooth == pytest.approx(wanted, abs=0.04)
-        assert shown._wet.damp(everything).max() == (0.0 if look is None else look.damp.max())
+        assert watch.damp(everything).max() == (0.0 if look is None else look.damp.max())
         return sent, smooth
 
     assert shine()[1] > 0.9
