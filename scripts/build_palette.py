@@ -88,7 +88,7 @@ SOOT_SOURCE = (
     "Boku-undo; scripts/soot.py"
 )
 SOOT_BASIS = "computed from spheres of {:g} to {:g} nm in glue (strength set by eye)"
-STONE_SOURCE = "powder of {}, and the stone's index (Handbook of Mineralogy); scripts/grains.py"
+STONE_SOURCE = "powders of {}, and the stone's index (Handbook of Mineralogy); scripts/grains.py"
 STONE_BASIS = "computed from a powder for grains of {:g} um in paint (sizes set by eye)"
 INDIGO_SOURCE = "its band: Ratnapandian, thesis, RMIT University (2013); scripts/indigo.py"
 INDIGO_BASIS = "computed from one band at 660 nm (widths and grey set by eye)"
@@ -191,7 +191,8 @@ def _computed_row(folder: Path, name: str, chinese: str, stone: str, number: int
     k, s = grade(STONES[stone], SIZES_UM[number], powder)
     second = grade(STONES[stone], SIZES_UM[1], powder)
     per_coat = scale_to_hiding(*second)[0][0] / second[0][0]
-    source = STONE_SOURCE.format(USGS.format(STONES[stone].powders[0][0]))
+    names = dict.fromkeys([*(of for of, _ in STONES[stone].powders), STONES[stone].coarsest])
+    source = STONE_SOURCE.format(USGS.format(", ".join(names)))
     basis = STONE_BASIS.format(SIZES_UM[number])
     return _row(name, chinese, source, basis, LICENCES["usgs"], k * per_coat, s * per_coat)
 

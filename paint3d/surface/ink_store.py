@@ -16,7 +16,7 @@ from paint3d.brush_engine.ink_field import TRANSFER, InkField
 from paint3d.colour.glazing import GlazeModel, make_ground
 from paint3d.colour.kernels.glazing import Ground, add_between
 from paint3d.colour.materials import Material
-from paint3d.colour.pigments import WATER, Pigment
+from paint3d.colour.pigments import WATER, Pigment, load_drawdown_paints, load_palette
 from paint3d.colour.spectra import decode_srgb, srgb_from_reflectance
 from paint3d.colour.vertex_colours import ColourModel
 from paint3d.core.growable import grown
@@ -169,11 +169,13 @@ class InkStore:
         Raises
         ------
         InputError
-            If an ink of that name but with other K or S is on the surface already.
+            If an ink of that name but with other K or S is on the surface already. One that ships
+            is taken as the surface has it: a painting keeps the inks that it was begun with when a
+            later version measures them anew.
         """
         for column, known in enumerate(self.pigments):
             if known.name == pigment.name:
-                if not _same_light(known, pigment):
+                if not _same_light(known, pigment) and not _ships(pigment):
                     raise InputError(
                         f"there is another ink named {pigment.name!r} on this surface; "
                         "expected its K and S or another name"
@@ -333,6 +335,12 @@ class InkStore:
 def _in_steps(reflectance: AnyArray) -> AnyArray:
     """Reflectance as it is kept: uint16, in steps of 1/65535."""
     return (np.clip(reflectance, 0.0, 1.0) * 65535.0 + 0.5).astype(np.uint16)
+
+
+def _ships(pigment: Pigment) -> bool:
+    """Whether it is one of the program's own, which nobody can name otherwise."""
+    tables = load_palette(), load_drawdown_paints()
+    return any(table.get(pigment.name) is pigment for table in tables)
 
 
 def _same_light(one: Pigment, two: Pigment) -> bool:

@@ -296,13 +296,19 @@ class PaintedSurface(InkStore):
         """How wet and glossy each vertex is; None where all are as dry and rough as the material.
 
         Water is what `diffuse` and wet replays move: ink that no time has passed for has none. Of
-        layers the one that is painted on counts.
+        layers the one that is painted on counts, unless it is hidden.
         """
-        return look_when_wet(self, self._water.depths())
+        return look_when_wet(self, self._water.depths()) if self._is_seen() else None
 
     def watch_wet(self) -> WetWatch:
         """What follows `wet_look` from one picture to the next."""
-        return WetWatch(self, self._water.depths)
+        return WetWatch(
+            self, lambda: self._water.depths() if self._is_seen() else None, self._is_seen
+        )
+
+    def _is_seen(self) -> bool:
+        """Whether what is painted on is visible."""
+        return self.layers is None or self.layers.layers[self.layers.active].visible
 
     @property
     def mesh(self) -> TriangleMesh:

@@ -58,14 +58,20 @@ class WetWatch:
     store : InkStore
     water : callable
         Returns what `look_when_wet` takes.
+    is_seen : callable
+        Whether the layer that is painted on is visible.
     """
 
     def __init__(
-        self, store: InkStore, water: Callable[[], tuple[AnyArray, AnyArray] | None]
+        self,
+        store: InkStore,
+        water: Callable[[], tuple[AnyArray, AnyArray] | None],
+        is_seen: Callable[[], bool] = lambda: True,
     ) -> None:
-        self._store, self._water = store, water
+        self._store, self._water, self._is_seen = store, water, is_seen
         self._film, self._damp, self._gloss = (np.zeros(0, np.uint8) for _ in range(3))
         self._is_wet, self._wet = np.zeros(0, bool), np.zeros(0, np.int32)
+        self._followed: tuple[object, bool] = (store.dry_layers, True)
 
     @property
     def is_plain(self) -> bool:
@@ -88,10 +94,7 @@ class WetWatch:
             self._film, self._damp = (grown(a, known, room) for a in (self._film, self._damp))
             self._film[known:] = self._damp[known:] = 0
             self._is_wet = np.zeros(room, bool)
-        gloss = gloss_of_inks(store, inked)
-        if gloss is not None:
-            self._gloss = np.pad(self._gloss, (0, len(self._film) - len(self._gloss)))
-            self._gloss[inked] = np.rint(255.0 * gloss)
+        otherwise = self._follow_gloss(inked)
         ids, depth = (np.zeros(0, np.int32), np.zeros(0)) if water is None else water
         ids, depth = ids[depth > 0.0], depth[depth > 0.0]
         film, damp = (_in_levels(share(depth, store.material.pores_mm)) for share in _SHARES)
@@ -102,8 +105,22 @@ class WetWatch:
         is_new = (self._film[ids] != film) | (self._damp[ids] != damp)
         self._film[ids], self._damp[ids] = film, damp
         self._wet = ids
-        changed: NDArray[np.int32] = np.concatenate([dried, ids[is_new]])
+        changed: NDArray[np.int32] = np.concatenate([otherwise, dried, ids[is_new]])
         return changed
+
+    def _follow_gloss(self, inked: AnyArray) -> NDArray[np.int32]:
+        """Vertices (N,) whose gloss is another since another layer is painted on, or is seen."""
+        store, followed = self._store, (self._store.dry_layers, self._is_seen())
+        is_same, self._followed = followed == self._followed, followed
+        ids = inked if is_same else np.arange(store.paint_mesh.n_vertices, dtype=np.int32)
+        gloss = gloss_of_inks(store, ids)
+        if gloss is None:
+            return ids[:0]
+        self._gloss = np.pad(self._gloss, (0, len(self._film) - len(self._gloss)))
+        now = np.rint(255.0 * gloss * followed[1]).astype(np.uint8)
+        otherwise = ids[:0] if is_same else ids[self._gloss[ids] != now]
+        self._gloss[ids] = now
+        return otherwise
 
     def smooth(self, ids: AnyArray) -> NDArray[np.uint8]:
         """How smooth vertices (N,) are beside their material, in steps of 1/255 (N,)."""

@@ -100,14 +100,15 @@ class LivePicture:
         """(H, W, 4) uint8 pixels, the first row at the bottom; None if nothing has changed."""
         started, scene = time.perf_counter(), self._scene
         if self._stale:
-            moves = scene.is_software and self._turns and not self._is_settled(started)
+            moves = self._turns and self._is_moving(started)
             self._stale = self._turns = False
             self._turned = self._moved = started
             pixels = self._draw_all(started, moves=moves)
             self._judge(scene.frame_s)
             return pixels
         if scene.is_lost and (self._object or self._front or self._is_settled(started)):
-            return self._draw_all(started)
+            fewer = _LEVELS[self._level][1] < 1.0 and self._is_moving(started)
+            return self._draw_all(started, moves=fewer)  # or it is now blurred, now sharp
         boxes = self._take_boxes()
         for box in boxes:
             scene.draw_object(box)
@@ -162,6 +163,10 @@ class LivePicture:
     def _is_settled(self, now: float) -> bool:
         """Whether the view has stood still for a while."""
         return now - self._turned >= _SETTLED_S
+
+    def _is_moving(self, now: float) -> bool:
+        """Whether the view moves, where that is drawn by less."""
+        return self._scene.is_software and not self._is_settled(now)
 
     def _draw_all(self, started: float, *, moves: bool = False) -> AnyArray:
         """Draw all anew; of a view that moves soon again, so it is not kept."""

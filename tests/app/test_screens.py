@@ -95,4 +95,5 @@ def check(told: dict, ratio: float) -> None:
     for pixels in (told["picture"], told["shown"]):  # drawn as finely as the screen is
         assert np.abs(np.array(pixels) - ratio * np.array([wide, high])).max() <= 1.0
     assert told["off_mm"] < 1.0
+    assert told["stale"] == 0
     assert np.abs(np.array(told["dark"]) - [0.5, 0.6]).max() < 0.015

@@ -387,6 +387,23 @@ def test_kernels_that_were_compiled_ahead_are_not_warmed(program, monkeypatch, a
         assert warmed == ([] if ahead else [True])
 
 
+def test_what_spreads_a_picture_of_fewer_pixels_is_warmed_too(monkeypatch) -> None:
+    """Compiled at the first such picture it would hold up the window's thread."""
+    from paint3d.app.window import warming
+    from paint3d.view import live_layers
+
+    spread: list[tuple[str, int]] = []
+    monkeypatch.setattr(
+        live_layers, "enlarge", lambda *given: spread.extend((a.dtype.str, a.ndim) for a in given)
+    )
+    monkeypatch.setattr(warming, "_warm", [])
+    warming.warm_up()
+    wanted = [("<u4", 2), *[("<i4", 1)] * 4, ("<u8", 1), ("<u4", 2)]  # as in entries.txt
+    assert spread == wanted
+    monkeypatch.setattr(warming, "is_ahead", lambda kernel: kernel is not warming.enlarge)
+    assert not warming.is_warm()
+
+
 def test_errors_are_told_in_the_language_of_the_window(window) -> None:
     choose_language("zh")
     try:

@@ -8,8 +8,11 @@ import pytest
 import trimesh
 from PIL import Image
 
-from paint3d.colour.pigments import load_pigment
+import paint3d
+from paint3d.colour.pigments import WATER, load_pigment
+from paint3d.colour.spectra import decode_srgb, encode_srgb
 from paint3d.colour.viewing import Viewing
+from paint3d.colour.wet_look import darkened
 from paint3d.files.export import export, gloss_of
 from paint3d.files.export_options import ExportOptions
 from paint3d.files.pictures import write_picture
@@ -67,6 +70,33 @@ def test_a_film_is_smooth_and_dark_and_the_rest_as_the_material(wet):
     assert (shown <= dry).all()
     assert (shown[painting.look.damp == 0.0] == dry[painting.look.damp == 0.0]).all()
     assert (dry - shown)[painting.look.damp > 0.9, 0].min() > 15
+
+
+def test_clear_water_keeps_its_outline_though_its_colours_are_the_papers():
+    """Vertices that only water tells apart stay, when triangles of one colour are joined."""
+    surface = PaintedSurface(paint3d.load_mesh("plane"), 1.0, "xuan")
+    surface.refine_all()
+    column = surface.column_of(WATER)
+    near = np.linalg.norm(surface.paint_mesh.vertices[:, :2], axis=1) < 15.0
+    ids = np.flatnonzero(near).astype(np.int32)
+    surface.ink.amounts[ids, column] = 2.0
+    surface.ink.coverage[ids] = 1.0
+    surface.touch(ids)
+    surface.diffuse(0.1)
+    painting = read_painting(surface, ExportOptions())
+    assert len(painting.vertices) < surface.n_vertices // 10
+    corners = painting.vertices[painting.faces]
+    two_sides = corners[:, 1:] - corners[:, :1]
+    areas = 0.5 * np.linalg.norm(np.cross(two_sides[:, 0], two_sides[:, 1]), axis=1)
+    damp = painting.look.damp[painting.faces].mean(axis=1) @ areas
+    assert damp == pytest.approx(np.pi * 15.0**2, rel=0.05)
+
+
+@pytest.mark.parametrize(("dry", "wet"), [(0.75, 0.61), (0.55, 0.39)])
+def test_under_water_a_surface_reflects_what_lekner_and_dorf_say(dry, wet):
+    codes = np.rint(255.0 * encode_srgb(np.full((1, 3), dry))).astype(np.uint8)
+    seen = decode_srgb(darkened(codes, np.ones(1)))
+    np.testing.assert_allclose(seen, wet, atol=0.012)  # two codes
 
 
 def test_raw_paper_gets_dark_and_stays_matt():

@@ -12,6 +12,8 @@ from paint3d.colour.layers import layer_reflectance, stack_reflectance
 from paint3d.colour.pigments import Pigment, load_drawdown_paints, load_pigment
 from paint3d.colour.spectra import decode_srgb, rgb_weights, srgb_from_reflectance
 from paint3d.errors import InputError
+from paint3d.files.project.session import Session, load_session, save_session
+from paint3d.painter.painter import Painter
 from paint3d.surface.painted_surface import PaintedSurface
 from tests.support.colour_codes import worth_of_one_code
 
@@ -223,3 +225,18 @@ def test_an_ink_of_the_same_name_must_be_the_same():
     other = Pigment("cinnabar", "", np.ones(31), np.ones(31))
     with pytest.raises(InputError, match="another ink named 'cinnabar'"):
         target.column_of(other)
+    glossy = dataclasses.replace(load_pigment("cinnabar"), gloss=0.5)
+    with pytest.raises(InputError, match="another ink named 'cinnabar'"):
+        target.column_of(glossy)
+
+
+def test_a_painting_keeps_the_inks_that_it_was_begun_with(tmp_path):
+    """An ink that ships cannot be named otherwise; a later version may have measured it anew."""
+    begun = surface()
+    old = Pigment("cinnabar", "朱砂", np.full(31, 2.0), np.ones(31))
+    begun.column_of(old)
+    save_session(Session(begun), tmp_path / "old.p3d")
+    again = load_session(tmp_path / "old.p3d").surface
+    Painter(again, ink="cinnabar")
+    assert [pigment.name for pigment in again.pigments] == ["cinnabar"]
+    np.testing.assert_array_equal(again.pigments[0].K, old.K)

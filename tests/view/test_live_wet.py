@@ -100,3 +100,36 @@ def test_oil_soot_shines_dry_and_pine_soot_does_not():
         surface.dry()
         sent = LiveObject(surface).uploads(surface.refresh())
         assert {up.colours.shape[1] for up in sent} == {columns}
+
+
+def test_a_layer_that_is_hidden_or_left_does_not_shine():
+    surface = ball("oil soot", "sized xuan")
+    surface.diffuse(0.1)
+    stack = surface.use_layers()
+    shown, watch = LiveObject(surface), surface.watch_wet()
+    everything = np.arange(surface.n_vertices)
+
+    def shine():
+        inked = surface.refresh()
+        sent = shown.uploads(inked)
+        watch.follow(inked)
+        smooth = watch.smooth(everything).max() / 255.0
+        look = surface.wet_look
+        wanted = 0.0 if look is None else np.maximum(look.film, look.gloss).max()
+        assert smooth == pytest.approx(wanted, abs=0.04)
+        assert watch.damp(everything).max() == (0.0 if look is None else look.damp.max())
+        return sent, smooth
+
+    assert shine()[1] > 0.9
+    for visible in (False, True):
+        stack.describe(0, visible=visible)
+        surface.touch(stack.painted_ids())
+        assert (shine()[1] > 0.9) == visible
+    surface.dry()
+    assert 0.3 < shine()[1] < 0.45
+    stack.add("2", 1)  # nothing is touched: all shows the same colours
+    sent, smooth = shine()
+    assert smooth == 0.0
+    assert sent
+    stack.activate(0)
+    assert 0.3 < shine()[1] < 0.45

@@ -16,8 +16,10 @@ from paint3d.mesh.closest_points import ClosestPoints
 from paint3d.pose.brush_pose import object_poses
 from paint3d.view.brush_shape import BrushStand, tuft_rings
 from paint3d.view.kernels.drape import drape_points
+from paint3d.view.kernels.enlarge import enlarge
 from paint3d.view.kernels.facing import cone_of
 from paint3d.view.kernels.shine import add_shine
+from paint3d.view.live_layers import Enlarger
 from paint3d.view.live_object import LiveObject
 
 __all__ = ["is_first_start", "is_warm", "warm_up"]
@@ -35,7 +37,7 @@ def is_first_start() -> bool:
 
 def is_warm() -> bool:
     """Whether nothing is to be got ready: kernels were compiled ahead, and not changed since."""
-    return all(map(is_ahead, (paint_samples, drape_points, cone_of, add_shine)))
+    return all(map(is_ahead, (paint_samples, drape_points, cone_of, add_shine, enlarge)))
 
 
 def warm_up(progress: Callable[[], None] = lambda: None) -> None:
@@ -92,6 +94,7 @@ def _turn(shown: LiveObject) -> None:
     assert coarse is not None, "it is asked for the first time"
     lamps, out = np.zeros((1, 6)), coarse.colours.copy()
     add_shine(coarse.points, coarse.normals, coarse.colours, np.zeros(3), lamps, 4.0, 0.1, out)
+    Enlarger((1, 1), (2, 2)).enlarge(np.zeros((1, 1, 4), np.uint8), np.zeros((2, 2, 4), np.uint8))
 
 
 def _stand(document: Document, sample: DeviceSample) -> None:

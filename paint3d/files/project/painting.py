@@ -96,12 +96,7 @@ class Painting(NamedTuple):
     @property
     def shown_srgb(self) -> NDArray[np.uint8]:
         """(V, 3) codes, darker where it is wet."""
-        look = self.look
-        if look is None or not look.damp.any():
-            return self.srgb
-        codes, ids = self.srgb.copy(), np.flatnonzero(look.damp)
-        codes[ids] = darkened(codes[ids], look.damp[ids])
-        return codes
+        return self.srgb if self.look is None else _seen_wet(self.srgb, self.look)
 
     def placed(self, unit: str, up_axis: str) -> Painting:
         """Return the painting in another unit, with another axis up; it is in mm with z up."""
@@ -233,11 +228,18 @@ def _read_wet(
 ) -> Painting:
     """A painting on which something is wet, or has dried with a gloss."""
     codes, mesh = surface.srgb, surface.paint_mesh
-    ids, faces = surface.export_ids(tolerance, codes, progress)
+    ids, faces = surface.export_ids(tolerance, _seen_wet(codes, look), progress)
     painting = _checked(
         (mesh.vertices[ids], faces, mesh.normals[ids], codes[ids]), surface.material.name
     )
     return painting._replace(finish=_finish_of(surface.material), look=look.at(ids))
+
+
+def _seen_wet(srgb: NDArray[np.uint8], look: WetLook) -> NDArray[np.uint8]:
+    """Codes (V, 3), darker where it is wet."""
+    codes, ids = srgb.copy(), np.flatnonzero(look.damp)
+    codes[ids] = darkened(codes[ids], look.damp[ids])
+    return codes
 
 
 def _finish_of(material: object) -> tuple[float, float] | None:

@@ -26,6 +26,7 @@ def main() -> None:
         size = np.array([canvas.width(), canvas.height()])
         pen_stroke(canvas, START, END, [0.3] * 20, (30.0, 20.0))
         settled(window)
+        stale = _stale(window)
         window.stage.shows_brush = False
         window.stage.touch()
         wait_for(lambda: window.stage.is_drawn)
@@ -42,7 +43,35 @@ def main() -> None:
             "grips": [list(grips.box(name, canvas.rect()).getCoords()) for name in GRIPS],
             "off_mm": _off(window, size),
             "dark": _dark(shown),
+            "stale": stale,
         }))  # fmt: skip
+
+
+def _stale(window) -> int:
+    """Pixels of the screen that a whole repaint changes, after parts of it were repainted."""
+    if QtGui.QGuiApplication.platformName() != "xcb":
+        return 0  # Wayland shows no program what is on the screen
+    window.workspace.hold()
+    try:
+        shown = _pixels(window)
+        window.canvas.update()
+        anew = _pixels(window)
+    finally:
+        window.workspace.go_on()
+    return int((shown != anew).any(axis=2).sum())
+
+
+def _pixels(window) -> np.ndarray:
+    """(H, W, 4) uint8: the canvas as the screen has it."""
+    live(0.05)
+    image = window.screen().grabWindow(window.winId()).toImage()
+    image = image.convertToFormat(QtGui.QImage.Format.Format_RGB32)
+    canvas, ratio = window.canvas, window.canvas.devicePixelRatioF()
+    place = canvas.mapTo(window, QtCore.QPoint(0, 0))
+    left, top = int(place.x() * ratio), int(place.y() * ratio)
+    right, bottom = (int(n * ratio) for n in (canvas.width(), canvas.height()))
+    rows = np.frombuffer(image.constBits(), np.uint8).reshape(image.height(), -1, 4)
+    return rows[top : top + bottom, left : left + right].copy()
 
 
 def _docks(window: QtWidgets.QMainWindow) -> list[QtWidgets.QWidget]:
