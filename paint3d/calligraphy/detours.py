@@ -19,6 +19,7 @@ from paint3d.calligraphy.kernels.patches import fill_depths, label_patches
 __all__ = ["Corner", "corners_in", "detours_to", "visiting"]
 
 _LEAST_AREA = 1.8  # of the square of the disc that must fit into a patch
+_OTHER_TIP = 0.25  # widths: two tips of a corner that are nearer to each other are one
 _NEAR_END = 0.5  # widths: a bend nearer to an end than that would only move the end
 _BEND = 0.3  # widths to either side that a bend takes
 _BEND_REACH = 1.2  # widths: beyond, the line stays
@@ -71,12 +72,20 @@ def corners_in(
 def detours_to(
     corner: Corner, line: CentreLine, field: OutlineField, held: bool
 ) -> Iterator[CentreLine]:
-    """The line with its detours to a corner: a visit, and a bend where it goes on beyond.
+    """The line with its detours to a corner: visits, and a bend where it goes on beyond.
+
+    A second visit goes to what lies farthest towards the corner's middle, where that is not the
+    farthest of it: a rim runs on from there that is too thin to be worth a way.
 
     Where the bend of the tuft is `held` against the motion nothing turns back: a bend only.
     """
     if not held:
         yield visiting(line, corner, field)
+        k, tip = _leaving(line, corner, field)
+        ahead = (corner.points - line.points[k]) @ (corner.middle - line.points[k])
+        other = corner.points[int(np.argmax(ahead))]
+        if np.linalg.norm(other - tip) > _OTHER_TIP * line.width:
+            yield _to(other, k, line, field)
     nearest = int(np.argmin(np.linalg.norm(line.points - corner.middle, axis=1)))
     if held or min(nearest, len(line.points) - 1 - nearest) * line.step > _NEAR_END * line.width:
         yield _bent(line, corner, nearest, field)
@@ -96,12 +105,24 @@ def _bent(line: CentreLine, corner: Corner, nearest: int, field: OutlineField) -
 
 def visiting(line: CentreLine, corner: Corner, field: OutlineField) -> CentreLine:
     """Leave a line, where a disc on it reaches nearest to a corner, for its tip and come back."""
+    k, tip = _leaving(line, corner, field)
+    return _to(tip, k, line, field)
+
+
+def _leaving(
+    line: CentreLine, corner: Corner, field: OutlineField
+) -> tuple[int, NDArray[np.float64]]:
+    """The sample from which a corner is visited, and its point that is farthest from there."""
     apart = np.linalg.norm(line.points - corner.middle, axis=1)
     k = int(np.argmin(apart / np.maximum(field.depths(line.points), 0.5 * field.grid[2])))
+    far = np.linalg.norm(corner.points - line.points[k], axis=1)
+    return k, corner.points[int(np.argmax(far))]
+
+
+def _to(tip: NDArray[np.float64], k: int, line: CentreLine, field: OutlineField) -> CentreLine:
+    """A line that goes from its k-th sample straight to a point, and back."""
     start = line.points[k]
-    far = np.linalg.norm(corner.points - start, axis=1)
-    tip = corner.points[int(np.argmax(far))]
-    n = max(2, math.ceil(float(far.max()) / line.step))
+    n = max(2, math.ceil(float(np.linalg.norm(tip - start)) / line.step))
     out = start + np.linspace(0.0, 1.0, n + 1)[:, None] * (tip - start)
     points = np.concatenate([line.points[:k], out, out[-2::-1], line.points[k + 1 :]])
     return measured(points, line.width, line.step, field)

@@ -7,8 +7,10 @@ from hypothesis import strategies as st
 from shapely import LineString, MultiPolygon
 
 from paint3d.calligraphy.glyph_sources import open_glyphs
+from paint3d.calligraphy.glyphs import GlyphStroke
 from paint3d.calligraphy.shapes.decompose import decompose
 from paint3d.calligraphy.shapes.ductus import known_strokes
+from tests.support.found_strokes import as_listed
 
 SOURCE = open_glyphs(None)
 GREEK = "ΑΒΓΔΕΖΗΘΙΚΛΜΝΞΟΠΡΣΤΥΦΧΨΩ"
@@ -48,3 +50,17 @@ def test_a_sans_serif_letter_is_written_by_its_list(text, wide, thick):
     assert len(strokes) == len(lines)
     for stroke, line in zip(strokes, lines, strict=True):
         assert np.linalg.norm(stroke.median[0] - line[0]) < 3.0 * thick
+
+
+def test_order_and_direction_are_compared_with_the_list():
+    """Two strokes that are swapped, one that runs back, and a dot, which has no direction."""
+    letter = known_strokes(SOURCE, "Π").strokes
+    wide = [GlyphStroke(one.outline, one.median * [70.0, 100.0] + 9.0) for one in letter]
+    assert as_listed(wide, letter).agrees
+    assert as_listed([wide[0], wide[2], wide[1]], letter).tau < 1.0
+    back = GlyphStroke(wide[1].outline, wide[1].median[::-1])
+    found = as_listed([wide[0], back, wide[2]], letter)
+    assert not found.agrees
+    assert found.direction == 2.0 / 3.0
+    dot = [GlyphStroke(wide[0].outline, np.array([[0.0, y], [0.0, y + 1.0]])) for y in (0.0, 90.0)]
+    assert as_listed([dot[0], GlyphStroke(dot[1].outline, dot[1].median[::-1])], dot).agrees

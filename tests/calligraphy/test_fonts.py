@@ -14,6 +14,7 @@ from paint3d.calligraphy.fonts.font_file import open_font
 from paint3d.calligraphy.fonts.line_breaks import break_line
 from paint3d.calligraphy.fonts.shaping import Shaper, Style
 from paint3d.calligraphy.fonts.typesetting import FontText, set_text
+from paint3d.calligraphy.glyph_sources import open_glyphs
 from paint3d.calligraphy.page.laying import lay_page
 from paint3d.errors import InputError
 from paint3d.files.load import load_mesh
@@ -155,3 +156,13 @@ def test_pieces_lie_level_and_apart_as_on_the_page() -> None:
 def test_what_cannot_be_written_is_said(make, words) -> None:
     with pytest.raises(InputError, match=words):
         make()
+
+
+@pytest.mark.parametrize("text", ["i", "j"])
+def test_a_dotted_letter_is_its_body_and_its_dot(text) -> None:
+    """The lines of a known letter are laid over body and mark together, not over each alone."""
+    page = set_text(text, dejavu(), Style(), open_glyphs(None), "row").compose(math.inf)
+    body, dot = page.pieces[0].glyph.strokes
+    assert np.ptp(body.outline[:, 1]) > 4.0 * np.ptp(dot.outline[:, 1])
+    assert body.median[0, 1] > body.median[-1, 1]
+    assert dot.outline[:, 1].min() > body.outline[:, 1].max()

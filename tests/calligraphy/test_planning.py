@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from paint3d.brush.bending import build_tuft
 from paint3d.brush.presets import choose_brush, load_brush
 from paint3d.calligraphy.centre_line import centre_line, grid_step, outline_field
-from paint3d.calligraphy.detours import corners_in, detours_to
+from paint3d.calligraphy.detours import Corner, corners_in, detours_to
 from paint3d.calligraphy.footprint_table import FootprintTable, tabulate_footprints
 from paint3d.calligraphy.glyphs import Glyph, GlyphStroke
 from paint3d.calligraphy.hand_motion import root_stretch
@@ -66,6 +66,22 @@ def test_square_ends_of_a_bold_stroke_are_filled(azimuth):
     assert overlap(course, table, outline) > 0.95
     plain = plan_stroke(outline, median, EM, table, PlanSettings(azimuth=azimuth, detours=0))
     assert overlap(plain, table, outline) < 0.91
+
+
+def test_a_visit_goes_to_the_tip_of_a_corner_not_along_its_rim():
+    """From a bare corner a rim of bare points runs along the end and down the other edge."""
+    outline = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 12.0], [0.0, 12.0]])
+    field = outline_field(outline, 0.1)
+    line = centre_line(np.array([[2.0, 2.0], [2.0, 10.0], [3.5, 11.7]]), field, 0.1)
+    tip = np.array([[0.1 * i, 11.9 - 0.1 * j] for i in range(1, 12) for j in range(12 - i)])
+    rim = np.array([[0.1 * i, 11.9] for i in range(12, 39)])
+    down = np.array([[3.9, 0.1 * i] for i in range(60, 120)])
+    points = np.concatenate([tip, rim, down])
+    corner = Corner(np.array([0.4, 11.5]), points, (np.zeros(0, int), np.zeros(0, int)))
+    along, straight, *_ = (way.points for way in detours_to(corner, line, field, held=False))
+    assert np.linalg.norm(along - [0.1, 11.9], axis=1).min() > 0.5
+    assert np.linalg.norm(straight - [0.1, 11.9], axis=1).min() < 0.15
+    assert len(straight) > len(line.points)
 
 
 def test_what_is_known_of_a_line_changes_nothing_but_the_time():

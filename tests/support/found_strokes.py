@@ -12,11 +12,18 @@ from scipy.stats import kendalltau
 from shapely import MultiPolygon, Polygon
 
 from paint3d.calligraphy.glyphs import GlyphStroke
+from paint3d.calligraphy.shapes.continuation import resampled
+from paint3d.calligraphy.shapes.skeleton import length_of
+from paint3d.core.types import AnyArray
 
-__all__ = ["Found", "joined", "region_of", "score"]
+__all__ = ["AsListed", "Found", "as_listed", "joined", "region_of", "score"]
 
 _FOUND, _MATCHED = 0.7, 0.5  # IoU of a stroke with its own
 _SHORT = 0.08  # of the shape's size: chords shorter than that tell no direction
+_CLOSED = 0.2  # of a line's length between its ends: it is a ring
+_FLAT = 0.07  # of the greater side of a box: the least that the other one is taken for
+_POINTS = 24  # of a line
+_DOT = 0.15  # of the box: a shorter line is a dot's, which has no direction
 
 
 @dataclass(frozen=True)
@@ -78,3 +85,77 @@ def _same_way(line: np.ndarray, other: np.ndarray, short: float) -> bool:
     if np.linalg.norm(wanted) > short:
         return bool(way @ wanted > 0.0)
     return bool(np.linalg.norm(line[0] - other[0]) < np.linalg.norm(line[-1] - other[0]))
+
+
+@dataclass(frozen=True)
+class AsListed:
+    """How a letter's strokes agree with a table of ductus.
+
+    Attributes
+    ----------
+    count : int
+        How many strokes more than the table has.
+    tau : float
+        Kendall's tau of the order of those that have one of the table; nan below two.
+    direction : float
+        Share of them that are written the same way, or are dots.
+    """
+
+    count: int
+    tau: float
+    direction: float
+
+    @property
+    def agrees(self) -> bool:
+        """Whether all that have one of the table are in its order and direction."""
+        return self.direction == 1.0 and not self.tau < 1.0 - 1e-9
+
+
+def as_listed(strokes: Sequence[GlyphStroke], table: Sequence[GlyphStroke]) -> AsListed:
+    """Pair strokes with the table's, box laid on box, so that they lie nearest; and compare.
+
+    Nothing is bent to fit: what the decomposition did to lay the same lines over the shape has no
+    part in it.
+    """
+    lines = _in_unit_box([stroke.median for stroke in strokes])
+    wanted = _in_unit_box([stroke.median for stroke in table])
+    away = np.array([[[_apart(a, b), _apart(a[::-1], b)] for b in wanted] for a in lines])
+    rows, columns = linear_sum_assignment(away.min(axis=2))
+    pairs = list(zip(rows, columns, strict=True))
+    tau = kendalltau(rows, columns)[0] if len(pairs) > 1 else np.nan
+    same = [_same_course(lines[i], wanted[j]) for i, j in pairs]
+    return AsListed(len(strokes) - len(table), float(tau), float(np.mean(same)))
+
+
+def _in_unit_box(lines: Sequence[AnyArray]) -> list[np.ndarray]:
+    """Lines evenly resampled, all together in a box from 0 to 1."""
+    every = np.concatenate(lines)
+    low, size = every.min(axis=0), np.ptp(every, axis=0)
+    size = np.maximum(size, _FLAT * max(float(size.max()), 1e-12))
+    return [_evenly((line - low) / size) for line in lines]
+
+
+def _evenly(line: AnyArray) -> np.ndarray:
+    return resampled(line, max(length_of(line), 1e-9) / (_POINTS - 1), _POINTS)[:_POINTS]
+
+
+def _same_course(line: AnyArray, other: AnyArray) -> bool:
+    if length_of(line) < _DOT:
+        return True
+    if _is_ring(line) and _is_ring(other):
+        return _turn(line) * _turn(other) > 0.0
+    return _apart(line, other) <= _apart(line[::-1], other)
+
+
+def _apart(one: AnyArray, two: AnyArray) -> float:
+    return float(np.linalg.norm(one - two, axis=1).mean())
+
+
+def _is_ring(line: AnyArray) -> bool:
+    return bool(np.linalg.norm(line[-1] - line[0]) < _CLOSED * length_of(line))
+
+
+def _turn(line: AnyArray) -> float:
+    """Twice the area that a line goes around, positive against the clock."""
+    x, y = line.T
+    return float(np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y))

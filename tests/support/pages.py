@@ -23,6 +23,7 @@ from paint3d.calligraphy.page.laying import lay_page
 from paint3d.calligraphy.page.page import Page, Piece
 from paint3d.calligraphy.page.svg_drawing import load_svg
 from paint3d.calligraphy.planning import PlanSettings, on_paper
+from paint3d.calligraphy.shapes.ductus import known_strokes
 from paint3d.calligraphy.writing import Pen, write_page
 from paint3d.core.types import AnyArray
 from paint3d.errors import InputError
@@ -33,15 +34,18 @@ from paint3d.mesh.em_square import SquareLimits
 from paint3d.mesh.unrolling import unroll
 from paint3d.painter.painter import Painter
 from paint3d.surface.painted_surface import PaintedSurface
+from tests.support.found_strokes import AsListed, as_listed
 
 __all__ = [
     "SCRIPTS",
     "PageDesk",
     "PieceCopy",
+    "TakenApart",
     "copy_piece",
     "draw_letters",
     "draw_letters_of",
     "page_of",
+    "pieces_of",
 ]
 
 SCRIPTS = {
@@ -112,6 +116,49 @@ def page_of(
     assert font is not None
     known = open_glyphs(None) if templates else None
     return set_text(text, open_font(font, number), Style(), known, None).compose(float("inf"))
+
+
+@dataclass(frozen=True, eq=False)
+class TakenApart:
+    """A piece that was taken apart into strokes.
+
+    Attributes
+    ----------
+    glyph : Glyph
+    seconds : float
+        Processor time that it took, with setting the text, s.
+    listed : AsListed, optional
+        How its strokes agree with the table's, if it is a letter that is known.
+    """
+
+    glyph: Glyph
+    seconds: float
+    listed: AsListed | None
+
+
+def pieces_of(
+    text: str | None,
+    font: str | None,
+    svg: Path | None,
+    *,
+    number: int = 0,
+    templates: bool = True,
+) -> tuple[str, list[TakenApart]]:
+    """The name of a font or a drawing, and its different pieces, word by word."""
+    source, name, pieces = open_glyphs(None), "", []
+    words = [None] if text is None else list(dict.fromkeys(text.split()))
+    page_of(words[0], font, svg, number=number, templates=templates)  # what is read but once
+    for word in words:
+        started = time.process_time()
+        page = page_of(word, font, svg, number=number, templates=templates)
+        glyphs = list({id(piece.glyph): piece.glyph for piece in page.pieces}.values())
+        seconds = (time.process_time() - started) / max(1, len(glyphs))
+        name = page.source
+        for glyph in glyphs:
+            known = known_strokes(source, glyph.text) if len(glyph.text) == 1 else None
+            listed = known and as_listed(glyph.strokes, known.strokes)
+            pieces.append(TakenApart(glyph, seconds, listed))
+    return name, pieces
 
 
 def draw_letters(font: FontFile, script: str, n: int, seed: int) -> str:

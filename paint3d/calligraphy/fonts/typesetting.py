@@ -16,6 +16,7 @@ from paint3d.calligraphy.fonts.line_breaks import break_line
 from paint3d.calligraphy.fonts.shaping import DIRECTIONS, Shaper, Style
 from paint3d.calligraphy.glyph_sources import GlyphSource
 from paint3d.calligraphy.glyphs import EM_UNITS, Glyph, GlyphStroke
+from paint3d.calligraphy.page.ink import as_multipolygon
 from paint3d.calligraphy.page.page import Page, Piece, bounds_of
 from paint3d.calligraphy.shapes.bare_ends import with_stubs
 from paint3d.calligraphy.shapes.decompose import decompose
@@ -141,7 +142,7 @@ class FontText:
         parts = [transform(part, lambda points: points - origin) for part in body.parts]
         template = self._template(body, text)
         strokes: list[GlyphStroke] = []
-        for part in parts:
+        for part in parts if template is None else [_together(parts)]:
             strokes += with_stubs(_taken_apart(part, template, first.is_rtl), _BOLD)
         left, lower, right, upper = bounds_of(part.bounds for part in parts)
         if self.runs_down:
@@ -174,6 +175,13 @@ def _taken_apart(part: MultiPolygon, template: Glyph | None, is_rtl: bool) -> li
         )
         for one in strokes
     ]
+
+
+def _together(parts: Sequence[MultiPolygon]) -> MultiPolygon:
+    """A body with its marks: the lines of a known character are those of both."""
+    from shapely import unary_union
+
+    return as_multipolygon(unary_union(parts))
 
 
 def _broken(paragraph: str, shaper: Shaper, room: float) -> list[str]:
