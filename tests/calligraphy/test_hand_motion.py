@@ -33,7 +33,8 @@ def motion(n=200):
     handle = EM * np.column_stack([0.2 + 0.6 * t, 0.5 + 0.3 * np.sin(5 * t)])
     height = 20.0 - 22.0 * np.sin(np.pi * t)
     zero = np.zeros(n, np.int32)
-    return Motion(t, handle, 3.0 * t, height, zero, zero.astype(np.int64))
+    none = zero.astype(np.int64)
+    return Motion(t, handle, 3.0 * t, height, zero, none, none)
 
 
 def laid(point):

@@ -100,7 +100,9 @@ def test_what_is_known_of_a_line_changes_nothing_but_the_time():
 
 def test_quarter_turn_of_the_paper_turns_the_course():
     a, b = example(0.3), example(0.3 + 0.5 * math.pi)
-    assert b.descent.max() == pytest.approx(a.descent.max(), rel=0.05)
+    # its body: which of two detours to a corner is the better by a hair may be another
+    body, turned = (np.percentile(course.descent, 75.0) for course in (a, b))
+    assert turned == pytest.approx(body, rel=0.05)
     assert overlap(b, footprints(), band(0.3 + 0.5 * math.pi, 12.0, 1.4, 0.6)[0]) == pytest.approx(
         overlap(a, footprints(), band(0.3, 12.0, 1.4, 0.6)[0]), abs=0.02
     )
