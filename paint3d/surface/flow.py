@@ -34,9 +34,7 @@ from paint3d.surface.kernels.wet_step import TOO_LITTLE_ROOM, Drink, Room, move_
 from paint3d.surface.pores import capacity_of, film_of
 from paint3d.surface.wet_patch import FIRST_PACE, WetPatch
 
-__all__ = [
-    "Flow",
-]
+__all__ = ["Flow", "WorkMemory", "work_memory"]
 
 _BUNDLE = 4000  # nodes that are moved by one thread, or more
 
@@ -62,8 +60,14 @@ _Given = TypeVar("_Given")
 _Found = TypeVar("_Found")
 
 
-class _Memory(threading.local):
-    """Memory for the work of a thread: what is asked for anew the system clears at each step."""
+class WorkMemory(threading.local):
+    """Memory for the work of a thread: what is asked for anew the system clears at each step.
+
+    Attributes
+    ----------
+    room : Room
+        What a step is handed to work in.
+    """
 
     def __init__(self) -> None:
         self._make(_ROOM)
@@ -81,7 +85,7 @@ class _Memory(threading.local):
             self._make(_ROOM)
 
 
-_memory = _Memory()
+work_memory = WorkMemory()
 
 
 @dataclass(eq=False)
@@ -343,11 +347,11 @@ class Flow:
         nodes = p.graph.nodes_of(blocks)
         fields, rims = p.fields(step.due, step.mobile, step.moved), p.graph.rims_of(blocks)
         while True:
-            stages = move_water(fields, nodes, rims, self._drink, _SHORTEST, rest, _memory.room)
+            stages = move_water(fields, nodes, rims, self._drink, _SHORTEST, rest, work_memory.room)
             if stages != TOO_LITTLE_ROOM:
                 break
-            _memory.grow()
-        _memory.give_back()
+            work_memory.grow()
+        work_memory.give_back()
         if stages < 0:
             return None
         return self._evaporate(nodes, float(rest[0]), step)

@@ -362,10 +362,10 @@ def test_memory_to_work_in_grows_as_it_must_and_is_given_back(monkeypatch):
     for least, most in ((1 << 18, 1 << 24), (1 << 8, 1 << 12)):
         monkeypatch.setattr(flows, "_ROOM", least)
         monkeypatch.setattr(flows, "_MOST_ROOM", most)
-        monkeypatch.setattr(flows, "_memory", flows._Memory())
+        monkeypatch.setattr(flows, "work_memory", flows.WorkMemory())
         surface = drop(PaintedSurface(grid(12, 0.5), None, SMOOTH), 2.0)
         surface.diffuse(1.0)
-        assert len(flows._memory.room.floats) == least
+        assert len(flows.work_memory.room.floats) == least
         found.append(surface.amounts)
     np.testing.assert_array_equal(*found)
 
