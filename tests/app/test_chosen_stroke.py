@@ -10,7 +10,7 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 from PySide6 import QtCore, QtGui, QtTest, QtWidgets
 
 from tests.support.app.gestures import live, pen_stroke, type_key, wait_for, when
-from tests.support.app.pointers import Touching
+from tests.support.app.pointers import Touching, move_view, places
 from tests.support.app.windows import faults, opened, settled
 
 LEFT, RIGHT = QtCore.Qt.MouseButton.LeftButton, QtCore.Qt.MouseButton.RightButton
@@ -53,11 +53,6 @@ def choose_in_menu(window, name: str) -> None:
     QtTest.QTest.mouseClick(panel.edit, LEFT)
     wait_for(lambda: chosen)
     live(0.05)
-
-
-def places(window, *shares) -> list[np.ndarray]:
-    """Places in the picture by shares of its size."""
-    return [np.array(one) * (window.canvas.width(), window.canvas.height()) for one in shares]
 
 
 @pytest.fixture(scope="module")
@@ -207,13 +202,7 @@ def test_a_finger_drags_a_stroke_and_does_not_paint(window, finger) -> None:
 def test_two_fingers_move_the_view_while_a_drag_is_waited_for(window) -> None:
     camera = window.hand.camera
     window.panels.history.edited.emit("drag", 0)
-    with Touching(window.canvas) as fingers:
-        one, begun, other, there, aside = places(
-            window, (0.44, 0.42), (0.46, 0.42), (0.54, 0.42), (0.49, 0.44), (0.60, 0.44)
-        )
-        fingers.set({1: one})
-        fingers.set({1: begun})
-        fingers.drag({1: (begun, there), 2: (other, aside)})
+    move_view(window)
     settled(window)
     assert window.hand.camera is not camera
     assert window.editing.drag.is_waiting

@@ -10,7 +10,7 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 from PySide6 import QtCore, QtGui, QtTest, QtWidgets
 
 from tests.support.app.gestures import BUTTON, KIND, answer, live, mouse, type_key, wait_for
-from tests.support.app.pointers import Touching
+from tests.support.app.pointers import Touching, move_view, places
 from tests.support.app.windows import opened, settled
 
 
@@ -95,10 +95,6 @@ def test_a_press_beside_the_object_turns_it_and_the_seal_waits(window) -> None:
     window.sealing.let_be()
 
 
-def places(window, *shares) -> list[np.ndarray]:
-    return [np.array(one) * (window.canvas.width(), window.canvas.height()) for one in shares]
-
-
 @pytest.mark.parametrize("finger", ["auto", "turn"])
 def test_a_finger_presses_it_too_and_paints_nothing(window, finger) -> None:
     window.canvas.finger = finger
@@ -114,13 +110,7 @@ def test_a_finger_presses_it_too_and_paints_nothing(window, finger) -> None:
 def test_two_fingers_move_the_view_and_the_seal_waits(window) -> None:
     camera = window.hand.camera
     ask(window, "永")
-    with Touching(window.canvas) as fingers:
-        one, begun, other, there, aside = places(
-            window, (0.44, 0.42), (0.46, 0.42), (0.54, 0.42), (0.49, 0.44), (0.60, 0.44)
-        )
-        fingers.set({1: one})
-        fingers.set({1: begun})
-        fingers.drag({1: (begun, there), 2: (other, aside)})
+    move_view(window)
     settled(window)
     assert window.hand.camera is not camera
     assert window.sealing.seal is not None

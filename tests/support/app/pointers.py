@@ -90,6 +90,22 @@ class Touching:
         live(0.05)
 
 
+def places(window, *shares) -> list[np.ndarray]:
+    """Places in the picture by shares of its size."""
+    return [np.array(one) * (window.canvas.width(), window.canvas.height()) for one in shares]
+
+
+def move_view(window) -> None:
+    """Put one finger on the object, move it, and go on with two."""
+    with Touching(window.canvas) as fingers:
+        one, begun, other, there, aside = places(
+            window, (0.44, 0.42), (0.46, 0.42), (0.54, 0.42), (0.49, 0.44), (0.60, 0.44)
+        )
+        fingers.set({1: one})
+        fingers.set({1: begun})
+        fingers.drag({1: (begun, there), 2: (other, aside)})
+
+
 def tap(canvas, *places) -> None:
     """Tap with fingers at these places, one after the other, and lift them."""
     with Touching(canvas) as fingers:
