@@ -399,11 +399,14 @@ def test_fewer_pixels_show_the_same_in_the_same_place(
 
 def test_fewer_pixels_lie_on_the_colours_around_that_there_are_now(surface: PaintedSurface) -> None:
     scene = painted_scene(surface, (120, 80))
+    colours = []
     for mood in (DARK, live_scene.LIGHT):
         scene.set_mood(mood)
         whole = scene.draw()[-3, 3].astype(int)
+        colours.append(whole)
         scene.draw_object(share=0.5)
         assert np.abs(scene.show()[-3, 3] - whole).max() <= 3
+    assert np.abs(colours[1] - colours[0]).max() > 30
 
 
 def test_what_is_in_front_has_all_its_pixels_over_an_object_that_has_fewer(
