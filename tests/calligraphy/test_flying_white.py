@@ -16,6 +16,7 @@ from paint3d.calligraphy.page.strokes_file import load_strokes, save_strokes
 from paint3d.calligraphy.writing import Pen, Written, write_page
 from paint3d.colour.materials import load_material
 from paint3d.device.recorded import Recording
+from paint3d.errors import InputError
 from paint3d.files.load import load_mesh
 from paint3d.painter.painter import Painter
 from paint3d.painter.recorded_tools import recorded_amount
@@ -125,3 +126,18 @@ def test_dryness_of_a_strokes_file_is_painted(tmp_path: Path):
 def test_whatever_is_asked_for_is_a_load(share: float):
     loads = loads_for(np.array([share]), np.array([1.0]), 1.0)
     assert 0.0 < loads[0] <= 1.0
+
+
+def test_more_dry_strokes_than_a_header_has_room_for_are_refused():
+    n = 2 * 1501
+    recording = Recording(
+        4_000_000 * np.arange(n, dtype=np.int64),
+        np.zeros((n, 3)),
+        np.tile([1.0, 0.0, 0.0, 0.0], (n, 1)),
+        np.full(n, 0.3),
+        np.zeros(n, np.int32),
+        header={},
+    )
+    loads = np.where(np.arange(n) % 2 == 0, 0.2, np.nan)  # every other sample a stroke of its own
+    with pytest.raises(InputError, match=r"1501 strokes .*; expected 1500 or fewer"):
+        with_loads(recording, loads)

@@ -67,6 +67,15 @@ def test_wet_paint_shines_and_is_darker_until_it_dries(scene):
     assert np.abs(dry - fresh)[spot].max() <= 2
 
 
+def test_what_is_wet_when_it_is_first_shown_hides_what_is_behind(scene):
+    surface = ball("cinnabar", "sized xuan")
+    picture = show(scene, surface)
+    picture()
+    surface.diffuse(0.1)
+    dampened = picture()
+    np.testing.assert_array_equal(show(scene, surface)(), dampened)
+
+
 def test_only_wet_patches_send_how_smooth_they_are():
     surface = ball("pine soot", "sized xuan")
     shown = LiveObject(surface, faces=200)

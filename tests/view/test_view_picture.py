@@ -89,6 +89,16 @@ def test_behind_the_paint_it_is_bare_and_chalk_has_no_highlights(tmp_path, portr
 
 
 @needs_opengl
+def test_a_roughness_told_for_each_vertex_is_that_of_the_whole(tmp_path):
+    arrays = inked_ball()
+    one = drawn(tmp_path, arrays, gloss=Gloss(0.75, 0.0))
+    each = np.full(len(arrays[0]), 0.75)
+    same = drawn(tmp_path, arrays, gloss=Gloss(0.75, 0.0, each=each))
+    assert np.abs(same - one).max() <= 2.0
+    smoother = drawn(tmp_path, arrays, gloss=Gloss(0.75, 0.0, each=0.4 * each))
+    assert np.abs(smoother - one).max() > 20.0
+
+
 def test_a_sheet_lies_flat_and_fills_the_frame(tmp_path):
     vertices, faces, normals = sheet(40.0, 30.0)
     srgb = np.tile(BARE, (len(vertices), 1))
