@@ -103,6 +103,7 @@ def test_a_table_that_is_gone_or_spoiled_is_one_line_and_nothing_breaks(
     with started(program) as window:
         open_table(window, table, monkeypatch)
         assert dip_in_last(window) == "dragon blood"
+    whole = table.read_text(encoding="utf-8")
     spoil(table)
     with started(program) as window:
         wait_for(lambda: told in window.status.told.text())
@@ -110,6 +111,10 @@ def test_a_table_that_is_gone_or_spoiled_is_one_line_and_nothing_breaks(
         assert own(window) == []
         assert window.document.inks[0] == "pine soot"
     with started(program) as window:  # told once
+        assert "mine.csv" not in window.status.told.text()
+    table.write_text(whole, encoding="utf-8")  # a stick that is plugged in again
+    with started(program) as window:
+        assert own(window) == ["dragon blood"]
         assert "mine.csv" not in window.status.told.text()
 
 

@@ -19,6 +19,7 @@ from paint3d.errors import Paint3DError, PigmentError
 __all__ = ["OwnPigments", "check_unlike_palette", "fingerprint_of", "own_pigments"]
 
 _DIGITS = 16  # of a fingerprint
+_OUT = "none"  # in its place: the table could not be used, which was told
 
 
 @dataclass
@@ -30,9 +31,10 @@ class OwnPigments:
     pigments : dict of str to Pigment
         By name; of two of one name that of the later table.
     tables : dict of str to str
-        The tables that can be read, and their fingerprints as they are now: to be kept.
+        All of them, and their fingerprints as they are now, "none" where a table is gone or cannot
+        be used: to be kept, for it may be back with a later start.
     problems : list of str
-        A line for each table that is gone, cannot be used, or is not as it was.
+        A line for each table that is gone, cannot be used, or is not as it was, since last time.
     """
 
     pigments: dict[str, Pigment] = field(default_factory=dict)
@@ -80,18 +82,27 @@ def own_pigments(tables: Mapping[str, str]) -> OwnPigments:
     """
     found = OwnPigments()
     for path, fingerprint in tables.items():
-        if not os.path.exists(path):
-            found.problems.append(f"{path}: is gone, and its pigments with it")
-            continue
         try:
-            now = fingerprint_of(path)
-            pigments = load_pigments_csv(path)
-            check_unlike_palette(pigments.values(), path)
+            now, pigments = _read(path)
         except Paint3DError as cause:
-            found.problems.append(f"{cause}; its pigments are left out")
+            found.tables[path] = _OUT
+            if fingerprint != _OUT:
+                found.problems.append(str(cause))
             continue
-        if now != fingerprint:
+        if fingerprint not in (_OUT, now):
             found.problems.append(f"{path}: has changed; its pigments are as it says now")
         found.pigments.update(pigments)
         found.tables[path] = now
     return found
+
+
+def _read(path: str) -> tuple[str, Mapping[str, Pigment]]:
+    """A table's fingerprint and its pigments; an error says that they are left out."""
+    if not os.path.exists(path):
+        raise PigmentError(f"{path}: is gone, and its pigments with it")
+    try:
+        fingerprint, pigments = fingerprint_of(path), load_pigments_csv(path)
+        check_unlike_palette(pigments.values(), path)
+    except Paint3DError as cause:
+        raise PigmentError(f"{cause}; its pigments are left out") from None
+    return fingerprint, pigments
