@@ -12,7 +12,7 @@ import math
 import unicodedata
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -218,7 +218,12 @@ class _Grid:
         gaps = (layout.gap, 0.0) if layout.order == "columns" else (0.0, layout.gap)
         self.pitch = em_mm * (1.0 + np.array(gaps))
         self._loose = math.inf if layout.around else 1.0
-        self.span = self._usable_span()
+        self._start = self._first_usable()
+
+    @cached_property
+    def span(self) -> tuple[float, float]:
+        """Lowest and highest place (mm up from the middle) where a square can be laid."""
+        return self._reach(self._start, -1.0), self._reach(self._start, 1.0)
 
     @property
     def room(self) -> float:
@@ -228,27 +233,22 @@ class _Grid:
 
     # -- how many fit -----------------------------------------------------------------------
 
-    def _usable_span(self) -> tuple[float, float]:
-        """Lowest and highest place (mm up from the middle) where a square can be laid."""
-        start = self._first_usable()
-        return self._reach(start, -1.0), self._reach(start, 1.0)
-
     def _first_usable(self) -> float:
         """The place nearest to the middle, up or down, where a square can be laid."""
         if self.layout.at is not None:
             self._square(self.middle.origin)
             return 0.0
-        lines = [self._climb(sign) for sign in (1.0, -1.0)]
         fault: MeshError | None = None
-        for away in 0.25 * self.em_mm * np.arange(7):
-            for line, sign in zip(lines, (1.0, -1.0), strict=True):
+        for away in (0.25 * self.em_mm * np.arange(7)).tolist():
+            for sign in (1.0, -1.0):
+                line = self._climb(sign)
+                reached = away if line.reaches(away) else line.length
                 try:
-                    self._square(line.at(min(away, line.length)))
+                    self._square(line.at(reached))
                 except MeshError as cause:
                     fault = fault or cause
                 else:
-                    result: float = sign * min(away, line.length)
-                    return result
+                    return sign * reached
         raise fault or MeshError(f"{self.surface.mesh.name}: no place to write")
 
     def _reach(self, start: float, sign: float) -> float:
@@ -257,7 +257,7 @@ class _Grid:
         known, step = start, 0.5 * self.em_mm
         while step > self.em_mm / 50.0:
             distance = sign * known + step
-            if distance < 0.0 or (distance <= line.length and self._usable(line.at(distance))):
+            if distance < 0.0 or (line.reaches(distance) and self._usable(line.at(distance))):
                 known += sign * step
             else:
                 step *= 0.5
@@ -290,12 +290,17 @@ class _Grid:
 
     def _has_room(self, shape: tuple[int, int], pitch: AnyArray) -> bool:
         """Whether so many squares fit, across and down, by the lines through the middle alone."""
-        low, high = self.span
-        down = (shape[1] - 1) * pitch[1] <= high - low + 0.02 * pitch[1]
+        if shape[1] > 1:
+            low, high = self.span
+            if (shape[1] - 1) * pitch[1] > high - low + 0.02 * pitch[1]:
+                return False
+        ring = shape[0] * pitch[0] / (1.0 + 1e-9)
+        half = 0.5 * ((shape[0] - 1) * pitch[0] + self.em_mm) / (1.0 + 1e-6)
+        if self.right.reaches(ring) and self.left.reaches(half):
+            return True  # whether the level line is closed or not
         if self.right.closed:
-            return bool(down and shape[0] * pitch[0] <= self.right.length * (1.0 + 1e-9))
-        room = 2.0 * min(self.right.length, self.left.length)
-        return bool(down and (shape[0] - 1) * pitch[0] + self.em_mm <= room * (1.0 + 1e-6))
+            return self.right.reaches(ring)
+        return self.right.reaches(half) and self.left.reaches(half)
 
     def how_many(self, lines: Sequence[str]) -> int:
         """How many characters of the text fit."""
@@ -326,6 +331,8 @@ class _Grid:
         if self.layout.order == "row" or len(lines) > 1:
             return [list(lines)]
         text, n = lines[0], len(lines[0])
+        if n == 1:
+            return [[text]]
         most = 1 + int((self.span[1] - self.span[0]) / self.pitch[1] + 0.02)
         heights = {math.ceil(n / math.ceil(n / tall)) for tall in range(1, most + 1)}
         ordered = sorted(heights, reverse=not self.layout.around)
@@ -380,16 +387,19 @@ class _Grid:
                 lines[cell.across] = self._column(left + cell.across * pitch[0], top, top - block)
             height = top - cell.down * pitch[1]
             line = lines[cell.across][0 if height >= 0.0 else 1]
-            if abs(height) > line.length + _TOUCHING * self.em_mm:
+            away = abs(height)
+            if not line.reaches(away - _TOUCHING * self.em_mm):
                 raise MeshError(f"{self.surface.mesh.name}: the surface ends within the text")
-            squares.append(self._square(line.at(min(abs(height), line.length))))
+            squares.append(self._square(line.at(away if line.reaches(away) else line.length)))
         return squares
 
     def _column(self, across: float, top: float, bottom: float) -> tuple[SurfaceLine, SurfaceLine]:
         """The lines up and down from the place so many mm to the right of the middle."""
-        level = self.right if across >= 0.0 or self.right.closed else self.left
-        distance = across if self.right.closed else abs(across)
-        if not level.closed and distance > level.length:
+        if across >= 0.0 or self.right.closed:
+            level, distance = self.right, across
+        else:
+            level, distance = self.left, -across
+        if not level.reaches(distance) and not level.closed:
             raise MeshError(f"{self.surface.mesh.name}: the surface ends within the text")
         frame = self._frame(level.at(distance))
         up = self._walk(frame, (0.0, 1.0), max(top, 0.0))
@@ -398,7 +408,7 @@ class _Grid:
     def _top(self, block: float) -> float:
         """Height (mm up from the middle) of the first row; the block is moved until it fits."""
         top = 0.5 * block
-        if self.layout.at is None:
+        if self.layout.at is None and (block > 0.0 or self._start != 0.0):
             low, high = self.span
             top = min(max(top, low + block), high)
         return top

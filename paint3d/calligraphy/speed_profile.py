@@ -184,9 +184,10 @@ def _bounded_by_neighbours(speed: AnyArray, step: float, limits: Limits) -> NDAr
     from_end = np.minimum(way, way[-1] - way)
     speed = np.minimum(speed, np.cbrt(4.5 * limits.jerk * from_end**2))
     most = 0.7 * limits.acceleration
-    for i in range(1, len(speed)):
-        speed[i] = min(speed[i], math.sqrt(speed[i - 1] ** 2 + 2.0 * most * step) + 1e-9)
-    for i in range(len(speed) - 2, -1, -1):
-        speed[i] = min(speed[i], math.sqrt(speed[i + 1] ** 2 + 2.0 * most * step) + 1e-9)
-    speed[[0, -1]] = 0.0
-    return speed
+    each = speed.tolist()  # Python's own numbers take a third of the time of an array's
+    for i in range(1, len(each)):
+        each[i] = min(each[i], math.sqrt(each[i - 1] ** 2 + 2.0 * most * step) + 1e-9)
+    for i in range(len(each) - 2, -1, -1):
+        each[i] = min(each[i], math.sqrt(each[i + 1] ** 2 + 2.0 * most * step) + 1e-9)
+    each[0] = each[-1] = 0.0
+    return np.array(each)

@@ -32,7 +32,6 @@ from paint3d.calligraphy.layout import Layout, layout_text
 from paint3d.calligraphy.page.laying import PlacedPiece, lay_page
 from paint3d.calligraphy.page.page import Composer, Page
 from paint3d.calligraphy.planning import PlanSettings, on_paper, plan_glyph
-from paint3d.calligraphy.processes import in_processes
 from paint3d.calligraphy.timing import Motion, Tempo, time_courses
 from paint3d.core.arrays import as_number
 from paint3d.core.types import AnyArray
@@ -257,6 +256,8 @@ def _plan_all(
         for glyph in glyphs:
             yield _planned(glyph, footprints, pen, processes)
         return
+    from paint3d.calligraphy.processes import in_processes
+
     yield from in_processes(partial(_planned, footprints=footprints, pen=pen), [*glyphs], n)
 
 

@@ -7,7 +7,9 @@ interrupted. With ``PAINT3D_DEBUG=1`` in the environment the traceback is shown 
 from __future__ import annotations
 
 import argparse
+import atexit
 import codecs
+import gc
 import io
 import logging
 import os
@@ -153,6 +155,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     for name in _ONE_THREAD:
         os.environ.setdefault(name, "1")
     _tell_any_name()
+    atexit.register(gc.freeze)  # or the interpreter goes over all that is there as it ends: 50 ms
     debug = os.environ.get("PAINT3D_DEBUG", "") not in ("", "0")
     if not debug and not sys.warnoptions:
         warnings.simplefilter("ignore")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import platform
 import sys
 from functools import cache
 
@@ -25,6 +24,8 @@ _PACKAGES = (
 
 def find_versions() -> dict[str, str]:
     """Versions by name; a package that is absent is listed as ``not installed``."""
+    import platform
+
     found = {"python": sys.version.split()[0], "system": platform.platform()}
     return found | {package: _version(package) for package in _PACKAGES}
 

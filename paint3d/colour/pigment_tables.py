@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import math
 import re
 from collections.abc import Mapping
 from pathlib import Path
@@ -153,15 +154,16 @@ def _read_row(
 
 def _read_spectrum(row: dict[str, Any], where: str, nm: AnyArray, columns: list[str]) -> AnyArray:
     """Values (31,) of one letter's columns, checked one by one."""
-    values = np.empty(nm.size)
-    for i, column in enumerate(columns):
+    values = []
+    for column in columns:
         try:
-            values[i] = float(row[column])
+            value = float(row[column])
         except (TypeError, ValueError):
             raise PigmentError(f"{where}: {column} is {row[column]!r}; expected a number") from None
-        if not (np.isfinite(values[i]) and values[i] >= 0):
+        if not 0.0 <= value < math.inf:
             raise PigmentError(
-                f"{where}: {column} is {values[i]:g}; expected a finite number of at least 0"
+                f"{where}: {column} is {value:g}; expected a finite number of at least 0"
             )
+        values.append(value)
     result: AnyArray = np.interp(BANDS_NM, nm, values)
     return result

@@ -95,12 +95,12 @@ def load_pigment(name: str, *, own_tables: bool = True) -> Pigment:
         if own not in table:
             raise UnknownNameError(f"ink of {file}", own, table)
         return table[own]
-    palette, paints = load_palette(), load_drawdown_paints()
-    found = palette.get(name) or paints.get(name)
+    palette = load_palette()
+    found = palette.get(name) or load_drawdown_paints().get(name)
     if found is None and name:
         plain = name.translate(_SIMPLIFIED)
         plain = _ALSO.get(plain, plain)
         found = next((p for p in (*palette.values(), WATER) if plain in (p.chinese, p.name)), None)
     if found is None:
-        raise UnknownNameError("ink", name, [*palette, *paints, WATER.name])
+        raise UnknownNameError("ink", name, [*palette, *load_drawdown_paints(), WATER.name])
     return found

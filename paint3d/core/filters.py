@@ -17,7 +17,6 @@ from paint3d.core.types import AnyArray
 __all__ = ["gaussian_filter1d", "maximum_filter1d", "median", "minimum_filter1d"]
 
 Border = Literal["nearest", "reflect"]
-_PADDING: dict[Border, Literal["edge", "symmetric"]] = {"nearest": "edge", "reflect": "symmetric"}
 
 
 def gaussian_filter1d(
@@ -69,10 +68,18 @@ def _windows(values: AnyArray, size: int, axis: int, mode: Border) -> AnyArray:
 
 
 def _padded(values: AnyArray, axis: int, n: int, mode: Border) -> AnyArray:
-    """Values with the axis in front, and with `n` more at both of its ends."""
-    front = np.moveaxis(values, axis, 0)
-    widths = [(n, n), *[(0, 0)] * (values.ndim - 1)]
-    return np.pad(front, widths, mode=_PADDING[mode])
+    """Values with the axis in front, and with `n` more at both of its ends.
+
+    As `numpy.pad` does it, which takes a tenth of a millisecond to find out how.
+    """
+    size = values.shape[axis]
+    at = np.arange(-n, size + n)
+    if mode == "nearest":
+        at = at.clip(0, size - 1)
+    else:
+        at %= 2 * size
+        at = np.minimum(at, 2 * size - 1 - at)
+    return np.moveaxis(values, axis, 0).take(at, axis=0)
 
 
 def median(values: AnyArray) -> float:

@@ -11,7 +11,6 @@ from typing import Any, TypeAlias
 from paint3d.errors import MeshError, UnknownNameError
 from paint3d.files.progress import Progress
 from paint3d.files.readers.package_meshes import package_class
-from paint3d.files.sandbox.isolation import read_apart
 from paint3d.files.sandbox.reading import (
     MESH_SUFFIXES,
     UNITS_MM,
@@ -123,6 +122,8 @@ def read_mesh(
     found = _find(path)
     if found is None:
         return replace(read_surface(_built_in(str(path)), wanted), knows_up=True)
+    from paint3d.files.sandbox.isolation import read_apart
+
     reading = read_apart(found, wanted, progress=progress)
     return _guessed(reading) if up == AUTO and not reading.knows_up else reading
 

@@ -6,11 +6,15 @@ geodesics would do.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from bisect import bisect_left
+from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from paint3d.core.arrays import as_array
+from paint3d.core.types import AnyArray
 from paint3d.errors import InputError
 from paint3d.mesh.chart import SurfaceFrame, frame_at
 from paint3d.mesh.closest_points import ClosestPoints
@@ -22,28 +26,47 @@ _LEAST_ADVANCE = 0.5
 _LONGEST_SIZES = 8.0  # diagonals after which a line that neither ends nor closes is left
 
 
-@dataclass(frozen=True, eq=False)
 class SurfaceLine:
-    """A line on a surface as M points.
+    """A line on a surface, walked as far as is asked of it; all of it, at most.
 
-    Attributes
-    ----------
-    points : (M, 3) float64
-        mm; the first is where the line started.
-    way : (M,) float64
-        Length up to each point, mm.
-    closed : bool
-        Whether the line came back to its start; `way[-1]` is then the length of the ring.
+    Made by `walk`.
     """
 
-    points: NDArray[np.float64]
-    way: NDArray[np.float64]
-    closed: bool
+    def __init__(self, steps: Iterator[tuple[AnyArray, float, bool]]) -> None:
+        self._steps = steps
+        self._points: list[AnyArray] = []
+        self._way: list[float] = []
+        self._closed = False
+        self.reaches(0.0)
+
+    @property
+    def points(self) -> NDArray[np.float64]:
+        """All its points (M, 3), mm; the first is where the line started."""
+        self.reaches(math.inf)
+        return np.array(self._points)
+
+    @property
+    def closed(self) -> bool:
+        """Whether the line comes back to its start; its length is then that of the ring."""
+        self.reaches(math.inf)
+        return self._closed
 
     @property
     def length(self) -> float:
         """How far the line goes, mm."""
-        return float(self.way[-1])
+        self.reaches(math.inf)
+        return self._way[-1]
+
+    def reaches(self, distance: float) -> bool:
+        """Whether the line is so long, mm; no more of it is walked than tells."""
+        while not self._way or self._way[-1] < distance:
+            step = next(self._steps, None)
+            if step is None:
+                return False
+            point, way, self._closed = step
+            self._points.append(point)
+            self._way.append(way)
+        return True
 
     def at(self, distance: float) -> NDArray[np.float64]:
         """The point (3,) after so many mm; on a closed line any number goes.
@@ -53,11 +76,15 @@ class SurfaceLine:
         InputError
             If an open line is shorter.
         """
-        if self.closed:
+        if not (distance >= 0.0 and self.reaches(distance)):
+            if not self.closed:
+                raise InputError(
+                    f"the line is {self.length:.1f} mm long; expected {distance:.1f} mm"
+                )
             distance %= self.length
-        if not 0.0 <= distance <= self.length:
-            raise InputError(f"the line is {self.length:.1f} mm long; expected {distance:.1f} mm")
-        return np.array([np.interp(distance, self.way, self.points[:, k]) for k in range(3)])
+        j = max(0, bisect_left(self._way, distance) - 1)
+        way, points = self._way[j : j + 2], np.array(self._points[j : j + 2])
+        return np.array([np.interp(distance, way, points[:, k]) for k in range(3)])
 
 
 def walk(
@@ -88,33 +115,47 @@ def walk(
     -----
     Two closest points a step, of about 30 us each.
     """
+    upwards = as_array(up, "up", (3,))
     low, high = surface.mesh.bounds
     size = float(np.linalg.norm(high - low))
     step = min(step_mm, size / _STEPS_PER_SIZE)
     most = _LONGEST_SIZES * size if most_mm is None else most_mm
-    frame, points, way = start, [start.origin], [0.0]
-    shortest = step / 30.0
-    while way[-1] < most:
+    return SurfaceLine(_points_along(surface, start, upwards, bearing, most, step))
+
+
+def _points_along(
+    surface: ClosestPoints,
+    start: SurfaceFrame,
+    up: AnyArray,
+    bearing: tuple[float, float],
+    most: float,
+    step: float,
+) -> Iterator[tuple[AnyArray, float, bool]]:
+    """Each point (3,), the way to it, mm, and whether it is the start again, the first as well."""
+    frame, way = start, 0.0
+    shortest, began = step / 30.0, start.origin
+    yield began, way, False
+    while way < most:
         following = _step(surface, frame, up, bearing, step)
         if following is None:
             step *= 0.5
             if step < shortest:
-                break
+                return
             continue
-        frame = following
-        way.append(way[-1] + float(np.linalg.norm(frame.origin - points[-1])))
-        points.append(frame.origin)
-        home = float(np.linalg.norm(frame.origin - points[0]))
-        if way[-1] > 4.0 * step and home < 0.75 * step and frame.normal @ start.normal > 0.5:
-            points[-1], way[-1] = points[0], way[-2] + float(np.linalg.norm(points[-2] - points[0]))
-            return SurfaceLine(np.array(points), np.array(way), True)
-    return SurfaceLine(np.array(points), np.array(way), False)
+        before, frame = frame.origin, following
+        onward = way + float(np.linalg.norm(frame.origin - before))
+        home = float(np.linalg.norm(frame.origin - began))
+        if onward > 4.0 * step and home < 0.75 * step and frame.normal @ start.normal > 0.5:
+            yield began, way + float(np.linalg.norm(before - began)), True
+            return
+        way = onward
+        yield frame.origin, way, False
 
 
 def _step(
     surface: ClosestPoints,
     frame: SurfaceFrame,
-    up: ArrayLike,
+    up: AnyArray,
     bearing: tuple[float, float],
     step: float,
 ) -> SurfaceFrame | None:

@@ -12,7 +12,7 @@ import dataclasses
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -24,7 +24,6 @@ from paint3d.brush.dynamics import build_curves
 from paint3d.brush.presets import load_brush
 from paint3d.brush.spec import BrushSpec
 from paint3d.brush_engine import placement
-from paint3d.brush_engine.bristles.stroke_loop import paint_with_hairs
 from paint3d.brush_engine.contact import Contact, find_contact
 from paint3d.brush_engine.footprint import Stamp
 from paint3d.brush_engine.ink_transfer import PAINTED, level_reservoirs
@@ -48,13 +47,15 @@ from paint3d.core.arrays import as_number
 from paint3d.core.types import AnyArray
 from paint3d.device.sample import DIP, DeviceSample
 from paint3d.errors import InputError
-from paint3d.painter.bristle_state import HairTuft
 from paint3d.painter.flat_input import LaidPad
 from paint3d.painter.ink_time import LOOKAHEAD, PIECE_S, Pauses, pieces_until
 from paint3d.painter.recorded_tools import recorded_loads
 from paint3d.pose.brush_pose import BrushPath, brush_poses, joined_samples, object_poses, velocities
 from paint3d.recording.recording import Recording
 from paint3d.surface.painted_surface import PaintedSurface
+
+if TYPE_CHECKING:
+    from paint3d.painter.bristle_state import HairTuft  # brings the kernels of hairs
 
 __all__ = ["Painter"]
 
@@ -315,6 +316,8 @@ class Painter:
             return None
         if not isinstance(wanted, BristleSpec):
             raise InputError(f"hairs is {wanted!r:.60}; expected a number or a BristleSpec")
+        from paint3d.painter.bristle_state import HairTuft
+
         return HairTuft(self.brush, wanted)
 
     def shape(self) -> None:
@@ -591,6 +594,8 @@ class Painter:
         canvas = Canvas(surface.contact_tree, surface.paint_mesh.arrays, surface.ink)
         if hairs is None:
             return int(paint_samples(samples, last, brush, canvas, progress, scratch))
+        from paint3d.brush_engine.bristles.stroke_loop import paint_with_hairs
+
         return int(paint_with_hairs(samples, last, brush, canvas, progress, scratch, hairs))
 
     def _fit_scratch(self) -> None:

@@ -243,6 +243,34 @@ def test_level_lines_close_and_keep_their_height():
     assert line.at(line.length + 5.0) == pytest.approx(line.at(5.0))
 
 
+def test_lines_are_walked_no_farther_than_asked(monkeypatch: pytest.MonkeyPatch):
+    surface, asked = body("bowl"), []
+    start = place(surface, (0.5, 0.5))
+    whole = walk(surface, start, (0, 0, 1), (1.0, 0.0))
+    places = [0.0, 3.0, 21.7, whole.length - 0.1, whole.length, whole.length + 4.0, -2.0]
+    expected = [whole.at(distance).tolist() for distance in places if whole.closed]
+    find = ClosestPoints.find
+    monkeypatch.setattr(
+        ClosestPoints, "find", lambda self, points: asked.append(1) or find(self, points)
+    )
+    line = walk(surface, start, (0, 0, 1), (1.0, 0.0))
+    assert line.reaches(20.0)
+    assert 0 < len(asked) <= 2 * 25, "two a step of a millimetre"
+    assert [line.at(distance).tolist() for distance in places] == expected
+    assert not line.reaches(whole.length + 0.01)
+    assert line.points.tolist() == whole.points.tolist()
+
+
+def test_one_character_walks_no_farther_than_its_square(monkeypatch: pytest.MonkeyPatch):
+    surface, asked = ClosestPoints(body("bowl").mesh), []
+    find = ClosestPoints.find
+    monkeypatch.setattr(
+        ClosestPoints, "find", lambda self, points: asked.append(1) or find(self, points)
+    )
+    layout_text(surface, "永", 20.0)
+    assert len(asked) < 400, "all around the bowl and up and down it are 2,000"
+
+
 def test_climbing_lines_end_where_the_surface_does():
     start = place(body("cylinder"), (0.5, 0.5))
     up = walk(body("cylinder"), start, (0, 0, 1), (0.0, 1.0))

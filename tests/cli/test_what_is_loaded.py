@@ -23,7 +23,10 @@ HEAVY = {
         "networkx",
     ),
 }
-SELDOM = {"numpy.ma", "html", "tomllib", "xml.etree", "paint3d.view.picture"}
+SELDOM = {
+    *("numpy.ma", "html", "tomllib", "xml.etree", "paint3d.view.picture"),
+    *("email", "multiprocessing", "subprocess", "paint3d.brush_engine.bristles"),
+}
 RUN = """
 import sys
 from paint3d.cli.main import main
