@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import ast
 import importlib
+import os
+import subprocess
 from pathlib import Path
 
 import pytest
@@ -30,3 +32,73 @@ def test_a_script_finds_what_it_imports(name: str, monkeypatch) -> None:
         for alias in node.names:
             if not hasattr(module, alias.name):
                 importlib.import_module(f"{node.module}.{alias.name}")
+
+
+# -- scripts/install, with stand-ins for the machine --------------------------------------------
+
+DPKG = """[ -e "$0.$4" ] || exit 1
+printf installed
+"""
+APT = """echo "$1 ${*:5}" >> "$0.log"
+case "$*" in update*) exit 0;; *"$(cat "$0.lacks")"*) exit 100;; esac
+for name in "$@"; do touch "${0%/*}/dpkg-query.$name"; done
+"""
+PYTHON = """[ "$2" = tools.kernels ]
+"""
+
+
+class Machine:
+    """A machine whose package manager and Python are stand-ins that note what they are asked."""
+
+    def __init__(self, root: Path) -> None:
+        self.tools, self.venv = root / "tools", root / "venv"
+        (self.venv / "bin").mkdir(parents=True)
+        self.tools.mkdir()
+        for path, code in {
+            self.tools / "dpkg-query": DPKG,
+            self.tools / "apt-get": APT,
+            self.tools / "sudo": '"$@"\n',
+            self.venv / "bin" / "python": PYTHON,
+        }.items():
+            path.write_text(f"#!/bin/bash\n{code}")
+            path.chmod(0o755)
+        wanted = f"{SCRIPTS.parent}\n{(SCRIPTS.parent / 'pyproject.toml').read_text()}"
+        (self.venv / "paint3d-installed").write_text(wanted)
+
+    def install(self, lacks: str = "nothing") -> tuple[int, str, list[str]]:
+        """Its exit status, its messages, and what apt-get was asked for; apt knows no `lacks`."""
+        log = self.tools / "apt-get.log"
+        log.write_text("")
+        (self.tools / "apt-get.lacks").write_text(lacks)
+        path = f"{self.tools}{os.pathsep}{os.environ['PATH']}"
+        done = subprocess.run(
+            [SCRIPTS / "install"], capture_output=True, text=True, check=False,
+            env={**os.environ, "PATH": path, "PAINT3D_VENV": str(self.venv)},
+        )  # fmt: skip
+        return done.returncode, done.stdout + done.stderr, log.read_text().splitlines()
+
+
+def test_what_is_missing_is_installed_at_once_and_once(tmp_path: Path) -> None:
+    machine = Machine(tmp_path)
+    status, said, asked = machine.install()
+    assert status == 0, said
+    assert len(asked) == 2
+    assert asked[0].startswith("update")
+    assert "libegl1" in asked[1]
+    assert "xvfb" in asked[1]
+    assert machine.install() == (0, f"install: ready in {machine.venv}\n", [])
+
+
+def test_without_what_only_tests_need_the_program_is_installed(tmp_path: Path) -> None:
+    status, said, asked = Machine(tmp_path).install(lacks="umockdev")
+    assert status == 0, said
+    assert "will be skipped" in said
+    assert "libegl1" in asked[-1]
+    assert "xvfb" not in asked[-1]
+
+
+def test_without_what_the_program_needs_it_ends_in_a_line_that_says_so(tmp_path: Path) -> None:
+    status, said, _ = Machine(tmp_path).install(lacks="libegl1")
+    assert status == 2
+    assert "error: could not install libgl1 libegl1" in said
+    assert said.splitlines()[-1].startswith("install: error: the system libraries are not there")

@@ -142,6 +142,7 @@ def compare(painted: NDArray[np.bool_], wanted: NDArray[np.bool_]) -> Likeness:
     if not painted.any() or not wanted.any():
         which = "painted" if wanted.any() else "wanted"
         raise InputError(f"the {which} shape is empty; expected pixels to compare")
+    painted, wanted = _cut_out(painted, wanted)
     both = int((painted & wanted).sum())
     return Likeness(
         iou=both / int((painted | wanted).sum()),
@@ -162,6 +163,13 @@ def _shares(fine: AnyArray) -> NDArray[np.float32]:
     blocks = fine.reshape(_SIDE, SAMPLES, _SIDE, SAMPLES)
     result: NDArray[np.float32] = blocks.mean(axis=(1, 3), dtype=np.float32)
     return result
+
+
+def _cut_out(a: AnyArray, b: AnyArray) -> tuple[AnyArray, AnyArray]:
+    """Two masks without what is empty around both, but for a pixel: no distance is another."""
+    rows, columns = (np.flatnonzero((a | b).any(axis=axis)) for axis in (1, 0))
+    kept = tuple(slice(max(0, at[0] - 1), at[-1] + 2) for at in (rows, columns))
+    return a[kept], b[kept]
 
 
 def _edge(mask: AnyArray) -> NDArray[np.bool_]:

@@ -1,3 +1,5 @@
+import functools
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -15,6 +17,7 @@ def box(x0, y0, x1, y1):
     return PIXEL * np.array([[x0, y0], [x1, y0], [x1, y1], [x0, y1]], float)
 
 
+@functools.cache
 def mask(*corners):
     return copybook_mask([box(*corners)], EM)
 

@@ -49,7 +49,7 @@ HAIRLINE = '<polygon points="90,90 100,60 110,4294967295" id="hair"/>'
 
 def test_a_hairline_is_left_out_and_said(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
     """Its line, in steps of its width, had four thousand million points."""
-    along = '<rect x="0" y="0" width="1e6" height="4294967295"/>'
+    along = '<rect x="0" y="0" width="4e7" height="4294967295"/>'
     with caplog.at_level(logging.WARNING):
         page = load_svg(drawing(tmp_path, along, HAIRLINE))
     assert len(page.pieces) == 1

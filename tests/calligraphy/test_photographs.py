@@ -41,7 +41,7 @@ def copied(text: str, seed: int, dry: float) -> tuple[Photographed, CopiedSheet]
 
 @pytest.mark.parametrize("seed", range(8))
 def test_corners_are_found(seed: int) -> None:
-    there = shot("永", seed, 0.0, Camera(size=800))
+    there = shot("永", seed, 0.0, Camera(size=640))
     side = np.linalg.norm(there.corners - np.roll(there.corners, -1, axis=0), axis=1).mean()
     off = np.linalg.norm(find_sheet(there.pixels) - there.corners, axis=1)
     assert off.max() < 0.006 * side

@@ -7,6 +7,7 @@ import functools
 import os
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -43,18 +44,17 @@ def _is_kernel(node: ast.AST, names: set[str]) -> bool:
 
 def called_by_python() -> set[str]:
     """Full names of all kernels that are named outside of kernels."""
-    trees = {
-        ".".join(path.relative_to(ROOT).with_suffix("").parts): ast.parse(text)
-        for path, text in _texts().items()
-    }
+    made = _trees(lambda text: any(name in text for name in DECORATORS))
+    decorators = {module: _decorators(tree) for module, tree in made.items()}
     kernels = {
         f"{module}.{node.name}"
-        for module, tree in trees.items()
+        for module, tree in made.items()
         for node in tree.body
-        if _is_kernel(node, _decorators(tree))
+        if _is_kernel(node, decorators[module])
     }
     found = set()
-    for module, tree in trees.items():
+    rooms = {kernel.rpartition(".")[0] for kernel in kernels}
+    for module, tree in _trees(lambda text: _may_import(text, rooms)).items() | made.items():
         local = {kernel.rpartition(".")[2]: kernel for kernel in kernels if _in(kernel, module)}
         for node in ast.walk(tree):
             if isinstance(node, ast.ImportFrom):
@@ -62,7 +62,7 @@ def called_by_python() -> set[str]:
         waiting: list[ast.AST] = [tree]
         while waiting:
             node = waiting.pop()
-            if _is_kernel(node, _decorators(tree)):
+            if _is_kernel(node, decorators.get(module, DECORATORS)):
                 continue
             if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Load):
                 found.add(local.get(node.id, ""))
@@ -70,6 +70,27 @@ def called_by_python() -> set[str]:
                 found.add(f"{local.get(node.value.id, '')}.{node.attr}")
             waiting.extend(ast.iter_child_nodes(node))
     return {kernel for kernel in found & kernels if not kernel.startswith(ONLY_MEASURED)}
+
+
+def _trees(is_of_them: Callable[[str], bool]) -> dict[str, ast.Module]:
+    """The modules whose text may matter; to parse and walk all takes seconds."""
+    return {
+        ".".join(path.relative_to(ROOT).with_suffix("").parts): _parsed(text)
+        for path, text in _texts().items()
+        if is_of_them(text)
+    }
+
+
+def _may_import(text: str, modules: set[str]) -> bool:
+    """Whether a text may import one of some modules, or something of it."""
+    parts = (module.rpartition(".") for module in modules)
+    return any(
+        f"from {room}.{name} import" in text or (f"from {room} import" in text and name in text)
+        for room, _, name in parts
+    )
+
+
+_parsed = functools.cache(ast.parse)
 
 
 def _in(kernel: str, module: str) -> bool:

@@ -13,7 +13,7 @@ from paint3d.mesh.refined_mesh import PaintMesh
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from tests.support.surface_cases import ball, flat, sheet, together, turned_over
 
-UP = np.array([0.0, 0.0, 1.0])
+UP = (0.0, 0.0, 1.0)
 
 
 def noisy(seed: int = 2, n: int = 250) -> TriangleMesh:
@@ -39,7 +39,7 @@ def foots(search, mesh: TriangleMesh, points: np.ndarray, up=UP, reach: float = 
     hit = []
     for k, p in enumerate(points):
         extra = () if search is closest_point else (np.zeros(5),)
-        hit.append(search(tree, tuple(p), up, reach, out[k], *extra))
+        hit.append(search(tree, tuple(p), tuple(up), reach, out[k], *extra))
     return np.array(hit), out, tree
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import functools
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
@@ -11,13 +12,15 @@ __all__ = ["circles", "import_graph", "reached"]
 Graph = Mapping[str, set[str]]
 
 
+@functools.cache
 def import_graph(package: Path) -> dict[str, set[str]]:
     """Module to the modules of the package that it names, also for types only and inside functions.
 
     A module imports the packages that it lies in.
     """
     files = {_name(file, package): file for file in package.rglob("*.py")}
-    return {name: _imports(file, name, files) for name, file in files.items()}
+    known = frozenset(files)
+    return {name: _imports(file, name, known) for name, file in files.items()}
 
 
 def _name(file: Path, package: Path) -> str:
@@ -25,15 +28,15 @@ def _name(file: Path, package: Path) -> str:
     return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
 
 
-def _imports(file: Path, name: str, known: Iterable[str]) -> set[str]:
+def _imports(file: Path, name: str, known: frozenset[str]) -> set[str]:
     found: set[str] = set()
     for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
         if isinstance(node, ast.Import):
             found |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom) and node.module:
-            inner = {f"{node.module}.{alias.name}" for alias in node.names} & set(known)
+            inner = {f"{node.module}.{alias.name}" for alias in node.names} & known
             found |= inner or {node.module}
-    return (found & set(known)) - {name}
+    return (found & known) - {name}
 
 
 def reached(graph: Graph, roots: Iterable[str]) -> set[str]:

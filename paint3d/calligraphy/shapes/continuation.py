@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from paint3d.calligraphy.shapes.skeleton import Branch, Junction, Skeleton
 from paint3d.core.types import AnyArray
 
-__all__ = ["Chain", "End", "chains_of", "mates_of", "resampled", "turn_between"]
+__all__ = ["Chain", "End", "chains_of", "dots", "mates_of", "resampled", "turns_between"]
 
 _MOST_TURN = 50.0  # degrees, of two branches that are one stroke
 _DIRECTION_FROM, _DIRECTION_TO = 1.0, 3.0  # radii beyond a junction where directions are taken
@@ -63,10 +63,22 @@ def resampled(line: AnyArray, step: float, least: int = 2) -> NDArray[np.float64
     return np.stack([np.interp(at, way, line[:, k]) for k in range(2)], axis=1)
 
 
-def turn_between(one: AnyArray, two: AnyArray) -> float:
-    """The angle between two directions, degrees."""
-    size = float(np.linalg.norm(one) * np.linalg.norm(two))
-    return math.degrees(math.acos(min(1.0, max(-1.0, float(one @ two) / size)))) if size else 0.0
+def dots(ones: AnyArray, twos: AnyArray) -> NDArray[np.float64]:
+    """The products of vectors (N, 2) with others, each rounded as one by itself is."""
+    result: NDArray[np.float64] = (ones[:, None] @ twos[:, :, None])[:, 0, 0]
+    return result
+
+
+def turns_between(ones: AnyArray, twos: AnyArray) -> NDArray[np.float64]:
+    """The angles between directions (N, 2) and others, degrees."""
+    sizes = np.sqrt(dots(ones, ones)) * np.sqrt(dots(twos, twos))
+    cosines = dots(ones, twos) / np.where(sizes > 0.0, sizes, 1.0)
+    angles = [math.degrees(math.acos(min(1.0, max(-1.0, one)))) for one in cosines.tolist()]
+    return np.where(sizes > 0.0, angles, 0.0)
+
+
+def _turn_between(one: AnyArray, two: AnyArray) -> float:
+    return float(turns_between(one[None], two[None])[0])
 
 
 def chains_of(
@@ -154,10 +166,10 @@ def _end(
 
 def _turning(one: End, two: End) -> float:
     """What it costs that one end goes on in another, degrees."""
-    own = turn_between(-one.way, two.way)
+    own = _turn_between(-one.way, two.way)
     gap = two.start - one.start
     if np.linalg.norm(gap) > 0.2 * (one.width + two.width):
-        across = 0.5 * (turn_between(-one.way, gap) + turn_between(two.way, gap))
+        across = 0.5 * (_turn_between(-one.way, gap) + _turn_between(two.way, gap))
     else:
         across = own
     ratio = max(one.width, 1e-12) / max(two.width, 1e-12)

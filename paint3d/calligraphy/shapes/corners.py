@@ -13,7 +13,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.calligraphy.shapes.continuation import resampled, turn_between
+from paint3d.calligraphy.shapes.continuation import dots, resampled, turns_between
 from paint3d.calligraphy.shapes.skeleton import Branch, Skeleton
 from paint3d.calligraphy.shapes.triangles import Triangles
 from paint3d.core.types import AnyArray
@@ -60,8 +60,8 @@ def cut_branch(
         return [branch]
     number = skeleton.add(line[at], radius)
     middles = triangles.points[triangles.corners[np.array(branch.cells, np.int64)]].mean(axis=1)
-    away = np.linalg.norm(middles[:, None] - line[None], axis=2)
-    first = np.argmin(away, axis=1) < at
+    dx, dy = (middles[:, None, k] - line[None, :, k] for k in (0, 1))
+    first = np.argmin(np.sqrt(dx * dx + dy * dy), axis=1) < at
     gate = np.array([line[at], line[at]])
     cells = np.array(branch.cells, np.int64)
     one = Branch(
@@ -90,34 +90,35 @@ def _corner_of(
     near, far = max(1, round(_NEAR * half / step)), max(2, round(_FAR * half / step))
     ring = skeleton.is_ring(branch)
     margin = 0 if ring else max(near + 1, round(_LEAST * half / step))
-    places = range(margin, len(points) - margin)
-    legs = {k: [_leg(points, k, sign, near, far, ring) for sign in (-1, 1)] for k in places}
-    turns = {k: turn_between(-one, two) for k, (one, two) in legs.items()}
-    for k in sorted(places, key=lambda k: -turns[k]):
+    places = np.arange(margin, len(points) - margin)
+    back, on = (_legs(points, places, sign * np.array([near, far]), ring) for sign in (-1, 1))
+    turns = turns_between(-back, on)
+    for k in np.argsort(-turns, kind="stable"):
         if turns[k] <= _SHARP:
             return None
-        around = (turns.get(k + d, 0.0) for d in range(-far, far + 1))
-        if turns[k] >= max(around) and _ends_a_stroke(legs[k], branch, skeleton):
-            return points[k], half
+        around = turns[max(0, k - far) : k + far + 1]
+        if turns[k] >= around.max() and _ends_a_stroke(back[k] + on[k], branch, skeleton):
+            return points[places[k]], half
     return None
 
 
-def _leg(
-    points: AnyArray, k: int, sign: int, near: int, far: int, ring: bool
-) -> NDArray[np.float64]:
-    """Unit vector from a corner along one of its legs."""
-    at = np.array([k + sign * near, k + sign * far])
+def _legs(points: AnyArray, places: AnyArray, reach: AnyArray, ring: bool) -> NDArray[np.float64]:
+    """Unit vectors (N, 2) from corners along one of their legs, between two numbers of points."""
+    at = places[:, None] + reach
     at = at % (len(points) - 1) if ring else np.clip(at, 0, len(points) - 1)
-    way = points[at[1]] - points[at[0]]
-    size = float(np.linalg.norm(way))
-    if size <= 0.0:
-        way, size = points[at[1]] - points[k], float(np.linalg.norm(points[at[1]] - points[k]))
-    result: NDArray[np.float64] = way / size if size > 0.0 else np.zeros(2)
+    ways = points[at[:, 1]] - points[at[:, 0]]
+    ways = np.where(_sizes(ways) > 0.0, ways, points[at[:, 1]] - points[places])
+    sizes = _sizes(ways)
+    result: NDArray[np.float64] = ways / np.where(sizes > 0.0, sizes, 1.0)
     return result
 
 
-def _ends_a_stroke(legs: list[NDArray[np.float64]], branch: Branch, skeleton: Skeleton) -> bool:
-    opening = legs[0] + legs[1]
+def _sizes(ways: AnyArray) -> NDArray[np.float64]:
+    return np.sqrt(dots(ways, ways))[:, None]
+
+
+def _ends_a_stroke(opening: AnyArray, branch: Branch, skeleton: Skeleton) -> bool:
+    """Whether one does at a corner of a branch, from the sum of the unit vectors of its legs."""
     angle = math.degrees(math.atan2(opening[1], opening[0]))
     if _BEGINNING[0] <= angle <= _BEGINNING[1]:
         return True

@@ -131,15 +131,20 @@ class Skeleton:
 
     def prune(self) -> None:
         """Leave out branches that hardly stick out of their junction, the least first."""
+        out: dict[Branch, float] = {}  # of those that are as they were
         while True:
             degrees = self.degrees()
-            out = [self._sticks_out(branch, degrees) for branch in self.branches]
-            least = min(range(len(out)), key=out.__getitem__, default=-1)
-            if least < 0 or out[least] >= _STICKS_OUT:
+            for branch in self.branches:
+                if branch not in out:
+                    out[branch] = self._sticks_out(branch, degrees)
+            least = min(self.branches, key=out.__getitem__, default=None)
+            if least is None or out[least] >= _STICKS_OUT:
                 return
-            branch = self.branches.pop(least)
-            tip, base = sorted(branch.ends, key=degrees.__getitem__)
-            self.junctions[base].cells += branch.cells + self.junctions.pop(tip).cells
+            self.branches.remove(least)
+            tip, base = sorted(least.ends, key=degrees.__getitem__)
+            self.junctions[base].cells += least.cells + self.junctions.pop(tip).cells
+            for other, _ in self.at(base):
+                out.pop(other, None)
             self._pass_through(base)
 
     def _sticks_out(self, branch: Branch, degrees: Counter[int]) -> float:
@@ -266,12 +271,9 @@ def _traced(triangles: Triangles) -> Skeleton:
         for k in range(3):
             branch = _walked(triangles, int(start), k, seen)
             if branch is not None:
-                line = [
-                    junctions[branch.ends[0]].point,
-                    *branch.line,
-                    junctions[branch.ends[1]].point,
-                ]
-                branches.append(replace(branch, line=np.array(line)))
+                first, last = (junctions[number].point[None] for number in branch.ends)
+                line = np.concatenate([first, branch.line, last])
+                branches.append(replace(branch, line=line))
     for start in np.flatnonzero(~seen):  # what is left are rings
         if not seen[start]:
             branches.append(_ring(triangles, int(start), seen))
@@ -292,38 +294,43 @@ def _node(triangles: Triangles, t: int, degree: int) -> NDArray[np.float64]:
 
 def _walked(triangles: Triangles, start: int, k: int, seen: NDArray[np.bool_]) -> Branch | None:
     """The branch through edge k of a triangle, or None where it is known or there is none."""
-    line, cells = [triangles.middle_of_edge(start, k)], []
-    onward = k
-    before, here = start, int(triangles.neighbours[start, k])
-    if here < 0:
+    first = triangles.beyond[start][k]
+    if first < 0 or (seen[first] and triangles.beyond[first].count(-1) == 1):
         return None
-    while (triangles.neighbours[here] >= 0).sum() == 2:
-        if seen[here]:
-            return None
-        seen[here] = True
-        cells.append(here)
-        onward = next(e for e in range(3) if triangles.neighbours[here, e] not in (-1, before))
-        line.append(triangles.middle_of_edge(here, onward))
-        before, here = here, int(triangles.neighbours[here, onward])
-    if not cells and start > here:  # neighbours are walked once
+    cells, ways = _corridor(triangles, start, k, seen)
+    before, onward = cells[-1], ways[-1]
+    here = triangles.beyond[before][onward]
+    if len(cells) == 1 and start > here:  # neighbours are walked once
         return None
     gates = triangles.edge(start, k), triangles.edge(before, onward)
-    return Branch((start, here), np.array(line), cells, gates)
+    return Branch((start, here), triangles.middles_of_edges[cells, ways], cells[1:], gates)
 
 
 def _ring(triangles: Triangles, start: int, seen: NDArray[np.bool_]) -> Branch:
     """A branch that closes on itself, from the start's number to itself."""
-    first = int(np.argmax(triangles.neighbours[start] >= 0))
-    line, cells = [triangles.middle_of_edge(start, first)], [start]
-    before, here = start, int(triangles.neighbours[start, first])
     seen[start] = True
-    while here != start:
-        seen[here] = True
-        cells.append(here)
-        onward = next(e for e in range(3) if triangles.neighbours[here, e] not in (-1, before))
-        line.append(triangles.middle_of_edge(here, onward))
-        before, here = here, int(triangles.neighbours[here, onward])
-    top = int(np.argmax(np.array(line)[:, 1]))
-    turned = line[top:] + line[:top]
+    first = int(np.argmax(triangles.neighbours[start] >= 0))
+    cells, ways = _corridor(triangles, start, first, seen)
+    line = triangles.middles_of_edges[cells, ways]
+    top = int(np.argmax(line[:, 1]))
     gate = triangles.edge(start, first)
-    return Branch((start, start), np.array([*turned, turned[0]]), cells, (gate, gate))
+    turned = np.concatenate([line[top:], line[: top + 1]])
+    return Branch((start, start), turned, cells, (gate, gate))
+
+
+def _corridor(
+    triangles: Triangles, start: int, k: int, seen: NDArray[np.bool_]
+) -> tuple[list[int], list[int]]:
+    """Triangles from one on, through its edge k, as long as they have two neighbours and are new.
+
+    With each stands the edge by which the way leaves it. What is walked through is marked as seen.
+    """
+    cells, ways = [start], [k]
+    while True:
+        here = triangles.beyond[cells[-1]][ways[-1]]
+        around = triangles.beyond[here]
+        if seen[here] or around.count(-1) != 1:
+            return cells, ways
+        seen[here] = True
+        ways.append(next(e for e in range(3) if around[e] not in (-1, cells[-1])))
+        cells.append(here)

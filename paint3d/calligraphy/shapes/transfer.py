@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.calligraphy.shapes.continuation import Chain, End, chains_of, resampled, turn_between
+from paint3d.calligraphy.shapes.continuation import Chain, End, chains_of, resampled, turns_between
 from paint3d.calligraphy.shapes.corners import cut_branch
 from paint3d.calligraphy.shapes.regions import Ink, Piece, line_of
 from paint3d.calligraphy.shapes.registration import register, tangents_of
@@ -201,9 +201,9 @@ def _change_in(branch: Branch, known: KnownStrokes) -> tuple[NDArray[np.float64]
     if len(points) < 2 * reach:
         return None
     turns = np.zeros(len(points))
-    for k in range(1, len(points) - 1):
-        low, high = max(0, k - reach), min(len(points) - 1, k + reach)
-        turns[k] = turn_between(points[k] - points[low], points[high] - points[k])
+    inner = np.arange(1, len(points) - 1)
+    low, high = np.maximum(0, inner - reach), np.minimum(len(points) - 1, inner + reach)
+    turns[inner] = turns_between(points[inner] - points[low], points[high] - points[inner])
     price = _CHANGE - _CORNER * np.minimum(turns / 90.0, 1.0)
     labels = _cheapest(known.costs(points) * _STEP, price)
     shortest = max(1, round(_SHORTEST * known.width / max(step, 1e-12)))

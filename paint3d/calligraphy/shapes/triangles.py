@@ -8,6 +8,7 @@ chordal axis of Prasad, 1997).
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -48,14 +49,22 @@ class Triangles:
         result: NDArray[np.int64] = (self.neighbours >= 0).sum(axis=1)
         return result
 
+    @cached_property
+    def beyond(self) -> list[list[int]]:
+        """The neighbours as lists, which are walked in a third of the time."""
+        rows: list[list[int]] = self.neighbours.tolist()
+        return rows
+
     def edge(self, triangle: int, k: int) -> NDArray[np.float64]:
         """Corner k of a triangle and the next (2, 2)."""
         result: NDArray[np.float64] = self.points[self.corners[triangle, [k, (k + 1) % 3]]]
         return result
 
-    def middle_of_edge(self, triangle: int, k: int) -> NDArray[np.float64]:
-        """Half-way between corner k of a triangle and the next."""
-        result: NDArray[np.float64] = self.edge(triangle, k).mean(axis=0)
+    @cached_property
+    def middles_of_edges(self) -> NDArray[np.float64]:
+        """Half-way between corner k of each triangle and the next (T, 3, 2)."""
+        corners = self.points[self.corners]
+        result: NDArray[np.float64] = (corners + np.roll(corners, -1, axis=1)) / 2.0
         return result
 
     def middle(self, triangle: int) -> NDArray[np.float64]:
@@ -65,11 +74,12 @@ class Triangles:
         squares = np.sum(edges**2, axis=1)
         longest = int(np.argmax(squares))
         if 2.0 * squares[longest] >= squares.sum():
-            return self.middle_of_edge(triangle, longest)
+            result: NDArray[np.float64] = self.middles_of_edges[triangle, longest]
+            return result
         # barycentric coordinates of the circumcentre, by the edges opposite to the corners
         opposite = np.roll(squares, -1)
         weights = opposite * (squares.sum() - 2.0 * opposite)
-        result: NDArray[np.float64] = weights @ corners / weights.sum()
+        result = weights @ corners / weights.sum()
         return result
 
     def region(self, triangles: AnyArray | list[int]) -> Polygon:
