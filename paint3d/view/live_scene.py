@@ -487,7 +487,7 @@ class LiveScene:
                 pixels = self._target.read(box)
                 sums = pixels.astype(np.uint16) if sums is None else sums + pixels
         if sums is not None:
-            self._target.write(box, _mean(sums))
+            self._target.write(box, _mean(sums, len(_JITTER)))
         kept.keep(box)
         self.frame_s = time.perf_counter() - started
 
@@ -577,7 +577,7 @@ class LiveScene:
             if len(shifts) > 1:
                 sums = pixels.astype(np.uint16) if sums is None else sums + pixels
         if sums is not None:
-            pixels = _mean(sums)
+            pixels = _mean(sums, len(shifts))
         top = self._size[1]
         self._pixels[top - box[3] : top - box[1], box[0] : box[2]] = pixels[::-1]
         self.frame_s += time.perf_counter() - started
@@ -708,9 +708,9 @@ def _box_of(edges: AnyArray) -> Box | None:
     return (x0, y0, x1, y1) if x1 > x0 and y1 > y0 else None
 
 
-def _mean(sums: AnyArray) -> AnyArray:
-    """The mean (H, W, 4) uint8 of four pictures, from their sum."""
-    return ((sums + 2) >> 2).astype(np.uint8)
+def _mean(sums: AnyArray, n: int) -> AnyArray:
+    """The mean (H, W, 4) uint8 of n pictures, from their sum (H, W, 4) uint16."""
+    return ((sums + n // 2) // n).astype(np.uint8)
 
 
 def _overlap(boxes: AnyArray, box: Box) -> NDArray[np.bool_]:

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import copy
 import faulthandler
+import hashlib
 import os
 import sys
 from collections.abc import Iterator
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from paint3d.app.model.persistence import settings
-from paint3d.view import live_light
+from paint3d.view import live_light, live_scene
+from paint3d.view.live_light import BakedLight, LiveLight
 from paint3d.view.studio import light_samples
 from tests.support.app.screens import start_screen
 
@@ -35,6 +39,42 @@ def few_lights() -> Iterator[None]:
     """
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(live_light, "light_samples", lambda n: light_samples(n)[::8])
+        yield
+
+
+@pytest.fixture(autouse=True, scope="session")
+def light_once(few_lights: None) -> Iterator[None]:
+    """Look for the light on an object once: the sheet alone is opened a hundred times.
+
+    What is found depends on nothing but what is hashed here.
+    """
+    found: dict[bytes, BakedLight] = {}
+    bake = LiveLight.bake
+
+    def baked(light: LiveLight) -> BakedLight:
+        parts = (light._points, light._normals, light._areas, light._mesh.base_faces, light.axes)
+        said = hashlib.blake2b()
+        for part in parts:
+            said.update(f"{part.dtype} {part.shape}".encode())
+            said.update(np.ascontiguousarray(part).data)
+        key = said.digest()
+        if key not in found:
+            found[key] = bake(light)
+        return copy.deepcopy(found[key])
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(LiveLight, "bake", baked)
+        yield
+
+
+@pytest.fixture(autouse=True, scope="module")
+def plain_edges() -> Iterator[None]:
+    """Draw what stands still once, not four times for smooth edges: half of a window's time.
+
+    Smooth edges are tested in tests/view, and in the files here whose `plain_edges` does nothing.
+    """
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(live_scene, "_JITTER", ((0.0, 0.0),))
         yield
 
 

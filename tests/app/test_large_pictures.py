@@ -20,6 +20,11 @@ from tests.support.app.windows import opened, settled
 SIZE = 1920, 1300
 
 
+@pytest.fixture(autouse=True, scope="module")
+def plain_edges() -> None:
+    """Edges are smoothed here as users see them."""
+
+
 @pytest.fixture(scope="module")
 def window(program):
     with opened(program, "sphere", 4.0, "porcelain") as window:

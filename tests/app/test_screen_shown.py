@@ -13,6 +13,11 @@ from tests.support.app.gestures import BUTTON, KIND, live, mouse, wait_for
 from tests.support.app.windows import opened, settled
 
 
+@pytest.fixture(autouse=True, scope="module")
+def plain_edges() -> None:
+    """Edges are smoothed here as users see them."""
+
+
 @pytest.fixture(scope="module")
 def window(program):
     with opened(program, "bowl", 2.0, "porcelain") as window:

@@ -63,6 +63,11 @@ def test_the_first_picture_comes_before_soft_light_is_looked_for(
     stage.close()
 
 
+@pytest.fixture(autouse=True, scope="module")
+def plain_edges() -> None:
+    """Edges are smoothed here as users see them."""
+
+
 @pytest.fixture(autouse=True)
 def all_pixels(monkeypatch: pytest.MonkeyPatch) -> None:
     """Draw whole pictures by all of their pixels, though the machine may be slow."""

@@ -17,6 +17,7 @@ from paint3d.brush.fitting import press_errors, read_presses
 from paint3d.brush.presets import brush_names, load_brush
 from paint3d.cli.main import main
 from paint3d.errors import BrushError
+from paint3d.view import brush_picture
 
 SHEET = "v 0 0 0\nv 90 0 0\nv 90 90 0\nv 0 90 0\nf 1 2 3 4\n"
 
@@ -41,8 +42,12 @@ def test_the_brushes_are_listed(capsys: pytest.CaptureFixture[str]) -> None:
     assert "flying white" in "".join(lines)
 
 
-def test_a_picture_of_each_is_written(tmp_path: Path) -> None:
-    folder = tmp_path / "pictures"
+def test_a_picture_of_each_is_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """One is looked at in its size; the others are drawn, too, with a sixteenth of its pixels."""
+    folder, draw = tmp_path / "pictures", brush_picture.draw_brush
+    monkeypatch.setattr(
+        brush_picture, "draw_brush", lambda b, ink: draw(b, ink, 240 if b.name == "full" else 60)
+    )
     assert main(["brushes", "--pictures", str(folder), "--quiet"]) == 0
     assert sorted(file.stem for file in folder.iterdir()) == sorted(brush_names())
     pixels = np.asarray(Image.open(folder / "full.png"))

@@ -10,13 +10,27 @@ import os
 import subprocess
 import sys
 import tempfile
+from multiprocessing.context import ForkServerContext
 from pathlib import Path
 
-__all__ = ["COMMANDS", "LIMIT_S", "run_forked"]
+from paint3d.files.sandbox.reading import READERS
+
+__all__ = ["COMMANDS", "LIMIT_S", "forkserver", "run_forked"]
 
 COMMANDS = {"replay", "export", "inks", "report"}  # commands that start no processes themselves
 _PRELOADED = [__name__, "paint3d.cli.main", "paint3d.files.export", "tests.support.warm"]
+_PRELOADED += ["tests.support.forked_reading"]
+_PRELOADED += [f"paint3d.files.readers.read_{kind}" for kind in (*set(READERS.values()), "foreign")]
+_PRELOADED += ["PIL.ImageCms", "scipy.sparse.csgraph", "scipy.spatial", "shapely", "lxml.etree"]
+_PRELOADED += ["trimesh", "collada", "svg.path"]  # what is not there is passed over
 LIMIT_S = 600.0
+
+
+def forkserver() -> ForkServerContext:
+    """What starts such processes; the one that they are forked from is started once."""
+    context = multiprocessing.get_context("forkserver")
+    context.set_forkserver_preload(_PRELOADED)
+    return context
 
 
 def _be_the_command(arguments: list[str], folder: str, cwd: Path | None) -> None:
@@ -35,10 +49,8 @@ def _be_the_command(arguments: list[str], folder: str, cwd: Path | None) -> None
 
 def run_forked(arguments: list[str], cwd: Path | None) -> subprocess.CompletedProcess[str]:
     """Run one of `COMMANDS` with its arguments, as `subprocess.run` does."""
-    context = multiprocessing.get_context("forkserver")
-    context.set_forkserver_preload(_PRELOADED)
     with tempfile.TemporaryDirectory() as folder:
-        process = context.Process(target=_be_the_command, args=(arguments, folder, cwd))
+        process = forkserver().Process(target=_be_the_command, args=(arguments, folder, cwd))
         process.start()
         process.join(LIMIT_S)
         if process.is_alive():

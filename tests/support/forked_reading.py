@@ -1,0 +1,126 @@
+"""Strangers' files, read in processes forked from one that has imported what reads them.
+
+Starting Python and importing is nearly all that a small file costs. The child that users have reads
+the first file of each kind, and whatever comes with limits of its own.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import subprocess
+import sys
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from multiprocessing import reduction
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+from paint3d.files.sandbox import child, isolation
+from tests.support.forked import forkserver
+
+__all__ = ["reading_by_forks"]
+
+_COMMAND = [sys.executable, "-I", "-W", "ignore", "-c", isolation.START]
+_SECONDS = {math.ceil(isolation.MAX_SECONDS), math.ceil(isolation.PICTURE_SECONDS)}
+_MEMORY = isolation.MAX_MEMORY
+
+
+class _Handed:
+    """An open file that a forked process gets, too."""
+
+    def __init__(self, descriptor: int) -> None:
+        self._descriptor = descriptor
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _as_it_is, (reduction.DupFd(self._descriptor),)
+
+
+def _as_it_is(handed: Any) -> Any:
+    return handed
+
+
+def _be_the_child(request: dict[str, Any], file: Any, environment: dict[str, str], cwd: str):
+    """The child of `isolation` in a process that was forked when its modules were there."""
+    nowhere = os.open(os.devnull, os.O_RDWR)
+    for number in range(3):
+        os.dup2(nowhere, number)
+    os.environ.clear()
+    os.environ.update(environment)
+    os.chdir(cwd)
+    warnings.simplefilter("ignore")
+    sys.argv = ["-c", json.dumps({**request, "file": file.detach()})]
+    child.main()
+
+
+class _Forked:
+    """What `isolation` asks of a `subprocess.Popen`."""
+
+    def __init__(self, request: dict[str, Any], environment: dict[str, str]) -> None:
+        handed = _Handed(request["file"])
+        self._process = forkserver().Process(
+            target=_be_the_child, args=(request, handed, environment, os.getcwd())
+        )
+        self._process.start()
+        self.pid = self._process.pid
+
+    def __enter__(self) -> _Forked:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._process.join()
+
+    @property
+    def returncode(self) -> int | None:
+        return self._process.exitcode
+
+    def communicate(self, timeout: float) -> None:
+        self._process.join(timeout)
+        if self._process.exitcode is None:
+            raise subprocess.TimeoutExpired(_COMMAND, timeout)
+
+    def kill(self) -> None:
+        self._process.kill()
+
+
+def _usual(command: list[str]) -> dict[str, Any] | None:
+    """What a child is asked for with the limits of every day, in our own surroundings."""
+    *begin, said, path = command
+    request: dict[str, Any] = json.loads(said)
+    limited = request["memory"] == _MEMORY and request["seconds"] in _SECONDS
+    here = json.loads(path) == [os.path.abspath(entry) for entry in sys.path]
+    return request if begin == _COMMAND and limited and here else None
+
+
+def _kind(request: dict[str, Any]) -> tuple[object, ...]:
+    name = Path(os.fsdecode(bytes.fromhex(request["path"]))).name.lower()
+    return request["kind"], *Path(name).suffixes[-2:], request["wanted"][2:3] == [True]
+
+
+@contextmanager
+def reading_by_forks() -> Iterator[None]:
+    """Have files read by forks, all but the first of each kind, with and without its picture."""
+    seen: list[tuple[object, ...]] = []
+
+    def start(command: list[str], **how: Any) -> subprocess.Popen[bytes] | _Forked:
+        request = _usual(command)
+        kind = None if request is None else _kind(request)
+        if request is None or kind not in seen:
+            seen.append(kind)
+            return subprocess.Popen(command, **how)
+        return _Forked(request, how["env"])
+
+    before = isolation.subprocess
+    isolation.subprocess = SimpleNamespace(
+        Popen=start,
+        DEVNULL=subprocess.DEVNULL,
+        PIPE=subprocess.PIPE,
+        TimeoutExpired=subprocess.TimeoutExpired,
+    )
+    try:
+        yield
+    finally:
+        isolation.subprocess = before
