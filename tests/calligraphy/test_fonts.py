@@ -16,9 +16,11 @@ from paint3d.calligraphy.fonts.shaping import Shaper, Style
 from paint3d.calligraphy.fonts.typesetting import FontText, set_text
 from paint3d.calligraphy.glyph_sources import open_glyphs
 from paint3d.calligraphy.page.laying import lay_page
+from paint3d.calligraphy.shapes.ductus import known_strokes
 from paint3d.errors import InputError
 from paint3d.files.load import load_mesh
 from paint3d.mesh.closest_points import ClosestPoints
+from tests.support.found_strokes import as_listed
 
 pytest.importorskip("uharfbuzz")
 pytest.importorskip("fontTools")
@@ -166,3 +168,46 @@ def test_a_dotted_letter_is_its_body_and_its_dot(text) -> None:
     assert np.ptp(body.outline[:, 1]) > 4.0 * np.ptp(dot.outline[:, 1])
     assert body.median[0, 1] > body.median[-1, 1]
     assert dot.outline[:, 1].min() > body.outline[:, 1].max()
+
+
+def strokes_of(text):
+    """The strokes of a text's first piece, where they stand on the line."""
+    source = open_glyphs(None)
+    piece = set_text(text, dejavu(), Style(), source, None).compose(math.inf).pieces[0]
+    return piece.glyph.strokes
+
+
+def turn_of(line):
+    """Twice the area that a line goes around, negative with the clock."""
+    x, y = line.T
+    return float(np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y))
+
+
+def test_a_nine_begins_with_its_ring() -> None:
+    """Straight on through its junction the tail would lead up into the ring."""
+    forms = known_strokes(open_glyphs(None), "9")
+    strokes = strokes_of("9")
+    assert as_listed(strokes, *(form.strokes for form in forms)).agrees
+    assert turn_of(strokes[0].median) > 0.0
+    ends = strokes[-1].median
+    assert ends[-1, 1] < ends[0, 1]
+    assert ends[-1, 0] < ends[0, 0]
+
+
+@pytest.mark.parametrize("letter", ["و", "ف", "ق"])
+def test_heads_of_arabic_letters_go_with_the_clock(letter) -> None:
+    """Around the head, then into the tail, which ends on the left; the dots come after it."""
+    body, *dots = strokes_of(letter)
+    head = body.median[body.median[:, 1] > np.median(body.outline[:, 1])]
+    assert turn_of(head) < 0.0
+    assert body.median[-1, 0] < body.median[0, 0]
+    assert all(dot.median[:, 1].min() > body.median[0, 1] for dot in dots)
+
+
+def test_a_joined_alef_goes_up_and_a_stem_is_added_last() -> None:
+    alef = max(strokes_of("با"), key=lambda stroke: float(np.ptp(stroke.median[:, 1])))
+    assert alef.median[-1, 1] > alef.median[0, 1]
+    body, stem = strokes_of("ط")
+    assert np.ptp(stem.median[:, 0]) < 0.1 * np.ptp(stem.median[:, 1])
+    assert stem.median[0, 1] > stem.median[-1, 1]
+    assert turn_of(body.median) < 0.0

@@ -24,6 +24,7 @@ _CLOSED = 0.2  # of a line's length between its ends: it is a ring
 _FLAT = 0.07  # of the greater side of a box: the least that the other one is taken for
 _POINTS = 24  # of a line
 _DOT = 0.15  # of the box: a shorter line is a dot's, which has no direction
+_LISTED_DOT = 0.15  # of the greater side of its letter: the same of the table's
 
 
 @dataclass(frozen=True)
@@ -111,20 +112,40 @@ class AsListed:
         return self.direction == 1.0 and not self.tau < 1.0 - 1e-9
 
 
-def as_listed(strokes: Sequence[GlyphStroke], table: Sequence[GlyphStroke]) -> AsListed:
+def as_listed(strokes: Sequence[GlyphStroke], *forms: Sequence[GlyphStroke]) -> AsListed:
     """Pair strokes with the table's, box laid on box, so that they lie nearest; and compare.
 
     Nothing is bent to fit: what the decomposition did to lay the same lines over the shape has no
-    part in it.
+    part in it. Of a letter's several forms that counts whose lines lie nearest, whatever their
+    order and direction.
     """
     lines = _in_unit_box([stroke.median for stroke in strokes])
-    wanted = _in_unit_box([stroke.median for stroke in table])
-    away = np.array([[[_apart(a, b), _apart(a[::-1], b)] for b in wanted] for a in lines])
-    rows, columns = linear_sum_assignment(away.min(axis=2))
-    pairs = list(zip(rows, columns, strict=True))
-    tau = kendalltau(rows, columns)[0] if len(pairs) > 1 else np.nan
-    same = [_same_course(lines[i], wanted[j]) for i, j in pairs]
-    return AsListed(len(strokes) - len(table), float(tau), float(np.mean(same)))
+    paired = [_paired(lines, _in_unit_box([one.median for one in form])) for form in forms]
+    nearest = min(range(len(forms)), key=lambda k: paired[k][0])
+    _, wanted, pairs = paired[nearest]
+    dots = _dots(forms[nearest])
+    tau = kendalltau(*zip(*pairs, strict=True))[0] if len(pairs) > 1 else np.nan
+    same = [j in dots or _same_course(lines[i], wanted[j]) for i, j in pairs]
+    return AsListed(len(strokes) - len(wanted), float(tau), float(np.mean(same)))
+
+
+def _paired(
+    lines: Sequence[np.ndarray], table: list[np.ndarray]
+) -> tuple[float, list[np.ndarray], list[tuple[int, int]]]:
+    """How far strokes are from a table's, whatever their direction; the table; and the pairs."""
+    away = np.array([[min(_apart(a, b), _apart(a[::-1], b)) for b in table] for a in lines])
+    rows, columns = linear_sum_assignment(away)
+    one, two = np.concatenate(lines), np.concatenate(table)
+    apart = np.linalg.norm(one[:, None] - two[None], axis=2)
+    unlike = float(apart.min(axis=0).mean() + apart.min(axis=1).mean())
+    pairs = [(int(i), int(j)) for i, j in zip(rows, columns, strict=True)]
+    return unlike + float(away[rows, columns].mean()), table, pairs
+
+
+def _dots(table: Sequence[GlyphStroke]) -> set[int]:
+    """Which strokes of a letter are dots."""
+    side = float(np.ptp(np.concatenate([one.median for one in table]), axis=0).max())
+    return {k for k, one in enumerate(table) if length_of(one.median) < _LISTED_DOT * side}
 
 
 def _in_unit_box(lines: Sequence[AnyArray]) -> list[np.ndarray]:

@@ -155,8 +155,8 @@ def pieces_of(
         seconds = (time.process_time() - started) / max(1, len(glyphs))
         name = page.source
         for glyph in glyphs:
-            known = known_strokes(source, glyph.text) if len(glyph.text) == 1 else None
-            listed = known and as_listed(glyph.strokes, known.strokes)
+            forms = known_strokes(source, glyph.text) if len(glyph.text) == 1 else ()
+            listed = as_listed(glyph.strokes, *(one.strokes for one in forms)) if forms else None
             pieces.append(TakenApart(glyph, seconds, listed))
     return name, pieces
 

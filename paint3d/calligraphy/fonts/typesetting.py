@@ -16,8 +16,9 @@ from paint3d.calligraphy.fonts.line_breaks import break_line
 from paint3d.calligraphy.fonts.shaping import DIRECTIONS, Shaper, Style
 from paint3d.calligraphy.glyph_sources import GlyphSource
 from paint3d.calligraphy.glyphs import EM_UNITS, Glyph, GlyphStroke
-from paint3d.calligraphy.page.ink import as_multipolygon
+from paint3d.calligraphy.page.ink import as_multipolygon, polygons_of
 from paint3d.calligraphy.page.page import Page, Piece, bounds_of
+from paint3d.calligraphy.shapes.arabic_ductus import PlacedLetter, body_strokes, form_of
 from paint3d.calligraphy.shapes.bare_ends import with_stubs
 from paint3d.calligraphy.shapes.decompose import decompose
 from paint3d.calligraphy.shapes.ductus import known_strokes
@@ -140,10 +141,12 @@ class FontText:
         first = body.glyphs[0]
         origin = np.array([first.x, first.y])
         parts = [transform(part, lambda points: points - origin) for part in body.parts]
-        template = self._template(body, text)
+        forms = self._forms(body, text)
         strokes: list[GlyphStroke] = []
-        for part in parts if template is None else [_together(parts)]:
-            strokes += with_stubs(_taken_apart(part, template, first.is_rtl), _BOLD)
+        shapes = [_together(parts)] if forms else parts
+        ways = [forms or self._way_through(body, text), *[()] * (len(shapes) - 1)]
+        for shape, known in zip(shapes, ways, strict=True):
+            strokes += with_stubs(_taken_apart(shape, known, first.is_rtl), _BOLD)
         left, lower, right, upper = bounds_of(part.bounds for part in parts)
         if self.runs_down:
             half = max(-(left + first.x - middle), right + first.x - middle)
@@ -153,28 +156,61 @@ class FontText:
             lower, upper = middle - first.y - half, middle - first.y + half
         return Glyph(text, tuple(strokes), (left, lower, right, upper))
 
-    def _template(self, body: Body, text: str) -> Glyph | None:
+    def _forms(self, body: Body, text: str) -> tuple[Glyph, ...]:
         """The strokes of a character that is known; none of what is joined of several."""
         single = len(body.glyphs) == 1 and len(text) == 1
         if not single or self.templates is None or body.glyphs[0].script not in _TAUGHT:
-            return None
+            return ()
         return known_strokes(self.templates, text)
 
+    def _way_through(self, body: Body, text: str) -> tuple[Glyph, ...]:
+        """The way of the pen through a body of Arabic letters, from its first glyph's origin."""
+        first = body.glyphs[0]
+        if self.templates is None or first.script != "Arab":
+            return ()
+        starts = sorted({one.cluster for one in body.glyphs})
+        letters = []
+        for one in body.glyphs:
+            ink = self.font.outline(one.glyph)
+            if ink.is_empty or self.font.is_mark(one.glyph):
+                continue
+            largest = max(polygons_of(ink), key=lambda piece: piece.area)
+            at = np.tile([one.x - first.x, one.y - first.y], 2)
+            end = min((c for c in starts if c > one.cluster), default=len(text) + starts[0])
+            letter = _joining(text, one.cluster - starts[0], end - starts[0])
+            letters.append(PlacedLetter(*letter, np.array(largest.bounds) + at))
+        way = body_strokes(letters)
+        return () if way is None else (way,)
 
-def _taken_apart(part: MultiPolygon, template: Glyph | None, is_rtl: bool) -> list[GlyphStroke]:
+
+def _joining(text: str, start: int, end: int) -> tuple[str, str]:
+    """The letters of a body's text that a glyph stands for, and their form."""
+    bare = [
+        "".join(c for c in part if not unicodedata.combining(c))
+        for part in (text[:start], text[start:end], text[end:])
+    ]
+    before, letters, after = bare[0][-1:], bare[1], bare[2][:1]
+    return letters, form_of(before, letters, after)
+
+
+def _taken_apart(part: MultiPolygon, forms: Sequence[Glyph], is_rtl: bool) -> list[GlyphStroke]:
     """The strokes of ink; what is written from the right is taken apart as in a mirror."""
     from shapely import transform
 
     if not is_rtl:
-        return decompose(part, template=template)
+        return decompose(part, template=forms)
     mirrored = transform(part, lambda points: points * _MIRROR)
-    strokes = decompose(mirrored, template=template, runs_on=True)
-    return [
+    turned = [replace(form, strokes=_mirrored(form.strokes)) for form in forms]
+    return list(_mirrored(decompose(mirrored, template=turned, runs_on=True)))
+
+
+def _mirrored(strokes: Sequence[GlyphStroke]) -> tuple[GlyphStroke, ...]:
+    return tuple(
         GlyphStroke(
             one.outline * _MIRROR, one.median * _MIRROR, tuple(hole * _MIRROR for hole in one.holes)
         )
         for one in strokes
-    ]
+    )
 
 
 def _together(parts: Sequence[MultiPolygon]) -> MultiPolygon:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,13 +15,17 @@ from paint3d.calligraphy.shapes.corners import cut_at_corners
 from paint3d.calligraphy.shapes.regions import Ink, Piece, has_way, piece_of, shared_out
 from paint3d.calligraphy.shapes.skeleton import skeleton_of
 from paint3d.calligraphy.shapes.transfer import (
-    fits,
+    Fit,
+    KnownStrokes,
+    Told,
+    fit_of,
     in_known_order,
     label_chains,
     lay_over,
 )
 from paint3d.calligraphy.shapes.triangles import triangulate
 from paint3d.calligraphy.shapes.writing_order import in_writing_order
+from paint3d.core.types import AnyArray
 from paint3d.errors import InputError
 
 if TYPE_CHECKING:
@@ -37,7 +42,10 @@ _SHORTEST = 0.25  # of a dot's width: its line
 
 
 def decompose(
-    outline: MultiPolygon, *, template: Glyph | None = None, runs_on: bool = False
+    outline: MultiPolygon,
+    *,
+    template: Glyph | Sequence[Glyph] | None = None,
+    runs_on: bool = False,
 ) -> list[GlyphStroke]:
     """The strokes that an ink shape is made of, in order and direction of writing.
 
@@ -45,14 +53,15 @@ def decompose(
     ----------
     outline : shapely.MultiPolygon
         Any unit, y upwards.
-    template : Glyph, optional
-        The strokes of the character where it is known, in any frame: their order and direction
+    template : Glyph or sequence of Glyph, optional
+        The strokes of the character where it is known, in any frame, or several forms of it, of
+        which the one that fits best counts: their order and direction
         are carried onto the shape. Where the shape joins its strokes, as running hands do, or
         is another character, its own strokes stay, in the order and direction of those that they
         lie upon.
     runs_on : bool
-        Where no character is known: whether it is letters joined along a line; see
-        `in_writing_order`.
+        Whether it is letters joined along a line: they keep their own strokes, in the order in
+        which these begin; see `in_writing_order` for letters that are not known.
 
     Returns
     -------
@@ -70,7 +79,9 @@ def decompose(
     low = np.array(outline.bounds[:2])
     size = 2.0 ** math.ceil(math.log2(max(np.ptp(np.reshape(outline.bounds, (2, 2)), axis=0))))
     even = [_evened(part, low, size) for part in parts]
-    return [_stroke(piece, low, size) for piece in _pieces_of(even, template, runs_on)]
+    forms = [template] if isinstance(template, Glyph) else template or ()
+    lines = [[stroke.median for stroke in form.strokes] for form in forms if form.strokes]
+    return [_stroke(piece, low, size) for piece in _pieces_of(even, lines, runs_on)]
 
 
 def _evened(part: Polygon, low: NDArray[np.float64], size: float) -> Polygon:
@@ -80,20 +91,57 @@ def _evened(part: Polygon, low: NDArray[np.float64], size: float) -> Polygon:
     return shapely.transform(part, lambda p: np.round((p - low) / size * _GRID) / _GRID)
 
 
-def _pieces_of(parts: list[Polygon], template: Glyph | None, runs_on: bool) -> list[Piece]:
+def _pieces_of(
+    parts: list[Polygon], forms: Sequence[Sequence[AnyArray]], runs_on: bool
+) -> list[Piece]:
     """The strokes of connected shapes, in order and direction of writing."""
-    if template is None or not template.strokes:
+    if not forms:
         pieces = [piece for part in parts for piece in _by_shape(_ink_of(part))]
         return in_writing_order(pieces, runs_on=runs_on)
-    inks = [_ink_of(part) for part in parts]
-    known = lay_over([stroke.median for stroke in template.strokes], inks, _width(parts))
-    told = [label_chains(ink, known) for ink in inks]
-    if fits(inks, known, told):
-        pairs = zip(inks, told, strict=True)
+    if runs_on:
+        return _along_the_line(parts, forms[0])
+    best = min((_laid_over(parts, lines) for lines in forms), key=lambda one: (one.fit, one.away))
+    if best.fit is Fit.WHOLE:
+        pairs = zip(best.inks, best.told, strict=True)
         mine = [x for ink, one in pairs for x in _by_template(ink, one.chains)]
+        return in_known_order(mine, best.known)
+    if best.fit is Fit.JOINED:
+        own = _by_own_lines([_ink_of(part) for part in parts], best.known)
     else:
-        mine = [(piece, None) for part in parts for piece in _by_shape(_ink_of(part))]
-    return in_known_order(mine, known)
+        own = [piece for part in parts for piece in _by_shape(_ink_of(part))]
+    return in_known_order([(piece, None) for piece in own], best.known)
+
+
+def _by_own_lines(inks: Sequence[Ink], known: KnownStrokes) -> list[Piece]:
+    """The strokes of shapes that join known ones: only corners are cut where these change."""
+    told = [label_chains(ink, known, tear=False) for ink in inks]
+    pairs = zip(inks, told, strict=True)
+    return [piece for ink, one in pairs for piece, _ in _by_template(ink, one.chains)]
+
+
+def _along_the_line(parts: list[Polygon], lines: Sequence[AnyArray]) -> list[Piece]:
+    """The strokes of letters that are joined along a line, where the way through them is known."""
+    inks = [_ink_of(part) for part in parts]
+    known = lay_over(lines, inks, _width(parts))
+    pieces = [(piece, None) for piece in _by_own_lines(inks, known)]
+    return in_known_order(pieces, known, by_start=True)
+
+
+class _Laid(NamedTuple):
+    """A form of a known character, laid over the shape."""
+
+    fit: Fit
+    away: float
+    known: KnownStrokes
+    inks: list[Ink]
+    told: list[Told]
+
+
+def _laid_over(parts: list[Polygon], lines: Sequence[AnyArray]) -> _Laid:
+    inks = [_ink_of(part) for part in parts]
+    known = lay_over(lines, inks, _width(parts))
+    told = [label_chains(ink, known) for ink in inks]
+    return _Laid(*fit_of(inks, known, told), known, inks, told)
 
 
 def _width(parts: list[Polygon]) -> float:

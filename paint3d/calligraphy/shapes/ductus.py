@@ -60,9 +60,16 @@ _LINES = {
 }  # fmt: skip
 _OWN = {text: lines for letters, lines in _LINES.items() for text in letters}
 
+_ALSO = {
+    "g": ".9,.8 .6,1 .25,.95 0,.75 .1,.5 .45,.42 .8,.55 .95,.75; 1,1 .9,.5 .75,.15 .4,0 0,.1",
+    "k": "0,1 0,0 .15,.35 .5,.62 .85,.65 .85,.5 .5,.38 .2,.35; .4,.36 .7,.05 1,0",
+}
+_OTHER = {text: lines for letters, lines in _ALSO.items() for text in letters}
+"""The g with one storey, and the k of running hands, whose arm is a loop."""
 
-def known_strokes(source: GlyphSource, text: str) -> Glyph | None:
-    """The strokes of a character: a source's, those of a letter of the same shape, or listed ones.
+
+def known_strokes(source: GlyphSource, text: str) -> tuple[Glyph, ...]:
+    """The strokes of a character in each of its forms: a source's, or of a letter alike, or listed.
 
     Parameters
     ----------
@@ -72,16 +79,22 @@ def known_strokes(source: GlyphSource, text: str) -> Glyph | None:
 
     Returns
     -------
-    Glyph or None
-        Its lines count, in any frame; listed ones have no outlines.
+    tuple of Glyph
+        None where it is not known. Their lines count, in any frame; listed ones have no outlines.
     """
+    forms = []
     for known in (text, _ALIKE.get(text, "")):
         if known and source.has(known):
-            return source.load(known)
-    if text not in _OWN:
-        return None
-    lines = [
+            forms.append(source.load(known))
+            break
+    listed = ([] if forms else [_OWN.get(text)]) + [_OTHER.get(_ALIKE.get(text, text))]
+    return (*forms, *(_listed(text, lines) for lines in listed if lines is not None))
+
+
+def _listed(text: str, lines: str) -> Glyph:
+    """A glyph of lines that are written as points "x,y x,y; x,y x,y"."""
+    strokes = [
         np.array([[float(x) for x in point.split(",")] for point in line.split()])
-        for line in _OWN[text].split(";")
+        for line in lines.split(";")
     ]
-    return Glyph(text, tuple(GlyphStroke(np.empty((0, 2)), line) for line in lines))
+    return Glyph(text, tuple(GlyphStroke(np.empty((0, 2)), line) for line in strokes))

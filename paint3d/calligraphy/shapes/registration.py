@@ -16,7 +16,7 @@ from paint3d.calligraphy.shapes.continuation import resampled
 from paint3d.calligraphy.shapes.skeleton import length_of
 from paint3d.core.types import AnyArray
 
-__all__ = ["register", "tangents_of"]
+__all__ = ["STARTS", "register", "tangents_of"]
 
 _SIDE = 900.0  # the larger side of what is laid over, in the units of the lengths below
 _MOST_POINTS, _LEAST_STEP = 120, 14.0
@@ -30,6 +30,9 @@ _UNALIKE = 0.03  # what remains of the sight across lines at right angles
 _SURE, _UNSURE = 1.5, 0.02
 _OUTER = (2.0, 98.0)  # percentiles of the boxes that are laid over each other first
 _STRETCH = (0.4, 2.5)
+_SWASH = 15.0  # percent of a capital's skeleton that may be an ornament on its left
+STARTS = ("box", "slanted", "swash")
+"""How lines are first laid over a skeleton, in the order in which it is tried."""
 
 
 def tangents_of(line: AnyArray) -> NDArray[np.float64]:
@@ -42,7 +45,7 @@ def tangents_of(line: AnyArray) -> NDArray[np.float64]:
 
 
 def register(
-    lines: Sequence[AnyArray], targets: AnyArray, tangents: AnyArray
+    lines: Sequence[AnyArray], targets: AnyArray, tangents: AnyArray, *, start: str = "box"
 ) -> list[NDArray[np.float64]]:
     """Move lines over a skeleton.
 
@@ -52,6 +55,10 @@ def register(
         The strokes' lines, in any frame with y upwards.
     targets, tangents : (M, 2) float64
         Points of the skeleton, evenly spaced, and unit vectors along it.
+    start : {"box", "slanted", "swash"}
+        How the lines are laid over it first: so that their box is the skeleton's; so that their
+        middle, extents and slant are, by second moments; or the same where the outermost part on
+        the left is an ornament.
 
     Returns
     -------
@@ -61,7 +68,7 @@ def register(
     low, high = np.percentile(targets, _OUTER, axis=0)
     scale = _SIDE / max(float((high - low).max()), 1e-12)
     goals = (targets - low) * scale
-    starts = _laid_over(lines, goals)
+    starts = _laid_over(lines, goals) if start == "box" else _slanted(lines, goals, start)
     total = sum(length_of(line) for line in starts)
     step = max(_LEAST_STEP, total / _MOST_POINTS)
     starts = [resampled(line, step, 4) for line in starts]
@@ -78,6 +85,26 @@ def _laid_over(lines: Sequence[AnyArray], goals: AnyArray) -> list[NDArray[np.fl
     usual = float(np.median(stretch)) or 1.0
     stretch = np.clip(stretch, _STRETCH[0] * usual, _STRETCH[1] * usual)
     return [(line - mine.mean(axis=0)) * stretch + wanted.mean(axis=0) for line in lines]
+
+
+def _slanted(lines: Sequence[AnyArray], goals: AnyArray, start: str) -> list[NDArray[np.float64]]:
+    """Stretch and slant lines so that their first and second moments are those of the goals."""
+    points = np.concatenate([resampled(line, length_of(line) / 20.0, 20) for line in lines])
+    if start == "swash":
+        across = (np.linalg.inv(_lower_root(goals)) @ (goals - goals.mean(axis=0)).T)[0]
+        goals = goals[across > np.percentile(across, _SWASH)]
+    mine, wanted = (_lower_root(values) for values in (points, goals))
+    turn = wanted @ np.linalg.inv(mine)
+    return [(line - points.mean(axis=0)) @ turn.T + goals.mean(axis=0) for line in lines]
+
+
+def _lower_root(points: AnyArray) -> NDArray[np.float64]:
+    """A root R of the second moments of points, R R^T: level lines stay level by it."""
+    spread = np.cov(points.T)
+    spread += 0.005 * np.trace(spread) * np.eye(2)
+    root = np.linalg.cholesky(spread[::-1, ::-1])
+    result: NDArray[np.float64] = root[::-1, ::-1]
+    return result
 
 
 def _drifted(

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from enum import IntEnum
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,11 +17,12 @@ from numpy.typing import NDArray
 from paint3d.calligraphy.shapes.continuation import Chain, End, chains_of, resampled, turns_between
 from paint3d.calligraphy.shapes.corners import cut_branch
 from paint3d.calligraphy.shapes.regions import Ink, Piece, line_of
-from paint3d.calligraphy.shapes.registration import register, tangents_of
+from paint3d.calligraphy.shapes.registration import STARTS, register, tangents_of
 from paint3d.calligraphy.shapes.skeleton import Branch, length_of
+from paint3d.calligraphy.shapes.writing_order import directed
 from paint3d.core.types import AnyArray
 
-__all__ = ["KnownStrokes", "Told", "fits", "in_known_order", "label_chains", "lay_over"]
+__all__ = ["Fit", "KnownStrokes", "Told", "fit_of", "in_known_order", "label_chains", "lay_over"]
 
 _STEP = 0.25  # widths between the points that are given to strokes
 _ACROSS = 1.5  # widths that a stroke at right angles seems farther away
@@ -28,11 +30,17 @@ _CHANGE = 1.6  # widths that a change of stroke costs
 _CORNER = 1.2  # widths that a right angle takes off that
 _SHORTEST = 0.8  # widths of a run of one stroke
 _TOGETHER, _ASUNDER = -90.0, 400.0  # degrees, for ends of the same stroke and of others
+_SKIPPED = 250.0  # degrees, for all of a stroke that lies between two ends of it
+_NEAR_END = 2.0  # widths of a branch that tell what its end lies on
 _SPUR = 1.5  # widths: what a stroke has besides its longest part is no part of it below that
 _AWAY = 0.25  # widths: the mean distance up to which a shape is the known character
+_COVERED, _MORE = 0.15, 1.2  # the same where all of the lines lie on it: it has serifs besides
 _THERE = 0.9  # of the known strokes, that it must have
 _SMOOTH = 35.0  # degrees: no corner
 _TORN = 0.15  # of the known strokes: more smooth lines are not torn for them
+_NEAR = 0.15  # widths that lines and shape may be apart together: they need not be laid anew
+_UNCLEAR = 0.3  # of a line that runs as much with its stroke as against it, or across
+_STRANGE = 1.5  # widths from its stroke: of a line farther away nothing is known
 _SAMPLE = 6.0  # points of the known lines to a width
 
 
@@ -70,19 +78,42 @@ class KnownStrokes:
         """How far a line is from the strokes that it belongs to, in the mean, widths."""
         return float(self.costs(line).min(axis=1).mean())
 
+    def missed(self, lines: Sequence[AnyArray]) -> float:
+        """How far the strokes are from the nearest of some lines, in the mean, widths."""
+        there = np.concatenate(lines)
+        away = np.linalg.norm(self.points[:, None] - there[None], axis=2)
+        return float(away.min(axis=1).mean()) / self.width
+
+    def station_of(self, line: AnyArray, stroke: int) -> float:
+        """The middle one of the stations of a stroke that the points of a line lie on."""
+        nearest, _ = self._nearest(line, stroke)
+        return float(np.median(self.station[nearest]))
+
     def placed(self, line: AnyArray, stroke: int | None = None) -> tuple[float, float]:
-        """Where a line is, as stroke plus station, and how much of it is written forward."""
+        """Where a line is, as stroke plus station, and how much of it is written forward, -1 to 1.
+
+        A line that runs on from one stroke to another against its way (the up of a W's down and up)
+        is written as they follow each other.
+        """
+        nearest, turn = self._nearest(line, stroke)
+        forward, strokes = float(np.mean(turn)), self.stroke[nearest]
+        if abs(forward) < _UNCLEAR and np.ptp(strokes) > 0:
+            at = strokes + self.station[nearest]
+            forward = float(np.sign(at[None] - at[:, None])[np.triu_indices(len(at))].mean())
+        place = float(np.median(strokes) + 0.99 * np.median(self.station[nearest]))
+        return place, forward
+
+    def _nearest(
+        self, line: AnyArray, stroke: int | None
+    ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+        """For each point of a line the nearest known one, and how much they run alike, -1 to 1."""
         away = np.linalg.norm(line[:, None] - self.points[None], axis=2) / self.width
         turn = tangents_of(line) @ self.tangents.T
         away += _ACROSS * (1.0 - np.abs(turn))
         if stroke is not None:
             away[:, self.stroke != stroke] = np.inf
         nearest = np.argmin(away, axis=1)
-        forward = float(np.mean(np.sign(turn[np.arange(len(line)), nearest])))
-        place = float(np.median(self.stroke[nearest])) + 0.99 * float(
-            np.median(self.station[nearest])
-        )
-        return place, forward
+        return nearest, turn[np.arange(len(line)), nearest]
 
 
 def lay_over(lines: Sequence[AnyArray], inks: Sequence[Ink], width: float) -> KnownStrokes:
@@ -97,19 +128,40 @@ def lay_over(lines: Sequence[AnyArray], inks: Sequence[Ink], width: float) -> Kn
             junction = next(iter(ink.skeleton.junctions.values()))
             targets.append(junction.point[None])
             tangents.append(np.array([[0.7, -0.7]]))
-    moved = register(lines, np.concatenate(targets), np.concatenate(tangents))
-    moved = [resampled(line, width / _SAMPLE, 6) for line in moved]
+    goals = np.concatenate(targets), np.concatenate(tangents)
+    best: tuple[float, KnownStrokes] | None = None
+    for start in STARTS:
+        moved = register(lines, *goals, start=start)
+        known = _known([resampled(line, width / _SAMPLE, 6) for line in moved], width)
+        away = known.missed(targets) + float(np.mean([known.residual(one) for one in targets]))
+        if best is None or away < best[0]:
+            best = away, known
+        if away <= _NEAR:
+            break
+    assert best is not None
+    return best[1]
+
+
+def _known(lines: Sequence[NDArray[np.float64]], width: float) -> KnownStrokes:
     return KnownStrokes(
-        np.concatenate(moved),
-        np.concatenate([tangents_of(line) for line in moved]),
-        np.repeat(np.arange(len(moved)), [len(line) for line in moved]),
-        np.concatenate([np.linspace(0.0, 1.0, len(line)) for line in moved]),
-        len(moved),
+        np.concatenate(lines),
+        np.concatenate([tangents_of(line) for line in lines]),
+        np.repeat(np.arange(len(lines)), [len(line) for line in lines]),
+        np.concatenate([np.linspace(0.0, 1.0, len(line)) for line in lines]),
+        len(lines),
         width,
     )
 
 
-def fits(inks: Sequence[Ink], known: KnownStrokes, told: Sequence[Told]) -> bool:
+class Fit(IntEnum):
+    """How far a shape is a drawing of a known character."""
+
+    WHOLE = 0  # stroke by stroke
+    JOINED = 1  # its lines, but it runs on where another stroke begins, or leaves one out
+    NONE = 2  # another shape
+
+
+def fit_of(inks: Sequence[Ink], known: KnownStrokes, told: Sequence[Told]) -> tuple[Fit, float]:
     """Whether a shape is a drawing of the known character, by how the lines lie upon it.
 
     Parameters
@@ -118,18 +170,32 @@ def fits(inks: Sequence[Ink], known: KnownStrokes, told: Sequence[Told]) -> bool
     known : KnownStrokes
     told : sequence of Told
         Of each ink.
+
+    Returns
+    -------
+    fit : Fit
+    away : float
+        How far shape and lines are from each other, in the mean both ways, widths.
     """
-    away = total = 0.0
-    for ink in inks:
-        for branch in ink.skeleton.branches:
-            line = resampled(branch.line, _STEP * known.width, 3)
-            away += branch.length * known.residual(line)
-            total += branch.length
+    lines = [
+        resampled(branch.line, _STEP * known.width, 3)
+        for ink in inks
+        for branch in ink.skeleton.branches
+    ]
+    lengths = [length_of(line) for line in lines]
+    total = sum(length * known.residual(line) for length, line in zip(lengths, lines, strict=True))
+    away = total / max(sum(lengths), 1e-300)
+    missed = known.missed(lines) if lines else 0.0
     strokes = {stroke for part in told for _, stroke in part.chains}
     dots = sum(not part.chains for part in told)
-    if sum(part.torn for part in told) > _TORN * known.count:
-        return False
-    return away <= _AWAY * total and len(strokes) + dots >= _THERE * known.count
+    torn = sum(part.torn for part in told)
+    complete = len(strokes) + dots >= _THERE * known.count
+    if away <= _AWAY:
+        fit = Fit.WHOLE if complete and torn <= _TORN * known.count else Fit.JOINED
+    else:
+        covered = torn == 0 and complete and missed <= _COVERED
+        fit = Fit.WHOLE if covered and away <= _MORE else Fit.NONE
+    return fit, away + missed
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,16 +214,30 @@ class Told:
     torn: int
 
 
-def label_chains(ink: Ink, known: KnownStrokes) -> Told:
-    """Divide a part's branches among known strokes."""
-    torn = _cut_where_strokes_change(ink, known)
-    labels = [_label(branch, known) for branch in ink.skeleton.branches]
+def label_chains(ink: Ink, known: KnownStrokes, *, tear: bool = True) -> Told:
+    """Divide a part's branches among known strokes.
+
+    Parameters
+    ----------
+    ink : Ink
+        Its branches are cut.
+    known : KnownStrokes
+    tear : bool
+        Whether smooth lines are cut, too, where the stroke changes.
+    """
+    torn = _cut_where_strokes_change(ink, known, tear)
+    lies = [_ends_on(branch, known, whole=tear) for branch in ink.skeleton.branches]
 
     def cost(one: End, two: End) -> float:
-        return _TOGETHER if labels[one.branch] == labels[two.branch] else _ASUNDER
+        (here, at), (there, goes_on) = lies[one.branch][one.side], lies[two.branch][two.side]
+        if here != there:
+            return _ASUNDER if tear else 0.0
+        return _TOGETHER + _SKIPPED * abs(goes_on - at)
 
     chains = chains_of(ink.skeleton, ink.half_widths, cost)
-    told = [(chain, labels[chain.links[0][0]]) for chain in chains]
+    told = [(chain, _stroke_of(chain, ink, known)) for chain in chains]
+    if not tear:
+        return Told(told, torn)
     lengths = [length_of(line_of(chain, ink)) for chain in chains]
     longest = {
         k: max(n for n, (_, j) in zip(lengths, told, strict=True) if j == k) for _, k in told
@@ -170,21 +250,57 @@ def label_chains(ink: Ink, known: KnownStrokes) -> Told:
     return Told(kept, torn)
 
 
+def _stroke_of(chain: Chain, ink: Ink, known: KnownStrokes) -> int:
+    """The stroke that the longest branch of a chain lies on."""
+    branches = [ink.skeleton.branches[index] for index, _ in chain.links]
+    return _label(max(branches, key=lambda branch: branch.length), known)
+
+
 def _label(branch: Branch, known: KnownStrokes) -> int:
     costs = known.costs(resampled(branch.line, _STEP * known.width, 3))
     inner = costs[len(costs) // 5 : len(costs) - len(costs) // 5]
     return int(np.argmin(inner.sum(axis=0)))
 
 
-def _cut_where_strokes_change(ink: Ink, known: KnownStrokes) -> int:
-    """Cut branches where the stroke changes; how many of the cuts are at no corner."""
+def _ends_on(
+    branch: Branch, known: KnownStrokes, *, whole: bool
+) -> tuple[tuple[int, float], tuple[int, float]]:
+    """The stroke, and the station of it, that a branch lies on at its first and last point.
+
+    Parameters
+    ----------
+    branch : Branch
+    known : KnownStrokes
+    whole : bool
+        Whether it lies on one stroke: stations are those of its halves, led on to its ends.
+    """
+    line = resampled(branch.line, _STEP * known.width, 6)
+    if whole:
+        stroke, half = _label(branch, known), len(line) // 2
+        first, last = (known.station_of(part, stroke) for part in (line[:half], line[half:]))
+        beyond = 0.5 * (last - first)
+        return (stroke, first - beyond), (stroke, last + beyond)
+    reach = max(3, min(len(line) // 2, round(_NEAR_END / _STEP)))
+    near = [line[:reach], line[-reach:]]
+    strokes = [int(known.costs(part).sum(axis=0).argmin()) for part in near]
+    one, two = (
+        (stroke, known.station_of(part, stroke)) for part, stroke in zip(near, strokes, strict=True)
+    )
+    return one, two
+
+
+def _cut_where_strokes_change(ink: Ink, known: KnownStrokes, tear: bool) -> int:
+    """Cut branches where the stroke changes; how many of the cuts are at no corner.
+
+    These are only made where smooth lines may be torn.
+    """
     torn = 0
     waiting = list(ink.skeleton.branches)
     left = 4 * len(waiting) + known.count
     while waiting and left > 0:
         left -= 1
         branch = waiting.pop()
-        place = _change_in(branch, known)
+        place = _change_in(branch, known, tear)
         if place is not None:
             point, turn = place
             torn += turn < _SMOOTH
@@ -193,8 +309,13 @@ def _cut_where_strokes_change(ink: Ink, known: KnownStrokes) -> int:
     return torn
 
 
-def _change_in(branch: Branch, known: KnownStrokes) -> tuple[NDArray[np.float64], float] | None:
-    """Where in a branch a stroke first gives way to another, and its turn there, degrees."""
+def _change_in(
+    branch: Branch, known: KnownStrokes, tear: bool
+) -> tuple[NDArray[np.float64], float] | None:
+    """Where in a branch a stroke first gives way to another, and its turn there, degrees.
+
+    Where smooth lines are not torn, at a corner.
+    """
     points = resampled(branch.line, _STEP * known.width, 3)
     step = branch.length / (len(points) - 1)
     reach = max(2, round(known.width / max(step, 1e-12)))
@@ -209,7 +330,9 @@ def _change_in(branch: Branch, known: KnownStrokes) -> tuple[NDArray[np.float64]
     shortest = max(1, round(_SHORTEST * known.width / max(step, 1e-12)))
     for k in (np.flatnonzero(np.diff(labels)) + 1).tolist():
         if shortest <= k <= len(points) - 1 - shortest:
-            return points[k], float(turns[max(0, k - reach) : k + reach + 1].max())
+            turn = float(turns[max(0, k - reach) : k + reach + 1].max())
+            if tear or turn >= _SMOOTH:
+                return points[k], turn
     return None
 
 
@@ -230,12 +353,22 @@ def _cheapest(costs: AnyArray, price: AnyArray) -> NDArray[np.int64]:
     return labels
 
 
-def in_known_order(pieces: Sequence[tuple[Piece, int | None]], known: KnownStrokes) -> list[Piece]:
-    """Pieces, each with its known stroke if it has one, in order and direction of these."""
+def in_known_order(
+    pieces: Sequence[tuple[Piece, int | None]], known: KnownStrokes, *, by_start: bool = False
+) -> list[Piece]:
+    """Pieces, each with its known stroke if it has one, in order and direction of these.
+
+    By their start instead of their middle where strokes are as long as many pieces.
+    """
     placed: list[tuple[float, int, Piece]] = []
     for piece, stroke in pieces:
         line = resampled(piece.line, _STEP * known.width, 5)
         place, forward = known.placed(line, stroke)
         turned = piece.line if forward >= 0.0 else piece.line[::-1]
+        if abs(forward) < _UNCLEAR or known.residual(line) > _STRANGE:
+            turned = directed(piece.line)
+        if by_start:
+            begins = resampled(turned, _STEP * known.width, 5)
+            place, _ = known.placed(begins[: max(3, round(_NEAR_END / _STEP))], stroke)
         placed.append((place, len(placed), Piece(turned, piece.region)))
     return [piece for _, _, piece in sorted(placed, key=lambda entry: entry[:2])]
