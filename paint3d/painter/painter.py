@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import dataclasses
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -49,7 +49,7 @@ from paint3d.device.sample import DIP, DeviceSample
 from paint3d.errors import InputError
 from paint3d.painter.flat_input import LaidPad
 from paint3d.painter.ink_time import LOOKAHEAD, PIECE_S, Pauses, pieces_until
-from paint3d.painter.recorded_tools import recorded_loads
+from paint3d.painter.recorded_tools import loads_at, recorded_loads
 from paint3d.pose.brush_pose import BrushPath, brush_poses, joined_samples, object_poses, velocities
 from paint3d.recording.recording import Recording
 from paint3d.surface.painted_surface import PaintedSurface
@@ -133,6 +133,8 @@ class Painter:
         self._progress = make_progress()
         self.scratch = make_scratch(surface.paint_mesh, len(surface.pigments))
         self._held: list[DeviceSample] = []
+        self._told: tuple[tuple[int, float], ...] = ()
+        self._n_let_go = 0  # of the stroke's samples, that are painted and not held any more
         self._origin_ns = 0
         self._n_samples = 0
         self._dip_down = False
@@ -509,10 +511,22 @@ class Painter:
         path = brush_poses(part)
         samples, origins = _samples(path, part.time_ns, self._origin_ns)
         self._origin_ns = int(origins[max(0, len(part) - 1 - 2 * LOOKAHEAD)])
-        loads = recorded_loads(recording.header) if "loads" in recording.header else None
-        prepared = part.time_ns, samples, _refills(path.buttons, part.time_ns, loads)
+        told: Sequence[tuple[int, float]] = ()
+        if "loads" in recording.header:
+            told = loads_at(part.time_ns, *recorded_loads(recording.header))
+        prepared = part.time_ns, samples, _refills(path.buttons, told)
         self.seconds["poses"] += time.perf_counter() - started
         return prepared
+
+    def expect_loads(self, loads: Sequence[tuple[int, float]]) -> None:
+        """Let the brush hold these shares of a dip from these samples of the next live stroke on.
+
+        Parameters
+        ----------
+        loads : sequence of (int, float)
+            A sample, counted from 0, and a share from 0 to 1; see `fill_to`.
+        """
+        self._told = tuple(loads)
 
     def advance(self, samples: Iterable[DeviceSample]) -> None:
         """Paint live: the interval before the last two samples waits for what comes next."""
@@ -530,12 +544,14 @@ class Painter:
         """Paint what still waits, and lift the brush."""
         self._paint_held(len(self._held) - 1)
         self._n_samples += len(self._held)
-        self._held = []
-        self._begin()
+        self._let_go()
 
     def abandon(self) -> None:
         """Forget what still waits, and lift the brush; what was painted stays."""
-        self._held = []
+        self._let_go()
+
+    def _let_go(self) -> None:
+        self._held, self._told, self._n_let_go = [], (), 0
         self._begin()
 
     def _begin(self) -> None:
@@ -551,11 +567,14 @@ class Painter:
         times = np.array([sample.time_ns for sample in self._held], np.int64)
         samples, origins = _samples(path, times, self._origin_ns)
         self.seconds["poses"] += time.perf_counter() - started
-        self._paint(samples, last, _refills(path.buttons))
+        ahead = [(k - self._n_let_go, share) for k, share in self._told]
+        told = [(k, share) for k, share in ahead if 0 <= k < len(times)]
+        self._paint(samples, last, _refills(path.buttons, told))
         done = max(0, int(self._progress.at[0]) - LOOKAHEAD)
         self._origin_ns = int(origins[done])
         self._n_samples += done
         self._held = self._held[done:]
+        self._n_let_go += done
         self._progress.at[0] -= done
 
     def _paint(self, samples: Samples, last: int, refills: list[_Refill]) -> None:
@@ -675,19 +694,11 @@ _Refill = tuple[int, float | None]
 """A sample up to which is painted first, and the share of a dip that is held then; None: a dip."""
 
 
-def _refills(
-    buttons: AnyArray,
-    time_ns: AnyArray | None = None,
-    loads: tuple[AnyArray, AnyArray] | None = None,
-) -> list[_Refill]:
-    """Samples at which the dip button goes down, or at whose time the load is said."""
+def _refills(buttons: AnyArray, told: Sequence[tuple[int, float]] = ()) -> list[_Refill]:
+    """Samples at which the dip button goes down, or the load is told."""
     down = (np.asarray(buttons) & DIP) != 0
     found: list[_Refill] = [(int(k), None) for k in np.flatnonzero(down[1:] & ~down[:-1]) + 1]
-    if time_ns is None or loads is None:
-        return found
-    at = np.searchsorted(time_ns, loads[0])
-    told = [(int(k), float(share)) for k, share in zip(at, loads[1], strict=True)]
-    return sorted(found + [one for one in told if one[0] < len(time_ns)], key=lambda one: one[0])
+    return sorted([*found, *told], key=lambda one: one[0])
 
 
 def _stops(

@@ -19,6 +19,7 @@ from paint3d.errors import BrushError, InputError, PigmentError, RecordingError,
 
 __all__ = [
     "TIP_REACH",
+    "loads_at",
     "recorded_amount",
     "recorded_brush",
     "recorded_ink",
@@ -124,6 +125,15 @@ def recorded_loads(header: Mapping[str, Any]) -> tuple[NDArray[np.int64], NDArra
     if not (whole and (times[1:] > times[:-1]).all()):
         raise RecordingError(f"the header's loads are {told!r:.60}; expected {expected}")
     return times, shares
+
+
+def loads_at(
+    time_ns: NDArray[np.int64], when: NDArray[np.int64], shares: NDArray[np.float64]
+) -> list[tuple[int, float]]:
+    """The sample from which on each share is held, of samples at times; none beyond the last."""
+    at = np.searchsorted(time_ns, when)
+    told = [(int(k), float(share)) for k, share in zip(at, shares, strict=True)]
+    return [one for one in told if one[0] < len(time_ns)]
 
 
 def _named_in(header: Mapping[str, Any], what: str) -> str | None:

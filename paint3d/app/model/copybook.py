@@ -21,7 +21,7 @@ from paint3d.calligraphy.glyphs import Glyph
 from paint3d.calligraphy.layout import Layout, layout_text
 from paint3d.calligraphy.metrics import Likeness, compare, copybook_mask, painted_mask
 from paint3d.calligraphy.page.laying import PlacedPiece, lay_page
-from paint3d.calligraphy.page.page import Composer
+from paint3d.calligraphy.page.page import Composer, Page
 from paint3d.calligraphy.planning import on_paper
 from paint3d.core.arrays import as_number
 from paint3d.core.types import AnyArray
@@ -198,6 +198,12 @@ class Copybook:
         Side of the characters' squares, 2 to 1000 mm.
     layout : Layout, optional
 
+    Attributes
+    ----------
+    ghosts : tuple of Ghost
+    page : Page or None
+        As it was composed; None of known characters.
+
     Raises
     ------
     InputError
@@ -215,12 +221,13 @@ class Copybook:
     ) -> None:
         em_mm = as_number(em_mm, "size (mm)", _LEAST_EM_MM, _MOST_EM_MM)
         surface = ClosestPoints(mesh)
+        self.page: Page | None = None
         if isinstance(text, str):
             glyphs = load_glyphs(open_glyphs(None), "".join(text.split()))
             squares = layout_text(surface, text, em_mm, layout)
             placed = [PlacedPiece(glyphs[one.text], one.square) for one in squares]
         else:
-            _, placed = lay_page(surface, text, em_mm, layout)
+            self.page, placed = lay_page(surface, text, em_mm, layout)
         self.ghosts = tuple(
             Ghost(one.glyph, one.square, surface) for one in placed if one.glyph.strokes
         )

@@ -50,6 +50,8 @@ PATTERNS: tuple[tuple[str, str], ...] = (
     (r"(?P<p>.*): is gone, and its pigments with it", "{p}：文件已不在，其中的颜料也没有了"),
     (r"(?P<p>.*): has changed; its pigments are as it says now",
      "{p}：文件已改动，颜料按现在的内容"),
+    (r"the cut lies at the stroke's end; expected .*", "分处在笔画的端头，应在两端之间"),
+    (r"the cut parts nothing; expected .*", "此处分不开，应在笔画的墨迹之内"),
     (r"dish (?P<a>\d+) is empty; expected ink in it", "墨碟 {a} 是空的"),
 )  # fmt: skip
 """English, as a pattern, and the Chinese that says the same; r is a system's reason."""

@@ -43,6 +43,10 @@ class ImagePainter:
         self._held = ink.load.copy(), ink.reservoirs.copy()
         painter.loaded += painter.in_brush()
 
+    def expect_loads(self, loads: Sequence[tuple[int, float]]) -> None:
+        """See `Painter.expect_loads`."""
+        self._twin.expect_loads(loads)
+
     def advance(
         self, samples: Sequence[DeviceSample], then: Callable[[], None] = lambda: None
     ) -> None:

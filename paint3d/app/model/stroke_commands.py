@@ -9,7 +9,7 @@ from paint3d.app.model.image_painter import ImagePainter
 from paint3d.app.model.input.symmetry import Symmetry
 from paint3d.app.model.loan import Loan
 from paint3d.app.model.mask import Mask, Stencil
-from paint3d.app.model.stroke_log import Stroke, StrokeLog, parts_of
+from paint3d.app.model.stroke_log import Stroke, StrokeLog, checked_loads, parts_of
 from paint3d.brush.spec import BrushSpec
 from paint3d.colour.pigments import Pigment
 from paint3d.device.sample import DeviceSample
@@ -75,6 +75,7 @@ class StrokeCommands:
         time_s: float | None = None,
         brush: BrushSpec | None = None,
         ink: str | Pigment | Mapping[Any, float] | None = None,
+        loads: Sequence[tuple[int, float]] = (),
     ) -> None:
         """Start a stroke: a step that can be undone.
 
@@ -86,26 +87,33 @@ class StrokeCommands:
             Of this stroke alone: another brush, dipped in the ink or in the same as the one in
             hand; without a brush, as much of the ink as the brush holds. What is in hand comes back
             with the stroke's end.
+        loads : sequence of (int, float)
+            How much the brush comes to hold at samples of the stroke, counted from 0: a share, 0 to
+            1, of what a dip gives.
 
         Raises
         ------
         InputError
-            If one is going on, or the layer is locked or hidden. In that case samples are passed
+            If one is going on, the layer is locked or hidden, or the loads are no such pairs. In that case samples are passed
             over until `end_stroke` or `cancel_stroke`: they belong to the stroke that was refused.
         """
         self._refuse_in_stroke("a stroke")
         self._come_back()
         self._refused = True
+        told = checked_loads(loads)
         layer = self._paintable()
         painter = self.painter
         stroke = self._log.begin(
             painter.brush, painter.dipped, layer.name, self._dipped, time_s, painter.amount
         )
+        stroke.loads = told
         self._undo.begin(stroke)
         if brush is not None or ink is not None:
             self._borrow(stroke, brush, ink)
         self._refused = self._dipped = False
         self._images = [ImagePainter(painter, image) for image in self.symmetry.images()]
+        for one in (painter, *self._images):
+            one.expect_loads(told)
 
     def _borrow(
         self,

@@ -15,15 +15,18 @@ from paint3d.brush.dip_amount import DipAmount
 from paint3d.brush.presets import load_brush
 from paint3d.brush.spec import BrushSpec
 from paint3d.colour.pigments import Pigment
+from paint3d.core.arrays import as_number
 from paint3d.device.recorded import Recording
 from paint3d.device.sample import DIP, DeviceSample
 from paint3d.errors import InputError, RecordingError, SessionError
 from paint3d.painter.ink_time import PIECE_NS
+from paint3d.painter.recorded_tools import loads_at, recorded_loads
 from paint3d.pose.brush_pose import contacts_of
 
 __all__ = [
     "Stroke",
     "StrokeLog",
+    "checked_loads",
     "names_apart",
     "parts_of",
     "recording_of",
@@ -55,6 +58,8 @@ class Stroke:
     samples : list of DeviceSample
     tags : dict
         What else is known, as JSON holds it: character, participant, device set ...
+    loads : tuple of (int, float)
+        How much the brush came to hold at samples, shares of a dip, where that was told.
     """
 
     time_s: float
@@ -65,6 +70,7 @@ class Stroke:
     amount: DipAmount = field(default_factory=DipAmount)
     samples: list[DeviceSample] = field(default_factory=list)
     tags: dict[str, object] = field(default_factory=dict)
+    loads: tuple[tuple[int, float], ...] = ()
 
     @property
     def duration_s(self) -> float:
@@ -75,7 +81,11 @@ class Stroke:
 
     def header(self, brush: str = "") -> dict[str, object]:
         """What a recording's header says of it; its brush by that name, or by its own."""
-        own = {} if self.amount == DipAmount() else {"dip": self.amount.words()}
+        own: dict[str, object] = {}
+        if self.amount != DipAmount():
+            own["dip"] = self.amount.words()
+        if self.loads:
+            own["loads"] = self.loads_in_time()
         return own | {
             "brush": brush or self.brush.name,
             "ink": max(self.ink, key=self.ink.__getitem__) if self.ink else None,
@@ -85,6 +95,11 @@ class Stroke:
             "dipped": self.dipped,
             "tags": dict(self.tags),
         }
+
+    def loads_in_time(self, shift: int = 0) -> list[list[float]]:
+        """Its loads as a recording's header tells them, times moved by `shift` ns."""
+        known = [one for one in self.loads if one[0] < len(self.samples)]
+        return [[self.samples[k].time_ns + shift, share] for k, share in known]
 
     def recording(self, brush: str = "") -> Recording:
         """The stroke by itself; see `header`."""
@@ -189,13 +204,35 @@ class StrokeLog:
         if not strokes:
             return None
         samples: list[DeviceSample] = []
+        loads: list[list[float]] = []
         shift = 0
         for stroke in strokes:
             own = _whole(stroke)
             if samples:
                 shift = _shift(samples[-1].time_ns, own[0].time_ns, shift)
             samples += [_with(s, time_ns=s.time_ns + shift) for s in own] if shift else own
-        return recording_of(samples, {**strokes[0].header(), "object": object_name})
+            loads += stroke.loads_in_time(shift)
+        told = {"loads": loads} if loads else {}
+        return recording_of(samples, {**strokes[0].header(), **told, "object": object_name})
+
+
+def checked_loads(loads: Sequence[tuple[int, float]]) -> tuple[tuple[int, float], ...]:
+    """Loads at samples of a stroke.
+
+    Raises
+    ------
+    InputError
+        If they are no pairs of a sample and a share, one sample after the other.
+    """
+    expected = "pairs of a sample, counted from 0, and a share from 0 to 1, in order"
+    try:
+        told = [(k, as_number(share, "share", 0.0, 1.0)) for k, share in loads]
+    except (TypeError, ValueError, InputError):
+        raise InputError(f"loads are {loads!r:.60}; expected {expected}") from None
+    whole = all(type(k) is int and k >= 0 for k, _ in told)
+    if not whole or any(b <= a for (a, _), (b, _) in pairwise(told)):
+        raise InputError(f"loads are {loads!r:.60}; expected {expected}")
+    return tuple(told)
 
 
 def _whole(stroke: Stroke) -> list[DeviceSample]:
@@ -278,11 +315,15 @@ def _stroke_of(recording: Recording, brushes: Mapping[str, Mapping[str, Any]]) -
         words = brushes.get(name)
         brush = load_brush(name, own_files=False) if words is None else brush_from_words(words)
         ink = {str(k): float(w) for k, w in header["parts"].items()}
+        loads = loads_at(recording.time_ns, *recorded_loads(header)) if "loads" in header else []
         return Stroke(
             float(header["time_s"]), brush, ink, str(header["layer"]), bool(header["dipped"]),
             DipAmount.of(header.get("dip", {})), list(recording.samples()), dict(header["tags"]),
+            tuple(loads),
         )  # fmt: skip
-    except (KeyError, TypeError, ValueError, AttributeError, InputError) as cause:
+    except (
+        KeyError, TypeError, ValueError, AttributeError, InputError, RecordingError
+    ) as cause:  # fmt: skip
         raise SessionError(f"a stroke of the session cannot be used: {cause}") from None
 
 

@@ -218,4 +218,35 @@ CHINESE = {
     "How full that part becomes; 100 % as it is made": "蘸湿部分多饱满；100 % 为常态",
     "Dip by itself when under a quarter is left": "余墨不足四分之一时自动蘸笔",
     "Dipped by itself: {percent:.0f} % was left": "已自动蘸笔：只剩 {percent:.0f} %",
+    "Strokes over the picture…": "图上笔画…",
+    "Order, direction and shape of the strokes of a font, a drawing or a photograph":
+        "字体、图样或照片中各笔的笔顺、方向与形状",
+    "Reverse": "反向", "Leave out": "不写", "Take in": "要写", "Earlier": "提前", "Later": "推后",
+    "Join": "合笔", "Split": "分笔", "Undo": "撤销", "Redo": "重做",
+    "Corners of the sheet": "纸的四角", "Save the strokes…": "保存笔画…",
+    "Save the strokes": "保存笔画", "Strokes": "笔画", "Use": "使用",
+    "As ghosts on the object": "作为器物上的范字", "The whole piece": "整个字",
+    "Earlier, later and leave out take all strokes of its piece": "提前、推后与不写对整个字起作用",
+    "Write the stroke the other way": "把这一笔反过来写",
+    "It is no stroke, or is to be written again": "这不是笔画；或重新要写",
+    "Write it before the one before": "写在前一笔之前",
+    "Write it after the next one": "写在后一笔之后",
+    "Make one stroke of this and another": "与另一笔合成一笔",
+    "Make two strokes of this, at a place": "从一处分成两笔",
+    "Take the last correction back": "收回上一次更正", "Correct it again": "重新更正",
+    "Drag them, and find the strokes anew": "拖动四角，重新寻找笔画",
+    "As a file that can be written and corrected": "存为可写、可改的文件",
+    "Finding the strokes…": "正在寻找笔画…", "There are no strokes": "没有笔画",
+    "{piece}: stroke {k} of {n}": "{piece}：第 {k} 笔，共 {n} 笔",
+    "Click a stroke, or go through them by ← and →. Each begins at its number.":
+        "单击一笔，或用 ← → 逐笔选择。每笔从编号处起笔。",
+    "Click the stroke to join it to, or choose by ← and → and press Return.":
+        "单击要合并的一笔，或用 ← → 选择后按回车。",
+    "Click where to split it, or move the cut by ← and → and press Return.":
+        "单击要分开之处，或用 ← → 移动分处后按回车。",
+    "Drag the corners of the sheet, or move one by the arrows (1 to 4 choose it). "
+    "Return finds the strokes anew, Esc leaves them.":
+        "拖动纸的四角，或用方向键移动一角（按 1 到 4 选择）。回车重新寻找笔画，Esc 作罢。",
+    "The corrections are not used and not saved": "更正尚未使用，也未保存",
+    "Drop them": "放弃更正",
 }  # fmt: skip

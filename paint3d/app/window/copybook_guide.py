@@ -4,17 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from concurrent.futures import Future
+from dataclasses import dataclass
 from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
 
 from paint3d.app.model.copybook import Copybook
 from paint3d.app.model.document import Document
 from paint3d.app.model.stroke_log import Stroke
+from paint3d.app.window.dialogs.strokes_dialog import Photographed, StrokesDialog
 from paint3d.app.window.panels.copybook_panel import CopybookPanel
 from paint3d.app.window.wording import say
 from paint3d.app.window.workspace import Workspace
 from paint3d.calligraphy.layout import Layout
 from paint3d.calligraphy.page.opening import opened_page, set_in
-from paint3d.calligraphy.page.page import Composer, Page
+from paint3d.calligraphy.page.page import Composer
 from paint3d.files.photographs import PHOTOGRAPH_SUFFIXES, load_photograph
 
 __all__ = ["CopybookGuide"]
@@ -23,13 +28,25 @@ _OUTLINE, _NEXT = (176, 60, 44, 120), (176, 60, 44, 235)
 _FRAME, _MEDIAN = (90, 84, 76, 110), (60, 90, 140, 150)
 
 
+@dataclass
+class _Laid:
+    """What lies on the object, and how it came there."""
+
+    em_mm: float
+    layout: Layout
+    file: Path | None = None
+    photographed: Photographed | None = None
+
+
 class CopybookGuide:
     """For one window."""
 
     def __init__(self, workspace: Workspace, panel: CopybookPanel) -> None:
         self._workspace, self._panel = workspace, panel
+        self._laid = _Laid(40.0, Layout())
         panel.asked.connect(self.layout_text)
         panel.opened.connect(self.layout_file)
+        panel.corrected.connect(self.correct)
         panel.hidden.connect(self.hide)
         workspace.hand.ended.connect(self._judge)
 
@@ -45,18 +62,43 @@ class CopybookGuide:
         def composed() -> str | Composer:
             return set_in(text, font, columns=columns) if font else text
 
-        return self._lay(composed, em_mm, Layout(order="columns" if columns else "row"))
+        laid = _Laid(em_mm, Layout(order="columns" if columns else "row"))
+        return self._lay(composed, laid)
 
     def layout_file(self, file: str, em_mm: float) -> bool:
         """Lay a drawing, a file of strokes or a photographed sheet; whether that went well."""
-        return self._lay(lambda: _page_of(file), em_mm, Layout())
+        laid = _Laid(em_mm, Layout(), file=Path(file))
 
-    def _lay(self, compose: Callable[[], str | Composer], em_mm: float, layout: Layout) -> bool:
+        def composed() -> Composer:
+            if not file.lower().endswith(PHOTOGRAPH_SUFFIXES):
+                return opened_page(file)
+            laid.photographed = _photographed(file)
+            return laid.photographed.sheet.page
+
+        return self._lay(composed, laid)
+
+    def correct(self) -> None:
+        """Show the strokes over their picture; what was corrected is laid out instead."""
+        copybook, laid = self._panel.copybook, self._laid
+        if copybook is None or copybook.page is None:
+            return
+        workspace = self._workspace
+        page, beside = copybook.page, laid.file
+        photographed = laid.photographed
+        dialog = StrokesDialog(workspace.window, workspace.theme, page, photographed, beside)
+        accepted = dialog.exec()
+        dialog.deleteLater()
+        if accepted:
+            corrected = dialog.page
+            now = _Laid(laid.em_mm, laid.layout, laid.file, dialog.photographed)
+            self._lay(lambda: corrected, now)
+
+    def _lay(self, compose: Callable[[], str | Composer], laid: _Laid) -> bool:
         workspace = self._workspace
         mesh = workspace.document.surface.source
 
         def make(_: object) -> Copybook:
-            copybook = Copybook(mesh, compose(), em_mm, layout)
+            copybook = Copybook(mesh, compose(), laid.em_mm, laid.layout)
             for ghost in copybook.ghosts:
                 _ = ghost.outlines, ghost.medians, ghost.frame  # found here, beside the window
             return copybook
@@ -64,6 +106,7 @@ class CopybookGuide:
         done = workspace.run(say("copybook.place"), make)
         if not workspace.went_well(done):
             return False
+        self._laid = laid
         self._panel.show_copybook(done.result())
         self._draw()
         return True
@@ -113,11 +156,14 @@ class CopybookGuide:
         stage.show_lines("next way", [line for g in current for line in g.medians], _MEDIAN, 1.2)
 
 
-def _page_of(file: str) -> Page:
-    """The page in a file, by its ending; a photograph without a sheet that stands out is one."""
-    if not file.lower().endswith(PHOTOGRAPH_SUFFIXES):
-        return opened_page(file)
-    from paint3d.calligraphy.photo.copying import Asked, copy_sheet
+def _photographed(file: str) -> Photographed:
+    """A photograph and its strokes; where no sheet stands out in it, it is one."""
+    from paint3d.calligraphy.photo.copying import Asked, CopiedSheet, copy_sheet
 
     pixels, _ = load_photograph(file)
-    return copy_sheet(pixels, Path(file).name, Asked(or_whole=True)).page
+    name = Path(file).name
+
+    def find(corners: NDArray[np.float64]) -> CopiedSheet:
+        return copy_sheet(pixels, name, Asked(corners))
+
+    return Photographed(pixels, copy_sheet(pixels, name, Asked(or_whole=True)), find)

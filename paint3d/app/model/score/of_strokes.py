@@ -43,7 +43,8 @@ def score_of_strokes(strokes: Sequence[Stroke], surface: PaintedSurface) -> Scor
             events.append({"do": "dip", "ink": ink, **amounts})
             amount = stroke.amount
         brush = stroke.brush
-        events.append({"do": "begin_stroke", "time_s": stroke.time_s})
+        told = {"loads": [list(one) for one in stroke.loads]} if stroke.loads else {}
+        events.append({"do": "begin_stroke", "time_s": stroke.time_s, **told})
         events.append(recording_of(stroke.samples, {}))
         events.append({"do": "end_stroke"})
     dipped = {known.get(name, name): part for name, part in first.ink.items()}

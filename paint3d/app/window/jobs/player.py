@@ -34,10 +34,14 @@ Asked = tuple[str, tuple[Any, ...]]
 
 @dataclass(frozen=True)
 class Tools:
-    """What is asked for before a recording is played, and after it, for the hand to go on."""
+    """What is asked for before a recording is played, and after it, for the hand to go on.
+
+    And how much the brush comes to hold at its samples, see `Document.begin_stroke`.
+    """
 
     before: Sequence[Asked] = ()
     after: Sequence[Asked] = ()
+    loads: Sequence[tuple[int, float]] = ()
 
 
 class _Clock:
@@ -108,7 +112,8 @@ class _Strokes:
         times = np.array([sample.time_ns for sample in samples], np.int64)
         when = HandTime(in_full=easel.wet).pass_samples(times).tolist()
         _ask(easel, tools.before)
-        began = easel.post("begin_stroke")
+        told = {"loads": tuple(tools.loads)} if tools.loads else {}
+        began = easel.post("begin_stroke", **told)
         playing = cls(samples, when, tools, began, later_ns, before=easel.n_painted)
         began.add_done_callback(lambda _: playing.count_from(easel.n_painted))
         return playing

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 from PySide6 import QtWidgets
@@ -22,9 +23,11 @@ from paint3d.device.sample import DeviceSample
 from paint3d.files.progress import part_of
 from paint3d.painter.painter import Painter
 from paint3d.painter.recorded_tools import (
+    loads_at,
     recorded_amount,
     recorded_brush,
     recorded_ink,
+    recorded_loads,
     recorded_tip,
 )
 from paint3d.recording.recording import Recording, load_recording, save_recording
@@ -131,18 +134,19 @@ class Recordings:
             return self._play_score(path, title, speed)
         surface, camera = workspace.hand.surface, workspace.hand.open_camera
 
-        def read(progress: Progress) -> tuple[list[DeviceSample], list[Asked]]:
+        def read(progress: Progress) -> tuple[list[DeviceSample], Tools]:
             recording = load_recording(path, progress=part_of(progress, 0.0, _READ))
             if recording.is_pad:
                 recording = lay_in_view(recording, surface, camera)
-            return _samples(recording, progress), _tools_of(recording)
+            tools = Tools(_tools_of(recording), (), _loads_of(recording))
+            return _samples(recording, progress), tools
 
         loaded = workspace.run(title, read)
         if not workspace.went_well(loaded):
             return False
-        samples, before = loaded.result()
+        samples, tools = loaded.result()
         after = _tools_in_hand(workspace.document.painter, workspace.easel.brush)
-        self._player.play(samples, speed, Tools(before, after))
+        self._player.play(samples, speed, replace(tools, after=after))
         return True
 
     def _play_score(self, path: str, title: str, speed: float | None) -> bool:
@@ -189,6 +193,12 @@ def _tools_of(recording: Recording) -> list[Asked]:
     if tip is not None:
         asked.append(("dip", tip))
     return asked
+
+
+def _loads_of(recording: Recording) -> list[tuple[int, float]]:
+    """How much the brush comes to hold at samples; one that is told again holds the last."""
+    told = loads_at(recording.time_ns, *recorded_loads(recording.header))
+    return list(dict(told).items())
 
 
 def _tools_in_hand(painter: Painter, brush: BrushSpec) -> list[Asked]:

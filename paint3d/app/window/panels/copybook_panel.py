@@ -29,12 +29,15 @@ class CopybookPanel(QtWidgets.QWidget):
         Text, em in mm, whether it runs in columns, and the font; none for known characters.
     opened : (str, float)
         A drawing or a file of strokes, and its size in mm.
+    corrected : ()
+        The strokes of what was laid out are to be looked at over their picture.
     hidden : ()
         The ghosts are to go.
     """
 
     asked = QtCore.Signal(str, float, bool, str)
     opened = QtCore.Signal(str, float)
+    corrected = QtCore.Signal()
     hidden = QtCore.Signal()
 
     def __init__(self, theme: Theme) -> None:
@@ -56,6 +59,12 @@ class CopybookPanel(QtWidgets.QWidget):
         layout_text = QtWidgets.QPushButton(say("copybook.place"))
         self.open_button = QtWidgets.QPushButton(say("Open a drawing, strokes or a photograph…"))
         self.open_button.clicked.connect(self.choose_file)
+        self.correct_button = QtWidgets.QPushButton(say("Strokes over the picture…"))
+        self.correct_button.setToolTip(
+            say("Order, direction and shape of the strokes of a font, a drawing or a photograph")
+        )
+        self.correct_button.clicked.connect(self.corrected)
+        self.correct_button.setEnabled(False)
         hide = QtWidgets.QPushButton(say("copybook.hide"))
         layout_text.clicked.connect(self.ask)
         hide.clicked.connect(self.hidden)
@@ -78,6 +87,7 @@ class CopybookPanel(QtWidgets.QWidget):
         layout.addLayout(form)
         layout.addLayout(buttons)
         layout.addWidget(self.open_button)
+        layout.addWidget(self.correct_button)
         layout.addWidget(self.told)
         layout.addWidget(self.list, 1)
 
@@ -102,6 +112,7 @@ class CopybookPanel(QtWidgets.QWidget):
     def show_copybook(self, copybook: Copybook | None) -> None:
         """Show another copybook, or none."""
         self.copybook, self._scores, self._coming = copybook, {}, []
+        self.correct_button.setEnabled(copybook is not None and copybook.page is not None)
         self._fill()
 
     def expect(self, coming: Future[Any]) -> None:

@@ -1,0 +1,458 @@
+"""Correcting the strokes of a page: turned round, put in another order, joined, split, left out.
+
+A page under correction never changes; each correction makes another one. Strokes lie where they do
+on the page, and those of one piece follow each other. Ink is neither made nor lost: parts of a
+split stroke together are its region, and a joined one is that of both, with a bridge where they lie
+apart.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.calligraphy.glyphs import Box, Glyph, GlyphStroke
+from paint3d.calligraphy.page.page import Page, Piece
+from paint3d.core.types import AnyArray
+from paint3d.errors import InputError
+
+if TYPE_CHECKING:
+    from shapely import Polygon
+
+__all__ = ["CorrectedPage", "CorrectedStroke", "Steps", "halves_at"]
+
+_GRID = 1e-3  # glyph units: what a file of strokes tells
+_NEAREST_END = 0.02  # of a stroke's length: a cut nearer to an end is none
+_MOST_SAMPLES = 300  # along a stroke, to tell which half a place belongs to
+_STANDS_OUT = 0.25  # of a box: so far letters of a font may stand out of theirs
+_CRUMB = 1.0  # square units: smaller bits that touch neither half are rounding
+
+State = TypeVar("State")
+
+
+@dataclass(frozen=True, eq=False)
+class CorrectedStroke:
+    """A stroke under correction.
+
+    Attributes
+    ----------
+    stroke : GlyphStroke
+        Where it lies on the page, glyph units.
+    piece : int
+        Which piece of the page it belongs to.
+    is_left_out : bool
+        Whether it is not to be written.
+    """
+
+    stroke: GlyphStroke
+    piece: int
+    is_left_out: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class CorrectedPage:
+    """A page and its strokes as they were corrected; `of` begins one.
+
+    Attributes
+    ----------
+    base : Page
+        As it was.
+    strokes : tuple of CorrectedStroke
+        In writing order, those of a piece one after another.
+    """
+
+    base: Page
+    strokes: tuple[CorrectedStroke, ...]
+    _first: tuple[CorrectedStroke, ...] = field(repr=False)
+
+    @classmethod
+    def of(cls, page: Page) -> CorrectedPage:
+        """A page before any correction."""
+        strokes = tuple(
+            CorrectedStroke(_moved(stroke, _to_page(piece)), k)
+            for k, piece in enumerate(page.pieces)
+            for stroke in piece.glyph.strokes
+        )
+        return cls(page, strokes, strokes)
+
+    @property
+    def is_changed(self) -> bool:
+        """Whether anything is not as it was."""
+        return self.strokes != self._first
+
+    def number(self, k: int) -> tuple[int, int]:
+        """A stroke's place in its piece, counted from 1, and how many that has."""
+        mine = self._of_piece(self.strokes[k].piece)
+        return mine.index(k) + 1, len(mine)
+
+    def text(self, k: int) -> str:
+        """Of the piece that a stroke belongs to."""
+        return self.base.pieces[self.strokes[k].piece].glyph.text
+
+    # -- corrections ------------------------------------------------------------------------
+
+    def reverse(self, k: int) -> CorrectedPage:
+        """Stroke k written the other way."""
+        return self._with(k, replace(self.strokes[k], stroke=_turned(self.strokes[k].stroke)))
+
+    def leave_out(self, k: int, on: bool = True) -> CorrectedPage:
+        """Stroke k left out, or taken in again."""
+        return self._with(k, replace(self.strokes[k], is_left_out=on))
+
+    def move(self, k: int, by: int) -> tuple[CorrectedPage, int]:
+        """Stroke k later in its piece by so many, or earlier; and its place then."""
+        mine = self._of_piece(self.strokes[k].piece)
+        to = min(max(k + by, mine[0]), mine[-1])
+        others = [one for j, one in enumerate(self.strokes) if j != k]
+        return self._of([*others[:to], self.strokes[k], *others[to:]]), to
+
+    def move_piece(self, k: int, by: int) -> tuple[CorrectedPage, int]:
+        """The piece of stroke k later by so many, or earlier; and the stroke's place then."""
+        order = list(dict.fromkeys(one.piece for one in self.strokes))
+        piece = self.strokes[k].piece
+        at = order.index(piece)
+        order.insert(min(max(at + by, 0), len(order) - 1), order.pop(at))
+        strokes = [one for p in order for one in self.strokes if one.piece == p]
+        return self._of(strokes), strokes.index(self.strokes[k])
+
+    def leave_out_piece(self, k: int, on: bool = True) -> CorrectedPage:
+        """All strokes of the piece of stroke k left out, or taken in again."""
+        piece = self.strokes[k].piece
+        return self._of(
+            replace(one, is_left_out=on) if one.piece == piece else one for one in self.strokes
+        )
+
+    def join(self, k: int, other: int) -> tuple[CorrectedPage, int]:
+        """Stroke k and another as one, in the direction of k; and its place then.
+
+        They meet at those ends that lie nearest to each other.
+
+        Raises
+        ------
+        InputError
+            If they are the same.
+        """
+        if k == other:
+            raise InputError("a stroke was to be joined to itself; expected another one")
+        joined = replace(
+            self.strokes[k], stroke=_joined(self.strokes[k].stroke, self.strokes[other].stroke)
+        )
+        strokes = [joined if j == k else one for j, one in enumerate(self.strokes) if j != other]
+        return self._of(strokes), strokes.index(joined)
+
+    def split(self, k: int, point: Sequence[float] | AnyArray) -> CorrectedPage:
+        """Stroke k as two, cut across its line at the place nearest to a point of the page.
+
+        Raises
+        ------
+        InputError
+            If that is an end of it.
+        """
+        halves = halves_at(self.strokes[k].stroke, np.asarray(point, np.float64))
+        strokes = [*self.strokes]
+        strokes[k : k + 1] = [replace(self.strokes[k], stroke=half) for half in halves]
+        return self._of(strokes)
+
+    # -- what is there ----------------------------------------------------------------------
+
+    def stroke_at(self, point: Sequence[float] | AnyArray, reach: float) -> int | None:
+        """The stroke that a point of the page lies on, or that is nearest; None beyond `reach`.
+
+        Where strokes cross it is that whose line is nearest.
+        """
+        import shapely
+
+        there = shapely.Point(*point)
+        best, found = (np.inf, np.inf), None
+        for k, one in enumerate(self.strokes):
+            off = shapely.distance(_region(one.stroke), there)
+            line = shapely.distance(shapely.LineString(one.stroke.median), there)
+            if off <= reach and (off, line) < best:
+                best, found = (float(off), float(line)), k
+        return found
+
+    def page(self) -> Page:
+        """The page with what is to be written.
+
+        Pieces that were not touched are the page's own.
+
+        Raises
+        ------
+        InputError
+            If every stroke is left out.
+        """
+        order = list(dict.fromkeys(one.piece for one in self.strokes))
+        pieces = [self._piece(p) for p in order]
+        kept = tuple(piece for piece in pieces if piece.glyph.strokes)
+        return replace(self.base, pieces=kept)
+
+    def _piece(self, p: int) -> Piece:
+        piece = self.base.pieces[p]
+        mine = [one for one in self.strokes if one.piece == p]
+        if mine == [one for one in self._first if one.piece == p]:
+            return piece
+        back = -_to_page(piece)
+        strokes = tuple(_moved(one.stroke, back) for one in mine if not one.is_left_out)
+        box = _around(piece.glyph.box, strokes)
+        glyph = Glyph(piece.glyph.text, strokes, box)
+        moved = np.array(glyph.middle) - piece.glyph.middle
+        return Piece(glyph, (piece.at[0] + float(moved[0]), piece.at[1] + float(moved[1])))
+
+    def _of_piece(self, piece: int) -> list[int]:
+        return [j for j, one in enumerate(self.strokes) if one.piece == piece]
+
+    def _with(self, k: int, changed: CorrectedStroke) -> CorrectedPage:
+        return self._of(changed if j == k else one for j, one in enumerate(self.strokes))
+
+    def _of(self, strokes: Iterable[CorrectedStroke]) -> CorrectedPage:
+        return replace(self, strokes=tuple(strokes))
+
+
+class Steps(Generic[State]):
+    """States one after another, of which the last ones can be undone and done again.
+
+    Parameters
+    ----------
+    first : State
+    """
+
+    def __init__(self, first: State) -> None:
+        self._states, self._at = [first], 0
+
+    @property
+    def now(self) -> State:
+        """The state that counts."""
+        return self._states[self._at]
+
+    @property
+    def can_undo(self) -> bool:
+        """Whether there is a state before."""
+        return self._at > 0
+
+    @property
+    def can_redo(self) -> bool:
+        """Whether something was undone."""
+        return self._at + 1 < len(self._states)
+
+    def take(self, state: State) -> None:
+        """Go on to another state; what was undone is forgotten."""
+        self._states[self._at + 1 :] = [state]
+        self._at += 1
+
+    def undo(self) -> None:
+        """Go back by one, where there is one."""
+        self._at -= self.can_undo
+
+    def redo(self) -> None:
+        """Go forth by one, where there is one."""
+        self._at += self.can_redo
+
+
+# -- strokes ------------------------------------------------------------------------------------
+
+
+def _to_page(piece: Piece) -> NDArray[np.float64]:
+    """What moves a piece's own units to the page."""
+    return np.array(piece.at) - piece.glyph.middle
+
+
+def _moved(stroke: GlyphStroke, by: AnyArray) -> GlyphStroke:
+    holes = tuple(hole + by for hole in stroke.holes)
+    return replace(stroke, outline=stroke.outline + by, median=stroke.median + by, holes=holes)
+
+
+def _turned(stroke: GlyphStroke) -> GlyphStroke:
+    return replace(stroke, median=stroke.median[::-1], dryness=stroke.dryness[::-1])
+
+
+def _around(box: Box, strokes: Sequence[GlyphStroke]) -> Box:
+    """A box; a larger one where strokes that came from another piece stand far out of it."""
+    if not strokes:
+        return box
+    points = np.concatenate([stroke.outline for stroke in strokes])
+    low, high = np.minimum(points.min(axis=0), box[:2]), np.maximum(points.max(axis=0), box[2:])
+    reach = _STANDS_OUT * max(box[2] - box[0], box[3] - box[1])
+    if (low >= np.array(box[:2]) - reach).all() and (high <= np.array(box[2:]) + reach).all():
+        return box
+    return float(low[0]), float(low[1]), float(high[0]), float(high[1])
+
+
+def _region(stroke: GlyphStroke) -> Polygon:
+    """A stroke's region as one shape."""
+    import shapely
+
+    area = shapely.Polygon(stroke.outline, stroke.holes)
+    return area if area.is_valid else area.buffer(0.0)
+
+
+def _as_stroke(region: Polygon, median: AnyArray, dryness: Sequence[float]) -> GlyphStroke:
+    rings = [np.array(ring.coords)[:-1] for ring in (region.exterior, *region.interiors)]
+    return GlyphStroke(rings[0], median, tuple(rings[1:]), tuple(dryness))
+
+
+def _way(line: AnyArray) -> NDArray[np.float64]:
+    """How far along a line (M, 2) each of its points lies."""
+    steps = np.linalg.norm(np.diff(line, axis=0), axis=1)
+    return np.concatenate([[0.0], np.cumsum(steps)])
+
+
+def _at(line: AnyArray, way: AnyArray) -> NDArray[np.float64]:
+    """Places (K, 2) so far along a line."""
+    along = _way(line)
+    return np.column_stack([np.interp(way, along, line[:, axis]) for axis in (0, 1)])
+
+
+def halves_at(stroke: GlyphStroke, point: AnyArray) -> tuple[GlyphStroke, GlyphStroke]:
+    """A stroke cut in two across its line, at the place nearest to a point (2,).
+
+    Every place of its region goes to the half whose line is nearest.
+
+    Raises
+    ------
+    InputError
+        If that is an end of it.
+    """
+    import shapely
+
+    line = shapely.LineString(stroke.median)
+    cut, length = float(line.project(shapely.Point(*point))), float(line.length)
+    if not _NEAREST_END * length < cut < (1.0 - _NEAREST_END) * length:
+        raise InputError("the cut lies at the stroke's end; expected a place between its ends")
+    middle = _at(stroke.median, np.array([cut]))
+    along = _way(stroke.median)
+    lines = (
+        np.concatenate([stroke.median[along < cut], middle]),
+        np.concatenate([middle, stroke.median[along > cut]]),
+    )
+    regions = _parted(_region(stroke), stroke.median, cut)
+    drynesses = _shared_out(stroke.dryness, cut / length)
+    first, second = (
+        _as_stroke(region, own, dry)
+        for region, own, dry in zip(regions, lines, drynesses, strict=True)
+    )
+    return first, second
+
+
+def _parted(region: Polygon, median: AnyArray, cut: float) -> tuple[Polygon, Polygon]:
+    """A region in two, by which part of its line is nearest: the cells of points along it."""
+    import shapely
+
+    length = float(_way(median)[-1])
+    step = max(length / _MOST_SAMPLES, 0.125 * float(region.area) / length)
+    before = np.arange(cut - 0.5 * step, 0.0, -step)  # the cut is the border of two cells
+    after = np.arange(cut + 0.5 * step, length, step)
+    if not len(before) or not len(after):
+        before, after = np.array([0.5 * cut]), np.array([1.5 * cut])
+    points = shapely.points(_at(median, np.concatenate([before, after])))
+    cells = shapely.get_parts(
+        shapely.voronoi_polygons(shapely.multipoints(points), extend_to=region)
+    )
+    of_point, cell = shapely.STRtree(cells).query(points, predicate="within")
+    mine = shapely.union_all(cells[cell[of_point < len(before)]])
+    one = shapely.intersection(region, mine, grid_size=_GRID)
+    other = shapely.difference(region, mine, grid_size=_GRID)
+    return _two_wholes(_polygons(one), _polygons(other))
+
+
+def _polygons(shape: Any) -> list[Polygon]:
+    """The areas of a shape, largest first."""
+    import shapely
+
+    areas = [part for part in shapely.get_parts(shape) if part.geom_type == "Polygon"]
+    return sorted(areas, key=lambda part: -part.area)
+
+
+def _two_wholes(one: list[Polygon], other: list[Polygon]) -> tuple[Polygon, Polygon]:
+    """The largest part of each; smaller ones go to that which they touch most."""
+    if not one or not other:
+        raise InputError("the cut parts nothing; expected a place within the stroke's ink")
+    wholes, loose = [one[0], other[0]], [*one[1:], *other[1:]]
+    while loose:
+        touching = [
+            (float(whole.boundary.intersection(bit.boundary).length), w, b)
+            for b, bit in enumerate(loose)
+            for w, whole in enumerate(wholes)
+        ]
+        length, w, b = max(touching)
+        grown = _polygons(wholes[w].union(loose[b], grid_size=_GRID))
+        bit = loose.pop(b)
+        if length > 0.0 and len(grown) == 1:
+            wholes[w] = grown[0]
+        elif bit.area > _CRUMB:
+            wholes[w] = _bridged(wholes[w], bit, 0.1 * float(np.sqrt(bit.area)))
+    return wholes[0], wholes[1]
+
+
+def _shared_out(
+    dryness: Sequence[float], share: float
+) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Shares left bare at even stations, of the two parts of a stroke."""
+    n = len(dryness)
+    if not n:
+        return (), ()
+    first = min(max(round(n * share), 1), max(n - 1, 1))
+    counts = first, max(n - first, 1)
+    spans = (0.0, share), (share, 1.0)
+    parts = [_stations(dryness, low, high, m) for (low, high), m in zip(spans, counts, strict=True)]
+    return parts[0], parts[1]
+
+
+def _stations(dryness: Sequence[float], low: float, high: float, n: int) -> tuple[float, ...]:
+    """Shares at n even stations of a part of a stroke, from those of all of it."""
+    at = low + (np.arange(n) + 0.5) / n * (high - low)
+    known = (np.arange(len(dryness)) + 0.5) / len(dryness)
+    return tuple(np.round(np.interp(at, known, dryness), 3).tolist())
+
+
+def _joined(one: GlyphStroke, other: GlyphStroke) -> GlyphStroke:
+    """Two strokes as one, in the direction of the first."""
+    pairs = (
+        (one, other), (one, _turned(other)), (other, one), (_turned(other), one),
+    )  # fmt: skip
+    gaps = [float(np.linalg.norm(a.median[-1] - b.median[0])) for a, b in pairs]
+    a, b = pairs[int(np.argmin(gaps))]
+    shapes = _region(a), _region(b)
+    merged = _polygons(shapes[0].union(shapes[1], grid_size=_GRID))
+    lengths = [float(_way(part.median)[-1]) for part in (a, b)]
+    region = merged[0]
+    if len(merged) > 1:
+        widths = [s.area / max(w, 1e-9) for s, w in zip(shapes, lengths, strict=True)]
+        region = _bridged(*shapes, 0.4 * min(widths), (a.median[-1], b.median[0]))
+    gap = min(gaps)
+    following = b.median[1:] if gap <= _GRID else b.median
+    dryness: tuple[float, ...] = ()
+    if a.dryness or b.dryness:
+        dryness = _one_after_another((a.dryness, b.dryness), lengths)
+    return _as_stroke(region, np.concatenate([a.median, following]), dryness)
+
+
+def _one_after_another(
+    drynesses: Sequence[Sequence[float]], lengths: Sequence[float]
+) -> tuple[float, ...]:
+    """Shares at even stations of two strokes as one; a stroke that does not say is wet."""
+    known = [dry or (0.0,) for dry in drynesses]
+    at = [(np.arange(len(d)) + 0.5) / len(d) * w for d, w in zip(known, lengths, strict=True)]
+    places = np.concatenate([at[0], lengths[0] + at[1]])
+    n = len(places)
+    wanted = (np.arange(n) + 0.5) / n * sum(lengths)
+    return tuple(np.round(np.interp(wanted, places, np.concatenate(known)), 3).tolist())
+
+
+def _bridged(
+    one: Polygon,
+    other: Polygon,
+    half_width: float,
+    ends: tuple[AnyArray, AnyArray] | None = None,
+) -> Polygon:
+    """Two regions that lie apart as one, with ink between their ends, or where they are nearest."""
+    import shapely
+
+    lines = [shapely.shortest_line(one, other)]
+    if ends is not None:
+        lines.append(shapely.LineString(np.stack(ends)))
+    bridge = shapely.union_all(lines).convex_hull.buffer(max(half_width, _GRID * 10.0))
+    return _polygons(shapely.union_all([one, other, bridge], grid_size=_GRID))[0]

@@ -1,0 +1,313 @@
+"""Strokes over the picture: corrected by mouse, pen, finger and keys in the real window."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+pytest.importorskip("PySide6", reason="PySide6 is not installed")
+pytest.importorskip("svgelements", reason="svgelements is not installed")
+
+from PIL import Image
+from PySide6 import QtCore, QtGui, QtTest, QtWidgets
+
+from paint3d.app.window.dialogs.questions import Answer
+from paint3d.app.window.dialogs.strokes_dialog import StrokesDialog
+from paint3d.calligraphy.page.strokes_file import load_strokes
+from tests.support.app.gestures import BUTTON, KIND, answer, live, mouse, pen, wait_for
+from tests.support.app.windows import opened
+
+KEY, CONTROL = QtCore.Qt.Key, QtCore.Qt.KeyboardModifier.ControlModifier
+SVG = """<svg xmlns="http://www.w3.org/2000/svg"><g fill="none" stroke="black" stroke-width="6">
+<path d="M5 5H55"/><path d="M5 25H55"/><path d="M5 45H55"/></g></svg>"""
+
+
+@pytest.fixture(scope="module")
+def window(program):
+    with opened(program, "plane", 2.0, "porcelain") as window:
+        window.workspace.quiet = False
+        yield window
+
+
+@pytest.fixture
+def drawing(window, tmp_path: Path) -> Path:
+    file = tmp_path / "three.svg"
+    file.write_text(SVG, encoding="utf-8")
+    assert window.copying.layout_file(str(file), 30.0)
+    return file
+
+
+@pytest.fixture
+def sheet(window, tmp_path: Path) -> Path:
+    pytest.importorskip("skimage", reason="scikit-image is not installed")
+    pixels = np.full((300, 300, 3), 235, np.uint8)
+    pixels[60:84, 50:250] = pixels[200:224, 50:250] = 20
+    file = tmp_path / "two.png"
+    Image.fromarray(pixels).save(file)
+    assert window.copying.layout_file(str(file), 30.0)
+    return file
+
+
+def correct(window, act) -> None:
+    """Open the dialog by its button, and let `act` use it; what it finds wrong fails the test."""
+    found: list[BaseException] = []
+
+    def watched(dialog) -> None:
+        try:
+            act(dialog)
+        except BaseException as error:
+            found.append(error)
+            dialog.done(0)  # and nothing is asked
+
+    answer(watched, StrokesDialog)
+    button = window.panels.copybook.correct_button
+    assert button.isEnabled()
+    QtTest.QTest.mouseClick(button, BUTTON.LeftButton)
+    live(0.05)
+    if found:
+        raise found[0]
+
+
+def ways(window) -> list[np.ndarray]:
+    """From where to where the ghosts' strokes lead, mm, in their order."""
+    ghosts = window.panels.copybook.copybook.ghosts
+    return [line[-1] - line[0] for ghost in ghosts for line in ghost.medians]
+
+
+def place_on(dialog, k: int, share: float = 0.5) -> QtCore.QPointF:
+    """Where a stroke lies in the dialog's picture."""
+    line = dialog.steps.now.strokes.strokes[k].stroke.median
+    there = line[0] + share * (line[-1] - line[0])
+    return dialog.view.place(*dialog.view.behind.pixels(there[None])[0])
+
+
+def click(dialog, place: QtCore.QPointF) -> None:
+    x, y = place.x(), place.y()
+    mouse(dialog.view, KIND.MouseButtonPress, x, y, BUTTON.LeftButton, BUTTON.LeftButton)
+    mouse(dialog.view, KIND.MouseButtonRelease, x, y, BUTTON.LeftButton)
+
+
+def key(dialog, which, held=QtCore.Qt.KeyboardModifier.NoModifier) -> None:
+    QtTest.QTest.keyClick(dialog.focusWidget() or dialog.view, which, held)
+
+
+def use(dialog) -> None:
+    QtTest.QTest.mouseClick(dialog.use, BUTTON.LeftButton)
+
+
+def test_a_stroke_is_chosen_and_reversed_and_its_ghost_follows(window, drawing) -> None:
+    before = ways(window)
+
+    def act(dialog) -> None:
+        click(dialog, place_on(dialog, 1))
+        assert dialog.chosen == 1
+        assert "1" in dialog.told.text()
+        key(dialog, KEY.Key_R)
+        use(dialog)
+
+    correct(window, act)
+    after = ways(window)
+    assert len(after) == 3
+    np.testing.assert_allclose(after[1], -before[1], atol=0.1)
+    np.testing.assert_allclose(after[0], before[0], atol=0.1)
+
+
+def test_buttons_and_keys_are_the_same_and_are_undone(window, drawing) -> None:
+    names = {"reverse": KEY.Key_R, "leave out": KEY.Key_X}
+
+    def act(dialog) -> None:
+        for name, by_key in names.items():
+            first = dialog.steps.now
+            QtTest.QTest.mouseClick(dialog.buttons[name], BUTTON.LeftButton)
+            by_button = dialog.page
+            key(dialog, KEY.Key_Z, CONTROL)
+            assert dialog.steps.now is first
+            key(dialog, by_key)
+            for one, other in zip(by_button.pieces, dialog.page.pieces, strict=True):
+                for a, b in zip(one.glyph.strokes, other.glyph.strokes, strict=True):
+                    np.testing.assert_array_equal(a.median, b.median)
+            key(dialog, KEY.Key_Z, CONTROL)
+            key(dialog, KEY.Key_Y, CONTROL)
+            assert dialog.steps.now is not first
+            key(dialog, KEY.Key_Z, CONTROL)
+        use(dialog)
+
+    correct(window, act)
+    assert len(ways(window)) == 3
+
+
+def test_pieces_follow_in_another_order(window, drawing) -> None:
+    before = [g.square.points[0, 0] for g in window.panels.copybook.copybook.ghosts]
+
+    def act(dialog) -> None:
+        click(dialog, place_on(dialog, 2))
+        key(dialog, KEY.Key_PageUp)
+        assert dialog.chosen == 2  # it is alone in its piece
+        key(dialog, KEY.Key_W)
+        assert dialog.whole.isChecked()
+        key(dialog, KEY.Key_PageUp)
+        assert dialog.chosen == 1
+        use(dialog)
+
+    correct(window, act)
+    after = [g.square.points[0, 0] for g in window.panels.copybook.copybook.ghosts]
+    np.testing.assert_allclose([after[k] for k in (0, 2, 1)], before, atol=0.1)
+
+
+def test_a_stroke_is_split_where_it_is_clicked_and_joined_by_keys(window, drawing) -> None:
+    def act(dialog) -> None:
+        key(dialog, KEY.Key_S)
+        assert dialog.view.cut is not None
+        click(dialog, place_on(dialog, 0, 0.25))
+        assert len(dialog.steps.now.strokes.strokes) == 4
+        assert dialog.chosen == 0
+        key(dialog, KEY.Key_J)
+        assert dialog.view.other == 1
+        key(dialog, KEY.Key_Return)
+        assert len(dialog.steps.now.strokes.strokes) == 3
+        key(dialog, KEY.Key_S)
+        for _ in range(6):
+            key(dialog, KEY.Key_Right)
+        key(dialog, KEY.Key_Return)
+        use(dialog)
+
+    correct(window, act)
+    lengths = np.linalg.norm(ways(window), axis=1)
+    np.testing.assert_allclose(lengths[0] / lengths[1], 3.0, rtol=0.15)
+    assert len(lengths) == 4
+
+
+def test_pen_and_finger_choose_and_the_wheel_zooms(window, drawing) -> None:
+    screen = QtTest.QTest.createTouchDevice()
+
+    def act(dialog) -> None:
+        there = place_on(dialog, 2)
+        pen(dialog.view, KIND.TabletPress, there.x(), there.y(), 0.5)
+        pen(dialog.view, KIND.TabletRelease, there.x(), there.y(), 0.0)
+        live(0.05)
+        by_pen = dialog.chosen
+        there = place_on(dialog, 1).toPoint()
+        finger = QtTest.QTest.touchEvent(dialog.view, screen)
+        finger.press(0, there, dialog.view).commit()
+        finger.release(0, there, dialog.view).commit()
+        live(0.05)
+        by_finger = dialog.chosen
+        scale, at = dialog.view.scale, dialog.view.pixel(QtCore.QPointF(there))
+        wheel = QtGui.QWheelEvent(
+            QtCore.QPointF(there), dialog.view.mapToGlobal(QtCore.QPointF(there)),
+            QtCore.QPoint(), QtCore.QPoint(0, 240), BUTTON.NoButton,
+            QtCore.Qt.KeyboardModifier.NoModifier, QtCore.Qt.ScrollPhase.NoScrollPhase, False,
+        )  # fmt: skip
+        QtWidgets.QApplication.sendEvent(dialog.view, wheel)
+        zoomed = dialog.view.scale / scale
+        held = dialog.view.pixel(QtCore.QPointF(there))
+        use(dialog)
+        assert (by_pen, by_finger) == (2, 1)
+        assert zoomed > 1.3
+        np.testing.assert_allclose(held, at)
+
+    correct(window, act)
+
+
+def test_what_is_drawn_shows_what_is_left_out(window, drawing) -> None:
+    """In the middle of a stroke's region, beside its line, its colour goes when it is left out."""
+
+    def act(dialog) -> None:
+        def colours() -> list[QtGui.QColor]:
+            picture = dialog.view.grab().toImage()
+            scale = picture.devicePixelRatio()
+            beside = QtCore.QPointF(0.0, 8.0)
+            return [
+                picture.pixelColor((scale * (place_on(dialog, k, 0.3) + beside)).toPoint())
+                for k in range(3)
+            ]
+
+        before = colours()
+        assert len({colour.rgb() for colour in before}) == 3
+        click(dialog, place_on(dialog, 1))
+        key(dialog, KEY.Key_X)
+        after = colours()
+        assert before[1].hsvSaturationF() > 0.15
+        assert after[1].hsvSaturationF() < 0.1
+        assert after[2] == before[2]
+        use(dialog)
+
+    correct(window, act)
+    assert len(ways(window)) == 2
+
+
+def test_strokes_are_saved_in_a_file(window, drawing) -> None:
+    def type_name(dialog) -> None:
+        assert dialog.selectedFiles()[0].endswith("three.strokes.json")
+        dialog.accept()
+
+    def act(dialog) -> None:
+        key(dialog, KEY.Key_R)
+        answer(type_name, QtWidgets.QFileDialog)
+        key(dialog, KEY.Key_S, CONTROL)
+        dialog.reject()  # nothing is asked: it is saved
+
+    correct(window, act)
+    page = load_strokes(drawing.with_name("three.strokes.json"))
+    first = page.pieces[0].glyph.strokes[0].median
+    assert first[0, 0] > first[-1, 0]
+    assert ways(window)[0][0] > 0.0  # what lies on the object stays
+
+
+def test_corrections_are_not_dropped_unasked(window, drawing) -> None:
+    seen = []
+
+    def press(role):
+        def act(box) -> None:
+            next(b for b in box.buttons() if box.buttonRole(b) == role).click()
+
+        return act
+
+    def act(dialog) -> None:
+        key(dialog, KEY.Key_R)
+        for role in (Answer.RejectRole, Answer.DestructiveRole):
+            answer(press(role), QtWidgets.QMessageBox)
+            key(dialog, KEY.Key_Escape)
+            live(0.05)
+            seen.append(dialog.isVisible())
+
+    before = ways(window)
+    correct(window, act)
+    assert seen == [True, False]
+    np.testing.assert_allclose(ways(window), before)
+
+
+def test_corners_are_dragged_and_the_strokes_found_anew(window, sheet) -> None:
+    assert len(ways(window)) == 2
+
+    def act(dialog) -> None:
+        first = dialog.steps.now
+        key(dialog, KEY.Key_C)
+        view = dialog.corners
+        assert view.isVisible()
+        for k, corner in ((0, (20.0, 150.0)), (1, (285.0, 150.0))):
+            start, end = view.place(*view.corners[k]), view.place(*corner)
+            mouse(view, KIND.MouseButtonPress, start.x(), start.y(), BUTTON.LeftButton,
+                  BUTTON.LeftButton)  # fmt: skip
+            mouse(view, KIND.MouseMove, end.x(), end.y(), buttons=BUTTON.LeftButton)
+            mouse(view, KIND.MouseButtonRelease, end.x(), end.y(), BUTTON.LeftButton)
+        np.testing.assert_allclose(view.corners[:2], [(20.0, 150.0), (285.0, 150.0)], atol=0.6)
+        key(dialog, KEY.Key_Right)
+        np.testing.assert_allclose(view.corners[1], (286.0, 150.0), atol=0.6)
+        key(dialog, KEY.Key_Return)
+        wait_for(lambda: dialog.steps.now is not first)
+        assert len(dialog.steps.now.strokes.strokes) == 1
+        key(dialog, KEY.Key_Z, CONTROL)
+        assert dialog.steps.now is first
+        key(dialog, KEY.Key_Y, CONTROL)
+        use(dialog)
+
+    correct(window, act)
+    assert len(ways(window)) == 1
+
+
+def test_known_characters_have_no_picture_to_correct(window) -> None:
+    assert window.copying.layout_text("永", 30.0, True)
+    assert not window.panels.copybook.correct_button.isEnabled()
