@@ -51,10 +51,17 @@ class BakedLight:
 
 
 class LiveLight:
-    """The light on each vertex of a paint mesh, also on those that refinement adds."""
+    """The light on each vertex of a paint mesh, also on those that refinement adds.
+
+    Attributes
+    ----------
+    mesh : PaintMesh
+    axes : (3, 3) float64
+        Rows: the studio's right, depth and up in the object's frame.
+    """
 
     def __init__(self, mesh: PaintMesh) -> None:
-        self._mesh = mesh
+        self.mesh = mesh
         n = mesh.n_base_vertices
         self._points, self._normals = mesh.vertices[:n], mesh.normals[:n]
         self._areas = np.maximum(mesh.vertex_areas[:n], 1e-12)
@@ -79,7 +86,7 @@ class LiveLight:
         """
         axes = self.axes.astype(np.float32)
         points, normals = self._points @ axes.T, self._normals @ axes.T
-        occluder, suns = Occluder(points, self._mesh.base_faces), light_samples(_N_DOME)
+        occluder, suns = Occluder(points, self.mesh.base_faces), light_samples(_N_DOME)
         ground = light_ground(occluder, suns)
         light = light_points(occluder, ground, suns, points, normals, _ALBEDO)
         return BakedLight(self._exposed(light), ground, self.axes)
@@ -92,12 +99,12 @@ class LiveLight:
         return out
 
     def _follow(self) -> None:
-        n = self._mesh.n_vertices
+        n = self.mesh.n_vertices
         if self._known == n:
             return
         if len(self._light) < n:
-            self._light = grown(self._light, self._known, self._mesh.capacity)
-        light_of_added(self._mesh.arrays.parents, self._known, n, self._light)
+            self._light = grown(self._light, self._known, self.mesh.capacity)
+        light_of_added(self.mesh.arrays.parents, self._known, n, self._light)
         self._known = n
 
     def _plain(self) -> AnyArray:

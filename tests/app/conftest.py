@@ -52,9 +52,10 @@ def light_once(few_lights: None) -> Iterator[None]:
     bake = LiveLight.bake
 
     def baked(light: LiveLight) -> BakedLight:
-        parts = (light._points, light._normals, light._areas, light._mesh.base_faces, light.axes)
+        mesh, n = light.mesh, light.mesh.n_base_vertices
+        each = (mesh.vertices[:n], mesh.normals[:n], mesh.vertex_areas[:n])
         said = hashlib.blake2b()
-        for part in parts:
+        for part in (*each, mesh.base_faces, light.axes):
             said.update(f"{part.dtype} {part.shape}".encode())
             said.update(np.ascontiguousarray(part).data)
         key = said.digest()

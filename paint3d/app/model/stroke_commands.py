@@ -94,8 +94,9 @@ class StrokeCommands:
         Raises
         ------
         InputError
-            If one is going on, the layer is locked or hidden, or the loads are no such pairs. In that case samples are passed
-            over until `end_stroke` or `cancel_stroke`: they belong to the stroke that was refused.
+            If one is going on, the layer is locked or hidden, or the loads are no such pairs. In
+            that case samples are passed over until `end_stroke` or `cancel_stroke`: they belong to
+            the stroke that was refused.
         """
         self._refuse_in_stroke("a stroke")
         self._come_back()
