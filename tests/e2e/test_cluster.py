@@ -65,9 +65,11 @@ class Cluster:
         self.address = json.loads(known.read_text())["address"]
 
     def add_worker(self, name: str, threads: int = 1) -> None:
+        """One without a nanny, which would be a process more, and start another for a dead one."""
         self._start(
             "worker", self.address, "--name", name, "--nthreads", threads, "--no-dashboard",
-            "--preload", self._folder / "preload.py", "--local-directory", self._folder,
+            "--no-nanny", "--preload", self._folder / "preload.py",
+            "--local-directory", self._folder,
         )  # fmt: skip
 
     def _start(self, kind: str, *arguments: object) -> subprocess.Popen:
@@ -85,7 +87,7 @@ class Cluster:
         return running
 
     def close(self) -> None:
-        for running in self._running:  # with the nannies' children: a group each
+        for running in self._running:  # a group each
             with suppress(ProcessLookupError):
                 os.killpg(running.pid, signal.SIGKILL)
         for running in self._running:
@@ -107,9 +109,8 @@ def rows(*outputs: str) -> list[Row]:
 
 
 def test_a_row_that_loses_its_worker_is_run_by_another(cluster: Cluster) -> None:
-    cluster.add_worker("a")
-    cluster.add_worker("b")
-    cluster.add_worker("c")
+    for name in "abcd":  # three die
+        cluster.add_worker(name)
     outcomes = sorted(run_on_cluster(rows("x", "once", "y", "always", "z"), cluster.address))
     assert [outcome.message for outcome in outcomes[:3]] == ["", "", ""]
     assert outcomes[3].message == "its worker died, and another too"
