@@ -9,11 +9,13 @@ import os
 import sys
 from collections.abc import Iterator
 from pathlib import Path
+from weakref import WeakKeyDictionary
 
 import numpy as np
 import pytest
 
 from paint3d.app.model.persistence import settings
+from paint3d.mesh.refined_mesh import PaintMesh
 from paint3d.view import live_light, live_scene
 from paint3d.view.live_light import BakedLight, LiveLight
 from paint3d.view.studio import light_samples
@@ -48,21 +50,26 @@ def light_once(few_lights: None) -> Iterator[None]:
 
     What is found depends on nothing but what is hashed here.
     """
+    keys: WeakKeyDictionary[LiveLight, bytes] = WeakKeyDictionary()
     found: dict[bytes, BakedLight] = {}
-    bake = LiveLight.bake
+    make, bake = LiveLight.__init__, LiveLight.bake
 
-    def baked(light: LiveLight) -> BakedLight:
-        parts = (light._points, light._normals, light._areas, light._mesh.base_faces, light.axes)
-        said = hashlib.blake2b()
-        for part in parts:
+    def made(light: LiveLight, mesh: PaintMesh) -> None:
+        make(light, mesh)
+        n, said = mesh.n_base_vertices, hashlib.blake2b()
+        of_vertices = (mesh.vertices[:n], mesh.normals[:n], mesh.vertex_areas[:n])
+        for part in (*of_vertices, mesh.base_faces, light.axes):
             said.update(f"{part.dtype} {part.shape}".encode())
             said.update(np.ascontiguousarray(part).data)
-        key = said.digest()
-        if key not in found:
-            found[key] = bake(light)
-        return copy.deepcopy(found[key])
+        keys[light] = said.digest()
+
+    def baked(light: LiveLight) -> BakedLight:
+        if keys[light] not in found:
+            found[keys[light]] = bake(light)
+        return copy.deepcopy(found[keys[light]])
 
     with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(LiveLight, "__init__", made)
         patch.setattr(LiveLight, "bake", baked)
         yield
 
