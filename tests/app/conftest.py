@@ -52,10 +52,9 @@ def light_once(few_lights: None) -> Iterator[None]:
     bake = LiveLight.bake
 
     def baked(light: LiveLight) -> BakedLight:
-        mesh, n = light.mesh, light.mesh.n_base_vertices
-        each = (mesh.vertices[:n], mesh.normals[:n], mesh.vertex_areas[:n])
-        said = hashlib.blake2b()
-        for part in (*each, mesh.base_faces, light.axes):
+        mesh, n, said = light.mesh, light.mesh.n_base_vertices, hashlib.blake2b()
+        of_vertices = (mesh.vertices[:n], mesh.normals[:n], mesh.vertex_areas[:n])
+        for part in (*of_vertices, mesh.base_faces, light.axes):
             said.update(f"{part.dtype} {part.shape}".encode())
             said.update(np.ascontiguousarray(part).data)
         key = said.digest()

@@ -30,13 +30,14 @@ from paint3d.mesh.upright import turn_mesh, turn_up
 from paint3d.view.preview import Preview
 from tests.mesh.test_upright import jug
 from tests.support.app.gestures import answer, drag, live, take_file, wait_for
-from tests.support.app.windows import close_unasked
+from tests.support.app.windows import SMALL, close_unasked
 
 
 @pytest.fixture(scope="module")
 def window(program):
     """A window with a coarse sheet in it, which asks."""
     window = StudioWindow(program)
+    window.resize(*SMALL)
     window.show()
     assert window.opening.open_path("plane", 2.0, "xuan", asked=True)
     wait_for(lambda: window.stage.is_lit)

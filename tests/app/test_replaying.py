@@ -18,7 +18,7 @@ from paint3d.errors import Paint3DError
 from paint3d.recording.recording import save_recording
 from tests.support.app.gestures import BUTTON, answer, drag, live, take_file, wait_for
 from tests.support.app.hands import pad_stroke
-from tests.support.app.windows import opened, settled
+from tests.support.app.windows import SMALL, opened, settled
 
 TIMES = 300  # to and fro
 REST_NS = 600_000_000_000
@@ -27,7 +27,7 @@ CHUNKS = 3 * 64  # samples that may be painted after a replay was stopped
 
 @pytest.fixture
 def window(program):
-    with opened(program, "plane", 2.0, "porcelain") as window:
+    with opened(program, "plane", 2.0, "porcelain", size=SMALL) as window:
         window.panels.history.pace.setCurrentText("max")
         yield window
 
@@ -59,12 +59,12 @@ def joined(samples) -> Recording:
     )
 
 
-def replay(window, file: Path) -> int:
+def replay(window, file: Path, times: int = TIMES) -> int:
     """By the menu; how many samples there are."""
     answer(take_file(file))
     window.workspace.actions["replay"].trigger()
     assert window.player.is_playing
-    return TIMES * 20
+    return times * 20
 
 
 def by_button(window) -> None:
@@ -83,13 +83,13 @@ def by_key(window) -> None:
 
 
 def test_it_is_ready_when_all_is_painted_and_a_bar_says_how_far_it_is(window, tmp_path) -> None:
-    file = long_file(window, tmp_path)
+    file = long_file(window, tmp_path, times=TIMES // 3)  # all of it is waited for
     shares: list[int] = []
     easel = window.stage.easel
     for k in range(5):  # what was painted before does not count
         drag(window.canvas, (0.42, 0.4 + 0.01 * k), (0.58, 0.4 + 0.01 * k), n=40)
     settled(window)
-    before, n = easel.n_painted, replay(window, file)
+    before, n = easel.n_painted, replay(window, file, TIMES // 3)
     with easel.paused():  # wherever it is
         window.player.tick()
         shares.append(window.replay_bar.bar.value())
@@ -183,7 +183,7 @@ def test_a_pads_recording_is_laid_where_the_picture_is_looked_at(
     line = np.linspace((100.0, 50.0), (130.0, 50.0), 40)  # anywhere on the pad
     file = tmp_path / "pad.jsonl"
     save_recording(pad_stroke(line, 0.3, np.radians(60.0)), file)
-    with opened(program, "sphere", 1.0, "porcelain") as window:
+    with opened(program, "sphere", 1.0, "porcelain", size=SMALL) as window:
         window.workspace.actions["look_left"].trigger()
         for _ in range(20 * beside):
             window.workspace.actions["pan_left"].trigger()

@@ -27,7 +27,7 @@ from tests.support.app.gestures import (
     type_key,
     wait_for,
 )
-from tests.support.app.windows import close_unasked
+from tests.support.app.windows import SMALL, close_unasked
 
 ROWS = (0.42, 0.47, 0.52, 0.57)
 
@@ -35,6 +35,7 @@ ROWS = (0.42, 0.47, 0.52, 0.57)
 @pytest.fixture(scope="module")
 def window(program):
     window = StudioWindow(program)
+    window.resize(*SMALL)
     window.show()
     window.workspace.quiet = True
     yield window

@@ -30,7 +30,7 @@ from paint3d.app.window.wording import choose_language
 from paint3d.errors import ExportError
 from tests.support.app.gestures import answer, answer_bar, drag, live, type_key, wait_for
 from tests.support.app.hands import line
-from tests.support.app.windows import close_unasked, settled
+from tests.support.app.windows import SMALL, close_unasked, settled
 
 LIMIT_S = 300.0  # for what comes soon where the machine is not busy
 
@@ -48,6 +48,7 @@ def in_slots(monkeypatch: pytest.MonkeyPatch):
 def empty(program):
     """A window with nothing in it."""
     window = StudioWindow(program)
+    window.resize(*SMALL)
     window.show()
     window.workspace.quiet = True
     yield window

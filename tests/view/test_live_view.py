@@ -164,6 +164,25 @@ def test_the_picture_shows_paint_where_it_was_laid(surface: PaintedSurface) -> N
     scene.close()
 
 
+def test_edges_are_smooth_where_nothing_moves(surface: PaintedSurface) -> None:
+    shown = LiveObject(surface)
+    scene = LiveScene((160, 120), DARK)
+    scene.clear(shown.centre, shown.radius, Gloss.of("xuan"))
+    scene.apply(shown.uploads(NONE))
+    scene.set_camera(fit_camera(surface.source.vertices, View((0.4, -0.3, 1.0)), 160 / 120))
+    plain = scene.draw()[..., :3].astype(int)
+    if not scene.is_software:
+        pytest.skip("a graphics card smooths all")
+    fine = scene.draw(fine=True)[..., :3].astype(int)
+    scene.close()
+    smoothed = np.abs(fine - plain).max(axis=2) > 20
+    assert 40 < smoothed.sum() < 0.1 * smoothed.size  # along the edges, and nowhere else
+    around = np.lib.stride_tricks.sliding_window_view(plain, (3, 3), axis=(0, 1))
+    low, high = around.min(axis=(3, 4)) - 2, around.max(axis=(3, 4)) + 2
+    inner = fine[1:-1, 1:-1]
+    assert ((inner >= low) & (inner <= high)).all()  # between a pixel's neighbours
+
+
 def test_a_part_drawn_anew_fits_into_the_whole(surface: PaintedSurface) -> None:
     surface.refine_all()
     shown = LiveObject(surface, faces=500)

@@ -251,9 +251,11 @@ def inked_cuts(mark: Mark, way: Way, reach_mm: float) -> Cuts:
     cuts = cut_across(way.surface, way.points, ups, way.on_surface, reach_mm)
     if not len(mark.points) or not len(cuts.step):
         return cuts.where(np.zeros(len(cuts.step), bool))
-    away, piece = cKDTree(mark.points).query(cuts.points)
-    inked = (away <= np.sqrt(2.0 * mark.areas[piece])) & (mark.cover[piece] > INKED)
-    cuts = cuts.where(inked)  # pieces are about as far apart as that root
+    apart = np.sqrt(2.0 * mark.areas)  # about as far are pieces from each other
+    tree = cKDTree(mark.points, compact_nodes=False, balanced_tree=False)  # made in half the time
+    away, piece = tree.query(cuts.points, distance_upper_bound=1.001 * float(apart.max()))
+    piece = np.minimum(piece, len(apart) - 1)  # where none is so near, `away` is infinite
+    cuts = cuts.where((away <= apart[piece]) & (mark.cover[piece] > INKED))
     own = np.abs(cuts.aside) <= REACH_MM
     return cuts.where(own | (way.tree.query(cuts.points)[0] > REACH_MM))
 

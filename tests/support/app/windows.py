@@ -9,11 +9,19 @@ from contextlib import contextmanager
 from paint3d.app.window.studio import StudioWindow
 from tests.support.app.gestures import live, wait_for
 
+SMALL = (900, 640)
+"""Of a window whose canvas has half of the pixels that it has at first."""
+
 
 @contextmanager
-def opened(program, mesh="plane", resolution=1.5, material="xuan", settings=None):
-    """A window with something to paint on; nothing of it is asked for when it closes."""
+def opened(program, mesh="plane", resolution=1.5, material="xuan", settings=None, size=None):
+    """A window with something to paint on; nothing of it is asked for when it closes.
+
+    Most of a window's time is that of its pixels: a `size`, (width, height), makes it a small one.
+    """
     window = StudioWindow(program, settings)
+    if size is not None:
+        window.resize(*size)
     window.show()
     window.workspace.quiet = True
     assert window.opening.open_path(mesh, resolution, material, asked=True)
