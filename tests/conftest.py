@@ -27,6 +27,7 @@ _FIRST = (
     "surface/test_diffusion.py",
     "device/test_under_hidapi.py",
     "haptics/test_servo.py",
+    "calligraphy/test_photographs.py",
     "app/test_own_objects.py",
     "app/test_pen_marks.py",
     "e2e/test_painting.py",
