@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 import shapely
+import shapely.affinity
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from shapely import LineString, MultiPolygon, Point, Polygon, box
@@ -119,6 +120,16 @@ def test_a_dot_is_a_stroke(shape):
     (stroke,) = decompose(ink(shape))
     assert region_of(stroke).symmetric_difference(shape).area < 1e-7
     assert shape.covers(LineString(stroke.median))
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.3, 1.0])
+def test_a_round_dot_is_drawn_level_from_rim_to_rim(angle):
+    """Pressed in its middle alone, it keeps two bare crescents."""
+    disc = shapely.affinity.rotate(Point(3, 4).buffer(2.0, 16), angle, use_radians=True)
+    (stroke,) = decompose(ink(disc))
+    way = stroke.median[-1] - stroke.median[0]
+    assert abs(way[1]) < 1e-6
+    assert abs(way[0]) > 3.9
 
 
 def test_branches_of_no_length_are_no_strokes():

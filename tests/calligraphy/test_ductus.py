@@ -79,11 +79,11 @@ def test_serifs_do_not_make_it_another_letter():
     (letter,) = known_strokes(SOURCE, "Y")
     arms = [stroke.median * [1.0, 1.2] for stroke in letter.strokes]
     ends = [arms[0][0], arms[1][0], arms[2][-1]]
-    bars = [np.add(end, [[-14.0, 0.0], [14.0, 0.0]]) for end in ends]
-    ink = shapely.union_all([drawn(arms, 3.0), drawn(bars, 1.5)])
+    bars = [np.add(end, [[-150.0, 0.0], [150.0, 0.0]]) for end in ends]
+    ink = shapely.union_all([drawn(arms, 25.0), drawn(bars, 12.0)])
     strokes = decompose(MultiPolygon(shapely.get_parts(ink).tolist()), template=letter)
     assert as_listed(strokes, letter.strokes).agrees
-    main = [s for s in strokes if np.ptp(s.median[:, 1]) > 15.0]
+    main = [s for s in strokes if np.ptp(s.median[:, 1]) > 150.0]
     assert [s.median[0, 1] > s.median[-1, 1] for s in main] == [True] * 3
 
 

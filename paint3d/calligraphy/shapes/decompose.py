@@ -38,7 +38,8 @@ _HAIRLINE = 1e-5  # of the size of a shape: thinner parts are no strokes
 _GRAIN = 2.0**-40  # of the farthest coordinate: thinner parts are what rounding left
 _GRID = 2.0**32  # points to the size of a shape
 _COMPACT = 0.75  # of a disc's area at the same perimeter: a dot; a square has 0.785
-_SHORTEST = 0.25  # of a dot's width: its line
+_SHORTEST = 1.0  # of a dot's width: its line; shorter, two crescents of a round one stay bare
+_ROUND = 1.1  # times as long as wide: a dot that is drawn level
 
 
 def decompose(
@@ -204,7 +205,7 @@ def _is_dot(ink: Ink) -> bool:
 
 
 def _axis(ink: Ink) -> NDArray[np.float64]:
-    """A line along a dot, half a width from both its ends."""
+    """A line along a dot, half a width from both its ends, or across all of a short one."""
     import shapely
 
     corners = shapely.get_coordinates(shapely.minimum_rotated_rectangle(ink.shape))
@@ -214,7 +215,9 @@ def _axis(ink: Ink) -> NDArray[np.float64]:
     middle = ink.shape.centroid
     middle = middle if ink.shape.contains(middle) else ink.shape.representative_point()
     reach = max(sizes[long] - sizes[1 - long], _SHORTEST * sizes[1 - long])
-    along = 0.5 * reach * sides[long] / sizes[long]
+    is_round = bool(sizes[long] < _ROUND * sizes[1 - long])
+    way = np.array([1.0, 0.0]) if is_round else sides[long] / sizes[long]
+    along = 0.5 * reach * way
     centre = np.array(middle.coords[0])
     line = shapely.LineString([centre - along, centre + along])
     inside = line.intersection(ink.shape)

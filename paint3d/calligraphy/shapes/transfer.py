@@ -38,7 +38,8 @@ _COVERED, _MORE = 0.15, 1.2  # the same where all of the lines lie on it: it has
 _THERE = 0.9  # of the known strokes, that it must have
 _SMOOTH = 35.0  # degrees: no corner
 _TORN = 0.15  # of the known strokes: more smooth lines are not torn for them
-_NEAR = 0.15  # widths that lines and shape may be apart together: they need not be laid anew
+_NEAR, _HELD = 0.15, 0.25  # widths that lines and shape may be apart and need not be laid anew,
+_MANY = 5  # and where more strokes than this hold each other in place
 _UNCLEAR = 0.3  # of a line that runs as much with its stroke as against it, or across
 _STRANGE = 1.5  # widths from its stroke: of a line farther away nothing is known
 _SAMPLE = 6.0  # points of the known lines to a width
@@ -133,10 +134,11 @@ def lay_over(lines: Sequence[AnyArray], inks: Sequence[Ink], width: float) -> Kn
     for start in STARTS:
         moved = register(lines, *goals, start=start)
         known = _known([resampled(line, width / _SAMPLE, 6) for line in moved], width)
-        away = known.missed(targets) + float(np.mean([known.residual(one) for one in targets]))
+        along = [known.costs(one).min(axis=1) for one in targets if len(one) > 1]
+        away = known.missed(targets) + float(np.mean(np.concatenate([np.zeros(1), *along])))
         if best is None or away < best[0]:
             best = away, known
-        if away <= _NEAR:
+        if away <= (_HELD if len(lines) > _MANY else _NEAR):
             break
     assert best is not None
     return best[1]
