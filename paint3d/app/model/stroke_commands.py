@@ -94,8 +94,9 @@ class StrokeCommands:
         Raises
         ------
         InputError
-            If one is going on, the layer is locked or hidden, or the loads are no such pairs. In that case samples are passed
-            over until `end_stroke` or `cancel_stroke`: they belong to the stroke that was refused.
+            If one is going on, the layer is locked or hidden, or the loads are no such pairs. In
+            that case samples are passed over until `end_stroke` or `cancel_stroke`: they belong to
+            the stroke that was refused.
         """
         self._refuse_in_stroke("a stroke")
         self._come_back()
@@ -112,8 +113,9 @@ class StrokeCommands:
             self._borrow(stroke, brush, ink)
         self._refused = self._dipped = False
         self._images = [ImagePainter(painter, image) for image in self.symmetry.images()]
-        for one in (painter, *self._images):
-            one.expect_loads(told)
+        painter.expect_loads(told)
+        for image in self._images:
+            image.expect_loads(told)
 
     def _borrow(
         self,
