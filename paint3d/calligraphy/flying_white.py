@@ -25,7 +25,28 @@ from paint3d.core.types import AnyArray
 from paint3d.device.recorded import Recording
 from paint3d.errors import InputError
 
-__all__ = ["dried_as", "dryness_at", "loads_for", "stations_of_motion", "with_loads"]
+__all__ = [
+    "BLACKEST",
+    "DENSITY",
+    "diluted",
+    "dried_as",
+    "dryness_at",
+    "inked_as",
+    "loads_for",
+    "stations_of_motion",
+    "strengths_of_motion",
+    "with_loads",
+    "with_strengths",
+]
+
+BLACKEST = 0.985
+"""Share of the paper's light that a coat of soot takes: L* 10 on xuan."""
+
+DENSITY = 5.5
+"""Of a written stroke of soot, had its surface no shine: 4.7 to 11 by brush and size; a copy that
+is painted on trial corrects it."""
+
+_LEAST_INK = 1e-3  # in water
 
 # What share of a written stroke is covered at levels of 0 to 1: three characters of 25, 40 and 70
 # mm, all their strokes alike, on xuan paper. Brushes drawn straight cover less (.05 at .05, .44 at
@@ -102,6 +123,16 @@ def _along(line: AnyArray, points: AnyArray) -> NDArray[np.float64]:
     return np.maximum.accumulate(at)
 
 
+def inked_as(
+    recording: Recording, dryness: AnyArray | None, strength: AnyArray | None, material: Material
+) -> Recording:
+    """A recording whose brush is as dry, and its ink as strong, as was asked for on a material.
+
+    See `dried_as` and `with_strengths`.
+    """
+    return with_strengths(dried_as(recording, dryness, material), strength)
+
+
 def dried_as(recording: Recording, dryness: AnyArray | None, material: Material) -> Recording:
     """A recording whose brush is as dry as was asked for, on a material.
 
@@ -134,6 +165,56 @@ def loads_for(dryness: AnyArray, pressure: AnyArray, grain: float) -> NDArray[np
     level = np.interp(1.0 - bare, _COVERED, _LEVELS)
     wet = np.maximum(begins, 1.0 / _FULLNESS)
     return np.where(np.isnan(dryness), np.nan, np.where(bare < _WET, wet, level * begins))
+
+
+def strengths_of_motion(motion: Motion, glyph: Glyph) -> NDArray[np.float64]:
+    """How strong the ink of its strokes is at every sample (N,); NaN between them."""
+    known = np.array([*(stroke.strength for stroke in glyph.strokes), np.nan])
+    result: NDArray[np.float64] = known[np.where(motion.stroke >= 0, motion.stroke, -1)]
+    return result
+
+
+def with_strengths(recording: Recording, strength: AnyArray | None) -> Recording:
+    """A recording whose header tells with how much water strokes are written (``strengths``).
+
+    Of a film that scatters little the density -log10 of the light grows as the ink in it does
+    (Beer and Lambert); see `diluted`.
+
+    Parameters
+    ----------
+    recording : Recording
+    strength : (N,) float64, optional
+        Shares of the light that black ink takes, of every sample; NaN: as it is. None: the same
+        recording.
+    """
+    if strength is None:
+        return recording
+    known = np.flatnonzero(np.isfinite(strength))
+    share = diluted(np.asarray(strength)[known])
+    first = np.ones(len(known), bool)
+    first[1:] = (np.diff(known) > 1) | (np.diff(share) != 0.0)
+    told = [
+        [int(recording.time_ns[k]), round(float(s), _DECIMALS)]
+        for k, s in zip(known[first], share[first], strict=True)
+    ]
+    if len(told) > _MOST_TOLD:
+        raise InputError(
+            f"{len(told)} strokes say how strong their ink is; expected {_MOST_TOLD} or fewer in a "
+            "recording: write fewer characters at a time"
+        )
+    return replace(recording, header={**recording.header, "strengths": told})
+
+
+def diluted(strength: AnyArray) -> NDArray[np.float64]:
+    """What share of ink, the rest being water, takes a share of the light that black ink takes.
+
+    A written stroke is thicker than what would be black: strokes of soot with water come to a
+    density of `DENSITY` times the share of soot, until the light that their surface reflects is
+    all that is seen. Strength 1 is the ink itself.
+    """
+    strength = np.asarray(strength, np.float64)
+    density = -np.log10(1.0 - BLACKEST * np.clip(strength, 0.0, 1.0))
+    return np.where(strength < 1.0, np.clip(density / DENSITY, _LEAST_INK, 1.0), 1.0)
 
 
 def with_loads(recording: Recording, loads: AnyArray, fullness: float = 1.0) -> Recording:

@@ -25,6 +25,7 @@ __all__ = [
     "DESCENDER",
     "EM_BOX",
     "EM_UNITS",
+    "LEAST_STRENGTH",
     "Box",
     "Glyph",
     "GlyphStroke",
@@ -33,6 +34,8 @@ __all__ = [
 ]
 
 EM_UNITS = 1024.0
+LEAST_STRENGTH = 0.05
+"""Of a stroke's ink: paler ones are not seen."""
 DESCENDER = 124.0
 Box: TypeAlias = tuple[float, float, float, float]
 """Left, lower, right and upper side, glyph units."""
@@ -56,12 +59,15 @@ class GlyphStroke:
         Closed polygons that are left out of the outline, as in a stroke that closes on itself.
     dryness : tuple of float
         How dry the brush was at even stations along the line, 0 to 1, where that is known.
+    strength : float
+        How black its ink is: the share of the light that it takes, over what black ink takes.
     """
 
     outline: NDArray[np.float64]
     median: NDArray[np.float64]
     holes: tuple[NDArray[np.float64], ...] = ()
     dryness: tuple[float, ...] = ()
+    strength: float = 1.0
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,7 +17,11 @@ from numpy.typing import NDArray
 from paint3d.brush.bending import build_tuft
 from paint3d.brush.spec import BrushSpec
 from paint3d.brush_engine.tuft import Tuft
-from paint3d.calligraphy.flying_white import dryness_at, stations_of_motion
+from paint3d.calligraphy.flying_white import (
+    dryness_at,
+    stations_of_motion,
+    strengths_of_motion,
+)
 from paint3d.calligraphy.footprint_table import FootprintTable, tabulate_footprints
 from paint3d.calligraphy.glyph_sources import GlyphSource, load_glyphs
 from paint3d.calligraphy.glyphs import EM_BOX, Glyph
@@ -95,6 +99,9 @@ class Written:
     station : (N,) float64, optional
         Between which stations of the strokes' dryness each sample lies, counted from 0 through all
         strokes in writing order; NaN and None as there.
+    strength : (N,) float64, optional
+        How strong the ink is at each sample, see `GlyphStroke`; NaN between strokes. None where all
+        is black.
     placed : tuple of PlacedPiece
         What was written, in writing order, and the squares or boxes that it lies in.
     """
@@ -105,6 +112,7 @@ class Written:
     dryness: NDArray[np.float64] | None = None
     station: NDArray[np.float64] | None = None
     placed: tuple[PlacedPiece, ...] = ()
+    strength: NDArray[np.float64] | None = None
 
 
 def write_text(
@@ -224,8 +232,14 @@ def _write(
     parts = _joined(laid, surface, tuft, pen.tempo)
     recording = _recording(join_motions(parts), pen, entries)
     asked = [share for piece in placed for one in piece.glyph.strokes for share in one.dryness]
+    strength = None
+    if any(one.strength < 1.0 for piece in placed for one in piece.glyph.strokes):
+        inks = [np.full(len(part.pressure), np.nan) for part in parts]
+        for k, piece in enumerate(placed):
+            inks[2 * k] = strengths_of_motion(motions[id(piece.glyph)], piece.glyph)
+        strength = np.concatenate(inks)
     if not asked:
-        return Written(recording, told, placed=tuple(placed))
+        return Written(recording, told, placed=tuple(placed), strength=strength)
     own = {
         key: stations_of_motion(motions[key], glyph, pen.em_mm, footprints)
         for key, glyph in glyphs.items()
@@ -235,7 +249,8 @@ def _write(
         station[2 * k] = first + own[id(piece.glyph)]
         first += sum(len(stroke.dryness) for stroke in piece.glyph.strokes)
     at = np.concatenate(station)
-    return Written(recording, told, None, dryness_at(at, np.array(asked)), at, tuple(placed))
+    dryness = dryness_at(at, np.array(asked))
+    return Written(recording, told, None, dryness, at, tuple(placed), strength)
 
 
 @lru_cache(maxsize=1)

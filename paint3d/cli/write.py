@@ -173,7 +173,7 @@ def carry_out(
         If it does not fit, cannot be planned, or a file cannot be written.
     """
     from paint3d.calligraphy.dips import dipped_as
-    from paint3d.calligraphy.flying_white import dried_as
+    from paint3d.calligraphy.flying_white import inked_as
 
     wanted = PaintOptions.of(options)
     film, pen = film_of(options), _pen(options)
@@ -190,7 +190,7 @@ def carry_out(
         written = replace(written, recording=dipped_as(written.recording, pen.brush, dips))
     if rehearse is not None and surface.material.grain > 0.0:
         written = rehearse(written, partial(_on_trial, mesh, wanted, seconds))
-    recording = dried_as(written.recording, written.dryness, surface.material)
+    recording = inked_as(written.recording, written.dryness, written.strength, surface.material)
     watch = None if film is None else film.of_recording(surface, recording, wanted.spread_s)
     painting = paint(surface, recording, wanted, seconds, watch)
     header, written = recording.header, replace(written, recording=recording)
@@ -212,10 +212,10 @@ def _on_trial(
     mesh: TriangleMesh, wanted: PaintOptions, seconds: dict[str, float], plan: Written
 ) -> PaintedSurface:
     """A plan, painted on a fresh surface."""
-    from paint3d.calligraphy.flying_white import dried_as
+    from paint3d.calligraphy.flying_white import inked_as
 
     surface = prepare(mesh, wanted, seconds)
-    recording = dried_as(plan.recording, plan.dryness, surface.material)
+    recording = inked_as(plan.recording, plan.dryness, plan.strength, surface.material)
     return paint(surface, recording, wanted, seconds).surface
 
 

@@ -49,7 +49,7 @@ from paint3d.device.sample import DIP, DeviceSample
 from paint3d.errors import InputError
 from paint3d.painter.flat_input import LaidPad
 from paint3d.painter.ink_time import LOOKAHEAD, PIECE_S, Pauses, pieces_until
-from paint3d.painter.recorded_tools import loads_at, recorded_loads
+from paint3d.painter.recorded_tools import loads_at, recorded_loads, recorded_strengths
 from paint3d.pose.brush_pose import BrushPath, brush_poses, joined_samples, object_poses, velocities
 from paint3d.recording.recording import Recording
 from paint3d.surface.painted_surface import PaintedSurface
@@ -260,6 +260,25 @@ class Painter:
         if self.hairs is not None:
             self.hairs.hold(self.surface.ink.load)
             self.surface.ink.load[:] = self.hairs.held()
+
+    def thin_to(self, share: float) -> None:
+        """Let what the brush holds be such a share, up to 1, of what it was dipped in, and water.
+
+        The next dip is in the ink itself again.
+
+        Raises
+        ------
+        InputError
+            If the share is not between 0.0001 and 1.
+        """
+        share = as_number(share, "share", 1e-4, 1.0)
+        before = self._dips, self._dipped, self.ink
+        ink = _in_parts(self._dipped)
+        parts = dict(ink) if isinstance(ink, Mapping) else {ink: 1.0}
+        whole = sum(parts.values())
+        water: dict[Any, float] = {"water": whole * (1.0 - share)} if share < 1.0 else {}
+        self.recolour({one: weight * share for one, weight in parts.items()} | water)
+        self._dips, self._dipped, self.ink = before
 
     def recolour(self, ink: Ink) -> None:
         """Let what the brush holds be another ink, as much of it as there is, hair by hair.
@@ -514,7 +533,10 @@ class Painter:
         told: Sequence[tuple[int, float]] = ()
         if "loads" in recording.header:
             told = loads_at(part.time_ns, *recorded_loads(recording.header))
-        prepared = part.time_ns, samples, _refills(path.buttons, told)
+        thinned: Sequence[tuple[int, float]] = ()
+        if "strengths" in recording.header:
+            thinned = loads_at(part.time_ns, *recorded_strengths(recording.header))
+        prepared = part.time_ns, samples, _refills(path.buttons, told, thinned)
         self.seconds["poses"] += time.perf_counter() - started
         return prepared
 
@@ -580,14 +602,11 @@ class Painter:
     def _paint(self, samples: Samples, last: int, refills: list[_Refill]) -> None:
         """Paint up to sample `last`, dipping the brush where the recording does."""
         first = int(self._progress.at[0])
-        for stop, share in refills:
+        for stop, fill in refills:
             if not (first < stop <= last or stop == first == 0):
                 continue
             self._run(samples, stop)
-            if share is None:
-                self.dip()
-            else:
-                self.fill_to(share)
+            fill(self)
         self._run(samples, last)
 
     def _run(self, samples: Samples, last: int) -> None:
@@ -690,15 +709,23 @@ def _spans(n: int) -> Iterator[tuple[int, int]]:
     yield first, n
 
 
-_Refill = tuple[int, float | None]
-"""A sample up to which is painted first, and the share of a dip that is held then; None: a dip."""
+_Refill = tuple[int, Callable[["Painter"], None]]
+"""A sample up to which is painted first, and what is done with the brush then."""
 
 
-def _refills(buttons: AnyArray, told: Sequence[tuple[int, float]] = ()) -> list[_Refill]:
-    """Samples at which the dip button goes down, or the load is told."""
+def _refills(
+    buttons: AnyArray,
+    loads: Sequence[tuple[int, float]] = (),
+    strengths: Sequence[tuple[int, float]] = (),
+) -> list[_Refill]:
+    """Samples at which the dip button goes down, or load or strength are told, in this order."""
     down = (np.asarray(buttons) & DIP) != 0
-    found: list[_Refill] = [(int(k), None) for k in np.flatnonzero(down[1:] & ~down[:-1]) + 1]
-    return sorted([*found, *told], key=lambda one: one[0])
+    found: list[_Refill] = [
+        (int(k), Painter.dip) for k in np.flatnonzero(down[1:] & ~down[:-1]) + 1
+    ]
+    found += [(k, partial(Painter.fill_to, share=share)) for k, share in loads]
+    found += [(k, partial(Painter.thin_to, share=share)) for k, share in strengths]
+    return sorted(found, key=lambda one: one[0])
 
 
 def _stops(

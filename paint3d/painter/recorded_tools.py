@@ -24,6 +24,7 @@ __all__ = [
     "recorded_brush",
     "recorded_ink",
     "recorded_loads",
+    "recorded_strengths",
     "recorded_tip",
 ]
 
@@ -114,16 +115,30 @@ def recorded_loads(header: Mapping[str, Any]) -> tuple[NDArray[np.int64], NDArra
     RecordingError
         If they are no such pairs.
     """
-    told = header.get("loads", [])
+    return _told_in(header, "loads")
+
+
+def recorded_strengths(
+    header: Mapping[str, Any],
+) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    """When the brush comes to hold how much ink in water; returns and raises as `recorded_loads`.
+
+    The shares are of the mixture that it was dipped in; the rest is water.
+    """
+    return _told_in(header, "strengths")
+
+
+def _told_in(header: Mapping[str, Any], name: str) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    told = header.get(name, [])
     expected = "pairs of a time (ns) and a share from 0 to 1, in the order of time"
     try:
         times = np.array([when for when, _ in told], np.int64)
         shares = np.array([as_number(share, "share", 0.0, 1.0) for _, share in told], np.float64)
     except (TypeError, ValueError, OverflowError, InputError):
-        raise RecordingError(f"the header's loads are {told!r:.60}; expected {expected}") from None
+        raise RecordingError(f"the header's {name} are {told!r:.60}; expected {expected}") from None
     whole = all(type(when) is int for when, _ in told)
     if not (whole and (times[1:] > times[:-1]).all()):
-        raise RecordingError(f"the header's loads are {told!r:.60}; expected {expected}")
+        raise RecordingError(f"the header's {name} are {told!r:.60}; expected {expected}")
     return times, shares
 
 

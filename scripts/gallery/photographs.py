@@ -62,7 +62,7 @@ def _sheet(dryness: tuple[tuple[float, ...], ...] | None, seed: int) -> TrueShee
     red[1060:1180, 1080:1200] = 1.0
     red[1072:1168, 1092:1188] = 0.0
     red[1090:1150, 1112:1120] = red[1090:1150, 1140:1148] = red[1116:1124, 1100:1180] = 1.0
-    return TrueSheet(ink, ink > 0.5, red)
+    return TrueSheet(ink, ink > 0.5, red, np.ones_like(ink))
 
 
 def _painted(page: Page) -> tuple[Written, PaintedSurface]:

@@ -9,15 +9,21 @@ from pathlib import Path
 import numpy as np
 
 from paint3d.brush.presets import choose_brush, load_brush
-from paint3d.calligraphy.flying_white import dried_as
+from paint3d.calligraphy.flying_white import inked_as
 from paint3d.calligraphy.glyph_sources import GlyphSource, open_glyphs
 from paint3d.calligraphy.glyphs import Glyph
 from paint3d.calligraphy.page.page import Page
 from paint3d.calligraphy.photo.copying import Asked, CopiedSheet, copy_sheet
-from paint3d.calligraphy.photo.likeness import PaintedSheet, likeness_of, painted_sheet
+from paint3d.calligraphy.photo.likeness import (
+    PaintedSheet,
+    likeness_of,
+    painted_sheet,
+    strength_of_both,
+)
 from paint3d.calligraphy.photo.rehearsal import rehearsed
 from paint3d.calligraphy.writing import Pen, Written, write_page
 from paint3d.colour.materials import load_material
+from paint3d.core.types import AnyArray
 from paint3d.errors import Paint3DError
 from paint3d.files.load import load_mesh
 from paint3d.painter.painter import Painter
@@ -32,6 +38,7 @@ from tests.support.photographs import (
     judge,
     photograph,
     sheet_of,
+    strengths_of,
 )
 
 __all__ = ["copied_at_random", "painted_copy", "photos_table"]
@@ -51,17 +58,20 @@ class _Row:
     painted: float  # IoU with the true bodies; NaN where it was not painted
     painted_r: float
     painted_error: float
+    strength_r: float  # of the light that ink takes; NaN where all strokes are black
+    strength_error: float
+    painted_strength: tuple[float, float]  # the same of the painting
 
 
 def copied_at_random(
-    seed: int, source: GlyphSource
+    seed: int, source: GlyphSource, pale: float = 0.0
 ) -> tuple[str, Photographed, CopiedSheet, float, list[Glyph]]:
     """A photograph drawn by a seed, odd ones of dry strokes, and what was found on it."""
     rng = np.random.default_rng(seed)
     text = draw_letters_of(source, int(rng.integers(1, 5)), seed)
     glyphs = [source.load(one) for one in text]
     there = photograph(
-        sheet_of(glyphs, seed, dry=0.9 * (seed % 2), longest=1200),
+        sheet_of(glyphs, seed, dry=0.9 * (seed % 2), longest=1200, pale=pale),
         seed,
         Camera(size=int(rng.choice([1300, 1600, 2200])), jpeg=int(rng.integers(75, 95))),
     )
@@ -71,13 +81,16 @@ def copied_at_random(
     return text, there, sheet, time.process_time() - started, glyphs
 
 
-def photos_table(n: int, seed: int, glyphs: Path | None, n_painted: int) -> str:
-    """Copy n photographs, paint the first of them; their figures as Markdown."""
+def photos_table(n: int, seed: int, glyphs: Path | None, n_painted: int, pale: float = 0.0) -> str:
+    """Copy n photographs, paint the first of them; their figures as Markdown.
+
+    A share `pale` of the strokes is written with thin ink.
+    """
     source = open_glyphs(glyphs)
     rows, lines = [], []
     for k in range(seed, seed + n):
         try:
-            rows.append(_row(k, source, k < seed + n_painted))
+            rows.append(_row(k, source, k < seed + n_painted, pale))
         except Paint3DError as fault:
             lines.append(f"refused: seed {k}: {fault}")
             continue
@@ -109,29 +122,48 @@ _FIGURES = {
     "painted, IoU with the true bodies": lambda row: row.painted,
     "painted dryness r": lambda row: row.painted_r if row.dry else np.nan,
     "painted dryness off": lambda row: row.painted_error,
+    "strength r": lambda row: row.strength_r,
+    "strength off": lambda row: row.strength_error,
+    "painted strength r": lambda row: row.painted_strength[0],
+    "painted strength off": lambda row: row.painted_strength[1],
 }
 _WORST_IS_MOST = (
     "corners off, shares of a side", "seal taken for ink", "dryness off", "processor s",
-    "strokes found / true", "painted dryness off",
+    "strokes found / true", "painted dryness off", "strength off",
+    "painted strength off",
 )  # fmt: skip
 
 
-def _row(seed: int, source: GlyphSource, paints: bool) -> _Row:
-    text, there, sheet, seconds, glyphs = copied_at_random(seed, source)
+def _row(seed: int, source: GlyphSource, paints: bool, pale: float) -> _Row:
+    text, there, sheet, seconds, glyphs = copied_at_random(seed, source, pale)
     found = sum(len(piece.glyph.strokes) for piece in sheet.page.pieces)
     true = sum(len(glyph.strokes) for glyph in glyphs)
-    painted = _painted(there, sheet) if paints else (np.nan, np.nan, np.nan)
+    nothing = np.nan, np.nan
+    *painted, inks = _painted(there, sheet) if paints else (np.nan, *nothing, nothing)
+    strengths = _alike(*strengths_of(there, sheet))
     name = f"seed {seed} {text} {'dry' if seed % 2 else 'wet'}"
-    return _Row(name, bool(seed % 2), judge(there, sheet), found / true, seconds, *painted)
+    judged = judge(there, sheet)
+    return _Row(
+        name, bool(seed % 2), judged, found / true, seconds, *painted, *strengths, inks
+    )  # fmt: skip
 
 
-def _painted(there: Photographed, sheet: CopiedSheet) -> tuple[float, float, float]:
-    """IoU of a painting by a full brush with the true bodies; dryness of one on xuan paper."""
+def _alike(one: AnyArray, other: AnyArray) -> tuple[float, float]:
+    """Correlation and mean difference; NaN for the first where all of one are the same."""
+    r = float(np.corrcoef(one, other)[0, 1]) if min(np.ptp(one), np.ptp(other)) > 0.05 else np.nan
+    return r, float(np.abs(one - other).mean())
+
+
+def _painted(
+    there: Photographed, sheet: CopiedSheet
+) -> tuple[float, float, float, tuple[float, float]]:
+    """IoU of a painting by a full brush with the true bodies; dryness, ink of one on xuan paper."""
     _, body, _ = carried(there, sheet)
     wet = painted_copy(sheet, sheet.wet_page, "porcelain").cover > 0.5
-    like = likeness_of(sheet, painted_copy(sheet, sheet.page, "xuan"))
+    dry = painted_copy(sheet, sheet.page, "xuan")
+    like = likeness_of(sheet, dry)
     iou = float((wet & (body > 0.5)).sum() / (wet | (body > 0.5)).sum())
-    return iou, like.dryness_r, like.dryness_error
+    return iou, like.dryness_r, like.dryness_error, _alike(*strength_of_both(sheet, dry))
 
 
 def painted_copy(
@@ -146,7 +178,7 @@ def painted_copy(
     made_of = load_material(material)
 
     def paint(plan: Written) -> PaintedSurface:
-        recording = dried_as(plan.recording, plan.dryness, made_of)
+        recording = inked_as(plan.recording, plan.dryness, plan.strength, made_of)
         surface = PaintedSurface(mesh, resolution_mm, material=made_of)
         Painter(surface, brush, amount=recorded_amount(recording.header)).replay(recording)
         surface.refresh()

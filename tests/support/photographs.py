@@ -29,16 +29,21 @@ __all__ = [
     "judge",
     "photograph",
     "sheet_of",
+    "strengths_of",
 ]
 
 
 @dataclass(frozen=True, eq=False)
 class TrueSheet:
-    """What is on a sheet: ink 0 to 1, the strokes' whole shapes, the red of seals 0 to 1."""
+    """What is on a sheet: ink 0 to 1, the strokes' whole shapes, the red of seals 0 to 1.
+
+    And what share of the light its ink takes, of that which black ink takes; 1 off the strokes.
+    """
 
     ink: NDArray[np.float32]
     body: NDArray[np.bool_]
     red: NDArray[np.float32]
+    strength: NDArray[np.float32]
 
 
 @dataclass(frozen=True)
@@ -73,8 +78,9 @@ def sheet_of(
     seals: int = 1,
     longest: int = 1400,
     columns: int | None = None,
+    pale: float = 0.0,
 ) -> TrueSheet:
-    """Write glyphs on a sheet in columns from the right."""
+    """Write glyphs on a sheet in columns from the right; a share of the strokes in thin ink."""
     rng = np.random.default_rng(seed)
     n = len(glyphs)
     columns = columns or max(1, round(np.sqrt(n * 0.6)))
@@ -94,8 +100,14 @@ def sheet_of(
         strokes += [_moved(stroke, corner, scale) for stroke in glyph.strokes]
     ink = np.zeros((height, width), np.float32)
     body = np.zeros((height, width), bool)
+    strength, thin = np.ones((height, width), np.float32), np.random.default_rng(seed + 31)
     for outline, line in strokes:
         region = _filled(outline, (height, width))
+        if pale and thin.random() < pale:
+            grown = gaussian_filter(region.astype(np.float32), 1.5) > 0.02
+            strength[grown & ~body] = thin.uniform(0.3, 0.9)
+        else:
+            strength[region] = 1.0
         body |= region
         dryness = dry * rng.uniform(0.35, 1.0) if dry and rng.random() < 0.65 else 0.0
         values = _hairs(region, line, dryness, rng)
@@ -104,7 +116,7 @@ def sheet_of(
     red = np.zeros((height, width), np.float32)
     for _ in range(seals):
         _press_seal(red, cell, rng)
-    return TrueSheet(ink, body, red)
+    return TrueSheet(ink, body, red, strength)
 
 
 def _moved(stroke: GlyphStroke, corner: AnyArray, scale: float) -> tuple[AnyArray, AnyArray]:
@@ -197,6 +209,7 @@ def photograph(sheet: TrueSheet, seed: int, camera: Camera | None = None) -> Pho
         back = 1.0 - cover * (
             1.0 - 10.0 ** -((black / np.maximum(sheet.ink, 0.05))[..., None] ** tone)
         )
+    back = 1.0 - sheet.strength[..., None] * (1.0 - back)
     shown = (paper * back * red + 0.01).astype(np.float32)
     corners, size = _corners(width, height, camera, rng)
     image = _seen(shown, corners, size, rng, camera)
@@ -339,6 +352,28 @@ def carried(there: Photographed, sheet: CopiedSheet) -> tuple[AnyArray, AnyArray
     planes = (there.sheet.ink, there.sheet.body, there.sheet.red)
     seen = [map_coordinates(p.astype(np.float32), at, order=1).reshape(size) for p in planes]
     return seen[0], seen[1], seen[2]
+
+
+def strengths_of(there: Photographed, sheet: CopiedSheet) -> tuple[AnyArray, AnyArray]:
+    """True and found strength of the ink of every stroke that was found."""
+    height, width = there.sheet.ink.shape
+    per_pixel = there.sheet.strength
+    corners = np.array([[0, 0], [width, 0], [width, height], [0, height]], float)
+    size = sheet.ink.mask.shape
+    flat = np.array([[0, 0], [size[1], 0], [size[1], size[0]], [0, size[0]]], float)
+    matrix = homography(there.corners, corners) @ homography(flat, sheet.corners)
+    true, found = [], []
+    for piece in sheet.page.pieces:
+        for stroke in piece.glyph.strokes:
+            seen = on_sheet(stroke, sheet.per_unit, sheet.origin)
+            rows, columns = np.nonzero(_filled(seen.outline, size) & sheet.ink.body)
+            at = map_points(matrix, np.column_stack([columns, rows]) + 0.5).astype(int)
+            at = np.clip(at, 0, (width - 1, height - 1))
+            inside = there.sheet.body[at[:, 1], at[:, 0]]
+            if inside.sum() > 15:
+                true.append(float(np.median(per_pixel[at[inside, 1], at[inside, 0]])))
+                found.append(stroke.strength)
+    return np.array(true), np.array(found)
 
 
 def _iou(one: AnyArray, other: AnyArray) -> float:

@@ -113,8 +113,9 @@ class StrokeCommands:
             self._borrow(stroke, brush, ink)
         self._refused = self._dipped = False
         self._images = [ImagePainter(painter, image) for image in self.symmetry.images()]
-        for one in (painter, *self._images):
-            one.expect_loads(told)
+        painter.expect_loads(told)
+        for image in self._images:
+            image.expect_loads(told)
 
     def _borrow(
         self,

@@ -289,9 +289,11 @@ def _region(stroke: GlyphStroke) -> Polygon:
     return area if area.is_valid else area.buffer(0.0)
 
 
-def _as_stroke(region: Polygon, median: AnyArray, dryness: Sequence[float]) -> GlyphStroke:
+def _as_stroke(
+    region: Polygon, median: AnyArray, dryness: Sequence[float], strength: float
+) -> GlyphStroke:
     rings = [np.array(ring.coords)[:-1] for ring in (region.exterior, *region.interiors)]
-    return GlyphStroke(rings[0], median, tuple(rings[1:]), tuple(dryness))
+    return GlyphStroke(rings[0], median, tuple(rings[1:]), tuple(dryness), strength)
 
 
 def _way(line: AnyArray) -> NDArray[np.float64]:
@@ -331,7 +333,7 @@ def halves_at(stroke: GlyphStroke, point: AnyArray) -> tuple[GlyphStroke, GlyphS
     regions = _parted(_region(stroke), stroke.median, cut)
     drynesses = _shared_out(stroke.dryness, cut / length)
     first, second = (
-        _as_stroke(region, own, dry)
+        _as_stroke(region, own, dry, stroke.strength)
         for region, own, dry in zip(regions, lines, drynesses, strict=True)
     )
     return first, second
@@ -427,7 +429,8 @@ def _joined(one: GlyphStroke, other: GlyphStroke) -> GlyphStroke:
     dryness: tuple[float, ...] = ()
     if a.dryness or b.dryness:
         dryness = _one_after_another((a.dryness, b.dryness), lengths)
-    return _as_stroke(region, np.concatenate([a.median, following]), dryness)
+    strength = float(np.average([a.strength, b.strength], weights=lengths))
+    return _as_stroke(region, np.concatenate([a.median, following]), dryness, strength)
 
 
 def _one_after_another(

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.calligraphy.glyphs import Glyph, GlyphStroke
+from paint3d.calligraphy.glyphs import LEAST_STRENGTH, Glyph, GlyphStroke
 from paint3d.calligraphy.page.page import Page, Piece
 from paint3d.core.arrays import as_array, as_number
 from paint3d.core.atomic import write_atomically
@@ -64,7 +64,11 @@ def _told_piece(piece: Piece) -> dict[str, Any]:
 def _told_stroke(order: int, stroke: GlyphStroke) -> dict[str, Any]:
     rings = [_told(ring) for ring in (stroke.outline, *stroke.holes)]
     told: dict[str, Any] = {"order": order, "line": _told(stroke.median), "rings": rings}
-    return {**told, "dryness": list(stroke.dryness)} if stroke.dryness else told
+    if stroke.dryness:
+        told["dryness"] = list(stroke.dryness)
+    if stroke.strength < 1.0:
+        told["strength"] = round(stroke.strength, _DECIMALS)
+    return told
 
 
 def _told(values: NDArray[np.float64]) -> Any:
@@ -135,7 +139,9 @@ def _stroke(data: Any, name: str) -> tuple[float, GlyphStroke]:
     if ((dryness < 0.0) | (dryness > 1.0)).any():
         raise InputError(f"{name}: dryness is {dryness.tolist()}; expected numbers from 0 to 1")
     order = as_number(data.get("order"), f"{name}: order")
-    return order, GlyphStroke(rings[0], line, tuple(rings[1:]), tuple(dryness.tolist()))
+    strength = as_number(data.get("strength", 1.0), f"{name}: strength", LEAST_STRENGTH, 1.0)
+    holes = tuple(rings[1:])
+    return order, GlyphStroke(rings[0], line, holes, tuple(dryness.tolist()), strength)
 
 
 def _list(data: Any, key: str, name: str) -> list[Any]:

@@ -13,11 +13,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.calligraphy.glyphs import EM_UNITS, Box, Glyph, GlyphStroke
+from paint3d.calligraphy.glyphs import EM_UNITS, LEAST_STRENGTH, Box, Glyph, GlyphStroke
 from paint3d.calligraphy.page.bands import fill_in_bands, is_wide
 from paint3d.calligraphy.page.page import Page, Piece
 from paint3d.calligraphy.photo.characters import Character, characters_of
-from paint3d.calligraphy.photo.dryness import dryness_along
+from paint3d.calligraphy.photo.dryness import dryness_along, strength_of
 from paint3d.calligraphy.photo.ink_mask import InkMask, find_ink
 from paint3d.calligraphy.photo.inks import rubbed, unmixed
 from paint3d.calligraphy.photo.light import flattened
@@ -35,6 +35,9 @@ if TYPE_CHECKING:
 __all__ = ["Asked", "CopiedSheet", "copy_sheet", "on_sheet"]
 
 _LONGEST = 1600  # pixels of the straightened sheet
+_BLACKEST = 0.8  # of the strokes are paler: what the sheet's black ink takes of the light
+_BLACK = 0.8  # of the light, that black ink takes at the least
+_NEARLY = 0.88  # of it: camera and paper make so much of a difference
 
 
 @dataclass(frozen=True)
@@ -138,6 +141,7 @@ def copy_sheet(pixels: NDArray[np.uint8], name: str, asked: Asked | None = None)
     per_unit = _em_of(found) / EM_UNITS
     origin = np.array([0.0, float(sheet.shape[0])])
     pieces = [_piece(one, ink, asked, per_unit, origin) for one in found]
+    pieces = _as_strong(pieces, inks.black, ink.mask, per_unit, origin)
     page = Page(tuple(pieces), name, f"Photograph: {name}")
     return CopiedSheet(page, _as_codes(sheet), ink, inks.red, corners, per_unit, origin)
 
@@ -179,6 +183,40 @@ def _piece(one: Character, ink: InkMask, asked: Asked, per_unit: float, origin: 
             strokes.append(replace(part, dryness=dryness))
     at = 0.5 * (left + right), 0.5 * (lower + upper)
     return Piece(Glyph(one.text, tuple(strokes), box), at)
+
+
+def _as_strong(
+    pieces: Sequence[Piece],
+    density: NDArray[np.float32],
+    inked: NDArray[np.bool_],
+    per_unit: float,
+    origin: AnyArray,
+) -> list[Piece]:
+    """Pieces whose strokes say how strong their ink is, against the strongest of the sheet.
+
+    A sheet without a black stroke is compared with what black ink takes.
+    """
+    taken = [
+        [
+            strength_of(on_sheet(stroke, per_unit, origin), density, inked)
+            for stroke in piece.glyph.strokes
+        ]
+        for piece in pieces
+    ]
+    black = max(float(np.quantile([t for own in taken for t in own], _BLACKEST)), _BLACK)
+    strong = []
+    for piece, own in zip(pieces, taken, strict=True):
+        strokes = tuple(
+            replace(stroke, strength=_strength(t / black))
+            for stroke, t in zip(piece.glyph.strokes, own, strict=True)
+        )
+        strong.append(replace(piece, glyph=replace(piece.glyph, strokes=strokes)))
+    return strong
+
+
+def _strength(share: float) -> float:
+    """A share of what black ink takes as a stroke says it; what is nearly black is."""
+    return 1.0 if share > _NEARLY else max(round(share, 3), LEAST_STRENGTH)
 
 
 def _in_bands(stroke: GlyphStroke) -> list[GlyphStroke]:

@@ -11,7 +11,7 @@ from paint3d.calligraphy.glyphs import GlyphStroke
 from paint3d.calligraphy.kernels.raster import fill_polygon
 from paint3d.core.types import AnyArray
 
-__all__ = ["dryness_along", "stations_along"]
+__all__ = ["dryness_along", "stations_along", "strength_of"]
 
 _APART = 0.6  # stroke widths from station to station
 _FEWEST, _MOST = 4, 32
@@ -53,9 +53,7 @@ def dryness_along(
     """
     from scipy.spatial import cKDTree
 
-    low = np.floor(stroke.outline.min(axis=0)).astype(int) - 1
-    low = np.maximum(low, 0)
-    high = np.minimum(np.ceil(stroke.outline.max(axis=0)).astype(int) + 2, cover.shape[::-1])
+    low, high = _box(stroke, cover.shape)
     box = slice(low[1], high[1]), slice(low[0], high[0])
     region = _filled(stroke, low, high)
     values = cover[box]
@@ -73,6 +71,34 @@ def dryness_along(
     known = np.flatnonzero(counts)
     bare = np.interp(np.arange(len(stations)), known, bare[known]) if len(known) else 0.0 * bare
     return tuple(np.round(np.clip(bare, 0.0, 1.0), 3).tolist()), own
+
+
+def strength_of(
+    stroke: GlyphStroke, density: NDArray[np.float32], inked: NDArray[np.bool_]
+) -> float:
+    """What share of the paper's light the unbroken ink of a stroke takes.
+
+    Parameters
+    ----------
+    stroke : GlyphStroke
+        In pixels of the sheet, y down.
+    density : (H, W) float32
+        -log10 of the light.
+    inked : (H, W) bool
+        Where ink is.
+    """
+    low, high = _box(stroke, density.shape)
+    region = _core(_filled(stroke, low, high))
+    values = density[low[1] : high[1], low[0] : high[0]][region]
+    ink = values[inked[low[1] : high[1], low[0] : high[0]][region]]
+    return 1.0 - 10.0 ** -float(np.percentile(ink, _FULL)) if len(ink) else 0.0
+
+
+def _box(stroke: GlyphStroke, size: tuple[int, ...]) -> tuple[AnyArray, AnyArray]:
+    """First pixel (x, y) of the box around a stroke, and the first beyond it."""
+    low = np.floor(stroke.outline.min(axis=0)).astype(int) - 1
+    high = np.minimum(np.ceil(stroke.outline.max(axis=0)).astype(int) + 2, size[::-1])
+    return np.maximum(low, 0), high
 
 
 def _length(line: AnyArray) -> float:

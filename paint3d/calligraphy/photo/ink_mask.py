@@ -12,7 +12,7 @@ from paint3d.errors import InputError
 
 __all__ = ["InkMask", "find_ink", "otsu"]
 
-_LOW, _HIGH = 0.3, 0.8  # of Otsu's threshold: ink goes on to the one where it reaches the other
+_LOW, _HIGH = 0.3, 0.45  # of Otsu's threshold: ink goes on to the one where it reaches the other
 _EDGE = 0.55  # of the light that ink near by takes: there an edge lies, however it is blurred
 _NOISES = 5.0  # standard deviations of the paper that ink stands out by at the least
 _FAINTEST = 0.06  # density of the palest ink that is one

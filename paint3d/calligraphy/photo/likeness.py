@@ -7,19 +7,27 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.calligraphy.flying_white import BLACKEST
 from paint3d.calligraphy.glyphs import EM_UNITS
 from paint3d.calligraphy.kernels.raster import fill_triangles
 from paint3d.calligraphy.page.laying import PlacedPiece
 from paint3d.calligraphy.page.page import Piece
 from paint3d.calligraphy.photo.copying import CopiedSheet, on_sheet
-from paint3d.calligraphy.photo.dryness import dryness_along
+from paint3d.calligraphy.photo.dryness import dryness_along, strength_of
 from paint3d.core.types import AnyArray
 from paint3d.mesh.chart import make_chart
 from paint3d.mesh.closest_points import ClosestPoints
 from paint3d.mesh.unrolling import unroll
 from paint3d.surface.painted_surface import PaintedSurface
 
-__all__ = ["PaintedSheet", "SheetLikeness", "dryness_of_both", "likeness_of", "painted_sheet"]
+__all__ = [
+    "PaintedSheet",
+    "SheetLikeness",
+    "dryness_of_both",
+    "likeness_of",
+    "painted_sheet",
+    "strength_of_both",
+]
 
 _NODES_PER_EM = 24.0
 _REACH = 0.06  # ems beyond a piece's box, that strokes may stand out
@@ -127,6 +135,25 @@ def likeness_of(sheet: CopiedSheet, painted: PaintedSheet) -> SheetLikeness:
     r = float("nan") if alike else float(np.corrcoef(one, other)[0, 1])
     error = float(np.abs(one - other).mean()) if len(one) else 0.0
     return SheetLikeness(_iou(_filled(mask, ink.body), ink.body), _iou(mask, ink.mask), r, error)
+
+
+def strength_of_both(
+    sheet: CopiedSheet, painted: PaintedSheet
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """How strong the ink of all strokes (K,) is: photographed, and painted."""
+    codes = np.arange(256) / 255.0
+    table = np.where(codes <= 0.04045, codes / 12.92, ((codes + 0.055) / 1.055) ** 2.4)
+    light = table[painted.picture].mean(axis=2)
+    mask = painted.cover > _COVERED
+    plain = float(np.median(light[painted.cover <= 0.0])) if not mask.all() else 1.0
+    density = -np.log10(np.maximum(light / plain, 1e-4)).astype(np.float32)
+    asked, got = [], []
+    for piece in sheet.page.pieces:
+        for stroke in piece.glyph.strokes:
+            seen = on_sheet(stroke, sheet.per_unit, sheet.origin)
+            asked.append(stroke.strength)
+            got.append(min(strength_of(seen, density, mask) / BLACKEST, 1.0))
+    return np.array(asked), np.array(got)
 
 
 def dryness_of_both(

@@ -1,0 +1,155 @@
+"""How black the ink of strokes is: found on a photograph, kept in files, painted with water."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from shapely import LineString
+
+from paint3d.brush.presets import load_brush
+from paint3d.calligraphy.flying_white import BLACKEST, DENSITY, diluted, with_strengths
+from paint3d.calligraphy.glyphs import Glyph, GlyphStroke
+from paint3d.calligraphy.page.correcting import CorrectedPage
+from paint3d.calligraphy.page.page import Page, Piece
+from paint3d.calligraphy.page.strokes_file import load_strokes, save_strokes
+from paint3d.calligraphy.photo.copying import Asked, copy_sheet
+from paint3d.calligraphy.photo.likeness import strength_of_both
+from paint3d.calligraphy.writing import Pen, Written, write_page
+from paint3d.errors import InputError, RecordingError
+from paint3d.files.load import load_mesh
+from paint3d.painter.painter import Painter
+from paint3d.recording.recording import load_recording, save_recording
+from paint3d.surface.painted_surface import PaintedSurface
+from tests.support.copied_photographs import painted_copy
+
+STRENGTHS = (1.0, 0.8, 0.5, 0.25)
+EM_MM = 24.0
+
+
+def page_of(strengths=STRENGTHS) -> Page:
+    """A bar for each strength, one below the other."""
+    strokes = []
+    for k, strength in enumerate(strengths):
+        line = np.array([[100.0, 900.0 - 220.0 * k], [900.0, 900.0 - 220.0 * k]])
+        outline = np.array(LineString(line).buffer(55.0).exterior.coords)[:-1]
+        strokes.append(GlyphStroke(outline, line, strength=strength))
+    glyph = Glyph("bars", tuple(strokes), (0.0, 0.0, 1000.0, 1000.0))
+    return Page((Piece(glyph, (0.0, 0.0)),), "bars", "mine")
+
+
+@cache
+def written() -> Written:
+    return write_page(load_mesh("plane"), page_of(), Pen(load_brush("xiaokai"), EM_MM))
+
+
+def painted(recording) -> list[float]:
+    """What share of the surface's light each bar takes, of what the first does."""
+    surface = PaintedSurface(load_mesh("plane"), 0.5, "porcelain")
+    Painter(surface, "xiaokai").replay(recording)
+    surface.refresh()
+    frame = written().placed[0].square.chart.frame
+    n = len(surface.coverage)
+    places = surface.paint_mesh.vertices[:n] - frame.origin
+    x, y = places @ frame.x_axis, places @ frame.y_axis
+    codes = surface.mesh.colours[:n].astype(float) / 255.0
+    light = np.where(codes <= 0.04045, codes / 12.92, ((codes + 0.055) / 1.055) ** 2.4)[:, 1]
+    bare = float(np.median(light[surface.coverage < 0.01]))
+    taken = []
+    for k in range(len(STRENGTHS)):
+        middle = (900.0 - 220.0 * k - 500.0) * EM_MM / 1024.0
+        inside = (np.abs(y - middle) < 0.5) & (np.abs(x) < 7.0)
+        taken.append(1.0 - float(np.median(light[inside])) / bare)
+    return [t / taken[0] for t in taken]
+
+
+def test_strokes_take_as_much_light_as_was_asked_for() -> None:
+    recording = with_strengths(written().recording, written().strength)
+    got = painted(recording)
+    np.testing.assert_allclose(got, STRENGTHS, atol=0.15)  # what trials correct
+    assert (np.diff(got) < -0.1).all()
+    assert painted(written().recording) == pytest.approx([1.0] * 4, abs=0.02)
+
+
+def test_the_next_dip_is_in_the_ink_itself() -> None:
+    surface = PaintedSurface(load_mesh("plane"), 2.0, "porcelain")
+    painter = Painter(surface, "xiaokai", "pine soot")
+    whole = surface.ink.load.sum()
+    painter.thin_to(0.25)
+    assert surface.ink.load.sum() == pytest.approx(whole)
+    assert surface.ink.load.max() == pytest.approx(0.75 * whole)  # of water
+    assert painter.dipped != {}
+    painter.dip()
+    assert surface.ink.load.max() == pytest.approx(whole)
+    with pytest.raises(InputError, match="share"):
+        painter.thin_to(1.5)
+
+
+def test_the_stronger_the_less_water() -> None:
+    share = diluted(np.linspace(0.05, 1.0, 20))
+    assert share[-1] == 1.0
+    assert (np.diff(share) > 0.0).all()
+    assert share[0] == pytest.approx(-np.log10(1.0 - 0.05 * BLACKEST) / DENSITY)
+
+
+def test_black_strokes_alone_tell_nothing() -> None:
+    one = write_page(load_mesh("plane"), page_of((1.0,)), Pen(load_brush("xiaokai"), EM_MM))
+    assert one.strength is None
+    assert with_strengths(one.recording, one.strength) is one.recording
+
+
+def test_the_header_tells_each_stroke_once_and_is_read_again(tmp_path) -> None:
+    recording = with_strengths(written().recording, written().strength)
+    told = recording.header["strengths"]
+    assert [share for _, share in told] == pytest.approx(diluted(np.array(STRENGTHS)), abs=1e-4)
+    save_recording(recording, tmp_path / "a.jsonl")
+    assert load_recording(tmp_path / "a.jsonl").header["strengths"] == told
+    broken = replace(recording, header={**recording.header, "strengths": [[0, 2.0]]})
+    with pytest.raises(RecordingError, match="strengths"):
+        painted(broken)
+
+
+def test_files_keep_the_strength_and_so_do_corrections(tmp_path) -> None:
+    save_strokes(page_of(), tmp_path / "a.strokes.json")
+    page = load_strokes(tmp_path / "a.strokes.json")
+    assert tuple(one.strength for one in page.pieces[0].glyph.strokes) == STRENGTHS
+    corrected = CorrectedPage.of(page).split(2, (0.0, -40.0)).reverse(0)
+    kept = [one.stroke.strength for one in corrected.strokes]
+    assert kept == [1.0, 0.8, 0.5, 0.5, 0.25]
+    joined, _ = corrected.join(2, 3)
+    assert joined.strokes[2].stroke.strength == pytest.approx(0.5)
+    text = (tmp_path / "a.strokes.json").read_text(encoding="utf-8")
+    (tmp_path / "b.strokes.json").write_text(text.replace("0.25}", "7}"), encoding="utf-8")
+    with pytest.raises(InputError, match="strength"):
+        load_strokes(tmp_path / "b.strokes.json")
+
+
+@cache
+def scanned():
+    """A scan of three bars, each paler than the one above."""
+    rng = np.random.default_rng(4)
+    light = np.full((640, 520), 0.85)
+    for k, strength in enumerate(STRENGTHS[:3]):
+        light[120 + 190 * k : 138 + 190 * k, 150:370] *= 1.0 - 0.95 * strength
+    light = np.clip(light + rng.normal(0.0, 0.004, light.shape), 0.0, 1.0)
+    codes = np.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** (1 / 2.4) - 0.055)
+    pixels = np.repeat(np.round(255.0 * codes).astype(np.uint8)[..., None], 3, axis=2)
+    return copy_sheet(pixels, "bars", Asked(whole=True))
+
+
+def test_a_scan_tells_how_strong_each_stroke_is() -> None:
+    pytest.importorskip("skimage")
+    found = [one.strength for piece in scanned().page.pieces for one in piece.glyph.strokes]
+    np.testing.assert_allclose(sorted(found), sorted(STRENGTHS[:3]), atol=0.1)
+
+
+def test_a_trial_brings_the_strength_nearer() -> None:
+    pytest.importorskip("skimage")
+    sheet, off = scanned(), []
+    for trials in (0, 1):
+        asked, got = strength_of_both(sheet, painted_copy(sheet, sheet.page, "xuan", trials, 0.5))
+        off.append(float(np.abs(asked - got).max()))
+    assert off[1] < 0.06
+    assert off[1] < 0.6 * off[0]
