@@ -180,11 +180,8 @@ def carry_out(
     as_outlines = options.out.name.lower().endswith(".svg")
     if as_outlines and options.azimuth != "commanded":
         raise InputError("--azimuth dragged turns the tuft; outlines (.svg) need a commanded one")
-    mesh = load_object(options)
-    if as_outlines:
-        check_is_plane(mesh)
     seconds: dict[str, float] = {}
-    surface = prepare(mesh, wanted, seconds)
+    mesh, surface = _made_ready(options, wanted, pen, seconds, flat=as_outlines)
     with timed(seconds, "plan"):
         written = _plan(options, mesh, write, pen, source)
         written = replace(written, recording=dipped_as(written.recording, pen.brush, dips))
@@ -206,6 +203,25 @@ def carry_out(
             watch.write()
     _write_beside(options, written, painting)
     return written, painting
+
+
+def _made_ready(
+    options: argparse.Namespace,
+    wanted: PaintOptions,
+    pen: Pen,
+    seconds: dict[str, float],
+    *,
+    flat: bool,
+) -> tuple[TriangleMesh, PaintedSurface]:
+    """The object and its surface; what the brush's bent shapes are looked up in is made beside."""
+    from paint3d.brush.bending import build_tuft
+    from paint3d.core.ahead import beside
+
+    with beside(partial(build_tuft, pen.brush)):
+        mesh = load_object(options)
+        if flat:
+            check_is_plane(mesh)
+        return mesh, prepare(mesh, wanted, seconds)
 
 
 def _on_trial(

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from typing import TypeVar
 
 from paint3d.core.machine import leave_interrupts_to_others
 
-__all__ = ["ahead"]
+__all__ = ["ahead", "beside"]
 
 T = TypeVar("T")
 
@@ -36,3 +37,14 @@ def ahead(makers: Iterable[Callable[[], T]]) -> Iterator[T]:
             made = coming.result()
             following = next(waiting, None)
         yield made
+
+
+@contextmanager
+def beside(make: Callable[[], object]) -> Iterator[None]:
+    """Have a thread make what will be asked for, and is kept, while what stands within is done.
+
+    Its end is waited for. An error comes where it is asked for, for that is not kept.
+    """
+    with ThreadPoolExecutor(1, "beside", leave_interrupts_to_others) as thread:
+        thread.submit(make)
+        yield

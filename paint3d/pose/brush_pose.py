@@ -17,6 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.core.arrays import lengths_of
 from paint3d.core.quaternion import multiply_quaternions, rotate
 from paint3d.core.types import AnyArray
 from paint3d.device.recorded import Recording
@@ -117,8 +118,9 @@ def object_poses(samples: Sequence[DeviceSample]) -> BrushPath:
     if not samples:
         raise RecordingError("there are no samples; expected at least one")
     times = np.array([sample.time_ns for sample in samples], dtype=np.int64)
-    if (np.diff(times) <= 0).any():
-        i = int(np.flatnonzero(np.diff(times) <= 0)[0]) + 1
+    late = times[1:] <= times[:-1]
+    if late.any():
+        i = int(np.flatnonzero(late)[0]) + 1
         raise RecordingError(f"sample {i}: time_ns is {times[i]}; expected over {times[i - 1]}")
     pressures = [sample.pressure for sample in samples]
     n_given = sum(pressure is not None for pressure in pressures)
@@ -161,7 +163,7 @@ def _path(
     return BrushPath(
         (time_ns - time_ns[0]) * 1e-9,
         rotate(object_from_world, position - object_position),
-        turned / np.linalg.norm(turned, axis=1, keepdims=True),
+        turned / lengths_of(turned)[:, None],
         pressure,
         buttons,
         None if contact is None else rotate(object_from_world, contact - object_position),
@@ -202,8 +204,9 @@ def velocities(path: BrushPath, joined: NDArray[np.bool_]) -> AnyArray:
     velocity = np.zeros((n, 3))
     if n < 2:
         return velocity
-    steps = np.where(joined[1:], np.diff(path.time_s), 1.0)  # others are not asked for
-    chords = np.diff(path.way, axis=0) / steps[:, None]
+    time, way = path.time_s, path.way
+    steps = np.where(joined[1:], time[1:] - time[:-1], 1.0)  # others are not asked for
+    chords = (way[1:] - way[:-1]) / steps[:, None]
     curved = joined[1:] & (steps <= _MAX_CURVED_GAP_S)
     left, right = np.zeros(n, bool), np.zeros(n, bool)
     left[1:] = right[:-1] = curved
@@ -238,7 +241,7 @@ def _set_ends(
 ) -> None:
     """Fill the tangents of samples that end a curved run; `way` is 1 where it goes on after."""
     near = ends if way == 1 else ends - 1
-    far = np.clip(near + way, 0, len(chords) - 1)
+    far = np.minimum(np.maximum(near + way, 0), len(chords) - 1)
     known = (far == near + way) & curved[far]
     share = np.where(known, steps[near] / (steps[near] + steps[far]), 0.0)
     velocity[ends] = chords[near] + (chords[near] - chords[far]) * share[:, None]
@@ -246,11 +249,11 @@ def _set_ends(
 
 def _cut(velocity: AnyArray, chords: AnyArray, joined: AnyArray) -> AnyArray:
     """Factors (N,) in [0, 1] that keep the tangents from overshooting."""
-    speed = np.linalg.norm(chords, axis=1)
+    speed = lengths_of(chords)
     speed[~joined[1:]] = np.inf
     slowest = np.full(len(velocity), np.inf)
     slowest[1:] = speed
     slowest[:-1] = np.minimum(slowest[:-1], speed)
-    length = np.linalg.norm(velocity, axis=1)
+    length = lengths_of(velocity)
     over = length > _STEEPEST * slowest
     return np.where(over, _STEEPEST * slowest, 1.0) / np.where(over, length, 1.0)

@@ -124,3 +124,14 @@ def test_the_studio_starts_without_what_only_some_of_its_work_needs() -> None:
     loaded = {name.split(".")[0] for name in done.stdout.split()}
     assert "PySide6" in loaded
     assert not (HEAVY - {"PySide6", "PIL"}) & loaded
+
+
+def test_the_interpreter_does_not_go_over_all_there_is_as_it_ends() -> None:
+    code = (
+        "import atexit, gc\n"
+        "atexit.register(lambda: print(gc.get_freeze_count()))  # the first to come is the last\n"
+        "from paint3d.cli.main import main\n"
+        "assert main(['inks']) == 0"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert int(done.stdout.splitlines()[-1]) > 10_000

@@ -7,7 +7,7 @@ from functools import partial
 
 import pytest
 
-from paint3d.core.ahead import ahead
+from paint3d.core.ahead import ahead, beside
 
 PATIENCE_S = 60.0
 
@@ -45,3 +45,23 @@ def test_an_error_comes_where_it_would_have_been_raised() -> None:
     with pytest.raises(ZeroDivisionError):
         next(found)
     assert not [one for one in threading.enumerate() if one.name.startswith("ahead")]
+
+
+def test_what_is_made_beside_is_there_when_the_rest_is_done() -> None:
+    began, goes_on, made = threading.Event(), threading.Event(), []
+
+    def make() -> None:
+        began.set()
+        assert goes_on.wait(PATIENCE_S)
+        made.append(threading.current_thread().name)
+
+    with beside(make):
+        assert began.wait(PATIENCE_S)  # it does not wait for the rest
+        assert not made
+        goes_on.set()
+    assert made == ["beside_0"]
+
+
+def test_an_error_beside_is_left_to_who_asks() -> None:
+    with beside(lambda: 1 // 0):
+        pass
