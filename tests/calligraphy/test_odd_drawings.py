@@ -58,6 +58,14 @@ def test_a_hairline_is_left_out_and_said(tmp_path: Path, caplog: pytest.LogCaptu
         load_svg(drawing(tmp_path, HAIRLINE))
 
 
+def test_a_line_without_end_is_no_stroke() -> None:
+    """Looking for its corners took minutes."""
+    bar, endless = box(0, 0, 100, 10), box(0, 20, 30_000, 21)
+    assert len(decompose(MultiPolygon([bar, endless]))) == 1
+    with pytest.raises(InputError, match="a 20,000th of its length"):
+        decompose(MultiPolygon([endless]))
+
+
 def test_parts_that_are_hairlines_are_no_strokes() -> None:
     thick, thin = box(0, 0, 1000, 10), box(0, 20, 1000, 20 + 1e-3)
     assert len(decompose(MultiPolygon([thick, thin]))) == 1
