@@ -44,6 +44,12 @@ def test_what_reaches_too_far_is_refused(tmp_path: Path, element: str) -> None:
         load_svg(drawing(tmp_path, BAR, element))
 
 
+def test_an_arc_that_cannot_be_computed_is_refused(tmp_path: Path) -> None:
+    arc = f'<path id="arc" d="M10 10 h30 a{"9" * 300} 9 30 1 0 20 9 z"/>'
+    with pytest.raises(InputError, match=r"^a\.svg: arc has an arc of no finite points"):
+        load_svg(drawing(tmp_path, BAR, arc))
+
+
 HAIRLINE = '<polygon points="90,90 100,60 110,4294967295" id="hair"/>'
 
 
