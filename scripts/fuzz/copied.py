@@ -58,10 +58,11 @@ def _photograph_seeds() -> list[tuple[str, bytes]]:
     keep(photo.quantize(8), ".gif", "GIF", save_all=True, append_images=[grey])
     keep(photo, ".bmp", "BMP")
     keep(grey, ".pgm", "PPM")
-    import pillow_heif
+    with suppress(ImportError):  # not every installation reads it
+        import pillow_heif
 
-    pillow_heif.register_heif_opener()
-    keep(photo, ".heic", "HEIF", quality=60)
+        pillow_heif.register_heif_opener()
+        keep(photo, ".heic", "HEIF", quality=60)
     return seeds
 
 
