@@ -55,7 +55,8 @@ def load_pigments_csv(path: str | Path) -> Mapping[str, Pigment]:
             header = list(reader.fieldnames or [])
             rows = [(reader.line_num, row) for row in reader]
     except (OSError, UnicodeDecodeError, csv.Error) as cause:
-        raise PigmentError(f"{path}: cannot be read as a table of pigments: {cause}") from None
+        why = getattr(cause, "strerror", None) or cause  # which names the file once more
+        raise PigmentError(f"{path}: cannot be read as a table of pigments: {why}") from None
     if "name" not in header:
         raise PigmentError(f"{path}:1: has no column 'name'")
     nm, columns = _read_bands(header, path)

@@ -287,16 +287,15 @@ def _check_precision(points: AnyArray, resolution: float) -> None:
     step = float(np.spacing(np.float32(farthest)))
     if _STEPS_PER_EDGE * step > resolution:
         span = float(np.ptp(points, axis=0).max())
-        if _STEPS_PER_EDGE * float(np.spacing(np.float32(0.5 * span))) > resolution:
-            raise MeshError(
-                f"the object is {span:g} mm long, where float32 has steps of {step:g} mm, too "
-                f"coarse for vertices every {resolution:g} mm; expected another unit (--unit) if "
-                f"it is not so long, or at least {_STEPS_PER_EDGE * step:.2g} mm (--resolution)"
-            )
+        at_origin = _STEPS_PER_EDGE * float(np.spacing(np.float32(0.5 * span))) <= resolution
+        where = "a coordinate is" if at_origin else "the object is"
+        value = f"{farthest:g} mm" if at_origin else f"{span:g} mm long"
+        moved = ", or the object moved to the origin" if at_origin else ""
         raise MeshError(
-            f"a coordinate is {farthest:g} mm, where float32 has steps of {step:g} mm; "
-            f"expected steps of at most {resolution / _STEPS_PER_EDGE:g} mm at this resolution: "
-            f"move the object to the origin"
+            f"{where} {value}, where float32 has steps of {step:g} mm, too coarse for vertices "
+            f"every {resolution:g} mm; expected another unit (--unit) if it is not so "
+            f"{'far' if at_origin else 'long'}, or at least {_STEPS_PER_EDGE * step:.2g} mm "
+            f"(--resolution){moved}"
         )
 
 

@@ -113,11 +113,15 @@ class Campaign:
             how = "a hang" if number in HANGS else signal.Signals(number).name
             self.bugs[at] = f"the reader died of {how}"
             at += 1
+        elif status:
+            self.bugs[at] = "it could not be tried: making it failed"
+            at += 1
         return at
 
     def _work(self, first: int, writing: int) -> None:
         status = 1
         faulthandler.disable()  # the death is told by the parent
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 2)  # libraries talk about what is damaged
         try:
             resource.setrlimit(resource.RLIMIT_DATA, (MEMORY, MEMORY))
             resource.setrlimit(resource.RLIMIT_CORE, (0, 0))

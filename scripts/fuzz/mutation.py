@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import io
+import json
 import random
 import re
 import zipfile
 from collections.abc import Callable, Sequence
+from typing import Any
 
-__all__ = ["damage", "damage_archive"]
+__all__ = ["damage", "damage_archive", "damage_json"]
 
 NUMBER = re.compile(rb"[-+]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?")
 NUMBERS = (
@@ -60,6 +62,45 @@ def damage_archive(data: bytes, chance: random.Random, others: Sequence[bytes]) 
             info.compress_type = kinds.get(name, zipfile.ZIP_STORED)
             archive.writestr(info, content)
     return file.getvalue()
+
+
+_VALUES: tuple[Any, ...] = (
+    0, 1, 2, -1, 3, 255, 256, 65536, 2**31, 2**32, 2**63, 2**64, 0.5, 1e300, -1e-300, None, True,
+    "", "x", "\ud800", "NONE", "VEC3", "SCALAR", [], {}, [0], [[0]], {"a": 0}, 5120, 5121, 5126,
+)  # fmt: skip
+
+
+def damage_json(text: bytes, chance: random.Random) -> bytes:
+    """Return a JSON document in which one to three values are changed, missing or doubled."""
+    document = json.loads(text)
+    for _ in range(chance.choice((1, 1, 2, 3))):
+        _damage_value(document, chance)
+    return json.dumps(document).encode("utf-8", "surrogatepass")
+
+
+def _damage_value(document: Any, chance: random.Random) -> None:
+    """Change, drop or double one value somewhere in a document."""
+    places: list[tuple[Any, Any]] = []
+    waiting = [document]
+    while waiting:
+        one = waiting.pop()
+        keys = list(one) if isinstance(one, dict) else range(len(one))
+        for key in keys:
+            places.append((one, key))
+            if isinstance(one[key], dict | list):
+                waiting.append(one[key])
+    if not places:
+        return
+    holder, key = chance.choice(places)
+    way = chance.random()
+    if way < 0.6:
+        holder[key] = chance.choice(_VALUES)
+    elif way < 0.8:
+        del holder[key]
+    else:
+        other, its = chance.choice(places)
+        taken = json.dumps(other[its])  # by value: a document must not hold itself
+        holder[key] = json.loads(taken)
 
 
 def _flip(data: bytes, chance: random.Random, _: Sequence[bytes]) -> bytes:

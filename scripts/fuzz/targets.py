@@ -6,17 +6,22 @@ A target that is not about a file takes bytes all the same: see `Target.check`.
 from __future__ import annotations
 
 import contextlib
+import dataclasses
 import gzip
 import json
+import math
 import random
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
+from scripts.fuzz.copied import COPIED
 from scripts.fuzz.drawings import DRAWINGS
 from scripts.fuzz.mutation import damage, damage_archive
+from scripts.fuzz.packed import PACKED, check_mesh
 from scripts.fuzz.parameters import PARAMETERS
 from scripts.fuzz.target import Target, file_of, written
 
@@ -25,7 +30,18 @@ __all__ = ["TARGETS", "Target"]
 # -- recordings -----------------------------------------------------------------------------------
 
 
-def _recording(space: str = "world"):
+_DIPS: dict[str, Any] = {
+    "parts": {"pine soot": 0.2, "water": 0.8},
+    "tip": "cinnabar",
+    "reach": 0.3,
+    "dip": {"wetted": 0.6, "fullness": 0.9},
+    "loads": [[1_000_000, 0.5], [3_000_000, 0.9]],
+    "azimuth": "dragged",
+    "characters": [{"text": "a", "frame": {"origin": [0, 0, 0], "em_mm": 20.0}}],
+}
+
+
+def _recording(space: str = "world", **told: Any):
     from paint3d.device.recorded import Recording
 
     n = 6
@@ -36,7 +52,7 @@ def _recording(space: str = "world"):
         np.tile([0.8, 0.0, 0.6, 0.0], (n, 1)),
         np.where(ramp > 0, 0.5, 0.0),
         np.arange(n) % 3,
-        header={"space": space, "brush": "full", "ink": "pine soot"},
+        header={"space": space, "brush": "full", "ink": "pine soot", **told},
     )
 
 
@@ -52,6 +68,8 @@ def _recording_seeds() -> list[tuple[str, bytes]]:
         (".txt", table),
         (".csv", named),
         (".jsonl.gz", gzip.compress(saved[0][1], mtime=0)),
+        written(".jsonl", partial(save_recording, _recording(**_DIPS))),
+        written(".jsonl", partial(save_recording, _recording(**{**_DIPS, "parts": {}}))),
     ]
 
 
@@ -70,6 +88,13 @@ def _inkml_seeds() -> list[tuple[str, bytes]]:
 
 
 def _check_recording(suffix: str, content: bytes) -> None:
+    from paint3d.painter.recorded_tools import (
+        recorded_amount,
+        recorded_brush,
+        recorded_ink,
+        recorded_loads,
+        recorded_tip,
+    )
     from paint3d.recording.recording import load_recording
 
     recording = load_recording(file_of(suffix, content))
@@ -77,6 +102,13 @@ def _check_recording(suffix: str, content: bytes) -> None:
     assert np.isfinite(recording.position).all()
     assert (np.diff(recording.time_ns) > 0).all()
     assert recording.pressure is None or (np.abs(recording.pressure - 0.5) <= 0.5).all()
+    recorded_brush(recording.header)
+    tip = recorded_tip(recording.header)
+    assert tip is None or 0.0 <= tip[1] <= 1.0
+    recorded_ink(recording.header)
+    assert math.isfinite(recorded_amount(recording.header).fullness)
+    times, shares = recorded_loads(recording.header)
+    assert len(times) == len(shares)
 
 
 # -- meshes ---------------------------------------------------------------------------------------
@@ -214,19 +246,6 @@ def _damage_mesh(data: bytes, chance: random.Random, others: Sequence[bytes]) ->
     return (damage_archive if data.startswith(b"PK") else damage)(data, chance, others)
 
 
-def _check_mesh(suffix: str, content: bytes) -> None:
-    from paint3d.files.readers.references import refers_to
-    from paint3d.files.sandbox.reading import Wanted, read_surface
-
-    wanted = Wanted(from_points=False, texture=True)
-    path = file_of(suffix, content)
-    (path.parent / "none.txt").touch()
-    refers_to(path, path.parent / "none.txt")  # whatever it is, this is no error
-    mesh = read_surface(path, wanted).mesh
-    assert np.isfinite(mesh.vertices).all()
-    assert 0 <= mesh.faces.min() <= mesh.faces.max() < mesh.n_vertices
-
-
 # -- paintings ------------------------------------------------------------------------------------
 
 
@@ -263,7 +282,7 @@ def _session_seeds() -> list[tuple[str, bytes]]:
     surface.settle(ids[:3])
     surface.diffuse(0.05)
     session = Session(surface, (_recording(),), {"brush": "full"})
-    return [written(".p3d", partial(save_session, session)), _session_with_steps()]
+    return [written(".p3d", partial(save_session, session)), _session_with_steps(), _with_hairs()]
 
 
 def _session_with_steps() -> tuple[str, bytes]:
@@ -279,6 +298,29 @@ def _session_with_steps() -> tuple[str, bytes]:
         document.dry()
     document.add_layer()
     document.undo()
+    return written(".p3d", document.save)
+
+
+def _with_hairs() -> tuple[str, bytes]:
+    """A sitting with single hairs, a tip, a mask, mirrors and a seal, as it is kept while open."""
+    from paint3d.app.model.document import Document
+    from paint3d.app.model.input.symmetry import MirrorPlane, Symmetry
+    from paint3d.app.model.mask import AngleMask, Mask
+    from paint3d.brush.bristle_spec import BristleSpec
+    from paint3d.brush.presets import load_brush
+    from paint3d.mesh.triangle_mesh import TriangleMesh
+
+    document = Document.new(TriangleMesh(CORNERS, FACES), 4.0, "xuan")
+    hairy = dataclasses.replace(load_brush("full"), name="hairy", bristles=BristleSpec(n_hairs=8))
+    document.set_brush(hairy)
+    document.dip({"indigo": 0.4, "water": 0.6})
+    document.dip("cinnabar", 0.3)
+    document.set_symmetry(Symmetry((MirrorPlane((0, 0, 0), (0, 1, 0)),)))
+    document.set_mask(Mask(AngleMask((0.0, 0.0, 1.0), 60.0)))
+    document.begin_stroke()
+    document.feed(list(_recording().samples()))
+    document.end_stroke()
+    document.press_seal([[(-1, -1), (1, -1), (0, 1)]], (4.0, 4.0, SIZE), up=(0.0, 1.0, 0.0))
     return written(".p3d", document.save)
 
 
@@ -327,6 +369,12 @@ def _command_seeds() -> list[tuple[str, bytes]]:
         "study plan f --participants 6 --devices I,II --character 目 --size 30 --seed 1",
         "devices record r.jsonl --seconds 2",
         "bench write --json b.json",
+        "write 永 --on bowl --out o.glb --film f.mp4 --fps 30 --speed 4 --turn 360deg --view 30,20",
+        "replay a.jsonl --on plane --film f.gif --turn 8 --film-size 64x48 --zoom 1.5 --light none",
+        "picture bowl --out p.webp --turn 4 --rate 9 --size 64x64 --illuminant 2700K --observer 10",
+        "copy p.jpg --on plane --out o.ply --corners 1,2 90,3 80,99 2,88 --trials 0 --beside b.png",
+        "score a.jsonl --move 3-5:1,2,30 --ink 2:cinnabar --time 1:2s --shift 4:-1 --out b.jsonl",
+        "seal 永 --on bowl --out o.ply --size 16 --coats 1.3 --wear .5 --seed 3 --turn 5 --at 0,1",
     )
     return [("", line.replace(" ", "\n").encode()) for line in lines]
 
@@ -335,6 +383,8 @@ def _check_command(_: str, content: bytes) -> None:
     """Read the options, and check what is named before any work; nothing is run."""
     from paint3d.cli.main import make_parser
     from paint3d.cli.parsing import UsageError
+    from paint3d.cli.pictures.films import film_of
+    from paint3d.cli.pictures.lights import viewing_of
     from paint3d.cli.replay import PaintOptions
     from paint3d.errors import InputError
 
@@ -347,6 +397,14 @@ def _check_command(_: str, content: bytes) -> None:
         raise InputError(" ".join(str(cause).split())) from None
     if "spread" in chosen:
         PaintOptions.of(chosen).check()
+    try:
+        film = film_of(chosen) if "film" in chosen else None
+    except OSError as cause:  # a name that no file can have: `main` says it in one line, too
+        raise InputError(str(cause.strerror)) from None
+    if film is not None:
+        assert math.isfinite(film.filmed(100).turn_s)
+    if "illuminant" in chosen and not {"exact", "compare"} & set(vars(chosen)):
+        viewing_of(chosen)
 
 
 def _table_seeds() -> list[tuple[str, bytes]]:
@@ -395,13 +453,15 @@ def _check_device(suffix: str, content: bytes) -> None:
 TARGETS: dict[str, Target] = {
     "recording": Target("JSON Lines, CSV and plain tables", _recording_seeds, _check_recording),
     "inkml": Target("W3C InkML", _inkml_seeds, _check_recording),
-    "mesh": Target("mesh files of every format", _mesh_seeds, _check_mesh, _damage_mesh),
+    "mesh": Target("mesh files of every format", _mesh_seeds, check_mesh, _damage_mesh),
     "records": Target("the papers' record format", _record_seeds, _check_records),
     "session": Target("saved sessions", _session_seeds, _check_session, damage_archive),
     "device": Target("HID descriptors and reports", _device_seeds, _check_device),
     "command": Target("command lines", _command_seeds, _check_command),
     "table": Target("tables of paintings", _table_seeds, _check_table),
     "journal": Target("journals", _journal_seeds, _check_journal),
+    **COPIED,
+    **PACKED,
     **DRAWINGS,
     **PARAMETERS,
 }

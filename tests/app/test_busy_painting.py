@@ -102,7 +102,7 @@ def test_another_brush_is_shown_while_the_painting_is_behind(window, how: str) -
     settled(window)
     window.panels.docks["brushes"].raise_()
     gate = threading.Event()
-    window.stage.easel.post(lambda document: gate.wait(60))
+    window.stage.easel.post(lambda document: gate.wait(300))
     drag(window.canvas, (0.45, 0.5), (0.55, 0.5), n=6)
     view = window.panels.brushes.findChild(QtWidgets.QListWidget)
     try:

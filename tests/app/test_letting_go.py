@@ -13,7 +13,7 @@ from PySide6 import QtCore, QtWidgets
 from tests.support.app.gestures import answer, answer_bar, drag, live, wait_for
 from tests.support.app.windows import SMALL, opened, settled
 
-LONGEST_S = 20.0  # that a step goes on which nobody ends
+LONGEST_S = 300.0  # that a step goes on which nobody ends
 N_WAITING = 6
 TICKS = 20
 

@@ -93,4 +93,4 @@ def test_the_mark_is_another_one_and_is_replayed_to_the_bit(window, tmp_path, mo
     assert main(["replay", str(file), "--on", "plane", "--out", str(out), "--quiet"]) == 0
     again = Document.open(out)
     same_vertices(again.surface, window.document.surface)
-    assert len(again.strokes) == len(window.document.strokes) > 2
+    assert len(again.strokes) == len(window.document.strokes) >= 2

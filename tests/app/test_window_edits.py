@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import time
+import threading
 
 import numpy as np
 import pytest
@@ -224,15 +224,21 @@ def test_what_cannot_be_is_told_and_cancel_leaves_everything(window, monkeypatch
     assert "stroke 5 is undone" in str(window.workspace.error)
     window.workspace.post("redo")
     settled(window)
-    play = edit_commands.play
+    play, cancelled = edit_commands.play, threading.Event()
 
     def slowly(*given):
-        for k, step in enumerate(play(*given)):
-            time.sleep(0.1 if k < 50 else 0.0)
-            yield step
+        for step in play(*given):
+            for _ in range(3000):  # of a tenth of a second, until the bar has been answered
+                yield step
+                if cancelled.wait(0.1):
+                    break
+
+    def cancel(bar) -> None:
+        bar.findChild(QtWidgets.QPushButton).click()
+        cancelled.set()
 
     monkeypatch.setattr(edit_commands, "play", slowly)
-    answer_bar(lambda bar: bar.findChild(QtWidgets.QPushButton).click())
+    answer_bar(cancel)
     choose(window, 0, "delete")
     wait_for(lambda: not window.workspace.is_waiting)
     settled(window)

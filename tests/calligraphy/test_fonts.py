@@ -160,6 +160,23 @@ def test_what_cannot_be_written_is_said(make, words) -> None:
         make()
 
 
+def test_a_table_without_a_name_is_no_fault(tmp_path) -> None:
+    """A damaged directory may name a table by letters that are none."""
+    data = dejavu().path.read_bytes()
+    head = 12 + 16 * int.from_bytes(data[4:6], "big")
+    last = data[head - 16 : head - 12]
+    assert max(data[k : k + 4] for k in range(12, head, 16)) == last
+    renamed = data[:head].replace(last, b"\xff" + last[1:]) + data[head:]
+    (tmp_path / "a.ttf").write_bytes(renamed)
+    opened = open_font(tmp_path / "a.ttf")
+    assert opened.outline(opened.font.get_nominal_glyph(ord("a"))).area > 0.0
+    for table, words in ((b"glyf", "is without outlines"), (b"maxp", "damaged: face 0 has no gl")):
+        without = renamed[:head].replace(table, table[:3] + b"~") + data[head:]
+        (tmp_path / "b.ttf").write_bytes(without)
+        with pytest.raises(InputError, match=words):
+            open_font(tmp_path / "b.ttf")
+
+
 @pytest.mark.parametrize("text", ["i", "j"])
 def test_a_dotted_letter_is_its_body_and_its_dot(text) -> None:
     """The lines of a known letter are laid over body and mark together, not over each alone."""

@@ -44,6 +44,12 @@ def test_what_reaches_too_far_is_refused(tmp_path: Path, element: str) -> None:
         load_svg(drawing(tmp_path, BAR, element))
 
 
+def test_an_arc_that_cannot_be_computed_is_refused(tmp_path: Path) -> None:
+    arc = f'<path id="arc" d="M10 10 h30 a{"9" * 300} 9 30 1 0 20 9 z"/>'
+    with pytest.raises(InputError, match=r"^a\.svg: arc has an arc of no finite points"):
+        load_svg(drawing(tmp_path, BAR, arc))
+
+
 HAIRLINE = '<polygon points="90,90 100,60 110,4294967295" id="hair"/>'
 
 
@@ -56,6 +62,14 @@ def test_a_hairline_is_left_out_and_said(tmp_path: Path, caplog: pytest.LogCaptu
     assert "hair: not painted: it is a hairline" in caplog.text
     with pytest.raises(InputError, match="nothing but hairlines"):
         load_svg(drawing(tmp_path, HAIRLINE))
+
+
+def test_a_line_without_end_is_no_stroke() -> None:
+    """Looking for its corners took minutes."""
+    bar, endless = box(0, 0, 100, 10), box(0, 20, 30_000, 21)
+    assert len(decompose(MultiPolygon([bar, endless]))) == 1
+    with pytest.raises(InputError, match="a 20,000th of its length"):
+        decompose(MultiPolygon([endless]))
 
 
 def test_parts_that_are_hairlines_are_no_strokes() -> None:

@@ -71,6 +71,22 @@ def test_crashes_memory_and_tracebacks_are_noticed_and_the_rest_goes_on(monkeypa
     assert campaign.n_read == sum(content == b"good" for content in made.values())
 
 
+def test_a_case_that_cannot_be_made_is_noted_and_the_rest_goes_on(monkeypatch):
+    def damage(_data, chance, _others):
+        if chance.random() < 0.3:
+            raise KeyError("the fuzzer's own fault")
+        return b"good"
+
+    target = Target("for this test", lambda: [("", b"good")], crash, damage)
+    monkeypatch.setitem(TARGETS, "test", target)
+    campaign = Campaign("test", 0, 12)
+    campaign.run()
+    assert campaign.n_done == 12
+    assert campaign.n_read == 12 - len(campaign.bugs) > 0
+    assert campaign.bugs
+    assert set(campaign.bugs.values()) == {"it could not be tried: making it failed"}
+
+
 def test_what_fuzzing_found(tmp_path):
     """Each was a traceback, or a number that is none."""
     table = "time_ns,x_mm,y_mm,z_mm,qw,qx,qy,qz\n0,0,0,0,1,0,0,0\n1,0,0,0,1,0,2e9,0\n"

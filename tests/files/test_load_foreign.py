@@ -164,6 +164,21 @@ def test_a_damaged_package_ends_in_one_line(tmp_path, packing):
         load_mesh(tmp_path / "a.zae")
 
 
+def test_what_trimesh_finds_out_late_is_told_too(tmp_path):
+    """It asserts when its colours are asked for, long after it has read the file."""
+    path = tmp_path / "a.xaml"
+    path.write_text(
+        '<Viewport3D xmlns="http://schemas.microsoft.com/winfx/2006/xaml/presentation">'
+        "<ModelVisual3D><ModelVisual3D.Content><GeometryModel3D><GeometryModel3D.Geometry>"
+        '<MeshGeometry3D Positions="0,0,0 9,0,0 9,9,nan 0,9,4" '
+        'Normals="0,0,1 0,0,1 0,0,1 0,0,1" TriangleIndices="0,1,2,0,2,3"/>'
+        "</GeometryModel3D.Geometry></GeometryModel3D></ModelVisual3D.Content></ModelVisual3D>"
+        "</Viewport3D>"
+    )
+    with pytest.raises(MeshError, match="XAML is read by trimesh, which says: AssertionError"):
+        load_mesh(path, texture=True)
+
+
 def test_entities_are_refused(tmp_path):
     bomb = '<!DOCTYPE a [<!ENTITY b SYSTEM "file:///etc/passwd">]>' + XAML
     (tmp_path / "a.xaml").write_text(bomb)

@@ -181,7 +181,8 @@ def test_far_from_the_origin():
     assert (far.arrays.vertex_sheet[: far.n_vertices] >= 0).all()
     assert far.n_vertices == pytest.approx(near.n_vertices, rel=0.1)
     away = TriangleMesh(mesh.vertices + np.float32(2e7), mesh.faces)
-    with pytest.raises(MeshError, match="move the object to the origin"):
+    match = r"\(--unit\) if it is not so far, or at least 16 mm \(--resolution\), or .* the origin"
+    with pytest.raises(MeshError, match=match):
         PaintMesh.build(away, 1.0)
 
 

@@ -149,10 +149,11 @@ def open_font(
         path, number = match_font(str(name), number)
     hb = package_of_the_hand("uharfbuzz")
     face = hb.Face(hb.Blob(_font_data(path)), number)
-    if face.glyph_count == 0 or number >= max(1, _n_faces(path)):
-        raise InputError(
-            f"{path}: no face {number}; expected one of the {_n_faces(path)} that it has"
-        )
+    n_faces = max(1, _n_faces(path))
+    if not 0 <= number < n_faces:
+        raise InputError(f"{path}: no face {number}; expected one of the {n_faces} that it has")
+    if face.glyph_count == 0:
+        raise InputError(f"{path}: damaged: face {number} has no glyphs; expected a whole font")
     font = hb.Font(face)
     _check_is_drawn(path, face)
     _vary(path, face, font, variations or {})
@@ -208,15 +209,20 @@ def _n_faces(path: Path) -> int:
 
 def _check_is_drawn(path: Path, face: Any) -> None:
     """Refuse fonts of pictures: paint3d paints outlines."""
-    tables = set(face.table_tags)
     if face.has_color_layers or face.has_color_paint or face.has_color_svg:
         kind = "a colour font"
-    elif not tables & {"glyf", "CFF ", "CFF2"}:
-        kind = "a bitmap font" if tables & {"CBDT", "EBDT", "bdat", "sbix"} else "without outlines"
+    elif not _has_any(face, ("glyf", "CFF ", "CFF2")):
+        bitmaps = _has_any(face, ("CBDT", "EBDT", "bdat", "sbix"))
+        kind = "a bitmap font" if bitmaps else "without outlines"
     else:
         return
     name = face.get_name(_FULL_NAME) or path.name
     raise InputError(f"{path}: {name} is {kind}; expected a font of outlines in one colour")
+
+
+def _has_any(face: Any, tags: tuple[str, ...]) -> bool:
+    """Whether a font has one of these tables; a damaged one may have others that have no name."""
+    return any(face.reference_table(tag).data for tag in tags)
 
 
 def _vary(path: Path, face: Any, font: Any, variations: Mapping[str, float]) -> None:

@@ -146,7 +146,11 @@ def _read(data: bytes, name: str, ids: Sequence[str]) -> Iterator[_Ink]:
     flatness = _FLATNESS * max(right - left, lower - upper, 1e-9)
     for k, (path, shape) in enumerate(paths):
         label = shape.id or f"element {k + 1}"
-        yield from _inks(list(_subpaths(path, flatness, svg)), shape, label)
+        with np.errstate(all="ignore"):
+            lines = list(_subpaths(path, flatness, svg))
+        if not all(np.isfinite(points).all() for points, _ in lines):
+            raise InputError(f"{name}: {label} has an arc of no finite points; expected a radius")
+        yield from _inks(lines, shape, label)
 
 
 def _chosen(element: Any, ids: set[str], taken: bool, svg: Any) -> Iterator[Any]:

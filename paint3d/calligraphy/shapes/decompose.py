@@ -35,6 +35,7 @@ __all__ = ["decompose"]
 
 _SPECK = 0.01  # squares of the mean width: smaller parts are no strokes
 _HAIRLINE = 1e-5  # of the size of a shape: thinner parts are no strokes
+_LONGEST = 20_000.0  # of its width that a part is long: longer ones are no strokes of a brush
 _GRAIN = 2.0**-40  # of the farthest coordinate: thinner parts are what rounding left
 _GRID = 2.0**32  # points to the size of a shape
 _COMPACT = 0.75  # of a disc's area at the same perimeter: a dot; a square has 0.785
@@ -69,7 +70,7 @@ def decompose(
     list of GlyphStroke
         In the frame of the outline. Their regions together are the shape, but for specks of less
         than a hundredth of the square of a stroke's mean width, and parts thinner than a 100,000th
-        of its size.
+        of its size or a 20,000th of its length.
 
     Raises
     ------
@@ -168,10 +169,11 @@ def _parts(outline: MultiPolygon) -> list[Polygon]:
     thinnest = max(_HAIRLINE * np.ptp(bounds, axis=0).max(), _GRAIN * np.abs(bounds).max())
     parts = [part for part in parts if part.geom_type == "Polygon" and part.area > 0.0]
     parts = [part for part in parts if _width([part]) >= thinnest]
+    parts = [part for part in parts if part.length <= 2.0 * _LONGEST * _width([part])]
     if not parts:
         raise InputError(
             "the outline has no area, or is a hairline; expected a shape to fill, wider than a "
-            f"{1.0 / _HAIRLINE:,.0f}th of its length"
+            f"{1.0 / _HAIRLINE:,.0f}th of its size and a {_LONGEST:,.0f}th of its length"
         )
     least = _SPECK * _width(parts) ** 2
     kept = [part for part in parts if part.area >= least]

@@ -95,18 +95,22 @@ def read_foreign(data: bytes, suffix: str, texture: bool = False) -> RawMesh:
             given.flush()
             given.seek(0)
             found = trimesh.load_scene(given, file_type=kind)
+        raw = _raw(found, texture)  # looks at what was only noted down until now
     except MeshError:
         raise
     except Exception as cause:  # of any kind: its readers trust what they read
         words = " ".join(str(cause).split()) or type(cause).__name__
         raise MeshError(f"{form.name} is read by trimesh, which says: {words:.200}") from None
-    clouds = [one for one in found.geometry.values() if hasattr(one, "vertices")]
-    if len(clouds) == 1 and not hasattr(clouds[0], "faces"):
-        return _points(clouds[0])
-    raw = read_trimesh(found, texture)
     if suffix in (".dae", ".zae"):
         up = up or "y"  # as COLLADA says where a file does not
     return replace(raw, up=up)
+
+
+def _raw(found: Any, texture: bool) -> RawMesh:
+    clouds = [one for one in found.geometry.values() if hasattr(one, "vertices")]
+    if len(clouds) == 1 and not hasattr(clouds[0], "faces"):
+        return _points(clouds[0])
+    return read_trimesh(found, texture)
 
 
 def _how_to_get(package: str) -> str:
