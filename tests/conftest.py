@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-import importlib
 import os
 import sys
 from collections.abc import Iterator
-from contextlib import suppress
-from pathlib import Path
 
 import pytest
 from hypothesis import settings
@@ -82,24 +79,6 @@ def files_are_read_by_forks() -> Iterator[None]:
         return
     with reading_by_forks():
         yield
-
-
-@pytest.hookimpl(tryfirst=True)
-def pytest_collection(session: pytest.Session) -> None:
-    """Where several processes collect at once, let each begin with files of its own.
-
-    Those of a fresh checkout are then compiled once, not by each process for itself: half of what
-    collecting costs there. What is wrong with a file is said when it is collected.
-    """
-    worker = os.environ.get("PYTEST_XDIST_WORKER", "")
-    if not worker.startswith("gw"):
-        return
-    places = [Path(session.config.rootpath, arg.split("::")[0]) for arg in session.config.args]
-    files = sorted({file for place in places for file in place.rglob("test_*.py")})
-    for file in files[int(worker[2:]) :: int(os.environ["PYTEST_XDIST_WORKER_COUNT"])]:
-        name = ".".join(file.relative_to(session.config.rootpath).with_suffix("").parts)
-        with suppress(Exception, pytest.skip.Exception):
-            importlib.import_module(name)
 
 
 @pytest.hookimpl(tryfirst=True)  # before a plugin that shuffles
