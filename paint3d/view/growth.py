@@ -120,5 +120,5 @@ class Growth:
             yield self._grown(seen)
 
     def _grown(self, seen: NDArray[np.uint8]) -> Grown:
-        rough = None if self._is_plain else seen[:, 3] / np.float32(255.0)
+        rough = None if self._is_plain else seen[:, 3].astype(np.float32) / np.float32(255.0)
         return Grown(seen[:, :3], rough)
