@@ -1,10 +1,11 @@
 #!/usr/bin/env python
 """Measure how wet ink spreads, stops and dries on each material: the figures of docs/ink.md.
 
-Usage: python scripts/bloom.py [MATERIAL ...] [--spacing MM] [--share SHARE]
+Usage: python scripts/bloom.py [MATERIAL ...] [--spacing MM] [--share SHARE] [--ink NAME]
+       python scripts/bloom.py xuan --inks
 
-A drop of 3 coats on a disc of 3 mm radius (2.5 ul; by default a tenth of it pine soot, the rest
-water) spreads for 20 s on a flat sheet and dries. Printed as CSV, lengths in mm:
+A drop of 3 coats on a disc of 3 mm radius (2.5 ul; by default a tenth of it ink, pine soot, the
+rest water) spreads for 20 s on a flat sheet and dries. Printed as CSV, lengths in mm:
 
 water, soot    radii of the discs as large as what is wet after 20 s, and as what bears at least
                half of the core's ink
@@ -14,7 +15,16 @@ rim_width      breadth of the rings that are halfway from the core to the rim, o
 power          of the growth of the wet disc's radius with time, 1 to 8 s
 rough          deviation of the dry outline's radius over its mean, of soot and of all ink
 hurst          of the outline of all ink, from the growth of its differences over .6 to 2.4 mm
+in_halo        ink between 1.5 and .5 mm within the water's radius after 20 s, over the core's
 strip          power of the way along a strip 4 mm broad that drinks from a pool, 1 to 9 s
+front          of the front of water that went up two sheets 45 mm broad from 3 coats along their
+               edges, 20 s: the power with which its deviation within a window grows with the
+               window, .8 to 6.4 mm; the highest wet place of each column counts, as where wet
+               fronts in paper were measured (Buldyrev et al. 1992)
+front_mm       that deviation within 6.4 mm
+
+With --inks, what of each ink of the palette is fine, and for a drop of it on each material the
+radius of the water, of the ink, the halo, the rim when dry, and in_halo.
 """
 
 from __future__ import annotations
@@ -25,14 +35,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.colour.materials import material_names
-from paint3d.colour.pigments import load_pigment
+from paint3d.colour.pigments import load_pigment, pigment_names
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.surface.painted_surface import PaintedSurface
 
 COATS, RADIUS, RING = 3.0, 3.0, 0.5
 TURNS = 96  # directions in which an outline is looked for
 NAMES = ("water", "soot", "halo", "rim_20s", "rim_dry", "rim_width", "power", "rough_soot",
-         "rough_all", "hurst", "strip")  # fmt: skip
+         "rough_all", "hurst", "in_halo", "strip", "front", "front_mm")  # fmt: skip
+OF_INKS = ("fine", "water", "radius", "halo", "rim_dry", "in_halo")
+WINDOWS = (0.8, 1.2, 1.6, 2.4, 3.2, 4.8, 6.4)  # mm
+FRONT_SPACING = 0.15
 
 
 def sheet(width: float, height: float, spacing: float) -> TriangleMesh:
@@ -92,14 +105,16 @@ def power_of(times: tuple[float, ...], lengths: list[float]) -> float:
     return float(np.polyfit(np.log(times), np.log(lengths), 1)[0])
 
 
-def measure_drop(material: str, spacing: float, share: float) -> list[float]:
+def measure_drop(
+    material: str, spacing: float, share: float, ink: str = "pine soot"
+) -> list[float]:
     """The figures of a drop, in the order of NAMES."""
     surface = PaintedSurface(sheet(20.0, 20.0, spacing), None, material)
     points, areas = surface.paint_mesh.vertices, surface.vertex_areas
     away = np.linalg.norm(points[:, :2], axis=1)
     covered = np.clip((RADIUS - away) / 0.5 + 0.5, 0.0, 1.0)
     scale = COATS * np.pi * RADIUS**2 / (covered @ areas)
-    lay(surface, covered, {"pine soot": share * scale, "water": (1.0 - share) * scale})
+    lay(surface, covered, {ink: share * scale, "water": (1.0 - share) * scale})
 
     def disc(marked: NDArray[np.bool_]) -> float:
         return float(np.sqrt(areas[marked].sum() / np.pi))
@@ -117,13 +132,25 @@ def measure_drop(material: str, spacing: float, share: float) -> list[float]:
     water, wet_rings = disc(wet_of(surface)), rings()
     soot = disc(ink_of(surface) > 0.5 * wet_rings[:3].mean())
     surface.diffuse(3.0 * 3600.0)
-    dry, ink = rings(), ink_of(surface)
+    dry, left = rings(), ink_of(surface)
     core = dry[:3].mean()
     broad = RING * np.count_nonzero(dry > 0.5 * (core + dry.max()))
-    dark, all_ink = (outline(points, ink > part * core) for part in (0.5, 1e-3))
+    dark, all_ink = (outline(points, left > part * core) for part in (0.5, 1e-3))
     rough = [float(edge.std() / edge.mean()) for edge in (dark, all_ink)]
     rims = [wet_rings.max() / wet_rings[:3].mean(), dry.max() / core]
-    return [water, soot, water - soot, *rims, broad, power_of(times, radii), *rough, hurst(all_ink)]
+    first, last = (round((water - inside) / RING) for inside in (1.5, 0.5))
+    in_halo = wet_rings[first:last].mean() / wet_rings[:3].mean()
+    figures = [water, soot, water - soot, *rims, broad, power_of(times, radii), *rough]
+    return [*figures, hurst(all_ink), float(in_halo)]
+
+
+def compare_inks(material: str, spacing: float, share: float) -> None:
+    """Print a line of OF_INKS for each ink of the palette."""
+    for name in pigment_names():
+        figures = measure_drop(material, spacing, share, name)
+        water, ink, halo, _, rim = figures[:5]
+        shown = (f"{x:.3g}" for x in (load_pigment(name).fine, water, ink, halo, rim, figures[-1]))
+        print(material, name, *shown, sep=",", flush=True)
 
 
 def measure_strip(material: str, spacing: float) -> float:
@@ -140,17 +167,55 @@ def measure_strip(material: str, spacing: float) -> float:
     return power_of(times, way) if min(way) > 0.0 else 0.0
 
 
+def front_widths(
+    material: str, spacing: float, wide: float = 45.0, places: tuple[float, ...] = (0.0, 37.0)
+) -> NDArray[np.float64]:
+    """Deviation of a front within each of WINDOWS (7,), mm, over sheets at several places in z."""
+    squares = []
+    for z in places:
+        flat = sheet(wide, 14.0, spacing)
+        moved = flat.vertices + np.array([0.0, 0.0, z], np.float32)
+        surface = PaintedSurface(TriangleMesh(moved, flat.faces), None, material)
+        x, y, _ = surface.paint_mesh.vertices.T
+        share = (y < -4.0).astype(float)
+        lay(surface, share, {"pine soot": 0.1 * COATS, "water": 0.9 * COATS})
+        surface.diffuse(20.0)
+        wet = wet_of(surface)
+        column = np.rint((x + wide / 2) / spacing).astype(int)
+        height = np.full(column.max() + 1, -4.0)
+        np.maximum.at(height, column[wet], y[wet])
+        n = [round(window / spacing) + 1 for window in WINDOWS]
+        runs = [np.lib.stride_tricks.sliding_window_view(height, k) for k in n]
+        squares.append([run.var(axis=1).mean() for run in runs])
+    result: NDArray[np.float64] = np.sqrt(np.mean(squares, axis=0))
+    return result
+
+
+def measure_front(material: str, spacing: float = FRONT_SPACING) -> list[float]:
+    """Exponent of a front's roughness, and its deviation within the largest window, mm."""
+    widths = front_widths(material, spacing)
+    exponent = power_of(WINDOWS, list(widths)) if widths.min() > 0.25 * spacing else float("nan")
+    return [exponent, float(widths[-1])]
+
+
 def main() -> None:
     """Run as the module's first lines say."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("materials", metavar="MATERIAL", nargs="*", help="by default all")
     parser.add_argument("--spacing", type=float, default=0.2, help="of the vertices, mm")
     parser.add_argument("--share", type=float, default=0.1, help="of ink in the drop")
+    parser.add_argument("--ink", default="pine soot", help="in the drop (default: %(default)s)")
+    parser.add_argument("--inks", action="store_true", help="compare the inks of the palette")
     options = parser.parse_args()
-    print("material", *NAMES, sep=",")
-    for material in options.materials or material_names():
-        figures = measure_drop(material, options.spacing, options.share)
+    materials = options.materials or material_names()
+    print("material", *(("ink", *OF_INKS) if options.inks else NAMES), sep=",")
+    for material in materials:
+        if options.inks:
+            compare_inks(material, options.spacing, options.share)
+            continue
+        figures = measure_drop(material, options.spacing, options.share, options.ink)
         figures.append(measure_strip(material, options.spacing))
+        figures += measure_front(material)
         print(material, *(f"{figure:.3g}" for figure in figures), sep=",", flush=True)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from operator import attrgetter
 
 import numpy as np
 
@@ -10,11 +11,13 @@ from paint3d.core.arrays import as_array, as_number
 from paint3d.core.types import AnyArray
 from paint3d.errors import PigmentError
 
-__all__ = ["BANDS_NM", "Pigment"]
+__all__ = ["BANDS_NM", "USUAL_FINE", "Pigment"]
 
 BANDS_NM = np.arange(400.0, 701.0, 10.0)
 """(31,) wavelengths of K and S, nm."""
 BANDS_NM.flags.writeable = False
+USUAL_FINE = 0.12
+"""Of a pigment of which nothing is said, what goes wherever its water goes."""
 _STRONGEST = 1e6  # K and S of a coat; measured inks stay below 100
 
 
@@ -34,12 +37,14 @@ class Pigment:
         to what is measured. Otherwise they give the measured reflectance themselves.
     gloss : float
         How glossy a full coat of it dries, 0 (as what it lies on) to 1.
+    fine : float
+        The share of it that no pore holds back, 0 (all grains) to 1 (dissolved).
 
     Raises
     ------
     PigmentError
-        If the name is empty, K or S has the wrong length or is not between 0 and a million, or the
-        gloss is not between 0 and 1.
+        If the name is empty, K or S has the wrong length or is not between 0 and a million, or
+        gloss or fine are not between 0 and 1.
     """
 
     name: str
@@ -51,11 +56,14 @@ class Pigment:
     licence: str = ""
     saunderson: bool = False
     gloss: float = 0.0
+    fine: float = USUAL_FINE
 
     def __post_init__(self) -> None:
         if not self.name:
             raise PigmentError("a pigment has no name")
-        as_number(self.gloss, f"gloss of {self.name}", 0.0, 1.0, error=PigmentError)
+        for share in ("gloss", "fine"):
+            value = getattr(self, share)
+            as_number(value, f"{share} of {self.name}", 0.0, 1.0, error=PigmentError)
         for letter in "KS":
             values = as_array(
                 getattr(self, letter), f"{letter} of {self.name}", (31,), error=PigmentError
@@ -68,3 +76,11 @@ class Pigment:
                 )
             values.flags.writeable = False
             object.__setattr__(self, letter, values)
+
+    def is_like(self, other: Pigment) -> bool:
+        """Whether it absorbs, scatters, shines and runs as another does, whatever its name."""
+        if self is other:
+            return True
+        same = np.array_equal(self.K, other.K) and np.array_equal(self.S, other.S)
+        how = attrgetter("saunderson", "gloss", "fine")
+        return same and how(self) == how(other)

@@ -51,6 +51,12 @@ class WetLook(NamedTuple):
         rough: NDArray[np.float32] = dry - self.film * np.maximum(dry - FILM_ROUGHNESS, 0.0)
         return rough.astype(np.float32)
 
+    def seen(self, srgb: NDArray[np.uint8]) -> NDArray[np.uint8]:
+        """Codes (V, 3) by those of the dry surface: darker where it is wet."""
+        codes, ids = srgb.copy(), np.flatnonzero(self.damp)
+        codes[ids] = darkened(codes[ids], self.damp[ids])
+        return codes
+
     def at(self, ids: AnyArray) -> WetLook:
         """The same of some vertices (N,)."""
         return WetLook(self.film[ids], self.damp[ids], self.gloss[ids])

@@ -298,7 +298,7 @@ def _write_png(path: Path, painting: Painting, options: ExportOptions, unit: str
 def _finish(painting: Painting) -> Finish:
     gloss = gloss_of(painting)
     roughness = DEFAULT_ROUGHNESS if gloss is None else gloss.roughness
-    look = painting.look
+    look = painting.look if painting.texture is None else painting.texture.look
     return Finish(painting.material, roughness, None if look is None else look.roughness(roughness))
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
-from itertools import chain, repeat
 from pathlib import Path
 from typing import NamedTuple
 
@@ -176,10 +175,13 @@ def write_growth(
     n, a_turn = growth.n_pictures + filmed.n_held, filmed.rate * filmed.turn_s
 
     def moments() -> Iterator[Moment]:
-        shown = chain(growth.pictures(), repeat(surface.srgb, filmed.n_held))
-        for k, codes in enumerate(shown):
-            yield Moment(codes[ids], 2.0 * np.pi * k / a_turn if a_turn else 0.0)
+        for k in range(n):
+            if k < growth.n_pictures:  # the last one stays
+                srgb, roughness = next(grown)
+            rough = None if roughness is None else roughness[ids]
+            yield Moment(srgb[ids], 2.0 * np.pi * k / a_turn if a_turn else 0.0, rough)
 
+    grown = growth.pictures()
     n_lights = min(_MOST_LIGHTS, max(1, round(a_turn))) if a_turn else 0
     drawn = take_film(arrays, shot, moments(), Gloss.of(surface.material), n_lights)
     with write_atomically(path, progress) as part:

@@ -175,10 +175,10 @@ class InkStore:
         """
         for column, known in enumerate(self.pigments):
             if known.name == pigment.name:
-                if not _same_light(known, pigment) and not _ships(pigment):
+                if not known.is_like(pigment) and not _ships(pigment):
                     raise InputError(
                         f"there is another ink named {pigment.name!r} on this surface; "
-                        "expected its K and S or another name"
+                        "expected its K, S, gloss and fine share or another name"
                     )
                 return column
         self.pigments.append(pigment)
@@ -341,13 +341,6 @@ def _ships(pigment: Pigment) -> bool:
     """Whether it is one of the program's own, which nobody can name otherwise."""
     tables = load_palette(), load_drawdown_paints()
     return any(table.get(pigment.name) is pigment for table in tables)
-
-
-def _same_light(one: Pigment, two: Pigment) -> bool:
-    if one is two:
-        return True
-    same = np.array_equal(one.K, two.K) and np.array_equal(one.S, two.S)
-    return same and (one.saunderson, one.gloss) == (two.saunderson, two.gloss)
 
 
 class _MeshColours:

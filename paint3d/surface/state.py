@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.colour.materials import Material, load_materials
+from paint3d.colour.pigment import USUAL_FINE
 from paint3d.colour.pigments import WATER, Pigment, load_palette
 from paint3d.colour.spectra import N_BANDS
 from paint3d.core.arrays import as_array, as_number
@@ -24,7 +25,6 @@ from paint3d.mesh.likeness import Original
 from paint3d.mesh.refinement_log import refinement_log, repeat_refinement, saved_ids
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.surface.painted_surface import PaintedSurface
-from paint3d.surface.wet_patch import FINES
 
 __all__ = [
     "BRUSH_TRANSFER",
@@ -403,7 +403,7 @@ def checked_flow(
         kept[name] = _amounts(state, f"flow_{name}", shape, np.float64, most).astype(dtype)
     shape = (*shape, n_pigments)
     kept["pigment"] = _amounts(state, "flow_pigment", shape, np.float64)
-    kept["fine"] = FINES * kept["pigment"]
+    kept["fine"] = USUAL_FINE * kept["pigment"]
     if "flow_fine" in state:  # once all pigment was alike
         fine = _amounts(state, "flow_fine", shape, np.float64)
         if (fine > 1.000001 * kept["pigment"]).any():

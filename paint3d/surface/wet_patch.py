@@ -16,7 +16,7 @@ from paint3d.surface.kernels.wet_ink import give_back, mark_news
 from paint3d.surface.kernels.wet_step import WetFields
 from paint3d.surface.pores import Pores, close_pores, find_pores
 
-__all__ = ["FINES", "FIRST_PACE", "WetPatch"]
+__all__ = ["FIRST_PACE", "WetPatch"]
 
 _KEPT = ("water", "inside", "soaked", "pigment", "fine")
 _OF_PLACES = ("written", "share")
@@ -25,7 +25,6 @@ _OF_NODES = (
     "place", "bare_held", "bare_ways",
 )  # fmt: skip
 _OF_PORES = ("residual", "strength", "sieve", "bare_held", "bare_ways")
-FINES = 0.12  # of a pigment, what is fine enough to go wherever the water goes
 FIRST_PACE = 1.0 / 30.0  # s: the step where something came
 
 
@@ -222,7 +221,8 @@ class WetPatch:
         came, before = np.maximum(change, 0.0), self.pigment[node]
         left = 1.0 + np.divide(change - came, before, out=np.zeros_like(came), where=before > 0)
         np.multiply.at(self.fine, node, np.clip(left, 0.0, 1.0))
-        np.add.at(self.fine, node, FINES * came)
+        fines = np.array([pigment.fine for pigment in self._store.pigments])
+        np.add.at(self.fine, node, fines * came)
         np.add.at(self.pigment, node, change)
         self.pigment[node] = np.maximum(self.pigment[node], 0.0)
         self.fine[node] = np.minimum(self.fine[node], self.pigment[node])
@@ -250,12 +250,18 @@ class WetPatch:
         self._store.touch(ids[:n])
 
     def dry(self, nodes: AnyArray) -> None:
-        """What is on some nodes (N,) has lost its water: it becomes a dry layer."""
+        """What is on some nodes (N,) has lost its water: it becomes a dry layer.
+
+        Ink that came since is wet, and stays for `take_up`.
+        """
         self.hand_back()
-        graph = self.graph
+        graph, ink = self.graph, self._store.ink
         at = graph.places_at(nodes)
         ids = graph.vertices[at]
-        painted = self._store.ink.coverage[ids] > 0.0
+        now, coverage = ink.amounts[ids], ink.coverage[ids]
+        came = np.maximum(now - self.written[at], np.float32(0.0))
+        ink.amounts[ids] = now - came
+        painted = coverage > 0.0
         self.pigment[nodes] = self.fine[nodes] = 0.0
         self.soaked[nodes] = 0.0
         self._store.settle(ids[painted])
@@ -264,7 +270,8 @@ class WetPatch:
         self._close_pores(nodes)
         self._weigh(nodes)
         self._store.touch(ids[~painted])
-        self._store.ink.amounts[ids] = 0.0
+        ink.amounts[ids] = came
+        ink.coverage[ids] = np.where(came.any(axis=1), coverage, ink.coverage[ids])
         self.written[at] = 0.0
 
     # -- where ------------------------------------------------------------------------------

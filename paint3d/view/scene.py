@@ -121,9 +121,16 @@ class SceneDrawing:
     def __exit__(self, *_: object) -> None:
         self._plotter.close()
 
-    def show(self, scene: Scene) -> None:
-        """Draw this one from now on: of the same faces, camera and studio."""
+    def show(self, scene: Scene, roughness: AnyArray | None = None) -> None:
+        """Draw this one from now on: of the same faces, camera and studio.
+
+        `roughness` (V,) is each vertex's from now on, where the gloss had one for each.
+        """
         mesh = self._object
+        if roughness is not None:
+            places = _places(_under_glaze(roughness, self._gloss.coat))
+            mesh.active_texture_coordinates[:] = places
+            mesh.GetPointData().GetTCoords().Modified()
         mesh.point_data["light"][:] = scene.colours
         mesh.GetPointData().GetScalars().Modified()
         if scene.vertices is not self._scene.vertices:

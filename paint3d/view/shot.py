@@ -189,10 +189,14 @@ def take_turning(
 
 
 class Moment(NamedTuple):
-    """One picture of a film: the colours (V, 3) uint8, and how far the object has turned, rad."""
+    """One picture of a film: the colours (V, 3) uint8, and how far the object has turned, rad.
+
+    And the roughness (V,) of each vertex, 0 to 1, where they differ; of all pictures or of none.
+    """
 
     srgb: NDArray[np.uint8]
     turn: float = 0.0
+    roughness: NDArray[np.float32] | None = None
 
 
 def take_film(
@@ -277,11 +281,14 @@ def _lit(lights: _Lights, moments: Iterable[Moment], gloss: Gloss) -> Iterator[N
     moments = iter(moments)
     first = next(moments)
     size, transparent = lights.size, lights.setting.transparent
+    if first.roughness is not None:
+        gloss = replace(gloss, each=first.roughness)
     scene = lights.at(first.turn).scene(srgb_to_linear(first.srgb))
     with SceneDrawing(scene, gloss, size, transparent) as drawing:
         yield develop(drawing.pixels())
         for moment in moments:
-            drawing.show(lights.at(moment.turn).scene(srgb_to_linear(moment.srgb)))
+            scene = lights.at(moment.turn).scene(srgb_to_linear(moment.srgb))
+            drawing.show(scene, moment.roughness)
             yield develop(drawing.pixels())
 
 

@@ -145,6 +145,29 @@ def test_a_gloss_of_ones_own_is_read_and_checked(tmp_path):
     assert load_pigment("oil soot").gloss > load_pigment("pine soot").gloss == 0.0
 
 
+def test_a_fine_share_of_ones_own_is_read_and_checked(tmp_path):
+    path = tmp_path / "mine.csv"
+    head = "name,fine,K_400,K_700,S_400,S_700\n"
+    path.write_text(f"{head}dye,1,1,1,2,2\nearth,,1,1,2,2\n", "utf-8")
+    mine = load_pigments_csv(path)
+    assert (mine["dye"].fine, mine["earth"].fine) == (1.0, 0.12)
+    path.write_text(f"{head}dye,1.5,1,1,2,2\n", "utf-8")
+    with pytest.raises(PigmentError, match=r"mine\.csv:2: fine is '1\.5'; expected a number"):
+        load_pigments_csv(path)
+    with pytest.raises(PigmentError, match="fine of x"):
+        Pigment("x", "", np.ones(31), np.ones(31), fine=-0.1)
+
+
+def test_coarser_grains_have_less_that_runs_with_water():
+    fine = {name: pigment.fine for name, pigment in load_palette().items()}
+    assert fine["pine soot"] == 0.12  # the halo was set by it
+    assert fine["carmine"] > fine["gamboge"] > fine["indigo"] > fine["oil soot"]
+    for stone in ("azurite", "malachite"):
+        grades = [fine[f"{stone} 1"], fine[stone], fine[f"{stone} 3"], fine[f"{stone} 4"]]
+        assert grades == sorted(grades)
+        assert grades[-1] < fine["pine soot"]
+
+
 @pytest.mark.parametrize(
     ("rows", "message"),
     [

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import trimesh
 from PIL import Image
+from scipy.spatial import cKDTree
 
 import paint3d
 from paint3d.colour.pigments import WATER, load_pigment
@@ -23,6 +24,8 @@ from paint3d.view.shot import Shot
 from paint3d.view.studio import Gloss
 
 SCRIPT = runpy.run_path(str(Path(__file__).parents[2] / "scripts" / "validate_exports.py"))
+
+UPRIGHT = np.array([[1, 0, 0], [0, 0, 1], [0, -1, 0]])  # of glTF's axes, to ours
 
 
 def ball(ink="cinnabar", material="sized xuan"):
@@ -116,6 +119,41 @@ def test_oil_soot_dries_glossier_than_pine_soot():
     there = oil.share_painted() > 0.5
     assert rough[there].max() < 0.75
     assert (rough[~there] == np.float32(0.95)).all()
+
+
+def textured(surface, path, **options):
+    """An object in a texture as trimesh reads it, its material, its pictures at the vertices."""
+    pytest.importorskip("xatlas")
+    export(surface, path, ExportOptions(texture=1024, **options))
+    read = trimesh.load(path, process=False, force="mesh")
+    look = read.visual.material
+    pictures = []
+    for picture in (look.baseColorTexture, look.metallicRoughnessTexture):
+        if picture is not None:
+            width, height = picture.size
+            at = read.visual.uv * (width, -height) + (0.0, height)
+            x, y = np.clip(at.astype(int).T, 0, [[width - 1], [height - 1]])
+            pictures.append(np.asarray(picture.convert("RGB"))[y, x])
+    return read, look, pictures
+
+
+def test_a_texture_says_how_rough_and_dark_it_is_where_it_is_wet(wet, tmp_path):
+    read, look, (colours, rough) = textured(wet, tmp_path / "wet.glb")
+    _, nearest = cKDTree(wet.paint_mesh.vertices).query(1000.0 * read.vertices @ UPRIGHT)
+    wanted = wet.wet_look.roughness(wet.material.roughness)[nearest]
+    assert np.abs(rough[:, 1] / 255.0 - wanted).mean() < 0.01
+    assert rough[:, 2].max() == 0  # no metal
+    assert look.roughnessFactor == 1.0
+    shown = wet.wet_look.seen(wet.srgb)[nearest].astype(int)
+    assert np.abs(colours - shown).mean() < 2.0
+    assert np.abs(colours - wet.srgb[nearest].astype(int)).mean() > 3.0
+
+
+def test_a_dry_texture_has_one_roughness_and_an_unlit_one_none(wet, tmp_path):
+    for surface, options in ((ball(), {}), (wet, {"unlit": True})):
+        _, look, _ = textured(surface, tmp_path / "plain.glb", **options)
+        assert look.metallicRoughnessTexture is None
+        assert look.roughnessFactor == pytest.approx(surface.material.roughness)
 
 
 def test_gltf_says_how_rough_each_vertex_is(wet, tmp_path):

@@ -8,9 +8,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+import paint3d.surface.pores as pores
 from paint3d.colour.materials import load_material
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.surface.painted_surface import PaintedSurface
+from scripts.bloom import measure_front
 from tests.surface.test_diffusion import SMOOTH, drop, everything, grid
 
 XUAN = load_material("xuan")
@@ -184,3 +186,42 @@ def test_halo_and_rim_do_not_depend_on_the_steps() -> None:
         found.append((*radii(surface), inner.max() / inner[:3].mean()))
     np.testing.assert_allclose(found[0], found[2], rtol=0.02)
     np.testing.assert_allclose(found[1], found[2], rtol=0.02)
+
+
+def test_a_front_in_a_sheet_is_as_rough_as_measured_ones(monkeypatch) -> None:
+    """Its deviation grows with a window's breadth to .63 in paper; without flocs it did to .3."""
+    exponent, deviation = measure_front("xuan", 0.25)
+    assert exponent == pytest.approx(0.63, abs=0.12)
+    assert 0.2 < deviation < 0.8  # mm, within 6.4 mm
+    monkeypatch.setattr(pores, "_FLOCS", ())
+    assert not measure_front("xuan", 0.25)[0] > 0.45
+
+
+def test_each_pigment_goes_with_the_water_as_fine_as_it_is() -> None:
+    """A dye as far as the water, stone hardly into the halo; nothing is lost of either."""
+    reach, laid = {}, {}
+    for ink in ("carmine", "oil soot", "pine soot", "azurite 1"):
+        surface = PaintedSurface(grid(18.0, 0.4), None, SMOOTH)
+        drop(drop(surface, 0.3, ink=ink), 2.7, ink="water")
+        laid[ink] = surface.wet_ink()
+        surface.diffuse(20.0)
+        assert surface.wet_ink() + surface.dry_ink() == pytest.approx(laid[ink], rel=1e-8)
+        water, _ = radii(surface)
+        inner = rings(surface)
+        reach[ink] = inner[int(water / 0.5) - 1] / inner[0]
+    assert reach["carmine"] > 0.5
+    assert reach["carmine"] > reach["oil soot"] > reach["pine soot"] > reach["azurite 1"]
+    assert reach["azurite 1"] < 0.02
+
+
+def test_a_mixture_parts_at_its_border() -> None:
+    """Of soot and a dye laid as one the dye is alone outside: colours run out of a grey."""
+    surface = PaintedSurface(grid(18.0, 0.4), None, SMOOTH)
+    for ink, coats in (("pine soot", 0.2), ("carmine", 0.2), ("water", 2.6)):
+        drop(surface, coats, ink=ink)
+    surface.diffuse(20.0)
+    away = np.linalg.norm(surface.paint_mesh.vertices[:, :2], axis=1)
+    soot, dye = surface.amounts[:, :2].T
+    within, halo = away < 2.0, np.abs(away - radii(surface)[0] + 1.0) < 0.5
+    assert dye[within].sum() < 1.1 * soot[within].sum()
+    assert dye[halo].sum() > 4.0 * soot[halo].sum()

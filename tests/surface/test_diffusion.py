@@ -564,6 +564,24 @@ def test_ink_that_waits_is_not_lost_to_ink_that_runs_there(monkeypatch):
     assert waited > 1
 
 
+def test_ink_that_comes_onto_what_is_about_to_dry_stays_wet():
+    """A touch dries while the stroke that follows it is taken up: dark dots were left of these."""
+    surface = PaintedSurface(grid(12.0, 0.5), None, XUAN)
+    drop(surface, 1e-5)
+    surface.follow_flow(0.01)
+    touch = surface.wet_ink() + surface.dry_ink()
+    drop(surface, 0.5)
+    drop(surface, 0.5, ink="water")
+    laid = surface.wet_ink()
+    surface.follow_flow(0.01)
+    assert 0.0 < surface.dry_ink() <= 1.001 * touch
+    assert surface.wet_ink() + surface.dry_ink() == pytest.approx(laid, rel=1e-6)
+    assert surface.flow.water == pytest.approx(WET_COAT_MM * np.pi * 9.0, rel=1e-3)  # a coat
+    assert surface.ink.coverage.max() == 1.0
+    surface.diffuse(5.0)
+    assert surface.dry_ink() < 1e-3 * laid
+
+
 def test_the_outcome_does_not_depend_on_the_threads(monkeypatch):
     """Drops apart from one another, each moved by whoever has time, or by one thread."""
     monkeypatch.setattr(flows, "_BUNDLE", 100)

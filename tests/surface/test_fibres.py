@@ -7,7 +7,7 @@ from scipy.ndimage import uniform_filter
 import paint3d.surface.pores as pores
 from paint3d.surface.fibres import fibre_relief
 from paint3d.surface.painted_surface import PaintedSurface
-from tests.surface.test_diffusion import drop, grid
+from tests.surface.test_diffusion import drop, everything, grid
 
 STEP = 0.06  # mm
 
@@ -43,19 +43,21 @@ def test_no_direction_prevails(normal):
     assert coherence(relief) < 0.2  # over 12 mm no direction prevails
 
 
-def outline_turns(material="xuan"):
-    """How much the outline of a drop goes in and out from one 60th of it to the next, mm."""
-    surface = drop(PaintedSurface(grid(16.0, 0.2), None, material), 2.0)
+def outline_turns():
+    """How much the outline of a drop's soot goes in and out from one 60th to the next, mm."""
+    surface = drop(PaintedSurface(grid(16.0, 0.2), None, "xuan"), 2.0)
     surface.diffuse(20.0)
     points = surface.paint_mesh.vertices
-    inked = surface.ink.coverage > 0.5
     away, angle = np.linalg.norm(points[:, :2], axis=1), np.arctan2(points[:, 1], points[:, 0])
+    ink = everything(surface)
+    inked = ink > 0.5 * np.median(ink[away < 1.5])
     cell = ((angle + np.pi) / (2 * np.pi) * 60).astype(int) % 60
     rim = [away[inked & (cell == k)].max(initial=0.0) for k in range(60)]
     return np.abs(np.diff(rim, n=2)).mean()
 
 
-def test_ink_feathers_in_finer_points_than_by_bumps_alone(monkeypatch):
+def test_ink_feathers_in_fine_points_along_fibres(monkeypatch):
     feathered = outline_turns()
-    monkeypatch.setattr(pores, "_SHEET_MM", 0.0)
-    assert feathered > 1.15 * outline_turns()
+    for name in ("_FIBRES_OF_PORES", "_FIBRES_OF_WAYS", "_FIBRES_OF_SIEVE"):
+        monkeypatch.setattr(pores, name, 0.0)
+    assert feathered > 1.4 * outline_turns()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from paint3d.files.pictures import Filmed, Turning, write_growth, write_picture
 from paint3d.mesh.triangle_mesh import TriangleMesh
@@ -11,6 +12,7 @@ from paint3d.painter.painter import Painter
 from paint3d.surface.painted_surface import PaintedSurface
 from paint3d.view.growth import Growth
 from paint3d.view.shot import Moment, Shot, take_film, take_shot
+from paint3d.view.studio import Gloss
 from tests.support.surface_cases import flat, poses, sheet
 from tests.support.view_shapes import BARE, INK, ball
 from tests.view.test_view_picture import needs_opengl
@@ -43,8 +45,8 @@ def test_colours_come_back_as_they_were_and_bare_where_nothing_was_yet(mesh) -> 
             growth.at(0.2 + k)  # too early for one more; then two at once
             seen.append(surface.srgb.copy())
         growth.end(1.2)
-        shown = [codes.copy() for codes in growth.pictures()]
-        again = [codes.copy() for codes in growth.pictures()]
+        shown = [picture.srgb.copy() for picture in growth.pictures()]
+        again = [picture.srgb.copy() for picture in growth.pictures()]
     assert len(shown) == growth.n_pictures == 4
     bare = surface.bare_codes
     assert len(bare) == len(seen[-1]) > len(seen[1]) > len(seen[0])
@@ -102,3 +104,37 @@ def test_films_of_either_kind_are_written_as_mp4(tmp_path) -> None:
     write_picture(surface, tmp_path / "b.mp4", Shot("above", (64, 48), "none"), turning)
     for name in ("a.mp4", "b.mp4"):
         assert (tmp_path / name).read_bytes()[4:8] == b"ftyp"
+
+
+@needs_opengl
+def test_wet_ink_shines_in_a_film_as_in_a_picture(tmp_path) -> None:
+    surface = PaintedSurface(sheet(flat, (40.0, 20.0), 4.0), 1.0, "sized xuan")
+    shot = Shot("above", SIZE)
+    painter = Painter(surface, "slender", "cinnabar")
+    with Growth(surface, 0.5) as growth:
+        for k, stroke in enumerate(lines()):
+            painter.replay(stroke, wet=True)
+            growth.at(0.5 * (k + 1))
+        wet = growth_pictures(growth, shot)
+        picture = taken(surface, shot, tmp_path)
+        surface.dry()
+        growth.end(1.0)
+        dry = growth_pictures(growth, shot)
+    still = [picture, taken(surface, shot, tmp_path)]  # triangles of one colour joined
+    unlike = np.array([[np.abs(a - b).mean() for b in still] for a in (wet[-1], dry[-1])])
+    assert unlike[0, 0] < 0.3 * unlike[0, 1]
+    assert unlike[1, 1] < 0.3 * unlike[1, 0]
+
+
+def growth_pictures(growth: Growth, shot: Shot) -> list[np.ndarray]:
+    surface = growth.surface
+    ids = surface.paint_mesh.source_order()
+    moments = (Moment(p.srgb[ids], 0.0, p.roughness[ids]) for p in growth.pictures())
+    arrays = surface.export_arrays(None)
+    drawn = take_film(arrays, shot, moments, Gloss.of(surface.material))
+    return [pixels.astype(int) for pixels in drawn]
+
+
+def taken(surface: PaintedSurface, shot: Shot, folder) -> np.ndarray:
+    write_picture(surface, folder / "now.png", shot)
+    return np.asarray(Image.open(folder / "now.png").convert("RGB")).astype(int)

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple, Protocol, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.colour.wet_look import WetLook, darkened
+from paint3d.colour.wet_look import WetLook
 from paint3d.core.arrays import as_array
 from paint3d.core.types import AnyArray
 from paint3d.errors import ExportError, MeshError
@@ -96,7 +96,7 @@ class Painting(NamedTuple):
     @property
     def shown_srgb(self) -> NDArray[np.uint8]:
         """(V, 3) codes, darker where it is wet."""
-        return self.srgb if self.look is None else _seen_wet(self.srgb, self.look)
+        return self.srgb if self.look is None else self.look.seen(self.srgb)
 
     def placed(self, unit: str, up_axis: str) -> Painting:
         """Return the painting in another unit, with another axis up; it is in mm with z up."""
@@ -165,13 +165,22 @@ class Untextured(NamedTuple):
     material: str
     finish: tuple[float, float] | None = None
     n_clipped: int = 0
+    look: WetLook | None = None
 
     def baked(self) -> Painting:
         """Return the painting with its texture; on a large object this takes long."""
-        vertices, faces, normals, uv, image = bake_detail(self.detail, self.size)
-        white = np.full((len(vertices), 3), 255, np.uint8)
-        painting = _checked((vertices, faces, normals, white), self.material)
-        return painting._replace(texture=Texture(uv, image), finish=self.finish)
+        pictures, look = [self.detail[-1]], self.look
+        if look is not None:
+            shares = np.stack(look, axis=1)
+            pictures = [look.seen(pictures[0]), np.rint(255.0 * shares).astype(np.uint8)]
+        mesh, images = bake_detail((*self.detail[:-1], *pictures), self.size)
+        white = np.full((len(mesh.vertices), 3), 255, np.uint8)
+        painting = _checked((mesh.vertices, mesh.faces, mesh.normals, white), self.material)
+        texture = Texture(mesh.uv, images[0])
+        if look is not None:
+            texels = np.moveaxis(images[1], 2, 0).astype(np.float32) / np.float32(255.0)
+            texture = texture._replace(look=WetLook(*texels))
+        return painting._replace(texture=texture, finish=self.finish)
 
 
 def read_painting(
@@ -207,7 +216,8 @@ def _read(
     finish = _finish_of(surface.material)
     if options.texture:
         size = None if options.texture is True else int(options.texture)
-        return Untextured(_detail_of(surface), size, material, finish)
+        look = getattr(surface, "wet_look", None)
+        return Untextured(_detail_of(surface), size, material, finish, look=look)
     if options.filaments is None:
         tolerance = None if options.exact else options.tolerance
         look = getattr(surface, "wet_look", None)
@@ -228,18 +238,11 @@ def _read_wet(
 ) -> Painting:
     """A painting on which something is wet, or has dried with a gloss."""
     codes, mesh = surface.srgb, surface.paint_mesh
-    ids, faces = surface.export_ids(tolerance, _seen_wet(codes, look), progress)
+    ids, faces = surface.export_ids(tolerance, look.seen(codes), progress)
     painting = _checked(
         (mesh.vertices[ids], faces, mesh.normals[ids], codes[ids]), surface.material.name
     )
     return painting._replace(finish=_finish_of(surface.material), look=look.at(ids))
-
-
-def _seen_wet(srgb: NDArray[np.uint8], look: WetLook) -> NDArray[np.uint8]:
-    """Codes (V, 3), darker where it is wet."""
-    codes, ids = srgb.copy(), np.flatnonzero(look.damp)
-    codes[ids] = darkened(codes[ids], look.damp[ids])
-    return codes
 
 
 def _finish_of(material: object) -> tuple[float, float] | None:

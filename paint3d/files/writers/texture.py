@@ -17,11 +17,11 @@ from paint3d.errors import ExportError
 
 __all__ = ["Detail", "TexturedMesh", "bake_detail"]
 
-Detail = tuple[AnyArray, AnyArray, AnyArray, AnyArray, AnyArray, AnyArray, AnyArray]
+Detail = tuple[AnyArray, ...]
 """The object and what is painted on it.
 
 Own vertices (B, 3), faces (R, 3) and normals (B, 3); all vertices (V, 3), faces (F, 3), the own
-face that each lies in (F,), and sRGB codes (V, 3).
+face that each lies in (F,), and sRGB codes (V, 3), or other pictures' besides.
 """
 
 PADDING = 4  # texels between charts
@@ -32,17 +32,18 @@ SMALL_CHART = 0.002  # of the area
 
 
 class TexturedMesh(NamedTuple):
-    """A mesh with texture coordinates (0, 0 at the top left) and its texture."""
+    """A mesh with texture coordinates (0, 0 at the top left)."""
 
     vertices: NDArray[np.float32]
     faces: NDArray[np.int32]
     normals: NDArray[np.float32]
     uv: NDArray[np.float32]
-    image: NDArray[np.uint8]
 
 
-def bake_detail(detail: Detail, size: int | None = None) -> TexturedMesh:
-    """Bake a painting.
+def bake_detail(
+    detail: Detail, size: int | None = None
+) -> tuple[TexturedMesh, list[NDArray[np.uint8]]]:
+    """Bake a painting; return the mesh, and each picture (H, W, 3).
 
     Parameters
     ----------
@@ -55,7 +56,7 @@ def bake_detail(detail: Detail, size: int | None = None) -> TexturedMesh:
     ExportError
         If xatlas is not installed, or cannot lay out the mesh.
     """
-    vertices, faces, normals, points, triangles, owners, srgb = detail
+    vertices, faces, normals, points, triangles, owners, *pictures = detail
     areas = _double_areas(vertices, faces) / 2.0
     if size is None:
         size = _enough_pixels(areas.sum(), _double_areas(points, triangles) / 2.0)
@@ -64,8 +65,8 @@ def bake_detail(detail: Detail, size: int | None = None) -> TexturedMesh:
     width, height = (max(1, round(side * scale)) for side in shape)
     texels = uv.astype(np.float64) * (width, height)
     places = _places(vertices, faces, points, triangles, owners, texels[corners])
-    image = _draw(places, srgb[triangles].reshape(-1, 3), width, height)
-    return TexturedMesh(vertices[source], corners, normals[source], uv, image)
+    drawn = [_draw(places, codes[triangles].reshape(-1, 3), width, height) for codes in pictures]
+    return TexturedMesh(vertices[source], corners, normals[source], uv), drawn
 
 
 def _double_areas(vertices: AnyArray, faces: AnyArray) -> NDArray[np.float64]:

@@ -99,18 +99,12 @@ def _roughness_scale(
     blocks: list[tuple[AnyArray | bytes, int | None]],
 ) -> dict[str, Any]:
     """Add a texture of all roughnesses from 0 to 1, and each vertex's place in it."""
-    from PIL import Image
-
-    steps = np.arange(256, dtype=np.uint8)
-    scale = np.zeros((1, 256, 3), np.uint8)
-    scale[0, :, 1] = steps  # green is roughness, blue metal
-    png = io.BytesIO()
-    Image.fromarray(scale).save(png, "PNG", compress_level=PNG_COMPRESSION)
+    png = _png(_roughness_codes(np.arange(256.0)[None]))
     places = np.full((len(roughness), 2), 0.5, "<f4")
     places[:, 0] = (255.0 * np.clip(roughness, 0.0, 1.0) + 0.5) / 256.0
     attributes["TEXCOORD_0"] = len(accessors)
     accessors.append(vertex_accessor(len(blocks), places))
-    blocks += [(places, VERTEX_DATA), (png.getvalue(), None)]
+    blocks += [(places, VERTEX_DATA), (png, None)]
     return {
         "textures": [{"sampler": 0, "source": 0}],
         "images": [{"bufferView": len(blocks) - 1, "mimeType": "image/png"}],
@@ -134,7 +128,7 @@ def write_textured_glb(
     Parameters
     ----------
     path, vertices, faces, normals, finish, unlit, steps
-        As for `write_glb`.
+        As for `write_glb`, but that roughnesses of their own are those of texels.
     texture : Texture
 
     Raises
@@ -142,12 +136,13 @@ def write_textured_glb(
     OSError
         If the file cannot be written.
     """
-    from PIL import Image
-
-    png = io.BytesIO()
-    Image.fromarray(texture.image).save(png, "PNG", compress_level=PNG_COMPRESSION)
     attributes = {"POSITION": 0, "NORMAL": 1, "TEXCOORD_0": 2}
-    colour = {"baseColorFactor": WHITE, "baseColorTexture": {"index": 0}}
+    surface: dict[str, Any] = {"baseColorFactor": WHITE, "baseColorTexture": {"index": 0}}
+    images = [_png(texture.image)]
+    if finish.each is not None and not unlit:
+        images.append(_png(_roughness_codes(np.rint(255.0 * finish.each))))
+        surface["metallicRoughnessTexture"] = {"index": 1}
+        finish = finish._replace(roughness=1.0)  # what the texture's is multiplied by
     accessors = [
         vertex_accessor(0, vertices, limits=True),
         vertex_accessor(1, normals),
@@ -156,17 +151,32 @@ def write_textured_glb(
     ]
     blocks: list[tuple[AnyArray | bytes, int | None]]
     blocks = [(array, VERTEX_DATA) for array in (vertices, normals, texture.uv)]
-    blocks += [(faces.astype("<u4"), INDEX_DATA), (png.getvalue(), None)]
+    blocks += [(faces.astype("<u4"), INDEX_DATA), *((png, None) for png in images)]
     _add_steps(steps, attributes, accessors, blocks)
     document = {
         "meshes": [{"name": finish.name, "primitives": [_primitive(attributes)]}],
-        "materials": [material(finish, unlit, **colour)],
-        "textures": [{"sampler": 0, "source": 0}],
-        "images": [{"bufferView": 4, "mimeType": "image/png"}],
+        "materials": [material(finish, unlit, **surface)],
+        "textures": [{"sampler": 0, "source": k} for k in range(len(images))],
+        "images": [{"bufferView": 4 + k, "mimeType": "image/png"} for k in range(len(images))],
         "samplers": [{"magFilter": LINEAR, "minFilter": MIPMAPS, "wrapS": CLAMP, "wrapT": CLAMP}],
         "accessors": accessors,
     }
     write_container(path, document, blocks)
+
+
+def _roughness_codes(values: AnyArray) -> NDArray[np.uint8]:
+    """Pixels (H, W, 3) of roughnesses (H, W), 0 to 255: green says it, blue would be metal."""
+    pixels = np.zeros((*values.shape, 3), np.uint8)
+    pixels[..., 1] = values
+    return pixels
+
+
+def _png(pixels: NDArray[np.uint8]) -> bytes:
+    from PIL import Image
+
+    png = io.BytesIO()
+    Image.fromarray(pixels).save(png, "PNG", compress_level=PNG_COMPRESSION)
+    return png.getvalue()
 
 
 def _linear(srgb: NDArray[np.uint8]) -> NDArray[np.uint16]:

@@ -77,7 +77,7 @@ class Inks:
         if known is None:
             self._own[pigment.name] = pigment
             self.table[pigment.name] = _pigment_words(pigment)
-        elif not _same_light(known, pigment):
+        elif not known.is_like(pigment):
             raise RecordingError(f"there are two inks named {pigment.name!r}; expected one")
         return pigment.name
 
@@ -112,11 +112,6 @@ class Inks:
 def _pigment_words(pigment: Pigment) -> Words:
     given = {f.name: getattr(pigment, f.name) for f in fields(pigment) if f.name != "name"}
     return {k: v.tolist() if isinstance(v, np.ndarray) else v for k, v in given.items()}
-
-
-def _same_light(one: Pigment, other: Pigment) -> bool:
-    same = np.array_equal(one.K, other.K) and np.array_equal(one.S, other.S)
-    return same and (one.saunderson, one.gloss) == (other.saunderson, other.gloss)
 
 
 def brush_named(brush: BrushSpec) -> str | Words:
