@@ -10,8 +10,10 @@ from shapely import LineString, MultiPolygon
 from paint3d.calligraphy.glyph_sources import open_glyphs
 from paint3d.calligraphy.glyphs import GlyphStroke
 from paint3d.calligraphy.shapes.arabic_ductus import PlacedLetter, body_strokes, form_of
+from paint3d.calligraphy.shapes.continuation import resampled
 from paint3d.calligraphy.shapes.decompose import decompose
 from paint3d.calligraphy.shapes.ductus import known_strokes
+from paint3d.calligraphy.shapes.registration import register, tangents_of
 from tests.support.found_strokes import as_listed
 
 SOURCE = open_glyphs(None)
@@ -124,3 +126,13 @@ def test_the_way_through_joined_letters_leads_to_the_left():
     assert stem[0, 1] > stem[-1, 1]
     assert stem[:, 0].min() > 60.0
     assert body_strokes([PlacedLetter("☂", "alone", boxes[0])]) is None
+
+
+def test_a_slanted_letter_is_found_by_its_slant():
+    """The K of KanjiVG, leaned by 31 degrees: laid by its box, its strokes end in each other's."""
+    lines = [resampled(stroke.median, 20.0, 6) for stroke in known_strokes(SOURCE, "K")[0].strokes]
+    leaned = [line @ np.array([[0.6, 0.0], [0.6, 1.0]]) for line in lines]
+    tangents = np.concatenate([tangents_of(line) for line in leaned])
+    found = register(lines, np.concatenate(leaned), tangents, start="slanted")
+    for line, wanted in zip(found, leaned, strict=True):
+        assert np.linalg.norm(line[[0, -1]] - wanted[[0, -1]], axis=1).max() < 25.0
