@@ -20,6 +20,7 @@ from paint3d.calligraphy.shapes.ductus import known_strokes
 from paint3d.errors import InputError
 from paint3d.files.load import load_mesh
 from paint3d.mesh.closest_points import ClosestPoints
+from scripts.fuzz.copied import COPIED
 from tests.support.found_strokes import as_listed
 
 pytest.importorskip("uharfbuzz")
@@ -175,6 +176,16 @@ def test_a_table_without_a_name_is_no_fault(tmp_path) -> None:
         (tmp_path / "b.ttf").write_bytes(without)
         with pytest.raises(InputError, match=words):
             open_font(tmp_path / "b.ttf")
+
+
+def test_an_axis_without_a_name_is_said(tmp_path) -> None:
+    ((_, data),) = [one for one in COPIED["font"].seeds() if b"fvar" in one[1]]
+    assert data.count(b"wght") == 1
+    (tmp_path / "a.ttf").write_bytes(data)
+    assert open_font(tmp_path / "a.ttf", 0, {"wght": 650.0}).face.axis_infos
+    (tmp_path / "a.ttf").write_bytes(data.replace(b"wght", b"w\xffht"))
+    with pytest.raises(InputError, match="damaged: an axis has no name"):
+        open_font(tmp_path / "a.ttf", 0, {"wght": 650.0})
 
 
 @pytest.mark.parametrize("text", ["i", "j"])

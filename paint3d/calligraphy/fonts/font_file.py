@@ -226,7 +226,12 @@ def _has_any(face: Any, tags: tuple[str, ...]) -> bool:
 
 
 def _vary(path: Path, face: Any, font: Any, variations: Mapping[str, float]) -> None:
-    axes = {axis.tag: axis for axis in face.axis_infos}
+    if not variations:
+        return
+    try:
+        axes = {axis.tag: axis for axis in face.axis_infos}
+    except UnicodeDecodeError:
+        raise InputError(f"{path}: damaged: an axis has no name; expected a whole font") from None
     for tag, value in variations.items():
         if tag not in axes:
             known = ", ".join(axes) or "none: it is not variable"
@@ -234,8 +239,7 @@ def _vary(path: Path, face: Any, font: Any, variations: Mapping[str, float]) -> 
         low, high = axes[tag].min_value, axes[tag].max_value
         if not low <= value <= high:
             raise InputError(f"{path}: {tag} is {value:g}; expected {low:g} to {high:g}")
-    if variations:
-        font.set_variations(dict(variations))
+    font.set_variations(dict(variations))
 
 
 class _Rings:
