@@ -77,9 +77,10 @@ _HEEL_STEPS = 12
 _FIRST_COLUMN = 6  # of the tables, that has arcs enough under the lightest touch
 SCRATCH_SIZE = 2 * STATIONS  # float64 numbers: openness and reach at the stations
 
-# Where the outline's points lie between tip and heel, in stations. They come to the heel as squares
-# do to 0, for the width falls there like a root: the outline's slope has no jumps.
-_SHARES = np.sin(0.5 * np.pi * np.linspace(0.0, 1.0, _POINTS))
+# Where the outline's points lie between tip and heel, in stations; crowded towards the heel, where
+# the width falls like a root.
+_EVEN = np.linspace(0.0, 1.0, _POINTS)
+_SHARES = 0.35 * _EVEN + 0.65 * np.sin(0.5 * np.pi * _EVEN)
 _SHARES.setflags(write=False)
 MOST_POINTS = 8  # of a curve
 # Rows of the table: settings, and inputs of each; their names are in `brush.dynamics`.

@@ -90,16 +90,6 @@ def test_it_grows_with_the_spread(spec, share):
     assert (np.diff(areas) > 0.0).all()
 
 
-@settings(deadline=None, max_examples=25)
-@given(spec=brushes, share=st.floats(0.05, 1.0), tilt=st.floats(math.radians(45.0), UPRIGHT))
-def test_its_heel_is_round(spec, share, tilt):
-    """The width falls like a root there; half of it was cut off by one chord."""
-    tuft = build_tuft(spec)
-    descent = min(share * tuft.full_press, 0.98 * greatest_descent(tuft, tilt))
-    _, half = outline_of(tuft, descent, tilt)
-    assert half[-2] < 0.3 * half.max()
-
-
 @pytest.mark.parametrize("name", brush_names())
 def test_its_width_has_one_slope(name):
     """Law 3: between half and twice the mean from a tenth of the full press to six tenths."""
