@@ -54,12 +54,12 @@ def click_menu(window, menu: str, action: str) -> None:
 def test_undo_in_the_menu_takes_back_stroke_after_stroke(window) -> None:
     kept = []
     for row in (0.35, 0.40, 0.45):
-        kept.append(window.document.surface.amounts.sum())
+        kept.append(window.document.surface.amounts.sum(dtype=np.float64))
         pen_stroke(window.canvas, (0.4, row), (0.55, row), PRESSURES)
         settled(window)
     for amount in kept[::-1]:
         click_menu(window, "edit", "undo")
-        assert window.document.surface.amounts.sum() == pytest.approx(amount, abs=1e-9)
+        assert window.document.surface.amounts.sum(dtype=np.float64) == pytest.approx(amount)
     assert not window.document.strokes
     click_menu(window, "edit", "redo")
     assert len(window.document.strokes) == 1
