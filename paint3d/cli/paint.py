@@ -57,9 +57,9 @@ def run(options: argparse.Namespace) -> None:
         raise MeshError(f"{target}: there is no such file; expected a mesh, a .p3d or {known}")
     say_if_compiling(quiet=options.quiet)
     os.environ.setdefault("QT_LOGGING_RULES", "qt.qpa.*=false")
-    for module in _BEFORE_QT:
-        import_module(module)
     try:
+        for module in _BEFORE_QT:
+            import_module(module)
         from paint3d.app.window.start import run_studio
     except ImportError as cause:
         raise InputError(

@@ -8,7 +8,9 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_left
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import partial
+from threading import Lock
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -29,15 +31,19 @@ _LONGEST_SIZES = 8.0  # diagonals after which a line that neither ends nor close
 class SurfaceLine:
     """A line on a surface, walked as far as is asked of it; all of it, at most.
 
-    Made by `walk`.
+    Made by `walk`. Threads may ask the same line.
     """
 
-    def __init__(self, steps: Iterator[tuple[AnyArray, float, bool]]) -> None:
-        self._steps = steps
+    def __init__(self, begin: Callable[[], Iterator[tuple[AnyArray, float, bool]]]) -> None:
+        self._begin, self._lock = begin, Lock()
+        self._start_over()
+        self.reaches(0.0)
+
+    def _start_over(self) -> None:
+        self._steps = self._begin()
         self._points: list[AnyArray] = []
         self._way: list[float] = []
         self._closed = False
-        self.reaches(0.0)
 
     @property
     def points(self) -> NDArray[np.float64]:
@@ -59,13 +65,18 @@ class SurfaceLine:
 
     def reaches(self, distance: float) -> bool:
         """Whether the line is so long, mm; no more of it is walked than tells."""
-        while not self._way or self._way[-1] < distance:
-            step = next(self._steps, None)
-            if step is None:
-                return False
-            point, way, self._closed = step
-            self._points.append(point)
-            self._way.append(way)
+        with self._lock:
+            while not self._way or self._way[-1] < distance:
+                try:
+                    step = next(self._steps, None)
+                except BaseException:  # what was interrupted in a step cannot go on from there
+                    self._start_over()
+                    raise
+                if step is None:
+                    return False
+                point, way, self._closed = step
+                self._points.append(point)
+                self._way.append(way)
         return True
 
     def at(self, distance: float) -> NDArray[np.float64]:
@@ -74,10 +85,10 @@ class SurfaceLine:
         Raises
         ------
         InputError
-            If an open line is shorter.
+            If an open line is shorter, or the distance is not finite.
         """
         if not (distance >= 0.0 and self.reaches(distance)):
-            if not self.closed:
+            if not (self.closed and math.isfinite(distance)):
                 raise InputError(
                     f"the line is {self.length:.1f} mm long; expected {distance:.1f} mm"
                 )
@@ -120,7 +131,7 @@ def walk(
     size = float(np.linalg.norm(high - low))
     step = min(step_mm, size / _STEPS_PER_SIZE)
     most = _LONGEST_SIZES * size if most_mm is None else most_mm
-    return SurfaceLine(_points_along(surface, start, upwards, bearing, most, step))
+    return SurfaceLine(partial(_points_along, surface, start, upwards, bearing, most, step))
 
 
 def _points_along(

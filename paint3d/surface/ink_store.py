@@ -169,7 +169,7 @@ class InkStore:
         Raises
         ------
         InputError
-            If an ink of that name but with other K or S is on the surface already. One that ships
+            If an ink of that name that is not like it is on the surface already. One that ships
             is taken as the surface has it: a painting keeps the inks that it was begun with when a
             later version measures them anew.
         """

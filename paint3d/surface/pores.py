@@ -124,9 +124,11 @@ def _find_flocs(points: AnyArray) -> AnyArray:
 
 
 def _find_fibres(points: AnyArray, drink: Material, spacing: float) -> AnyArray | None:
-    """How far points (N, 3) lie on fibres of the sheet; None of what has none that show."""
+    """How far points (N, 3) lie on fibres of the sheet, 0 where none show; None of no sheet."""
     fade, gone = _SHOWN
-    if not 0.0 < drink.pores_mm <= _SHEET_MM or spacing >= gone:
+    if not 0.0 < drink.pores_mm <= _SHEET_MM:
         return None
+    if spacing >= gone:
+        return np.zeros(len(points))
     relief = fibre_relief(points, max(_FIBRE_MM, spacing))
     return relief * min(1.0, (gone - spacing) / (gone - fade))

@@ -1,6 +1,10 @@
 """Where characters go on objects: squares that are square, apart, and in reading order."""
 
 import functools
+import math
+import time
+from concurrent.futures import ThreadPoolExecutor
+from threading import Barrier
 
 import numpy as np
 import pytest
@@ -259,6 +263,50 @@ def test_lines_are_walked_no_farther_than_asked(monkeypatch: pytest.MonkeyPatch)
     assert [line.at(distance).tolist() for distance in places] == expected
     assert not line.reaches(whole.length + 0.01)
     assert line.points.tolist() == whole.points.tolist()
+
+
+def test_a_line_whose_walk_was_interrupted_is_as_long_as_before(monkeypatch: pytest.MonkeyPatch):
+    surface, asked = body("bowl"), []
+    start = place(surface, (0.5, 0.5))
+    length, find = walk(surface, start, (0, 0, 1), (1.0, 0.0)).length, ClosestPoints.find
+
+    def interrupted(self, points):
+        asked.append(1)
+        if len(asked) == 9:
+            raise KeyboardInterrupt
+        return find(self, points)
+
+    monkeypatch.setattr(ClosestPoints, "find", interrupted)
+    line = walk(surface, start, (0, 0, 1), (1.0, 0.0))
+    with pytest.raises(KeyboardInterrupt):
+        line.reaches(20.0)
+    assert line.length == length
+
+
+def test_threads_may_ask_the_same_line(monkeypatch: pytest.MonkeyPatch):
+    surface, find, both = body("bowl"), ClosestPoints.find, Barrier(2)
+    start = place(surface, (0.5, 0.5))
+    lengths = {walk(surface, start, (0, 0, 1), (1.0, 0.0)).length}
+    line = walk(surface, start, (0, 0, 1), (1.0, 0.0))
+
+    def slow(self, points):
+        time.sleep(1e-5)  # lets the other thread come between
+        return find(self, points)
+
+    def length(_) -> float:
+        both.wait()
+        return line.length
+
+    monkeypatch.setattr(ClosestPoints, "find", slow)
+    with ThreadPoolExecutor(2) as threads:
+        assert set(threads.map(length, range(2))) == lengths
+
+
+@pytest.mark.parametrize("distance", [math.nan, math.inf, -math.inf])
+def test_no_place_on_a_ring_is_endlessly_far(distance):
+    line = walk(body("bowl"), place(body("bowl"), (0.5, 0.5)), (0, 0, 1), (1.0, 0.0))
+    with pytest.raises(InputError, match=f"mm long; expected {distance:.1f} mm"):
+        line.at(distance)
 
 
 def test_one_character_walks_no_farther_than_its_square(monkeypatch: pytest.MonkeyPatch):

@@ -37,6 +37,12 @@ def fail_with(monkeypatch: pytest.MonkeyPatch, error: BaseException) -> None:
     monkeypatch.setattr(report, "run", run)
 
 
+def test_a_studio_that_lacks_a_library_says_so_in_one_line(monkeypatch, capsys) -> None:
+    monkeypatch.setitem(sys.modules, "paint3d.view.live_scene", None)
+    assert main.main(["paint", "--quiet"]) == 2
+    assert "error: the studio needs PySide6, which cannot be loaded (" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize("text", ["0", "-1", "nan", "inf", "wide", ""])
 def test_lengths_above_zero_only(text: str) -> None:
     with pytest.raises(argparse.ArgumentTypeError, match="expected a number above 0"):

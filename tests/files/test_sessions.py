@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 import paint3d
-from paint3d.colour.pigments import WATER
+from paint3d.colour.pigments import WATER, Pigment, load_pigment
 from paint3d.device.recorded import Recording
 from paint3d.errors import ExportError, InputError, SessionError
 from paint3d.files.project import session as sessions
@@ -224,6 +224,21 @@ def test_water_of_files_without_fine_pigment_goes_on_and_loses_nothing():
     np.testing.assert_allclose(kept["fine"], 0.12 * kept["pigment"])
     again.diffuse(5.0)
     assert again.wet_ink() + again.dry_ink() == pytest.approx(laid, rel=1e-6)
+
+
+def test_pigments_of_files_that_do_not_say_how_fine_they_are_are_the_programs_own():
+    mesh = sheet(flat, (40.0, 40.0), 5.0)
+    surface = PaintedSurface(mesh, 0.8, "xuan")
+    mine = Pigment("iron gall", "", np.linspace(2.0, 9.0, 31), np.full(31, 0.5))
+    for ink in (mine, load_pigment("carmine"), load_pigment("oil soot")):
+        surface.column_of(ink)
+    state = surface_state(surface)
+    for pigment in state["pigments"]:
+        del pigment["fine"]
+    again = restore_surface(mesh, state)
+    assert again.pigments[0].is_like(mine)
+    assert again.pigments[1:] == [load_pigment("carmine"), load_pigment("oil soot")]
+    assert again.column_of(mine) == 0
 
 
 @pytest.mark.parametrize(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import re
 from pathlib import Path
@@ -10,6 +11,7 @@ import pytest
 from jsonschema import Draft202012Validator
 
 from paint3d.cli.main import main
+from paint3d.colour.pigment import Pigment
 from paint3d.errors import ExportError, RecordingError
 from paint3d.files.project.session import load_session
 from paint3d.recording.recording import load_recording
@@ -76,6 +78,12 @@ def test_a_line_is_taken_where_the_schema_takes_it(line) -> None:
     expected = line in GOOD and not any(line is bad for bad in BAD)
     assert Draft202012Validator(schema()).is_valid(line) == expected
     assert is_taken(line) == expected
+
+
+def test_a_header_may_say_of_a_pigment_all_that_there_is_to_say() -> None:
+    """Or a painting with an ink of one's own could not be written down."""
+    known = {field.name for field in dataclasses.fields(Pigment)} - {"name"}
+    assert set(schema()["$defs"]["pigment"]["properties"]) == known
 
 
 def test_the_guides_example_is_a_score_and_its_table_has_every_command(tmp_path) -> None:

@@ -225,9 +225,10 @@ def test_an_ink_of_the_same_name_must_be_the_same():
     other = Pigment("cinnabar", "", np.ones(31), np.ones(31))
     with pytest.raises(InputError, match="another ink named 'cinnabar'"):
         target.column_of(other)
-    glossy = dataclasses.replace(load_pigment("cinnabar"), gloss=0.5)
-    with pytest.raises(InputError, match="another ink named 'cinnabar'"):
-        target.column_of(glossy)
+    for otherwise in ({"gloss": 0.5}, {"fine": 0.9}, {"saunderson": True}):
+        alike = dataclasses.replace(load_pigment("cinnabar"), **otherwise)
+        with pytest.raises(InputError, match="another ink named 'cinnabar'"):
+            target.column_of(alike)
 
 
 def test_a_painting_keeps_the_inks_that_it_was_begun_with(tmp_path):

@@ -5,6 +5,7 @@ import pytest
 from scipy.ndimage import uniform_filter
 
 import paint3d.surface.pores as pores
+from paint3d.colour.materials import load_material
 from paint3d.surface.fibres import fibre_relief
 from paint3d.surface.painted_surface import PaintedSurface
 from tests.surface.test_diffusion import drop, everything, grid
@@ -41,6 +42,15 @@ def test_no_direction_prevails(normal):
     assert abs(relief.mean()) < 0.25
     assert relief.std() > 0.3
     assert coherence(relief) < 0.2  # over 12 mm no direction prevails
+
+
+@pytest.mark.parametrize("material", ["xuan", "tinted xuan", "sized xuan", "silk"])
+def test_a_sheet_has_the_same_flocs_however_far_apart_its_vertices_lie(material):
+    """Fibres fade where vertices are too far apart to show them; what is left does not change."""
+    points, drink = 10.0 * square(side=40), load_material(material)
+    coarse = pores.find_pores(points, drink, 3.0)
+    for name, there in pores.find_pores(points, drink, 1.1999)._asdict().items():
+        np.testing.assert_allclose(getattr(coarse, name), there, rtol=1e-3, atol=1e-6, err_msg=name)
 
 
 def outline_turns():
