@@ -28,10 +28,9 @@ __all__ = ["Pores", "capacity_of", "close_pores", "film_of", "find_pores"]
 _GRAIN_MM = 1.2  # bumps of the paper that ink runs around
 _GRAIN_OF_PORES = 1.5  # of the residual, per unit of the material's grain
 _GRAIN_OF_WAYS = 2.0  # of the conductance
-_FIBRES_OF_PORES = 0.08  # less of the residual on a fibre, per unit of the grain
 _FIBRES_OF_WAYS = 1.4  # logarithm of the conductance there
-_FLOCS = (2.4, 1.2), (9.6, 2.2)  # of a sheet: mm apart; of the residual, per unit of the grain
-_FLOCS_MEAN = 0.12  # of them all, so that water goes as far as in an even sheet
+_FLOCS = (1.2, 0.3), (2.4, 0.8), (4.8, 1.0)  # mm apart; of the residual, per unit of the grain
+_FLOCS_MEAN = 0.07  # of them all, so that water goes as far as in an even sheet
 _FLOCS_OF_WAYS = 1.0  # logarithm of the conductance that is lost, per that of the residual
 _ELSEWHERE = 13.1  # mm: no two sizes of flocs begin at one place
 _UNDER_FIBRES = 0.35  # of the bumps that are left where there are fibres
@@ -78,8 +77,7 @@ def find_pores(points: AnyArray, drink: Material, spacing: float) -> Pores:
     relief = _GRAIN_OF_PORES * bump
     if fibres is not None:
         bump *= _UNDER_FIBRES
-        flocs = drink.grain * _find_flocs(points)
-        relief = flocs - _FIBRES_OF_PORES * drink.grain * fibres
+        relief = drink.grain * _find_flocs(points)
     residual = np.clip(drink.residual * (1.0 + relief), 0.0, 0.95)
     strength = capacity_of(drink) * drink.spread_mm2_s * (1.0 - residual) / 3.0
     held = capacity_of(drink) * np.maximum(residual, drink.advance * (1.0 + relief))
@@ -87,7 +85,7 @@ def find_pores(points: AnyArray, drink: Material, spacing: float) -> Pores:
     ways = np.maximum(0.05, 1.0 + _GRAIN_OF_WAYS * bump)
     if fibres is not None:
         sieve *= np.exp(-_FIBRES_OF_SIEVE * drink.grain * fibres)
-        ways *= np.exp(_FIBRES_OF_WAYS * drink.grain * fibres - _FLOCS_OF_WAYS * flocs)
+        ways *= np.exp(_FIBRES_OF_WAYS * drink.grain * fibres - _FLOCS_OF_WAYS * relief)
     return Pores(residual, strength, sieve, held, ways)
 
 

@@ -68,6 +68,6 @@ def outline_turns():
 
 def test_ink_feathers_in_fine_points_along_fibres(monkeypatch):
     feathered = outline_turns()
-    for name in ("_FIBRES_OF_PORES", "_FIBRES_OF_WAYS", "_FIBRES_OF_SIEVE"):
+    for name in ("_FIBRES_OF_WAYS", "_FIBRES_OF_SIEVE"):
         monkeypatch.setattr(pores, name, 0.0)
     assert feathered > 1.4 * outline_turns()
