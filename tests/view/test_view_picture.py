@@ -99,6 +99,7 @@ def test_a_roughness_told_for_each_vertex_is_that_of_the_whole(tmp_path):
     assert np.abs(smoother - one).max() > 20.0
 
 
+@needs_opengl
 def test_a_sheet_lies_flat_and_fills_the_frame(tmp_path):
     vertices, faces, normals = sheet(40.0, 30.0)
     srgb = np.tile(BARE, (len(vertices), 1))
