@@ -6,9 +6,8 @@ A child process does what the studio does with a hand at the brush: samples at 1
 a tuft of single hairs, ink that spreads meanwhile, layers, undo, and a base saved when the brush is
 lifted. It is killed (SIGKILL) after a random while. Every batch and command carries a number, and
 when it was handed over is told through shared memory. What the sitting gives back must be all that
-was handed over more than 100 ms before, and its ink must add up. On a machine that is busy with
-other things a thread of the child may have waited for a core meanwhile (Linux tells how long): so
-much more may be lost, and is told apart.
+was handed over more than 100 ms before, and its ink must add up. How long a thread of the child
+waited for a core meanwhile is told beside it, where the system knows (Linux): it excuses nothing.
 """
 
 from __future__ import annotations
@@ -54,7 +53,7 @@ class Kill(NamedTuple):
     n_told: int  # batches and commands that were handed over
     n_kept: int  # of these
     lost_ns: int  # from when the first of the others was handed over
-    starved_ns: int  # of it, that one of the threads waited for a core, at most
+    waited_ns: int  # of it, that one of the threads waited for a core, at most
     n_layers: int
     n_strokes: int
     is_wet: bool
@@ -146,16 +145,16 @@ def kill_once(folder: Path, seconds: float, seed: int) -> Kill:
     n_told, found = int(teller.times[0]), recoverable(folder)
     if not found:  # killed before any of it was on the disk: all of it is lost
         lost_ns = killed_ns - int(teller.times[1])
-        return Kill(n_told, 0, lost_ns, _starved(waits, killed_ns - lost_ns), 0, 0, False, True)
+        return Kill(n_told, 0, lost_ns, _waited(waits, killed_ns - lost_ns), 0, 0, False, True)
     (unfinished,) = found
     recovered = unfinished.recover()
     _check(recovered)
     document = recovered.document
     n_kept = int(document.tags.get("event", 0))
     lost_ns = killed_ns - int(teller.times[n_kept + 1]) if n_kept < n_told else 0
-    starved_ns = _starved(waits, killed_ns - lost_ns) if lost_ns > 0 else 0
+    waited_ns = _waited(waits, killed_ns - lost_ns) if lost_ns > 0 else 0
     return Kill(
-        n_told, n_kept, max(lost_ns, 0), starved_ns, len(document.layers), len(document.strokes),
+        n_told, n_kept, max(lost_ns, 0), waited_ns, len(document.layers), len(document.strokes),
         document.surface.flow_patience < math.inf, not any(unfinished.folder.glob("base-1.*")),
     )  # fmt: skip
 
@@ -170,9 +169,9 @@ def _watched(process: int, seconds: float) -> Waits:
     until = time.monotonic() + seconds
     while True:
         looked, threads = time.monotonic_ns(), {}
-        for thread in Path(f"/proc/{process}/task").iterdir():
-            with contextlib.suppress(OSError, ValueError):  # it may end meanwhile
-                threads[thread.name] = int((thread / "schedstat").read_text().split()[1])
+        for told in Path(f"/proc/{process}/task").glob("*/schedstat"):
+            with contextlib.suppress(OSError):  # it may end meanwhile
+                threads[told.parent.name] = int(told.read_text().split()[1])
         waits.append((looked, threads))
         left = until - time.monotonic()
         if left <= 0.0:
@@ -180,7 +179,7 @@ def _watched(process: int, seconds: float) -> Waits:
         time.sleep(min(LOOK_S, left))
 
 
-def _starved(waits: Waits, since_ns: int) -> int:
+def _waited(waits: Waits, since_ns: int) -> int:
     """How long a thread waited for a core since then, ns: that of those that waited longest."""
     before = next((one for at, one in reversed(waits) if at <= since_ns), {})
     _, now = waits[-1]
@@ -195,24 +194,21 @@ def _check(recovered: Recovered) -> None:
     assert np.isfinite(recovered.document.surface.amounts).all()
 
 
-def kill_at_random(times: int, seed: int = 1, allowed_ns: int = ALLOWED_NS) -> list[Kill]:
+def kill_at_random(times: int, seed: int = 1) -> list[Kill]:
     """Kill `times` sittings; return what became of each.
 
     Raises
     ------
     AssertionError
-        If one lost more than allowed, 100 ms and what its threads waited for a core, or came back
-        with what does not add up.
+        If one came back with what does not add up.
     """
     chance = random.Random(seed)
     kills = []
     _warm_up()
-    for k in range(times):
-        with tempfile.TemporaryDirectory() as folder:
-            kill = kill_once(Path(folder), chance.uniform(0.05, 6.0), chance.randrange(1 << 30))
-        own_ns = kill.lost_ns - kill.starved_ns
-        assert own_ns <= allowed_ns, f"kill {k} lost {kill.lost_ns * 1e-6:.0f} ms: {kill}"
-        kills.append(kill)
+    for _ in range(times):
+        with tempfile.TemporaryDirectory() as name:
+            seconds, of_child = chance.uniform(0.05, 6.0), chance.randrange(1 << 30)
+            kills.append(kill_once(Path(name), seconds, of_child))
     return kills
 
 
@@ -232,20 +228,27 @@ def _warm_up() -> None:
 
 
 def main() -> None:
-    """Kill as often as the command line says, 200 times unless told."""
+    """Kill as often as the command line says, 200 times unless told; fail if too much was lost."""
     times = int(sys.argv[1]) if len(sys.argv) > 1 else 200
     kills = kill_at_random(times, int(sys.argv[2]) if len(sys.argv) > 2 else 1)
-    worst = max(kill.lost_ns for kill in kills)
-    late = [kill for kill in kills if kill.lost_ns > ALLOWED_NS]
     sys.stdout.write(
         f"killed {times} times: {sum(kill.n_kept for kill in kills):,} of "
         f"{sum(kill.n_told for kill in kills):,} batches and commands kept, at most "
-        f"{worst * 1e-6:.0f} ms lost ({len(late)} times more than {ALLOWED_NS * 1e-6:.0f} ms, each "
-        f"while a thread waited for a core); {sum(kill.is_wet for kill in kills)} were wet, "
+        f"{_lost(max(kills, key=lambda kill: kill.lost_ns))} lost; "
+        f"{sum(kill.is_wet for kill in kills)} were wet, "
         f"{sum(kill.n_layers > 1 for kill in kills)} had layers, "
         f"{sum(kill.from_base for kill in kills)} had saved bases, up to "
         f"{max(kill.n_strokes for kill in kills)} strokes\n"
     )
+    late = [_lost(kill) for kill in kills if kill.lost_ns > ALLOWED_NS]
+    if late:
+        most = f"{ALLOWED_NS * 1e-6:.0f} ms"
+        sys.exit(f"{len(late)} of {times} lost more than {most}: {', '.join(late)}")
+
+
+def _lost(kill: Kill) -> str:
+    waited = f"a thread waited {kill.waited_ns * 1e-6:.0f} of them for a core"
+    return f"{kill.lost_ns * 1e-6:.0f} ms ({waited})"
 
 
 if __name__ == "__main__":

@@ -23,6 +23,7 @@ from paint3d.brush.presets import load_brush
 from paint3d.colour.pigments import load_pigment
 from paint3d.errors import ExportError, InputError, SessionError
 from paint3d.files.project.journal import Journal, read_events
+from scripts import kill_sitting
 from tests.support.app.hands import line, same_vertices, small_plane
 
 MIRROR = Symmetry((MirrorPlane((0, 0, 0), (0, 1, 0)),))
@@ -379,3 +380,16 @@ def test_notes_lie_between_samples_and_time_may_start_over(tmp_path):
     _, events, loss = read_events(tmp_path / "j")
     assert not loss
     assert [len(e) if not isinstance(e, dict) else e for e in events] == [6, {"do": "undo"}, 3]
+
+
+def test_a_sitting_that_lost_more_than_100_ms_has_no_excuse(monkeypatch, capsys):
+    kills = [
+        kill_sitting.Kill(90, 80, lost, lost, 1, 2, True, True) for lost in (10**8, 160_400_000)
+    ]
+    monkeypatch.setattr(kill_sitting, "kill_at_random", lambda times, seed: kills[:times])
+    monkeypatch.setattr(sys, "argv", ["kill_sitting", "1"])
+    kill_sitting.main()
+    assert "at most 100 ms (a thread waited 100 of them for a core) lost" in capsys.readouterr().out
+    monkeypatch.setattr(sys, "argv", ["kill_sitting", "2"])
+    with pytest.raises(SystemExit, match="1 of 2 lost more than 100 ms: 160 ms"):
+        kill_sitting.main()

@@ -1,7 +1,8 @@
 """Strangers' files, read in processes forked from one that has imported what reads them.
 
 Starting Python and importing is nearly all that a small file costs. The child that users have reads
-the first file of each kind, and whatever comes with limits of its own.
+the first file of each kind, which says by what packages it is read, and whatever comes with limits
+of its own.
 """
 
 from __future__ import annotations
@@ -9,11 +10,12 @@ from __future__ import annotations
 import json
 import math
 import os
+import re
 import subprocess
 import sys
 import warnings
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from multiprocessing import reduction
 from pathlib import Path
 from types import SimpleNamespace
@@ -27,6 +29,7 @@ __all__ = ["reading_by_forks"]
 _COMMAND = [sys.executable, "-I", "-W", "ignore", "-c", isolation.START]
 _SECONDS = {math.ceil(isolation.MAX_SECONDS), math.ceil(isolation.PICTURE_SECONDS)}
 _MEMORY = isolation.MAX_MEMORY
+_PACKED = re.compile(rb"KHR_draco|EXT_meshopt")  # in a glTF: unpacked by a package of its own
 
 
 class _Handed:
@@ -96,20 +99,27 @@ def _usual(command: list[str]) -> dict[str, Any] | None:
 
 
 def _kind(request: dict[str, Any]) -> tuple[object, ...]:
-    name = Path(os.fsdecode(bytes.fromhex(request["path"]))).name.lower()
-    return request["kind"], *Path(name).suffixes[-2:], request["wanted"][2:3] == [True]
+    """What decides which packages read a file."""
+    path = Path(os.fsdecode(bytes.fromhex(request["path"])))
+    packed: set[bytes] = set()
+    with suppress(OSError):
+        packed |= set(_PACKED.findall(path.read_bytes()))
+    with_pictures = request["wanted"][2:3] == [True]
+    return request["kind"], *Path(path.name.lower()).suffixes[-2:], *sorted(packed), with_pictures
 
 
 @contextmanager
 def reading_by_forks() -> Iterator[None]:
-    """Have files read by forks, all but the first of each kind, with and without its picture."""
-    seen: list[tuple[object, ...]] = []
+    """Have files read by forks, all but the first of each kind."""
+    seen: set[tuple[object, ...]] = set()
 
     def start(command: list[str], **how: Any) -> subprocess.Popen[bytes] | _Forked:
         request = _usual(command)
-        kind = None if request is None else _kind(request)
-        if request is None or kind not in seen:
-            seen.append(kind)
+        if request is None:
+            return subprocess.Popen(command, **how)
+        kind = _kind(request)
+        if kind not in seen:
+            seen.add(kind)
             return subprocess.Popen(command, **how)
         return _Forked(request, how["env"])
 

@@ -73,6 +73,15 @@ def turned(picture: LivePicture, n: int) -> None:
         picture.draw()
 
 
+def finish(picture: LivePicture) -> None:
+    """Draw until nothing is left to draw: half a second of the counted clock, and not for ever."""
+    for _ in range(2000):
+        if picture.is_done():
+            return
+        picture.draw()
+    pytest.fail("something is always left to draw")
+
+
 @pytest.mark.parametrize("us_a_triangle", [0.2, 0.35])
 def test_a_view_that_moves_is_drawn_in_time_by_a_slow_machine(us_a_triangle: float) -> None:
     renderer = Renderer()
@@ -134,8 +143,7 @@ def test_what_is_not_kept_while_the_view_moves_is_drawn_before_it_is_needed(cloc
     turned(picture, 3)
     assert renderer.is_lost
     clock.now += 0.2
-    while not picture.is_done():
-        picture.draw()
+    finish(picture)
     assert not renderer.is_lost
 
 
@@ -154,8 +162,7 @@ def test_fewer_pixels_are_drawn_only_while_the_view_moves(clock) -> None:
         turned(picture, 1)
         assert renderer.share < 1.0
     clock.now += 0.2
-    while not picture.is_done():
-        picture.draw()
+    finish(picture)
     assert renderer.share == 1.0
 
 
@@ -170,3 +177,24 @@ def test_what_is_drawn_for_a_file_is_no_view_that_moves() -> None:
     picture.draw_whole(fine=False)
     assert picture.draw() is not None
     assert renderer.share == 1.0
+
+
+def test_edges_are_smoothed_once_nothing_moves(clock, monkeypatch) -> None:
+    renderer, drawn = Renderer(), []
+    monkeypatch.setattr(renderer, "seen", lambda: (5_000, 1))
+    draw = renderer.draw_object
+    monkeypatch.setattr(
+        renderer, "draw_object", lambda *a, fine=False, **how: drawn.append(fine) or draw(*a, **how)
+    )
+    picture = LivePicture(renderer, renderer.prepare)  # type: ignore[arg-type]
+    turned(picture, 2)
+    clock.now += 0.2  # it stands, but not for long
+    picture.draw()
+    assert not any(drawn)
+    finish(picture)
+    assert drawn.count(True) == 2  # as many cells as there are
+    picture.touch_object((10, 10, 20, 20))
+    picture.draw()
+    assert not drawn[-1]
+    finish(picture)
+    assert drawn.count(True) == 3

@@ -14,16 +14,18 @@ from numpy.typing import NDArray
 import paint3d
 from paint3d.mesh.kernels.refine import activate_cell
 from paint3d.surface.painted_surface import PaintedSurface
-from paint3d.view import live_scene
+from paint3d.view import live_light, live_scene
 from paint3d.view.camera import View, fit_camera
 from paint3d.view.kernels.facing import cone_of
 from paint3d.view.live_facing import turned_away
 from paint3d.view.live_layers import Box, Enlarger, KeptPicture, joined_box
+from paint3d.view.live_light import LiveLight
 from paint3d.view.live_object import LiveObject
 from paint3d.view.live_patches import LivePatches
 from paint3d.view.live_scene import DARK, LiveScene
-from paint3d.view.studio import Gloss
+from paint3d.view.studio import Gloss, light_samples
 from paint3d.view.vtk_parts import DrawnMesh
+from tests.support.surface_cases import sheet
 
 NONE = np.empty(0, np.int32)
 
@@ -164,23 +166,60 @@ def test_the_picture_shows_paint_where_it_was_laid(surface: PaintedSurface) -> N
     scene.close()
 
 
+def test_soft_light_is_that_of_the_object_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of another one with as many vertices it is another; refining changes nothing."""
+    monkeypatch.setattr(live_light, "light_samples", lambda n: light_samples(n)[::4])
+
+    def trough(depth: float) -> PaintedSurface:
+        mesh = sheet(
+            lambda x, y: np.stack([x, y, depth * (x / 30.0) ** 2], axis=1), (30.0, 30.0), 2.0
+        )
+        return PaintedSurface(mesh, 1.0)
+
+    level, deep = trough(0.0), trough(60.0)
+    lights = [LiveLight(surface.paint_mesh) for surface in (level, deep)]
+    ids = np.arange(level.n_vertices, dtype=np.int32)
+    white = np.full((len(ids), 3), 255, np.uint8)
+    plain = [light.colours(ids, white).mean(axis=1) for light in lights]
+    first = [light.bake() for light in lights]
+    for light, baked, before, low, high in zip(
+        lights, first, plain, (0.99, 0.8), (1.01, 0.95), strict=True
+    ):
+        light.take(baked.light)
+        away = np.abs(light.mesh.vertices[:, 0])
+        share = light.colours(ids, white).mean(axis=1) / before
+        assert low < share[away < 8.0].mean() / share[away > 24.0].mean() < high
+    assert np.ptp(first[0].light[:, 0]) < 0.01
+    assert np.ptp(first[1].light[:, 0]) > 0.1
+    deep.refine_all()
+    again = lights[1].bake()
+    np.testing.assert_array_equal(again.light, first[1].light)
+    np.testing.assert_array_equal(again.ground.openness, first[1].ground.openness)
+    np.testing.assert_array_equal(again.ground.origin, first[1].ground.origin)
+
+
 def test_edges_are_smooth_where_nothing_moves(surface: PaintedSurface) -> None:
     shown = LiveObject(surface)
     scene = LiveScene((160, 120), DARK)
     scene.clear(shown.centre, shown.radius, Gloss.of("xuan"))
     scene.apply(shown.uploads(NONE))
     scene.set_camera(fit_camera(surface.source.vertices, View((0.4, -0.3, 1.0)), 160 / 120))
-    plain = scene.draw()[..., :3].astype(int)
+    plain = scene.draw().copy()
     if not scene.is_software:
         pytest.skip("a graphics card smooths all")
-    fine = scene.draw(fine=True)[..., :3].astype(int)
+    fine = scene.draw(fine=True).copy()
     scene.close()
-    smoothed = np.abs(fine - plain).max(axis=2) > 20
-    assert 40 < smoothed.sum() < 0.1 * smoothed.size  # along the edges, and nowhere else
-    around = np.lib.stride_tricks.sliding_window_view(plain, (3, 3), axis=(0, 1))
+    assert 40 < smoothed(plain, fine) < 0.1 * 160 * 120  # along the edges, and nowhere else
+
+
+def smoothed(plain: NDArray, fine: NDArray) -> int:
+    """How many pixels are smoothed in the second picture; all lie between those around them."""
+    before, after = plain[..., :3].astype(int), fine[..., :3].astype(int)
+    around = np.lib.stride_tricks.sliding_window_view(before, (3, 3), axis=(0, 1))
     low, high = around.min(axis=(3, 4)) - 2, around.max(axis=(3, 4)) + 2
-    inner = fine[1:-1, 1:-1]
-    assert ((inner >= low) & (inner <= high)).all()  # between a pixel's neighbours
+    inner = after[1:-1, 1:-1]
+    assert ((inner >= low) & (inner <= high)).all()
+    return int((np.abs(after - before).max(axis=2) > 20).sum())
 
 
 def test_a_part_drawn_anew_fits_into_the_whole(surface: PaintedSurface) -> None:
@@ -265,6 +304,19 @@ def stand(thing: DrawnMesh, scene: LiveScene, share: float | None) -> None:
         corners = camera.focus + nearer * away + (1.0 - share) * across
         faces = np.array([[0, 1, 2], [0, 2, 1]], np.int32)
         thing.set_shape(corners.astype(np.float32), faces)
+
+
+def test_edges_of_the_brush_are_smooth_too(two_scenes: list[Drawn]) -> None:
+    scene, stuck, brush = two_scenes[0]
+    if not scene.is_software:
+        pytest.skip("a graphics card smooths all")
+    stand(stuck, scene, None)
+    stand(brush, scene, 0.5)
+    scene.draw_object()
+    plain = scene.show().copy()
+    assert smoothed(plain, scene.show().copy()) == 0
+    fine = scene.show(fine=True).copy()
+    assert 5 < smoothed(plain, fine) < 400  # the object's edges stay as they were drawn
 
 
 STEPS = st.tuples(PLACES, st.lists(BOXES, max_size=2), PLACES, BOXES, st.booleans(), st.booleans())
