@@ -125,6 +125,7 @@ def test_a_move_stops_at_the_ends_of_its_piece() -> None:
     assert at == 2
     assert moved.strokes[2] is page.strokes[3]
     assert page.number(3) == (2, 2)
+    assert page.numbers == [page.number(k)[0] for k in range(4)] == [1, 2, 1, 2]
     assert page.text(3) == "2"
 
 
@@ -167,6 +168,16 @@ def test_strokes_join_at_their_nearest_ends_in_the_first_ones_direction() -> Non
     assert 0.0 < bridge < 40 * 60  # narrower than they are
     with pytest.raises(InputError, match="itself"):
         page.join(0, 0)
+
+
+def test_what_has_no_area_is_not_joined() -> None:
+    flat = GlyphStroke(np.array([[0, 0], [9, 0], [5, 0.0]]), np.array([[0, 0], [0, 0.0]]))
+    page = CorrectedPage.of(page_of([flat, flat, ribbon([(100, 500), (400, 500)], 40)]))
+    for k, other in ((0, 1), (0, 2), (2, 0)):
+        with pytest.raises(InputError, match="without area"):
+            page.join(k, other)
+    with pytest.raises(InputError, match="between its ends"):
+        page.split(0, (0.0, 0.0))
 
 
 def test_a_stroke_joined_to_one_of_another_piece_stays_where_it_lies() -> None:
