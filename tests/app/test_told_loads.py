@@ -107,6 +107,17 @@ def test_a_live_stroke_holds_what_was_told(batch: int) -> None:
     same_vertices(by_hand(batch).surface, wanted())
 
 
+def test_what_is_told_of_the_first_sample_is_held_from_it_on() -> None:
+    surface = bare()
+    document = Document(surface, Painter(surface, BRUSH, "pine soot", "commanded", amount=amount()))
+    document.begin_stroke(0.0, loads=((0, 0.3),), strengths=((0, 0.5),))
+    for sample in list(dry_recording().samples())[:6]:  # in the air
+        document.feed([sample])
+    held = surface.ink.load
+    assert held.sum() == pytest.approx(0.3 * document.painter.tuft.load)
+    assert held.min() == pytest.approx(0.5 * held.sum())
+
+
 def test_the_next_stroke_was_told_nothing() -> None:
     document = by_hand(64)
     document.begin_stroke(0.0)

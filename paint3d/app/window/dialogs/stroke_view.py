@@ -198,24 +198,25 @@ class StrokeView(PictureView):
         order = [k for k in range(len(self._strokes)) if k != self.chosen]
         if self.chosen is not None and self.chosen < len(self._strokes):
             order.append(self.chosen)  # above the others
-        for k in order:
-            if not self._strokes[k].is_left_out:
-                self._draw_way(painter, k)
+        shown = [k for k in order if not self._strokes[k].is_left_out]
+        lines = {k: self._line(k) for k in shown}
+        for k in shown:
+            self._draw_way(painter, k, lines[k])
         taken = _Taken()
-        for k in order[::-1]:  # the chosen one has its number where it begins
-            if not self._strokes[k].is_left_out:
-                place = _free(self._line(k), taken)
-                taken.add(place)
-                self._draw_number(painter, k, place)
+        for k in shown[::-1]:  # the chosen one has its number where it begins
+            place = _free(lines[k], taken)
+            taken.add(place)
+            self._draw_number(painter, k, place)
         if self.cut is not None and self.chosen is not None:
             self._draw_cut(painter, self.cut, self._strokes[self.chosen].stroke)
 
     def _line(self, k: int) -> list[QtCore.QPointF]:
-        points = self.behind.pixels(self._strokes[k].stroke.median)
-        return [self.place(x, y) for x, y in points]
+        start = self.place(0.0, 0.0)
+        points = self.scale * self.behind.pixels(self._strokes[k].stroke.median)
+        points += start.x(), start.y()
+        return [QtCore.QPointF(x, y) for x, y in points.tolist()]
 
-    def _draw_way(self, painter: QtGui.QPainter, k: int) -> None:
-        line = self._line(k)
+    def _draw_way(self, painter: QtGui.QPainter, k: int, line: Sequence[QtCore.QPointF]) -> None:
         dark = self.colour(k).darker(150)
         wide = 2.4 if k == self.chosen else 1.6
         for pen in (_pen(QtGui.QColor(255, 255, 255, 210), wide + 2.2), _pen(dark, wide)):
