@@ -17,6 +17,7 @@ from PySide6 import QtCore, QtGui, QtTest, QtWidgets
 
 from paint3d.app.model.error_texts import in_chinese
 from paint3d.app.window.dialogs.questions import Answer
+from paint3d.app.window.dialogs.stroke_view import Taken
 from paint3d.app.window.dialogs.strokes_dialog import StrokesDialog
 from paint3d.calligraphy.glyphs import Glyph, GlyphStroke
 from paint3d.calligraphy.page.correcting import CorrectedPage
@@ -396,6 +397,19 @@ def test_a_drag_moves_the_picture_and_keys_show_it_from_near(window, drawing) ->
     correct(window, act)
 
 
+def test_numbers_cover_no_other() -> None:
+    """And of many only near ones are looked at."""
+    rng = np.random.default_rng(20)
+    taken, there = Taken(), []
+    for x, y in rng.uniform(-60.0, 60.0, (200, 2)):
+        is_free = all(np.hypot(x - a, y - b) > 18.0 for a, b in there)
+        assert taken.is_free(QtCore.QPointF(x, y)) == is_free
+        if is_free:
+            taken.add(QtCore.QPointF(x, y))
+            there.append((x, y))
+    assert len(there) > 10
+
+
 def test_a_corner_goes_by_one_pixel_or_ten_and_not_off_the_picture(window, sheet) -> None:
     def act(dialog) -> None:
         key(dialog, KEY.Key_C)
@@ -405,6 +419,8 @@ def test_a_corner_goes_by_one_pixel_or_ten_and_not_off_the_picture(window, sheet
         key(dialog, KEY.Key_Up)
         key(dialog, KEY.Key_Left, QtCore.Qt.KeyboardModifier.ShiftModifier)
         np.testing.assert_allclose(corners.corners - before, [[0, 0], [0, 0], [-10, -1], [0, 0]])
+        key(dialog, KEY.Key_W)
+        assert not (dialog.whole.isChecked() or dialog.whole.isEnabled())
         for _ in range(3):
             key(dialog, KEY.Key_Right, QtCore.Qt.KeyboardModifier.ShiftModifier)
         assert corners.corners[2, 0] == 300.0

@@ -83,6 +83,17 @@ def test_parts_of_a_split_stroke_are_its_ink_and_joined_it_again(stroke, share) 
     assert len(back.dryness) == max(len(whole.dryness), 2 * bool(whole.dryness))
 
 
+@pytest.mark.parametrize("share", [0.125, 0.7])
+def test_a_line_that_comes_back_on_itself_is_cut(share) -> None:
+    page = CorrectedPage.of(page_of([ribbon([(94, 80), (80, 919), (94, 80)], 15.0)]))
+    whole = page.strokes[0].stroke
+    place = LineString(whole.median).interpolate(share, normalized=True)
+    one, other = (part.stroke for part in page.split(0, (place.x, place.y)).strokes)
+    both = unary_union([region(one), region(other)])
+    assert both.symmetric_difference(region(whole)).area < 2e-4 * region(whole).area
+    assert min(region(one).area, region(other).area) > 1000.0
+
+
 @settings(max_examples=25, deadline=None)
 @given(strokes())
 def test_reversed_twice_it_is_the_same(stroke) -> None:

@@ -138,6 +138,15 @@ def test_the_header_tells_each_stroke_once_and_is_read_again(tmp_path) -> None:
             painted(broken)
 
 
+def test_a_strength_that_changes_at_once_is_told_at_once() -> None:
+    recording = written().recording
+    strength = np.full(len(recording), np.nan)
+    strength[10:20], strength[20:30], strength[40:50] = 1.0, 0.5, 0.5
+    told = with_strengths(recording, strength).header["strengths"]
+    assert [when for when, _ in told] == recording.time_ns[[10, 20, 40]].tolist()
+    assert told[1][1] == told[2][1] == pytest.approx(diluted(0.5), abs=1e-4)
+
+
 def test_files_keep_the_strength_and_so_do_corrections(tmp_path) -> None:
     save_strokes(page_of(), tmp_path / "a.strokes.json")
     page = load_strokes(tmp_path / "a.strokes.json")

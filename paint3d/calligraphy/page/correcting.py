@@ -359,12 +359,15 @@ def _parted(region: Polygon, median: AnyArray, cut: float) -> tuple[Polygon, Pol
     after = np.arange(cut + 0.5 * step, length, step)
     if not len(before) or not len(after):
         before, after = np.array([0.5 * cut]), np.array([1.5 * cut])
-    points = shapely.points(_at(median, np.concatenate([before, after])))
+    places = np.round(_at(median, np.concatenate([before, after])) / _GRID) * _GRID
+    _, first = np.unique(places, axis=0, return_index=True)  # of a line that comes back on itself
+    kept = np.sort(first)
+    points = shapely.points(places[kept])
     cells = shapely.get_parts(
         shapely.voronoi_polygons(shapely.multipoints(points), extend_to=region)
     )
     of_point, cell = shapely.STRtree(cells).query(points, predicate="within")
-    mine = shapely.union_all(cells[cell[of_point < len(before)]])
+    mine = shapely.union_all(cells[cell[kept[of_point] < len(before)]])
     one = shapely.intersection(region, mine, grid_size=_GRID)
     other = shapely.difference(region, mine, grid_size=_GRID)
     return _two_wholes(_polygons(one), _polygons(other))

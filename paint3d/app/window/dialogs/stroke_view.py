@@ -20,7 +20,7 @@ from paint3d.core.types import AnyArray
 if TYPE_CHECKING:
     from paint3d.calligraphy.photo.copying import CopiedSheet
 
-__all__ = ["Behind", "ShownStroke", "StrokeView"]
+__all__ = ["Behind", "ShownStroke", "StrokeView", "Taken"]
 
 _FIRST = 0.56  # hue of the stroke that is chosen at first: far from the theme's, of rims
 _TURN = 0.381966  # of the circle of hues, from one stroke to the next: no two near ones are alike
@@ -202,7 +202,7 @@ class StrokeView(PictureView):
         lines = {k: self._line(k) for k in shown}
         for k in shown:
             self._draw_way(painter, k, lines[k])
-        taken = _Taken()
+        taken = Taken()
         for k in shown[::-1]:  # the chosen one has its number where it begins
             place = _free(lines[k], taken)
             taken.add(place)
@@ -279,7 +279,7 @@ def _pen(
     return pen
 
 
-class _Taken:
+class Taken:
     """Places of numbers, by cells as wide as one: of many strokes only near ones are looked at."""
 
     def __init__(self) -> None:
@@ -303,7 +303,7 @@ class _Taken:
         return int(place.x() // (2.0 * _BADGE)), int(place.y() // (2.0 * _BADGE))
 
 
-def _free(line: Sequence[QtCore.QPointF], taken: _Taken) -> QtCore.QPointF:
+def _free(line: Sequence[QtCore.QPointF], taken: Taken) -> QtCore.QPointF:
     """Where a number goes: at a line's start, or farther along it where no other one is."""
     length = sum(length_of(b - a) for a, b in pairwise(line))
     for share in (0.0, 0.12, 0.24, 0.36, 0.5):
