@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from functools import lru_cache
 from pathlib import Path
@@ -14,7 +15,9 @@ def find_kanjivg() -> Path | None:
     """The folder with the characters, or None where the package is not installed."""
     for place in sys.path:  # where pip has put it; `importlib.metadata` takes 10 ms to find it
         folder = Path(place, "kanji")
-        if folder.is_dir() and next(folder.parent.glob("kanjivg-*.dist-info"), None) is not None:
+        if not os.path.isdir(folder):  # nor where one may not look: `Path.is_dir` raises there
+            continue
+        if next(folder.parent.glob("kanjivg-*.dist-info"), None) is not None:
             return folder
     return _find_anywhere()
 

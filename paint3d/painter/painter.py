@@ -12,7 +12,7 @@ import dataclasses
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -49,7 +49,7 @@ from paint3d.device.sample import DIP, DeviceSample
 from paint3d.errors import InputError
 from paint3d.painter.flat_input import LaidPad
 from paint3d.painter.ink_time import LOOKAHEAD, PIECE_S, Pauses, pieces_until
-from paint3d.painter.recorded_tools import loads_at, recorded_loads, recorded_strengths
+from paint3d.painter.recorded_tools import LEAST_INK, told_at
 from paint3d.pose.brush_pose import BrushPath, brush_poses, joined_samples, object_poses, velocities
 from paint3d.recording.recording import Recording
 from paint3d.surface.painted_surface import PaintedSurface
@@ -133,7 +133,7 @@ class Painter:
         self._progress = make_progress()
         self.scratch = make_scratch(surface.paint_mesh, len(surface.pigments))
         self._held: list[DeviceSample] = []
-        self._told: tuple[tuple[int, float], ...] = ()
+        self._told = _Told()
         self._n_let_go = 0  # of the stroke's samples, that are painted and not held any more
         self._origin_ns = 0
         self._n_samples = 0
@@ -271,14 +271,31 @@ class Painter:
         InputError
             If the share is not between 0.0001 and 1.
         """
-        share = as_number(share, "share", 1e-4, 1.0)
-        before = self._dips, self._dipped, self.ink
-        ink = _in_parts(self._dipped)
-        parts = dict(ink) if isinstance(ink, Mapping) else {ink: 1.0}
-        whole = sum(parts.values())
-        water: dict[Any, float] = {"water": whole * (1.0 - share)} if share < 1.0 else {}
-        self.recolour({one: weight * share for one, weight in parts.items()} | water)
-        self._dips, self._dipped, self.ink = before
+        share = as_number(share, "share", LEAST_INK, 1.0)
+        dips = self._dips or ((self._dipped, None),)
+        water = None if share == 1.0 else self.surface.column_of(load_pigment("water"))
+        whole, *tips = [self._mixture(_in_parts(ink)) for ink, _ in dips]
+        along = np.tile(whole, (len(self.surface.ink.reservoirs), 1))
+        middle = (np.arange(len(along)) + 0.5) / len(along)
+        for parts, (_, reach) in zip(tips, dips[1:], strict=True):
+            along[middle < (1.0 if reach is None else reach)] = parts
+        along *= share
+        if water is not None:
+            along[:, water] += 1.0 - share
+        self._mix(along)
+
+    def _mix(self, along: AnyArray) -> None:
+        """Let what the brush holds be of these parts (N, P) along the tuft, or all (1, P)."""
+        field = self.surface.ink
+        if self.hairs is not None:
+            self.hairs.hold(field.load)
+            self.hairs.load = np.outer(self.hairs.load.sum(axis=1), along.mean(axis=0))
+            self._hold(self.hairs.held())
+        elif len(field.reservoirs) > 1:
+            self._hold_along(along * field.reservoirs.sum(axis=1)[:, None])
+        else:
+            self._hold(along[0] * field.load.sum())
+        self._fit_scratch()
 
     def recolour(self, ink: Ink) -> None:
         """Let what the brush holds be another ink, as much of it as there is, hair by hair.
@@ -289,18 +306,10 @@ class Painter:
             As in `dip`.
         """
         ink = _in_parts(ink)
-        parts, field = self._mixture(ink), self.surface.ink
-        if self.hairs is not None:
-            self.hairs.hold(field.load)
-            self.hairs.load = np.outer(self.hairs.load.sum(axis=1), parts)
-            self._hold(self.hairs.held())
-        elif len(field.reservoirs) > 1:
-            self._hold_along(np.outer(field.reservoirs.sum(axis=1), parts))
-        else:
-            self._hold(parts * field.load.sum())
+        parts = self._mixture(ink)
+        self._mix(parts[None])
         self._dips, self._dipped = ((ink, None),), ink
         self.ink = self.surface.main_pigment(parts)
-        self._fit_scratch()
 
     def change_brush(self, brush: str | BrushSpec) -> None:
         """Take another brush into the hand, loaded fully with the same ink.
@@ -530,25 +539,28 @@ class Painter:
         path = brush_poses(part)
         samples, origins = _samples(path, part.time_ns, self._origin_ns)
         self._origin_ns = int(origins[max(0, len(part) - 1 - 2 * LOOKAHEAD)])
-        told: Sequence[tuple[int, float]] = ()
-        if "loads" in recording.header:
-            told = loads_at(part.time_ns, *recorded_loads(recording.header))
-        thinned: Sequence[tuple[int, float]] = ()
-        if "strengths" in recording.header:
-            thinned = loads_at(part.time_ns, *recorded_strengths(recording.header))
-        prepared = part.time_ns, samples, _refills(path.buttons, told, thinned)
+        told, header = _Told(), recording.header
+        if "loads" in header or "strengths" in header:
+            told = _Told(*told_at(header, part.time_ns))
+        prepared = part.time_ns, samples, _refills(path.buttons, told)
         self.seconds["poses"] += time.perf_counter() - started
         return prepared
 
-    def expect_loads(self, loads: Sequence[tuple[int, float]]) -> None:
-        """Let the brush hold these shares of a dip from these samples of the next live stroke on.
+    def expect(
+        self,
+        loads: Sequence[tuple[int, float]] = (),
+        strengths: Sequence[tuple[int, float]] = (),
+    ) -> None:
+        """Let the brush hold what is told from these samples of the next live stroke on.
 
         Parameters
         ----------
         loads : sequence of (int, float)
-            A sample, counted from 0, and a share from 0 to 1; see `fill_to`.
+            A sample, counted from 0, and a share of a dip, 0 to 1; see `fill_to`.
+        strengths : sequence of (int, float)
+            A sample, and a share of ink in water; see `thin_to`.
         """
-        self._told = tuple(loads)
+        self._told = _Told(tuple(loads), tuple(strengths))
 
     def advance(self, samples: Iterable[DeviceSample]) -> None:
         """Paint live: the interval before the last two samples waits for what comes next."""
@@ -573,7 +585,7 @@ class Painter:
         self._let_go()
 
     def _let_go(self) -> None:
-        self._held, self._told, self._n_let_go = [], (), 0
+        self._held, self._told, self._n_let_go = [], _Told(), 0
         self._begin()
 
     def _begin(self) -> None:
@@ -589,8 +601,7 @@ class Painter:
         times = np.array([sample.time_ns for sample in self._held], np.int64)
         samples, origins = _samples(path, times, self._origin_ns)
         self.seconds["poses"] += time.perf_counter() - started
-        ahead = [(k - self._n_let_go, share) for k, share in self._told]
-        told = [(k, share) for k, share in ahead if 0 <= k < len(times)]
+        told = self._told.part(self._n_let_go, len(times))
         self._paint(samples, last, _refills(path.buttons, told))
         done = max(0, int(self._progress.at[0]) - LOOKAHEAD)
         self._origin_ns = int(origins[done])
@@ -713,18 +724,27 @@ _Refill = tuple[int, Callable[["Painter"], None]]
 """A sample up to which is painted first, and what is done with the brush then."""
 
 
-def _refills(
-    buttons: AnyArray,
-    loads: Sequence[tuple[int, float]] = (),
-    strengths: Sequence[tuple[int, float]] = (),
-) -> list[_Refill]:
+class _Told(NamedTuple):
+    """What the brush comes to hold at samples: shares of a dip, and of ink in water."""
+
+    loads: Sequence[tuple[int, float]] = ()
+    strengths: Sequence[tuple[int, float]] = ()
+
+    def part(self, first: int, count: int) -> _Told:
+        """What is told of so many samples from the first on, which are counted from 0 then."""
+        return _Told(
+            *([(k - first, share) for k, share in one if 0 <= k - first < count] for one in self)
+        )
+
+
+def _refills(buttons: AnyArray, told: _Told) -> list[_Refill]:
     """Samples at which the dip button goes down, or load or strength are told, in this order."""
     down = (np.asarray(buttons) & DIP) != 0
     found: list[_Refill] = [
         (int(k), Painter.dip) for k in np.flatnonzero(down[1:] & ~down[:-1]) + 1
     ]
-    found += [(k, partial(Painter.fill_to, share=share)) for k, share in loads]
-    found += [(k, partial(Painter.thin_to, share=share)) for k, share in strengths]
+    found += [(k, partial(Painter.fill_to, share=share)) for k, share in told.loads]
+    found += [(k, partial(Painter.thin_to, share=share)) for k, share in told.strengths]
     return sorted(found, key=lambda one: one[0])
 
 

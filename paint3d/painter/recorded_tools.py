@@ -18,17 +18,18 @@ from paint3d.core.arrays import as_number
 from paint3d.errors import BrushError, InputError, PigmentError, RecordingError, UnknownNameError
 
 __all__ = [
+    "LEAST_INK",
     "TIP_REACH",
-    "loads_at",
     "recorded_amount",
     "recorded_brush",
     "recorded_ink",
-    "recorded_loads",
-    "recorded_strengths",
     "recorded_tip",
+    "told_at",
 ]
 
 TIP_REACH = 0.35  # of the tuft's length that a tip is dipped, where nothing is said
+LEAST_INK = 1e-4
+"""Share of ink in water, that a brush is thinned to at the least."""
 
 
 def recorded_brush(header: Mapping[str, Any]) -> BrushSpec | None:
@@ -100,55 +101,41 @@ def recorded_amount(header: Mapping[str, Any]) -> DipAmount:
         raise RecordingError(f"the header: {cause}") from None
 
 
-def recorded_loads(header: Mapping[str, Any]) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-    """When the brush comes to hold how much, beyond what dips and its way make of it.
+def told_at(
+    header: Mapping[str, Any], time_ns: NDArray[np.int64]
+) -> tuple[list[tuple[int, float]], list[tuple[int, float]]]:
+    """What a header tells of samples at times: its ``loads``, and its ``strengths``.
 
     Returns
     -------
-    (K,) int64
-        Times, ns, growing.
-    (K,) float64
-        Shares of what a dip gives, 0 to 1.
+    loads, strengths : list of (int, float)
+        From which sample on the brush holds which share of a dip, and which share of ink, the rest
+        being water; none beyond the last sample.
 
     Raises
     ------
     RecordingError
-        If they are no such pairs.
+        If they are no pairs of a time (ns) and a share, in the order of time.
     """
-    return _told_in(header, "loads")
+    loads = _told_in(header, "loads", 0.0, time_ns)
+    return loads, _told_in(header, "strengths", LEAST_INK, time_ns)
 
 
-def recorded_strengths(
-    header: Mapping[str, Any],
-) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-    """When the brush comes to hold how much ink in water; returns and raises as `recorded_loads`.
-
-    The shares are of the mixture that it was dipped in; the rest is water.
-    """
-    return _told_in(header, "strengths")
-
-
-def _told_in(header: Mapping[str, Any], name: str) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+def _told_in(
+    header: Mapping[str, Any], name: str, least: float, time_ns: NDArray[np.int64]
+) -> list[tuple[int, float]]:
     told = header.get(name, [])
-    expected = "pairs of a time (ns) and a share from 0 to 1, in the order of time"
+    expected = f"pairs of a time (ns) and a share from {least:g} to 1, in the order of time"
     try:
         times = np.array([when for when, _ in told], np.int64)
-        shares = np.array([as_number(share, "share", 0.0, 1.0) for _, share in told], np.float64)
+        shares = [as_number(share, "share", least, 1.0) for _, share in told]
     except (TypeError, ValueError, OverflowError, InputError):
         raise RecordingError(f"the header's {name} are {told!r:.60}; expected {expected}") from None
     whole = all(type(when) is int for when, _ in told)
     if not (whole and (times[1:] > times[:-1]).all()):
         raise RecordingError(f"the header's {name} are {told!r:.60}; expected {expected}")
-    return times, shares
-
-
-def loads_at(
-    time_ns: NDArray[np.int64], when: NDArray[np.int64], shares: NDArray[np.float64]
-) -> list[tuple[int, float]]:
-    """The sample from which on each share is held, of samples at times; none beyond the last."""
-    at = np.searchsorted(time_ns, when)
-    told = [(int(k), float(share)) for k, share in zip(at, shares, strict=True)]
-    return [one for one in told if one[0] < len(time_ns)]
+    at = np.searchsorted(time_ns, times)
+    return [(int(k), share) for k, share in zip(at, shares, strict=True) if k < len(time_ns)]
 
 
 def _named_in(header: Mapping[str, Any], what: str) -> str | None:

@@ -92,8 +92,8 @@ def _check_recording(suffix: str, content: bytes) -> None:
         recorded_amount,
         recorded_brush,
         recorded_ink,
-        recorded_loads,
         recorded_tip,
+        told_at,
     )
     from paint3d.recording.recording import load_recording
 
@@ -107,8 +107,8 @@ def _check_recording(suffix: str, content: bytes) -> None:
     assert tip is None or 0.0 <= tip[1] <= 1.0
     recorded_ink(recording.header)
     assert math.isfinite(recorded_amount(recording.header).fullness)
-    times, shares = recorded_loads(recording.header)
-    assert len(times) == len(shares)
+    for told in told_at(recording.header, recording.time_ns):
+        assert all(k < len(recording) and 0.0 <= share <= 1.0 for k, share in told)
 
 
 # -- meshes ---------------------------------------------------------------------------------------

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,9 +15,17 @@ pytest.importorskip("svgelements", reason="svgelements is not installed")
 from PIL import Image
 from PySide6 import QtCore, QtGui, QtTest, QtWidgets
 
+from paint3d.app.model.error_texts import in_chinese
 from paint3d.app.window.dialogs.questions import Answer
+from paint3d.app.window.dialogs.stroke_view import Taken
 from paint3d.app.window.dialogs.strokes_dialog import StrokesDialog
-from paint3d.calligraphy.page.strokes_file import load_strokes
+from paint3d.calligraphy.glyphs import Glyph, GlyphStroke
+from paint3d.calligraphy.page.correcting import CorrectedPage
+from paint3d.calligraphy.page.opening import opened_page
+from paint3d.calligraphy.page.page import Piece
+from paint3d.calligraphy.page.strokes_file import load_strokes, save_strokes
+from paint3d.calligraphy.photo.sheet import checked_corners
+from paint3d.errors import InputError
 from tests.support.app.gestures import BUTTON, KIND, answer, live, mouse, pen, wait_for
 from tests.support.app.windows import opened
 
@@ -306,6 +316,154 @@ def test_corners_are_dragged_and_the_strokes_found_anew(window, sheet) -> None:
 
     correct(window, act)
     assert len(ways(window)) == 1
+
+
+def test_corners_that_show_no_sheet_stay_to_be_mended(window, sheet) -> None:
+    told: list[str] = []
+
+    def read(box) -> None:
+        told.append(box.text())
+        box.accept()
+
+    def act(dialog) -> None:
+        key(dialog, KEY.Key_C)
+        crossed = dialog.corners.corners[[1, 0, 2, 3]]
+        dialog.corners.show_corners(crossed)
+        answer(read, QtWidgets.QMessageBox)
+        key(dialog, KEY.Key_Return)
+        wait_for(lambda: told)
+        live(0.05)
+        assert dialog.corners.isVisible()
+        np.testing.assert_array_equal(dialog.corners.corners, crossed)
+        assert dialog.buttons["corners"].isChecked()
+        key(dialog, KEY.Key_Escape)
+        assert dialog.view.isVisible()
+        assert not dialog.is_changed
+        dialog.reject()
+
+    correct(window, act)
+    assert "corners" in told[0]
+
+
+def test_another_correction_ends_a_join_that_was_begun(window, drawing) -> None:
+    def act(dialog) -> None:
+        key(dialog, KEY.Key_J)
+        for other in (1, 2, 1):  # never itself
+            assert dialog.view.other == other
+            key(dialog, KEY.Key_Right)
+        key(dialog, KEY.Key_R)
+        assert dialog.view.other is None
+        assert not dialog.buttons["join"].isChecked()
+        key(dialog, KEY.Key_Z, CONTROL)
+        key(dialog, KEY.Key_J)
+        click(dialog, place_on(dialog, 0))
+        assert "itself" in dialog.told.text()
+        assert dialog.view.other == 1
+        key(dialog, KEY.Key_Escape)
+        use(dialog)
+
+    correct(window, act)
+    assert len(ways(window)) == 3
+
+
+def test_what_is_used_as_it_was_lies_as_it_lay(window, drawing) -> None:
+    """And what was written after it stays judged."""
+    before = window.panels.copybook.copybook
+    correct(window, use)
+    assert window.panels.copybook.copybook is before
+
+
+def test_a_drag_moves_the_picture_and_keys_show_it_from_near(window, drawing) -> None:
+    def act(dialog) -> None:
+        view, chosen = dialog.view, dialog.chosen
+        scale, there = view.scale, place_on(dialog, 2)
+        x, y = there.x(), there.y()
+        mouse(view, KIND.MouseButtonPress, x, y, BUTTON.LeftButton, BUTTON.LeftButton)
+        mouse(view, KIND.MouseMove, x + 40.0, y - 25.0, buttons=BUTTON.LeftButton)
+        mouse(view, KIND.MouseButtonRelease, x + 40.0, y - 25.0, BUTTON.LeftButton)
+        moved = place_on(dialog, 2) - there
+        assert (moved.x(), moved.y()) == pytest.approx((40.0, -25.0))
+        assert dialog.chosen == chosen
+        key(dialog, KEY.Key_Plus)
+        assert view.scale == pytest.approx(1.25 * scale)
+        key(dialog, KEY.Key_Minus)
+        key(dialog, KEY.Key_Minus)
+        assert view.scale == pytest.approx(scale / 1.25)
+        key(dialog, KEY.Key_0)
+        assert view.scale == pytest.approx(scale)
+        assert place_on(dialog, 2) == there
+        use(dialog)
+
+    correct(window, act)
+
+
+def test_numbers_cover_no_other() -> None:
+    """And of many only near ones are looked at."""
+    rng = np.random.default_rng(20)
+    taken, there = Taken(), []
+    for x, y in rng.uniform(-60.0, 60.0, (200, 2)):
+        is_free = all(np.hypot(x - a, y - b) > 18.0 for a, b in there)
+        assert taken.is_free(QtCore.QPointF(x, y)) == is_free
+        if is_free:
+            taken.add(QtCore.QPointF(x, y))
+            there.append((x, y))
+    assert len(there) > 10
+
+
+def test_a_corner_goes_by_one_pixel_or_ten_and_not_off_the_picture(window, sheet) -> None:
+    def act(dialog) -> None:
+        key(dialog, KEY.Key_C)
+        corners = dialog.corners
+        before = corners.corners.copy()
+        key(dialog, KEY.Key_3)
+        key(dialog, KEY.Key_Up)
+        key(dialog, KEY.Key_Left, QtCore.Qt.KeyboardModifier.ShiftModifier)
+        np.testing.assert_allclose(corners.corners - before, [[0, 0], [0, 0], [-10, -1], [0, 0]])
+        key(dialog, KEY.Key_W)
+        assert not (dialog.whole.isChecked() or dialog.whole.isEnabled())
+        for _ in range(3):
+            key(dialog, KEY.Key_Right, QtCore.Qt.KeyboardModifier.ShiftModifier)
+        assert corners.corners[2, 0] == 300.0
+        key(dialog, KEY.Key_Escape)
+        assert not dialog.is_changed
+        dialog.reject()
+
+    correct(window, act)
+
+
+def test_what_is_refused_here_is_said_in_chinese(drawing) -> None:
+    page = CorrectedPage.of(opened_page(str(drawing)))
+    flat = GlyphStroke(np.array([[0, 0], [9, 0], [5, 0.0]]), np.array([[0, 0], [9, 0.0]]))
+    empty = Piece(Glyph("", (flat, flat), (0.0, 0.0, 9.0, 9.0)), (0.0, 0.0))
+    bare = CorrectedPage.of(replace(page.base, pieces=(empty,)))
+    end = page.strokes[0].stroke.median[0]
+    corners = np.array([[0.0, 0.0], [90.0, 0.0], [90.0, 90.0], [0.0, 90.0]])
+    for refused in (
+        lambda: page.join(0, 0), lambda: page.split(0, end), lambda: bare.join(0, 1),
+        lambda: bare.split(0, (4.0, 0.0)), lambda: checked_corners(corners[[1, 0, 2, 3]], (99, 99)),
+        lambda: checked_corners(9.0 * corners, (99, 99)),
+    ):  # fmt: skip
+        with pytest.raises(InputError) as found:
+            refused()
+        assert not in_chinese(str(found.value)).startswith("未能完成"), str(found.value)
+
+
+def test_ink_far_from_its_box_is_seen(window, drawing, tmp_path: Path) -> None:
+    file = tmp_path / "off.strokes.json"
+    page = opened_page(str(drawing))
+    save_strokes(page, file)
+    told = json.loads(file.read_text(encoding="utf-8"))
+    for piece in told["pieces"]:
+        piece["box"] = [8000.0, 8000.0, 9000.0, 9000.0]
+    file.write_text(json.dumps(told), encoding="utf-8")
+    assert window.copying.layout_file(str(file), 5.0)
+
+    def act(dialog) -> None:
+        room = QtCore.QRectF(dialog.view.rect())
+        assert all(room.contains(place_on(dialog, k)) for k in range(3))
+        use(dialog)
+
+    correct(window, act)
 
 
 def test_known_characters_have_no_picture_to_correct(window) -> None:

@@ -83,6 +83,17 @@ def test_parts_of_a_split_stroke_are_its_ink_and_joined_it_again(stroke, share) 
     assert len(back.dryness) == max(len(whole.dryness), 2 * bool(whole.dryness))
 
 
+@pytest.mark.parametrize("share", [0.125, 0.7])
+def test_a_line_that_comes_back_on_itself_is_cut(share) -> None:
+    page = CorrectedPage.of(page_of([ribbon([(94, 80), (80, 919), (94, 80)], 15.0)]))
+    whole = page.strokes[0].stroke
+    place = LineString(whole.median).interpolate(share, normalized=True)
+    one, other = (part.stroke for part in page.split(0, (place.x, place.y)).strokes)
+    both = unary_union([region(one), region(other)])
+    assert both.symmetric_difference(region(whole)).area < 2e-4 * region(whole).area
+    assert min(region(one).area, region(other).area) > 1000.0
+
+
 @settings(max_examples=25, deadline=None)
 @given(strokes())
 def test_reversed_twice_it_is_the_same(stroke) -> None:
@@ -125,6 +136,7 @@ def test_a_move_stops_at_the_ends_of_its_piece() -> None:
     assert at == 2
     assert moved.strokes[2] is page.strokes[3]
     assert page.number(3) == (2, 2)
+    assert page.numbers == [page.number(k)[0] for k in range(4)] == [1, 2, 1, 2]
     assert page.text(3) == "2"
 
 
@@ -167,6 +179,16 @@ def test_strokes_join_at_their_nearest_ends_in_the_first_ones_direction() -> Non
     assert 0.0 < bridge < 40 * 60  # narrower than they are
     with pytest.raises(InputError, match="itself"):
         page.join(0, 0)
+
+
+def test_what_has_no_area_is_not_joined() -> None:
+    flat = GlyphStroke(np.array([[0, 0], [9, 0], [5, 0.0]]), np.array([[0, 0], [0, 0.0]]))
+    page = CorrectedPage.of(page_of([flat, flat, ribbon([(100, 500), (400, 500)], 40)]))
+    for k, other in ((0, 1), (0, 2), (2, 0)):
+        with pytest.raises(InputError, match="without area"):
+            page.join(k, other)
+    with pytest.raises(InputError, match="between its ends"):
+        page.split(0, (0.0, 0.0))
 
 
 def test_a_stroke_joined_to_one_of_another_piece_stays_where_it_lies() -> None:

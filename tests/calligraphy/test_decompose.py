@@ -197,6 +197,13 @@ def test_a_shape_that_joins_strokes_keeps_its_own():
     assert forward[0, 1] > forward[-1, 1]
 
 
+@pytest.mark.parametrize("shape", [Point(0, 0).buffer(50), box(0, 0, 400, 20)])
+def test_a_template_that_is_a_point_is_laid_over_a_shape(shape):
+    point = Glyph("?", (GlyphStroke(np.empty((0, 2)), np.full((2, 2), 7.0)),))
+    (stroke,) = decompose(ink(shape), template=point)
+    assert np.isfinite(stroke.median).all()
+
+
 def test_a_template_without_strokes_is_none():
     shape = ink(box(0, 45, 100, 55), box(45, 0, 55, 100))
     bare = decompose(shape, template=Glyph("?", ()))

@@ -5,7 +5,7 @@ import pytest
 import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from shapely import LineString, MultiPolygon
+from shapely import LineString, MultiPolygon, Polygon
 
 from paint3d.calligraphy.glyph_sources import open_glyphs
 from paint3d.calligraphy.glyphs import GlyphStroke
@@ -13,7 +13,9 @@ from paint3d.calligraphy.shapes.arabic_ductus import PlacedLetter, body_strokes,
 from paint3d.calligraphy.shapes.continuation import resampled
 from paint3d.calligraphy.shapes.decompose import decompose
 from paint3d.calligraphy.shapes.ductus import known_strokes
+from paint3d.calligraphy.shapes.regions import Piece
 from paint3d.calligraphy.shapes.registration import register, tangents_of
+from paint3d.calligraphy.shapes.transfer import KnownStrokes, in_known_order
 from tests.support.found_strokes import as_listed
 
 SOURCE = open_glyphs(None)
@@ -136,3 +138,18 @@ def test_a_slanted_letter_is_found_by_its_slant():
     found = register(lines, np.concatenate(leaned), tangents, start="slanted")
     for line, wanted in zip(found, leaned, strict=True):
         assert np.linalg.norm(line[[0, -1]] - wanted[[0, -1]], axis=1).max() < 25.0
+
+
+def test_strokes_along_one_way_follow_each_other_by_their_starts():
+    way = resampled(np.array([[1000.0, 0.0], [0.0, 0.0]]), 5.0)
+    known = KnownStrokes(
+        way, tangents_of(way), np.zeros(len(way), int), np.linspace(0.0, 1.0, len(way)), 1, 50.0
+    )
+    long, short = (
+        Piece(np.array([[first, 0.0], [last, 0.0]]), Polygon()) for first, last in
+        ((1000.0, 100.0), (800.0, 650.0))
+    )  # fmt: skip
+    pairs = [(short, None), (long, None)]
+    for by_start, wanted in ((True, [1000.0, 800.0]), (False, [800.0, 1000.0])):
+        ordered = in_known_order(pairs, known, by_start=by_start)
+        assert [float(piece.line[0, 0]) for piece in ordered] == wanted

@@ -17,6 +17,7 @@ from paint3d.calligraphy.page.page import Page, Piece
 from paint3d.calligraphy.page.strokes_file import load_strokes, save_strokes
 from paint3d.calligraphy.photo.copying import Asked, copy_sheet
 from paint3d.calligraphy.photo.likeness import strength_of_both
+from paint3d.calligraphy.photo.rehearsal import rehearsed
 from paint3d.calligraphy.writing import Pen, Written, write_page
 from paint3d.errors import InputError, RecordingError
 from paint3d.files.load import load_mesh
@@ -87,6 +88,31 @@ def test_the_next_dip_is_in_the_ink_itself() -> None:
         painter.thin_to(1.5)
 
 
+@pytest.mark.parametrize("ink", ["pine soot:1,water:1", {"pine soot": 1.0, "water": 1.0}])
+def test_ink_that_is_thin_already_becomes_thinner(ink) -> None:
+    surface = PaintedSurface(load_mesh("plane"), 2.0, "porcelain")
+    painter = Painter(surface, "xiaokai", ink)
+    painter.thin_to(0.5)
+    held = dict(zip((p.name for p in surface.pigments), surface.ink.load, strict=True))
+    assert held["pine soot"] == pytest.approx(0.25 * surface.ink.load.sum())
+
+
+def test_a_tip_of_another_ink_stays_one() -> None:
+    surface = PaintedSurface(load_mesh("plane"), 2.0, "porcelain")
+    painter = Painter(surface, "xiaokai", "pine soot")
+    painter.dip("cinnabar", 0.5)
+    before = surface.ink.reservoirs.copy()
+    dips = painter.dips
+    for _ in range(2):  # of what it was dipped in, not of what it holds
+        painter.thin_to(0.5)
+        names = [p.name for p in surface.pigments]
+        now = surface.ink.reservoirs[:, [names.index("pine soot"), names.index("cinnabar")]]
+        np.testing.assert_allclose(now, 0.5 * before, atol=1e-9)
+    assert painter.dips == dips
+    painter.thin_to(1.0)
+    np.testing.assert_allclose(surface.ink.reservoirs[:, : before.shape[1]], before, atol=1e-9)
+
+
 def test_the_stronger_the_less_water() -> None:
     share = diluted(np.linspace(0.05, 1.0, 20))
     assert share[-1] == 1.0
@@ -106,9 +132,19 @@ def test_the_header_tells_each_stroke_once_and_is_read_again(tmp_path) -> None:
     assert [share for _, share in told] == pytest.approx(diluted(np.array(STRENGTHS)), abs=1e-4)
     save_recording(recording, tmp_path / "a.jsonl")
     assert load_recording(tmp_path / "a.jsonl").header["strengths"] == told
-    broken = replace(recording, header={**recording.header, "strengths": [[0, 2.0]]})
-    with pytest.raises(RecordingError, match="strengths"):
-        painted(broken)
+    for share in (0.0, 2.0, float("nan")):
+        broken = replace(recording, header={**recording.header, "strengths": [[0, share]]})
+        with pytest.raises(RecordingError, match="strengths"):
+            painted(broken)
+
+
+def test_a_strength_that_changes_at_once_is_told_at_once() -> None:
+    recording = written().recording
+    strength = np.full(len(recording), np.nan)
+    strength[10:20], strength[20:30], strength[40:50] = 1.0, 0.5, 0.5
+    told = with_strengths(recording, strength).header["strengths"]
+    assert [when for when, _ in told] == recording.time_ns[[10, 20, 40]].tolist()
+    assert told[1][1] == told[2][1] == pytest.approx(diluted(0.5), abs=1e-4)
 
 
 def test_files_keep_the_strength_and_so_do_corrections(tmp_path) -> None:
@@ -143,6 +179,27 @@ def test_a_scan_tells_how_strong_each_stroke_is() -> None:
     pytest.importorskip("skimage")
     found = [one.strength for piece in scanned().page.pieces for one in piece.glyph.strokes]
     np.testing.assert_allclose(sorted(found), sorted(STRENGTHS[:3]), atol=0.1)
+
+
+def test_strokes_of_a_rubbing_hold_no_ink() -> None:
+    pytest.importorskip("skimage")
+    pixels = np.full((640, 520, 3), 30, np.uint8)
+    for k, level in enumerate((230, 130, 110)):
+        pixels[120 + 190 * k : 138 + 190 * k, 150:370] = level
+    sheet = copy_sheet(pixels, "r", Asked(whole=True, invert=True))
+    strokes = [one for piece in sheet.page.pieces for one in piece.glyph.strokes]
+    assert len(strokes) > 1
+    assert {one.strength for one in strokes} == {1.0}
+
+
+def test_of_a_stroke_that_left_no_ink_a_trial_tells_nothing() -> None:
+    pytest.importorskip("skimage")
+    sheet = scanned()
+    plan = write_page(load_mesh("plane"), sheet.page, Pen(load_brush("xiaokai"), EM_MM))
+    bare = PaintedSurface(load_mesh("plane"), 2.0, "xuan")
+    bare.refresh()
+    after = rehearsed(sheet, plan, lambda _: bare, 1)
+    np.testing.assert_allclose(after.strength, plan.strength)
 
 
 def test_a_trial_brings_the_strength_nearer() -> None:

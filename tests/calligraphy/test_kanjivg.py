@@ -1,5 +1,7 @@
 """Centre lines from SVG, their segments, and the outlines that a brush gives them."""
 
+import sys
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -23,6 +25,13 @@ FOLD = np.array([[200.0, 700.0], [700.0, 720.0], [680.0, 100.0]])
 
 def svg(*paths):
     return HEAD + "".join(paths) + "</svg>"
+
+
+def test_a_place_that_cannot_be_looked_at_is_passed_over(monkeypatch):
+    known = find_kanjivg()
+    monkeypatch.setattr(sys, "path", ["/" + 5000 * "a", *sys.path])
+    find_kanjivg.cache_clear()
+    assert find_kanjivg() == known
 
 
 def test_paths_become_lines_in_glyph_units():

@@ -52,6 +52,10 @@ PATTERNS: tuple[tuple[str, str], ...] = (
      "{p}：文件已改动，颜料按现在的内容"),
     (r"the cut lies at the stroke's end; expected .*", "分处在笔画的端头，应在两端之间"),
     (r"the cut parts nothing; expected .*", "此处分不开，应在笔画的墨迹之内"),
+    (r"a stroke was to be joined to itself; expected .*", "不能与自身合笔，请选另一笔"),
+    (r"a stroke without area was to be joined; expected .*", "这一笔没有墨迹，不能合笔"),
+    (r"corners are .*; expected places in it", "四角应在照片之内"),
+    (r"corners are .*; expected four, one after another .*", "四角应依次绕纸一周"),
     (r"dish (?P<a>\d+) is empty; expected ink in it", "墨碟 {a} 是空的"),
 )  # fmt: skip
 """English, as a pattern, and the Chinese that says the same; r is a system's reason."""

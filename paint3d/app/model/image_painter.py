@@ -43,9 +43,11 @@ class ImagePainter:
         self._held = ink.load.copy(), ink.reservoirs.copy()
         painter.loaded += painter.in_brush()
 
-    def expect_loads(self, loads: Sequence[tuple[int, float]]) -> None:
-        """See `Painter.expect_loads`."""
-        self._twin.expect_loads(loads)
+    def expect(
+        self, loads: Sequence[tuple[int, float]], strengths: Sequence[tuple[int, float]]
+    ) -> None:
+        """See `Painter.expect`."""
+        self._twin.expect(loads, strengths)
 
     def advance(
         self, samples: Sequence[DeviceSample], then: Callable[[], None] = lambda: None

@@ -9,13 +9,14 @@ from paint3d.app.model.image_painter import ImagePainter
 from paint3d.app.model.input.symmetry import Symmetry
 from paint3d.app.model.loan import Loan
 from paint3d.app.model.mask import Mask, Stencil
-from paint3d.app.model.stroke_log import Stroke, StrokeLog, checked_loads, parts_of
+from paint3d.app.model.stroke_log import Stroke, StrokeLog, checked_pairs, parts_of
 from paint3d.brush.spec import BrushSpec
 from paint3d.colour.pigments import Pigment
 from paint3d.device.sample import DeviceSample
 from paint3d.errors import InputError
 from paint3d.painter.ink_time import LOOKAHEAD
 from paint3d.painter.painter import Painter
+from paint3d.painter.recorded_tools import LEAST_INK
 from paint3d.surface.layer_stack import Layer
 from paint3d.surface.painted_surface import PaintedSurface
 from paint3d.surface.undo import UndoHistory
@@ -76,6 +77,7 @@ class StrokeCommands:
         brush: BrushSpec | None = None,
         ink: str | Pigment | Mapping[Any, float] | None = None,
         loads: Sequence[tuple[int, float]] = (),
+        strengths: Sequence[tuple[int, float]] = (),
     ) -> None:
         """Start a stroke: a step that can be undone.
 
@@ -90,32 +92,34 @@ class StrokeCommands:
         loads : sequence of (int, float)
             How much the brush comes to hold at samples of the stroke, counted from 0: a share, 0 to
             1, of what a dip gives.
+        strengths : sequence of (int, float)
+            The same for what share of the ink it then is, the rest being water, until the next dip.
 
         Raises
         ------
         InputError
-            If one is going on, the layer is locked or hidden, or the loads are no such pairs. In
-            that case samples are passed over until `end_stroke` or `cancel_stroke`: they belong to
-            the stroke that was refused.
+            If one is going on, the layer is locked or hidden, or loads or strengths are no such
+            pairs. In that case samples are passed over until `end_stroke` or `cancel_stroke`: they
+            belong to the stroke that was refused.
         """
         self._refuse_in_stroke("a stroke")
         self._come_back()
         self._refused = True
-        told = checked_loads(loads)
+        told = checked_pairs("loads", loads), checked_pairs("strengths", strengths, LEAST_INK)
         layer = self._paintable()
         painter = self.painter
         stroke = self._log.begin(
             painter.brush, painter.dipped, layer.name, self._dipped, time_s, painter.amount
         )
-        stroke.loads = told
+        stroke.loads, stroke.strengths = told
         self._undo.begin(stroke)
         if brush is not None or ink is not None:
             self._borrow(stroke, brush, ink)
         self._refused = self._dipped = False
         self._images = [ImagePainter(painter, image) for image in self.symmetry.images()]
-        painter.expect_loads(told)
+        painter.expect(*told)
         for image in self._images:
-            image.expect_loads(told)
+            image.expect(*told)
 
     def _borrow(
         self,

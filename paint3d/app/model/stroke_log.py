@@ -20,13 +20,13 @@ from paint3d.device.recorded import Recording
 from paint3d.device.sample import DIP, DeviceSample
 from paint3d.errors import InputError, RecordingError, SessionError
 from paint3d.painter.ink_time import PIECE_NS
-from paint3d.painter.recorded_tools import loads_at, recorded_loads
+from paint3d.painter.recorded_tools import told_at
 from paint3d.pose.brush_pose import contacts_of
 
 __all__ = [
     "Stroke",
     "StrokeLog",
-    "checked_loads",
+    "checked_pairs",
     "names_apart",
     "parts_of",
     "recording_of",
@@ -60,6 +60,8 @@ class Stroke:
         What else is known, as JSON holds it: character, participant, device set ...
     loads : tuple of (int, float)
         How much the brush came to hold at samples, shares of a dip, where that was told.
+    strengths : tuple of (int, float)
+        What share of the ink it was then, the rest being water, where that was told.
     """
 
     time_s: float
@@ -71,6 +73,7 @@ class Stroke:
     samples: list[DeviceSample] = field(default_factory=list)
     tags: dict[str, object] = field(default_factory=dict)
     loads: tuple[tuple[int, float], ...] = ()
+    strengths: tuple[tuple[int, float], ...] = ()
 
     @property
     def duration_s(self) -> float:
@@ -84,22 +87,28 @@ class Stroke:
         own: dict[str, object] = {}
         if self.amount != DipAmount():
             own["dip"] = self.amount.words()
-        if self.loads:
-            own["loads"] = self.loads_in_time()
-        return own | {
-            "brush": brush or self.brush.name,
-            "ink": max(self.ink, key=self.ink.__getitem__) if self.ink else None,
-            "parts": dict(self.ink),
-            "layer": self.layer,
-            "time_s": self.time_s,
-            "dipped": self.dipped,
-            "tags": dict(self.tags),
-        }
+        return (
+            own
+            | self.told_in_time()
+            | {
+                "brush": brush or self.brush.name,
+                "ink": max(self.ink, key=self.ink.__getitem__) if self.ink else None,
+                "parts": dict(self.ink),
+                "layer": self.layer,
+                "time_s": self.time_s,
+                "dipped": self.dipped,
+                "tags": dict(self.tags),
+            }
+        )
 
-    def loads_in_time(self, shift: int = 0) -> list[list[float]]:
-        """Its loads as a recording's header tells them, times moved by `shift` ns."""
-        known = [one for one in self.loads if one[0] < len(self.samples)]
-        return [[self.samples[k].time_ns + shift, share] for k, share in known]
+    def told_in_time(self, shift: int = 0) -> dict[str, list[list[float]]]:
+        """Loads and strengths as a recording's header tells them, times moved by `shift` ns."""
+        told = {}
+        for name, pairs in (("loads", self.loads), ("strengths", self.strengths)):
+            known = [one for one in pairs if one[0] < len(self.samples)]
+            if known:
+                told[name] = [[self.samples[k].time_ns + shift, share] for k, share in known]
+        return told
 
     def recording(self, brush: str = "") -> Recording:
         """The stroke by itself; see `header`."""
@@ -204,35 +213,37 @@ class StrokeLog:
         if not strokes:
             return None
         samples: list[DeviceSample] = []
-        loads: list[list[float]] = []
+        told: dict[str, list[list[float]]] = {}
         shift = 0
         for stroke in strokes:
             own = _whole(stroke)
             if samples:
                 shift = _shift(samples[-1].time_ns, own[0].time_ns, shift)
             samples += [_with(s, time_ns=s.time_ns + shift) for s in own] if shift else own
-            loads += stroke.loads_in_time(shift)
-        told = {"loads": loads} if loads else {}
+            for name, pairs in stroke.told_in_time(shift).items():
+                told[name] = [*told.get(name, []), *pairs]
         return recording_of(samples, {**strokes[0].header(), **told, "object": object_name})
 
 
-def checked_loads(loads: Sequence[tuple[int, float]]) -> tuple[tuple[int, float], ...]:
-    """Loads at samples of a stroke.
+def checked_pairs(
+    name: str, told: Sequence[tuple[int, float]], least: float = 0.0
+) -> tuple[tuple[int, float], ...]:
+    """What is told of samples of a stroke, shares from `least` to 1.
 
     Raises
     ------
     InputError
         If they are no pairs of a sample and a share, one sample after the other.
     """
-    expected = "pairs of a sample, counted from 0, and a share from 0 to 1, in order"
+    expected = f"pairs of a sample, counted from 0, and a share from {least:g} to 1, in order"
     try:
-        told = [(k, as_number(share, "share", 0.0, 1.0)) for k, share in loads]
+        pairs = [(k, as_number(share, "share", least, 1.0)) for k, share in told]
     except (TypeError, ValueError, InputError):
-        raise InputError(f"loads are {loads!r:.60}; expected {expected}") from None
-    whole = all(type(k) is int and k >= 0 for k, _ in told)
-    if not whole or any(b <= a for (a, _), (b, _) in pairwise(told)):
-        raise InputError(f"loads are {loads!r:.60}; expected {expected}")
-    return tuple(told)
+        raise InputError(f"{name} are {told!r:.60}; expected {expected}") from None
+    whole = all(type(k) is int and k >= 0 for k, _ in pairs)
+    if not whole or any(b <= a for (a, _), (b, _) in pairwise(pairs)):
+        raise InputError(f"{name} are {told!r:.60}; expected {expected}")
+    return tuple(pairs)
 
 
 def _whole(stroke: Stroke) -> list[DeviceSample]:
@@ -315,11 +326,11 @@ def _stroke_of(recording: Recording, brushes: Mapping[str, Mapping[str, Any]]) -
         words = brushes.get(name)
         brush = load_brush(name, own_files=False) if words is None else brush_from_words(words)
         ink = {str(k): float(w) for k, w in header["parts"].items()}
-        loads = loads_at(recording.time_ns, *recorded_loads(header)) if "loads" in header else []
+        loads, strengths = told_at(header, recording.time_ns)
         return Stroke(
             float(header["time_s"]), brush, ink, str(header["layer"]), bool(header["dipped"]),
             DipAmount.of(header.get("dip", {})), list(recording.samples()), dict(header["tags"]),
-            tuple(loads),
+            tuple(loads), tuple(strengths),
         )  # fmt: skip
     except (
         KeyError, TypeError, ValueError, AttributeError, InputError, RecordingError

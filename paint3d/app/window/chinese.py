@@ -237,7 +237,7 @@ CHINESE = {
     "Drag them, and find the strokes anew": "拖动四角，重新寻找笔画",
     "As a file that can be written and corrected": "存为可写、可改的文件",
     "Finding the strokes…": "正在寻找笔画…", "There are no strokes": "没有笔画",
-    "{piece}: stroke {k} of {n}": "{piece}：第 {k} 笔，共 {n} 笔",
+    "{piece}: stroke {k} of {n}": "字“{piece}”：第 {k} 笔，共 {n} 笔",
     "Click a stroke, or go through them by ← and →. Each begins at its number.":
         "单击一笔，或用 ← → 逐笔选择。每笔从编号处起笔。",
     "Click the stroke to join it to, or choose by ← and → and press Return.":

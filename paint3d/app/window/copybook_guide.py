@@ -88,7 +88,7 @@ class CopybookGuide:
         dialog = StrokesDialog(workspace.window, workspace.theme, page, photographed, beside)
         accepted = dialog.exec()
         dialog.deleteLater()
-        if accepted:
+        if accepted and dialog.is_changed:  # else what was written after them stays judged
             corrected = dialog.page
             now = _Laid(laid.em_mm, laid.layout, laid.file, dialog.photographed)
             self._lay(lambda: corrected, now)

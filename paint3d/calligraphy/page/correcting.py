@@ -89,6 +89,16 @@ class CorrectedPage:
         mine = self._of_piece(self.strokes[k].piece)
         return mine.index(k) + 1, len(mine)
 
+    @property
+    def numbers(self) -> list[int]:
+        """Of every stroke its place in its piece, counted from 1."""
+        counts = [0] * len(self.base.pieces)
+        numbers = []
+        for one in self.strokes:
+            counts[one.piece] += 1
+            numbers.append(counts[one.piece])
+        return numbers
+
     def text(self, k: int) -> str:
         """Of the piece that a stroke belongs to."""
         return self.base.pieces[self.strokes[k].piece].glyph.text
@@ -134,7 +144,7 @@ class CorrectedPage:
         Raises
         ------
         InputError
-            If they are the same.
+            If they are the same, or one has no area.
         """
         if k == other:
             raise InputError("a stroke was to be joined to itself; expected another one")
@@ -349,12 +359,15 @@ def _parted(region: Polygon, median: AnyArray, cut: float) -> tuple[Polygon, Pol
     after = np.arange(cut + 0.5 * step, length, step)
     if not len(before) or not len(after):
         before, after = np.array([0.5 * cut]), np.array([1.5 * cut])
-    points = shapely.points(_at(median, np.concatenate([before, after])))
+    places = np.round(_at(median, np.concatenate([before, after])) / _GRID) * _GRID
+    _, first = np.unique(places, axis=0, return_index=True)  # of a line that comes back on itself
+    kept = np.sort(first)
+    points = shapely.points(places[kept])
     cells = shapely.get_parts(
         shapely.voronoi_polygons(shapely.multipoints(points), extend_to=region)
     )
     of_point, cell = shapely.STRtree(cells).query(points, predicate="within")
-    mine = shapely.union_all(cells[cell[of_point < len(before)]])
+    mine = shapely.union_all(cells[cell[kept[of_point] < len(before)]])
     one = shapely.intersection(region, mine, grid_size=_GRID)
     other = shapely.difference(region, mine, grid_size=_GRID)
     return _two_wholes(_polygons(one), _polygons(other))
@@ -364,7 +377,8 @@ def _polygons(shape: Any) -> list[Polygon]:
     """The areas of a shape, largest first."""
     import shapely
 
-    areas = [part for part in shapely.get_parts(shape) if part.geom_type == "Polygon"]
+    parts = shapely.get_parts(shape)
+    areas = [part for part in parts if part.geom_type == "Polygon" and not part.is_empty]
     return sorted(areas, key=lambda part: -part.area)
 
 
@@ -418,6 +432,8 @@ def _joined(one: GlyphStroke, other: GlyphStroke) -> GlyphStroke:
     gaps = [float(np.linalg.norm(a.median[-1] - b.median[0])) for a, b in pairs]
     a, b = pairs[int(np.argmin(gaps))]
     shapes = _region(a), _region(b)
+    if min(shape.area for shape in shapes) <= 0.0:
+        raise InputError("a stroke without area was to be joined; expected one with ink")
     merged = _polygons(shapes[0].union(shapes[1], grid_size=_GRID))
     lengths = [float(_way(part.median)[-1]) for part in (a, b)]
     region = merged[0]
@@ -429,7 +445,7 @@ def _joined(one: GlyphStroke, other: GlyphStroke) -> GlyphStroke:
     dryness: tuple[float, ...] = ()
     if a.dryness or b.dryness:
         dryness = _one_after_another((a.dryness, b.dryness), lengths)
-    strength = float(np.average([a.strength, b.strength], weights=lengths))
+    strength = float(np.average([a.strength, b.strength], weights=np.maximum(lengths, 1e-9)))
     return _as_stroke(region, np.concatenate([a.median, following]), dryness, strength)
 
 

@@ -141,7 +141,8 @@ def copy_sheet(pixels: NDArray[np.uint8], name: str, asked: Asked | None = None)
     per_unit = _em_of(found) / EM_UNITS
     origin = np.array([0.0, float(sheet.shape[0])])
     pieces = [_piece(one, ink, asked, per_unit, origin) for one in found]
-    pieces = _as_strong(pieces, inks.black, ink.mask, per_unit, origin)
+    if not asked.invert:  # the strokes of a rubbing are where no ink is
+        pieces = _as_strong(pieces, inks.black, ink.mask, per_unit, origin)
     page = Page(tuple(pieces), name, f"Photograph: {name}")
     return CopiedSheet(page, _as_codes(sheet), ink, inks.red, corners, per_unit, origin)
 

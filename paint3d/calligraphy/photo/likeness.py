@@ -145,7 +145,8 @@ def strength_of_both(
     table = np.where(codes <= 0.04045, codes / 12.92, ((codes + 0.055) / 1.055) ** 2.4)
     light = table[painted.picture].mean(axis=2)
     mask = painted.cover > _COVERED
-    plain = float(np.median(light[painted.cover <= 0.0])) if not mask.all() else 1.0
+    bare = painted.cover <= 0.0
+    plain = float(np.median(light[bare])) if bare.any() else 1.0
     density = -np.log10(np.maximum(light / plain, 1e-4)).astype(np.float32)
     asked, got = [], []
     for piece in sheet.page.pieces:

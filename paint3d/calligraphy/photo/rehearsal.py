@@ -64,7 +64,9 @@ def _as_pale(sheet: CopiedSheet, painted: PaintedSheet, written: Written) -> NDA
     assert written.strength is not None, "it was looked at"
     assert written.station is not None, "it was looked at"
     asked, got = strength_of_both(sheet, painted)
-    factor = _density(asked) / np.maximum(_density(got), 1e-3)
+    factor = np.ones(len(got))  # of a stroke that left no ink to be seen nothing is known
+    there = got > 0.0
+    factor[there] = _density(asked[there]) / np.maximum(_density(got[there]), 1e-3)
     counts = [len(one.dryness) for piece in sheet.page.pieces for one in piece.glyph.strokes]
     known = np.isfinite(written.strength) & np.isfinite(written.station)
     stroke = np.searchsorted(np.cumsum(counts) - 0.5, written.station[known], side="right")

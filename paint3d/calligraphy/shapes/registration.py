@@ -101,7 +101,7 @@ def _slanted(lines: Sequence[AnyArray], goals: AnyArray, start: str) -> list[NDA
 def _lower_root(points: AnyArray) -> NDArray[np.float64]:
     """A root R of the second moments of points, R R^T: level lines stay level by it."""
     spread = np.cov(points.T)
-    spread += 0.005 * np.trace(spread) * np.eye(2)
+    spread += max(0.005 * np.trace(spread), 1e-12) * np.eye(2)
     root = np.linalg.cholesky(spread[::-1, ::-1])
     result: NDArray[np.float64] = root[::-1, ::-1]
     return result

@@ -43,7 +43,8 @@ def score_of_strokes(strokes: Sequence[Stroke], surface: PaintedSurface) -> Scor
             events.append({"do": "dip", "ink": ink, **amounts})
             amount = stroke.amount
         brush = stroke.brush
-        told = {"loads": [list(one) for one in stroke.loads]} if stroke.loads else {}
+        pairs = {"loads": stroke.loads, "strengths": stroke.strengths}
+        told = {name: [list(one) for one in of] for name, of in pairs.items() if of}
         events.append({"do": "begin_stroke", "time_s": stroke.time_s, **told})
         events.append(recording_of(stroke.samples, {}))
         events.append({"do": "end_stroke"})

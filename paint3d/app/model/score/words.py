@@ -249,7 +249,7 @@ def _dip_said(asked: Mapping[str, Any], _: PaintedSurface, inks: Inks) -> Words:
 def _stroke_said(asked: Mapping[str, Any], surface: PaintedSurface, inks: Inks) -> Words:
     said: Words = {"time_s": asked["time_s"]} if "time_s" in asked else {}
     own = _brush_said(asked, surface, inks) if "brush" in asked else {}
-    own |= {"loads": _plain(asked["loads"])} if asked.get("loads") else {}
+    own |= {name: _plain(asked[name]) for name in ("loads", "strengths") if asked.get(name)}
     return said | own | ({"ink": inks.words(asked["ink"])} if "ink" in asked else {})
 
 

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PySide6 import QtCore, QtGui
 
-from paint3d.app.window.dialogs.picture_view import PictureView, image_of
+from paint3d.app.window.dialogs.picture_view import PictureView, image_of, length_of
 from paint3d.app.window.theme import Theme
 
 __all__ = ["CornerView"]
@@ -43,7 +43,7 @@ class CornerView(PictureView):
 
     def take_hold(self, place: QtCore.QPointF) -> bool:
         """Whether a corner is there."""
-        away = [_length(self.place(*corner) - place) for corner in self.corners]
+        away = [length_of(self.place(*corner) - place) for corner in self.corners]
         nearest = int(np.argmin(away))
         if away[nearest] > _NEAR:
             return False
@@ -92,7 +92,3 @@ class CornerView(PictureView):
             painter.setPen(QtGui.QColor("#ffffff" if is_chosen else "#2a2825"))
             box = QtCore.QRectF(place.x() - 10.0, place.y() - 10.0, 20.0, 20.0)
             painter.drawText(box, QtCore.Qt.AlignmentFlag.AlignCenter, str(k + 1))
-
-
-def _length(way: QtCore.QPointF) -> float:
-    return float(np.hypot(way.x(), way.y()))

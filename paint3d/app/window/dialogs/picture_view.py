@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 from PySide6 import QtCore, QtGui, QtWidgets
 
 from paint3d.app.window.theme import Theme
 
-__all__ = ["PictureView", "image_of"]
+__all__ = ["PictureView", "image_of", "length_of"]
 
 _STEP = 1.25  # per notch of the wheel
 _FARTHEST, _CLOSEST = 0.25, 40.0  # times what is shown first
@@ -23,6 +25,11 @@ def image_of(pixels: NDArray[np.uint8]) -> QtGui.QImage:
     rows = np.ascontiguousarray(pixels)
     form = QtGui.QImage.Format.Format_RGB888
     return QtGui.QImage(rows.data, width, height, 3 * width, form).copy()
+
+
+def length_of(way: QtCore.QPointF) -> float:
+    """The length of a way from one place to another."""
+    return math.hypot(way.x(), way.y())
 
 
 class PictureView(QtWidgets.QWidget):

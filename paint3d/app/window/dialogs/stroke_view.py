@@ -11,17 +11,18 @@ import numpy as np
 from numpy.typing import NDArray
 from PySide6 import QtCore, QtGui
 
-from paint3d.app.window.dialogs.picture_view import PictureView, image_of
+from paint3d.app.window.dialogs.picture_view import PictureView, image_of, length_of
 from paint3d.app.window.theme import Theme
 from paint3d.calligraphy.glyphs import GlyphStroke
-from paint3d.calligraphy.page.page import Page
+from paint3d.calligraphy.page.page import Page, bounds_of
 from paint3d.core.types import AnyArray
 
 if TYPE_CHECKING:
     from paint3d.calligraphy.photo.copying import CopiedSheet
 
-__all__ = ["Behind", "ShownStroke", "StrokeView"]
+__all__ = ["Behind", "ShownStroke", "StrokeView", "Taken"]
 
+_FIRST = 0.56  # hue of the stroke that is chosen at first: far from the theme's, of rims
 _TURN = 0.381966  # of the circle of hues, from one stroke to the next: no two near ones are alike
 _PAPER, _INK = "#f6f3ec", "#b9b3a8"
 _MARGIN = 0.06  # of a page without a picture
@@ -70,8 +71,11 @@ class Behind:
 
     @classmethod
     def of_page(cls, page: Page, strokes: Sequence[GlyphStroke]) -> Behind:
-        """A page without a picture."""
-        left, lower, right, upper = page.bounds
+        """A page without a picture, and what of its strokes stands out of it."""
+        low = [tuple(stroke.outline.min(axis=0)) for stroke in strokes]
+        high = [tuple(stroke.outline.max(axis=0)) for stroke in strokes]
+        around = [(*a, *b) for a, b in zip(low, high, strict=True)]
+        left, lower, right, upper = bounds_of([page.bounds, *around])
         width, height = max(right - left, 1.0), max(upper - lower, 1.0)
         per_unit = _PIXELS / max(width, height)
         margin = _MARGIN * _PIXELS
@@ -143,7 +147,7 @@ class StrokeView(PictureView):
 
     def colour(self, k: int) -> QtGui.QColor:
         """Of stroke k, over ink as over paper."""
-        return QtGui.QColor.fromHsvF((0.02 + k * _TURN) % 1.0, 0.85, 0.82)
+        return QtGui.QColor.fromHsvF((_FIRST + k * _TURN) % 1.0, 0.85, 0.82)
 
     def _path(self, stroke: GlyphStroke) -> QtGui.QPainterPath:
         path = QtGui.QPainterPath()
@@ -194,30 +198,31 @@ class StrokeView(PictureView):
         order = [k for k in range(len(self._strokes)) if k != self.chosen]
         if self.chosen is not None and self.chosen < len(self._strokes):
             order.append(self.chosen)  # above the others
-        for k in order:
-            if not self._strokes[k].is_left_out:
-                self._draw_way(painter, k)
-        taken: list[QtCore.QPointF] = []
-        for k in order[::-1]:  # the chosen one has its number where it begins
-            if not self._strokes[k].is_left_out:
-                place = _free(self._line(k), taken)
-                taken.append(place)
-                self._draw_number(painter, k, place)
+        shown = [k for k in order if not self._strokes[k].is_left_out]
+        lines = {k: self._line(k) for k in shown}
+        for k in shown:
+            self._draw_way(painter, k, lines[k])
+        taken = Taken()
+        for k in shown[::-1]:  # the chosen one has its number where it begins
+            place = _free(lines[k], taken)
+            taken.add(place)
+            self._draw_number(painter, k, place)
         if self.cut is not None and self.chosen is not None:
             self._draw_cut(painter, self.cut, self._strokes[self.chosen].stroke)
 
     def _line(self, k: int) -> list[QtCore.QPointF]:
-        points = self.behind.pixels(self._strokes[k].stroke.median)
-        return [self.place(x, y) for x, y in points]
+        start = self.place(0.0, 0.0)
+        points = self.scale * self.behind.pixels(self._strokes[k].stroke.median)
+        points += start.x(), start.y()
+        return [QtCore.QPointF(x, y) for x, y in points.tolist()]
 
-    def _draw_way(self, painter: QtGui.QPainter, k: int) -> None:
-        line = self._line(k)
+    def _draw_way(self, painter: QtGui.QPainter, k: int, line: Sequence[QtCore.QPointF]) -> None:
         dark = self.colour(k).darker(150)
         wide = 2.4 if k == self.chosen else 1.6
         for pen in (_pen(QtGui.QColor(255, 255, 255, 210), wide + 2.2), _pen(dark, wide)):
             painter.setPen(pen)
             painter.drawPolyline(line)
-        length = sum(_length(b - a) for a, b in pairwise(line))
+        length = sum(length_of(b - a) for a, b in pairwise(line))
         size = min(4.5 + 1.2 * wide, 0.4 * length)
         painter.setPen(_pen(QtGui.QColor("#ffffff"), 1.0))
         painter.setBrush(dark)
@@ -274,35 +279,56 @@ def _pen(
     return pen
 
 
-def _length(way: QtCore.QPointF) -> float:
-    return float(np.hypot(way.x(), way.y()))
+class Taken:
+    """Places of numbers, by cells as wide as one: of many strokes only near ones are looked at."""
+
+    def __init__(self) -> None:
+        self._cells: dict[tuple[int, int], list[QtCore.QPointF]] = {}
+
+    def add(self, place: QtCore.QPointF) -> None:
+        """Have a number there."""
+        self._cells.setdefault(self._cell(place), []).append(place)
+
+    def is_free(self, place: QtCore.QPointF) -> bool:
+        """Whether no other number would be covered by one there."""
+        x, y = self._cell(place)
+        near = ((x + i, y + j) for i in (-1, 0, 1) for j in (-1, 0, 1))
+        return all(
+            length_of(place - other) > 2.0 * _BADGE
+            for cell in near
+            for other in self._cells.get(cell, ())
+        )
+
+    def _cell(self, place: QtCore.QPointF) -> tuple[int, int]:
+        return int(place.x() // (2.0 * _BADGE)), int(place.y() // (2.0 * _BADGE))
 
 
-def _free(line: Sequence[QtCore.QPointF], taken: Sequence[QtCore.QPointF]) -> QtCore.QPointF:
+def _free(line: Sequence[QtCore.QPointF], taken: Taken) -> QtCore.QPointF:
     """Where a number goes: at a line's start, or farther along it where no other one is."""
-    length = sum(_length(b - a) for a, b in pairwise(line))
+    length = sum(length_of(b - a) for a, b in pairwise(line))
     for share in (0.0, 0.12, 0.24, 0.36, 0.5):
-        place, _ = _along(line, share * length)
-        if all(_length(place - other) > 2.0 * _BADGE for other in taken):
+        place = _along(line, share * length)
+        if taken.is_free(place):
             return place
     return line[0]
 
 
-def _along(line: Sequence[QtCore.QPointF], way: float) -> tuple[QtCore.QPointF, QtCore.QPointF]:
-    """The place so far along a line, and where it leads there, as a way of length 1."""
+def _along(line: Sequence[QtCore.QPointF], way: float) -> QtCore.QPointF:
+    """The place so far along a line."""
     for a, b in pairwise(line):
-        step = _length(b - a)
+        step = length_of(b - a)
         if step > 0.0 and (way <= step or b is line[-1]):
             break
         way -= step
-    step = max(_length(b - a), 1e-9)
-    there = (b - a) / step
-    return a + there * min(way, step), there
+    step = max(length_of(b - a), 1e-9)
+    return a + (b - a) / step * min(way, step)
 
 
 def _arrow(line: Sequence[QtCore.QPointF], way: float, size: float) -> QtGui.QPolygonF:
-    """A triangle whose tip lies so far along a line, and points on."""
-    tip, there = _along(line, way)
+    """A triangle whose tip lies so far along a line, and points as this leads over its length."""
+    tip = _along(line, way)
+    there = tip - _along(line, max(way - 2.0 * size, 0.0))
+    there /= max(length_of(there), 1e-9)
     side = QtCore.QPointF(-there.y(), there.x())
     foot = tip - there * (2.0 * size)
     return QtGui.QPolygonF([tip, foot + side * size, foot - side * size])

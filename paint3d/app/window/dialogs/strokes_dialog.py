@@ -135,6 +135,12 @@ class StrokesDialog(QtWidgets.QDialog):
         return self._now.page()
 
     @property
+    def is_changed(self) -> bool:
+        """Whether strokes or sheet are not as they were."""
+        is_other = self._photo is not None and self.steps.now.sheet is not self._photo.sheet
+        return is_other or self._now.is_changed
+
+    @property
     def photographed(self) -> Photographed | None:
         """The photograph with the sheet that counts now."""
         sheet = self.steps.now.sheet
@@ -223,11 +229,11 @@ class StrokesDialog(QtWidgets.QDialog):
         acts[name]()
 
     def _take(self, strokes: CorrectedPage, chosen: int | None = None) -> None:
-        """Go on with corrected strokes."""
+        """Go on with corrected strokes; what else was begun is over."""
         self.steps.take(self.steps.now._replace(strokes=strokes))
         if chosen is not None:
             self._chosen = chosen
-        self._show()
+        self._enter("choose")
 
     def _reverse(self) -> None:
         assert self._chosen is not None, "the button is off without a stroke"
@@ -264,10 +270,14 @@ class StrokesDialog(QtWidgets.QDialog):
     # -- joining, splitting, corners --------------------------------------------------------
 
     def _enter(self, mode: str) -> None:
-        """Expect another thing with the next click; corners that were dragged are found anew."""
-        was, self._mode = self._mode, mode
-        if was == "corners" and mode != "corners":
-            self._find_anew()
+        """Expect another thing with the next click.
+
+        Strokes are found anew of corners that were dragged; where that fails these are still there.
+        """
+        if self._mode == "corners" and mode != "corners" and not self._find_anew():
+            self._show()
+            return
+        self._mode = mode
         self._cut_at = 0.5
         self.view.other = None
         if mode == "join" and self._chosen is not None:
@@ -279,14 +289,14 @@ class StrokesDialog(QtWidgets.QDialog):
         shown.setFocus()
         self._show()
 
-    def _find_anew(self) -> None:
-        """Find the strokes of the sheet whose corners were dragged."""
+    def _find_anew(self) -> bool:
+        """Find the strokes of the sheet whose corners were dragged; whether that went well."""
         sheet = self.steps.now.sheet
         if self.corners is None or self._photo is None or sheet is None:
-            return
+            return True
         corners, find = self.corners.corners.copy(), self._photo.find
         if np.abs(corners - sheet.corners).max() < 0.01:
-            return
+            return True
         done = run_beside(self, say("Finding the strokes…"), lambda _: find(corners))
         error = done.exception()
         if error is None:
@@ -298,6 +308,7 @@ class StrokesDialog(QtWidgets.QDialog):
             QtWidgets.QMessageBox.warning(self, "paint3d", say_error(error))
         elif not isinstance(error, CancelledError):
             raise error
+        return error is None
 
     def _click(self, x: float, y: float) -> None:
         """Choose the stroke there, join it, or cut there."""
@@ -307,23 +318,28 @@ class StrokesDialog(QtWidgets.QDialog):
         if self._mode == "split":
             self._split(point)
         elif found is not None and self._mode == "join":
-            self.view.other = found
-            self._confirm()
+            self._join(found)
         elif found is not None:
             self._chosen = found
             self._show()
 
     def _confirm(self) -> None:
         """Join or cut what is shown."""
-        k, other = self._chosen, self.view.other
-        if self._mode == "join" and k is not None and other is not None and other != k:
-            joined, at = self._now.join(k, other)
-            self._enter("choose")
-            self._take(joined, at)
+        if self._mode == "join" and self.view.other is not None:
+            self._join(self.view.other)
         elif self._mode == "split" and self.view.cut is not None:
             self._split(self.view.cut)
         elif self._mode == "corners":
             self._enter("choose")
+
+    def _join(self, other: int) -> None:
+        assert self._chosen is not None, "the button is off without a stroke"
+        try:
+            joined, at = self._now.join(self._chosen, other)
+        except Paint3DError as error:
+            self.told.setText(say_error(error))
+        else:
+            self._take(joined, at)
 
     def _split(self, point: NDArray[np.float64]) -> None:
         assert self._chosen is not None, "the button is off without a stroke"
@@ -331,9 +347,8 @@ class StrokesDialog(QtWidgets.QDialog):
             parts = self._now.split(self._chosen, point)
         except Paint3DError as error:
             self.told.setText(say_error(error))
-            return
-        self._enter("choose")
-        self._take(parts)
+        else:
+            self._take(parts)
 
     def _step_along(self, by: int) -> None:
         """Another stroke, or another place of the cut."""
@@ -341,7 +356,8 @@ class StrokesDialog(QtWidgets.QDialog):
         if self._mode == "split":
             self._cut_at = min(max(self._cut_at + by / _STEPS, 1 / _STEPS), 1.0 - 1 / _STEPS)
         elif self._mode == "join" and self.view.other is not None:
-            self.view.other = (self.view.other + by) % n
+            other = (self.view.other + by) % n
+            self.view.other = (other + by) % n if other == self._chosen else other
         elif n:
             self._chosen = ((-1 if self._chosen is None else self._chosen) + by) % n
         self._show()
@@ -362,7 +378,7 @@ class StrokesDialog(QtWidgets.QDialog):
         elif key in (_KEY.Key_Left, _KEY.Key_Right):
             self._step_along(1 if key == _KEY.Key_Right else -1)
         elif key == _KEY.Key_W:
-            self.whole.toggle()
+            self.whole.click()
         elif key in _KEYS and _KEYS[key] in self.buttons and not _commands(event):
             self.do(_KEYS[key])
         else:
@@ -405,8 +421,8 @@ class StrokesDialog(QtWidgets.QDialog):
         now, k = self._now, self._chosen
         self.view.show_strokes(
             [
-                ShownStroke(one.stroke, now.number(j)[0], one.is_left_out)
-                for j, one in enumerate(now.strokes)
+                ShownStroke(one.stroke, number, one.is_left_out)
+                for one, number in zip(now.strokes, now.numbers, strict=True)
             ]
         )
         self.view.chosen = k
@@ -427,6 +443,7 @@ class StrokesDialog(QtWidgets.QDialog):
             if button.isCheckable():
                 button.setChecked(self._mode == name)
         self.use.setEnabled(can["save"])
+        self.whole.setEnabled(can["reverse"])
         is_out = k is not None and now.strokes[k].is_left_out
         key = _BUTTONS["leave out"][1]
         self.buttons["leave out"].setText(f"{say('Take in' if is_out else 'Leave out')}  ({key})")
@@ -438,6 +455,8 @@ class StrokesDialog(QtWidgets.QDialog):
         k = self._chosen
         if k is None:
             return say("There are no strokes")
+        if self._mode == "corners":
+            return say(_HINTS[self._mode])
         number, count = self._now.number(k)
         told = say("{piece}: stroke {k} of {n}", piece=self._now.text(k), k=number, n=count)
         return f"{told}\n\n{say(_HINTS[self._mode])}"

@@ -36,12 +36,14 @@ Asked = tuple[str, tuple[Any, ...]]
 class Tools:
     """What is asked for before a recording is played, and after it, for the hand to go on.
 
-    And how much the brush comes to hold at its samples, see `Document.begin_stroke`.
+    And how much ink the brush comes to hold at its samples, and how strong it is; see
+    `Document.begin_stroke`.
     """
 
     before: Sequence[Asked] = ()
     after: Sequence[Asked] = ()
     loads: Sequence[tuple[int, float]] = ()
+    strengths: Sequence[tuple[int, float]] = ()
 
 
 class _Clock:
@@ -112,8 +114,8 @@ class _Strokes:
         times = np.array([sample.time_ns for sample in samples], np.int64)
         when = HandTime(in_full=easel.wet).pass_samples(times).tolist()
         _ask(easel, tools.before)
-        told = {"loads": tuple(tools.loads)} if tools.loads else {}
-        began = easel.post("begin_stroke", **told)
+        told = {"loads": tuple(tools.loads), "strengths": tuple(tools.strengths)}
+        began = easel.post("begin_stroke", **{name: pairs for name, pairs in told.items() if pairs})
         playing = cls(samples, when, tools, began, later_ns, before=easel.n_painted)
         began.add_done_callback(lambda _: playing.count_from(easel.n_painted))
         return playing

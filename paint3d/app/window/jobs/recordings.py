@@ -23,12 +23,11 @@ from paint3d.device.sample import DeviceSample
 from paint3d.files.progress import part_of
 from paint3d.painter.painter import Painter
 from paint3d.painter.recorded_tools import (
-    loads_at,
     recorded_amount,
     recorded_brush,
     recorded_ink,
-    recorded_loads,
     recorded_tip,
+    told_at,
 )
 from paint3d.recording.recording import Recording, load_recording, save_recording
 from paint3d.recording.score import Score, is_score, load_score, save_score
@@ -138,7 +137,7 @@ class Recordings:
             recording = load_recording(path, progress=part_of(progress, 0.0, _READ))
             if recording.is_pad:
                 recording = lay_in_view(recording, surface, camera)
-            tools = Tools(_tools_of(recording), (), _loads_of(recording))
+            tools = Tools(_tools_of(recording), (), *_told_of(recording))
             return _samples(recording, progress), tools
 
         loaded = workspace.run(title, read)
@@ -195,10 +194,10 @@ def _tools_of(recording: Recording) -> list[Asked]:
     return asked
 
 
-def _loads_of(recording: Recording) -> list[tuple[int, float]]:
-    """How much the brush comes to hold at samples; one that is told again holds the last."""
-    told = loads_at(recording.time_ns, *recorded_loads(recording.header))
-    return list(dict(told).items())
+def _told_of(recording: Recording) -> tuple[list[tuple[int, float]], list[tuple[int, float]]]:
+    """What the brush comes to hold at samples; one that is told again holds the last."""
+    loads, strengths = told_at(recording.header, recording.time_ns)
+    return list(dict(loads).items()), list(dict(strengths).items())
 
 
 def _tools_in_hand(painter: Painter, brush: BrushSpec) -> list[Asked]:
