@@ -582,6 +582,22 @@ def test_ink_that_comes_onto_what_is_about_to_dry_stays_wet():
     assert surface.dry_ink() < 1e-3 * laid
 
 
+def test_ink_that_comes_onto_what_dries_covers_as_much_as_it_did():
+    """Also where it is taken up later: ink without coverage would not be seen until then."""
+    surface = PaintedSurface(grid(12.0, 0.5), None, XUAN)
+    drop(surface, 1e-5)
+    surface.follow_flow(0.01)
+    drop(surface, 0.5)
+    laid = surface.coverage.copy()
+    patch = surface.flow._patch
+    patch.dry(np.arange(patch.graph.n_nodes))
+    wet = surface.amounts.any(axis=1)
+    assert wet.any()
+    np.testing.assert_array_equal(surface.coverage[wet], laid[wet])
+    assert not surface.coverage[~wet].any()
+    assert surface.wet_ink() == pytest.approx(0.5 * np.pi * 9.0, rel=1e-3)
+
+
 def test_the_outcome_does_not_depend_on_the_threads(monkeypatch):
     """Drops apart from one another, each moved by whoever has time, or by one thread."""
     monkeypatch.setattr(flows, "_BUNDLE", 100)
