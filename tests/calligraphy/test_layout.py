@@ -240,7 +240,7 @@ def test_an_unknown_order_is_refused():
 def test_a_row_longer_than_the_ring_is_refused():
     """It would end in its own beginning: the ring is 251 mm."""
     assert len(layout_text(body("cylinder"), POEM[:12], 20.0, Layout("row"))) == 12
-    with pytest.raises(InputError, match="text of 13 characters does not fit .*: 12 would"):
+    with pytest.raises(InputError, match=r"text of 13 characters does not fit .*: 12 would"):
         layout_text(body("cylinder"), POEM[:13], 20.0, Layout("row"))
 
 
