@@ -20,6 +20,7 @@ from paint3d.surface.kernels.diffusion import activate_cells
 from paint3d.surface.kernels.grain import fill_grain
 from paint3d.surface.kernels.wet_step import TOO_LITTLE_ROOM, Drink, Room, WetFields, move_water
 from paint3d.surface.painted_surface import PaintedSurface
+from paint3d.surface.wet_patch import WetPatch
 
 XUAN = load_material("xuan")
 SMOOTH = dataclasses.replace(XUAN, grain=0.0)
@@ -584,12 +585,12 @@ def test_ink_that_comes_onto_what_is_about_to_dry_stays_wet():
 
 def test_ink_that_comes_onto_what_dries_covers_as_much_as_it_did():
     """Also where it is taken up later: ink without coverage would not be seen until then."""
-    surface = PaintedSurface(grid(12.0, 0.5), None, XUAN)
-    drop(surface, 1e-5)
-    surface.follow_flow(0.01)
+    surface = drop(PaintedSurface(grid(12.0, 0.5), None, XUAN), 1e-5)
+    patch = WetPatch(surface)
+    patch.take_up(patch.find_changed(np.flatnonzero(surface.coverage).astype(np.int32)))
+    patch.hand_back()
     drop(surface, 0.5)
     laid = surface.coverage.copy()
-    patch = surface.flow._patch
     patch.dry(np.arange(patch.graph.n_nodes))
     wet = surface.amounts.any(axis=1)
     assert wet.any()
