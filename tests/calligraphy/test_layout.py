@@ -237,6 +237,13 @@ def test_an_unknown_order_is_refused():
         layout_text(body("plane"), "永", 20.0, Layout("spiral"))
 
 
+def test_a_row_longer_than_the_ring_is_refused():
+    """It would end in its own beginning: the ring is 251 mm."""
+    assert len(layout_text(body("cylinder"), POEM[:12], 20.0, Layout("row"))) == 12
+    with pytest.raises(InputError, match=r"text of 13 characters does not fit .*: 12 would"):
+        layout_text(body("cylinder"), POEM[:13], 20.0, Layout("row"))
+
+
 def test_level_lines_close_and_keep_their_height():
     start = place(body("bowl"), (0.5, 0.5))
     line = walk(body("bowl"), start, (0, 0, 1), (1.0, 0.0))

@@ -20,6 +20,7 @@ from paint3d.surface.kernels.diffusion import activate_cells
 from paint3d.surface.kernels.grain import fill_grain
 from paint3d.surface.kernels.wet_step import TOO_LITTLE_ROOM, Drink, Room, WetFields, move_water
 from paint3d.surface.painted_surface import PaintedSurface
+from paint3d.surface.wet_patch import WetPatch
 
 XUAN = load_material("xuan")
 SMOOTH = dataclasses.replace(XUAN, grain=0.0)
@@ -580,6 +581,22 @@ def test_ink_that_comes_onto_what_is_about_to_dry_stays_wet():
     assert surface.ink.coverage.max() == 1.0
     surface.diffuse(5.0)
     assert surface.dry_ink() < 1e-3 * laid
+
+
+def test_ink_that_comes_onto_what_dries_covers_as_much_as_it_did():
+    """Also where it is taken up later: ink without coverage would not be seen until then."""
+    surface = drop(PaintedSurface(grid(12.0, 0.5), None, XUAN), 1e-5)
+    patch = WetPatch(surface)
+    patch.take_up(patch.find_changed(np.flatnonzero(surface.coverage).astype(np.int32)))
+    patch.hand_back()
+    drop(surface, 0.5)
+    laid = surface.coverage.copy()
+    patch.dry(np.arange(patch.graph.n_nodes))
+    wet = surface.amounts.any(axis=1)
+    assert wet.any()
+    np.testing.assert_array_equal(surface.coverage[wet], laid[wet])
+    assert not surface.coverage[~wet].any()
+    assert surface.wet_ink() == pytest.approx(0.5 * np.pi * 9.0, rel=1e-3)
 
 
 def test_the_outcome_does_not_depend_on_the_threads(monkeypatch):

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from paint3d.files import pictures
 from paint3d.files.pictures import Filmed, Turning, write_growth, write_picture
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.painter.painter import Painter
@@ -104,6 +105,28 @@ def test_films_of_either_kind_are_written_as_mp4(tmp_path) -> None:
     write_picture(surface, tmp_path / "b.mp4", Shot("above", (64, 48), "none"), turning)
     for name in ("a.mp4", "b.mp4"):
         assert (tmp_path / name).read_bytes()[4:8] == b"ftyp"
+
+
+@needs_opengl
+def test_a_film_ends_with_the_finished_painting_which_stays(tmp_path, monkeypatch) -> None:
+    shown: list[np.ndarray] = []
+
+    def keep(part, drawn, *_) -> None:
+        shown.extend(np.asarray(picture) for picture in drawn)
+        part.touch()
+
+    monkeypatch.setattr(pictures, "write_film", keep)
+    surface = PaintedSurface(sheet(flat, (40.0, 20.0), 4.0), 1.0)
+    shot = Shot("flat", (64, 32))
+    with Growth(surface, 0.1) as growth:
+        Painter(surface, "slender", "pine soot").replay(next(lines()))
+        growth.end(0.3)
+        write_growth(growth, tmp_path / "a.webp", shot, Filmed(10.0))
+    write_picture(surface, tmp_path / "now.png", shot)
+    finished = np.asarray(Image.open(tmp_path / "now.png")).astype(int)
+    unlike = [np.abs(picture - finished).mean() for picture in shown]
+    is_finished = [off < 0.1 * unlike[0] for off in unlike]  # triangles of one colour joined
+    assert is_finished == [False] * 3 + [True] * 12  # two when it ended, then held a second
 
 
 @needs_opengl
