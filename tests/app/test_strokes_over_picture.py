@@ -293,7 +293,7 @@ def test_corners_are_dragged_and_the_strokes_found_anew(window, sheet) -> None:
     assert len(ways(window)) == 2
 
     def act(dialog) -> None:
-        first = dialog.steps.now
+        first, behind = dialog.steps.now, dialog.view.behind
         key(dialog, KEY.Key_C)
         view = dialog.corners
         assert view.isVisible()
@@ -309,13 +309,25 @@ def test_corners_are_dragged_and_the_strokes_found_anew(window, sheet) -> None:
         key(dialog, KEY.Key_Return)
         wait_for(lambda: dialog.steps.now is not first)
         assert len(dialog.steps.now.strokes.strokes) == 1
+        found = dialog.view.behind.size
         key(dialog, KEY.Key_Z, CONTROL)
+        assert found != behind.size
         assert dialog.steps.now is first
+        assert dialog.view.behind.size == behind.size
         key(dialog, KEY.Key_Y, CONTROL)
+        assert dialog.view.behind.size == found
         use(dialog)
 
     correct(window, act)
     assert len(ways(window)) == 1
+
+    def look(dialog) -> None:
+        np.testing.assert_allclose(
+            dialog.steps.now.sheet.corners[:2], [(20.0, 150.0), (286.0, 150.0)], atol=0.6
+        )
+        dialog.reject()
+
+    correct(window, look)
 
 
 def test_corners_that_show_no_sheet_stay_to_be_mended(window, sheet) -> None:
@@ -420,8 +432,8 @@ def test_a_corner_goes_by_one_pixel_or_ten_and_not_off_the_picture(window, sheet
         key(dialog, KEY.Key_Left, QtCore.Qt.KeyboardModifier.ShiftModifier)
         np.testing.assert_allclose(corners.corners - before, [[0, 0], [0, 0], [-10, -1], [0, 0]])
         key(dialog, KEY.Key_W)
-        assert not dialog.whole.isChecked()
         assert not dialog.whole.isEnabled()
+        assert not dialog.whole.isChecked()
         for _ in range(3):
             key(dialog, KEY.Key_Right, QtCore.Qt.KeyboardModifier.ShiftModifier)
         assert corners.corners[2, 0] == 300.0
