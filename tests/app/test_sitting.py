@@ -151,6 +151,28 @@ def test_a_sitting_is_offered_only_if_something_was_done(tmp_path, done):
     assert left.exists() == done
 
 
+@pytest.mark.parametrize("done", [False, True])
+def test_what_is_done_after_an_undone_stroke_was_kept_is_offered(tmp_path, done):
+    """However much shorter it is: the journal of the undone stroke is gone with its base."""
+    document = small_plane()
+    easel = Easel(document, sitting=Sitting(document, tmp_path))
+    stroke(easel, (-20, 0), (20, 0), n=200)
+    easel.post("undo")
+    keep_a_base(easel)
+    if done:
+        stroke(easel, (-20, 5), (20, 5), n=6)
+        rested(easel)
+    with easel.paused() as painted:
+        (folder,) = tmp_path.iterdir()
+        left = tmp_path / "left"
+        shutil.copytree(folder, left)  # as a kill leaves it
+        n_strokes = len(painted.strokes)
+    easel.stop()
+    found = recoverable(tmp_path)
+    assert [one.folder for one in found] == [left] * done
+    assert [len(one.recover().document.strokes) for one in found] == [n_strokes] * done
+
+
 def test_a_page_is_turned_before_its_base_is_there(tmp_path):
     document = small_plane()
     sitting = Sitting(document, tmp_path)

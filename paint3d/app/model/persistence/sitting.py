@@ -58,6 +58,9 @@ class Sitting:
     def __init__(self, document: Document, folder: Path | None = None) -> None:
         root = recovery_folder() if folder is None else folder
         self.folder = root / f"{os.getpid()}-{time.time_ns()}"
+        self._number = self._opening_bytes = 0  # of the journal, with nothing done yet
+        self._journal: Journal | None = None
+        self._next: Journal | None = None
         try:
             self.folder.mkdir(parents=True)
             self._lock = open(self.folder / _LOCK, "wb")  # noqa: SIM115 - for as long as it lives
@@ -65,9 +68,6 @@ class Sitting:
             self._describe(document)
         except OSError as cause:
             raise ExportError(f"{root}: cannot keep what is painted here: {cause}") from None
-        self._number = 0
-        self._journal: Journal | None = None
-        self._next: Journal | None = None
         self.turn_page(document)
         self.save_base(document)
 
@@ -104,6 +104,7 @@ class Sitting:
         fresh.note(encode_command("set_symmetry", [document.symmetry], {}))
         fresh.note(encode_command("set_mask", [document.mask], {}))
         fresh.note(encode_command("set_tags", [], document.tags))
+        self._opening_bytes = _bytes_of(fresh.path)
         old, self._journal, self._next = self._journal, fresh, None
         self._number += 1
         if old is not None:
@@ -133,13 +134,14 @@ class Sitting:
             self._next = Journal(self.folder / f"journal-{self._number + 1}.p3dj", {})
 
     def _describe(self, document: Document) -> None:
+        ready = 0 if self._next is None else _bytes_of(self._next.path)
         self._about = {
             "object": document.surface.source.name,
             "path": _path_of(document),
             "file": document.file_state,
             "time_s": time.time(),
             "modified": document.modified,
-            "opening_bytes": self._journal_bytes(),
+            "opening_bytes": self._opening_bytes + ready,
         }
         self._write_about()
 
@@ -153,9 +155,6 @@ class Sitting:
         temporary = self.folder / f".{_ABOUT}"
         temporary.write_text(json.dumps(self._about), encoding="utf-8")
         os.replace(temporary, self.folder / _ABOUT)
-
-    def _journal_bytes(self) -> int:
-        return sum(path.stat().st_size for _, path in _numbered(self.folder, "journal-"))
 
     def close(self, keep: bool = False) -> None:
         """End it: nothing is left to recover, unless it is to be kept."""
