@@ -80,9 +80,9 @@ def test_loads_fall_with_dryness_and_with_pressure():
     assert pressed < light
 
 
-def test_what_is_told_is_little_and_survives_a_file(tmp_path: Path):
-    n = 4000
-    recording = Recording(
+def resting(n: int) -> Recording:
+    """Samples of a brush that is pressed and not moved, 4 ms apart."""
+    return Recording(
         4_000_000 * np.arange(n, dtype=np.int64),
         np.zeros((n, 3)),
         np.tile([1.0, 0.0, 0.0, 0.0], (n, 1)),
@@ -90,8 +90,12 @@ def test_what_is_told_is_little_and_survives_a_file(tmp_path: Path):
         np.zeros(n, np.int32),
         header={},
     )
+
+
+def test_what_is_told_is_little_and_survives_a_file(tmp_path: Path):
+    n = 4000
     loads = np.where(np.arange(n) % 2 == 0, 0.1, 0.4)  # more changes than a header has room for
-    told = with_loads(recording, loads)
+    told = with_loads(resting(n), loads)
     assert 0 < len(told.header["loads"]) <= 1500
     save_recording(told, tmp_path / "a.jsonl")
     assert load_recording(tmp_path / "a.jsonl").header["loads"] == told.header["loads"]
@@ -130,14 +134,6 @@ def test_whatever_is_asked_for_is_a_load(share: float):
 
 def test_more_dry_strokes_than_a_header_has_room_for_are_refused():
     n = 2 * 1501
-    recording = Recording(
-        4_000_000 * np.arange(n, dtype=np.int64),
-        np.zeros((n, 3)),
-        np.tile([1.0, 0.0, 0.0, 0.0], (n, 1)),
-        np.full(n, 0.3),
-        np.zeros(n, np.int32),
-        header={},
-    )
     loads = np.where(np.arange(n) % 2 == 0, 0.2, np.nan)  # every other sample a stroke of its own
     with pytest.raises(InputError, match=r"1501 strokes .*; expected 1500 or fewer"):
-        with_loads(recording, loads)
+        with_loads(resting(n), loads)

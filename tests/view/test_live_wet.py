@@ -67,7 +67,7 @@ def test_wet_paint_shines_and_is_darker_until_it_dries(scene):
     assert np.abs(dry - fresh)[spot].max() <= 2
 
 
-def test_what_is_wet_when_it_is_first_shown_hides_what_is_behind(scene):
+def test_what_is_wet_when_it_is_first_shown_looks_as_what_is_wetted_later(scene):
     surface = ball("cinnabar", "sized xuan")
     picture = show(scene, surface)
     picture()
