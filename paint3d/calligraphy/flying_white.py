@@ -34,7 +34,6 @@ __all__ = [
     "inked_as",
     "loads_for",
     "stations_of_motion",
-    "strengths_of_motion",
     "with_loads",
     "with_strengths",
 ]
@@ -165,13 +164,6 @@ def loads_for(dryness: AnyArray, pressure: AnyArray, grain: float) -> NDArray[np
     level = np.interp(1.0 - bare, _COVERED, _LEVELS)
     wet = np.maximum(begins, 1.0 / _FULLNESS)
     return np.where(np.isnan(dryness), np.nan, np.where(bare < _WET, wet, level * begins))
-
-
-def strengths_of_motion(motion: Motion, glyph: Glyph) -> NDArray[np.float64]:
-    """How strong the ink of its strokes is at every sample (N,); NaN between them."""
-    known = np.array([*(stroke.strength for stroke in glyph.strokes), np.nan])
-    result: NDArray[np.float64] = known[np.where(motion.stroke >= 0, motion.stroke, -1)]
-    return result
 
 
 def with_strengths(recording: Recording, strength: AnyArray | None) -> Recording:

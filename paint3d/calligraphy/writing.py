@@ -5,7 +5,7 @@ Everything is told by the recording of the handle that comes out: replaying it p
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Generator, Mapping
+from collections.abc import Callable, Collection, Generator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field, replace
 from functools import lru_cache, partial
@@ -20,7 +20,6 @@ from paint3d.brush_engine.tuft import Tuft
 from paint3d.calligraphy.flying_white import (
     dryness_at,
     stations_of_motion,
-    strengths_of_motion,
 )
 from paint3d.calligraphy.footprint_table import FootprintTable, tabulate_footprints
 from paint3d.calligraphy.glyph_sources import GlyphSource, load_glyphs
@@ -99,6 +98,9 @@ class Written:
     station : (N,) float64, optional
         Between which stations of the strokes' dryness each sample lies, counted from 0 through all
         strokes in writing order; NaN and None as there.
+    stroke : (N,) int64, optional
+        Which stroke is written at each sample, counted from 0 through all in writing order; -1
+        between them. None where no stroke says how dry or how pale it is.
     strength : (N,) float64, optional
         How strong the ink is at each sample, see `GlyphStroke`; NaN between strokes. None where all
         is black.
@@ -113,6 +115,7 @@ class Written:
     station: NDArray[np.float64] | None = None
     placed: tuple[PlacedPiece, ...] = ()
     strength: NDArray[np.float64] | None = None
+    stroke: NDArray[np.int64] | None = None
 
 
 def write_text(
@@ -231,26 +234,63 @@ def _write(
     }
     parts = _joined(laid, surface, tuft, pen.tempo)
     recording = _recording(join_motions(parts), pen, entries)
-    asked = [share for piece in placed for one in piece.glyph.strokes for share in one.dryness]
-    strength = None
-    if any(one.strength < 1.0 for piece in placed for one in piece.glyph.strokes):
-        inks = [np.full(len(part.pressure), np.nan) for part in parts]
-        for k, piece in enumerate(placed):
-            inks[2 * k] = strengths_of_motion(motions[id(piece.glyph)], piece.glyph)
-        strength = np.concatenate(inks)
-    if not asked:
-        return Written(recording, told, placed=tuple(placed), strength=strength)
-    own = {
-        key: stations_of_motion(motions[key], glyph, pen.em_mm, footprints)
-        for key, glyph in glyphs.items()
-    }
-    station, first = [np.full(len(part.pressure), np.nan) for part in parts], 0
-    for k, piece in enumerate(placed):  # every other part is the way to the next piece
-        station[2 * k] = first + own[id(piece.glyph)]
-        first += sum(len(stroke.dryness) for stroke in piece.glyph.strokes)
-    at = np.concatenate(station)
-    dryness = dryness_at(at, np.array(asked))
-    return Written(recording, told, None, dryness, at, tuple(placed), strength)
+    written = Written(recording, told, placed=tuple(placed))
+    stations = partial(stations_of_motion, em_mm=pen.em_mm, footprints=footprints)
+    return _as_asked(written, motions, parts, stations)
+
+
+def _as_asked(
+    written: Written,
+    motions: Mapping[int, Motion],
+    parts: Sequence[HandMotion],
+    stations: Callable[[Motion, Glyph], NDArray[np.float64]],
+) -> Written:
+    """What is written, with how dry and how strong its strokes say that they are."""
+    glyphs = [piece.glyph for piece in written.placed]
+    strokes = [stroke for glyph in glyphs for stroke in glyph.strokes]
+    asked = [share for stroke in strokes for share in stroke.dryness]
+    pale = any(stroke.strength < 1.0 for stroke in strokes)
+    if not asked and not pale:
+        return written
+    counted = _counted_on(
+        glyphs, parts, lambda glyph: _own_stroke(motions[id(glyph)]), lambda g: len(g.strokes)
+    )
+    stroke = np.nan_to_num(counted, nan=-1.0).astype(np.int64)
+    written = replace(written, stroke=stroke)
+    if pale:
+        strength = np.array([*(one.strength for one in strokes), np.nan])[stroke]
+        written = replace(written, strength=strength)
+    if asked:
+        own = {id(glyph): stations(motions[id(glyph)], glyph) for glyph in glyphs}
+        station = _counted_on(glyphs, parts, lambda glyph: own[id(glyph)], _count_stations)
+        dryness = dryness_at(station, np.array(asked))
+        written = replace(written, dryness=dryness, station=station)
+    return written
+
+
+def _counted_on(
+    glyphs: Sequence[Glyph],
+    parts: Sequence[HandMotion],
+    own: Callable[[Glyph], NDArray[np.float64]],
+    count: Callable[[Glyph], int],
+) -> NDArray[np.float64]:
+    """What glyphs count at their own samples, counted on through all of them (N,).
+
+    Every other part is the way to the next glyph: NaN.
+    """
+    values, first = [np.full(len(part.pressure), np.nan) for part in parts], 0
+    for k, glyph in enumerate(glyphs):
+        values[2 * k] = first + own(glyph)
+        first += count(glyph)
+    return np.concatenate(values)
+
+
+def _own_stroke(motion: Motion) -> NDArray[np.float64]:
+    return np.where(motion.stroke >= 0, motion.stroke, np.nan)
+
+
+def _count_stations(glyph: Glyph) -> int:
+    return sum(len(stroke.dryness) for stroke in glyph.strokes)
 
 
 @lru_cache(maxsize=1)

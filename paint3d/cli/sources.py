@@ -16,8 +16,10 @@ if TYPE_CHECKING:
 
 __all__ = [
     "STROKES_FILE",
+    "TRIALS",
     "add_drawing_options",
     "add_source_options",
+    "add_trials_option",
     "check_source",
     "open_page",
     "parse_face",
@@ -25,6 +27,8 @@ __all__ = [
 ]
 
 STROKES_FILE = (".strokes.json",)
+TRIALS = 2
+_MOST_TRIALS = 9
 
 _OF_A_FONT = ("font_number", "features", "variation", "direction", "language")
 
@@ -45,6 +49,24 @@ def add_source_options(parser: argparse.ArgumentParser) -> None:
         type=Path,
         help="also keep the strokes of a font's text or a drawing in a plain file (.strokes.json)",
     )
+    add_trials_option(parser, "of --strokes that say how dry or how pale they are: ")
+
+
+def add_trials_option(parser: argparse.ArgumentParser, which: str = "") -> None:
+    """Add ``--trials``, of which things said first; None where it is not given."""
+    parser.add_argument(
+        "--trials",
+        metavar="N",
+        type=_parse_trials,
+        help=f"{which}paint it so often beforehand, to see how dry and how pale it comes out and "
+        f"correct that (default: {TRIALS})",
+    )
+
+
+def _parse_trials(text: str) -> int:
+    if not (text.isascii() and text.isdigit() and int(text) <= _MOST_TRIALS):
+        raise argparse.ArgumentTypeError(f"{text!r}; expected 0 to {_MOST_TRIALS}")
+    return int(text)
 
 
 def add_drawing_options(parser: argparse.ArgumentParser, what: str) -> None:
@@ -152,6 +174,8 @@ def check_source(options: argparse.Namespace) -> None:
     if len(given) != 1:
         got = " and ".join(given) or "nothing to write"
         raise InputError(f"got {got}; expected one of TEXT, --svg FILE and --strokes FILE")
+    if options.trials is not None and options.strokes is None:
+        raise InputError("--trials is given without strokes; expected --strokes FILE")
     if options.ids is not None and options.svg is None:
         raise InputError("--ids is given without a drawing; expected --svg FILE")
     if options.font is not None and options.text is None:

@@ -32,6 +32,7 @@ from paint3d.cli.replay import DEFAULT_INK, PaintOptions, paint, prepare, read_f
 from paint3d.cli.results import Painting, result_suffixes, timed, write_report, write_result
 from paint3d.cli.sources import (
     STROKES_FILE,
+    TRIALS,
     add_source_options,
     check_source,
     open_page,
@@ -41,6 +42,7 @@ from paint3d.core.machine import usable_cores
 from paint3d.errors import InputError
 
 if TYPE_CHECKING:
+    from paint3d.calligraphy.photo.flat_page import FlatPage
     from paint3d.calligraphy.writing import Pen, Written
     from paint3d.mesh.triangle_mesh import TriangleMesh
     from paint3d.surface.painted_surface import PaintedSurface
@@ -143,7 +145,10 @@ def run(options: argparse.Namespace) -> None:
     check_source(options)
     dips = options.dip or (DIPS if options.text is not None else "always")
     write, source = _prepared(options)
-    carry_out(options, write, source, dips)
+    trials = 0
+    if options.strokes is not None:
+        trials = TRIALS if options.trials is None else options.trials
+    carry_out(options, write, source, dips, trials)
 
 
 def carry_out(
@@ -151,7 +156,8 @@ def carry_out(
     write: Callable[..., Written],
     source: dict[str, str],
     dips: str | int,
-    rehearse: Callable[[Written, Callable[[Written], PaintedSurface]], Written] | None = None,
+    trials: int = 0,
+    sheet: FlatPage | None = None,
 ) -> tuple[Written, Painting]:
     """Plan, paint and write the files that the options of `add_task_options` name.
 
@@ -164,8 +170,10 @@ def carry_out(
         What the recording's header says of it besides.
     dips : {"auto", "always"} or int
         See `dipped_as`.
-    rehearse : callable, optional
-        Corrects the plan; it is given what paints one on a fresh surface.
+    trials : int
+        How often it is painted beforehand, where strokes say how dry or how pale they are.
+    sheet : FlatPage, optional
+        The page where it was photographed.
 
     Raises
     ------
@@ -185,8 +193,8 @@ def carry_out(
     with timed(seconds, "plan"):
         written = _plan(options, mesh, write, pen, source)
         written = replace(written, recording=dipped_as(written.recording, pen.brush, dips))
-    if rehearse is not None and surface.material.grain > 0.0:
-        written = rehearse(written, partial(_on_trial, mesh, wanted, seconds))
+    if trials:
+        written = _rehearsed(written, mesh, wanted, seconds, trials, sheet)
     recording = inked_as(written.recording, written.dryness, written.strength, surface.material)
     watch = None if film is None else film.of_recording(surface, recording, wanted.spread_s)
     painting = paint(surface, recording, wanted, seconds, watch)
@@ -224,15 +232,27 @@ def _made_ready(
         return mesh, prepare(mesh, wanted, seconds)
 
 
-def _on_trial(
-    mesh: TriangleMesh, wanted: PaintOptions, seconds: dict[str, float], plan: Written
-) -> PaintedSurface:
-    """A plan, painted on a fresh surface."""
+def _rehearsed(
+    written: Written,
+    mesh: TriangleMesh,
+    wanted: PaintOptions,
+    seconds: dict[str, float],
+    trials: int,
+    sheet: FlatPage | None,
+) -> Written:
+    """A plan, corrected by what comes of it on fresh surfaces."""
     from paint3d.calligraphy.flying_white import inked_as
+    from paint3d.calligraphy.photo.rehearsal import rehearsed
+    from paint3d.colour.materials import load_material
 
-    surface = prepare(mesh, wanted, seconds)
-    recording = inked_as(plan.recording, plan.dryness, plan.strength, surface.material)
-    return paint(surface, recording, wanted, seconds).surface
+    material = load_material(wanted.material)
+
+    def on_trial(plan: Written) -> PaintedSurface:
+        surface = prepare(mesh, wanted, seconds)
+        recording = inked_as(plan.recording, plan.dryness, plan.strength, material)
+        return paint(surface, recording, wanted, seconds).surface
+
+    return rehearsed(written, on_trial, material, trials, sheet)
 
 
 def _write_beside(options: argparse.Namespace, written: Written, painting: Painting) -> None:

@@ -239,3 +239,30 @@ def test_a_joined_alef_goes_up_and_a_stem_is_added_last() -> None:
     assert np.ptp(stem.median[:, 0]) < 0.1 * np.ptp(stem.median[:, 1])
     assert stem.median[0, 1] > stem.median[-1, 1]
     assert turn_of(body.median) < 0.0
+
+
+def test_a_letter_whose_glyph_is_empty_is_missing(tmp_path) -> None:
+    """Brush fonts list thousands of characters that they never drew."""
+    from fontTools.fontBuilder import FontBuilder
+    from fontTools.pens.ttGlyphPen import TTGlyphPen
+
+    square, nothing = TTGlyphPen(None), TTGlyphPen(None)
+    square.moveTo((100, 0))
+    for point in ((600, 0), (600, 500), (100, 500)):
+        square.lineTo(point)
+    square.closePath()
+    build = FontBuilder(1000)
+    names = [".notdef", "A", "B", "space", "filler"]
+    build.setupGlyphOrder(names)
+    build.setupCharacterMap({0x41: "A", 0x42: "B", 0x20: "space", 0x3164: "filler"})
+    build.setupGlyf({name: (square if name == "A" else nothing).glyph() for name in names})
+    build.setupHorizontalMetrics(dict.fromkeys(names, (700, 0)))
+    build.setupHorizontalHeader(ascent=800, descent=-200)
+    build.setupNameTable({"familyName": "Half", "styleName": "Regular"})
+    build.setupOS2()
+    build.setupPost()
+    build.save(tmp_path / "half.ttf")
+    font = open_font(tmp_path / "half.ttf")
+    font.check_has("A \u3164A")
+    with pytest.raises(InputError, match=r"no glyph for 'B' \(U\+0042\);"):
+        font.check_has("AB")

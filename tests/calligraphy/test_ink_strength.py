@@ -16,9 +16,11 @@ from paint3d.calligraphy.page.correcting import CorrectedPage
 from paint3d.calligraphy.page.page import Page, Piece
 from paint3d.calligraphy.page.strokes_file import load_strokes, save_strokes
 from paint3d.calligraphy.photo.copying import Asked, copy_sheet
-from paint3d.calligraphy.photo.likeness import strength_of_both
+from paint3d.calligraphy.photo.flat_page import FlatPage
+from paint3d.calligraphy.photo.likeness import painted_sheet, strength_of_both
 from paint3d.calligraphy.photo.rehearsal import rehearsed
 from paint3d.calligraphy.writing import Pen, Written, write_page
+from paint3d.colour.materials import load_material
 from paint3d.errors import InputError, RecordingError
 from paint3d.files.load import load_mesh
 from paint3d.painter.painter import Painter
@@ -198,7 +200,7 @@ def test_of_a_stroke_that_left_no_ink_a_trial_tells_nothing() -> None:
     plan = write_page(load_mesh("plane"), sheet.page, Pen(load_brush("xiaokai"), EM_MM))
     bare = PaintedSurface(load_mesh("plane"), 2.0, "xuan")
     bare.refresh()
-    after = rehearsed(sheet, plan, lambda _: bare, 1)
+    after = rehearsed(plan, lambda _: bare, load_material("xuan"), 1, sheet)
     np.testing.assert_allclose(after.strength, plan.strength)
 
 
@@ -210,3 +212,56 @@ def test_a_trial_brings_the_strength_nearer() -> None:
         off.append(float(np.abs(asked - got).max()))
     assert off[1] < 0.06
     assert off[1] < 0.6 * off[0]
+
+
+@pytest.mark.parametrize("material", ["porcelain", "xuan"])
+def test_a_page_that_was_never_photographed_is_corrected_too(material) -> None:
+    """As `paint3d write --strokes` does, and `copy --dryness none`: with grain and without."""
+    mesh, made_of, off = load_mesh("plane"), load_material(material), []
+
+    def paint(plan: Written) -> PaintedSurface:
+        surface = PaintedSurface(mesh, 0.5, material=made_of)
+        Painter(surface, "xiaokai").replay(with_strengths(plan.recording, plan.strength))
+        surface.refresh()
+        return surface
+
+    sheet = FlatPage.of(page_of())
+    for trials in (0, 1):
+        plan = rehearsed(written(), paint, made_of, trials)
+        placed = list(zip(plan.page.pieces, plan.placed, strict=True))
+        asked, got = strength_of_both(sheet, painted_sheet(sheet, placed, paint(plan)))
+        off.append(float(np.abs(asked - got).max()))
+    assert off[0] > 0.06
+    assert off[1] < 0.015
+    assert rehearsed(plan, paint, made_of, 0) is plan
+
+
+def test_strokes_that_ask_for_nothing_are_not_painted_on_trial() -> None:
+    plan = write_page(load_mesh("plane"), page_of((1.0,)), Pen(load_brush("xiaokai"), EM_MM))
+
+    def never(_: Written) -> PaintedSurface:
+        raise AssertionError("it was painted")
+
+    assert rehearsed(plan, never, load_material("xuan"), 2) is plan
+
+
+def test_a_dry_page_on_smooth_ground_is_not_painted_on_trial() -> None:
+    page = page_of((1.0,))
+    glyph = page.pieces[0].glyph
+    dry = replace(glyph, strokes=(replace(glyph.strokes[0], dryness=(0.1, 0.8, 0.4)),))
+    page = replace(page, pieces=(Piece(dry, (0.0, 0.0)),))
+    plan = write_page(load_mesh("plane"), page, Pen(load_brush("xiaokai"), EM_MM))
+    seen = []
+
+    def paint(_: Written) -> PaintedSurface:
+        seen.append(1)
+        bare = PaintedSurface(load_mesh("plane"), 2.0, "xuan")
+        bare.refresh()
+        return bare
+
+    assert rehearsed(plan, paint, load_material("porcelain"), 2) is plan
+    assert not seen
+    drier = rehearsed(plan, paint, load_material("xuan"), 1)
+    assert seen == [1]
+    known = np.isfinite(plan.dryness)
+    assert (drier.dryness[known] < plan.dryness[known]).mean() > 0.8  # all of it was bare

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import json
+import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from shapely import Polygon, unary_union
 
 from paint3d.calligraphy.page.bands import WIDEST
+from paint3d.calligraphy.page.correcting import CorrectedPage
 from paint3d.calligraphy.page.ink import fill_rings
+from paint3d.calligraphy.page.page import Photograph
 from paint3d.calligraphy.page.strokes_file import load_strokes, save_strokes
 from paint3d.calligraphy.page.svg_drawing import load_svg
 from paint3d.errors import InputError
@@ -166,3 +170,49 @@ def test_rings_are_filled_by_how_often_they_go_around() -> None:
     assert fill_rings([outer, inner], even_odd=True).area == pytest.approx(96.0)
     bow = np.array([[0, 0], [10, 10], [10, 0], [0, 10]], float)
     assert fill_rings([bow]).area == pytest.approx(50.0)
+
+
+def test_a_file_knows_the_photograph_that_its_strokes_are_from(tmp_path) -> None:
+    """By its place seen from the file, so that both can be moved."""
+    page = load_svg(draw(tmp_path, '<rect width="9" height="1"/>'))
+    corners = np.array([[10.0, 12.5], [400.0, 8.0], [410.0, 300.0], [5.0, 310.0]])
+    photo = Photograph(tmp_path / "b" / "x.jpg", corners, (300, 400), 0.41, np.array([0, 300.0]))
+    kept = tmp_path / "a" / "x.strokes.json"
+    kept.parent.mkdir()
+    save_strokes(replace(page, photograph=photo), kept)
+    assert json.loads(kept.read_text())["photograph"]["file"] == "../b/x.jpg"
+    (tmp_path / "c").mkdir()
+    moved = kept.rename(tmp_path / "c" / "x.strokes.json")
+    again = load_strokes(moved).photograph
+    assert again.file.resolve() == photo.file.resolve()
+    np.testing.assert_allclose(again.corners, corners)
+    assert (again.size, again.per_unit, again.invert) == (photo.size, photo.per_unit, False)
+    assert CorrectedPage.of(load_strokes(moved)).reverse(0).page().photograph is not None
+
+
+PHOTO = {
+    "file": "a.jpg", "corners": [[0, 0], [9, 0], [9, 9], [0, 9]], "size": [9, 9], "per_unit": 1,
+    "origin": [0, 9],
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"file": "/etc/passwd"}, "photograph: file is '/etc/passwd'"),
+        ({"file": "\\\\host\\share\\a.jpg"}, "expected its place seen from a.strokes.json"),
+        ({"file": "C:a.jpg"}, "expected its place"),
+        ({"file": ""}, "expected its place"),
+        ({"file": 3}, "file is 3; expected text"),
+        ({"corners": [[0, 0]]}, "photograph: corners"),
+        ({"size": [9, 1e9]}, "photograph: size is 1e"),
+        ({"size": [9, 2.5]}, "photograph: size is 2.5"),
+        ({"per_unit": 0}, "photograph: per_unit"),
+        ({"origin": [0]}, "photograph: origin"),
+    ],
+)
+def test_a_photograph_that_cannot_be_is_said(tmp_path, change, words) -> None:
+    file = tmp_path / "a.strokes.json"
+    file.write_text(json.dumps({**FILE, "photograph": {**PHOTO, **change}}))
+    with pytest.raises(InputError, match=re.escape(words)):
+        load_strokes(file)

@@ -46,6 +46,7 @@ def test_a_photograph_becomes_a_painting(photo: Path, tmp_path: Path, capsys) ->
     page = load_strokes(strokes)
     assert [len(piece.glyph.strokes) for piece in page.pieces] == [2]
     assert all(stroke.dryness for stroke in page.pieces[0].glyph.strokes)
+    assert page.photograph.file.resolve() == photo.resolve()
     assert load_recording(way).header["loads"]
     assert json.loads(report.read_text())["source"] == "ten.png"
     picture = np.asarray(Image.open(beside))
@@ -97,3 +98,26 @@ def test_a_photograph_is_never_written_over(photo: Path, capsys) -> None:
 def test_a_file_that_is_missing_is_named(tmp_path: Path, capsys) -> None:
     assert copy(tmp_path / "none.jpg", "--on", "plane", "--out", tmp_path / "a.ply") == 2
     assert "none.jpg: there is no such file" in capsys.readouterr().err
+
+
+def test_strokes_that_were_kept_are_painted_on_trial_too(tmp_path: Path) -> None:
+    """Which corrects how dry they are; with `--trials 0` nothing does."""
+    ring = [[0, 440], [900, 440], [900, 580], [0, 580]]
+    stroke = {"order": 1, "line": [[0, 510], [900, 510]], "rings": [ring], "dryness": [0.1, 0.7]}
+    piece = {"text": "a", "at": [0, 0], "box": [0, 0, 1000, 1000], "strokes": [stroke]}
+    page = {"format": "paint3d strokes 1", "source": "s", "licence": "l", "pieces": [piece]}
+    strokes, loads = tmp_path / "a.strokes.json", []
+    strokes.write_text(json.dumps(page))
+    for trials in (["--trials", "0"], []):
+        way = tmp_path / f"{len(trials)}.jsonl"
+        asked = ["--strokes", strokes, "--on", "plane", "--material", "xuan", "--resolution", 0.5]
+        asked += ["--out", tmp_path / "a.ply", "--recording", way, "--quiet", "--force"]
+        assert not main(["write", *map(str, asked), "--processes", "1", *trials])
+        loads.append(load_recording(way).header["loads"])
+    assert loads[0] != loads[1]
+
+
+def test_trials_are_of_strokes_alone(tmp_path: Path, capsys) -> None:
+    out = str(tmp_path / "a.ply")
+    assert main(["write", "永", "--on", "plane", "--out", out, "--trials", "2"]) == 2
+    assert "--trials is given without strokes" in capsys.readouterr().err

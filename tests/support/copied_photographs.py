@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -184,7 +184,8 @@ def painted_copy(
         surface.refresh()
         return surface
 
-    written = rehearsed(sheet, write_page(mesh, page, Pen(brush, _EM_MM)), paint, trials)
+    plan = write_page(mesh, page, Pen(brush, _EM_MM))
+    written = rehearsed(plan, paint, made_of, trials, replace(sheet, page=page))
     assert written.page is not None
     placed = list(zip(written.page.pieces, written.placed, strict=True))
     return painted_sheet(sheet, placed, paint(written))

@@ -164,6 +164,8 @@ def pieces_of(
 def draw_letters(font: FontFile, script: str, n: int, seed: int) -> str:
     """Different letters of a script that a font has, drawn at random; all, where there are fewer.
 
+    Letters whose glyph is empty are left out, and fewer come then.
+
     Raises
     ------
     InputError
@@ -174,7 +176,7 @@ def draw_letters(font: FontFile, script: str, n: int, seed: int) -> str:
     if not known:
         raise InputError(f"{font.name} has no letters of {script}; expected another font")
     order = np.random.default_rng(seed).permutation(len(known))[:n]
-    return "".join(chr(known[k]) for k in order)
+    return "".join(chr(known[k]) for k in order if not font.is_empty(chr(known[k])))
 
 
 def draw_letters_of(source: GlyphSource, count: int, seed: int) -> str:

@@ -16,7 +16,8 @@ from PIL import Image, ImageDraw
 from scipy.ndimage import gaussian_filter, map_coordinates, zoom
 
 from paint3d.calligraphy.glyphs import Glyph, GlyphStroke
-from paint3d.calligraphy.photo.copying import CopiedSheet, on_sheet
+from paint3d.calligraphy.photo.copying import CopiedSheet
+from paint3d.calligraphy.photo.flat_page import on_sheet
 from paint3d.calligraphy.photo.straighten import homography, map_points
 from paint3d.core.types import AnyArray
 

@@ -35,6 +35,10 @@ _NO_EMBEDDING = 0x2  # of fsType: restricted licence
 _LICENCE, _LICENCE_URL, _COPYRIGHT, _FULL_NAME, _VERSION = 13, 14, 0, 4, 5
 
 
+_FILLERS = "\u115f\u1160\u3164\uffa0"
+"""Letters of Hangul that stand for one that is not there."""
+
+
 @dataclass(frozen=True, eq=False)
 class FontFile:
     """A face of a font file, at its variations.
@@ -98,9 +102,7 @@ class FontFile:
         InputError
             Which they are, and which fonts of the system have them.
         """
-        known = self.face.unicodes
-        missing = [c for c in dict.fromkeys(text) if ord(c) not in known and _is_drawn(c)]
-        missing = [c for c in missing if not self._has_parts(c)]
+        missing = [c for c in dict.fromkeys(text) if _is_drawn(c) and self._lacks(c)]
         if not missing:
             return
         names = ", ".join(f"{c!r} (U+{ord(c):04X})" for c in missing[:12])
@@ -108,6 +110,17 @@ class FontFile:
         others = fonts_with("".join(missing))
         hint = f"{', '.join(others[:4])} of the system would do" if others else "try another font"
         raise InputError(f"{self.name} has no glyph for {names}{more}; {hint}")
+
+    def is_empty(self, character: str) -> bool:
+        """Whether the glyph of a character has no ink: some fonts list letters that they lack."""
+        extents = self.font.get_glyph_extents(self.font.get_nominal_glyph(ord(character)))
+        return extents is None or (extents.width == 0 and extents.height == 0)
+
+    def _lacks(self, character: str) -> bool:
+        if ord(character) not in self.face.unicodes:
+            return not self._has_parts(character)
+        kind = unicodedata.category(character)[0]
+        return kind in "LN" and character not in _FILLERS and self.is_empty(character)
 
     def _has_parts(self, character: str) -> bool:
         """Whether the font has what a character is made of, such as a letter and its accent."""

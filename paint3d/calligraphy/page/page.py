@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
 
 from paint3d.calligraphy.glyphs import Box, Glyph
 from paint3d.errors import InputError
 
-__all__ = ["Composer", "Page", "Piece", "bounds_of"]
+__all__ = ["Composer", "Page", "Photograph", "Piece", "bounds_of"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,6 +41,33 @@ class Piece:
 
 
 @dataclass(frozen=True, eq=False)
+class Photograph:
+    """The photograph that a page's strokes were found in, and how its sheet lies there.
+
+    Attributes
+    ----------
+    file : Path
+    corners : (4, 2) float64
+        Of the sheet, the file's pixels: upper left, upper right, lower right, lower left.
+    size : (int, int)
+        Height and width of the sheet laid flat, pixels.
+    per_unit : float
+        Of those pixels to a glyph unit; the unit (x, y) of the page lies at pixel
+        per_unit * (x, -y) + origin.
+    origin : (2,) float64
+    invert : bool
+        Whether it is a rubbing: white strokes on black.
+    """
+
+    file: Path
+    corners: NDArray[np.float64]
+    size: tuple[int, int]
+    per_unit: float
+    origin: NDArray[np.float64]
+    invert: bool = False
+
+
+@dataclass(frozen=True, eq=False)
 class Page:
     """Pieces in writing order.
 
@@ -47,6 +78,8 @@ class Page:
         Where their shapes are from, for reports.
     licence : str
         Whose shapes they are and under what licence.
+    photograph : Photograph, optional
+        Where they were found in one.
 
     Raises
     ------
@@ -57,6 +90,7 @@ class Page:
     pieces: tuple[Piece, ...]
     source: str
     licence: str
+    photograph: Photograph | None = None
 
     def __post_init__(self) -> None:
         if not any(piece.glyph.strokes for piece in self.pieces):

@@ -7,14 +7,15 @@ another order or left out with any editor, and painted by ``paint3d write --stro
 from __future__ import annotations
 
 import json
-from pathlib import Path
+import os
+from pathlib import Path, PurePosixPath, PureWindowsPath
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.calligraphy.glyphs import LEAST_STRENGTH, Glyph, GlyphStroke
-from paint3d.calligraphy.page.page import Page, Piece
+from paint3d.calligraphy.page.page import Page, Photograph, Piece
 from paint3d.core.arrays import as_array, as_number
 from paint3d.core.atomic import write_atomically
 from paint3d.errors import InputError
@@ -24,6 +25,8 @@ __all__ = ["load_strokes", "save_strokes"]
 _FORMAT = "paint3d strokes 1"
 _DECIMALS = 3
 _MOST_BYTES = 200_000_000
+_LONGEST_SHEET = 8192  # pixels of a photographed sheet laid flat
+_PER_UNIT = (1e-4, 1e3)  # pixels to a glyph unit
 
 
 def save_strokes(page: Page, file: Path) -> None:
@@ -35,12 +38,30 @@ def save_strokes(page: Page, file: Path) -> None:
         If the file cannot be written.
     """
     pieces = [_told_piece(piece) for piece in page.pieces]
-    head = {"format": _FORMAT, "source": page.source, "licence": page.licence}
+    head: dict[str, Any] = {"format": _FORMAT, "source": page.source, "licence": page.licence}
+    if page.photograph is not None:
+        head["photograph"] = _told_photograph(page.photograph, file)
     lines = [f"{json.dumps(key)}: {json.dumps(head[key], ensure_ascii=False)}," for key in head]
     told = ",\n".join(_piece_text(piece) for piece in pieces)
     with write_atomically(file) as part:
         text = "{\n" + "\n".join(lines) + f'\n"pieces": [\n{told}\n]\n}}\n'
         part.write_text(text, encoding="utf-8")
+
+
+def _told_photograph(photograph: Photograph, file: Path) -> dict[str, Any]:
+    """Where it lies seen from the file of strokes, and how its sheet lies in it."""
+    try:
+        there = Path(os.path.relpath(photograph.file, file.parent)).as_posix()
+    except ValueError:  # on another drive
+        there = photograph.file.name
+    return {
+        "file": there,
+        "corners": _told(photograph.corners),
+        "size": list(photograph.size),
+        "per_unit": photograph.per_unit,
+        "origin": _told(photograph.origin),
+        "invert": photograph.invert,
+    }
 
 
 def _piece_text(piece: dict[str, Any]) -> str:
@@ -100,7 +121,29 @@ def load_strokes(file: Path | str) -> Page:
         for k, piece in enumerate(_list(data, "pieces", f"{path}"))
     ]
     source, licence = (_text(data, key, f"{path}") for key in ("source", "licence"))
-    return Page(tuple(pieces), source, licence)
+    photograph = None
+    if data.get("photograph") is not None:
+        photograph = _photograph(data["photograph"], path)
+    return Page(tuple(pieces), source, licence, photograph)
+
+
+def _photograph(data: Any, path: Path) -> Photograph:
+    """The photograph that strokes say they are from; whether it is there is not looked at."""
+    name = f"{path}: photograph"
+    corners = as_array(_list(data, "corners", name), f"{name}: corners", (4, 2))
+    height, width = as_array(_list(data, "size", name), f"{name}: size", (2,)).tolist()
+    origin = as_array(_list(data, "origin", name), f"{name}: origin", (2,))
+    per_unit = as_number(data.get("per_unit"), f"{name}: per_unit", *_PER_UNIT)
+    for side in (height, width):
+        if not (side.is_integer() and 1 <= side <= _LONGEST_SHEET):
+            raise InputError(f"{name}: size is {side:g}; expected 1 to {_LONGEST_SHEET} pixels")
+    there = _text(data, "file", name)
+    windows = PureWindowsPath(there)
+    if windows.anchor or PurePosixPath(there).is_absolute() or "\\" in there or not windows.name:
+        raise InputError(f"{name}: file is {there!r}; expected its place seen from {path.name}")
+    file = path.parent / there
+    invert = data.get("invert", False) is True
+    return Photograph(file, corners, (int(height), int(width)), per_unit, origin, invert)
 
 
 def _piece(data: Any, name: str, known: dict[str, Glyph]) -> Piece:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,9 +16,10 @@ from numpy.typing import NDArray
 
 from paint3d.calligraphy.glyphs import EM_UNITS, LEAST_STRENGTH, Box, Glyph, GlyphStroke
 from paint3d.calligraphy.page.bands import fill_in_bands, is_wide
-from paint3d.calligraphy.page.page import Page, Piece
+from paint3d.calligraphy.page.page import Page, Photograph, Piece
 from paint3d.calligraphy.photo.characters import Character, characters_of
 from paint3d.calligraphy.photo.dryness import dryness_along, strength_of
+from paint3d.calligraphy.photo.flat_page import FlatPage, on_sheet
 from paint3d.calligraphy.photo.ink_mask import InkMask, find_ink
 from paint3d.calligraphy.photo.inks import rubbed, unmixed
 from paint3d.calligraphy.photo.light import flattened
@@ -32,7 +34,7 @@ from paint3d.errors import InputError
 if TYPE_CHECKING:
     from shapely import MultiPolygon
 
-__all__ = ["Asked", "CopiedSheet", "copy_sheet", "on_sheet"]
+__all__ = ["Asked", "CopiedSheet", "SheetPicture", "copy_sheet", "seen_again"]
 
 _LONGEST = 1600  # pixels of the straightened sheet
 _BLACKEST = 0.8  # of the strokes are paler: what the sheet's black ink takes of the light
@@ -70,36 +72,51 @@ class Asked:
     templates: Mapping[str, Glyph] | None = None
 
 
-@dataclass(frozen=True, eq=False)
-class CopiedSheet:
-    """A sheet and its strokes.
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SheetPicture(FlatPage):
+    """A page on the photographed sheet that its strokes were found on.
 
     Attributes
     ----------
-    page : Page
-        Its strokes know how dry they are.
     picture : (H, W, 3) uint8
         The sheet laid flat, sRGB codes.
+    corners : (4, 2) float64
+        Of the sheet in the photograph, pixels.
+    """
+
+    picture: NDArray[np.uint8]
+    corners: NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class CopiedSheet(SheetPicture):
+    """A sheet and its strokes, which know how dry they are.
+
+    Attributes
+    ----------
     ink : InkMask
         On that sheet.
     red : (H, W) float32
         Density of seals there.
-    corners : (4, 2) float64
-        Of the sheet in the photograph, pixels.
-    per_unit : float
-        Pixels of the sheet to a glyph unit; the unit (x, y) of the page lies at pixel
-        per_unit * (x, -y) + origin.
-    origin : (2,) float64
-        Pixels.
     """
 
-    page: Page
-    picture: NDArray[np.uint8]
     ink: InkMask
     red: NDArray[np.float32]
-    corners: NDArray[np.float64]
-    per_unit: float
-    origin: NDArray[np.float64]
+
+    def taken_from(self, file: Path, scale: float, *, invert: bool = False) -> CopiedSheet:
+        """The same with a page that knows its photograph.
+
+        Parameters
+        ----------
+        file : path
+        scale : float
+            How many of the file's pixels one of the corners' is.
+        invert : bool
+            Whether it is a rubbing.
+        """
+        corners = scale * self.corners
+        there = Photograph(file, corners, self.size, self.per_unit, self.origin, invert)
+        return replace(self, page=replace(self.page, photograph=there))
 
     @property
     def wet_page(self) -> Page:
@@ -144,7 +161,37 @@ def copy_sheet(pixels: NDArray[np.uint8], name: str, asked: Asked | None = None)
     if not asked.invert:  # the strokes of a rubbing are where no ink is
         pieces = _as_strong(pieces, inks.black, ink.mask, per_unit, origin)
     page = Page(tuple(pieces), name, f"Photograph: {name}")
-    return CopiedSheet(page, _as_codes(sheet), ink, inks.red, corners, per_unit, origin)
+    picture, (height, width) = _as_codes(sheet), sheet.shape[:2]
+    return CopiedSheet(
+        page, (height, width), per_unit, origin, picture=picture, corners=corners, ink=ink,
+        red=inks.red,
+    )  # fmt: skip
+
+
+def seen_again(page: Page, pixels: NDArray[np.uint8], scale: float) -> SheetPicture:
+    """A page of a file of strokes on the photographed sheet that they were found on.
+
+    Parameters
+    ----------
+    page : Page
+        With a photograph.
+    pixels : (H, W, 3) uint8
+        That photograph, sRGB codes.
+    scale : float
+        How many of the file's pixels one of these is.
+
+    Raises
+    ------
+    InputError
+        If it is another one, in which the sheet's corners do not lie.
+    """
+    there = page.photograph
+    assert there is not None, "it was looked at"
+    corners = checked_corners(there.corners / scale, pixels.shape[:2])
+    picture = _as_codes(straightened(pixels, corners, there.size))
+    return SheetPicture(
+        page, there.size, there.per_unit, there.origin, picture=picture, corners=corners
+    )
 
 
 def _corners(pixels: NDArray[np.uint8], asked: Asked) -> NDArray[np.float64]:
@@ -228,17 +275,6 @@ def _in_bands(stroke: GlyphStroke) -> list[GlyphStroke]:
         return [stroke]
     area = shapely.Polygon(stroke.outline, stroke.holes)
     return fill_in_bands(area if area.is_valid else area.buffer(0.0))
-
-
-def on_sheet(stroke: GlyphStroke, per_unit: float, origin: AnyArray) -> GlyphStroke:
-    """A stroke of the page in pixels of the sheet, y down; see `CopiedSheet`."""
-
-    def back(points: AnyArray) -> AnyArray:
-        on: AnyArray = per_unit * points * np.array([1.0, -1.0]) + origin
-        return on
-
-    holes = tuple(back(hole) for hole in stroke.holes)
-    return GlyphStroke(back(stroke.outline), back(stroke.median), holes)
 
 
 def _as_codes(sheet: NDArray[np.float32]) -> NDArray[np.uint8]:

@@ -21,17 +21,23 @@ _EDGE = 1.5  # pixels of the body's rim that are blurred with the paper
 _EVEN = 0.04  # of unevenness that wet ink has too
 
 
-def stations_along(median: AnyArray, width: float) -> NDArray[np.float64]:
-    """Even stations (K, 2) along a line, the middles of pieces of equal length."""
+def stations_along(median: AnyArray, width: float, n: int | None = None) -> NDArray[np.float64]:
+    """Even stations (K, 2) along a line, the middles of pieces of equal length.
+
+    There are as many as a stroke of that width needs, or `n`.
+    """
     steps = np.linalg.norm(np.diff(median, axis=0), axis=1)
     way = np.concatenate([[0.0], np.cumsum(steps)])
-    n = min(max(math.ceil(way[-1] / max(_APART * width, 1e-9)), _FEWEST), _MOST)
+    n = n or min(max(math.ceil(way[-1] / max(_APART * width, 1e-9)), _FEWEST), _MOST)
     at = (np.arange(n) + 0.5) / n * way[-1]
     return np.column_stack([np.interp(at, way, median[:, axis]) for axis in (0, 1)])
 
 
 def dryness_along(
-    stroke: GlyphStroke, cover: NDArray[np.float32], inked: NDArray[np.bool_]
+    stroke: GlyphStroke,
+    cover: NDArray[np.float32],
+    inked: NDArray[np.bool_],
+    n: int | None = None,
 ) -> tuple[tuple[float, ...], float]:
     """How dry a stroke is at even stations, and how strong its ink.
 
@@ -43,6 +49,8 @@ def dryness_along(
         How much of a pixel is inked, 0 to 1.
     inked : (H, W) bool
         Where ink is.
+    n : int, optional
+        How many stations.
 
     Returns
     -------
@@ -62,7 +70,7 @@ def dryness_along(
     rows, columns = np.nonzero(_core(region))
     places = np.column_stack([columns, rows]) + low + 0.5
     width = region.sum() / max(_length(stroke.median), 1.0)
-    stations = stations_along(stroke.median, width)
+    stations = stations_along(stroke.median, width, n)
     _, nearest = cKDTree(stations).query(places)
     covered = np.clip(values[rows, columns] / own / (1.0 - _EVEN), 0.0, 1.0)
     counts = np.bincount(nearest, minlength=len(stations))

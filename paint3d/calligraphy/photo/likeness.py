@@ -12,8 +12,9 @@ from paint3d.calligraphy.glyphs import EM_UNITS
 from paint3d.calligraphy.kernels.raster import fill_triangles
 from paint3d.calligraphy.page.laying import PlacedPiece
 from paint3d.calligraphy.page.page import Piece
-from paint3d.calligraphy.photo.copying import CopiedSheet, on_sheet
+from paint3d.calligraphy.photo.copying import CopiedSheet
 from paint3d.calligraphy.photo.dryness import dryness_along, strength_of
+from paint3d.calligraphy.photo.flat_page import FlatPage
 from paint3d.core.types import AnyArray
 from paint3d.mesh.chart import make_chart
 from paint3d.mesh.closest_points import ClosestPoints
@@ -80,18 +81,18 @@ class SheetLikeness:
 
 
 def painted_sheet(
-    sheet: CopiedSheet, placed: list[tuple[Piece, PlacedPiece]], surface: PaintedSurface
+    sheet: FlatPage, placed: list[tuple[Piece, PlacedPiece]], surface: PaintedSurface
 ) -> PaintedSheet:
     """The painting seen straight, each piece in a chart around its own middle.
 
     Parameters
     ----------
-    sheet : CopiedSheet
+    sheet : FlatPage
     placed : list of (Piece, PlacedPiece)
         Where the pieces lie on the page, and on the object.
     surface : PaintedSurface
     """
-    height, width = sheet.ink.mask.shape
+    height, width = sheet.size
     colour = surface.mesh.colours
     assert colour is not None
     plain = np.median(colour[~surface.painted], axis=0) if (~surface.painted).any() else 255.0
@@ -115,7 +116,7 @@ def painted_sheet(
 
 
 def _on_page(
-    piece: Piece, laid: PlacedPiece, closest: ClosestPoints, there: AnyArray, sheet: CopiedSheet
+    piece: Piece, laid: PlacedPiece, closest: ClosestPoints, there: AnyArray, sheet: FlatPage
 ) -> NDArray[np.float64]:
     """Where points of the surface lie on the sheet, pixels; NaN beyond the piece."""
     square = laid.square
@@ -138,9 +139,9 @@ def likeness_of(sheet: CopiedSheet, painted: PaintedSheet) -> SheetLikeness:
 
 
 def strength_of_both(
-    sheet: CopiedSheet, painted: PaintedSheet
+    sheet: FlatPage, painted: PaintedSheet
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """How strong the ink of all strokes (K,) is: photographed, and painted."""
+    """How strong the ink of all strokes (K,) is: as they say, and painted."""
     codes = np.arange(256) / 255.0
     table = np.where(codes <= 0.04045, codes / 12.92, ((codes + 0.055) / 1.055) ** 2.4)
     light = table[painted.picture].mean(axis=2)
@@ -148,26 +149,25 @@ def strength_of_both(
     bare = painted.cover <= 0.0
     plain = float(np.median(light[bare])) if bare.any() else 1.0
     density = -np.log10(np.maximum(light / plain, 1e-4)).astype(np.float32)
-    asked, got = [], []
-    for piece in sheet.page.pieces:
-        for stroke in piece.glyph.strokes:
-            seen = on_sheet(stroke, sheet.per_unit, sheet.origin)
-            asked.append(stroke.strength)
-            got.append(min(strength_of(seen, density, mask) / BLACKEST, 1.0))
+    asked = [stroke.strength for stroke in sheet.strokes]
+    got = [min(strength_of(seen, density, mask) / BLACKEST, 1.0) for seen in sheet.drawn()]
     return np.array(asked), np.array(got)
 
 
 def dryness_of_both(
-    sheet: CopiedSheet, painted: PaintedSheet
+    sheet: FlatPage, painted: PaintedSheet
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Shares (K,) left bare at the stations of all strokes: photographed, and painted."""
+    """Shares (K,) left bare at the stations of all strokes: as they say, and painted.
+
+    Strokes that do not say how dry they are have no stations.
+    """
     mask = painted.cover > _COVERED
     asked: list[float] = []
     got: list[float] = []
-    for piece in sheet.page.pieces:
-        for stroke in piece.glyph.strokes:
-            seen = on_sheet(stroke, sheet.per_unit, sheet.origin)
-            dryness, _ = dryness_along(seen, painted.cover, mask)
+    for stroke, seen in zip(sheet.strokes, sheet.drawn(), strict=True):
+        n = len(stroke.dryness)
+        if n:
+            dryness, _ = dryness_along(seen, painted.cover, mask, n)
             asked += stroke.dryness
             got += dryness
     return np.array(asked), np.array(got)

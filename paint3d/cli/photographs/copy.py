@@ -9,6 +9,7 @@ from __future__ import annotations
 import argparse
 import logging
 import math
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -16,6 +17,7 @@ from typing import TYPE_CHECKING
 from paint3d.cli.options import check_output_file
 from paint3d.cli.progress import ProgressBar
 from paint3d.cli.replay import PaintOptions
+from paint3d.cli.sources import TRIALS, add_trials_option
 from paint3d.cli.write import add_task_options, carry_out, check_files
 from paint3d.errors import InputError
 
@@ -30,7 +32,6 @@ HELP = "copy writing from a photograph: find its strokes, then write them"
 _LOG = logging.getLogger("paint3d")
 _MATERIAL = "xuan"  # a brush that runs dry shows on its grain
 _SIZE_MM = 40.0
-_TRIALS, _MOST_TRIALS = 2, 9
 _PICTURES = (".png", ".jpg", ".jpeg")
 
 
@@ -70,14 +71,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="paint as dry as the photograph shows, on a material with grain, or with a full brush "
         "(default: photo)",
     )
-    parser.add_argument(
-        "--trials",
-        metavar="N",
-        type=_parse_trials,
-        default=_TRIALS,
-        help="paint it so often beforehand, to see how dry it comes out and correct that "
-        "(default: %(default)s)",
-    )
+    add_trials_option(parser)
     parser.add_argument(
         "--beside",
         metavar="FILE",
@@ -93,12 +87,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     add_task_options(parser)
     parser.set_defaults(size=_SIZE_MM, material=_MATERIAL)
-
-
-def _parse_trials(text: str) -> int:
-    if not (text.isascii() and text.isdigit() and int(text) <= _MOST_TRIALS):
-        raise argparse.ArgumentTypeError(f"{text!r}; expected 0 to {_MOST_TRIALS}")
-    return int(text)
 
 
 def _parse_pixel(text: str) -> tuple[float, float]:
@@ -121,7 +109,6 @@ def run(options: argparse.Namespace) -> None:
     """
     from paint3d.brush.presets import choose_brush, load_brush
     from paint3d.calligraphy.photo.brush_room import check_widths
-    from paint3d.calligraphy.photo.rehearsal import rehearsed
     from paint3d.calligraphy.writing import write_page
 
     check_files(options, (options.photo, options.glyphs), (options.beside,))
@@ -132,8 +119,10 @@ def run(options: argparse.Namespace) -> None:
     brush = load_brush(options.brush or choose_brush(options.size))
     check_widths(sheet.page, brush, options.size, options.resolution)
     page = sheet.page if options.dryness == "photo" else sheet.wet_page
-    rehearse = partial(rehearsed, sheet, trials=options.trials)
-    written, painting = carry_out(options, partial(write_page, text=page), {}, "always", rehearse)
+    trials = TRIALS if options.trials is None else options.trials
+    written, painting = carry_out(
+        options, partial(write_page, text=page), {}, "always", trials, replace(sheet, page=page)
+    )
     if written.dryness is not None and not painting.surface.material.grain > 0.0:
         _LOG.warning(
             "%s has no grain, so no stroke stays bare in places; --material xuan has",
@@ -154,7 +143,8 @@ def _copied(options: argparse.Namespace) -> CopiedSheet:
         pixels, scale = load_photograph(options.photo, progress)
     with ProgressBar("looking", enabled=not options.quiet):
         try:
-            return copy_sheet(pixels, options.photo.name, _asked(options, scale))
+            sheet = copy_sheet(pixels, options.photo.name, _asked(options, scale))
+            return sheet.taken_from(options.photo, scale, invert=options.invert)
         except InputError as cause:
             raise InputError(f"{options.photo}: {cause}") from None
 

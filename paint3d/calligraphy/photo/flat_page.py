@@ -1,0 +1,80 @@
+"""A page and the pixels that it is looked at in: a photographed sheet's, or as fine as it needs."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.calligraphy.glyphs import EM_UNITS, GlyphStroke
+from paint3d.calligraphy.page.page import Page
+from paint3d.core.types import AnyArray
+
+__all__ = ["FlatPage", "on_sheet"]
+
+_PIXELS_PER_EM = 400.0
+_MOST_PIXELS = 16e6  # of a page of many characters
+_MARGIN = 0.1  # ems: strokes may stand out of their boxes
+
+
+@dataclass(frozen=True, eq=False)
+class FlatPage:
+    """A page drawn flat.
+
+    Attributes
+    ----------
+    page : Page
+    size : (int, int)
+        Height and width, pixels.
+    per_unit : float
+        Pixels to a glyph unit; the unit (x, y) of the page lies at pixel
+        per_unit * (x, -y) + origin.
+    origin : (2,) float64
+        Pixels.
+    """
+
+    page: Page
+    size: tuple[int, int]
+    per_unit: float
+    origin: NDArray[np.float64]
+
+    @classmethod
+    def of(cls, page: Page) -> FlatPage:
+        """A page that was found on no photograph."""
+        left, lower, right, upper = page.bounds
+        margin = _MARGIN * EM_UNITS
+        wide, high = right - left + 2.0 * margin, upper - lower + 2.0 * margin
+        per_unit = min(_PIXELS_PER_EM / EM_UNITS, math.sqrt(_MOST_PIXELS / (wide * high)))
+        origin = per_unit * np.array([margin - left, margin + upper])
+        return cls(page, (round(per_unit * high), round(per_unit * wide)), per_unit, origin)
+
+    @property
+    def strokes(self) -> list[GlyphStroke]:
+        """Of all pieces, in writing order, glyph units."""
+        return [stroke for piece in self.page.pieces for stroke in piece.glyph.strokes]
+
+    def drawn(self) -> list[GlyphStroke]:
+        """The same where they lie on the page, in pixels, y down."""
+        drawn = []
+        for piece in self.page.pieces:
+            there = self.origin + self.per_unit * _flipped(np.array(piece.at) - piece.glyph.middle)
+            drawn += [on_sheet(stroke, self.per_unit, there) for stroke in piece.glyph.strokes]
+        return drawn
+
+
+def on_sheet(stroke: GlyphStroke, per_unit: float, origin: AnyArray) -> GlyphStroke:
+    """A stroke in pixels of a sheet, y down; see `FlatPage`."""
+
+    def back(points: AnyArray) -> NDArray[np.float64]:
+        on: NDArray[np.float64] = per_unit * _flipped(points) + origin
+        return on
+
+    holes = tuple(back(hole) for hole in stroke.holes)
+    return GlyphStroke(back(stroke.outline), back(stroke.median), holes)
+
+
+def _flipped(points: AnyArray) -> NDArray[np.float64]:
+    flipped: NDArray[np.float64] = points * np.array([1.0, -1.0])
+    return flipped
