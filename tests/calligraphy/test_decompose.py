@@ -213,3 +213,38 @@ def test_a_template_without_strokes_is_none():
 def test_a_polygon_that_crosses_itself_is_mended():
     bow = MultiPolygon([Polygon([(0, 0), (10, 10), (10, 0), (0, 10)])])
     assert sum(region_of(stroke).area for stroke in decompose(bow)) >= 49.9
+
+
+def diamond(x: float, y: float, half: float = 1.0) -> Polygon:
+    return Polygon([(x - half, y), (x, y + half), (x + half, y), (x, y - half)])
+
+
+def test_dots_that_run_together_are_each_one() -> None:
+    """As those of an Arabic letter do: their ink is parted at the waist, and all of it is kept."""
+    two = shapely.union_all([diamond(0.0, 0.0), diamond(1.7, 0.2)])
+    strokes = decompose(MultiPolygon([two]))
+    assert len(strokes) == 2
+    regions = [Polygon(stroke.outline) for stroke in strokes]
+    assert shapely.union_all(regions).symmetric_difference(two).area < 1e-6
+    assert [region.area / two.area for region in regions] == pytest.approx([0.52, 0.52], abs=0.04)
+    third = shapely.union_all([two, diamond(3.4, 0.0)])
+    assert len(decompose(MultiPolygon([third]))) == 3
+
+
+def test_what_is_no_dot_at_a_waist_is_not_parted() -> None:
+    long = shapely.union_all([diamond(0.0, 0.0), shapely.box(0.8, -0.12, 6.0, 0.12)])
+    assert len(decompose(MultiPolygon([long]))) == 1
+    ring = shapely.Point(0.0, 0.0).buffer(2.0).difference(shapely.Point(0.0, 0.0).buffer(1.6))
+    assert len(decompose(MultiPolygon([ring]))) == 1
+
+
+@pytest.mark.parametrize("turn", [0.0, 20.0, 45.0, 70.0])
+def test_a_square_dot_is_written_from_corner_to_corner(turn) -> None:
+    square = shapely.affinity.rotate(shapely.box(0.0, 0.0, 2.0, 2.0), turn)
+    (stroke,) = decompose(MultiPolygon([square]))
+    ends = stroke.median[[0, -1]]
+    assert np.linalg.norm(ends[1] - ends[0]) == pytest.approx(0.9 * math.sqrt(8.0), rel=0.01)
+    corners = np.array(square.exterior.coords)
+    for end in ends:
+        assert np.linalg.norm(corners - end, axis=1).min() < 0.2
+    assert ends[0, 0] <= ends[1, 0]

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from paint3d.calligraphy.glyphs import Glyph, GlyphStroke
 from paint3d.calligraphy.shapes.continuation import Chain, chains_of
 from paint3d.calligraphy.shapes.corners import cut_at_corners
+from paint3d.calligraphy.shapes.dots import as_dot, dots_of
 from paint3d.calligraphy.shapes.regions import Ink, Piece, has_way, piece_of, shared_out
 from paint3d.calligraphy.shapes.skeleton import skeleton_of
 from paint3d.calligraphy.shapes.transfer import (
@@ -38,9 +39,6 @@ _HAIRLINE = 1e-5  # of the size of a shape: thinner parts are no strokes
 _LONGEST = 20_000.0  # of its width that a part is long: longer ones are no strokes of a brush
 _GRAIN = 2.0**-40  # of the farthest coordinate: thinner parts are what rounding left
 _GRID = 2.0**32  # points to the size of a shape
-_COMPACT = 0.75  # of a disc's area at the same perimeter: a dot; a square has 0.785
-_SHORTEST = 1.0  # of a dot's width: its line; shorter, two crescents of a round one stay bare
-_ROUND = 1.1  # times as long as wide: a dot that is drawn level
 
 
 def decompose(
@@ -182,49 +180,24 @@ def _parts(outline: MultiPolygon) -> list[Polygon]:
 
 def _by_shape(ink: Ink) -> list[Piece]:
     """The strokes of one connected shape, by what it looks like alone."""
-    if _is_dot(ink):
-        return [Piece(_axis(ink), ink.shape)]
+    dots = dots_of(ink)
+    if dots:
+        return dots
     cut_at_corners(ink.skeleton, ink.triangles, ink.half_widths)
     chains = [one for one in chains_of(ink.skeleton, ink.half_widths) if has_way(one, ink)]
     if not chains:
-        return [Piece(_axis(ink), ink.shape)]
+        return [as_dot(ink.shape)]
     return shared_out([piece_of(chain, ink) for chain in chains], ink)
 
 
 def _by_template(ink: Ink, told: list[tuple[Chain, int]]) -> list[tuple[Piece, int | None]]:
     """The strokes of one connected shape as those of a known character."""
     told = [(chain, stroke) for chain, stroke in told if has_way(chain, ink)]
-    if not told or _is_dot(ink):
-        return [(Piece(_axis(ink), ink.shape), None)]
+    dots = dots_of(ink)
+    if dots or not told:
+        return [(dot, None) for dot in dots or [as_dot(ink.shape)]]
     pieces = shared_out([piece_of(chain, ink) for chain, _ in told], ink)
     return [(piece, stroke) for piece, (_, stroke) in zip(pieces, told, strict=True)]
-
-
-def _is_dot(ink: Ink) -> bool:
-    """Whether a shape is so compact that it has no direction of its own."""
-    shape = ink.shape
-    return not shape.interiors and bool(4.0 * math.pi * shape.area > _COMPACT * shape.length**2)
-
-
-def _axis(ink: Ink) -> NDArray[np.float64]:
-    """A line along a dot, half a width from both its ends, or across all of a short one."""
-    import shapely
-
-    corners = shapely.get_coordinates(shapely.minimum_rotated_rectangle(ink.shape))
-    sides = np.diff(corners[:3], axis=0)
-    sizes = np.linalg.norm(sides, axis=1)
-    long = int(np.argmax(sizes))
-    middle = ink.shape.centroid
-    middle = middle if ink.shape.contains(middle) else ink.shape.representative_point()
-    reach = max(sizes[long] - sizes[1 - long], _SHORTEST * sizes[1 - long])
-    is_round = bool(sizes[long] < _ROUND * sizes[1 - long])
-    way = np.array([1.0, 0.0]) if is_round else sides[long] / sizes[long]
-    along = 0.5 * reach * way
-    centre = np.array(middle.coords[0])
-    line = shapely.LineString([centre - along, centre + along])
-    inside = line.intersection(ink.shape)
-    longest = max(shapely.get_parts(inside), key=lambda part: part.length)
-    return np.array(longest.coords)
 
 
 def _stroke(piece: Piece, low: NDArray[np.float64], size: float) -> GlyphStroke:

@@ -1,0 +1,110 @@
+"""Shapes so compact that they have no direction of their own, alone or run together."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.calligraphy.shapes.regions import Ink, Piece
+
+if TYPE_CHECKING:
+    from shapely import Polygon
+
+__all__ = ["as_dot", "dots_of"]
+
+_COMPACT = 0.75  # of a disc's area at the same perimeter: a dot; a square has 0.785
+_SHORTEST = 1.0  # of a dot's width: its line; shorter, two crescents of a round one stay bare
+_ROUND = 1.1  # times as long as wide: a dot that is drawn level
+_SQUARE = 0.88  # of a disc's area: what is less compact has corners; a hexagon has 0.907
+_INTO_CORNERS = 0.9  # of its diagonal: the line of a square dot
+_FALL = 0.02  # by how much a rising diagonal must be longer than a falling one
+_WAIST = 0.6  # of a dot's width: where they run together they are narrower
+_OVERLAP = 0.35  # of a dot's half width, that two reach into each other at their waist
+_LOOSE = 0.22  # as compact as four squares in a row, which would be 0.31 if they shared no side
+
+
+def dots_of(ink: Ink) -> list[Piece]:
+    """The dots that a shape is, each with its line; none where it is no dot.
+
+    Dots that run together at a narrow waist, as the two of an Arabic letter do, are each one: a
+    single line through all of them would leave their outer corners bare.
+    """
+    if ink.shape.interiors:
+        return []
+    compact = _compactness(ink.shape)
+    if compact > _COMPACT:
+        return [as_dot(ink.shape)]
+    return [as_dot(one) for one in _parted(ink)] if compact > _LOOSE else []
+
+
+def _compactness(shape: Polygon) -> float:
+    """Its area over that of a disc of the same perimeter."""
+    return 4.0 * math.pi * float(shape.area) / float(shape.length) ** 2
+
+
+def _parted(ink: Ink) -> list[Polygon]:
+    """A shape divided at its waists, where all that come of it are dots; else nothing.
+
+    Every triangle goes to the core that is nearest: what is left of the shape without a rim that
+    is as deep as a waist may be.
+    """
+    import shapely
+
+    shape = ink.shape
+    corners = ink.triangles.points[ink.triangles.corners]
+    deepest = float(shapely.maximum_inscribed_circle(shape).length)  # the circle's radius
+    cores = shapely.get_parts(shape.buffer(-_WAIST * deepest))
+    if len(cores) < 2:
+        return []
+    middles = shapely.points(corners.mean(axis=1))
+    nearest = np.argmin([shapely.distance(middles, core) for core in cores], axis=0)
+    cells = [np.flatnonzero(nearest == k) for k in range(len(cores))]
+    parts = [ink.triangles.region(mine) for mine in cells if len(mine)]
+    are_dots = all(one.geom_type == "Polygon" and _compactness(one) > _COMPACT for one in parts)
+    if not are_dots:
+        return []
+    grown = [one.buffer(_OVERLAP * deepest, join_style="mitre") for one in parts]
+    return [one.intersection(shape) for one in grown]
+
+
+def as_dot(shape: Polygon) -> Piece:
+    """A dot with its line.
+
+    A square one is written from corner to corner, which leaves the least of its corners bare; what
+    has no corners along it, half a width from both its ends, or level where it is round.
+    """
+    import shapely
+
+    corners = shapely.get_coordinates(shapely.minimum_rotated_rectangle(shape))
+    sides = np.diff(corners[:3], axis=0)
+    sizes = np.linalg.norm(sides, axis=1)
+    long = int(np.argmax(sizes))
+    if _COMPACT < _compactness(shape) < _SQUARE:
+        way, reach = _across(shape)
+    else:
+        is_round = bool(sizes[long] < _ROUND * sizes[1 - long])
+        way = np.array([1.0, 0.0]) if is_round else sides[long] / sizes[long]
+        reach = max(sizes[long] - sizes[1 - long], _SHORTEST * sizes[1 - long])
+    middle = shape.centroid
+    middle = middle if shape.contains(middle) else shape.representative_point()
+    centre = np.array(middle.coords[0])
+    line = shapely.LineString([centre - 0.5 * reach * way, centre + 0.5 * reach * way])
+    inside = line.intersection(shape)
+    longest = max(shapely.get_parts(inside), key=lambda part: part.length)
+    return Piece(np.array(longest.coords), shape)
+
+
+def _across(shape: Polygon) -> tuple[NDArray[np.float64], float]:
+    """The way between the corners that are farthest apart, downwards if it can be; how far."""
+    import shapely
+
+    rim = shapely.get_coordinates(shape.convex_hull)
+    ways = rim[None] - rim[:, None]
+    apart = np.hypot(ways[..., 0], ways[..., 1])
+    falls = ways[..., 0] * ways[..., 1] < 0.0
+    from_there, to = np.unravel_index(np.argmax(apart * (1.0 + _FALL * falls)), apart.shape)
+    way, size = ways[from_there, to], float(apart[from_there, to])
+    return way / size * (1.0 if way[0] >= 0.0 else -1.0), _INTO_CORNERS * size
