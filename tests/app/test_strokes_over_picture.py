@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import threading
 from dataclasses import replace
 from pathlib import Path
 
@@ -15,7 +16,9 @@ pytest.importorskip("svgelements", reason="svgelements is not installed")
 from PIL import Image
 from PySide6 import QtCore, QtGui, QtTest, QtWidgets
 
+from paint3d.app.model.copybook import Copybook
 from paint3d.app.model.error_texts import in_chinese
+from paint3d.app.window import copybook_guide
 from paint3d.app.window.dialogs.questions import Answer
 from paint3d.app.window.dialogs.stroke_view import Taken
 from paint3d.app.window.dialogs.strokes_dialog import StrokesDialog
@@ -26,7 +29,7 @@ from paint3d.calligraphy.page.page import Piece
 from paint3d.calligraphy.page.strokes_file import load_strokes, save_strokes
 from paint3d.calligraphy.photo.sheet import checked_corners
 from paint3d.errors import InputError
-from tests.support.app.gestures import BUTTON, KIND, answer, live, mouse, pen, wait_for
+from tests.support.app.gestures import BUTTON, KIND, answer, answer_bar, live, mouse, pen, wait_for
 from tests.support.app.windows import opened
 
 KEY, CONTROL = QtCore.Qt.Key, QtCore.Qt.KeyboardModifier.ControlModifier
@@ -78,6 +81,13 @@ def correct(window, act) -> None:
     live(0.05)
     if found:
         raise found[0]
+
+
+def pixels_of(view) -> np.ndarray:
+    """What a view shows (H, W, 4)."""
+    image = view.grab().toImage().convertToFormat(QtGui.QImage.Format.Format_RGBA8888)
+    shape = image.height(), image.width(), 4
+    return np.frombuffer(image.constBits(), np.uint8).reshape(shape).astype(float)
 
 
 def ways(window) -> list[np.ndarray]:
@@ -482,3 +492,98 @@ def test_ink_far_from_its_box_is_seen(window, drawing, tmp_path: Path) -> None:
 def test_known_characters_have_no_picture_to_correct(window) -> None:
     assert window.copying.layout_text("永", 30.0, True)
     assert not window.panels.copybook.correct_button.isEnabled()
+
+
+def test_kept_strokes_lie_over_their_photograph_again(window, sheet) -> None:
+    """Which is laid flat as it was; its corners can still be dragged."""
+    kept = sheet.with_name("two.strokes.json")
+
+    def keep(dialog) -> None:
+        answer(lambda asked: asked.accept(), QtWidgets.QFileDialog)
+        key(dialog, KEY.Key_R)
+        key(dialog, KEY.Key_S, CONTROL)
+        seen.append(pixels_of(dialog.view))
+        use(dialog)
+
+    def look(dialog) -> None:
+        assert len(dialog.steps.now.strokes.strokes) == 2
+        seen.append(pixels_of(dialog.view))
+        key(dialog, KEY.Key_C)
+        view = dialog.corners
+        start, end = view.place(*view.corners[0]), view.place(20.0, 150.0)
+        mouse(
+            view, KIND.MouseButtonPress, start.x(), start.y(), BUTTON.LeftButton, BUTTON.LeftButton
+        )
+        mouse(view, KIND.MouseMove, end.x(), end.y(), buttons=BUTTON.LeftButton)
+        mouse(view, KIND.MouseButtonRelease, end.x(), end.y(), BUTTON.LeftButton)
+        key(dialog, KEY.Key_Return)
+        assert dialog.steps.now.strokes.base.photograph.corners[0, 1] == pytest.approx(150.0, abs=2)
+        use(dialog)
+
+    seen: list[np.ndarray] = []
+    correct(window, keep)
+    assert window.copying.layout_file(str(kept), 30.0)
+    correct(window, look)
+    assert np.abs(seen[0] - seen[1]).mean() < 0.5, np.abs(seen[0] - seen[1]).mean()
+
+
+def test_a_photograph_that_is_gone_is_told(window, sheet) -> None:
+    kept = sheet.with_name("two.strokes.json")
+
+    def keep(dialog) -> None:
+        answer(lambda asked: asked.accept(), QtWidgets.QFileDialog)
+        key(dialog, KEY.Key_S, CONTROL)
+        dialog.reject()
+
+    def look(dialog) -> None:
+        assert dialog.corners is None
+        dialog.reject()
+
+    told: list[str] = []
+    correct(window, keep)
+    sheet.unlink()
+    window.workspace.said.connect(lambda text, *_: told.append(text))
+    assert window.copying.layout_file(str(kept), 30.0)
+    assert any("two.png" in text for text in told)
+    correct(window, look)
+
+
+def test_corrections_whose_laying_was_cancelled_are_kept(window, drawing, monkeypatch) -> None:
+    """And offered again, to be undone too; until they lie there, or are dropped."""
+    started, go_on = threading.Event(), threading.Event()
+
+    class Slow(Copybook):
+        def __init__(self, *given) -> None:
+            started.set()
+            go_on.wait(5.0)
+            super().__init__(*given)
+
+    def cancel(bar) -> None:
+        assert started.is_set()
+        QtTest.QTest.mouseClick(bar.findChild(QtWidgets.QPushButton), BUTTON.LeftButton)
+
+    def reverse(dialog) -> None:
+        key(dialog, KEY.Key_R)
+        answer_bar(cancel)
+        use(dialog)
+
+    def again(dialog) -> None:
+        assert dialog.is_changed
+        key(dialog, KEY.Key_Z, CONTROL)
+        assert not dialog.is_changed
+        key(dialog, KEY.Key_Y, CONTROL)
+        use(dialog)
+
+    def drop(dialog) -> None:
+        assert not dialog.is_changed
+        dialog.reject()
+
+    before = ways(window)
+    with monkeypatch.context() as slow:
+        slow.setattr(copybook_guide, "Copybook", Slow)
+        correct(window, reverse)
+    go_on.set()
+    np.testing.assert_allclose(ways(window), before)
+    correct(window, again)
+    np.testing.assert_allclose(ways(window)[0], -before[0], atol=0.1)
+    correct(window, drop)  # they lie there: nothing is left to be used

@@ -26,7 +26,7 @@ PATTERNS: tuple[tuple[str, str], ...] = (
     (r"(?P<a>.*) was asked for during a stroke; expected its end first", "请先写完这一笔"),
     (r"stroke (?P<a>\d+) of the history; expected (?P<b>\d+) to (?P<c>\d+)",
      "历史中没有第 {a} 笔，应在 {b} 到 {c} 之间"),
-    (r"(?P<p>.*): no such file; expected .*", "{p}：没有这个文件"),
+    (r"(?P<p>.*): (?:there is )?no such file; expected .*", "{p}：没有这个文件"),
     (r"(?P<p>.*): it is a folder; expected a mesh file", "{p}：这是文件夹，需要网格文件"),
     (r"(?P<p>.*): it does not fit into memory", "{p}：内存不够"),
     (r"(?P<p>.*): its structure is damaged near (?P<a>.*)", "{p}：文件已损坏，在 {a} 附近"),

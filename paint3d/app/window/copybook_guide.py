@@ -6,6 +6,7 @@ from collections.abc import Callable
 from concurrent.futures import Future
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,14 +14,19 @@ from numpy.typing import NDArray
 from paint3d.app.model.copybook import Copybook
 from paint3d.app.model.document import Document
 from paint3d.app.model.stroke_log import Stroke
-from paint3d.app.window.dialogs.strokes_dialog import Photographed, StrokesDialog
+from paint3d.app.window.dialogs.strokes_dialog import CorrectionState, Photographed, StrokesDialog
 from paint3d.app.window.panels.copybook_panel import CopybookPanel
-from paint3d.app.window.wording import say
+from paint3d.app.window.wording import say, say_error
 from paint3d.app.window.workspace import Workspace
 from paint3d.calligraphy.layout import Layout
+from paint3d.calligraphy.page.correcting import Steps
 from paint3d.calligraphy.page.opening import opened_page, set_in
-from paint3d.calligraphy.page.page import Composer
+from paint3d.calligraphy.page.page import Composer, Page
+from paint3d.errors import Paint3DError
 from paint3d.files.photographs import PHOTOGRAPH_SUFFIXES, load_photograph
+
+if TYPE_CHECKING:
+    from paint3d.calligraphy.photo.copying import SheetPicture
 
 __all__ = ["CopybookGuide"]
 
@@ -36,6 +42,8 @@ class _Laid:
     layout: Layout
     file: Path | None = None
     photographed: Photographed | None = None
+    note: str = ""
+    unused: Steps[CorrectionState] | None = None  # corrections that could not be laid out
 
 
 class CopybookGuide:
@@ -70,10 +78,16 @@ class CopybookGuide:
         laid = _Laid(em_mm, Layout(), file=Path(file))
 
         def composed() -> Composer:
-            if not file.lower().endswith(PHOTOGRAPH_SUFFIXES):
-                return opened_page(file)
-            laid.photographed = _photographed(file)
-            return laid.photographed.sheet.page
+            if file.lower().endswith(PHOTOGRAPH_SUFFIXES):
+                laid.photographed = _photographed(Path(file))
+                return laid.photographed.sheet.page
+            page = opened_page(file)
+            if page.photograph is not None:
+                try:
+                    laid.photographed = _photographed_again(page)
+                except Paint3DError as error:
+                    laid.note = say("The strokes lie over their ink: {why}", why=say_error(error))
+            return page
 
         return self._lay(composed, laid)
 
@@ -85,13 +99,18 @@ class CopybookGuide:
         workspace = self._workspace
         page, beside = copybook.page, laid.file
         photographed = laid.photographed
-        dialog = StrokesDialog(workspace.window, workspace.theme, page, photographed, beside)
+        dialog = StrokesDialog(
+            workspace.window, workspace.theme, page, photographed, beside, laid.unused
+        )
         accepted = dialog.exec()
         dialog.deleteLater()
+        laid.unused = None
         if accepted and dialog.is_changed:  # else what was written after them stays judged
             corrected = dialog.page
+            laid.unused = dialog.steps  # until they lie on the object
             now = _Laid(laid.em_mm, laid.layout, laid.file, dialog.photographed)
-            self._lay(lambda: corrected, now)
+            if not self._lay(lambda: corrected, now):
+                workspace.tell(say("The corrections are kept: look at the strokes once more"))
 
     def _lay(self, compose: Callable[[], str | Composer], laid: _Laid) -> bool:
         workspace = self._workspace
@@ -109,6 +128,8 @@ class CopybookGuide:
         self._laid = laid
         self._panel.show_copybook(done.result())
         self._draw()
+        if laid.note:
+            self._workspace.tell(laid.note, state="bad")
         return True
 
     def hide(self) -> None:
@@ -156,14 +177,34 @@ class CopybookGuide:
         stage.show_lines("next way", [line for g in current for line in g.medians], _MEDIAN, 1.2)
 
 
-def _photographed(file: str) -> Photographed:
+def _photographed(file: Path) -> Photographed:
     """A photograph and its strokes; where no sheet stands out in it, it is one."""
-    from paint3d.calligraphy.photo.copying import Asked, CopiedSheet, copy_sheet
+    from paint3d.calligraphy.photo.copying import Asked, copy_sheet
 
-    pixels, _ = load_photograph(file)
-    name = Path(file).name
+    pixels, scale = load_photograph(file)
+    sheet = copy_sheet(pixels, file.name, Asked(or_whole=True)).taken_from(file, scale)
+    return Photographed(pixels, sheet, _finds(file, pixels, scale, invert=False))
 
-    def find(corners: NDArray[np.float64]) -> CopiedSheet:
-        return copy_sheet(pixels, name, Asked(corners))
 
-    return Photographed(pixels, copy_sheet(pixels, name, Asked(or_whole=True)), find)
+def _photographed_again(page: Page) -> Photographed:
+    """The photograph that the strokes of a file are from, laid flat as it was then."""
+    from paint3d.calligraphy.photo.copying import seen_again
+
+    there = page.photograph
+    assert there is not None, "it was looked at"
+    pixels, scale = load_photograph(there.file)
+    sheet = seen_again(page, pixels, scale)
+    return Photographed(pixels, sheet, _finds(there.file, pixels, scale, invert=there.invert))
+
+
+def _finds(
+    file: Path, pixels: NDArray[np.uint8], scale: float, *, invert: bool
+) -> Callable[[NDArray[np.float64]], SheetPicture]:
+    """What finds the strokes anew in a sheet of other corners."""
+    from paint3d.calligraphy.photo.copying import Asked, copy_sheet
+
+    def find(corners: NDArray[np.float64]) -> SheetPicture:
+        found = copy_sheet(pixels, file.name, Asked(corners, invert=invert))
+        return found.taken_from(file, scale, invert=invert)
+
+    return find

@@ -239,6 +239,11 @@ class Steps(Generic[State]):
         return self._states[self._at]
 
     @property
+    def first(self) -> State:
+        """What it began with."""
+        return self._states[0]
+
+    @property
     def can_undo(self) -> bool:
         """Whether there is a state before."""
         return self._at > 0

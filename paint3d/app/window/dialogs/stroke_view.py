@@ -18,7 +18,7 @@ from paint3d.calligraphy.page.page import Page, bounds_of
 from paint3d.core.types import AnyArray
 
 if TYPE_CHECKING:
-    from paint3d.calligraphy.photo.copying import CopiedSheet
+    from paint3d.calligraphy.photo.copying import SheetPicture
 
 __all__ = ["Behind", "ShownStroke", "StrokeView", "Taken"]
 
@@ -42,7 +42,7 @@ class ShownStroke:
 
 @dataclass(frozen=True, eq=False)
 class Behind:
-    """What lies behind the strokes; see `CopiedSheet` for how units become pixels.
+    """What lies behind the strokes; see `FlatPage` for how units become pixels.
 
     Attributes
     ----------
@@ -63,7 +63,7 @@ class Behind:
     image: QtGui.QImage | None = None
 
     @classmethod
-    def of_sheet(cls, sheet: CopiedSheet, strokes: Sequence[GlyphStroke]) -> Behind:
+    def of_sheet(cls, sheet: SheetPicture, strokes: Sequence[GlyphStroke]) -> Behind:
         """A sheet laid flat."""
         image = image_of(sheet.picture)
         size = float(image.width()), float(image.height())

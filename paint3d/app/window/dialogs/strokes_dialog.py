@@ -25,9 +25,9 @@ from paint3d.calligraphy.page.strokes_file import save_strokes
 from paint3d.errors import Paint3DError
 
 if TYPE_CHECKING:
-    from paint3d.calligraphy.photo.copying import CopiedSheet
+    from paint3d.calligraphy.photo.copying import SheetPicture
 
-__all__ = ["Photographed", "StrokesDialog"]
+__all__ = ["CorrectionState", "Photographed", "StrokesDialog"]
 
 _REACH = 14.0  # pixels of the widget that a click may miss a stroke by
 _STEPS = 24  # along a stroke, that the keys move a cut by
@@ -42,22 +42,22 @@ class Photographed(NamedTuple):
     Attributes
     ----------
     pixels : (H, W, 3) uint8
-    sheet : CopiedSheet
+    sheet : SheetPicture
         What was found in it.
     find : callable
         Finds the strokes anew in a sheet of other corners (4, 2).
     """
 
     pixels: NDArray[np.uint8]
-    sheet: CopiedSheet
-    find: Callable[[NDArray[np.float64]], CopiedSheet]
+    sheet: SheetPicture
+    find: Callable[[NDArray[np.float64]], SheetPicture]
 
 
-class _State(NamedTuple):
+class CorrectionState(NamedTuple):
     """What can be undone: the strokes, and the sheet that they lie on."""
 
     strokes: CorrectedPage
-    sheet: CopiedSheet | None
+    sheet: SheetPicture | None
 
 
 class StrokesDialog(QtWidgets.QDialog):
@@ -72,6 +72,8 @@ class StrokesDialog(QtWidgets.QDialog):
         Where the page is a photograph's.
     beside : Path
         The file that was opened: what is saved is proposed beside it.
+    steps : Steps, optional
+        Corrections of before, to go on with.
 
     Attributes
     ----------
@@ -92,14 +94,15 @@ class StrokesDialog(QtWidgets.QDialog):
         page: Page,
         photographed: Photographed | None = None,
         beside: Path | None = None,
+        steps: Steps[CorrectionState] | None = None,
     ) -> None:
         super().__init__(parent)
         self.setWindowTitle(say("Strokes over the picture…").rstrip("…"))
         self._theme, self._photo = theme, photographed
         self._beside = beside or Path.cwd() / "strokes"
         sheet = photographed.sheet if photographed is not None else None
-        self.steps = Steps(_State(CorrectedPage.of(page), sheet))
-        self._kept = self.steps.now
+        self.steps = steps or Steps(CorrectionState(CorrectedPage.of(page), sheet))
+        self._kept = self.steps.first
         self._chosen: int | None = 0 if self._now.strokes else None
         self._mode = "choose"
         self._cut_at = 0.5
@@ -300,8 +303,8 @@ class StrokesDialog(QtWidgets.QDialog):
         done = run_beside(self, say("Finding the strokes…"), lambda _: find(corners))
         error = done.exception()
         if error is None:
-            found: CopiedSheet = done.result()
-            self.steps.take(_State(CorrectedPage.of(found.page), found))
+            found: SheetPicture = done.result()
+            self.steps.take(CorrectionState(CorrectedPage.of(found.page), found))
             self._chosen = 0 if self._now.strokes else None
             self.view.show_behind(self._behind())
         elif isinstance(error, Paint3DError):
