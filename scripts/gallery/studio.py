@@ -8,6 +8,7 @@ from __future__ import annotations
 import argparse
 import importlib.resources
 import os
+import sys
 import tempfile
 import time
 from pathlib import Path
@@ -17,9 +18,14 @@ from PIL import Image
 from PySide6 import QtCore, QtGui, QtWidgets
 
 from paint3d.app.model.input.navigation import dolly, orbit, pan
+from paint3d.app.window.dialogs.strokes_dialog import StrokesDialog
 from paint3d.app.window.start import make_program
 from paint3d.app.window.studio import StudioWindow
 from paint3d.app.window.wording import choose_language
+from paint3d.calligraphy.glyph_sources import open_glyphs
+
+sys.path.insert(0, str(Path(__file__).parents[2]))
+from tests.support.photographs import Camera, photograph, sheet_of
 
 KIND, BUTTON = QtCore.QEvent.Type, QtCore.Qt.MouseButton
 
@@ -116,16 +122,54 @@ def copybook(app: QtWidgets.QApplication, path: Path) -> None:
     keep(window, path)
 
 
+def strokes(app: QtWidgets.QApplication, path: Path) -> None:
+    """Strokes over the photograph that they were found in; one is about to be split."""
+    window = opened(app, "plane", "en", dark=False)
+    known = open_glyphs(None)
+    sheet = sheet_of([known.load(one) for one in "永和"], 7, dry=0.8, longest=1200)
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder, "sheet.png")
+        Image.fromarray(photograph(sheet, 7, Camera(size=1600)).pixels).save(file)
+        window.copying.layout_file(str(file), 40.0)
+
+    def look() -> None:
+        dialog = QtWidgets.QApplication.activeModalWidget()
+        assert isinstance(dialog, StrokesDialog), "the button opens it"
+        dialog.resize(1340, 820)
+        live(0.5)
+        for key in (QtCore.Qt.Key.Key_Right, QtCore.Qt.Key.Key_S):
+            QtWidgets.QApplication.sendEvent(
+                dialog, QtGui.QKeyEvent(KIND.KeyPress, key, QtCore.Qt.KeyboardModifier.NoModifier)
+            )
+        live(0.5)
+        dialog.grab().save(str(path))
+        dialog.done(0)
+
+    QtCore.QTimer.singleShot(1000, look)
+    window.panels.copybook.correct_button.click()
+    Image.open(path).convert("RGB").save(path, optimize=True)
+    with window.stage.easel.paused() as document:
+        document.modified = False
+    window.close()
+
+
+_PICTURES = {
+    "studio.png": demo, "studio_copybook.png": copybook, "studio_strokes.png": strokes,
+}  # fmt: skip
+
+
 def main() -> None:
     """Make the pictures."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--out", type=Path, default=Path("docs/gallery"))
+    parser.add_argument("--only", choices=tuple(_PICTURES), help="(default: all)")
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         os.environ.update(XDG_CONFIG_HOME=folder, PAINT3D_STATE=folder)
         app = make_program()
-        demo(app, options.out / "studio.png")
-        copybook(app, options.out / "studio_copybook.png")
+        for name, draw in _PICTURES.items():
+            if options.only in (None, name):
+                draw(app, options.out / name)
 
 
 if __name__ == "__main__":
