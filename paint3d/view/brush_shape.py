@@ -242,7 +242,8 @@ def _turn_to_handle(points: AnyArray, share: AnyArray, stand: BrushStand) -> Non
     angle = (share[turned] * np.arctan2(sine, cosine))[:, None, None]
     middle = points[turned].mean(axis=1, keepdims=True)
     arm = points[turned] - middle
-    across = np.cross(axis, arm)
+    x, y, z = axis
+    across = arm @ np.array([[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]])  # axis x arm
     along = (arm @ axis)[..., None] * axis
     points[turned] = middle + along + np.cos(angle) * (arm - along) + np.sin(angle) * across
 

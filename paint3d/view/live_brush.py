@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from functools import cache
+from functools import cache, lru_cache
 from typing import Any
 
 import numpy as np
@@ -358,8 +358,17 @@ def _drape(
 
 
 def _whole_faces(landed: AnyArray) -> NDArray[np.int32]:
-    """(L, 3) int32: triangles of a strip (R, C) all of whose corners have landed."""
-    rows, columns = landed.shape
+    """(L, 3) int32: triangles of a strip (R, C) all of whose corners have landed.
+
+    Of one that has landed as one of the last ones it is the same array: only places are sent then.
+    """
+    return _faces_of(landed.tobytes(), landed.shape)
+
+
+@lru_cache(maxsize=32)
+def _faces_of(landed_bytes: bytes, shape: tuple[int, int]) -> NDArray[np.int32]:
+    rows, columns = shape
+    landed = np.frombuffer(landed_bytes, bool).reshape(shape)
     number = np.arange(rows * columns).reshape(rows, columns)
     a, b = number[:-1, :-1].ravel(), number[:-1, 1:].ravel()
     c, d = number[1:, :-1].ravel(), number[1:, 1:].ravel()

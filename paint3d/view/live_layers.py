@@ -208,25 +208,26 @@ class Target:
     """
 
     def __init__(self, window: vtkRenderWindow) -> None:
+        from vtkmodules.util.numpy_support import vtk_to_numpy
+        from vtkmodules.vtkCommonCore import vtkUnsignedCharArray
+
         self._window = window
+        self._pixels, self._as_array = vtkUnsignedCharArray(), vtk_to_numpy
 
     def read(self, box: Box) -> NDArray[np.uint8]:
-        """(H, W, 4) uint8: a box of its pixels, the first row at the bottom.
+        """(H, W, 4) uint8: a box of its pixels, the first row at the bottom; until the next call.
 
         Raises
         ------
         ExportError
             If OpenGL gives none.
         """
-        from vtkmodules.util.numpy_support import vtk_to_numpy
-        from vtkmodules.vtkCommonCore import vtkUnsignedCharArray
-
         x0, y0, x1, y1 = box
-        pixels = vtkUnsignedCharArray()
+        pixels = self._pixels  # of the same size no memory is asked for
         self._window.GetRGBACharPixelData(x0, y0, x1 - 1, y1 - 1, 0, pixels)
         if pixels.GetNumberOfTuples() != (x1 - x0) * (y1 - y0):
             raise ExportError("nothing could be drawn: OpenGL gave no pixels")
-        result: NDArray[np.uint8] = vtk_to_numpy(pixels).reshape(y1 - y0, x1 - x0, 4)
+        result: NDArray[np.uint8] = self._as_array(pixels).reshape(y1 - y0, x1 - x0, 4)
         return result
 
     def write(self, box: Box, pixels: AnyArray) -> None:

@@ -1,7 +1,7 @@
 """What of a scene to draw next, so that no picture takes long and all of it is fine in the end.
 
-While the view moves, an object of many triangles is drawn coarsely, and on a machine that takes
-long for it by fewer pixels. Where it stands still, it is
+While the view moves, an object of many triangles is drawn coarsely, by a graphics card only where
+that takes long, and in software by fewer pixels where it still does. Where it stands still, it is
 drawn to the last triangle, cell by cell of the picture, a few at a time; and once nothing moves any
 more, software renderers smooth its edges in the same way. What changes meanwhile comes first: a
 hand never waits for more than one step.
@@ -31,10 +31,15 @@ _CALM_S = 0.35  # and after anything moved: then edges are smoothed
 _STEP_S = 0.025  # what may be spent on that at once
 _MANY = 120_000  # triangles: more are drawn coarsely while the view moves,
 _TOO_MANY = 700_000  # and of more the edges are not smoothed
-_LEVELS = (  # while the view moves: triangles that may be drawn, and the share of pixels per side
+_Levels = tuple[tuple[float, float], ...]
+_LEVELS: _Levels = (  # while the view moves: triangles that may be drawn, share of pixels per side
     (_MANY, 1.0), (60_000, 1.0), (60_000, 2 / 3), (30_000, 2 / 3), (30_000, 0.5),
 )  # fmt: skip
-_LONG_S, _SHORT_S = 0.018, 0.016  # that such a picture may take, and may well take
+_CARD_LEVELS: _Levels = (  # where a card draws: all of them while that is quick enough
+    (math.inf, 1.0), (_MANY, 1.0), (60_000, 1.0), (30_000, 1.0),
+)  # fmt: skip
+_LONG_S, _SHORT_S = 0.018, 0.016  # that such a picture may take, and may well take;
+_CARD_LONG_S, _CARD_SHORT_S = 0.012, 0.010  # so that a card gives 60 a second, all else included
 _SOON, _LATE = 2, 64  # judgements that were well, after which a better level is tried again
 _JUDGED = 5  # pictures, of which the middle one counts
 _MANY_PIECES = 60
@@ -69,6 +74,10 @@ class LivePicture:
         self._front_is_fine = True
         self._turned, self._moved = -math.inf, time.perf_counter()
         self._took: deque[float] = deque(maxlen=_RECENT)
+        soft = scene.is_software
+        self._levels = _LEVELS if soft else _CARD_LEVELS
+        self._long_s = _LONG_S if soft else _CARD_LONG_S
+        self._short_s = _SHORT_S if soft else _CARD_SHORT_S
         self._level, self._wholes = 0, list[float]()
         self._well, self._wait, self._is_tried = 0, _SOON, False
         self.changed: Box | None = None
@@ -107,7 +116,7 @@ class LivePicture:
             self._judge(scene.frame_s)
             return pixels
         if scene.is_lost and (self._object or self._front or self._is_settled(started)):
-            fewer = _LEVELS[self._level][1] < 1.0 and self._is_moving(started)
+            fewer = self._levels[self._level][1] < 1.0 and self._is_moving(started)
             return self._draw_all(started, moves=fewer)  # or it is now blurred, now sharp
         boxes = self._take_boxes()
         for box in boxes:
@@ -165,18 +174,18 @@ class LivePicture:
         return now - self._turned >= _SETTLED_S
 
     def _is_moving(self, now: float) -> bool:
-        """Whether the view moves, where that is drawn by less."""
-        return self._scene.is_software and not self._is_settled(now)
+        """Whether the view moves."""
+        return not self._is_settled(now)
 
     def _draw_all(self, started: float, *, moves: bool = False) -> AnyArray:
         """Draw all anew; of a view that moves soon again, so it is not kept."""
-        scene, (many, share) = self._scene, _LEVELS[self._level]
+        scene, (many, share) = self._scene, self._levels[self._level]
         share = share if moves else 1.0
         self._object.clear()
         self._front.clear()
         n_triangles, n_pieces = scene.seen()
-        heavy = n_triangles > many or n_pieces > _MANY_PIECES
-        coarse = scene.is_software and heavy and self._prepare(many)
+        heavy = n_triangles > many or (n_pieces > _MANY_PIECES and many < math.inf)
+        coarse = (scene.is_software or moves) and heavy and self._prepare(int(many))
         scene.draw_object(coarse=coarse, share=share)
         columns, rows = (-(-pixels // _CELL) for pixels in scene.size)
         rough = coarse or share < 1.0
@@ -193,9 +202,9 @@ class LivePicture:
             return
         middle = sorted(self._wholes)[_JUDGED // 2]
         self._wholes.clear()
-        self._well = self._well + 1 if middle < _SHORT_S else 0
-        if middle > _LONG_S:
-            self._level = min(self._level + 1, len(_LEVELS) - 1)
+        self._well = self._well + 1 if middle < self._short_s else 0
+        if middle > self._long_s:
+            self._level = min(self._level + 1, len(self._levels) - 1)
             if self._is_tried:
                 self._wait = min(2 * self._wait, _LATE)
             self._is_tried = False
@@ -211,7 +220,7 @@ class LivePicture:
             return []
         rough = self._cells == _ROUGH
         if rough.any():
-            if scene.seen()[0] <= _MANY:
+            if scene.seen()[0] <= _MANY or not scene.is_software:
                 scene.draw_object()
                 self._cells[:] = _PLAIN
                 return [scene.whole]

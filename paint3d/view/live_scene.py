@@ -138,9 +138,11 @@ class LiveScene:
 
     def __init__(self, size: tuple[int, int] = (800, 600), mood: Background = LIGHT) -> None:
         import vtkmodules.vtkRenderingOpenGL2  # noqa: F401  gives the classes below their bodies
+        from vtkmodules.vtkCommonDataModel import vtkRecti
         from vtkmodules.vtkRenderingCore import vtkCamera, vtkRenderWindow
 
         quiet_vtk()
+        self._rectangle = vtkRecti
         self._window = vtkRenderWindow()
         self._window.SetOffScreenRendering(1)
         self._window.SetMultiSamples(0)
@@ -663,12 +665,10 @@ class LiveScene:
 
     def _draw_layer(self, layer: Any, box: Box, shift: tuple[float, float]) -> None:
         """Draw one layer within a box, some share of a pixel aside."""
-        from vtkmodules.vtkCommonDataModel import vtkRecti
-
         for other in (self._backdrop, self.renderer, self._front):
             other.SetDraw(other is layer)
         x0, y0, x1, y1 = box
-        self._eye.SetScissorRect(vtkRecti(x0, y0, x1 - x0, y1 - y0))
+        self._eye.SetScissorRect(self._rectangle(x0, y0, x1 - x0, y1 - y0))
         self._eye.SetUseScissor(True)
         self._eye.SetWindowCenter(2.0 * shift[0] / self._size[0], 2.0 * shift[1] / self._size[1])
         self._window.Render()

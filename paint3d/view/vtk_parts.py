@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -23,6 +24,7 @@ def quiet_vtk() -> None:
     vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_ERROR)
 
 
+_KINDS = {"float32": "vtkFloatArray", "int32": "vtkIntArray", "uint8": "vtkUnsignedCharArray"}
 _RGB = 3
 _WIDE = 1000.0  # mm from the origin: up to there VTK would not shift what it is given
 
@@ -62,26 +64,23 @@ class DrawnMesh:
     def set_shape(self, points: AnyArray, faces: AnyArray, normals: AnyArray | None = None) -> None:
         """Replace the triangles: points (K, 3) float32, faces (L, 3) int32, normals (K, 3).
 
-        Given the same array of faces as the last time, only the places are replaced.
+        Given the same array of faces as the last time, only the places are replaced. The faces
+        are not copied: nobody may change them.
         """
         if faces is self._faces and self._move(points, normals):
             return
-        from vtkmodules.util.numpy_support import numpy_to_vtk
-        from vtkmodules.vtkCommonCore import vtkPoints
-        from vtkmodules.vtkCommonDataModel import vtkCellArray
-
+        make = _makers()
         self._faces = faces
         self._points = np.array(points, np.float32, order="C")
-        self._place = vtkPoints()
-        self._place.SetData(numpy_to_vtk(self._points, deep=False))
-        cells = vtkCellArray()
-        corners = np.ascontiguousarray(faces, np.int32).ravel()
-        cells.SetData(3, numpy_to_vtk(corners, deep=True))
+        self._place = make["vtkPoints"]()
+        self._place.SetData(_laid_over(self._points))
+        cells = make["vtkCellArray"]()
+        cells.SetData(3, _laid_over(np.ascontiguousarray(faces, np.int32).reshape(-1, 1)))
         self._data.SetPoints(self._place)
         self._data.SetPolys(cells)
         if normals is not None:
             self._normals = np.array(normals, np.float32, order="C")
-            self._vtk_normals = numpy_to_vtk(self._normals, deep=False)
+            self._vtk_normals = _laid_over(self._normals)
             self._data.GetPointData().SetNormals(self._vtk_normals)
 
     def _move(self, points: AnyArray, normals: AnyArray | None) -> bool:
@@ -97,9 +96,9 @@ class DrawnMesh:
         return True
 
     def set_line(self, points: AnyArray, *, closed: bool) -> None:
-        """Replace everything by one line through the points (K, 3)."""
+        """Replace everything by one line through the points (K, 3), as `set_strands` does."""
         ring = np.concatenate([points, points[:1]]) if closed else points
-        self.set_lines([ring])
+        self.set_strands(ring[None])
 
     def set_lines(self, lines: Sequence[AnyArray]) -> None:
         """Replace everything by lines, each through its own points (K, 3)."""
@@ -144,8 +143,6 @@ class DrawnMesh:
 
     def set_colours(self, colours: AnyArray) -> None:
         """Replace the colours (K, 3) or (K, 4) uint8 of the points."""
-        from vtkmodules.util.numpy_support import numpy_to_vtk
-
         before, channels = self._colours, colours.shape[1]
         if before is not None and before.shape == colours.shape:
             before[:] = colours
@@ -157,7 +154,7 @@ class DrawnMesh:
         self._colours = np.array(colours, np.uint8, order="C")
         self._sent = np.full((len(colours), _RGB + 1), 255, np.uint8)
         self._sent[:, :channels] = colours
-        self._vtk_colours = numpy_to_vtk(self._sent, deep=False)
+        self._vtk_colours = _laid_over(self._sent)
         self._data.GetPointData().SetScalars(self._vtk_colours)
 
     def changed_by(self, colours: AnyArray) -> AnyArray:
@@ -202,6 +199,28 @@ class DrawnMesh:
         array = numpy_to_vtk(np.ascontiguousarray(corners, np.float32), deep=True)
         self._data.GetPointData().SetTCoords(array)
         self.actor.SetTexture(make_texture(pixels))
+
+
+@cache
+def _makers() -> dict[str, Any]:
+    """VTK's classes by name: an import within a function is looked at by Qt's hook each time."""
+    from vtkmodules import vtkCommonCore, vtkCommonDataModel
+
+    found = {"vtkCellArray": vtkCommonDataModel.vtkCellArray}
+    names = ("vtkPoints", *_KINDS.values())
+    return found | {name: getattr(vtkCommonCore, name) for name in names}
+
+
+def _laid_over(array: AnyArray) -> Any:
+    """VTK's array over the memory of one (N, C) that is C-contiguous, and that it keeps alive.
+
+    As `numpy_to_vtk` makes it, which takes five times as long to look at what it is given.
+    """
+    made = _makers()[_KINDS[array.dtype.name]]()
+    made.SetNumberOfComponents(array.shape[1])
+    made.SetVoidArray(array, array.size, 1)
+    made._numpy_reference = array
+    return made
 
 
 def make_texture(pixels: AnyArray) -> vtkTexture:

@@ -266,6 +266,36 @@ def test_the_status_can_be_read_right_after_the_theme_has_changed(window) -> Non
     window.workspace.actions["dark"].setChecked(False)
 
 
+def test_a_layer_can_be_hidden_right_after_the_theme_has_changed(window) -> None:
+    live(0.3)  # nothing is painted meanwhile that would show the rows again
+    before = icons_of_layers(window)
+    window.workspace.actions["dark"].setChecked(True)
+    try:
+        shades = [brightness_of_icon(icon) for icon in icons_of_layers(window)]
+        assert len(shades) == len(before)
+        assert min(shades) > 120.0  # on nearly black
+    finally:
+        window.workspace.actions["dark"].setChecked(False)
+    assert max(brightness_of_icon(icon) for icon in icons_of_layers(window)) < 120.0
+
+
+def icons_of_layers(window) -> list[QtGui.QIcon]:
+    """Of the eyes and locks in the list of layers."""
+    rows = window.panels.layers.list
+    return [
+        button.icon()
+        for k in range(rows.count())
+        for button in rows.itemWidget(rows.item(k)).findChildren(QtWidgets.QToolButton)
+    ]
+
+
+def brightness_of_icon(icon: QtGui.QIcon) -> float:
+    """The mean of what is dense in it, of 255."""
+    image = icon.pixmap(24, 24).toImage()
+    pixels = [image.pixelColor(x, y) for x in range(image.width()) for y in range(image.height())]
+    return float(np.mean([colour.lightness() for colour in pixels if colour.alpha() > 200]))
+
+
 def test_good_news_of_one_painting_is_not_said_of_the_next(window) -> None:
     window.workspace.tell("Brought back; save it to keep it", state="good")
     assert window.opening.open_path("plane", 1.5, "xuan", asked=True)

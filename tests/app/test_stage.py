@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Iterator
 
@@ -13,7 +14,7 @@ from paint3d.app.model.document import Document
 from paint3d.app.window.jobs.opened import Opened
 from paint3d.app.window.stage import Stage
 from paint3d.device.sample import DeviceSample
-from paint3d.view import live_picture
+from paint3d.view import live_picture, live_scene
 from paint3d.view.camera import View, fit_camera
 from paint3d.view.live_light import LiveLight
 
@@ -166,4 +167,32 @@ def test_a_view_that_moves_is_drawn_coarsely_and_then_to_the_last_triangle(
     assert np.array_equal(fine, whole)
     away = np.abs(coarse.astype(int) - whole).max(axis=2)
     assert 0 < (away > 12).mean() < 0.05  # coarse, but the same thing
+    stage.close()
+
+
+@pytest.mark.parametrize(("long_s", "falls_short"), [(0.0, True), (1e9, False)])
+def test_a_card_that_takes_long_draws_coarsely_while_the_view_moves_and_none_else(
+    screen: str, monkeypatch: pytest.MonkeyPatch, long_s: float, falls_short: bool
+) -> None:
+    monkeypatch.setattr(live_scene, "_SOFTWARE", ())  # what draws passes for a card
+    monkeypatch.setattr(live_picture, "_CARD_LEVELS", ((math.inf, 1.0), (2000, 1.0)))
+    monkeypatch.setattr(live_picture, "_CARD_LONG_S", long_s)
+    stage = standing("bowl", 4.0, View((0.12, -1.0, 0.62)), screen)
+    assert not stage.scene.is_software
+    for k in range(12):
+        view = View((0.1 * k, -1.0, 0.62))
+        stage.set_camera(fit_camera(stage.points, view, SIZE[0] / SIZE[1]))
+        moving = stage.draw().copy()
+    assert stage.scene.has_coarse == falls_short
+    shown, until = moving, time.perf_counter() + 300.0
+    while not stage.is_drawn:
+        assert time.perf_counter() < until
+        drawn = stage.draw()
+        shown = shown if drawn is None else drawn.copy()
+        time.sleep(0.002)
+    whole = stage.picture().copy()
+    away = np.abs(moving.astype(int) - whole).max(axis=2)
+    assert ((away > 12).any()) == falls_short
+    assert (away > 12).mean() < 0.05
+    assert np.array_equal(shown, whole)
     stage.close()

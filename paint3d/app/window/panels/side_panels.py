@@ -164,6 +164,9 @@ class Panels:
         """Change the colours of what is painted by hand."""
         for panel in self._all():
             panel.set_theme(theme)
+        frame = self._workspace.stage.frame
+        if frame is not None:
+            self.follow(frame)  # rows have icons in these colours
 
     def _all(self) -> tuple[_Themed, ...]:
         upper = self.brushes, self.inks, self.hand
