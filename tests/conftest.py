@@ -9,6 +9,7 @@ from collections.abc import Iterator
 import pytest
 from hypothesis import settings
 
+from paint3d.core.machine import give_back_memory
 from tests.support.compiling import compile_each_kernel_once
 from tests.support.examples import ALL
 from tests.support.forked_reading import reading_by_forks
@@ -68,6 +69,13 @@ def garbage_goes() -> Iterator[None]:
     window = sys.modules.get("paint3d.app.window.garbage")
     if window is not None:
         window.collect_garbage()
+
+
+@pytest.fixture(autouse=True, scope="module")
+def memory_goes() -> Iterator[None]:
+    """Give freed memory back between files of tests: else a process grows by gigabytes."""
+    yield
+    give_back_memory()
 
 
 @pytest.fixture(autouse=True, scope="session")

@@ -12,9 +12,12 @@ import time
 
 from PySide6 import QtCore
 
-__all__ = ["collect_garbage", "collect_here"]
+from paint3d.core.machine import give_back_memory
+
+__all__ = ["collect_all", "collect_garbage", "collect_here", "collect_soon"]
 
 _LOOK_MS = 250
+_SOON_MS = 2000  # when what was opened instead has been drawn
 _YOUNG = 700  # objects, Python's own thresholds
 _ROUNDS = 10
 _REST_S = 60.0  # between searches among all objects, some .05 s each
@@ -37,6 +40,21 @@ def collect_garbage() -> None:
         gc.collect(1)
     elif young > _YOUNG:
         gc.collect(0)
+
+
+def collect_all() -> None:
+    """Collect all that is due, and give its memory back to the system."""
+    _Search.at_s = time.monotonic()
+    gc.collect(2)
+    give_back_memory()
+
+
+def collect_soon(owner: QtCore.QObject) -> None:
+    """Collect all in a moment, if the owner still lives: after a painting was let go of.
+
+    Paintings are circles of objects too, of some hundred megabytes.
+    """
+    QtCore.QTimer.singleShot(_SOON_MS, owner, collect_all)
 
 
 def collect_here(owner: QtCore.QObject) -> None:

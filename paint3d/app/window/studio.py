@@ -18,6 +18,7 @@ from paint3d.app.model.persistence.sitting import Sitting
 from paint3d.app.window.actions import Actions
 from paint3d.app.window.begin_page import BeginPage
 from paint3d.app.window.copybook_guide import CopybookGuide
+from paint3d.app.window.garbage import collect_soon
 from paint3d.app.window.guard import TellOnce
 from paint3d.app.window.hud import Hud
 from paint3d.app.window.input.device_input import DeviceInput
@@ -219,6 +220,7 @@ class StudioWindow(QtWidgets.QMainWindow):
         self.panels.open()
         self._draw_first()
         self._show_title()
+        collect_soon(self)
 
     def _draw_first(self) -> None:
         """Have the picture there with the title; that of millions of triangles takes a while."""
