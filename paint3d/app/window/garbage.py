@@ -14,10 +14,10 @@ from PySide6 import QtCore
 
 from paint3d.core.machine import give_back_memory
 
-__all__ = ["collect_all", "collect_garbage", "collect_here", "collect_soon"]
+__all__ = ["collect_all", "collect_garbage", "collect_here", "collect_later"]
 
 _LOOK_MS = 250
-_SOON_MS = 2000  # when what was opened instead has been drawn
+_LATER_MS = 3000  # when what was opened instead has been drawn, and lit
 _YOUNG = 700  # objects, Python's own thresholds
 _ROUNDS = 10
 _REST_S = 60.0  # between searches among all objects, some .05 s each
@@ -49,12 +49,15 @@ def collect_all() -> None:
     give_back_memory()
 
 
-def collect_soon(owner: QtCore.QObject) -> None:
-    """Collect all in a moment, if the owner still lives: after a painting was let go of.
+def collect_later(owner: QtCore.QObject) -> QtCore.QTimer:
+    """What collects all a while after it was last started, as long as its owner lives.
 
-    Paintings are circles of objects too, of some hundred megabytes.
+    It is started when a painting is let go of: paintings are circles of objects too, of some
+    hundred megabytes.
     """
-    QtCore.QTimer.singleShot(_SOON_MS, owner, collect_all)
+    timer = QtCore.QTimer(owner, interval=_LATER_MS, singleShot=True)
+    timer.timeout.connect(collect_all)
+    return timer
 
 
 def collect_here(owner: QtCore.QObject) -> None:
