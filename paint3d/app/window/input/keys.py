@@ -77,10 +77,9 @@ class HeldKeys(QtCore.QObject):
     def eventFilter(self, watched: QtCore.QObject, event: QtCore.QEvent) -> bool:
         """Let go of all keys with the focus; notice a window that is moved with Alt."""
         kind = event.type()
-        if kind == _KIND.WindowActivate:
-            self._everywhere.watch(True)
-        elif kind == _KIND.WindowDeactivate:
-            self._everywhere.watch(False)
+        if kind in (_KIND.WindowActivate, _KIND.WindowDeactivate):
+            self._everywhere.watch(self._window.isActiveWindow())
+        if kind == _KIND.WindowDeactivate:
             self._alt = False
             self._keys.clear()
             self._hand.held.clear()
