@@ -9,7 +9,9 @@ from collections.abc import Iterator
 import pytest
 from hypothesis import settings
 
+from paint3d.core.machine import give_back_memory
 from tests.support.compiling import compile_each_kernel_once
+from tests.support.examples import ALL
 from tests.support.forked_reading import reading_by_forks
 
 # Begun in this order, all others after them: first one that compiles what is painted on and what
@@ -52,14 +54,12 @@ _FIRST = (
 )
 pytest_plugins = ("tests.support.plugged",)
 
-_MORE = "PAINT3D_MORE_EXAMPLES"  # set by scripts/check --long
-
 if "PYTEST_XDIST_WORKER" in os.environ:
     compile_each_kernel_once()
 
 settings.register_profile("same", derandomize=True)
 settings.register_profile("new", print_blob=True)
-settings.load_profile("new" if os.environ.get(_MORE) else "same")
+settings.load_profile("new" if ALL else "same")
 
 
 @pytest.fixture(autouse=True)
@@ -71,10 +71,17 @@ def garbage_goes() -> Iterator[None]:
         window.collect_garbage()
 
 
+@pytest.fixture(autouse=True, scope="module")
+def memory_goes() -> Iterator[None]:
+    """Give freed memory back between files of tests: else a process grows by gigabytes."""
+    yield
+    give_back_memory()
+
+
 @pytest.fixture(autouse=True, scope="session")
 def files_are_read_by_forks() -> Iterator[None]:
     """Read small files of strangers without starting Python for each of hundreds."""
-    if os.environ.get(_MORE):
+    if ALL:
         yield
         return
     with reading_by_forks():

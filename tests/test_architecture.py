@@ -286,8 +286,11 @@ def reached_into(tree: ast.AST) -> Iterator[tuple[int, str]]:
 
 
 def test_properties_are_tried_on_25_examples_at_least() -> None:
+    """With --long; of those that cost much, a third every time: `examples`."""
     tried = {
-        f"{module.relative_to(ROOT)}:{node.value.lineno}": ast.literal_eval(node.value)
+        f"{module.relative_to(ROOT)}:{node.value.lineno}": ast.literal_eval(
+            node.value.args[0] if isinstance(node.value, ast.Call) else node.value
+        )
         for module, tree in parsed("max_examples", ROOT / "tests")
         for node in ast.walk(tree)
         if isinstance(node, ast.keyword) and node.arg == "max_examples"

@@ -26,6 +26,7 @@ __all__ = [
     "flush_file",
     "flush_folder",
     "from_parent",
+    "give_back_memory",
     "handed_to_child",
     "holding_interrupts",
     "ignore_interrupts",
@@ -54,6 +55,17 @@ def _module(name: str) -> ModuleType | None:
         return importlib.import_module(name)
     except ImportError:
         return None
+
+
+def give_back_memory() -> None:
+    """Hand back to the system what was freed in this process; nothing, where that is not known.
+
+    glibc keeps what lies below anything that is still in use, for each of many threads.
+    """
+    import ctypes
+
+    with suppress(OSError, AttributeError, TypeError):
+        ctypes.CDLL(None).malloc_trim(0)
 
 
 # -- users and processors -----------------------------------------------------------------------

@@ -31,8 +31,9 @@ import sys, threading
 from numba.core.dispatcher import Dispatcher
 from paint3d.app.window.start import make_program
 from tests.support.app.gestures import BUTTON, drag, pen_stroke
-from tests.support.app.windows import opened, settled
+from tests.support.app.windows import light_by_few, opened, settled
 
+light_by_few()
 make_ready, found = Dispatcher.compile, []
 
 def tell(kernel, signature):

@@ -22,6 +22,7 @@ from paint3d.errors import InputError, Paint3DError, RecordingError
 from paint3d.recording.score import write_score
 from tests.app.test_score import OWN, PASSAGES, do
 from tests.support.app.hands import paint, small_plane
+from tests.support.examples import examples
 
 EDITS = st.sampled_from(
     [
@@ -77,7 +78,7 @@ def as_replayed(document: Document) -> None:
     assert len(again.strokes) == len(document.strokes)
 
 
-@settings(deadline=None, max_examples=25, phases=(Phase.generate,))
+@settings(deadline=None, max_examples=examples(25), phases=(Phase.generate,))
 @given(st.lists(PASSAGES, min_size=2, max_size=4), st.integers(0, 3), EDITS)
 def test_any_stroke_of_any_sitting_is_edited_as_its_score_is(passages, number, edit) -> None:
     document = small_plane(5.0, material="xuan")

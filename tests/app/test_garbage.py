@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+import weakref
 
 import pytest
 
@@ -11,6 +12,7 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 from PySide6 import QtCore, QtWidgets
 
 from tests.support.app.gestures import wait_for
+from tests.support.app.windows import opened
 
 
 class _Window(QtWidgets.QWidget):
@@ -38,3 +40,10 @@ def test_closed_windows_die_in_their_own_thread(program) -> None:
     beside.join()
     wait_for(lambda: len(died) == 40)
     assert set(died) == {threading.main_thread()}
+
+
+def test_a_painting_that_was_let_go_of_goes_with_its_memory(program) -> None:
+    with opened(program, "plane", 4.0) as window:
+        left = weakref.ref(window.document)
+        assert window.opening.open_path("sphere", 8.0, "porcelain", asked=True)
+        wait_for(lambda: left() is None, 20.0)

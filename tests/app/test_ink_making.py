@@ -19,7 +19,7 @@ from paint3d.app.window.panels import ink_panel
 from paint3d.colour.inks import TONES
 from paint3d.colour.pigments import WATER, load_palette
 from tests.support.app.gestures import live, pen_stroke, type_key, wait_for
-from tests.support.app.windows import SMALL, opened, settled
+from tests.support.app.windows import opened, settled
 
 LEFT, NO_KEY, KEY = (
     QtCore.Qt.MouseButton.LeftButton,
@@ -30,7 +30,7 @@ LEFT, NO_KEY, KEY = (
 
 @pytest.fixture(scope="module")
 def window(program):
-    with opened(program, size=SMALL) as one:
+    with opened(program) as one:
         one.panels.docks["inks"].raise_()
         live(0.1)
         yield one

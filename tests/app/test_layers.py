@@ -13,6 +13,7 @@ from paint3d.files.load import load_mesh
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.surface.state import restore_surface, surface_state
 from tests.support.app.hands import line, paint, same_vertices, small_plane
+from tests.support.examples import examples
 
 ACROSS, ALONG = ((-20, 0), (20, 0)), ((0, -20), (0, 20))
 
@@ -132,7 +133,7 @@ ACTIONS = st.sampled_from(
 )
 
 
-@settings(deadline=None, max_examples=25)
+@settings(deadline=None, max_examples=examples(25))
 @given(st.lists(st.tuples(ACTIONS, st.integers(0, 3), st.floats(-20, 20)), max_size=9))
 def test_undo_leads_back_through_layers_to_the_bit(actions):
     document = small_plane(material="xuan")

@@ -11,7 +11,7 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 from PySide6 import QtCore, QtWidgets
 
 from tests.support.app.gestures import answer, answer_bar, drag, live, wait_for
-from tests.support.app.windows import SMALL, opened, settled
+from tests.support.app.windows import opened, settled
 
 LONGEST_S = 300.0  # that a step goes on which nobody ends
 N_WAITING = 6
@@ -20,7 +20,7 @@ TICKS = 20
 
 @pytest.fixture
 def window(program):
-    with opened(program, material="porcelain", size=SMALL) as window:
+    with opened(program, material="porcelain") as window:
         yield window
 
 

@@ -11,6 +11,7 @@ from paint3d.app.model.mask import AngleMask, Mask, RegionPick, Stencil, face_at
 from paint3d.errors import InputError
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from tests.support.app.hands import line, paint, same_vertices, small_plane
+from tests.support.examples import examples
 
 UP = (0.0, 0.0, 1.0)
 
@@ -89,7 +90,7 @@ def test_paint_stays_where_regions_and_the_angle_both_allow():
     assert height.min() >= np.cos(np.radians(20.0)) - 1e-6
 
 
-@settings(deadline=None, max_examples=25)
+@settings(deadline=None, max_examples=examples(25))
 @given(st.lists(st.tuples(st.floats(-20, 20), st.floats(-20, 20)), min_size=1, max_size=3))
 def test_what_is_covered_keeps_its_ink_wet_or_dry_and_undo_brings_all_back(ends):
     document = small_plane(material="xuan")
@@ -138,7 +139,7 @@ def test_a_stencil_drinks_no_ink(tuft):
     close(document)
 
 
-@settings(deadline=None, max_examples=25)
+@settings(deadline=None, max_examples=examples(25))
 @given(st.integers(0, 2**32 - 1), st.sampled_from([0.0, 0.3]))
 def test_what_was_painted_through_a_stencil_opens_again(tmp_path_factory, seed, pickup):
     path = tmp_path_factory.getbasetemp() / "stencil.p3d"

@@ -10,14 +10,14 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 from PySide6 import QtCore, QtTest, QtWidgets
 
 from tests.support.app.gestures import live, wait_for
-from tests.support.app.windows import SMALL, opened, settled
+from tests.support.app.windows import opened, settled
 
 KEY = QtCore.Qt.Key
 
 
 @pytest.fixture(scope="module")
 def window(program):
-    with opened(program, "sphere", 4.0, "porcelain", size=SMALL) as window:
+    with opened(program, "sphere", 4.0, "porcelain") as window:
         yield window
 
 

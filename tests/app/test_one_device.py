@@ -23,14 +23,14 @@ from tests.support.app.gestures import (
     wait_for,
 )
 from tests.support.app.pointers import Touching, pen_drag, tap
-from tests.support.app.windows import SMALL, faults, opened, settled
+from tests.support.app.windows import faults, opened, settled
 
 KEY, HELD = QtCore.Qt.Key, QtCore.Qt.KeyboardModifier
 
 
 @pytest.fixture(scope="module")
 def window(program, tmp_path_factory):
-    with opened(program, "sphere", 4.0, "porcelain", size=SMALL) as window:
+    with opened(program, "sphere", 4.0, "porcelain") as window:
         assert window.saving.save_to(tmp_path_factory.mktemp("saved") / "ball.p3d")
         yield window
 

@@ -52,7 +52,7 @@ def stroke(header: dict[str, object], seconds: float = 0.6) -> Recording:
 
 @pytest.fixture
 def window(program):
-    with opened(program, "plane", 1.5, "porcelain") as window:
+    with opened(program, "plane", 1.5, "porcelain", size=None) as window:
         window.panels.history.pace.setCurrentText("max")
         yield window
 

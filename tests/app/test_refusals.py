@@ -10,7 +10,7 @@ from paint3d.app.model.document import Document
 from paint3d.app.window.wording import choose_language, say_error
 from paint3d.errors import InputError
 from tests.support.app.gestures import drag, live, wait_for
-from tests.support.app.windows import SMALL, faults, opened, settled
+from tests.support.app.windows import faults, opened, settled
 
 
 def test_a_layer_is_refused_in_the_language_that_is_spoken() -> None:
@@ -28,7 +28,7 @@ def test_a_layer_is_refused_in_the_language_that_is_spoken() -> None:
 
 @pytest.fixture(scope="module")
 def window(program):
-    with opened(program, size=SMALL) as window:
+    with opened(program) as window:
         yield window
 
 

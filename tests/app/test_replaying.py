@@ -18,7 +18,7 @@ from paint3d.errors import Paint3DError
 from paint3d.recording.recording import save_recording
 from tests.support.app.gestures import BUTTON, answer, drag, live, take_file, wait_for
 from tests.support.app.hands import pad_stroke
-from tests.support.app.windows import SMALL, opened, settled
+from tests.support.app.windows import opened, settled
 
 TIMES = 300  # to and fro
 REST_NS = 600_000_000_000
@@ -27,7 +27,7 @@ CHUNKS = 3 * 64  # samples that may be painted after a replay was stopped
 
 @pytest.fixture
 def window(program):
-    with opened(program, "plane", 2.0, "porcelain", size=SMALL) as window:
+    with opened(program, "plane", 2.0, "porcelain") as window:
         window.panels.history.pace.setCurrentText("max")
         yield window
 
@@ -183,7 +183,7 @@ def test_a_pads_recording_is_laid_where_the_picture_is_looked_at(
     line = np.linspace((100.0, 50.0), (130.0, 50.0), 40)  # anywhere on the pad
     file = tmp_path / "pad.jsonl"
     save_recording(pad_stroke(line, 0.3, np.radians(60.0)), file)
-    with opened(program, "sphere", 1.0, "porcelain", size=SMALL) as window:
+    with opened(program, "sphere", 1.0, "porcelain") as window:
         window.workspace.actions["look_left"].trigger()
         for _ in range(20 * beside):
             window.workspace.actions["pan_left"].trigger()

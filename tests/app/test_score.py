@@ -27,6 +27,7 @@ from paint3d.recording.score import Score, load_score, save_score, write_score
 from paint3d.recording.score_schema import check_command, command_names
 from paint3d.surface.painted_surface import PaintedSurface
 from tests.support.app.hands import line, paint, small_plane
+from tests.support.examples import examples
 
 OWN = Pigment("iron gall", "", np.linspace(2.0, 9.0, 31), np.full(31, 0.5))
 PLACES = st.tuples(st.floats(-18, 18), st.floats(-18, 18))
@@ -127,7 +128,7 @@ def same_paintings(one: Document, other: Document) -> None:
     )  # fmt: skip
 
 
-@settings(deadline=None, max_examples=30)
+@settings(deadline=None, max_examples=examples(30))
 @given(st.lists(PASSAGES, min_size=2, max_size=6), st.sampled_from(["xuan", "porcelain"]))
 def test_a_random_sitting_and_its_replay_are_the_same_to_the_bit(
     tmp_path_factory, passages, material
@@ -172,7 +173,7 @@ def test_what_is_written_down_as_a_dip_is_dipped_in(tmp_path, command) -> None:
     same_paintings(document, painted(read_back(document.score, tmp_path), document.surface.source))
 
 
-@settings(deadline=None, max_examples=40)
+@settings(deadline=None, max_examples=examples(40))
 @given(
     face=st.integers(0, 15_000),
     up_to=st.sampled_from(["crease", "piece"]),

@@ -13,6 +13,7 @@ from paint3d.errors import Paint3DError
 from paint3d.recording import change_brush, change_ink, delete_stroke
 from paint3d.recording.score import Score
 from tests.support.app.hands import line, paint, small_plane
+from tests.support.examples import examples
 
 ENDS = st.tuples(st.floats(-18, 18), st.floats(-18, 18))
 BETWEEN = st.sampled_from([None, None, ("dip", "indigo"), ("let_time_pass", 0.3), ("wipe", 0.5),
@@ -42,7 +43,7 @@ def same_bits(one: Document, other: Document) -> None:
         np.testing.assert_array_equal(get(one), get(other))
 
 
-@settings(deadline=None, max_examples=25)
+@settings(deadline=None, max_examples=examples(25))
 @given(st.lists(STROKES, min_size=1, max_size=3), st.sampled_from(["xuan", "porcelain"]))
 def test_without_the_last_stroke_it_is_as_before_that(strokes, material) -> None:
     document = sitting(strokes, material=material)
@@ -57,7 +58,7 @@ def test_without_the_last_stroke_it_is_as_before_that(strokes, material) -> None
     same_bits(painted(Score(without.header, without.events[:-1]), mesh), painted(before, mesh))
 
 
-@settings(deadline=None, max_examples=25)
+@settings(deadline=None, max_examples=examples(25))
 @given(st.lists(STROKES, min_size=2, max_size=3), st.integers(1, 3), st.sampled_from([0, 30]))
 def test_another_ink_lies_where_the_first_did_and_as_thick(strokes, number, hairs) -> None:
     document = sitting([(*stroke[:3], None) for stroke in strokes])

@@ -11,14 +11,14 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 from PySide6 import QtCore
 
 from tests.support.app.gestures import drag, live, type_key, wait_for
-from tests.support.app.windows import SMALL, opened, settled
+from tests.support.app.windows import opened, settled
 
 HINT = "Paint with the left button"
 
 
 @pytest.fixture(scope="module")
 def window(program):
-    with opened(program, "plane", 2.0, "porcelain", size=SMALL) as window:
+    with opened(program, "plane", 2.0, "porcelain") as window:
         yield window
 
 

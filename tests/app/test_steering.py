@@ -17,7 +17,7 @@ from paint3d.app.model.input.navigation import roll_of
 from paint3d.view.camera import picture_axes
 from tests.support.app.gestures import ALT, BUTTON, KIND, drag, live, mouse, type_key, wait_for
 from tests.support.app.pointers import HAND, Touching, pen, pen_drag, tap
-from tests.support.app.windows import SMALL, faults, opened, settled
+from tests.support.app.windows import faults, opened, settled
 
 KEY, HELD = QtCore.Qt.Key, QtCore.Qt.KeyboardModifier
 CORNER = (0.04, 0.05)  # beside the object, in shares of the canvas
@@ -25,7 +25,7 @@ CORNER = (0.04, 0.05)  # beside the object, in shares of the canvas
 
 @pytest.fixture(scope="module")
 def window(program):
-    with opened(program, "sphere", 4.0, "porcelain", size=SMALL) as window:
+    with opened(program, "sphere", 4.0, "porcelain") as window:
         yield window
 
 

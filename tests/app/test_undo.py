@@ -11,6 +11,7 @@ from paint3d.surface.painted_surface import PaintedSurface
 from paint3d.surface.undo import UndoHistory
 from paint3d.surface.vertex_sets import union
 from tests.support.app.hands import line
+from tests.support.examples import examples
 
 ACTIONS = st.sampled_from(
     ["stroke", "stroke", "time", "long time", "dry", "dip", "tip", "wipe", "look"]
@@ -67,7 +68,7 @@ def act(surface, painter, action, place):
         surface.refresh()
 
 
-@settings(deadline=None, max_examples=25)
+@settings(deadline=None, max_examples=examples(25))
 @given(
     steps=st.lists(st.lists(st.tuples(ACTIONS, PLACES), min_size=1, max_size=4), max_size=5),
     budget=st.sampled_from([0, 1 << 30]),

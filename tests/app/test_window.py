@@ -52,6 +52,7 @@ from paint3d.app.window.start import make_program
 from paint3d.app.window.studio import StudioWindow
 from paint3d.files.project.journal import read_events
 from tests.support.app.gestures import drag, live, wait_for
+from tests.support.app.windows import SMALL, light_by_few
 
 def kept():
     n, found = 0, 0  # strokes, and samples of the last; between these time passes for the ink
@@ -63,7 +64,9 @@ def kept():
             n, found = n + 1, 0
     return n, found
 
+light_by_few()
 window = StudioWindow(make_program())
+window.resize(*SMALL)
 window.show()
 window.opening.open_path("plane", 1.5, "xuan", asked=True)
 live(0.3)

@@ -26,7 +26,7 @@ from tests.support.app.gestures import (
     wait_for,
     when,
 )
-from tests.support.app.windows import SMALL, faults, opened, settled
+from tests.support.app.windows import faults, opened, settled
 
 ROWS = (0.40, 0.45, 0.50, 0.55, 0.60)
 LEFT, RIGHT = QtCore.Qt.MouseButton.LeftButton, QtCore.Qt.MouseButton.RightButton
@@ -34,7 +34,7 @@ LEFT, RIGHT = QtCore.Qt.MouseButton.LeftButton, QtCore.Qt.MouseButton.RightButto
 
 @pytest.fixture(scope="module")
 def window(program):
-    with opened(program, "plane", 1.5, "porcelain", size=SMALL) as window:
+    with opened(program, "plane", 1.5, "porcelain") as window:
         for k, row in enumerate(ROWS):
             if k == 3:
                 window.workspace.post("dip", "indigo")

@@ -11,12 +11,12 @@ from paint3d.app.model.document import Document
 from paint3d.cli.main import main
 from tests.support.app.gestures import drag
 from tests.support.app.hands import same_vertices
-from tests.support.app.windows import SMALL, opened, settled
+from tests.support.app.windows import opened, settled
 
 
 @pytest.fixture
 def window(program):
-    with opened(program, "plane", 2.0, "porcelain", size=SMALL) as window:
+    with opened(program, "plane", 2.0, "porcelain") as window:
         yield window
 
 

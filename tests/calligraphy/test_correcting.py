@@ -16,6 +16,7 @@ from paint3d.calligraphy.page.correcting import CorrectedPage, Steps, halves_at
 from paint3d.calligraphy.page.page import Page, Piece
 from paint3d.calligraphy.page.strokes_file import load_strokes, save_strokes
 from paint3d.errors import InputError
+from tests.support.examples import examples
 
 
 def ribbon(line, width: float, dryness=()) -> GlyphStroke:
@@ -57,7 +58,7 @@ def strokes(draw) -> GlyphStroke:
     return ribbon(line, draw(st.floats(15.0, 140.0)), dry)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=examples(40), deadline=None)
 @given(strokes(), st.floats(0.05, 0.95))
 def test_parts_of_a_split_stroke_are_its_ink_and_joined_it_again(stroke, share) -> None:
     page = CorrectedPage.of(page_of([stroke]))

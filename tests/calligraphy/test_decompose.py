@@ -16,6 +16,7 @@ from paint3d.calligraphy.glyph_sources import open_glyphs
 from paint3d.calligraphy.glyphs import Glyph, GlyphStroke
 from paint3d.calligraphy.shapes.decompose import decompose
 from paint3d.errors import InputError
+from tests.support.examples import examples
 from tests.support.found_strokes import joined, region_of, score
 
 NOTHING = MultiPolygon()
@@ -39,7 +40,7 @@ def scribbles(draw):
 
 
 @given(scribbles())
-@settings(deadline=None, max_examples=40)
+@settings(deadline=None, max_examples=examples(40))
 def test_regions_together_are_the_ink(shape):
     regions = [region_of(stroke) for stroke in decompose(shape)]
     assert all(region.geom_type == "Polygon" for region in regions)
@@ -47,7 +48,7 @@ def test_regions_together_are_the_ink(shape):
 
 
 @given(scribbles())
-@settings(deadline=None, max_examples=40)
+@settings(deadline=None, max_examples=examples(40))
 def test_lines_lie_in_their_regions(shape):
     for stroke in decompose(shape):
         assert len(stroke.median) >= 2
@@ -56,7 +57,7 @@ def test_lines_lie_in_their_regions(shape):
 
 
 @given(scribbles(), st.sampled_from([2.0**-20, 0.125, 1024.0]), st.integers(-64, 64))
-@settings(deadline=None, max_examples=25)
+@settings(deadline=None, max_examples=examples(25))
 def test_place_and_size_do_not_matter(shape, scale, away):
     strokes = decompose(shape)
     moved = decompose(shapely.transform(shape, lambda points: scale * (points + away)))
@@ -67,7 +68,7 @@ def test_place_and_size_do_not_matter(shape, scale, away):
 
 
 @given(scribbles())
-@settings(deadline=None, max_examples=25)
+@settings(deadline=None, max_examples=examples(25))
 def test_the_same_shape_gives_the_same_strokes(shape):
     for one, two in zip(decompose(shape), decompose(shape), strict=True):
         assert np.array_equal(one.outline, two.outline)
@@ -171,7 +172,7 @@ def test_known_strokes_come_back_in_their_order(text):
     slant=st.floats(-0.15, 0.15),
     text=st.sampled_from("木大王田"),
 )
-@settings(deadline=None, max_examples=25)
+@settings(deadline=None, max_examples=examples(25))
 def test_another_drawing_of_a_character_takes_its_strokes(turn, wide, slant, text):
     """Turned, wider, slanted, elsewhere and of another size: order and direction are the same."""
     cosine, sine = math.cos(turn), math.sin(turn)

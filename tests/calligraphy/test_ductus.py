@@ -16,6 +16,7 @@ from paint3d.calligraphy.shapes.ductus import known_strokes
 from paint3d.calligraphy.shapes.regions import Piece
 from paint3d.calligraphy.shapes.registration import register, tangents_of
 from paint3d.calligraphy.shapes.transfer import KnownStrokes, in_known_order
+from tests.support.examples import examples
 from tests.support.found_strokes import as_listed
 
 SOURCE = open_glyphs(None)
@@ -46,7 +47,7 @@ def test_what_nobody_knows_has_none():
 
 
 @given(text=st.sampled_from("ΓΠДЖЦШЫ"), wide=st.floats(60.0, 130.0), thick=st.floats(4.0, 9.0))
-@settings(deadline=None, max_examples=70)
+@settings(deadline=None, max_examples=examples(70))
 def test_a_sans_serif_letter_is_written_by_its_list(text, wide, thick):
     """As many strokes in the same order, each from its beginning, whatever the proportions."""
     (glyph,) = known_strokes(SOURCE, text)

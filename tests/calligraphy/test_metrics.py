@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from paint3d.calligraphy.metrics import MARGIN, PIXELS, compare, copybook_mask, painted_mask
 from paint3d.errors import InputError
+from tests.support.examples import examples
 
 EM = 64.0
 PIXEL = EM / PIXELS
@@ -29,7 +30,7 @@ def test_the_same_shape_is_wholly_alike():
 
 
 @given(aside=st.integers(1, 40))
-@settings(deadline=None, max_examples=25)
+@settings(deadline=None, max_examples=examples(25))
 def test_a_shifted_square_has_the_overlap_and_distance_of_its_shift(aside):
     like = compare(mask(100 + aside, 100, 200 + aside, 200), mask(100, 100, 200, 200))
     assert like.iou == pytest.approx((100 - aside) / (100 + aside))

@@ -39,7 +39,9 @@ def copied(text: str, seed: int, dry: float) -> tuple[Photographed, CopiedSheet]
     return there, copy_sheet(there.pixels, "sheet.jpg", Asked(lines=(text,), templates=known))
 
 
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize(
+    "seed", [*range(3), *(pytest.param(seed, marks=pytest.mark.long) for seed in range(3, 8))]
+)
 def test_corners_are_found(seed: int) -> None:
     there = shot("永", seed, 0.0, Camera(size=640))
     side = np.linalg.norm(there.corners - np.roll(there.corners, -1, axis=0), axis=1).mean()

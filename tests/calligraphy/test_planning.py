@@ -19,6 +19,7 @@ from paint3d.calligraphy.path_fit import PathFitter
 from paint3d.calligraphy.planning import PlanSettings, on_paper, plan_glyph, plan_stroke
 from paint3d.calligraphy.timing import Tempo, time_courses
 from paint3d.errors import InputError
+from tests.support.examples import examples
 from tests.support.planned_strokes import EM, band, boundary, overlap, signed_distance
 
 RATE = 250.0
@@ -40,7 +41,7 @@ def example(angle=0.0, brush="xiaokai"):
     width=st.floats(0.7, 2.5),
     bend=st.floats(-1.2, 1.2),
 )
-@settings(deadline=None, max_examples=25)
+@settings(deadline=None, max_examples=examples(25))
 def test_nothing_leaves_the_outline(angle, length, width, bend):
     outline, median = band(angle, length, width, bend)
     course = plan_stroke(outline, median, EM, footprints())

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import ctypes
 import os
 import re
 import subprocess
@@ -12,6 +13,7 @@ from pathlib import Path
 import pytest
 
 import paint3d
+from paint3d.core.machine import give_back_memory
 
 PACKAGE = Path(paint3d.__file__).parent
 # As on a system that is not POSIX: Python's modules and names that such a one lacks.
@@ -124,3 +126,26 @@ if __name__ == "__main__":
     done = run(code, tmp_path)
     assert done.returncode == 0, done.stderr[-2000:]
     assert int(done.stdout) > 100
+
+
+def test_memory_that_was_freed_below_what_is_used_is_given_back() -> None:
+    c = ctypes.CDLL(None)
+    if not hasattr(c, "malloc_trim"):
+        pytest.skip("another library of C than glibc")
+    c.malloc.restype, c.free.argtypes = ctypes.c_void_p, [ctypes.c_void_p]
+    c.memset.argtypes = [ctypes.c_void_p, ctypes.c_int, ctypes.c_size_t]
+    blocks = [c.malloc(60_000) for _ in range(2000)]  # 120 MB
+    for block in blocks:
+        c.memset(block, 1, 60_000)
+    for block in blocks[:-1]:
+        c.free(block)
+    kept = _resident_mb()
+    give_back_memory()
+    given_back = kept - _resident_mb()
+    c.free(blocks[-1])
+    assert given_back > 80.0
+
+
+def _resident_mb() -> float:
+    pages = int(Path("/proc/self/statm").read_text("ascii").split()[1])
+    return pages * os.sysconf("SC_PAGE_SIZE") / 1e6

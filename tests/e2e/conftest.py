@@ -11,9 +11,9 @@ from pathlib import Path
 
 import pytest
 
+from tests.support.examples import ALL
 from tests.support.forked import COMMANDS, LIMIT_S, run_forked
 
-MORE = "PAINT3D_MORE_EXAMPLES"  # set by scripts/check --long
 Run = Callable[..., subprocess.CompletedProcess[str]]
 
 
@@ -27,7 +27,7 @@ def paint3d() -> Run:
 
     def run(*arguments: object, cwd: Path | None = None, **environment: str):
         words = [str(word) for word in arguments]
-        if words[:1] and words[0] in COMMANDS and not environment and MORE not in os.environ:
+        if words[:1] and words[0] in COMMANDS and not environment and not ALL:
             return run_forked(words, cwd)
         return subprocess.run(
             [sys.executable, "-m", "paint3d", *map(str, arguments)],

@@ -24,6 +24,7 @@ from paint3d.painter.flat_input import lay
 from paint3d.painter.painter import Painter
 from paint3d.recording.recording import load_recording, save_recording
 from paint3d.surface.painted_surface import PaintedSurface
+from tests.support.examples import examples
 from tests.support.resampling import resample
 
 MS = 1_000_000
@@ -69,7 +70,7 @@ def line(lean=(0.0, 0.0, 0.0), n=40, pressure=0.3, length=60.0):
 
 
 @given(st.floats(0.0, 60.0), st.floats(0.0, 2.0 * np.pi), st.floats(0.05, 0.5))
-@settings(deadline=None, max_examples=25)
+@settings(deadline=None, max_examples=examples(25))
 def test_the_mark_lies_under_the_pen_however_it_leans(tilt, toward, pressure):
     lean = np.tan(np.radians(tilt)) * np.array([np.cos(toward), np.sin(toward), 0.0])
     upright, _ = painted(line(pressure=pressure))
@@ -82,7 +83,7 @@ def test_the_mark_lies_under_the_pen_however_it_leans(tilt, toward, pressure):
 
 
 @given(st.floats(0.0, 180.0), st.floats(0.05, 0.5))
-@settings(deadline=None, max_examples=25)
+@settings(deadline=None, max_examples=examples(25))
 def test_the_mark_lies_under_the_pen_however_it_is_turned(degrees, pressure):
     recording = line(pressure=pressure)
     half = np.radians(0.5 * degrees)

@@ -22,11 +22,12 @@ from paint3d.painter.painter import Painter
 from paint3d.recording.recording import Recording
 from paint3d.surface.painted_surface import PaintedSurface
 from tests.support.colour_codes import worth_of_one_code
+from tests.support.examples import examples
 from tests.support.resampling import resample
 from tests.support.surface_cases import UPRIGHT, ball, flat, on_cylinder, poses, sheet
 
 LENGTH, FULL_PRESS = 35.0, 17.5  # of the brush "full"
-LAW = settings(deadline=None, max_examples=25)
+LAW = settings(deadline=None, max_examples=examples(25))
 
 
 def smooth(u, a: float, b: float):

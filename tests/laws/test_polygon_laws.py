@@ -12,6 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from paint3d.mesh.polygons import triangulate
+from tests.support.examples import examples
 
 AS_IT_LIES = np.eye(3)
 SEEDS = st.integers(0, 100_000)
@@ -88,7 +89,7 @@ def turned_about(seed):
     return np.linalg.qr(np.random.default_rng(seed).normal(size=(3, 3)))[0]
 
 
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=examples(60))
 @given(SEEDS, st.integers(2, 40), st.booleans())
 def test_rectilinear_polygons(seed, n_cells, straight):
     ring = outline_of_cells(grown(seed, n_cells))
@@ -149,7 +150,7 @@ def crossing(ring):
     return None
 
 
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=examples(60))
 @given(SEEDS, st.integers(4, 16), st.booleans(), SEEDS)
 def test_simple_polygons(seed, n, whole, turn):
     ring = simple(seed, n, whole)
@@ -159,7 +160,7 @@ def test_simple_polygons(seed, n, whole, turn):
     check_every_start(ring, turned_about(turn), starts=(0, len(ring) // 2))
 
 
-@settings(deadline=None, max_examples=30)
+@settings(deadline=None, max_examples=examples(30))
 @given(st.lists(st.tuples(*[st.floats(0.5, 4.0)] * 3), min_size=1, max_size=4), SEEDS)
 def test_holes_that_a_seam_joins_to_the_outline(holes, turn):
     ring = [(0.0, 0.0)]

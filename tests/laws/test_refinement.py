@@ -14,6 +14,7 @@ from paint3d.mesh import refined_mesh as paint_mesh
 from paint3d.mesh.kernels.refine import activate_cell
 from paint3d.mesh.refined_mesh import PaintMesh
 from paint3d.mesh.triangle_mesh import TriangleMesh
+from tests.support.examples import examples
 
 
 def scan(seed=3):
@@ -71,7 +72,7 @@ MESHES = {
 EDGE = 0.8
 RELAXED = settings(
     deadline=None,
-    max_examples=25,
+    max_examples=examples(25),
     suppress_health_check=[HealthCheck.function_scoped_fixture],
 )
 every_mesh = pytest.mark.parametrize("shape", sorted(MESHES))

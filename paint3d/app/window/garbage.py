@@ -12,9 +12,12 @@ import time
 
 from PySide6 import QtCore
 
-__all__ = ["collect_garbage", "collect_here"]
+from paint3d.core.machine import give_back_memory
+
+__all__ = ["collect_all", "collect_garbage", "collect_here", "collect_later"]
 
 _LOOK_MS = 250
+_LATER_MS = 3000  # when what was opened instead has been drawn, and lit
 _YOUNG = 700  # objects, Python's own thresholds
 _ROUNDS = 10
 _REST_S = 60.0  # between searches among all objects, some .05 s each
@@ -37,6 +40,24 @@ def collect_garbage() -> None:
         gc.collect(1)
     elif young > _YOUNG:
         gc.collect(0)
+
+
+def collect_all() -> None:
+    """Collect all that is due, and give its memory back to the system."""
+    _Search.at_s = time.monotonic()
+    gc.collect(2)
+    give_back_memory()
+
+
+def collect_later(owner: QtCore.QObject) -> QtCore.QTimer:
+    """What collects all a while after it was last started, as long as its owner lives.
+
+    It is started when a painting is let go of: paintings are circles of objects too, of some
+    hundred megabytes.
+    """
+    timer = QtCore.QTimer(owner, interval=_LATER_MS, singleShot=True)
+    timer.timeout.connect(collect_all)
+    return timer
 
 
 def collect_here(owner: QtCore.QObject) -> None:

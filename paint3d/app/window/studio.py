@@ -18,6 +18,7 @@ from paint3d.app.model.persistence.sitting import Sitting
 from paint3d.app.window.actions import Actions
 from paint3d.app.window.begin_page import BeginPage
 from paint3d.app.window.copybook_guide import CopybookGuide
+from paint3d.app.window.garbage import collect_later
 from paint3d.app.window.guard import TellOnce
 from paint3d.app.window.hud import Hud
 from paint3d.app.window.input.device_input import DeviceInput
@@ -109,6 +110,7 @@ class StudioWindow(QtWidgets.QMainWindow):
         self._show_open(False)
         self._take_settings()
         self._next_draw = 0.0
+        self._letting_go = collect_later(self)
         self._timer = QtCore.QTimer(self)
         self._timer.setTimerType(QtCore.Qt.TimerType.PreciseTimer)
         self._guarded = TellOnce(lambda: self.tick(), self._tell_fault)
@@ -219,6 +221,7 @@ class StudioWindow(QtWidgets.QMainWindow):
         self.panels.open()
         self._draw_first()
         self._show_title()
+        self._letting_go.start()
 
     def _draw_first(self) -> None:
         """Have the picture there with the title; that of millions of triangles takes a while."""

@@ -61,14 +61,17 @@ def is_system_dark(app: QtWidgets.QApplication) -> bool:
 
 
 def apply_theme(app: QtWidgets.QApplication, theme: Theme) -> None:
-    """Dress the whole program."""
+    """Dress the whole program, unless it is dressed so already: each of its widgets is restyled."""
+    sheet = _SHEET.format(**vars(theme))
+    if app.styleSheet() == sheet:
+        return
     app.setStyle("Fusion")
     font = QtGui.QFont()
     font.setFamilies([*FONTS, app.font().family()])
     font.setPointSizeF(_POINTS)
     app.setFont(font)
     app.setPalette(_palette(theme))
-    app.setStyleSheet(_SHEET.format(**vars(theme)))
+    app.setStyleSheet(sheet)
 
 
 def _palette(theme: Theme) -> QtGui.QPalette:

@@ -12,10 +12,8 @@ from paint3d.app.model.persistence import settings
 from paint3d.app.window.input.grips import GRIPS
 from paint3d.app.window.start import make_program
 from paint3d.mesh.closest_points import ClosestPoints
-from paint3d.view import live_light
-from paint3d.view.studio import light_samples
 from tests.support.app.gestures import live, pen_stroke, wait_for
-from tests.support.app.windows import opened, settled
+from tests.support.app.windows import light_by_few, opened, settled
 
 START, END = (0.42, 0.6), (0.58, 0.6)  # of the canvas
 
@@ -23,8 +21,8 @@ START, END = (0.42, 0.6), (0.58, 0.6)  # of the canvas
 def main() -> None:
     """Open the sheet, paint a stroke with a leaning pen, and tell what is where."""
     settings.WET_AT_FIRST = frozenset()  # ink stays where it was put
-    live_light.light_samples = lambda n: light_samples(n)[::8]  # as in the tests of the window
-    with opened(make_program(), "plane") as window:
+    light_by_few()  # as in the tests of the window
+    with opened(make_program(), "plane", size=None) as window:
         canvas = window.canvas
         size = np.array([canvas.width(), canvas.height()])
         pen_stroke(canvas, START, END, [0.3] * 20, (30.0, 20.0))

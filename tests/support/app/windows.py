@@ -7,17 +7,25 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 from paint3d.app.window.studio import StudioWindow
+from paint3d.view import live_light
+from paint3d.view.studio import light_samples
 from tests.support.app.gestures import live, wait_for
 
 SMALL = (900, 640)
 """Of a window whose canvas has half of the pixels that it has at first."""
 
 
+def light_by_few() -> None:
+    """Light what is opened in this process by every eighth of the studio's lights: all take 2 s."""
+    live_light.light_samples = lambda n: light_samples(n)[::8]
+
+
 @contextmanager
-def opened(program, mesh="plane", resolution=1.5, material="xuan", settings=None, size=None):
+def opened(program, mesh="plane", resolution=1.5, material="xuan", settings=None, size=SMALL):
     """A window with something to paint on; nothing of it is asked for when it closes.
 
-    Most of a window's time is that of its pixels: a `size`, (width, height), makes it a small one.
+    Most of a window's time is that of its pixels: it is a small one. A `size` of None makes it as
+    large as it is at first.
     """
     window = StudioWindow(program, settings)
     if size is not None:

@@ -7,6 +7,7 @@ Qt would take its digits for those above the letters.
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from typing import Any
 
 from PySide6 import QtCore, QtGui, QtWidgets
@@ -66,19 +67,32 @@ class HeldKeys(QtCore.QObject):
             if action in ("size", "force", "harder", "softer")
         }
         self._pad = {_combined(one.keys): one.action for one in SHORTCUTS if "Num+" in one.keys}
-        program = QtWidgets.QApplication.instance()
-        assert program is not None, "a window has one"
-        program.installEventFilter(self)
+        self._everywhere = _Everywhere(self, self._look_at_keys)
+        window.installEventFilter(self)
 
     def taps(self) -> set[str]:
         """Actions whose key is also one to hold: they come by `tapped`."""
         return {self._taps[keys] for keys, _ in self._held.values() if keys in self._taps}
 
     def eventFilter(self, watched: QtCore.QObject, event: QtCore.QEvent) -> bool:
+        """Let go of all keys with the focus; notice a window that is moved with Alt."""
+        kind = event.type()
+        if kind in (_KIND.WindowActivate, _KIND.WindowDeactivate):
+            self._everywhere.watch(self._window.isActiveWindow())
+        if kind == _KIND.WindowDeactivate:
+            self._alt = False
+            self._keys.clear()
+            self._hand.held.clear()
+        elif kind == _KIND.WindowUnblocked and QtGui.QGuiApplication.focusWindow() is not None:
+            QtCore.QTimer.singleShot(_SETTLED_MS, self, self._take_back_keys)
+        elif kind == _KIND.Move and (self._alt or self._was_alt_alone() or _is_alt_down()):
+            self._alt_at = None
+            self.alt_taken.emit()
+        return False
+
+    def _look_at_keys(self, event: QtCore.QEvent) -> bool:
         """Look at keys of this window, unless something is being written."""
         kind = event.type()
-        if watched is self._window:
-            self._watch_window(kind)
         if kind in _PRESSES:
             self._alt_at = None  # what it was pressed for has come to the window
         if kind not in (_KIND.KeyPress, _KIND.KeyRelease, _KIND.ShortcutOverride):
@@ -104,18 +118,6 @@ class HeldKeys(QtCore.QObject):
             return self._hold(event, ("Space", "steer"))
         found = self._held.get(event.keyCombination().toCombined())
         return False if found is None else self._hold(event, found)
-
-    def _watch_window(self, kind: QtCore.QEvent.Type) -> None:
-        """Let go of all keys with the focus; notice a window that is moved with Alt."""
-        if kind == _KIND.WindowDeactivate:
-            self._alt = False
-            self._keys.clear()
-            self._hand.held.clear()
-        elif kind == _KIND.WindowUnblocked and QtGui.QGuiApplication.focusWindow() is not None:
-            QtCore.QTimer.singleShot(_SETTLED_MS, self, self._take_back_keys)
-        elif kind == _KIND.Move and (self._alt or self._was_alt_alone() or _is_alt_down()):
-            self._alt_at = None
-            self.alt_taken.emit()
 
     def _take_back_keys(self) -> None:
         """Ask for the keys after a dialog that had them, where they went to nobody.
@@ -162,6 +164,30 @@ class HeldKeys(QtCore.QObject):
         if keys in self._taps and not self._hand.adjusted:
             self.tapped.emit(self._taps[keys])
         return True
+
+
+class _Everywhere(QtCore.QObject):
+    """Looks at all events of the program, only while its window is active.
+
+    To hand an event to Python costs more than most of them do, and while a window is made and shown
+    there are ten thousand.
+    """
+
+    def __init__(self, owner: QtCore.QObject, look: Callable[[QtCore.QEvent], bool]) -> None:
+        super().__init__(owner)
+        self._look = look
+
+    def watch(self, on: bool) -> None:
+        """Begin, or end."""
+        program = QtWidgets.QApplication.instance()
+        assert program is not None, "a window has one"
+        program.removeEventFilter(self)
+        if on:
+            program.installEventFilter(self)
+
+    def eventFilter(self, watched: QtCore.QObject, event: QtCore.QEvent) -> bool:
+        """Whether nothing else hears of it."""
+        return self._look(event)
 
 
 def _combined(keys: str) -> int:
