@@ -108,7 +108,7 @@ def _stamp_edges(n, spots, lines, scale, inner, far):
     factor = np.float32(scale)
     for k in range(n):
         at = places[k]
-        i = np.int32(at)
+        i = np.uint32(np.int32(at))  # an index that may be negative would count from the end
         width, steepness = lines[i, 0] + at * lines[i, 1], lines[i, 2]
         side = abs(sides[k])
         inner[k] = ((width - side) * steepness - beyond[k]) * factor
@@ -125,7 +125,7 @@ def _way_edges(n, spots, sweep, back, inner, far):
     factor = np.float32(sweep.values[0].scale)
     for k in range(n):
         at = places[k]
-        i = np.int32(at)
+        i = np.uint32(np.int32(at))  # an index that may be negative would count from the end
         width = now * (lines[i, 0] + at * lines[i, 1])
         width += then * (lines_before[i, 0] + at * lines_before[i, 1])
         steepness = now * lines[i, 2] + then * lines_before[i, 2]

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, DTypeLike
 from paint3d.core.types import AnyArray
 from paint3d.errors import InputError, Paint3DError
 
-__all__ = ["as_array", "as_number", "cross", "length_of", "lengths_of", "zeros_on_lines"]
+__all__ = ["as_array", "as_number", "cross", "dots_of", "length_of", "lengths_of", "zeros_on_lines"]
 
 _LINE = 64  # bytes of a cache line
 
@@ -110,9 +110,20 @@ def cross(u: AnyArray, v: AnyArray) -> AnyArray:
 
 
 def lengths_of(vectors: AnyArray) -> AnyArray:
-    """Lengths (...) of vectors (..., K); to the bit NumPy's norms, in a third of their time."""
-    result: AnyArray = np.sqrt(np.add.reduce(vectors * vectors, axis=-1))
+    """Lengths (...) of vectors (..., K) of few components; to the bit NumPy's norms."""
+    result: AnyArray = np.sqrt(dots_of(vectors, vectors))
     return result
+
+
+def dots_of(u: AnyArray, v: AnyArray) -> AnyArray:
+    """Scalar products (...) of vectors (..., K) of few components; to the bit NumPy's sums.
+
+    A sum along an axis of three takes NumPy six times as long as three products of columns.
+    """
+    total = u[..., 0] * v[..., 0]
+    for k in range(1, u.shape[-1]):
+        total = total + u[..., k] * v[..., k]
+    return total
 
 
 def length_of(vector: AnyArray) -> float:

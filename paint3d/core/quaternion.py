@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 
+from paint3d.core.arrays import dots_of
 from paint3d.core.kernel import kernel
 from paint3d.core.types import AnyArray
 
@@ -44,8 +45,8 @@ __all__ = [
 Vector = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
 _SMALL = 1e-9  # rad, or sine of an angle
-_UNIT = np.eye(3)
-_UNIT_WITHIN = 1e-12 + 1e-5 * _UNIT  # so near to it a matrix by its transpose is a rotation's
+_PAIRS = [(i, j) for i in range(3) for j in range(i, 3)]
+_WITHIN = 1e-12, 1e-12 + 1e-5  # a rotation's rows are as near to orthogonal, and to unit length
 
 # -- by components ------------------------------------------------------------------------------
 
@@ -201,8 +202,9 @@ def quaternions_from_matrices(matrices: AnyArray) -> AnyArray:
 
 def _orthogonal(matrices: AnyArray) -> AnyArray:
     """The rotations nearest to matrices (N, 3, 3), which are copied only if one is none."""
-    squares = matrices @ np.swapaxes(matrices, 1, 2)
-    off = ~(np.abs(squares - _UNIT) <= _UNIT_WITHIN).all(axis=(1, 2))
+    off = np.zeros(len(matrices), bool)
+    for i, j in _PAIRS:
+        off |= ~(np.abs(dots_of(matrices[:, i], matrices[:, j]) - (i == j)) <= _WITHIN[i == j])
     if not off.any():
         return matrices
     left, _, right = np.linalg.svd(matrices[off])

@@ -9,7 +9,7 @@ from typing import Any, TypeGuard
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from paint3d.core.arrays import as_array
+from paint3d.core.arrays import as_array, lengths_of
 from paint3d.core.types import AnyArray
 from paint3d.device.sample import DeviceSample
 from paint3d.errors import RecordingError
@@ -211,7 +211,7 @@ def _unit(values: ArrayLike, name: str, n: int) -> AnyArray:
         return np.broadcast_to(_unit(values[:1], name, 1), (n, 4))
     array = _floats(values, name, (n, 4))
     with np.errstate(over="ignore"):
-        length = np.linalg.norm(array, axis=1)
+        length = lengths_of(array)
     bad = np.flatnonzero(np.abs(length - 1.0) > UNIT_TOLERANCE)
     if len(bad):
         raise RecordingError(
@@ -240,17 +240,21 @@ def _contacts(values: ArrayLike | None, n: int, with_pressure: bool) -> AnyArray
     array = np.array(values, dtype=np.float64)
     if array.shape != (n, 3):
         raise RecordingError(f"contact has shape {array.shape}; expected ({n}, 3)")
+    if np.isfinite(array).all():
+        return _with_pressure(array, with_pressure)
     missing = np.isnan(array)
     bad = np.flatnonzero((missing.any(axis=1) & ~missing.all(axis=1)) | np.isinf(array).any(axis=1))
     if len(bad):
         raise RecordingError(
             f"sample {bad[0]}: contact is {array[bad[0]].tolist()}; expected finite numbers"
         )
-    if missing.all():
-        return None
+    return None if missing.all() else _with_pressure(array, with_pressure)
+
+
+def _with_pressure(contact: AnyArray, with_pressure: bool) -> AnyArray:
     if not with_pressure:
         raise RecordingError("contact is given without a pressure; expected both")
-    return array
+    return contact
 
 
 def _buttons(values: ArrayLike | None, n: int) -> AnyArray:

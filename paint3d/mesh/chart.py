@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from paint3d.core.arrays import as_array, as_number, cross
+from paint3d.core.arrays import as_array, as_number, cross, dots_of, lengths_of
 from paint3d.core.types import AnyArray
 from paint3d.errors import InputError, MeshError
 from paint3d.mesh.closest_points import ClosestPoints
@@ -289,10 +289,10 @@ def _carried(heading: AnyArray, before: AnyArray, after: AnyArray) -> AnyArray:
 
 
 def _normalised(vectors: AnyArray) -> AnyArray:
-    length = np.linalg.norm(vectors, axis=-1, keepdims=True)
+    length = lengths_of(vectors)[..., None]
     return vectors / np.where(length > 0.0, length, 1.0)
 
 
 def _in_plane(vectors: AnyArray, normals: AnyArray) -> AnyArray:
     """Unit vectors along the parts of `vectors` that are orthogonal to `normals`."""
-    return _normalised(vectors - normals * np.sum(vectors * normals, axis=-1, keepdims=True))
+    return _normalised(vectors - normals * dots_of(vectors, normals)[..., None])

@@ -43,7 +43,7 @@ from paint3d.brush_engine.vertex_query import VISITED
 from paint3d.colour.inks import load_ink
 from paint3d.colour.pigments import Pigment, load_pigment
 from paint3d.core.ahead import ahead
-from paint3d.core.arrays import as_number
+from paint3d.core.arrays import as_number, dots_of
 from paint3d.core.types import AnyArray
 from paint3d.device.sample import DIP, DeviceSample
 from paint3d.errors import InputError
@@ -811,7 +811,7 @@ def _samples(
 def _one_hemisphere(quaternions: AnyArray) -> AnyArray:
     """Flip signs so that neighbouring quaternions (N, 4) lie less than a right angle apart."""
     q = np.array(quaternions, dtype=np.float64)
-    flips = np.sum(q[1:] * q[:-1], axis=1) < 0.0
+    flips = dots_of(q[1:], q[:-1]) < 0.0
     signs = np.where(np.cumsum(flips) % 2 == 1, -1.0, 1.0)
     q[1:] *= signs[:, None]
     return q

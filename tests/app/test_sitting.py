@@ -173,6 +173,26 @@ def test_what_is_done_after_an_undone_stroke_was_kept_is_offered(tmp_path, done)
     assert [len(one.recover().document.strokes) for one in found] == [n_strokes] * done
 
 
+@pytest.mark.parametrize("killed", [False, True])
+def test_a_sitting_without_its_first_base_is_not_offered(tmp_path, monkeypatch, killed):
+    """As when a painting is brought back while the disk is full, or by another crash."""
+    document = small_plane()
+    document.differ_from_saved()
+    left = tmp_path / "left"
+
+    def full(path):
+        shutil.copytree(path.parent, left)
+        raise ExportError(f"{path}: the disk is full")
+
+    monkeypatch.setattr(document, "save_copy", full)
+    with pytest.raises(ExportError, match="full"):
+        Sitting(document, tmp_path)
+    assert list(tmp_path.iterdir()) == [left]
+    if not killed:
+        shutil.rmtree(left)
+    assert recoverable(tmp_path) == []
+
+
 def test_a_page_is_turned_before_its_base_is_there(tmp_path):
     document = small_plane()
     sitting = Sitting(document, tmp_path)

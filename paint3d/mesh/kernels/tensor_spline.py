@@ -18,9 +18,14 @@ _MOST = 4  # one more than the highest degree
 
 
 @kernel
-def _find_interval(knots, degree, x):
-    """Place of the knot that begins the interval of x; its ends belong to the first and last."""
+def _find_interval(knots, degree, x, near):
+    """Place of the knot that begins the interval of x; its ends belong to the first and last.
+
+    The interval that begins at `near` is looked at first: ways go on where they were.
+    """
     low, high = degree, len(knots) - degree - 2
+    if low <= near < high and knots[near] <= x < knots[near + 1]:
+        return near
     while low < high:
         middle = (low + high + 1) // 2
         if knots[middle] <= x:
@@ -30,19 +35,18 @@ def _find_interval(knots, degree, x):
     return low
 
 
-@kernel
-def _fill_weights(knots, degree, at, x, before, weights):
+@kernel(inline="always")
+def _fill_weights(knots, degree, at, x, weights):
     """Values at x of the B-splines that do not vanish in the interval that begins at knot `at`."""
     weights[0] = 1.0
     for j in range(1, degree + 1):
-        for i in range(j):
-            before[i] = weights[i]
-        weights[0] = 0.0
+        from_left = 0.0
         for i in range(j):
             right, left = knots[at + 1 + i], knots[at + 1 + i - j]
-            share = before[i] / (right - left)
-            weights[i] += share * (right - x)
-            weights[i + 1] = share * (x - left)
+            share = weights[i] / (right - left)
+            weights[i] = from_left + share * (right - x)
+            from_left = share * (x - left)
+        weights[j] = from_left
 
 
 @kernel
@@ -63,23 +67,24 @@ def evaluate_splines(x_knots, y_knots, degrees, coefficients, xy, out):
         Filled.
     """
     k, m = degrees
-    before, along, across = np.empty(_MOST), np.empty(_MOST), np.empty(_MOST)
+    along, across = np.empty(_MOST), np.empty(_MOST)
     low_x, high_x = x_knots[k], x_knots[len(x_knots) - k - 1]
     low_y, high_y = y_knots[m], y_knots[len(y_knots) - m - 1]
     n_functions = coefficients.shape[2]
+    column, row = k, m
     for n in range(len(xy)):
         x = min(max(xy[n, 0], low_x), high_x)
         y = min(max(xy[n, 1], low_y), high_y)
-        column, row = _find_interval(x_knots, k, x), _find_interval(y_knots, m, y)
-        _fill_weights(x_knots, k, column, x, before, along)
-        _fill_weights(y_knots, m, row, y, before, across)
+        column, row = _find_interval(x_knots, k, x, column), _find_interval(y_knots, m, y, row)
+        _fill_weights(x_knots, k, column, x, along)
+        _fill_weights(y_knots, m, row, y, across)
         for f in range(n_functions):
-            out[n, f] = 0.0
-        for i in range(k + 1):
-            for j in range(m + 1):
-                for f in range(n_functions):
+            total = 0.0
+            for i in range(k + 1):
+                for j in range(m + 1):
                     part = coefficients[column - k + i, row - m + j, f]
-                    out[n, f] += part * along[i] * across[j]
+                    total += part * along[i] * across[j]
+            out[n, f] = total
 
 
 @kernel
@@ -104,10 +109,11 @@ def eliminate_spline(places, knots, values):
     """
     n, n_functions = values.shape
     triangle, turned = np.zeros((n, _MOST)), np.zeros((n, n_functions))
-    before, row, right = np.empty(_MOST), np.empty(_MOST), np.empty(n_functions)
+    row, right = np.empty(_MOST), np.empty(n_functions)
+    first = _MOST - 1
     for m in range(n):
-        first = _find_interval(knots, _MOST - 1, places[m])
-        _fill_weights(knots, _MOST - 1, first, places[m], before, row)
+        first = _find_interval(knots, _MOST - 1, places[m], first)
+        _fill_weights(knots, _MOST - 1, first, places[m], row)
         for f in range(n_functions):
             right[f] = values[m, f]
         for i in range(_MOST):

@@ -65,11 +65,18 @@ class Sitting:
             self.folder.mkdir(parents=True)
             self._lock = open(self.folder / _LOCK, "wb")  # noqa: SIM115 - for as long as it lives
             lock(self._lock)
-            self._describe(document)
         except OSError as cause:
-            raise ExportError(f"{root}: cannot keep what is painted here: {cause}") from None
-        self.turn_page(document)
-        self.save_base(document)
+            raise _unkeepable(root, cause) from None
+        try:
+            self.turn_page(document)
+            self._describe(document, modified=False)  # without a base nothing could come back
+            self.save_base(document)
+        except OSError as cause:
+            self.close()
+            raise _unkeepable(root, cause) from None
+        except BaseException:
+            self.close()
+            raise
 
     @property
     def number(self) -> int:
@@ -122,7 +129,7 @@ class Sitting:
         with suppress(ExportError):  # turning the page will tell
             self._lay_out_page()
         with suppress(OSError):
-            self._describe(document)
+            self._describe(document, document.modified)
         for old in _numbered(self.folder, "base-") | _numbered(self.folder, "journal-"):
             if old[0] < self._number:
                 with suppress(OSError):
@@ -133,14 +140,14 @@ class Sitting:
         if self._next is None:
             self._next = Journal(self.folder / f"journal-{self._number + 1}.p3dj", {})
 
-    def _describe(self, document: Document) -> None:
+    def _describe(self, document: Document, modified: bool) -> None:
         ready = 0 if self._next is None else _bytes_of(self._next.path)
         self._about = {
             "object": document.surface.source.name,
             "path": _path_of(document),
             "file": document.file_state,
             "time_s": time.time(),
-            "modified": document.modified,
+            "modified": modified,
             "opening_bytes": self._opening_bytes + ready,
         }
         self._write_about()
@@ -300,6 +307,10 @@ def is_open_elsewhere(path: Path, own: Path | None, folder: Path | None = None) 
 def refusal(error: Paint3DError) -> dict[str, object]:
     """What a journal says of something that could not be done."""
     return {_REFUSED: str(error)}
+
+
+def _unkeepable(root: Path, cause: OSError) -> ExportError:
+    return ExportError(f"{root}: cannot keep what is painted here: {cause}")
 
 
 def _events(journals: Sequence[Path]) -> tuple[list[_Event], Loss]:
