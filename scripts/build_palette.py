@@ -121,7 +121,7 @@ FINES = {
     "lapis lazuli": 0.0,
     "verdigris": 0.03,
     "emerald green": 0.03,
-    "carmine": 0.9,
+    "carmine": 0.97,
     "shell white": 0.03,
     "lead white": 0.05,
     "titanium white": 0.08,
@@ -135,6 +135,28 @@ Winter, J. Cultural Heritage 4, 2003). Gamboge is a gum (a fifth) that dissolves
 turns to an emulsion (CAMEO, Museum of Fine Arts, Boston); carmine is a dye in water, save for what
 is laked; indigo does not dissolve, but is ground and washed for days until it floats. Stones
 are sold by grain, 40 to 5 um here, and lie between the fibres or on them.
+"""
+
+
+GRAINS_UM = {
+    "cinnabar": 4.0,
+    "minium": 3.0,
+    "ochre": 3.0,
+    "yellow ochre": 1.0,
+    "red ochre": 1.0,
+    "hematite": 4.0,
+    "orpiment": 10.0,
+    "realgar": 10.0,
+    "indigo": 0.5,
+    "verdigris": 8.0,
+    "emerald green": 8.0,
+    "shell white": 5.0,
+    "lead white": 1.0,
+    "titanium white": 0.3,
+}
+"""Diameter of the grains of the rest, um, set by eye; of stones that of their grade, 0 of others.
+
+For soot, whose flocs a material's `passing` is of, and dyes, of which hardly anything is left.
 """
 
 
@@ -233,14 +255,16 @@ def _computed_row(folder: Path, name: str, chinese: str, stone: str, number: int
     per_coat = scale_to_hiding(*second)[0][0] / second[0][0]
     names = dict.fromkeys([*(of for of, _ in STONES[stone].powders), STONES[stone].coarsest])
     source = STONE_SOURCE.format(USGS.format(", ".join(names)))
-    basis = STONE_BASIS.format(SIZES_UM[number])
-    return _row(name, chinese, source, basis, LICENCES["usgs"], k * per_coat, s * per_coat)
+    size = SIZES_UM[number]
+    words = name, chinese, source, STONE_BASIS.format(size), LICENCES["usgs"]
+    return _row(*words, k * per_coat, s * per_coat, size)
 
 
-def _row(name, chinese, source, basis, licence, k, s) -> list[str]:
-    values = [f"{value:.5g}" for value in (*k, *s)]
-    gloss = f"{GLOSSES.get(name, 0.0):g}"
-    return [name, chinese, source, basis, licence, "no", gloss, f"{FINES[name]:g}", *values]
+def _row(name, chinese, source, basis, licence, k, s, grain_um=None) -> list[str]:
+    grain_um = GRAINS_UM.get(name, 0.0) if grain_um is None else grain_um
+    numbers = GLOSSES.get(name, 0.0), FINES[name], grain_um
+    values = [f"{number:g}" for number in numbers] + [f"{value:.5g}" for value in (*k, *s)]
+    return [name, chinese, source, basis, licence, "no", *values]
 
 
 def main() -> None:
@@ -250,7 +274,7 @@ def main() -> None:
     parser.add_argument("--out", type=Path, default=OUT)
     options = parser.parse_args()
     bands = [f"{letter}_{nm:.0f}" for letter in "KS" for nm in WAVELENGTHS]
-    header = [*HEADER, "gloss", "fine", *bands]
+    header = [*HEADER, "gloss", "fine", "grain_um", *bands]
     with options.out.open("w", newline="", encoding="utf-8") as stream:
         csv.writer(stream, lineterminator="\n").writerows([header, *palette_rows(options.folder)])
 

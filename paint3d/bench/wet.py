@@ -32,6 +32,7 @@ _STEP_MM, _LENGTH_MM = 34.0, 22.0
 _RATE_HZ = 133.0
 _STROKE_S, _REST_S = 0.8, 0.4
 _MOST_BEHIND_S = 0.3
+_ALONE, _ALONE_S = 3, 10.0  # strokes that are left alone: about 50,000 wet vertices; and how long
 _UPRIGHT = np.array([1.0, 0.0, 0.0, 0.0])
 
 _Found = TypeVar("_Found")
@@ -133,6 +134,18 @@ def _warm() -> None:
     document.end_stroke()
 
 
+def _leave_alone() -> tuple[int, float]:
+    """Wet vertices of strokes that nobody writes on after, and what a second of theirs takes, s."""
+    document = Document.new("plane", _RESOLUTION, "xuan")
+    for k in range(_ALONE):
+        document.begin_stroke()
+        document.feed(_stroke(k, k * (_STROKE_S + _REST_S)))
+        document.end_stroke()
+    before = time.process_time()
+    document.surface.diffuse(_ALONE_S)
+    return document.surface.flow.n_wet, (time.process_time() - before) / _ALONE_S
+
+
 def measure(share: float = 1.0) -> Result:
     """How late 20 strokes at 0.25 mm are, how fast their ink's time goes, and undo.
 
@@ -176,6 +189,8 @@ def measure(share: float = 1.0) -> Result:
         checks.append(
             Check("ink's time over the clock's, up to 50,000 wet vertices", min(few), 0.99, False)
         )
+    wet, taken = _leave_alone()
+    checks.append(Check(f"a second of ink left alone, {wet:,} wet vertices", taken, 1.0, unit="s"))
     return Result(
         f"{n} wet strokes on xuan at {_RESOLUTION} mm, by this process's CPU time",
         ("stroke", "wet vertices", "furthest behind, ms", "longest piece, ms", "ink's time/clock"),

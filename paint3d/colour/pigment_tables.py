@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from paint3d.colour.masstone import masstone_strengths
-from paint3d.colour.pigment import BANDS_NM, USUAL_FINE, Pigment
+from paint3d.colour.pigment import BANDS_NM, COARSEST_UM, USUAL_FINE, Pigment
 from paint3d.colour.spectral_files import is_spectral, read_plain_spectrum, read_spectra
 from paint3d.core.types import AnyArray
 from paint3d.errors import InputError, PigmentError
@@ -35,7 +35,8 @@ def load_pigments_csv(path: str | Path) -> Mapping[str, Pigment]:
         or ``R_<nm>``, the reflectance of a masstone (see `masstone_strengths`), for rising
         wavelengths that cover 400 to 700 nm (others than every 10 nm are interpolated linearly);
         where wanted ``chinese``, ``source``, ``basis``, ``licence``, ``saunderson`` (yes|no),
-        ``gloss`` (0 to 1), and ``fine`` (0 to 1; .12), what no pore holds back.
+        ``gloss`` (0 to 1), ``fine`` (0 to 1; .12), what no pore holds back, and ``grain_um`` (0
+        to 1000; 0), the diameter of the other grains, um.
         Or measured masstones as `spectral_files` reads them: IES TM-27 (.spdx), and .txt of two
         columns or of X-Rite.
 
@@ -44,8 +45,8 @@ def load_pigments_csv(path: str | Path) -> Mapping[str, Pigment]:
     PigmentError
         Naming file and line, if it cannot be read, holds no pigment, a name is empty or occurs
         twice, the wavelengths do not rise or cover 400-700 nm, K or S is negative, not finite
-        or not a number, R is not from 1e-6 to less than 1, or gloss or fine are not between 0 and
-        1.
+        or not a number, R is not from 1e-6 to less than 1, gloss or fine are not between 0 and 1,
+        or grain_um is not between 0 and 1000.
     """
     path = Path(path)
     if is_spectral(path):
@@ -129,8 +130,9 @@ def _read_row(
     corrected = (row.get("saunderson") or "no").strip().lower()
     if corrected not in ("yes", "no"):
         raise PigmentError(f"{where}: saunderson is {corrected!r}; expected yes or no")
-    gloss = _read_share(row, where, "gloss", 0.0)
-    fine = _read_share(row, where, "fine", USUAL_FINE)
+    gloss = _read_number(row, where, "gloss", 0.0)
+    fine = _read_number(row, where, "fine", USUAL_FINE)
+    grain = _read_number(row, where, "grain_um", 0.0, COARSEST_UM)
     if "R" in spectra:
         worst = int(np.abs(spectra["R"] - 0.5).argmax())
         if not _DARKEST <= spectra["R"][worst] < 1.0:
@@ -151,16 +153,21 @@ def _read_row(
         saunderson=corrected == "yes",
         gloss=gloss,
         fine=fine,
+        grain_um=grain,
     )
 
 
-def _read_share(row: dict[str, Any], where: str, name: str, usual: float) -> float:
-    """A number from 0 to 1, or the usual one where nothing is said."""
+def _read_number(
+    row: dict[str, Any], where: str, name: str, usual: float, most: float = 1.0
+) -> float:
+    """A number from 0 to `most`, or the usual one where nothing is said."""
     text = (row.get(name) or "").strip()
     if not text:
         return usual
-    if not _NUMBER.fullmatch(text) or not 0.0 <= float(text) <= 1.0:
-        raise PigmentError(f"{where}: {name} is {text[-40:]!r}; expected a number from 0 to 1")
+    if not _NUMBER.fullmatch(text) or not 0.0 <= float(text) <= most:
+        raise PigmentError(
+            f"{where}: {name} is {text[-40:]!r}; expected a number from 0 to {most:g}"
+        )
     return float(text)
 
 

@@ -29,7 +29,7 @@ from paint3d.colour.materials import WET_COAT_MM
 from paint3d.core.types import AnyArray
 from paint3d.surface.ink_store import InkStore
 from paint3d.surface.kernels.block_groups import grade_paces
-from paint3d.surface.kernels.diffusion import Drying, evaporate, solve_edges
+from paint3d.surface.kernels.diffusion import Drying, ease_entries, evaporate, solve_edges
 from paint3d.surface.kernels.wet_step import TOO_LITTLE_ROOM, Drink, Room, move_water
 from paint3d.surface.pores import capacity_of, film_of
 from paint3d.surface.wet_patch import FIRST_PACE, WetPatch
@@ -288,6 +288,8 @@ class Flow:
         step.due[blocks] = True
         was_dry = np.isinf(patch.owed)
         patch.open(blocks)
+        patch.open(patch.graph.open_before(blocks))
+        self._ease_entries(blocks, step)
         bundles = self._bundles(blocks)
         work = [(bundle, np.zeros(1)) for bundle in bundles]
         done = each(lambda own: self._move_and_dry(*own, step), work)
@@ -306,6 +308,12 @@ class Flow:
             left = np.minimum(patch.owed[bundle], rest)
             patch.owed[bundle] = np.where(step.still_wet[bundle], left, np.inf)
         self._choose_pace(step, np.flatnonzero(was_dry & np.isfinite(patch.owed)))
+
+    def _ease_entries(self, blocks: AnyArray, step: _Step) -> None:
+        """Let the water in and around some blocks (K,) find its way into notches of its border."""
+        p = self._patch
+        nodes = np.concatenate([p.graph.nodes_of(blocks), p.graph.rims_of(blocks)])
+        ease_entries(nodes, p.fields(step.due, step.mobile, step.moved), p.dry_entry)
 
     def _bundles(self, blocks: AnyArray) -> list[AnyArray]:
         """Blocks (K,) in bundles that have nothing to do with one another, none very small."""

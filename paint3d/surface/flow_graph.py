@@ -158,6 +158,13 @@ class FlowGraph:
         """Some blocks (K,) and those next to them, rising."""
         return self.blocks_of(self.around(self._cells[_runs(self._cell_runs, blocks)]))
 
+    def open_before(self, blocks: AnyArray) -> AnyArray:
+        """The blocks next to some open ones (K,) that were open when it was saved, but are not."""
+        starts, stops = self.first_beside[blocks], self.last_beside[blocks]
+        around = np.unique(self.beside[_from_runs(starts, stops - starts)])
+        result: AnyArray = around[self.was_open[around] & ~self.block_open[around]]
+        return result
+
     def apart(self, blocks: AnyArray) -> list[AnyArray]:
         """Some open blocks (K,), rising, in groups that no block lies next to two of."""
         group = np.empty(len(blocks), np.int32)

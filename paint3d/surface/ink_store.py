@@ -178,7 +178,7 @@ class InkStore:
                 if not known.is_like(pigment) and not _ships(pigment):
                     raise InputError(
                         f"there is another ink named {pigment.name!r} on this surface; "
-                        "expected its K, S, gloss and fine share or another name"
+                        "expected its K, S, gloss, fine share and grains or another name"
                     )
                 return column
         self.pigments.append(pigment)

@@ -23,7 +23,7 @@ from paint3d.core.types import AnyArray
 from paint3d.surface.fibres import fibre_relief
 from paint3d.surface.kernels.grain import fill_grain
 
-__all__ = ["Pores", "capacity_of", "close_pores", "film_of", "find_pores"]
+__all__ = ["Pores", "capacity_of", "close_pores", "film_of", "find_pores", "mobility_of"]
 
 _GRAIN_MM = 1.2  # bumps of the paper that ink runs around
 _GRAIN_OF_PORES = 1.5  # of the residual, per unit of the material's grain
@@ -36,6 +36,7 @@ _ELSEWHERE = 13.1  # mm: no two sizes of flocs begin at one place
 _UNDER_FIBRES = 0.35  # of the bumps that are left where there are fibres
 _FIBRE_MM = 0.3  # width of the bundles of fibres that are seen
 _SHEET_MM = 0.12  # pores that are no deeper are those of a sheet, which is felted of fibres
+_SHEET_UM, _BODY_UM = 12.0, 6.0  # width of the pores of a sheet, and of clay or plaster
 _SHOWN = (0.7, 1.2)  # spacing of the vertices, mm, from which on fibres fade, and at which none are
 _SIEVE = 2.8  # saturation at which pores let all soot pass, per unit of 1 less `passing`
 _FIBRES_OF_SIEVE = 0.5  # logarithm of the potential that it takes: fibres' pores are wide
@@ -57,6 +58,19 @@ def capacity_of(drink: Material) -> float:
 def film_of(drink: Material) -> float:
     """Diffusivity of a film of water on full pores, mm2/s."""
     return max(drink.spread_mm2_s, _FILM_MM2_S)
+
+
+def mobility_of(drink: Material, grain_um: AnyArray) -> NDArray[np.float64]:
+    """What pores let pass of grains of diameters (P,), um, over what they do of soot, 0 to 1.
+
+    A sphere keeps its radius away from the walls of a pore, and goes with what flows beyond that:
+    of those that fill a share k of its width 1 - (k (2 - k))^2 get through (Ferry, *J. Gen.
+    Physiol.* 20, 1936), and none that is wider. The widths are set by eye.
+    """
+    width = _SHEET_UM if drink.pores_mm <= _SHEET_MM else _BODY_UM
+    away = np.minimum(grain_um / width, 1.0)
+    result: NDArray[np.float64] = 1.0 - (away * (2.0 - away)) ** 2
+    return result
 
 
 class Pores(NamedTuple):

@@ -14,7 +14,7 @@ from paint3d.surface.flow_graph import with_room
 from paint3d.surface.ink_store import InkStore
 from paint3d.surface.kernels.wet_ink import give_back, mark_news
 from paint3d.surface.kernels.wet_step import WetFields
-from paint3d.surface.pores import Pores, close_pores, find_pores
+from paint3d.surface.pores import Pores, close_pores, find_pores, mobility_of
 
 __all__ = ["FIRST_PACE", "WetPatch"]
 
@@ -53,6 +53,8 @@ class WetPatch:
         Coats times the covered share.
     fine : (N, P) float64
         Of these, what no pore holds back.
+    mobility : (P,) float64
+        What the pores let pass of each pigment's other grains, over what they do of soot.
     inside : (N,) float32
         See `kernels.diffusion.solve_edges`.
     soaked : (N,) float32
@@ -70,6 +72,7 @@ class WetPatch:
     residual: NDArray[np.float64]
     strength: NDArray[np.float64]
     sieve: NDArray[np.float64]
+    mobility: NDArray[np.float64]
     entry: NDArray[np.float64]
     dry_entry: NDArray[np.float64]
     held: NDArray[np.float64]
@@ -88,6 +91,7 @@ class WetPatch:
         self.changed, self.place = np.zeros(0, bool), np.zeros(0, np.int32)
         self.inside, self.soaked = np.zeros((2, 0), np.float32)
         self.pigment, self.fine = np.zeros((2, 0, count))
+        self._find_mobility()
         self.written, self.share = np.zeros((0, count), np.float32), np.zeros(0)
         self.weights, self.totals = np.zeros(0), np.zeros(0)
         self._n_nodes = self._n_links = 0
@@ -148,8 +152,8 @@ class WetPatch:
         return WetFields(
             graph.first, graph.last, graph.links, self.weights, graph.area, graph.block,
             graph.closed, self.place, self.residual, self.strength, self.sieve, self.held,
-            self.entry, self.water, self.pigment, self.fine, self.soaked, self.changed, self.owed,
-            due, mobile, moved,
+            self.entry, self.water, self.pigment, self.fine, self.mobility, self.soaked,
+            self.changed, self.owed, due, mobile, moved,
         )  # fmt: skip
 
     def is_wet(self) -> bool:
@@ -232,6 +236,11 @@ class WetPatch:
         if missing:
             for name in ("pigment", "fine", "written"):
                 setattr(self, name, np.pad(getattr(self, name), ((0, 0), (0, missing))))
+            self._find_mobility()
+
+    def _find_mobility(self) -> None:
+        grains = np.array([pigment.grain_um for pigment in self._store.pigments], float)
+        self.mobility = mobility_of(self.material, grains)
 
     def _drop_water(self, nodes: AnyArray) -> None:
         """Plain water has become depth: it is no longer an amount."""

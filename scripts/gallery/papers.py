@@ -223,13 +223,17 @@ def plum(surface: PaintedSurface, seconds: float) -> None:
     for x, y, size, turn in blossoms:
         blossom(chart, painter, np.array([x, y]), size, turn)
     for x, y, turn in ((11.6, -6.6, -0.8), (8.8, 13.6, 1.2), (-2.2, 16, 1.4), (14.4, 9.6, 0.6)):
-        petal(chart, painter, np.array([x, y]), turn, 0.55, 0.3)
+        petal(chart, painter, np.array([x, y]), turn, 0.55, 0.2)
+    surface.diffuse(0.2)
+    surface.dry()
+    for x, y, _, turn in blossoms:
+        stamens(chart, painter, np.array([x, y]), turn)
 
 
 def petal(chart, painter: Painter, centre: NDArray, turn: float, size: float, deep: float) -> None:
     """A round dab, dark without and pale within, whose tip points away from its heart."""
     painter.rinse()
-    painter.dip({"carmine": 0.06, "water": 0.94})
+    painter.dip({"carmine": 0.003, "water": 0.997})
     painter.dip({"carmine": deep, "water": 1.0 - deep}, reach=0.3)
     for aside in (-0.34, 0.34):  # two halves, so that it is round
         out = np.array([np.cos(turn + aside), np.sin(turn + aside)])
@@ -239,10 +243,14 @@ def petal(chart, painter: Painter, centre: NDArray, turn: float, size: float, de
 
 
 def blossom(chart, painter: Painter, centre: NDArray, size: float, turn: float) -> None:
-    """Five petals, then stamens from the heart and dots at their ends."""
+    """Five petals."""
     for k in range(5):
         angle = turn + k * 2.0 * np.pi / 5.0 + 0.15 * np.sin(7.0 * k)
-        petal(chart, painter, centre, angle, size * (1.0 + 0.1 * np.cos(3.0 * k)), 0.22)
+        petal(chart, painter, centre, angle, size * (1.0 + 0.1 * np.cos(3.0 * k)), 0.05)
+
+
+def stamens(chart, painter: Painter, centre: NDArray, turn: float) -> None:
+    """Lines from the heart, and dots at their ends."""
     painter.rinse()
     painter.dip("burnt")
     for k in range(7):

@@ -158,6 +158,28 @@ def test_a_fine_share_of_ones_own_is_read_and_checked(tmp_path):
         Pigment("x", "", np.ones(31), np.ones(31), fine=-0.1)
 
 
+def test_grains_of_ones_own_are_read_and_checked(tmp_path):
+    path = tmp_path / "mine.csv"
+    head = "name,grain_um,K_400,K_700,S_400,S_700\n"
+    path.write_text(f"{head}stone,40,1,1,2,2\ndye,,1,1,2,2\n", "utf-8")
+    mine = load_pigments_csv(path)
+    assert (mine["stone"].grain_um, mine["dye"].grain_um) == (40.0, 0.0)
+    path.write_text(f"{head}stone,1001,1,1,2,2\n", "utf-8")
+    wrong = r"mine\.csv:2: grain_um is '1001'; expected a number from 0 to 1000"
+    with pytest.raises(PigmentError, match=wrong):
+        load_pigments_csv(path)
+    with pytest.raises(PigmentError, match="grain_um of x"):
+        Pigment("x", "", np.ones(31), np.ones(31), grain_um=-1.0)
+
+
+def test_grades_of_stone_have_grains_of_their_sizes():
+    grains = {name: pigment.grain_um for name, pigment in load_palette().items()}
+    for stone in ("azurite", "malachite"):
+        grades = [grains[f"{stone}{grade}"] for grade in (" 1", "", " 3", " 4")]
+        assert grades == [40.0, 20.0, 10.0, 5.0]
+    assert grains["pine soot"] == grains["carmine"] == 0.0
+
+
 def test_coarser_grains_have_less_that_runs_with_water():
     fine = {name: pigment.fine for name, pigment in load_palette().items()}
     assert fine["pine soot"] == 0.12  # the halo was set by it

@@ -6,10 +6,13 @@ import dataclasses
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 import paint3d.surface.pores as pores
 from paint3d.colour.materials import load_material
+from paint3d.colour.pigments import load_pigment
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.surface.painted_surface import PaintedSurface
 from scripts.bloom import measure_front
@@ -225,3 +228,130 @@ def test_a_mixture_parts_at_its_border() -> None:
     within, halo = away < 2.0, np.abs(away - radii(surface)[0] + 1.0) < 0.5
     assert dye[within].sum() < 1.1 * soot[within].sum()
     assert dye[halo].sum() > 4.0 * soot[halo].sum()
+
+
+def wash_of_grains(grains_um: list[float], soot: float, water: float, material) -> PaintedSurface:
+    """A disc of 2 mm radius, of so many coats of each of some pigments alike but for grains."""
+    surface = PaintedSurface(grid(14.0, 0.7), None, material)
+    away = np.linalg.norm(surface.paint_mesh.vertices, axis=1)
+    ids = np.flatnonzero(away < 2.0).astype(np.int32)
+    for grain in grains_um:
+        pigment = dataclasses.replace(
+            load_pigment("pine soot"), name=f"grains of {grain}", fine=0.0, grain_um=grain
+        )
+        column = surface.column_of(pigment)
+        surface.ink.amounts[ids, column] = soot
+    surface.ink.coverage[ids] = 1.0
+    surface.touch(ids)
+    return drop(surface, water, 2.0, ink="water")
+
+
+def of_each(surface: PaintedSurface) -> NDArray[np.float64]:
+    """Coats of each pigment (V, P), wet and dry together, without the water."""
+    ink, dry = surface.amounts.astype(float), surface.dry_layers
+    ink[dry.vertex_ids] += dry.amounts
+    return ink[:, [pigment.name != "water" for pigment in surface.pigments]]
+
+
+@given(
+    grains=st.lists(st.floats(0.0, 60.0), min_size=1, max_size=3, unique=True).map(sorted),
+    water=st.floats(0.1, 8.0),
+    seconds=st.floats(0.1, 600.0),
+    material=st.sampled_from(["xuan", "bisque", "silk", "porcelain"]),
+)
+@settings(max_examples=25, deadline=None)
+def test_each_grain_goes_by_its_own_share(grains, water, seconds, material) -> None:
+    """None is lost of any in a mixture, and the coarser go no farther than the finer."""
+    surface = wash_of_grains(grains, 0.1, water, load_material(material))
+    areas = np.asarray(surface.vertex_areas, float)
+    laid = areas @ of_each(surface)
+    surface.diffuse(seconds)
+    now = of_each(surface)
+    np.testing.assert_allclose(areas @ now, laid, rtol=1e-8)
+    away = (surface.paint_mesh.vertices**2).sum(axis=1) * areas
+    reach = away @ now / laid
+    assert (np.diff(reach) <= 1e-5 * reach[:-1]).all()
+
+
+def test_stones_stay_where_they_were_laid_unless_a_film_bears_them() -> None:
+    """Of soot, fine and coarse stone mixed on paper; on a pool all of them go alike."""
+    beyond = []
+    for material in ("xuan", "porcelain"):
+        surface = wash_of_grains([0.0, 5.0, 40.0], 0.1, 1.7, load_material(material))
+        surface.diffuse(20.0)
+        ink, areas = of_each(surface), surface.vertex_areas
+        out = np.linalg.norm(surface.paint_mesh.vertices, axis=1) > 2.3
+        beyond.append((areas[out] @ ink[out]) / (areas @ ink))
+    soot, fine, coarse = beyond[0]
+    assert soot > 0.05
+    assert 0.3 * soot < fine < 0.9 * soot
+    assert coarse < 0.25 * soot
+    assert np.ptp(beyond[1]) < 0.02 + 0.1 * beyond[1].max()
+
+
+def around(surface: PaintedSurface) -> tuple[NDArray, NDArray, NDArray]:
+    """Nodes' ink (N,), what share of the ways around each leads to ink, and the mean there."""
+    graph = surface.flow_graph
+    n, links = graph.n_nodes, slice(graph.n_links)
+    first = np.searchsorted(graph.node_of[: graph.n_places], np.arange(n))
+    ink = everything(surface)[graph.vertices[first]]
+    owner, there, weights = graph.owner[links], ink[graph.links[links]], graph.weights[links]
+    total = np.maximum(np.bincount(owner, weights, n), 1e-12)
+    share = np.bincount(owner, weights * (there > 1e-3), n) / total
+    return ink, share, np.bincount(owner, weights * there, n) / total
+
+
+def test_hardly_a_place_at_the_rim_stays_bare_alone() -> None:
+    """Of two drops on xuan; two were, when water did not get in from several sides at once."""
+    bare = 0
+    for spacing, water in ((0.4, 4.0), (0.5, 5.0)):
+        surface = PaintedSurface(grid(24.0, 4.0), spacing, "xuan")
+        surface.refine_all()
+        drop(drop(surface, 0.5), water, ink="water").diffuse(60.0)
+        ink, share, _ = around(surface)
+        bare += np.count_nonzero((ink < 1e-5) & (share > 0.7))
+    assert bare == 0
+
+
+def test_water_from_all_sides_gets_into_a_spot_of_glue() -> None:
+    """Along a border of glue it is held; a single place amid a wash is filled."""
+    surface = PaintedSurface(grid(12.0, 0.4), None, SMOOTH)
+    away = np.linalg.norm(surface.paint_mesh.vertices, axis=1)
+    spot = int(away.argmin())
+    column = surface.column_of(load_pigment("cinnabar"))
+    surface.ink.amounts[spot, column], surface.ink.coverage[spot] = 3.0, 1.0
+    surface.touch(np.array([spot], np.int32))
+    surface.dry()
+    for ink, coats in (("carmine", 0.1), ("water", 0.9)):
+        share = ((away > 0.3) & (away < 3.0)).astype(np.float32)
+        ids = np.flatnonzero(share).astype(np.int32)
+        column = surface.column_of(load_pigment(ink))
+        surface.ink.amounts[ids, column] = coats
+        surface.ink.coverage[ids] = 1.0
+        surface.touch(ids)
+    surface.diffuse(5.0)
+    ids, depth = surface.flow.depths()
+    assert depth[ids == spot] > 0.2 * np.median(depth[depth > 0.0])
+
+
+@pytest.mark.parametrize(("ink", "most"), [("pine soot", 0.17), ("carmine", 0.02)])
+def test_where_a_stroke_was_laid_no_row_of_beads_is_left(ink: str, most: float) -> None:
+    """What the pores held back there: soot beaded by .188 of its mean, and carmine by .035."""
+    surface = PaintedSurface(grid(16.0, 4.0), 0.3, "xuan")
+    surface.refine_all()
+    x, y, _ = surface.paint_mesh.vertices.T.astype(float)
+    aside = y - 0.2 * x
+    share = np.clip((0.9 - np.abs(aside)) / 0.3 + 0.5, 0.0, 1.0)
+    ids = np.flatnonzero(share).astype(np.int32)
+    for name, coats in ((ink, 0.3), ("water", 1.4)):
+        column = surface.column_of(load_pigment(name))
+        surface.ink.amounts[ids, column] = coats * share[ids]
+    surface.ink.coverage[ids] = share[ids]
+    surface.touch(ids)
+    surface.diffuse(600.0)
+    ink_of_nodes, _, mean = around(surface)
+    graph = surface.flow_graph
+    x, y, _ = graph.points.T[:, : graph.n_nodes]
+    line = (np.abs(np.abs(y - 0.2 * x) - 0.9) < 0.35) & (np.abs(x) < 7.0) & (mean > 0.0)
+    beads = (ink_of_nodes - mean)[line].std() / ink_of_nodes[line].mean()
+    assert beads < most

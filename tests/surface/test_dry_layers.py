@@ -225,7 +225,7 @@ def test_an_ink_of_the_same_name_must_be_the_same():
     other = Pigment("cinnabar", "", np.ones(31), np.ones(31))
     with pytest.raises(InputError, match="another ink named 'cinnabar'"):
         target.column_of(other)
-    for otherwise in ({"gloss": 0.5}, {"fine": 0.9}, {"saunderson": True}):
+    for otherwise in ({"gloss": 0.5}, {"fine": 0.9}, {"grain_um": 9.0}, {"saunderson": True}):
         alike = dataclasses.replace(load_pigment("cinnabar"), **otherwise)
         with pytest.raises(InputError, match="another ink named 'cinnabar'"):
             target.column_of(alike)

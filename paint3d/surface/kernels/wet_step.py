@@ -54,6 +54,7 @@ class WetFields(NamedTuple):
     water: NDArray  # (N,) float64, depth, mm
     pigment: NDArray  # (N, P) float64, coats
     fine: NDArray  # (N, P) float64, of these, what goes wherever the water goes
+    mobility: NDArray  # (P,) float64, what pores let pass of the others, over that of soot
     soaked: NDArray  # (N,) float32, greatest share that was under water since it was dry
     changed: NDArray  # (N,) bool, set where anything moved
     owed: NDArray  # (B,) float32, time since each block's last step, s
@@ -68,7 +69,7 @@ class Drink(NamedTuple):
 
     capacity: float  # depth that the pores hold, mm
     film: float  # diffusivity of a film on them, mm2/s
-    passing: float  # speed of coarse pigment over that of the water where pores let it pass, 0 to 1
+    passing: float  # speed of coarse soot over that of the water where pores let it pass, 0 to 1
 
 
 class Room(NamedTuple):
@@ -87,7 +88,8 @@ class _Rows(NamedTuple):
     starts: NDArray  # (R + 1,) uint32
     cols: NDArray  # (K,) uint32, places in ids
     x: NDArray  # (K,) float64, weight times the time for which water runs there
-    ran: NDArray  # (2, K) float64, what came in by edges with an entry
+    ran: NDArray  # (2, K) float64, what came in by edges with an entry; in the end what runs out
+    # and carries soot, and what of it runs as a film, which carries all pigment
     totals: NDArray  # (R,) float64, sum of x
     share: NDArray  # (R,) float64, 1 / area
     low: NDArray  # (R,) float64, depth below which nothing moves
@@ -257,11 +259,11 @@ def _find_flows(rows, n_rows, n_ids, n_stages, passing, film):
 
     `starts`, `cols`, `x` and `ran` tell it of the links by which anything runs out, and of them
     alone; `totals` is what leaves in all, below 0 what comes; `waits` how many give to each node.
-    Pores that are barely wet let none of the coarse pigment pass, those above `sieve` all of it; in
-    a film on them nothing holds it.
+    Pores that are barely wet let no soot pass, those above `sieve` all of it; in a film on them
+    nothing holds it.
     """
     mean, ran = rows.mean[n_stages % 2], rows.ran[n_stages % 2]
-    x, cols, waits, carries = rows.x, rows.cols, rows.waits, rows.ran[0]
+    x, cols, waits, carries, floating = rows.x, rows.cols, rows.waits, rows.ran[0], rows.ran[1]
     waits[:n_ids] = 0
     floats = 1.0 / (film * _FLOATS)
     end, n = np.uint32(0), np.uint32(0)  # flows that were found lie before links not yet read
@@ -281,8 +283,10 @@ def _find_flows(rows, n_rows, n_ids, n_stages, passing, film):
                 flow = -ran[e]
             total += flow
             level = min(own, other)
-            share = max(min(always + opens * level, passing), min(floats * (level - full), 1.0))
-            cols[n], x[n], carries[n] = k, flow, flow * share
+            film_share = max(min(floats * (level - full), 1.0), 0.0)
+            between = 0.5 * (own + other)
+            share = max(min(always + opens * between, passing), film_share)
+            cols[n], x[n], carries[n], floating[n] = k, flow, flow * share, flow * film_share
             goes = np.uint32(flow > 0.0)
             waits[k] += np.int32(goes)
             n += goes
@@ -321,22 +325,24 @@ def _carry(f, rows, n_rows, n_ids, work):
         if begin == end and coming[r, 0] == 0.0:
             continue
         i = rows.ids[r]
-        out, carrying = 0.0, 0.0
+        out, carrying, floating = 0.0, 0.0, 0.0
         for e in range(begin, end):
             out += rows.x[e]
             carrying += rows.ran[0, e]
+            floating += rows.ran[1, e]
         volume = f.water[i] * f.area[i] + coming[r, 0]
         gone = min(out, volume)
         scale = gone / out if out > 0.0 else 0.0
         f.changed[i] = True
-        _mix(f, rows, r, volume, gone, scale * carrying, coming)
+        _mix(f, rows, r, volume, gone, (scale * carrying, scale * floating), coming)
         for e in range(begin, end):
             k = rows.cols[e]
             flux = rows.x[e] * scale
-            carried = rows.ran[0, e] * scale
+            carried, afloat = rows.ran[0, e] * scale, rows.ran[1, e] * scale
             coming[k, 0] += flux
             for p in range(n_pigments):
-                coming[k, 1 + 2 * p] += carried * coming[r, 1 + 2 * p]
+                drawn = _drawn(f.mobility[p], carried, afloat)
+                coming[k, 1 + 2 * p] += drawn * coming[r, 1 + 2 * p]
                 coming[k, 2 + 2 * p] += flux * coming[r, 2 + 2 * p]
             waits[k] -= 1
             if waits[k] == 0:
@@ -349,18 +355,26 @@ def _carry(f, rows, n_rows, n_ids, work):
 
 
 @kernel(error_model="numpy", inline="always")
-def _mix(f, rows, r, volume, gone, drawn, coming):
+def _drawn(mobility, carried, afloat):
+    """Water that carries coarse pigment, of that which carries soot and what of it is a film."""
+    return mobility * carried + (1.0 - mobility) * afloat
+
+
+@kernel(error_model="numpy", inline="always")
+def _mix(f, rows, r, volume, gone, carrying, coming):
     """Mix what came to a row with what is there; turn `coming` into what goes on.
 
-    Of a volume so much is gone: fines go with it, coarse pigment with what is drawn, and the rest
-    stays behind. What goes on is given per volume of these.
+    Of a volume so much is gone; `carrying` is what of this carries soot, and what is a film. Fines
+    go with all of it, coarse pigment with these by its mobility, and the rest stays behind. What
+    goes on is given per volume of these.
     """
     i = rows.ids[r]
     area, share = f.area[i], rows.share[r]
-    part = 1.0 / (volume - gone + drawn) if drawn > 0.0 else 0.0  # of the coarse, per volume drawn
     fine_part = 1.0 / volume if gone > 0.0 else 0.0
     f.water[i] = (volume - gone) * share
     for p in range(f.pigment.shape[1]):
+        drawn = _drawn(f.mobility[p], carrying[0], carrying[1])
+        part = 1.0 / (volume - gone + drawn) if drawn > 0.0 else 0.0  # of it, per volume drawn
         fine = f.fine[i, p] * area + coming[r, 2 + 2 * p]
         coarse = max(0.0, f.pigment[i, p] - f.fine[i, p]) * area + coming[r, 1 + 2 * p]
         coming[r, 2 + 2 * p] = fine_part * fine
