@@ -219,7 +219,7 @@ def _hold_tip(stamp, tip, aside, short, descent, foot, was_touching):
             way2 += (values.foot[axis] - foot[axis]) ** 2
         pressed = values.descent - descent
         values.aside, values.short = trail_step(
-            along, across, aside, short, length, np.sqrt(way2), pressed
+            along, across, aside, short, length, np.sqrt(way2), pressed, values.bent
         )
     distance = length - values.short
     x, y = np.cos(values.aside), np.sin(values.aside)

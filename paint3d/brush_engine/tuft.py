@@ -561,7 +561,7 @@ def drag_along(handle, slack, rx, ry, out):
 
 
 @uncounted
-def trail_step(along, across, aside, short, length, way, pressed):
+def trail_step(along, across, aside, short, length, way, pressed, bent):
     """How the tip lies behind its heel after that has moved: docs/model.md, equation (4a).
 
     Parameters
@@ -577,6 +577,8 @@ def trail_step(along, across, aside, short, length, way, pressed):
         Of the root's foot since, mm.
     pressed : float
         How much deeper the tuft came meanwhile, mm; less than 0 as it is lifted.
+    bent : float
+        How far it lies in its bend, 0 to 1; the edge of a heap is not held but spreads.
 
     Returns
     -------
@@ -585,7 +587,7 @@ def trail_step(along, across, aside, short, length, way, pressed):
     """
     held = 0.0
     if pressed > 0.0:
-        held = min(1.0, _HOLDS * pressed / way) if way > 0.0 else 1.0
+        held = bent * min(1.0, _HOLDS * pressed / way) if way > 0.0 else bent
     short = max(0.0, short - way)
     distance = math.hypot(along, across)
     if held > 0.0 and distance > _NOWHERE:
@@ -660,7 +662,7 @@ def hold_along(handle, azimuth, descent, heel, length, out):
             way = math.hypot(handle[k, 0] - handle[k - 1, 0], handle[k, 1] - handle[k - 1, 1])
             pressed = descent[k] - descent[k - 1]
             along, across = dx * x + dy * y, dy * x - dx * y
-            aside, short = trail_step(along, across, aside, short, length[k], way, pressed)
+            aside, short = trail_step(along, across, aside, short, length[k], way, pressed, 1.0)
         lies = azimuth[k] + aside
         tip_x = heel_x + (length[k] - short) * math.cos(lies)
         tip_y = heel_y + (length[k] - short) * math.sin(lies)

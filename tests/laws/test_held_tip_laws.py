@@ -36,9 +36,10 @@ UPRIGHT = 35.0  # mm, the height of the root of "full"
     length=lengths,
     way=st.floats(0.0, 5.0),
     pressed=st.floats(-3.0, 3.0),
+    bent=shares,
 )
-def test_a_tip_lies_behind_its_heel_within_the_footprint(at, aside, short, length, way, pressed):
-    turned, left = trail_step(*at, aside, short * length, length, way, pressed)
+def test_a_tip_lies_within_the_footprint(at, aside, short, length, way, pressed, bent):
+    turned, left = trail_step(*at, aside, short * length, length, way, pressed, bent)
     assert -math.pi <= turned <= math.pi
     assert 0.0 <= left <= length
 
@@ -54,7 +55,7 @@ def test_a_tip_lies_behind_its_heel_within_the_footprint(at, aside, short, lengt
 )
 def test_a_press_holds_a_tip_that_is_not_pulled(share, angle, aside, length, pressed, slow):
     at = share * length * math.cos(angle), share * length * math.sin(angle)
-    turned, left = trail_step(*at, aside, 0.0, length, 3.0 * slow * pressed, pressed)
+    turned, left = trail_step(*at, aside, 0.0, length, 3.0 * slow * pressed, pressed, 1.0)
     distance = length - left
     held = distance * math.cos(turned), distance * math.sin(turned)
     assert held == pytest.approx(at, abs=1e-9)
@@ -68,13 +69,27 @@ def test_a_press_holds_a_tip_that_is_not_pulled(share, angle, aside, length, pre
     lifted=st.floats(0.0, 2.0),
 )
 def test_where_nothing_is_pressed_nothing_is_held(at, length, way, lifted):
-    assert trail_step(*at, 0.0, 0.0, length, way, -lifted) == (0.0, 0.0)
+    assert trail_step(*at, 0.0, 0.0, length, way, -lifted, 1.0) == (0.0, 0.0)
+
+
+@LAW
+@given(
+    at=st.tuples(places, places),
+    aside=st.floats(-3.0, 3.0),
+    short=shares,
+    length=lengths,
+    way=st.floats(0.0, 5.0),
+    pressed=st.floats(0.0, 3.0),
+)
+def test_the_edge_of_a_heap_is_not_held(at, aside, short, length, way, pressed):
+    heap = trail_step(*at, aside, short * length, length, way, pressed, 0.0)
+    assert heap == trail_step(*at, aside, short * length, length, way, 0.0, 1.0)
 
 
 @LAW
 @given(aside=st.floats(-3.0, 3.0), short=st.floats(0.0, 1.0), length=lengths)
 def test_a_sliding_tip_comes_back_into_its_bend(aside, short, length):
-    turned, left = trail_step(3.0, 4.0, aside, short * length, length, 3.0 * length, 0.0)
+    turned, left = trail_step(3.0, 4.0, aside, short * length, length, 3.0 * length, 0.0, 1.0)
     assert turned == pytest.approx(aside * math.exp(-6.0))
     assert left == 0.0
 
@@ -92,7 +107,7 @@ def test_how_often_a_tip_is_asked_for_does_not_matter(bend, deep, parts):
             beside = np.array([-back[1], back[0]])
             heel = heel - step * back
             at = (tip - heel) @ back, (tip - heel) @ beside
-            aside, short = trail_step(*at, aside, short, grown, step, deep / n)
+            aside, short = trail_step(*at, aside, short, grown, step, deep / n, 1.0)
             lies = math.cos(aside) * back + math.sin(aside) * beside
             tip = heel + (grown - short) * lies
         return tip
@@ -177,6 +192,15 @@ def test_on_a_straight_way_a_brush_lies_and_lifts_as_far_as_it_reaches(deep, lif
     for k in np.flatnonzero((x > 10.0) & (press > 0.0))[::8]:
         free = make_footprint(TUFT, press[k] * TUFT.full_press, 0.5 * math.pi, pe=press[k])
         assert found.tips[k] == pytest.approx([x[k] - free.reach[0], 0.0], abs=1e-3)
+
+
+@settings(deadline=None, max_examples=25)
+@given(deep=st.floats(0.4, 0.6), over=st.floats(0.5, 2.0))
+def test_a_brush_pressed_before_it_lies_in_its_bend_grows_as_from_the_spot(deep, over):
+    x = np.arange(0.0, 14.0, STEP)
+    way = np.column_stack([x, 0.0 * x])
+    first, other = (drawn(way, deep * np.clip(x / mm, 0.01, 1.0)) for mm in (0.1, over))
+    assert other.tips[:, 0].min() == pytest.approx(first.tips[:, 0].min(), abs=0.1)
 
 
 @settings(deadline=None, max_examples=25)
