@@ -19,8 +19,11 @@ from paint3d.brush_engine.footprint import make_stamp
 from paint3d.brush_engine.placement import place_stamp
 from paint3d.brush_engine.scratch import Scratch, make_scratch
 from paint3d.brush_engine.tuft import drag_along, drag_length, hold_along, lie_held, trail_step
+from paint3d.calligraphy.footprint_table import FootprintTable, tabulate_footprints
+from paint3d.calligraphy.planning import PlanSettings, plan_stroke
 from paint3d.painter.painter import Painter
 from paint3d.surface.painted_surface import PaintedSurface
+from tests.support.planned_strokes import band
 from tests.support.surface_cases import flat, sheet
 
 LAW = settings(deadline=None, max_examples=30)
@@ -231,3 +234,26 @@ def test_the_planner_knows_where_the_tips_lie(turn, deep, over):
     tips += length[:, None] * np.stack([np.cos(lies), np.sin(lies)], axis=1)
     landed = slice(40, None)
     assert np.abs(tips - drawn(way, press).tips)[landed].max() < 0.1
+
+
+@cache
+def footprints() -> FootprintTable:
+    """Of the brush, to 20 mm."""
+    return tabulate_footprints(TUFT, 20.0)
+
+
+@settings(deadline=None, max_examples=25)
+@given(bend=st.floats(0.5, 1.4), side=st.sampled_from((-1.0, 1.0)))
+def test_planned_footprints_lie_as_the_laws_lay_them(bend, side):
+    """Where the paper holds their tips aside and short, too."""
+    table, dragged = footprints(), PlanSettings(azimuth="dragged")
+    planned = plan_stroke(*band(0.0, 40.0, 9.0, side * bend), 100.0, table, dragged)
+    handle, descent = planned.handle[1:-1], planned.descent[1:-1]
+    found = drawn(handle - handle.mean(axis=0), descent / TUFT.full_press)
+    lies = (found.tips - found.heels)[descent > 1.0]
+    inner = np.flatnonzero(planned.descent > 1.0)
+    turned = np.arctan2(lies[:, 1], lies[:, 0]) - planned.azimuth[inner]
+    length = planned.share[inner] * table.length_at(planned.level[inner])
+    assert planned.share[inner].min() < 0.9
+    assert np.abs(np.sin(turned)).max() < 0.005
+    assert np.linalg.norm(lies, axis=1) == pytest.approx(length, abs=0.02)
