@@ -69,6 +69,9 @@ GEOMETRY = np.dtype(
         ("way", "f8"),  # that the outline has gone since it came down, mm
         ("twist", "f8"),  # angle by which a commanded tuft lags behind its azimuth, rad
         ("bent", "f8"),  # how far the tuft lies in its bend, from 0, in a heap under its root, to 1
+        ("held", *_VECTOR),  # where the paper holds a dragged tuft's tip, mm
+        ("aside", "f8"),  # angle at M_d from the bend to there, rad
+        ("short", "f8"),  # and how much nearer to M_d than the footprint is long that is, mm
         ("centred", "f8"),  # 1 where the middle of the outline lies at that place, else 0
     ],
     align=True,

@@ -20,6 +20,7 @@ from paint3d.brush_engine.footprint import (
     PROFILE_CELLS,
     fill_profile,
     hold_point,
+    keep_profile,
 )
 from paint3d.brush_engine.tuft import (
     bent_by_twist,
@@ -28,9 +29,11 @@ from paint3d.brush_engine.tuft import (
     enclose_tuft,
     gather_outline,
     greatest_descent,
+    lie_held,
     release,
     smooth_step,
     trace_outline,
+    trail_step,
     twist_step,
 )
 from paint3d.core.kernel import uncounted
@@ -68,18 +71,20 @@ def place_stamp(pose, dragged, before, after, tuft, tree, field, scratch):
     the place on the surface that the hand means; else 0, and it is the root's. `before` is the
     stamp the brush comes from; it carries the dragged point. It may be `after`.
     """
-    values, up = after.values[0], _up_of(pose)
-    was_touching = before.values[0].touches > 0.0
+    last, values, up = before.values[0], after.values[0], _up_of(pose)
+    was_touching = last.touches > 0.0
     for axis in range(3):
-        scratch.vector[axis] = before.values[0].foot[axis]
-        scratch.drag[axis] = before.values[0].drag[axis]
-    twist = before.values[0].twist if was_touching else 0.0
-    last_bend = (before.values[0].bend[0], before.values[0].bend[1], before.values[0].bend[2])
+        scratch.vector[axis] = last.foot[axis]
+        scratch.drag[axis] = last.drag[axis]
+        scratch.held[axis] = last.held[axis]
+    descent, aside, short = last.descent, last.aside, last.short
+    twist = last.twist if was_touching else 0.0
+    last_bend = (last.bend[0], last.bend[1], last.bend[2])
     centred = pose[8] > 0.0
-    trail = _TRAIL * before.values[0].widest if was_touching and centred else 0.0
+    trail = _TRAIL * last.widest if was_touching and centred else 0.0
     values.touches = 0.0
     values.centred = pose[8]
-    values.way = before.values[0].way if was_touching else 0.0
+    values.way = last.way if was_touching else 0.0
     if not _find_place(pose, up, tuft, tree, values, scratch):
         return
     if centred and not dragged:
@@ -107,6 +112,10 @@ def place_stamp(pose, dragged, before, after, tuft, tree, field, scratch):
         values.twist = _twist(values, last_bend, twist, was_touching, tuft, scratch)
         values.bent = bent_by_twist(values.twist)
     _lay_outline(after, dragged, trail, tuft, scratch)
+    if values.touches > 0.0:
+        if dragged and not centred:
+            _hold_tip(after, scratch.held, aside, short, descent, scratch.vector, was_touching)
+        _hold_outline(values)
 
 
 @uncounted
@@ -176,9 +185,64 @@ def _lay_outline(stamp, dragged, trail, tuft, scratch):
     fill_profile(stamp, scratch.reach, scratch.half_width, n)
     if values.centred > 0.0 and not dragged:
         _centre_mark(values, stamp.half_widths, trail)
-    _hold_outline(values)
     if values.area > 0.0:
         values.touches = 1.0
+
+
+@uncounted
+def _hold_tip(stamp, tip, aside, short, descent, foot, was_touching):
+    """Lay a dragged footprint so that its tip is where the paper holds it.
+
+    Parameters
+    ----------
+    stamp : Stamp
+        As the tuft lies in its bend; it is turned about its heel and shortened, and where its tip
+        is held is set.
+    tip : (3,) float64
+        Where the tip was held at the stamp before, mm.
+    aside, short, descent : float
+        Of the stamp before; rad, mm, mm.
+    foot : (3,) float64
+        And its foot, mm.
+    was_touching : bool
+        Whether it touched; a tuft that comes down lies in its bend.
+    """
+    values = stamp.values[0]
+    length = values.tip - values.heel
+    values.aside, values.short = 0.0, 0.0
+    if was_touching:
+        along, across, way2 = 0.0, 0.0, 0.0
+        for axis in range(3):
+            d = tip[axis] - values.origin[axis] - values.heel * values.bend[axis]
+            along += d * values.bend[axis]
+            across += d * values.cross[axis]
+            way2 += (values.foot[axis] - foot[axis]) ** 2
+        pressed = values.descent - descent
+        values.aside, values.short = trail_step(
+            along, across, aside, short, length, np.sqrt(way2), pressed, values.bent
+        )
+    distance = length - values.short
+    x, y = np.cos(values.aside), np.sin(values.aside)
+    for axis in range(3):
+        values.held[axis] = (
+            values.origin[axis]
+            + (values.heel + distance * x) * values.bend[axis]
+            + distance * y * values.cross[axis]
+        )
+    if values.aside != 0.0 or values.short != 0.0:
+        x, y, shorter = lie_held(values.aside, values.short, length, values.bent)
+        _turn_about_heel(values, x, y)
+        keep_profile(stamp, values.heel, values.tip - shorter)
+
+
+@uncounted
+def _turn_about_heel(values, x, y):
+    """Turn a footprint about its heel, so that its bend is (x, y) along what it was."""
+    for axis in range(3):
+        bend, cross = values.bend[axis], values.cross[axis]
+        values.bend[axis] = x * bend + y * cross
+        values.cross[axis] = x * cross - y * bend
+        values.origin[axis] += values.heel * (bend - values.bend[axis])
 
 
 @uncounted

@@ -70,6 +70,7 @@ class Scratch(NamedTuple):
     warm: NDArray  # (5,), what `find_foot` knows of the last foot
     vector: NDArray  # (3,)
     drag: NDArray  # (3,)
+    held: NDArray  # (3,)
     tuft: NDArray  # (SCRATCH_SIZE,)
     reach: NDArray  # (OUTLINE_CAPACITY,)
     half_width: NDArray  # (OUTLINE_CAPACITY,)
@@ -94,6 +95,7 @@ def make_scratch(mesh: PaintMesh, n_pigments: int) -> Scratch:
         warm=np.zeros(5),
         vector=np.zeros(3),
         drag=np.zeros(3),
+        held=np.zeros(3),
         tuft=np.zeros(SCRATCH_SIZE),
         reach=np.zeros(OUTLINE_CAPACITY),
         half_width=np.zeros(OUTLINE_CAPACITY),

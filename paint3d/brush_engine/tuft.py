@@ -14,6 +14,11 @@ r = Q - H. While |r| is below the slack l(D_s) the contact sticks; beyond, it fo
 distance l. The bend direction is that of r. The law knows no time, only the path (closed form of
 the discrete rule published with Wang et al., "Robot Calligraphy using Pseudospectral Optimal
 Control in Conjunction with a Novel Dynamic Brush Model", IROS 2020, whose measured brush gives l).
+
+A press lengthens a footprint, about as fast as a hand goes on meanwhile. Counted from H alone, the
+tip would slide back and aside over the paper on which it lies. But hairs are trailed and not
+pushed: the tip of a dragged tuft stays where it is until the heel, where the tuft leaves the paper,
+pulls it on. While it slides, the tuft's spring brings it back into its bend.
 """
 
 from __future__ import annotations
@@ -55,12 +60,15 @@ __all__ = [
     "enclose_tuft",
     "gather_outline",
     "greatest_descent",
+    "hold_along",
+    "lie_held",
     "no_curves",
     "release",
     "round_diameter",
     "smooth_step",
     "trace_outline",
     "trace_spine",
+    "trail_step",
     "twist_step",
 ]
 
@@ -92,6 +100,10 @@ MEASURED_LENGTH = 30.0  # mm, the tuft on which `drag_length` was measured
 _UNTWISTS = 0.12  # of the slack: over this way a tuft comes round to its azimuth
 _TWISTED = (0.4, 1.4)  # rad that it lags behind: from lying in its bend to lying in a heap
 _STEPS_PER_SLACK = 40  # the longest step that a chord may follow is l / 40
+_HOLDS = 3.0  # mm of way to the mm of press, up to which the paper holds the tip fast
+_SPRINGS = 0.5  # of the footprint's length: over this way a sliding tip comes back into its bend
+_TOLD = 0.5  # of the length: a tip nearer to its heel tells less of how a footprint lies
+_NOWHERE = 1e-9  # mm: a tip under its heel lies in no direction
 
 
 class Tuft(NamedTuple):
@@ -546,3 +558,113 @@ def drag_along(handle, slack, rx, ry, out):
             length = slack[i - 1] + (slack[i] - slack[i - 1]) * k / n
             rx, ry, _ = drag_step(rx, ry, 0.0, dx / n, dy / n, 0.0, length)
         out[i, 0], out[i, 1] = handle[i, 0] + rx, handle[i, 1] + ry
+
+
+@uncounted
+def trail_step(along, across, aside, short, length, way, pressed, bent):
+    """How the tip lies behind its heel after that has moved: docs/model.md, equation (4a).
+
+    Parameters
+    ----------
+    along, across : float
+        From the heel, where it is now, to where the tip lay, along the bend and across it, mm.
+    aside, short : float
+        Before the step: the angle by which the tip lay aside of the bend, rad, and how much nearer
+        to the heel it lay than the footprint is long, mm.
+    length : float
+        Of the footprint now, mm, more than 0.
+    way : float
+        Of the root's foot since, mm.
+    pressed : float
+        How much deeper the tuft came meanwhile, mm; less than 0 as it is lifted.
+    bent : float
+        How far it lies in its bend, 0 to 1; the edge of a heap is not held but spreads.
+
+    Returns
+    -------
+    aside, short : float
+        After it.
+    """
+    held = 0.0
+    if pressed > 0.0:
+        held = bent * min(1.0, _HOLDS * pressed / way) if way > 0.0 else bent
+    short = max(0.0, short - way)
+    distance = math.hypot(along, across)
+    if held > 0.0 and distance > _NOWHERE:
+        aside += held * _turn(math.atan2(across, along) - aside)
+        short += held * (max(0.0, length - distance) - short)
+    aside *= math.exp(-(1.0 - held) * way / (_SPRINGS * length))
+    return _turn(aside), min(short, length)
+
+
+@uncounted
+def _turn(angle):
+    """An angle of at most two turns, within half a turn."""
+    if angle > math.pi:
+        return angle - 2.0 * math.pi
+    if angle < -math.pi:
+        return angle + 2.0 * math.pi
+    return angle
+
+
+@uncounted
+def lie_held(aside, short, length, bent):
+    """How a footprint is laid whose tip lies so far aside and so much nearer to its heel.
+
+    A tuft in a heap has no tip to be held by, and one whose tip is under its heel no direction: as
+    it comes there it lies in its bend. See docs/model.md, section 2.
+
+    Parameters
+    ----------
+    aside, short : float
+        Of `trail_step`; rad, mm.
+    length : float
+        Of the footprint in its bend, mm, more than 0.
+    bent : float
+        How far the tuft lies in its bend, 0 to 1.
+
+    Returns
+    -------
+    cosine, sine : float
+        Of the angle by which it is turned about its heel.
+    shorter : float
+        mm.
+    """
+    told = bent * smooth_step((length - short) / (_TOLD * length))
+    x, y = 1.0 + told * (math.cos(aside) - 1.0), told * math.sin(aside)
+    norm = math.hypot(x, y)
+    if norm <= _NOWHERE:
+        return 1.0, 0.0, told * short
+    return x / norm, y / norm, told * short
+
+
+@uncounted
+def hold_along(handle, azimuth, descent, heel, length, out):
+    """How footprints are laid whose tips the paper holds, under a plane track of the handle.
+
+    Parameters
+    ----------
+    handle : (N, 2) float64
+        H, mm.
+    azimuth : (N,) float64
+        Of the bend, rad; the tuft lies in it.
+    descent, heel, length : (N,) float64
+        D_s, how far the heel lies from H along the bend, and of the footprint, mm.
+    out : (N, 2) float64
+        By which angle each is turned about its heel, rad, and how much shorter it is, mm.
+    """
+    tip_x, tip_y, aside, short = 0.0, 0.0, 0.0, 0.0
+    for k in range(handle.shape[0]):
+        x, y = math.cos(azimuth[k]), math.sin(azimuth[k])
+        heel_x, heel_y = handle[k, 0] + heel[k] * x, handle[k, 1] + heel[k] * y
+        if k > 0:
+            dx, dy = tip_x - heel_x, tip_y - heel_y
+            way = math.hypot(handle[k, 0] - handle[k - 1, 0], handle[k, 1] - handle[k - 1, 1])
+            pressed = descent[k] - descent[k - 1]
+            along, across = dx * x + dy * y, dy * x - dx * y
+            aside, short = trail_step(along, across, aside, short, length[k], way, pressed, 1.0)
+        lies = azimuth[k] + aside
+        tip_x = heel_x + (length[k] - short) * math.cos(lies)
+        tip_y = heel_y + (length[k] - short) * math.sin(lies)
+        cosine, sine, shorter = lie_held(aside, short, length[k], 1.0)
+        out[k, 0], out[k, 1] = math.atan2(sine, cosine), shorter

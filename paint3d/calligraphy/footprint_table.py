@@ -59,6 +59,16 @@ class FootprintTable:
         """Distance of the centroid from P'_m (mm) at fractional levels."""
         return np.interp(level, np.arange(len(self.descents)), self.centroids)
 
+    def heel_at(self, level: AnyArray) -> NDArray[np.float64]:
+        """Distance of the heel from P'_m (mm) at fractional levels."""
+        heels = self.centroids + self.points[:, _SIDE + 1, 0]
+        return np.interp(level, np.arange(len(self.descents)), heels)
+
+    def length_at(self, level: AnyArray) -> NDArray[np.float64]:
+        """From the heel to the tip (mm) at fractional levels."""
+        lengths = self.points[:, 0, 0] - self.points[:, _SIDE + 1, 0]
+        return np.interp(level, np.arange(len(self.descents)), lengths)
+
     def slack_at(self, level: AnyArray) -> NDArray[np.float64]:
         """Slack of the drag law (mm) at fractional levels."""
         return np.interp(level, np.arange(len(self.descents)), self.slack)

@@ -3,71 +3,120 @@
 The contact Q lies at the slack l(D_s) from the handle's foot H and moves towards H alone. A
 footprint's centre lies between them, at its reach from H: if the centre shall follow a line, Q
 follows the centre at the distance that is left, and H stands ahead of both. How the tuft really
-turns is then asked of the law itself, and the footprints are fitted to that.
+turns, and where the paper holds its tip, is then asked of the laws themselves, and the footprints
+are fitted to that. Deeper footprints are turned and held otherwise, so this goes on in rounds, in
+each of which the levels follow by a share only.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.brush_engine.tuft import drag_along
+from paint3d.brush_engine.tuft import drag_along, hold_along
 from paint3d.calligraphy.footprint_table import FootprintTable
 from paint3d.calligraphy.kernels import planning as kernels
 from paint3d.core.filters import gaussian_filter1d, maximum_filter1d, minimum_filter1d
 from paint3d.core.types import AnyArray
 
-__all__ = ["Pulled", "pull"]
+__all__ = ["TRIALS", "Lead", "Pulled", "pull", "pulled_on"]
 
 _ROUNDS = 3  # of fitting footprints and pulling them along: the slack depends on the footprint
+_FOLLOWS = 0.7  # share of a change of levels that a round follows
+_MADE_UP = 0.8  # share of what the paper holds a tip aside that the handle makes up for
+_TRIES = ((1.0, 0.7), (0.5, 0.5), (1.0, 0.4))  # of `pulled_on`: made up for, and followed
+TRIALS = len(_TRIES)
 _SETTLING = 6.0  # slacks of way in which the light tip turns into the direction it is pulled
+_EVENED = 2.0  # poses over which the handle makes up for a tip that is held aside
 _SHORTEST = 0.15  # of the slack: how near the centre's line may lead the contact
 _REVERSAL = 2.4  # rad of turn within the slack: the brush rises to its tip to turn over
 
 
-class Pulled(NamedTuple):
-    """A dragged course of N poses; see `StrokePath`."""
+class Lead(NamedTuple):
+    """What a dragged brush is led along, and with what.
 
-    handle: NDArray[np.float64]
-    azimuth: NDArray[np.float64]
-    centre: NDArray[np.float64]
-    level: NDArray[np.float64]
-
-
-def pull(
-    wanted: NDArray[np.float64],
-    footprints: FootprintTable,
-    target: kernels.Target,
-    start: float,
-) -> Pulled:
-    """Lead the brush so that its footprints' centres follow a line.
-
-    Parameters
+    Attributes
     ----------
     wanted : (N, 2) float64
-        The line, mm, at even steps.
+        The line that the footprints' centres shall follow, mm, at even steps.
     footprints : FootprintTable
     target : Target
         The outline, the table's footprints, and how far these may leave it.
     start : float
         Where the tuft points when it lands, rad.
+    level : (N,) float64
+        Rows of the table that would fit if the tuft were turned as one likes.
     """
-    light = _light_poses(wanted, float(footprints.slack[0]))
-    level = np.zeros(len(wanted))
+
+    wanted: NDArray[np.float64]
+    footprints: FootprintTable
+    target: kernels.Target
+    start: float
+    level: NDArray[np.float64]
+
+
+class Pulled(NamedTuple):
+    """A dragged course of N poses as it lies by the laws; see `StrokePath`."""
+
+    handle: NDArray[np.float64]
+    azimuth: NDArray[np.float64]
+    centre: NDArray[np.float64]
+    level: NDArray[np.float64]
+    share: NDArray[np.float64]
+
+
+def pull(lead: Lead) -> Pulled:
+    """Lead the brush so that its footprints' centres follow a line."""
+    light = _light_poses(lead.wanted, float(lead.footprints.slack[0]))
+    level, aside = _steady(np.where(light, 0.0, lead.level)), np.zeros_like(lead.wanted)
     for _ in range(_ROUNDS):
-        reach, slack = footprints.centroid_at(level), footprints.slack_at(level)
-        ahead = np.minimum(reach, (1.0 - _SHORTEST) * slack)
-        bend = _follow(wanted, slack - ahead, start)
-        handle = wanted - ahead[:, None] * bend
-        azimuth = _turned(handle, slack, start)
-        tuft = np.stack([np.cos(azimuth), np.sin(azimuth)], axis=1)
-        centre = handle + reach[:, None] * tuft
-        fitting = np.empty(len(wanted))
-        kernels.fit_levels(target, centre, azimuth, fitting)
-        level = _steady(np.where(light, np.minimum(fitting, 0.0), fitting))
-    return Pulled(handle, azimuth, centre, level)
+        course, free = _laid(_led(lead, level, aside), level, lead)
+        aside = _MADE_UP * _aside(course, free)
+        level = level + _FOLLOWS * (_fitting(course, light, lead) - level)
+    return _laid(course.handle, level, lead)[0]
+
+
+def pulled_on(lead: Lead, course: Pulled, trial: int) -> Iterator[Pulled]:
+    """Courses that go on from one; the handle makes up for what the paper holds the tip aside.
+
+    None of them is the better for sure: see which covers most. There are three trials, from 0.
+    """
+    made_up, follows = _TRIES[trial]
+    light = _light_poses(lead.wanted, float(lead.footprints.slack[0]))
+    level = course.level
+    course, free = _laid(course.handle, level, lead)
+    for _ in range(_ROUNDS):
+        aside = made_up * _aside(course, free)
+        course, free = _laid(_led(lead, level, aside), level, lead)
+        level = level + follows * (_fitting(course, light, lead) - level)
+        yield _laid(course.handle, level, lead)[0]
+
+
+def _led(lead: Lead, level: AnyArray, aside: AnyArray) -> NDArray[np.float64]:
+    """Where the handle stands (N, 2), mm, so that footprints that are free follow the line."""
+    reach, slack = lead.footprints.centroid_at(level), lead.footprints.slack_at(level)
+    ahead = np.minimum(reach, (1.0 - _SHORTEST) * slack)
+    bend = _follow(lead.wanted, slack - ahead, lead.start)
+    result: NDArray[np.float64] = lead.wanted - ahead[:, None] * bend - aside
+    return result
+
+
+def _aside(course: Pulled, free: AnyArray) -> NDArray[np.float64]:
+    """How far the paper holds footprints aside (N, 2), mm, of where they would be if free."""
+    off, ahead = course.centre - free, free - course.handle
+    along = (off * ahead).sum(axis=1) / np.maximum((ahead**2).sum(axis=1), 1e-18)
+    off = off - along[:, None] * ahead
+    return gaussian_filter1d(off, _EVENED, axis=0, mode="nearest")
+
+
+def _fitting(course: Pulled, light: NDArray[np.bool_], lead: Lead) -> NDArray[np.float64]:
+    """Levels (N,) that fit where a course lies."""
+    fitting = np.empty(len(course.level))
+    kernels.fit_levels(lead.target, course.centre, course.azimuth, course.share, fitting)
+    return _steady(np.where(light, np.minimum(fitting, 0.0), fitting))
 
 
 def _light_poses(wanted: AnyArray, slack: float) -> NDArray[np.bool_]:
@@ -98,10 +147,19 @@ def _follow(line: AnyArray, slack: AnyArray, start: float) -> NDArray[np.float64
     return result
 
 
-def _turned(handle: AnyArray, slack: AnyArray, start: float) -> NDArray[np.float64]:
-    """Azimuth (N,), rad, that the law gives under a track of the handle."""
-    bend = _follow(handle, slack, start)
-    return np.unwrap(np.arctan2(bend[:, 1], bend[:, 0]))
+def _laid(handle: AnyArray, level: AnyArray, lead: Lead) -> tuple[Pulled, NDArray[np.float64]]:
+    """How footprints lie by the laws, and their centres (N, 2), mm, if their tips were free."""
+    footprints = lead.footprints
+    bend = _follow(handle, footprints.slack_at(level), lead.start)
+    bent = np.unwrap(np.arctan2(bend[:, 1], bend[:, 0]))
+    heel, length = footprints.heel_at(level), footprints.length_at(level)
+    held = np.empty_like(handle)
+    hold_along(handle, bent, footprints.descent_at(level), heel, length, held)
+    azimuth, share = bent + held[:, 0], 1.0 - held[:, 1] / length
+    middle, under = footprints.centroid_at(level) - heel, handle + heel[:, None] * bend
+    turned = np.stack([np.cos(azimuth), np.sin(azimuth)], axis=1)
+    centre = under + (middle * share)[:, None] * turned
+    return Pulled(handle, azimuth, centre, level, share), under + middle[:, None] * bend
 
 
 def _steady(level: AnyArray) -> NDArray[np.float64]:

@@ -8,7 +8,7 @@ at every pose, so that nothing leaves the outline.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from paint3d.calligraphy.centre_line import CentreLine, OutlineField, smoothed
 from paint3d.calligraphy.footprint_table import FootprintTable
 from paint3d.calligraphy.kernels import planning as kernels
-from paint3d.calligraphy.lag_compensation import pull
+from paint3d.calligraphy.lag_compensation import TRIALS, Lead, Pulled, pull, pulled_on
 from paint3d.calligraphy.plan_settings import TECHNIQUES, PlanSettings
 from paint3d.core.filters import gaussian_filter1d, minimum_filter1d
 from paint3d.core.types import AnyArray
@@ -45,6 +45,8 @@ class StrokePath:
         Centroid of the footprint, mm.
     level : (N,) float64
         Row in the table of footprints, -1 where the brush is off.
+    share : (N,) float64
+        Of the footprint's length, what is left of it where the paper holds a dragged tip.
     """
 
     handle: NDArray[np.float64]
@@ -52,6 +54,7 @@ class StrokePath:
     descent: NDArray[np.float64]
     centre: NDArray[np.float64]
     level: NDArray[np.float64]
+    share: NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,25 +116,56 @@ class PathFitter:
         self, line: CentreLine, azimuth: AnyArray, shift: AnyArray
     ) -> tuple[StrokePath | None, NDArray[np.bool_]]:
         """The course of the largest footprints that fit, and what it leaves bare."""
+        led = self._led(line, azimuth, shift)
+        if led is None:
+            return None, self.field.inside
+        centre, azimuth, level = led
+        if self.settings.azimuth == "dragged":
+            course = _touched(*pull(self._lead(centre, azimuth, _calm(level))), self.footprints)
+        else:
+            course = _course(centre, azimuth, _calm(level), self.footprints)
+        return course, self.field.inside & ~self._painted(course)
+
+    def _led(
+        self, line: CentreLine, azimuth: AnyArray, shift: AnyArray
+    ) -> tuple[AnyArray, AnyArray, AnyArray] | None:
+        """Centres (N, 2), azimuths and levels (N,) of footprints that fit; None: there are none."""
         shift = smoothed(shift[:, None], 0.5 * _calm_over(line))[:, 0]
         centre, azimuth = _smooth_course(line, azimuth, shift, self.settings.pose_step * self.em_mm)
         level = np.empty(len(centre))
-        kernels.fit_levels(self.target, centre, azimuth, level)
+        kernels.fit_levels(self.target, centre, azimuth, np.ones(len(centre)), level)
         kept = np.flatnonzero(level >= 0.0)
-        if len(kept) < 2:
-            return None, self.field.inside
-        if self.settings.azimuth == "dragged":
-            start = azimuth[kept][0] if self.start is None else self.start
-            pulled = pull(centre[kept], self.footprints, self.target, start)
-            course = _touched(*pulled, self.footprints)
-        else:
-            course = _course(centre[kept], azimuth[kept], _calm(level[kept]), self.footprints)
+        return None if len(kept) < 2 else (centre[kept], azimuth[kept], level[kept])
+
+    def _lead(self, centre: AnyArray, azimuth: AnyArray, level: AnyArray) -> Lead:
+        start = float(azimuth[0]) if self.start is None else self.start
+        return Lead(centre, self.footprints, self.target, start, level)
+
+    def _painted(self, course: StrokePath) -> NDArray[np.bool_]:
+        """What a course covers (H, W), on the outline's grid."""
         painted = np.zeros(self.field.distance.shape, np.bool_)
         kernels.cover(
-            self.footprints.points, course.level, course.centre, course.azimuth, *self.field.grid,
-            painted,
+            self.footprints.points, course.level, course.centre, course.azimuth, course.share,
+            self.field.grid, painted,
         )  # fmt: skip
-        return course, self.field.inside & ~painted
+        return painted
+
+    def finished(self, best: Followed) -> Followed:
+        """The same line, along which a dragged brush is led on while that betters the course."""
+        led = self._led(best.line, best.chosen[:, 0], best.shift)
+        if led is None or best.course is None or self.settings.azimuth != "dragged":
+            return best
+        lead, course, inside = self._lead(*led), best.course, self.field.inside
+        values = (course.handle, course.azimuth, course.centre, course.level, course.share)
+        found = Pulled(*(value[1:-1] for value in values))  # without its touch and its lift
+        least = int((self._painted(course) ^ inside).sum())
+        for trial in range(TRIALS):
+            for one in pulled_on(lead, found, trial):
+                tried = _touched(*one, self.footprints)
+                wrong = int((self._painted(tried) ^ inside).sum())
+                if wrong < least:
+                    found, course, least = one, tried, wrong
+        return replace(best, course=course, bare=inside & ~self._painted(course))
 
 
 def _rated(line: CentreLine, plan: PathFitter, known: Followed | None) -> NDArray[np.float64]:
@@ -242,7 +276,7 @@ def _course(
     """Place the handle behind the footprints."""
     bend = np.stack([np.cos(azimuth), np.sin(azimuth)], axis=1)
     handle = centre - footprints.centroid_at(level)[:, None] * bend
-    return _touched(handle, azimuth, centre, level, footprints)
+    return _touched(handle, azimuth, centre, level, np.ones(len(level)), footprints)
 
 
 def _touched(
@@ -250,6 +284,7 @@ def _touched(
     azimuth: AnyArray,
     centre: AnyArray,
     level: AnyArray,
+    share: AnyArray,
     footprints: FootprintTable,
 ) -> StrokePath:
     """Add the touch before and the lift after."""
@@ -258,4 +293,4 @@ def _touched(
     descent = footprints.descent_at(level)
     descent[[0, -1]] = 0.0
     level[[0, -1]] = -1.0
-    return StrokePath(handle[pick], azimuth[pick], descent, centre[pick], level)
+    return StrokePath(handle[pick], azimuth[pick], descent, centre[pick], level, share[pick])

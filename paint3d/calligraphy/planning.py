@@ -126,7 +126,7 @@ def plan_stroke(
         raise InputError(f"{name} is finer than {step:g} mm; expected an outline to fill")
     line = centre_line(median, field, settings.sample_step * em_mm * fineness)
     plan = PathFitter(field, footprints, settings, em_mm * fineness, start)
-    best = _into_corners(plan.follow(line), plan)
+    best = plan.finished(_into_corners(plan.follow(line), plan))
     if best.course is None:
         raise InputError(f"{name} is too fine for this brush at an em of {em_mm:g} mm")
     return best.course

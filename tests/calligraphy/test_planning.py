@@ -198,7 +198,15 @@ def test_ring_is_covered_and_its_hole_left_bare(em, width, least):
     course = plan_stroke(outline, median, em, table, holes=[hole])
     field = outline_field(outline, width * em / 16, [hole])
     painted = np.zeros(field.distance.shape, np.bool_)
-    kernels.cover(table.points, course.level, course.centre, course.azimuth, *field.grid, painted)
+    kernels.cover(
+        table.points,
+        course.level,
+        course.centre,
+        course.azimuth,
+        course.share,
+        field.grid,
+        painted,
+    )
     assert (painted & field.inside).sum() / (painted | field.inside).sum() > least
 
 
@@ -288,7 +296,8 @@ def test_cover_fills_the_area_of_a_footprint():
     steps, step = footprints(), 0.01
     mask = np.zeros((600, 600), np.bool_)
     level = np.array([30.0, -1.0])
-    kernels.cover(steps.points, level, np.full((2, 2), 3.0), np.array([0.7, 0.0]), 0, 0, step, mask)
+    middle, azimuth, share = np.full((2, 2), 3.0), np.array([0.7, 0.0]), np.ones(2)
+    kernels.cover(steps.points, level, middle, azimuth, share, np.array([0.0, 0.0, step]), mask)
     x, y = steps.points[30].T
     area = 0.5 * np.sum(x * np.roll(y, -1) - y * np.roll(x, -1))
     assert mask.sum() * step**2 == pytest.approx(area, rel=0.01)

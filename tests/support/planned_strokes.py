@@ -48,7 +48,8 @@ def overlap(course, steps, outline):
     kernels.signed_distances(outline, 0.0, 0.0, pixel, field)
     painted = np.zeros(field.shape, np.bool_)
     kernels.cover(
-        steps.points, course.level, course.centre, course.azimuth, 0.0, 0.0, pixel, painted
-    )
+        steps.points, course.level, course.centre, course.azimuth, course.share,
+        np.array([0.0, 0.0, pixel]), painted,
+    )  # fmt: skip
     wanted = field > 0.0
     return (painted & wanted).sum() / (painted | wanted).sum()

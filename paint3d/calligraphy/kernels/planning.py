@@ -58,12 +58,13 @@ class _Place(NamedTuple):
 
 
 class _Stance(NamedTuple):
-    """How a footprint lies: its centroid, mm, and its bend."""
+    """How a footprint lies: its centroid, mm, its bend, and what share of its length is left."""
 
     x: float
     y: float
     cosine: float
     sine: float
+    share: float
 
 
 @kernel(inline="always")
@@ -173,7 +174,7 @@ def _first_outside(target, level, stance, first):
         b = first + i
         if b >= n:
             b -= n
-        u = (1.0 - t) * points[k, b, 0] + t * points[k + 1, b, 0]
+        u = stance.share * ((1.0 - t) * points[k, b, 0] + t * points[k + 1, b, 0])
         v = (1.0 - t) * points[k, b, 1] + t * points[k + 1, b, 1]
         px = stance.x + stance.cosine * u - stance.sine * v
         py = stance.y + stance.sine * u + stance.cosine * v
@@ -183,12 +184,13 @@ def _first_outside(target, level, stance, first):
 
 
 @kernel
-def fit_level(target, x, y, azimuth, hint=-1.0, halvings=_HALVINGS):
+def fit_level(target, x, y, azimuth, hint=-1.0, halvings=_HALVINGS, share=1.0):
     """Greatest level that fits with its centroid at (x, y), or -1; rungs tried below fit too.
 
-    `hint` is a level to start from; each of `halvings` halves a range of four rungs.
+    `hint` is a level to start from; each of `halvings` halves a range of four rungs; `share` is
+    what is left of a footprint's length.
     """
-    stance = _Stance(x, y, math.cos(azimuth), math.sin(azimuth))
+    stance = _Stance(x, y, math.cos(azimuth), math.sin(azimuth), share)
     top = target.points.shape[0] - 1.0
     if _distance_at(target.field, target.grid, x, y) <= 0.0:
         return -1.0
@@ -223,11 +225,12 @@ def fit_level(target, x, y, azimuth, hint=-1.0, halvings=_HALVINGS):
 
 
 @kernel
-def fit_levels(target, centres, azimuths, out):
-    """`fit_level` of every pose of a dense course: centres (S, 2), azimuths (S,)."""
+def fit_levels(target, centres, azimuths, shares, out):
+    """`fit_level` of every pose of a dense course: centres (S, 2), azimuths and shares (S,)."""
     hint = -1.0
     for s in range(centres.shape[0]):
-        hint = fit_level(target, centres[s, 0], centres[s, 1], azimuths[s], hint)
+        x, y = centres[s, 0], centres[s, 1]
+        hint = fit_level(target, x, y, azimuths[s], hint, _HALVINGS, shares[s])
         out[s] = hint
 
 
@@ -355,13 +358,14 @@ def best_course(cost, turn_cost, shift_cost, most_turn, out_angle, out_shift):
 
 
 @kernel
-def cover(points, levels, centres, azimuths, x0, y0, step, out_mask):
+def cover(points, levels, centres, azimuths, shares, grid, out_mask):
     """Set the pixels under a dense course of footprints; pixel centres as grid points of a field.
 
-    Every footprint is filled as the polygon of its boundary points. A course must be dense: poses
-    farther apart than a pixel leave scalloped edges.
+    Every footprint is filled as the polygon of its boundary points, of whose length a share is
+    left. A course must be dense: poses farther apart than a pixel leave scalloped edges.
     """
     n_points, n_columns = points.shape[1], out_mask.shape[1]
+    x0, y0, step = grid[0], grid[1], grid[2]
     xs, ys = np.empty(n_points), np.empty(n_points)
     for s in range(levels.shape[0]):
         if levels[s] < 0.0:
@@ -370,7 +374,7 @@ def cover(points, levels, centres, azimuths, x0, y0, step, out_mask):
         t = levels[s] - k
         cosine, sine = math.cos(azimuths[s]), math.sin(azimuths[s])
         for b in range(n_points):
-            u = (1.0 - t) * points[k, b, 0] + t * points[k + 1, b, 0]
+            u = shares[s] * ((1.0 - t) * points[k, b, 0] + t * points[k + 1, b, 0])
             v = (1.0 - t) * points[k, b, 1] + t * points[k + 1, b, 1]
             xs[b] = (centres[s, 0] + cosine * u - sine * v - x0) / step
             ys[b] = (centres[s, 1] + sine * u + cosine * v - y0) / step
