@@ -29,7 +29,7 @@ from paint3d.view.live_scene import LiveScene
 from paint3d.view.single_hairs import SingleHairs
 from paint3d.view.vtk_parts import DrawnMesh
 
-__all__ = ["HAIR_COLOURS", "LiveBrush", "laid_rings"]
+__all__ = ["HAIR_COLOURS", "LiveBrush", "fade_along", "laid_rings"]
 
 HAIR_COLOURS = {"goat": (232, 224, 204), "weasel": (164, 106, 58), "mixed": (205, 172, 124)}
 _SHADOW_FALL = np.array([0.45, 0.40, -0.80])  # studio axes: away from the key light
@@ -232,7 +232,7 @@ class LiveBrush:
         height = np.linalg.norm(found[:, :3] - strip.reshape(-1, 3), axis=1).reshape(landed.shape)
         faint = 1.0 / (1.0 + height / 28.0)
         steep = np.clip(-(found[:, 3:] @ fall) / _GRAZING, 0.0, 1.0).reshape(landed.shape)
-        fade = np.linspace(1.0, 0.0, len(rings))[:, None] ** 0.5
+        fade = fade_along(centre)[:, None]
         alpha = _DARKEST * _SOFT_SHARE * faint * steep**2 * fade * landed
         colours = np.zeros((landed.size, 4), np.uint8)
         colours[:, 3] = alpha.reshape(-1)
@@ -264,6 +264,17 @@ class LiveBrush:
         radius = 0.22 * self._tuft.diameters[-1]
         ring = radius * np.stack([np.cos(turn), np.sin(turn), np.zeros(36)], axis=1)
         return stand.place(ring)
+
+
+def fade_along(centres: AnyArray) -> AnyArray:
+    """(R,): how dense a shadow still is under rings about these centres (R, 3), 1 to 0.
+
+    By how far along they are, not by which they are: at a joint of the handle two lie together.
+    """
+    steps = np.linalg.norm(np.diff(centres, axis=0), axis=1)
+    share = np.append(0.0, np.cumsum(steps)) / max(float(steps.sum()), 1e-9)
+    result: AnyArray = 1.0 - share * share
+    return result
 
 
 def laid_rings(tuft: Tuft, rings: AnyArray, stand: BrushStand, tree: ContactTree) -> AnyArray:

@@ -219,7 +219,8 @@ def _laid_over(array: AnyArray) -> Any:
     made = _makers()[_KINDS[array.dtype.name]]()
     made.SetNumberOfComponents(array.shape[1])
     made.SetVoidArray(array, array.size, 1)
-    made._numpy_reference = array
+    holder = made.GetBuffer() if hasattr(made, "GetBuffer") else made  # as VTK's own does
+    holder._numpy_reference = array
     return made
 
 

@@ -19,7 +19,7 @@ from paint3d.surface.painted_surface import PaintedSurface
 from paint3d.view.brush_shape import BrushStand, grid_faces, handle_rings, tuft_rings
 from paint3d.view.camera import View, fit_camera
 from paint3d.view.kernels.drape import drape_points
-from paint3d.view.live_brush import LiveBrush
+from paint3d.view.live_brush import LiveBrush, fade_along
 from paint3d.view.live_scene import LiveScene
 from paint3d.view.pressed_tuft import TuftFollower
 from paint3d.view.single_hairs import MOST_LINES, SingleHairs
@@ -195,3 +195,18 @@ def test_a_tuft_of_hairs_is_drawn_as_hairs(painter: Painter) -> None:
     assert seen["thick"] < 0.9 * seen["solid"]
     assert seen["many"] > 0.8 * seen["solid"]
     scene.close()
+
+
+def test_a_shadow_fades_by_how_far_it_falls_also_at_the_joints_of_the_handle(
+    painter: Painter,
+) -> None:
+    stand = stand_at(painter, 40.0, None)
+    handle = handle_rings(painter.tuft, stand)[0].mean(axis=1)
+    fade = fade_along(handle)
+    apart = np.linalg.norm(np.diff(handle, axis=0), axis=1)
+    assert apart.min() < 0.1 * apart.max()  # rings lie together at a joint
+    assert fade[0] == pytest.approx(1.0)
+    assert fade[-1] == pytest.approx(0.0)
+    drop = -np.diff(fade)
+    assert (drop >= 0.0).all()
+    assert (drop <= 2.0 * apart / apart.sum() + 1e-9).all()  # nowhere steeper than at its end
