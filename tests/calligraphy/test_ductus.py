@@ -12,7 +12,7 @@ from paint3d.calligraphy.glyphs import GlyphStroke
 from paint3d.calligraphy.shapes.arabic_ductus import PlacedLetter, body_strokes, form_of
 from paint3d.calligraphy.shapes.continuation import resampled
 from paint3d.calligraphy.shapes.decompose import decompose
-from paint3d.calligraphy.shapes.ductus import known_strokes
+from paint3d.calligraphy.shapes.ductus import JoinedForm, known_strokes
 from paint3d.calligraphy.shapes.regions import Piece
 from paint3d.calligraphy.shapes.registration import register, tangents_of
 from paint3d.calligraphy.shapes.transfer import KnownStrokes, in_known_order
@@ -154,3 +154,34 @@ def test_strokes_along_one_way_follow_each_other_by_their_starts():
     for by_start, wanted in ((True, [1000.0, 800.0]), (False, [800.0, 1000.0])):
         ordered = in_known_order(pairs, known, by_start=by_start)
         assert [float(piece.line[0, 0]) for piece in ordered] == wanted
+
+
+def joined_ink(form, slant: float = 0.0, thick: float = 1.8) -> MultiPolygon:
+    """The ink of a form's lines, slanted."""
+    lines = [one.median @ np.array([[70.0, 0.0], [slant, 100.0]]) for one in form.strokes]
+    ink = shapely.union_all([LineString(line).buffer(thick) for line in lines])
+    return MultiPolygon([part for part in shapely.get_parts(ink) if part.area > 0.0])
+
+
+@pytest.mark.parametrize("text", list("bfkr"))
+@pytest.mark.parametrize("slant", [0.0, 20.0])
+def test_a_letter_of_a_joined_hand_is_one_way_to_the_right(text, slant) -> None:
+    """Its loops are not torn into a stem and a bow, and its end is not written backwards."""
+    forms = known_strokes(SOURCE, text)
+    (joined,) = (form for form in forms if isinstance(form, JoinedForm))
+    strokes = decompose(joined_ink(joined, slant), template=forms)
+    begin, end = joined.strokes[0].median[[0, -1]] @ np.array([[70.0, 0.0], [slant, 100.0]])
+    assert np.linalg.norm(strokes[0].median[0] - begin) < 30.0
+    assert np.linalg.norm(strokes[-1].median[-1] - end) < 8.0
+
+
+@pytest.mark.parametrize("text", list("bfkrvw"))
+def test_forms_of_joined_hands_leave_other_letters_alone(text) -> None:
+    forms = known_strokes(SOURCE, text)
+    apart = [form for form in forms if not isinstance(form, JoinedForm)]
+    assert 0 < len(apart) < len(forms)
+    lines = [one.median * [0.1, 0.1] for one in apart[0].strokes]
+    ink = shapely.union_all([LineString(line).buffer(4.0) for line in lines])
+    shape = MultiPolygon([part for part in shapely.get_parts(ink) if part.area > 0.0])
+    one, two = decompose(shape, template=forms), decompose(shape, template=apart)
+    assert [s.median.tolist() for s in one] == [s.median.tolist() for s in two]

@@ -13,6 +13,7 @@ from paint3d.calligraphy.glyphs import Glyph, GlyphStroke
 from paint3d.calligraphy.shapes.continuation import Chain, chains_of
 from paint3d.calligraphy.shapes.corners import cut_at_corners
 from paint3d.calligraphy.shapes.dots import as_dot, dots_of
+from paint3d.calligraphy.shapes.ductus import JoinedForm
 from paint3d.calligraphy.shapes.regions import Ink, Piece, has_way, piece_of, shared_out
 from paint3d.calligraphy.shapes.skeleton import skeleton_of
 from paint3d.calligraphy.shapes.transfer import (
@@ -38,6 +39,8 @@ _SPECK = 0.01  # squares of the mean width: smaller parts are no strokes
 _HAIRLINE = 1e-5  # of the size of a shape: thinner parts are no strokes
 _LONGEST = 20_000.0  # of its width that a part is long: longer ones are no strokes of a brush
 _GRAIN = 2.0**-40  # of the farthest coordinate: thinner parts are what rounding left
+_NOT_NEAR = 0.25  # widths away: forms of joined hands are looked at beyond it
+_FAR_NEARER = 0.6  # of the distance of other forms, below which they count
 _GRID = 2.0**32  # points to the size of a shape
 
 
@@ -80,8 +83,8 @@ def decompose(
     size = 2.0 ** math.ceil(math.log2(max(np.ptp(np.reshape(outline.bounds, (2, 2)), axis=0))))
     even = [_evened(part, low, size) for part in parts]
     forms = [template] if isinstance(template, Glyph) else template or ()
-    lines = [[stroke.median for stroke in form.strokes] for form in forms if form.strokes]
-    return [_stroke(piece, low, size) for piece in _pieces_of(even, lines, runs_on)]
+    forms = [form for form in forms if form.strokes]
+    return [_stroke(piece, low, size) for piece in _pieces_of(even, forms, runs_on)]
 
 
 def _evened(part: Polygon, low: NDArray[np.float64], size: float) -> Polygon:
@@ -91,16 +94,14 @@ def _evened(part: Polygon, low: NDArray[np.float64], size: float) -> Polygon:
     return shapely.transform(part, lambda p: np.round((p - low) / size * _GRID) / _GRID)
 
 
-def _pieces_of(
-    parts: list[Polygon], forms: Sequence[Sequence[AnyArray]], runs_on: bool
-) -> list[Piece]:
+def _pieces_of(parts: list[Polygon], forms: Sequence[Glyph], runs_on: bool) -> list[Piece]:
     """The strokes of connected shapes, in order and direction of writing."""
     if not forms:
         pieces = [piece for part in parts for piece in _by_shape(_ink_of(part))]
         return in_writing_order(pieces, runs_on=runs_on)
     if runs_on:
-        return _along_the_line(parts, forms[0])
-    best = min((_laid_over(parts, lines) for lines in forms), key=lambda one: (one.fit, one.away))
+        return _along_the_line(parts, _lines_of(forms[0]))
+    best = _best_of(parts, forms)
     if best.fit is Fit.WHOLE:
         pairs = zip(best.inks, best.told, strict=True)
         mine = [x for ink, one in pairs for x in _by_template(ink, one.chains)]
@@ -135,6 +136,22 @@ class _Laid(NamedTuple):
     known: KnownStrokes
     inks: list[Ink]
     told: list[Told]
+
+
+def _lines_of(form: Glyph) -> list[NDArray[np.float64]]:
+    return [stroke.median for stroke in form.strokes]
+
+
+def _best_of(parts: list[Polygon], forms: Sequence[Glyph]) -> _Laid:
+    """The form that fits best; one of a joined hand only where it lies far nearer than others."""
+    apart = [form for form in forms if not isinstance(form, JoinedForm)] or forms
+    laid = [_laid_over(parts, _lines_of(form)) for form in apart]
+    away = min(one.away for one in laid)
+    if away > _NOT_NEAR:
+        joined = [form for form in forms if isinstance(form, JoinedForm)]
+        nearer = [_laid_over(parts, _lines_of(form)) for form in joined]
+        laid = [one for one in nearer if one.away < _FAR_NEARER * away] or laid
+    return min(laid, key=lambda one: (one.fit, one.away))
 
 
 def _laid_over(parts: list[Polygon], lines: Sequence[AnyArray]) -> _Laid:

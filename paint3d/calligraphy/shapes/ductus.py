@@ -12,7 +12,7 @@ import numpy as np
 from paint3d.calligraphy.glyph_sources import GlyphSource
 from paint3d.calligraphy.glyphs import Glyph, GlyphStroke
 
-__all__ = ["known_strokes"]
+__all__ = ["JoinedForm", "known_strokes"]
 
 _ALIKE = dict(
     zip(
@@ -60,12 +60,31 @@ _LINES = {
 }  # fmt: skip
 _OWN = {text: lines for letters, lines in _LINES.items() for text in letters}
 
-_ALSO = {
-    "g": ".9,.8 .6,1 .25,.95 0,.75 .1,.5 .45,.42 .8,.55 .95,.75; 1,1 .9,.5 .75,.15 .4,0 0,.1",
-    "k": "0,1 0,0 .15,.35 .5,.62 .85,.65 .85,.5 .5,.38 .2,.35; .4,.36 .7,.05 1,0",
-}
-_OTHER = {text: lines for letters, lines in _ALSO.items() for text in letters}
+_ALSO = (
+    ("g", ".9,.8 .6,1 .25,.95 0,.75 .1,.5 .45,.42 .8,.55 .95,.75; 1,1 .9,.5 .75,.15 .4,0 0,.1"),
+    ("k", "0,1 0,0 .15,.35 .5,.62 .85,.65 .85,.5 .5,.38 .2,.35; .4,.36 .7,.05 1,0"),
+)
 """The g with one storey, and the k of running hands, whose arm is a loop."""
+
+_JOINED = (
+    ("b", ".2,.48 .5,.72 .75,.95 .65,1 .5,.85 .2,.4 .1,.1 .3,0 .55,.1 .65,.28 .48,.42 .4,.25 "
+     ".6,.15 .8,.18 1,.32"),
+    ("f", ".4,.62 .75,.82 1,1 .85,.98 .6,.8 .3,.4 .03,0 .2,.03 .45,.3 .4,.5 .5,.38 .7,.32 1,.45"),
+    ("k", ".22,.5 .5,.75 .65,.95 .55,.98 .2,.45 .03,.05 .12,.2 .4,.42 .65,.42 .7,.3 .42,.2 .5,.05 "
+     ".7,.03 1,.25"),
+    ("r", "0,.3 .2,.7 .3,1 .27,.82 .45,.68 .5,.45 .37,.15 .52,0 .8,.12 1,.42"),
+    ("v", ".1,.8 .08,.3 .15,.03 .35,.15 .6,.55 .7,1; .62,.6 .78,.28 1,.5"),
+    ("w", ".15,.9 .03,.4 .08,.08 .25,.25 .45,.95; .45,.95 .38,.4 .42,.05 .6,.2 .75,.6 .8,1; "
+     ".75,.62 .87,.35 1,.55"),
+)  # fmt: skip
+"""Letters of joined hands as they are taught: stems are loops, and all are led out to the right."""
+
+
+class JoinedForm(Glyph):
+    """A letter as joined hands write it: a way so long and loose that it can be bent to much.
+
+    It counts where it lies far nearer than the letters that are set apart.
+    """
 
 
 def known_strokes(source: GlyphSource, text: str) -> tuple[Glyph, ...]:
@@ -82,19 +101,23 @@ def known_strokes(source: GlyphSource, text: str) -> tuple[Glyph, ...]:
     tuple of Glyph
         None where it is not known. Their lines count, in any frame; listed ones have no outlines.
     """
-    forms = []
+    forms: list[Glyph] = []
     for known in (text, _ALIKE.get(text, "")):
         if known and source.has(known):
             forms.append(source.load(known))
             break
-    listed = ([] if forms else [_OWN.get(text)]) + [_OTHER.get(_ALIKE.get(text, text))]
-    return (*forms, *(_listed(text, lines) for lines in listed if lines is not None))
+    if not forms and text in _OWN:
+        forms.append(Glyph(text, _listed(_OWN[text])))
+    alike = _ALIKE.get(text, text)
+    forms += [Glyph(text, _listed(lines)) for letter, lines in _ALSO if letter == alike]
+    forms += [JoinedForm(text, _listed(lines)) for letter, lines in _JOINED if letter == alike]
+    return tuple(forms)
 
 
-def _listed(text: str, lines: str) -> Glyph:
-    """A glyph of lines that are written as points "x,y x,y; x,y x,y"."""
+def _listed(lines: str) -> tuple[GlyphStroke, ...]:
+    """The strokes of lines that are written as points "x,y x,y; x,y x,y"."""
     strokes = [
         np.array([[float(x) for x in point.split(",")] for point in line.split()])
         for line in lines.split(";")
     ]
-    return Glyph(text, tuple(GlyphStroke(np.empty((0, 2)), line) for line in strokes))
+    return tuple(GlyphStroke(np.empty((0, 2)), line) for line in strokes)
