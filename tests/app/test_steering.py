@@ -500,13 +500,21 @@ def test_a_window_manager_that_takes_the_keys_while_it_moves_the_window_is_told(
     assert "Space" in window.status.told.text()
 
 
+SEEN: list[QtCore.QEvent.Type] = []
+
+
+def note(self: object, watched: object, event: QtCore.QEvent) -> bool:
+    """A filter that takes nothing; Qt holds no reference to it, so that it has to stay."""
+    SEEN.append(event.type())
+    return False
+
+
 def test_events_of_all_the_program_are_looked_at_only_while_the_window_is_active(
     program, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """To hand one to Python costs more than most of them do."""
-    seen: list[QtCore.QEvent.Type] = []
-    look = "paint3d.app.window.input.keys._Everywhere.eventFilter"
-    monkeypatch.setattr(look, lambda self, watched, event: bool(seen.append(event.type())))
+    seen = SEEN
+    monkeypatch.setattr("paint3d.app.window.input.keys._Everywhere.eventFilter", note)
     with opened(program, "plane", 4.0) as other:
         wait_for(other.isActiveWindow)
         type_key(other.canvas, KEY.Key_F24)
