@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shutil
 import subprocess
+from contextlib import closing
 
 import numpy as np
 import pytest
@@ -497,6 +498,36 @@ def test_a_window_manager_that_takes_the_keys_while_it_moves_the_window_is_told(
     monkeypatch.undo()
     QtTest.QTest.keyRelease(window.canvas, KEY.Key_Alt)
     assert "Space" in window.status.told.text()
+
+
+SEEN: list[QtCore.QEvent.Type] = []
+
+
+def note(self: object, watched: object, event: QtCore.QEvent) -> bool:
+    """A filter that takes nothing; Qt holds no reference to it, so that it has to stay."""
+    SEEN.append(event.type())
+    return False
+
+
+def test_events_of_all_the_program_are_looked_at_only_while_the_window_is_active(
+    program, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """To hand one to Python costs more than most of them do."""
+    seen = SEEN
+    monkeypatch.setattr("paint3d.app.window.input.keys._Everywhere.eventFilter", note)
+    with opened(program, "plane", 4.0) as other:
+        wait_for(other.isActiveWindow)
+        type_key(other.canvas, KEY.Key_F24)
+        assert QtCore.QEvent.Type.KeyPress in seen
+        with closing(QtWidgets.QDialog()) as elsewhere:
+            elsewhere.show()
+            elsewhere.activateWindow()
+            wait_for(lambda: elsewhere.isActiveWindow() and not other.isActiveWindow())
+            seen.clear()
+            QtTest.QTest.keyClick(other.canvas, KEY.Key_F24)
+            assert seen == []
+        type_key(other.canvas, KEY.Key_F24)
+        assert QtCore.QEvent.Type.KeyPress in seen
 
 
 @pytest.mark.parametrize("had", [True, False])

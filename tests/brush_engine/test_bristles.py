@@ -18,8 +18,9 @@ from paint3d.brush.bristles import build_bristles, hair_places
 from paint3d.brush.presets import load_brush
 from paint3d.brush_engine.bristles import bend as bt
 from paint3d.errors import BrushError
+from tests.support.examples import examples
 
-FEW = settings(deadline=None, max_examples=25)
+FEW = settings(deadline=None, max_examples=examples(25))
 PATCHES = {
     "plane": bt.FLAT,
     "ball of 30 mm": np.array([0.0, 0.05, -0.03, -1 / 60, 0.0, -1 / 60]),

@@ -25,6 +25,7 @@ from paint3d.view.live_patches import LivePatches
 from paint3d.view.live_scene import DARK, LiveScene
 from paint3d.view.studio import Gloss, light_samples
 from paint3d.view.vtk_parts import DrawnMesh
+from tests.support.examples import examples
 from tests.support.surface_cases import sheet
 
 NONE = np.empty(0, np.int32)
@@ -323,7 +324,7 @@ STEPS = st.tuples(PLACES, st.lists(BOXES, max_size=2), PLACES, BOXES, st.boolean
 
 
 @given(steps=st.lists(STEPS, min_size=3))
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=examples(25), deadline=None)
 def test_what_is_copied_late_is_the_same_picture(two_scenes: list[Drawn], steps: list) -> None:
     """Drawn anew where it is asked for only, with the brush in front of it."""
     for scene, stuck, brush in two_scenes:
