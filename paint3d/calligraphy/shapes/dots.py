@@ -37,7 +37,7 @@ def dots_of(ink: Ink) -> list[Piece]:
     compact = _compactness(ink.shape)
     if compact > _COMPACT:
         return [as_dot(ink.shape)]
-    return [as_dot(one) for one in _parted(ink)] if compact > _LOOSE else []
+    return _parted(ink) if compact > _LOOSE else []
 
 
 def _compactness(shape: Polygon) -> float:
@@ -45,7 +45,7 @@ def _compactness(shape: Polygon) -> float:
     return 4.0 * math.pi * float(shape.area) / float(shape.length) ** 2
 
 
-def _parted(ink: Ink) -> list[Polygon]:
+def _parted(ink: Ink) -> list[Piece]:
     """A shape divided at its waists, where all that come of it are dots; else nothing.
 
     Every triangle goes to the core that is nearest: what is left of the shape without a rim that
@@ -67,7 +67,10 @@ def _parted(ink: Ink) -> list[Polygon]:
     if not are_dots:
         return []
     grown = [one.buffer(_OVERLAP * deepest, join_style="mitre") for one in parts]
-    return [one.intersection(shape) for one in grown]
+    return [
+        Piece(as_dot(one).line, large.intersection(shape))
+        for one, large in zip(parts, grown, strict=True)
+    ]
 
 
 def as_dot(shape: Polygon) -> Piece:
