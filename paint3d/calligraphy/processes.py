@@ -113,4 +113,7 @@ def _serve(work: Callable[..., Any], connection: Connection) -> None:
             answer: tuple[int, Any, Exception | None] = (number, work(item), None)
         except Exception as fault:
             answer = (number, None, fault)
-        connection.send(answer)
+        try:
+            connection.send(answer)
+        except OSError:  # whoever asked is gone
+            return

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import multiprocessing
 import os
 import signal
 import subprocess
@@ -13,6 +14,7 @@ from pathlib import Path
 
 import pytest
 
+from paint3d.calligraphy import processes
 from paint3d.calligraphy.processes import in_processes
 from paint3d.errors import InputError, Paint3DError
 
@@ -88,6 +90,15 @@ def test_none_outlives_the_one_that_started_it(number: int, tmp_path: Path) -> N
         while any(map(is_alive, workers)):
             assert time.monotonic() - began < PATIENCE_S, "they live on"
             time.sleep(0.02)
+
+
+def test_one_whose_answer_nobody_awaits_ends_quietly(monkeypatch) -> None:
+    """As when who asked was killed a moment before."""
+    monkeypatch.setattr(processes, "ignore_interrupts", lambda: None)  # of the tests themselves
+    ours, theirs = multiprocessing.Pipe()
+    ours.send((0, -3))
+    ours.close()
+    processes._serve(abs, theirs)
 
 
 @pytest.mark.parametrize("later_s", [0.0, 0.05, 0.15, 0.4, None])  # while they start; at work
