@@ -12,7 +12,6 @@ from hypothesis import strategies as st
 from paint3d.painter.painter import Painter
 from paint3d.recording.recording import Recording
 from paint3d.surface.painted_surface import PaintedSurface
-from tests.support.examples import examples
 from tests.support.surface_cases import flat, sheet
 
 
@@ -43,7 +42,7 @@ def unevenness(aside: float, pressure: float, step_mm: float, hairs: int | None)
 
 
 @pytest.mark.parametrize("hairs", [None, 300])
-@settings(deadline=None, max_examples=examples(25))
+@settings(deadline=None, max_examples=25)
 @given(
     aside=st.floats(0.6, 2.0),
     left=st.booleans(),
