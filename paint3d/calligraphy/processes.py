@@ -16,7 +16,7 @@ from typing import Any, NamedTuple, TypeVar, cast
 from paint3d.core.machine import end_with_parent, holding_interrupts, ignore_interrupts
 from paint3d.errors import Paint3DError
 
-__all__ = ["in_processes"]
+__all__ = ["in_processes", "serve"]
 
 _Given = TypeVar("_Given")
 _Found = TypeVar("_Found")
@@ -73,7 +73,7 @@ def _start(work: Callable[..., Any], n: int) -> list[_Worker]:
     with holding_interrupts():
         for _ in range(n):
             ours, theirs = context.Pipe()
-            process = context.Process(target=_serve, args=(work, theirs), daemon=True)
+            process = context.Process(target=serve, args=(work, theirs), daemon=True)
             process.start()
             theirs.close()
             workers.append(_Worker(process, ours))
@@ -100,7 +100,7 @@ def _answer(worker: _Worker) -> tuple[int, object, Exception | None]:
         ) from None
 
 
-def _serve(work: Callable[..., Any], connection: Connection) -> None:
+def serve(work: Callable[..., Any], connection: Connection) -> None:
     """Do what comes until the other end is closed."""
     ignore_interrupts()
     end_with_parent()

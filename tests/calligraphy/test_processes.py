@@ -98,7 +98,7 @@ def test_one_whose_answer_nobody_awaits_ends_quietly(monkeypatch) -> None:
     ours, theirs = multiprocessing.Pipe()
     ours.send((0, -3))
     ours.close()
-    processes._serve(abs, theirs)
+    processes.serve(abs, theirs)
 
 
 @pytest.mark.parametrize("later_s", [0.0, 0.05, 0.15, 0.4, None])  # while they start; at work
