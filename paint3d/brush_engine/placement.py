@@ -26,6 +26,7 @@ from paint3d.brush_engine.tuft import (
     bent_by_twist,
     drag_length,
     drag_step,
+    drag_way,
     enclose_tuft,
     gather_outline,
     greatest_descent,
@@ -96,7 +97,7 @@ def place_stamp(pose, dragged, before, after, tuft, tree, field, scratch):
         _keep_drag(values, scratch.drag)
         return
     if dragged:
-        _bend_along_drag(values, was_touching, tuft, scratch)
+        _bend_along_drag(values, descent if was_touching else -1.0, tuft, scratch)
     _lean_plane(values, tuft, field, scratch)
     if dragged:
         _set_bend(values, values.drag[0], values.drag[1], values.drag[2])
@@ -372,24 +373,28 @@ def _bend_along_pose(values, pose):
 
 
 @uncounted
-def _bend_along_drag(values, was_touching, tuft, scratch):
-    """Dragged azimuth: the paper pulls the tip along (a tractrix with slack)."""
+def _bend_along_drag(values, descent, tuft, scratch):
+    """Dragged azimuth: the paper pulls the tip along (a tractrix with slack).
+
+    `descent` is that of the stamp before; less than 0 if this one comes down.
+    """
     slack = drag_length(values.descent, tuft.length, tuft.drag_fraction)
     rx, ry, rz = scratch.drag[0], scratch.drag[1], scratch.drag[2]
     if rx * rx + ry * ry + rz * rz == 0.0:
         rx = _FIRST_DRAG * slack * values.bend[0]
         ry = _FIRST_DRAG * slack * values.bend[1]
         rz = _FIRST_DRAG * slack * values.bend[2]
-    elif not was_touching:
+    elif descent < 0.0:
         rx, ry, rz = release(rx, ry, rz, tuft.plasticity)
     else:
-        rx, ry, rz = drag_step(
+        rx, ry, rz = drag_way(
             rx,
             ry,
             rz,
             values.foot[0] - scratch.vector[0],
             values.foot[1] - scratch.vector[1],
             values.foot[2] - scratch.vector[2],
+            drag_length(descent, tuft.length, tuft.drag_fraction),
             slack,
         )
     _set_bend(values, rx, ry, rz)

@@ -71,7 +71,7 @@ _FINEST_STEP = 0.35  # of the paint's resolution: the shortest sweep, and how ne
 _STEP_SHARE = 0.25  # of the footprint's smaller extent: the longest sweep
 _BOW = 0.025  # of the paint's resolution: how far a sweep's chord may leave the path
 _MOST_STEPS = 4096  # sweeps between two samples
-_DRAG_STEPS = 40.0  # per length of slack
+_DRAG_STEPS = 20.0  # per length of slack
 
 
 class Samples(NamedTuple):

@@ -57,6 +57,7 @@ __all__ = [
     "drag_along",
     "drag_length",
     "drag_step",
+    "drag_way",
     "enclose_tuft",
     "gather_outline",
     "greatest_descent",
@@ -99,7 +100,8 @@ N_INPUTS = 5
 MEASURED_LENGTH = 30.0  # mm, the tuft on which `drag_length` was measured
 _UNTWISTS = 0.12  # of the slack: over this way a tuft comes round to its azimuth
 _TWISTED = (0.4, 1.4)  # rad that it lags behind: from lying in its bend to lying in a heap
-_STEPS_PER_SLACK = 40  # the longest step that a chord may follow is l / 40
+_SAME_SLACK = 0.05  # of a slack: a step on which it changes by more is cut
+_MOST_SLACKS = 20
 _HOLDS = 3.0  # mm of way to the mm of press, up to which the paper holds the tip fast
 _SPRINGS = 0.5  # of the footprint's length: over this way a sliding tip comes back into its bend
 _TOLD = 0.5  # of the length: a tip nearer to its heel tells less of how a footprint lies
@@ -398,16 +400,16 @@ def enclose_tuft(tuft, descent, tilt, pe):
 
 @uncounted
 def drag_step(rx, ry, rz, dx, dy, dz, slack):
-    """r after the handle moved by d: the contact sticks, or follows at the distance `slack`.
+    """r after the handle moved straight on by d: the contact sticks, or follows along a tractrix.
 
-    Repeated along a straight way it gives docs/model.md, equation (3).
+    It sticks until it lies `slack` behind; from there on docs/model.md, equation (3), holds.
 
     Parameters
     ----------
     rx, ry, rz : float
-        Q - H before the step, mm.
+        Q - H before the step, mm; what is longer than `slack` is drawn in first.
     dx, dy, dz : float
-        Movement of H, mm; at most a fortieth of `slack`, for it is followed as a chord.
+        Movement of H, mm.
     slack : float
         l, mm.
 
@@ -416,11 +418,42 @@ def drag_step(rx, ry, rz, dx, dy, dz, slack):
     rx, ry, rz : float
         Q - H after it, never longer than `slack`.
     """
-    rx, ry, rz = rx - dx, ry - dy, rz - dz
     square = rx * rx + ry * ry + rz * rz
     if square > slack * slack:
         scale = slack / math.sqrt(square)
-        return rx * scale, ry * scale, rz * scale
+        rx, ry, rz = rx * scale, ry * scale, rz * scale
+        square = slack * slack
+    way = math.sqrt(dx * dx + dy * dy + dz * dz)
+    if way <= 0.0 or slack <= 0.0:
+        return rx, ry, rz
+    ux, uy, uz = dx / way, dy / way, dz / way
+    ahead = rx * ux + ry * uy + rz * uz
+    beside = math.sqrt(max(0.0, square - ahead * ahead))
+    sine = min(1.0, beside / slack)
+    cosine = math.sqrt(1.0 - sine * sine)
+    free = ahead + slack * cosine  # the way until Q lies l behind
+    if way <= free:
+        return rx - dx, ry - dy, rz - dz
+    half = sine / (1.0 + cosine) * math.exp(-(way - free) / slack)  # tan(delta / 2)
+    back = slack * (1.0 - half * half) / (1.0 + half * half)
+    aside = slack * 2.0 * half / (1.0 + half * half) / beside if beside > 0.0 else 0.0
+    return (
+        aside * (rx - ahead * ux) - back * ux,
+        aside * (ry - ahead * uy) - back * uy,
+        aside * (rz - ahead * uz) - back * uz,
+    )
+
+
+@uncounted
+def drag_way(rx, ry, rz, dx, dy, dz, before, slack):
+    """`drag_step` where the slack goes evenly from `before` to `slack`, mm, on the way."""
+    change = abs(slack - before)
+    n = 1
+    if change > 0.0:
+        n = min(_MOST_SLACKS, math.ceil(change / (_SAME_SLACK * max(slack, before))))
+    for k in range(1, n + 1):
+        now = before + (slack - before) * k / n
+        rx, ry, rz = drag_step(rx, ry, rz, dx / n, dy / n, dz / n, now)
     return rx, ry, rz
 
 
@@ -535,7 +568,7 @@ def drag_length(descent, length_mm, fraction):
 
 @uncounted
 def drag_along(handle, slack, rx, ry, out):
-    """Contact Q (N, 2) under a plane track of the handle (N, 2), by steps of at most l / 40.
+    """Contact Q (N, 2) under a plane track of the handle (N, 2), by the law of straight ways.
 
     Parameters
     ----------
@@ -552,11 +585,7 @@ def drag_along(handle, slack, rx, ry, out):
     for i in range(1, handle.shape[0]):
         dx = handle[i, 0] - handle[i - 1, 0]
         dy = handle[i, 1] - handle[i - 1, 1]
-        shortest = min(slack[i - 1], slack[i])
-        n = max(1, math.ceil(_STEPS_PER_SLACK * math.hypot(dx, dy) / shortest))
-        for k in range(1, n + 1):
-            length = slack[i - 1] + (slack[i] - slack[i - 1]) * k / n
-            rx, ry, _ = drag_step(rx, ry, 0.0, dx / n, dy / n, 0.0, length)
+        rx, ry, _ = drag_way(rx, ry, 0.0, dx, dy, 0.0, slack[i - 1], slack[i])
         out[i, 0], out[i, 1] = handle[i, 0] + rx, handle[i, 1] + ry
 
 

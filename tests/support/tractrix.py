@@ -22,7 +22,7 @@ def drag_track(handle: ArrayLike, slack: ArrayLike, start: ArrayLike = (0.0, 0.0
     Parameters
     ----------
     handle : (N, 2) array_like
-        H, mm. Steps are divided so that none is longer than a fortieth of the slack.
+        H, mm; the way between two is straight, and the slack on it linear.
     slack : float or (N,) array_like
         l at every sample, mm, more than 0.
     start : (2,) array_like
