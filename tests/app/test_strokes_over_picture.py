@@ -25,10 +25,12 @@ from paint3d.app.window.dialogs.strokes_dialog import StrokesDialog
 from paint3d.calligraphy.glyphs import Glyph, GlyphStroke
 from paint3d.calligraphy.page.correcting import CorrectedPage
 from paint3d.calligraphy.page.opening import opened_page
-from paint3d.calligraphy.page.page import Piece
+from paint3d.calligraphy.page.page import Photograph, Piece
 from paint3d.calligraphy.page.strokes_file import load_strokes, save_strokes
+from paint3d.calligraphy.photo.copying import seen_again
 from paint3d.calligraphy.photo.sheet import checked_corners
 from paint3d.errors import InputError
+from paint3d.files.photographs import load_photograph
 from tests.support.app.gestures import BUTTON, KIND, answer, answer_bar, live, mouse, pen, wait_for
 from tests.support.app.windows import opened
 
@@ -461,10 +463,13 @@ def test_what_is_refused_here_is_said_in_chinese(drawing) -> None:
     bare = CorrectedPage.of(replace(page.base, pieces=(empty,)))
     end = page.strokes[0].stroke.median[0]
     corners = np.array([[0.0, 0.0], [90.0, 0.0], [90.0, 90.0], [0.0, 90.0]])
+    photo = Photograph(drawing, corners, (99, 99), 1.0, np.array([999.0, 0.0]))
+    beside, pixels = replace(page.base, photograph=photo), np.zeros((99, 99, 3), np.uint8)
     for refused in (
         lambda: page.join(0, 0), lambda: page.split(0, end), lambda: bare.join(0, 1),
         lambda: bare.split(0, (4.0, 0.0)), lambda: checked_corners(corners[[1, 0, 2, 3]], (99, 99)),
-        lambda: checked_corners(9.0 * corners, (99, 99)),
+        lambda: checked_corners(9.0 * corners, (99, 99)), lambda: seen_again(beside, pixels, 1.0),
+        lambda: load_photograph(drawing), lambda: load_photograph(drawing.parent),
     ):  # fmt: skip
         with pytest.raises(InputError) as found:
             refused()
@@ -546,6 +551,31 @@ def test_a_photograph_that_is_gone_is_told(window, sheet) -> None:
     assert window.copying.layout_file(str(kept), 30.0)
     assert any("two.png" in text for text in told)
     correct(window, look)
+
+
+def test_which_photograph_a_file_of_strokes_asks_for_is_told(window, sheet, tmp_path) -> None:
+    """By its own place; and none is read that is not named as a picture, whatever it is."""
+
+    def look(dialog) -> None:
+        seen.append(dialog.corners)
+        dialog.reject()
+
+    told: list[str] = []
+    seen: list[object] = []
+    page = window.panels.copybook.copybook.page
+    kept, elsewhere = tmp_path / "two.strokes.json", tmp_path / "elsewhere.png"
+    sheet.rename(elsewhere)
+    sheet.symlink_to(elsewhere)
+    (tmp_path / "secret").write_bytes(elsewhere.read_bytes())
+    window.workspace.said.connect(lambda text, *_: told.append(text))
+    for name, is_shown in (("two.png", True), ("secret", False), (f"{300 * 'a'}.png", False)):
+        photograph = replace(page.photograph, file=tmp_path / name)
+        save_strokes(replace(page, photograph=photograph), kept)
+        told.clear()
+        assert window.copying.layout_file(str(kept), 30.0)
+        correct(window, look)
+        assert (seen.pop() is not None) is is_shown
+        assert any((str(elsewhere) if is_shown else name) in text for text in told), told
 
 
 def test_corrections_whose_laying_was_cancelled_are_kept(window, drawing, monkeypatch) -> None:
