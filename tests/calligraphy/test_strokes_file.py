@@ -17,7 +17,8 @@ from paint3d.calligraphy.page.ink import fill_rings
 from paint3d.calligraphy.page.page import Page, Photograph
 from paint3d.calligraphy.page.strokes_file import load_strokes, save_strokes
 from paint3d.calligraphy.page.svg_drawing import load_svg
-from paint3d.calligraphy.photo.copying import seen_again
+from paint3d.calligraphy.photo.copying import CopiedSheet, seen_again
+from paint3d.calligraphy.photo.ink_mask import InkMask
 from paint3d.errors import InputError
 
 pytest.importorskip("svgelements")
@@ -178,7 +179,8 @@ def test_a_file_knows_the_photograph_that_its_strokes_are_from(tmp_path) -> None
     """By its place seen from the file, so that both can be moved."""
     page = load_svg(draw(tmp_path, '<rect width="9" height="1"/>'))
     corners = np.array([[10.0, 12.5], [400.0, 8.0], [410.0, 300.0], [5.0, 310.0]])
-    photo = Photograph(tmp_path / "b" / "x.jpg", corners, (300, 400), 0.41, np.array([0, 300.0]))
+    origin = np.array([0.5, 300.0])
+    photo = Photograph(tmp_path / "b" / "x.jpg", corners, (300, 400), 0.41, origin, invert=True)
     kept = tmp_path / "a" / "x.strokes.json"
     kept.parent.mkdir()
     save_strokes(replace(page, photograph=photo), kept)
@@ -188,7 +190,8 @@ def test_a_file_knows_the_photograph_that_its_strokes_are_from(tmp_path) -> None
     again = load_strokes(moved).photograph
     assert again.file.resolve() == photo.file.resolve()
     np.testing.assert_allclose(again.corners, corners)
-    assert (again.size, again.per_unit, again.invert) == (photo.size, photo.per_unit, False)
+    np.testing.assert_allclose(again.origin, origin)
+    assert (again.size, again.per_unit, again.invert) == (photo.size, photo.per_unit, True)
     assert CorrectedPage.of(load_strokes(moved)).reverse(0).page().photograph is not None
 
 
@@ -262,3 +265,25 @@ def test_strokes_beside_the_sheet_are_not_laid_over_it(tmp_path) -> None:
             continue
         with pytest.raises(InputError, match="the strokes lie beside the sheet"):
             seen_again(photographed, pixels, 1.0)
+
+
+def test_a_large_photograph_is_kept_by_its_own_pixels(tmp_path) -> None:
+    """It is looked at half as large, and may be read in another size next time."""
+    page = load_svg(draw(tmp_path, '<rect width="9" height="1"/>'))
+    down, across = np.mgrid[:100, :120]
+    small = np.stack([2 * across, 2 * down, across + down], axis=-1).astype(np.uint8)
+    corners = np.array([[10.0, 10.0], [110.0, 12.0], [108.0, 90.0], [9.0, 88.0]])
+    size, unit, origin = (80, 100), 0.02, np.array([9.0, 60.0])
+    looked = seen_again(
+        replace(page, photograph=Photograph(tmp_path, corners, size, unit, origin)), small, 1.0
+    )
+    none = np.zeros(size, np.float32)
+    found = CopiedSheet(
+        page, size, unit, origin, picture=looked.picture, corners=corners,
+        ink=InkMask(none, none > 0.0, none > 0.0, 1.0, 1.0), red=none,
+    )  # fmt: skip
+    kept = found.taken_from(tmp_path / "x.jpg", 2.0).page
+    np.testing.assert_allclose(kept.photograph.corners, 2.0 * corners)
+    np.testing.assert_array_equal(seen_again(kept, small, 2.0).picture, looked.picture)
+    whole = seen_again(kept, small.repeat(2, axis=0).repeat(2, axis=1), 1.0).picture
+    assert np.abs(whole.astype(float) - looked.picture).max() < 4.0
