@@ -27,6 +27,7 @@ from paint3d.calligraphy.page.correcting import CorrectedPage
 from paint3d.calligraphy.page.opening import opened_page
 from paint3d.calligraphy.page.page import Photograph, Piece
 from paint3d.calligraphy.page.strokes_file import load_strokes, save_strokes
+from paint3d.calligraphy.photo import copying
 from paint3d.calligraphy.photo.copying import seen_again
 from paint3d.calligraphy.photo.sheet import checked_corners
 from paint3d.errors import InputError
@@ -617,3 +618,71 @@ def test_corrections_whose_laying_was_cancelled_are_kept(window, drawing, monkey
     correct(window, again)
     np.testing.assert_allclose(ways(window)[0], -before[0], atol=0.1)
     correct(window, drop)  # they lie there: nothing is left to be used
+
+
+def test_corrections_that_could_not_be_laid_belong_to_their_page(window, drawing, monkeypatch):
+    """Dropped they are not offered again, and never over another page."""
+    told: list[str] = []
+
+    def fail(*_) -> None:
+        raise InputError("there is no room")
+
+    def reverse(dialog) -> None:
+        assert not dialog.is_changed
+        key(dialog, KEY.Key_R)
+        use(dialog)
+
+    def fail_to_lay() -> None:
+        with monkeypatch.context() as failing:
+            failing.setattr(copybook_guide, "Copybook", fail)
+            failing.setattr(window.workspace, "quiet", True)
+            correct(window, reverse)
+
+    def drop(dialog) -> None:
+        assert dialog.is_changed
+        answer(lambda box: drop_button(box).click(), QtWidgets.QMessageBox)
+        key(dialog, KEY.Key_Escape)
+
+    def drop_button(box) -> QtWidgets.QAbstractButton:
+        return next(b for b in box.buttons() if box.buttonRole(b) == Answer.DestructiveRole)
+
+    window.workspace.said.connect(lambda text, *_: told.append(text))
+    fail_to_lay()
+    assert "The corrections are kept: look at the strokes once more" in told
+    correct(window, drop)
+    fail_to_lay()
+    other = drawing.with_name("one.svg")
+    other.write_text(SVG.replace('<path d="M5 5H55"/>', ""), encoding="utf-8")
+    assert window.copying.layout_file(str(other), 30.0)
+
+    def look(dialog) -> None:
+        assert not dialog.is_changed
+        assert len(dialog.steps.now.strokes.strokes) == 2
+        dialog.reject()
+
+    correct(window, look)
+
+
+def test_strokes_of_a_rubbing_are_found_anew_as_such(window, sheet, monkeypatch) -> None:
+    page, asked = window.panels.copybook.copybook.page, []
+    rubbing = replace(page, photograph=replace(page.photograph, invert=True))
+    save_strokes(rubbing, sheet.with_name("two.strokes.json"))
+    look = copying.copy_sheet
+
+    def watched(pixels, name, how) -> copying.CopiedSheet:
+        asked.append(how)
+        return look(pixels, name, replace(how, invert=False))
+
+    monkeypatch.setattr(copying, "copy_sheet", watched)
+    assert window.copying.layout_file(str(sheet.with_name("two.strokes.json")), 30.0)
+
+    def act(dialog) -> None:
+        key(dialog, KEY.Key_C)
+        key(dialog, KEY.Key_1)
+        key(dialog, KEY.Key_Right, QtCore.Qt.KeyboardModifier.ShiftModifier)
+        key(dialog, KEY.Key_Return)
+        assert [how.invert for how in asked] == [True]
+        assert dialog.steps.now.sheet.page.photograph.invert
+        dialog.done(0)
+
+    correct(window, act)
