@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
+from multiprocessing.reduction import ForkingPickler
 from typing import Any, NamedTuple, TypeVar, cast
 
 from paint3d.core.machine import end_with_parent, holding_interrupts, ignore_interrupts
@@ -18,6 +19,7 @@ from paint3d.errors import Paint3DError
 
 __all__ = ["in_processes", "serve"]
 
+_Answer = tuple[int, object, Exception | None]  # the item's number, what was found, what failed
 _Given = TypeVar("_Given")
 _Found = TypeVar("_Found")
 
@@ -43,7 +45,7 @@ def in_processes(
     Raises
     ------
     Paint3DError
-        If a process dies. What `work` raises is raised here.
+        If a process dies, or finds what cannot be sent. What `work` raises is raised here.
     """
     workers = _start(work, n)
     left, found = iter(enumerate(items)), dict[int, _Found]()
@@ -89,9 +91,9 @@ def _give(worker: _Worker, left: Iterator[tuple[int, object]]) -> bool:
     return False
 
 
-def _answer(worker: _Worker) -> tuple[int, object, Exception | None]:
+def _answer(worker: _Worker) -> _Answer:
     try:
-        result: tuple[int, object, Exception | None] = worker.connection.recv()
+        result: _Answer = worker.connection.recv()
         return result
     except (EOFError, ConnectionError):
         worker.process.join()
@@ -110,10 +112,26 @@ def serve(work: Callable[..., Any], connection: Connection) -> None:
         except (EOFError, OSError):
             return
         try:
-            answer: tuple[int, Any, Exception | None] = (number, work(item), None)
+            answer: _Answer = (number, work(item), None)
         except Exception as fault:
             answer = (number, None, fault)
         try:
-            connection.send(answer)
+            connection.send_bytes(_packed(answer))
         except OSError:  # whoever asked is gone
             return
+
+
+def _packed(answer: _Answer) -> memoryview | bytes:
+    """An answer as it is sent; one that cannot be sent becomes an error that says so."""
+    number, _, fault = answer
+    try:
+        packed = ForkingPickler.dumps(answer)
+        if fault is not None:
+            ForkingPickler.loads(packed)  # some errors can be sent, but not be made again
+    except Exception as cause:
+        told = f"{type(cause).__name__}: {cause}"
+        if fault is not None:
+            told = f"{type(fault).__name__}: {fault} ({told})"
+        unsent = Paint3DError(f"what a process found could not be sent back: {told}")
+        packed = ForkingPickler.dumps((number, None, unsent))
+    return packed

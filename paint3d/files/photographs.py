@@ -41,9 +41,12 @@ def load_photograph(
         If there is no such file, or it is no picture that can be read.
     """
     path = Path(path)
-    if not path.is_file():
-        what = "is a folder" if path.is_dir() else "there is no such file"
-        raise InputError(f"{path}: {what}; expected a photograph")
+    try:
+        if not path.is_file():
+            what = "it is a folder" if path.is_dir() else "there is no such file"
+            raise InputError(f"{path}: {what}; expected a photograph")
+    except OSError as cause:  # a name too long, a folder that must not be looked into
+        raise InputError(f"{path}: {cause.strerror or cause}") from None
     try:
         pixels, full = read_photograph_apart(path, _LONGEST, progress)
     except MeshError as cause:

@@ -25,10 +25,13 @@ from paint3d.app.window.dialogs.strokes_dialog import StrokesDialog
 from paint3d.calligraphy.glyphs import Glyph, GlyphStroke
 from paint3d.calligraphy.page.correcting import CorrectedPage
 from paint3d.calligraphy.page.opening import opened_page
-from paint3d.calligraphy.page.page import Piece
+from paint3d.calligraphy.page.page import Photograph, Piece
 from paint3d.calligraphy.page.strokes_file import load_strokes, save_strokes
+from paint3d.calligraphy.photo import copying
+from paint3d.calligraphy.photo.copying import seen_again
 from paint3d.calligraphy.photo.sheet import checked_corners
 from paint3d.errors import InputError
+from paint3d.files.photographs import load_photograph
 from tests.support.app.gestures import BUTTON, KIND, answer, answer_bar, live, mouse, pen, wait_for
 from tests.support.app.windows import opened
 
@@ -461,10 +464,13 @@ def test_what_is_refused_here_is_said_in_chinese(drawing) -> None:
     bare = CorrectedPage.of(replace(page.base, pieces=(empty,)))
     end = page.strokes[0].stroke.median[0]
     corners = np.array([[0.0, 0.0], [90.0, 0.0], [90.0, 90.0], [0.0, 90.0]])
+    photo = Photograph(drawing, corners, (99, 99), 1.0, np.array([999.0, 0.0]))
+    beside, pixels = replace(page.base, photograph=photo), np.zeros((99, 99, 3), np.uint8)
     for refused in (
         lambda: page.join(0, 0), lambda: page.split(0, end), lambda: bare.join(0, 1),
         lambda: bare.split(0, (4.0, 0.0)), lambda: checked_corners(corners[[1, 0, 2, 3]], (99, 99)),
-        lambda: checked_corners(9.0 * corners, (99, 99)),
+        lambda: checked_corners(9.0 * corners, (99, 99)), lambda: seen_again(beside, pixels, 1.0),
+        lambda: load_photograph(drawing), lambda: load_photograph(drawing.parent),
     ):  # fmt: skip
         with pytest.raises(InputError) as found:
             refused()
@@ -548,6 +554,31 @@ def test_a_photograph_that_is_gone_is_told(window, sheet) -> None:
     correct(window, look)
 
 
+def test_which_photograph_a_file_of_strokes_asks_for_is_told(window, sheet, tmp_path) -> None:
+    """By its own place; and none is read that is not named as a picture, whatever it is."""
+
+    def look(dialog) -> None:
+        seen.append(dialog.corners)
+        dialog.reject()
+
+    told: list[str] = []
+    seen: list[object] = []
+    page = window.panels.copybook.copybook.page
+    kept, elsewhere = tmp_path / "two.strokes.json", tmp_path / "elsewhere.png"
+    sheet.rename(elsewhere)
+    sheet.symlink_to(elsewhere)
+    (tmp_path / "secret").write_bytes(elsewhere.read_bytes())
+    window.workspace.said.connect(lambda text, *_: told.append(text))
+    for name, is_shown in (("two.png", True), ("secret", False), (f"{300 * 'a'}.png", False)):
+        photograph = replace(page.photograph, file=tmp_path / name)
+        save_strokes(replace(page, photograph=photograph), kept)
+        told.clear()
+        assert window.copying.layout_file(str(kept), 30.0)
+        correct(window, look)
+        assert (seen.pop() is not None) is is_shown
+        assert any((str(elsewhere) if is_shown else name) in text for text in told), told
+
+
 def test_corrections_whose_laying_was_cancelled_are_kept(window, drawing, monkeypatch) -> None:
     """And offered again, to be undone too; until they lie there, or are dropped."""
     started, go_on = threading.Event(), threading.Event()
@@ -587,3 +618,71 @@ def test_corrections_whose_laying_was_cancelled_are_kept(window, drawing, monkey
     correct(window, again)
     np.testing.assert_allclose(ways(window)[0], -before[0], atol=0.1)
     correct(window, drop)  # they lie there: nothing is left to be used
+
+
+def test_corrections_that_could_not_be_laid_belong_to_their_page(window, drawing, monkeypatch):
+    """Dropped they are not offered again, and never over another page."""
+    told: list[str] = []
+
+    def fail(*_) -> None:
+        raise InputError("there is no room")
+
+    def reverse(dialog) -> None:
+        assert not dialog.is_changed
+        key(dialog, KEY.Key_R)
+        use(dialog)
+
+    def fail_to_lay() -> None:
+        with monkeypatch.context() as failing:
+            failing.setattr(copybook_guide, "Copybook", fail)
+            failing.setattr(window.workspace, "quiet", True)
+            correct(window, reverse)
+
+    def drop(dialog) -> None:
+        assert dialog.is_changed
+        answer(lambda box: drop_button(box).click(), QtWidgets.QMessageBox)
+        key(dialog, KEY.Key_Escape)
+
+    def drop_button(box) -> QtWidgets.QAbstractButton:
+        return next(b for b in box.buttons() if box.buttonRole(b) == Answer.DestructiveRole)
+
+    window.workspace.said.connect(lambda text, *_: told.append(text))
+    fail_to_lay()
+    assert "The corrections are kept: look at the strokes once more" in told
+    correct(window, drop)
+    fail_to_lay()
+    other = drawing.with_name("one.svg")
+    other.write_text(SVG.replace('<path d="M5 5H55"/>', ""), encoding="utf-8")
+    assert window.copying.layout_file(str(other), 30.0)
+
+    def look(dialog) -> None:
+        assert not dialog.is_changed
+        assert len(dialog.steps.now.strokes.strokes) == 2
+        dialog.reject()
+
+    correct(window, look)
+
+
+def test_strokes_of_a_rubbing_are_found_anew_as_such(window, sheet, monkeypatch) -> None:
+    page, asked = window.panels.copybook.copybook.page, []
+    rubbing = replace(page, photograph=replace(page.photograph, invert=True))
+    save_strokes(rubbing, sheet.with_name("two.strokes.json"))
+    look = copying.copy_sheet
+
+    def watched(pixels, name, how) -> copying.CopiedSheet:
+        asked.append(how)
+        return look(pixels, name, replace(how, invert=False))
+
+    monkeypatch.setattr(copying, "copy_sheet", watched)
+    assert window.copying.layout_file(str(sheet.with_name("two.strokes.json")), 30.0)
+
+    def act(dialog) -> None:
+        key(dialog, KEY.Key_C)
+        key(dialog, KEY.Key_1)
+        key(dialog, KEY.Key_Right, QtCore.Qt.KeyboardModifier.ShiftModifier)
+        key(dialog, KEY.Key_Return)
+        assert [how.invert for how in asked] == [True]
+        assert dialog.steps.now.sheet.page.photograph.invert
+        dialog.done(0)
+
+    correct(window, act)

@@ -64,7 +64,7 @@ def choose_font(panel, family: str) -> None:
 
 
 def test_words_of_any_script_stand_as_ghosts_in_a_font(window, panel) -> None:
-    if FONT not in fonts_with("قلم"):
+    if all(font.family != FONT for font in fonts_with("قلم")):
         pytest.skip(f"there is no {FONT} with Arabic")
     panel.em.setValue(30)
     type_in(panel, "قلم")

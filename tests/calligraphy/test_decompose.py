@@ -232,6 +232,18 @@ def test_dots_that_run_together_are_each_one() -> None:
     assert len(decompose(MultiPolygon([third]))) == 3
 
 
+def test_dots_across_a_gap_stay_apart() -> None:
+    """Four around, of which the first and the last do not touch: none reaches into the other."""
+    middles = (0.0, 0.0), (0.1, 1.9), (2.0, 1.9), (2.1, 0.0)
+    four = shapely.union_all([Point(middle).buffer(1.0) for middle in middles])
+    strokes = decompose(MultiPolygon([four]))
+    assert len(strokes) == 4
+    regions = [region_of(stroke) for stroke in strokes]
+    assert shapely.union_all(regions).symmetric_difference(four).area < 1e-6
+    first, last = (min(regions, key=Point(middles[k]).distance) for k in (0, -1))
+    assert first.intersection(last).area == 0.0
+
+
 def test_what_is_no_dot_at_a_waist_is_not_parted() -> None:
     long = shapely.union_all([diamond(0.0, 0.0), shapely.box(0.8, -0.12, 6.0, 0.12)])
     assert len(decompose(MultiPolygon([long]))) == 1

@@ -9,10 +9,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from paint3d.calligraphy.fonts import font_file
 from paint3d.calligraphy.fonts.bidi import base_level, levels_of, visual_order
 from paint3d.calligraphy.fonts.font_file import open_font
 from paint3d.calligraphy.fonts.line_breaks import break_line
 from paint3d.calligraphy.fonts.shaping import Shaper, Style
+from paint3d.calligraphy.fonts.system_fonts import SystemFont
 from paint3d.calligraphy.fonts.typesetting import FontText, set_text
 from paint3d.calligraphy.glyph_sources import open_glyphs
 from paint3d.calligraphy.page.laying import lay_page
@@ -241,7 +243,7 @@ def test_a_joined_alef_goes_up_and_a_stem_is_added_last() -> None:
     assert turn_of(body.median) < 0.0
 
 
-def test_a_letter_whose_glyph_is_empty_is_missing(tmp_path) -> None:
+def test_a_letter_whose_glyph_is_empty_is_missing(tmp_path, monkeypatch) -> None:
     """Brush fonts list thousands of characters that they never drew."""
     from fontTools.fontBuilder import FontBuilder
     from fontTools.pens.ttGlyphPen import TTGlyphPen
@@ -265,4 +267,9 @@ def test_a_letter_whose_glyph_is_empty_is_missing(tmp_path) -> None:
     font = open_font(tmp_path / "half.ttf")
     font.check_has("A \u3164A")
     with pytest.raises(InputError, match=r"no glyph for 'B' \(U\+0042\);"):
+        font.check_has("AB")
+    mine = SystemFont("Half", "Regular", 0, tmp_path / "half.ttf")
+    gone = SystemFont("Gone", "Regular", 0, tmp_path / "gone.ttf")
+    monkeypatch.setattr(font_file, "fonts_with", lambda _: [mine, gone])
+    with pytest.raises(InputError, match="; try another font"):  # they list it, too
         font.check_has("AB")

@@ -236,6 +236,26 @@ def test_a_page_that_was_never_photographed_is_corrected_too(material) -> None:
     assert rehearsed(plan, paint, made_of, 0) is plan
 
 
+def test_strokes_beside_their_box_are_corrected_alike() -> None:
+    """What a file of strokes says of a box need not be true: they are looked for where they lie."""
+    page, mesh = page_of((1.0, 0.4)), load_mesh("plane")
+    glyph = replace(page.pieces[0].glyph, box=(2000.0, 0.0, 3000.0, 1000.0))
+    beside = replace(page, pieces=(Piece(glyph, (0.0, 0.0)),))
+
+    def paint(plan: Written) -> PaintedSurface:
+        surface = PaintedSurface(mesh, 0.5, "porcelain")
+        Painter(surface, "xiaokai").replay(with_strengths(plan.recording, plan.strength))
+        surface.refresh()
+        return surface
+
+    plans = [write_page(mesh, one, Pen(load_brush("xiaokai"), EM_MM)) for one in (page, beside)]
+    least = [
+        np.nanmin(rehearsed(plan, paint, load_material("porcelain"), 1).strength) for plan in plans
+    ]
+    assert least[0] < 0.37  # it came out too dark
+    assert least[1] == pytest.approx(least[0], abs=0.01)
+
+
 def test_strokes_that_ask_for_nothing_are_not_painted_on_trial() -> None:
     plan = write_page(load_mesh("plane"), page_of((1.0,)), Pen(load_brush("xiaokai"), EM_MM))
 

@@ -7,6 +7,7 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -43,6 +44,27 @@ def test_what_fails_there_is_raised_here() -> None:
         list(in_processes(_refuse, [1, 2], 2))
     with pytest.raises(Paint3DError, match=r"died \(exit status 7\)"):
         list(in_processes(os._exit, [7], 1))
+
+
+def test_what_cannot_be_sent_back_is_told() -> None:
+    """A result, and an error that cannot be made again of what it says."""
+    with pytest.raises(Paint3DError, match=r"could not be sent back: .*pickle"):
+        list(in_processes(_locked, [1], 1))
+    with pytest.raises(Paint3DError, match="could not be sent back: _TwofoldError: 3 of 4"):
+        list(in_processes(_fail_twofold, [3], 1))
+
+
+def _locked(item: int) -> object:
+    return threading.Lock()
+
+
+class _TwofoldError(Exception):
+    def __init__(self, one: int, other: int) -> None:
+        super().__init__(f"{one} of {other}")
+
+
+def _fail_twofold(item: int) -> None:
+    raise _TwofoldError(item, 4)
 
 
 def _refuse(item: int) -> int:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 from dataclasses import replace
 
@@ -13,9 +14,11 @@ from shapely import Polygon, unary_union
 from paint3d.calligraphy.page.bands import WIDEST
 from paint3d.calligraphy.page.correcting import CorrectedPage
 from paint3d.calligraphy.page.ink import fill_rings
-from paint3d.calligraphy.page.page import Photograph
+from paint3d.calligraphy.page.page import Page, Photograph
 from paint3d.calligraphy.page.strokes_file import load_strokes, save_strokes
 from paint3d.calligraphy.page.svg_drawing import load_svg
+from paint3d.calligraphy.photo.copying import CopiedSheet, seen_again
+from paint3d.calligraphy.photo.ink_mask import InkMask
 from paint3d.errors import InputError
 
 pytest.importorskip("svgelements")
@@ -176,7 +179,8 @@ def test_a_file_knows_the_photograph_that_its_strokes_are_from(tmp_path) -> None
     """By its place seen from the file, so that both can be moved."""
     page = load_svg(draw(tmp_path, '<rect width="9" height="1"/>'))
     corners = np.array([[10.0, 12.5], [400.0, 8.0], [410.0, 300.0], [5.0, 310.0]])
-    photo = Photograph(tmp_path / "b" / "x.jpg", corners, (300, 400), 0.41, np.array([0, 300.0]))
+    origin = np.array([0.5, 300.0])
+    photo = Photograph(tmp_path / "b" / "x.jpg", corners, (300, 400), 0.41, origin, invert=True)
     kept = tmp_path / "a" / "x.strokes.json"
     kept.parent.mkdir()
     save_strokes(replace(page, photograph=photo), kept)
@@ -186,7 +190,8 @@ def test_a_file_knows_the_photograph_that_its_strokes_are_from(tmp_path) -> None
     again = load_strokes(moved).photograph
     assert again.file.resolve() == photo.file.resolve()
     np.testing.assert_allclose(again.corners, corners)
-    assert (again.size, again.per_unit, again.invert) == (photo.size, photo.per_unit, False)
+    np.testing.assert_allclose(again.origin, origin)
+    assert (again.size, again.per_unit, again.invert) == (photo.size, photo.per_unit, True)
     assert CorrectedPage.of(load_strokes(moved)).reverse(0).page().photograph is not None
 
 
@@ -206,6 +211,7 @@ PHOTO = {
         ({"file": 3}, "file is 3; expected text"),
         ({"corners": [[0, 0]]}, "photograph: corners"),
         ({"size": [9, 1e9]}, "photograph: size is 1e"),
+        ({"size": [8000, 8000]}, "expected 1 to 3200 pixels"),  # which took 4 GB of memory
         ({"size": [9, 2.5]}, "photograph: size is 2.5"),
         ({"per_unit": 0}, "photograph: per_unit"),
         ({"origin": [0]}, "photograph: origin"),
@@ -216,3 +222,68 @@ def test_a_photograph_that_cannot_be_is_said(tmp_path, change, words) -> None:
     file.write_text(json.dumps({**FILE, "photograph": {**PHOTO, **change}}))
     with pytest.raises(InputError, match=re.escape(words)):
         load_strokes(file)
+
+
+def test_a_photograph_is_found_from_a_folder_that_is_a_link(tmp_path) -> None:
+    """`..` leads from where the folder is, not from where its link is."""
+    page = load_svg(draw(tmp_path, '<rect width="9" height="1"/>'))
+    deep, photos = tmp_path / "deep" / "er", tmp_path / "photos"
+    deep.mkdir(parents=True)
+    photos.mkdir()
+    (photos / "x.jpg").touch()
+    (tmp_path / "link").symlink_to(deep)
+    photo = Photograph(photos / "x.jpg", np.zeros((4, 2)), (9, 9), 1.0, np.zeros(2))
+    save_strokes(replace(page, photograph=photo), tmp_path / "link" / "x.strokes.json")
+    assert load_strokes(tmp_path / "link" / "x.strokes.json").photograph.file.is_file()
+    assert load_strokes(deep / "x.strokes.json").photograph.file.is_file()
+
+
+def test_names_that_are_no_utf_8_are_kept(tmp_path) -> None:
+    page = load_svg(draw(tmp_path, '<rect width="9" height="1"/>'))
+    name = os.fsdecode(b"\xff.jpg")
+    photo = Photograph(tmp_path / name, np.zeros((4, 2)), (9, 9), 1.0, np.zeros(2))
+    piece = replace(page.pieces[0], glyph=replace(page.pieces[0].glyph, text=name))
+    kept = tmp_path / "x.strokes.json"
+    save_strokes(Page((piece,), f"永 {name}", "l", photo), kept)
+    again = load_strokes(kept)
+    assert (again.source, again.pieces[0].glyph.text) == (f"永 {name}", name)
+    assert again.photograph.file == tmp_path / name
+
+
+def test_strokes_beside_the_sheet_are_not_laid_over_it(tmp_path) -> None:
+    """As those of another photograph's, or with what cannot be: the view has nothing to show."""
+    page = load_svg(draw(tmp_path, '<rect width="9" height="1"/>'))
+    (left, lower, right, upper), pixels = page.bounds, np.full((200, 200, 3), 200, np.uint8)
+    corners = np.array([[0, 0], [200, 0], [200, 200], [0, 200.0]])
+    scale = 180.0 / max(right - left, upper - lower)
+    there = scale * np.array([-left, upper])
+    for off, fits in (((10.0, 10.0), True), ((-40.0, 10.0), False), ((10.0, 1e300), False)):
+        photo = Photograph(tmp_path / "x.jpg", corners, (200, 200), scale, there + off)
+        photographed = replace(page, photograph=photo)
+        if fits:
+            assert seen_again(photographed, pixels, 1.0).picture.shape == (200, 200, 3)
+            continue
+        with pytest.raises(InputError, match="the strokes lie beside the sheet"):
+            seen_again(photographed, pixels, 1.0)
+
+
+def test_a_large_photograph_is_kept_by_its_own_pixels(tmp_path) -> None:
+    """It is looked at half as large, and may be read in another size next time."""
+    page = load_svg(draw(tmp_path, '<rect width="9" height="1"/>'))
+    down, across = np.mgrid[:100, :120]
+    small = np.stack([2 * across, 2 * down, across + down], axis=-1).astype(np.uint8)
+    corners = np.array([[10.0, 10.0], [110.0, 12.0], [108.0, 90.0], [9.0, 88.0]])
+    size, unit, origin = (80, 100), 0.02, np.array([9.0, 60.0])
+    looked = seen_again(
+        replace(page, photograph=Photograph(tmp_path, corners, size, unit, origin)), small, 1.0
+    )
+    none = np.zeros(size, np.float32)
+    found = CopiedSheet(
+        page, size, unit, origin, picture=looked.picture, corners=corners,
+        ink=InkMask(none, none > 0.0, none > 0.0, 1.0, 1.0), red=none,
+    )  # fmt: skip
+    kept = found.taken_from(tmp_path / "x.jpg", 2.0).page
+    np.testing.assert_allclose(kept.photograph.corners, 2.0 * corners)
+    np.testing.assert_array_equal(seen_again(kept, small, 2.0).picture, looked.picture)
+    whole = seen_again(kept, small.repeat(2, axis=0).repeat(2, axis=1), 1.0).picture
+    assert np.abs(whole.astype(float) - looked.picture).max() < 4.0

@@ -93,7 +93,7 @@ def test_a_decompression_bomb_is_refused(tmp_path: Path) -> None:
 def test_what_is_no_picture_is_refused_in_one_line(tmp_path: Path) -> None:
     file = tmp_path / "a.jpg"
     file.write_bytes(b"no picture\n" * 50)
-    with pytest.raises(InputError, match="no picture that can be read"):
+    with pytest.raises(InputError, match=r"no picture that can be read \(of no known kind\)"):
         load_photograph(file)
     halves().save(tmp_path / "whole.png")
     file.write_bytes((tmp_path / "whole.png").read_bytes()[:120])
@@ -101,6 +101,10 @@ def test_what_is_no_picture_is_refused_in_one_line(tmp_path: Path) -> None:
         load_photograph(file)
     with pytest.raises(InputError, match="no such file"):
         load_photograph(tmp_path / "none.jpg")
+    with pytest.raises(InputError, match="it is a folder; expected a photograph"):
+        load_photograph(tmp_path)
+    with pytest.raises(InputError, match="File name too long"):
+        load_photograph(tmp_path / f"{300 * 'a'}.jpg")
     Image.new("RGB", (40, 400)).save(tmp_path / "slim.png")
     with pytest.raises(InputError, match="40 x 400 pixels; expected 64"):
         load_photograph(tmp_path / "slim.png")

@@ -221,6 +221,7 @@ CHINESE = {
     "Strokes over the picture…": "图上笔画…",
     "The corrections are kept: look at the strokes once more": "改动仍在：请再看一次图上笔画",
     "The strokes lie over their ink: {why}": "笔画衬以墨迹：{why}",
+    "The strokes lie over the photograph {file}": "笔画衬以照片 {file}",
     "Order, direction and shape of the strokes of a font, a drawing or a photograph":
         "字体、图样或照片中各笔的笔顺、方向与形状",
     "Reverse": "反向", "Leave out": "不写", "Take in": "要写", "Earlier": "提前", "Later": "推后",

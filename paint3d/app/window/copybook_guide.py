@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from concurrent.futures import Future
 from dataclasses import dataclass
@@ -21,8 +22,8 @@ from paint3d.app.window.workspace import Workspace
 from paint3d.calligraphy.layout import Layout
 from paint3d.calligraphy.page.correcting import Steps
 from paint3d.calligraphy.page.opening import opened_page, set_in
-from paint3d.calligraphy.page.page import Composer, Page
-from paint3d.errors import Paint3DError
+from paint3d.calligraphy.page.page import Composer, Page, Photograph
+from paint3d.errors import InputError, Paint3DError
 from paint3d.files.photographs import PHOTOGRAPH_SUFFIXES, load_photograph
 
 if TYPE_CHECKING:
@@ -84,9 +85,12 @@ class CopybookGuide:
             page = opened_page(file)
             if page.photograph is not None:
                 try:
-                    laid.photographed = _photographed_again(page)
+                    laid.photographed = _photographed_again(page, page.photograph)
                 except Paint3DError as error:
                     laid.note = say("The strokes lie over their ink: {why}", why=say_error(error))
+                else:
+                    read = os.path.realpath(page.photograph.file)
+                    laid.note = say("The strokes lie over the photograph {file}", file=read)
             return page
 
         return self._lay(composed, laid)
@@ -129,7 +133,7 @@ class CopybookGuide:
         self._panel.show_copybook(done.result())
         self._draw()
         if laid.note:
-            self._workspace.tell(laid.note, state="bad")
+            workspace.tell(laid.note, state="bad" if laid.photographed is None else "off")
         return True
 
     def hide(self) -> None:
@@ -186,12 +190,15 @@ def _photographed(file: Path) -> Photographed:
     return Photographed(pixels, sheet, _finds(file, pixels, scale, invert=False))
 
 
-def _photographed_again(page: Page) -> Photographed:
-    """The photograph that the strokes of a file are from, laid flat as it was then."""
+def _photographed_again(page: Page, there: Photograph) -> Photographed:
+    """The photograph that the strokes of a file are from, laid flat as it was then.
+
+    Which file that is the file of strokes says: nothing but what is named as a picture is read.
+    """
     from paint3d.calligraphy.photo.copying import seen_again
 
-    there = page.photograph
-    assert there is not None, "it was looked at"
+    if not there.file.name.lower().endswith(PHOTOGRAPH_SUFFIXES):
+        raise InputError(f"{there.file}: not named as a picture; expected a photograph")
     pixels, scale = load_photograph(there.file)
     sheet = seen_again(page, pixels, scale)
     return Photographed(pixels, sheet, _finds(there.file, pixels, scale, invert=there.invert))

@@ -33,7 +33,7 @@ _FLATNESS = 0.15  # glyph units that a chord may stray from its curve
 _SUFFIXES = (".ttf", ".otf", ".ttc", ".otc", ".woff", ".woff2")
 _NO_EMBEDDING = 0x2  # of fsType: restricted licence
 _LICENCE, _LICENCE_URL, _COPYRIGHT, _FULL_NAME, _VERSION = 13, 14, 0, 4, 5
-
+_SOME = 4  # fonts that are named where another one lacks a character
 
 _FILLERS = "\u115f\u1160\u3164\uffa0"
 """Letters of Hangul that stand for one that is not there."""
@@ -107,8 +107,8 @@ class FontFile:
             return
         names = ", ".join(f"{c!r} (U+{ord(c):04X})" for c in missing[:12])
         more = f" and {len(missing) - 12} more" if len(missing) > 12 else ""
-        others = fonts_with("".join(missing))
-        hint = f"{', '.join(others[:4])} of the system would do" if others else "try another font"
+        others = ", ".join(_families_that_draw("".join(missing)))
+        hint = f"{others} of the system would do" if others else "try another font"
         raise InputError(f"{self.name} has no glyph for {names}{more}; {hint}")
 
     def is_empty(self, character: str) -> bool:
@@ -126,6 +126,25 @@ class FontFile:
         """Whether the font has what a character is made of, such as a letter and its accent."""
         parts = unicodedata.normalize("NFD", character)
         return len(parts) > 1 and all(ord(part) in self.face.unicodes for part in parts)
+
+
+def _families_that_draw(text: str) -> list[str]:
+    """Some families of the system that have ink for all characters of a text."""
+    hb = package_of_the_hand("uharfbuzz")
+    families: list[str] = []
+    for one in fonts_with(text):
+        if one.family in families:
+            continue
+        try:
+            face = hb.Face(hb.Blob(_font_data(one.path)), one.number)
+        except InputError:
+            continue
+        font = FontFile(one.path, face, hb.Font(face))
+        if not any(font._lacks(character) for character in text):
+            families.append(one.family)
+        if len(families) == _SOME:
+            break
+    return families
 
 
 def _is_drawn(character: str) -> bool:

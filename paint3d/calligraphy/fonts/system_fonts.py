@@ -49,10 +49,10 @@ def list_fonts(text: str = "") -> list[SystemFont]:
     return sorted(fonts, key=lambda font: (font.family, font.style, str(font.path)))
 
 
-def fonts_with(text: str) -> list[str]:
-    """Families that have all characters of a text; none where nobody can be asked."""
+def fonts_with(text: str) -> list[SystemFont]:
+    """Faces that list all characters of a text; none where nobody can be asked."""
     try:
-        return list(dict.fromkeys(font.family for font in list_fonts(text)))
+        return list_fonts(text)
     except InputError:
         return []
 

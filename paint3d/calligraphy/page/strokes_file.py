@@ -25,7 +25,7 @@ __all__ = ["load_strokes", "save_strokes"]
 _FORMAT = "paint3d strokes 1"
 _DECIMALS = 3
 _MOST_BYTES = 200_000_000
-_LONGEST_SHEET = 8192  # pixels of a photographed sheet laid flat
+_LONGEST_SHEET = 3200  # pixels of a photographed sheet laid flat
 _PER_UNIT = (1e-4, 1e3)  # pixels to a glyph unit
 
 
@@ -41,7 +41,7 @@ def save_strokes(page: Page, file: Path) -> None:
     head: dict[str, Any] = {"format": _FORMAT, "source": page.source, "licence": page.licence}
     if page.photograph is not None:
         head["photograph"] = _told_photograph(page.photograph, file)
-    lines = [f"{json.dumps(key)}: {json.dumps(head[key], ensure_ascii=False)}," for key in head]
+    lines = [f"{json.dumps(key)}: {_as_json(value)}," for key, value in head.items()]
     told = ",\n".join(_piece_text(piece) for piece in pieces)
     with write_atomically(file) as part:
         text = "{\n" + "\n".join(lines) + f'\n"pieces": [\n{told}\n]\n}}\n'
@@ -51,7 +51,8 @@ def save_strokes(page: Page, file: Path) -> None:
 def _told_photograph(photograph: Photograph, file: Path) -> dict[str, Any]:
     """Where it lies seen from the file of strokes, and how its sheet lies in it."""
     try:
-        there = Path(os.path.relpath(photograph.file, file.parent)).as_posix()
+        where = photograph.file.parent.resolve() / photograph.file.name
+        there = Path(os.path.relpath(where, file.parent.resolve())).as_posix()
     except ValueError:  # on another drive
         there = photograph.file.name
     return {
@@ -67,8 +68,18 @@ def _told_photograph(photograph: Photograph, file: Path) -> dict[str, Any]:
 def _piece_text(piece: dict[str, Any]) -> str:
     """A piece as JSON, one stroke a line."""
     strokes = ",\n  ".join(json.dumps(stroke) for stroke in piece["strokes"])
-    head = json.dumps({k: v for k, v in piece.items() if k != "strokes"}, ensure_ascii=False)
+    head = _as_json({k: v for k, v in piece.items() if k != "strokes"})
     return f'{head[:-1]}, "strokes": [\n  {strokes}\n]}}'
+
+
+def _as_json(value: Any) -> str:
+    """JSON to be read; what of a name is no UTF-8 as escapes, which give back the same name."""
+    text = json.dumps(value, ensure_ascii=False)
+    try:
+        text.encode()
+    except UnicodeEncodeError:
+        return json.dumps(value)
+    return text
 
 
 def _told_piece(piece: Piece) -> dict[str, Any]:

@@ -37,6 +37,7 @@ if TYPE_CHECKING:
 __all__ = ["Asked", "CopiedSheet", "SheetPicture", "copy_sheet", "seen_again"]
 
 _LONGEST = 1600  # pixels of the straightened sheet
+_BESIDE = 0.02  # of its longer side, that strokes of a file may stand out of it
 _BLACKEST = 0.8  # of the strokes are paler: what the sheet's black ink takes of the light
 _BLACK = 0.8  # of the light, that black ink takes at the least
 _NEARLY = 0.88  # of it: camera and paper make so much of a difference
@@ -183,10 +184,14 @@ def seen_again(page: Page, pixels: NDArray[np.uint8], scale: float) -> SheetPict
     Raises
     ------
     InputError
-        If it is another one, in which the sheet's corners do not lie.
+        If it is another one, in which the sheet's corners do not lie, or the strokes not on it.
     """
     there = page.photograph
     assert there is not None, "it was looked at"
+    low, high = FlatPage(page, there.size, there.per_unit, there.origin).ink_bounds
+    room = _BESIDE * max(there.size)
+    if not ((low > -room).all() and (high < np.array(there.size[::-1]) + room).all()):
+        raise InputError("the strokes lie beside the sheet; expected them on it")
     corners = checked_corners(there.corners / scale, pixels.shape[:2])
     picture = _as_codes(straightened(pixels, corners, there.size))
     return SheetPicture(

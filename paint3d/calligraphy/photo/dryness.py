@@ -103,10 +103,10 @@ def strength_of(
 
 
 def _box(stroke: GlyphStroke, size: tuple[int, ...]) -> tuple[AnyArray, AnyArray]:
-    """First pixel (x, y) of the box around a stroke, and the first beyond it."""
-    low = np.floor(stroke.outline.min(axis=0)).astype(int) - 1
-    high = np.minimum(np.ceil(stroke.outline.max(axis=0)).astype(int) + 2, size[::-1])
-    return np.maximum(low, 0), high
+    """First pixel (x, y) of the box around a stroke, and the first beyond it, on the sheet."""
+    low = np.clip(np.floor(stroke.outline.min(axis=0)) - 1.0, 0.0, size[::-1])
+    high = np.clip(np.ceil(stroke.outline.max(axis=0)) + 2.0, low, size[::-1])
+    return low.astype(int), high.astype(int)
 
 
 def _length(line: AnyArray) -> float:

@@ -16,7 +16,7 @@ __all__ = ["FlatPage", "on_sheet"]
 
 _PIXELS_PER_EM = 400.0
 _MOST_PIXELS = 16e6  # of a page of many characters
-_MARGIN = 0.1  # ems: strokes may stand out of their boxes
+_MARGIN = 0.1  # ems around the ink
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,18 +42,24 @@ class FlatPage:
 
     @classmethod
     def of(cls, page: Page) -> FlatPage:
-        """A page that was found on no photograph."""
-        left, lower, right, upper = page.bounds
+        """A page that was found on no photograph, as large as its ink."""
+        low, high = cls(page, (1, 1), 1.0, np.zeros(2)).ink_bounds
         margin = _MARGIN * EM_UNITS
-        wide, high = right - left + 2.0 * margin, upper - lower + 2.0 * margin
-        per_unit = min(_PIXELS_PER_EM / EM_UNITS, math.sqrt(_MOST_PIXELS / (wide * high)))
-        origin = per_unit * np.array([margin - left, margin + upper])
-        return cls(page, (round(per_unit * high), round(per_unit * wide)), per_unit, origin)
+        wide, tall = high - low + 2.0 * margin
+        per_unit = min(_PIXELS_PER_EM / EM_UNITS, math.sqrt(_MOST_PIXELS / (wide * tall)))
+        size = round(per_unit * tall), round(per_unit * wide)
+        return cls(page, size, per_unit, per_unit * (margin - low))
 
     @property
     def strokes(self) -> list[GlyphStroke]:
         """Of all pieces, in writing order, glyph units."""
         return [stroke for piece in self.page.pieces for stroke in piece.glyph.strokes]
+
+    @property
+    def ink_bounds(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """The box around all strokes, in pixels: upper left (2,), lower right (2,)."""
+        points = np.concatenate([stroke.outline for stroke in self.drawn()])
+        return points.min(axis=0), points.max(axis=0)
 
     def drawn(self) -> list[GlyphStroke]:
         """The same where they lie on the page, in pixels, y down."""

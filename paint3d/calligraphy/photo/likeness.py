@@ -31,7 +31,7 @@ __all__ = [
 ]
 
 _NODES_PER_EM = 24.0
-_REACH = 0.06  # ems beyond a piece's box, that strokes may stand out
+_REACH = 0.06  # ems beyond a piece's box and strokes, that ink may stand out
 _COVERED = 0.5
 
 
@@ -121,7 +121,9 @@ def _on_page(
     """Where points of the surface lie on the sheet, pixels; NaN beyond the piece."""
     square = laid.square
     em = square.em_mm
-    half = 0.5 * np.array([square.width_mm, square.height_mm]) + _REACH * em
+    box = 0.5 * np.array([square.width_mm, square.height_mm])
+    ink = [np.abs(one.outline - laid.glyph.middle).max(axis=0) for one in laid.glyph.strokes]
+    half = np.max([box, *(em / EM_UNITS * np.array(ink))], axis=0) + _REACH * em
     chart = make_chart(closest, square.chart.frame, half[0], half[1], em / _NODES_PER_EM)
     units = unroll(chart, there) * (EM_UNITS / em) + np.array(piece.at)
     result: NDArray[np.float64] = sheet.per_unit * units * np.array([1.0, -1.0]) + sheet.origin

@@ -66,11 +66,12 @@ def _parted(ink: Ink) -> list[Piece]:
     are_dots = all(one.geom_type == "Polygon" and _compactness(one) > _COMPACT for one in parts)
     if not are_dots:
         return []
-    grown = [one.buffer(_OVERLAP * deepest, join_style="mitre") for one in parts]
-    return [
-        Piece(as_dot(one).line, large.intersection(shape))
-        for one, large in zip(parts, grown, strict=True)
-    ]
+    pieces = []
+    for one in parts:
+        large = one.buffer(_OVERLAP * deepest, join_style="mitre").intersection(shape)
+        whole = max(shapely.get_parts(large), key=shapely.area)  # a dot across a gap is another's
+        pieces.append(Piece(as_dot(one).line, whole))
+    return pieces
 
 
 def as_dot(shape: Polygon) -> Piece:

@@ -88,10 +88,14 @@ def _prepare_heif(path: Path, data: bytes) -> None:
 
 
 def _read(path: Path, data: bytes, longest: int) -> tuple[NDArray[np.uint8], tuple[int, int]]:
-    from PIL import Image, ImageOps
+    from PIL import Image, ImageOps, UnidentifiedImageError
 
     Image.MAX_IMAGE_PIXELS = None  # ours is less, and refuses
-    with Image.open(io.BytesIO(data), formats=_known(Image)) as picture:
+    try:
+        opened = Image.open(io.BytesIO(data), formats=_known(Image))
+    except UnidentifiedImageError:  # which names an object in memory
+        raise InputError(f"{path}: no picture that can be read (of no known kind)") from None
+    with opened as picture:
         width, height = picture.size
         if width * height > _MOST_PIXELS:
             raise InputError(
