@@ -116,8 +116,8 @@ class LivePicture:
             self._judge(scene.frame_s)
             return pixels
         if scene.is_lost and (self._object or self._front or self._is_settled(started)):
-            fewer = self._levels[self._level][1] < 1.0 and self._is_moving(started)
-            return self._draw_all(started, moves=fewer)  # or it is now blurred, now sharp
+            moves = self._draws_less() and self._is_moving(started)
+            return self._draw_all(started, moves=moves)  # or it is now blurred, now sharp
         boxes = self._take_boxes()
         for box in boxes:
             scene.draw_object(box)
@@ -176,6 +176,12 @@ class LivePicture:
     def _is_moving(self, now: float) -> bool:
         """Whether the view moves."""
         return not self._is_settled(now)
+
+    def _draws_less(self) -> bool:
+        """Whether a view that moves is drawn by less than the same one at rest, cells aside."""
+        if self._scene.is_software:
+            return self._levels[self._level][1] < 1.0
+        return self._level > 0
 
     def _draw_all(self, started: float, *, moves: bool = False) -> AnyArray:
         """Draw all anew; of a view that moves soon again, so it is not kept."""

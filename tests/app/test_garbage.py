@@ -11,6 +11,7 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
 from PySide6 import QtCore, QtWidgets
 
+from paint3d.app.window import garbage
 from tests.support.app.gestures import wait_for
 from tests.support.app.windows import opened
 
@@ -42,8 +43,17 @@ def test_closed_windows_die_in_their_own_thread(program) -> None:
     assert set(died) == {threading.main_thread()}
 
 
-def test_a_painting_that_was_let_go_of_goes_with_its_memory(program) -> None:
+def test_a_painting_that_was_let_go_of_goes_with_its_memory(
+    program, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    given_back: list[threading.Thread] = []
+    monkeypatch.setattr(garbage, "_LATER_MS", 200)
+    monkeypatch.setattr(
+        garbage, "give_back_memory", lambda: given_back.append(threading.current_thread())
+    )
     with opened(program, "plane", 4.0) as window:
         left = weakref.ref(window.document)
+        wait_for(lambda: given_back)  # of what was there before
         assert window.opening.open_path("sphere", 8.0, "porcelain", asked=True)
-        wait_for(lambda: left() is None, 20.0)
+        wait_for(lambda: left() is None and len(given_back) > 1)
+    assert threading.main_thread() not in given_back  # the window does not wait for it

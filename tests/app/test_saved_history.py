@@ -18,7 +18,6 @@ from paint3d.errors import InputError
 from paint3d.files.project.session import load_session, save_session
 from tests.support.app.hands import paint, same_vertices, small_plane
 from tests.support.app.repeating import repeated
-from tests.support.examples import examples
 
 ACTIONS = st.sampled_from(
     ["stroke", "stroke", "stroke", "undo", "undo", "redo", "dry", "time", "dip", "tip", "wipe",
@@ -91,7 +90,7 @@ def reopened(document, path):
     return again
 
 
-@settings(deadline=None, max_examples=examples(25))
+@settings(deadline=None, max_examples=25)
 @given(before=COMMANDS, after=COMMANDS)
 def test_saving_and_opening_changes_nothing_of_what_comes(tmp_path_factory, before, after):
     document = small_plane(2.0, material="xuan")

@@ -266,6 +266,34 @@ def test_the_status_can_be_read_right_after_the_theme_has_changed(window) -> Non
     window.workspace.actions["dark"].setChecked(False)
 
 
+class _Restyled(QtCore.QObject):
+    """Counts how often a widget is told that its style is another."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.count = 0
+
+    def eventFilter(self, watched: QtCore.QObject, event: QtCore.QEvent) -> bool:
+        self.count += event.type() == QtCore.QEvent.Type.StyleChange
+        return False
+
+
+def test_another_theme_restyles_once_and_the_first_one_looks_as_before(window, program) -> None:
+    dock = window.panels.docks["brushes"].widget()
+    before, restyled = dock.grab().toImage(), _Restyled()
+    dock.installEventFilter(restyled)
+    program.setStyleSheet(program.styleSheet() + "\n")
+    once, restyled.count = restyled.count, 0
+    window.workspace.actions["dark"].setChecked(True)
+    try:
+        assert 0 < restyled.count <= once  # it takes a tenth of a second for them all
+        assert dock.grab().toImage() != before
+    finally:
+        window.workspace.actions["dark"].setChecked(False)
+    dock.removeEventFilter(restyled)
+    assert dock.grab().toImage() == before
+
+
 def test_a_layer_can_be_hidden_right_after_the_theme_has_changed(window) -> None:
     live(0.3)  # nothing is painted meanwhile that would show the rows again
     before = icons_of_layers(window)

@@ -152,8 +152,8 @@ def test_a_sitting_is_offered_only_if_something_was_done(tmp_path, done):
 
 
 @pytest.mark.parametrize("done", [False, True])
-def test_what_is_done_after_an_undone_stroke_was_kept_is_offered(tmp_path, done):
-    """However much shorter it is: the journal of the undone stroke is gone with its base."""
+def test_what_was_undone_before_a_copy_was_kept_comes_back_to_be_done_again(tmp_path, done):
+    """However much shorter what is done since: the journal of the stroke is gone with its base."""
     document = small_plane()
     easel = Easel(document, sitting=Sitting(document, tmp_path))
     stroke(easel, (-20, 0), (20, 0), n=200)
@@ -163,14 +163,43 @@ def test_what_is_done_after_an_undone_stroke_was_kept_is_offered(tmp_path, done)
         stroke(easel, (-20, 5), (20, 5), n=6)
         rested(easel)
     with easel.paused() as painted:
+        assert painted.modified == done
         (folder,) = tmp_path.iterdir()
         left = tmp_path / "left"
         shutil.copytree(folder, left)  # as a kill leaves it
-        n_strokes = len(painted.strokes)
+    (found,) = recoverable(tmp_path)
+    assert found.folder == left
+    again = found.recover().document
+    if not done:
+        again.redo()
+        easel.post("redo")
+        rested(easel)
     easel.stop()
-    found = recoverable(tmp_path)
-    assert [one.folder for one in found] == [left] * done
-    assert [len(one.recover().document.strokes) for one in found] == [n_strokes] * done
+    assert len(again.strokes) == len(document.strokes) == 1
+    assert again.surface.amounts.tobytes() == document.surface.amounts.tobytes()
+
+
+def test_what_was_undone_and_is_in_a_file_is_not_offered(tmp_path):
+    document = small_plane()
+    sitting = Sitting(document, tmp_path / "sittings")
+    document.begin_stroke()
+    document.feed(line((-20, 0), (20, 0)))
+    document.end_stroke()
+    document.undo()
+    document.save(tmp_path / "a.p3d")
+    for opened in (document, Document.open(tmp_path / "a.p3d")):
+        if opened is document:
+            sitting.name_file(opened)
+            sitting.turn_page(opened)
+            sitting.save_base(opened)
+        else:
+            sitting = Sitting(opened, tmp_path / "sittings")
+        assert opened.can_redo
+        left = tmp_path / "left"
+        shutil.copytree(sitting.folder, left / "one")
+        sitting.close()
+        assert recoverable(left) == []
+        assert not (left / "one").exists()
 
 
 @pytest.mark.parametrize("killed", [False, True])

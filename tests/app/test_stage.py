@@ -196,3 +196,33 @@ def test_a_card_that_takes_long_draws_coarsely_while_the_view_moves_and_none_els
     assert (away > 12).mean() < 0.05
     assert np.array_equal(shown, whole)
     stage.close()
+
+
+def test_a_brush_before_a_view_that_moves_has_no_card_draw_all_triangles(
+    screen: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(live_scene, "_SOFTWARE", ())
+    monkeypatch.setattr(live_picture, "_CARD_LEVELS", ((math.inf, 1.0), (2000, 1.0)))
+    monkeypatch.setattr(live_picture, "_CARD_LONG_S", 0.0)
+    monkeypatch.setattr(live_picture, "_SETTLED_S", 1e9)  # the view never rests
+    stage = standing("bowl", 4.0, View((0.12, -1.0, 0.62)), screen)
+    stage.easel.hover(sample(0, -20.0, 0.0, 60.0))
+    follow(stage)
+    for k in range(8):
+        view = View((0.1 * k, -1.0, 0.62))
+        stage.set_camera(fit_camera(stage.points, view, SIZE[0] / SIZE[1]))
+        stage.draw()
+    drawn: list[bool] = []
+    draw = stage.scene.draw_object
+    monkeypatch.setattr(
+        stage.scene,
+        "draw_object",
+        lambda *at, coarse=False, **how: drawn.append(coarse) or draw(*at, coarse=coarse, **how),
+    )
+    for k in range(1, 4):
+        stage.easel.hover(sample(k, 10.0 * k - 20.0, 0.0, 60.0))
+        follow(stage)
+        assert stage.draw() is not None
+    assert drawn
+    assert all(drawn)
+    stage.close()

@@ -68,9 +68,11 @@ def act(surface, painter, action, place):
         surface.refresh()
 
 
-@settings(deadline=None, max_examples=examples(25))
+@settings(deadline=None, max_examples=examples(40))
 @given(
-    steps=st.lists(st.lists(st.tuples(ACTIONS, PLACES), min_size=1, max_size=4), max_size=5),
+    steps=st.lists(
+        st.lists(st.tuples(ACTIONS, PLACES), min_size=2, max_size=4), min_size=2, max_size=5
+    ),
     budget=st.sampled_from([0, 1 << 30]),
 )
 def test_undo_and_redo_lead_back_to_the_bit(steps, budget):

@@ -238,6 +238,31 @@ def test_meanwhile_the_window_takes_no_clicks_and_keys(window, gate: threading.E
     assert window.isVisible()
 
 
+def test_meanwhile_it_takes_no_keys_that_are_held_though_it_was_left_and_come_back_to(
+    window, gate: threading.Event
+) -> None:
+    tapped: list[str] = []
+    window.keys.tapped.connect(tapped.append)
+    held: list[set[str]] = []
+
+    def meanwhile() -> None:
+        for kind in (QtCore.QEvent.Type.WindowDeactivate, QtCore.QEvent.Type.WindowActivate):
+            QtWidgets.QApplication.sendEvent(window, QtCore.QEvent(kind))
+        QtTest.QTest.keyPress(window.canvas, QtCore.Qt.Key.Key_Space)
+        held.append(set(window.hand.held))
+        pad = QtCore.Qt.KeyboardModifier.KeypadModifier
+        QtTest.QTest.keyClick(window.canvas, QtCore.Qt.Key.Key_7, pad)
+        gate.set()
+
+    window.activateWindow()
+    wait_for(window.isActiveWindow)
+    QtCore.QTimer.singleShot(50, meanwhile)  # before the bar is there
+    assert run_beside(window, "work", lambda progress: gate.wait(LIMIT_S)).result()
+    live(0.1)
+    assert (tapped, held) == ([], [set()])
+    QtTest.QTest.keyRelease(window.canvas, QtCore.Qt.Key.Key_Space)
+
+
 def test_a_recovery_that_is_stopped_stays_and_is_offered_in_the_empty_window(
     empty, monkeypatch: pytest.MonkeyPatch, gate: threading.Event
 ) -> None:

@@ -18,7 +18,6 @@ import paint3d.surface.flow as flows
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.surface.kernels.wet_step import move_water
 from paint3d.surface.painted_surface import PaintedSurface
-from tests.support.examples import examples
 from tests.support.surface_cases import ball
 from tests.surface.test_diffusion import drop, everything, grid, irregular
 
@@ -76,7 +75,7 @@ def bound_steps(surface: PaintedSurface, most: float) -> Iterator[None]:
     coats=st.floats(-2.0, 0.8).map(lambda power: 10.0**power),
     seconds=st.floats(-9.0, 9.0).map(lambda power: 10.0**power),
 )
-@settings(max_examples=examples(25), deadline=None)
+@settings(max_examples=25, deadline=None)
 def test_it_ends_and_loses_nothing(patch: str, material: str, coats: float, seconds: float) -> None:
     surface = wetted(patch, material, coats)
     laid = surface.wet_ink()

@@ -124,7 +124,7 @@ def balance(painter: Painter) -> float:
     brush=st.sampled_from(["full", "slender", "xiaokai"]),
     azimuth=st.sampled_from(["commanded", "dragged"]),
 )
-@LAW
+@settings(LAW, max_examples=25)
 def test_ink_is_kept(seed, brush, azimuth):
     rng = np.random.default_rng(seed)
     painter = Painter(PaintedSurface(plane(30.0), 0.8), brush, azimuth=azimuth)

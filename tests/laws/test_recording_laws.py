@@ -8,10 +8,9 @@ from hypothesis.extra import numpy as hnp
 
 from paint3d.errors import RecordingError
 from paint3d.recording.recording import Recording, load_recording, save_recording
-from tests.support.examples import examples
 
 LAW = settings(
-    max_examples=examples(30),
+    max_examples=30,
     deadline=None,
     suppress_health_check=[HealthCheck.function_scoped_fixture],
 )

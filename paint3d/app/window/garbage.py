@@ -8,6 +8,7 @@ than their own: while the window's thread hands them an event, the program ends 
 from __future__ import annotations
 
 import gc
+import threading
 import time
 
 from PySide6 import QtCore
@@ -43,10 +44,13 @@ def collect_garbage() -> None:
 
 
 def collect_all() -> None:
-    """Collect all that is due, and give its memory back to the system."""
+    """Collect all that is due, and have its memory given back to the system.
+
+    That takes a tenth of a second where there is much, and is no thread's in particular.
+    """
     _Search.at_s = time.monotonic()
     gc.collect(2)
-    give_back_memory()
+    threading.Thread(target=give_back_memory, name="paint3d-memory", daemon=True).start()
 
 
 def collect_later(owner: QtCore.QObject) -> QtCore.QTimer:

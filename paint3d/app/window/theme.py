@@ -65,11 +65,12 @@ def apply_theme(app: QtWidgets.QApplication, theme: Theme) -> None:
     sheet = _SHEET.format(**vars(theme))
     if app.styleSheet() == sheet:
         return
-    app.setStyle("Fusion")
-    font = QtGui.QFont()
-    font.setFamilies([*FONTS, app.font().family()])
-    font.setPointSizeF(_POINTS)
-    app.setFont(font)
+    if app.font().families()[: len(FONTS)] != list(FONTS):  # or all are restyled once more
+        app.setStyle("Fusion")
+        font = QtGui.QFont()
+        font.setFamilies([*FONTS, app.font().family()])
+        font.setPointSizeF(_POINTS)
+        app.setFont(font)
     app.setPalette(_palette(theme))
     app.setStyleSheet(sheet)
 

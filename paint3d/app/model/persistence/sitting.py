@@ -61,6 +61,7 @@ class Sitting:
         self._number = self._opening_bytes = 0  # of the journal, with nothing done yet
         self._journal: Journal | None = None
         self._next: Journal | None = None
+        self._in_file = document.steps.newest
         try:
             self.folder.mkdir(parents=True)
             self._lock = open(self.folder / _LOCK, "wb")  # noqa: SIM115 - for as long as it lives
@@ -129,7 +130,7 @@ class Sitting:
         with suppress(ExportError):  # turning the page will tell
             self._lay_out_page()
         with suppress(OSError):
-            self._describe(document, document.modified)
+            self._describe(document, document.modified or self._has_undone(document))
         for old in _numbered(self.folder, "base-") | _numbered(self.folder, "journal-"):
             if old[0] < self._number:
                 with suppress(OSError):
@@ -139,6 +140,10 @@ class Sitting:
         """Make the next journal ready: turning the page waits for no disk, nor who paints on."""
         if self._next is None:
             self._next = Journal(self.folder / f"journal-{self._number + 1}.p3dj", {})
+
+    def _has_undone(self, document: Document) -> bool:
+        """Whether something was undone, all of it perhaps, that is in no file."""
+        return bool(document.steps.undone) and document.steps.newest > self._in_file
 
     def _describe(self, document: Document, modified: bool) -> None:
         ready = 0 if self._next is None else _bytes_of(self._next.path)
@@ -154,6 +159,7 @@ class Sitting:
 
     def name_file(self, document: Document) -> None:
         """Say to which file the painting belongs now; nothing else changes."""
+        self._in_file = document.steps.newest
         self._about |= {"path": _path_of(document), "file": document.file_state}
         with suppress(OSError):  # the next base will say it
             self._write_about()

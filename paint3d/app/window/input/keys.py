@@ -15,6 +15,7 @@ from PySide6 import QtCore, QtGui, QtWidgets
 from paint3d.app.model.persistence.shortcuts import SHORTCUTS
 from paint3d.app.window.input.canvas import WRITING
 from paint3d.app.window.input.hand import CanvasHand
+from paint3d.app.window.jobs.job import is_waiting
 
 __all__ = ["HeldKeys"]
 
@@ -99,6 +100,8 @@ class HeldKeys(QtCore.QObject):
             return False
         if not isinstance(event, QtGui.QKeyEvent) or not self._window.isActiveWindow():
             return False
+        if kind != _KIND.KeyRelease and is_waiting(self._window):
+            return False  # whoever has it wait keeps them, also where this filter comes first
         if event.key() == _KEY.Key_Alt:
             self._alt = kind != _KIND.KeyRelease
             self._alt_at = time.monotonic() if self._alt else self._alt_at
