@@ -253,6 +253,15 @@ def of_each(surface: PaintedSurface) -> NDArray[np.float64]:
     return ink[:, [pigment.name != "water" for pigment in surface.pigments]]
 
 
+def in_doubles(surface: PaintedSurface) -> NDArray[np.float64]:
+    """Coats x mm2 of each pigment (P,), as the water bears it before it is rounded for vertices."""
+    kept, dry = surface.flow.keep(), surface.dry_layers
+    areas = np.asarray(surface.vertex_areas, float)
+    ink = areas[kept["vertices"]] @ kept["pigment"]
+    ink += areas[dry.vertex_ids] @ dry.amounts.astype(float)
+    return ink[[pigment.name != "water" for pigment in surface.pigments]]
+
+
 @given(
     grains=st.lists(st.floats(0.0, 60.0), min_size=1, max_size=3, unique=True).map(sorted),
     water=st.floats(0.1, 8.0),
@@ -267,7 +276,9 @@ def test_each_grain_goes_by_its_own_share(grains, water, seconds, material) -> N
     laid = areas @ of_each(surface)
     surface.diffuse(seconds)
     now = of_each(surface)
-    np.testing.assert_allclose(areas @ now, laid, rtol=1e-8)
+    has_dried = len(surface.dry_layers.vertex_ids) > 0  # which is kept in single precision
+    np.testing.assert_allclose(in_doubles(surface), laid, rtol=3e-8 if has_dried else 1e-12)
+    np.testing.assert_allclose(areas @ now, laid, rtol=3e-8)
     away = (surface.paint_mesh.vertices**2).sum(axis=1) * areas
     reach = away @ now / laid
     assert (np.diff(reach) <= 1e-5 * reach[:-1]).all()
