@@ -67,6 +67,16 @@ def test_a_press_holds_a_tip_that_is_not_pulled(share, angle, aside, length, pre
 
 
 @LAW
+@given(aside=st.floats(-3.0, 3.0), length=lengths, pressed=st.floats(0.01, 3.0))
+def test_a_press_holds_a_tip_right_under_its_heel(aside, length, pressed):
+    """It sprang to the whole length's end, while one a hair's breadth beside it was held."""
+    for off in (0.0, 1e-7):
+        turned, left = trail_step(off, 0.0, aside, 0.0, length, 0.0, pressed, 1.0)
+        assert left == pytest.approx(length - off, abs=1e-12)
+        assert turned == pytest.approx(0.0 if off else aside, abs=1e-12)
+
+
+@LAW
 @given(
     at=st.tuples(places, places),
     length=lengths,
