@@ -23,8 +23,9 @@ front          of the front of water that went up two sheets 45 mm broad from 3 
                fronts in paper were measured (Buldyrev et al. 1992)
 front_mm       that deviation within 6.4 mm
 
-With --inks, what of each ink of the palette is fine, and for a drop of it on each material the
-radius of the water, of the ink, the halo, the rim when dry, and in_halo.
+With --inks, what of each ink of the palette is fine, the diameter of its other grains (um), and for
+a drop of it on each material the radius of the water, of the ink, the halo, the rim when dry, and
+in_halo.
 """
 
 from __future__ import annotations
@@ -43,7 +44,7 @@ COATS, RADIUS, RING = 3.0, 3.0, 0.5
 TURNS = 96  # directions in which an outline is looked for
 NAMES = ("water", "soot", "halo", "rim_20s", "rim_dry", "rim_width", "power", "rough_soot",
          "rough_all", "hurst", "in_halo", "strip", "front", "front_mm")  # fmt: skip
-OF_INKS = ("fine", "water", "radius", "halo", "rim_dry", "in_halo")
+OF_INKS = ("fine", "grain_um", "water", "radius", "halo", "rim_dry", "in_halo")
 WINDOWS = (0.8, 1.2, 1.6, 2.4, 3.2, 4.8, 6.4)  # mm
 FRONT_SPACING = 0.15
 
@@ -149,7 +150,9 @@ def compare_inks(material: str, spacing: float, share: float) -> None:
     for name in pigment_names():
         figures = measure_drop(material, spacing, share, name)
         water, ink, halo, _, rim = figures[:5]
-        shown = (f"{x:.3g}" for x in (load_pigment(name).fine, water, ink, halo, rim, figures[-1]))
+        own = load_pigment(name)
+        found = own.fine, own.grain_um, water, ink, halo, rim, figures[-1]
+        shown = (f"{x:.3g}" for x in found)
         print(material, name, *shown, sep=",", flush=True)
 
 

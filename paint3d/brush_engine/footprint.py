@@ -47,7 +47,7 @@ GEOMETRY = np.dtype(
         (
             "origin",
             *_VECTOR,
-        ),  # where the outline is counted from: P'_m, moved as the plane leans, mm
+        ),  # where the outline is counted from: P'_m, moved as the plane leans or it turns, mm
         ("normal", *_VECTOR),  # of the plane: mean over the effective patch
         ("bend", *_VECTOR),  # direction of P'_m P_0 in the plane (azimuth alpha)
         ("cross", *_VECTOR),  # normal x bend

@@ -619,8 +619,9 @@ def trail_step(along, across, aside, short, length, way, pressed, bent):
         held = bent * min(1.0, _HOLDS * pressed / way) if way > 0.0 else bent
     short = max(0.0, short - way)
     distance = math.hypot(along, across)
-    if held > 0.0 and distance > _NOWHERE:
-        aside += held * _turn(math.atan2(across, along) - aside)
+    if held > 0.0:
+        if distance > _NOWHERE:
+            aside += held * _turn(math.atan2(across, along) - aside)
         short += held * (max(0.0, length - distance) - short)
     aside *= math.exp(-(1.0 - held) * way / (_SPRINGS * length))
     return _turn(aside), min(short, length)

@@ -70,7 +70,7 @@ class Material:
     spread_mm2_s : float
         Diffusivity of water in full pores, mm2/s.
     passing : float
-        Speed of the pigment over that of the water that carries it, 0 to 1.
+        Speed of soot over that of the water that carries it, 0 to 1; coarser grains go slower.
     drying_mm_s : float
         Depth of water that evaporates in a second.
     tooth_mm : float

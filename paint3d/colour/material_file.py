@@ -38,7 +38,7 @@ _MEANINGS = {
     "residual": "share of it that stays where it is",
     "advance": "share of it that must be there before water goes on into the dry",
     "spread_mm2_s": "diffusivity of water in full pores, mm2/s",
-    "passing": "speed of the pigment over that of the water",
+    "passing": "speed of soot over that of the water; coarser grains go slower",
     "drying_mm_s": "depth of water that evaporates in a second, mm",
     "tooth_mm": "length of the bumps that break a dry stroke, mm",
     "rated_absorbency": "the absorbency at which brushes give as they say",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import json
+from dataclasses import fields
 from functools import cache
 from itertools import chain
 
@@ -24,12 +25,15 @@ from paint3d.colour.pigments import Pigment
 from paint3d.errors import Paint3DError, RecordingError
 from paint3d.files.load import load_mesh
 from paint3d.recording.score import Score, load_score, save_score, write_score
-from paint3d.recording.score_schema import check_command, command_names
+from paint3d.recording.score_schema import check_command, command_names, schema
 from paint3d.surface.painted_surface import PaintedSurface
 from tests.support.app.hands import line, paint, small_plane
 from tests.support.examples import examples
 
-OWN = Pigment("iron gall", "", np.linspace(2.0, 9.0, 31), np.full(31, 0.5))
+OWN = Pigment(
+    "iron gall", "铁胆墨", np.linspace(2.0, 9.0, 31), np.full(31, 0.5), source="a recipe",
+    basis="guessed", licence="none", saunderson=True, gloss=0.2, fine=0.3, grain_um=25.0,
+)  # fmt: skip
 PLACES = st.tuples(st.floats(-18, 18), st.floats(-18, 18))
 STROKES = st.builds(
     lambda a, b, press, cut: ("stroke", a, b, press, cut),
@@ -293,3 +297,22 @@ def test_what_a_score_says_of_an_ink_of_ones_own_is_its_spectrum(tmp_path) -> No
     with pytest.raises(RecordingError, match="iron gall: K is -1; expected 0 to 1e"):
         Score(header, score.events)
     assert json.dumps(score.header["pigments"])
+
+
+def test_an_ink_of_ones_own_comes_back_as_it_was(tmp_path) -> None:
+    """Scores refused inks when their grains came, for the schema did not know them."""
+    document = small_plane()
+    document.dip({OWN: 1.0, "water": 2.0})
+    again = painted(read_back(document.score, tmp_path), document.surface.source)
+    (ink,) = [pigment for pigment in again.surface.pigments if pigment.name == OWN.name]
+    assert ink.is_like(OWN)
+    assert (ink.chinese, ink.source, ink.basis, ink.licence) == (
+        OWN.chinese, OWN.source, OWN.basis, OWN.licence
+    )  # fmt: skip
+
+
+def test_a_score_may_say_all_that_a_pigment_has() -> None:
+    said = schema()["$defs"]["pigment"]["properties"]
+    assert {"name", *said} == {own.name for own in fields(Pigment) if own.init}
+    for name, least, most in (("gloss", 0.0, 1.0), ("fine", 0.0, 1.0), ("grain_um", 0.0, 1000.0)):
+        assert (said[name]["minimum"], said[name]["maximum"]) == (least, most)

@@ -1,5 +1,6 @@
 """Sessions: what is saved comes back to the bit, old files open, and no file does harm."""
 
+import dataclasses
 import errno
 import io
 import json
@@ -226,19 +227,46 @@ def test_water_of_files_without_fine_pigment_goes_on_and_loses_nothing():
     assert again.wet_ink() + again.dry_ink() == pytest.approx(laid, rel=1e-6)
 
 
-def test_pigments_of_files_that_do_not_say_how_fine_they_are_are_the_programs_own():
+@pytest.mark.parametrize("unsaid", [("fine",), ("grain_um",), ("fine", "grain_um")])
+def test_pigments_of_files_that_do_not_say_how_fine_they_are_are_the_programs_own(unsaid):
     mesh = sheet(flat, (40.0, 40.0), 5.0)
     surface = PaintedSurface(mesh, 0.8, "xuan")
     mine = Pigment("iron gall", "", np.linspace(2.0, 9.0, 31), np.full(31, 0.5))
-    for ink in (mine, load_pigment("carmine"), load_pigment("oil soot")):
+    own = [load_pigment(name) for name in ("carmine", "oil soot", "azurite 3")]
+    for ink in (mine, *own):
         surface.column_of(ink)
     state = surface_state(surface)
     for pigment in state["pigments"]:
-        del pigment["fine"]
+        for name in unsaid:
+            del pigment[name]
     again = restore_surface(mesh, state)
     assert again.pigments[0].is_like(mine)
-    assert again.pigments[1:] == [load_pigment("carmine"), load_pigment("oil soot")]
+    assert again.pigments[1:] == own
     assert again.column_of(mine) == 0
+
+
+def test_grains_that_a_file_says_stay_and_what_pores_let_pass_of_them():
+    """Also of an ink of the palette that was another when the painting was begun."""
+    mesh = sheet(flat, (40.0, 40.0), 5.0)
+    surface = PaintedSurface(mesh, 0.8, "xuan")
+    carmine = dataclasses.replace(load_pigment("carmine"), fine=0.9, grain_um=7.0)
+    mine = dataclasses.replace(carmine, name="mine", grain_um=3.0)
+    Painter(surface, "full", {mine: 0.2, carmine: 0.2, "water": 0.6}).replay(stroke())
+    surface.diffuse(0.5)
+    state = surface_state(surface)
+    again = restore_surface(mesh, state)
+    assert {p.name: p.grain_um for p in again.pigments if p.grain_um} == {
+        "mine": 3.0,
+        "carmine": 7.0,
+    }
+    assert again.column_of(load_pigment("carmine")) == surface.column_of(carmine)
+    for one in (surface, again):
+        one.diffuse(5.0)
+    np.testing.assert_array_equal(again.amounts, surface.amounts)
+    said = [p for p in state["pigments"] if p["name"] == "mine"]
+    said[0]["grain_um"] = 1e4
+    with pytest.raises(SessionError, match="grain_um of mine is 10000"):
+        restore_surface(mesh, state)
 
 
 @pytest.mark.parametrize(

@@ -19,11 +19,13 @@ from paint3d.brush_engine.footprint import make_stamp
 from paint3d.brush_engine.placement import place_stamp
 from paint3d.brush_engine.scratch import Scratch, make_scratch
 from paint3d.brush_engine.tuft import drag_along, drag_length, hold_along, lie_held, trail_step
+from paint3d.calligraphy.centre_line import centre_line, outline_field
 from paint3d.calligraphy.footprint_table import FootprintTable, tabulate_footprints
+from paint3d.calligraphy.path_fit import PathFitter
 from paint3d.calligraphy.planning import PlanSettings, plan_stroke
 from paint3d.painter.painter import Painter
 from paint3d.surface.painted_surface import PaintedSurface
-from tests.support.planned_strokes import band
+from tests.support.planned_strokes import band, overlap
 from tests.support.surface_cases import flat, sheet
 
 LAW = settings(deadline=None, max_examples=30)
@@ -62,6 +64,16 @@ def test_a_press_holds_a_tip_that_is_not_pulled(share, angle, aside, length, pre
     distance = length - left
     held = distance * math.cos(turned), distance * math.sin(turned)
     assert held == pytest.approx(at, abs=1e-9)
+
+
+@LAW
+@given(aside=st.floats(-3.0, 3.0), length=lengths, pressed=st.floats(0.01, 3.0))
+def test_a_press_holds_a_tip_right_under_its_heel(aside, length, pressed):
+    """It sprang to the whole length's end, while one a hair's breadth beside it was held."""
+    for off in (0.0, 1e-7):
+        turned, left = trail_step(off, 0.0, aside, 0.0, length, 0.0, pressed, 1.0)
+        assert left == pytest.approx(length - off, abs=1e-12)
+        assert turned == pytest.approx(0.0 if off else aside, abs=1e-12)
 
 
 @LAW
@@ -257,3 +269,29 @@ def test_planned_footprints_lie_as_the_laws_lay_them(bend, side):
     assert planned.share[inner].min() < 0.9
     assert np.abs(np.sin(turned)).max() < 0.005
     assert np.linalg.norm(lies, axis=1) == pytest.approx(length, abs=0.02)
+
+
+@cache
+def led_dragged(bend: float) -> tuple[float, float]:
+    """What a dragged brush covers of a bent band as it is led first, and in the end (IoU)."""
+    outline, median = band(0.0, 40.0, 12.0, bend)
+    dragged, em = PlanSettings(azimuth="dragged"), 100.0
+    field = outline_field(outline, em / 512)
+    plan = PathFitter(field, footprints(), dragged, em, None)
+    first = plan.follow(centre_line(median, field, dragged.sample_step * em))
+    courses = first.course, plan.finished(first).course
+    first_share, last = (overlap(course, footprints(), outline, 0.1) for course in courses)
+    return first_share, last
+
+
+@pytest.mark.parametrize("bend", [1.1, -1.4])
+def test_the_handle_makes_up_for_tips_that_are_held_aside(bend):
+    """Of bands bent by 1.1 and 1.4 rad .940 and .931 were covered without that."""
+    first, _ = led_dragged(bend)
+    assert first > 0.952
+
+
+@pytest.mark.parametrize("bend", [1.1, -1.4])
+def test_a_dragged_brush_is_led_on_while_that_betters_its_course(bend):
+    first, last = led_dragged(bend)
+    assert last > first + 0.004

@@ -41,15 +41,16 @@ def signed_distance(polygon, points):
     return np.where(np.abs(winding) > math.pi, distance, -distance)
 
 
-def overlap(course, steps, outline):
-    """Intersection over union of what a course paints and its outline, at 512 pixels an em."""
-    pixel = EM / 512
-    field = np.empty((512, 512))
-    kernels.signed_distances(outline, 0.0, 0.0, pixel, field)
+def overlap(course, steps, outline, pixel=EM / 512):
+    """Intersection over union of what a course paints and its outline, in pixels of so many mm."""
+    x, y = outline.min(axis=0) - 0.25 * EM
+    columns, rows = np.ceil((np.ptp(outline, axis=0) + 0.5 * EM) / pixel).astype(int)
+    field = np.empty((rows, columns))
+    kernels.signed_distances(outline, x, y, pixel, field)
     painted = np.zeros(field.shape, np.bool_)
     kernels.cover(
         steps.points, course.level, course.centre, course.azimuth, course.share,
-        np.array([0.0, 0.0, pixel]), painted,
+        np.array([x, y, pixel]), painted,
     )  # fmt: skip
     wanted = field > 0.0
     return (painted & wanted).sum() / (painted | wanted).sum()
