@@ -8,15 +8,14 @@ from hypothesis import strategies as st
 from shapely import LineString, MultiPolygon, Polygon
 
 from paint3d.calligraphy.glyph_sources import open_glyphs
-from paint3d.calligraphy.glyphs import Glyph, GlyphStroke
-from paint3d.calligraphy.shapes import decompose as decomposing
+from paint3d.calligraphy.glyphs import GlyphStroke
 from paint3d.calligraphy.shapes.arabic_ductus import PlacedLetter, body_strokes, form_of
 from paint3d.calligraphy.shapes.continuation import resampled
 from paint3d.calligraphy.shapes.decompose import decompose
 from paint3d.calligraphy.shapes.ductus import JoinedForm, known_strokes
 from paint3d.calligraphy.shapes.regions import Piece
 from paint3d.calligraphy.shapes.registration import register, tangents_of
-from paint3d.calligraphy.shapes.transfer import Fit, KnownStrokes, in_known_order
+from paint3d.calligraphy.shapes.transfer import KnownStrokes, in_known_order
 from tests.support.examples import examples
 from tests.support.found_strokes import as_listed
 
@@ -186,20 +185,3 @@ def test_forms_of_joined_hands_leave_other_letters_alone(text) -> None:
     shape = MultiPolygon([part for part in shapely.get_parts(ink) if part.area > 0.0])
     one, two = decompose(shape, template=forms), decompose(shape, template=apart)
     assert [s.median.tolist() for s in one] == [s.median.tolist() for s in two]
-
-
-@pytest.mark.parametrize(
-    ("apart", "joined", "which"), [(0.4, 0.3, 0.4), (0.4, 0.2, 0.2), (0.2, 0.05, 0.2)]
-)
-def test_a_joined_form_counts_where_it_lies_far_nearer(monkeypatch, apart, joined, which) -> None:
-    """A w with serifs, and an r of Kaushan Script, lie hardly nearer to it: .99 and .84."""
-
-    def laid(_, lines) -> decomposing._Laid:
-        is_joined = len(lines) == len(forms[1].strokes)
-        away = joined if is_joined else apart
-        return decomposing._Laid(Fit.WHOLE, away, None, [], [])
-
-    forms = Glyph("b", (None, None)), JoinedForm("b", (None,))
-    monkeypatch.setattr(decomposing, "_laid_over", laid)
-    monkeypatch.setattr(decomposing, "_lines_of", lambda form: form.strokes)
-    assert decomposing._best_of([], forms).away == which
