@@ -256,7 +256,9 @@ def test_a_letter_whose_glyph_is_empty_is_missing(tmp_path, monkeypatch) -> None
     build = FontBuilder(1000)
     names = [".notdef", "A", "B", "space", "filler"]
     build.setupGlyphOrder(names)
-    build.setupCharacterMap({0x41: "A", 0x42: "B", 0x20: "space", 0x3164: "filler"})
+    build.setupCharacterMap(
+        {0x41: "A", 0x42: "B", 0x20: "space", 0x3164: "filler", 0x2800: "filler"}
+    )
     build.setupGlyf({name: (square if name == "A" else nothing).glyph() for name in names})
     build.setupHorizontalMetrics(dict.fromkeys(names, (700, 0)))
     build.setupHorizontalHeader(ascent=800, descent=-200)
@@ -265,7 +267,7 @@ def test_a_letter_whose_glyph_is_empty_is_missing(tmp_path, monkeypatch) -> None
     build.setupPost()
     build.save(tmp_path / "half.ttf")
     font = open_font(tmp_path / "half.ttf")
-    font.check_has("A \u3164A")
+    font.check_has("A \u3164\u2800A")  # a sign may be empty: Braille's blank
     with pytest.raises(InputError, match=r"no glyph for 'B' \(U\+0042\);"):
         font.check_has("AB")
     mine = SystemFont("Half", "Regular", 0, tmp_path / "half.ttf")
