@@ -177,6 +177,8 @@ def test_a_card_that_takes_long_draws_coarsely_while_the_view_moves_and_none_els
     monkeypatch.setattr(live_scene, "_SOFTWARE", ())  # what draws passes for a card
     monkeypatch.setattr(live_picture, "_CARD_LEVELS", ((math.inf, 1.0), (2000, 1.0)))
     monkeypatch.setattr(live_picture, "_CARD_LONG_S", long_s)
+    monkeypatch.setattr(live_picture, "_MANY", 100)
+    monkeypatch.setattr(live_picture, "_CELL", 64)
     stage = standing("bowl", 4.0, View((0.12, -1.0, 0.62)), screen)
     assert not stage.scene.is_software
     for k in range(12):
@@ -184,12 +186,15 @@ def test_a_card_that_takes_long_draws_coarsely_while_the_view_moves_and_none_els
         stage.set_camera(fit_camera(stage.points, view, SIZE[0] / SIZE[1]))
         moving = stage.draw().copy()
     assert stage.scene.has_coarse == falls_short
-    shown, until = moving, time.perf_counter() + 300.0
+    shown, until, n_drawn, draw = moving, time.perf_counter() + 300.0, [], stage.scene.draw_object
+    monkeypatch.setattr(stage.scene, "draw_object", lambda *at: n_drawn.append(at) or draw(*at))
     while not stage.is_drawn:
         assert time.perf_counter() < until
         drawn = stage.draw()
         shown = shown if drawn is None else drawn.copy()
         time.sleep(0.002)
+    assert n_drawn == [()] * falls_short  # all of it at once, not cell by cell
+    monkeypatch.setattr(stage.scene, "draw_object", draw)
     whole = stage.picture().copy()
     away = np.abs(moving.astype(int) - whole).max(axis=2)
     assert ((away > 12).any()) == falls_short
@@ -225,4 +230,13 @@ def test_a_brush_before_a_view_that_moves_has_no_card_draw_all_triangles(
         assert stage.draw() is not None
     assert drawn
     assert all(drawn)
+    monkeypatch.setattr(live_picture, "_SETTLED_S", 0.0)  # it rests,
+    monkeypatch.setattr(live_picture, "_MANY", 100)
+    for _ in range(2):
+        drawn.clear()
+        stage.draw()
+        assert drawn == [False]  # all of it at once
+        stage.touch()  # and another light falls on it
+    stage.draw()
+    assert stage.is_drawn
     stage.close()

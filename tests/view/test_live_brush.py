@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
 
 import paint3d
 from paint3d.brush.bending import build_tuft
@@ -16,6 +17,7 @@ from paint3d.device.sample import DeviceSample
 from paint3d.painter.painter import Painter
 from paint3d.pose.brush_pose import object_poses
 from paint3d.surface.painted_surface import PaintedSurface
+from paint3d.view import live_brush
 from paint3d.view.brush_shape import BrushStand, grid_faces, handle_rings, tuft_rings
 from paint3d.view.camera import View, fit_camera
 from paint3d.view.kernels.drape import drape_points
@@ -24,6 +26,7 @@ from paint3d.view.live_scene import LiveScene
 from paint3d.view.pressed_tuft import TuftFollower
 from paint3d.view.single_hairs import MOST_LINES, SingleHairs
 from paint3d.view.studio import Gloss
+from paint3d.view.vtk_parts import DrawnMesh
 
 UPRIGHT = np.eye(3)
 TUFT = build_tuft(load_brush("full"))
@@ -210,3 +213,33 @@ def test_a_shadow_fades_by_how_far_it_falls_also_at_the_joints_of_the_handle(
     drop = -np.diff(fade)
     assert (drop >= 0.0).all()
     assert (drop <= 2.0 * apart / apart.sum() + 1e-9).all()  # nowhere steeper than at its end
+
+
+def test_the_root_of_a_pressed_tuft_fits_a_handle_that_leans_aside(painter: Painter) -> None:
+    lean = Rotation.from_euler("xy", [25.0, 35.0], degrees=True)
+    orientation, axes = np.roll(lean.as_quat(), 1), lean.as_matrix()
+    root = np.array([0.0, 0.0, 24.0])
+    sample = DeviceSample(0, root, orientation, 0.4, 0, np.zeros(3), np.eye(4)[0], None)
+    pressed = TuftFollower().follow(painter, object_poses([sample]))
+    stand = BrushStand.of(painter.tuft, root, axes, pressed)
+    assert stand.touches
+    ring = tuft_rings(painter.tuft, stand)[0][-1]
+    across = np.linalg.svd(ring - ring.mean(axis=0))[2][2]
+    assert abs(across @ axes[:, 2]) == pytest.approx(1.0, abs=1e-9)
+
+
+def test_a_shadow_is_as_dense_as_it_fades(
+    painter: Painter, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    scene, given = LiveScene((160, 120)), list[np.ndarray]()
+    brush, tree = LiveBrush(scene, painter.tuft), painter.surface.contact_tree
+    stand, dense = stand_at(painter, 40.0, None), []
+    monkeypatch.setattr(DrawnMesh, "set_colours", lambda mesh, colours: given.append(colours))
+    for times in (1.0, 0.5, 0.0):
+        monkeypatch.setattr(live_brush, "fade_along", lambda at, k=times: k * fade_along(at))
+        given.clear()
+        brush.show(stand, tree, np.eye(3), None, 0.0)
+        shadow = max((colours for colours in given if colours.shape[1] == 4), key=len)
+        dense.append(int(shadow[:, 3].max()))
+    scene.close()
+    assert dense[0] > dense[1] > dense[2] == 0

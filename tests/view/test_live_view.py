@@ -323,6 +323,21 @@ def test_edges_of_the_brush_are_smooth_too(two_scenes: list[Drawn]) -> None:
 STEPS = st.tuples(PLACES, st.lists(BOXES, max_size=2), PLACES, BOXES, st.booleans(), st.booleans())
 
 
+def test_what_vtk_holds_stays_alive_without_us() -> None:
+    """Memory that is let go of is given to the next one that asks for as much."""
+    mesh, size = DrawnMesh(), 24
+    points = np.arange(3.0 * size).reshape(size, 3)
+    mesh.set_shape(points, np.arange(size, dtype=np.int64).reshape(-1, 3), points)
+    shown = mesh.actor.GetMapper().GetInput()
+    place, cells, normals = shown.GetPoints(), shown.GetPolys(), shown.GetPointData().GetNormals()
+    mesh.set_shape(points[:3], np.array([[0, 1, 2]], np.int32), points[:3])
+    del mesh, shown
+    others = [np.full((size, 3), -7.0, kind) for kind in (np.float32, np.int32) for _ in range(50)]
+    assert place.GetPoint(size - 1) == normals.GetTuple3(size - 1) == tuple(points[-1])
+    assert cells.GetConnectivityArray().GetValue(size - 1) == size - 1
+    assert len(others) == 100
+
+
 @given(steps=st.lists(STEPS, min_size=3))
 @settings(max_examples=examples(25), deadline=None)
 def test_what_is_copied_late_is_the_same_picture(two_scenes: list[Drawn], steps: list) -> None:
