@@ -26,7 +26,8 @@ from paint3d.calligraphy.planning import PlanSettings, plan_stroke
 from paint3d.painter.painter import Painter
 from paint3d.surface.painted_surface import PaintedSurface
 from tests.support.planned_strokes import band, overlap
-from tests.support.surface_cases import flat, sheet
+from tests.support.resampling import resample
+from tests.support.surface_cases import flat, poses, sheet
 
 LAW = settings(deadline=None, max_examples=30)
 lengths, places, shares = st.floats(0.5, 12.0), st.floats(-15.0, 15.0), st.floats(0.0, 1.0)
@@ -196,6 +197,24 @@ def test_a_brush_pressed_again_does_not_push_its_tip_back_or_aside(turn, deep, o
     assert held.sum() > 40
     assert ahead.min() > -1e-3 * STEP
     assert np.linalg.norm(moved - ahead[:, None] * towards, axis=1).sum() < 0.05
+
+
+@pytest.mark.parametrize(("rate", "most"), [(60.0, 0.02), (125.0, 0.01), (1000.0, 0.002)])
+def test_a_press_draws_the_same_however_often_the_hand_is_read(rate, most):
+    """The share of what is painted that differs from what a hand read 500 times a second paints."""
+    usual, other = painted_again(500.0), painted_again(rate)
+    assert (usual ^ other).sum() < most * (usual | other).sum()
+
+
+@cache
+def painted_again(rate: float) -> NDArray[np.bool_]:
+    """What is covered (V,) by a brush that goes 60 mm/s, turns and is pressed again."""
+    way, press = pressed_again(1.2, 0.4, 12.0)
+    points = np.column_stack([way - way.mean(axis=0), np.zeros(len(way))])
+    read = poses(points, (0.0, 0.0, 1.0), (-1.0, 0.0, 0.0), press, rate=60.0 / STEP)
+    surface = PaintedSurface(sheet(flat, (25.0, 15.0), 0.4), None, "porcelain")
+    Painter(surface, "full", azimuth="dragged").replay(resample(read, rate))
+    return surface.coverage > 0.5
 
 
 @settings(deadline=None, max_examples=25)
