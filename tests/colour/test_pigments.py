@@ -145,31 +145,22 @@ def test_a_gloss_of_ones_own_is_read_and_checked(tmp_path):
     assert load_pigment("oil soot").gloss > load_pigment("pine soot").gloss == 0.0
 
 
-def test_a_fine_share_of_ones_own_is_read_and_checked(tmp_path):
+@pytest.mark.parametrize(
+    ("column", "given", "usual", "above", "most"),
+    [("fine", 1.0, 0.12, "1.5", 1), ("grain_um", 40.0, 0.0, "1001", 1000)],
+)
+def test_how_an_own_pigment_runs_is_read_and_checked(column, given, usual, above, most, tmp_path):
     path = tmp_path / "mine.csv"
-    head = "name,fine,K_400,K_700,S_400,S_700\n"
-    path.write_text(f"{head}dye,1,1,1,2,2\nearth,,1,1,2,2\n", "utf-8")
+    head = f"name,{column},K_400,K_700,S_400,S_700\n"
+    path.write_text(f"{head}dye,{given},1,1,2,2\nearth,,1,1,2,2\n", "utf-8")
     mine = load_pigments_csv(path)
-    assert (mine["dye"].fine, mine["earth"].fine) == (1.0, 0.12)
-    path.write_text(f"{head}dye,1.5,1,1,2,2\n", "utf-8")
-    with pytest.raises(PigmentError, match=r"mine\.csv:2: fine is '1\.5'; expected a number"):
-        load_pigments_csv(path)
-    with pytest.raises(PigmentError, match="fine of x"):
-        Pigment("x", "", np.ones(31), np.ones(31), fine=-0.1)
-
-
-def test_grains_of_ones_own_are_read_and_checked(tmp_path):
-    path = tmp_path / "mine.csv"
-    head = "name,grain_um,K_400,K_700,S_400,S_700\n"
-    path.write_text(f"{head}stone,40,1,1,2,2\ndye,,1,1,2,2\n", "utf-8")
-    mine = load_pigments_csv(path)
-    assert (mine["stone"].grain_um, mine["dye"].grain_um) == (40.0, 0.0)
-    path.write_text(f"{head}stone,1001,1,1,2,2\n", "utf-8")
-    wrong = r"mine\.csv:2: grain_um is '1001'; expected a number from 0 to 1000"
+    assert (getattr(mine["dye"], column), getattr(mine["earth"], column)) == (given, usual)
+    path.write_text(f"{head}dye,{above},1,1,2,2\n", "utf-8")
+    wrong = rf"mine\.csv:2: {column} is '{above}'; expected a number from 0 to {most}"
     with pytest.raises(PigmentError, match=wrong):
         load_pigments_csv(path)
-    with pytest.raises(PigmentError, match="grain_um of x"):
-        Pigment("x", "", np.ones(31), np.ones(31), grain_um=-1.0)
+    with pytest.raises(PigmentError, match=f"{column} of x"):
+        Pigment("x", "", np.ones(31), np.ones(31), **{column: -0.1})
 
 
 def test_grades_of_stone_have_grains_of_their_sizes():
