@@ -273,14 +273,16 @@ def paint(
         tip, reach = _tip(recording, wanted)
         if tip is not None:
             painter.dip(tip, reach)
-    with (
-        timed(seconds, "paint"),
-        ProgressBar("painting", enabled=not wanted.quiet) as progress,
-    ):
-        rest_s = wanted.spread_s
-        told = progress if watch is None else watch.over(recording, rest_s, progress)
-        rate = None if watch is None else 1.0 / watch.step_s
-        painter.replay(recording, told, rate, rest_s is not None, rest_s or 0.0)
+    is_shown, rest_s = not wanted.quiet, wanted.spread_s
+    with timed(seconds, "paint"):
+        with ProgressBar("painting", enabled=is_shown) as progress:
+            told = progress if watch is None else watch.over(recording, rest_s, progress)
+            rate = None if watch is None else 1.0 / watch.step_s
+            painter.replay(recording, told, rate, rest_s is not None)
+        if rest_s is not None:
+            with ProgressBar("spreading", enabled=is_shown) as progress:
+                told = progress if watch is None else watch.resting(progress)
+                painter.rest(int(recording.time_ns[-1]), rest_s, told)
         counts = painter.report()
     settings = _in_hand(painter, brush, ink, tip)
     return Painting(surface, counts, seconds, (recording,), settings)

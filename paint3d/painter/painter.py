@@ -455,7 +455,6 @@ class Painter:
         progress: Callable[[float], None] | None = None,
         frame_rate: float | None = None,
         wet: bool = False,
-        rest_s: float = 0.0,
     ) -> None:
         """Paint a whole recording.
 
@@ -471,15 +470,7 @@ class Painter:
             view would; the painting is the same without.
         wet : bool
             Let the ink spread and dry meanwhile, in the recording's own time (`painter.ink_time`).
-        rest_s : float
-            Of the ink's time after the last sample, s, if it is wet.
-
-        Raises
-        ------
-        InputError
-            If the rest is not a finite number of at least 0.
         """
-        rest_s = as_number(rest_s, "rest (s)", 0.0)
         self.finish()
         n, first, passed = len(recording), 0, 0
         start, at = int(recording.time_ns[0]), self._progress.at
@@ -505,8 +496,6 @@ class Painter:
             passed = first + pauses.passed
             first += known - LOOKAHEAD
             at[0] = LOOKAHEAD
-        if wet:
-            self._rest(int(recording.time_ns[-1]), rest_s, progress)
         self._n_samples += n
         self._begin()
 
@@ -522,13 +511,31 @@ class Painter:
                 return True
         return False
 
-    def _rest(self, last_ns: int, seconds: float, progress: Callable[[float], None] | None) -> None:
-        """Let the ink have so much time after the last sample, however long it takes to follow."""
-        left = pieces_until(last_ns + round(1e9 * seconds)) - pieces_until(last_ns)
-        is_dry = False
-        while left and not is_dry:
-            left -= self.surface.keeps_up  # else no time passes
-            is_dry = self._let_pass(1, progress, 1.0)
+    def rest(
+        self, last_ns: int, seconds: float, progress: Callable[[float], None] | None = None
+    ) -> None:
+        """Let the ink of a wet replay have more time, however long it takes to follow.
+
+        Parameters
+        ----------
+        last_ns : int
+            Time of the last sample, ns: the pieces of `painter.ink_time` go on from there.
+        seconds : float
+            Of the ink's time; no more passes once it is dry.
+        progress : callable, optional
+            Called with the fraction of that time that has passed, after every piece.
+
+        Raises
+        ------
+        InputError
+            If the time is not a finite number of at least 0.
+        """
+        seconds = as_number(seconds, "rest (s)", 0.0)
+        n = pieces_until(last_ns + round(1e9 * seconds)) - pieces_until(last_ns)
+        passed, is_dry = 0, False
+        while passed < n and not is_dry:
+            passed += self.surface.keeps_up  # else no time passes
+            is_dry = self._let_pass(1, progress, passed / n)
 
     def _prepare(
         self, recording: Recording | LaidPad, first: int, last: int

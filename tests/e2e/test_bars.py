@@ -91,3 +91,24 @@ def test_every_step_of_a_command_has_its_bar(
     begun.clear()
     assert main(["report"]) == 0
     assert begun == ["asking"]  # for the renderer, which takes its time on some machines
+
+
+def test_the_bar_of_spreading_follows_the_ink(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    drawn: dict[str, list[float]] = {}
+
+    def noted(self: ProgressBar, fraction: float) -> None:
+        drawn.setdefault(self._label, []).append(fraction)
+
+    monkeypatch.setattr(ProgressBar, "__call__", noted)
+    out = str(tmp_path / "out.ply")
+    command = ["write", "一", "--on", "plane", "--material", "xuan", "--out", out]
+    assert main([*command, "--spread", "2", "--quiet"]) == 0
+    spreading = drawn["spreading"]
+    assert len(spreading) >= 40
+    assert spreading == sorted(spreading)
+    assert spreading[0] <= 0.05
+    assert spreading[-1] == 1.0
+    assert drawn["painting"][-1] == 1.0
+    assert drawn["painting"].count(1.0) <= 2

@@ -175,6 +175,16 @@ class Watch:
 
         return told
 
+    def resting(self, progress: Callable[[float], None]) -> Callable[[float], None]:
+        """A progress for `Painter.rest` that watches and tells another one."""
+        from paint3d.painter.ink_time import PIECE_S
+
+        def told(share: float) -> None:
+            self.at(self._seconds + PIECE_S)
+            progress(share)
+
+        return told
+
     def write(self) -> int:
         """Write the film; how many pictures it has.
 
