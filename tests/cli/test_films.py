@@ -108,7 +108,7 @@ def test_what_is_painted_is_the_same_with_a_film(recording, tmp_path) -> None:
 
 
 @needs_opengl
-@pytest.mark.parametrize("suffix", [".gif", ".webp"])
+@pytest.mark.parametrize("suffix", [".gif", pytest.param(".webp", marks=pytest.mark.long)])
 def test_a_score_becomes_a_film_that_lasts_as_long_as_its_speed_says(tmp_path, suffix) -> None:
     film = tmp_path / f"a{suffix}"
     words = ("--film", film, "--fps", 4, "--speed", 2, *FLAT)

@@ -7,7 +7,9 @@ from contextlib import contextmanager
 
 import pytest
 
-__all__ = ["by_few_lights", "few_lights"]
+__all__ = ["by_few_lights", "few_lights", "small_pictures"]
+
+_SMALL = (160, 120)
 
 
 @contextmanager
@@ -27,3 +29,12 @@ def few_lights() -> Iterator[None]:
     """Light by few lights, for a file of tests; light itself is tested in tests/view."""
     with by_few_lights():
         yield
+
+
+@pytest.fixture
+def small_pictures(few_lights: None, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Draw what is exported as a picture small, and by few lights."""
+    from paint3d.view import picture
+
+    draw = picture.draw_picture
+    monkeypatch.setattr(picture, "draw_picture", lambda *a, **b: draw(*a, **{**b, "size": _SMALL}))
