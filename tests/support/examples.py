@@ -14,7 +14,7 @@ _LEAST = 5
 
 
 def examples(n: int) -> int:
-    """Of so many examples a fifth, five at the least, which are the same every time; all of them with --long.
+    """Of so many examples a fifth, the same every time, but five at least; all with --long.
 
     Not of laws that nothing is lost, of ink or of files: they are tried on all every time.
     """
