@@ -60,7 +60,7 @@ _FIRST = (
     "app/test_window_files.py",
     "app/test_busy_painting.py",
 )
-pytest_plugins = ("tests.support.plugged", "tests.support.lights")
+pytest_plugins = ("tests.support.plugged", "tests.support.lights", "tests.support.found_sheets")
 
 if "PYTEST_XDIST_WORKER" in os.environ:
     compile_each_kernel_once()
