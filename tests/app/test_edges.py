@@ -86,7 +86,13 @@ def footprint_reach(window: StudioWindow, tilt: tuple[float, float], pressure=0.
     return 0.5 * float(reach[0] - reach[n - 1])
 
 
-@pytest.mark.parametrize("way", [DOWN_THE_STEPS, UP_THE_STEPS], ids=["down", "up"])
+@pytest.mark.parametrize(
+    "way",
+    [
+        pytest.param(DOWN_THE_STEPS, id="down"),
+        pytest.param(UP_THE_STEPS, id="up", marks=pytest.mark.long),
+    ],
+)
 def test_over_steps_a_pen_paints_under_its_point_and_nowhere_else(window, tmp_path, way) -> None:
     path = tmp_path / "steps.ply"
     paint3d.export(drawn_out(STEPS), path)

@@ -63,7 +63,7 @@ def upright_ink(window: StudioWindow, recording: EventRecording) -> list[float]:
         pytest.param(1, id="15", marks=pytest.mark.long),
         pytest.param(2, id="30", marks=pytest.mark.long),
         pytest.param(3, id="45"),
-        pytest.param(4, id="60"),
+        pytest.param(4, id="60", marks=pytest.mark.long),
     ],
 )
 def test_a_pen_that_leans_paints_under_its_point(window, row: int) -> None:

@@ -108,7 +108,7 @@ def test_it_is_ready_when_all_is_painted_and_a_bar_says_how_far_it_is(window, tm
     assert shares == sorted(shares)
 
 
-@pytest.mark.parametrize("stop", [by_button, by_key])
+@pytest.mark.parametrize("stop", [by_button, pytest.param(by_key, marks=pytest.mark.long)])
 def test_it_is_stopped_at_once_and_undone_as_a_whole(window, tmp_path, stop) -> None:
     file = long_file(window, tmp_path)
     easel = window.stage.easel
