@@ -14,13 +14,13 @@ import numpy as np
 import pytest
 
 from paint3d.app.model.persistence import settings
-from paint3d.view import live_light, live_scene
+from paint3d.view import live_scene
 from paint3d.view.live_light import BakedLight, LiveLight
-from paint3d.view.studio import light_samples
 from tests.support.app.screens import start_screen
 
 _WET_AT_FIRST = settings.WET_AT_FIRST
 _LONGEST_S = 1200.0
+_FOUND: dict[bytes, BakedLight] = {}
 
 
 @pytest.fixture(autouse=True, scope="module")
@@ -31,24 +31,12 @@ def dry_at_first() -> Iterator[None]:
         yield
 
 
-@pytest.fixture(autouse=True, scope="session")
-def few_lights() -> Iterator[None]:
-    """Light what is opened by every eighth of the studio's lights: all take 2 s, hundreds of times.
-
-    Light itself is tested with all of them, in tests/view.
-    """
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(live_light, "light_samples", lambda n: light_samples(n)[::8])
-        yield
-
-
-@pytest.fixture(autouse=True, scope="session")
+@pytest.fixture(autouse=True, scope="module")
 def light_once(few_lights: None) -> Iterator[None]:
-    """Look for the light on an object once: the sheet alone is opened a hundred times.
+    """Look for the light on an object once, by few lights: the sheet is opened a hundred times.
 
-    What is found depends on nothing but what is hashed here.
+    What is found depends on nothing but what is hashed here. Light itself is tested in tests/view.
     """
-    found: dict[bytes, BakedLight] = {}
     bake = LiveLight.bake
 
     def baked(light: LiveLight) -> BakedLight:
@@ -58,9 +46,9 @@ def light_once(few_lights: None) -> Iterator[None]:
             said.update(f"{part.dtype} {part.shape}".encode())
             said.update(np.ascontiguousarray(part).data)
         key = said.digest()
-        if key not in found:
-            found[key] = bake(light)
-        return copy.deepcopy(found[key])
+        if key not in _FOUND:
+            _FOUND[key] = bake(light)
+        return copy.deepcopy(_FOUND[key])
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(LiveLight, "bake", baked)

@@ -93,14 +93,14 @@ def test_an_object_is_examined_beside_the_window(
 
 def test_a_camera_is_placed_as_well_by_some_of_the_points() -> None:
     rng = np.random.default_rng(3)
-    ways = rng.normal(size=(400_000, 3))
+    ways = rng.normal(size=(200_000, 3))
     points = 80.0 * ways / np.linalg.norm(ways, axis=1, keepdims=True) * [1.0, 0.4, 0.7]
     points = np.concatenate([points, [[0.0, 0.0, 120.0]]]).astype(np.float32)
     some = some_points(points)
     assert len(some) < 70_000
     assert np.array_equal(some.max(axis=0), points.max(axis=0))
     assert np.array_equal(some.min(axis=0), points.min(axis=0))
-    for direction in rng.normal(size=(20, 3)):
+    for direction in rng.normal(size=(8, 3)):
         view = View(direction)
         all_of_it, by_some = (fit_camera(where, view, 1.4) for where in (points, some))
         away = np.linalg.norm(all_of_it.position - all_of_it.focus)

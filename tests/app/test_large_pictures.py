@@ -17,7 +17,7 @@ from paint3d.app.window.dialogs.film_dialog import Film
 from tests.support.app.gestures import drag, wait_for
 from tests.support.app.windows import opened, settled
 
-SIZE = 1920, 1300
+SIZE = 1400, 1000
 
 
 @pytest.fixture(autouse=True, scope="module")

@@ -212,7 +212,10 @@ def way_over(surface, laid, line) -> Way:
 
 
 @pytest.mark.parametrize("slant", [12.0, 50.0])
-@pytest.mark.parametrize("turn", [-90.0, -60.0, 0.0, 60.0, 90.0, 110.0])
+@pytest.mark.parametrize(
+    "turn",
+    [-90.0, 0.0, 60.0, *(pytest.param(t, marks=pytest.mark.long) for t in (-60.0, 90.0, 110.0))],
+)
 def test_a_mark_over_a_fold_that_is_crossed_aslant_is_measured_along_it(turn, slant) -> None:
     """By what is nearest in space such a mark is 1.1 mm off its own middle, and jumps 1.6."""
     surface, laid = fold(turn, slant)

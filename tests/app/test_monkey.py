@@ -9,8 +9,9 @@ import pytest
 pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
 from tests.support.app.monkey import Monkey
+from tests.support.examples import ALL
 
-ACTIONS = 120
+ACTIONS = 120 if ALL else 60
 BY_THE_CLOCK = {"slow", "stuck"}  # which is no matter of a test: kernels may still be compiled
 
 

@@ -32,6 +32,7 @@ from tests.support.app.trials import (
     try_strokes,
     ways_of,
 )
+from tests.support.examples import ALL
 
 STEP_MS = 10
 SPEED_MM_S = 80.0
@@ -109,7 +110,7 @@ def test_every_image_of_a_stroke_lies_under_the_image_of_its_way(window, name, a
     for action in actions:
         window.workspace.actions[action].setChecked(True)
     settle(window)
-    told, tried = [], 0
+    told, tried, n = [], 0, 3 if ALL else 2
     side = "in" if name == "bowl" else "any"
     strokes = random_strokes(
         window, np.random.default_rng(6), 40, side, tilt_degrees=50.0, lengths_mm=(15.0, 25.0)
@@ -126,12 +127,12 @@ def test_every_image_of_a_stroke_lies_under_the_image_of_its_way(window, name, a
         window.workspace.post("undo")
         settle(window)
         tried += 1
-        if tried == 3:
+        if tried == n:
             break
     for action in actions:
         window.workspace.actions[action].setChecked(False)
     settle(window)
-    assert tried == 3
+    assert tried == n
     assert told == []
 
 
@@ -143,7 +144,7 @@ def test_every_image_of_a_stroke_lies_under_the_image_of_its_way(window, name, a
     ],
 )
 def test_a_ghost_is_painted_over_where_it_stands_and_counted(window, tilt) -> None:
-    open_for(window, {"object": "vase", "material": "porcelain", "view": "front"}, 0.6)
+    open_for(window, {"object": "vase", "material": "porcelain", "view": "front"}, 0.9)
     assert window.copying.layout_text("二十", 36.0, False)
     ghosts = window.panels.copybook.copybook.ghosts
     told, strokes = [], []
@@ -246,7 +247,7 @@ PAD_LINES = {
         pytest.param(0.25, "vase", marks=pytest.mark.long),
         (0.25, "sphere"),
         (0.5, "bowl"),
-        (0.5, "vase"),
+        pytest.param(0.5, "vase", marks=pytest.mark.long),
         (0.5, "sphere"),
     ],
 )

@@ -92,7 +92,8 @@ def test_a_table_that_has_changed_is_told_once_and_read_as_it_is(
     ("spoil", "told"),
     [
         (lambda path: path.unlink(), "mine.csv: is gone, and its pigments with it"),
-        (lambda path: path.write_text("name\nred\n"), "its pigments are left out"),
+        pytest.param(lambda path: path.write_text("name\nred\n"), "its pigments are left out",
+                     marks=pytest.mark.long),
         (lambda path: path.write_text(HEAD + RED.replace("dragon blood", "cinnabar")),
          "'cinnabar' is called like an ink of the palette"),
     ],

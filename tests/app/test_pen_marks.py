@@ -63,7 +63,7 @@ def upright_ink(window: StudioWindow, recording: EventRecording) -> list[float]:
         pytest.param(1, id="15", marks=pytest.mark.long),
         pytest.param(2, id="30", marks=pytest.mark.long),
         pytest.param(3, id="45"),
-        pytest.param(4, id="60"),
+        pytest.param(4, id="60", marks=pytest.mark.long),
     ],
 )
 def test_a_pen_that_leans_paints_under_its_point(window, row: int) -> None:
@@ -147,7 +147,7 @@ def test_the_mark_does_not_depend_on_how_events_are_handed_over(window, name: st
         ("pictures", 120.0),
         ("as recorded", 0.0),
     ):
-        open_for(window, recording.header, 1.0)
+        open_for(window, recording.header, 2.0)
         in_time = pace == 120.0
         player_of(window).play(
             recording, how, pictures_a_second=pace, real_time=in_time, late=not in_time
@@ -156,7 +156,7 @@ def test_the_mark_does_not_depend_on_how_events_are_handed_over(window, name: st
         if len(surfaces) > 1:
             same_vertices(surfaces[0], surfaces[-1])
     strokes = [stroke.samples for stroke in window.document.strokes]
-    open_for(window, recording.header, 1.0)
+    open_for(window, recording.header, 2.0)
     for samples in strokes:
         window.workspace.post("begin_stroke")
         window.stage.easel.feed(samples)

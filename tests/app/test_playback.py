@@ -70,7 +70,11 @@ def inks_of(surface) -> dict[str, np.ndarray]:
     return {name: amounts for name, amounts in found.items() if amounts.any()}
 
 
-@pytest.mark.parametrize("header", HEADERS, ids=lambda header: header["brush"])
+@pytest.mark.parametrize(
+    "header",
+    [pytest.param(h, id=h["brush"], marks=pytest.mark.long if k >= 2 else ())
+     for k, h in enumerate(HEADERS)],
+)  # fmt: skip
 def test_a_recording_is_played_with_its_own_tools_as_the_command_does(
     window, tmp_path, header
 ) -> None:

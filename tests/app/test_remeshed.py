@@ -144,7 +144,8 @@ def check_places(of, mesh: TriangleMesh, resolution: float) -> None:
 
 @pytest.mark.parametrize(
     ("mesh", "resolution"),
-    [(subdivided, 0.5), (decimated, 0.4), (decimated, 0.5), (bowl, 0.3)],
+    [(subdivided, 0.5), pytest.param(decimated, 0.4, marks=pytest.mark.long), (decimated, 0.5),
+     (bowl, 0.3)],
     ids=["subdivided", "decimated", "decimated, as fine", "finer paint"],
 )  # fmt: skip
 def test_strokes_lie_where_they_lay(mesh, resolution) -> None:
@@ -153,8 +154,9 @@ def test_strokes_lie_where_they_lay(mesh, resolution) -> None:
 
 @pytest.mark.parametrize(
     ("mesh", "resolution"),
-    [(subdivided, 0.5), (decimated, 0.5), (decimated, 0.3), (halved, 0.4), (shifted, 0.3),
-     (bowl, 0.3), (bowl, 0.7)],
+    [(subdivided, 0.5), (decimated, 0.5), (shifted, 0.3), (bowl, 0.7)]
+    + [pytest.param(*one, marks=pytest.mark.long)
+       for one in ((decimated, 0.3), (halved, 0.4), (bowl, 0.3))],
 )  # fmt: skip
 def test_strokes_over_the_rim_lie_where_they_lay(mesh, resolution) -> None:
     check_places(rim, mesh(), resolution)

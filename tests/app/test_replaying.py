@@ -83,13 +83,13 @@ def by_key(window) -> None:
 
 
 def test_it_is_ready_when_all_is_painted_and_a_bar_says_how_far_it_is(window, tmp_path) -> None:
-    file = long_file(window, tmp_path, times=TIMES // 3)  # all of it is waited for
+    file = long_file(window, tmp_path, times=TIMES // 6)  # all of it is waited for
     shares: list[int] = []
     easel = window.stage.easel
     for k in range(5):  # what was painted before does not count
         drag(window.canvas, (0.42, 0.4 + 0.01 * k), (0.58, 0.4 + 0.01 * k), n=40)
     settled(window)
-    before, n = easel.n_painted, replay(window, file, TIMES // 3)
+    before, n = easel.n_painted, replay(window, file, TIMES // 6)
     with easel.paused():  # wherever it is
         window.player.tick()
         shares.append(window.replay_bar.bar.value())
@@ -108,7 +108,7 @@ def test_it_is_ready_when_all_is_painted_and_a_bar_says_how_far_it_is(window, tm
     assert shares == sorted(shares)
 
 
-@pytest.mark.parametrize("stop", [by_button, by_key])
+@pytest.mark.parametrize("stop", [by_button, pytest.param(by_key, marks=pytest.mark.long)])
 def test_it_is_stopped_at_once_and_undone_as_a_whole(window, tmp_path, stop) -> None:
     file = long_file(window, tmp_path)
     easel = window.stage.easel
@@ -147,9 +147,9 @@ def test_undo_stops_it_and_takes_all_of_it_back(window, tmp_path) -> None:
 
 def test_the_rest_of_a_wet_recording_is_not_waited_for(window, tmp_path) -> None:
     """Ten minutes that pass for the ink are 12,000 pieces of time."""
-    file = long_file(window, tmp_path, REST_NS)
+    file = long_file(window, tmp_path, REST_NS, times=60)
     window.workspace.actions["wet"].trigger()
-    replay(window, file)
+    replay(window, file, 60)
     easel = window.stage.easel
     wait_for(lambda: easel.queue_length > 1000)
     by_key(window)

@@ -43,6 +43,7 @@ def test_everything_is_on_the_screen_and_the_mark_under_the_pen(
     check(told, ratio)
 
 
+@pytest.mark.long
 def test_under_wayland_the_same(places: Path, tmp_path: Path) -> None:
     """Its compositor draws no screen, so that none is needed."""
     assert places

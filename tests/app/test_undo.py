@@ -76,7 +76,7 @@ def act(surface, painter, action, place):
     budget=st.sampled_from([0, 1 << 30]),
 )
 def test_undo_and_redo_lead_back_to_the_bit(steps, budget):
-    surface = PaintedSurface(load_mesh("plane"), 1.5, "xuan")
+    surface = PaintedSurface(load_mesh("plane"), 2.5, "xuan")
     painter = Painter(surface, pickup=0.03)
     for name in ("cinnabar", "water", "pine soot"):
         painter.dip(name)
@@ -104,7 +104,7 @@ def test_undo_and_redo_lead_back_to_the_bit(steps, budget):
 
 
 def test_a_step_takes_room_for_what_it_touched_only():
-    surface = PaintedSurface(load_mesh("plane"), 1.5)
+    surface = PaintedSurface(load_mesh("plane"), 2.5)
     painter = Painter(surface)
     history = UndoHistory(surface, keep=painter.keep, restore=painter.restore)
     surface.refine_all()
@@ -120,7 +120,7 @@ def test_a_step_takes_room_for_what_it_touched_only():
 
 
 def test_what_was_undone_goes_when_something_new_comes():
-    surface = PaintedSurface(load_mesh("plane"), 1.5)
+    surface = PaintedSurface(load_mesh("plane"), 2.5)
     painter = Painter(surface)
     history = UndoHistory(surface, keep=painter.keep, restore=painter.restore)
     assert not len(history.undo())
@@ -164,7 +164,7 @@ def test_time_goes_on_after_undo_as_if_the_step_had_never_been(place, redo):
 
 
 def test_redo_first_takes_back_what_the_clock_did_since():
-    surface = PaintedSurface(load_mesh("plane"), 1.5, "xuan")
+    surface = PaintedSurface(load_mesh("plane"), 2.5, "xuan")
     painter = Painter(surface)
     history = UndoHistory(surface, keep=painter.keep, restore=painter.restore)
     for y in (0, 8):
@@ -182,7 +182,7 @@ def test_redo_first_takes_back_what_the_clock_did_since():
 
 
 def test_old_steps_go_to_the_disk_and_come_back():
-    surface = PaintedSurface(load_mesh("plane"), 1.5)
+    surface = PaintedSurface(load_mesh("plane"), 2.5)
     painter = Painter(surface)
     history = UndoHistory(surface, 0, painter.keep, painter.restore)
     for y in (0, 10, 20):
@@ -198,7 +198,7 @@ def test_old_steps_go_to_the_disk_and_come_back():
 
 def test_rows_that_were_taken_back_are_as_new_for_what_dries_next():
     def dried(again):
-        surface = PaintedSurface(load_mesh("plane"), 1.5)
+        surface = PaintedSurface(load_mesh("plane"), 2.5)
         surface.refine_all()
         painter = Painter(surface)
         history = UndoHistory(surface, keep=painter.keep, restore=painter.restore)
@@ -217,7 +217,7 @@ def test_rows_that_were_taken_back_are_as_new_for_what_dries_next():
 
 @pytest.mark.parametrize("memory", [0, 1 << 30])
 def test_reverting_forgets_the_step(memory):
-    surface = PaintedSurface(load_mesh("plane"), 1.5)
+    surface = PaintedSurface(load_mesh("plane"), 2.5)
     painter = Painter(surface)
     history = UndoHistory(surface, memory, painter.keep, painter.restore)
     history.begin("a")

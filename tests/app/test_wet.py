@@ -231,7 +231,7 @@ def test_the_ink_has_the_hands_own_time_however_late_it_is_told(quick_wall, pain
         same_ink(painted_in_time.surface, handed_over(quick_wall, late_s).surface)
 
 
-@pytest.mark.parametrize("part", [None, 7, 40])
+@pytest.mark.parametrize("part", [None, 7, pytest.param(40, marks=pytest.mark.long)])
 def test_its_recording_gives_the_ink_the_same_time(monkeypatch, painted_in_time, part):
     if part is not None:
         monkeypatch.setattr(engine, "_PART", part)

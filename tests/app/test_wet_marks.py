@@ -81,7 +81,7 @@ def test_wet_ink_does_not_depend_on_how_events_are_handed_over(window, monkeypat
     recording = recording.part(0, 16 if name == "bamboo" else 3)  # no time for ink after the last
     first = None
     for how, pace in WAYS:
-        open_for(window, {**recording.header, "material": "xuan", "wet": True}, 1.2)
+        open_for(window, {**recording.header, "material": "xuan", "wet": True}, 2.4)
         play(window, recording, wall, how, pace)
         surface = window.document.surface
         assert surface.flow.water > 0.0

@@ -26,7 +26,7 @@ from tests.support.app.gestures import wait_for
 from tests.support.app.hands import same_vertices
 from tests.support.app.trials import blind_window
 
-RESOLUTION = 1.2
+RESOLUTION = 2.4
 RESTS_MS = (90, 4730, 620)  # between strokes: they come soon, late, and as they mostly do
 
 
@@ -88,7 +88,8 @@ def rest(window, wall: Wall, seconds: float) -> None:
 
 
 @pytest.mark.parametrize(
-    ("how", "pace", "rest_s"), [("pictures", 20.0, 0.0), ("at once", 0.0, 7.31)]
+    ("how", "pace", "rest_s"),
+    [pytest.param("pictures", 20.0, 0.0, marks=pytest.mark.long), ("at once", 0.0, 7.31)],
 )
 def test_the_wet_recording_paints_the_same_to_the_bit(
     window, wall, monkeypatch, tmp_path, how, pace, rest_s

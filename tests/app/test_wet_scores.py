@@ -17,8 +17,9 @@ from tests.support.app.gestures import drag, live, wait_for
 from tests.support.app.hands import same_vertices
 from tests.support.app.windows import opened, settled
 
-RESOLUTION = 1.5
+RESOLUTION = 2.5
 COMMANDS = ("dip", "tip", "layer", "undo", "dry", "rest", "wet", "brush", "rinse", "hide")
+SPEEDS = (None, 16.0)
 ALL_ASKED = (73, 120)  # seeds that between them ask for all of these
 
 
@@ -72,10 +73,12 @@ def same_ink(one, other) -> None:
 
 
 @pytest.mark.parametrize(
-    "seed", [*ALL_ASKED, *(pytest.param(k, marks=pytest.mark.long) for k in range(1, 16))]
+    ("seed", "speeds"),
+    [(seed, (speed,)) for seed, speed in zip(ALL_ASKED, SPEEDS, strict=True)]
+    + [pytest.param(k, SPEEDS, marks=pytest.mark.long) for k in (*ALL_ASKED, *range(1, 16))],
 )
 def test_what_was_painted_wet_is_painted_again_to_the_bit(
-    program, tmp_path, monkeypatch, seed
+    program, tmp_path, monkeypatch, seed, speeds
 ) -> None:
     with opened(program, "plane", RESOLUTION, "xuan") as window:
         paint(window, seed)
@@ -86,7 +89,7 @@ def test_what_was_painted_wet_is_painted_again_to_the_bit(
         words = ["replay", str(file), "--on", "plane", "--out", str(out), "--quiet"]
         assert main(words) == 0
         same_ink(before.surface, load_session(out).surface)
-        for speed in (None, 16.0):
+        for speed in speeds:
             with monkeypatch.context() as own:
                 own.setattr(window.recordings, "_may_leave", lambda: True)
                 assert window.recordings.replay_file(str(file), speed)
@@ -123,7 +126,8 @@ def time_goes_on(window) -> bool:
 
 @pytest.mark.parametrize(
     ("header", "speed", "pause"), [(HEADERS[0], 0.5, True), (HEADERS[2], None, False),
-                                   (HEADERS[3], 16.0, False), (HEADERS[1], 2.0, True)]
+                                   (HEADERS[3], 16.0, False),
+                                   pytest.param(HEADERS[1], 2.0, True, marks=pytest.mark.long)]
 )  # fmt: skip
 def test_a_recording_is_played_wet_as_the_command_does(
     program, tmp_path, header, speed, pause

@@ -24,6 +24,8 @@ FONT = "DejaVu Sans"
 SVG = """<svg xmlns="http://www.w3.org/2000/svg"><g fill="none" stroke="black" stroke-width="4">
 <path d="M5 5H55"/><path d="M5 25H55"/></g></svg>"""
 
+pytestmark = pytest.mark.usefixtures("sheets_found_once")
+
 
 @pytest.fixture(scope="module")
 def window(program):

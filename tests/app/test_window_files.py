@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import os
-import resource
 import shutil
 import sys
 from collections.abc import Callable, Iterator
@@ -33,6 +32,7 @@ from paint3d.files.project.session import load_session
 from paint3d.files.writers.colour_tags import icc_profile
 from tests.support.app.gestures import answer, drag, live, wait_for, when
 from tests.support.app.windows import opened, settled
+from tests.support.full_disk import full_disk
 
 
 @pytest.fixture(scope="module")
@@ -382,7 +382,6 @@ def test_a_film_that_is_too_long_for_its_size_is_refused(window, tmp_path: Path)
 def test_what_cannot_be_written_is_one_sentence_and_leaves_nothing(window, tmp_path: Path) -> None:
     file = tmp_path / "a.p3d"
     file.write_bytes(b"old")
-    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
     for write in (window.saving.save_to, window.exporting.export_to):
         for path in (tmp_path / "no" / "a.p3d", Path("/proc/a.p3d"), tmp_path):
             target = path / "sub.p3d" if path == tmp_path else path
@@ -392,11 +391,8 @@ def test_what_cannot_be_written_is_one_sentence_and_leaves_nothing(window, tmp_p
             assert isinstance(window.workspace.error, ExportError)
             assert "\n" not in str(window.workspace.error)
             assert str(target) in str(window.workspace.error)
-        resource.setrlimit(resource.RLIMIT_FSIZE, (4096, hard))  # as a disk that is full
-        try:
+        with full_disk(4096):
             assert not write(file)
-        finally:
-            resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
         assert "cannot write" in str(window.workspace.error)
         assert file.read_bytes() == b"old"
     assert sorted(os.listdir(tmp_path)) == ["a.p3d", "sub.p3d"]
@@ -417,12 +413,8 @@ def test_a_film_for_which_there_is_no_room_is_given_up_at_once(
 
     monkeypatch.setattr(window.stage, "picture_by_parts", counted)
     film = Film(6.0, 10.0, (160, 120))
-    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (4096, hard))  # as a disk that is full
-    try:
+    with full_disk(4096):
         assert not window.pictures.turntable_to(tmp_path / f"a{suffix}", film)
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
     assert isinstance(window.workspace.error, ExportError)
     assert "cannot write" in str(window.workspace.error)
     assert os.listdir(tmp_path) == []

@@ -178,7 +178,9 @@ def test_replay_plays_all_strokes(window, painted, monkeypatch, speed):
     looks(window, states[-1])
 
 
-@pytest.mark.parametrize("samples", [8, 80])  # done before the next is shown, or not
+@pytest.mark.parametrize(
+    "samples", [8, pytest.param(80, marks=pytest.mark.long)]
+)  # done before the next is shown, or not
 def test_painting_while_strokes_are_replayed_loses_none(window, painted, samples):
     path, states = painted
     assert window.opening.open_path(str(path), asked=True)

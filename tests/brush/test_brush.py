@@ -16,6 +16,7 @@ from paint3d.brush.footprint import make_footprint
 from paint3d.brush.presets import brush_names, load_brush
 from paint3d.brush_engine.tuft import STATIONS, greatest_descent, trace_spine
 from paint3d.errors import BrushError, UnknownNameError
+from tests.support.examples import examples
 
 
 def test_segments_are_an_arithmetic_progression_that_fills_the_tuft():
@@ -220,7 +221,7 @@ def test_a_shorter_tip_segment_softens_the_tip(change):
         assert tips[1] < tips[0] - 1e-3 * descent, "it gives way nearer to the tip"
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=examples(30), deadline=None)
 @given(
     st.floats(2.5, 5.0),
     st.integers(8, 13),

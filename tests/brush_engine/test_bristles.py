@@ -105,7 +105,7 @@ def test_hairs_keep_their_length_and_none_is_under_the_surface(
 @FEW
 def test_points_too_near_the_root_to_come_to_the_plane_never_do(press, tilt, upper):
     spec, slope = load_brush("full"), math.radians(tilt)
-    bristles, tuft = build_bristles(spec, BristleSpec(n_hairs=400)), build_tuft(spec)
+    bristles, tuft = built(spec, BristleSpec(n_hairs=400)), build_tuft(spec)
     turned, bend, block = bt.make_turned(2), np.zeros(1, bt.BEND), bt.make_block()
     bt.turn_hairs(bristles, 1.0, 0.0, turned)
     descent = press * spec.length_mm * math.sin(slope)

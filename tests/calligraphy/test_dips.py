@@ -164,7 +164,7 @@ def test_an_amount_is_of_a_whole_dip() -> None:
 # -- from the command line ----------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("dip", ["auto", "every 2", "always"])
+@pytest.mark.parametrize("dip", ["auto", "every 2", pytest.param("always", marks=pytest.mark.long)])
 def test_replayed_it_is_the_same_to_the_byte(tmp_path: Path, dip: str) -> None:
     """What was written, from the recording that was kept of it, in a mixture."""
     ink = ["--ink", "pine soot:0.6,water:0.4"]

@@ -40,7 +40,7 @@ def copied(text: str, seed: int, dry: float) -> tuple[Photographed, CopiedSheet]
 
 
 @pytest.mark.parametrize(
-    "seed", [*range(3), *(pytest.param(seed, marks=pytest.mark.long) for seed in range(3, 8))]
+    "seed", [*range(2), *(pytest.param(seed, marks=pytest.mark.long) for seed in range(2, 8))]
 )
 def test_corners_are_found(seed: int) -> None:
     there = shot("永", seed, 0.0, Camera(size=640))
@@ -80,7 +80,7 @@ def test_dry_strokes_are_known_along_their_way() -> None:
 def test_trials_bring_flying_white_where_it_was() -> None:
     _, sheet = copied("永大", 5, 0.9)
     without, after = (
-        likeness_of(sheet, painted_copy(sheet, sheet.page, "xuan", trials, 0.3))
+        likeness_of(sheet, painted_copy(sheet, sheet.page, "xuan", trials, 0.4))
         for trials in (0, 2)
     )
     assert after.dryness_r > without.dryness_r + 0.1
@@ -193,7 +193,7 @@ def test_a_picture_without_a_sheet_says_what_to_give() -> None:
 
 def test_an_empty_sheet_has_no_ink() -> None:
     rng = np.random.default_rng(2)
-    paper = (225 + 3 * rng.standard_normal((500, 400, 3))).clip(0, 255).astype(np.uint8)
+    paper = (225 + 3 * rng.standard_normal((250, 200, 3))).clip(0, 255).astype(np.uint8)
     assert "no ink" in refused(paper, whole=True)
 
 

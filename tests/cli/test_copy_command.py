@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import json
-import pickle
-from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -13,12 +11,12 @@ from PIL import Image
 
 from paint3d.calligraphy.glyph_sources import open_glyphs
 from paint3d.calligraphy.page.strokes_file import load_strokes
-from paint3d.calligraphy.photo import copying
 from paint3d.cli.main import main
 from paint3d.recording.recording import load_recording
 from tests.support.photographs import Camera, photograph, sheet_of
 
 pytest.importorskip("skimage")
+pytestmark = pytest.mark.usefixtures("sheets_found_once")
 
 
 @pytest.fixture(scope="module")
@@ -28,23 +26,6 @@ def photo(tmp_path_factory) -> Path:
     sheet = sheet_of([open_glyphs(None).load("十")], 3, dry=0.9, longest=500)
     Image.fromarray(photograph(sheet, 3, Camera(size=700)).pixels).save(file)
     return file
-
-
-@pytest.fixture(autouse=True, scope="module")
-def found_once() -> Iterator[None]:
-    """Look for the strokes of one photograph once for each thing that is asked of it."""
-    found: dict[bytes, copying.CopiedSheet] = {}
-    look = copying.copy_sheet
-
-    def known(pixels: np.ndarray, *given: object) -> copying.CopiedSheet:
-        key = pickle.dumps((pixels, given))
-        if key not in found:
-            found[key] = look(pixels, *given)
-        return found[key]
-
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(copying, "copy_sheet", known)
-        yield
 
 
 def copy(*arguments: object) -> int:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import re
-import resource
 import subprocess
 import sys
 from dataclasses import replace
@@ -21,6 +20,7 @@ from paint3d.recording.hand_time import HandTime
 from paint3d.recording.recording import Recording, save_recording
 from paint3d.view import shot
 from paint3d.view.mp4 import find_encoder, write_mp4
+from tests.support.full_disk import full_disk
 from tests.support.surface_cases import poses
 from tests.view.test_view_picture import needs_opengl
 
@@ -108,7 +108,7 @@ def test_what_is_painted_is_the_same_with_a_film(recording, tmp_path) -> None:
 
 
 @needs_opengl
-@pytest.mark.parametrize("suffix", [".gif", ".webp"])
+@pytest.mark.parametrize("suffix", [".gif", pytest.param(".webp", marks=pytest.mark.long)])
 def test_a_score_becomes_a_film_that_lasts_as_long_as_its_speed_says(tmp_path, suffix) -> None:
     film = tmp_path / f"a{suffix}"
     words = ("--film", film, "--fps", 4, "--speed", 2, *FLAT)
@@ -208,13 +208,11 @@ def test_odd_sizes_become_even_and_a_full_disk_is_said(tmp_path) -> None:
     told, frames = frames_of(file)
     assert frames.shape == (5, 22, 34, 3)
     assert " 12.50 fps" in told
-    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, hard))  # as a disk that is full
-    try:
-        with pytest.raises(ExportError, match=r"a\.mp4: cannot write: ") as caught:
-            write_mp4(file, pictures(60, (320, 240)), 12.0)
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+    with (
+        full_disk(20_000),
+        pytest.raises(ExportError, match=r"a\.mp4: cannot write: ") as caught,
+    ):
+        write_mp4(file, pictures(60, (320, 240)), 12.0)
     assert "\n" not in str(caught.value)
 
 

@@ -169,6 +169,7 @@ def test_who_speaks_of_a_file_may_be_packed_or_damaged(tmp_path) -> None:
     assert not refers_to(elsewhere, tmp_path / "its own.mtl")
 
 
+@pytest.mark.usefixtures("small_pictures")
 def test_with_force_a_picture_is_replaced(strokes, tmp_path) -> None:
     mesh, picture = pictured(tmp_path, "obj")
     before = picture.read_bytes()

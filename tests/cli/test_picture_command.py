@@ -53,12 +53,13 @@ def test_the_choices_are_those_of_the_view() -> None:
 
 
 @needs_opengl
-@pytest.mark.parametrize("name", ["a.p3d", "a.ply"])
-def test_a_flat_picture_of_a_session_or_a_mesh(saved: Path, tmp_path: Path, name: str) -> None:
+@pytest.mark.parametrize(("name", "size"), [("a.p3d", None), ("a.ply", (400, 200))])
+def test_a_flat_picture_of_a_session_or_a_mesh(saved: Path, tmp_path: Path, name, size) -> None:
     out = tmp_path / "flat.png"
-    assert run(saved / name, "--out", out, "--view", "flat") == 0
+    asked = () if size is None else ("--size", "x".join(map(str, size)))
+    assert run(saved / name, "--out", out, "--view", "flat", *asked) == 0
     with Image.open(out) as image:
-        assert image.size == (1600, 800)
+        assert image.size == (size or (1600, 800))
         pixels = np.asarray(image)
     red = (pixels[..., 0] > 1.5 * pixels[..., 1].astype(float)).mean()
     assert 0.01 < red < 0.3  # cinnabar

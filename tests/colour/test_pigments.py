@@ -304,7 +304,7 @@ def test_bad_materials_are_refused():
 
 
 @pytest.mark.skipif(not MEASUREMENTS.exists(), reason="measurements lie beside the checkout")
-@pytest.mark.parametrize("name", ["palette", "materials"])
+@pytest.mark.parametrize("name", [pytest.param("palette", marks=pytest.mark.long), "materials"])
 def test_shipped_table_is_what_its_script_builds(tmp_path, name):
     script, built = ROOT / f"scripts/build_{name}.py", tmp_path / "built.csv"
     subprocess.run(

@@ -334,7 +334,7 @@ def test_without_library_and_numba_it_is_said_in_one_line_what_is_missing(
     assert "Traceback" not in done.stderr
 
 
-@pytest.mark.parametrize("hairs", [0, 200])
+@pytest.mark.parametrize("hairs", [0, pytest.param(200, marks=pytest.mark.long)])
 def test_a_character_is_written_replayed_and_exported_without_numba(
     hairs: int, tmp_path: Path
 ) -> None:

@@ -18,7 +18,7 @@ from paint3d.app.model.persistence.places import config_folder, recovery_folder,
 from paint3d.app.model.persistence.settings import Settings, load_settings, save_settings
 from paint3d.core import own_folders
 from paint3d.core.numba_kernels import ONLY
-from paint3d.core.own_folders import private_folder
+from paint3d.core.own_folders import find_home, private_folder
 from paint3d.errors import ExportError
 
 NOWHERE = "/proc"  # nothing can be made there, not even by root
@@ -68,7 +68,12 @@ def run(code: str, site: Path, **environment: str) -> subprocess.CompletedProces
 
 
 @pytest.mark.parametrize(
-    "home", [{"HOME": NOWHERE}, {"HOME": "~"}, {"HOME": "", "XDG_CACHE_HOME": ""}]
+    "home",
+    [
+        pytest.param({"HOME": NOWHERE}, marks=pytest.mark.long),  # as in the next test
+        pytest.param({"HOME": "~"}, marks=pytest.mark.long),
+        {"HOME": "", "XDG_CACHE_HOME": ""},
+    ],
 )
 def test_kernels_are_kept_without_a_home(home: dict, temporary: Path, installed: Path) -> None:
     own = temporary / f"paint3d-{os.geteuid()}"
@@ -158,13 +163,18 @@ def test_a_user_whom_the_system_does_not_know_has_no_home(monkeypatch: pytest.Mo
     assert own_folders.find_home() is None
 
 
-def test_settings_and_paintings_are_kept_without_a_home(temporary: Path) -> None:
+@pytest.mark.parametrize("home", [NOWHERE, "~", "beside"])
+def test_settings_and_paintings_are_kept_without_a_home(
+    temporary: Path, monkeypatch: pytest.MonkeyPatch, home: str
+) -> None:
+    monkeypatch.setenv("HOME", home)
     own = temporary / f"paint3d-{os.geteuid()}"
     assert config_folder() == own / "config"
     assert recovery_folder() == own / "state" / "sittings"
     assert stand_in() == own
     save_settings(Settings(language="zh"))
     assert load_settings() == (Settings(language="zh"), None)
+    assert find_home() == (Path(NOWHERE) if home == NOWHERE else None)
 
 
 def test_settings_of_a_home_that_is_read_only_are_read(

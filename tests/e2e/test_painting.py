@@ -9,6 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from paint3d.cli import demo
+from paint3d.cli.main import main
+
 
 def replay(paint3d, recording: Path, out: Path, *options: object, **environment: str) -> bytes:
     done = paint3d("replay", recording, "--on", "plane", "--out", out, *options, **environment)
@@ -22,6 +25,7 @@ def test_replaying_twice_gives_the_same_bytes(paint3d, recording: Path, tmp_path
     assert first == second
 
 
+@pytest.mark.long  # tests/laws asks it of the engine
 def test_the_number_of_threads_does_not_matter(paint3d, recording: Path, tmp_path: Path) -> None:
     one = replay(paint3d, recording, tmp_path / "a.ply", NUMBA_NUM_THREADS="1")
     two = replay(paint3d, recording, tmp_path / "b.ply", NUMBA_NUM_THREADS="2")
@@ -101,15 +105,31 @@ def test_a_replay_that_paints_nothing_says_so(
     assert not (tmp_path / "a.ply").exists()
 
 
+@pytest.mark.long
 def test_demo(paint3d, tmp_path: Path) -> None:
     out = tmp_path / "new" / "demo"
     done = paint3d("demo", "--out", out, "--no-view")
     assert done.returncode == 0, done.stderr
+    check_demo(out, done.stdout, 10_000)
+
+
+@pytest.mark.usefixtures("small_pictures")
+def test_a_coarse_demo(tmp_path: Path, capsys, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The same in this process, with fewer vertices, lights and pixels."""
+    whole = demo.PaintOptions
+    monkeypatch.setattr(demo, "PaintOptions", lambda **o: whole(**{**o, "resolution_mm": 0.6}))
+    out = tmp_path / "new" / "demo"
+    assert main(["demo", "--out", str(out), "--no-view"]) == 0
+    check_demo(out, capsys.readouterr().out, 500)
+
+
+def check_demo(out: Path, told: str, n_painted: int) -> None:
+    """Everything that it leaves is there, and told."""
     names = {"bowl.ply", "bowl.glb", "bowl.p3d.txt", "bowl.png", "bowl.p3d", "report.json"}
     assert {file.name for file in out.iterdir()} == names
     assert all(file.stat().st_size > 1000 for file in out.iterdir())
-    assert all(str(out / name) in done.stdout for name in names)
-    assert json.loads((out / "report.json").read_text())["vertices_painted"] > 10_000
+    assert all(str(out / name) in told for name in names)
+    assert json.loads((out / "report.json").read_text())["vertices_painted"] > n_painted
 
 
 @pytest.mark.parametrize("command", ["demo", "replay", "export", "inks", "report"])

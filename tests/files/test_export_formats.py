@@ -2,8 +2,6 @@
 
 import json
 import os
-import resource
-from contextlib import contextmanager
 from types import SimpleNamespace
 
 import numpy as np
@@ -19,6 +17,7 @@ from paint3d.files.export import EXPORT_SUFFIXES, check_export_path, export
 from paint3d.files.export_options import ExportOptions
 from paint3d.files.load import load_mesh
 from paint3d.surface.painted_surface import PaintedSurface
+from tests.support.full_disk import full_disk
 
 
 class Painted:
@@ -253,17 +252,6 @@ def test_a_picture_is_asked_of_the_view(painted, tmp_path, monkeypatch):
     assert 0.0 < asked[0][2].roughness < 1.0
 
 
-@contextmanager
-def no_more_than(n_bytes):
-    """As on a full disk: what is longer cannot be written."""
-    before = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (n_bytes, before[1]))
-    try:
-        yield
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, before)
-
-
 @pytest.mark.parametrize("suffix", EXPORT_SUFFIXES)
 def test_a_full_disk_is_told_of_the_file_that_was_asked_for(tmp_path, monkeypatch, suffix):
     from paint3d.view import picture
@@ -272,7 +260,7 @@ def test_a_full_disk_is_told_of_the_file_that_was_asked_for(tmp_path, monkeypatc
     monkeypatch.setattr(picture, "draw_picture", lambda *_, **__: noise)
     surface = PaintedSurface(load_mesh("sphere"), resolution=3.0)
     path = tmp_path / f"a{suffix}"
-    with no_more_than(5000), pytest.raises(ExportError) as caught:
+    with full_disk(5000), pytest.raises(ExportError) as caught:
         export(surface, path)
     assert str(caught.value).startswith(f"{path}: cannot write")
     assert list(tmp_path.iterdir()) == []

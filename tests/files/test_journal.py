@@ -1,8 +1,6 @@
 """Journals: whatever cuts or flips them, they open up to the damage and say so."""
 
 import os
-import resource
-import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -15,6 +13,7 @@ from hypothesis import strategies as st
 from paint3d.device.sample import DeviceSample
 from paint3d.errors import ExportError, RecordingError, SessionError
 from paint3d.files.project.journal import SAMPLE, Journal, read_journal
+from tests.support.full_disk import full_disk
 
 ROOT = Path(__file__).parents[2]
 
@@ -130,17 +129,11 @@ def test_a_full_disk_leaves_a_whole_journal(tmp_path):
     path = tmp_path / "a.p3dj"
     journal = Journal(path, {})
     journal.append(samples(0, 4))
-    before = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
     size = path.stat().st_size
-    resource.setrlimit(resource.RLIMIT_FSIZE, (size + 100, limits[1]))
-    try:
+    with full_disk(size + 100):
         with pytest.raises(ExportError, match=r"a\.p3dj: cannot write: File too large"):
             journal.append(samples(4, 4))
         assert path.stat().st_size == size
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
-        signal.signal(signal.SIGXFSZ, before)
     journal.append(samples(4, 4))
     journal.close()
     assert len(read_journal(path)[0]) == 8

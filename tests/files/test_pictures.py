@@ -281,7 +281,9 @@ def test_a_texture_is_placed_as_its_transform_says(tmp_path: Path) -> None:
 
 
 @pytest.mark.skipif(not CORPUS.is_dir(), reason="the corpus is not here")
-@pytest.mark.parametrize("name", ["trimesh/BoxTextured.glb", "assimp/spider.obj"])
+@pytest.mark.parametrize(
+    "name", ["trimesh/BoxTextured.glb", pytest.param("assimp/spider.obj", marks=pytest.mark.long)]
+)
 def test_textured_files_of_others_show_their_pictures(name: str) -> None:
     mesh = load_mesh(CORPUS / name, texture=True)
     assert 10_000 < mesh.n_vertices < 1.1 * MOST_VERTICES

@@ -33,7 +33,10 @@ def folder(tmp_path_factory):
     return path
 
 
-@pytest.mark.parametrize("judge", JUDGES)
+SLOW = {"checker": pytest.mark.long}  # reads all formats anew, as the others do one by one
+
+
+@pytest.mark.parametrize("judge", [pytest.param(j, marks=SLOW.get(j, ())) for j in JUDGES])
 def test_the_judge_finds_nothing(folder, judge):
     try:
         found = SCRIPT["CHECKS"][judge](folder)

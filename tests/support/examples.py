@@ -9,12 +9,13 @@ __all__ = ["ALL", "examples"]
 ALL = bool(os.environ.get("PAINT3D_MORE_EXAMPLES"))
 """Whether everything is tried, and examples are new: set by scripts/check --long."""
 
-_SHARE = 3
+_SHARE = 5
+_LEAST = 5
 
 
 def examples(n: int) -> int:
-    """Of so many examples a third, which are the same every time; all of them with --long.
+    """Of so many examples a fifth, the same every time, but five at least; all with --long.
 
     Not of laws that nothing is lost, of ink or of files: they are tried on all every time.
     """
-    return n if ALL else n // _SHARE
+    return n if ALL else min(n, max(n // _SHARE, _LEAST))

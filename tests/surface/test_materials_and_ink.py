@@ -9,6 +9,7 @@ from paint3d.files.load import load_mesh
 from paint3d.painter.painter import Painter
 from paint3d.recording.recording import Recording
 from paint3d.surface.painted_surface import PaintedSurface
+from tests.support.examples import ALL
 
 LIGHT = {"pine soot": 0.2, "water": 0.8}
 SEEN = 0.02  # coats
@@ -37,7 +38,7 @@ def half_width(surface: PaintedSurface) -> float:
 
 def halo(material: str) -> float:
     """By how much a stroke grows to either side in half a minute, mm."""
-    surface = PaintedSurface(load_mesh("plane"), 0.3, material)
+    surface = PaintedSurface(load_mesh("plane"), 0.3 if ALL else 0.5, material)
     Painter(surface, "full", LIGHT).replay(stroke())
     before = half_width(surface)
     surface.diffuse(30.0)

@@ -11,6 +11,7 @@ import pytest
 from paint3d.core.types import AnyArray
 from paint3d.view import picture
 from paint3d.view.daylight import Occluder
+from tests.support.lights import by_few_lights
 
 _KEPT = 2  # of 40 MB each
 
@@ -36,4 +37,11 @@ def looked_at_once() -> Iterator[None]:
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(picture, "Occluder", known)
+        yield
+
+
+@pytest.fixture
+def lit_by_few() -> Iterator[None]:
+    """Light by every eighth of the lights, for tests that compare pictures lit alike."""
+    with by_few_lights():
         yield

@@ -68,6 +68,7 @@ def two_balls():
 
 
 @needs_opengl
+@pytest.mark.usefixtures("lit_by_few")
 @pytest.mark.parametrize("light", ["studio", "none"])
 def test_the_last_picture_is_the_finished_painting_s_own(light: str) -> None:
     arrays, bare = two_balls()
@@ -92,6 +93,7 @@ def test_light_between_two_places_of_a_turn_is_between() -> None:
 
 
 @needs_opengl
+@pytest.mark.usefixtures("lit_by_few")
 def test_films_of_either_kind_are_written_as_mp4(tmp_path) -> None:
     pytest.importorskip("imageio_ffmpeg")
     surface = PaintedSurface(sheet(flat, (40.0, 20.0), 4.0), 1.0)
@@ -130,6 +132,7 @@ def test_a_film_ends_with_the_finished_painting_which_stays(tmp_path, monkeypatc
 
 
 @needs_opengl
+@pytest.mark.usefixtures("lit_by_few")
 def test_wet_ink_shines_in_a_film_as_in_a_picture(tmp_path) -> None:
     surface = PaintedSurface(sheet(flat, (40.0, 20.0), 4.0), 1.0, "sized xuan")
     shot = Shot("above", SIZE)

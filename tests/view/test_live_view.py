@@ -396,8 +396,8 @@ def test_where_refining_and_painting_shows_is_all_that_must_be_drawn() -> None:
     scene.close()
 
 
-@pytest.mark.parametrize("name", ["bowl", "vase"])
 @pytest.mark.parametrize("view", [(0.3, -1.0, 0.8), (0.1, 0.0, -1.0), (1.0, 0.2, 0.0)])
+@pytest.mark.parametrize("name", ["bowl", pytest.param("vase", marks=pytest.mark.long)])
 def test_what_is_seen_from_behind_need_not_be_drawn(name: str, view: tuple) -> None:
     surface = PaintedSurface(paint3d.load_mesh(name), 4.0)
     shown = LiveObject(surface, faces=500)

@@ -70,6 +70,7 @@ def test_a_flat_picture_is_the_sheet_from_border_to_border() -> None:
 
 
 @needs_opengl
+@pytest.mark.usefixtures("lit_by_few")
 @pytest.mark.parametrize("light", ["studio", "none"])
 def test_on_nothing_there_is_the_object_and_its_edge(light: str) -> None:
     vertices, faces, normals = ball()
@@ -112,6 +113,7 @@ def test_an_object_turns_once_and_keeps_its_size() -> None:
 
 
 @needs_opengl
+@pytest.mark.usefixtures("lit_by_few")
 @pytest.mark.parametrize("light", ["none", "soft"])
 def test_a_long_object_is_not_cut_off_as_it_turns(light) -> None:
     """Its ends come nearer and go farther than all of it was in the first picture."""
@@ -130,7 +132,9 @@ def test_a_long_object_is_not_cut_off_as_it_turns(light) -> None:
 def test_a_lit_object_turns_under_one_light() -> None:
     vertices, faces, normals = ball()
     half = np.where(normals[:, :1] > 0.0, BARE, INK).astype(np.uint8)
-    pictures = list(take_turning((vertices, faces, normals, half), Shot((90.0, 15.0), SIZE), 2))
+    pictures = list(
+        take_turning((vertices, faces, normals, half), Shot((90.0, 15.0), SIZE, "raking"), 2)
+    )
     bright, dark = (float(p[18:30, 24:40].mean()) for p in pictures)
     assert bright > 3.0 * dark
     floor = [p[40:, :8].astype(int) for p in pictures]

@@ -53,10 +53,10 @@ def test_the_object_is_looked_at_once_from_each_light(monkeypatch: pytest.Monkey
         daylight, "fill_depth_map", lambda p, to: filled.append(to.axes.tobytes()) or fill(p, to)
     )
     vertices, faces, normals = ball(n=40)
-    occluder, suns = Occluder(vertices, faces), light_samples(48)
+    occluder, suns = Occluder(vertices, faces), light_samples(48)[::6]
     ground = light_ground(occluder, suns)
     light = daylight.light_points(occluder, ground, suns, vertices, normals, 0.8)
-    assert len(filled) == len(set(filled)) == len(suns)
+    assert len(filled) == len(set(filled)) == len(suns) > 30
     again = daylight.light_points(Occluder(vertices, faces), ground, suns, vertices, normals, 0.8)
     assert np.array_equal(light, again)
 

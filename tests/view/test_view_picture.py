@@ -81,6 +81,7 @@ def test_the_object_casts_a_shadow_on_the_floor(portrait):
 
 
 @needs_opengl
+@pytest.mark.usefixtures("lit_by_few")
 def test_behind_the_paint_it_is_bare_and_chalk_has_no_highlights(tmp_path, portrait):
     view, gloss = View((-0.954, 0.0, 0.5)), Gloss.of("plaster")
     back = drawn(tmp_path, inked_ball(), view=view, gloss=gloss)
@@ -89,6 +90,7 @@ def test_behind_the_paint_it_is_bare_and_chalk_has_no_highlights(tmp_path, portr
 
 
 @needs_opengl
+@pytest.mark.usefixtures("lit_by_few")
 def test_a_roughness_told_for_each_vertex_is_that_of_the_whole(tmp_path):
     arrays = inked_ball()
     one = drawn(tmp_path, arrays, gloss=Gloss(0.75, 0.0))
@@ -100,6 +102,7 @@ def test_a_roughness_told_for_each_vertex_is_that_of_the_whole(tmp_path):
 
 
 @needs_opengl
+@pytest.mark.usefixtures("lit_by_few")
 def test_a_sheet_lies_flat_and_fills_the_frame(tmp_path):
     vertices, faces, normals = sheet(40.0, 30.0)
     srgb = np.tile(BARE, (len(vertices), 1))
@@ -112,18 +115,21 @@ def test_a_sheet_lies_flat_and_fills_the_frame(tmp_path):
 
 
 @needs_opengl
-def test_without_a_display_it_is_silent_and_the_same(tmp_path, portrait):
+@pytest.mark.usefixtures("lit_by_few")
+def test_without_a_display_it_is_silent_and_the_same(tmp_path, tmp_path_factory):
     path = tmp_path / "a.png"
     code = (
-        "from tests.view.test_view_picture import *;"
-        f"render_picture(*inked_ball(), {str(path)!r}, size=SIZE)"
+        "from tests.view.test_view_picture import *\nfrom tests.support.lights import *\n"
+        f"with by_few_lights(): render_picture(*inked_ball(), {str(path)!r}, size=SIZE)"
     )
     command = [sys.executable, "-c", code]
     root = Path(__file__).parents[2]
     done = subprocess.run(command, capture_output=True, text=True, env={}, cwd=root, check=False)
     assert (done.returncode, done.stderr) == (0, "")
     with Image.open(path) as image:
-        assert np.array_equal(np.asarray(image), portrait)
+        assert np.array_equal(
+            np.asarray(image), drawn(tmp_path_factory.mktemp("here"), inked_ball())
+        )
 
 
 @pytest.fixture(scope="module")
@@ -171,6 +177,7 @@ def test_a_missing_folder_is_told_and_nothing_is_drawn(tmp_path, monkeypatch):
         render_picture(*inked_ball(), tmp_path, size=SIZE)
 
 
+@pytest.mark.usefixtures("lit_by_few")
 def test_a_failed_picture_leaves_the_old_one(tmp_path, monkeypatch):
     def fail(*_):
         raise ExportError("no OpenGL")

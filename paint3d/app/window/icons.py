@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 from PySide6 import QtCore, QtGui, QtSvg
 
 from paint3d.app.window.theme import Theme
@@ -60,8 +62,9 @@ stroke="{colour}" stroke-width="1.6" stroke-linecap="round" stroke-linejoin="rou
 _SIZES = (16, 20, 24, 32, 48, 64)
 
 
+@cache
 def make_icon(name: str, theme: Theme) -> QtGui.QIcon:
-    """The icon of that name, with a fainter one for what cannot be done now."""
+    """The icon of that name, with a fainter one for what cannot be done now; drawn once."""
     icon = QtGui.QIcon()
     modes = {QtGui.QIcon.Mode.Normal: theme.text, QtGui.QIcon.Mode.Disabled: theme.line}
     for mode, colour in modes.items():

@@ -1,0 +1,34 @@
+"""Strokes of photographed sheets, found once for each thing that is asked of one."""
+
+from __future__ import annotations
+
+import pickle
+from collections.abc import Iterator
+
+import pytest
+
+__all__ = ["sheets_found_once"]
+
+
+@pytest.fixture(scope="module")
+def sheets_found_once() -> Iterator[None]:
+    """Look for the strokes of one photograph once for each thing that is asked of it.
+
+    Looking takes a second. Nobody can change what was found: it is handed on to who asks next.
+    """
+    from paint3d.calligraphy.photo import copying
+
+    found: dict[bytes, copying.CopiedSheet] = {}
+    look = copying.copy_sheet
+
+    def known(*asked: object) -> copying.CopiedSheet:
+        key = pickle.dumps(asked)
+        if key not in found:
+            found[key] = look(*asked)
+            for pixels in (found[key].picture, found[key].red, found[key].corners):
+                pixels.setflags(write=False)
+        return found[key]
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(copying, "copy_sheet", known)
+        yield
