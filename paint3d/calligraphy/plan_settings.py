@@ -51,7 +51,7 @@ class PlanSettings:
 
     sample_step: float = 3.5 / 1024
     pose_step: float = 1.0 / 1024
-    margin: float = 0.4 / 1024
+    margin: float = 0.5 / 1024
     n_directions: int = 36
     shifts: tuple[float, ...] = (-0.4, 0.0, 0.4)
     trailing: float = 0.03
