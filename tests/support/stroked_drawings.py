@@ -1,4 +1,4 @@
-"""Drawings of stroked paths drawn at random, whose strokes are known, and how exactly they are read.
+"""Random drawings of stroked paths whose strokes are known, and how exactly they are read.
 
 What is true is computed here by the formulas of SVG 1.1 (chapters 8 and 9, appendix F.6), without
 the package that the drawings are read with.
@@ -184,7 +184,7 @@ def _ellipse(rng: np.random.Generator) -> tuple[str, list[AnyArray]]:
 
 
 def _dot(rng: np.random.Generator) -> tuple[str, list[AnyArray]]:
-    """A path without length: a dot where its cap is round or square, and nothing where it is cut."""
+    """A path without length: a dot where its cap is round or square, else nothing."""
     (x, y) = _somewhere(rng, 1)[0]
     cap = str(rng.choice(["round", "square", "butt"]))
     way = str(rng.choice([f"L{x:g} {y:g}", "h0", "z", f"C{x:g} {y:g} {x:g} {y:g} {x:g} {y:g}"]))
