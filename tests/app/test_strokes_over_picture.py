@@ -581,6 +581,25 @@ def test_which_photograph_a_file_of_strokes_asks_for_is_told(window, sheet, tmp_
         assert any((str(elsewhere) if is_shown else name) in text for text in told), told
 
 
+def test_a_photograph_that_was_replaced_is_not_shown_below_old_strokes(
+    window, sheet, tmp_path
+) -> None:
+    """By one of the same size, in which the sheet's corners might lie."""
+    told: list[str] = []
+    kept = tmp_path / "two.strokes.json"
+    save_strokes(window.panels.copybook.copybook.page, kept)
+    Image.open(sheet).transpose(Image.Transpose.FLIP_TOP_BOTTOM).save(sheet)
+    window.workspace.said.connect(lambda text, *_: told.append(text))
+    assert window.copying.layout_file(str(kept), 30.0)
+    assert any("another picture than the strokes were found in" in text for text in told), told
+
+    def look(dialog) -> None:
+        assert dialog.corners is None
+        dialog.reject()
+
+    correct(window, look)
+
+
 def test_corrections_whose_laying_was_cancelled_are_kept(window, drawing, monkeypatch) -> None:
     """And offered again, to be undone too; until they lie there, or are dropped."""
     started, go_on = threading.Event(), threading.Event()
@@ -651,7 +670,12 @@ def test_corrections_that_could_not_be_laid_belong_to_their_page(window, drawing
     window.workspace.said.connect(lambda text, *_: told.append(text))
     fail_to_lay()
     assert "The corrections are kept: look at the strokes once more" in told
+    answer(lambda box: box.reject(), QtWidgets.QMessageBox)
+    assert not window.close(), "they would be lost"
+    answer(lambda box: drop_button(box).click(), QtWidgets.QMessageBox)
+    assert window.copying.may_drop()
     correct(window, drop)
+    assert window.copying.may_drop()
     fail_to_lay()
     other = drawing.with_name("one.svg")
     other.write_text(SVG.replace('<path d="M5 5H55"/>', ""), encoding="utf-8")

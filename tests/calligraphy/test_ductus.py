@@ -5,13 +5,14 @@ import pytest
 import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from shapely import LineString, MultiPolygon, Polygon
+from shapely import LineString, MultiPolygon, Polygon, box
 
 from paint3d.calligraphy.glyph_sources import open_glyphs
 from paint3d.calligraphy.glyphs import GlyphStroke
 from paint3d.calligraphy.shapes.arabic_ductus import PlacedLetter, body_strokes, form_of
 from paint3d.calligraphy.shapes.continuation import resampled
 from paint3d.calligraphy.shapes.decompose import decompose
+from paint3d.calligraphy.shapes.dots import dot_among
 from paint3d.calligraphy.shapes.ductus import JoinedForm, known_strokes
 from paint3d.calligraphy.shapes.regions import Piece
 from paint3d.calligraphy.shapes.registration import register, tangents_of
@@ -101,6 +102,91 @@ def test_that_form_counts_which_is_drawn():
     assert as_listed(strokes, forms[1].strokes).agrees
     assert len(strokes) == 2
     assert np.linalg.norm(strokes[1].median[0] - lines[1][0]) < 12.0
+
+
+def test_the_a_of_one_storey_is_a_bowl_then_a_stem():
+    forms = known_strokes(SOURCE, "a")
+    lines = [stroke.median * [60.0, 60.0] for stroke in forms[1].strokes]
+    strokes = decompose(drawn(lines, 4.0), template=forms)
+    assert as_listed(strokes, forms[1].strokes).agrees
+    assert len(strokes) == 2
+    assert strokes[0].median[:, 0].min() < 10.0
+
+
+def test_the_round_e_is_one_way_from_its_top():
+    forms = known_strokes(SOURCE, "E")
+    (way,) = (stroke.median * [60.0, 100.0] for stroke in forms[1].strokes)
+    strokes = decompose(drawn([way], 4.0), template=forms)
+    assert [np.sign(np.diff(s.median[[0, -1], 1])[0]) for s in strokes] == [-1.0] * len(strokes)
+    assert strokes[0].median[0, 1] > strokes[-1].median[0, 1] or len(strokes) == 1
+    assert np.linalg.norm(strokes[0].median[0] - way[0]) < 12.0
+
+
+@given(leads=st.floats(30.0, 90.0), aside=st.floats(-10.0, 40.0), up=st.floats(75.0, 110.0))
+@settings(deadline=None, max_examples=examples(30))
+def test_a_dot_comes_after_its_stem_wherever_it_lies(leads, aside, up):
+    """An i that is led out far to the right: its box is no longer the stem's."""
+    stem = [[18.0, 60.0], [4.0, 10.0], [20.0, 0.0], [20.0 + leads, 35.0]]
+    dot = [[aside, up], [aside + 6.0, up + 6.0]]
+    strokes = decompose(drawn([stem, dot], 5.0), template=known_strokes(SOURCE, "i"))
+    assert strokes[-1].median[:, 1].min() > 65.0
+    assert all(stroke.median[:, 1].max() < 65.0 for stroke in strokes[:-1])
+
+
+def test_the_dot_is_the_smaller_of_two_parts():
+    stem = np.array([[0.0, 0.0], [0.0, 9.0]])
+    dots = [np.array([[x, 9.0], [x, 9.5]]) for x in (0.0, 2.0)]
+    body, small, large = box(0, 0, 4, 90), box(40, 0, 42, 2), box(6, 0, 10, 80)
+    assert dot_among([body, small], [stem, dots[0]]) == {1: 1}
+    assert dot_among([small, body], [stem, dots[0]]) == {0: 1}
+    assert dot_among([body, large], [stem, dots[0]]) == {}, "neither is small"
+    assert dot_among([body, small], [stem, *dots]) == {}, "which of them?"
+    assert dot_among([body, small, large], [stem, dots[0]]) == {}
+    assert dot_among([body, small], [stem]) == {}
+
+
+SMOOTH = [[320.0, 40.0], [200.0, 40.0], [104.0, 4.0]]  # from afar to where the pen is
+CORNER = [[104.0, 80.0], [104.0, 4.0]]
+
+
+@pytest.mark.parametrize(
+    ("line", "told", "begins"),
+    [
+        (SMOOTH, 0.45, -1),
+        (SMOOTH, 0.8, 0),
+        (CORNER, 0.45, 0),
+        (CORNER, 0.1, -1),
+        ([[320.0, 80.0], [320.0, 4.0]], 0.1, 0),  # far from the pen
+    ],
+)
+def test_a_doubtful_stroke_begins_where_the_pen_is(line, told, begins):
+    """The table's second stroke runs across it, and so tells its direction only so far."""
+    line = np.array(line)
+    first, second = resampled(np.array([[0.0, 0.0], [100.0, 0.0]]), 4.0), resampled(line, 4.0)
+    along, aside = tangents_of(second), tangents_of(second)[:, ::-1] * [-1.0, 1.0]
+    known = KnownStrokes(
+        np.concatenate([first, second]),
+        np.concatenate([tangents_of(first), told * along + np.sqrt(1.0 - told**2) * aside]),
+        np.repeat([0, 1], [len(first), len(second)]),
+        np.concatenate([np.linspace(0.0, 1.0, len(part)) for part in (first, second)]),
+        2,
+        20.0,
+    )
+    pieces = [(Piece(first, Polygon()), 0), (Piece(line, Polygon()), 1)]
+    assert in_known_order(pieces, known)[1].line[0].tolist() == line[begins].tolist()
+
+
+def test_a_bow_with_a_swash_runs_the_same_way_as_without():
+    """At an even pace it was nearer to the bow gone backwards."""
+    bow = np.array([[0, 1], [0.6, 1], [0.9, 0.8], [0.9, 0.65], [0.6, 0.55], [0, 0.55]]) * 100.0
+    swash = np.array(
+        [[15, 55], [-10, 65], [-20, 80], [0, 98], [60, 100], [90, 85], [88, 70], [70, 58]]
+    )
+    ink = np.empty((0, 2))
+    stem = GlyphStroke(ink, np.array([[0.0, 100.0], [0.0, 0.0]]))
+    table = [stem, GlyphStroke(ink, bow)]
+    assert as_listed([stem, GlyphStroke(ink, swash * 1.0)], table).agrees
+    assert not as_listed([stem, GlyphStroke(ink, swash[::-1] * 1.0)], table).agrees
 
 
 @pytest.mark.parametrize(

@@ -180,7 +180,8 @@ def test_a_file_knows_the_photograph_that_its_strokes_are_from(tmp_path) -> None
     page = load_svg(draw(tmp_path, '<rect width="9" height="1"/>'))
     corners = np.array([[10.0, 12.5], [400.0, 8.0], [410.0, 300.0], [5.0, 310.0]])
     origin = np.array([0.5, 300.0])
-    photo = Photograph(tmp_path / "b" / "x.jpg", corners, (300, 400), 0.41, origin, invert=True)
+    lies = (300, 400), 0.41, origin
+    photo = Photograph(tmp_path / "b" / "x.jpg", corners, *lies, invert=True, digest="5a")
     kept = tmp_path / "a" / "x.strokes.json"
     kept.parent.mkdir()
     save_strokes(replace(page, photograph=photo), kept)
@@ -192,6 +193,7 @@ def test_a_file_knows_the_photograph_that_its_strokes_are_from(tmp_path) -> None
     np.testing.assert_allclose(again.corners, corners)
     np.testing.assert_allclose(again.origin, origin)
     assert (again.size, again.per_unit, again.invert) == (photo.size, photo.per_unit, True)
+    assert again.digest == "5a"
     assert CorrectedPage.of(load_strokes(moved)).reverse(0).page().photograph is not None
 
 
@@ -215,6 +217,7 @@ PHOTO = {
         ({"size": [9, 2.5]}, "photograph: size is 2.5"),
         ({"per_unit": 0}, "photograph: per_unit"),
         ({"origin": [0]}, "photograph: origin"),
+        ({"sha256": 5}, "photograph: sha256"),
     ],
 )
 def test_a_photograph_that_cannot_be_is_said(tmp_path, change, words) -> None:

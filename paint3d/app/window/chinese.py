@@ -250,6 +250,7 @@ CHINESE = {
     "Drag the corners of the sheet, or move one by the arrows (1 to 4 choose it). "
     "Return finds the strokes anew, Esc leaves them.":
         "拖动纸的四角，或用方向键移动一角（按 1 到 4 选择）。回车重新寻找笔画，Esc 作罢。",
+    "Corrected strokes could not be laid out and are in no file": "更正的笔画未能放上，也未保存",
     "The corrections are not used and not saved": "更正尚未使用，也未保存",
     "Drop them": "放弃更正",
 }  # fmt: skip

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from paint3d.app.model.copybook import Copybook
 from paint3d.app.model.document import Document
 from paint3d.app.model.stroke_log import Stroke
+from paint3d.app.window.dialogs.questions import Answer, ask
 from paint3d.app.window.dialogs.strokes_dialog import CorrectionState, Photographed, StrokesDialog
 from paint3d.app.window.panels.copybook_panel import CopybookPanel
 from paint3d.app.window.wording import say, say_error
@@ -22,7 +23,7 @@ from paint3d.app.window.workspace import Workspace
 from paint3d.calligraphy.layout import Layout
 from paint3d.calligraphy.page.correcting import Steps
 from paint3d.calligraphy.page.opening import opened_page, set_in
-from paint3d.calligraphy.page.page import Composer, Page, Photograph
+from paint3d.calligraphy.page.page import Composer, Page, Photograph, digest_of
 from paint3d.errors import InputError, Paint3DError
 from paint3d.files.photographs import PHOTOGRAPH_SUFFIXES, load_photograph
 
@@ -116,6 +117,14 @@ class CopybookGuide:
             if not self._lay(lambda: corrected, now):
                 workspace.tell(say("The corrections are kept: look at the strokes once more"))
 
+    def may_drop(self) -> bool:
+        """Whether nothing is lost by closing: corrections that do not lie there are asked for."""
+        if self._laid.unused is None:
+            return True
+        told = say("Corrected strokes could not be laid out and are in no file")
+        window = self._workspace.window
+        return ask(window, told, destroy="Drop them", warns=True) is Answer.DestructiveRole
+
     def _lay(self, compose: Callable[[], str | Composer], laid: _Laid) -> bool:
         workspace = self._workspace
         mesh = workspace.document.surface.source
@@ -199,6 +208,10 @@ def _photographed_again(page: Page, there: Photograph) -> Photographed:
 
     if not there.file.name.lower().endswith(PHOTOGRAPH_SUFFIXES):
         raise InputError(f"{there.file}: not named as a picture; expected a photograph")
+    if there.digest not in ("", digest_of(there.file)):
+        raise InputError(
+            f"{there.file}: another picture than the strokes were found in; expected that one there"
+        )
     pixels, scale = load_photograph(there.file)
     sheet = seen_again(page, pixels, scale)
     return Photographed(pixels, sheet, _finds(there.file, pixels, scale, invert=there.invert))

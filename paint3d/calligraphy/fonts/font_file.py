@@ -13,7 +13,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from paint3d.calligraphy.fonts.system_fonts import fonts_with, match_font
+from paint3d.calligraphy.fonts.system_fonts import (
+    SystemFont,
+    fonts_with,
+    list_fonts,
+    match_font,
+)
 from paint3d.calligraphy.glyphs import EM_UNITS
 from paint3d.calligraphy.hand_packages import package_of_the_hand
 from paint3d.calligraphy.page.ink import bezier_points, fill_rings
@@ -23,7 +28,7 @@ from paint3d.errors import InputError
 if TYPE_CHECKING:
     from shapely import MultiPolygon
 
-__all__ = ["FontFile", "open_font"]
+__all__ = ["FontFile", "fonts_that_draw", "open_font"]
 
 _LOG = logging.getLogger(__name__)
 _MOST_BYTES = 200_000_000
@@ -130,21 +135,37 @@ class FontFile:
 
 def _families_that_draw(text: str) -> list[str]:
     """Some families of the system that have ink for all characters of a text."""
-    hb = package_of_the_hand("uharfbuzz")
     families: list[str] = []
     for one in fonts_with(text):
-        if one.family in families:
-            continue
-        try:
-            face = hb.Face(hb.Blob(_font_data(one.path)), one.number)
-        except InputError:
-            continue
-        font = FontFile(one.path, face, hb.Font(face))
-        if not any(font._lacks(character) for character in text):
+        if one.family not in families and _draws(one, text):
             families.append(one.family)
         if len(families) == _SOME:
             break
     return families
+
+
+def fonts_that_draw(text: str) -> list[SystemFont]:
+    """Faces of the system that have ink for all characters of a text; all, where it has none.
+
+    Fonts of icons list the letters that their ligatures are typed by, and have no ink for them.
+
+    Raises
+    ------
+    InputError
+        If fontconfig, or a package that reads fonts, is not there.
+    """
+    return [one for one in list_fonts(text) if not text or _draws(one, text)]
+
+
+def _draws(one: SystemFont, text: str) -> bool:
+    """Whether a face has ink for all characters of a text; none that cannot be read has."""
+    hb = package_of_the_hand("uharfbuzz")
+    try:
+        face = hb.Face(hb.Blob(_font_data(one.path)), one.number)
+    except InputError:
+        return False
+    font = FontFile(one.path, face, hb.Font(face))
+    return not any(_is_drawn(character) and font._lacks(character) for character in text)
 
 
 def _is_drawn(character: str) -> bool:

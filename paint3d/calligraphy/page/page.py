@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,7 +14,7 @@ from numpy.typing import NDArray
 from paint3d.calligraphy.glyphs import Box, Glyph
 from paint3d.errors import InputError
 
-__all__ = ["Composer", "Page", "Photograph", "Piece", "bounds_of"]
+__all__ = ["Composer", "Page", "Photograph", "Piece", "bounds_of", "digest_of"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,6 +58,8 @@ class Photograph:
     origin : (2,) float64
     invert : bool
         Whether it is a rubbing: white strokes on black.
+    digest : str
+        Of the file when they were found, by `digest_of`; empty where that is not known.
     """
 
     file: Path
@@ -65,6 +68,7 @@ class Photograph:
     per_unit: float
     origin: NDArray[np.float64]
     invert: bool = False
+    digest: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,6 +129,15 @@ class Composer(Protocol):
         It is the same page, not a copy, where the lines are broken alike.
         """
         ...
+
+
+def digest_of(file: Path) -> str:
+    """What tells a file's bytes from others (SHA-256); empty where it cannot be read."""
+    try:
+        with file.open("rb") as data:
+            return hashlib.file_digest(data, "sha256").hexdigest()
+    except OSError:
+        return ""
 
 
 def bounds_of(boxes: Iterable[Box]) -> Box:

@@ -62,6 +62,7 @@ def _told_photograph(photograph: Photograph, file: Path) -> dict[str, Any]:
         "per_unit": photograph.per_unit,
         "origin": _told(photograph.origin),
         "invert": photograph.invert,
+        "sha256": photograph.digest,
     }
 
 
@@ -154,7 +155,8 @@ def _photograph(data: Any, path: Path) -> Photograph:
         raise InputError(f"{name}: file is {there!r}; expected its place seen from {path.name}")
     file = path.parent / there
     invert = data.get("invert", False) is True
-    return Photograph(file, corners, (int(height), int(width)), per_unit, origin, invert)
+    digest = _text(data, "sha256", name) if "sha256" in data else ""
+    return Photograph(file, corners, (int(height), int(width)), per_unit, origin, invert, digest)
 
 
 def _piece(data: Any, name: str, known: dict[str, Glyph]) -> Piece:

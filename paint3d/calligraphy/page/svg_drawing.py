@@ -1,7 +1,8 @@
 """An SVG drawing as a page: what is filled is taken apart into strokes, what is stroked is one.
 
 Ink is ink: of colours only white counts, as paper that covers what lies below it. Elements whose
-boxes overlap are one piece, so that they lie on the object as they do on the page.
+boxes overlap are laid as one, so that they lie on the object as they do on the page; they are one
+piece as far as they follow each other in the document, whose order is that of the strokes.
 """
 
 from __future__ import annotations
@@ -10,12 +11,13 @@ import logging
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from io import BytesIO
+from itertools import groupby
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from paint3d.calligraphy.glyphs import EM_UNITS, Glyph, GlyphStroke
+from paint3d.calligraphy.glyphs import EM_UNITS, Box, Glyph, GlyphStroke
 from paint3d.calligraphy.hand_packages import package_of_the_hand
 from paint3d.calligraphy.page.bands import fill_in_bands, is_wide
 from paint3d.calligraphy.page.ink import (
@@ -125,7 +127,7 @@ def _read(data: bytes, name: str, ids: Sequence[str]) -> Iterator[_Ink]:
     """The inks of a drawing in document order."""
     svg = package_of_the_hand("svgelements")
     try:
-        document = svg.SVG.parse(BytesIO(data), reify=True)
+        document = svg.SVG.parse(BytesIO(data), reify=False)
     except Exception as cause:  # of its many kinds, none is documented
         raise InputError(f"{name}: cannot be read ({cause}); expected SVG") from None
     shapes = list(_chosen(document, set(ids), not ids, svg))
@@ -133,24 +135,62 @@ def _read(data: bytes, name: str, ids: Sequence[str]) -> Iterator[_Ink]:
     if missing:
         known = ", ".join(sorted(_names(document, svg))[:12]) or "none"
         raise InputError(f"{name}: no id {', '.join(map(repr, missing))}; it has {known}")
-    paths = [(svg.Path(shape), shape) for shape in shapes]
+    drawn = [_Drawn(shape.segments(transformed=False), shape) for shape in shapes]
     with np.errstate(all="ignore"):  # it computes with what is not finite, too
-        boxes = [box for path, _ in paths if (box := path.bbox()) is not None]
+        boxes = [box for one in drawn if (box := one.box(svg)) is not None]
     if not boxes:
         return
-    widths = [float(shape.stroke_width or 0.0) for shape in shapes]
-    farthest = np.abs([side for box in boxes for side in box] + widths).max()
+    farthest = np.abs([side for box in boxes for side in box] + [one.width for one in drawn]).max()
     if not farthest <= _FARTHEST:
         raise InputError(f"{name}: reaches as far as {farthest:g}; expected {_FARTHEST:g} at most")
     left, upper, right, lower = bounds_of(boxes)
     flatness = _FLATNESS * max(right - left, lower - upper, 1e-9)
-    for k, (path, shape) in enumerate(paths):
-        label = shape.id or f"element {k + 1}"
+    for k, one in enumerate(drawn):
+        label = one.shape.id or f"element {k + 1}"
         with np.errstate(all="ignore"):
-            lines = list(_subpaths(path, flatness, svg))
+            lines = one.lines(flatness, svg)
         if not all(np.isfinite(points).all() for points, _ in lines):
             raise InputError(f"{name}: {label} has an arc of no finite points; expected a radius")
-        yield from _inks(lines, shape, label)
+        yield from _inks(lines, one, label)
+
+
+@dataclass(frozen=True, eq=False)
+class _Drawn:
+    """An element's segments as they are written, and the element, whose transform moves them.
+
+    The package moves segments, too, but not all: arcs that are sheared, and basic shapes that are
+    turned, come out elsewhere.
+    """
+
+    segments: Sequence[Any]
+    shape: Any
+
+    @property
+    def width(self) -> float:
+        """Of its stroke, the drawing's unit."""
+        return float(self.shape.implicit_stroke_width or 0.0)
+
+    def box(self, svg: Any) -> Box | None:
+        """Its box, the drawing's unit, y downwards; none where there is nothing."""
+        box = svg.Path(*self.segments).bbox() if self.segments else None
+        if box is None:
+            return None
+        corners = self._moved(np.array([[x, y] for x in box[::2] for y in box[1::2]]))
+        (left, upper), (right, lower) = corners.min(axis=0), corners.max(axis=0)
+        return float(left), float(upper), float(right), float(lower)
+
+    def lines(self, flatness: float, svg: Any) -> list[tuple[AnyArray, bool]]:
+        """Its lines (N, 2), and whether they are closed; the drawing's unit, y downwards."""
+        turn = self.shape.transform
+        stretch = max(float(np.hypot(turn.a, turn.b)), float(np.hypot(turn.c, turn.d)), 1e-12)
+        written = _subpaths(self.segments, flatness / (np.sqrt(2.0) * stretch), svg)
+        return [(self._moved(points), closed) for points, closed in written]
+
+    def _moved(self, points: AnyArray) -> AnyArray:
+        turn = self.shape.transform
+        across = np.array([[turn.a, turn.b], [turn.c, turn.d]], np.float64)
+        moved: AnyArray = points @ across + np.array([turn.e, turn.f], np.float64)
+        return moved
 
 
 def _chosen(element: Any, ids: set[str], taken: bool, svg: Any) -> Iterator[Any]:
@@ -175,34 +215,51 @@ def _names(element: Any, svg: Any) -> set[str]:
     return names
 
 
-def _subpaths(path: Any, flatness: float, svg: Any) -> Iterator[tuple[AnyArray, bool]]:
-    """Every line of a path as points (N, 2), and whether it is closed."""
+def _subpaths(
+    segments: Sequence[Any], flatness: float, svg: Any
+) -> Iterator[tuple[AnyArray, bool]]:
+    """Every line of segments as points (N, 2), and whether it is closed; a dot may be one point."""
     points: list[AnyArray] = []
-    for segment in path:
+    controls: AnyArray = np.empty((0, 2))  # of the segment before
+    for segment, before in zip(segments, (None, *segments), strict=False):
+        controls = _controls(segment, controls)
         if isinstance(segment, svg.Move):
             if len(points) > 1:
                 yield np.array(points), False
             points = [_point(segment.end)]
         elif isinstance(segment, svg.Close):
-            if len(points) > 1:
+            if len(points) > 1 or isinstance(before, svg.Move):
                 yield _opened(np.array(points)), True
             points = points[:1]
         else:
-            points.extend(_segment(segment, flatness, svg))
+            points.extend(_segment(segment, controls, flatness, svg))
     if len(points) > 1:
         yield np.array(points), False
 
 
-def _segment(segment: Any, flatness: float, svg: Any) -> AnyArray:
+def _controls(segment: Any, before: AnyArray) -> AnyArray:
+    """The control points (0..4, 2) of a segment, its ends among them; an arc has none but these.
+
+    Of a smooth curve the first mirrors the last of the curve before, if it is one of its kind (SVG
+    1.1, 8.3.6 and 8.3.7), which the package does after any curve.
+    """
+    names = ("start", "control", "control1", "control2", "end")
+    found = [_point(p) for name in names if (p := getattr(segment, name, None)) is not None]
+    controls = np.array(found).reshape(-1, 2)
+    if len(controls) > 2 and getattr(segment, "smooth", False):
+        mirrors = len(before) == len(controls)
+        controls[1] = 2.0 * controls[0] - before[-2] if mirrors else controls[0]
+    return controls
+
+
+def _segment(segment: Any, controls: AnyArray, flatness: float, svg: Any) -> AnyArray:
     """Points of a segment after its start."""
     if isinstance(segment, svg.Arc):
         radius = max(abs(segment.rx), abs(segment.ry), 1e-12)
         step = 2.0 * np.arccos(max(0.0, 1.0 - flatness / radius))
         n = int(min(max(4.0, np.ceil(abs(segment.sweep) / max(step, 1e-3))), 2000))
         return np.array([_point(segment.point(t)) for t in np.linspace(0.0, 1.0, n + 1)[1:]])
-    names = ("start", "control", "control1", "control2", "end")
-    controls = [_point(p) for name in names if (p := getattr(segment, name, None)) is not None]
-    return bezier_points(np.array(controls), flatness)
+    return bezier_points(controls, flatness)
 
 
 def _point(point: Any) -> AnyArray:
@@ -215,26 +272,29 @@ def _opened(points: AnyArray) -> AnyArray:
     return np.array(points[:-1] if closes else points)
 
 
-def _inks(lines: list[tuple[AnyArray, bool]], shape: Any, name: str) -> Iterator[_Ink]:
+def _inks(lines: list[tuple[AnyArray, bool]], drawn: _Drawn, name: str) -> Iterator[_Ink]:
     """What an element fills and strokes; white covers what was there before."""
-    from shapely import LineString
+    from shapely import LineString, Point
 
+    shape, width = drawn.shape, drawn.width
     if _is_seen(shape.fill):
         rings = [points for points, _ in lines if len(points) > 2]
         filled = fill_rings(rings, even_odd=shape.values.get("fill-rule") == "evenodd")
         if not filled.is_empty:
             yield _Ink(name, filled, None, is_paper=_is_white(shape.fill))
-    width = float(shape.stroke_width or 0.0)
     if not _is_seen(shape.stroke) or width <= 0.0:
         return
     cap = _CAPS.get(shape.values.get("stroke-linecap", ""), "flat")
     join = _JOINS.get(shape.values.get("stroke-linejoin", ""), "mitre")
     for points, closed in lines:
         line = np.concatenate([points, points[:1]]) if closed else points
+        white = _is_white(shape.stroke)
         if np.ptp(line, axis=0).max() > 0.0:
             band = LineString(line).buffer(0.5 * width, cap_style=cap, join_style=join)
-            white = _is_white(shape.stroke)
             yield _Ink(name, as_multipolygon(band), line, closed, width, white)
+        elif cap != "flat":  # a path without length is a dot
+            dot = Point(points[0]).buffer(0.5 * width, cap_style=cap)
+            yield _Ink(name, as_multipolygon(dot), None, is_paper=white)
 
 
 def _is_seen(colour: Any) -> bool:
@@ -287,17 +347,27 @@ def _pieces(inks: Sequence[_Ink]) -> tuple[Piece, ...]:
         for ink in inks
     ]
     pieces = []
-    for group in _together(scaled):
-        box = bounds_of(ink.shape.bounds for ink in group)
-        strokes = tuple(stroke for ink in group for stroke in _strokes(ink))
+    for run, box in _runs(scaled):
+        strokes = tuple(stroke for ink in run for stroke in _strokes(ink))
         if strokes:
-            glyph = Glyph(group[0].name, strokes, box)
+            glyph = Glyph(run[0].name, strokes, box)
             pieces.append(Piece(glyph, glyph.middle))
     return tuple(pieces)
 
 
+def _runs(inks: Sequence[_Ink]) -> list[tuple[list[_Ink], Box]]:
+    """Inks that follow each other and are laid as one, each with the box that it is laid by."""
+    group_of: dict[int, int] = {}
+    boxes = []
+    for k, group in enumerate(_together(inks)):
+        boxes.append(bounds_of(ink.shape.bounds for ink in group))
+        group_of |= {id(ink): k for ink in group}
+    runs = groupby(inks, lambda ink: group_of[id(ink)])
+    return [(list(run), boxes[k]) for k, run in runs]
+
+
 def _together(inks: Sequence[_Ink]) -> list[list[_Ink]]:
-    """Groups of inks whose boxes overlap, by their first ones."""
+    """Groups of inks whose boxes overlap."""
     groups: list[list[_Ink]] = []
     for ink in inks:
         hits = [group for group in groups if _overlap(group, ink)]
@@ -308,8 +378,7 @@ def _together(inks: Sequence[_Ink]) -> list[list[_Ink]]:
             hits[0].append(ink)
         else:
             groups.append([ink])
-    place = {id(ink): k for k, ink in enumerate(inks)}
-    return [sorted(group, key=lambda ink: place[id(ink)]) for group in groups]
+    return groups
 
 
 def _overlap(group: Sequence[_Ink], ink: _Ink) -> bool:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from paint3d.calligraphy.glyphs import EM_UNITS, LEAST_STRENGTH, Box, Glyph, GlyphStroke
 from paint3d.calligraphy.page.bands import fill_in_bands, is_wide
-from paint3d.calligraphy.page.page import Page, Photograph, Piece
+from paint3d.calligraphy.page.page import Page, Photograph, Piece, digest_of
 from paint3d.calligraphy.photo.characters import Character, characters_of
 from paint3d.calligraphy.photo.dryness import dryness_along, strength_of
 from paint3d.calligraphy.photo.flat_page import FlatPage, on_sheet
@@ -116,7 +116,8 @@ class CopiedSheet(SheetPicture):
             Whether it is a rubbing.
         """
         corners = scale * self.corners
-        there = Photograph(file, corners, self.size, self.per_unit, self.origin, invert)
+        lies = self.size, self.per_unit, self.origin
+        there = Photograph(file, corners, *lies, invert, digest_of(file))
         return replace(self, page=replace(self.page, photograph=there))
 
     @property

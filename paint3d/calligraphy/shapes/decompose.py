@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from paint3d.calligraphy.glyphs import Glyph, GlyphStroke
 from paint3d.calligraphy.shapes.continuation import Chain, chains_of
 from paint3d.calligraphy.shapes.corners import cut_at_corners
-from paint3d.calligraphy.shapes.dots import as_dot, dots_of
+from paint3d.calligraphy.shapes.dots import as_dot, dot_among, dots_of
 from paint3d.calligraphy.shapes.ductus import JoinedForm
 from paint3d.calligraphy.shapes.regions import Ink, Piece, has_way, piece_of, shared_out
 from paint3d.calligraphy.shapes.skeleton import skeleton_of
@@ -39,8 +39,8 @@ _SPECK = 0.01  # squares of the mean width: smaller parts are no strokes
 _HAIRLINE = 1e-5  # of the size of a shape: thinner parts are no strokes
 _LONGEST = 20_000.0  # of its width that a part is long: longer ones are no strokes of a brush
 _GRAIN = 2.0**-40  # of the farthest coordinate: thinner parts are what rounding left
-_NOT_NEAR = 0.25  # widths away: forms of joined hands are looked at beyond it
-_FAR_NEARER = 0.6  # of the distance of other forms, below which they count
+_NOT_NEAR = 0.15  # widths away: forms of joined hands are looked at beyond it
+_NEARER = 0.75  # of the distance of other forms, below which they count
 _GRID = 2.0**32  # points to the size of a shape
 
 
@@ -102,29 +102,30 @@ def _pieces_of(parts: list[Polygon], forms: Sequence[Glyph], runs_on: bool) -> l
     if runs_on:
         return _along_the_line(parts, _lines_of(forms[0]))
     best = _best_of(parts, forms)
-    if best.fit is Fit.WHOLE:
-        pairs = zip(best.inks, best.told, strict=True)
-        mine = [x for ink, one in pairs for x in _by_template(ink, one.chains)]
-        return in_known_order(mine, best.known)
-    if best.fit is Fit.JOINED:
-        own = _by_own_lines([_ink_of(part) for part in parts], best.known)
-    else:
-        own = [piece for part in parts for piece in _by_shape(_ink_of(part))]
-    return in_known_order([(piece, None) for piece in own], best.known)
+    dots = dot_among(parts, best.lines)
+    own: list[tuple[Piece, int | None]] = []
+    for k, part in enumerate(parts):
+        if best.fit is Fit.WHOLE:
+            mine = _by_template(best.inks[k], best.told[k].chains)
+        elif best.fit is Fit.JOINED:
+            mine = [(piece, None) for piece in _by_own_lines(_ink_of(part), best.known)]
+        else:
+            mine = [(piece, None) for piece in _by_shape(_ink_of(part))]
+        own += [(piece, dots.get(k, stroke)) for piece, stroke in mine]
+    return in_known_order(own, best.known, dots=dots.values())
 
 
-def _by_own_lines(inks: Sequence[Ink], known: KnownStrokes) -> list[Piece]:
-    """The strokes of shapes that join known ones: only corners are cut where these change."""
-    told = [label_chains(ink, known, tear=False) for ink in inks]
-    pairs = zip(inks, told, strict=True)
-    return [piece for ink, one in pairs for piece, _ in _by_template(ink, one.chains)]
+def _by_own_lines(ink: Ink, known: KnownStrokes) -> list[Piece]:
+    """The strokes of a shape that joins known ones: only corners are cut where these change."""
+    told = label_chains(ink, known, tear=False)
+    return [piece for piece, _ in _by_template(ink, told.chains)]
 
 
 def _along_the_line(parts: list[Polygon], lines: Sequence[AnyArray]) -> list[Piece]:
     """The strokes of letters that are joined along a line, where the way through them is known."""
     inks = [_ink_of(part) for part in parts]
     known = lay_over(lines, inks, _width(parts))
-    pieces = [(piece, None) for piece in _by_own_lines(inks, known)]
+    pieces = [(piece, None) for ink in inks for piece in _by_own_lines(ink, known)]
     return in_known_order(pieces, known, by_start=True)
 
 
@@ -133,6 +134,7 @@ class _Laid(NamedTuple):
 
     fit: Fit
     away: float
+    lines: Sequence[AnyArray]
     known: KnownStrokes
     inks: list[Ink]
     told: list[Told]
@@ -143,14 +145,14 @@ def _lines_of(form: Glyph) -> list[NDArray[np.float64]]:
 
 
 def _best_of(parts: list[Polygon], forms: Sequence[Glyph]) -> _Laid:
-    """The form that fits best; one of a joined hand only where it lies far nearer than others."""
+    """The form that fits best; one of a joined hand only where it lies nearer than others."""
     apart = [form for form in forms if not isinstance(form, JoinedForm)] or forms
     laid = [_laid_over(parts, _lines_of(form)) for form in apart]
     away = min(one.away for one in laid)
     if away > _NOT_NEAR:
         joined = [form for form in forms if isinstance(form, JoinedForm)]
         nearer = [_laid_over(parts, _lines_of(form)) for form in joined]
-        laid = [one for one in nearer if one.away < _FAR_NEARER * away] or laid
+        laid = [one for one in nearer if one.away < _NEARER * away] or laid
     return min(laid, key=lambda one: (one.fit, one.away))
 
 
@@ -158,7 +160,7 @@ def _laid_over(parts: list[Polygon], lines: Sequence[AnyArray]) -> _Laid:
     inks = [_ink_of(part) for part in parts]
     known = lay_over(lines, inks, _width(parts))
     told = [label_chains(ink, known) for ink in inks]
-    return _Laid(*fit_of(inks, known, told), known, inks, told)
+    return _Laid(*fit_of(inks, known, told), lines, known, inks, told)
 
 
 def _width(parts: list[Polygon]) -> float:

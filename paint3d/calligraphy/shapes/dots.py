@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.calligraphy.shapes.regions import Ink, Piece
+from paint3d.calligraphy.shapes.skeleton import length_of
+from paint3d.core.types import AnyArray
 
 if TYPE_CHECKING:
     from shapely import Polygon
 
-__all__ = ["as_dot", "dots_of"]
+__all__ = ["as_dot", "dot_among", "dots_of"]
 
 _COMPACT = 0.75  # of a disc's area at the same perimeter: a dot; a square has 0.785
 _SHORTEST = 1.0  # of a dot's width: its line; shorter, two crescents of a round one stay bare
@@ -23,6 +26,8 @@ _INTO_CORNERS = 0.9  # of its diagonal: the line of a square dot
 _FALL = 0.02  # by how much a rising diagonal must be longer than a falling one
 _WAIST = 0.6  # of a dot's width: where they run together they are narrower
 _OVERLAP = 0.35  # of a dot's half width, that two reach into each other at their waist
+_POINT = 0.2  # of a character's size: a shorter stroke of it is a dot
+_SMALL = 0.5  # of the area of its largest part, at most, that of a dot
 _LOOSE = 0.22  # as compact as four squares in a row, which would be 0.31 if they shared no side
 
 
@@ -72,6 +77,26 @@ def _parted(ink: Ink) -> list[Piece]:
         whole = max(shapely.get_parts(large), key=shapely.area)  # a dot across a gap is another's
         pieces.append(Piece(as_dot(one).line, whole))
     return pieces
+
+
+def dot_among(parts: Sequence[Polygon], lines: Sequence[AnyArray]) -> dict[int, int]:
+    """Which part of a shape is the dot of a known character, with its stroke's number.
+
+    Of two parts it is the smaller one, wherever it lies: an i's dot is the second stroke however
+    far from its stem it is. Nothing where the character has no dot or several, or neither is small.
+
+    Parameters
+    ----------
+    parts : sequence of shapely.Polygon
+    lines : sequence of (N, 2) float64
+        The character's strokes, in any frame.
+    """
+    size = float(np.ptp(np.concatenate(lines), axis=0).max())
+    dots = [k for k, line in enumerate(lines) if length_of(line) < _POINT * size]
+    if len(parts) != 2 or len(dots) != 1:
+        return {}
+    small, large = sorted((0, 1), key=lambda k: float(parts[k].area))
+    return {small: dots[0]} if parts[small].area < _SMALL * parts[large].area else {}
 
 
 def as_dot(shape: Polygon) -> Piece:

@@ -61,12 +61,16 @@ _LINES = {
 _OWN = {text: lines for letters, lines in _LINES.items() for text in letters}
 
 _ALSO = (
+    ("a", ".95,.75 .6,1 .25,.95 0,.6 .05,.2 .35,0 .7,.2 .9,.5; 1,1 .93,.4 1,0"),
+    ("E", ".95,.85 .6,1 .25,.92 .15,.7 .45,.53 .65,.52 .35,.5 .05,.32 .1,.08 .45,0 1,.18"),
     ("g", ".9,.8 .6,1 .25,.95 0,.75 .1,.5 .45,.42 .8,.55 .95,.75; 1,1 .9,.5 .75,.15 .4,0 0,.1"),
     ("k", "0,1 0,0 .15,.35 .5,.62 .85,.65 .85,.5 .5,.38 .2,.35; .4,.36 .7,.05 1,0"),
 )
-"""The g with one storey, and the k of running hands, whose arm is a loop."""
+"""The a and g with one storey, the round E, and the k of running hands, whose arm is a loop."""
 
 _JOINED = (
+    ("a", ".72,.75 .5,1 .2,.95 0,.5 .05,.15 .25,0 .5,.15 .7,.5; .78,.95 .72,.3 .75,.05 .82,0 "
+     "1,.35"),
     ("b", ".2,.48 .5,.72 .75,.95 .65,1 .5,.85 .2,.4 .1,.1 .3,0 .55,.1 .65,.28 .48,.42 .4,.25 "
      ".6,.15 .8,.18 1,.32"),
     ("f", ".4,.62 .75,.82 1,1 .85,.98 .6,.8 .3,.4 .03,0 .2,.03 .45,.3 .4,.5 .5,.38 .7,.32 1,.45"),
@@ -83,7 +87,7 @@ _JOINED = (
 class JoinedForm(Glyph):
     """A letter as joined hands write it: a way so long and loose that it can be bent to much.
 
-    It counts where it lies far nearer than the letters that are set apart.
+    It counts where it lies nearer, by a quarter, than the letters that are set apart.
     """
 
 

@@ -7,7 +7,7 @@ the stroke changes, and joined through junctions where it does not.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 
@@ -37,10 +37,13 @@ _AWAY = 0.25  # widths: the mean distance up to which a shape is the known chara
 _COVERED, _MORE = 0.15, 1.2  # the same where all of the lines lie on it: it has serifs besides
 _THERE = 0.9  # of the known strokes, that it must have
 _SMOOTH = 35.0  # degrees: no corner
+_RUNS_ON = 60.0  # degrees that a pen may turn where it runs on into the next stroke
 _TORN = 0.15  # of the known strokes: more smooth lines are not torn for them
 _NEAR, _HELD = 0.15, 0.25  # widths that lines and shape may be apart and need not be laid anew,
 _MANY = 5  # and where more strokes than this hold each other in place
 _UNCLEAR = 0.3  # of a line that runs as much with its stroke as against it, or across
+_DOUBTFUL = 0.6  # of a line that may run on smoothly from the end of the one before
+_TOUCHING = 1.0  # widths between the ends of strokes that a pen runs through
 _STRANGE = 1.5  # widths from its stroke: of a line farther away nothing is known
 _SAMPLE = 6.0  # points of the known lines to a width
 
@@ -90,13 +93,17 @@ class KnownStrokes:
         nearest, _ = self._nearest(line, stroke)
         return float(np.median(self.station[nearest]))
 
-    def placed(self, line: AnyArray, stroke: int | None = None) -> tuple[float, float]:
+    def placed(
+        self, line: AnyArray, stroke: int | None = None, without: Collection[int] = ()
+    ) -> tuple[float, float]:
         """Where a line is, as stroke plus station, and how much of it is written forward, -1 to 1.
+
+        On the stroke, or on the nearest ones but for some.
 
         A line that runs on from one stroke to another against its way (the up of a W's down and up)
         is written as they follow each other.
         """
-        nearest, turn = self._nearest(line, stroke)
+        nearest, turn = self._nearest(line, stroke, without)
         forward, strokes = float(np.mean(turn)), self.stroke[nearest]
         if abs(forward) < _UNCLEAR and np.ptp(strokes) > 0:
             at = strokes + self.station[nearest]
@@ -105,7 +112,7 @@ class KnownStrokes:
         return place, forward
 
     def _nearest(
-        self, line: AnyArray, stroke: int | None
+        self, line: AnyArray, stroke: int | None, without: Collection[int] = ()
     ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
         """For each point of a line the nearest known one, and how much they run alike, -1 to 1."""
         away = np.linalg.norm(line[:, None] - self.points[None], axis=2) / self.width
@@ -113,6 +120,8 @@ class KnownStrokes:
         away += _ACROSS * (1.0 - np.abs(turn))
         if stroke is not None:
             away[:, self.stroke != stroke] = np.inf
+        elif without:
+            away[:, np.isin(self.stroke, list(without))] = np.inf
         nearest = np.argmin(away, axis=1)
         return nearest, turn[np.arange(len(line)), nearest]
 
@@ -356,21 +365,47 @@ def _cheapest(costs: AnyArray, price: AnyArray) -> NDArray[np.int64]:
 
 
 def in_known_order(
-    pieces: Sequence[tuple[Piece, int | None]], known: KnownStrokes, *, by_start: bool = False
+    pieces: Sequence[tuple[Piece, int | None]],
+    known: KnownStrokes,
+    *,
+    by_start: bool = False,
+    dots: Collection[int] = (),
 ) -> list[Piece]:
     """Pieces, each with its known stroke if it has one, in order and direction of these.
 
-    By their start instead of their middle where strokes are as long as many pieces.
+    By their start instead of their middle where strokes are as long as many pieces. A piece without
+    a known stroke is no part of those that are dots, however near it is.
     """
-    placed: list[tuple[float, int, Piece]] = []
+    placed: list[tuple[float, int, Piece, float]] = []
     for piece, stroke in pieces:
         line = resampled(piece.line, _STEP * known.width, 5)
-        place, forward = known.placed(line, stroke)
+        place, forward = known.placed(line, stroke, dots)
         turned = piece.line if forward >= 0.0 else piece.line[::-1]
         if abs(forward) < _UNCLEAR or known.residual(line) > _STRANGE:
-            turned = directed(piece.line)
+            turned, forward = directed(piece.line), 0.0
         if by_start:
             begins = resampled(turned, _STEP * known.width, 5)
-            place, _ = known.placed(begins[: max(3, round(_NEAR_END / _STEP))], stroke)
-        placed.append((place, len(placed), Piece(turned, piece.region)))
-    return [piece for _, _, piece in sorted(placed, key=lambda entry: entry[:2])]
+            begins = begins[: max(3, round(_NEAR_END / _STEP))]
+            place, _ = known.placed(begins, stroke, dots)
+        placed.append((place, len(placed), Piece(turned, piece.region), abs(forward)))
+    ordered: list[Piece] = []
+    for _, _, piece, sure in sorted(placed, key=lambda entry: entry[:2]):
+        if ordered and not by_start and _runs_back(ordered[-1].line, piece.line, sure, known.width):
+            piece = Piece(piece.line[::-1], piece.region)
+        ordered.append(piece)
+    return ordered
+
+
+def _runs_back(before: AnyArray, line: AnyArray, sure: float, width: float) -> bool:
+    """Whether a stroke ends, not begins, where the pen is, and nothing tells that it does.
+
+    The smoother the pen would run on, the more has to tell it.
+    """
+    away = np.linalg.norm(line[[0, -1]] - before[-1], axis=1)
+    if not away[1] < _TOUCHING * width < away[0]:
+        return False
+    ways = [resampled(one, _STEP * width, 5) for one in (before, line[::-1])]
+    reach = max(2, round(1.0 / _STEP))
+    arrives, leaves = ways[0][-1] - ways[0][-1 - reach], ways[1][reach] - ways[1][0]
+    smooth = float(turns_between(arrives[None], leaves[None])[0]) < _RUNS_ON
+    return sure < (_DOUBTFUL if smooth else _UNCLEAR)

@@ -24,12 +24,12 @@ def run(options: argparse.Namespace) -> None:
     Raises
     ------
     InputError
-        If fontconfig is not there to be asked, or no font has the characters.
+        If fontconfig is not there to be asked, or no font draws the characters.
     """
-    from paint3d.calligraphy.fonts.system_fonts import list_fonts
+    from paint3d.calligraphy.fonts.font_file import fonts_that_draw
     from paint3d.errors import InputError
 
-    fonts = list_fonts(options.text)
+    fonts = fonts_that_draw(options.text)
     if not fonts:
         what = f" with {options.text!r}" if options.text else ""
         raise InputError(f"no font of outlines{what} on this system; expected one (or --font FILE)")
