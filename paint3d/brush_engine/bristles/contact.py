@@ -352,10 +352,12 @@ def _add_pieces(lands, near_tip, far, places):
 
 
 @_elementwise
-def _hold(landing, known, tip, next_, third, places, begins, ends, lies):
+def _hold(landing, known, tip, next_, third, places, row):
     """Let hairs of the lower side touch up to where they land, those above them at most so far;
     and none ahead of the spine's own tip: what is near the surface only there hangs over it.
-    `lies`: how far each does, so that none begins or ceases to at once."""
+    Tell how far each lies on it, so that none begins or ceases to at once."""
+    begins, ends = row[BEGIN : BEGIN + BLOCK], row[END : END + BLOCK]
+    lies = row[LIES : LIES + BLOCK]
     x_tip, top = np.float32(landing[_TIP]), np.float32(SAMPLES - 1)
     for j in range(BLOCK):
         ahead = _share_ahead(tip[j], next_[j], x_tip) + _share_ahead(next_[j], third[j], x_tip)
@@ -391,14 +393,12 @@ def _end_where_they_land(bend, landing, known, points, highest, scratch, row):
         With the places between points where they touch, as their points have it. BEGIN and END are
         changed, LIES is filled.
     """
-    begins, ends = row[BEGIN : BEGIN + BLOCK], row[END : END + BLOCK]
-    lies = row[LIES : LIES + BLOCK]
     lands, places = scratch[:BLOCK], scratch[BLOCK : 2 * BLOCK]
     _find_lands(bend, landing, known, lands)
     places[:] = _ZERO
     for k in range(min(highest + 3, SAMPLES - 1)):
         _add_pieces(lands, points[k], points[k + 1], places)
-    _hold(landing, known, points[0], points[1], points[2], places, begins, ends, lies)
+    _hold(landing, known, points[0], points[1], points[2], places, row)
 
 
 @kernel(error_model="numpy")

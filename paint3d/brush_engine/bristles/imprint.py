@@ -77,9 +77,10 @@ _INNER = 48  # of the others, evenly chosen: the tuft's point, which those at th
 _ENDS = 0.25  # of what is left beside hairs: so much before and behind them
 _ASKED = 256  # hairs, at the most, that tell from where to where they lie
 _SHARES = 64  # places along the bend that these are counted in
-_FEWEST = 0.02  # of the hairs that lie: the outline ends where no more are left
+_FEWEST = 0.03  # of the hairs that lie: the outline ends where no more are left
 _MORE = 4.0  # times as many, for how they thin out from there
 _ROUND = 0.66  # of the way to there: what a round end goes on beyond
+_BLUNTEST = 4.0  # slope of its flanks at the tip: beside steeper ones a soft edge spreads far
 _CLOSE = 0.05  # of them within a film of a place: enough to close it
 _LEAST_GAP = 0.3  # of the one before it, between a station and the next
 _SHORTEST = 1e-3  # mm, from the foremost to the hindmost of them
@@ -598,10 +599,11 @@ def _draw_piece(x0, y0, x1, y1, lies, low, per_bin, reaches):
         x0, y0, x1, y1 = x1, y1, x0, y0
     begin, end = (x0 - low) * per_bin, (x1 - low) * per_bin
     rise = (y1 - y0) / (end - begin) if end > begin else 0.0
-    final = min(int(end), _BINS - 1)
-    for b in range(max(int(begin), 0), final + 1):
-        at = min(max(b + 0.5, begin), end)
-        reaches[b] = max(reaches[b], lies * (y0 + (at - begin) * rise))
+    first, final = max(int(begin), 0), min(int(end), _BINS - 1)
+    here = reaches[first : final + 1]  # no index that might be negative: vector instructions
+    for b in range(here.shape[0]):
+        at = min(max(first + b + 0.5, begin), end)
+        here[b] = max(here[b], lies * (y0 + (at - begin) * rise))
 
 
 @kernel(error_model="numpy")
@@ -711,7 +713,8 @@ def _draw_outline(hairs, point, margin, reach, half_width):
     n += 1
     for b in range(_BINS - 1, -1, -1):
         beside = 0.5 * (reaches[max(b - 1, 0)] + reaches[min(b + 1, _BINS - 1)])
-        reach[n], half_width[n] = low + (b + 0.5) * wide, max(reaches[b], beside)
+        reach[n] = low + (b + 0.5) * wide
+        half_width[n] = min(max(reaches[b], beside), _BLUNTEST * (foremost - reach[n]))
         n += 1
     reach[n], half_width[n] = hindmost, 0.0
     return n + 1, foremost, hindmost
