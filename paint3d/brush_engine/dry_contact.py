@@ -25,6 +25,7 @@ from paint3d.mesh.kernels.refine import mix
 __all__ = [
     "BUNDLE_MM",
     "DryContact",
+    "bundle_noise",
     "contact_noise",
     "dry_contact",
     "fill_noise",
@@ -35,8 +36,9 @@ _CELLS, _STEPS = 8, 8  # of the noise's lattice to a period, and of the table to
 _SIDE = _CELLS * _STEPS
 _MASK = _SIDE - 1
 _SHIFT, _SHIFT2 = 6, 12  # powers of 2 in the side of the table, and in a layer
-_UMASK, _USHIFT, _UONE = np.uint32(_MASK), np.uint32(_SHIFT), np.uint32(1)
+_UP, _DOWN = (np.int32(24), np.int32(16), np.int32(8)), np.int32(24)  # bits to a byte's place
 _LEVELS = 32.0  # of the table, to a standard deviation
+_LAYERS = (3, 35)  # of it, that broad and narrow bundles are read from
 _ASKEW = np.array(  # a turn by 1 rad about (1, 2, 3): how the tooth lies in space
     [
         [0.573138, -0.609007, 0.548292],
@@ -92,6 +94,20 @@ def contact_noise() -> NDArray[np.int8]:
     fill_noise(noise)
     noise.setflags(write=False)
     return noise
+
+
+@cache
+def bundle_noise() -> NDArray[np.int32]:
+    """The layers of the noise that bundles are read from, (2, S^2): in each number the bytes of a
+    place in the table and of those a step across, a step along, and both; one look for four."""
+    layers = contact_noise().reshape(_SIDE, _SIDE, _SIDE)[list(_LAYERS)]
+    packed = np.zeros((2, _SIDE, _SIDE), np.uint32)
+    for place, (across, along) in enumerate(((0, 0), (1, 0), (0, 1), (1, 1))):
+        there = np.roll(layers, (-across, -along), axis=(1, 2))
+        packed |= there.astype(np.uint8).astype(np.uint32) << np.uint32(8 * place)
+    result = packed.reshape(2, _SIDE * _SIDE).view(np.int32)
+    result.setflags(write=False)
+    return result
 
 
 @uncounted
@@ -231,10 +247,13 @@ def _place_on_lattice(n, xs, ys, zs, step, turn, out):
 
 @uncounted(error_model="numpy")
 def _add_tooth(n, contact, noise, block):
-    """Fill row 3 of a block with how high the sheet stands, with the film that drags on."""
+    """Fill row 3 of a block with how high the sheet stands, with the film that drags on.
+
+    Bumps too fine for the vertices are not looked up.
+    """
     xs, ys, zs, high = block.rows[0], block.rows[1], block.rows[2], block.rows[3]
-    coarse_at, fine_at = block.near[0], block.near[1]
     coarse, fine = np.float32(contact.coarse), np.float32(contact.fine)
+    coarse_at, fine_at, here = block.near[0], block.near[1], block.work[0]
     for look in range(_LOOKS):
         if look > 0:
             dx, dy, dz = contact.drag_x, contact.drag_y, contact.drag_z
@@ -243,17 +262,21 @@ def _add_tooth(n, contact, noise, block):
                 ys[k] += np.float32(dy)
                 zs[k] += np.float32(dz)
         _place_on_lattice(n, xs, ys, zs, contact.step, 0, coarse_at)
-        _place_on_lattice(n, xs, ys, zs, contact.step_fine, 1, fine_at)
+        if contact.fine > 0.0:
+            _place_on_lattice(n, xs, ys, zs, contact.step_fine, 1, fine_at)
+            for k in range(n):
+                i, j = np.uint32(coarse_at[k]), np.uint32(fine_at[k])
+                here[k] = coarse * noise[i] + fine * noise[j]
+        else:
+            for k in range(n):
+                here[k] = coarse * noise[np.uint32(coarse_at[k])]
         less = np.float32(look * _THINS)
         if look == 0:
             for k in range(n):
-                i, j = np.uint32(coarse_at[k]), np.uint32(fine_at[k])
-                high[k] = coarse * noise[i] + fine * noise[j]
+                high[k] = here[k]
         else:
             for k in range(n):
-                i, j = np.uint32(coarse_at[k]), np.uint32(fine_at[k])
-                behind = coarse * noise[i] + fine * noise[j] - less
-                high[k] = max(high[k], behind)
+                high[k] = max(high[k], here[k] - less)
 
 
 @uncounted(error_model="numpy")
@@ -295,26 +318,33 @@ def _extent_across(contact, values):
 
 
 @uncounted(error_model="numpy")
-def _add_bundles(n, noise, layer, per_across, per_along, strength, block):
-    """Add to row 6 how well the bundles are supplied, from one layer of the noise."""
+def _signed_byte(number):
+    """What the uppermost byte of the lower half of a number says."""
+    return np.float32(np.int32(number) >> _DOWN)
+
+
+@uncounted(error_model="numpy")
+def _add_bundles(n, table, per_across, per_along, strength, block):
+    """Add to row 6 how well the bundles are supplied, from one layer of `bundle_noise`.
+
+    Where the vertices show nothing of them nothing is looked up.
+    """
+    if strength <= 0.0:
+        return
     across, along, supply = block.rows[4], block.rows[5], block.rows[6]
-    side, ahead = block.work[0], block.work[1]
-    i_at, j_at = block.near[0], block.near[1]
+    side, ahead, at = block.work[0], block.work[1], block.near[0]
     a, b = np.float32(per_across), np.float32(per_along)
     for k in range(n):
         x, y = a * across[k], b * along[k]
         p, q = np.floor(x), np.floor(y)
         side[k], ahead[k] = x - p, y - q
-        i_at[k], j_at[k] = np.int32(p) & _MASK, np.int32(q) & _MASK
-    first, factor = layer << _SHIFT2, np.float32(strength)
-    table = noise[first : first + _SIDE * _SIDE]
+        at[k] = ((np.int32(p) & _MASK) << _SHIFT) | (np.int32(q) & _MASK)
+    factor = np.float32(strength)
     for k in range(n):
-        i, j = np.uint32(i_at[k]), np.uint32(j_at[k])  # no sign: no index from the table's end
-        low, high = i << _USHIFT, ((i + _UONE) & _UMASK) << _USHIFT
-        j1 = (j + _UONE) & _UMASK
+        four = table[np.uint32(at[k])]  # no sign: no index from the table's end
         t, s = side[k], ahead[k]
-        a, b = np.float32(table[low | j]), np.float32(table[high | j])
-        c, d = np.float32(table[low | j1]), np.float32(table[high | j1])
+        a, b = _signed_byte(four << _UP[0]), _signed_byte(four << _UP[1])
+        c, d = _signed_byte(four << _UP[2]), _signed_byte(four)
         near, far = a + t * (b - a), c + t * (d - c)
         supply[k] += factor * (near + s * (far - near))
 
@@ -340,10 +370,9 @@ def _touch(n, contact, after, ink, block):
     values = after.values[0]
     _place_on_tuft(n, contact, values, block)
     across = block.rows[4]
-    noise, per_way = ink.noise, _STEPS / _BROAD_WAY
-    _add_bundles(n, noise, 3, contact.per_broad, per_way, contact.broad, block)
-    per_way = _STEPS / _WAY
-    _add_bundles(n, noise, 35, contact.per_narrow, per_way, contact.narrow, block)
+    bundles, broad_way, way = ink.bundles, _STEPS / _BROAD_WAY, _STEPS / _WAY
+    _add_bundles(n, bundles[0], contact.per_broad, broad_way, contact.broad, block)
+    _add_bundles(n, bundles[1], contact.per_narrow, way, contact.narrow, block)
     middle, half_extent = _extent_across(contact, values)
     per_rim, middle = np.float32(1.0 / max(half_extent, 0.15)), np.float32(middle)
     worse = np.float32(_RIM)
@@ -351,7 +380,7 @@ def _touch(n, contact, after, ink, block):
         rim = (across[k] - middle) * per_rim
         rim *= rim
         supply[k] -= worse * rim * rim
-    if contact.step > 0.0:
+    if contact.coarse > 0.0:  # the longer bumps: where these do not show, no others do
         _add_tooth(n, contact, ink.noise, block)
         for k in range(n):
             supply[k] += high[k]

@@ -34,4 +34,5 @@ class InkField(NamedTuple):
     off_surface: NDArray  # (P,) float64, ink that ran off the surface, coats x mm2
     reservoirs: NDArray  # (N, P) float64, the load along the tuft, tip first; N = 1: alike all over
     transfer: NDArray  # (1,) of TRANSFER
-    noise: NDArray  # (64^3,) int8, of tooth and bundles: see `dry_contact.fill_noise`
+    noise: NDArray  # (64^3,) int8, of the tooth: see `dry_contact.fill_noise`
+    bundles: NDArray  # (2, 64^2) int32, and of bundles: see `dry_contact.bundle_noise`

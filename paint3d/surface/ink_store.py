@@ -11,7 +11,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.brush_engine.dry_contact import contact_noise
+from paint3d.brush_engine.dry_contact import bundle_noise, contact_noise
 from paint3d.brush_engine.ink_field import TRANSFER, InkField
 from paint3d.colour.glazing import GlazeModel, make_ground
 from paint3d.colour.kernels.glazing import Ground, add_between
@@ -103,6 +103,7 @@ class InkStore:
                 [(0.0, self.material.grain, 0.0, self.material.tooth_mm, 1.0)], TRANSFER
             ),
             noise=contact_noise(),
+            bundles=bundle_noise(),
         )
 
     @cached_property

@@ -29,6 +29,7 @@ __all__ = [
     "HELD",
     "LAID",
     "LANDING_SIZE",
+    "LIES",
     "READY",
     "THICK",
     "add_up",
@@ -44,7 +45,8 @@ DOT = 4 * BLOCK  # radius with its film, mm
 LAID = 5 * BLOCK  # what it would leave on a station of the map, as against the others
 THICK = 6 * BLOCK  # its width there, 0 where it does not give, mm
 READY = 7 * BLOCK  # 4 rows: how readily hairs at its place give, and how wet they must be to
-FINDINGS = 11
+LIES = 11 * BLOCK  # how far it lies on the surface, from 0 where it is about to leave it, to 1
+FINDINGS = 12
 
 CONTACT_SIZE = 2 * SAMPLES * BLOCK  # scratch of `find_contacts`
 
@@ -60,6 +62,7 @@ _RIM = 0.3  # of its thickness: so much lower lie the sides of a tuft that is pr
 _ON = 0.02  # mm over the surface: on it
 _STEPS = 3  # to a piece
 _MOST = np.float32(1.5)  # pieces beyond the last point that touches
+_LYING = np.float32(4.0)  # to the piece: of so much of one, a hair lies on the surface
 _SHORT = np.float32(1e-4)  # mm
 
 
@@ -349,9 +352,12 @@ def _add_pieces(lands, near_tip, far, places):
 
 
 @_elementwise
-def _hold(landing, known, tip, next_, third, places, begins, ends):
+def _hold(landing, known, tip, next_, third, places, row):
     """Let hairs of the lower side touch up to where they land, those above them at most so far;
-    and none ahead of the spine's own tip: what is near the surface only there hangs over it."""
+    and none ahead of the spine's own tip: what is near the surface only there hangs over it.
+    Tell how far each lies on it, so that none begins or ceases to at once."""
+    begins, ends = row[BEGIN : BEGIN + BLOCK], row[END : END + BLOCK]
+    lies = row[LIES : LIES + BLOCK]
     x_tip, top = np.float32(landing[_TIP]), np.float32(SAMPLES - 1)
     for j in range(BLOCK):
         ahead = _share_ahead(tip[j], next_[j], x_tip) + _share_ahead(next_[j], third[j], x_tip)
@@ -361,12 +367,15 @@ def _hold(landing, known, tip, next_, third, places, begins, ends):
         most = end if known[DOWN + j] < _ZERO else most
         place = place if place < most else most
         place = place if place > begin else begin
+        most = end if end > place else place
+        lying = _LYING * (most - begin)
+        lies[j] = lying * lying if lying < _ONE else _ONE
         begins[j] = begin
         ends[j] = place if end >= ahead else -_ONE
 
 
 @kernel(error_model="numpy")
-def _end_where_they_land(bend, landing, known, points, highest, scratch, begins, ends):
+def _end_where_they_land(bend, landing, known, points, highest, scratch, row):
     """Let the hairs of a block cease to touch where their smooth curves leave the surface.
 
     Parameters
@@ -380,15 +389,16 @@ def _end_where_they_land(bend, landing, known, points, highest, scratch, begins,
     highest : int
         The last point at which any hair touches.
     scratch : (2 BLOCK,) float32
-    begins, ends : (BLOCK,) float32
-        Places between points where they touch, as their points have it; changed.
+    row : (FINDINGS BLOCK,) float32
+        With the places between points where they touch, as their points have it. BEGIN and END are
+        changed, LIES is filled.
     """
     lands, places = scratch[:BLOCK], scratch[BLOCK : 2 * BLOCK]
     _find_lands(bend, landing, known, lands)
     places[:] = _ZERO
     for k in range(min(highest + 3, SAMPLES - 1)):
         _add_pieces(lands, points[k], points[k + 1], places)
-    _hold(landing, known, points[0], points[1], points[2], places, begins, ends)
+    _hold(landing, known, points[0], points[1], points[2], places, row)
 
 
 @kernel(error_model="numpy")
@@ -418,10 +428,10 @@ def find_contacts(hairs):
     Parameters
     ----------
     hairs : Hairs
-        Bent, with their slopes and landings. Rows BEGIN and END of `hair_contacts` are filled, and
-        `depths`: for each block the end of the hair that lies on furthest up, in points, below 0
-        for none. On a curved surface points are laid on the plane: x and y become those of their
-        feet along the normal.
+        Bent, with their slopes and landings. Rows BEGIN, END and LIES of `hair_contacts` are
+        filled, and `depths`: for each block the end of the hair that lies on furthest up, in
+        points, below 0 for none. On a curved surface points are laid on the plane: x and y become
+        those of their feet along the normal.
 
     Returns
     -------
@@ -457,7 +467,7 @@ def find_contacts(hairs):
             _first_runs(near, slopes, rests, clear, runs)
         begins, ends = row[BEGIN : BEGIN + BLOCK], row[END : END + BLOCK]
         _find_ends(near, runs, begins, ends)
-        _end_where_they_land(bend, landing, turned[g], points[g], highest, runs, begins, ends)
+        _end_where_they_land(bend, landing, turned[g], points[g], highest, runs, row)
         for j in range(bristles.count - g * BLOCK, BLOCK):  # copies that fill up the last block
             row[END + j] = -_ONE
         n, deepest = _count(row)

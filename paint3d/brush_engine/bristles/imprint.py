@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.brush_engine.bristles.bend import BLOCK, SAMPLES
-from paint3d.brush_engine.bristles.contact import BEGIN, DOT, END, GIVES, LAID, THICK, add_up
+from paint3d.brush_engine.bristles.contact import BEGIN, DOT, END, GIVES, LAID, LIES, THICK, add_up
 from paint3d.brush_engine.footprint import (
     PROFILE_CELLS,
     fill_profile,
@@ -56,6 +56,8 @@ _EVEN = (0.2, 0.6)  # how full hairs are: from streaks of their own to one film 
 _OWN_INK = 0.3  # how far what a dry hair leaves varies: where it touches, it leaves its film
 _FILM = (0.45, 0.75)  # the same: from films of their own to one
 _LAYERS = (1.0, 3.0)  # of films that lie over one another, for that
+_LIGHT = (3.0, 8.0)  # half widths of the tuft, in radii of a hair with its film: up to the first a
+# touch is one film, from the second on one of hairs
 _SPLITS = 0.5  # how far clumps part until the film between them is broken
 _ANY = np.float32(1e6)  # half the width of a map that is the same all over, mm
 _MOST_INK = np.float32(4.0)  # times what the share covered would hold
@@ -73,6 +75,13 @@ TIP, PER_CELL = 0, 1  # places in Imprint.numbers
 _OUTER = 96  # hairs that tell how wide the tuft is: the last ones stand at the rim, all around
 _INNER = 48  # of the others, evenly chosen: the tuft's point, which those at the rim do not reach
 _ENDS = 0.25  # of what is left beside hairs: so much before and behind them
+_ASKED = 256  # hairs, at the most, that tell from where to where they lie
+_SHARES = 64  # places along the bend that these are counted in
+_FEWEST = 0.03  # of the hairs that lie: the outline ends where no more are left
+_MORE = 4.0  # times as many, for how they thin out from there
+_ROUND = 0.66  # of the way to there: what a round end goes on beyond
+_BLUNTEST = 4.0  # slope of its flanks at the tip: beside steeper ones a soft edge spreads far
+_CLOSE = 0.05  # of them within a film of a place: enough to close it
 _LEAST_GAP = 0.3  # of the one before it, between a station and the next
 _SHORTEST = 1e-3  # mm, from the foremost to the hindmost of them
 
@@ -92,6 +101,9 @@ class Imprint(NamedTuple):
     lanes: NDArray  # (BLOCK,) int32, scratch
     places: NDArray  # (STATIONS,) float64: where a station's hairs lie along the bend, mm; NaN: few
     reaches: NDArray  # (BINS,) float64: half widths of the outline
+    ends: NDArray  # (3, _ASKED) float64: where some hairs' contacts begin and end along the bend
+    # (the lesser place first), mm, and how far these lie on the surface
+    shares: NDArray  # (2, _SHARES + 2) float64: of hairs that begin, and that end, before a place
     running: NDArray  # (2, LANES + 2 EDGE + 1) float64, scratch
     tuft_widths: NDArray  # (PROFILE_CELLS + 2,) float64: of the tuft's own outline
 
@@ -109,6 +121,8 @@ def make_imprint(n_pigments: int) -> Imprint:
         lanes=zeros_on_lines(BLOCK, np.int32),
         places=np.zeros(STATIONS),
         reaches=np.zeros(_BINS),
+        ends=np.zeros((3, _ASKED)),
+        shares=np.zeros((2, _SHARES + 2)),
         running=np.zeros((2, LANES + 2 * _EDGE + 1)),
         tuft_widths=np.zeros(PROFILE_CELLS + 2),
     )
@@ -234,7 +248,7 @@ def draw_imprint(stamp, tuft, hairs, sums, finest, scratch):
     """
     imprint, load, bend = hairs.imprint, hairs.load, hairs.bend[0]
     wet, dot = sums[1] / sums[0], sums[2] / sums[0]
-    joined = _joined(stamp, wet, sums[2], hairs)
+    joined, light = _joined(stamp, wet, dot, sums[2], hairs)
     values = stamp.values[0]
     values.tip += bend.shift_x[0]  # as far as it has set
     values.heel += bend.shift_x[0]
@@ -253,7 +267,8 @@ def draw_imprint(stamp, tuft, hairs, sums, finest, scratch):
     straight = tuft.length * np.cos(values.tilt)
     gather_outline(values.bent, straight, scratch.reach, scratch.half_width, n)
     fill_profile(stamp, scratch.reach, scratch.half_width, n)
-    _blend_outlines(stamp, imprint.tuft_widths, joined, bend.own > 0.0, tip, heel, widest)
+    own = 1.0 - light if bend.own > 0.0 else 0.0
+    _blend_outlines(stamp, imprint.tuft_widths, joined, own, tip, heel, widest)
     hold_outline(values)
     if not film:
         _draw_map(stamp, hairs, joined, wet, rim, finest, (foremost, hindmost))
@@ -266,15 +281,19 @@ def _ramp(x, limits):
 
 
 @kernel(error_model="numpy")
-def _joined(stamp, wet, films, hairs):
-    """How far the tuft is one film, from 0, hairs of their own, to 1.
+def _joined(stamp, wet, dot, films, hairs):
+    """How far the tuft is one film, from 0, hairs of their own, to 1; and how far by a light touch.
 
-    So many films (mm, their radii's sum) must lie over one another on its width.
+    So many films (mm, their radii's sum) must lie over one another on its width. Where this is no
+    more than that of a few hairs (`dot`: their radius with their film, mm), they flow together
+    though the tuft is dry and has parted.
     """
     widest = max(stamp.values[0].widest, 1e-9)
-    joined = _ramp(wet, _FILM) * _ramp(films / widest, _LAYERS)
+    layers = _ramp(films / widest, _LAYERS)
     memory = hairs.memory[0]
-    return joined * max(0.0, 1.0 - (memory.parted + memory.split) / _SPLITS)
+    wet = _ramp(wet, _FILM) * max(0.0, 1.0 - (memory.parted + memory.split) / _SPLITS)
+    light = 1.0 - _ramp(widest / dot, _LIGHT)
+    return layers * (wet + (1.0 - wet) * light), layers * light
 
 
 @kernel(error_model="numpy")
@@ -291,15 +310,14 @@ def _fill_evenly(imprint):
 def _blend_outlines(stamp, tuft_widths, joined, own, tip, heel, widest):
     """From the outline of hairs, which the stamp has, to the tuft's own, which is given.
 
-    Where hairs lie otherwise than the tuft's outline has them (`own`), theirs tells how long and
-    how wide it is, and the tuft's its shape.
+    So far as hairs lie otherwise than the tuft's outline has them (`own`), theirs tells how long
+    and how wide it is, and the tuft's its shape.
     """
     values, widths = stamp.values[0], stamp.half_widths
-    scale = values.widest / max(widest, 1e-9) if own else 1.0
+    scale = 1.0 - own + own * values.widest / max(widest, 1e-9)
     for i in range(PROFILE_CELLS + 1):
         widths[i] = joined * scale * tuft_widths[i] + (1.0 - joined) * widths[i]
-    if own:
-        tip, heel = values.tip, values.heel
+    tip, heel = own * values.tip + (1.0 - own) * tip, own * values.heel + (1.0 - own) * heel
     tip = joined * tip + (1.0 - joined) * values.tip
     heel = joined * heel + (1.0 - joined) * values.heel
     keep_profile(stamp, heel, tip)
@@ -475,30 +493,130 @@ def _place_on(points, i, at):
 
 
 @kernel(error_model="numpy")
-def _find_ends(points, hair_contacts, some):
-    """From where to where along the bend some hairs touch, mm: (first, end, step) of them."""
-    low, high = np.inf, -np.inf
-    for i in range(some[0], some[1], some[2]):
+def _note_ends(points, hair_contacts, count, ends):
+    """From where to where along the bend some hairs touch, mm, and how far they lie; how many."""
+    n = 0
+    for i in range(0, count, (count + _ASKED - 1) // _ASKED):
         row, j = hair_contacts[i // BLOCK], i % BLOCK
         if row[END + j] < 0.0:
             continue
-        for at in (row[BEGIN + j], row[END + j]):
-            x, _ = _place_on(points, i, at)
-            low, high = min(low, x), max(high, x)
+        ahead, _ = _place_on(points, i, row[BEGIN + j])
+        behind, _ = _place_on(points, i, row[END + j])
+        ends[0, n], ends[1, n] = min(ahead, behind), max(ahead, behind)
+        ends[2, n] = row[LIES + j]
+        n += 1
+    return n
+
+
+@kernel(error_model="numpy")
+def _add_shares(ends, n, low, per_cell, shares):
+    """Share of hairs whose contact begins (row 0), and ends (row 1), before half a cell behind
+    each of the places that are counted from `low`."""
+    shares[:] = 0.0
+    total = 0.0
+    for i in range(n):
+        total += ends[2, i]
+        for side in range(2):
+            at = (ends[side, i] - low) * per_cell
+            k = min(int(at), _SHARES - 1)
+            beyond = (at - k) * ends[2, i]
+            shares[side, k + 1] += ends[2, i] - beyond
+            shares[side, k + 2] += beyond
+    for side in range(2):
+        for k in range(1, _SHARES + 2):
+            shares[side, k] = shares[side, k - 1] + shares[side, k] / total
+
+
+@kernel(error_model="numpy")
+def _share_before(row, cell):
+    """Share of hairs before a place, in cells."""
+    at = min(_SHARES + 1.0, max(0.0, cell + 0.5))
+    k = min(int(at), _SHARES)
+    return row[k] + (at - k) * (row[k + 1] - row[k])
+
+
+@kernel(error_model="numpy")
+def _place_of(row, share):
+    """The place, in cells, before which a share of the hairs lies."""
+    k = 0
+    while k < _SHARES and row[k + 1] < share:
+        k += 1
+    rise = row[k + 1] - row[k]
+    return k - 0.5 + ((share - row[k]) / rise if rise > 0.0 else 0.0)
+
+
+@kernel(error_model="numpy")
+def _find_ends(points, hair_contacts, count, imprint):
+    """From where to where along the bend the hairs touch that make an outline, mm.
+
+    The few that come down far from the others, or hardly lie, do not: an end is where a share of
+    the hairs is left, and beyond it as far as a round end goes on that thins out as they do there.
+    It changes as the places of all hairs do, and jumps with none. The imprint's shares are filled.
+
+    Returns
+    -------
+    low, high : float
+    first, per_cell : float
+        From where the places of the shares are counted, mm, and how many there are to the mm.
+    """
+    ends, shares = imprint.ends, imprint.shares
+    n = _note_ends(points, hair_contacts, count, ends)
+    first, last, lying = np.inf, -np.inf, 0.0
+    for i in range(n):
+        first, last, lying = min(first, ends[0, i]), max(last, ends[1, i]), lying + ends[2, i]
+    if not lying > 0.0:  # none of these, or all just about to leave
+        first, last = _find_extremes(points, hair_contacts, count)
+        ends[0, 0], ends[1, 0], ends[2, 0] = first, last, 1.0
+        n = 1
+    last = max(last, first + _SHORTEST)
+    per_cell = _SHARES / (last - first)
+    _add_shares(ends, n, first, per_cell, shares)
+    low, more = _place_of(shares[0], _FEWEST), _place_of(shares[0], _MORE * _FEWEST)
+    low = max(0.0, low - _ROUND * (more - low))
+    high, more = _place_of(shares[1], 1.0 - _FEWEST), _place_of(shares[1], 1.0 - _MORE * _FEWEST)
+    high = min(np.float64(_SHARES), high + _ROUND * (high - more))
+    low, high = first + low / per_cell, first + high / per_cell
+    return low, max(high, low + _SHORTEST), first, per_cell
+
+
+@kernel(error_model="numpy")
+def _find_extremes(points, hair_contacts, count):
+    """From where to where along the bend any hair touches, mm."""
+    low, high = np.inf, -np.inf
+    for i in range(count):
+        row, j = hair_contacts[i // BLOCK], i % BLOCK
+        if row[END + j] >= 0.0:
+            ahead, _ = _place_on(points, i, row[BEGIN + j])
+            behind, _ = _place_on(points, i, row[END + j])
+            low, high = min(low, min(ahead, behind)), max(high, max(ahead, behind))
     return low, high
 
 
 @kernel(error_model="numpy")
-def _draw_piece(x0, y0, x1, y1, low, per_bin, reaches):
-    """Let the outline hold a straight piece of hair."""
+def _draw_piece(x0, y0, x1, y1, lies, low, per_bin, reaches):
+    """Let the outline hold a straight piece of hair, so far as this lies on the surface."""
     if x0 > x1:
         x0, y0, x1, y1 = x1, y1, x0, y0
     begin, end = (x0 - low) * per_bin, (x1 - low) * per_bin
     rise = (y1 - y0) / (end - begin) if end > begin else 0.0
-    final = min(int(end), _BINS - 1)
-    for b in range(max(int(begin), 0), final + 1):
-        at = min(max(b + 0.5, begin), end)
-        reaches[b] = max(reaches[b], y0 + (at - begin) * rise)
+    first, final = max(int(begin), 0), min(int(end), _BINS - 1)
+    here = reaches[first : final + 1]  # no index that might be negative: vector instructions
+    for b in range(here.shape[0]):
+        at = min(max(first + b + 0.5, begin), end)
+        here[b] = max(here[b], lies * (y0 + (at - begin) * rise))
+
+
+@kernel(error_model="numpy")
+def _draw_dot(x, y, radius, lies, low, per_bin, reaches):
+    """Let the outline hold a round film, so far as its hair lies on the surface."""
+    if radius * per_bin < 1.0:
+        return
+    begin, end = max(int((x - radius - low) * per_bin), 0), int((x + radius - low) * per_bin)
+    for b in range(begin, min(end, _BINS - 1) + 1):
+        away = low + (b + 0.5) / per_bin - x
+        beside = radius * radius - away * away
+        if beside > 0.0:
+            reaches[b] = max(reaches[b], lies * (y + np.sqrt(beside)))
 
 
 @kernel(error_model="numpy")
@@ -512,23 +630,29 @@ def _film_at(film, at):
 def _draw_hairs(points, hair_contacts, film, some, pieces, low, per_bin, reaches):
     """Let the outline hold the first pieces that touch of some hairs, with their films.
 
-    `film` is how thick these are at the hairs' points.
+    `film` is how thick these are at the hairs' points. Returns how many hairs these were.
     """
+    drawn = 0
     for i in range(some[0], some[1], some[2]):
         row, j = hair_contacts[i // BLOCK], i % BLOCK
         begin, end, dot = row[BEGIN + j], row[END + j], np.float64(row[DOT + j])
         if end < 0.0:
             continue
+        drawn += 1
+        lies = np.float64(row[LIES + j])
         x0, y0 = _place_on(points, i, begin)
-        y0 += dot * _film_at(film, begin)
+        radius = dot * _film_at(film, begin)
+        _draw_dot(x0, y0, radius, lies, low, per_bin, reaches)
+        y0 += radius
         for k in range(int(begin) + 1, int(begin) + 1 + pieces):
             at = min(np.float32(k), end)
             x1, y1 = _place_on(points, i, at)
             y1 += dot * _film_at(film, at)
-            _draw_piece(x0, y0, x1, y1, low, per_bin, reaches)
+            _draw_piece(x0, y0, x1, y1, lies, low, per_bin, reaches)
             if k >= end:
                 break
             x0, y0 = x1, y1
+    return drawn
 
 
 @kernel(error_model="numpy")
@@ -552,7 +676,8 @@ def _draw_outline(hairs, point, margin, reach, half_width):
     point : float
         How long the tuft's point is, mm.
     margin : float
-        That is left beside the hairs, mm, and a quarter of it before and behind.
+        That is left beside the hairs, mm, where there are enough, and a quarter of it before and
+        behind.
     reach, half_width : arrays as for `tuft.trace_outline`
 
     Returns
@@ -563,22 +688,24 @@ def _draw_outline(hairs, point, margin, reach, half_width):
         Between which places along the bend it lies, mm.
     """
     points, hair_contacts, count = hairs.points, hairs.hair_contacts, hairs.load.shape[0]
-    reaches = hairs.imprint.reaches
-    first = max(0, count - _OUTER)
-    rim, inner = (first, count, 1), (0, first, max(1, first // _INNER))
-    low, high = _find_ends(points, hair_contacts, rim)
-    low_inside, high_inside = _find_ends(points, hair_contacts, inner)
-    low, high = min(low, low_inside), max(high, high_inside)
-    if not low < np.inf:  # few are long enough, and none of these
-        inner = (0, first, 1)
-        low, high = _find_ends(points, hair_contacts, (0, count, 1))
-    high = max(high, low + _SHORTEST)
+    reaches, shares = hairs.imprint.reaches, hairs.imprint.shares
+    low, high, zero, per_cell = _find_ends(points, hair_contacts, count, hairs.imprint)
     per_bin, wide, film = _BINS / (high - low), (high - low) / _BINS, hairs.bend[0].film
     for b in range(_BINS):
         behind = (_BINS - 0.5 - b) * wide
-        reaches[b] = margin * (min(1.0, behind / point) if point > 0.0 else 1.0)
-    _draw_hairs(points, hair_contacts, film, rim, SAMPLES, low, per_bin, reaches)
-    _draw_hairs(points, hair_contacts, film, inner, 1, low, per_bin, reaches)
+        film_here = margin * (min(1.0, behind / point) if point > 0.0 else 1.0)
+        at = (low + (b + 0.5) * wide - zero) * per_cell
+        near = _share_before(shares[0], at + margin * per_cell)
+        near -= _share_before(shares[1], at - margin * per_cell)
+        reaches[b] = film_here * min(1.0, max(0.0, near) / _CLOSE)
+    first = max(0, count - _OUTER)
+    inner = (0, first, max(1, first // _INNER))
+    drawn = _draw_hairs(
+        points, hair_contacts, film, (first, count, 1), SAMPLES, low, per_bin, reaches
+    )
+    drawn += _draw_hairs(points, hair_contacts, film, inner, 1, low, per_bin, reaches)
+    if drawn == 0:  # few are long enough, and none of these
+        _draw_hairs(points, hair_contacts, film, (0, first, 1), 1, low, per_bin, reaches)
     foremost = high + _ENDS * margin * film[0]
     hindmost = low - _ENDS * margin
     n = 0
@@ -586,7 +713,8 @@ def _draw_outline(hairs, point, margin, reach, half_width):
     n += 1
     for b in range(_BINS - 1, -1, -1):
         beside = 0.5 * (reaches[max(b - 1, 0)] + reaches[min(b + 1, _BINS - 1)])
-        reach[n], half_width[n] = low + (b + 0.5) * wide, max(reaches[b], beside)
+        reach[n] = low + (b + 0.5) * wide
+        half_width[n] = min(max(reaches[b], beside), _BLUNTEST * (foremost - reach[n]))
         n += 1
     reach[n], half_width[n] = hindmost, 0.0
     return n + 1, foremost, hindmost
