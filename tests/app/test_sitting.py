@@ -21,6 +21,7 @@ from paint3d.app.model.mask import AngleMask, Mask, RegionPick
 from paint3d.app.model.persistence.sitting import Sitting, recoverable, refusal
 from paint3d.brush.presets import load_brush
 from paint3d.colour.pigments import load_pigment
+from paint3d.core.machine import lock
 from paint3d.errors import ExportError, InputError, SessionError
 from paint3d.files.project.journal import Journal, read_events
 from scripts import kill_sitting
@@ -220,6 +221,34 @@ def test_a_sitting_without_its_first_base_is_not_offered(tmp_path, monkeypatch, 
     if not killed:
         shutil.rmtree(left)
     assert recoverable(tmp_path) == []
+
+
+def begun(root: Path, name: str, *files: str, hours: float) -> Path:
+    """The folder of a sitting that was killed so long ago, with what it had written by then."""
+    folder = root / name
+    folder.mkdir(parents=True)
+    for file in files:
+        (folder / file).write_bytes(b"")
+    then = time.time() - 3600.0 * hours
+    os.utime(folder, (then, then))
+    return folder
+
+
+def test_a_sitting_that_was_killed_while_it_began_is_cleared_away_in_time(tmp_path):
+    """It says nothing of itself and holds no painting; one that only just begins says as little."""
+    for files in ((), ("lock",), ("lock", "journal-1.p3dj", ".about.json")):
+        begun(tmp_path, f"4711-{17 + len(files)}", *files, hours=1.1)
+    kept = [
+        begun(tmp_path, "4711-1", "lock", "journal-1.p3dj", hours=0.9),
+        begun(tmp_path, "4711-2", "lock", "base-1.p3d", hours=99.0),
+        begun(tmp_path, "notes", "journal-1.p3dj", hours=99.0),
+        begun(tmp_path, "4711-x", hours=99.0),
+        begun(tmp_path, "4711-3", "lock", hours=99.0),
+    ]
+    with open(kept[-1] / "lock", "wb") as held:
+        lock(held)  # it may have been put to sleep with its machine
+        assert recoverable(tmp_path) == []
+    assert sorted(tmp_path.iterdir()) == sorted(kept)
 
 
 def test_a_page_is_turned_before_its_base_is_there(tmp_path):

@@ -30,6 +30,7 @@ from paint3d.files.project.journal import SAMPLE, Journal, Loss, read_events
 __all__ = ["Recovered", "Sitting", "Unfinished", "is_open_elsewhere", "recoverable", "refusal"]
 
 _ABOUT, _LOCK = "about.json", "lock"
+_BEGINS_S = 3600.0  # in which a sitting has surely locked its folder and told what it is about
 _OPENED = 0.2  # of recovering is opening the base
 _AT_ONCE = 256  # samples between two reports of progress
 _COSTS = {"follow_time": 50.0, "let_time_pass": 50.0, "undo": 50.0, "redo": 50.0}
@@ -276,14 +277,19 @@ class Unfinished:
 def recoverable(folder: Path | None = None) -> list[Unfinished]:
     """Sittings that ended without being closed, the newest first.
 
-    Those that go on are left out; those in which nothing was done are deleted.
+    Those that go on are left out; those in which nothing was done are deleted, and those that
+    ended long ago while they began.
     """
     root = recovery_folder() if folder is None else folder
     found = []
     with suppress(OSError):
         for own in sorted(root.iterdir()):
-            if (own / _ABOUT).is_file() and not is_locked(own / _LOCK):  # nobody goes on with it
+            if is_locked(own / _LOCK):  # somebody goes on with it
+                continue
+            if (own / _ABOUT).is_file():
                 found += _unfinished(own)
+            elif _never_began(own):
+                shutil.rmtree(own, ignore_errors=True)
     return sorted(found, key=lambda one: one.time_s, reverse=True)
 
 
@@ -358,6 +364,15 @@ def _unfinished(folder: Path) -> list[Unfinished]:
         return [Unfinished(folder, str(about["object"]), path, written, file)]
     except (OSError, ValueError, KeyError, IndexError, TypeError, AttributeError):
         return []
+
+
+def _never_began(folder: Path) -> bool:
+    """Whether it is a sitting that ended before it said what it is about: it holds no painting."""
+    process, _, began = folder.name.partition("-")
+    with suppress(OSError):
+        is_old = time.time() - folder.stat().st_mtime > _BEGINS_S
+        return process.isdigit() and began.isdigit() and is_old and not _numbered(folder, "base-")
+    return False
 
 
 def _numbered(folder: Path, prefix: str) -> set[tuple[int, Path]]:
