@@ -223,6 +223,30 @@ def test_a_sitting_without_its_first_base_is_not_offered(tmp_path, monkeypatch, 
     assert recoverable(tmp_path) == []
 
 
+def test_what_is_being_brought_back_is_nobody_elses(tmp_path):
+    """Two windows may ask about the same one at the same time, and bring it back or delete it."""
+    sitting = Sitting(small_plane(), tmp_path)
+    sitting.note(encode_command("add_layer", [], {}))
+    sitting.close(keep=True)
+    (first,), (second,) = recoverable(tmp_path), recoverable(tmp_path)
+    seen = []
+
+    def meanwhile(share):
+        if not seen:
+            seen.append(recoverable(tmp_path))
+            second.discard()
+            with pytest.raises(SessionError, match="plane: another window has taken it up"):
+                second.recover()
+
+    assert len(first.recover(meanwhile).document.layers) == 2
+    assert seen == [[]]
+    assert len(second.recover().document.layers) == 2  # it was let go of
+    first.discard()
+    with pytest.raises(SessionError, match="plane: another window has taken it up"):
+        second.recover()
+    assert list(tmp_path.iterdir()) == []
+
+
 def begun(root: Path, name: str, *files: str, hours: float) -> Path:
     """The folder of a sitting that was killed so long ago, with what it had written by then."""
     folder = root / name

@@ -13,8 +13,8 @@ import os
 import shutil
 import time
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -242,9 +242,28 @@ class Unfinished:
         Raises
         ------
         SessionError
-            If there is no base that can be opened.
+            If there is no base that can be opened, or another program has taken it up by now.
         """
-        tell = progress or (lambda share: None)
+        with self._held():
+            return self._recovered(progress or (lambda share: None))
+
+    @contextmanager
+    def _held(self) -> Iterator[None]:
+        """Keep other programs from it meanwhile: they take it for one that goes on."""
+        name = self.object_name if self.path is None else self.path.name
+        taken = f"{name}: another window has taken it up; expected what a crash left"
+        if not self.folder.is_dir():
+            raise SessionError(taken)
+        with ExitStack() as stack:
+            with suppress(OSError):  # where nothing can be written nobody can delete it, either
+                file = stack.enter_context(open(self.folder / _LOCK, "ab"))
+                try:
+                    lock(file)
+                except OSError:
+                    raise SessionError(taken) from None
+            yield
+
+    def _recovered(self, tell: Callable[[float], None]) -> Recovered:
         tell(0.0)
         bases = sorted(_numbered(self.folder, "base-"), reverse=True)
         if not bases:
@@ -270,8 +289,9 @@ class Unfinished:
         return Recovered(document, len(events), loss, tuple(unknown.elements()))
 
     def discard(self) -> None:
-        """Delete it for good."""
-        shutil.rmtree(self.folder, ignore_errors=True)
+        """Delete it for good, unless another program has taken it up by now."""
+        with suppress(SessionError), self._held():
+            shutil.rmtree(self.folder, ignore_errors=True)
 
 
 def recoverable(folder: Path | None = None) -> list[Unfinished]:
