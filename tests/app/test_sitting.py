@@ -140,6 +140,17 @@ def test_a_sitting_that_was_closed_leaves_nothing(tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
+def test_what_a_killed_sitting_waited_for_is_told_from_what_was_seen_since_the_loss():
+    look = kill_sitting.Look
+    looks = [
+        look(0, {"1": 50}, True), look(10, {"1": 50}, True), look(25, {"1": 53, "2": 4}, False),
+        look(90, {"1": 54, "2": 9}, False),
+    ]  # fmt: skip
+    waited = vars(kill_sitting)["_waited"]
+    assert waited(looks, 12) == kill_sitting.Waits(core=9, disk=15, killer=65)
+    assert waited(looks, 30) == kill_sitting.Waits(core=5, disk=0, killer=65)
+
+
 @pytest.mark.parametrize("done", [False, True])
 def test_a_sitting_is_offered_only_if_something_was_done(tmp_path, done):
     sitting = Sitting(small_plane(), tmp_path)
@@ -507,13 +518,16 @@ def test_notes_lie_between_samples_and_time_may_start_over(tmp_path):
 
 
 def test_a_sitting_that_lost_more_than_100_ms_has_no_excuse(monkeypatch, capsys):
+    waits = kill_sitting.Waits(core=90_000_000, disk=20_000_000, killer=11_000_000)
     kills = [
-        kill_sitting.Kill(90, 80, lost, lost, 1, 2, True, True) for lost in (10**8, 160_400_000)
+        kill_sitting.Kill(90, 80, lost, waits, 1, 2, True, True) for lost in (10**8, 160_400_000)
     ]
     monkeypatch.setattr(kill_sitting, "kill_at_random", lambda times, seed: kills[:times])
     monkeypatch.setattr(sys, "argv", ["kill_sitting", "1"])
     kill_sitting.main()
-    assert "at most 100 ms (a thread waited 100 of them for a core) lost" in capsys.readouterr().out
+    told = "at most 100 ms (a thread waited 90 of them for a core, 20 for the disk, "
+    told += "who kills stood still for up to 11; 10 events) lost"
+    assert told in capsys.readouterr().out
     monkeypatch.setattr(sys, "argv", ["kill_sitting", "2"])
     with pytest.raises(SystemExit, match="1 of 2 lost more than 100 ms: 160 ms"):
         kill_sitting.main()

@@ -234,7 +234,7 @@ def test_the_root_of_a_pressed_tuft_fits_a_handle_that_leans_aside(painter: Pain
 
 
 def test_sections_turn_as_the_handle_does_each_by_its_share(painter: Painter) -> None:
-    """The straight way from the plane that the tuft is bent in to the handle, about their middles."""
+    """The straight way from the plane of the bend to the handle, about their middles."""
     stand = leaning_stand(painter, Rotation.from_euler("xy", [15.0, -35.0], degrees=True))
     root = stand.axes.T @ [-np.cos(stand.tilt), 0.0, np.sin(stand.tilt)]
     turn = Rotation.from_euler("xyz", [25.0, -35.0, 0.0], degrees=True)
