@@ -139,9 +139,7 @@ def _read(data: bytes, name: str, ids: Sequence[str]) -> Iterator[_Ink]:
     if not boxes:
         return
     widths = [float(shape.stroke_width or 0.0) for shape in shapes]
-    farthest = np.abs([side for box in boxes for side in box] + widths).max()
-    if not farthest <= _FARTHEST:
-        raise InputError(f"{name}: reaches as far as {farthest:g}; expected {_FARTHEST:g} at most")
+    _check_reach(name, np.array([side for box in boxes for side in box] + widths))
     left, upper, right, lower = bounds_of(boxes)
     flatness = _FLATNESS * max(right - left, lower - upper, 1e-9)
     for k, (path, shape) in enumerate(paths):
@@ -150,7 +148,15 @@ def _read(data: bytes, name: str, ids: Sequence[str]) -> Iterator[_Ink]:
             lines = list(_subpaths(path, flatness, svg))
         if not all(np.isfinite(points).all() for points, _ in lines):
             raise InputError(f"{name}: {label} has an arc of no finite points; expected a radius")
+        for points, _ in lines:  # of some curves the boxes do not tell
+            _check_reach(name, points)
         yield from _inks(lines, shape, label)
+
+
+def _check_reach(name: str, lengths: AnyArray) -> None:
+    farthest = np.abs(lengths).max(initial=0.0)
+    if not farthest <= _FARTHEST:
+        raise InputError(f"{name}: reaches as far as {farthest:g}; expected {_FARTHEST:g} at most")
 
 
 def _chosen(element: Any, ids: set[str], taken: bool, svg: Any) -> Iterator[Any]:
