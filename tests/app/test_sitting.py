@@ -21,7 +21,7 @@ from paint3d.app.model.mask import AngleMask, Mask, RegionPick
 from paint3d.app.model.persistence.sitting import Sitting, recoverable, refusal
 from paint3d.brush.presets import load_brush
 from paint3d.colour.pigments import load_pigment
-from paint3d.core.machine import lock
+from paint3d.core.machine import is_locked, lock
 from paint3d.errors import ExportError, InputError, SessionError
 from paint3d.files.project.journal import Journal, read_events
 from scripts import kill_sitting
@@ -239,23 +239,29 @@ def test_what_is_being_brought_back_is_nobody_elses(tmp_path):
     sitting = Sitting(small_plane(), tmp_path)
     sitting.note(encode_command("add_layer", [], {}))
     sitting.close(keep=True)
-    (first,), (second,) = recoverable(tmp_path), recoverable(tmp_path)
+    (one,) = recoverable(tmp_path)
+    with open(one.folder / "lock", "ab") as theirs:
+        lock(theirs)
+        assert recoverable(tmp_path) == []
+        one.discard()
+        with pytest.raises(SessionError, match="plane: another window has taken it up"):
+            one.recover()
     seen = []
 
     def meanwhile(share):
-        if not seen:
-            seen.append(recoverable(tmp_path))
-            second.discard()
-            with pytest.raises(SessionError, match="plane: another window has taken it up"):
-                second.recover()
+        seen.append(is_locked(one.folder / "lock"))
+        if len(seen) == 1:  # here it is known: it may be stopped, and asked for again at once
+            assert [again.folder for again in recoverable(tmp_path)] == [one.folder]
+            assert len(one.recover().document.layers) == 2
 
-    assert len(first.recover(meanwhile).document.layers) == 2
-    assert seen == [[]]
-    assert len(second.recover().document.layers) == 2  # it was let go of
-    first.discard()
-    with pytest.raises(SessionError, match="plane: another window has taken it up"):
-        second.recover()
+    assert len(one.recover(meanwhile).document.layers) == 2
+    assert len(seen) > 1
+    assert all(seen)
+    assert not is_locked(one.folder / "lock")
+    one.discard()
     assert list(tmp_path.iterdir()) == []
+    with pytest.raises(SessionError, match="plane: another window has taken it up"):
+        one.recover()
 
 
 def begun(root: Path, name: str, *files: str, hours: float) -> Path:

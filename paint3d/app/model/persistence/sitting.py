@@ -11,12 +11,14 @@ from __future__ import annotations
 import json
 import os
 import shutil
+import threading
 import time
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import BinaryIO
 
 from paint3d.app.model.commands import do_again, encode_command
 from paint3d.app.model.document import Document, FileState
@@ -37,6 +39,10 @@ _COSTS = {"follow_time": 50.0, "let_time_pass": 50.0, "undo": 50.0, "redo": 50.0
 """Of commands, in samples painted."""
 
 _REFUSED = "refused"  # of a note in a journal
+_HELD: dict[Path, tuple[int, BinaryIO | None]] = {}
+"""Sittings that this program brings back or deletes now: how often, and their locks. One that was
+stopped may go on beside the window for a while."""
+_holding = threading.Lock()
 _Event = Recording | dict[str, object]
 _Piece = list[DeviceSample] | Mapping[str, object]  # of a journal
 
@@ -250,18 +256,35 @@ class Unfinished:
     @contextmanager
     def _held(self) -> Iterator[None]:
         """Keep other programs from it meanwhile: they take it for one that goes on."""
+        with _holding:
+            count, file = _HELD.get(self.folder, (0, None))
+            _HELD[self.folder] = count + 1, file if count else self._locked()
+        try:
+            yield
+        finally:
+            with _holding:
+                count, file = _HELD.pop(self.folder)
+                if count > 1:
+                    _HELD[self.folder] = count - 1, file
+                elif file is not None:
+                    file.close()
+
+    def _locked(self) -> BinaryIO | None:
+        """The lock, held; None where nothing can be written, so that nobody can delete it."""
         name = self.object_name if self.path is None else self.path.name
         taken = f"{name}: another window has taken it up; expected what a crash left"
         if not self.folder.is_dir():
             raise SessionError(taken)
-        with ExitStack() as stack:
-            with suppress(OSError):  # where nothing can be written nobody can delete it, either
-                file = stack.enter_context(open(self.folder / _LOCK, "ab"))
-                try:
-                    lock(file)
-                except OSError:
-                    raise SessionError(taken) from None
-            yield
+        try:
+            file = open(self.folder / _LOCK, "ab")  # noqa: SIM115 - as long as it is held
+        except OSError:
+            return None
+        try:
+            lock(file)
+        except OSError:
+            file.close()
+            raise SessionError(taken) from None
+        return file
 
     def _recovered(self, tell: Callable[[float], None]) -> Recovered:
         tell(0.0)
@@ -304,7 +327,7 @@ def recoverable(folder: Path | None = None) -> list[Unfinished]:
     found = []
     with suppress(OSError):
         for own in sorted(root.iterdir()):
-            if is_locked(own / _LOCK):  # somebody goes on with it
+            if is_locked(own / _LOCK) and own not in _HELD:  # somebody else goes on with it
                 continue
             if (own / _ABOUT).is_file():
                 found += _unfinished(own)
