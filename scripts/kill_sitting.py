@@ -7,7 +7,8 @@ a tuft of single hairs, ink that spreads meanwhile, layers, undo, and a base sav
 lifted. It is killed (SIGKILL) after a random while. Every batch and command carries a number, and
 when it was handed over is told through shared memory. What the sitting gives back must be all that
 was handed over more than 100 ms before, and its ink must add up. How long a thread of the child
-waited for a core meanwhile is told beside it, where the system knows (Linux): it excuses nothing.
+waited for a core or the disk meanwhile, and how long who kills stood still itself, is told beside
+it, where the system knows (Linux): it excuses nothing.
 """
 
 from __future__ import annotations
@@ -47,13 +48,21 @@ UPRIGHT = np.array([1.0, 0.0, 0.0, 0.0])
 HAIRY = dataclasses.replace(load_brush("full"), name="hairy", bristles=BristleSpec(n_hairs=40))
 
 
+class Waits(NamedTuple):
+    """What a lost time was waited for, ns, as far as it could be seen."""
+
+    core: int = 0  # by one of the threads, at most; what still goes on as it is killed is not seen
+    disk: int = 0  # by any thread
+    killer: int = 0  # between two looks of who kills: all of the machine may stand still
+
+
 class Kill(NamedTuple):
     """What became of one killed sitting."""
 
     n_told: int  # batches and commands that were handed over
     n_kept: int  # of these
     lost_ns: int  # from when the first of the others was handed over
-    waited_ns: int  # of it, that one of the threads waited for a core, at most
+    waits: Waits  # of it
     n_layers: int
     n_strokes: int
     is_wet: bool
@@ -138,52 +147,60 @@ def kill_once(folder: Path, seconds: float, seed: int) -> Kill:
             os._exit(1)
     while teller.times[0] < BEGUN and os.waitpid(process, os.WNOHANG) == (0, 0):
         time.sleep(0.001)
-    waits = _watched(process, seconds)
+    looks = _watched(process, seconds)
     killed_ns = time.monotonic_ns()
     os.kill(process, signal.SIGKILL)
     os.waitpid(process, 0)
     n_told, found = int(teller.times[0]), recoverable(folder)
     if not found:  # killed before any of it was on the disk: all of it is lost
         lost_ns = killed_ns - int(teller.times[1])
-        return Kill(n_told, 0, lost_ns, _waited(waits, killed_ns - lost_ns), 0, 0, False, True)
+        return Kill(n_told, 0, lost_ns, _waited(looks, killed_ns - lost_ns), 0, 0, False, True)
     (unfinished,) = found
     recovered = unfinished.recover()
     _check(recovered)
     document = recovered.document
     n_kept = int(document.tags.get("event", 0))
     lost_ns = killed_ns - int(teller.times[n_kept + 1]) if n_kept < n_told else 0
-    waited_ns = _waited(waits, killed_ns - lost_ns) if lost_ns > 0 else 0
+    waits = _waited(looks, killed_ns - lost_ns) if lost_ns > 0 else Waits()
     return Kill(
-        n_told, n_kept, max(lost_ns, 0), waited_ns, len(document.layers), len(document.strokes),
+        n_told, n_kept, max(lost_ns, 0), waits, len(document.layers), len(document.strokes),
         document.surface.flow_patience < math.inf, not any(unfinished.folder.glob("base-1.*")),
     )  # fmt: skip
 
 
-Waits = list[tuple[int, dict[str, int]]]
-"""When it was looked, ns, and how long each thread had waited for a core until then, ns."""
+class Look(NamedTuple):
+    """What a process was seen to wait for, and when, ns."""
+
+    at: int
+    waited: dict[str, int]  # by each of its threads for a core, until then
+    on_disk: bool  # one of them
 
 
-def _watched(process: int, seconds: float) -> Waits:
-    """Let a process go on for so long, and look how long its threads wait for a core."""
-    waits: Waits = []
+def _watched(process: int, seconds: float) -> list[Look]:
+    """Let a process go on for so long, and look what its threads wait for."""
+    looks: list[Look] = []
     until = time.monotonic() + seconds
     while True:
-        looked, threads = time.monotonic_ns(), {}
-        for told in Path(f"/proc/{process}/task").glob("*/schedstat"):
+        at, threads, states = time.monotonic_ns(), {}, []
+        for folder in Path(f"/proc/{process}/task").glob("*"):
             with contextlib.suppress(OSError):  # it may end meanwhile
-                threads[told.parent.name] = int(told.read_text().split()[1])
-        waits.append((looked, threads))
+                threads[folder.name] = int((folder / "schedstat").read_text().split()[1])
+                states.append((folder / "stat").read_text().rpartition(")")[2].split()[0])
+        looks.append(Look(at, threads, "D" in states))
         left = until - time.monotonic()
         if left <= 0.0:
-            return waits
+            return looks
         time.sleep(min(LOOK_S, left))
 
 
-def _waited(waits: Waits, since_ns: int) -> int:
-    """How long a thread waited for a core since then, ns: that of those that waited longest."""
-    before = next((one for at, one in reversed(waits) if at <= since_ns), {})
-    _, now = waits[-1]
-    return max((waited - before.get(name, 0) for name, waited in now.items()), default=0)
+def _waited(looks: list[Look], since_ns: int) -> Waits:
+    """What was waited for since then."""
+    before = next((look for look in reversed(looks) if look.at <= since_ns), looks[0])
+    later = [before, *(look for look in looks if look.at > before.at)]
+    core = [waited - before.waited.get(name, 0) for name, waited in later[-1].waited.items()]
+    apart = [(one, two.at - one.at) for one, two in itertools.pairwise(later)]
+    disk = sum(gap for look, gap in apart if look.on_disk)
+    return Waits(max(core, default=0), disk, max((gap for _, gap in apart), default=0))
 
 
 def _check(recovered: Recovered) -> None:
@@ -247,8 +264,10 @@ def main() -> None:
 
 
 def _lost(kill: Kill) -> str:
-    waited = f"a thread waited {kill.waited_ns * 1e-6:.0f} of them for a core"
-    return f"{kill.lost_ns * 1e-6:.0f} ms ({waited})"
+    core, disk, killer = (f"{waited * 1e-6:.0f}" for waited in kill.waits)
+    told = f"a thread waited {core} of them for a core, {disk} for the disk"
+    told += f", who kills stood still for up to {killer}; {kill.n_told - kill.n_kept} events"
+    return f"{kill.lost_ns * 1e-6:.0f} ms ({told})"
 
 
 if __name__ == "__main__":

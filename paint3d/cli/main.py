@@ -14,9 +14,11 @@ import io
 import logging
 import os
 import sys
+import threading
 import traceback
 import warnings
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from importlib import import_module
 
 from paint3d.cli.parsing import Parser, UsageError
@@ -48,6 +50,7 @@ COMMANDS = {  # each by its module, which is imported when the command is asked 
 _ONE_THREAD = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 _FAILED = 2
 _INTERRUPTED = 130
+_AGAIN_S = 0.01  # after an interrupt that was dropped
 
 
 class _Version(argparse.Action):
@@ -139,6 +142,31 @@ def _tell_any_name() -> None:
             stream.reconfigure(errors=errors)
 
 
+@contextmanager
+def _hearing_interrupts() -> Iterator[None]:
+    """Interrupt once more where Python drops an interrupt meanwhile.
+
+    It does so when one comes in a callback, such as an import or the end of an object makes.
+    """
+    others = sys.unraisablehook
+
+    def hear(dropped: sys.UnraisableHookArgs) -> None:
+        if not issubclass(dropped.exc_type, KeyboardInterrupt):
+            others(dropped)
+            return
+        from paint3d.core.machine import interrupt
+
+        again = threading.Timer(_AGAIN_S, interrupt)
+        again.daemon = True
+        again.start()
+
+    sys.unraisablehook = hear
+    try:
+        yield
+    finally:
+        sys.unraisablehook = others
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command.
 
@@ -161,7 +189,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         warnings.simplefilter("ignore")
         logging.getLogger().addHandler(logging.NullHandler())
     try:
-        return _run(arguments)
+        with _hearing_interrupts():
+            return _run(arguments)
     except KeyboardInterrupt:
         sys.stderr.write("paint3d: error: interrupted\n")
         return _INTERRUPTED

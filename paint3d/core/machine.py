@@ -7,6 +7,7 @@ alone; what stands in elsewhere is tried there, with Linux's own hidden.
 
 from __future__ import annotations
 
+import _thread
 import importlib
 import os
 import signal
@@ -17,7 +18,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from types import ModuleType
-from typing import Any, BinaryIO
+from typing import Any, BinaryIO, cast
 
 __all__ = [
     "APPENDING",
@@ -30,6 +31,7 @@ __all__ = [
     "handed_to_child",
     "holding_interrupts",
     "ignore_interrupts",
+    "interrupt",
     "is_locked",
     "is_private",
     "leave_interrupts_to_others",
@@ -123,6 +125,14 @@ def leave_interrupts_to_others() -> None:
     """Let interrupts go to this process's other threads, not to this one."""
     if hasattr(signal, "pthread_sigmask"):
         signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+
+
+def interrupt() -> None:
+    """Interrupt this process's main thread, in what it waits for too where that can be done."""
+    if hasattr(signal, "pthread_kill"):
+        signal.pthread_kill(cast("int", threading.main_thread().ident), signal.SIGINT)
+    else:
+        _thread.interrupt_main()
 
 
 def ignore_interrupts() -> None:

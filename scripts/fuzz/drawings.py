@@ -6,6 +6,7 @@ import json
 import random
 import time
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -48,6 +49,9 @@ _SAID = (
     {"do": "set_brush", "brush": "full", "length_mm": 20, "hairs": 12},
     {"do": "dip", "ink": {"own": 0.4, "water": 0.6}, "amount": {"wetted": 0.6}},
     {"do": "dip", "ink": "cinnabar", "reach": 0.3},
+    {"do": "dip", "ink": {"azurite 1": 0.5, "own": 0.5}, "amount": {"fullness": 0.4}},
+    {"do": "rinse"}, {"do": "let_time_pass", "seconds": 0.5},
+    {"do": "set_azimuth", "azimuth": "dragged"}, {"do": "set_tags", "tags": {"trial": 1}},
     {"do": "set_mask", "angle": {"direction": [0, 0, 1], "degrees": 40}},
     {"do": "set_mask", "regions": [{"at": [0, 1, 0], "up_to": "piece"}], "inverted": True},
     {"do": "set_symmetry", "planes": [{"point": [0, 0, 0], "normal": [0, 1, 0]}]},
@@ -63,7 +67,7 @@ _SAID = (
 
 def _played_seeds() -> list[tuple[str, bytes]]:
     """Scores of one stroke and something before it, small enough to be played."""
-    own = {"K": [1.0] * 31, "S": [0.5] * 31}
+    own = {"K": [1.0] * 31, "S": [0.5] * 31, "fine": 0.3, "grain_um": 12.0}
     head = {"format": "paint3d-recording", "version": 2, "object": "plane", "material": "xuan"}
     head |= {"resolution_mm": 4.0, "brush": "full", "ink": "pine soot", "pigments": {"own": own}}
     ways = ((0, -15, 0.0), (0, -14, 0.4), (6, 2, 0.3), (9, 9, 0.0))
@@ -107,12 +111,21 @@ def _check_played(suffix: str, content: bytes) -> None:
 
 
 def _strokes_seeds() -> list[tuple[str, bytes]]:
+    from paint3d.calligraphy.page.page import Photograph
     from paint3d.calligraphy.page.strokes_file import save_strokes
     from paint3d.calligraphy.page.svg_drawing import load_svg
 
     page = load_svg(file_of(".svg", _SVG))
+    corners = np.array([[3.0, 4.0], [90.0, 2.0], [95.0, 61.0], [1.0, 60.0]])
+    photograph = Photograph(Path("a.jpg"), corners, (50, 80), 0.5, np.array([2.0, 40.0]))
     made = written(".strokes.json", partial(save_strokes, page))
-    return [made, (made[0], made[1].replace(b'"order": 1', b'"order": 7, "dryness": [0.2, 0.5]'))]
+    said = b'"order": 7, "dryness": [0.2, 0.5], "strength": 0.4'
+    taken = replace(page, photograph=photograph)
+    return [
+        made,
+        (made[0], made[1].replace(b'"order": 1', said)),
+        written(".strokes.json", partial(save_strokes, taken)),
+    ]
 
 
 def _damage_strokes(data: bytes, chance: random.Random, others: Sequence[bytes]) -> bytes:

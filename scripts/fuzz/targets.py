@@ -20,6 +20,7 @@ import numpy as np
 
 from scripts.fuzz.copied import COPIED
 from scripts.fuzz.drawings import DRAWINGS
+from scripts.fuzz.lettering import LETTERING
 from scripts.fuzz.mutation import damage, damage_archive
 from scripts.fuzz.packed import PACKED, check_mesh
 from scripts.fuzz.parameters import PARAMETERS
@@ -464,4 +465,5 @@ TARGETS: dict[str, Target] = {
     **PACKED,
     **DRAWINGS,
     **PARAMETERS,
+    **LETTERING,
 }

@@ -22,6 +22,7 @@ from paint3d.app.model.persistence.shortcuts import (
     SHORTCUTS,
     find_shortcuts,
 )
+from paint3d.app.model.persistence.sitting import Unfinished
 from paint3d.app.model.texts import LANGUAGES, Texts, load_texts, system_language
 from paint3d.brush.presets import load_brush
 from paint3d.colour.materials import load_material, load_materials
@@ -230,6 +231,7 @@ def test_errors_that_are_raised_are_among_the_patterns(tmp_path):
         lambda: Document.new(tmp_path / "none.ply"),
         lambda: Document.new(noise),
         lambda: Document.open(tmp_path / "none.p3d"),
+        lambda: Unfinished(tmp_path / "gone", "plane", None, 0.0).recover(),
     ):
         with pytest.raises(Paint3DError) as found:
             action()

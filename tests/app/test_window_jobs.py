@@ -328,6 +328,23 @@ def test_what_is_brought_back_and_cannot_be_kept_anew_stays(
     left.discard()
 
 
+def test_what_is_brought_back_says_that_its_file_is_open_elsewhere(empty, tmp_path) -> None:
+    """Whoever saves second is asked; here it is known before."""
+    document = Document.new("plane", 4.0)
+    document.save(tmp_path / "both.p3d")
+    theirs = Sitting(document)
+    killed = Sitting(document)
+    killed.note({"do": "add_layer"})
+    killed.close(keep=True)
+    try:
+        assert empty.recovery.recover(recoverable()[0])
+    finally:
+        theirs.close()
+    told = empty.status.told.text()
+    assert "Brought back" in told
+    assert "both.p3d is open in another window" in told
+
+
 @pytest.mark.parametrize("tongue", ["en", "zh"])
 def test_what_a_damaged_journal_lost_is_told(empty, tongue: str) -> None:
     sitting = Sitting(Document.new("plane", 4.0))

@@ -232,6 +232,13 @@ def test_dots_that_run_together_are_each_one() -> None:
     assert len(decompose(MultiPolygon([third]))) == 3
 
 
+def test_more_dots_in_a_row_than_letters_have_are_one_stroke() -> None:
+    """A frill is no letter's: four may run together, with five of them the row is a line."""
+    for n, strokes in ((4, 4), (5, 1)):
+        row = shapely.union_all([diamond(1.7 * k, 0.0) for k in range(n)])
+        assert len(decompose(MultiPolygon([row]))) == strokes
+
+
 def test_dots_across_a_gap_stay_apart() -> None:
     """Four around, of which the first and the last do not touch: none reaches into the other."""
     middles = (0.0, 0.0), (0.1, 1.9), (2.0, 1.9), (2.1, 0.0)

@@ -1,5 +1,7 @@
 """The strokes of letters: from KanjiVG, from letters of the same shape, or listed."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 import shapely
@@ -9,6 +11,7 @@ from shapely import LineString, MultiPolygon, Polygon, box
 
 from paint3d.calligraphy.glyph_sources import open_glyphs
 from paint3d.calligraphy.glyphs import GlyphStroke
+from paint3d.calligraphy.shapes import decompose as decomposing
 from paint3d.calligraphy.shapes.arabic_ductus import PlacedLetter, body_strokes, form_of
 from paint3d.calligraphy.shapes.continuation import resampled
 from paint3d.calligraphy.shapes.decompose import decompose
@@ -271,3 +274,32 @@ def test_forms_of_joined_hands_leave_other_letters_alone(text) -> None:
     shape = MultiPolygon([part for part in shapely.get_parts(ink) if part.area > 0.0])
     one, two = decompose(shape, template=forms), decompose(shape, template=apart)
     assert [s.median.tolist() for s in one] == [s.median.tolist() for s in two]
+
+
+@pytest.mark.parametrize(
+    ("apart", "joined", "is_joined"),
+    [
+        (0.30, 0.17, True),
+        (0.30, 0.19, False),  # nearer, but not far nearer
+        (0.24, 0.01, False),  # what is set apart is near enough: nothing else is looked at
+    ],
+)
+def test_a_joined_form_counts_where_it_lies_far_nearer(
+    monkeypatch, apart, joined, is_joined
+) -> None:
+    """By how far both lie from the ink's lines, in widths; a way so loose comes near to much."""
+    forms = known_strokes(SOURCE, "b")
+    own = {id(stroke.median): form for form in forms for stroke in form.strokes}
+    asked = []
+
+    def laid(_, lines) -> SimpleNamespace:
+        form = own[id(lines[0])]
+        asked.append(form)
+        return SimpleNamespace(
+            fit=0, away=joined if isinstance(form, JoinedForm) else apart, known=form
+        )
+
+    monkeypatch.setattr(decomposing, "_laid_over", laid)
+    best = vars(decomposing)["_best_of"]([], forms)
+    assert isinstance(best.known, JoinedForm) == is_joined
+    assert any(isinstance(form, JoinedForm) for form in asked) == (apart > 0.25)

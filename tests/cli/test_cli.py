@@ -9,10 +9,12 @@ import signal
 import sys
 import threading
 import time
+import weakref
 from pathlib import Path
 
 import pytest
 
+from paint3d import __main__
 from paint3d.bench import registry
 from paint3d.bench.result import Check, Result
 from paint3d.cli import bench, devices, first_run, main, options, progress, replay, report, versions
@@ -132,6 +134,66 @@ def test_debugging_shows_the_traceback(
 def test_interrupted(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     fail_with(monkeypatch, KeyboardInterrupt())
     assert main.main(["report"]) == 130
+    assert capsys.readouterr().err == "paint3d: error: interrupted\n"
+
+
+@pytest.mark.parametrize("posix", [True, False])
+def test_an_interrupt_that_python_drops_is_heard(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], posix: bool
+) -> None:
+    """As one that comes in a callback of an import: the command went on as if nothing were."""
+
+    class Held:
+        pass
+
+    def interrupted(_: object) -> None:
+        raise KeyboardInterrupt
+
+    def work(_: object) -> int:
+        held = Held()
+        dropping = weakref.ref(held, interrupted)
+        del held
+        assert dropping() is None
+        for _ in range(1 if posix else 600):  # elsewhere it is heard when it has slept
+            time.sleep(60.0 if posix else 0.1)
+        return 0
+
+    if not posix:
+        monkeypatch.delattr(signal, "pthread_kill")
+    before = sys.unraisablehook
+    monkeypatch.setattr(main, "_run", work)
+    assert main.main(["report"]) == 130
+    assert capsys.readouterr().err == "paint3d: error: interrupted\n"
+    assert sys.unraisablehook is before
+
+
+def test_what_else_python_drops_is_told_as_ever(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Bad:
+        def __del__(self) -> None:
+            raise ZeroDivisionError
+
+    def work(_: object) -> int:
+        Bad()
+        return 0
+
+    told: list[type] = []
+    monkeypatch.setattr(sys, "unraisablehook", lambda dropped: told.append(dropped.exc_type))
+    monkeypatch.setattr(main, "_run", work)
+    assert main.main(["report"]) == 0
+    assert told == [ZeroDivisionError]
+
+
+def test_an_interrupt_before_the_program_is_loaded_is_one_line(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    class Interrupting:
+        def find_spec(self, name: str, *_: object) -> None:
+            if name == "paint3d.cli.main":
+                raise KeyboardInterrupt
+
+    monkeypatch.delitem(sys.modules, "paint3d.cli.main")
+    monkeypatch.setattr(sys, "meta_path", [Interrupting(), *sys.meta_path])
+    assert __main__.run() == 130
     assert capsys.readouterr().err == "paint3d: error: interrupted\n"
 
 

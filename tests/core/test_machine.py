@@ -27,7 +27,7 @@ NAMES = {
     },
     "signal": {
         "ITIMER_REAL", "SIGALRM", "SIGCHLD", "SIGHUP", "SIGKILL", "SIGPIPE", "SIGUSR1", "SIGUSR2",
-        "SIGXCPU", "SIGXFSZ", "alarm", "pthread_sigmask", "setitimer", "sigwait",
+        "SIGXCPU", "SIGXFSZ", "alarm", "pthread_kill", "pthread_sigmask", "setitimer", "sigwait",
     },
     "mmap": {"PROT_READ", "PROT_WRITE", "MAP_SHARED", "MAP_PRIVATE"},
 }  # fmt: skip

@@ -193,6 +193,27 @@ def test_water_is_followed_beside_a_hand_as_where_it_was_saved(tmp_path, pieces)
     same(surface, again)
 
 
+def test_blocks_beside_water_are_known_again_where_they_were_known_before(tmp_path):
+    """Where all is dry too: whether water gets in there is asked of all that stands around."""
+    surface = PaintedSurface(sheet(flat, (100.0, 100.0), 5.0), 1.0, "xuan")
+    for start in (-40.0, 0.0):
+        Painter(surface, "full", "pine soot").replay(stroke(start))
+        surface.diffuse(0.5)
+        if start < 0.0:
+            surface.dry()
+    save_session(Session(surface), tmp_path / "a.p3d")
+    again = load_session(tmp_path / "a.p3d").surface
+    again.diffuse(0.1)
+    graph = again.flow_graph
+    vertices, depths = again.flow.depths()
+    wet = np.unique(graph.block_of(vertices[depths > 0.0]))
+    runs = zip(graph.first_beside[wet], graph.last_beside[wet], strict=True)
+    beside = np.setdiff1d(np.concatenate([graph.beside[a:b] for a, b in runs]), wet)
+    known = beside[graph.was_open[beside]]
+    assert len(known) > 0
+    assert graph.block_open[known].all()
+
+
 def test_water_of_older_files_goes_on_in_even_steps():
     mesh = sheet(flat, (40.0, 40.0), 5.0)
     surface = PaintedSurface(mesh, 0.8, "xuan")

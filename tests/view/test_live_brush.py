@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -215,17 +217,46 @@ def test_a_shadow_fades_by_how_far_it_falls_also_at_the_joints_of_the_handle(
     assert (drop <= 2.0 * apart / apart.sum() + 1e-9).all()  # nowhere steeper than at its end
 
 
-def test_the_root_of_a_pressed_tuft_fits_a_handle_that_leans_aside(painter: Painter) -> None:
-    lean = Rotation.from_euler("xy", [25.0, 35.0], degrees=True)
-    orientation, axes = np.roll(lean.as_quat(), 1), lean.as_matrix()
-    root = np.array([0.0, 0.0, 24.0])
+def leaning_stand(painter: Painter, lean: Rotation) -> BrushStand:
+    root, orientation = np.array([0.0, 0.0, 24.0]), np.roll(lean.as_quat(), 1)
     sample = DeviceSample(0, root, orientation, 0.4, 0, np.zeros(3), np.eye(4)[0], None)
     pressed = TuftFollower().follow(painter, object_poses([sample]))
-    stand = BrushStand.of(painter.tuft, root, axes, pressed)
+    return BrushStand.of(painter.tuft, root, lean.as_matrix(), pressed)
+
+
+def test_the_root_of_a_pressed_tuft_fits_a_handle_that_leans_aside(painter: Painter) -> None:
+    lean = Rotation.from_euler("xy", [25.0, 35.0], degrees=True)
+    stand = leaning_stand(painter, lean)
     assert stand.touches
     ring = tuft_rings(painter.tuft, stand)[0][-1]
     across = np.linalg.svd(ring - ring.mean(axis=0))[2][2]
-    assert abs(across @ axes[:, 2]) == pytest.approx(1.0, abs=1e-9)
+    assert abs(across @ lean.as_matrix()[:, 2]) == pytest.approx(1.0, abs=1e-9)
+
+
+def test_sections_turn_as_the_handle_does_each_by_its_share(painter: Painter) -> None:
+    """The straight way from the plane of the bend to the handle, about their middles."""
+    stand = leaning_stand(painter, Rotation.from_euler("xy", [15.0, -35.0], degrees=True))
+    root = stand.axes.T @ [-np.cos(stand.tilt), 0.0, np.sin(stand.tilt)]
+    turn = Rotation.from_euler("xyz", [25.0, -35.0, 0.0], degrees=True)
+    leaning = turn.apply(root)
+    way = np.cross(root, leaning)
+    way *= np.arccos(root @ leaning) / np.linalg.norm(way)
+    straight, turned = (
+        tuft_rings(painter.tuft, replace(stand, handle=handle))[0] for handle in (root, leaning)
+    )
+    np.testing.assert_allclose(straight.mean(axis=1), turned.mean(axis=1), atol=0.05)
+    arms, moved = (rings - rings.mean(axis=1, keepdims=True) for rings in (straight, turned))
+    np.testing.assert_allclose(moved[-1], Rotation.from_rotvec(way).apply(arms[-1]), atol=1e-9)
+    shares = []
+    for before, after in zip(arms[-6:], moved[-6:], strict=True):
+        off = [
+            np.abs(Rotation.from_rotvec(share * way).apply(before) - after).max()
+            for share in np.linspace(0.0, 1.0, 201)
+        ]
+        shares.append(np.argmin(off) / 200.0)
+        assert min(off) < 0.01 * np.abs(before).max()
+    assert (np.diff(shares) >= 0.0).all()
+    assert shares[-1] == 1.0
 
 
 def test_a_shadow_is_as_dense_as_it_fades(

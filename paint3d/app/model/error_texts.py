@@ -47,6 +47,7 @@ PATTERNS: tuple[tuple[str, str], ...] = (
     (r"(?P<p>.*): its JSON (?P<a>.*)", "{p}：不是可用的 glTF 文件"),
     (r"brush length \(mm\) is (?P<a>\S+); expected (?P<b>.*)", "笔头长 {a} 毫米不可用"),
     (r"vertex (?P<a>\d+); expected 0 to (?P<b>\d+)", "没有第 {a} 个顶点，应在 0 到 {b} 之间"),
+    (r"(?P<p>.*): another window has taken it up; expected .*", "{p}：另一个窗口已经接手"),
     (r"(?P<p>.*): is gone, and its pigments with it", "{p}：文件已不在，其中的颜料也没有了"),
     (r"(?P<p>.*): has changed; its pigments are as it says now",
      "{p}：文件已改动，颜料按现在的内容"),

@@ -140,9 +140,8 @@ def _read(data: bytes, name: str, ids: Sequence[str]) -> Iterator[_Ink]:
         boxes = [box for one in drawn if (box := one.box(svg)) is not None]
     if not boxes:
         return
-    farthest = np.abs([side for box in boxes for side in box] + [one.width for one in drawn]).max()
-    if not farthest <= _FARTHEST:
-        raise InputError(f"{name}: reaches as far as {farthest:g}; expected {_FARTHEST:g} at most")
+    widths = [one.width for one in drawn]
+    _check_reach(name, np.array([side for box in boxes for side in box] + widths))
     left, upper, right, lower = bounds_of(boxes)
     flatness = _FLATNESS * max(right - left, lower - upper, 1e-9)
     for k, one in enumerate(drawn):
@@ -151,6 +150,8 @@ def _read(data: bytes, name: str, ids: Sequence[str]) -> Iterator[_Ink]:
             lines = one.lines(flatness, svg)
         if not all(np.isfinite(points).all() for points, _ in lines):
             raise InputError(f"{name}: {label} has an arc of no finite points; expected a radius")
+        for points, _ in lines:  # of some curves the boxes do not tell
+            _check_reach(name, points)
         yield from _inks(lines, one, label)
 
 
@@ -191,6 +192,12 @@ class _Drawn:
         across = np.array([[turn.a, turn.b], [turn.c, turn.d]], np.float64)
         moved: AnyArray = points @ across + np.array([turn.e, turn.f], np.float64)
         return moved
+
+
+def _check_reach(name: str, lengths: AnyArray) -> None:
+    farthest = np.abs(lengths).max(initial=0.0)
+    if not farthest <= _FARTHEST:
+        raise InputError(f"{name}: reaches as far as {farthest:g}; expected {_FARTHEST:g} at most")
 
 
 def _chosen(element: Any, ids: set[str], taken: bool, svg: Any) -> Iterator[Any]:

@@ -27,6 +27,7 @@ _STEP = 0.25  # half widths between the places looked at
 _BEGINNING = (-105.0, -10.0)  # where a corner opens to, degrees: two strokes begin there
 _ENDING = (15.0, 160.0)  # and there one ends at another, if a ring closes
 _TRIES = 8  # corners of one branch
+_AT_ONCE = 1 << 20  # distances
 
 
 def cut_at_corners(
@@ -60,8 +61,7 @@ def cut_branch(
         return [branch]
     number = skeleton.add(line[at], radius)
     middles = triangles.points[triangles.corners[np.array(branch.cells, np.int64)]].mean(axis=1)
-    dx, dy = (middles[:, None, k] - line[None, :, k] for k in (0, 1))
-    first = np.argmin(np.sqrt(dx * dx + dy * dy), axis=1) < at
+    first = _nearest(middles, line) < at
     gate = np.array([line[at], line[at]])
     cells = np.array(branch.cells, np.int64)
     one = Branch(
@@ -73,6 +73,17 @@ def cut_branch(
     skeleton.branches[skeleton.branches.index(branch)] = one
     skeleton.branches.append(two)
     return [one, two]
+
+
+def _nearest(places: AnyArray, points: AnyArray) -> NDArray[np.int64]:
+    """Which of some points (M, 2) is nearest to each of some places (N, 2), a block at a time."""
+    size = max(1, _AT_ONCE // len(points))
+    found = np.empty(len(places), np.int64)
+    for start in range(0, len(places), size):
+        block = places[start : start + size]
+        dx, dy = (block[:, None, k] - points[None, :, k] for k in (0, 1))
+        found[start : start + size] = np.argmin(np.sqrt(dx * dx + dy * dy), axis=1)
+    return found
 
 
 def _corner_of(

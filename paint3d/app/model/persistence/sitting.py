@@ -11,12 +11,14 @@ from __future__ import annotations
 import json
 import os
 import shutil
+import threading
 import time
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import BinaryIO
 
 from paint3d.app.model.commands import do_again, encode_command
 from paint3d.app.model.document import Document, FileState
@@ -30,12 +32,17 @@ from paint3d.files.project.journal import SAMPLE, Journal, Loss, read_events
 __all__ = ["Recovered", "Sitting", "Unfinished", "is_open_elsewhere", "recoverable", "refusal"]
 
 _ABOUT, _LOCK = "about.json", "lock"
+_BEGINS_S = 3600.0  # in which a sitting has surely locked its folder and told what it is about
 _OPENED = 0.2  # of recovering is opening the base
 _AT_ONCE = 256  # samples between two reports of progress
 _COSTS = {"follow_time": 50.0, "let_time_pass": 50.0, "undo": 50.0, "redo": 50.0}
 """Of commands, in samples painted."""
 
 _REFUSED = "refused"  # of a note in a journal
+_HELD: dict[Path, tuple[int, BinaryIO | None]] = {}
+"""Sittings that this program brings back or deletes now: how often, and their locks. One that was
+stopped may go on beside the window for a while."""
+_holding = threading.Lock()
 _Event = Recording | dict[str, object]
 _Piece = list[DeviceSample] | Mapping[str, object]  # of a journal
 
@@ -241,9 +248,45 @@ class Unfinished:
         Raises
         ------
         SessionError
-            If there is no base that can be opened.
+            If there is no base that can be opened, or another program has taken it up by now.
         """
-        tell = progress or (lambda share: None)
+        with self._held():
+            return self._recovered(progress or (lambda share: None))
+
+    @contextmanager
+    def _held(self) -> Iterator[None]:
+        """Keep other programs from it meanwhile: they take it for one that goes on."""
+        with _holding:
+            count, file = _HELD.get(self.folder, (0, None))
+            _HELD[self.folder] = count + 1, file if count else self._locked()
+        try:
+            yield
+        finally:
+            with _holding:
+                count, file = _HELD.pop(self.folder)
+                if count > 1:
+                    _HELD[self.folder] = count - 1, file
+                elif file is not None:
+                    file.close()
+
+    def _locked(self) -> BinaryIO | None:
+        """The lock, held; None where nothing can be written, so that nobody can delete it."""
+        name = self.object_name if self.path is None else self.path.name
+        taken = f"{name}: another window has taken it up; expected what a crash left"
+        if not self.folder.is_dir():
+            raise SessionError(taken)
+        try:
+            file = open(self.folder / _LOCK, "ab")  # noqa: SIM115 - as long as it is held
+        except OSError:
+            return None
+        try:
+            lock(file)
+        except OSError:
+            file.close()
+            raise SessionError(taken) from None
+        return file
+
+    def _recovered(self, tell: Callable[[float], None]) -> Recovered:
         tell(0.0)
         bases = sorted(_numbered(self.folder, "base-"), reverse=True)
         if not bases:
@@ -269,21 +312,27 @@ class Unfinished:
         return Recovered(document, len(events), loss, tuple(unknown.elements()))
 
     def discard(self) -> None:
-        """Delete it for good."""
-        shutil.rmtree(self.folder, ignore_errors=True)
+        """Delete it for good, unless another program has taken it up by now."""
+        with suppress(SessionError), self._held():
+            shutil.rmtree(self.folder, ignore_errors=True)
 
 
 def recoverable(folder: Path | None = None) -> list[Unfinished]:
     """Sittings that ended without being closed, the newest first.
 
-    Those that go on are left out; those in which nothing was done are deleted.
+    Those that go on are left out; those in which nothing was done are deleted, and those that
+    ended long ago while they began.
     """
     root = recovery_folder() if folder is None else folder
     found = []
     with suppress(OSError):
         for own in sorted(root.iterdir()):
-            if (own / _ABOUT).is_file() and not is_locked(own / _LOCK):  # nobody goes on with it
+            if is_locked(own / _LOCK) and own not in _HELD:  # somebody else goes on with it
+                continue
+            if (own / _ABOUT).is_file():
                 found += _unfinished(own)
+            elif _never_began(own):
+                shutil.rmtree(own, ignore_errors=True)
     return sorted(found, key=lambda one: one.time_s, reverse=True)
 
 
@@ -358,6 +407,15 @@ def _unfinished(folder: Path) -> list[Unfinished]:
         return [Unfinished(folder, str(about["object"]), path, written, file)]
     except (OSError, ValueError, KeyError, IndexError, TypeError, AttributeError):
         return []
+
+
+def _never_began(folder: Path) -> bool:
+    """Whether it is a sitting that ended before it said what it is about: it holds no painting."""
+    process, _, began = folder.name.partition("-")
+    with suppress(OSError):
+        is_old = time.time() - folder.stat().st_mtime > _BEGINS_S
+        return process.isdigit() and began.isdigit() and is_old and not _numbered(folder, "base-")
+    return False
 
 
 def _numbered(folder: Path, prefix: str) -> set[tuple[int, Path]]:

@@ -11,11 +11,11 @@ from PySide6 import QtWidgets
 
 from paint3d.app.model.document import Document
 from paint3d.app.model.persistence.saved_settings import chosen_brush, chosen_inks, chosen_material
-from paint3d.app.model.persistence.sitting import is_open_elsewhere
 from paint3d.app.window.dialogs.questions import NewDialog
 from paint3d.app.window.jobs.job import Progress
 from paint3d.app.window.jobs.opened import Opened, open_with_progress
 from paint3d.app.window.jobs.recent_files import RecentFiles
+from paint3d.app.window.jobs.recovery import open_elsewhere
 from paint3d.app.window.jobs.saving import Saving
 from paint3d.app.window.jobs.standing import Standing
 from paint3d.app.window.named import named
@@ -117,21 +117,13 @@ class Opening:
         self._standing.tell()
         if path not in BUILT_IN_OBJECTS:
             self._recent.add(path)
-        self._tell_if_open_elsewhere()
+        for told in open_elsewhere(self._workspace):
+            self._workspace.tell(told, state="bad", stays=True)
         return True
 
     def _is_ready(self) -> bool:
         """Whether a stroke could be painted at once; gets kernels ready that are compiled late."""
         return is_warm() or self._workspace.went_well(self._workspace.run(say_warming(), _warm_up))
-
-    def _tell_if_open_elsewhere(self) -> None:
-        """Say that another window paints on the same file; who saves second will be asked."""
-        workspace = self._workspace
-        path, sitting = workspace.document.path, workspace.easel.sitting
-        own = None if sitting is None else sitting.folder
-        if path is not None and is_open_elsewhere(path, own):
-            told = say("{name} is open in another window, too", name=path.name)
-            workspace.tell(told, state="bad", stays=True)
 
     def _open_session(self, path: str, title: str) -> Future[Any]:
         undo_bytes = self._undo_bytes()

@@ -6,7 +6,12 @@ from collections.abc import Callable
 
 from PySide6 import QtCore, QtWidgets
 
-from paint3d.app.model.persistence.sitting import Recovered, Unfinished, recoverable
+from paint3d.app.model.persistence.sitting import (
+    Recovered,
+    Unfinished,
+    is_open_elsewhere,
+    recoverable,
+)
 from paint3d.app.window.dialogs.questions import Answer, ask
 from paint3d.app.window.jobs.job import Progress
 from paint3d.app.window.jobs.opened import open_with_progress
@@ -15,7 +20,7 @@ from paint3d.app.window.wording import say, say_error
 from paint3d.app.window.workspace import Workspace
 from paint3d.files.progress import part_of
 
-__all__ = ["Recovery"]
+__all__ = ["Recovery", "open_elsewhere"]
 
 
 class Recovery:
@@ -98,9 +103,19 @@ class Recovery:
             one.discard()
         lost = _lost_of(recovered)
         if lost or is_kept:  # if not, it is said, and what the crash left is all that there is
-            told = say("; ").join([say("Brought back; save it to keep it"), *lost])
-            workspace.tell(told, state="bad" if lost else "good", stays=bool(lost))
+            bad = lost + open_elsewhere(workspace)
+            told = say("; ").join([say("Brought back; save it to keep it"), *bad])
+            workspace.tell(told, state="bad" if bad else "good", stays=bool(bad))
         return True
+
+
+def open_elsewhere(workspace: Workspace) -> list[str]:
+    """That another window paints on the same file, if so; who saves second will be asked."""
+    path, sitting = workspace.document.path, workspace.easel.sitting
+    own = None if sitting is None else sitting.folder
+    if path is None or not is_open_elsewhere(path, own):
+        return []
+    return [say("{name} is open in another window, too", name=path.name)]
 
 
 def _lost_of(recovered: Recovered) -> list[str]:
