@@ -57,6 +57,8 @@ class InkStore:
         Columns of the ink's arrays.
     ink : InkField
     dry_layers : DryLayers
+    looks_otherwise : bool
+        Whether a pigment has come since colours were brought up to date.
     """
 
     def __init__(
@@ -76,6 +78,7 @@ class InkStore:
         self.dry_layers = DryLayers()
         self._colours: ColourModel | None = None
         self._glaze: GlazeModel | None = None
+        self.looks_otherwise = False
         self._ground = make_ground(self.material.reflectance)
         self._bare = srgb_from_reflectance(self.material.reflectance)
         self._mesh_colours: _MeshColours | None = None
@@ -196,6 +199,7 @@ class InkStore:
         self.dry_layers.fit(self.paint_mesh.capacity, count)
         self._colours = ColourModel(self.pigments, self.material.reflectance, path="live")
         self._glaze = GlazeModel(self.pigments)
+        self.looks_otherwise = count > 1
         return count - 1
 
     def know_vertices(self) -> None:

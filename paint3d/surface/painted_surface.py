@@ -95,22 +95,32 @@ class PaintedSurface(InkStore):
         return build_contact_tree(self.paint_mesh)
 
     def refresh(self) -> AnyArray:
-        """Bring the colours of all vertices that got ink up to date; return their ids (int32)."""
+        """Bring colours up to date; return the ids (N,) int32 of vertices that may have changed.
+
+        Those that got ink, or, once another pigment has come, all that have paint: the mixtures of
+        more pigments are computed otherwise, and their gloss is that of all.
+        """
         self.know_vertices()
         count = int(self.ink.n_dirty[0])
         ids = self.ink.dirty_ids[:count].copy()
-        if count and self.glaze is not None:
+        if self.glaze is None:
+            return ids
+        seen = ids
+        if self.looks_otherwise:
+            seen = union([ids, np.flatnonzero(self.painted)], self.paint_mesh.capacity)
+            self.looks_otherwise = False
+        if len(seen):
             if self.layers is not None and not self.layers.is_plain:
-                self.layers.colour(self.glaze, ids, self.codes)
+                self.layers.colour(self.glaze, seen, self.codes)
             else:
-                self.colour_as_one(ids)
+                self.colour_as_one(seen)
             if self._water.fresh is not None:
                 self._water.fresh.append(ids)
             if self._changed is not None:
-                self._changed.append(ids)
+                self._changed.append(seen)
             self.ink.dirty[ids] = 0
             self.ink.n_dirty[0] = 0
-        return ids
+        return seen
 
     def take_changed(self) -> NDArray[np.int32]:
         """(N,) int32 vertices whose ink may have changed since the last call; all at the first.

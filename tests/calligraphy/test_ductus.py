@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 import shapely
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from shapely import LineString, MultiPolygon, Polygon, box
 
@@ -125,6 +125,7 @@ def test_the_round_e_is_one_way_from_its_top():
     assert np.linalg.norm(strokes[0].median[0] - way[0]) < 12.0
 
 
+@example(leads=31.0, aside=0.0, up=75.0)  # with a spur at the stem's head, next to the dot
 @given(leads=st.floats(30.0, 90.0), aside=st.floats(-10.0, 40.0), up=st.floats(75.0, 110.0))
 @settings(deadline=None, max_examples=examples(30))
 def test_a_dot_comes_after_its_stem_wherever_it_lies(leads, aside, up):
@@ -279,9 +280,9 @@ def test_forms_of_joined_hands_leave_other_letters_alone(text) -> None:
 @pytest.mark.parametrize(
     ("apart", "joined", "is_joined"),
     [
-        (0.30, 0.17, True),
-        (0.30, 0.19, False),  # nearer, but not far nearer
-        (0.24, 0.01, False),  # what is set apart is near enough: nothing else is looked at
+        (0.30, 0.22, True),
+        (0.30, 0.23, False),  # nearer, but not far nearer
+        (0.14, 0.01, False),  # what is set apart is near enough: nothing else is looked at
     ],
 )
 def test_a_joined_form_counts_where_it_lies_far_nearer(
@@ -302,4 +303,4 @@ def test_a_joined_form_counts_where_it_lies_far_nearer(
     monkeypatch.setattr(decomposing, "_laid_over", laid)
     best = vars(decomposing)["_best_of"]([], forms)
     assert isinstance(best.known, JoinedForm) == is_joined
-    assert any(isinstance(form, JoinedForm) for form in asked) == (apart > 0.25)
+    assert any(isinstance(form, JoinedForm) for form in asked) == (apart > 0.15)

@@ -49,6 +49,28 @@ def test_a_second_pigment_keeps_the_first():
     assert surface.amounts[3].tolist() == [0.5, 0.0]
 
 
+def test_what_is_painted_is_coloured_anew_once_another_pigment_has_come():
+    """Single vertices of the window were one code off those of the file that it saved."""
+    surface = paint3d.PaintedSurface(paint3d.load_mesh("plane"), resolution=1.0)
+    surface.refine_all()
+    surface.column_of(load_pigment("pine soot"))
+    ids = np.arange(surface.n_vertices, dtype=np.int32)
+    surface.ink.amounts[ids, 0] = np.linspace(0.0, 1.2, len(ids))
+    surface.ink.coverage[ids[1:]] = np.linspace(0.05, 1.0, len(ids) - 1)
+    surface.touch(ids)
+    alone = surface.srgb.copy()
+    assert len(surface.take_changed()) and not len(surface.take_changed())
+    assert not len(surface.refresh())
+    surface.column_of(load_pigment("cinnabar"))
+    np.testing.assert_array_equal(surface.refresh(), ids[1:])
+    np.testing.assert_array_equal(surface.take_changed(), ids[1:])
+    kept = surface.srgb.copy()
+    surface.colour_as_one(ids)
+    np.testing.assert_array_equal(kept, surface.srgb)
+    assert (kept != alone).any()
+    assert not len(surface.refresh())
+
+
 @pytest.mark.parametrize("resolution", [0.0, -1.0, float("nan"), float("inf"), "fine"])
 def test_a_resolution_must_be_a_length(resolution):
     with pytest.raises(InputError, match="resolution"):

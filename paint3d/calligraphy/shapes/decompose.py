@@ -111,7 +111,9 @@ def _pieces_of(parts: list[Polygon], forms: Sequence[Glyph], runs_on: bool) -> l
             mine = [(piece, None) for piece in _by_own_lines(_ink_of(part), best.known)]
         else:
             mine = [(piece, None) for piece in _by_shape(_ink_of(part))]
-        own += [(piece, dots.get(k, stroke)) for piece, stroke in mine]
+        if dots and k not in dots:  # what lies near it is no dot for that
+            mine = [(piece, None if n in dots.values() else n) for piece, n in mine]
+        own += [(piece, dots.get(k, n)) for piece, n in mine]
     return in_known_order(own, best.known, dots=dots.values())
 
 
