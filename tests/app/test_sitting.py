@@ -286,6 +286,18 @@ def test_what_this_program_brings_back_is_not_open_elsewhere(tmp_path):
         assert is_open_elsewhere(tmp_path / "a.p3d", None, tmp_path / "sittings")
 
 
+def test_what_can_only_be_read_is_brought_back_all_the_same(tmp_path):
+    """Nobody can delete it meanwhile: no lock is needed, nor can be had."""
+    sitting = Sitting(small_plane(), tmp_path)
+    sitting.note(encode_command("add_layer", [], {}))
+    sitting.close(keep=True)
+    (sitting.folder / "lock").unlink()
+    (sitting.folder / "lock").mkdir()  # it cannot be opened, whoever asks
+    (one,) = recoverable(tmp_path)
+    assert len(one.recover().document.layers) == 2
+    assert [again.folder for again in recoverable(tmp_path)] == [one.folder]
+
+
 def test_a_sitting_that_begins_while_one_looks_goes_on(tmp_path, monkeypatch):
     """Another window's may begin between two looks at its folder: it was deleted then."""
     folder = tmp_path / f"{os.getpid()}-1"
