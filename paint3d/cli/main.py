@@ -90,7 +90,10 @@ def make_parser(asked: str | None = None) -> argparse.ArgumentParser:
 
 def _report_failure(message: str) -> int:
     line = " ".join(message.split())
-    sys.stderr.write(f"paint3d: error: {line}\n")
+    try:
+        sys.stderr.write(f"paint3d: error: {line}\n")
+    except BrokenPipeError:  # nobody reads it; the status tells
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stderr.fileno())
     return _FAILED
 
 

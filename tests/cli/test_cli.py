@@ -5,7 +5,9 @@ from __future__ import annotations
 import argparse
 import io
 import json
+import os
 import signal
+import subprocess
 import sys
 import threading
 import time
@@ -251,6 +253,17 @@ def test_a_second_interrupt_while_the_first_is_told_is_one_line(
     monkeypatch.setattr(main, "main", interrupted)
     assert __main__.run() == 130
     assert capsys.readouterr().err == "paint3d: error: interrupted\n"
+
+
+def test_a_failure_that_nobody_reads_has_its_status() -> None:
+    """As with `2>&1 | true`: it was 1, of a traceback that nobody read either."""
+    reader, writer = os.pipe()
+    os.close(reader)
+    try:
+        done = subprocess.run([sys.executable, "-m", "paint3d", "nonsense"], stderr=writer)
+    finally:
+        os.close(writer)
+    assert done.returncode == 2
 
 
 def test_system_errors_name_the_file(
