@@ -90,7 +90,10 @@ def make_parser(asked: str | None = None) -> argparse.ArgumentParser:
 
 def _report_failure(message: str) -> int:
     line = " ".join(message.split())
-    sys.stderr.write(f"paint3d: error: {line}\n")
+    try:
+        sys.stderr.write(f"paint3d: error: {line}\n")
+    except BrokenPipeError:  # nobody reads it; the status tells
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stderr.fileno())
     return _FAILED
 
 
@@ -148,23 +151,29 @@ def _hearing_interrupts() -> Iterator[None]:
 
     It does so when one comes in a callback, such as an import or the end of an object makes.
     """
-    others = sys.unraisablehook
+    others, again = sys.unraisablehook, list[threading.Timer]()
+
+    def interrupt_again() -> None:
+        from paint3d.core.machine import interrupt  # here, or it may be just half imported
+
+        interrupt()
 
     def hear(dropped: sys.UnraisableHookArgs) -> None:
         if not issubclass(dropped.exc_type, KeyboardInterrupt):
             others(dropped)
             return
-        from paint3d.core.machine import interrupt
-
-        again = threading.Timer(_AGAIN_S, interrupt)
-        again.daemon = True
-        again.start()
+        again.append(threading.Timer(_AGAIN_S, interrupt_again))
+        again[-1].daemon = True
+        again[-1].start()
 
     sys.unraisablehook = hear
     try:
         yield
     finally:
         sys.unraisablehook = others
+        for one in again:  # nobody would hear it any more
+            one.cancel()
+            one.join()
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

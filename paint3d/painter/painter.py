@@ -61,6 +61,7 @@ __all__ = ["Painter"]
 
 _PART = 1 << 16  # samples of a recording that are made ready at once
 _CHUNK = 2000  # samples between two calls of `progress`
+_FOR_EVER_S = 1e9  # no ink is wet for so long
 _RESERVOIRS = 12  # pieces of a tuft that is loaded differently along its length
 
 Ink = str | Pigment | Mapping[Any, float]
@@ -530,7 +531,7 @@ class Painter:
         InputError
             If the time is not a finite number of at least 0.
         """
-        seconds = as_number(seconds, "rest (s)", 0.0)
+        seconds = min(as_number(seconds, "rest (s)", 0.0), _FOR_EVER_S)
         n = pieces_until(last_ns + round(1e9 * seconds)) - pieces_until(last_ns)
         passed, is_dry = 0, False
         while passed < n and not is_dry:

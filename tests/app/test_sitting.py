@@ -18,7 +18,13 @@ from paint3d.app.model.document import Document
 from paint3d.app.model.easel import Easel
 from paint3d.app.model.input.symmetry import MirrorPlane, RadialSymmetry, Symmetry
 from paint3d.app.model.mask import AngleMask, Mask, RegionPick
-from paint3d.app.model.persistence.sitting import Sitting, recoverable, refusal
+from paint3d.app.model.persistence import sitting as sittings
+from paint3d.app.model.persistence.sitting import (
+    Sitting,
+    is_open_elsewhere,
+    recoverable,
+    refusal,
+)
 from paint3d.brush.presets import load_brush
 from paint3d.colour.pigments import load_pigment
 from paint3d.core.machine import is_locked, lock
@@ -262,6 +268,54 @@ def test_what_is_being_brought_back_is_nobody_elses(tmp_path):
     assert list(tmp_path.iterdir()) == []
     with pytest.raises(SessionError, match="plane: another window has taken it up"):
         one.recover()
+
+
+def test_what_this_program_brings_back_is_not_open_elsewhere(tmp_path):
+    """What was stopped goes on for a while; its file may be opened here meanwhile."""
+    document = small_plane()
+    document.save(tmp_path / "a.p3d")
+    sitting = Sitting(document, tmp_path / "sittings")
+    sitting.note(encode_command("add_layer", [], {}))
+    sitting.close(keep=True)
+    (one,) = recoverable(tmp_path / "sittings")
+    with one.held():
+        assert is_locked(one.folder / "lock")
+        assert not is_open_elsewhere(tmp_path / "a.p3d", None, tmp_path / "sittings")
+    with open(one.folder / "lock", "ab") as theirs:
+        lock(theirs)
+        assert is_open_elsewhere(tmp_path / "a.p3d", None, tmp_path / "sittings")
+
+
+def test_what_can_only_be_read_is_brought_back_all_the_same(tmp_path):
+    """Nobody can delete it meanwhile: no lock is needed, nor can be had."""
+    sitting = Sitting(small_plane(), tmp_path)
+    sitting.note(encode_command("add_layer", [], {}))
+    sitting.close(keep=True)
+    (sitting.folder / "lock").unlink()
+    (sitting.folder / "lock").mkdir()  # it cannot be opened, whoever asks
+    (one,) = recoverable(tmp_path)
+    assert len(one.recover().document.layers) == 2
+    assert [again.folder for again in recoverable(tmp_path)] == [one.folder]
+
+
+def test_a_sitting_that_begins_while_one_looks_goes_on(tmp_path, monkeypatch):
+    """Another window's may begin between two looks at its folder: it was deleted then."""
+    folder = tmp_path / f"{os.getpid()}-1"
+    folder.mkdir()
+    began = []
+
+    def looked(path):
+        found = is_locked(path)
+        if not began:
+            monkeypatch.setattr(time, "time_ns", lambda: 1)
+            folder.rmdir()
+            began.append(Sitting(small_plane(), tmp_path))
+        return found
+
+    monkeypatch.setattr(sittings, "is_locked", looked)
+    assert recoverable(tmp_path) == []
+    assert (folder / "about.json").is_file()
+    began[0].close()
 
 
 def begun(root: Path, name: str, *files: str, hours: float) -> Path:

@@ -27,6 +27,7 @@ from paint3d.app.window.jobs import opening
 from paint3d.app.window.jobs.job import is_waiting, run_beside
 from paint3d.app.window.studio import StudioWindow
 from paint3d.app.window.wording import choose_language
+from paint3d.core.machine import is_locked
 from paint3d.errors import ExportError
 from tests.support.app.gestures import answer, answer_bar, drag, live, type_key, wait_for
 from tests.support.app.hands import line
@@ -326,6 +327,25 @@ def test_what_is_brought_back_and_cannot_be_kept_anew_stays(
     assert "the disk is full" in empty.status.told.text()
     (left,) = recoverable()
     left.discard()
+
+
+def test_what_is_brought_back_is_nobody_elses_until_it_is_kept_anew(
+    empty, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Another window that has asked about it could take it up while this one made it ready."""
+    leave_a_sitting()
+    (left,) = recoverable()
+    locked = []
+    show = empty.workspace.show
+
+    def shown(opened: object) -> bool:
+        locked.append(is_locked(left.folder / "lock"))
+        return show(opened)
+
+    monkeypatch.setattr(empty.workspace, "show", shown)
+    assert empty.recovery.recover(left)
+    assert locked == [True]
+    assert not left.folder.exists()
 
 
 def test_what_is_brought_back_says_that_its_file_is_open_elsewhere(empty, tmp_path) -> None:

@@ -5,12 +5,15 @@ from __future__ import annotations
 import argparse
 import io
 import json
+import os
 import signal
+import subprocess
 import sys
 import threading
 import time
 import weakref
 from pathlib import Path
+from types import ModuleType
 
 import pytest
 
@@ -137,11 +140,8 @@ def test_interrupted(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixt
     assert capsys.readouterr().err == "paint3d: error: interrupted\n"
 
 
-@pytest.mark.parametrize("posix", [True, False])
-def test_an_interrupt_that_python_drops_is_heard(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], posix: bool
-) -> None:
-    """As one that comes in a callback of an import: the command went on as if nothing were."""
+def drop_an_interrupt() -> None:
+    """Have an interrupt come in a callback of Python's, as in one of an import."""
 
     class Held:
         pass
@@ -149,11 +149,20 @@ def test_an_interrupt_that_python_drops_is_heard(
     def interrupted(_: object) -> None:
         raise KeyboardInterrupt
 
+    held = Held()
+    dropping = weakref.ref(held, interrupted)
+    del held
+    assert dropping() is None
+
+
+@pytest.mark.parametrize("posix", [True, False])
+def test_an_interrupt_that_python_drops_is_heard(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], posix: bool
+) -> None:
+    """As one that comes in a callback of an import: the command went on as if nothing were."""
+
     def work(_: object) -> int:
-        held = Held()
-        dropping = weakref.ref(held, interrupted)
-        del held
-        assert dropping() is None
+        drop_an_interrupt()
         for _ in range(1 if posix else 600):  # elsewhere it is heard when it has slept
             time.sleep(60.0 if posix else 0.1)
         return 0
@@ -169,6 +178,38 @@ def test_an_interrupt_that_python_drops_is_heard(
         signal.signal(signal.SIGINT, handler)
     assert capsys.readouterr().err == "paint3d: error: interrupted\n"
     assert sys.unraisablehook is before
+
+
+def test_an_interrupt_that_is_dropped_while_its_sender_is_imported_is_heard(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    machine = sys.modules["paint3d.core.machine"]
+
+    def work(_: object) -> int:
+        monkeypatch.setitem(sys.modules, machine.__name__, ModuleType(machine.__name__))
+        drop_an_interrupt()
+        monkeypatch.setitem(sys.modules, machine.__name__, machine)
+        time.sleep(10.0)
+        return 0
+
+    monkeypatch.setattr(main, "_AGAIN_S", 0.5)
+    monkeypatch.setattr(main, "_run", work)
+    assert main.main(["report"]) == 130
+
+
+def test_an_interrupt_that_is_dropped_as_a_command_ends_is_not_sent_to_who_follows(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """It ended the interpreter's own end with a traceback."""
+
+    def work(_: object) -> int:
+        drop_an_interrupt()
+        return 0
+
+    monkeypatch.setattr(main, "_AGAIN_S", 10.0)
+    monkeypatch.setattr(main, "_run", work)
+    assert main.main(["report"]) == 0
+    assert not any(isinstance(thread, threading.Timer) for thread in threading.enumerate())
 
 
 def test_what_else_python_drops_is_told_as_ever(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -187,18 +228,46 @@ def test_what_else_python_drops_is_told_as_ever(monkeypatch: pytest.MonkeyPatch)
     assert told == [ZeroDivisionError]
 
 
+@pytest.mark.parametrize("dropped", [False, True])
 def test_an_interrupt_before_the_program_is_loaded_is_one_line(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], dropped: bool
 ) -> None:
     class Interrupting:
         def find_spec(self, name: str, *_: object) -> None:
             if name == "paint3d.cli.main":
-                raise KeyboardInterrupt
+                if not dropped:
+                    raise KeyboardInterrupt
+                drop_an_interrupt()
 
+    before = sys.unraisablehook
+    monkeypatch.setattr(sys, "argv", ["paint3d", "--version"])
     monkeypatch.delitem(sys.modules, "paint3d.cli.main")
     monkeypatch.setattr(sys, "meta_path", [Interrupting(), *sys.meta_path])
     assert __main__.run() == 130
+    assert capsys.readouterr() == ("", "paint3d: error: interrupted\n")
+    assert sys.unraisablehook is before
+
+
+def test_a_second_interrupt_while_the_first_is_told_is_one_line(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def interrupted() -> int:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(main, "main", interrupted)
+    assert __main__.run() == 130
     assert capsys.readouterr().err == "paint3d: error: interrupted\n"
+
+
+def test_a_failure_that_nobody_reads_has_its_status() -> None:
+    """As with `2>&1 | true`: it was 1, of a traceback that nobody read either."""
+    reader, writer = os.pipe()
+    os.close(reader)
+    try:
+        done = subprocess.run([sys.executable, "-m", "paint3d", "nonsense"], stderr=writer)
+    finally:
+        os.close(writer)
+    assert done.returncode == 2
 
 
 def test_system_errors_name_the_file(

@@ -8,12 +8,15 @@ import subprocess
 import sys
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pytest
 from PIL import Image
 
 from paint3d.cli import main
+from paint3d.cli.pictures.films import Watch
 from paint3d.errors import ExportError
 from paint3d.painter.painter import Painter
 from paint3d.recording.hand_time import HandTime
@@ -95,6 +98,18 @@ def test_an_mp4_begins_bare_grows_and_ends_as_the_finished_painting(recording, t
     assert (np.diff(ink) > 0.02 * ink[-1]).sum() >= 10  # it grows, and does not jump
     half = (ink[8:27] - ink[0]) / (ink[-1] - ink[0])  # while the hand rests
     assert 0.4 < half.min() <= half.max() < 0.6
+
+
+def test_a_film_of_ink_that_spreads_lasts_as_long_as_the_inks_own_time() -> None:
+    """While it stands still for work that is left over, none passes in the film either."""
+    seen: list[float] = []
+    watch = Watch(cast(Any, None), cast(Any, SimpleNamespace(at=seen.append)), 0.1)
+    shares: list[float] = []
+    told = watch.resting(shares.append)
+    for share in (0.25, 0.5, 0.5, 0.5, 0.75, 1.0):
+        told(share)
+    assert shares == [0.25, 0.5, 0.5, 0.5, 0.75, 1.0]
+    np.testing.assert_allclose(seen, [0.05, 0.1, 0.15, 0.2])
 
 
 @needs_opengl

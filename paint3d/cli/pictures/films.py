@@ -179,8 +179,13 @@ class Watch:
         """A progress for `Painter.rest` that watches and tells another one."""
         from paint3d.painter.ink_time import PIECE_S
 
+        before = 0.0
+
         def told(share: float) -> None:
-            self.at(self._seconds + PIECE_S)
+            nonlocal before
+            if share > before:  # else the ink's time stands still
+                self.at(self._seconds + PIECE_S)
+            before = share
             progress(share)
 
         return told

@@ -250,12 +250,18 @@ class Unfinished:
         SessionError
             If there is no base that can be opened, or another program has taken it up by now.
         """
-        with self._held():
+        with self.held():
             return self._recovered(progress or (lambda share: None))
 
     @contextmanager
-    def _held(self) -> Iterator[None]:
-        """Keep other programs from it meanwhile: they take it for one that goes on."""
+    def held(self) -> Iterator[None]:
+        """Keep other programs from it meanwhile: they take it for one that goes on.
+
+        Raises
+        ------
+        SessionError
+            If another program has taken it up by now.
+        """
         with _holding:
             count, file = _HELD.get(self.folder, (0, None))
             _HELD[self.folder] = count + 1, file if count else self._locked()
@@ -313,7 +319,7 @@ class Unfinished:
 
     def discard(self) -> None:
         """Delete it for good, unless another program has taken it up by now."""
-        with suppress(SessionError), self._held():
+        with suppress(SessionError), self.held():
             shutil.rmtree(self.folder, ignore_errors=True)
 
 
@@ -327,9 +333,10 @@ def recoverable(folder: Path | None = None) -> list[Unfinished]:
     found = []
     with suppress(OSError):
         for own in sorted(root.iterdir()):
+            has_begun = (own / _ABOUT).is_file()  # asked first: one that begins now locks first
             if is_locked(own / _LOCK) and own not in _HELD:  # somebody else goes on with it
                 continue
-            if (own / _ABOUT).is_file():
+            if has_begun:
                 found += _unfinished(own)
             elif _never_began(own):
                 shutil.rmtree(own, ignore_errors=True)
@@ -337,7 +344,7 @@ def recoverable(folder: Path | None = None) -> list[Unfinished]:
 
 
 def is_open_elsewhere(path: Path, own: Path | None, folder: Path | None = None) -> bool:
-    """Whether a sitting that goes on has this session's file, besides one's own.
+    """Whether a sitting that goes on has this session's file, besides what this program has.
 
     Parameters
     ----------
@@ -351,7 +358,7 @@ def is_open_elsewhere(path: Path, own: Path | None, folder: Path | None = None) 
     there = str(path.resolve())
     with suppress(OSError):
         for other in root.iterdir():
-            if other != own and is_locked(other / _LOCK):
+            if other != own and other not in _HELD and is_locked(other / _LOCK):
                 with suppress(OSError, ValueError, AttributeError):
                     about = json.loads((other / _ABOUT).read_text(encoding="utf-8"))
                     if about.get("path") == there:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import ExitStack, suppress
 
 from PySide6 import QtCore, QtWidgets
 
@@ -18,6 +19,7 @@ from paint3d.app.window.jobs.opened import open_with_progress
 from paint3d.app.window.named import named
 from paint3d.app.window.wording import say, say_error
 from paint3d.app.window.workspace import Workspace
+from paint3d.errors import SessionError
 from paint3d.files.progress import part_of
 
 __all__ = ["Recovery", "open_elsewhere"]
@@ -85,6 +87,12 @@ class Recovery:
 
         If it is stopped, it stays where it is and is offered again.
         """
+        with ExitStack() as held:  # until it is kept anew: no other window is to bring it back, too
+            with suppress(SessionError):  # who brings it back tells
+                held.enter_context(one.held())
+            return self._recover(one)
+
+    def _recover(self, one: Unfinished) -> bool:
         workspace = self._workspace
         workspace.error = None
 
