@@ -518,7 +518,7 @@ def _add_shares(ends, n, low, per_cell, shares):
         total += ends[2, i]
         for side in range(2):
             at = (ends[side, i] - low) * per_cell
-            k = min(int(at), _SHARES - 1)
+            k = max(0, min(int(at), _SHARES - 1))
             beyond = (at - k) * ends[2, i]
             shares[side, k + 1] += ends[2, i] - beyond
             shares[side, k + 2] += beyond
