@@ -214,7 +214,7 @@ def test_a_way_there_and_back_is_no_course():
     ink = np.empty((0, 2))
     bar = GlyphStroke(ink, np.array([[0.0, 0.0], [60.0, 0.0]]))
     stem = GlyphStroke(ink, np.array([[30.0, 100.0], [30.0, 0.0]]))
-    again = GlyphStroke(ink, np.concatenate([stem.median, stem.median[:1] + [0.0, 0.1]]))
+    again = GlyphStroke(ink, np.concatenate([stem.median, stem.median[::-1]]))
     assert as_listed([bar, stem], [bar, stem]).agrees
     assert not as_listed([bar, again], [bar, stem]).agrees
     half = GlyphStroke(ink, stem.median - [0.0, 50.0])  # lies elsewhere, but goes the same way
