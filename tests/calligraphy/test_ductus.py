@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from shapely import LineString, MultiPolygon, Polygon, box
 
 from paint3d.calligraphy.glyph_sources import open_glyphs
-from paint3d.calligraphy.glyphs import GlyphStroke
+from paint3d.calligraphy.glyphs import Glyph, GlyphStroke
 from paint3d.calligraphy.shapes import decompose as decomposing
 from paint3d.calligraphy.shapes.arabic_ductus import PlacedLetter, body_strokes, form_of
 from paint3d.calligraphy.shapes.continuation import resampled
@@ -127,6 +127,7 @@ def test_the_round_e_is_one_way_from_its_top():
 
 @example(leads=31.0, aside=0.0, up=75.0)  # with a spur at the stem's head, next to the dot
 @given(leads=st.floats(30.0, 90.0), aside=st.floats(-10.0, 40.0), up=st.floats(75.0, 110.0))
+@example(leads=31.0, aside=0.0, up=75.0)
 @settings(deadline=None, max_examples=examples(30))
 def test_a_dot_comes_after_its_stem_wherever_it_lies(leads, aside, up):
     """An i that is led out far to the right: its box is no longer the stem's."""
@@ -147,6 +148,22 @@ def test_the_dot_is_the_smaller_of_two_parts():
     assert dot_among([body, small], [stem, *dots]) == {}, "which of them?"
     assert dot_among([body, small, large], [stem, dots[0]]) == {}
     assert dot_among([body, small], [stem]) == {}
+    assert dot_among([body, small], [stem, stem + 1.0, dots[0]]) == {}, "it may be a stroke besides"
+
+
+def test_a_part_beside_a_dot_that_touches_is_not_the_dot():
+    """The man of such a character was written last: it is the smaller one of two parts."""
+    lines = [
+        [[18, 100], [0, 66]], [[9, 82], [9, 20]],
+        [[40, 60], [130, 66]], [[80, 100], [88, 40], [130, 0]], [[94, 84], [86, 63]],
+    ]  # fmt: skip
+    ink, strokes = np.empty((0, 2)), [np.array(line, np.float64) for line in lines]
+    shape = drawn(lines, 3.0)
+    assert len(shape.geoms) == 2
+    known = Glyph("", tuple(GlyphStroke(ink, line) for line in strokes))
+    found = decompose(shape, template=[known])
+    assert as_listed(found, known.strokes).agrees
+    assert len(found) == 5
 
 
 SMOOTH = [[320.0, 40.0], [200.0, 40.0], [104.0, 4.0]]  # from afar to where the pen is
@@ -178,6 +195,9 @@ def test_a_doubtful_stroke_begins_where_the_pen_is(line, told, begins):
     )
     pieces = [(Piece(first, Polygon()), 0), (Piece(line, Polygon()), 1)]
     assert in_known_order(pieces, known)[1].line[0].tolist() == line[begins].tolist()
+    if told > 0.3:  # of letters that are joined along a line the way is known
+        along_it = in_known_order(pieces, known, by_start=True)
+        assert along_it[1].line[0].tolist() == line[0].tolist()
 
 
 def test_a_bow_with_a_swash_runs_the_same_way_as_without():
@@ -191,6 +211,19 @@ def test_a_bow_with_a_swash_runs_the_same_way_as_without():
     table = [stem, GlyphStroke(ink, bow)]
     assert as_listed([stem, GlyphStroke(ink, swash * 1.0)], table).agrees
     assert not as_listed([stem, GlyphStroke(ink, swash[::-1] * 1.0)], table).agrees
+
+
+def test_a_way_there_and_back_is_no_course():
+    """Forward and backward it is as far from the stroke that it was to be."""
+    ink = np.empty((0, 2))
+    bar = GlyphStroke(ink, np.array([[0.0, 0.0], [60.0, 0.0]]))
+    stem = GlyphStroke(ink, np.array([[30.0, 100.0], [30.0, 0.0]]))
+    again = GlyphStroke(ink, np.concatenate([stem.median, stem.median[::-1]]))
+    assert as_listed([bar, stem], [bar, stem]).agrees
+    assert not as_listed([bar, again], [bar, stem]).agrees
+    half = GlyphStroke(ink, stem.median - [0.0, 50.0])  # lies elsewhere, but goes the same way
+    assert as_listed([bar, half], [bar, stem]).agrees
+    assert not as_listed([bar, GlyphStroke(ink, half.median[::-1])], [bar, stem]).agrees
 
 
 @pytest.mark.parametrize(

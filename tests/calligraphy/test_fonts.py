@@ -276,6 +276,6 @@ def test_a_letter_whose_glyph_is_empty_is_missing(tmp_path, monkeypatch) -> None
     with pytest.raises(InputError, match="; try another font"):  # they list it, too
         font.check_has("AB")
     monkeypatch.setattr(font_file, "list_fonts", lambda _: [mine, gone])
-    assert font_file.fonts_that_draw("A A") == [mine], "a space asks for no ink"
+    assert font_file.fonts_that_draw("A \u200d\tA") == [mine], "these ask for no ink"
     assert font_file.fonts_that_draw("AB") == []
     assert font_file.fonts_that_draw("") == [mine, gone]

@@ -8,7 +8,7 @@ import warnings
 from pathlib import Path
 
 import pytest
-from shapely import LineString, MultiPolygon, box
+from shapely import LineString, MultiPolygon, Polygon, box
 
 from paint3d.calligraphy.page.svg_drawing import load_svg
 from paint3d.calligraphy.shapes.decompose import decompose
@@ -64,6 +64,7 @@ def test_a_long_line_is_cut_at_its_corner_in_little_memory() -> None:
     _, most = tracemalloc.get_traced_memory()
     tracemalloc.stop()
     assert len(strokes) == 2
+    assert [Polygon(one.outline).area for one in strokes] == pytest.approx([500.0] * 2, rel=0.02)
     assert most < 150e6
 
 

@@ -104,7 +104,7 @@ def test_a_stroke_is_as_wide_as_its_transform_makes_it(tmp_path):
 
 
 def test_the_measure_tells_faults():
-    """Strokes that are swapped, turned round and missing are counted."""
+    """Strokes that are swapped, turned round, elsewhere and missing are counted."""
     drawing = draw_strokes(3)
     assert_exact(read_drawing(drawing))
     straight = [k for k, line in enumerate(drawing.lines) if len(line) == 2]
@@ -115,3 +115,6 @@ def test_the_measure_tells_faults():
     assert read_drawing(swapped).out_of_order == 2
     more = Drawing(drawing.text, [*drawing.lines, drawing.lines[0] + 1.0])
     assert read_drawing(more).too_many == -1
+    moved = Drawing(drawing.text, list(drawing.lines))
+    moved.lines[straight[0]] = moved.lines[straight[0]] + [12.0, -9.0]
+    assert read_drawing(moved).out_of_order > 0

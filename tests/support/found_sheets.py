@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import pickle
 from collections.abc import Iterator
+from dataclasses import fields, is_dataclass
 
+import numpy as np
 import pytest
 
 __all__ = ["sheets_found_once"]
@@ -25,10 +27,21 @@ def sheets_found_once() -> Iterator[None]:
         key = pickle.dumps(asked)
         if key not in found:
             found[key] = look(*asked)
-            for pixels in (found[key].picture, found[key].red, found[key].corners):
-                pixels.setflags(write=False)
+            _hold(found[key])
         return found[key]
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(copying, "copy_sheet", known)
         yield
+
+
+def _hold(thing: object) -> None:
+    """Let nobody write to any array of a record, however deep it lies."""
+    if isinstance(thing, np.ndarray):
+        thing.setflags(write=False)
+    elif isinstance(thing, tuple | list):
+        for one in thing:
+            _hold(one)
+    elif is_dataclass(thing):
+        for one in fields(thing):
+            _hold(getattr(thing, one.name))

@@ -24,6 +24,7 @@ _CLOSED = 0.2  # of a line's length between its ends: it is a ring
 _FLAT = 0.07  # of the greater side of a box: the least that the other one is taken for
 _POINTS = 24  # of a line
 _DOT = 0.15  # of the box: a shorter line is a dot's, which has no direction
+_SURELY = 0.98  # of the distance gone backwards: what goes there and back is no course
 _LISTED_DOT = 0.15  # of the greater side of its letter: the same of the table's
 
 
@@ -165,7 +166,7 @@ def _same_course(line: AnyArray, other: AnyArray) -> bool:
         return True
     if _is_ring(line) and _is_ring(other):
         return _turn(line) * _turn(other) > 0.0
-    return _along(line, other) <= _along(line[::-1], other)
+    return _along(line, other) < _SURELY * _along(line[::-1], other)
 
 
 def _along(one: AnyArray, two: AnyArray) -> float:

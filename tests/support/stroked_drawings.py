@@ -26,6 +26,7 @@ _SIDE = 1000.0
 _DENSE = 200  # points of a curve
 _POINTS = 64  # that lines are compared at
 _APART = 0.002  # of the side: nearer lines are the same, as one that goes there and back
+_ELSEWHERE = 0.005  # of the side: a stroke whose line is farther off is not that one
 _SVG = '<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink"'
 _KEPT = "fill:none;stroke:#000"
 
@@ -54,7 +55,7 @@ class Read:
     too_many : int
         Strokes that it has not.
     out_of_order : int
-        Strokes that stand where another one should.
+        Strokes that stand where another one should, or whose line lies elsewhere.
     turned : int
         Strokes that run backwards or begin elsewhere on their ring.
     off : float
@@ -360,7 +361,8 @@ def read_drawing(drawing: Drawing) -> Read:
     n = min(len(wanted), len(found))
     away = np.array([[_off(line, true) for true in wanted] for line in found])
     order = away.min(axis=2).argmin(axis=1)[:n]
-    right = [(k, int(j)) for k, j in enumerate(order) if j == k]
+    there = away.min(axis=2).min(axis=1) < _ELSEWHERE * EM_UNITS
+    right = [(k, int(j)) for k, j in enumerate(order) if j == k and there[k]]
     turned = sum(away[k, j, 0] > max(away[k, j, 1], _APART * EM_UNITS) for k, j in right)
     off = max((float(away[k, j].min()) for k, j in right), default=0.0)
     return Read(len(found) - len(wanted), n - len(right), int(turned), off / EM_UNITS, len(wanted))
@@ -423,7 +425,7 @@ def drawings_table(n: int, seed: int) -> str:
     ]
     for name, values in {
         "too many or too few": [abs(row.too_many) for row in rows],
-        "out of order": [row.out_of_order for row in rows],
+        "out of order, or elsewhere": [row.out_of_order for row in rows],
         "turned round": [row.turned for row in rows],
     }.items():
         lines.append(f"| {name} | {sum(values)} | {sum(v == 0 for v in values)} |")

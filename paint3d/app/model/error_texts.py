@@ -57,6 +57,8 @@ PATTERNS: tuple[tuple[str, str], ...] = (
     (r"a stroke without area was to be joined; expected .*", "这一笔没有墨迹，不能合笔"),
     (r"(?P<p>.*): it is a folder; expected a photograph", "{p}：这是文件夹，需要照片"),
     (r"(?P<p>.*): no picture that can be read \(.*\)", "{p}：不是能读的图片"),
+    (r"(?P<p>.*): another picture than the strokes were found in; .*",
+     "{p}：不是当初寻找笔画的那张照片"),
     (r"(?P<p>.*): not named as a picture; expected a photograph", "{p}：不是图片的文件名"),
     (r"the strokes lie beside the sheet; expected them on it", "笔画不在纸上"),
     (r"corners are .*; expected places in it", "四角应在照片之内"),

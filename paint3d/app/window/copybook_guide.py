@@ -208,11 +208,11 @@ def _photographed_again(page: Page, there: Photograph) -> Photographed:
 
     if not there.file.name.lower().endswith(PHOTOGRAPH_SUFFIXES):
         raise InputError(f"{there.file}: not named as a picture; expected a photograph")
+    pixels, scale = load_photograph(there.file)  # which says what is no file
     if there.digest not in ("", digest_of(there.file)):
         raise InputError(
             f"{there.file}: another picture than the strokes were found in; expected that one there"
         )
-    pixels, scale = load_photograph(there.file)
     sheet = seen_again(page, pixels, scale)
     return Photographed(pixels, sheet, _finds(there.file, pixels, scale, invert=there.invert))
 

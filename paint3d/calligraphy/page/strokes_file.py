@@ -155,7 +155,7 @@ def _photograph(data: Any, path: Path) -> Photograph:
         raise InputError(f"{name}: file is {there!r}; expected its place seen from {path.name}")
     file = path.parent / there
     invert = data.get("invert", False) is True
-    digest = _text(data, "sha256", name) if "sha256" in data else ""
+    digest = _text(data, "sha256", name).lower() if "sha256" in data else ""
     return Photograph(file, corners, (int(height), int(width)), per_unit, origin, invert, digest)
 
 

@@ -103,7 +103,7 @@ def _pieces_of(parts: list[Polygon], forms: Sequence[Glyph], runs_on: bool) -> l
         return _along_the_line(parts, _lines_of(forms[0]))
     best = _best_of(parts, forms)
     dots = dot_among(parts, best.lines)
-    own: list[tuple[Piece, int | None]] = []
+    taken, own = set(dots.values()), list[tuple[Piece, int | None]]()
     for k, part in enumerate(parts):
         if best.fit is Fit.WHOLE:
             mine = _by_template(best.inks[k], best.told[k].chains)
@@ -111,10 +111,9 @@ def _pieces_of(parts: list[Polygon], forms: Sequence[Glyph], runs_on: bool) -> l
             mine = [(piece, None) for piece in _by_own_lines(_ink_of(part), best.known)]
         else:
             mine = [(piece, None) for piece in _by_shape(_ink_of(part))]
-        if dots and k not in dots:  # what lies near it is no dot for that
-            mine = [(piece, None if n in dots.values() else n) for piece, n in mine]
-        own += [(piece, dots.get(k, n)) for piece, n in mine]
-    return in_known_order(own, best.known, dots=dots.values())
+        for piece, stroke in mine:  # what lies beside a dot is no part of it
+            own.append((piece, dots.get(k, None if stroke in taken else stroke)))
+    return in_known_order(own, best.known, dots=taken)
 
 
 def _by_own_lines(ink: Ink, known: KnownStrokes) -> list[Piece]:

@@ -83,7 +83,9 @@ def dot_among(parts: Sequence[Polygon], lines: Sequence[AnyArray]) -> dict[int, 
     """Which part of a shape is the dot of a known character, with its stroke's number.
 
     Of two parts it is the smaller one, wherever it lies: an i's dot is the second stroke however
-    far from its stem it is. Nothing where the character has no dot or several, or neither is small.
+    far from its stem it is. Nothing where the character has no dot, or more strokes than two: a
+    part may be several of these, as the man of 偶, whose dot touches what is beside it; and nothing
+    where neither part is small.
 
     Parameters
     ----------
@@ -93,7 +95,7 @@ def dot_among(parts: Sequence[Polygon], lines: Sequence[AnyArray]) -> dict[int, 
     """
     size = float(np.ptp(np.concatenate(lines), axis=0).max())
     dots = [k for k, line in enumerate(lines) if length_of(line) < _POINT * size]
-    if len(parts) != 2 or len(dots) != 1:
+    if len(parts) != 2 or len(lines) != 2 or len(dots) != 1:
         return {}
     small, large = sorted((0, 1), key=lambda k: float(parts[k].area))
     return {small: dots[0]} if parts[small].area < _SMALL * parts[large].area else {}
