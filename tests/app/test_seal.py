@@ -9,6 +9,7 @@ from paint3d.app.model.commands import do_again, encode_command
 from paint3d.app.model.document import Document
 from paint3d.app.model.mask import AngleMask, Mask
 from paint3d.app.model.score.playing import painted
+from paint3d.colour.pigments import load_pigment
 from paint3d.errors import InputError, LayerError
 from paint3d.recording.score import load_score, save_score
 from tests.support.app.hands import paint, small_plane
@@ -90,6 +91,7 @@ def test_a_journal_repeats_it(document: Document) -> None:
 
 
 def test_masks_and_layers_are_heeded(document: Document) -> None:
+    document.surface.column_of(load_pigment("cinnabar"))  # what comes later colours all anew
     document.set_mask(Mask(AngleMask((0.0, 0.0, -1.0), 30.0)))  # nothing faces down
     before = state(document)
     document.press_seal(RINGS, HERE, UP)

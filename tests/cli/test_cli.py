@@ -12,6 +12,7 @@ import sys
 import threading
 import time
 import weakref
+from collections.abc import Iterator
 from pathlib import Path
 from types import ModuleType
 
@@ -155,6 +156,15 @@ def drop_an_interrupt() -> None:
     assert dropping() is None
 
 
+@pytest.fixture
+def interruptible() -> Iterator[None]:
+    """Interrupts are heard, as they are not in a job that a script has begun in the background."""
+    handler = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, handler)
+
+
+@pytest.mark.usefixtures("interruptible")
 @pytest.mark.parametrize("posix", [True, False])
 def test_an_interrupt_that_python_drops_is_heard(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], posix: bool
@@ -169,17 +179,14 @@ def test_an_interrupt_that_python_drops_is_heard(
 
     if not posix:
         monkeypatch.delattr(signal, "pthread_kill")
-    before, handler = sys.unraisablehook, signal.getsignal(signal.SIGINT)
+    before = sys.unraisablehook
     monkeypatch.setattr(main, "_run", work)
-    signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored in jobs of a script
-    try:
-        assert main.main(["report"]) == 130
-    finally:
-        signal.signal(signal.SIGINT, handler)
+    assert main.main(["report"]) == 130
     assert capsys.readouterr().err == "paint3d: error: interrupted\n"
     assert sys.unraisablehook is before
 
 
+@pytest.mark.usefixtures("interruptible")
 def test_an_interrupt_that_is_dropped_while_its_sender_is_imported_is_heard(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -197,6 +204,7 @@ def test_an_interrupt_that_is_dropped_while_its_sender_is_imported_is_heard(
     assert main.main(["report"]) == 130
 
 
+@pytest.mark.usefixtures("interruptible")
 def test_an_interrupt_that_is_dropped_as_a_command_ends_is_not_sent_to_who_follows(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
