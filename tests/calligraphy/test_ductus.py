@@ -315,6 +315,7 @@ def test_forms_of_joined_hands_leave_other_letters_alone(text) -> None:
     [
         (0.30, 0.22, True),
         (0.30, 0.23, False),  # nearer, but not far nearer
+        (0.16, 0.10, True),
         (0.14, 0.01, False),  # what is set apart is near enough: nothing else is looked at
     ],
 )
