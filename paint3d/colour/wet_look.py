@@ -1,4 +1,4 @@
-"""How wet a surface looks: smoother and darker under water, glossier where a dried ink is.
+"""How wet a surface looks: smoother and darker under water, as matt as dried ink where that lies.
 
 Water that stands above the pores is a film with a smooth surface; what is only damp is as rough as
 before, and darker: light that comes out of it is thrown back by the water's surface and passes what
@@ -15,10 +15,20 @@ from numpy.typing import NDArray
 from paint3d.colour.spectra import decode_srgb, encode_srgb
 from paint3d.core.types import AnyArray
 
-__all__ = ["FILM_ROUGHNESS", "WetLook", "damp_share", "darkened", "film_share"]
+__all__ = [
+    "FILM_ROUGHNESS",
+    "MATT_ROUGHNESS",
+    "WetLook",
+    "damp_share",
+    "darkened",
+    "film_share",
+    "shine_of_inks",
+]
 
 FILM_ROUGHNESS = 0.08
 """Of water's surface, which follows what it stands on a little; set by eye."""
+MATT_ROUGHNESS = 0.6
+"""Of a dried ink without gloss, on what is smoother; on what is rougher it is as rough as that."""
 _FILM_MM = 0.004  # of water above the pores, that smooths two thirds of their tooth; set by eye
 _DRIED = 0.25  # roughness of an ink that dries as glossily as can be
 _THROWN_BACK = 0.472
@@ -35,19 +45,23 @@ class WetLook(NamedTuple):
     damp : (V,) float32
         How much of the pores, or of the surface, is under water, 0 to 1.
     gloss : (V,) float32
-        Of the inks that have dried, 0 to 1.
+        Of the inks that have dried, 0 to 1, times the share that they hide.
+    hidden : (V,) float32
+        How much of the material the inks hide when they are dry, 0 to 1.
     """
 
     film: NDArray[np.float32]
     damp: NDArray[np.float32]
     gloss: NDArray[np.float32]
+    hidden: NDArray[np.float32]
 
     def roughness(self, material: float) -> NDArray[np.float32]:
         """(V,) float32 roughness, on a material of this one.
 
-        An ink of gloss 1 that covers everything leaves .25 at most, a film of water .08.
+        An ink that hides everything has .6 or the material's, whichever is more; of gloss 1 .25.
+        A film of water leaves .08.
         """
-        dry = material - self.gloss * max(material - _DRIED, 0.0)
+        dry = _dry_roughness(material, self.gloss, self.hidden)
         rough: NDArray[np.float32] = dry - self.film * np.maximum(dry - FILM_ROUGHNESS, 0.0)
         return rough.astype(np.float32)
 
@@ -59,7 +73,25 @@ class WetLook(NamedTuple):
 
     def at(self, ids: AnyArray) -> WetLook:
         """The same of some vertices (N,)."""
-        return WetLook(self.film[ids], self.damp[ids], self.gloss[ids])
+        return WetLook(*(shares[ids] for shares in self))
+
+
+def _dry_roughness(material: float, gloss: AnyArray, hidden: AnyArray) -> AnyArray:
+    matt = max(material, MATT_ROUGHNESS)
+    dry: AnyArray = material + hidden * (matt - material) - gloss * max(matt - _DRIED, 0.0)
+    return dry
+
+
+def shine_of_inks(material: float, gloss: AnyArray, hidden: AnyArray) -> AnyArray:
+    """How dried inks shine beside a material of this roughness (N,), by `WetLook`'s shares (N,).
+
+    From -1, as matt as ink without gloss, over 0, as the material, to 1, as a film of water.
+    """
+    if material >= MATT_ROUGHNESS:
+        return gloss
+    more = material - _dry_roughness(material, gloss, hidden)
+    shine: AnyArray = np.clip(more / (MATT_ROUGHNESS - material), -1.0, 1.0)
+    return shine
 
 
 def film_share(depth_mm: AnyArray, pores_mm: float) -> AnyArray:

@@ -316,7 +316,7 @@ def gloss_of(painting: Painting, gloss: Gloss | None = None) -> Gloss | None:
     gloss = gloss or _gloss_of_material(painting)
     if gloss is None or painting.look is None:
         return gloss
-    return replace(gloss, each=painting.look.roughness(gloss.roughness))
+    return replace(gloss, each=painting.look.roughness(gloss.seen_roughness))
 
 
 def _gloss_of_material(painting: Painting) -> Gloss | None:

@@ -119,6 +119,11 @@ class LayerStack:
         """Whether there is one layer, and it is visible: nothing has to be composed."""
         return len(self._keys) == 1 and self._about[self._active].visible
 
+    @property
+    def seen(self) -> tuple[int, ...]:
+        """The keys of the visible layers, the lowest first."""
+        return tuple(key for key in self._keys if self._about[key].visible)
+
     # -- changing the stack -----------------------------------------------------------------
 
     def add(self, name: str, place: int) -> None:
@@ -323,17 +328,30 @@ class LayerStack:
         InputError
             If there is none at that place.
         """
-        n = self._store.n_vertices
-        ids = np.arange(n, dtype=np.int32)
-        dry, rows, places, wet, coverage = self._on(self._key(place), ids)
-        amounts = np.zeros((n, len(self._store.pigments)), np.float32)
-        share = np.zeros(n, np.float32)
+        ids = np.arange(self._store.n_vertices, dtype=np.int32)
+        key, share = self._key(place), np.zeros(len(ids), np.float32)
+        dry, rows, places, _, coverage = self._on(key, ids)
+        dried = np.flatnonzero(rows >= 0)
+        share[dried] = dry.share[rows[dried]]
+        share[places] = np.maximum(share[places], coverage)
+        return self._ink_of(key, ids), share
+
+    def coats_at(self, vertex_ids: AnyArray) -> NDArray[np.float64]:
+        """(N, P) ink of all visible layers on vertices (N,), wet and dry: coats times the share."""
+        coats = np.zeros((len(vertex_ids), len(self._store.pigments)))
+        for key in self._keys:
+            if self._about[key].visible:
+                coats += self._ink_of(key, vertex_ids)
+        return coats
+
+    def _ink_of(self, key: int, ids: AnyArray) -> NDArray[np.float32]:
+        """(N, P) ink of one layer on vertices (N,), wet and dry: coats times the share."""
+        dry, rows, places, wet, _ = self._on(key, ids)
+        amounts = np.zeros((len(ids), len(self._store.pigments)), np.float32)
         dried = np.flatnonzero(rows >= 0)
         amounts[dried, : dry.amounts.shape[1]] = dry.amounts[rows[dried]]
-        share[dried] = dry.share[rows[dried]]
         amounts[places] += wet
-        share[places] = np.maximum(share[places], coverage)
-        return amounts, share
+        return amounts
 
     def parts_at(self, vertex_id: int) -> AnyArray:
         """(P,) ink on a vertex in the highest visible layer that has any there: wet, else dry."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Hashable, Mapping
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -306,19 +306,36 @@ class PaintedSurface(InkStore):
         """How wet and glossy each vertex is; None where all are as dry and rough as the material.
 
         Water is what `diffuse` and wet replays move: ink that no time has passed for has none. Of
-        layers the one that is painted on counts, unless it is hidden.
+        layers the ink of all that are visible counts, and the water of the one that is painted on.
         """
-        return look_when_wet(self, self._water.depths()) if self._is_seen() else None
+        return look_when_wet(self)
 
     def watch_wet(self) -> WetWatch:
         """What follows `wet_look` from one picture to the next."""
-        return WetWatch(
-            self, lambda: self._water.depths() if self._is_seen() else None, self._is_seen
-        )
+        return WetWatch(self)
 
-    def _is_seen(self) -> bool:
-        """Whether what is painted on is visible."""
-        return self.layers is None or self.layers.layers[self.layers.active].visible
+    @property
+    def seen_layers(self) -> Hashable:
+        """Another one where other layers are visible than before."""
+        return None if self.layers is None else self.layers.seen
+
+    @property
+    def seen_water(self) -> tuple[AnyArray, AnyArray] | None:
+        """Vertices (C,) int32 and how deep water stands on each, mm, (C,); None without any.
+
+        Nor where the layer that is painted on is hidden.
+        """
+        is_hidden = self.layers is not None and not self.layers.layers[self.layers.active].visible
+        return None if is_hidden else self._water.depths()
+
+    def coats_at(self, vertex_ids: AnyArray) -> NDArray[np.float64]:
+        """(N, P) ink on vertices (N,) of all visible layers, wet and dry, coats times the share."""
+        if self.layers is not None:
+            return self.layers.coats_at(vertex_ids)
+        coats = self.ink.amounts[vertex_ids].astype(np.float64)
+        rows = self.dry_layers.rows_of(vertex_ids)
+        coats[rows >= 0] += self.dry_layers.amounts[rows[rows >= 0]]
+        return coats
 
     @property
     def mesh(self) -> TriangleMesh:

@@ -1,41 +1,68 @@
-"""How the vertices of a painting shine: under water, and where an ink has dried with a gloss."""
+"""How the vertices of a painting shine: under water, and where ink has dried."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Hashable
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.colour.material import Material
+from paint3d.colour.pigment import Pigment
 from paint3d.colour.pigments import WATER
-from paint3d.colour.wet_look import WetLook, damp_share, film_share
+from paint3d.colour.wet_look import (
+    MATT_ROUGHNESS,
+    WetLook,
+    damp_share,
+    film_share,
+    shine_of_inks,
+)
 from paint3d.core.growable import grown
 from paint3d.core.types import AnyArray
-from paint3d.surface.ink_store import InkStore
+from paint3d.mesh.refined_mesh import PaintMesh
 
-__all__ = ["WetWatch", "gloss_of_inks", "look_when_wet"]
+__all__ = ["PLAIN_SHINE", "WetWatch", "look_when_wet"]
+
+PLAIN_SHINE = 128
+"""Of what shines as its material; 255 shines as a film of water, 1 is as matt as ink can dry."""
 
 
-def look_when_wet(store: InkStore, water: tuple[AnyArray, AnyArray] | None) -> WetLook | None:
-    """How wet and glossy all vertices are; None where all are as their material.
+class _Painted(Protocol):
+    """What has ink and water on it: `PaintedSurface`."""
 
-    Parameters
-    ----------
-    store : InkStore
-    water : (C,) int32 and (C,) float64, or None
-        Vertices and how deep the water stands on each, mm.
-    """
-    gloss = gloss_of_inks(store)
-    if water is None and gloss is None:
+    pigments: list[Pigment]
+    paint_mesh: PaintMesh
+    material: Material
+
+    @property
+    def painted(self) -> NDArray[np.bool_]: ...
+
+    @property
+    def seen_layers(self) -> Hashable: ...
+
+    @property
+    def seen_water(self) -> tuple[AnyArray, AnyArray] | None: ...
+
+    def coats_at(self, vertex_ids: AnyArray) -> NDArray[np.float64]: ...
+
+
+def look_when_wet(surface: _Painted) -> WetLook | None:
+    """How wet, glossy and matt all vertices are; None where all are as their material."""
+    water, pores = surface.seen_water, surface.material.pores_mm
+    ids = np.flatnonzero(surface.painted) if _is_otherwise_dry(surface) else np.zeros(0, np.int32)
+    if water is None and not len(ids):
         return None
-    n, pores = store.paint_mesh.n_vertices, store.material.pores_mm
-    film, damp = np.zeros(n, np.float32), np.zeros(n, np.float32)
+    n = surface.paint_mesh.n_vertices
+    look = WetLook(*(np.zeros(n, np.float32) for _ in WetLook._fields))
+    look.gloss[ids], look.hidden[ids] = _dried(surface, ids)
     if water is not None:
         ids, depth = water
-        film[ids], damp[ids] = film_share(depth, pores), damp_share(depth, pores)
-    return WetLook(film, damp, np.zeros(n, np.float32) if gloss is None else gloss)
+        look.film[ids], look.damp[ids] = film_share(depth, pores), damp_share(depth, pores)
+    return look
 
 
+_STEPS = 127  # of shine, either way
 _SHARES = film_share, damp_share
 _LEVELS = 15  # that are told apart: what dries is shown a few times, not in every picture
 
@@ -48,56 +75,49 @@ def _in_levels(shares: AnyArray) -> NDArray[np.uint8]:
 
 
 class WetWatch:
-    """How wet and glossy the vertices of a surface look, in steps of 1/255, followed as it changes.
+    """How wet, glossy and matt the vertices of a surface look, followed as it changes.
 
-    It costs next to nothing while nothing is wet and no ink dries with a gloss; `smooth` and `damp`
-    are then not to be asked for (`is_plain`).
+    It costs next to nothing while nothing is wet and inks dry as their material is; `shine` and
+    `damp` are then not to be asked for (`is_plain`).
 
     Parameters
     ----------
-    store : InkStore
-    water : callable
-        Returns what `look_when_wet` takes.
-    is_seen : callable
-        Whether the layer that is painted on is visible.
+    surface : PaintedSurface
     """
 
-    def __init__(
-        self,
-        store: InkStore,
-        water: Callable[[], tuple[AnyArray, AnyArray] | None],
-        is_seen: Callable[[], bool] = lambda: True,
-    ) -> None:
-        self._store, self._water, self._is_seen = store, water, is_seen
-        self._film, self._damp, self._gloss = (np.zeros(0, np.uint8) for _ in range(3))
+    def __init__(self, surface: _Painted) -> None:
+        self._surface = surface
+        self._film, self._damp = np.zeros(0, np.uint8), np.zeros(0, np.uint8)
+        self._dried = np.zeros(0, np.int8)  # shine when all is dry, in `_STEPS`
         self._is_wet, self._wet = np.zeros(0, bool), np.zeros(0, np.int32)
-        self._followed: tuple[object, bool] = (store.dry_layers, True)
+        self._known, self._layers = 0, surface.seen_layers
 
     @property
     def is_plain(self) -> bool:
         """Whether all looks as its material, as far as was followed."""
-        return not len(self._wet) and not len(self._gloss)
+        return not len(self._wet) and not len(self._dried)
 
     def follow(self, inked: AnyArray) -> NDArray[np.int32]:
-        """Vertices (N,) that look otherwise than at the last call, by their water alone.
+        """Vertices (N,) that look otherwise than at the last call, by how they shine alone.
 
         Parameters
         ----------
         inked : (M,) int32
-            Vertices whose ink may have changed: the gloss of theirs is found anew.
+            Vertices whose ink may have changed: how theirs dries is found anew.
         """
-        water, store = self._water(), self._store
-        if water is None and not len(self._wet) and not any(p.gloss for p in store.pigments):
+        surface = self._surface
+        water, is_otherwise = surface.seen_water, _is_otherwise_dry(surface)
+        if water is None and not len(self._wet) and not is_otherwise:
             return self._wet
-        if len(self._film) < store.paint_mesh.n_vertices:
-            room, known = store.paint_mesh.capacity, len(self._film)
+        if len(self._film) < surface.paint_mesh.n_vertices:
+            room, known = surface.paint_mesh.capacity, len(self._film)
             self._film, self._damp = (grown(a, known, room) for a in (self._film, self._damp))
             self._film[known:] = self._damp[known:] = 0
             self._is_wet = np.zeros(room, bool)
-        otherwise = self._follow_gloss(inked)
+        otherwise = self._follow_dried(inked) if is_otherwise else self._wet[:0]
         ids, depth = (np.zeros(0, np.int32), np.zeros(0)) if water is None else water
         ids, depth = ids[depth > 0.0], depth[depth > 0.0]
-        film, damp = (_in_levels(share(depth, store.material.pores_mm)) for share in _SHARES)
+        film, damp = (_in_levels(share(depth, surface.material.pores_mm)) for share in _SHARES)
         self._is_wet[ids] = True
         dried = self._wet[~self._is_wet[self._wet]]
         self._is_wet[ids] = False
@@ -108,24 +128,34 @@ class WetWatch:
         changed: NDArray[np.int32] = np.concatenate([otherwise, dried, ids[is_new]])
         return changed
 
-    def _follow_gloss(self, inked: AnyArray) -> NDArray[np.int32]:
-        """Vertices (N,) whose gloss is another since another layer is painted on, or is seen."""
-        store, followed = self._store, (self._store.dry_layers, self._is_seen())
-        is_same, self._followed = followed == self._followed, followed
-        ids = inked if is_same else np.arange(store.paint_mesh.n_vertices, dtype=np.int32)
-        gloss = gloss_of_inks(store, ids)
-        if gloss is None:
-            return ids[:0]
-        self._gloss = np.pad(self._gloss, (0, len(self._film) - len(self._gloss)))
-        now = np.rint(255.0 * gloss * followed[1]).astype(np.uint8)
-        otherwise = ids[:0] if is_same else ids[self._gloss[ids] != now]
-        self._gloss[ids] = now
-        return otherwise
+    def _follow_dried(self, inked: AnyArray) -> NDArray[np.int32]:
+        """Vertices (N,) that will dry otherwise since other layers are seen."""
+        surface, layers = self._surface, self._surface.seen_layers
+        is_same, self._layers = layers == self._layers, layers
+        fresh = np.arange(self._known, surface.paint_mesh.n_vertices, dtype=np.int32)
+        self._known += len(fresh)
+        ids = np.concatenate([inked, fresh]) if is_same else np.flatnonzero(surface.painted)
+        shine = shine_of_inks(surface.material.roughness, *_dried(surface, ids))
+        steps, otherwise = np.rint(_STEPS * shine).astype(np.int8), inked[:0]
+        if not len(self._dried) and not steps.any():
+            return otherwise
+        self._dried = np.pad(self._dried, (0, len(self._film) - len(self._dried)))
+        if is_same:
+            self._dried[ids] = steps
+        else:
+            before, self._dried = self._dried, np.zeros_like(self._dried)
+            self._dried[ids] = steps
+            otherwise = np.flatnonzero(self._dried != before)
+        result: NDArray[np.int32] = otherwise.astype(np.int32)
+        return result
 
-    def smooth(self, ids: AnyArray) -> NDArray[np.uint8]:
-        """How smooth vertices (N,) are beside their material, in steps of 1/255 (N,)."""
-        film = self._film[ids]
-        return np.maximum(film, self._gloss[ids]) if len(self._gloss) else film
+    def shine(self, ids: AnyArray) -> NDArray[np.uint8]:
+        """How vertices (N,) shine beside their material (N,): see `PLAIN_SHINE`."""
+        film = self._film[ids] / np.float32(255.0)
+        dried = self._dried[ids].astype(np.float32) if len(self._dried) else np.float32(0.0)
+        codes = PLAIN_SHINE + dried + film * (np.float32(_STEPS) - dried)
+        result: NDArray[np.uint8] = np.rint(codes).astype(np.uint8)
+        return result
 
     def damp(self, ids: AnyArray) -> AnyArray:
         """How much of vertices (N,) is under water, 0 to 1 (N,)."""
@@ -133,22 +163,19 @@ class WetWatch:
         return shares
 
 
-def gloss_of_inks(store: InkStore, ids: AnyArray | None = None) -> NDArray[np.float32] | None:
-    """Gloss (V,), 0 to 1, of the inks on each vertex when they are dry; None where none has any.
+def _is_otherwise_dry(surface: _Painted) -> bool:
+    """Whether inks that dry on it may be rougher or glossier than its material."""
+    is_smooth = surface.material.roughness < MATT_ROUGHNESS
+    return is_smooth or any(pigment.gloss for pigment in surface.pigments)
 
-    Of some vertices (N,) int32 if they are given.
 
-    An ink's gloss comes up to its own as its coats cover more, 1 - exp(-3 coats); of several the
-    shares count.
+def _dried(surface: _Painted, ids: AnyArray) -> tuple[AnyArray, AnyArray]:
+    """Gloss and hidden share (N,) of vertices (N,), 0 to 1, when their inks are dry.
+
+    The more coats the more is hidden, 1 - exp(-3 coats); of several inks' gloss the shares count.
     """
-    own = np.array([pigment.gloss for pigment in store.pigments])
-    if not own.any():
-        return None
-    chosen = np.arange(store.paint_mesh.n_vertices, dtype=np.int32) if ids is None else ids
-    amounts = store.ink.amounts[chosen].astype(np.float64)
-    rows = store.dry_layers.rows_of(chosen)
-    amounts[rows >= 0] += store.dry_layers.amounts[rows[rows >= 0]]
-    coats = amounts @ np.array([float(pigment is not WATER) for pigment in store.pigments])
-    mean: NDArray[np.float64] = (amounts @ own) / np.maximum(coats, 1e-12)
-    result: NDArray[np.float32] = (mean * -np.expm1(-3.0 * coats)).astype(np.float32)
-    return result
+    pigments, coats = surface.pigments, surface.coats_at(ids)
+    total = coats @ np.array([float(pigment is not WATER) for pigment in pigments])
+    own = coats @ np.array([pigment.gloss for pigment in pigments]) / np.maximum(total, 1e-12)
+    hidden = -np.expm1(-3.0 * total)
+    return own * hidden, hidden

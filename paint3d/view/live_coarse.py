@@ -68,7 +68,8 @@ class CoarseObject:
     size : float
         The distance, mm.
     shown : callable
-        Given vertices (N,) int32 and the paint on all (V, 3), returns what is seen (N, 3) uint8.
+        Given vertices (N,) int32 and the paint on all (V, 3), returns what is seen (N, 4) uint8:
+        the colour, lit, and how it shines (`surface.sheen`).
     srgb : (V, 3) uint8
         The paint on every vertex.
 
@@ -79,8 +80,8 @@ class CoarseObject:
     pieces : list of CoarsePiece
     points, normals : (C, 3) float32
         Of the clusters, mm and unit vectors.
-    colours : (C, 3) uint8
-        Of the clusters, lit.
+    colours : (C, 4) uint8
+        Of the clusters, lit, and how they shine.
 
     Notes
     -----
@@ -106,8 +107,8 @@ class CoarseObject:
         )
         length = np.linalg.norm(self.normals, axis=1, keepdims=True)
         self.normals /= np.maximum(length, 1e-6)
-        self._shown = np.empty((n, 3), np.uint8)
-        self.colours = np.empty((count, 3), np.uint8)
+        self._shown = np.empty((n, 4), np.uint8)
+        self.colours = np.empty((count, 4), np.uint8)
         self.pieces = self._cut(patches, count)
         self.n_faces = sum(len(piece.faces) for piece in self.pieces)
         self.repaint(np.arange(n, dtype=np.int32), srgb)

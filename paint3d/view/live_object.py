@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from paint3d.colour.wet_look import darkened
 from paint3d.core.types import AnyArray
 from paint3d.surface.painted_surface import PaintedSurface
+from paint3d.surface.sheen import PLAIN_SHINE
 from paint3d.view.live_coarse import CoarseObject
 from paint3d.view.live_light import BakedLight, LiveLight
 from paint3d.view.live_patches import FACES, LivePatches
@@ -36,7 +37,7 @@ class PatchUpload:
     ----------
     patch : int
     colours : (K, 3) or (K, 4) uint8
-        The fourth is 255 less how smooth water or a glossy ink makes the surface.
+        The fourth says how each point shines (`surface.sheen`); without it all as the material.
     points, normals : (K, 3) float32, or None where only colours have changed
     faces : (L, 3) int32, or None likewise
     """
@@ -135,21 +136,24 @@ class LiveObject:
                 points = np.stack([field.px[ids], field.py[ids], field.pz[ids]], axis=1)
                 normals = np.stack([field.nx[ids], field.ny[ids], field.nz[ids]], axis=1)
             colours = self._shown(ids, srgb)
-            if not self._wet.is_plain:
-                colours = np.column_stack([colours, 255 - self._wet.smooth(ids)])
+            if self._wet.is_plain:
+                colours = np.ascontiguousarray(colours[:, :3])
             found.append(PatchUpload(change.patch, colours, points, normals, change.faces))
         return found
 
     def _shown(self, ids: AnyArray, srgb: AnyArray) -> NDArray[np.uint8]:
-        """(N, 3) uint8: vertices (N,) as they are seen; srgb (V, 3) is their paint."""
-        colours = self.light.colours(ids, srgb)
+        """(N, 4) uint8: vertices (N,) as they are seen and shine; srgb (V, 3) is their paint."""
+        shown = np.full((len(ids), 4), PLAIN_SHINE, np.uint8)
+        colours = shown[:, :3]
+        colours[:] = self.light.colours(ids, srgb)
         if not self._wet.is_plain:
             damp = self._wet.damp(ids)
             there = damp > 0.0
             colours[there] = darkened(colours[there], damp[there])
+            shown[:, 3] = self._wet.shine(ids)
         if self._covers is not None:
             self._hatch(ids, self._covers(ids), colours)
-        return colours
+        return shown
 
     def _hatch(self, ids: AnyArray, covered: AnyArray, colours: AnyArray) -> None:
         """Lay a striped veil over the colours (N, 3) of those vertices (N,) that are covered."""

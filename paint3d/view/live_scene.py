@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from paint3d.core.filters import maximum_filter1d
 from paint3d.core.types import AnyArray
 from paint3d.errors import ExportError
+from paint3d.surface.sheen import PLAIN_SHINE
 from paint3d.view.camera import Camera, picture_axes
 from paint3d.view.kernels.facing import cone_of
 from paint3d.view.kernels.shine import add_shine
@@ -48,15 +49,26 @@ _SHINE = """
   vec3 facing = vec3(dot(normalVCVSOutput, lightDirectionVC0),
                      dot(normalVCVSOutput, lightDirectionVC1),
                      dot(normalVCVSOutput, lightDirectionVC2));
-  float film = 1.0 - vertexColorVSOutput.a;
-  float power = mix(specularPowerUniform, FILM_POWER, film);
+  float shine = (255.0 * vertexColorVSOutput.a - PLAIN) / (255.0 - PLAIN);
+  float film = max(shine, 0.0), matt = max(-shine, 0.0);
+  float power = mix(mix(specularPowerUniform, FILM_POWER, film), MATT_POWER, matt);
+  float share = mix(mix(specularIntensity, max(specularIntensity, FILM_SHARE), film),
+                    min(specularIntensity, MATT_SHARE), matt);
   vec3 bright = step(vec3(0.0), -facing) * pow(max(vec3(1e-5), toward), vec3(power));
   fragOutput0 = vec4(RELIEF * vertexColorVSOutput.rgb
-    + mix(specularIntensity, max(specularIntensity, FILM_SHARE), film)
-    * (bright.x * lightColor0 + bright.y * lightColor1 + bright.z * lightColor2), 1.0);
-""".replace("FILM_POWER", "120.0").replace("FILM_SHARE", "0.22")
-# of three parallel lamps, as VTK draws them but for what comes to nothing; alpha says how much of
-# the vertex is no film of water, which shines as glaze does
+    + share * (bright.x * lightColor0 + bright.y * lightColor1 + bright.z * lightColor2), 1.0);
+"""
+# of three parallel lamps, as VTK draws them but for what comes to nothing; alpha says how the
+# vertex shines: as the material, a film of water, which shines as glaze does, or matt ink
+_FILM_POWER, _FILM_SHARE = 120.0, 0.22
+_MATT_POWER, _MATT_SHARE = 8.8, 0.02
+_LOBES = {
+    "PLAIN": PLAIN_SHINE,
+    "FILM_POWER": _FILM_POWER,
+    "FILM_SHARE": _FILM_SHARE,
+    "MATT_POWER": _MATT_POWER,
+    "MATT_SHARE": _MATT_SHARE,
+}
 _RELIEF = """
 float relief() {
   vec3 turned = grainPlace * TURNS;
@@ -271,12 +283,12 @@ class LiveScene:
 
     def _glazed(self) -> DrawnMesh:
         """A piece of the object, of which nothing is there yet."""
-        drawn = DrawnMesh()
+        drawn = DrawnMesh(PLAIN_SHINE)
         look = drawn.actor.GetProperty()
         _shine(look, self._gloss)
         look.SetBackfaceCulling(self._is_solid)
         _mirror(drawn, True, self._gloss)
-        drawn.actor.ForceOpaqueOn()  # alpha says what is wet
+        drawn.actor.ForceOpaqueOn()  # alpha says how it shines
         self.renderer.AddActor(drawn.actor)
         return drawn
 
@@ -330,15 +342,22 @@ class LiveScene:
                     for place, light, colour in _LIGHTS
                 ]
             )
-            power, share = look.GetSpecularPower(), look.GetSpecular()
+            share = look.GetSpecular()
+            lobes = np.array(
+                [
+                    [look.GetSpecularPower(), share],
+                    [_FILM_POWER, max(share, _FILM_SHARE)],
+                    [_MATT_POWER, min(share, _MATT_SHARE)],
+                ]
+            )
             add_shine(
                 coarse.points,
                 coarse.normals,
                 coarse.colours,
                 self._camera.position,
                 lamps,
-                power,
-                share,
+                lobes,
+                PLAIN_SHINE,
                 colours,
             )
         if near or self._coarse_is_new or not look.GetLighting():
@@ -734,6 +753,8 @@ def _mirror(drawn: DrawnMesh, on: bool, gloss: Gloss) -> None:
         return
     place = "//VTK::PositionVC::Dec"
     shine = _SHINE.replace("RELIEF *", "relief() *" if gloss.grain > 0.0 else "")
+    for name, value in _LOBES.items():
+        shine = shine.replace(name, f"{value:.3f}")
     shader.AddFragmentShaderReplacement("//VTK::Light::Impl", True, shine, False)
     if gloss.grain > 0.0:
         drawn.keep_places()

@@ -26,7 +26,6 @@ SAMPLES_A_PIXEL = 8  # as far as the driver has them: software has 4, and none o
 FINER = 2  # pixels drawn for each of the picture, across and down
 MOST_PIXELS = 8192  # drawn, along a side
 MATTE_IOR, GLAZE_IOR = 1.1, 1.53
-GLAZE_ROUGHNESS = 0.07  # of the one lobe that is used: VTK's own coat is weighed by Fresnel twice
 _FILM_MIRRORS = (
     "vec3(mix(max(baseF0Uniform, 0.02), baseF0Uniform, smoothstep(0.1, 0.6, roughness)))"
 )
@@ -128,8 +127,7 @@ class SceneDrawing:
         """
         mesh = self._object
         if roughness is not None:
-            places = _places(_under_glaze(roughness, self._gloss.coat))
-            mesh.active_texture_coordinates[:] = places
+            mesh.active_texture_coordinates[:] = _places(roughness)
             mesh.GetPointData().GetTCoords().Modified()
         mesh.point_data["light"][:] = scene.colours
         mesh.GetPointData().GetScalars().Modified()
@@ -204,9 +202,9 @@ def _add_object(plotter: Any, scene: Scene, gloss: Gloss) -> Any:
     mesh.point_data["Normals"] = scene.normals
     mesh.GetPointData().SetActiveNormals("Normals")
     mesh.point_data["light"] = scene.colours
-    roughness = _under_glaze(gloss.roughness, gloss.coat)
+    roughness = gloss.seen_roughness
     if gloss.each is not None:
-        mesh.active_texture_coordinates = _places(_under_glaze(gloss.each, gloss.coat))
+        mesh.active_texture_coordinates = _places(gloss.each)
         roughness = 1.0  # of what the texture says
     actor = plotter.add_mesh(
         mesh, scalars="light", rgb=True, pbr=True, metallic=0.0, roughness=roughness
@@ -218,10 +216,6 @@ def _add_object(plotter: Any, scene: Scene, gloss: Gloss) -> Any:
         shader = actor.GetShaderProperty()
         shader.AddFragmentShaderReplacement("vec3(baseF0Uniform)", False, _FILM_MIRRORS, True)
     return mesh
-
-
-def _under_glaze(roughness: Any, coat: float) -> Any:
-    return roughness + coat * (GLAZE_ROUGHNESS - roughness)
 
 
 def _places(roughness: AnyArray) -> AnyArray:

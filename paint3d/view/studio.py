@@ -30,6 +30,7 @@ __all__ = [
 
 
 GOLDEN = (np.sqrt(5) - 1) / 2
+GLAZE_ROUGHNESS = 0.07  # of the one lobe that is used: VTK's own coat is weighed by Fresnel twice
 
 
 @dataclass(frozen=True)
@@ -47,7 +48,7 @@ class Gloss:
     wave_mm : float
         How far apart they are.
     each : (V,) float32, optional
-        Roughness of each vertex, where they differ: wet, or under an ink that dries glossy.
+        What is seen of each vertex's roughness, where they differ: wet, or under dried ink.
     """
 
     roughness: float
@@ -77,6 +78,11 @@ class Gloss:
                 raise UnknownNameError("material", name, known)
             material = known[name]
         return cls(material.roughness, material.coat)
+
+    @property
+    def seen_roughness(self) -> float:
+        """Of what mirrors: the body, or the glaze over it."""
+        return self.roughness + self.coat * (GLAZE_ROUGHNESS - self.roughness)
 
 
 _GLOSSES = {

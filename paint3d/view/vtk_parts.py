@@ -32,16 +32,22 @@ _WIDE = 1000.0  # mm from the origin: up to there VTK would not shift what it is
 class DrawnMesh:
     """Triangles on screen, whose arrays can be replaced.
 
+    Parameters
+    ----------
+    fourth : int
+        What points have as their fourth channel while they are given three.
+
     Attributes
     ----------
     actor : vtkActor
         To set how it looks.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, fourth: int = 255) -> None:
         from vtkmodules.vtkCommonDataModel import vtkPolyData
         from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
 
+        self._fourth = fourth
         self._data = vtkPolyData()
         self._mapper = vtkPolyDataMapper()
         self._mapper.SetInputData(self._data)
@@ -50,7 +56,6 @@ class DrawnMesh:
         self._faces: AnyArray | None = None
         self._points = np.empty((0, 3), np.float32)
         self._normals: AnyArray | None = None
-        self._colours: AnyArray | None = None
         self._sent = np.empty((0, 4), np.uint8)  # with four channels: VTK copies any other number
         self._place: Any = None
         self._vtk_normals: Any = None
@@ -143,27 +148,29 @@ class DrawnMesh:
 
     def set_colours(self, colours: AnyArray) -> None:
         """Replace the colours (K, 3) or (K, 4) uint8 of the points."""
-        before, channels = self._colours, colours.shape[1]
-        if before is not None and before.shape == colours.shape:
-            before[:] = colours
-            self._sent[:, :channels] = colours
+        if self._vtk_colours is not None and len(self._sent) == len(colours):
+            self._sent[:] = self._four(colours)
             self._vtk_colours.Modified()
             return
-        if channels == _RGB:
+        if colours.shape[1] == _RGB:
             self.actor.ForceOpaqueOn()  # or VTK looks through the colours for what lets light by
-        self._colours = np.array(colours, np.uint8, order="C")
-        self._sent = np.full((len(colours), _RGB + 1), 255, np.uint8)
-        self._sent[:, :channels] = colours
+        self._sent = np.array(self._four(colours), np.uint8, order="C")
         self._vtk_colours = _laid_over(self._sent)
         self._data.GetPointData().SetScalars(self._vtk_colours)
 
+    def _four(self, colours: AnyArray) -> AnyArray:
+        if colours.shape[1] > _RGB:
+            return colours
+        four = np.full((len(colours), _RGB + 1), self._fourth, np.uint8)
+        four[:, :_RGB] = colours
+        return four
+
     def changed_by(self, colours: AnyArray) -> AnyArray:
         """(N, 3) float32: corners of all triangles that colours (K, C) uint8 would change."""
-        before = self._colours
-        if self._faces is None or before is None or before.shape[1] != colours.shape[1]:
+        if self._faces is None or self._vtk_colours is None:
             return self._points
         marks = np.empty(len(colours), np.uint8)
-        mark_changed(before, colours, self._faces, marks)
+        mark_changed(self._sent, self._four(colours), self._faces, marks)
         result: AnyArray = self._points[marks.astype(bool)]
         return result
 

@@ -7,13 +7,14 @@ import numpy as np
 import pytest
 import trimesh
 from PIL import Image
+from scipy.ndimage import binary_erosion
 from scipy.spatial import cKDTree
 
 import paint3d
 from paint3d.colour.pigments import WATER, load_pigment
 from paint3d.colour.spectra import decode_srgb, encode_srgb
 from paint3d.colour.viewing import Viewing
-from paint3d.colour.wet_look import darkened
+from paint3d.colour.wet_look import MATT_ROUGHNESS, darkened
 from paint3d.files.export import export, gloss_of
 from paint3d.files.export_options import ExportOptions
 from paint3d.files.pictures import write_picture
@@ -121,6 +122,54 @@ def test_oil_soot_dries_glossier_than_pine_soot():
     assert (rough[~there] == np.float32(0.95)).all()
 
 
+def test_on_glaze_ink_is_glossy_while_wet_and_matt_when_dry(tmp_path):
+    """Pine soot hides the glaze, oil soot keeps some gloss, a thin wash most of the glaze's."""
+    pine, oil = ball("pine soot", "porcelain"), ball("oil soot", "porcelain")
+    there, glaze = pine.coverage > 0.5, pine.material.roughness
+    pine.diffuse(0.1)
+    assert pine.wet_look.roughness(glaze)[there].max() < glaze
+    pine.dry()
+    rough = pine.wet_look.roughness(glaze)
+    assert rough[there].min() > MATT_ROUGHNESS - 0.01
+    assert (rough[pine.share_painted() == 0.0] == np.float32(glaze)).all()
+    between = oil.wet_look.roughness(glaze)[there]
+    assert glaze + 0.1 < between.min()
+    assert between.max() < MATT_ROUGHNESS - 0.1
+    thin = ball("pine soot", "porcelain")
+    thin.ink.amounts[there] *= 0.05
+    assert thin.wet_look.roughness(glaze)[there].max() < 0.5 * (glaze + MATT_ROUGHNESS)
+    export(pine, tmp_path / "dry.glb", ExportOptions(exact=True))
+    (read,) = trimesh.load(tmp_path / "dry.glb", process=False).geometry.values()
+    picture = np.asarray(read.visual.material.metallicRoughnessTexture.convert("RGB"))
+    found = picture[0, np.rint(read.visual.uv[:, 0] * 256.0 - 0.5).astype(int), 1] / 255.0
+    assert found.max() == pytest.approx(MATT_ROUGHNESS, abs=0.005)
+    assert read.visual.vertex_attributes["color"].shape == (len(read.vertices), 4)
+
+
+def test_a_picture_shows_the_lamps_in_wet_ink_on_glaze_but_not_in_dry(tmp_path):
+    surface, seen = ball("pine soot", "porcelain"), []
+    for change in (lambda: surface.diffuse(0.1), surface.dry):
+        change()
+        write_picture(surface, tmp_path / "a.png", Shot(size=(160, 160), view="front"))
+        seen.append(np.asarray(Image.open(tmp_path / "a.png").convert("L"), float))
+        (tmp_path / "a.png").unlink()
+    wet, dry = seen
+    black = binary_erosion(dry < 100.0, iterations=2)
+    assert black.sum() > 1000
+    assert (wet - dry)[black].max() > 15.0  # a lamp
+
+
+def test_ink_of_every_visible_layer_dulls_the_glaze():
+    surface = ball("pine soot", "porcelain")
+    there, stack = surface.coverage > 0.5, surface.use_layers()
+    alone = surface.wet_look.hidden
+    stack.add("2", 1)
+    np.testing.assert_array_equal(surface.wet_look.hidden, alone)
+    stack.describe(0, visible=False)
+    surface.touch(stack.painted_ids())
+    assert surface.wet_look.hidden[there].max() == 0.0
+
+
 def textured(surface, path, **options):
     """An object in a texture as trimesh reads it, its material, its pictures at the vertices."""
     pytest.importorskip("xatlas")
@@ -220,7 +269,7 @@ def test_the_gloss_of_another_material_is_that_of_its_dry_parts(wet):
     glazed = gloss_of(painting, Gloss.of("porcelain"))
     assert glazed.coat == Gloss.of("porcelain").coat
     dry = painting.look.damp == 0.0
-    assert (glazed.each[dry] == np.float32(Gloss.of("porcelain").roughness)).all()
+    assert (glazed.each[dry] == np.float32(Gloss.of("porcelain").seen_roughness)).all()
     assert glazed.each[~dry].min() < 0.1
 
 

@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 import paint3d
+from paint3d.core.types import AnyArray
 from paint3d.surface.painted_surface import PaintedSurface
+from paint3d.surface.sheen import PLAIN_SHINE
 from paint3d.view.kernels.shine import add_shine
 from paint3d.view.live_coarse import CoarseObject
 from paint3d.view.live_object import LiveObject
@@ -25,7 +27,11 @@ def shown() -> LiveObject:
 
 def coarse(shown: LiveObject, size: float) -> CoarseObject:
     surface = shown.surface
-    return CoarseObject(surface.paint_mesh, shown.patches, size, shown.light.colours, surface.codes)
+
+    def seen(ids: AnyArray, srgb: AnyArray) -> AnyArray:
+        return np.pad(shown.light.colours(ids, srgb), ((0, 0), (0, 1)), constant_values=PLAIN_SHINE)
+
+    return CoarseObject(surface.paint_mesh, shown.patches, size, seen, surface.codes)
 
 
 def area(points: np.ndarray, faces: np.ndarray) -> float:
@@ -39,7 +45,7 @@ def test_finer_than_the_mesh_it_is_the_mesh(shown: LiveObject) -> None:
     leaves = mesh.leaf_faces()
     assert found.n_faces == len(leaves)
     lit = shown.light.colours(np.arange(mesh.n_vertices, dtype=np.int32), shown.surface.codes)
-    together = np.concatenate([found.colours[piece.clusters] for piece in found.pieces])
+    together = np.concatenate([found.colours[piece.clusters, :3] for piece in found.pieces])
     assert together.mean() == pytest.approx(lit.mean(), abs=2.0)
     for piece in found.pieces:
         assert piece.faces.max() < len(piece.clusters)
@@ -72,7 +78,7 @@ def test_paint_is_seen_in_it(shown: LiveObject) -> None:
     codes[ids] = 0
     found.repaint(ids, codes)
     dark = found.points[:, 0] > 45.0
-    assert found.colours[dark].max() < 10
+    assert found.colours[dark, :3].max() < 10
     assert np.array_equal(found.colours[found.points[:, 0] < 35.0], before[found.points[:, 0] < 35])
 
 
@@ -94,12 +100,15 @@ def test_it_is_made_again_only_where_it_no_longer_fits(shown: LiveObject) -> Non
 
 def test_lamps_shine_where_they_are_mirrored() -> None:
     normals = np.array([[0, 0, 1], [0, 0, -1], [0.6, 0, 0.8]], np.float32)
-    out = np.empty((3, 3), np.uint8)
     lamps = np.array([[0.0, 0.0, 1.0, 1.0, 0.5, 0.0]])
-    grey = np.full((3, 3), 100, np.uint8)
-    add_shine(
-        np.zeros((3, 3), np.float32), normals, grey, np.array([0, 0, 9.0]), lamps, 20.0, 0.2, out
-    )
-    assert out[0].tolist() == [151, 126, 100]
-    assert np.array_equal(out[1], out[0])  # either side
-    assert np.abs(out[2].astype(int) - 100).max() <= 1
+    lobes = np.array([[20.0, 0.2], [100.0, 0.4], [5.0, 0.02]])
+    for shine, light in ((PLAIN_SHINE, 51), (255, 102), (1, 5)):
+        grey = np.full((3, 4), 100, np.uint8)
+        grey[:, 3] = shine
+        out = np.empty((3, 4), np.uint8)
+        eye = np.array([0, 0, 9.0])
+        at = np.zeros((3, 3), np.float32)
+        add_shine(at, normals, grey, eye, lamps, lobes, PLAIN_SHINE, out)
+        assert out[0].tolist() == [100 + light, 100 + (light + 1) // 2, 100, 255]
+        assert np.array_equal(out[1], out[0])  # either side
+        assert np.abs(out[2, :3].astype(int) - 100).max() <= 1

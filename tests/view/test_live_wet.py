@@ -3,11 +3,12 @@
 import numpy as np
 import pytest
 import trimesh
+from scipy.ndimage import binary_erosion
 
 from paint3d.colour.pigments import load_pigment
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.surface.painted_surface import PaintedSurface
-from paint3d.surface.sheen import WetWatch
+from paint3d.surface.sheen import PLAIN_SHINE, WetWatch
 from paint3d.view.camera import View, fit_camera
 from paint3d.view.live_object import LiveObject
 from paint3d.view.live_scene import LiveScene
@@ -87,16 +88,17 @@ def test_only_wet_patches_send_how_smooth_they_are():
     assert shown.uploads(surface.refresh()) == []
 
 
-def test_what_dries_beside_what_is_wet_is_matt_again():
+def test_what_dries_beside_what_is_wet_is_matt_again(monkeypatch):
     now = [(np.array([1, 2], np.int32), np.array([0.06, 0.06]))]
-    watch = WetWatch(ball("pine soot", "sized xuan"), lambda: now[0])
+    monkeypatch.setattr(PaintedSurface, "seen_water", property(lambda self: now[0]))
+    watch = WetWatch(ball("pine soot", "sized xuan"))
     nothing = np.zeros(0, np.int32)
     assert sorted(watch.follow(nothing)) == [1, 2]
-    assert watch.smooth(now[0][0]).min() > 200
+    assert watch.shine(now[0][0]).min() > 230
     assert len(watch.follow(nothing)) == 0
     now[0] = (np.array([2], np.int32), np.array([0.06]))
     assert watch.follow(nothing).tolist() == [1]
-    assert watch.smooth(np.array([1, 2])).tolist() == [0, 255]
+    assert watch.shine(np.array([1, 2])).tolist() == [PLAIN_SHINE, 255]
     assert watch.damp(np.array([1, 2])).tolist() == [0.0, 1.0]
     now[0] = None
     assert watch.follow(nothing).tolist() == [2]
@@ -111,7 +113,7 @@ def test_oil_soot_shines_dry_and_pine_soot_does_not():
         assert {up.colours.shape[1] for up in sent} == {columns}
 
 
-def test_a_layer_that_is_hidden_or_left_does_not_shine():
+def test_ink_shines_on_every_visible_layer_and_water_on_the_one_painted_on():
     surface = ball("oil soot", "sized xuan")
     surface.diffuse(0.1)
     stack = surface.use_layers()
@@ -122,7 +124,7 @@ def test_a_layer_that_is_hidden_or_left_does_not_shine():
         inked = surface.refresh()
         sent = shown.uploads(inked)
         watch.follow(inked)
-        smooth = watch.smooth(everything).max() / 255.0
+        smooth = (watch.shine(everything).max() - PLAIN_SHINE) / 127.0
         look = surface.wet_look
         wanted = 0.0 if look is None else np.maximum(look.film, look.gloss).max()
         assert smooth == pytest.approx(wanted, abs=0.04)
@@ -136,9 +138,46 @@ def test_a_layer_that_is_hidden_or_left_does_not_shine():
         assert (shine()[1] > 0.9) == visible
     surface.dry()
     assert 0.3 < shine()[1] < 0.45
-    stack.add("2", 1)  # nothing is touched: all shows the same colours
+    stack.add("2", 1)
+    assert 0.3 < shine()[1] < 0.45
+    stack.describe(0, visible=False)  # nothing is touched: what is seen is followed all the same
     sent, smooth = shine()
     assert smooth == 0.0
     assert sent
-    stack.activate(0)
+    stack.describe(0, visible=True)
     assert 0.3 < shine()[1] < 0.45
+
+
+def test_dry_ink_on_glaze_is_matt_and_wet_ink_shines(scene):
+    surface = ball("pine soot", "porcelain")
+    picture, watch = show(scene, surface), surface.watch_wet()
+    inked = np.flatnonzero(surface.coverage).astype(np.int32)
+    looks = {}
+    for state in ("fresh", "wet", "dry"):
+        if state != "fresh":
+            surface.diffuse(0.1) if state == "wet" else surface.dry()
+        looks[state] = picture()[..., 1]
+        watch.follow(inked)
+        found = watch.shine(inked)
+        assert (found.min() > 250) if state == "wet" else (found.max() <= 2)
+    spot = looks["dry"] < 60
+    assert spot.sum() > 3000
+    spot = binary_erosion(spot, iterations=2)
+    wet, dry = (np.ptp(looks[state][spot]) for state in ("wet", "dry"))
+    assert wet > 40  # a lamp in it
+    assert dry < 0.5 * wet
+    assert np.abs(looks["dry"] - looks["fresh"]).max() <= 2
+
+
+def test_what_is_drawn_coarsely_shines_as_what_is_drawn_finely():
+    surface = ball("pine soot", "porcelain")
+    shown = LiveObject(surface)
+    shown.uploads(surface.refresh())
+    coarse = shown.coarse_for(0.2, 100_000)
+    front = coarse.points @ TOWARD > 7.0
+    assert coarse.colours[front, 3].max() <= 2
+    assert (coarse.colours[coarse.points @ TOWARD < 5.0, 3] == PLAIN_SHINE).all()
+    surface.diffuse(0.1)
+    shown.uploads(surface.refresh())
+    shown.repaint_coarse()
+    assert coarse.colours[front, 3].min() > 250

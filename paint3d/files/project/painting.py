@@ -171,15 +171,18 @@ class Untextured(NamedTuple):
         """Return the painting with its texture; on a large object this takes long."""
         pictures, look = [self.detail[-1]], self.look
         if look is not None:
-            shares = np.stack(look, axis=1)
+            shares = np.stack([look.film, look.gloss, look.hidden], axis=1)
             pictures = [look.seen(pictures[0]), np.rint(255.0 * shares).astype(np.uint8)]
         mesh, images = bake_detail((*self.detail[:-1], *pictures), self.size)
         white = np.full((len(mesh.vertices), 3), 255, np.uint8)
         painting = _checked((mesh.vertices, mesh.faces, mesh.normals, white), self.material)
         texture = Texture(mesh.uv, images[0])
         if look is not None:
-            texels = np.moveaxis(images[1], 2, 0).astype(np.float32) / np.float32(255.0)
-            texture = texture._replace(look=WetLook(*texels))
+            film, gloss, hidden = np.moveaxis(images[1], 2, 0).astype(np.float32) / np.float32(
+                255.0
+            )
+            damp = np.zeros_like(film)  # is in the colours
+            texture = texture._replace(look=WetLook(film, damp, gloss, hidden))
         return painting._replace(texture=texture, finish=self.finish)
 
 
