@@ -89,6 +89,7 @@ class WetWatch:
         self._surface = surface
         self._film, self._damp = np.zeros(0, np.uint8), np.zeros(0, np.uint8)
         self._dried = np.zeros(0, np.int8)  # shine when all is dry, in `_STEPS`
+        self._shine = np.zeros(0, np.uint8)
         self._is_wet, self._wet = np.zeros(0, bool), np.zeros(0, np.int32)
         self._known, self._layers = 0, surface.seen_layers
 
@@ -113,7 +114,8 @@ class WetWatch:
             room, known = surface.paint_mesh.capacity, len(self._film)
             self._film, self._damp = (grown(a, known, room) for a in (self._film, self._damp))
             self._film[known:] = self._damp[known:] = 0
-            self._is_wet = np.zeros(room, bool)
+            self._is_wet, self._shine = np.zeros(room, bool), grown(self._shine, known, room)
+            self._shine[known:] = PLAIN_SHINE
         otherwise = self._follow_dried(inked) if is_otherwise else self._wet[:0]
         ids, depth = (np.zeros(0, np.int32), np.zeros(0)) if water is None else water
         ids, depth = ids[depth > 0.0], depth[depth > 0.0]
@@ -126,6 +128,7 @@ class WetWatch:
         self._film[ids], self._damp[ids] = film, damp
         self._wet = ids
         changed: NDArray[np.int32] = np.concatenate([otherwise, dried, ids[is_new]])
+        self._mix(changed)
         return changed
 
     def _follow_dried(self, inked: AnyArray) -> NDArray[np.int32]:
@@ -139,9 +142,11 @@ class WetWatch:
         steps, otherwise = np.rint(_STEPS * shine).astype(np.int8), inked[:0]
         if not len(self._dried) and not steps.any():
             return otherwise
-        self._dried = np.pad(self._dried, (0, len(self._film) - len(self._dried)))
+        if len(self._dried) < len(self._film):
+            self._dried = np.pad(self._dried, (0, len(self._film) - len(self._dried)))
         if is_same:
             self._dried[ids] = steps
+            self._mix(ids)
         else:
             before, self._dried = self._dried, np.zeros_like(self._dried)
             self._dried[ids] = steps
@@ -149,18 +154,19 @@ class WetWatch:
         result: NDArray[np.int32] = otherwise.astype(np.int32)
         return result
 
-    def shine(self, ids: AnyArray) -> NDArray[np.uint8]:
-        """How vertices (N,) shine beside their material (N,): see `PLAIN_SHINE`."""
+    def _mix(self, ids: AnyArray) -> None:
+        """Find anew how vertices (N,) shine, by their film and what dried below it."""
         film = self._film[ids] / np.float32(255.0)
         dried = self._dried[ids].astype(np.float32) if len(self._dried) else np.float32(0.0)
-        codes = PLAIN_SHINE + dried + film * (np.float32(_STEPS) - dried)
-        result: NDArray[np.uint8] = np.rint(codes).astype(np.uint8)
-        return result
+        self._shine[ids] = np.rint(PLAIN_SHINE + dried + film * (np.float32(_STEPS) - dried))
 
-    def damp(self, ids: AnyArray) -> AnyArray:
-        """How much of vertices (N,) is under water, 0 to 1 (N,)."""
-        shares: AnyArray = self._damp[ids] / 255.0
-        return shares
+    def shine(self, ids: AnyArray) -> NDArray[np.uint8]:
+        """How vertices (N,) shine beside their material (N,): see `PLAIN_SHINE`."""
+        return self._shine[ids]
+
+    def damp(self, ids: AnyArray) -> AnyArray | None:
+        """How much of vertices (N,) is under water, 0 to 1 (N,); None while nothing is."""
+        return self._damp[ids] / 255.0 if len(self._wet) else None
 
 
 def _is_otherwise_dry(surface: _Painted) -> bool:

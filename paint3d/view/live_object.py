@@ -148,8 +148,9 @@ class LiveObject:
         colours[:] = self.light.colours(ids, srgb)
         if not self._wet.is_plain:
             damp = self._wet.damp(ids)
-            there = damp > 0.0
-            colours[there] = darkened(colours[there], damp[there])
+            if damp is not None:
+                there = damp > 0.0
+                colours[there] = darkened(colours[there], damp[there])
             shown[:, 3] = self._wet.shine(ids)
         if self._covers is not None:
             self._hatch(ids, self._covers(ids), colours)
