@@ -91,7 +91,7 @@ class WetWatch:
         self._dried = np.zeros(0, np.int8)  # shine when all is dry, in `_STEPS`
         self._shine = np.zeros(0, np.uint8)
         self._is_wet, self._wet = np.zeros(0, bool), np.zeros(0, np.int32)
-        self._known, self._layers = 0, surface.seen_layers
+        self._layers: Hashable = self  # none yet: at first all is looked at
 
     @property
     def is_plain(self) -> bool:
@@ -135,9 +135,7 @@ class WetWatch:
         """Vertices (N,) that will dry otherwise since other layers are seen."""
         surface, layers = self._surface, self._surface.seen_layers
         is_same, self._layers = layers == self._layers, layers
-        fresh = np.arange(self._known, surface.paint_mesh.n_vertices, dtype=np.int32)
-        self._known += len(fresh)
-        ids = np.concatenate([inked, fresh]) if is_same else np.flatnonzero(surface.painted)
+        ids = inked if is_same else np.flatnonzero(surface.painted)
         shine = shine_of_inks(surface.material.roughness, *_dried(surface, ids))
         steps, otherwise = np.rint(_STEPS * shine).astype(np.int8), inked[:0]
         if not len(self._dried) and not steps.any():

@@ -159,6 +159,16 @@ def test_a_picture_shows_the_lamps_in_wet_ink_on_glaze_but_not_in_dry(tmp_path):
     assert (wet - dry)[black].max() > 15.0  # a lamp
 
 
+def test_dry_and_wet_coats_hide_together():
+    surface = ball("pine soot", "porcelain")
+    there = surface.coverage > 0.5
+    surface.ink.amounts[there] *= 0.05
+    surface.dry()
+    inked(surface, "pine soot")
+    surface.ink.amounts[there] *= 0.1
+    np.testing.assert_allclose(surface.wet_look.hidden[there], 1.0 - np.exp(-0.9), rtol=1e-3)
+
+
 def test_ink_of_every_visible_layer_dulls_the_glaze():
     surface = ball("pine soot", "porcelain")
     there, stack = surface.coverage > 0.5, surface.use_layers()
@@ -196,6 +206,16 @@ def test_a_texture_says_how_rough_and_dark_it_is_where_it_is_wet(wet, tmp_path):
     shown = wet.wet_look.seen(wet.srgb)[nearest].astype(int)
     assert np.abs(colours - shown).mean() < 2.0
     assert np.abs(colours - wet.srgb[nearest].astype(int)).mean() > 3.0
+
+
+def test_a_texture_says_how_rough_dry_ink_on_glaze_is(tmp_path):
+    surface = ball("pine soot", "porcelain")
+    read, _, (_, rough) = textured(surface, tmp_path / "dry.glb")
+    _, nearest = cKDTree(surface.paint_mesh.vertices).query(1000.0 * read.vertices @ UPRIGHT)
+    found, is_inked = rough[:, 1] / 255.0, surface.coverage[nearest] > 0.0
+    assert np.median(found[is_inked]) == pytest.approx(MATT_ROUGHNESS, abs=0.005)
+    glaze = gloss_of(read_painting(surface, ExportOptions())).roughness
+    assert np.median(found[~is_inked]) == pytest.approx(glaze, abs=0.005)
 
 
 def test_a_dry_texture_has_one_roughness_and_an_unlit_one_none(wet, tmp_path):

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from paint3d.colour.pigments import load_pigment
+from paint3d.colour.wet_look import MATT_ROUGHNESS
 from paint3d.files import pictures
 from paint3d.files.pictures import Filmed, Turning, write_growth, write_picture
 from paint3d.mesh.triangle_mesh import TriangleMesh
@@ -150,6 +152,21 @@ def test_wet_ink_shines_in_a_film_as_in_a_picture(tmp_path) -> None:
     unlike = np.array([[np.abs(a - b).mean() for b in still] for a in (wet[-1], dry[-1])])
     assert unlike[0, 0] < 0.3 * unlike[0, 1]
     assert unlike[1, 1] < 0.3 * unlike[1, 0]
+
+
+def test_a_film_shows_bare_glaze_as_smooth_as_a_picture_does() -> None:
+    surface = PaintedSurface(sheet(flat, (40.0, 20.0), 4.0), None, "porcelain")
+    with Growth(surface, 0.5) as growth:
+        column = surface.column_of(load_pigment("pine soot"))
+        surface.ink.amounts[:5, column], surface.ink.coverage[:5] = 3.0, 1.0
+        surface.touch(np.arange(5, dtype=np.int32))
+        surface.refresh()
+        growth.end(1.0)
+        shown = [picture.roughness.copy() for picture in growth.pictures()]
+    glaze = Gloss.of("porcelain").seen_roughness
+    np.testing.assert_allclose(shown[0], glaze, atol=0.002)
+    np.testing.assert_allclose(shown[-1][5:], glaze, atol=0.002)
+    np.testing.assert_allclose(shown[-1][:5], MATT_ROUGHNESS, atol=0.002)
 
 
 def growth_pictures(growth: Growth, shot: Shot) -> list[np.ndarray]:
