@@ -122,8 +122,8 @@ class Stamp(NamedTuple):
     values: NDArray  # (1,) of GEOMETRY
     half_widths: NDArray  # (PROFILE_CELLS + 2,) float64, mm, even steps from heel to tip
     lines: NDArray  # (PROFILE_CELLS, 4) float32: in each step half width = first + second x place
-    # (place in steps from the heel), and third = 1/sqrt(1 + slope^2), for distances to the edge;
-    # the fourth only keeps rows from lying across two lines of the cache
+    # (place in steps from the heel), third = 1/sqrt(1 + slope^2), for distances to the edge, and
+    # fourth: by how much that makes distances less from there to where it is widest, 1 / third - 1
 
 
 def make_stamp() -> Stamp:
@@ -177,6 +177,22 @@ def keep_profile(stamp, heel, tip):
         values.area += (widths[i] + widths[i + 1]) * step
         if widths[i] > values.widest:
             values.widest, values.widest_at = widths[i], heel + i * step
+    _note_bluntness(stamp, step)
+
+
+@uncounted
+def _note_bluntness(stamp, step):
+    """Fill the fourth of a stamp's lines: bluntest of the steps between one and the widest."""
+    values, lines = stamp.values[0], stamp.lines
+    one, most = np.float32(1.0), np.float32(0.0)
+    middle = int((values.widest_at - values.heel) / step + 0.5) if step > 0.0 else 0
+    for i in range(middle - 1, -1, -1):
+        most = max(most, one / lines[i, 2] - one)
+        lines[i, 3] = most
+    most = np.float32(0.0)
+    for i in range(middle, PROFILE_CELLS):
+        most = max(most, one / lines[i, 2] - one)
+        lines[i, 3] = most
 
 
 @uncounted

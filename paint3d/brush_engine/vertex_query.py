@@ -34,9 +34,8 @@ __all__ = [
 
 OUTSIDE, _EDGE, INSIDE = 0, 1, 2  # where a disc lies to the footprints of a sweep
 _MIXED = 3  # a run in a cell with several sheets, some of which may not belong to the patch
-DISC_ROWS = 6  # float32 rows that discs are judged in: x, y, radius, and three to work in
+DISC_ROWS = 7  # float32 rows that discs are judged in: x, y, radius, and four to work in
 _STEEPEST = 4.0  # tangent of the angle at which a vertex faces away
-_END_ZONE = 0.0625  # of its length: how far an outline's end reaches
 _COHERENT = 0.7  # of its area: a sheet whose normal is longer looks one way
 _LEAST_FACING = 0.25  # cosine between vertex and plane normal below which a vertex faces away
 _AWAY = 1e9  # plane coordinate of a vertex that cannot be painted
@@ -69,10 +68,11 @@ def _judge_discs(n, discs, turn, stamp, rises, fates):
     fates : (N,) uint8
         Filled.
     """
-    xs, ys, radii, along, low, high = discs[0], discs[1], discs[2], discs[3], discs[4], discs[5]
+    xs, ys, radii = discs[0], discs[1], discs[2]
+    along, low, high, blunt = discs[3], discs[4], discs[5], discs[6]
     ox, oy = np.float32(turn[0]), np.float32(turn[1])
     c, s = np.float32(turn[2]), np.float32(turn[3])
-    values, widths = stamp.values[0], stamp.half_widths
+    values, widths, lines = stamp.values[0], stamp.half_widths, stamp.lines
     heel, length = np.float32(values.heel), np.float32(values.tip - values.heel)
     widest = np.float32(values.widest)
     middle = np.float32(values.widest_at - values.heel)
@@ -80,12 +80,7 @@ def _judge_discs(n, discs, turn, stamp, rises, fates):
     nothing, top = np.float32(0.0), np.float32(PROFILE_CELLS)
     rise, rise_at_end = np.float32(rises[0]), np.float32(rises[1])
     begin, end = np.float32(rises[3]), length - np.float32(rises[4])
-    # beside a blunt end, the distance to the line of its last step is less than the way there
-    least = np.float32(rises[2] + rises[0])
-    steepest = max(widths[1], widths[PROFILE_CELLS - 1]) * PROFILE_CELLS
-    slope = steepest / (values.tip - values.heel)
-    blunt = np.float32(np.sqrt(1.0 + slope * slope) - 1.0) * least
-    zone = length * np.float32(_END_ZONE)
+    half_edge, last = np.float32(rises[2]), np.int32(PROFILE_CELLS - 1)
     for k in range(n):
         along[k] = c * (xs[k] - ox) + s * (ys[k] - oy) - heel
         low[k] = min(max((along[k] - radii[k]) * per_step, nothing), top)
@@ -93,6 +88,7 @@ def _judge_discs(n, discs, turn, stamp, rises, fates):
     for k in range(n):
         i = np.int32(low[k])
         j = np.int32(high[k])
+        blunt[k] = max(lines[min(i, last), 3], lines[min(j, last), 3])
         low[k] = widths[i] + (low[k] - np.float32(i)) * (widths[i + 1] - widths[i])
         high[k] = widths[j] + (high[k] - np.float32(j)) * (widths[j + 1] - widths[j])
     for k in range(n):
@@ -103,8 +99,8 @@ def _judge_discs(n, discs, turn, stamp, rises, fates):
         inside = within & (min(low[k], high[k]) >= side + r)
         near_end = (along[k] + r > end) | (along[k] - r < begin)
         out = r + (rise_at_end if near_end else rise)
-        at_end = (along[k] - r < zone) | (along[k] + r > length - zone)
-        aside = out + (blunt if at_end else nothing)
+        # beside a blunt end, the distance to the line of a step is less than the way there
+        aside = out + blunt[k] * (out - r + half_edge)
         outside = (along[k] + out < nothing) | (along[k] - out > length) | (side - aside > most)
         fates[k] = np.uint8(0) if outside else (np.uint8(2) if inside else np.uint8(1))
 

@@ -40,20 +40,34 @@ def fine_sphere() -> TriangleMesh:
     return TriangleMesh(vertices - [0.0, 0.0, vertices[:, 2].max()], ball.faces)
 
 
-def painted(mesh: TriangleMesh, growth: float) -> tuple[np.ndarray, np.ndarray, int]:
-    """Amounts and coverage with the balls around the blocks made larger by so many mm."""
+def painted(
+    mesh: TriangleMesh, growth: float, brush: str = "full", hairs: int | None = None
+) -> tuple[np.ndarray, np.ndarray, int]:
+    """Amounts and coverage with the balls around the blocks made larger by so many mm.
+
+    Hairs are dry.
+    """
     surface = PaintedSurface(mesh, resolution=None)
     surface.paint_mesh.arrays.block_balls[:, 3] += growth
-    painter = Painter(surface, "full")
+    painter = Painter(surface, brush, hairs=hairs)
+    painter.wipe(0.8 if hairs else 0.0)
     painter.replay(turning_stroke())
     return surface.amounts[:, 0], surface.coverage, painter.report()["vertices_visited"]
 
 
-@pytest.mark.parametrize("make", [fine_plane, fine_sphere])
-def test_blocks_change_nothing(make) -> None:
+@pytest.mark.parametrize(
+    ("make", "brush", "hairs"),
+    [
+        (fine_plane, "full", None),
+        (fine_sphere, "full", None),
+        (fine_plane, "full", 1000),  # blunt at both ends
+        (fine_plane, "xiaobaiyun", None),  # has a blunt tip
+    ],
+)
+def test_blocks_change_nothing(make, brush, hairs) -> None:
     mesh = make()
-    amounts, coverage, visited = painted(mesh, 0.0)
-    all_amounts, all_coverage, all_visited = painted(mesh, 1e3)
+    amounts, coverage, visited = painted(mesh, 0.0, brush, hairs)
+    all_amounts, all_coverage, all_visited = painted(mesh, 1e3, brush, hairs)
     assert np.count_nonzero(coverage > 0.5) > 50
     assert visited < all_visited
     assert np.abs(amounts - all_amounts).max() < 1e-6 * all_amounts.max()

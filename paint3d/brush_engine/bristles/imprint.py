@@ -80,7 +80,8 @@ _SHARES = 64  # places along the bend that these are counted in
 _FEWEST = 0.03  # of the hairs that lie: the outline ends where no more are left
 _MORE = 4.0  # times as many, for how they thin out from there
 _ROUND = 0.66  # of the way to there: what a round end goes on beyond
-_BLUNTEST = 4.0  # slope of its flanks at the tip: beside steeper ones a soft edge spreads far
+_BLUNTEST = (7.0, 4.0)  # slope of its flanks at the heel, as a solid tuft's, and at the tip:
+# beside steeper ones a soft edge spreads far
 _CLOSE = 0.05  # of them within a film of a place: enough to close it
 _LEAST_GAP = 0.3  # of the one before it, between a station and the next
 _SHORTEST = 1e-3  # mm, from the foremost to the hindmost of them
@@ -713,8 +714,9 @@ def _draw_outline(hairs, point, margin, reach, half_width):
     n += 1
     for b in range(_BINS - 1, -1, -1):
         beside = 0.5 * (reaches[max(b - 1, 0)] + reaches[min(b + 1, _BINS - 1)])
-        reach[n] = low + (b + 0.5) * wide
-        half_width[n] = min(max(reaches[b], beside), _BLUNTEST * (foremost - reach[n]))
+        at = low + (b + 0.5) * wide
+        blunt = min(_BLUNTEST[0] * (at - hindmost), _BLUNTEST[1] * (foremost - at))
+        reach[n], half_width[n] = at, min(max(reaches[b], beside), blunt)
         n += 1
     reach[n], half_width[n] = hindmost, 0.0
     return n + 1, foremost, hindmost
