@@ -43,7 +43,19 @@ APT = """echo "$1 ${*:5}" >> "$0.log"
 case "$*" in update*) exit 0;; *"$(cat "$0.lacks")"*) exit 100;; esac
 for name in "$@"; do touch "${0%/*}/dpkg-query.$name"; done
 """
-PYTHON = """[ "$2" = tools.kernels ]
+PYTHON = """case "$2" in
+    tools.kernels) echo kernels >> "${0%/*}/log";;
+    pip) [ "$3" != install ] || echo "pip ${*:4}" >> "${0%/*}/log";;
+    *) exit 1;;
+esac
+"""
+UV = """echo "uv $*" >> "${0%/*}/log"
+case "$*" in
+    *"$(cat "$0.fails" 2>/dev/null || echo nothing)"*) exit 1;;
+    *"-e .[test]"*) # is not done before kernels are begun with
+        for _ in {1..600}; do ! grep -q kernels "${0%/*}/log" || exit 0; sleep .05; done
+        exit 1;;
+esac
 """
 
 
@@ -59,11 +71,22 @@ class Machine:
             self.tools / "apt-get": APT,
             self.tools / "sudo": '"$@"\n',
             self.venv / "bin" / "python": PYTHON,
+            self.venv / "bin" / "uv": UV,
         }.items():
             path.write_text(f"#!/bin/bash\n{code}")
             path.chmod(0o755)
         wanted = f"{SCRIPTS.parent}\n{(SCRIPTS.parent / 'pyproject.toml').read_text()}"
         (self.venv / "paint3d-installed").write_text(wanted)
+
+    def install_packages(self, fails: str | None = None) -> list[str]:
+        """What Python and uv are asked for where no package is there; uv cannot do what `fails`."""
+        (self.venv / "paint3d-installed").unlink()
+        if fails:
+            (self.venv / "bin" / "uv.fails").write_text(fails)
+        status, said, _ = self.install()
+        assert status == 0, said
+        assert ("with pip" in said) == bool(fails)
+        return (self.venv / "bin" / "log").read_text().splitlines()
 
     def install(self, lacks: str = "nothing") -> tuple[int, str, list[str]]:
         """Its exit status, its messages, and what apt-get was asked for; apt knows no `lacks`."""
@@ -102,3 +125,21 @@ def test_without_what_the_program_needs_it_ends_in_a_line_that_says_so(tmp_path:
     assert status == 2
     assert "error: could not install libgl1 libegl1" in said
     assert said.splitlines()[-1].startswith("install: error: the system libraries are not there")
+
+
+def test_kernels_are_compiled_while_packages_are_loaded(tmp_path: Path) -> None:
+    asked = Machine(tmp_path).install_packages()
+    choose, compiler, all_of = (line for line in asked if line.startswith("uv"))
+    chosen = f"{tmp_path}/venv/chosen.txt"
+    assert choose.startswith("uv pip compile")
+    assert choose.endswith(f"pyproject.toml --extra test --output-file {chosen}")
+    assert compiler.endswith(f"--constraints {chosen} numba numpy")
+    assert all_of.endswith(f"--constraints {chosen} -e .[test]")
+    assert asked.count("kernels") == 1
+
+
+@pytest.mark.parametrize("step", ["pip compile", "numba numpy", "-e .[test]"])
+def test_where_uv_fails_pip_installs_and_kernels_are_compiled_last(tmp_path: Path, step) -> None:
+    asked = Machine(tmp_path).install_packages(fails=step)
+    assert asked[-2] == "pip --quiet --disable-pip-version-check -e .[test]"
+    assert asked[-1] == "kernels"

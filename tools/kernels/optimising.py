@@ -51,10 +51,8 @@ def prepare(lowered: Lowered, processor: str) -> Prepared:
         [lowered.units[n].module.as_bitcode() for n in (k, *_called(lowered, k))]
         for k in elementwise
     ]
-    whole = lowered.entries
-    for unit in lowered.units:
-        if not unit.is_elementwise:
-            whole.link_in(_shared(unit.module))
+    plain = [_shared(unit.module) for unit in lowered.units if not unit.is_elementwise]
+    whole = _linked([lowered.entries, *plain])
     _keep_inside(whole, lowered.gives)
     _tidy(whole, machine)
     return Prepared(whole.as_bitcode(), parts)
@@ -84,13 +82,13 @@ def emit(prepared: Prepared, entries: Iterable[str], processor: str) -> bytes:
     for thing in (*whole.functions, *whole.global_variables):
         if not thing.is_declaration and thing.linkage == llvm.Linkage.internal:
             thing.linkage = llvm.Linkage.weak_odr  # single hairs call it
+    alone = []
     for parts in prepared.elementwise:
-        module, *called = (_shared(llvm.parse_bitcode(part)) for part in parts)
-        for other in called:
-            module.link_in(other)
+        module = _linked([_shared(llvm.parse_bitcode(part)) for part in parts])
         _tidy(module, machine)
         _optimise(module, machine)
-        whole.link_in(module)
+        alone.append(module)
+    whole = _linked([whole, *alone])
     _keep_inside(whole, entries)
     _see_that_all_is_there(whole)
     _optimise(whole, machine)
@@ -122,6 +120,19 @@ def _shared(module: llvm.ModuleRef) -> llvm.ModuleRef:
         if not thing.is_declaration and thing.linkage in _SEEN:
             thing.linkage = llvm.Linkage.weak_odr
     return module
+
+
+def _linked(modules: list[llvm.ModuleRef]) -> llvm.ModuleRef:
+    """Put all into the first, in their order.
+
+    Neighbours are joined, and again, for whatever is put into a module all of that is looked at:
+    one after another would look at the first ones hundreds of times.
+    """
+    while len(modules) > 1:
+        for first, second in zip(modules[::2], modules[1::2], strict=False):
+            first.link_in(second)
+        modules = modules[::2]
+    return modules[0]
 
 
 def _keep_inside(module: llvm.ModuleRef, entries: Iterable[str]) -> None:
