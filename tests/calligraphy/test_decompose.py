@@ -273,7 +273,7 @@ def test_a_square_dot_is_written_from_corner_to_corner(turn) -> None:
 @pytest.mark.parametrize(
     ("thick", "thin", "from_thick"),
     [
-        ((0.0, 0.0), (30.0, 15.0), True),  # it rises: ti
+        ((0.0, 0.0), (20.0, 30.0), True),  # it rises: ti
         ((30.0, 25.0), (0.0, 0.0), True),  # it falls to the left: pie
         ((30.0, -30.0), (0.0, 0.0), False),  # it falls to the right, with its foot last: na
         ((0.0, -40.0), (0.0, 0.0), False),  # a stem that swells

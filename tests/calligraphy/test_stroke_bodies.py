@@ -51,9 +51,10 @@ def test_a_wet_stroke_ends_where_its_ink_does() -> None:
 def test_a_long_hole_is_a_streak_only_among_streaks(streaks: bool, fills: bool) -> None:
     ink = NONE.copy()
     ink[34:66, 40:260] = True
-    ink[44:56, 100:200] = False  # narrower than a stroke, longer than a streak
+    ink[43:57, 110:190] = False  # narrower than a stroke, longer than a streak
     if streaks:
-        ink[36:64:4, 60:240] = False
+        for first in (70, 190):  # at both ends of it alone
+            ink[36:64:4, first : first + 40] = False
     assert bodies_in(ink, ink, WIDTH)[50, 150] == fills
 
 
