@@ -680,6 +680,16 @@ def test_corrections_that_could_not_be_laid_belong_to_their_page(window, drawing
     fail_to_lay()
     other = drawing.with_name("one.svg")
     other.write_text(SVG.replace('<path d="M5 5H55"/>', ""), encoding="utf-8")
+    lay_another = [
+        lambda: window.copying.layout_file(str(other), 30.0),
+        lambda: window.copying.layout_text("永", 30.0, True),
+        window.copying.hide,
+    ]
+    for lay in lay_another:
+        answer(lambda box: box.reject(), QtWidgets.QMessageBox)
+        assert not lay()
+        assert window.panels.copybook.copybook.page is not None, "they are there as they were"
+    answer(lambda box: drop_button(box).click(), QtWidgets.QMessageBox)
     assert window.copying.layout_file(str(other), 30.0)
 
     def look(dialog) -> None:
@@ -688,6 +698,11 @@ def test_corrections_that_could_not_be_laid_belong_to_their_page(window, drawing
         dialog.reject()
 
     correct(window, look)
+    fail_to_lay()
+    answer(lambda box: drop_button(box).click(), QtWidgets.QMessageBox)
+    window.copying.hide()
+    assert window.panels.copybook.copybook is None
+    assert window.copying.may_drop(), "nobody is asked twice"
 
 
 def test_strokes_of_a_rubbing_are_found_anew_as_such(window, sheet, monkeypatch) -> None:

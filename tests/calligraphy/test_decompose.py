@@ -268,3 +268,26 @@ def test_a_square_dot_is_written_from_corner_to_corner(turn) -> None:
     for end in ends:
         assert np.linalg.norm(corners - end, axis=1).min() < 0.2
     assert ends[0, 0] <= ends[1, 0]
+
+
+@pytest.mark.parametrize(
+    ("thick", "thin", "from_thick"),
+    [
+        ((0.0, 0.0), (20.0, 30.0), True),  # it rises: ti
+        ((30.0, 25.0), (0.0, 0.0), True),  # it falls to the left: pie
+        ((30.0, -30.0), (0.0, 0.0), False),  # it falls to the right, with its foot last: na
+        ((0.0, -40.0), (0.0, 0.0), False),  # a stem that swells
+    ],
+)
+def test_a_stroke_runs_out_to_its_point(thick, thin, from_thick) -> None:
+    """Unless that were upwards against the brush."""
+    ends = np.array([thick, thin])
+    way = ends[1] - ends[0]
+    across = np.array([-way[1], way[0]]) / np.hypot(*way)
+    outline = np.array([
+        ends[0] + 3.0 * across, ends[1] + 0.8 * across, ends[1] - 0.8 * across,
+        ends[0] - 3.0 * across,
+    ])  # fmt: skip
+    (stroke,) = decompose(MultiPolygon([Polygon(outline)]))
+    forwards = float((stroke.median[-1] - stroke.median[0]) @ way) > 0.0
+    assert forwards is from_thick

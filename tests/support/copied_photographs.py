@@ -7,6 +7,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
+import shapely
+from shapely import MultiPolygon
 
 from paint3d.brush.presets import choose_brush, load_brush
 from paint3d.calligraphy.flying_white import inked_as
@@ -21,6 +23,7 @@ from paint3d.calligraphy.photo.likeness import (
     strength_of_both,
 )
 from paint3d.calligraphy.photo.rehearsal import rehearsed
+from paint3d.calligraphy.shapes.decompose import decompose
 from paint3d.calligraphy.writing import Pen, Written, write_page
 from paint3d.colour.materials import load_material
 from paint3d.core.types import AnyArray
@@ -53,7 +56,8 @@ class _Row:
     name: str
     dry: bool
     judged: Judged
-    strokes: float  # found over those of the clean shapes
+    strokes: float  # found over true ones
+    of_clean: float  # found over those that the clean shapes are taken apart into
     seconds: float
     painted: float  # IoU with the true bodies; NaN where it was not painted
     painted_r: float
@@ -118,6 +122,7 @@ _FIGURES = {
     "dryness r": lambda row: row.judged.dryness_r if row.dry else np.nan,
     "dryness off": lambda row: row.judged.dryness_error,
     "strokes found / true": lambda row: row.strokes,
+    "strokes found / of the clean shapes": lambda row: row.of_clean,
     "processor s": lambda row: row.seconds,
     "painted, IoU with the true bodies": lambda row: row.painted,
     "painted dryness r": lambda row: row.painted_r if row.dry else np.nan,
@@ -129,8 +134,8 @@ _FIGURES = {
 }
 _WORST_IS_MOST = (
     "corners off, shares of a side", "seal taken for ink", "dryness off", "processor s",
-    "strokes found / true", "painted dryness off", "strength off",
-    "painted strength off",
+    "strokes found / true", "strokes found / of the clean shapes", "painted dryness off",
+    "strength off", "painted strength off",
 )  # fmt: skip
 
 
@@ -138,14 +143,23 @@ def _row(seed: int, source: GlyphSource, paints: bool, pale: float) -> _Row:
     text, there, sheet, seconds, glyphs = copied_at_random(seed, source, pale)
     found = sum(len(piece.glyph.strokes) for piece in sheet.page.pieces)
     true = sum(len(glyph.strokes) for glyph in glyphs)
+    clean = sum(len(decompose(clean_shape(glyph), template=glyph)) for glyph in glyphs)
     nothing = np.nan, np.nan
     *painted, inks = _painted(there, sheet) if paints else (np.nan, *nothing, nothing)
     strengths = _alike(*strengths_of(there, sheet))
     name = f"seed {seed} {text} {'dry' if seed % 2 else 'wet'}"
     judged = judge(there, sheet)
     return _Row(
-        name, bool(seed % 2), judged, found / true, seconds, *painted, *strengths, inks
+        name, bool(seed % 2), judged, found / true, found / clean, seconds, *painted, *strengths,
+        inks,
     )  # fmt: skip
+
+
+def clean_shape(glyph: Glyph) -> MultiPolygon:
+    """The ink of a glyph as one shape, as a scan without a fault would show it."""
+    outlines = [shapely.make_valid(shapely.Polygon(stroke.outline)) for stroke in glyph.strokes]
+    parts = shapely.get_parts(shapely.get_parts(shapely.unary_union(outlines)))
+    return MultiPolygon([part for part in parts if part.geom_type == "Polygon"])
 
 
 def _alike(one: AnyArray, other: AnyArray) -> tuple[float, float]:

@@ -63,6 +63,9 @@ PATTERNS: tuple[tuple[str, str], ...] = (
     (r"the strokes lie beside the sheet; expected them on it", "笔画不在纸上"),
     (r"corners are .*; expected places in it", "四角应在照片之内"),
     (r"corners are .*; expected four, one after another .*", "四角应依次绕纸一周"),
+    (r"(?P<p>.*): (?P<a>[a-z]+ (?:'.*'|\d+)): (?P<b>[a-z0-9-]+) (?:is|has) (?P<c>['\"].*['\"]); "
+     "expected .*",
+     "{p}：{a} 的 {b} 中 {c} 不可用"),
     (r"dish (?P<a>\d+) is empty; expected ink in it", "墨碟 {a} 是空的"),
 )  # fmt: skip
 """English, as a pattern, and the Chinese that says the same; r is a system's reason."""

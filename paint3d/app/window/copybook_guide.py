@@ -73,7 +73,7 @@ class CopybookGuide:
             return set_in(text, font, columns=columns) if font else text
 
         laid = _Laid(em_mm, Layout(order="columns" if columns else "row"))
-        return self._lay(composed, laid)
+        return self.may_drop() and self._lay(composed, laid)
 
     def layout_file(self, file: str, em_mm: float) -> bool:
         """Lay a drawing, a file of strokes or a photographed sheet; whether that went well."""
@@ -94,7 +94,7 @@ class CopybookGuide:
                     laid.note = say("The strokes lie over the photograph {file}", file=read)
             return page
 
-        return self._lay(composed, laid)
+        return self.may_drop() and self._lay(composed, laid)
 
     def correct(self) -> None:
         """Show the strokes over their picture; what was corrected is laid out instead."""
@@ -118,7 +118,10 @@ class CopybookGuide:
                 workspace.tell(say("The corrections are kept: look at the strokes once more"))
 
     def may_drop(self) -> bool:
-        """Whether nothing is lost by closing: corrections that do not lie there are asked for."""
+        """Whether nothing is lost by closing, by another page or by none in its place.
+
+        Corrections that do not lie on the object are asked for.
+        """
         if self._laid.unused is None:
             return True
         told = say("Corrected strokes could not be laid out and are in no file")
@@ -147,6 +150,9 @@ class CopybookGuide:
 
     def hide(self) -> None:
         """Take the ghosts away."""
+        if not self.may_drop():
+            return
+        self._laid.unused = None
         self._panel.show_copybook(None)
         self._draw()
 

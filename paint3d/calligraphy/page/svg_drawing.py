@@ -28,6 +28,7 @@ from paint3d.calligraphy.page.ink import (
     rings_of,
 )
 from paint3d.calligraphy.page.page import Page, Piece, bounds_of
+from paint3d.calligraphy.page.svg_numbers import check_numbers
 from paint3d.calligraphy.page.svg_safety import check_svg
 from paint3d.calligraphy.shapes.decompose import decompose
 from paint3d.core.types import AnyArray
@@ -107,6 +108,7 @@ def _inks_of(file: Path | str, ids: Sequence[str]) -> list[_Ink]:
     if len(data) > _MOST_BYTES:
         raise InputError(f"{path}: {len(data):,} bytes; expected {_MOST_BYTES:,} at most")
     root = check_svg(data, path.name)
+    check_numbers(root, path.name)
     inks = _covered(list(_read(data, path.name, ids)))
     if not inks:
         raise InputError(

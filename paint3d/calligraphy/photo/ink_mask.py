@@ -7,21 +7,20 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.calligraphy.photo.bodies import bodies_in, without_specks
 from paint3d.core.types import AnyArray
 from paint3d.errors import InputError
 
 __all__ = ["InkMask", "find_ink", "otsu"]
 
 _LOW, _HIGH = 0.3, 0.45  # of Otsu's threshold: ink goes on to the one where it reaches the other
-_EDGE = 0.55  # of the light that ink near by takes: there an edge lies, however it is blurred
+_EDGE = 0.575  # of the light that ink near by takes: there an edge lies, however it is blurred
+_FAINT = 0.5  # the same of ink that is a dry stroke's, though its edge may be farther in
+_LENS = 1.0  # pixels: how far a photograph spreads what is narrow
 _NOISES = 5.0  # standard deviations of the paper that ink stands out by at the least
 _FAINTEST = 0.06  # density of the palest ink that is one
 _SPECK = 0.01  # squares of a stroke's width: smaller bits of ink are dust
 _MARGIN = 0.012  # of the sheet's shorter side: its edges are no strokes
-_GAP = 0.5  # half widths: bare streaks up to twice as wide belong to the stroke
-_DRY_GAP = 1.0  # the same where ink lies in streaks
-_STREAK, _STREAKS = 0.16, 0.16  # of a width: half of a streak's; share of a place that they cover
-_HOLE = 0.3  # squares of a width: smaller holes do
 _MOST = 0.6  # of the sheet: more than that is no writing
 _LEAST = 2e-4
 _COARSEST = 5.0  # pixels: narrower strokes are too coarse to be taken apart
@@ -69,7 +68,10 @@ def find_ink(density: NDArray[np.float32]) -> InkMask:
     smooth = np.where(inner, gaussian_filter(density, 0.5), 0.0)
     taken = 1.0 - 10.0 ** -np.where(inner, density, 0.0)  # linear in what is inked of a pixel
     near = _inked(smooth, inner)
-    mask = near & (taken > _EDGE * _taken_near(taken, near))
+    share = (2.0 * taken - gaussian_filter(taken, _LENS)) / np.maximum(
+        _taken_near(taken, near), 1e-6
+    )
+    mask, faint = near & (share > _EDGE), near & (share > _FAINT)
     if mask.mean() < _LEAST:
         raise InputError(
             "no ink was found on the sheet; expected dark strokes on paper (of a rubbing: --invert)"
@@ -80,8 +82,8 @@ def find_ink(density: NDArray[np.float32]) -> InkMask:
             "rubbing --invert, of a picture that shows no sheet --corners around the paper"
         )
     width = _width(mask)
-    mask = _without_specks(mask, _SPECK * width**2)
-    body = _bodies(mask, width)
+    mask, faint = (without_specks(one, _SPECK * width**2) for one in (mask, faint))
+    body = bodies_in(mask, faint, width)
     mask &= body
     width = _width(body)
     if width < _COARSEST:
@@ -143,47 +145,3 @@ def _width(mask: AnyArray) -> float:
     depths = np.sort(depth[ridge])  # each stands for as much ink: streaks count for little
     share = np.cumsum(depths)
     return 2.0 * float(depths[np.searchsorted(share, 0.5 * share[-1])])
-
-
-def _without_specks(mask: AnyArray, least: float) -> NDArray[np.bool_]:
-    """A mask without connected bits of fewer pixels."""
-    from scipy.ndimage import label
-
-    areas, _ = label(mask, np.ones((3, 3)))
-    sizes = np.bincount(areas.ravel())
-    sizes[0] = 0
-    result: NDArray[np.bool_] = (sizes >= least)[areas]
-    return result
-
-
-def _bodies(mask: AnyArray, width: float) -> NDArray[np.bool_]:
-    """Strokes with the bare streaks within them; counters stay open."""
-    from scipy.ndimage import label
-
-    closed = _closed(mask, _GAP * 0.5 * width) | mask
-    closed |= _closed(mask, _DRY_GAP * 0.5 * width) & _streaky(mask, width)
-    holes, n = label(~closed)
-    small = np.bincount(holes.ravel(), minlength=n + 1) < _HOLE * width**2
-    small[0] = False
-    return _without_specks(closed | small[holes], 0.5 * width**2)
-
-
-def _closed(mask: AnyArray, reach: float) -> NDArray[np.bool_]:
-    """A mask with gaps filled that are narrower than twice a reach, pixels."""
-    from scipy.ndimage import distance_transform_edt
-
-    grown = np.pad(distance_transform_edt(~mask) <= reach, 1)
-    result: NDArray[np.bool_] = distance_transform_edt(grown)[1:-1, 1:-1] > reach
-    return result
-
-
-def _streaky(mask: AnyArray, width: float) -> NDArray[np.bool_]:
-    """Places around which a good part of the ink is much narrower than a stroke."""
-    from scipy.ndimage import distance_transform_edt, gaussian_filter
-
-    thin = _STREAK * width
-    core = distance_transform_edt(mask) > thin
-    broad = distance_transform_edt(~core) <= thin + 1.5
-    share = gaussian_filter((mask & ~broad).astype(np.float32), 0.45 * width)
-    result: NDArray[np.bool_] = share > _STREAKS
-    return result

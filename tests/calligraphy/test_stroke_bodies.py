@@ -1,0 +1,71 @@
+"""How far a dry stroke's body goes: along its hairs' ways, between streaks, and no farther."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from paint3d.calligraphy.photo.bodies import bodies_in
+
+WIDTH = 20.0
+NONE = np.zeros((120, 300), bool)
+
+
+def lanes(*bare: tuple[int, int, int]) -> np.ndarray:
+    """A level stroke of six hairs, each two pixels, two apart; some bare for a way."""
+    ink = NONE.copy()
+    for hair in range(6):
+        ink[40 + 4 * hair : 42 + 4 * hair, 40:260] = True
+    for hair, first, last in bare:
+        ink[40 + 4 * hair : 42 + 4 * hair, first:last] = False
+    return ink
+
+
+def test_a_hair_that_took_hold_again_went_over_what_is_bare() -> None:
+    """At the rim, where no ink lies beyond; up to two widths."""
+    ink = lanes((0, 120, 155), (1, 120, 155))
+    body = bodies_in(ink, ink, WIDTH)
+    assert body[48:62, 60:240].all()
+    assert body[40:48, 121:154].mean() > 0.9
+    assert not bodies_in(*[lanes((0, 80, 200), (1, 80, 200))] * 2, WIDTH)[40:44, 90:190].any()
+
+
+def test_a_hair_that_never_comes_back_adds_nothing() -> None:
+    ink = lanes((0, 120, 300), (1, 120, 300))
+    body = bodies_in(ink, ink, WIDTH)
+    assert not body[:44, 140:].any()
+    assert body[48:62, 140:240].all()
+
+
+def test_a_wet_stroke_ends_where_its_ink_does() -> None:
+    """Two that meet: what lies in their corner, and between close ones, is paper."""
+    ink = NONE.copy()
+    ink[40:60, 40:260] = True
+    ink[60:110, 100:120] = True
+    ink[66:110, 126:146] = True  # beside the other, a quarter of a width away
+    body = bodies_in(ink, ink, WIDTH)
+    assert (body & ~ink).sum() < 0.005 * ink.sum()
+
+
+@pytest.mark.parametrize(("streaks", "fills"), [(True, True), (False, False)])
+def test_a_long_hole_is_a_streak_only_among_streaks(streaks: bool, fills: bool) -> None:
+    ink = NONE.copy()
+    ink[34:66, 40:260] = True
+    ink[43:57, 110:190] = False  # narrower than a stroke, longer than a streak
+    if streaks:
+        for first in (70, 190):  # at both ends of it alone
+            ink[36:64:4, first : first + 40] = False
+    assert bodies_in(ink, ink, WIDTH)[50, 150] == fills
+
+
+def test_faint_ink_counts_among_streaks_alone() -> None:
+    ink = lanes((0, 120, 300), (1, 120, 300))
+    faint = ink.copy()
+    faint[40:42, 120:260] = True
+    assert not bodies_in(ink, ink, WIDTH)[40, 150:240].any()
+    assert bodies_in(ink, faint, WIDTH)[40, 150:240].all()
+    solid = NONE.copy()
+    solid[44:64, 40:260] = True
+    faint = solid.copy()
+    faint[36:44, 40:260] = True
+    assert not bodies_in(solid, faint, WIDTH)[38].any()
