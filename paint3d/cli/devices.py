@@ -20,6 +20,7 @@ from paint3d.cli.options import (
     check_overwriting,
     parse_number,
 )
+from paint3d.core.machine import ENDING
 from paint3d.errors import DeviceError
 
 if TYPE_CHECKING:
@@ -370,16 +371,17 @@ def _plug_in(
 
 
 def rounds(seconds: float | None, pause_s: float) -> Iterator[None]:
-    """Once every `pause_s`, for so long or until Ctrl-C, which cuts no round short."""
+    """Once every `pause_s`, for so long or until Ctrl-C, or `kill`, which cuts no round short."""
     end = None if seconds is None else time.monotonic() + seconds
     over: list[int] = []
-    before = signal.getsignal(signal.SIGINT)
-    if before is signal.default_int_handler:  # else it is ignored, as by what a shell runs behind
-        signal.signal(signal.SIGINT, lambda number, _: over.append(number))
+    heard = {number: signal.getsignal(number) for number in ENDING}
+    for number, before in heard.items():
+        if before is not signal.SIG_IGN:  # as in what a shell runs behind
+            signal.signal(number, lambda number, _: over.append(number))
     try:
         while not over and (end is None or time.monotonic() < end):
             time.sleep(pause_s)
             yield
     finally:
-        if before is signal.default_int_handler:
-            signal.signal(signal.SIGINT, before)
+        for number, before in heard.items():
+            signal.signal(number, before)
