@@ -55,11 +55,11 @@ COMMANDS = {
     ),
     "film": Case(
         ("replay", "r.jsonl.gz", "--on", "plane", "--film", "film.webp", "--out", "film.ply",
-         "--force"), ("film.webp", "film.ply"), ("record",),
+         "--film-size", "160x120", "--fps", "4", "--force"), ("film.webp", "film.ply"), ("record",),
     ),
     "mp4": Case(
-        ("picture", "record.p3d", "--turn", "--out", "film.mp4", "--force"),
-        ("film.mp4",), ("record",),
+        ("picture", "record.p3d", "--turn", "2", "--size", "160x120", "--out", "film.mp4",
+         "--force"), ("film.mp4",), ("record",),
     ),
     "picture": Case(
         ("picture", "record.p3d", "--out", "picture.png", "--force"), ("picture.png",), ("record",)

@@ -14,6 +14,7 @@ import signal
 import stat
 import tempfile
 import threading
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -51,6 +52,8 @@ ENDING = tuple(
     getattr(signal, name) for name in ("SIGTERM", "SIGINT", "SIGHUP") if hasattr(signal, name)
 )
 """Signals that ask a process to end."""
+_LOOKS_S = 0.3  # that a look whether a file is locked may take where no core is free
+_LOOK_AGAIN_S = 0.002
 
 
 def _module(name: str) -> ModuleType | None:
@@ -208,19 +211,29 @@ def make_memory_file() -> int:
         return os.dup(file.fileno())
 
 
-def lock(file: BinaryIO) -> None:
+def lock(file: BinaryIO, patience_s: float = _LOOKS_S) -> None:
     """Lock a file for as long as this process lives and keeps it open.
+
+    Whoever only looks whether it is locked (`is_locked`) has it for a moment, which is waited for.
 
     Raises
     ------
     OSError
-        If another process has.
+        If another process has it, and still has it after so long.
     """
     fcntl, msvcrt = _module("fcntl"), _module("msvcrt")
-    if fcntl is not None:
-        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    elif msvcrt is not None:
-        msvcrt.locking(file.fileno(), msvcrt.LK_NBLCK, 1)
+    until = time.monotonic() + patience_s
+    while True:
+        try:
+            if fcntl is not None:
+                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            elif msvcrt is not None:
+                msvcrt.locking(file.fileno(), msvcrt.LK_NBLCK, 1)
+            return
+        except (BlockingIOError, PermissionError):  # as each tells it
+            if time.monotonic() >= until:
+                raise
+        time.sleep(_LOOK_AGAIN_S)
 
 
 def hold_new(path: Path) -> int | None:
