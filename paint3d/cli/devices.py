@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import signal
 import sys
 import time
 from collections.abc import Callable, Iterator
@@ -20,7 +19,7 @@ from paint3d.cli.options import (
     check_overwriting,
     parse_number,
 )
-from paint3d.core.machine import ENDING
+from paint3d.core.ending import heard_by
 from paint3d.errors import DeviceError
 
 if TYPE_CHECKING:
@@ -373,15 +372,8 @@ def _plug_in(
 def rounds(seconds: float | None, pause_s: float) -> Iterator[None]:
     """Once every `pause_s`, for so long or until Ctrl-C, or `kill`, which cuts no round short."""
     end = None if seconds is None else time.monotonic() + seconds
-    over: list[int] = []
-    heard = {number: signal.getsignal(number) for number in ENDING}
-    for number, before in heard.items():
-        if before is not signal.SIG_IGN:  # as in what a shell runs behind
-            signal.signal(number, lambda number, _: over.append(number))
-    try:
+    over: list[bool] = []
+    with heard_by(lambda: over.append(True)):
         while not over and (end is None or time.monotonic() < end):
             time.sleep(pause_s)
             yield
-    finally:
-        for number, before in heard.items():
-            signal.signal(number, before)

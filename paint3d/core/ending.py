@@ -10,15 +10,23 @@ from __future__ import annotations
 import os
 import signal
 import threading
-from collections.abc import Callable
-from contextlib import suppress
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from types import FrameType
 from typing import Self
 
 from paint3d.core.machine import ENDING
 
-__all__ = ["AskedToEnd", "Ends", "begin_file", "end_now", "forget_file", "remove_unfinished"]
+__all__ = [
+    "AskedToEnd",
+    "Ends",
+    "begin_file",
+    "end_now",
+    "forget_file",
+    "heard_by",
+    "remove_unfinished",
+]
 
 _PATIENCE_S = 3.0
 _STOP = b"\0"  # no signal has that number
@@ -58,6 +66,25 @@ def end_now(status: int) -> None:
     with _making:  # nothing more is begun
         remove_unfinished()
         os._exit(status)
+
+
+@contextmanager
+def heard_by(hear: Callable[[], object]) -> Iterator[None]:
+    """Have somebody else told, in the main thread, of interrupts and of being asked to end.
+
+    What is ignored, as by what a shell runs behind, stays so.
+    """
+    all_before = {number: signal.getsignal(number) for number in ENDING}
+    before = {n: heard for n, heard in all_before.items() if heard not in (None, signal.SIG_IGN)}
+    woken = signal.set_wakeup_fd(-1)  # of `Ends`, which is to know nothing of it
+    try:
+        for number in before:
+            signal.signal(number, lambda *_: hear())
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+        signal.set_wakeup_fd(woken)
 
 
 class Ends:
@@ -117,8 +144,8 @@ class Ends:
             for number in os.read(self._read, 64):
                 if number == _STOP[0]:
                     return
-                if number not in self._heard or signal.getsignal(number) != self._hear:
-                    continue  # somebody else hears it now
+                if number not in self._heard:
+                    continue
                 if self._over.wait(self._patience_s):
                     return
                 end_now(128 + number)

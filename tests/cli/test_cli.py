@@ -335,7 +335,7 @@ def test_a_signal_ends_what_goes_on_until_then_and_cuts_no_round_short(number: i
             for _ in devices.rounds(None, 0.2):  # it is no end of the program
                 signal.raise_signal(number)
                 whole.append(len(whole))
-            time.sleep(0.2)
+            time.sleep(0.3)
         assert ends.status == 0
     finally:
         signal.signal(number, before)
