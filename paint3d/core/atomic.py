@@ -22,6 +22,7 @@ from paint3d.errors import ExportError
 __all__ = ["write_atomically"]
 
 _LEFT = re.compile(r"\..*\.paint3d-[0-9a-f]{8}(\..*)?", re.DOTALL)
+_TRIES = 100
 _TIDY: set[Path] = set()  # folders that were looked through by this process
 
 
@@ -93,11 +94,15 @@ def _reserve(target: Path) -> tuple[Path, int | None]:
 
     def make() -> Path:
         nonlocal held
-        while True:
+        for left in reversed(range(_TRIES)):
             name = f".{target.name[:40]}.paint3d-{secrets.token_hex(4)}{suffixes}"
-            with suppress(FileExistsError):
+            try:
                 held = hold_new(target.parent / name)
-                return target.parent / name
+                break
+            except FileExistsError:
+                if not left:
+                    raise
+        return target.parent / name
 
     return begin_file(make), held
 

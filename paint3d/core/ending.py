@@ -105,33 +105,32 @@ class Ends:
         self.status = 0
         self._patience_s = patience_s
         self._heard: list[int] = []
+        self._thread: threading.Thread | None = None
         self._over = threading.Event()
 
     def __enter__(self) -> Self:
         if threading.current_thread() is threading.main_thread():  # which alone may ask for it
             self._heard = [n for n in ENDING if signal.getsignal(n) is signal.SIG_DFL]
-        if self._heard:
+        if self._heard and hasattr(signal, "pthread_kill"):  # elsewhere pipes tell of no signals
             self._read, self._write = os.pipe()
             os.set_blocking(self._write, False)
             self._before = signal.set_wakeup_fd(self._write, warn_on_full_buffer=False)
             self._thread = threading.Thread(target=self._watch, name="paint3d-end", daemon=True)
             self._thread.start()
-            for number in self._heard:
-                signal.signal(number, self._hear)
+        for number in self._heard:
+            signal.signal(number, self._hear)
         return self
 
     def __exit__(self, *error: object) -> None:
-        if not self._heard:
-            return
         for number in self._heard:
             signal.signal(number, signal.SIG_DFL)
-        signal.set_wakeup_fd(self._before)
-        self._over.set()
-        os.write(self._write, _STOP)
-        self._thread.join()
-        os.close(self._read)
-        os.close(self._write)
-        self._heard = []
+        if self._thread is not None:
+            signal.set_wakeup_fd(self._before)
+            self._over.set()
+            os.write(self._write, _STOP)
+            self._thread.join()
+            os.close(self._read)
+            os.close(self._write)
 
     def _hear(self, number: int, frame: FrameType | None) -> None:
         is_first, self.status = not self.status, 128 + number

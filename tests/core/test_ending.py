@@ -15,6 +15,8 @@ import pytest
 from paint3d.cli import main
 from paint3d.core import atomic
 from paint3d.core.atomic import write_atomically
+from paint3d.core.ending import AskedToEnd, Ends
+from paint3d.errors import ExportError
 
 PATIENCE_S = 120.0
 ROOT = Path(__file__).parents[2]
@@ -103,6 +105,29 @@ def test_a_command_that_is_asked_to_end_leaves_the_old_file(
     assert capsys.readouterr().err == "paint3d: error: asked to end\n"
     assert [(file.name, file.read_text()) for file in tmp_path.iterdir()] == [("o.png", "old")]
     assert signal.getsignal(getattr(signal, name)) is signal.SIG_DFL
+
+
+@pytest.mark.usefixtures("asked")
+def test_where_pipes_tell_of_no_signals_the_main_thread_hears(tmp_path: Path, monkeypatch) -> None:
+    monkeypatch.delattr(signal, "pthread_kill", raising=False)
+    monkeypatch.delattr(os, "set_blocking")
+    ends = Ends()
+    with pytest.raises(AskedToEnd), ends, write_atomically(tmp_path / "o.png"):
+        signal.raise_signal(signal.SIGTERM)
+    assert ends.status == 143
+    assert list(tmp_path.iterdir()) == []
+
+
+@needs_signals
+def test_no_name_that_can_be_had_is_told(tmp_path: Path, monkeypatch) -> None:
+    monkeypatch.setattr(atomic.secrets, "token_hex", lambda n: "11111111")
+    monkeypatch.setattr(atomic, "_TIDY", {tmp_path})
+    (tmp_path / ".o.png.paint3d-11111111.png").write_text("another's")
+    with (
+        pytest.raises(ExportError, match="cannot write here"),
+        write_atomically(tmp_path / "o.png"),
+    ):
+        pass
 
 
 @pytest.mark.usefixtures("asked")
