@@ -1,5 +1,6 @@
 """Nothing is lost: what was painted comes back after any end of the program."""
 
+import errno
 import json
 import os
 import shutil
@@ -441,6 +442,35 @@ def test_all_that_waits_is_written_by_one_call(tmp_path, monkeypatch):
     recovered = unfinished.recover()
     assert recovered.document.tags == {"event": 398}
     same_vertices(recovered.document.surface, document.surface)
+
+
+def test_what_could_not_be_written_together_is_in_the_next_base(tmp_path, monkeypatch):
+    monkeypatch.setattr("paint3d.app.model.easel._AGAIN_S", 0.0)
+    document = small_plane()
+    sitting = Sitting(document, tmp_path)
+    easel = Easel(document, sitting=sitting)
+    write, refused = os.write, []
+
+    def once(file: int, data: memoryview) -> int:
+        if not refused:
+            refused.append(len(data))
+            raise OSError(errno.ENOSPC, "No space left on device")
+        return write(file, data)
+
+    monkeypatch.setattr("paint3d.files.project.journal.os.write", once)
+    stroke(easel, (-20, 0), (20, 0))
+    rested(easel)
+    told = []
+
+    def is_kept_again():
+        told.extend(event.kind for event in easel.take_events())
+        return "kept" in told
+
+    wait_until(is_kept_again)
+    assert told == ["error", "kept"]
+    easel.stop(keep=True)
+    (unfinished,) = recoverable(tmp_path)
+    same_vertices(unfinished.recover().document.surface, document.surface)
 
 
 PROGRAM = """

@@ -15,7 +15,7 @@ import pytest
 from paint3d.cli import main
 from paint3d.core import atomic
 from paint3d.core.atomic import write_atomically
-from paint3d.core.ending import AskedToEnd, Ends
+from paint3d.core.ending import AskedToEnd, Ends, remove_unfinished
 from paint3d.errors import ExportError
 
 PATIENCE_S = 120.0
@@ -91,17 +91,21 @@ def test_a_command_that_is_asked_to_end_leaves_the_old_file(
     tmp_path: Path, monkeypatch, capsys, name: str, status: int
 ) -> None:
     (tmp_path / "o.png").write_text("old")
+    ended: list[str] = []
 
     def work(words: list[str]) -> int:
         with write_atomically(tmp_path / "o.png") as part:
             part.write_text("new")
-            signal.raise_signal(getattr(signal, name))
-            signal.raise_signal(getattr(signal, name))  # more than once: still in peace
-            time.sleep(PATIENCE_S)
+            try:
+                signal.raise_signal(getattr(signal, name))
+            finally:
+                signal.raise_signal(getattr(signal, name))  # once more: it ends in peace
+                ended.append(name)
         return 0
 
     monkeypatch.setattr(main, "_run", work)
     assert main.main(["report"]) == status
+    assert ended == [name]
     assert capsys.readouterr().err == "paint3d: error: asked to end\n"
     assert [(file.name, file.read_text()) for file in tmp_path.iterdir()] == [("o.png", "old")]
     assert signal.getsignal(getattr(signal, name)) is signal.SIG_DFL
@@ -161,6 +165,18 @@ def test_the_parents_end_ends_what_a_process_is_writing(tmp_path: Path) -> None:
     assert part.is_file()
     assert ended(running, signal.SIGKILL) == -signal.SIGKILL
     until(lambda: list(tmp_path.iterdir()) == [])
+
+
+def test_a_forked_process_removes_nothing_of_its_parents(tmp_path: Path, monkeypatch) -> None:
+    with write_atomically(tmp_path / "o.png") as part:
+        monkeypatch.setattr(os, "getpid", lambda: 1)
+        remove_unfinished()
+        assert part.exists()
+        monkeypatch.undo()
+        remove_unfinished()
+        assert not part.exists()
+        part.write_text("new")
+    assert [file.name for file in tmp_path.iterdir()] == ["o.png"]
 
 
 @needs_signals
