@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import contextlib
 import dataclasses
+import gc
 import itertools
 import math
 import mmap
@@ -106,7 +107,9 @@ def batches(stroke: int, first_ns: int, chance: random.Random) -> list[list[Devi
 
 
 def sit(folder: Path, teller: Teller, seed: int) -> None:
-    """Paint for ever, keeping a sitting."""
+    """Paint for ever, keeping a sitting; garbage is collected here alone, as in the studio."""
+    gc.disable()
+    gc.freeze()  # nor are its parent's objects looked at, whose pages would be copied by that
     document, chance = new_document(), random.Random(seed)
     easel = Easel(document, wet=True, sitting=Sitting(document, folder), base_every_s=BASES_S)
     between = (
@@ -124,6 +127,7 @@ def sit(folder: Path, teller: Teller, seed: int) -> None:
         ask("begin_stroke")
         for batch in batches(stroke, next_ns, chance):
             next_ns += BATCH * STEP_NS
+            gc.collect(0)
             time.sleep(max(0.0, (next_ns - time.monotonic_ns()) * 1e-9))
             number = teller.tell()
             easel.feed(batch)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import signal
 import sys
 import time
 from collections.abc import Callable, Iterator
@@ -20,6 +19,7 @@ from paint3d.cli.options import (
     check_overwriting,
     parse_number,
 )
+from paint3d.core.ending import heard_by
 from paint3d.errors import DeviceError
 
 if TYPE_CHECKING:
@@ -370,16 +370,10 @@ def _plug_in(
 
 
 def rounds(seconds: float | None, pause_s: float) -> Iterator[None]:
-    """Once every `pause_s`, for so long or until Ctrl-C, which cuts no round short."""
+    """Once every `pause_s`, for so long or until Ctrl-C, or `kill`, which cuts no round short."""
     end = None if seconds is None else time.monotonic() + seconds
-    over: list[int] = []
-    before = signal.getsignal(signal.SIGINT)
-    if before is signal.default_int_handler:  # else it is ignored, as by what a shell runs behind
-        signal.signal(signal.SIGINT, lambda number, _: over.append(number))
-    try:
+    over: list[bool] = []
+    with heard_by(lambda: over.append(True)):
         while not over and (end is None or time.monotonic() < end):
             time.sleep(pause_s)
             yield
-    finally:
-        if before is signal.default_int_handler:
-            signal.signal(signal.SIGINT, before)

@@ -1,7 +1,8 @@
 """The ``paint3d`` command: parse, run one command, turn every failure into one line.
 
 Exit status: 0 done, 2 for bad input, usage or anything else that went wrong, 130 when
-interrupted. With ``PAINT3D_DEBUG=1`` in the environment the traceback is shown as well.
+interrupted, 143 when asked to end (129 when its terminal is gone). With ``PAINT3D_DEBUG=1`` in
+the environment the traceback is shown as well.
 """
 
 from __future__ import annotations
@@ -18,10 +19,11 @@ import threading
 import traceback
 import warnings
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from importlib import import_module
 
 from paint3d.cli.parsing import Parser, UsageError
+from paint3d.core.ending import Ends, remove_unfinished
 from paint3d.errors import Paint3DError
 
 __all__ = ["COMMANDS", "main", "make_parser"]
@@ -48,6 +50,7 @@ COMMANDS = {  # each by its module, which is imported when the command is asked 
 }
 # Linear algebra in threads of its own gains nothing here: they would only wait, at full load.
 _ONE_THREAD = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+_BY_ITSELF = "paint"  # ends at once when asked to: what was painted is kept, and offered again
 _FAILED = 2
 _INTERRUPTED = 130
 _AGAIN_S = 0.01  # after an interrupt that was dropped
@@ -110,9 +113,8 @@ def _describe_os_error(error: OSError) -> str:
     return f"{error.filename}: {reason}" if error.filename else reason
 
 
-def _run(arguments: Sequence[str] | None) -> int:
+def _run(words: Sequence[str]) -> int:
     try:
-        words = sys.argv[1:] if arguments is None else arguments
         options = make_parser(*words[:1]).parse_args(words)
         _tell_warnings(quiet=getattr(options, "quiet", False))
         options.run(options)
@@ -187,7 +189,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Returns
     -------
     int
-        The exit status: 0, 2 or 130.
+        The exit status: 0, 2, 129, 130 or 143.
     """
     for name in _ONE_THREAD:
         os.environ.setdefault(name, "1")
@@ -197,12 +199,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if not debug and not sys.warnoptions:
         warnings.simplefilter("ignore")
         logging.getLogger().addHandler(logging.NullHandler())
+    words = sys.argv[1:] if arguments is None else arguments
+    ends = Ends()
     try:
-        with _hearing_interrupts():
-            return _run(arguments)
+        with _hearing_interrupts(), nullcontext() if words[:1] == [_BY_ITSELF] else ends:
+            return _run(words)
     except KeyboardInterrupt:
-        sys.stderr.write("paint3d: error: interrupted\n")
-        return _INTERRUPTED
+        remove_unfinished()
+        sys.stderr.write(f"paint3d: error: {'asked to end' if ends.status else 'interrupted'}\n")
+        return ends.status or _INTERRUPTED
     except Exception as error:
         if debug:
             traceback.print_exc()

@@ -1,18 +1,29 @@
-"""Writing a file so that either all of it appears or nothing changes."""
+"""Writing a file so that either all of it appears or nothing changes.
+
+A program that is killed may leave a temporary file, ``.NAME.paint3d-XXXXXXXX.SUFFIX``. As long as
+it is written it is locked, where the system has locks; the next program that writes into the folder
+removes those that nobody writes any more.
+"""
 
 from __future__ import annotations
 
 import errno
 import os
-import tempfile
+import re
+import secrets
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from paint3d.core.machine import flush_folder
+from paint3d.core.ending import begin_file, forget_file
+from paint3d.core.machine import flush_folder, hold_new, nobodys
 from paint3d.errors import ExportError
 
 __all__ = ["write_atomically"]
+
+_LEFT = re.compile(r"\..*\.paint3d-[0-9a-f]{8}(\..*)?", re.DOTALL)
+_TRIES = 100
+_TIDY: set[Path] = set()  # folders that were looked through by this process
 
 
 @contextmanager
@@ -43,7 +54,8 @@ def write_atomically(
     named = Path(path)
     try:
         target = _behind_links(named)
-        temporary = _reserve(target)
+        _tidy(target.parent)
+        temporary, held = _reserve(target)
     except OSError as cause:
         raise ExportError(f"{named}: cannot write here: {_reason(cause)}") from None
     try:
@@ -58,6 +70,9 @@ def write_atomically(
     finally:
         with suppress(OSError):
             temporary.unlink()
+        forget_file(temporary)
+        if held is not None:
+            os.close(held)
 
 
 def _behind_links(path: Path) -> Path:
@@ -70,18 +85,39 @@ def _behind_links(path: Path) -> Path:
     return target
 
 
-def _reserve(target: Path) -> Path:
+def _reserve(target: Path) -> tuple[Path, int | None]:
+    """A new file beside the target, and what keeps it locked; see `hold_new`."""
     if target.is_dir():
         raise IsADirectoryError(f"{target.name or target} is a folder; expected a file name")
     suffixes = "".join(target.suffixes[-2:])
-    handle, name = tempfile.mkstemp(
-        dir=target.parent, prefix=f".{target.name[:40]}.", suffix=suffixes
-    )
-    os.close(handle)
-    umask = os.umask(0)
-    os.umask(umask)
-    os.chmod(name, 0o666 & ~umask)  # mkstemp makes private files; a result is an ordinary one
-    return Path(name)
+    held: int | None = None
+
+    def make() -> Path:
+        nonlocal held
+        for left in reversed(range(_TRIES)):
+            name = f".{target.name[:40]}.paint3d-{secrets.token_hex(4)}{suffixes}"
+            try:
+                held = hold_new(target.parent / name)
+                break
+            except FileExistsError:
+                if not left:
+                    raise
+        return target.parent / name
+
+    return begin_file(make), held
+
+
+def _tidy(folder: Path) -> None:
+    """Remove what killed programs left in a folder; looked for once."""
+    if folder in _TIDY:
+        return
+    _TIDY.add(folder)
+    with suppress(OSError), os.scandir(folder) as entries:
+        for entry in entries:
+            if _LEFT.fullmatch(entry.name) and entry.is_file(follow_symlinks=False):
+                with suppress(OSError), nobodys(Path(entry.path)) as is_left:
+                    if is_left:
+                        os.unlink(entry.path)
 
 
 def _flush(path: Path) -> None:

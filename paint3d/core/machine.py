@@ -14,7 +14,8 @@ import signal
 import stat
 import tempfile
 import threading
-from collections.abc import Iterator
+import time
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from types import ModuleType
@@ -29,6 +30,7 @@ __all__ = [
     "from_parent",
     "give_back_memory",
     "handed_to_child",
+    "hold_new",
     "holding_interrupts",
     "ignore_interrupts",
     "interrupt",
@@ -38,6 +40,7 @@ __all__ = [
     "limit_process",
     "lock",
     "make_memory_file",
+    "nobodys",
     "reserve_space",
     "usable_cores",
     "user_number",
@@ -49,6 +52,8 @@ ENDING = tuple(
     getattr(signal, name) for name in ("SIGTERM", "SIGINT", "SIGHUP") if hasattr(signal, name)
 )
 """Signals that ask a process to end."""
+_LOOKS_S = 0.3  # that a look whether a file is locked may take where no core is free
+_LOOK_AGAIN_S = 0.002
 
 
 def _module(name: str) -> ModuleType | None:
@@ -142,23 +147,28 @@ def ignore_interrupts() -> None:
         signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
 
 
-def end_with_parent() -> None:
+def end_with_parent(end: Callable[[int], object] = os._exit) -> None:
     """Have this process, started by `multiprocessing`, end when its parent does, however it does.
 
     Not even a parent that is killed leaves it behind: the system closes what they share.
+
+    Parameters
+    ----------
+    end : callable
+        How it ends, with a status; `core.ending.end_now` where it may be writing files.
     """
     from multiprocessing import parent_process  # not wanted by those who only ask for cores
 
     parent = parent_process()
     if parent is not None:
-        threading.Thread(target=_wait_for_end, args=(parent.sentinel,), daemon=True).start()
+        threading.Thread(target=_wait_for_end, args=(parent.sentinel, end), daemon=True).start()
 
 
-def _wait_for_end(sentinel: int) -> None:
+def _wait_for_end(sentinel: int, end: Callable[[int], object]) -> None:
     from multiprocessing.connection import wait
 
     wait([sentinel])
-    os._exit(1)
+    end(1)
 
 
 def limit_process(memory: int, seconds: int) -> None:
@@ -201,19 +211,75 @@ def make_memory_file() -> int:
         return os.dup(file.fileno())
 
 
-def lock(file: BinaryIO) -> None:
+def lock(file: BinaryIO, patience_s: float = _LOOKS_S) -> None:
     """Lock a file for as long as this process lives and keeps it open.
+
+    Whoever only looks whether it is locked (`is_locked`) has it for a moment, which is waited for.
 
     Raises
     ------
     OSError
-        If another process has.
+        If another process has it, and still has it after so long.
     """
     fcntl, msvcrt = _module("fcntl"), _module("msvcrt")
-    if fcntl is not None:
-        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    elif msvcrt is not None:
-        msvcrt.locking(file.fileno(), msvcrt.LK_NBLCK, 1)
+    until = time.monotonic() + patience_s
+    while True:
+        try:
+            if fcntl is not None:
+                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            elif msvcrt is not None:
+                msvcrt.locking(file.fileno(), msvcrt.LK_NBLCK, 1)
+            return
+        except (BlockingIOError, PermissionError):  # as each tells it
+            if time.monotonic() >= until:
+                raise
+        time.sleep(_LOOK_AGAIN_S)
+
+
+def hold_new(path: Path) -> int | None:
+    """Make a file that is locked for as long as a descriptor is open, which is returned.
+
+    Where the system has no locks the file is only made, and there is no descriptor.
+
+    Raises
+    ------
+    OSError
+        If it cannot be made; FileExistsError where it is there, or was taken away by `nobodys`.
+    """
+    fcntl = _module("fcntl")
+    flags = os.O_RDWR | os.O_CREAT | os.O_EXCL | getattr(os, "O_CLOEXEC", 0)
+    descriptor = os.open(path, flags, 0o666)
+    if fcntl is None:
+        os.close(descriptor)
+        return None
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        is_taken = not os.fstat(descriptor).st_nlink
+    except OSError as cause:  # others are told by file systems without locks
+        is_taken = isinstance(cause, BlockingIOError)
+    if is_taken:
+        os.close(descriptor)
+        raise FileExistsError(f"{path}: taken away")
+    return descriptor
+
+
+@contextmanager
+def nobodys(path: Path) -> Iterator[bool]:
+    """Whether nobody holds a file that `hold_new` made; whoever just makes it finds it taken.
+
+    False where that cannot be known.
+    """
+    fcntl = _module("fcntl")
+    if fcntl is None:
+        yield False
+        return
+    with open(path, "rb") as file:
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            yield False
+        else:
+            yield True
 
 
 def is_locked(path: Path) -> bool:

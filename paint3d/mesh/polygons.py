@@ -13,6 +13,7 @@ MAX_CORNERS = 100_000
 MAX_CONCAVE_CORNERS = 5_000  # ear clipping takes quadratic time: 5,000 corners are about a second
 MAX_EAR_TESTS = 100_000  # of about 20 us each: corners looked at in one polygon
 MAX_FORCED_CUTS = 10  # where an outline crosses itself; after that no cut is better than a fan
+SAME_AREA = 1e-6
 ROUNDING = 1e-12  # of coordinates, in the extent of the polygon
 
 
@@ -22,7 +23,8 @@ def triangulate(
     """Return the triangles of polygons, in the polygons' order and with their orientation.
 
     A polygon without inward corners becomes a fan from its first corner; one with inward corners
-    is cut by ear clipping in the plane of its Newell normal, so that no triangle lies outside it.
+    is cut by ear clipping as seen along its Newell normal, so that no triangle lies outside it.
+    Where it is not flat, or crosses itself, the fan may have less area, and is taken.
     Polygons of fewer than three corners have no area and are left out.
 
     Parameters
@@ -61,7 +63,7 @@ def triangulate(
         cut = _fans(polygons)
         if size > 3:
             for k in np.flatnonzero(_is_concave(vertices, polygons)):
-                cut[k] = _clip_ears(vertices[polygons[k]], polygons[k])
+                cut[k] = _smaller(vertices, cut[k], _clip_ears(vertices[polygons[k]], polygons[k]))
         faces[first_triangle[rows, None] + np.arange(size - 2)] = cut
     return faces
 
@@ -70,6 +72,20 @@ def _fans(polygons: NDArray[np.int64]) -> NDArray[np.int64]:
     """Return (P, n - 2, 3) triangles of (P, n) polygons."""
     first = np.broadcast_to(polygons[:, :1], (len(polygons), polygons.shape[1] - 2))
     return np.stack([first, polygons[:, 1:-1], polygons[:, 2:]], axis=2)
+
+
+def _smaller(
+    vertices: NDArray[np.float64], fan: NDArray[np.int64], ears: NDArray[np.int64]
+) -> NDArray[np.int64]:
+    """The triangles of less area: what lies outside of a polygon, or is folded back, adds to it.
+
+    None of a flat outline that does not cross itself have less than ears.
+    """
+    fan_area, ears_area = (
+        np.linalg.norm(np.cross(one[:, 1] - one[:, 0], one[:, 2] - one[:, 0]), axis=1).sum()
+        for one in (vertices[fan], vertices[ears])
+    )
+    return fan if fan_area < (1.0 - SAME_AREA) * ears_area else ears
 
 
 def _is_concave(vertices: NDArray[np.float64], polygons: NDArray[np.int64]) -> NDArray[np.bool_]:
@@ -119,12 +135,21 @@ def _clip_ears(points: NDArray[np.float64], ids: NDArray[np.int64]) -> NDArray[n
 
 
 def _flatten(points: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the corners in the plane of the Newell normal, (n, 2), counter-clockwise."""
+    """Return the corners as seen along the Newell normal, (n, 2), counter-clockwise.
+
+    They are moved along it into the plane of the axes that it is not nearest to, so that none is
+    rounded where it is an axis. Only where all lie in one plane would it do to leave out the third
+    coordinate: a twisted outline looks otherwise along an axis, inward corners pointing outwards.
+    """
     points = points - points.mean(axis=0)
     newell = np.cross(points, np.roll(points, -1, axis=0)).sum(axis=0)
     drop = int(np.abs(newell).argmax())
     axes = [(drop + 1) % 3, (drop + 2) % 3]
-    return points[:, axes if newell[drop] > 0.0 else axes[::-1]]
+    if newell[drop] < 0.0:
+        axes.reverse()
+    lean = newell[axes] / newell[drop] if newell[drop] else np.zeros(2)
+    flat: NDArray[np.float64] = points[:, axes] - points[:, drop, None] * lean
+    return flat
 
 
 def _is_ear(

@@ -164,6 +164,10 @@ def main() -> None:
     parser.add_argument("--out", type=Path, default=Path("docs/gallery"))
     parser.add_argument("--only", choices=tuple(_PICTURES), help="(default: all)")
     options = parser.parse_args()
+    try:  # before any window: one that an error leaves open ends the program in a fault
+        options.out.mkdir(parents=True, exist_ok=True)
+    except OSError as cause:
+        parser.error(f"--out {options.out}: {cause.strerror}")
     with tempfile.TemporaryDirectory() as folder:
         os.environ.update(XDG_CONFIG_HOME=folder, PAINT3D_STATE=folder)
         app = make_program()

@@ -20,10 +20,12 @@ from paint3d.app.model.mask import AngleMask, Mask, RegionPick
 from paint3d.app.model.score.of_strokes import score_of_strokes
 from paint3d.app.model.score.playing import painted
 from paint3d.app.model.score.words import Inks, asked_by, line_of
+from paint3d.app.model.stroke_log import recording_of
 from paint3d.brush.presets import load_brush
 from paint3d.colour.pigments import Pigment
 from paint3d.errors import Paint3DError, RecordingError
 from paint3d.files.load import load_mesh
+from paint3d.recording.recording import Recording
 from paint3d.recording.score import Score, load_score, save_score, write_score
 from paint3d.recording.score_schema import check_command, command_names, schema
 from paint3d.surface.painted_surface import PaintedSurface
@@ -220,6 +222,34 @@ def test_a_saved_painting_goes_on_with_its_score(tmp_path) -> None:
     opened.undo()
     paint(opened, (-15, 10), (15, -2))
     same_paintings(opened, painted(read_back(opened.score, tmp_path), document.surface.source))
+
+
+def test_samples_become_recordings_once_however_often_it_is_saved(tmp_path, monkeypatch) -> None:
+    """Of ink that is wet there are thirty pieces a second, and a base is saved again and again."""
+    made: list[int] = []
+
+    def counted(samples: list, header: dict) -> Recording:
+        made.append(len(samples))
+        return recording_of(samples, header)
+
+    monkeypatch.setattr("paint3d.app.model.score.keeping.recording_of", counted)
+    document, samples = small_plane(), line((-18, 0), (18, 0), n=60)
+    document.begin_stroke()
+    for k in range(0, 40, 10):
+        document.feed(samples[k : k + 10])
+        document.follow_time(0.05)
+    assert [len(part) for part in recordings(document.score)] == [10, 10, 10, 10] == made
+    document.feed(samples[40:45])
+    assert [len(part) for part in recordings(document.score)] == [10, 10, 10, 10, 5]
+    document.feed(samples[45:])
+    document.end_stroke()
+    assert [len(part) for part in recordings(document.score)] == [10, 10, 10, 10, 20]
+    assert made == [10, 10, 10, 10, 5, 20]
+    assert recordings(document.score)[-1].time_ns.tolist() == [s.time_ns for s in samples[40:]]
+
+
+def recordings(score: Score) -> list[Recording]:
+    return [event for event in score.events if isinstance(event, Recording)]
 
 
 def test_what_cannot_be_known_is_not_said(tmp_path) -> None:

@@ -24,6 +24,7 @@ from paint3d.bench.result import Check, Result
 from paint3d.cli import bench, devices, first_run, main, options, progress, replay, report, versions
 from paint3d.colour.materials import material_names
 from paint3d.core import compiled as compiled_kernels
+from paint3d.core.ending import Ends
 from paint3d.errors import ExportError, MeshError
 
 SUFFIXES = (".ply", ".p3d.txt")
@@ -319,18 +320,26 @@ def test_a_bar_moves_while_nothing_is_told(monkeypatch: pytest.MonkeyPatch) -> N
     assert "\n" not in stream.getvalue()
 
 
-def test_ctrl_c_ends_what_goes_on_until_then_and_cuts_no_round_short() -> None:
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_ends_what_goes_on_until_then_and_cuts_no_round_short(number: int) -> None:
     """As in the middle of reading what a hand has drawn, which was lost."""
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    handler = signal.default_int_handler if number == signal.SIGINT else signal.SIG_DFL
+    before = signal.signal(number, handler)
     whole = []
     try:
         for _ in devices.rounds(None, 0.0):
-            signal.raise_signal(signal.SIGINT)
+            signal.raise_signal(number)
             whole.append(len(whole))
-        assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+        assert signal.getsignal(number) is handler
+        with Ends(patience_s=0.1) as ends:
+            for _ in devices.rounds(None, 0.2):  # it is no end of the program
+                signal.raise_signal(number)
+                whole.append(len(whole))
+            time.sleep(0.3)
+        assert ends.status == 0
     finally:
-        signal.signal(signal.SIGINT, before)
-    assert whole == [0]
+        signal.signal(number, before)
+    assert whole == [0, 1]
 
 
 def test_progress_is_silent_in_a_pipe_and_when_quiet() -> None:

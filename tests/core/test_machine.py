@@ -8,12 +8,13 @@ import os
 import re
 import subprocess
 import sys
+import threading
 from pathlib import Path
 
 import pytest
 
 import paint3d
-from paint3d.core.machine import give_back_memory
+from paint3d.core.machine import give_back_memory, is_locked, lock
 
 PACKAGE = Path(paint3d.__file__).parent
 # As on a system that is not POSIX: Python's modules and names that such a one lacks.
@@ -149,3 +150,42 @@ def test_memory_that_was_freed_below_what_is_used_is_given_back() -> None:
 def _resident_mb() -> float:
     pages = int(Path("/proc/self/statm").read_text("ascii").split()[1])
     return pages * os.sysconf("SC_PAGE_SIZE") / 1e6
+
+
+def test_a_look_whether_a_file_is_locked_keeps_nobody_from_locking_it(tmp_path: Path) -> None:
+    """A look takes the lock for a moment: a sitting that began just then could not be kept."""
+    fcntl = pytest.importorskip("fcntl")
+    file = tmp_path / "lock"
+    file.write_bytes(b"")
+    with open(file, "rb") as look, open(file, "ab") as own, open(file, "ab") as other:
+        fcntl.flock(look, fcntl.LOCK_SH)
+        with pytest.raises(BlockingIOError):
+            lock(own, 0.0)
+        over = threading.Timer(0.05, fcntl.flock, (look, fcntl.LOCK_UN))
+        over.start()
+        lock(own, 60.0)
+        over.join()
+        assert is_locked(file)
+        with pytest.raises(BlockingIOError):  # whoever works with it is not waited for
+            lock(other)
+
+
+def test_many_begin_while_others_look(tmp_path: Path) -> None:
+    over = threading.Event()
+
+    def look() -> None:
+        while not over.is_set():
+            for file in tmp_path.iterdir():
+                is_locked(file)
+
+    looking = [threading.Thread(target=look) for _ in range(2)]
+    for one in looking:
+        one.start()
+    try:
+        for k in range(100):
+            with open(tmp_path / f"{k % 5}", "ab") as file:
+                lock(file, 60.0)
+    finally:
+        over.set()
+        for one in looking:
+            one.join()

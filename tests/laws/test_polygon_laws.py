@@ -171,3 +171,54 @@ def test_holes_that_a_seam_joins_to_the_outline(holes, turn):
     ring = np.array([*ring, (20.0, 0.0), (20.0, 10.0), (0.0, 10.0)])
     check_every_start(ring)
     check_every_start(ring, turned_about(turn), starts=(0, 5))
+
+
+def area_of(points, faces):
+    a, b, c = (points[faces[:, k]] for k in range(3))
+    return 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1).sum()
+
+
+def seen_along_its_normal(points):
+    """An outline (n, 3) as (n, 2), counter-clockwise, by another way than that of what is tried."""
+    normal = np.cross(points, np.roll(points, -1, axis=0)).sum(axis=0)
+    turned, _ = np.linalg.qr(np.c_[normal, np.eye(3)])
+    flat = points @ turned[:, 1:3]
+    return flat if shoelace(flat) > 0.0 else flat[:, ::-1]
+
+
+@settings(deadline=None, max_examples=examples(60))
+@given(SEEDS, st.integers(4, 10), st.floats(0.0, 3.0), SEEDS)
+def test_outlines_that_are_not_flat(seed, n, height, turn):
+    """Along the axis nearest to the normal they looked otherwise: corners that point in, out."""
+    ring = simple(seed, n, whole=False)
+    if ring is None or len(ring) < 4:
+        return
+    lift = np.random.default_rng(seed).uniform(-height, height, len(ring))
+    points = np.c_[ring, lift] @ turned_about(turn)
+    seen = seen_along_its_normal(points)
+    if crossing(seen) is not None:
+        return
+    faces = triangulate(points, np.arange(len(ring)), np.array([len(ring)]))
+    fan = np.array([[0, k, k + 1] for k in range(1, len(ring) - 1)])
+    assert (faces == fan).all() or signed_areas(seen, faces).min() >= -1e-9 * shoelace(seen)
+    assert area_of(points, faces) <= area_of(points, fan) * (1.0 + 1e-5)
+    assert signed_areas(seen, faces).sum() == pytest.approx(shoelace(seen))
+
+
+def test_a_twisted_spoke_of_a_bicycle():
+    """A stranger's four corners: cut along its length it had six times its area."""
+    spoke = np.array([[-1.588, 0.313, -0.112], [3.578, 8.808, 10.373],
+                      [-1.122, -0.345, 0.123], [-0.868, -8.776, -10.384]])  # fmt: skip
+    for start in range(4):
+        ids = np.roll(np.arange(4), -start)
+        faces = triangulate(spoke, ids, np.array([4]))
+        assert all({0, 2} < set(face) for face in faces.tolist())
+        assert area_of(spoke, faces) == pytest.approx(11.49, abs=0.01)
+
+
+def test_the_fan_is_taken_where_ears_fold_back():
+    """As in outlines that cross themselves, of which a heater's ribs have some."""
+    crossed = np.array([[3, 4, 0], [0, 0, 0], [2, 3, 0], [3, 0, 0]], float)
+    faces = triangulate(crossed, np.arange(4), np.array([4]))
+    assert faces.tolist() == [[0, 1, 2], [0, 2, 3]]
+    assert area_of(crossed, faces) == 2.5

@@ -13,12 +13,13 @@ machine itself cannot follow, pieces are left out, so that painting is never lat
 
 from __future__ import annotations
 
+import itertools
 import math
 import sys
 import threading
 import time
 from collections import deque
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import CancelledError, Future
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
@@ -681,27 +682,59 @@ class _JournalWriter:
 
     def _run(self) -> None:
         broken = False
-        while (item := self._queue.get()) is not None:
-            if self._leaving:
-                continue
+        while items := self._take():
+            for turns, some in itertools.groupby(items, lambda item: isinstance(item, Future)):
+                if self._leaving:
+                    continue
+                errors = (self._turn_pages if turns else self._write_all)(some)
+                if errors:  # painting goes on; it is told once
+                    if not broken:
+                        self._tell("keeping", errors[0])
+                    self.has_gap = True
+                broken = bool(errors)
+
+    def _take(self) -> list[_Item]:
+        """All that waits, or else what comes next; nothing at the end."""
+        items = [self._queue.get()]
+        while items[-1] is not None and not self._queue.empty():
+            items.append(self._queue.get())
+        if items[-1] is None and len(items) > 1:
+            self._queue.put(None)
+        return [item for item in items if item is not None]
+
+    def _write_all(self, items: Iterable[_Item]) -> list[Exception]:
+        """Write items down, all with one call of the system; why some could not be."""
+        errors: list[Exception] = []
+        try:
+            with self.sitting.together():
+                for item in items:
+                    try:
+                        self._write(item)
+                    except Exception as error:
+                        errors.append(error)
+        except Exception as error:
+            errors.append(error)
+        return errors
+
+    def _turn_pages(self, items: Iterable[_Item]) -> list[Exception]:
+        errors: list[Exception] = []
+        for turned in items:
+            assert isinstance(turned, Future), "they are asked for by `turn_page`"
             try:
-                self._write(item)
-                broken = False
-            except Exception as error:  # painting goes on; it is told once
-                if not broken:
-                    self._tell("keeping", error)
-                broken = self.has_gap = True
-                if isinstance(item, Future):
-                    item.set_exception(error)
+                self.sitting.turn_page(self._document)
+            except Exception as error:
+                errors.append(error)
+                self.has_gap = True
+                turned.set_exception(error)
+            else:
+                self.had_gap, self.has_gap = self.has_gap, False
+                turned.set_result(None)
+        return errors
 
     def _write(self, item: _Item) -> None:
         if isinstance(item, Mapping):
             self.sitting.note(item)
-        elif isinstance(item, Future):
-            self.sitting.turn_page(self._document)
-            self.had_gap, self.has_gap = self.has_gap, False
-            item.set_result(None)
-        elif item.command is None:
+        elif isinstance(item, _Job) and item.command is None:
             self.sitting.append(item.samples)
-        elif isinstance(item.command, str):
+        elif isinstance(item, _Job) and isinstance(item.command, str):
             self.sitting.note(encode_command(item.command, item.arguments, item.options))

@@ -14,6 +14,7 @@ from multiprocessing.process import BaseProcess
 from typing import Any
 
 from paint3d.cli.batches.rows import Outcome, Row, run_row
+from paint3d.core.ending import Ends, end_now
 from paint3d.core.machine import end_with_parent, holding_interrupts, ignore_interrupts
 
 __all__ = ["run_here"]
@@ -103,9 +104,14 @@ class _Worker:
 def _serve(connection: Connection[Any, Any]) -> None:
     """Run rows until the other end is closed."""
     ignore_interrupts()  # the parent stops us
-    end_with_parent()
+    end_with_parent(end_now)
     if not sys.warnoptions:
         warnings.simplefilter("ignore")
+    with Ends(patience_s=0.0):  # what is being written is removed
+        _run_all(connection)
+
+
+def _run_all(connection: Connection[Any, Any]) -> None:
     while True:
         try:
             row = Row(*connection.recv())

@@ -23,7 +23,7 @@ import struct
 import threading
 import zlib
 from collections.abc import Iterable, Iterator, Mapping
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
@@ -110,6 +110,7 @@ class Journal:
         except OSError as cause:
             raise ExportError(f"{path}: cannot start a journal: {cause.strerror}") from None
         self._length = 0
+        self._held: list[bytes] | None = None  # to be written together
         self._last_ns: int | None = None
         self._has_pressure: bool | None = None
         self._failure: ExportError | None = None
@@ -162,6 +163,26 @@ class Journal:
         self._write(_block(NOTE, content))
         self._last_ns = self._has_pressure = None
 
+    @contextmanager
+    def together(self) -> Iterator[None]:
+        """Hand what is written meanwhile to the system as this ends, by one call.
+
+        Each call lets other threads of Python's go first, which may take some milliseconds: one by
+        one, what came in a second would take longer than that.
+
+        Raises
+        ------
+        ExportError
+            If it cannot be written; the journal is then whole up to what was written before.
+        """
+        self._held = []
+        try:
+            yield
+        finally:
+            held, self._held = self._held, None
+            if held:
+                self._write(b"".join(held))
+
     def _check(self, table: AnyArray) -> None:
         times, missing = table["time_ns"], np.isnan(table["pressure"])
         before = times[:-1] if self._last_ns is None else np.append(self._last_ns, times[:-1])
@@ -173,6 +194,9 @@ class Journal:
             raise RecordingError("pressure is given in some samples; expected it in all or none")
 
     def _write(self, data: bytes) -> None:
+        if self._held is not None:
+            self._held.append(data)
+            return
         try:
             view = memoryview(data)
             while len(view):

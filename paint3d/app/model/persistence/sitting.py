@@ -99,6 +99,15 @@ class Sitting:
         """Write a command down; see `Journal.note`."""
         self._open_journal().note(command)
 
+    @contextmanager
+    def together(self) -> Iterator[None]:
+        """Write down at once, at the end, what comes meanwhile; see `Journal.together`.
+
+        The page must not be turned within.
+        """
+        with self._open_journal().together():
+            yield
+
     def _open_journal(self) -> Journal:
         assert self._journal is not None, "a page is open from the start"
         return self._journal

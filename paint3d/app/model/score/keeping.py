@@ -21,11 +21,25 @@ from paint3d.surface.painted_surface import PaintedSurface
 
 __all__ = ["ScoreKeeper", "keeps_score"]
 
-_Kept = dict[str, Any] | list[DeviceSample]
 _Document = TypeVar("_Document", bound=type)
 _GOES = frozenset({"undo", "redo", "replay_history", "begin_stroke", "dry"})
 _OTHERWISE = frozenset({"pick_colour", "swap_inks"})
 """Commands that are written down as the dip that they lead to."""
+
+
+class _Fed(list[DeviceSample]):
+    """Samples that came one after the other."""
+
+    _recording: Recording | None = None
+
+    def recording(self) -> Recording:
+        """As a recording, which is made once: of wet ink there are thirty in a second."""
+        if self._recording is None or len(self._recording) != len(self):
+            self._recording = recording_of(self, {})
+        return self._recording
+
+
+_Kept = dict[str, Any] | _Fed
 
 
 class ScoreKeeper:
@@ -45,7 +59,7 @@ class ScoreKeeper:
         self._header = dict(header)
         self._inks = Inks(dict(self._header.pop("pigments", {})))
         self._events: list[_Kept] = [
-            list(e.samples()) if isinstance(e, Recording) else dict(e) for e in events
+            _Fed(e.samples()) if isinstance(e, Recording) else dict(e) for e in events
         ]
         self.is_within = False
 
@@ -90,10 +104,10 @@ class ScoreKeeper:
     def feed(self, samples: Sequence[DeviceSample]) -> None:
         """Write samples down."""
         last = self._events[-1] if self._events else None
-        if isinstance(last, list):
+        if isinstance(last, _Fed):
             last.extend(samples)
         else:
-            self._events.append(list(samples))
+            self._events.append(_Fed(samples))
 
     def command(self, name: str, asked: Mapping[str, Any], surface: PaintedSurface) -> None:
         """Write a command down.
@@ -129,8 +143,7 @@ class ScoreKeeper:
         """All of it."""
         own = {"pigments": dict(self._inks.table)} if self._inks.table else {}
         events = [
-            recording_of(event, {}) if isinstance(event, list) else dict(event)
-            for event in self._events
+            event.recording() if isinstance(event, _Fed) else dict(event) for event in self._events
         ]
         return Score({**self._header, "object": object_name, **own}, tuple(events))
 

@@ -130,9 +130,9 @@ class Canvas(QtWidgets.QWidget):
 
     @property
     def pixel_size(self) -> tuple[int, int]:
-        """Width and height in the screen's own pixels."""
+        """Width and height in the screen's own pixels, up to the last that it touches."""
         ratio = self.devicePixelRatioF()
-        return max(1, round(self.width() * ratio)), max(1, round(self.height() * ratio))
+        return max(1, math.ceil(self.width() * ratio)), max(1, math.ceil(self.height() * ratio))
 
     @property
     def is_steering(self) -> bool:
@@ -154,13 +154,12 @@ class Canvas(QtWidgets.QWidget):
         form = QtGui.QImage.Format.Format_RGBX8888
         self._image = QtGui.QImage(self.pixels.data, width, height, 4 * width, form)
         ratio = self.devicePixelRatioF()
-        self._image.setDevicePixelRatio(ratio)
         if changed is None or before is None or before.size() != self._image.size():
             self.update()
             return
         x0, y0, x1, y1 = (edge / ratio for edge in changed)
         box = QtCore.QRectF(x0, height / ratio - y1, x1 - x0, y1 - y0).toAlignedRect()
-        self.update(box.adjusted(-1, -1, 1, 1))  # where pixels are scaled they blend with the next
+        self.update(box.adjusted(-1, -1, 1, 1))  # the widget may begin between two pixels
 
     # -- what Qt calls ----------------------------------------------------------------------
 
@@ -171,11 +170,29 @@ class Canvas(QtWidgets.QWidget):
         if self._image is None:
             painter.fillRect(event.rect(), self.palette().window())
         else:
-            painter.drawImage(self.rect(), self._image)
+            self._draw(painter, self._image)
         painter.setRenderHint(QtGui.QPainter.RenderHint.Antialiasing)
         for overlay in self.overlays:
             overlay(painter, self.rect())
         painter.end()
+
+    def _draw(self, painter: QtGui.QPainter, image: QtGui.QImage) -> None:
+        """Draw an image pixel for pixel, from the screen's pixel that the widget begins with.
+
+        Where the screen's ratio is no whole number a widget may begin and end between two pixels.
+        Stretched to it, a picture would have another pixel here and there, and not the same ones
+        where a part of it is drawn.
+        """
+        if image.size() != QtCore.QSize(*self.pixel_size):  # of the size before
+            painter.drawImage(self.rect(), image)
+            return
+        onto = painter.deviceTransform()
+        left, top = (math.floor(start + 0.5) for start in (onto.dx(), onto.dy()))
+        back, _ = onto.inverted()
+        painter.save()
+        painter.setWorldTransform(QtGui.QTransform.fromTranslate(left, top) * back)
+        painter.drawImage(0, 0, image)
+        painter.restore()
 
     def resizeEvent(self, event: QtGui.QResizeEvent) -> None:
         """Have it drawn at the new size."""

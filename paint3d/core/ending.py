@@ -1,0 +1,150 @@
+"""Ending when asked to, as by ``kill`` or a closed terminal, without leaving half a file behind.
+
+Files that are being written have temporary names, which are known here until they have their own.
+A command that is asked to end does so as when it is interrupted; one that computes, and hears
+nothing, is ended after a while by a thread beside it.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from types import FrameType
+from typing import Self
+
+from paint3d.core.machine import ENDING
+
+__all__ = [
+    "AskedToEnd",
+    "Ends",
+    "begin_file",
+    "end_now",
+    "forget_file",
+    "heard_by",
+    "remove_unfinished",
+]
+
+_PATIENCE_S = 3.0
+_STOP = b"\0"  # no signal has that number
+
+_making = threading.RLock()
+_unfinished: dict[Path, int] = {}  # and by which process: a forked one knows its parent's, too
+
+
+class AskedToEnd(KeyboardInterrupt):
+    """Somebody has asked this process to end, which is an interrupt of another kind."""
+
+
+def begin_file(make: Callable[[], Path]) -> Path:
+    """Make a file that is unfinished until `forget_file` is told so."""
+    with _making:
+        path = make()
+        _unfinished[path] = os.getpid()
+    return path
+
+
+def forget_file(path: Path) -> None:
+    """Know that a file has got its own name, or is gone."""
+    _unfinished.pop(path, None)
+
+
+def remove_unfinished() -> None:
+    """Remove what this process is writing."""
+    for path, process in list(_unfinished.items()):
+        if process == os.getpid():
+            with suppress(OSError):
+                path.unlink()
+            forget_file(path)
+
+
+def end_now(status: int) -> None:
+    """End this process, whatever its threads are at; what it was writing is removed."""
+    with _making:  # nothing more is begun
+        remove_unfinished()
+        os._exit(status)
+
+
+@contextmanager
+def heard_by(hear: Callable[[], object]) -> Iterator[None]:
+    """Have somebody else told, in the main thread, of interrupts and of being asked to end.
+
+    What is ignored, as by what a shell runs behind, stays so.
+    """
+    all_before = {number: signal.getsignal(number) for number in ENDING}
+    before = {n: heard for n, heard in all_before.items() if heard not in (None, signal.SIG_IGN)}
+    woken = signal.set_wakeup_fd(-1)  # of `Ends`, which is to know nothing of it
+    try:
+        for number in before:
+            signal.signal(number, lambda *_: hear())
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+        signal.set_wakeup_fd(woken)
+
+
+class Ends:
+    """Hears meanwhile that the process is asked to end, and raises `AskedToEnd` in its main thread.
+
+    Parameters
+    ----------
+    patience_s : float
+        After so long it ends all the same; 0: at once, and nothing is raised.
+
+    Attributes
+    ----------
+    status : int
+        What a process ends with that was asked to, as shells have it; 0: it was not asked.
+    """
+
+    def __init__(self, patience_s: float = _PATIENCE_S) -> None:
+        self.status = 0
+        self._patience_s = patience_s
+        self._heard: list[int] = []
+        self._thread: threading.Thread | None = None
+        self._over = threading.Event()
+
+    def __enter__(self) -> Self:
+        if threading.current_thread() is threading.main_thread():  # which alone may ask for it
+            self._heard = [n for n in ENDING if signal.getsignal(n) is signal.SIG_DFL]
+        if self._heard and hasattr(signal, "pthread_kill"):  # elsewhere pipes tell of no signals
+            self._read, self._write = os.pipe()
+            os.set_blocking(self._write, False)
+            self._before = signal.set_wakeup_fd(self._write, warn_on_full_buffer=False)
+            self._thread = threading.Thread(target=self._watch, name="paint3d-end", daemon=True)
+            self._thread.start()
+        for number in self._heard:
+            signal.signal(number, self._hear)
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        for number in self._heard:
+            signal.signal(number, signal.SIG_DFL)
+        if self._thread is not None:
+            signal.set_wakeup_fd(self._before)
+            self._over.set()
+            os.write(self._write, _STOP)
+            self._thread.join()
+            os.close(self._read)
+            os.close(self._write)
+
+    def _hear(self, number: int, frame: FrameType | None) -> None:
+        is_first, self.status = not self.status, 128 + number
+        if is_first and self._patience_s > 0.0:
+            raise AskedToEnd
+
+    def _watch(self) -> None:
+        """Wait for signals: they are told here even where the main thread is in a kernel."""
+        while True:
+            for number in os.read(self._read, 64):
+                if number == _STOP[0]:
+                    return
+                if number not in self._heard:
+                    continue
+                if self._over.wait(self._patience_s):
+                    return
+                end_now(128 + number)

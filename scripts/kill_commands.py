@@ -1,0 +1,224 @@
+"""End commands at random moments, by signals, and see what they leave behind.
+
+    python scripts/kill_commands.py [TIMES [SEED [COMMAND ...]]]
+
+Each command is run once to its end, then so many times with a signal after a random part of that
+time. SIGINT, SIGTERM and SIGHUP must leave no temporary file, neither beside the result nor among
+the system's temporary files, and no process; the result is the old file or the new one, whole.
+SIGKILL may leave temporary files, which the next run takes away, and no process for long; of a
+batch also the folder in which Python's processes meet, among the system's temporary files.
+"""
+
+from __future__ import annotations
+
+import os
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+__all__ = ["COMMANDS", "Case", "Left", "ended_at_random", "leftovers"]
+
+SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGKILL)
+MARK = "PAINT3D_KILLED"
+OLD = b"what was there before"
+MEETING = "tmp/pymp-"  # Python's own, with a socket in it
+PATIENCE_S = 30.0  # for a process to be gone, and, after its parent was killed, its children
+TEXT = "永和"
+
+
+class Case(NamedTuple):
+    """A command: its words, and what it writes, in the folder in which it is run."""
+
+    words: tuple[str, ...]
+    files: tuple[str, ...]
+    needs: tuple[str, ...] = ()  # of the commands' names, that are run first
+    knows: str = ""  # a file by which it knows what is done
+
+
+COMMANDS = {
+    "write": Case(("write", TEXT, "--on", "bowl", "--out", "write.png", "--force"), ("write.png",)),
+    "record": Case(
+        ("write", TEXT, "--on", "plane", "--out", "record.p3d", "--recording", "r.jsonl.gz",
+         "--force"), ("record.p3d", "r.jsonl.gz"),
+    ),
+    "poem": Case(
+        ("write", TEXT * 4, "--on", "plane", "--out", "poem.glb", "--processes", "2", "--force"),
+        ("poem.glb",),
+    ),
+    "replay": Case(
+        ("replay", "r.jsonl.gz", "--on", "plane", "--out", "replay.ply", "--force"),
+        ("replay.ply",), ("record",),
+    ),
+    "film": Case(
+        ("replay", "r.jsonl.gz", "--on", "plane", "--film", "film.webp", "--out", "film.ply",
+         "--film-size", "160x120", "--fps", "4", "--force"), ("film.webp", "film.ply"), ("record",),
+    ),
+    "mp4": Case(
+        ("picture", "record.p3d", "--turn", "2", "--size", "160x120", "--out", "film.mp4",
+         "--force"), ("film.mp4",), ("record",),
+    ),
+    "picture": Case(
+        ("picture", "record.p3d", "--out", "picture.png", "--force"), ("picture.png",), ("record",)
+    ),
+    "flat": Case(
+        ("picture", "record.p3d", "--view", "flat", "--out", "flat.png", "--force"),
+        ("flat.png",), ("record",),
+    ),
+    "seal": Case(("seal", TEXT, "--on", "plane", "--out", "seal.obj", "--force"), ("seal.obj",)),
+    "copy": Case(
+        ("copy", "flat.png", "--whole", "--on", "plane", "--out", "copy.glb", "--force"),
+        ("copy.glb",), ("record", "flat"),
+    ),
+    "batch": Case(
+        ("batch", "table.csv", "--processes", "2"),
+        ("b0.glb", "b1.glb", "b2.glb", "b3.glb"), ("record",), "table.csv.finished",
+    ),
+}  # fmt: skip
+
+
+class Left(NamedTuple):
+    """What one command that was ended has left behind that it should not have."""
+
+    command: str
+    signal: signal.Signals
+    after_s: float
+    what: str
+
+
+def _environment(folder: Path) -> dict[str, str]:
+    own = folder / "tmp"
+    own.mkdir(exist_ok=True)
+    return {**os.environ, "TMPDIR": str(own), MARK: str(folder)}
+
+
+def _run(case: Case, folder: Path) -> subprocess.Popen[str]:
+    if case.knows:
+        (folder / case.knows).unlink(missing_ok=True)
+    return subprocess.Popen(
+        [sys.executable, "-m", "paint3d", *case.words],
+        cwd=folder, env=_environment(folder), text=True, start_new_session=True,
+        stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+    )  # fmt: skip
+
+
+def processes_of(folder: Path) -> list[str]:
+    """The command lines of the processes that were started from a folder's commands and live."""
+    found = []
+    for place in Path("/proc").iterdir():
+        if place.name.isdigit():
+            try:
+                if f"{MARK}={folder}".encode() in (place / "environ").read_bytes().split(b"\0"):
+                    words = (place / "cmdline").read_bytes().replace(b"\0", b" ").decode()
+                    found.append(words.strip())
+            except OSError:
+                continue
+    return found
+
+
+def leftovers(folder: Path) -> list[str]:
+    """Temporary files beside results and among the system's."""
+    beside = [entry.name for entry in folder.iterdir() if entry.name.startswith(".")]
+    return sorted(beside + [f"tmp/{entry.name}" for entry in (folder / "tmp").iterdir()])
+
+
+def _until(is_so: Callable[[], bool]) -> bool:
+    until = time.monotonic() + PATIENCE_S
+    while not is_so():
+        if time.monotonic() > until:
+            return False
+        time.sleep(0.02)
+    return True
+
+
+def _wrong(
+    name: str, folder: Path, number: signal.Signals, whole: dict[str, int], before: list[str]
+) -> Iterator[str]:
+    if not _until(lambda: not processes_of(folder)):
+        yield f"processes: {processes_of(folder)}"
+    left = [file for file in leftovers(folder) if file not in before]
+    if number != signal.SIGKILL and left:
+        yield f"files: {left}"
+    for file in COMMANDS[name].files:
+        size = (folder / file).stat().st_size
+        if size not in (len(OLD), whole[file]):
+            yield f"{file} has {size} bytes; expected {len(OLD)} or {whole[file]}"
+
+
+def _ended_once(
+    name: str, folder: Path, number: signal.Signals, after_s: float, whole: dict[str, int]
+) -> Iterator[Left]:
+    for file in COMMANDS[name].files:
+        (folder / file).write_bytes(OLD)
+    before = leftovers(folder)
+    running = _run(COMMANDS[name], folder)
+    time.sleep(after_s)
+    running.send_signal(number)
+    try:
+        _, told = running.communicate(timeout=PATIENCE_S)
+    except subprocess.TimeoutExpired:
+        running.kill()
+        _, told = running.communicate()
+        yield Left(name, number, after_s, "it did not end")
+    if "Traceback" in told:
+        yield Left(name, number, after_s, told)
+    for what in _wrong(name, folder, number, whole, before):
+        yield Left(name, number, after_s, what)
+
+
+def _finished(name: str, folder: Path) -> float:
+    """Run a command to its end; how long it took, s."""
+    began = time.monotonic()
+    running = _run(COMMANDS[name], folder)
+    _, told = running.communicate()
+    if running.returncode:
+        sys.exit(f"{name}: {told}")
+    return time.monotonic() - began
+
+
+def ended_at_random(names: list[str], times: int, seed: int = 1) -> list[Left]:
+    """End each command so many times; return what was left."""
+    chance, left = random.Random(seed), list[Left]()
+    for name in names:
+        folder = Path(tempfile.mkdtemp())
+        rows = [f"r.jsonl.gz,plane,full,pine soot,b{k}.glb" for k in range(4)]
+        (folder / "table.csv").write_text("\n".join(["recording,object,brush,ink,output", *rows]))
+        for need in COMMANDS[name].needs:
+            _finished(need, folder)
+        took_s = _finished(name, folder)
+        whole = {file: (folder / file).stat().st_size for file in COMMANDS[name].files}
+        for _ in range(times):
+            number, after_s = chance.choice(SIGNALS), chance.uniform(0.0, 1.1) * took_s
+            left += _ended_once(name, folder, number, after_s, whole)
+        _finished(name, folder)
+        kept = [file for file in leftovers(folder) if not file.startswith(MEETING)]
+        left += [Left(name, signal.SIGKILL, took_s, f"files: {file}") for file in kept]
+        shutil.rmtree(folder)
+    return left
+
+
+def main() -> None:
+    """End each command as often as the command line says, 20 times unless told; fail if it left."""
+    times = int(sys.argv[1]) if len(sys.argv) > 1 else 20
+    seed = int(sys.argv[2]) if len(sys.argv) > 2 else 1
+    n_left = 0
+    for name in sys.argv[3:] or COMMANDS:
+        left = ended_at_random([name], times, seed)
+        n_left += len(left)
+        sys.stdout.write(f"{name}: ended {times} times, {len(left)} left something\n")
+        for one in left:
+            sys.stdout.write(f"  {one.signal.name} after {one.after_s:.2f} s: {one.what}\n")
+        sys.stdout.flush()
+    if n_left:
+        sys.exit(f"{n_left} left something behind")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,58 @@
+"""Where the screen has a ratio that is no whole number, pictures are shown pixel for pixel."""
+
+from __future__ import annotations
+
+from itertools import product
+
+import numpy as np
+import pytest
+
+pytest.importorskip("PySide6", reason="PySide6 is not installed")
+
+from PySide6 import QtCore, QtGui
+
+from paint3d.app.window.input.canvas import Canvas
+
+NOTHING = (1, 2, 3)  # codes that no picture has here
+PLACE = QtCore.QPoint(35, 30)
+
+
+def drawn(canvas: Canvas, part: QtCore.QRect, ratio: float) -> np.ndarray:
+    """(H, W, 3) codes of a screen on which a part of a widget within a window is drawn."""
+    image = QtGui.QImage(760, 580, QtGui.QImage.Format.Format_RGBX8888)
+    image.setDevicePixelRatio(ratio)
+    image.fill(QtGui.QColor(*NOTHING))
+    canvas.render(image, PLACE + part.topLeft(), QtGui.QRegion(part))
+    rows = np.frombuffer(image.constBits(), np.uint8).reshape(580, 760, 4)
+    return rows[:, :, :3].copy()
+
+
+@pytest.mark.parametrize(
+    ("ratio", "size"),
+    list(product((1.0, 1.25, 1.5, 1.75, 2.0), ((323, 241), (320, 240)))),
+)
+def test_parts_are_shown_as_the_whole_is(program, ratio, size, monkeypatch) -> None:
+    canvas = Canvas()
+    canvas.resize(*size)
+    monkeypatch.setattr(canvas, "devicePixelRatioF", lambda: ratio)
+    width, height = canvas.pixel_size
+    chance = np.random.default_rng(5)
+    pixels = chance.integers(8, 255, (height, width, 4)).astype(np.uint8)
+    canvas.show_pixels(pixels)
+    whole = drawn(canvas, canvas.rect(), ratio)
+    shown = (whole != NOTHING).any(axis=2)
+    rows, columns = np.flatnonzero(shown.any(axis=1)), np.flatnonzero(shown.any(axis=0))
+    top, left = rows[0], columns[0]
+    assert abs(left - ratio * PLACE.x()) <= 0.5
+    assert abs(top - ratio * PLACE.y()) <= 0.5
+    for found, wanted in zip((columns.size, rows.size), size, strict=True):
+        assert abs(found - ratio * wanted) <= 1.0
+    box = np.s_[top : top + rows.size, left : left + columns.size]
+    assert shown[box].all()  # no row or column of it is left out
+    assert (whole[box] == pixels[::-1][: rows.size, : columns.size, :3]).all()
+    for _ in range(12):
+        (x0, x1), (y0, y1) = (sorted(chance.choice(side, 2, replace=False)) for side in size)
+        part = drawn(canvas, QtCore.QRect(x0, y0, x1 - x0, y1 - y0), ratio)
+        changed = (part != NOTHING).any(axis=2)
+        assert changed.sum() > 0
+        assert (part[changed] == whole[changed]).all()

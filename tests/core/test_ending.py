@@ -1,0 +1,226 @@
+"""Who is asked to end, or killed, leaves no half of a file; scripts/kill_commands tries more."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from paint3d.cli import main
+from paint3d.core import atomic
+from paint3d.core.atomic import write_atomically
+from paint3d.core.ending import AskedToEnd, Ends, remove_unfinished
+from paint3d.errors import ExportError
+
+PATIENCE_S = 120.0
+ROOT = Path(__file__).parents[2]
+WRITING = """
+import multiprocessing, os, subprocess, sys, time
+from pathlib import Path
+from paint3d.core.atomic import write_atomically
+from paint3d.core.ending import Ends, end_now
+from paint3d.core.machine import end_with_parent
+
+def write(wait):
+    with write_atomically(Path(sys.argv[1]) / "o.png") as part:
+        part.write_text("half")
+        print(part.name, flush=True)
+        wait()
+
+def compute():
+    os.system("echo; sleep 3")  # as a kernel, it lets other threads run, and hears of nothing
+
+def help_parent():
+    end_with_parent(end_now)
+    write(lambda: time.sleep(100))
+"""
+ALONE = "\nwrite(lambda: time.sleep(100))"
+AT_ONCE = "\nwith Ends(patience_s=0.0): write(lambda: time.sleep(100))"
+COMPUTING = "\nwith Ends(patience_s=0.2): write(compute); time.sleep(100)"
+CHILD = """
+if __name__ == "__main__":
+    child = multiprocessing.get_context("fork").Process(target=help_parent)
+    child.start()
+    child.join()
+"""
+needs_signals = pytest.mark.skipif(not hasattr(signal, "SIGHUP"), reason="no such signals")
+
+
+@pytest.fixture
+def asked() -> Iterator[None]:
+    """Signals that ask to end are heard as by a program that was started by itself."""
+    before = {n: signal.signal(n, signal.SIG_DFL) for n in (signal.SIGTERM, signal.SIGHUP)}
+    yield
+    for number, handler in before.items():
+        signal.signal(number, handler)
+
+
+def until(is_so) -> None:
+    began = time.monotonic()
+    while not is_so():
+        assert time.monotonic() - began < PATIENCE_S
+        time.sleep(0.01)
+
+
+def writing(code: str, folder: Path) -> tuple[subprocess.Popen[str], Path]:
+    """A program that is in the middle of writing, and its file."""
+    running = subprocess.Popen(
+        [sys.executable, "-c", WRITING + code, str(folder)],
+        stdout=subprocess.PIPE, text=True, cwd=ROOT, env={**os.environ, "PYTHONPATH": str(ROOT)},
+    )  # fmt: skip
+    assert running.stdout is not None
+    return running, folder / running.stdout.readline().rstrip("\n")
+
+
+def ended(running: subprocess.Popen[str], number: int) -> int:
+    running.send_signal(number)
+    running.communicate(timeout=PATIENCE_S)
+    return running.returncode
+
+
+@needs_signals
+@pytest.mark.usefixtures("asked")
+@pytest.mark.parametrize(("name", "status"), [("SIGTERM", 143), ("SIGHUP", 129)])
+def test_a_command_that_is_asked_to_end_leaves_the_old_file(
+    tmp_path: Path, monkeypatch, capsys, name: str, status: int
+) -> None:
+    (tmp_path / "o.png").write_text("old")
+    ended: list[str] = []
+
+    def work(words: list[str]) -> int:
+        with write_atomically(tmp_path / "o.png") as part:
+            part.write_text("new")
+            try:
+                signal.raise_signal(getattr(signal, name))
+            finally:
+                signal.raise_signal(getattr(signal, name))  # once more: it ends in peace
+                ended.append(name)
+        return 0
+
+    monkeypatch.setattr(main, "_run", work)
+    assert main.main(["report"]) == status
+    assert ended == [name]
+    assert capsys.readouterr().err == "paint3d: error: asked to end\n"
+    assert [(file.name, file.read_text()) for file in tmp_path.iterdir()] == [("o.png", "old")]
+    assert signal.getsignal(getattr(signal, name)) is signal.SIG_DFL
+
+
+@pytest.mark.usefixtures("asked")
+def test_where_pipes_tell_of_no_signals_the_main_thread_hears(tmp_path: Path, monkeypatch) -> None:
+    monkeypatch.delattr(signal, "pthread_kill", raising=False)
+    monkeypatch.delattr(os, "set_blocking")
+    ends = Ends()
+    with pytest.raises(AskedToEnd), ends, write_atomically(tmp_path / "o.png"):
+        signal.raise_signal(signal.SIGTERM)
+    assert ends.status == 143
+    assert list(tmp_path.iterdir()) == []
+
+
+@needs_signals
+def test_no_name_that_can_be_had_is_told(tmp_path: Path, monkeypatch) -> None:
+    monkeypatch.setattr(atomic.secrets, "token_hex", lambda n: "11111111")
+    monkeypatch.setattr(atomic, "_TIDY", {tmp_path})
+    (tmp_path / ".o.png.paint3d-11111111.png").write_text("another's")
+    with (
+        pytest.raises(ExportError, match="cannot write here"),
+        write_atomically(tmp_path / "o.png"),
+    ):
+        pass
+
+
+@pytest.mark.usefixtures("asked")
+def test_the_studio_is_ended_by_the_system(monkeypatch) -> None:
+    """What is painted is kept all the time: to wait for an answer of the window gains nothing."""
+    handlers: list[object] = []
+
+    def look(words: list[str]) -> int:
+        handlers.append(signal.getsignal(signal.SIGTERM))
+        return 0
+
+    monkeypatch.setattr(main, "_run", look)
+    assert main.main(["paint"]) == main.main(["report"]) == 0
+    assert handlers[0] is signal.SIG_DFL is not handlers[1]
+
+
+@needs_signals
+@pytest.mark.parametrize("code", [AT_ONCE, COMPUTING])
+def test_who_hears_nothing_is_ended_all_the_same(tmp_path: Path, code: str) -> None:
+    running, part = writing(code, tmp_path)
+    assert part.read_text() == "half"
+    if code == COMPUTING:
+        running.stdout.readline()  # it has begun to
+    assert ended(running, signal.SIGTERM) == 143
+    assert list(tmp_path.iterdir()) == []
+
+
+@needs_signals
+def test_the_parents_end_ends_what_a_process_is_writing(tmp_path: Path) -> None:
+    running, part = writing(CHILD, tmp_path)
+    assert part.is_file()
+    assert ended(running, signal.SIGKILL) == -signal.SIGKILL
+    until(lambda: list(tmp_path.iterdir()) == [])
+
+
+def test_a_forked_process_removes_nothing_of_its_parents(tmp_path: Path, monkeypatch) -> None:
+    with write_atomically(tmp_path / "o.png") as part:
+        monkeypatch.setattr(os, "getpid", lambda: 1)
+        remove_unfinished()
+        assert part.exists()
+        monkeypatch.undo()
+        remove_unfinished()
+        assert not part.exists()
+        part.write_text("new")
+    assert [file.name for file in tmp_path.iterdir()] == ["o.png"]
+
+
+@needs_signals
+def test_what_a_killed_program_left_is_removed_by_the_next(tmp_path: Path, monkeypatch) -> None:
+    monkeypatch.setattr(atomic, "_TIDY", set())
+    own = [tmp_path / name for name in (".o.png.12345678.png", ".paint3d-12345678", "o.png")]
+    for file in own:
+        file.write_text("mine")
+    (tmp_path / ".folder.paint3d-12345678").mkdir()
+    os.mkfifo(tmp_path / ".pipe.paint3d-12345678")
+    killed, left = writing(ALONE, tmp_path)
+    assert ended(killed, signal.SIGKILL) == -signal.SIGKILL
+    alive, part = writing(ALONE, tmp_path)  # removes it as it begins
+    assert not left.exists()
+    with write_atomically(tmp_path / "other.png") as other:
+        other.write_text("new")
+    assert part.read_text() == "half"  # somebody is writing it
+    ended(alive, signal.SIGKILL)
+    with write_atomically(tmp_path / "other.png") as other:
+        other.write_text("newer")
+    assert part.exists()  # a folder is looked through once
+    monkeypatch.setattr(atomic, "_TIDY", set())
+    with write_atomically(tmp_path / "other.png") as other:
+        other.write_text("newest")
+    kept = {*own, tmp_path / "other.png"}
+    kept |= {tmp_path / ".folder.paint3d-12345678", tmp_path / ".pipe.paint3d-12345678"}
+    assert set(tmp_path.iterdir()) == kept
+
+
+@needs_signals
+def test_a_name_that_is_taken_or_taken_away_is_not_used(tmp_path: Path, monkeypatch) -> None:
+    """By another file, or by whoever removes what nobody held yet."""
+    monkeypatch.setattr(atomic, "_TIDY", {tmp_path})
+    names = iter(["11111111", "22222222", "33333333"])
+    monkeypatch.setattr(atomic.secrets, "token_hex", lambda n: next(names))
+    (tmp_path / ".o.png.paint3d-11111111.png").write_text("another's")
+    fstat = os.fstat
+
+    def removed(descriptor: int) -> os.stat_result:
+        (tmp_path / ".o.png.paint3d-22222222.png").unlink(missing_ok=True)
+        return fstat(descriptor)
+
+    monkeypatch.setattr(os, "fstat", removed)
+    with write_atomically(tmp_path / "o.png") as part:
+        assert part.name == ".o.png.paint3d-33333333.png"
+        part.write_text("new")
+    assert (tmp_path / "o.png").read_text() == "new"
