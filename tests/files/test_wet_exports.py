@@ -142,6 +142,8 @@ def test_on_glaze_ink_is_glossy_while_wet_and_matt_when_dry(tmp_path):
     (read,) = trimesh.load(tmp_path / "dry.glb", process=False).geometry.values()
     picture = np.asarray(read.visual.material.metallicRoughnessTexture.convert("RGB"))
     found = picture[0, np.rint(read.visual.uv[:, 0] * 256.0 - 0.5).astype(int), 1] / 255.0
+    assert picture.shape == (1, 256, 3)
+    assert picture[0, :, 1].tolist() == list(range(256))
     assert found.max() == pytest.approx(MATT_ROUGHNESS, abs=0.005)
     assert read.visual.vertex_attributes["color"].shape == (len(read.vertices), 4)
 

@@ -92,8 +92,8 @@ def _turn(shown: LiveObject) -> None:
     """Make ready what is drawn while the view moves."""
     coarse = shown.coarse_for(1.0, 1000)
     assert coarse is not None, "it is asked for the first time"
-    lamps, out = np.zeros((1, 6)), coarse.colours.copy()
-    add_shine(coarse.points, coarse.normals, coarse.colours, np.zeros(3), lamps, 4.0, 0.1, out)
+    lamps, lobes, out = np.zeros((1, 6)), np.ones((3, 2)), coarse.colours.copy()
+    add_shine(coarse.points, coarse.normals, coarse.colours, np.zeros(3), lamps, lobes, 128, out)
     Enlarger((1, 1), (2, 2)).enlarge(np.zeros((1, 1, 4), np.uint8), np.zeros((2, 2, 4), np.uint8))
 
 
