@@ -68,6 +68,7 @@ class Sitting:
         self._number = self._opening_bytes = 0  # of the journal, with nothing done yet
         self._journal: Journal | None = None
         self._next: Journal | None = None
+        self._before: Journal | None = None  # which ends by itself
         self._in_file = document.steps.newest
         try:
             self.folder.mkdir(parents=True)
@@ -133,6 +134,7 @@ class Sitting:
         self._number += 1
         if old is not None:
             old.let_go()
+            self._before = old
 
     def save_base(self, document: Document) -> None:
         """Save the painting as it was when the page was turned; what is older can go.
@@ -187,11 +189,11 @@ class Sitting:
 
     def close(self, keep: bool = False) -> None:
         """End it: nothing is left to recover, unless it is to be kept."""
-        for journal in (self._journal, self._next):
+        for journal in (self._before, self._journal, self._next):
             if journal is not None:
                 with suppress(ExportError):
                     journal.close()
-        self._journal = self._next = None
+        self._before = self._journal = self._next = None
         if not keep:
             shutil.rmtree(self.folder, ignore_errors=True)
         self._lock.close()
