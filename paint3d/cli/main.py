@@ -19,7 +19,7 @@ import threading
 import traceback
 import warnings
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, nullcontext
+from contextlib import contextmanager, nullcontext, suppress
 from importlib import import_module
 
 from paint3d.cli.parsing import Parser, UsageError
@@ -91,12 +91,18 @@ def make_parser(asked: str | None = None) -> argparse.ArgumentParser:
     return parser
 
 
-def _report_failure(message: str) -> int:
+def _tell_error(message: str) -> None:
+    """Write an error to stderr, in one line, if anybody can read it."""
     line = " ".join(message.split())
     try:
         sys.stderr.write(f"paint3d: error: {line}\n")
-    except BrokenPipeError:  # nobody reads it; the status tells
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stderr.fileno())
+    except OSError:  # a pipe that nobody reads, a terminal that is gone; the status tells
+        with suppress(OSError):
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stderr.fileno())
+
+
+def _report_failure(message: str) -> int:
+    _tell_error(message)
     return _FAILED
 
 
@@ -206,7 +212,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             return _run(words)
     except KeyboardInterrupt:
         remove_unfinished()
-        sys.stderr.write(f"paint3d: error: {'asked to end' if ends.status else 'interrupted'}\n")
+        _tell_error("asked to end" if ends.status else "interrupted")
         return ends.status or _INTERRUPTED
     except Exception as error:
         if debug:

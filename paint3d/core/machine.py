@@ -254,7 +254,7 @@ def hold_new(path: Path) -> int | None:
         return None
     try:
         fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        is_taken = not os.fstat(descriptor).st_nlink
+        is_taken = not os.path.lexists(path)  # not by links: some file systems count none
     except OSError as cause:  # others are told by file systems without locks
         is_taken = isinstance(cause, BlockingIOError)
     if is_taken:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import errno
 import io
 import json
 import os
@@ -140,6 +141,24 @@ def test_interrupted(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixt
     fail_with(monkeypatch, KeyboardInterrupt())
     assert main.main(["report"]) == 130
     assert capsys.readouterr().err == "paint3d: error: interrupted\n"
+
+
+class Gone(io.StringIO):
+    """A terminal that was closed."""
+
+    def write(self, text: str) -> int:
+        raise OSError(errno.EIO, os.strerror(errno.EIO))
+
+
+@pytest.mark.parametrize(
+    ("error", "status"), [(KeyboardInterrupt(), 130), (ExportError("a"), 2), (OSError(5, "b"), 2)]
+)
+def test_where_the_terminal_is_gone_the_status_tells(
+    monkeypatch: pytest.MonkeyPatch, error: BaseException, status: int
+) -> None:
+    fail_with(monkeypatch, error)
+    monkeypatch.setattr(sys, "stderr", Gone())
+    assert main.main(["report"]) == status
 
 
 def drop_an_interrupt() -> None:
@@ -340,6 +359,14 @@ def test_a_signal_ends_what_goes_on_until_then_and_cuts_no_round_short(number: i
     finally:
         signal.signal(number, before)
     assert whole == [0, 1]
+
+
+def test_rounds_go_on_in_a_thread_that_hears_no_signals() -> None:
+    whole: list[None] = []
+    thread = threading.Thread(target=lambda: whole.extend(devices.rounds(0.05, 0.01)))
+    thread.start()
+    thread.join()
+    assert whole
 
 
 def test_progress_is_silent_in_a_pipe_and_when_quiet() -> None:

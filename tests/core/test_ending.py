@@ -40,6 +40,34 @@ def help_parent():
     end_with_parent(end_now)
     write(lambda: time.sleep(100))
 """
+HOST = """
+import asyncio, os, signal
+
+async def work():
+    heard = asyncio.Event()
+    asyncio.get_running_loop().add_signal_handler(signal.SIGUSR1, heard.set)
+    with Ends():
+        signal.raise_signal(signal.SIGUSR1)
+        time.sleep(0.1)
+    await asyncio.wait_for(heard.wait(), 60.0)
+    print("heard")
+
+asyncio.run(work())
+"""
+FORKING = """
+import os, signal
+with Ends(patience_s=0.1) as ends:
+    if not (child := os.fork()):
+        signal.raise_signal(signal.SIGTERM)
+        os._exit(0)
+    status = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+    if not os.fork():
+        ends.__exit__()
+        os._exit(0)
+    os.wait()
+    time.sleep(0.5)
+    print(status, ends.status, ends._thread.is_alive())
+"""
 ALONE = "\nwrite(lambda: time.sleep(100))"
 AT_ONCE = "\nwith Ends(patience_s=0.0): write(lambda: time.sleep(100))"
 COMPUTING = "\nwith Ends(patience_s=0.2): write(compute); time.sleep(100)"
@@ -213,14 +241,39 @@ def test_a_name_that_is_taken_or_taken_away_is_not_used(tmp_path: Path, monkeypa
     names = iter(["11111111", "22222222", "33333333"])
     monkeypatch.setattr(atomic.secrets, "token_hex", lambda n: next(names))
     (tmp_path / ".o.png.paint3d-11111111.png").write_text("another's")
-    fstat = os.fstat
+    lexists = os.path.lexists
 
-    def removed(descriptor: int) -> os.stat_result:
+    def removed(path: Path) -> bool:
         (tmp_path / ".o.png.paint3d-22222222.png").unlink(missing_ok=True)
-        return fstat(descriptor)
+        return lexists(path)
 
-    monkeypatch.setattr(os, "fstat", removed)
+    monkeypatch.setattr(os.path, "lexists", removed)
     with write_atomically(tmp_path / "o.png") as part:
         assert part.name == ".o.png.paint3d-33333333.png"
         part.write_text("new")
     assert (tmp_path / "o.png").read_text() == "new"
+
+
+@pytest.mark.parametrize(
+    "name", ["永" * 20 + "." + "和" * 61 + ".png", "a." + "b" * 250], ids=["poem", "letters"]
+)
+def test_every_name_that_a_file_can_have_can_be_written(tmp_path: Path, name: str) -> None:
+    """A poem's line may have a point in it; what follows it was taken for a suffix."""
+    with write_atomically(tmp_path / name) as part:
+        assert (part.suffix == ".png") == name.endswith(".png")
+        part.write_text("new")
+    assert [file.name for file in tmp_path.iterdir()] == [name]
+
+
+@needs_signals
+@pytest.mark.parametrize(
+    ("code", "told"), [(HOST, "heard"), (FORKING, f"{-signal.SIGTERM} 0 True")]
+)
+def test_signals_of_others_are_theirs(code: str, told: str) -> None:
+    """Of the program around a command, and of processes that are forked meanwhile."""
+    asked = [sys.executable, "-W", "ignore", "-c", WRITING + code]
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    done = subprocess.run(
+        asked, capture_output=True, text=True, cwd=ROOT, env=environment, timeout=PATIENCE_S
+    )
+    assert (done.returncode, done.stdout) == (0, f"{told}\n"), done.stderr
