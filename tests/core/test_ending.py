@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
+import errno
 import os
 import signal
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -16,6 +19,7 @@ from paint3d.cli import main
 from paint3d.core import atomic
 from paint3d.core.atomic import write_atomically
 from paint3d.core.ending import AskedToEnd, Ends, remove_unfinished
+from paint3d.core.machine import hold_new
 from paint3d.errors import ExportError
 
 PATIENCE_S = 120.0
@@ -77,6 +81,15 @@ if __name__ == "__main__":
     child.start()
     child.join()
 """
+SERVING = """
+from paint3d.cli.batches import workers
+
+workers.run_row = lambda row: write(lambda: time.sleep(100))
+ours, theirs = multiprocessing.Pipe()
+ours.send((1, "a.png", ()))
+"""
+SERVED_HERE = SERVING + "workers._serve(theirs)"
+SERVED_BY_A_CHILD = CHILD.replace("help_parent", "workers._serve, args=(theirs,)")
 needs_signals = pytest.mark.skipif(not hasattr(signal, "SIGHUP"), reason="no such signals")
 
 
@@ -193,6 +206,77 @@ def test_the_parents_end_ends_what_a_process_is_writing(tmp_path: Path) -> None:
     assert part.is_file()
     assert ended(running, signal.SIGKILL) == -signal.SIGKILL
     until(lambda: list(tmp_path.iterdir()) == [])
+
+
+@needs_signals
+@pytest.mark.parametrize(
+    ("code", "number"),
+    [(SERVED_HERE, signal.SIGTERM), (SERVING + SERVED_BY_A_CHILD, signal.SIGKILL)],
+    ids=["it is asked to end", "its parent is killed"],
+)
+def test_a_process_of_a_batch_leaves_nothing_of_its_row(
+    tmp_path: Path, code: str, number: int
+) -> None:
+    running, part = writing(code, tmp_path)
+    assert part.read_text() == "half"
+    assert ended(running, number) == (143 if number == signal.SIGTERM else -number)
+    until(lambda: list(tmp_path.iterdir()) == [])
+
+
+def test_an_interrupt_removes_what_threads_are_writing(tmp_path: Path, monkeypatch) -> None:
+    begun, over = threading.Event(), threading.Event()
+
+    def write() -> None:
+        with contextlib.suppress(ExportError), write_atomically(tmp_path / "o.png"):
+            begun.set()
+            over.wait(PATIENCE_S)
+
+    def work(words: list[str]) -> int:
+        thread.start()
+        begun.wait(PATIENCE_S)
+        raise KeyboardInterrupt
+
+    thread = threading.Thread(target=write)
+    monkeypatch.setattr(main, "_run", work)
+    assert main.main(["report"]) == 130
+    left = list(tmp_path.iterdir())
+    over.set()
+    thread.join()
+    assert left == list(tmp_path.iterdir()) == []
+
+
+@needs_signals
+def test_a_new_file_that_somebody_looks_at_is_left_to_them(tmp_path: Path, monkeypatch) -> None:
+    """Whoever removes what was left had it before it could be locked."""
+    fcntl = pytest.importorskip("fcntl")
+    flock, looks = fcntl.flock, contextlib.ExitStack()
+
+    def look_first(descriptor: int, how: int) -> None:
+        monkeypatch.setattr(fcntl, "flock", flock)
+        flock(looks.enter_context(new.open("rb")), fcntl.LOCK_EX)
+        flock(descriptor, how)
+
+    new = tmp_path / "new"
+    monkeypatch.setattr(fcntl, "flock", look_first)
+    with looks, pytest.raises(FileExistsError, match="taken away"):
+        hold_new(new)
+
+
+@needs_signals
+def test_where_no_file_can_be_locked_it_is_written_and_none_removed(tmp_path, monkeypatch) -> None:
+    """As in folders of other machines: nobody knows who writes there."""
+    fcntl = pytest.importorskip("fcntl")
+
+    def refuse(*_: object) -> None:
+        raise OSError(errno.ENOLCK, os.strerror(errno.ENOLCK))
+
+    monkeypatch.setattr(fcntl, "flock", refuse)
+    monkeypatch.setattr(atomic, "_TIDY", set())
+    left = tmp_path / ".o.png.paint3d-12345678.png"
+    left.write_text("another's")
+    with write_atomically(tmp_path / "o.png") as part:
+        part.write_text("new")
+    assert sorted(tmp_path.iterdir()) == [left, tmp_path / "o.png"]
 
 
 def test_a_forked_process_removes_nothing_of_its_parents(tmp_path: Path, monkeypatch) -> None:
