@@ -19,11 +19,12 @@ import threading
 import traceback
 import warnings
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, nullcontext, suppress
+from contextlib import contextmanager, nullcontext
 from importlib import import_module
 
 from paint3d.cli.parsing import Parser, UsageError
 from paint3d.core.ending import Ends, remove_unfinished
+from paint3d.core.machine import tell_nobody
 from paint3d.errors import Paint3DError
 
 __all__ = ["COMMANDS", "main", "make_parser"]
@@ -97,8 +98,7 @@ def _tell_error(message: str) -> None:
     try:
         sys.stderr.write(f"paint3d: error: {line}\n")
     except OSError:  # a pipe that nobody reads, a terminal that is gone; the status tells
-        with suppress(OSError):
-            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stderr.fileno())
+        tell_nobody(sys.stderr)
 
 
 def _report_failure(message: str) -> int:
@@ -128,7 +128,7 @@ def _run(words: Sequence[str]) -> int:
     except (UsageError, Paint3DError) as error:
         return _report_failure(str(error))
     except BrokenPipeError:  # the reader of our output has gone: nobody to tell
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        tell_nobody(sys.stdout)
     except OSError as error:
         return _report_failure(_describe_os_error(error))
     except MemoryError:
