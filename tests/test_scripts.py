@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import ast
+import contextlib
 import importlib
 import os
+import signal
 import subprocess
+import time
 from pathlib import Path
 
 import pytest
@@ -44,7 +47,7 @@ case "$*" in update*) exit 0;; *"$(cat "$0.lacks")"*) exit 100;; esac
 for name in "$@"; do touch "${0%/*}/dpkg-query.$name"; done
 """
 PYTHON = """case "$2" in
-    tools.kernels) echo kernels >> "${0%/*}/log";;
+    tools.kernels) echo kernels >> "${0%/*}/log"; [ ! -e "$0.slow" ] || exec sleep 300;;
     pip) [ "$3" != install ] || echo "pip ${*:4}" >> "${0%/*}/log";;
     *) exit 1;;
 esac
@@ -90,15 +93,21 @@ class Machine:
 
     def install(self, lacks: str = "nothing") -> tuple[int, str, list[str]]:
         """Its exit status, its messages, and what apt-get was asked for; apt knows no `lacks`."""
-        log = self.tools / "apt-get.log"
-        log.write_text("")
+        log, begun = self.tools / "apt-get.log", self.begin(lacks)
+        said, _ = begun.communicate()
+        return begun.returncode, said, log.read_text().splitlines()
+
+    def begin(self, lacks: str = "nothing") -> subprocess.Popen[str]:
+        """Begin to install, as from a terminal; apt knows no `lacks`."""
+        (self.tools / "apt-get.log").write_text("")
         (self.tools / "apt-get.lacks").write_text(lacks)
         path = f"{self.tools}{os.pathsep}{os.environ['PATH']}"
-        done = subprocess.run(
-            [SCRIPTS / "install"], capture_output=True, text=True, check=False,
+        return subprocess.Popen(
+            [SCRIPTS / "install"], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
             env={**os.environ, "PATH": path, "PAINT3D_VENV": str(self.venv)},
+            start_new_session=True,
+            preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
         )  # fmt: skip
-        return done.returncode, done.stdout + done.stderr, log.read_text().splitlines()
 
 
 def test_what_is_missing_is_installed_at_once_and_once(tmp_path: Path) -> None:
@@ -143,3 +152,20 @@ def test_where_uv_fails_pip_installs_and_kernels_are_compiled_last(tmp_path: Pat
     asked = Machine(tmp_path).install_packages(fails=step)
     assert asked[-2] == "pip --quiet --disable-pip-version-check -e .[test]"
     assert asked[-1] == "kernels"
+
+
+def test_ctrl_c_ends_what_is_compiled_meanwhile(tmp_path: Path) -> None:
+    machine = Machine(tmp_path)
+    log = machine.venv / "bin" / "log"
+    (machine.venv / "paint3d-installed").unlink()
+    (machine.venv / "bin" / "python.slow").touch()
+    begun = machine.begin()
+    while not log.exists() or "kernels" not in log.read_text():
+        time.sleep(0.01)
+    os.killpg(begun.pid, signal.SIGINT)
+    try:
+        begun.communicate(timeout=60.0)
+    finally:
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(begun.pid, signal.SIGKILL)
+    assert begun.returncode == -signal.SIGINT

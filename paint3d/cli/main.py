@@ -24,6 +24,7 @@ from importlib import import_module
 
 from paint3d.cli.parsing import Parser, UsageError
 from paint3d.core.ending import Ends, remove_unfinished
+from paint3d.core.machine import tell_nobody
 from paint3d.errors import Paint3DError
 
 __all__ = ["COMMANDS", "main", "make_parser"]
@@ -91,12 +92,17 @@ def make_parser(asked: str | None = None) -> argparse.ArgumentParser:
     return parser
 
 
-def _report_failure(message: str) -> int:
+def _tell_error(message: str) -> None:
+    """Write an error to stderr, in one line, if anybody can read it."""
     line = " ".join(message.split())
     try:
         sys.stderr.write(f"paint3d: error: {line}\n")
-    except BrokenPipeError:  # nobody reads it; the status tells
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stderr.fileno())
+    except OSError:  # a pipe that nobody reads, a terminal that is gone; the status tells
+        tell_nobody(sys.stderr)
+
+
+def _report_failure(message: str) -> int:
+    _tell_error(message)
     return _FAILED
 
 
@@ -122,7 +128,7 @@ def _run(words: Sequence[str]) -> int:
     except (UsageError, Paint3DError) as error:
         return _report_failure(str(error))
     except BrokenPipeError:  # the reader of our output has gone: nobody to tell
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        tell_nobody(sys.stdout)
     except OSError as error:
         return _report_failure(_describe_os_error(error))
     except MemoryError:
@@ -206,7 +212,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             return _run(words)
     except KeyboardInterrupt:
         remove_unfinished()
-        sys.stderr.write(f"paint3d: error: {'asked to end' if ends.status else 'interrupted'}\n")
+        _tell_error("asked to end" if ends.status else "interrupted")
         return ends.status or _INTERRUPTED
     except Exception as error:
         if debug:

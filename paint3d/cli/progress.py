@@ -8,13 +8,14 @@ import time
 from types import TracebackType
 from typing import Self, TextIO
 
-from paint3d.core.machine import leave_interrupts_to_others
+from paint3d.core.machine import leave_interrupts_to_others, tell_nobody
 
 __all__ = ["ProgressBar"]
 
 _WIDTH = 30
 _INTERVAL_S = 0.1
 _TICK_S = 0.5
+_CLEAR = "\r\x1b[K"  # the line
 _RUNNER = "###"  # goes to and fro while nobody knows how much is done
 
 
@@ -37,7 +38,8 @@ class ProgressBar:
     def __init__(self, label: str, *, enabled: bool = True, stream: TextIO | None = None) -> None:
         self._stream = sys.stderr if stream is None else stream
         self._label = label
-        self._active = enabled and self._stream.isatty()
+        self._is_terminal = self._stream.isatty()
+        self._active = enabled and self._is_terminal
         self._started = time.monotonic()
         self._drawn = -_INTERVAL_S
         self._done: float | None = None
@@ -54,10 +56,8 @@ class ProgressBar:
 
     def note(self, line: str) -> None:
         """Write a line above the bar; to a stream that is no terminal it is just written."""
-        clear = "\r\x1b[K" if self._active else ""
         with self._drawing:
-            self._stream.write(f"{clear}{line}\n")
-            self._stream.flush()
+            self._write(f"{_CLEAR if self._active else ''}{line}\n")
         self._drawn = -_INTERVAL_S
 
     def _draw(self) -> None:
@@ -75,8 +75,17 @@ class ProgressBar:
             bar = ("." * at + _RUNNER).ljust(_WIDTH, ".")
         with self._drawing:
             if not self._over.is_set():
-                self._stream.write(f"\r\x1b[K{self._label} [{bar}]{told}")
-                self._stream.flush()
+                self._write(f"{_CLEAR}{self._label} [{bar}]{told}")
+
+    def _write(self, text: str) -> None:
+        try:
+            self._stream.write(text)
+            self._stream.flush()
+        except OSError:
+            if not self._is_terminal:
+                raise
+            self._active = False  # the terminal is gone, and the work does without
+            tell_nobody(self._stream)
 
     def _tick(self) -> None:
         leave_interrupts_to_others()  # who waits for the work is to be interrupted
@@ -102,5 +111,4 @@ class ProgressBar:
             self._ticker.join()
         if self._active:
             with self._drawing:
-                self._stream.write("\r\x1b[K")
-                self._stream.flush()
+                self._write(_CLEAR)

@@ -22,6 +22,7 @@ from paint3d.errors import ExportError
 __all__ = ["write_atomically"]
 
 _LEFT = re.compile(r"\..*\.paint3d-[0-9a-f]{8}(\..*)?", re.DOTALL)
+_STEM, _SUFFIXES = 20, 32  # characters and bytes: a name has up to 255 bytes, on some systems 143
 _TRIES = 100
 _TIDY: set[Path] = set()  # folders that were looked through by this process
 
@@ -89,13 +90,13 @@ def _reserve(target: Path) -> tuple[Path, int | None]:
     """A new file beside the target, and what keeps it locked; see `hold_new`."""
     if target.is_dir():
         raise IsADirectoryError(f"{target.name or target} is a folder; expected a file name")
-    suffixes = "".join(target.suffixes[-2:])
+    stem, suffixes = target.name[:_STEM], _short_suffixes(target)
     held: int | None = None
 
     def make() -> Path:
         nonlocal held
         for left in reversed(range(_TRIES)):
-            name = f".{target.name[:40]}.paint3d-{secrets.token_hex(4)}{suffixes}"
+            name = f".{stem}.paint3d-{secrets.token_hex(4)}{suffixes}"
             try:
                 held = hold_new(target.parent / name)
                 break
@@ -105,6 +106,15 @@ def _reserve(target: Path) -> tuple[Path, int | None]:
         return target.parent / name
 
     return begin_file(make), held
+
+
+def _short_suffixes(target: Path) -> str:
+    """The last two suffixes, fewer where they are parts of a long name, which may have points."""
+    for n in (2, 1):
+        suffixes = "".join(target.suffixes[-n:])
+        if len(os.fsencode(suffixes)) <= _SUFFIXES:
+            return suffixes
+    return ""
 
 
 def _tidy(folder: Path) -> None:

@@ -72,8 +72,11 @@ def end_now(status: int) -> None:
 def heard_by(hear: Callable[[], object]) -> Iterator[None]:
     """Have somebody else told, in the main thread, of interrupts and of being asked to end.
 
-    What is ignored, as by what a shell runs behind, stays so.
+    What is ignored, as by what a shell runs behind, stays so. In another thread nothing is heard.
     """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
     all_before = {number: signal.getsignal(number) for number in ENDING}
     before = {n: heard for n, heard in all_before.items() if heard not in (None, signal.SIG_IGN)}
     woken = signal.set_wakeup_fd(-1)  # of `Ends`, which is to know nothing of it
@@ -119,9 +122,12 @@ class Ends:
             self._thread.start()
         for number in self._heard:
             signal.signal(number, self._hear)
+        _hearing.append(self)
         return self
 
     def __exit__(self, *error: object) -> None:
+        if self in _hearing:
+            _hearing.remove(self)
         for number in self._heard:
             signal.signal(number, signal.SIG_DFL)
         if self._thread is not None:
@@ -132,10 +138,24 @@ class Ends:
             os.close(self._read)
             os.close(self._write)
 
+    def leave_to_parent(self) -> None:
+        """Hear nothing in a process that was forked, whose signals its parent would be told of."""
+        if self._thread is not None:
+            signal.set_wakeup_fd(-1)
+        for number in self._heard:
+            signal.signal(number, signal.SIG_DFL)
+        self._heard, self._thread = [], None
+
     def _hear(self, number: int, frame: FrameType | None) -> None:
         is_first, self.status = not self.status, 128 + number
         if is_first and self._patience_s > 0.0:
             raise AskedToEnd
+
+    def _pass_on(self, number: int) -> None:
+        """Tell of a signal whoever was told before, such as asyncio's loop around this program."""
+        if self._before >= 0:
+            with suppress(OSError):
+                os.write(self._before, bytes([number]))
 
     def _watch(self) -> None:
         """Wait for signals: they are told here even where the main thread is in a kernel."""
@@ -144,7 +164,21 @@ class Ends:
                 if number == _STOP[0]:
                     return
                 if number not in self._heard:
+                    self._pass_on(number)
                     continue
                 if self._over.wait(self._patience_s):
                     return
                 end_now(128 + number)
+
+
+_hearing: list[Ends] = []
+
+
+def _leave_to_parent() -> None:
+    for ends in _hearing:
+        ends.leave_to_parent()
+    _hearing.clear()
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_leave_to_parent)

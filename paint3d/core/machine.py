@@ -19,7 +19,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from types import ModuleType
-from typing import Any, BinaryIO, cast
+from typing import Any, BinaryIO, TextIO, cast
 
 __all__ = [
     "APPENDING",
@@ -42,6 +42,7 @@ __all__ = [
     "make_memory_file",
     "nobodys",
     "reserve_space",
+    "tell_nobody",
     "usable_cores",
     "user_number",
 ]
@@ -124,6 +125,12 @@ def holding_interrupts() -> Iterator[None]:
         yield
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, blocked)
+
+
+def tell_nobody(stream: TextIO) -> None:
+    """Let what is written to a stream go nowhere: whoever read it, or its terminal, is gone."""
+    with suppress(OSError):  # some streams are no files
+        os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 
 def leave_interrupts_to_others() -> None:
@@ -254,7 +261,7 @@ def hold_new(path: Path) -> int | None:
         return None
     try:
         fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        is_taken = not os.fstat(descriptor).st_nlink
+        is_taken = not os.path.lexists(path)  # not by links: some file systems count none
     except OSError as cause:  # others are told by file systems without locks
         is_taken = isinstance(cause, BlockingIOError)
     if is_taken:

@@ -92,9 +92,11 @@ def write_picture(
         raise InputError(
             f"{path}: a .{form.lower()} is in sRGB; expected .png or .webp for {viewing.gamut}"
         )
-    read = read_painting(painting, ExportOptions(viewing=viewing))
+    other = None if material is None else Gloss.of(material)
+    roughness = None if other is None else other.seen_roughness
+    read = read_painting(painting, ExportOptions(viewing=viewing), roughness=roughness)
     assert isinstance(read, Painting), "no texture was asked for"
-    gloss = gloss_of(read, None if material is None else Gloss.of(material))
+    gloss = gloss_of(read, other)
     arrays, how = (*read[:3], read.shown_srgb), _how(form) | picture_tags(read.gamut, form)
     with write_atomically(path, progress) as part:
         if turning is None:

@@ -308,7 +308,11 @@ class PaintedSurface(InkStore):
         Water is what `diffuse` and wet replays move: ink that no time has passed for has none. Of
         layers the ink of all that are visible counts, and the water of the one that is painted on.
         """
-        return look_when_wet(self)
+        return self.look_on(self.material.roughness)
+
+    def look_on(self, roughness: float) -> WetLook | None:
+        """The same, to be shown as if it were on a material so rough; pores are its own."""
+        return look_when_wet(self, roughness)
 
     def watch_wet(self) -> WetWatch:
         """What follows `wet_look` from one picture to the next."""

@@ -47,10 +47,12 @@ class _Painted(Protocol):
     def coats_at(self, vertex_ids: AnyArray) -> NDArray[np.float64]: ...
 
 
-def look_when_wet(surface: _Painted) -> WetLook | None:
-    """How wet, glossy and matt all vertices are; None where all are as their material."""
+def look_when_wet(surface: _Painted, roughness: float) -> WetLook | None:
+    """How wet, glossy and matt all vertices are; None where all are as a material so rough."""
     water, pores = surface.seen_water, surface.material.pores_mm
-    ids = np.flatnonzero(surface.painted) if _is_otherwise_dry(surface) else np.zeros(0, np.int32)
+    ids = np.zeros(0, np.int64)
+    if _is_otherwise_dry(surface, roughness):
+        ids = np.flatnonzero(surface.painted)
     if water is None and not len(ids):
         return None
     n = surface.paint_mesh.n_vertices
@@ -107,7 +109,8 @@ class WetWatch:
             Vertices whose ink may have changed: how theirs dries is found anew.
         """
         surface = self._surface
-        water, is_otherwise = surface.seen_water, _is_otherwise_dry(surface)
+        water = surface.seen_water
+        is_otherwise = _is_otherwise_dry(surface, surface.material.roughness)
         if water is None and not len(self._wet) and not is_otherwise:
             return self._wet
         if len(self._film) < surface.paint_mesh.n_vertices:
@@ -167,10 +170,9 @@ class WetWatch:
         return self._damp[ids] / 255.0 if len(self._wet) else None
 
 
-def _is_otherwise_dry(surface: _Painted) -> bool:
-    """Whether inks that dry on it may be rougher or glossier than its material."""
-    is_smooth = surface.material.roughness < MATT_ROUGHNESS
-    return is_smooth or any(pigment.gloss for pigment in surface.pigments)
+def _is_otherwise_dry(surface: _Painted, roughness: float) -> bool:
+    """Whether inks that dry on it may be rougher or glossier than a material so rough."""
+    return roughness < MATT_ROUGHNESS or any(pigment.gloss for pigment in surface.pigments)
 
 
 def _dried(surface: _Painted, ids: AnyArray) -> tuple[AnyArray, AnyArray]:

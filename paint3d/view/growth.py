@@ -48,7 +48,7 @@ class Growth:
     def __init__(self, surface: PaintedSurface, step_s: float) -> None:
         self.surface, self._step_s = surface, step_s
         self._material = Gloss.of(surface.material).seen_roughness
-        self._is_plain = True  # nothing was wet, nor is any ink there that dries with a gloss
+        self._is_plain = True  # nothing was wet, and all ink dried as its material is
         self._start = self._seen()
         self._last = self._start
         self._lengths: list[int] = []

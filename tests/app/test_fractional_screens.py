@@ -56,3 +56,29 @@ def test_parts_are_shown_as_the_whole_is(program, ratio, size, monkeypatch) -> N
         changed = (part != NOTHING).any(axis=2)
         assert changed.sum() > 0
         assert (part[changed] == whole[changed]).all()
+
+
+@pytest.mark.parametrize("ratio", [1.0, 1.25, 1.5, 1.75])
+def test_what_has_changed_is_asked_to_be_drawn_whole(program, ratio, monkeypatch) -> None:
+    canvas, asked = Canvas(), list[QtCore.QRect]()
+    canvas.resize(323, 241)
+    monkeypatch.setattr(canvas, "devicePixelRatioF", lambda: ratio)
+    width, height = canvas.pixel_size
+    chance = np.random.default_rng(5)
+    pixels = chance.integers(8, 255, (height, width, 4)).astype(np.uint8)
+    canvas.show_pixels(pixels)
+    before = drawn(canvas, canvas.rect(), ratio)
+    monkeypatch.setattr(canvas, "update", lambda *rects: asked.extend(rects))
+    for _ in range(12):
+        (x0, x1), (y0, y1) = (
+            sorted(int(edge) for edge in chance.choice(side - 1, 2, replace=False))
+            for side in (width, height)
+        )
+        pixels[y0:y1, x0:x1] ^= 255
+        canvas.show_pixels(pixels, (x0, y0, x1, y1))
+        after = drawn(canvas, canvas.rect(), ratio)
+        part = drawn(canvas, asked.pop(), ratio)
+        changed = (after != before).any(axis=2)
+        assert changed.any()
+        assert (part[changed] == after[changed]).all()
+        before = after

@@ -1,5 +1,8 @@
 """Layers: each lies on those below as if they had dried first."""
 
+import random
+from contextlib import suppress
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -8,9 +11,11 @@ from hypothesis import strategies as st
 from paint3d.app.model.document import Document
 from paint3d.colour.difference import delta_e, lab_from_srgb
 from paint3d.colour.kernels.layering import GROUNDS, see_through
-from paint3d.errors import InputError, SessionError
+from paint3d.colour.wet_look import shine_of_inks
+from paint3d.errors import InputError, Paint3DError, SessionError
 from paint3d.files.load import load_mesh
 from paint3d.mesh.triangle_mesh import TriangleMesh
+from paint3d.surface.sheen import PLAIN_SHINE
 from paint3d.surface.state import restore_surface, surface_state
 from tests.support.app.hands import line, paint, same_vertices, small_plane
 from tests.support.examples import examples
@@ -341,3 +346,46 @@ def test_redo_paints_on_its_own_layer_whatever_was_chosen_since():
     document.select_layer(0)
     document.redo()
     same(everything(document), then)
+
+
+@pytest.mark.parametrize(("seed", "material"), [(0, "porcelain"), (1, "porcelain"), (2, "xuan")])
+def test_how_it_shines_is_followed_whatever_is_done(seed, material) -> None:
+    """Layers added, hidden, moved and removed, other pigments, ink that dries, all of it undone."""
+    chance, document = random.Random(seed), small_plane(material=material)
+    surface, time_ns = document.surface, 1_000_000
+    watch = surface.watch_wet()
+
+    def stroke() -> None:
+        nonlocal time_ns
+        ends = [(chance.uniform(-20, 20), chance.uniform(-20, 20)) for _ in range(2)]
+        document.dip(chance.choice(["pine soot", "oil soot", "cinnabar"]))
+        samples = line(*ends, n=8, t0=time_ns)
+        time_ns = samples[-1].time_ns + 10_000_000
+        document.begin_stroke()
+        document.feed(samples)
+        document.end_stroke()
+
+    def place() -> int:
+        return chance.randrange(len(document.layers))
+
+    actions = [
+        stroke, stroke, stroke, document.dry, document.undo, document.undo, document.redo,
+        lambda: document.follow_time(chance.choice([0.05, 5.0, 800.0])),
+        lambda: document.add_layer("above", place() + 1), lambda: document.remove_layer(place()),
+        lambda: document.move_layer(place(), place()), lambda: document.select_layer(place()),
+        lambda: document.set_visible(place(), chance.random() < 0.7),
+    ]  # fmt: skip
+    n_shining = 0
+    for _ in range(40):
+        with suppress(Paint3DError):
+            chance.choice(actions)()
+        watch.follow(document.refresh())
+        every = np.arange(surface.n_vertices)
+        shine, look = np.zeros(surface.n_vertices), surface.wet_look
+        if look is not None:
+            dried = shine_of_inks(surface.material.roughness, look.gloss, look.hidden)
+            shine = dried + look.film * (1.0 - dried)
+        found = PLAIN_SHINE + 0.0 * shine if watch.is_plain else watch.shine(every).astype(float)
+        np.testing.assert_allclose((found - PLAIN_SHINE) / 127.0, shine, atol=0.09)
+        n_shining += bool(np.abs(shine).max() > 0.3)
+    assert n_shining > 10

@@ -444,6 +444,31 @@ def test_all_that_waits_is_written_by_one_call(tmp_path, monkeypatch):
     same_vertices(recovered.document.surface, document.surface)
 
 
+def test_it_ends_with_what_still_waits_to_be_written(tmp_path, monkeypatch):
+    document = small_plane()
+    easel = Easel(document, sitting=Sitting(document, tmp_path))
+    write, begun, go_on = os.write, threading.Event(), threading.Event()
+
+    def slowly(file: int, data: memoryview) -> int:
+        begun.set()
+        assert go_on.wait(300.0)
+        return write(file, data)
+
+    monkeypatch.setattr("paint3d.files.project.journal.os.write", slowly)
+    easel.post("set_tags", event=0)
+    wait_until(begun.is_set)
+    easel.post("set_tags", event=1)
+    rested(easel)
+    ends = threading.Thread(target=easel.stop, kwargs={"keep": True}, daemon=True)
+    ends.start()
+    ends.join(0.1)  # the end waits in the queue, behind the last command
+    go_on.set()
+    ends.join(60.0)
+    assert not ends.is_alive()
+    (unfinished,) = recoverable(tmp_path)
+    assert unfinished.recover().document.tags == {"event": 1}
+
+
 def test_what_could_not_be_written_together_is_in_the_next_base(tmp_path, monkeypatch):
     monkeypatch.setattr("paint3d.app.model.easel._AGAIN_S", 0.0)
     document = small_plane()

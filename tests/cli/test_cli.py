@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import errno
 import io
 import json
 import os
@@ -24,7 +25,7 @@ from paint3d.bench.result import Check, Result
 from paint3d.cli import bench, devices, first_run, main, options, progress, replay, report, versions
 from paint3d.colour.materials import material_names
 from paint3d.core import compiled as compiled_kernels
-from paint3d.core.ending import Ends
+from paint3d.core.ending import AskedToEnd, Ends
 from paint3d.errors import ExportError, MeshError
 
 SUFFIXES = (".ply", ".p3d.txt")
@@ -140,6 +141,24 @@ def test_interrupted(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixt
     fail_with(monkeypatch, KeyboardInterrupt())
     assert main.main(["report"]) == 130
     assert capsys.readouterr().err == "paint3d: error: interrupted\n"
+
+
+class Gone(io.StringIO):
+    """A terminal that was closed."""
+
+    def write(self, text: str) -> int:
+        raise OSError(errno.EIO, os.strerror(errno.EIO))
+
+
+@pytest.mark.parametrize(
+    ("error", "status"), [(KeyboardInterrupt(), 130), (ExportError("a"), 2), (OSError(5, "b"), 2)]
+)
+def test_where_the_terminal_is_gone_the_status_tells(
+    monkeypatch: pytest.MonkeyPatch, error: BaseException, status: int
+) -> None:
+    fail_with(monkeypatch, error)
+    monkeypatch.setattr(sys, "stderr", Gone())
+    assert main.main(["report"]) == status
 
 
 def drop_an_interrupt() -> None:
@@ -340,6 +359,49 @@ def test_a_signal_ends_what_goes_on_until_then_and_cuts_no_round_short(number: i
     finally:
         signal.signal(number, before)
     assert whole == [0, 1]
+
+
+class Closing(Terminal):
+    """A terminal that is closed while something is told."""
+
+    is_closed = False
+
+    def write(self, text: str) -> int:
+        if self.is_closed:
+            raise OSError(errno.EIO, os.strerror(errno.EIO))
+        return super().write(text)
+
+
+def test_the_work_goes_on_where_its_terminal_is_gone() -> None:
+    terminal = Closing()
+    with progress.ProgressBar("a", stream=terminal) as bar:
+        bar(0.5)
+        terminal.is_closed = True
+        time.sleep(0.1)
+        bar(0.7)
+        bar.note("b")
+    assert "50%" in terminal.getvalue()
+
+
+def test_asked_to_end_by_a_closed_terminal_is_no_fault_of_the_bar() -> None:
+    """What clears the line could not be written, which stood for the error."""
+    terminal = Closing()
+
+    def work() -> None:
+        with progress.ProgressBar("a", stream=terminal):
+            terminal.is_closed = True
+            raise AskedToEnd
+
+    with pytest.raises(AskedToEnd):
+        work()
+
+
+def test_rounds_go_on_in_a_thread_that_hears_no_signals() -> None:
+    whole: list[None] = []
+    thread = threading.Thread(target=lambda: whole.extend(devices.rounds(0.05, 0.01)))
+    thread.start()
+    thread.join()
+    assert whole
 
 
 def test_progress_is_silent_in_a_pipe_and_when_quiet() -> None:

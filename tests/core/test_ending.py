@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
+import errno
 import os
 import signal
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -16,6 +19,7 @@ from paint3d.cli import main
 from paint3d.core import atomic
 from paint3d.core.atomic import write_atomically
 from paint3d.core.ending import AskedToEnd, Ends, remove_unfinished
+from paint3d.core.machine import hold_new
 from paint3d.errors import ExportError
 
 PATIENCE_S = 120.0
@@ -40,6 +44,34 @@ def help_parent():
     end_with_parent(end_now)
     write(lambda: time.sleep(100))
 """
+HOST = """
+import asyncio, os, signal
+
+async def work():
+    heard = asyncio.Event()
+    asyncio.get_running_loop().add_signal_handler(signal.SIGUSR1, heard.set)
+    with Ends():
+        signal.raise_signal(signal.SIGUSR1)
+        time.sleep(0.1)
+    await asyncio.wait_for(heard.wait(), 60.0)
+    print("heard")
+
+asyncio.run(work())
+"""
+FORKING = """
+import os, signal
+with Ends(patience_s=0.1) as ends:
+    if not (child := os.fork()):
+        signal.raise_signal(signal.SIGTERM)
+        os._exit(0)
+    status = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+    if not os.fork():
+        ends.__exit__()
+        os._exit(0)
+    os.wait()
+    time.sleep(0.5)
+    print(status, ends.status, ends._thread.is_alive())
+"""
 ALONE = "\nwrite(lambda: time.sleep(100))"
 AT_ONCE = "\nwith Ends(patience_s=0.0): write(lambda: time.sleep(100))"
 COMPUTING = "\nwith Ends(patience_s=0.2): write(compute); time.sleep(100)"
@@ -49,6 +81,15 @@ if __name__ == "__main__":
     child.start()
     child.join()
 """
+SERVING = """
+from paint3d.cli.batches import workers
+
+workers.run_row = lambda row: write(lambda: time.sleep(100))
+ours, theirs = multiprocessing.Pipe()
+ours.send((1, "a.png", ()))
+"""
+SERVED_HERE = SERVING + "workers._serve(theirs)"
+SERVED_BY_A_CHILD = CHILD.replace("help_parent", "workers._serve, args=(theirs,)")
 needs_signals = pytest.mark.skipif(not hasattr(signal, "SIGHUP"), reason="no such signals")
 
 
@@ -167,6 +208,77 @@ def test_the_parents_end_ends_what_a_process_is_writing(tmp_path: Path) -> None:
     until(lambda: list(tmp_path.iterdir()) == [])
 
 
+@needs_signals
+@pytest.mark.parametrize(
+    ("code", "number"),
+    [(SERVED_HERE, signal.SIGTERM), (SERVING + SERVED_BY_A_CHILD, signal.SIGKILL)],
+    ids=["it is asked to end", "its parent is killed"],
+)
+def test_a_process_of_a_batch_leaves_nothing_of_its_row(
+    tmp_path: Path, code: str, number: int
+) -> None:
+    running, part = writing(code, tmp_path)
+    assert part.read_text() == "half"
+    assert ended(running, number) == (143 if number == signal.SIGTERM else -number)
+    until(lambda: list(tmp_path.iterdir()) == [])
+
+
+def test_an_interrupt_removes_what_threads_are_writing(tmp_path: Path, monkeypatch) -> None:
+    begun, over = threading.Event(), threading.Event()
+
+    def write() -> None:
+        with contextlib.suppress(ExportError), write_atomically(tmp_path / "o.png"):
+            begun.set()
+            over.wait(PATIENCE_S)
+
+    def work(words: list[str]) -> int:
+        thread.start()
+        begun.wait(PATIENCE_S)
+        raise KeyboardInterrupt
+
+    thread = threading.Thread(target=write)
+    monkeypatch.setattr(main, "_run", work)
+    assert main.main(["report"]) == 130
+    left = list(tmp_path.iterdir())
+    over.set()
+    thread.join()
+    assert left == list(tmp_path.iterdir()) == []
+
+
+@needs_signals
+def test_a_new_file_that_somebody_looks_at_is_left_to_them(tmp_path: Path, monkeypatch) -> None:
+    """Whoever removes what was left had it before it could be locked."""
+    fcntl = pytest.importorskip("fcntl")
+    flock, looks = fcntl.flock, contextlib.ExitStack()
+
+    def look_first(descriptor: int, how: int) -> None:
+        monkeypatch.setattr(fcntl, "flock", flock)
+        flock(looks.enter_context(new.open("rb")), fcntl.LOCK_EX)
+        flock(descriptor, how)
+
+    new = tmp_path / "new"
+    monkeypatch.setattr(fcntl, "flock", look_first)
+    with looks, pytest.raises(FileExistsError, match="taken away"):
+        hold_new(new)
+
+
+@needs_signals
+def test_where_no_file_can_be_locked_it_is_written_and_none_removed(tmp_path, monkeypatch) -> None:
+    """As in folders of other machines: nobody knows who writes there."""
+    fcntl = pytest.importorskip("fcntl")
+
+    def refuse(*_: object) -> None:
+        raise OSError(errno.ENOLCK, os.strerror(errno.ENOLCK))
+
+    monkeypatch.setattr(fcntl, "flock", refuse)
+    monkeypatch.setattr(atomic, "_TIDY", set())
+    left = tmp_path / ".o.png.paint3d-12345678.png"
+    left.write_text("another's")
+    with write_atomically(tmp_path / "o.png") as part:
+        part.write_text("new")
+    assert sorted(tmp_path.iterdir()) == [left, tmp_path / "o.png"]
+
+
 def test_a_forked_process_removes_nothing_of_its_parents(tmp_path: Path, monkeypatch) -> None:
     with write_atomically(tmp_path / "o.png") as part:
         monkeypatch.setattr(os, "getpid", lambda: 1)
@@ -213,14 +325,39 @@ def test_a_name_that_is_taken_or_taken_away_is_not_used(tmp_path: Path, monkeypa
     names = iter(["11111111", "22222222", "33333333"])
     monkeypatch.setattr(atomic.secrets, "token_hex", lambda n: next(names))
     (tmp_path / ".o.png.paint3d-11111111.png").write_text("another's")
-    fstat = os.fstat
+    lexists = os.path.lexists
 
-    def removed(descriptor: int) -> os.stat_result:
+    def removed(path: Path) -> bool:
         (tmp_path / ".o.png.paint3d-22222222.png").unlink(missing_ok=True)
-        return fstat(descriptor)
+        return lexists(path)
 
-    monkeypatch.setattr(os, "fstat", removed)
+    monkeypatch.setattr(os.path, "lexists", removed)
     with write_atomically(tmp_path / "o.png") as part:
         assert part.name == ".o.png.paint3d-33333333.png"
         part.write_text("new")
     assert (tmp_path / "o.png").read_text() == "new"
+
+
+@pytest.mark.parametrize(
+    "name", ["永" * 20 + "." + "和" * 61 + ".png", "a." + "b" * 250], ids=["poem", "letters"]
+)
+def test_every_name_that_a_file_can_have_can_be_written(tmp_path: Path, name: str) -> None:
+    """A poem's line may have a point in it; what follows it was taken for a suffix."""
+    with write_atomically(tmp_path / name) as part:
+        assert (part.suffix == ".png") == name.endswith(".png")
+        part.write_text("new")
+    assert [file.name for file in tmp_path.iterdir()] == [name]
+
+
+@needs_signals
+@pytest.mark.parametrize(
+    ("code", "told"), [(HOST, "heard"), (FORKING, f"{-signal.SIGTERM} 0 True")]
+)
+def test_signals_of_others_are_theirs(code: str, told: str) -> None:
+    """Of the program around a command, and of processes that are forked meanwhile."""
+    asked = [sys.executable, "-W", "ignore", "-c", WRITING + code]
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    done = subprocess.run(
+        asked, capture_output=True, text=True, cwd=ROOT, env=environment, timeout=PATIENCE_S
+    )
+    assert (done.returncode, done.stdout) == (0, f"{told}\n"), done.stderr

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from paint3d.device.sample import DeviceSample
 from paint3d.errors import ExportError, RecordingError, SessionError
-from paint3d.files.project.journal import SAMPLE, Journal, read_journal
+from paint3d.files.project.journal import SAMPLE, Journal, read_events, read_journal
 from tests.support.full_disk import full_disk
 
 ROOT = Path(__file__).parents[2]
@@ -137,6 +137,30 @@ def test_a_full_disk_leaves_a_whole_journal(tmp_path):
     journal.append(samples(4, 4))
     journal.close()
     assert len(read_journal(path)[0]) == 8
+
+
+def test_what_could_not_be_written_together_is_no_new_beginning(tmp_path):
+    """After the note that was lost times and pressures began anew: nothing could be read."""
+    path = tmp_path / "a.p3dj"
+    journal = Journal(path, {})
+    journal.append(samples(50, 4))
+
+    def begin_anew():
+        with journal.together():
+            journal.note({"do": "begin_stroke"})
+            journal.append(samples(0, 4, None))
+
+    with full_disk(path.stat().st_size + 100), pytest.raises(ExportError, match="cannot write"):
+        begin_anew()
+    for another in (samples(4, 1, None), samples(4, 1), samples(60, 1, None)):
+        with pytest.raises(RecordingError):
+            journal.append(another)
+    journal.append(samples(60, 2))
+    journal.note({"do": "begin_stroke"})
+    journal.append(samples(5, 1, None))
+    journal.close()
+    _, (first, _, second), loss = read_events(path)
+    assert (len(first), len(second), bool(loss)) == (6, 1, False)
 
 
 def test_killed_at_random_moments_it_loses_100_ms_at_most():

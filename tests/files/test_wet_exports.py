@@ -295,6 +295,20 @@ def test_the_gloss_of_another_material_is_that_of_its_dry_parts(wet):
     assert glazed.each[~dry].min() < 0.1
 
 
+@pytest.mark.parametrize("viewing", [None, Viewing(gamut="p3")])
+def test_dry_ink_is_matt_on_the_glaze_of_another_material(viewing, tmp_path):
+    """Painted on paper it is as rough as that; shown on porcelain it mirrored the lamps."""
+    surface, seen = ball("pine soot"), []
+    assert surface.wet_look is None
+    for name, on in (("own", ball("pine soot", "porcelain")), ("other", surface)):
+        shot, path = Shot(size=(120, 120), view="front"), tmp_path / f"{name}.png"
+        write_picture(on, path, shot, material="porcelain", viewing=viewing)
+        seen.append(np.asarray(Image.open(path).convert("L"), float))
+    black = binary_erosion(seen[0] < 100.0, iterations=2)
+    assert black.sum() > 500
+    np.testing.assert_allclose(seen[1][black], seen[0][black], atol=2.0)
+
+
 def test_another_light_keeps_what_is_wet(wet, tmp_path):
     painting = read_painting(wet, ExportOptions(viewing=Viewing(gamut="p3")))
     assert painting.look is not None

@@ -171,6 +171,30 @@ def test_dry_ink_on_glaze_is_matt_and_wet_ink_shines(scene):
     assert np.abs(looks["dry"] - looks["fresh"]).max() <= 2
 
 
+def test_dry_ink_on_glaze_is_matt_while_the_view_moves(scene):
+    surface = ball("pine soot", "porcelain")
+    shown, found = LiveObject(surface), []
+    gloss = Gloss(surface.material.roughness, surface.material.coat)
+    scene.clear(shown.centre, shown.radius, gloss, solid=shown.is_solid)
+    view = View(TOWARD, np.array([0.0, 0.0, 1.0]))
+    scene.set_camera(fit_camera(surface.paint_mesh.vertices, view, 1.0))
+    for change in (lambda: surface.diffuse(0.1), surface.dry):
+        change()
+        scene.apply(shown.uploads(surface.refresh()))
+        if not scene.has_coarse:
+            scene.set_coarse(shown.coarse_for(0.05, 100_000))
+        shown.repaint_coarse()
+        scene.recolour_coarse()
+        for coarse in (False, True):
+            scene.draw_object(coarse=coarse)
+            found.append(scene.show()[..., 1].astype(int))
+    spot = binary_erosion(found[2] < 60, iterations=4)
+    assert spot.sum() > 3000
+    wet, coarsely_wet, dry, coarsely_dry = (np.ptp(one[spot]) for one in found)
+    assert coarsely_wet > 0.5 * wet > dry
+    assert coarsely_dry < 1.5 * dry
+
+
 def test_what_is_drawn_coarsely_shines_as_what_is_drawn_finely():
     surface = ball("pine soot", "porcelain")
     shown = LiveObject(surface)

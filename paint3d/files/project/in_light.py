@@ -16,7 +16,7 @@ from paint3d.colour.wet_look import WetLook
 from paint3d.core.types import AnyArray
 from paint3d.files.progress import Progress
 
-__all__ = ["InLight", "tell_clipped"]
+__all__ = ["InLight", "look_of", "tell_clipped"]
 
 log = logging.getLogger("paint3d")
 _OWN_LIGHT = Viewing()
@@ -56,8 +56,11 @@ class InLight:
     @property
     def wet_look(self) -> WetLook | None:
         """The surface's own."""
-        found: WetLook | None = getattr(self._surface, "wet_look", None)
-        return found
+        return look_of(self._surface, None)
+
+    def look_on(self, roughness: float) -> WetLook | None:
+        """The surface's own."""
+        return look_of(self._surface, roughness)
 
     @property
     def paint_mesh(self) -> Any:
@@ -87,6 +90,16 @@ class InLight:
     def detail_arrays(self) -> tuple[AnyArray, ...]:
         """As the surface's own, with these colours."""
         return *self._surface.detail_arrays()[:-1], self.srgb
+
+
+def look_of(surface: Any, roughness: float | None) -> WetLook | None:
+    """How wet what can be exported looks, on its own material or one so rough; None: as that."""
+    found: WetLook | None
+    if roughness is None:
+        found = getattr(surface, "wet_look", None)
+    else:
+        found = getattr(surface, "look_on", lambda _: None)(roughness)
+    return found
 
 
 def codes_in_light(surface: Any, viewing: Viewing) -> Codes:

@@ -176,12 +176,17 @@ class Journal:
             If it cannot be written; the journal is then whole up to what was written before.
         """
         self._held = []
+        before = self._last_ns, self._has_pressure
         try:
             yield
         finally:
             held, self._held = self._held, None
-            if held:
-                self._write(b"".join(held))
+            try:
+                if held:
+                    self._write(b"".join(held))
+            except ExportError:  # a note that is not there lets no time start over
+                self._last_ns, self._has_pressure = before
+                raise
 
     def _check(self, table: AnyArray) -> None:
         times, missing = table["time_ns"], np.isnan(table["pressure"])

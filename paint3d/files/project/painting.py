@@ -14,7 +14,7 @@ from paint3d.errors import ExportError, MeshError
 from paint3d.files.export_options import ExportOptions
 from paint3d.files.load import UNITS_MM
 from paint3d.files.progress import Progress, part_of
-from paint3d.files.project.in_light import InLight, tell_clipped
+from paint3d.files.project.in_light import InLight, look_of, tell_clipped
 from paint3d.files.project.position_steps import find_steps
 from paint3d.files.writers.filaments import (
     choose_filaments,
@@ -190,10 +190,12 @@ def read_painting(
     surface: Exportable | TriangleMesh,
     options: ExportOptions,
     progress: Progress | None = None,
+    roughness: float | None = None,
 ) -> Painting | Untextured:
     """Return what is to be written of a surface, checked; it may be painted on afterwards.
 
-    `progress` is told the share done; what it raises stops it.
+    `progress` is told the share done; what it raises stops it. `roughness` is that of a material
+    that it is to be shown on instead of its own.
 
     Raises
     ------
@@ -206,24 +208,27 @@ def read_painting(
     if viewing is not None and not viewing.is_plain:
         surface = InLight(surface, viewing)
     n_clipped = tell_clipped(surface, viewing)
-    painting = _read(surface, options, progress)
+    painting = _read(surface, options, progress, roughness)
     if isinstance(painting, Painting):
         return painting._replace(gamut=options.gamut or "srgb", n_clipped=n_clipped)
     return painting._replace(n_clipped=n_clipped)
 
 
 def _read(
-    surface: Exportable, options: ExportOptions, progress: Progress | None
+    surface: Exportable,
+    options: ExportOptions,
+    progress: Progress | None,
+    roughness: float | None,
 ) -> Painting | Untextured:
     material = str(getattr(surface.material, "name", "painting"))
     finish = _finish_of(surface.material)
     if options.texture:
         size = None if options.texture is True else int(options.texture)
-        look = getattr(surface, "wet_look", None)
+        look = look_of(surface, roughness)
         return Untextured(_detail_of(surface), size, material, finish, look=look)
     if options.filaments is None:
         tolerance = None if options.exact else options.tolerance
-        look = getattr(surface, "wet_look", None)
+        look = look_of(surface, roughness)
         if look is not None:
             return _read_wet(surface, look, tolerance, progress)
         arrays = surface.export_arrays(tolerance, **_told(progress))
