@@ -705,27 +705,6 @@ def test_corrections_that_could_not_be_laid_belong_to_their_page(window, drawing
     assert window.copying.may_drop(), "nobody is asked twice"
 
 
-def test_corrections_that_could_not_be_laid_are_not_lost_by_another_object(
-    window, drawing, monkeypatch
-) -> None:
-    def fail(*_) -> None:
-        raise InputError("there is no room")
-
-    def reverse(dialog) -> None:
-        key(dialog, KEY.Key_R)
-        use(dialog)
-
-    with monkeypatch.context() as failing:
-        failing.setattr(copybook_guide, "Copybook", fail)
-        failing.setattr(window.workspace, "quiet", True)
-        correct(window, reverse)
-    answer(lambda box: box.reject(), QtWidgets.QMessageBox)
-    assert not window.opening.open_path("plane", 2.0)
-    assert window.panels.copybook.copybook.page is not None
-    assert window.opening.open_path("plane", 2.0, asked=True)
-    assert window.copying.may_drop(), "they are gone: nobody is asked"
-
-
 def test_strokes_of_a_rubbing_are_found_anew_as_such(window, sheet, monkeypatch) -> None:
     page, asked = window.panels.copybook.copybook.page, []
     rubbing = replace(page, photograph=replace(page.photograph, invert=True))

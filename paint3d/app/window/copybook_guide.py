@@ -117,12 +117,8 @@ class CopybookGuide:
             if not self._lay(lambda: corrected, now):
                 workspace.tell(say("The corrections are kept: look at the strokes once more"))
 
-    def forget(self) -> None:
-        """Know of no corrections any more: what they belong to is not there."""
-        self._laid.unused = None
-
     def may_drop(self) -> bool:
-        """Whether nothing is lost by closing, by another object, another page or none.
+        """Whether nothing is lost by closing, by another page or by none in its place.
 
         Corrections that do not lie on the object are asked for.
         """
@@ -156,7 +152,7 @@ class CopybookGuide:
         """Take the ghosts away."""
         if not self.may_drop():
             return
-        self.forget()
+        self._laid.unused = None
         self._panel.show_copybook(None)
         self._draw()
 

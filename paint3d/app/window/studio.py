@@ -124,7 +124,7 @@ class StudioWindow(QtWidgets.QMainWindow):
         workspace, history = self.workspace, self.panels.history
         self.targets = Targets(workspace)
         self.recent = RecentFiles(workspace, self.commands.recent)
-        self.saving = Saving(workspace, self.targets, self.recent, lambda: self.copying.may_drop())
+        self.saving = Saving(workspace, self.targets, self.recent)
         self.recovery = Recovery(workspace, self.commands.unsaved, self.saving.may_leave)
         self.standing = Standing(workspace, self.saving.may_leave)
         self.opening = Opening(workspace, self.saving, self.standing, self.recent)
@@ -218,7 +218,6 @@ class StudioWindow(QtWidgets.QMainWindow):
         self.commands.check("wet", wet)
         self.hand.open(opened.surface)
         self.both_hands.open(document)
-        self.copying.forget()
         self.panels.open()
         self._draw_first()
         self._show_title()
@@ -347,7 +346,9 @@ class StudioWindow(QtWidgets.QMainWindow):
 
     def closeEvent(self, event: QtGui.QCloseEvent) -> None:
         """Ask about what is unsaved, then let go of everything."""
-        if not (self.saving.may_leave() and self.workspace.may_let_go()):
+        if not (
+            self.copying.may_drop() and self.saving.may_leave() and self.workspace.may_let_go()
+        ):
             event.ignore()
             return
         self._timer.stop()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 
 from paint3d.app.window.dialogs.questions import Answer, ask
@@ -18,25 +17,16 @@ __all__ = ["Saving"]
 
 
 class Saving:
-    """For one window; `may_drop` asks what becomes of what lies over the painting alone."""
+    """For one window."""
 
-    def __init__(
-        self,
-        workspace: Workspace,
-        targets: Targets,
-        recent: RecentFiles,
-        may_drop: Callable[[], bool],
-    ) -> None:
+    def __init__(self, workspace: Workspace, targets: Targets, recent: RecentFiles) -> None:
         self._workspace, self._targets, self._recent = workspace, targets, recent
-        self._may_drop = may_drop
 
     def may_leave(self) -> bool:
         """Ask what is to become of unsaved work; False if it is to stay."""
         easel = self._workspace.stage.easel
         if easel is None:
             return True
-        if not self._may_drop():
-            return False
         document = self._workspace.document
         if not (easel.is_behind or document.modified):  # what is still to be done will change it
             return True
