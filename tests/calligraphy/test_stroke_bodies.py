@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.ndimage import gaussian_filter
 
 from paint3d.calligraphy.photo.bodies import bodies_in
+from paint3d.calligraphy.photo.ink_mask import find_ink
 
 WIDTH = 20.0
 NONE = np.zeros((120, 300), bool)
@@ -69,3 +71,16 @@ def test_faint_ink_counts_among_streaks_alone() -> None:
     faint = solid.copy()
     faint[36:44, 40:260] = True
     assert not bodies_in(solid, faint, WIDTH)[38].any()
+
+
+def test_what_a_lens_spreads_is_seen_as_narrow_as_it_is() -> None:
+    """A gap of a pixel between two strokes stays open, and a hair beside one is ink."""
+    fine = np.zeros((1, 2000))  # ten to a pixel
+    for first, last in ((600, 720), (730, 850), (890, 905)):
+        fine[0, first:last] = 0.95
+    taken = gaussian_filter(fine, (0.0, 10.0)).reshape(200, 10).mean(axis=1)
+    lit = np.zeros((200, 200), np.float32)
+    lit[40:160] = -np.log10(1.0 - taken)
+    inked = find_ink(lit).mask[60:140].mean(axis=0)
+    assert inked[72] == 0.0
+    assert inked[[70, 74, 89]].tolist() == [1.0, 1.0, 1.0]
