@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cache
+from itertools import product
 
 import numpy as np
 import pytest
@@ -189,6 +190,16 @@ def test_three_bars_of_one_character_are_kept_apart_from_the_next() -> None:
     parts = boxes(*three, (0, 105, 80, 113), (0, 140, 80, 180))
     found = characters_of(parts, 8.0, ("三二",))
     assert [len(one.shape.geoms) for one in found] == [3, 2]
+
+
+def test_many_inks_are_put_together_by_their_gaps() -> None:
+    """Nine characters, each of three dots above two bars."""
+    own = [*((24 * k, 0, 24 * k + 10, 10) for k in range(3)), (0, 18, 58, 28), (0, 36, 58, 46)]
+    at = [(120 * i, 120 * j) for i, j in product(range(3), repeat=2)]
+    parts = boxes(*((x + a, y + b, x + c, y + d) for a, b, c, d in own for x, y in at))
+    found = characters_of(parts, 8.0)
+    assert [len(one.shape.geoms) for one in found] == [5] * 9
+    assert {one.size for one in found} == {(58.0, 46.0)}
 
 
 def test_halves_of_a_character_are_no_lines() -> None:

@@ -29,7 +29,7 @@ def test_a_hair_that_took_hold_again_went_over_what_is_bare() -> None:
     body = bodies_in(ink, ink, WIDTH)
     assert body[48:62, 60:240].all()
     assert body[40:48, 121:154].mean() > 0.9
-    assert not bodies_in(*[lanes((0, 80, 200), (1, 80, 200))] * 2, WIDTH)[40:44, 90:190].any()
+    assert not bodies_in(*[lanes((0, 80, 135), (1, 80, 135))] * 2, WIDTH)[40:44, 95:120].any()
 
 
 def test_a_hair_that_never_comes_back_adds_nothing() -> None:
@@ -58,6 +58,24 @@ def test_a_long_hole_is_a_streak_only_among_streaks(streaks: bool, fills: bool) 
         for first in (70, 190):  # at both ends of it alone
             ink[36:64:4, first : first + 40] = False
     assert bodies_in(ink, ink, WIDTH)[50, 150] == fills
+
+
+def test_wide_gaps_are_closed_where_streaks_are_many() -> None:
+    ink = NONE.copy()
+    for first in (40, 56, 72):
+        ink[first : first + 4, 40:260] = True
+    assert bodies_in(ink, ink, WIDTH)[44:72, 60:240].all()
+    ink[44:100] = False
+    ink[56:76, 40:260] = True  # a solid one, as far away
+    assert not bodies_in(ink, ink, WIDTH)[50, 60:240].any()
+
+
+@pytest.mark.parametrize(("side", "fills"), [(10, True), (14, False)])
+def test_small_holes_belong_to_a_wet_stroke(side: int, fills: bool) -> None:
+    ink = NONE.copy()
+    ink[30:70, 40:260] = True
+    ink[45 : 45 + side, 140 : 140 + side] = False
+    assert bodies_in(ink, ink, WIDTH)[50, 145] == fills
 
 
 def test_faint_ink_counts_among_streaks_alone() -> None:
