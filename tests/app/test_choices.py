@@ -212,6 +212,11 @@ def test_folders_follow_the_environment(monkeypatch, tmp_path):
         ("/a/b.p3d: cannot write: No space left on device", "/a/b.p3d：无法写入：磁盘已满"),
         ("/a/b.ply: no such file; expected a mesh file", "/a/b.ply：没有这个文件"),
         ("another ink was asked for during a stroke; expected its end first", "请先写完这一笔"),
+        (
+            "the ink lies in 9,120 dots and gaps of a few pixels, as greys do that are dithered to "
+            "black and white; expected strokes: scan in grey",
+            "墨迹是 9,120 个网点，请用灰度扫描",
+        ),
         ("nobody knows this one", "未能完成：nobody knows this one"),
     ],
 )

@@ -118,6 +118,10 @@ def key(dialog, which, held=QtCore.Qt.KeyboardModifier.NoModifier) -> None:
     QtTest.QTest.keyClick(dialog.focusWidget() or dialog.view, which, held)
 
 
+def drop_button(box) -> QtWidgets.QAbstractButton:
+    return next(b for b in box.buttons() if box.buttonRole(b) == Answer.DestructiveRole)
+
+
 def use(dialog) -> None:
     QtTest.QTest.mouseClick(dialog.use, BUTTON.LeftButton)
 
@@ -665,9 +669,6 @@ def test_corrections_that_could_not_be_laid_belong_to_their_page(window, drawing
         answer(lambda box: drop_button(box).click(), QtWidgets.QMessageBox)
         key(dialog, KEY.Key_Escape)
 
-    def drop_button(box) -> QtWidgets.QAbstractButton:
-        return next(b for b in box.buttons() if box.buttonRole(b) == Answer.DestructiveRole)
-
     window.workspace.said.connect(lambda text, *_: told.append(text))
     fail_to_lay()
     assert "The corrections are kept: look at the strokes once more" in told
@@ -680,14 +681,15 @@ def test_corrections_that_could_not_be_laid_belong_to_their_page(window, drawing
     fail_to_lay()
     other = drawing.with_name("one.svg")
     other.write_text(SVG.replace('<path d="M5 5H55"/>', ""), encoding="utf-8")
-    lay_another = [
+    drop_them = [
+        lambda: window.opening.open_path("plane", asked=True),
         lambda: window.copying.layout_file(str(other), 30.0),
         lambda: window.copying.layout_text("永", 30.0, True),
         window.copying.hide,
     ]
-    for lay in lay_another:
+    for drop_by in drop_them:
         answer(lambda box: box.reject(), QtWidgets.QMessageBox)
-        assert not lay()
+        assert not drop_by()
         assert window.panels.copybook.copybook.page is not None, "they are there as they were"
     answer(lambda box: drop_button(box).click(), QtWidgets.QMessageBox)
     assert window.copying.layout_file(str(other), 30.0)
@@ -701,6 +703,26 @@ def test_corrections_that_could_not_be_laid_belong_to_their_page(window, drawing
     fail_to_lay()
     answer(lambda box: drop_button(box).click(), QtWidgets.QMessageBox)
     window.copying.hide()
+    assert window.panels.copybook.copybook is None
+    assert window.copying.may_drop(), "nobody is asked twice"
+
+
+def test_another_painting_drops_what_could_not_be_laid(window, drawing, monkeypatch) -> None:
+    """Once it was asked for; of the next one nothing is left that nobody can look at."""
+
+    def reverse(dialog) -> None:
+        key(dialog, KEY.Key_R)
+        use(dialog)
+
+    def fail(*_) -> None:
+        raise InputError("there is no room")
+
+    with monkeypatch.context() as failing:
+        failing.setattr(copybook_guide, "Copybook", fail)
+        failing.setattr(window.workspace, "quiet", True)
+        correct(window, reverse)
+    answer(lambda box: drop_button(box).click(), QtWidgets.QMessageBox)
+    assert window.opening.open_path("plane", asked=True)
     assert window.panels.copybook.copybook is None
     assert window.copying.may_drop(), "nobody is asked twice"
 

@@ -61,7 +61,7 @@ def painted(
         (fine_plane, "full", None),
         (fine_sphere, "full", None),
         (fine_plane, "full", 1000),  # blunt at both ends
-        (fine_plane, "xiaobaiyun", None),  # has a blunt tip
+        (fine_plane, "zhongbaiyun", None),  # has a blunt tip
     ],
 )
 def test_blocks_change_nothing(make, brush, hairs) -> None:

@@ -120,6 +120,13 @@ def test_what_is_no_number_is_named(tmp_path: Path, element: str, told: str, val
     [
         ('<path d="M1 1L9 nan 3 4z"/>', "path 1: d has 'nan'; expected commands"),
         ('<path d="M1 1L-1e999 3 4 5z"/>', "path 1: d has '-1e999'; expected commands"),
+        ('<path d="M10 10L50 10C20 20,40"/>', "path 1: d has 'C20 20,40'; expected 6 numbers"),
+        ('<path d="M10 10L50 10L"/>', "path 1: d has 'L'; expected 2 numbers"),
+        ('<path d="M10 10A5 5 0 01 9"/>', "path 1: d has 'A5 5 0 01 9'; expected 7 numbers"),
+        ('<path d="M1 1L9 9z 4"/>', "path 1: d has 'z 4'; expected 0 numbers"),
+        ('<path d="10 10L50 10 9 9z"/>', "path 1: d has '10 10L50 10 9 9z'; expected M first"),
+        ('<path d="L50 10 9 9z"/>', "path 1: d has 'L50 10 9 9z'; expected M first"),
+        ('<a stroke-width="nan"><path d="M1 1L9 9"/></a>', "a 1: stroke-width is 'nan'"),
         ('<polygon points="1,2 3,4 5;6"/>', "polygon 1: points has ';6'; expected finite"),
         ('<circle r="-3"/>', "circle 1: r is '-3'; expected a length, not less than 0"),
     ],
@@ -132,13 +139,16 @@ def test_where_a_list_breaks_off_is_named(tmp_path: Path, element: str, told: st
 @pytest.mark.parametrize(
     "element",
     [
-        '<path d="M10-20.5.5-3e-2,4a1 1 0 00.5.5zM1 2H3v4"/>',
+        '<path d="M10-20.5.5-3e-2a1 1 0 00.5.5zM1 2H3v4"/>',
         '<g transform=" translate(1,2) rotate(-45 3.5,2)matrix(1 0 0 1-3 4), scale( 2 )"/>',
         '<rect style="stroke-width:.5px!important;fill:#fff" width="10e1mm" height="2"/>',
         '<path stroke-width="var(--a)" d="" opacity=""/>',
         "<style>.a{stroke-width:calc(1px + 2px);}/* stroke-width: abc */</style>",
         '<a:path xmlns:a="urn:other" d="nan"/>',
         '<g transform="none" opacity="50%"/><use width="auto" x="2e0"/>',
+        '<g transform="translate(.5.5)matrix(1 0 0 1-3.5.5)"><path d="m1 1-.5.5z"/></g>',
+        '<rect style="stroke-width:2px ! IMPORTANT" width="9" height="2"/>',
+        '<path d="M1 1A5 5 0 1 0 9 9 5 5 0 015 5a5,5,0,0,1,1,1a.5.5 0 00.5.5H3 4V2z m2 2zZ"/>',
         '<path transform="rotate(45deg)translate(3px,4)" d="none"/>',
     ],
 )

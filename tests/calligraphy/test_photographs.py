@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cache
+from itertools import product
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from paint3d.calligraphy.glyph_sources import open_glyphs
 from paint3d.calligraphy.photo.characters import characters_of
@@ -134,6 +136,33 @@ def test_a_rubbing_is_read_by_its_white_strokes() -> None:
     there = shot("大", 2, 0.0, Camera(size=700, fills=True, shadow=0.0), seals=0)
     sheet = copy_sheet(255 - there.pixels, "r", Asked(whole=True, invert=True))
     assert judge(there, sheet).ink_iou > 0.85
+    assert sheet.note == ""
+
+
+def test_a_sheet_that_is_no_rubbing_is_told_where_it_is_read_as_one() -> None:
+    there = shot("大", 2, 0.0, Camera(size=700, fills=True, shadow=0.0), seals=0)
+    sheet = copy_sheet(there.pixels, "r", Asked(whole=True, invert=True))
+    assert "leave --invert out" in sheet.note
+
+
+def one_bit(pixels: np.ndarray, dither: Image.Dither) -> np.ndarray:
+    """A picture in black and white alone, as a scanner or a program makes it."""
+    grey = Image.fromarray(pixels).convert("L")
+    return np.array(grey.convert("1", dither=dither).convert("RGB"))
+
+
+def test_a_scan_in_black_and_white_is_read() -> None:
+    there = shot("永和", 4, 0.0, Camera(size=700, fills=True, shadow=0.0), seals=0)
+    sheet = copy_sheet(one_bit(there.pixels, Image.Dither.NONE), "b", Asked(whole=True))
+    assert judge(there, sheet).ink_iou > 0.8
+    assert len(sheet.page.pieces) == 2
+
+
+@pytest.mark.parametrize("whole", [True, False])
+def test_a_dithered_one_is_told(whole: bool) -> None:
+    there = shot("永和", 4, 0.0, Camera(size=700, fills=whole), seals=0)
+    told = refused(one_bit(there.pixels, Image.Dither.FLOYDSTEINBERG), whole=whole)
+    assert "scan in grey" in told
 
 
 # -- what belongs together ----------------------------------------------------------------------
@@ -161,6 +190,16 @@ def test_three_bars_of_one_character_are_kept_apart_from_the_next() -> None:
     parts = boxes(*three, (0, 105, 80, 113), (0, 140, 80, 180))
     found = characters_of(parts, 8.0, ("三二",))
     assert [len(one.shape.geoms) for one in found] == [3, 2]
+
+
+def test_many_inks_are_put_together_by_their_gaps() -> None:
+    """Nine characters, each of three dots above two bars."""
+    own = [*((24 * k, 0, 24 * k + 10, 10) for k in range(3)), (0, 18, 58, 28), (0, 36, 58, 46)]
+    at = [(120 * i, 120 * j) for i, j in product(range(3), repeat=2)]
+    parts = boxes(*((x + a, y + b, x + c, y + d) for a, b, c, d in own for x, y in at))
+    found = characters_of(parts, 8.0)
+    assert [len(one.shape.geoms) for one in found] == [5] * 9
+    assert {one.size for one in found} == {(58.0, 46.0)}
 
 
 def test_halves_of_a_character_are_no_lines() -> None:
@@ -205,6 +244,20 @@ def test_a_rubbing_that_is_not_said_to_be_one_is_told() -> None:
 def test_strokes_of_few_pixels_are_too_coarse() -> None:
     there = shot("書道", 3, 0.0, Camera(size=700, fills=True), seals=0)
     assert "pixels wide" in refused(there.pixels[::6, ::6].copy(), whole=True)
+
+
+def test_more_pieces_of_ink_than_a_sheet_of_writing_has_are_told() -> None:
+    pixels = np.full((1600, 1600, 3), 240, np.uint8)
+    for y in range(30, 1570, 22):
+        for x in range(30, 1570, 22):
+            pixels[y : y + 9, x : x + 9] = 20
+    assert "crop it" in refused(pixels, whole=True)
+
+
+def test_more_strokes_than_a_sheet_of_writing_has_are_told(monkeypatch) -> None:
+    there = shot("永和", 4, 0.0, Camera(size=700, fills=True, shadow=0.0), seals=0)
+    monkeypatch.setattr("paint3d.calligraphy.photo.copying._MOST_STROKES", 12)
+    assert "more than 12 strokes" in refused(there.pixels, whole=True)
 
 
 def test_a_highlight_is_told() -> None:

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.ndimage import gaussian_filter
 
 from paint3d.calligraphy.photo.bodies import bodies_in
+from paint3d.calligraphy.photo.ink_mask import find_ink
 
 WIDTH = 20.0
 NONE = np.zeros((120, 300), bool)
@@ -27,7 +29,7 @@ def test_a_hair_that_took_hold_again_went_over_what_is_bare() -> None:
     body = bodies_in(ink, ink, WIDTH)
     assert body[48:62, 60:240].all()
     assert body[40:48, 121:154].mean() > 0.9
-    assert not bodies_in(*[lanes((0, 80, 200), (1, 80, 200))] * 2, WIDTH)[40:44, 90:190].any()
+    assert not bodies_in(*[lanes((0, 80, 135), (1, 80, 135))] * 2, WIDTH)[40:44, 95:120].any()
 
 
 def test_a_hair_that_never_comes_back_adds_nothing() -> None:
@@ -58,6 +60,24 @@ def test_a_long_hole_is_a_streak_only_among_streaks(streaks: bool, fills: bool) 
     assert bodies_in(ink, ink, WIDTH)[50, 150] == fills
 
 
+def test_wide_gaps_are_closed_where_streaks_are_many() -> None:
+    ink = NONE.copy()
+    for first in (40, 56, 72):
+        ink[first : first + 4, 40:260] = True
+    assert bodies_in(ink, ink, WIDTH)[44:72, 60:240].all()
+    ink[44:100] = False
+    ink[56:76, 40:260] = True  # a solid one, as far away
+    assert not bodies_in(ink, ink, WIDTH)[50, 60:240].any()
+
+
+@pytest.mark.parametrize(("side", "fills"), [(10, True), (14, False)])
+def test_small_holes_belong_to_a_wet_stroke(side: int, fills: bool) -> None:
+    ink = NONE.copy()
+    ink[30:70, 40:260] = True
+    ink[45 : 45 + side, 140 : 140 + side] = False
+    assert bodies_in(ink, ink, WIDTH)[50, 145] == fills
+
+
 def test_faint_ink_counts_among_streaks_alone() -> None:
     ink = lanes((0, 120, 300), (1, 120, 300))
     faint = ink.copy()
@@ -69,3 +89,16 @@ def test_faint_ink_counts_among_streaks_alone() -> None:
     faint = solid.copy()
     faint[36:44, 40:260] = True
     assert not bodies_in(solid, faint, WIDTH)[38].any()
+
+
+def test_what_a_lens_spreads_is_seen_as_narrow_as_it_is() -> None:
+    """A gap of a pixel between two strokes stays open, and a hair beside one is ink."""
+    fine = np.zeros((1, 2000))  # ten to a pixel
+    for first, last in ((600, 720), (730, 850), (890, 905)):
+        fine[0, first:last] = 0.95
+    taken = gaussian_filter(fine, (0.0, 10.0)).reshape(200, 10).mean(axis=1)
+    lit = np.zeros((200, 200), np.float32)
+    lit[40:160] = -np.log10(1.0 - taken)
+    inked = find_ink(lit).mask[60:140].mean(axis=0)
+    assert inked[72] == 0.0
+    assert inked[[70, 74, 89]].tolist() == [1.0, 1.0, 1.0]

@@ -66,6 +66,11 @@ PATTERNS: tuple[tuple[str, str], ...] = (
     (r"(?P<p>.*): (?P<a>[a-z]+ (?:'.*'|\d+)): (?P<b>[a-z0-9-]+) (?:is|has) (?P<c>['\"].*['\"]); "
      "expected .*",
      "{p}：{a} 的 {b} 中 {c} 不可用"),
+    (r"the ink lies in (?P<a>[\d,]+) dots and gaps of a few pixels, .*",
+     "墨迹是 {a} 个网点，请用灰度扫描"),
+    (r"the ink lies in (?P<a>[\d,]+) pieces .*", "墨迹有 {a} 块，太多了，请裁剪照片"),
+    (r"there are more than (?P<a>[\d,]+) strokes on the sheet; .*",
+     "纸上的笔画超过 {a} 笔，请裁剪照片"),
     (r"dish (?P<a>\d+) is empty; expected ink in it", "墨碟 {a} 是空的"),
 )  # fmt: skip
 """English, as a pattern, and the Chinese that says the same; r is a system's reason."""

@@ -54,6 +54,8 @@ class CopybookGuide:
     def __init__(self, workspace: Workspace, panel: CopybookPanel) -> None:
         self._workspace, self._panel = workspace, panel
         self._laid = _Laid(40.0, Layout())
+        workspace.may_drop = self.may_drop
+        workspace.opened.connect(self._forget)
         panel.asked.connect(self.layout_text)
         panel.opened.connect(self.layout_file)
         panel.corrected.connect(self.correct)
@@ -118,7 +120,7 @@ class CopybookGuide:
                 workspace.tell(say("The corrections are kept: look at the strokes once more"))
 
     def may_drop(self) -> bool:
-        """Whether nothing is lost by closing, by another page or by none in its place.
+        """Whether nothing is lost by another page in its place, by none, or by another painting.
 
         Corrections that do not lie on the object are asked for.
         """
@@ -155,6 +157,10 @@ class CopybookGuide:
         self._laid.unused = None
         self._panel.show_copybook(None)
         self._draw()
+
+    def _forget(self) -> None:
+        """Nothing lies on a painting that is opened."""
+        self._laid = _Laid(40.0, Layout())
 
     def follow(self) -> None:
         """Take what strokes were judged to be."""

@@ -346,9 +346,7 @@ class StudioWindow(QtWidgets.QMainWindow):
 
     def closeEvent(self, event: QtGui.QCloseEvent) -> None:
         """Ask about what is unsaved, then let go of everything."""
-        if not (
-            self.copying.may_drop() and self.saving.may_leave() and self.workspace.may_let_go()
-        ):
+        if not (self.saving.may_leave() and self.workspace.may_let_go()):
             event.ignore()
             return
         self._timer.stop()

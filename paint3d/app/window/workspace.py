@@ -50,6 +50,8 @@ class Workspace(QtCore.QObject):
     theme : Theme
     error : BaseException or None
         What went wrong last.
+    may_drop : callable
+        Asks whether what belongs to the painting and is not in it may be lost with it.
     amount : dict of str to float, or None
         How much the next dip takes up, as `DipAmount.words` says it; None: as the dip before.
     quiet : bool
@@ -94,6 +96,7 @@ class Workspace(QtCore.QObject):
         self.hand = CanvasHand(self.canvas, self.stage)
         self.error: BaseException | None = None
         self.quiet = False
+        self.may_drop: Callable[[], bool] = lambda: True
         self.amount: Mapping[str, float] | None = None
         self._to_tell: list[str] = []
 
@@ -127,11 +130,14 @@ class Workspace(QtCore.QObject):
         Returns
         -------
         bool
-            False if the waiting was stopped: then the painting goes on, with all that waits.
+            False if the waiting was stopped, or something is not to be dropped: then the painting
+            goes on, with all that waits.
         """
         easel = self.stage.easel
         if easel is None:
             return True
+        if not self.may_drop():
+            return False
         easel.halt()
         if easel.has_halted(0.0):
             return True

@@ -17,7 +17,7 @@ from paint3d.errors import InputError
 __all__ = ["check_numbers"]
 
 _SHAPES = ("path", "rect", "circle", "ellipse", "line", "polyline", "polygon")
-_TAGS = (*_SHAPES, "g", "svg", "use")
+_TAGS = (*_SHAPES, "a", "g", "svg", "switch", "symbol", "use")
 _NAMESPACES = ("", "{http://www.w3.org/2000/svg}")
 _SIZES = ("width", "height", "r", "stroke-width")
 _SHARES = ("opacity", "fill-opacity", "stroke-opacity")
@@ -25,17 +25,25 @@ _LENGTHS = (*_SIZES, *_SHARES, "x", "y", "rx", "ry", "cx", "cy", "x1", "y1", "x2
 _STYLED = ("stroke-width", *_SHARES)
 _KEYWORDS = ("auto", "inherit", "initial", "unset", "revert", "none", "medium")
 _UNITS = r"(?:px|pt|pc|mm|cm|in|em|ex|rem|ch|q|vw|vh|vmin|vmax|%)?"
-_NUMBER = re.compile(r"[+-]?(?:\d++\.?\d*+|\.\d++)(?:e[+-]?\d++)?+", re.IGNORECASE)
+_NUMBER = re.compile(r"[+-]?(?:\d++\.?+\d*+|\.\d++)(?:e[+-]?\d++)?+", re.IGNORECASE)
 _LENGTH = re.compile(rf"({_NUMBER.pattern})\s*{_UNITS}", re.IGNORECASE)
 _ANGLE = rf"{_NUMBER.pattern}(?:px|pt|pc|mm|cm|in|deg|rad|grad|turn|%)?"
 _TRANSFORM = re.compile(
     rf"(?:matrix|translate|translatex|translatey|scale|scalex|scaley|rotate|skew|skewx|skewy)\s*"
-    rf"\(\s*{_ANGLE}(?:[\s,]+{_ANGLE}|(?=[+-]){_ANGLE})*\s*\)",
+    rf"\(\s*{_ANGLE}(?:[\s,]+{_ANGLE}|(?=[+.-]){_ANGLE})*\s*\)",
     re.IGNORECASE,
 )
 _EXPONENT = re.compile(r"[+-]?(?:\d++\.?\d*+|\.\d++)e[+-]?\d++", re.IGNORECASE)
 _POINTS = re.compile(rf"(?:[\s,]++|{_NUMBER.pattern})*+", re.IGNORECASE)
 _WAY = re.compile(rf"(?:[\s,MZLHVCSQTA]++|{_NUMBER.pattern})*+", re.IGNORECASE)
+_SIGNED = re.compile("([MZLHVCSQTA])", re.IGNORECASE)
+_COUNTS = {"M": 2, "L": 2, "H": 1, "V": 1, "C": 6, "S": 4, "Q": 4, "T": 2, "A": 7, "Z": 0}
+_ARCS = re.compile(  # whose flags may stand before other numbers without anything between
+    rf"(?:[\s,]*+(?:{_NUMBER.pattern}[\s,]*+){{3}}(?:[01][\s,]*+){{2}}"
+    rf"(?:{_NUMBER.pattern}[\s,]*+){{2}})++",
+    re.IGNORECASE,
+)
+_IMPORTANT = re.compile(r"!\s*important\s*$", re.IGNORECASE)
 _CALLS = re.compile(r"\b(?:var|calc|env|min|max|clamp)\(", re.IGNORECASE)
 _DECLARED = re.compile(rf"(?:^|[;{{\s])({'|'.join(_STYLED)})\s*:\s*([^;}}]*)", re.IGNORECASE)
 _COMMENT = re.compile(r"/\*.*?\*/", re.DOTALL)
@@ -94,12 +102,13 @@ def _faults(element: ElementTree.Element, tag: str) -> Iterator[str]:
             yield from _faults_of_list(attribute, value, _POINTS, "finite numbers")
         elif attribute == "d" and tag == "path" and value.lower() not in _KEYWORDS:
             yield from _faults_of_list(attribute, value, _WAY, "commands of paths, finite numbers")
+            yield from _faults_of_way(value)
 
 
 def _faults_of_style(text: str) -> Iterator[str]:
     """The same of declarations."""
     for declared in _DECLARED.finditer(_COMMENT.sub(" ", text)):
-        attribute, value = declared[1].lower(), declared[2].replace("!important", "").strip()
+        attribute, value = declared[1].lower(), _IMPORTANT.sub("", declared[2]).strip()
         wanted = _fault_of_length(attribute, value) if value else ""
         if wanted:
             yield f"{attribute} is {value[:_SHOWN]!r}; expected {wanted}"
@@ -127,6 +136,21 @@ def _faults_of_list(
     bad = bad or re.split(r"[\s,]", text[end : end + _SHOWN])[0]
     if bad:
         yield f"{attribute} has {bad!r}; expected {expected}"
+
+
+def _faults_of_way(text: str) -> Iterator[str]:
+    """Where a path of good words breaks off, or does not begin."""
+    before, *parts = _SIGNED.split(text)
+    if before.strip() or parts[0] not in "Mm":
+        yield f"d has {text[:_SHOWN]!r}; expected M first"
+    for command, numbers in zip(parts[::2], parts[1::2], strict=True):
+        wanted = _COUNTS[command.upper()]
+        n = len(_NUMBER.findall(numbers))
+        if wanted and command in "Aa" and _ARCS.fullmatch(numbers):
+            continue
+        if n % wanted if wanted and n else n != wanted:
+            shown = f"{command}{numbers}".strip()[:_SHOWN]
+            yield f"d has {shown!r}; expected {wanted} numbers to each {command}"
 
 
 def _unless_finite(call: re.Match[str]) -> str:

@@ -98,20 +98,27 @@ def _by_gaps(parts: Sequence[Polygon], width: float, columns: bool) -> list[Char
     boxes = np.array([part.bounds for part in parts])
     groups = [[k] for k in range(len(parts))]
     near = _APART * width
+    spans = boxes
+    gaps, grown = _gaps(spans, spans), _grown(spans, spans)
+    np.fill_diagonal(gaps, np.inf)
     while len(groups) > 1:
-        spans = np.array([_around(boxes[group]) for group in groups])
-        gaps = _gaps(spans)
         sizes = np.maximum(spans[:, 2] - spans[:, 0], spans[:, 3] - spans[:, 1])
         usual = float(np.quantile(sizes, 0.8))
-        small = np.minimum.outer(sizes, sizes) < _ALIKE * usual
-        grown = _grown(spans)
-        fits = grown < 1.35 * usual
-        price = np.where(small & fits, gaps, np.where(gaps < near, gaps, np.inf))
-        price = np.where(fits | (gaps <= 0.0), price, np.inf)
-        i, j = np.unravel_index(int(np.argmin(price)), price.shape)
-        if not np.isfinite(price[i, j]) or price[i, j] > 0.5 * usual:
+        is_small = sizes < _ALIKE * usual
+        joins = (gaps < near) | is_small | is_small[:, None]
+        joins &= (grown < 1.35 * usual) | (gaps <= 0.0)
+        price = np.where(joins, gaps, np.inf)
+        i, j = sorted(map(int, np.unravel_index(int(np.argmin(price)), price.shape)))
+        if not price[i, j] <= 0.5 * usual:
             break
-        groups[min(i, j)] += groups.pop(max(i, j))
+        groups[i] += groups.pop(j)
+        spans, gaps, grown = (
+            np.delete(spans, j, 0), _without(gaps, j), _without(grown, j)
+        )  # fmt: skip
+        spans[i] = _around(boxes[groups[i]])
+        gaps[i] = gaps[:, i] = _gaps(spans[i : i + 1], spans)
+        grown[i] = grown[:, i] = _grown(spans[i : i + 1], spans)
+        gaps[i, i] = np.inf
     spans = np.array([_around(boxes[group]) for group in groups])
     order = _reading_order(spans, columns)
     return [_character(str(n + 1), [parts[i] for i in groups[k]]) for n, k in enumerate(order)]
@@ -121,22 +128,28 @@ def _around(boxes: AnyArray) -> NDArray[np.float64]:
     return np.concatenate([boxes[:, :2].min(axis=0), boxes[:, 2:].max(axis=0)])
 
 
-def _gaps(spans: AnyArray) -> NDArray[np.float64]:
-    """How far boxes are apart (K, K); infinite from themselves."""
-    low, high = spans[:, :2], spans[:, 2:]
-    apart = np.maximum(low[:, None] - high[None], low[None] - high[:, None])
-    gaps = np.where((apart > 0.0).all(axis=2), np.hypot(*apart.transpose(2, 0, 1)), apart.max(2))
-    np.fill_diagonal(gaps, np.inf)
-    result: NDArray[np.float64] = gaps
-    return result
+def _gaps(spans: AnyArray, others: AnyArray) -> NDArray[np.float64]:
+    """How far boxes are apart from others: (K, L); negative where they overlap."""
+    low, high = spans[:, None, :2], spans[:, None, 2:]
+    apart = np.maximum(low - others[None, :, 2:], others[None, :, :2] - high)
+    gaps: NDArray[np.float64] = np.where(
+        (apart > 0.0).all(axis=2), np.hypot(apart[..., 0], apart[..., 1]), apart.max(axis=2)
+    )
+    return gaps
 
 
-def _grown(spans: AnyArray) -> NDArray[np.float64]:
-    """Longer side (K, K) of the box around two boxes."""
-    low = np.minimum(spans[:, None, :2], spans[None, :, :2])
-    high = np.maximum(spans[:, None, 2:], spans[None, :, 2:])
+def _grown(spans: AnyArray, others: AnyArray) -> NDArray[np.float64]:
+    """Longer side (K, L) of the box around two boxes."""
+    low = np.minimum(spans[:, None, :2], others[None, :, :2])
+    high = np.maximum(spans[:, None, 2:], others[None, :, 2:])
     result: NDArray[np.float64] = (high - low).max(axis=2)
     return result
+
+
+def _without(table: AnyArray, k: int) -> NDArray[np.float64]:
+    """A square table without a row and its column."""
+    left: NDArray[np.float64] = np.delete(np.delete(table, k, 0), k, 1)
+    return left
 
 
 def _reading_order(spans: AnyArray, columns: bool) -> list[int]:

@@ -24,7 +24,7 @@ from paint3d.calligraphy.photo.ink_mask import InkMask, find_ink
 from paint3d.calligraphy.photo.inks import rubbed, unmixed
 from paint3d.calligraphy.photo.light import flattened
 from paint3d.calligraphy.photo.outlines import polygons_in
-from paint3d.calligraphy.photo.seen import check_exposure, check_ground
+from paint3d.calligraphy.photo.seen import check_exposure, check_ground, white_on_dark
 from paint3d.calligraphy.photo.sheet import checked_corners, find_sheet, whole_picture
 from paint3d.calligraphy.photo.straighten import sheet_size, straightened
 from paint3d.calligraphy.shapes.decompose import decompose
@@ -37,6 +37,7 @@ if TYPE_CHECKING:
 __all__ = ["Asked", "CopiedSheet", "SheetPicture", "copy_sheet", "seen_again"]
 
 _LONGEST = 1600  # pixels of the straightened sheet
+_MOST_STROKES = 4000  # of a sheet: more take minutes to be found
 _BESIDE = 0.02  # of its longer side, that strokes of a file may stand out of it
 _BLACKEST = 0.8  # of the strokes are paler: what the sheet's black ink takes of the light
 _BLACK = 0.8  # of the light, that black ink takes at the least
@@ -99,10 +100,13 @@ class CopiedSheet(SheetPicture):
         On that sheet.
     red : (H, W) float32
         Density of seals there.
+    note : str
+        What may have been meant otherwise; "" where nothing looks so.
     """
 
     ink: InkMask
     red: NDArray[np.float32]
+    note: str = ""
 
     def taken_from(self, file: Path, scale: float, *, invert: bool = False) -> CopiedSheet:
         """The same with a page that knows its photograph.
@@ -144,8 +148,8 @@ def copy_sheet(pixels: NDArray[np.uint8], name: str, asked: Asked | None = None)
     Raises
     ------
     InputError
-        If there is no sheet or no ink, or too little can be seen of it; the message says what to
-        do.
+        If there is no sheet or no ink, too little can be seen of it, or there are more strokes than
+        on a sheet of writing; the message says what to do.
     """
     asked = asked or Asked()
     corners = _corners(pixels, asked)
@@ -159,14 +163,21 @@ def copy_sheet(pixels: NDArray[np.uint8], name: str, asked: Asked | None = None)
     found = characters_of(polygons_in(ink.body), ink.width, asked.lines, columns=asked.columns)
     per_unit = _em_of(found) / EM_UNITS
     origin = np.array([0.0, float(sheet.shape[0])])
-    pieces = [_piece(one, ink, asked, per_unit, origin) for one in found]
+    pieces: list[Piece] = []
+    for one in found:
+        pieces.append(_piece(one, ink, asked, per_unit, origin))
+        if sum(len(piece.glyph.strokes) for piece in pieces) > _MOST_STROKES:
+            raise InputError(
+                f"there are more than {_MOST_STROKES:,} strokes on the sheet; expected no more: "
+                "crop it to fewer characters, or give --corners around them"
+            )
     if not asked.invert:  # the strokes of a rubbing are where no ink is
         pieces = _as_strong(pieces, inks.black, ink.mask, per_unit, origin)
     page = Page(tuple(pieces), name, f"Photograph: {name}")
     picture, (height, width) = _as_codes(sheet), sheet.shape[:2]
     return CopiedSheet(
         page, (height, width), per_unit, origin, picture=picture, corners=corners, ink=ink,
-        red=inks.red,
+        red=inks.red, note=_note_on_ground(sheet) if asked.invert else "",
     )  # fmt: skip
 
 
@@ -212,6 +223,17 @@ def _corners(pixels: NDArray[np.uint8], asked: Asked) -> NDArray[np.float64]:
         if not asked.or_whole:
             raise
         return whole_picture(pixels)
+
+
+def _note_on_ground(sheet: NDArray[np.float32]) -> str:
+    """What to say of a sheet that is taken for a rubbing, and is mostly white."""
+    share, _ = white_on_dark(sheet)
+    if share <= 0.5:
+        return ""
+    return (
+        f"{share:.0%} of the sheet is white, and was copied as the strokes of a rubbing; leave "
+        "--invert out where it is the paper"
+    )
 
 
 def _em_of(found: Sequence[Character]) -> float:

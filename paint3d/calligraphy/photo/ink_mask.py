@@ -23,6 +23,8 @@ _SPECK = 0.01  # squares of a stroke's width: smaller bits of ink are dust
 _MARGIN = 0.012  # of the sheet's shorter side: its edges are no strokes
 _MOST = 0.6  # of the sheet: more than that is no writing
 _LEAST = 2e-4
+_DITHERED = 30.0  # pixels of ink to each piece of it and hole in it: fewer is no writing
+_MOST_PIECES = 2000  # the same of strokes' bodies on a sheet
 _COARSEST = 5.0  # pixels: narrower strokes are too coarse to be taken apart
 
 
@@ -58,7 +60,8 @@ def find_ink(density: NDArray[np.float32]) -> InkMask:
     Raises
     ------
     InputError
-        If there is none, or too much, or its strokes are too few pixels wide.
+        If there is none, or too much, if it lies in dots, in more pieces than writing has, or if
+        its strokes are too few pixels wide.
     """
     from scipy.ndimage import gaussian_filter
 
@@ -83,7 +86,20 @@ def find_ink(density: NDArray[np.float32]) -> InkMask:
         )
     width = _width(mask)
     mask, faint = (without_specks(one, _SPECK * width**2) for one in (mask, faint))
+    pieces = _pieces_and_holes(mask)
+    if mask.sum() < _DITHERED * pieces:
+        raise InputError(
+            f"the ink lies in {pieces:,} dots and gaps of a few pixels, as greys do that are "
+            "dithered to black and white; expected strokes: scan in grey"
+        )
     body = bodies_in(mask, faint, width)
+    pieces = _pieces_and_holes(body)
+    if pieces > _MOST_PIECES:
+        raise InputError(
+            f"the ink lies in {pieces:,} pieces and gaps in them; expected writing, of "
+            f"{_MOST_PIECES:,} at the most: crop it to fewer characters, or give --corners around "
+            "them"
+        )
     mask &= body
     width = _width(body)
     if width < _COARSEST:
@@ -93,6 +109,15 @@ def find_ink(density: NDArray[np.float32]) -> InkMask:
         )
     full = max(float(np.percentile(taken[mask], 75.0)), 1e-3)
     return InkMask(np.clip(taken / full, 0.0, 1.0).astype(np.float32), mask, body, width, full)
+
+
+def _pieces_and_holes(mask: NDArray[np.bool_]) -> int:
+    """How many connected pieces a mask has, and holes in them."""
+    from scipy.ndimage import label
+
+    _, pieces = label(mask, np.ones((3, 3)))
+    _, holes = label(~mask)
+    return int(pieces + holes) - 1  # around all of them is no hole
 
 
 def _inked(density: AnyArray, inner: AnyArray) -> NDArray[np.bool_]:

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from paint3d.calligraphy.photo.ink_mask import otsu
 from paint3d.errors import InputError
 
-__all__ = ["check_exposure", "check_ground"]
+__all__ = ["check_exposure", "check_ground", "white_on_dark"]
 
 _CLIPPED = 0.985  # linear light of all three colours: nothing is told above it
 _BRIGHTER = 1.25  # than the sheet's own paper: a highlight, not paper that is exposed so
@@ -61,11 +61,17 @@ def check_ground(sheet: NDArray[np.float32]) -> None:
     InputError
         If most of the sheet is dark, and the rest much lighter.
     """
+    share, contrast = white_on_dark(sheet)
+    if share < _LIT and contrast > _CONTRAST:
+        raise InputError(
+            f"{share:.0%} of the sheet is white on a dark ground; expected dark strokes "
+            "on paper: of a rubbing --invert"
+        )
+
+
+def white_on_dark(sheet: NDArray[np.float32]) -> tuple[float, float]:
+    """What share of a sheet (H, W, 3) is the lighter, and by how much: a natural logarithm."""
     grey = np.log(sheet[::3, ::3].mean(axis=2) + 0.004)
     lighter = grey > otsu(grey)
     contrast = float(grey[lighter].mean() - grey[~lighter].mean()) if lighter.any() else 0.0
-    if lighter.mean() < _LIT and contrast > _CONTRAST:
-        raise InputError(
-            f"{lighter.mean():.0%} of the sheet is white on a dark ground; expected dark strokes "
-            "on paper: of a rubbing --invert"
-        )
+    return float(lighter.mean()), contrast

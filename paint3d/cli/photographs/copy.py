@@ -144,9 +144,11 @@ def _copied(options: argparse.Namespace) -> CopiedSheet:
     with ProgressBar("looking", enabled=not options.quiet):
         try:
             sheet = copy_sheet(pixels, options.photo.name, _asked(options, scale))
-            return sheet.taken_from(options.photo, scale, invert=options.invert)
         except InputError as cause:
             raise InputError(f"{options.photo}: {cause}") from None
+    if sheet.note:
+        _LOG.warning("%s: %s", options.photo, sheet.note)
+    return sheet.taken_from(options.photo, scale, invert=options.invert)
 
 
 def _asked(options: argparse.Namespace, scale: float) -> Asked:
