@@ -27,18 +27,23 @@ def drawn(canvas: Canvas, part: QtCore.QRect, ratio: float) -> np.ndarray:
     return rows[:, :, :3].copy()
 
 
+def noisy(size, ratio, monkeypatch) -> tuple[Canvas, np.ndarray, np.random.Generator]:
+    """A canvas on a screen of this ratio that shows noise, its pixels, and where they are from."""
+    canvas, chance = Canvas(), np.random.default_rng(5)
+    canvas.resize(*size)
+    monkeypatch.setattr(canvas, "devicePixelRatioF", lambda: ratio)
+    width, height = canvas.pixel_size
+    pixels = chance.integers(8, 255, (height, width, 4)).astype(np.uint8)
+    canvas.show_pixels(pixels)
+    return canvas, pixels, chance
+
+
 @pytest.mark.parametrize(
     ("ratio", "size"),
     list(product((1.0, 1.25, 1.5, 1.75, 2.0), ((323, 241), (320, 240)))),
 )
 def test_parts_are_shown_as_the_whole_is(program, ratio, size, monkeypatch) -> None:
-    canvas = Canvas()
-    canvas.resize(*size)
-    monkeypatch.setattr(canvas, "devicePixelRatioF", lambda: ratio)
-    width, height = canvas.pixel_size
-    chance = np.random.default_rng(5)
-    pixels = chance.integers(8, 255, (height, width, 4)).astype(np.uint8)
-    canvas.show_pixels(pixels)
+    canvas, pixels, chance = noisy(size, ratio, monkeypatch)
     whole = drawn(canvas, canvas.rect(), ratio)
     shown = (whole != NOTHING).any(axis=2)
     rows, columns = np.flatnonzero(shown.any(axis=1)), np.flatnonzero(shown.any(axis=0))
@@ -60,13 +65,9 @@ def test_parts_are_shown_as_the_whole_is(program, ratio, size, monkeypatch) -> N
 
 @pytest.mark.parametrize("ratio", [1.0, 1.25, 1.5, 1.75])
 def test_what_has_changed_is_asked_to_be_drawn_whole(program, ratio, monkeypatch) -> None:
-    canvas, asked = Canvas(), list[QtCore.QRect]()
-    canvas.resize(323, 241)
-    monkeypatch.setattr(canvas, "devicePixelRatioF", lambda: ratio)
-    width, height = canvas.pixel_size
-    chance = np.random.default_rng(5)
-    pixels = chance.integers(8, 255, (height, width, 4)).astype(np.uint8)
-    canvas.show_pixels(pixels)
+    canvas, pixels, chance = noisy((323, 241), ratio, monkeypatch)
+    asked = list[QtCore.QRect]()
+    height, width = pixels.shape[:2]
     before = drawn(canvas, canvas.rect(), ratio)
     monkeypatch.setattr(canvas, "update", lambda *rects: asked.extend(rects))
     for _ in range(12):

@@ -14,6 +14,7 @@ from paint3d.core.compiled import is_ahead, is_compiled
 from paint3d.device.sample import DeviceSample
 from paint3d.mesh.closest_points import ClosestPoints
 from paint3d.pose.brush_pose import object_poses
+from paint3d.surface.sheen import PLAIN_SHINE
 from paint3d.view.brush_shape import BrushStand, tuft_rings
 from paint3d.view.kernels.drape import drape_points
 from paint3d.view.kernels.enlarge import enlarge
@@ -93,7 +94,9 @@ def _turn(shown: LiveObject) -> None:
     coarse = shown.coarse_for(1.0, 1000)
     assert coarse is not None, "it is asked for the first time"
     lamps, lobes, out = np.zeros((1, 6)), np.ones((3, 2)), coarse.colours.copy()
-    add_shine(coarse.points, coarse.normals, coarse.colours, np.zeros(3), lamps, lobes, 128, out)
+    add_shine(
+        coarse.points, coarse.normals, coarse.colours, np.zeros(3), lamps, lobes, PLAIN_SHINE, out
+    )
     Enlarger((1, 1), (2, 2)).enlarge(np.zeros((1, 1, 4), np.uint8), np.zeros((2, 2, 4), np.uint8))
 
 
