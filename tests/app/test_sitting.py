@@ -597,6 +597,20 @@ def test_what_lies_behind_a_damage_is_counted(tmp_path, damage):
     assert recovered.n_lost >= len(line((-20, 0), (20, 0)))
 
 
+def test_a_sitting_ends_when_all_its_journals_have(tmp_path, monkeypatch):
+    before = set(threading.enumerate())
+    document = small_plane()
+    sitting = Sitting(document, tmp_path)
+    turned = sitting._open_journal()._file  # its page ends last
+    monkeypatch.setattr(
+        "paint3d.files.project.journal.flush_file",
+        lambda file: time.sleep(0.5 if file == turned else 0.0),
+    )
+    sitting.turn_page(document)
+    sitting.close(keep=True)
+    assert set(threading.enumerate()) <= before
+
+
 def test_what_is_refused_only_when_it_is_done_again_is_told(tmp_path):
     document = small_plane()
     sitting = Sitting(document, tmp_path)

@@ -9,6 +9,7 @@ from paint3d.colour.pigments import load_pigment
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.surface.painted_surface import PaintedSurface
 from paint3d.surface.sheen import PLAIN_SHINE, WetWatch
+from paint3d.view import live_scene
 from paint3d.view.camera import View, fit_camera
 from paint3d.view.live_object import LiveObject
 from paint3d.view.live_scene import LiveScene
@@ -193,6 +194,23 @@ def test_dry_ink_on_glaze_is_matt_while_the_view_moves(scene):
     wet, coarsely_wet, dry, coarsely_dry = (np.ptp(one[spot]) for one in found)
     assert coarsely_wet > 0.5 * wet > dry
     assert coarsely_dry < 1.5 * dry
+
+
+def test_a_watch_knows_what_had_dried_before_it_looked():
+    surface = ball("pine soot", "porcelain")
+    watch = surface.watch_wet()
+    inked = np.flatnonzero(surface.coverage).astype(np.int32)
+    assert sorted(watch.follow(inked[:0])) == inked.tolist()
+    assert watch.shine(inked).max() <= 2
+
+
+def test_what_little_matt_ink_mirrors_is_spread_widely(scene, monkeypatch):
+    monkeypatch.setitem(live_scene._LOBES, "MATT_SHARE", 0.24)  # so that it can be seen
+    seen = show(scene, ball("pine soot", "porcelain"))()[..., 1]
+    lit = binary_erosion(seen < 110, iterations=2)
+    assert lit.sum() > 3000
+
+    assert np.percentile(seen[lit], 90) > seen[lit].min() + 15
 
 
 def test_what_is_drawn_coarsely_shines_as_what_is_drawn_finely():
