@@ -601,10 +601,11 @@ def test_a_sitting_ends_when_all_its_journals_have(tmp_path, monkeypatch):
     before = set(threading.enumerate())
     document = small_plane()
     sitting = Sitting(document, tmp_path)
-    turned = sitting._open_journal()._file  # its page ends last
+    (turned,) = sitting.folder.glob("journal-1.*")  # this page ends last
+    which = turned.stat().st_ino
     monkeypatch.setattr(
         "paint3d.files.project.journal.flush_file",
-        lambda file: time.sleep(0.5 if file == turned else 0.0),
+        lambda file: time.sleep(0.5 if os.fstat(file).st_ino == which else 0.0),
     )
     sitting.turn_page(document)
     sitting.close(keep=True)

@@ -205,7 +205,7 @@ def test_a_watch_knows_what_had_dried_before_it_looked():
 
 
 def test_what_little_matt_ink_mirrors_is_spread_widely(scene, monkeypatch):
-    monkeypatch.setitem(live_scene._LOBES, "MATT_SHARE", 0.24)  # so that it can be seen
+    monkeypatch.setitem(vars(live_scene)["_LOBES"], "MATT_SHARE", 0.24)  # so that it can be seen
     seen = show(scene, ball("pine soot", "porcelain"))()[..., 1]
     lit = binary_erosion(seen < 110, iterations=2)
     assert lit.sum() > 3000
