@@ -63,7 +63,7 @@ def in_processes(
             yield found.pop(k)
     finally:
         for worker in workers:
-            worker.process.terminate()
+            worker.process.kill()  # it has nothing to end, and may hold back what asks it to
         for worker in workers:
             worker.process.join()
             worker.connection.close()

@@ -16,7 +16,7 @@ from pathlib import Path
 from types import FrameType
 from typing import Self
 
-from paint3d.core.machine import ENDING
+from paint3d.core.machine import ENDING, leave_interrupts_to_others
 
 __all__ = [
     "AskedToEnd",
@@ -159,6 +159,7 @@ class Ends:
 
     def _watch(self) -> None:
         """Wait for signals: they are told here even where the main thread is in a kernel."""
+        leave_interrupts_to_others()  # one taken here is raised there, even what is held back
         while True:
             for number in os.read(self._read, 64):
                 if number == _STOP[0]:

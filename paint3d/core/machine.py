@@ -109,10 +109,11 @@ def usable_cores() -> int:
 
 @contextmanager
 def holding_interrupts() -> Iterator[None]:
-    """Hold interrupts back meanwhile, here and for good in processes that are started here.
+    """Hold back what asks to end meanwhile, here and for good in processes that are started here.
 
-    Those call `ignore_interrupts` when they are ready to. Elsewhere than on POSIX systems nothing
-    is held back.
+    Those call `ignore_interrupts` when they are ready to. A thread that takes what is held back
+    has it raised in the main thread all the same: each calls `leave_interrupts_to_others`.
+    Elsewhere than on POSIX systems nothing is held back.
     """
     if not hasattr(signal, "pthread_sigmask"):
         yield
@@ -120,7 +121,7 @@ def holding_interrupts() -> Iterator[None]:
     from multiprocessing import resource_tracker
 
     resource_tracker.ensure_running()  # once more would let interrupts through
-    blocked = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    blocked = signal.pthread_sigmask(signal.SIG_BLOCK, ENDING)
     try:
         yield
     finally:
@@ -134,9 +135,9 @@ def tell_nobody(stream: TextIO) -> None:
 
 
 def leave_interrupts_to_others() -> None:
-    """Let interrupts go to this process's other threads, not to this one."""
+    """Let what asks to end go to this process's other threads, not to this one."""
     if hasattr(signal, "pthread_sigmask"):
-        signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+        signal.pthread_sigmask(signal.SIG_BLOCK, ENDING)
 
 
 def interrupt() -> None:
@@ -151,7 +152,7 @@ def ignore_interrupts() -> None:
     """Ignore interrupts in this process: whoever started it is to end it."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     if hasattr(signal, "pthread_sigmask"):
-        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, ENDING)
 
 
 def end_with_parent(end: Callable[[int], object] = os._exit) -> None:

@@ -27,15 +27,16 @@ if __name__ == "__main__":
 """
 INTERRUPTED = """
 import os, signal, sys
-from multiprocessing import forkserver
+from multiprocessing import connection, forkserver
 from paint3d.cli.main import main
 
-ask = forkserver.connect_to_new_process
+ask, number = forkserver.connect_to_new_process, int(sys.argv.pop(1))
 
 def ask_and_be_interrupted(*given):
-    asked = ask(*given)
-    os.kill(os.getpid(), signal.SIGINT)
-    return asked
+    status, data = ask(*given)
+    connection.wait([status])  # it is there, and waits for what it is to do
+    os.kill(os.getpid(), number)
+    return status, data
 
 forkserver.connect_to_new_process = ask_and_be_interrupted
 sys.exit(main(sys.argv[1:]))
@@ -151,15 +152,21 @@ def test_a_batch_is_interrupted_while_its_processes_start(write_table, library: 
     assert errors == "paint3d: error: interrupted\n"
 
 
-def test_an_interrupt_while_a_process_is_asked_for_is_told_by_one_alone(write_table) -> None:
+@pytest.mark.parametrize(
+    ("number", "status", "told"),
+    [(signal.SIGINT, 130, "interrupted"), (signal.SIGTERM, 143, "asked to end")],
+)
+def test_an_end_while_a_process_is_asked_for_is_told_by_one_alone(
+    write_table, number: int, status: int, told: str
+) -> None:
     """It would get half of what it is to do, and tell so."""
-    command = [sys.executable, "-c", INTERRUPTED, "batch", write_table(*ROWS), "--processes", "1"]
+    command = [sys.executable, "-c", INTERRUPTED, str(int(number)), "batch", write_table(*ROWS)]
     done = subprocess.run(
-        command, capture_output=True, text=True, check=False, timeout=300,
+        [*command, "--processes", "1"], capture_output=True, text=True, check=False, timeout=300,
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )  # fmt: skip
-    assert done.stderr == "paint3d: error: interrupted\n"
-    assert done.returncode == 130
+    assert done.stderr == f"paint3d: error: {told}\n"
+    assert done.returncode == status
 
 
 def test_a_cluster_paints_the_same_bytes(paint3d, write_table, tmp_path: Path) -> None:
