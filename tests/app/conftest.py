@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import copy
-import faulthandler
 import hashlib
 import os
 import sys
@@ -19,7 +18,6 @@ from paint3d.view.live_light import BakedLight, LiveLight
 from tests.support.app.screens import start_screen
 
 _WET_AT_FIRST = settings.WET_AT_FIRST
-_LONGEST_S = 1200.0
 _FOUND: dict[bytes, BakedLight] = {}
 
 
@@ -77,14 +75,6 @@ def windows_go() -> Iterator[None]:
             if not widget.isVisible() and widget.parent() is None:
                 widget.deleteLater()
         QtCore.QCoreApplication.sendPostedEvents(None, QtCore.QEvent.Type.DeferredDelete)
-
-
-@pytest.fixture(autouse=True)
-def not_for_ever() -> Iterator[None]:
-    """End the process with a traceback if a test waits for a dialog that nobody answers."""
-    faulthandler.dump_traceback_later(_LONGEST_S, exit=True)
-    yield
-    faulthandler.cancel_dump_traceback_later()
 
 
 @pytest.fixture
