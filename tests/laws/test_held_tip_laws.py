@@ -98,8 +98,24 @@ def test_where_nothing_is_pressed_nothing_is_held(at, length, way, lifted):
     pressed=st.floats(0.0, 3.0),
 )
 def test_the_edge_of_a_heap_is_not_held(at, aside, short, length, way, pressed):
-    heap = trail_step(*at, aside, short * length, length, way, pressed, 0.0)
-    assert heap == trail_step(*at, aside, short * length, length, way, 0.0, 1.0)
+    turned, left = trail_step(*at, aside, short * length, length, way, pressed, 0.0)
+    assert turned == pytest.approx(aside * math.exp(-2.0 * way / length), abs=1e-12)
+    assert left == max(0.0, short * length - way)
+
+
+@LAW
+@given(
+    angle=st.floats(-3.0, 3.0),
+    slack=st.floats(0.3, 0.9),
+    length=lengths,
+    lifted=st.floats(0.0, 0.5),
+)
+def test_a_slack_tip_stays_until_it_is_pulled_taut(angle, slack, length, lifted):
+    """It swung aside and back over the mark as soon as nothing was pressed any more."""
+    at = (1.0 - slack) * length * math.cos(angle), (1.0 - slack) * length * math.sin(angle)
+    turned, left = trail_step(*at, 0.0, slack * length, length, 0.01 * length, -lifted, 1.0)
+    distance = length - left
+    assert (distance * math.cos(turned), distance * math.sin(turned)) == pytest.approx(at)
 
 
 @LAW
