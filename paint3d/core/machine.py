@@ -24,6 +24,7 @@ from typing import Any, BinaryIO, TextIO, cast
 __all__ = [
     "APPENDING",
     "ENDING",
+    "blocking_interrupts",
     "end_with_parent",
     "flush_file",
     "flush_folder",
@@ -31,7 +32,6 @@ __all__ = [
     "give_back_memory",
     "handed_to_child",
     "hold_new",
-    "holding_interrupts",
     "ignore_interrupts",
     "interrupt",
     "is_locked",
@@ -41,6 +41,7 @@ __all__ = [
     "lock",
     "make_memory_file",
     "nobodys",
+    "open_no_more",
     "reserve_space",
     "tell_nobody",
     "usable_cores",
@@ -108,12 +109,12 @@ def usable_cores() -> int:
 
 
 @contextmanager
-def holding_interrupts() -> Iterator[None]:
-    """Hold back what asks to end meanwhile, here and for good in processes that are started here.
+def blocking_interrupts() -> Iterator[None]:
+    """Keep what asks to end from this thread, and for good from processes that are started here.
 
-    Those call `ignore_interrupts` when they are ready to. A thread that takes what is held back
-    has it raised in the main thread all the same: each calls `leave_interrupts_to_others`.
-    Elsewhere than on POSIX systems nothing is held back.
+    Those call `ignore_interrupts` when they are ready to. Another thread may take it, which the
+    main thread hears of all the same: `ending.holding_interrupts` sees to that. Elsewhere than on
+    POSIX systems nothing is kept from anybody.
     """
     if not hasattr(signal, "pthread_sigmask"):
         yield
@@ -190,6 +191,14 @@ def limit_process(memory: int, seconds: int) -> None:
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds + 1))
     resource.setrlimit(resource.RLIMIT_AS, (memory, memory))
+
+
+def open_no_more() -> None:
+    """Let this process, and all its threads, open no further file, where the system can."""
+    resource = _module("resource")
+    if resource is not None:
+        _, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+        resource.setrlimit(resource.RLIMIT_NOFILE, (0, hard))
 
 
 def handed_to_child(descriptor: int) -> tuple[int, dict[str, Any]]:

@@ -72,9 +72,43 @@ with Ends(patience_s=0.1) as ends:
     time.sleep(0.5)
     print(status, ends.status, ends._thread.is_alive())
 """
+HOLDING = """
+import signal, threading
+from paint3d.core.ending import holding_interrupts
+
+threading.Thread(target=time.sleep, args=(100,), daemon=True).start()  # as a library's: it hears
+with Ends() as ends:
+    try:
+        with holding_interrupts():
+            os.kill(os.getpid(), signal.SIGTERM)
+            for _ in range(100):
+                time.sleep(0.001)
+            print("held", ends.status)
+        print("over")
+    except KeyboardInterrupt:
+        print("told", ends.status)
+"""
 ALONE = "\nwrite(lambda: time.sleep(100))"
 AT_ONCE = "\nwith Ends(patience_s=0.0): write(lambda: time.sleep(100))"
 COMPUTING = "\nwith Ends(patience_s=0.2): write(compute); time.sleep(100)"
+OPENING = """
+import contextlib, threading
+
+exit_now = os._exit
+os._exit = lambda status: (time.sleep(0.2), exit_now(status))
+
+def open_again(path):
+    while True:
+        with contextlib.suppress(OSError):
+            open(path, "w").close()
+
+def go_on():
+    path = next(os.scandir(sys.argv[1])).path
+    threading.Thread(target=open_again, args=(path,), daemon=True).start()
+    time.sleep(100)
+
+with Ends(patience_s=0.0): write(go_on)
+"""
 CHILD = """
 if __name__ == "__main__":
     child = multiprocessing.get_context("fork").Process(target=help_parent)
@@ -196,6 +230,14 @@ def test_who_hears_nothing_is_ended_all_the_same(tmp_path: Path, code: str) -> N
     assert part.read_text() == "half"
     if code == COMPUTING:
         running.stdout.readline()  # it has begun to
+    assert ended(running, signal.SIGTERM) == 143
+    assert list(tmp_path.iterdir()) == []
+
+
+@needs_signals
+def test_who_is_about_to_write_makes_nothing_anew(tmp_path: Path) -> None:
+    """Writers open their file by its name, and did so after it had been removed."""
+    running, _ = writing(OPENING, tmp_path)
     assert ended(running, signal.SIGTERM) == 143
     assert list(tmp_path.iterdir()) == []
 
@@ -351,10 +393,15 @@ def test_every_name_that_a_file_can_have_can_be_written(tmp_path: Path, name: st
 
 @needs_signals
 @pytest.mark.parametrize(
-    ("code", "told"), [(HOST, "heard"), (FORKING, f"{-signal.SIGTERM} 0 True")]
+    ("code", "told"),
+    [
+        (HOST, "heard"),
+        (FORKING, f"{-signal.SIGTERM} 0 True"),
+        (HOLDING, "held 0\ntold 143"),
+    ],
 )
 def test_signals_of_others_are_theirs(code: str, told: str) -> None:
-    """Of the program around a command, and of processes that are forked meanwhile."""
+    """Of the program around a command, of processes that are forked, of what is begun meanwhile."""
     asked = [sys.executable, "-W", "ignore", "-c", WRITING + code]
     environment = {**os.environ, "PYTHONPATH": str(ROOT)}
     done = subprocess.run(
