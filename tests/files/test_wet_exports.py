@@ -1,5 +1,6 @@
 """Wet paint in files and pictures: smoother and darker than dry, and nothing where all is dry."""
 
+import dataclasses
 import runpy
 from pathlib import Path
 
@@ -11,6 +12,7 @@ from scipy.ndimage import binary_erosion
 from scipy.spatial import cKDTree
 
 import paint3d
+from paint3d.colour.materials import load_material
 from paint3d.colour.pigments import WATER, load_pigment
 from paint3d.colour.spectra import decode_srgb, encode_srgb
 from paint3d.colour.viewing import Viewing
@@ -293,6 +295,21 @@ def test_the_gloss_of_another_material_is_that_of_its_dry_parts(wet):
     dry = painting.look.damp == 0.0
     assert (glazed.each[dry] == np.float32(Gloss.of("porcelain").seen_roughness)).all()
     assert glazed.each[~dry].min() < 0.1
+
+
+def test_dry_ink_is_matt_on_a_glaze_over_what_is_rough(tmp_path):
+    """Its body was asked how rough it is, not its glaze, and the ink mirrored the lamps."""
+    porcelain, seen = load_material("porcelain"), []
+    for name, roughness in (("porcelain", porcelain.roughness), ("my own", 0.9)):
+        surface = ball("pine soot", dataclasses.replace(porcelain, name=name, roughness=roughness))
+        watch = surface.watch_wet()
+        watch.follow(np.arange(surface.n_vertices, dtype=np.int32))
+        assert not watch.is_plain  # in the window
+        write_picture(surface, tmp_path / "dry.png", Shot(size=(120, 120), view="front"))
+        seen.append(np.asarray(Image.open(tmp_path / "dry.png").convert("L"), float))
+    black = binary_erosion(seen[0] < 100.0, iterations=2)
+    assert black.sum() > 500
+    np.testing.assert_allclose(seen[1][black], seen[0][black], atol=6.0)
 
 
 @pytest.mark.parametrize("viewing", [None, Viewing(gamut="p3")])
