@@ -161,9 +161,9 @@ def test_planning_repeats_to_the_bit():
 
 def test_a_line_that_the_grid_does_not_show_is_too_fine():
     """It was told, without a name, that its median lay outside the outline."""
-    y = 0.05 * np.sin(np.linspace(0.0, 9.0, 400))
-    line = np.column_stack([np.linspace(0.0, 12.0, 400), y])
-    outline = np.concatenate([line + [0.0, 0.0005], line[::-1] - [0.0, 0.0005]])
+    x = np.linspace(0.0, 12.0, 400)
+    line, off = np.column_stack([x, 3.0 * np.sin(0.7 * x)]), np.array([0.0, 0.0008])
+    outline = np.concatenate([line + off, line[::-1] - off])
     with pytest.raises(InputError, match="the thread is too fine for this brush at an em of"):
         plan_stroke(outline, line, EM, footprints(), name="the thread")
 
