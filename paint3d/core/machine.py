@@ -15,8 +15,10 @@ import stat
 import tempfile
 import threading
 import time
+import zlib
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
+from functools import cache
 from pathlib import Path
 from types import ModuleType
 from typing import Any, BinaryIO, TextIO, cast
@@ -44,6 +46,7 @@ __all__ = [
     "open_no_more",
     "reserve_space",
     "tell_nobody",
+    "this_machine",
     "usable_cores",
     "user_number",
 ]
@@ -56,6 +59,7 @@ ENDING = tuple(
 """Signals that ask a process to end."""
 _LOOKS_S = 0.3  # that a look whether a file is locked may take where no core is free
 _LOOK_AGAIN_S = 0.002
+_STARTED = Path("/proc/sys/kernel/random/boot_id")  # on Linux
 
 
 def _module(name: str) -> ModuleType | None:
@@ -103,6 +107,16 @@ def usable_cores() -> int:
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
+
+
+@cache
+def this_machine() -> str:
+    """Eight hexadecimal digits that hardly another machine has, or this one when it starts anew."""
+    name = os.uname().nodename if hasattr(os, "uname") else os.environ.get("COMPUTERNAME", "")
+    started = b""
+    with suppress(OSError):
+        started = _STARTED.read_bytes()
+    return f"{zlib.crc32(os.fsencode(name) + started):08x}"
 
 
 # -- processes ----------------------------------------------------------------------------------
