@@ -3,10 +3,12 @@
     python scripts/kill_commands.py [TIMES [SEED [COMMAND ...]]]
 
 Each command is run once to its end, then so many times with a signal after a random part of that
-time. SIGINT, SIGTERM and SIGHUP must leave no temporary file, neither beside the result nor among
-the system's temporary files, and no process; the result is the old file or the new one, whole.
-SIGKILL may leave temporary files, which the next run takes away, and no process for long; of a
-batch also the folder in which Python's processes meet, among the system's temporary files.
+time, to it alone or, as a terminal does, to all that it has started, too. Ended by SIGINT, SIGTERM
+or SIGHUP it is so within 4 s, says that in one line and has that status, or is finished; it leaves
+no temporary file, neither beside the result nor among the system's temporary files, and no process;
+the result is the old file or the new one, whole. SIGKILL may leave temporary files, which the next
+run takes away, and no process for long; of a batch also the folder in which Python's processes
+meet, among the system's temporary files.
 """
 
 from __future__ import annotations
@@ -20,6 +22,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
 
@@ -28,6 +31,9 @@ __all__ = ["COMMANDS", "Case", "Left", "ended_at_random", "leftovers"]
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGKILL)
 MARK = "PAINT3D_KILLED"
 OLD = b"what was there before"
+STATUS = {signal.SIGINT: 130, signal.SIGTERM: 143, signal.SIGHUP: 129}
+ENDS_S = 4.0  # 3 s where it computes; more only on a machine with no core for it
+TOLD = ("paint3d: note: ", "planned ")  # how far it came
 MEETING = "tmp/pymp-"  # Python's own, with a socket in it
 PATIENCE_S = 30.0  # for a process to be gone, and, after its parent was killed, its children
 TEXT = "永和"
@@ -43,6 +49,10 @@ class Case(NamedTuple):
 
 
 COMMANDS = {
+    "demo": Case(
+        ("demo", "--no-view", "--out", "demo"),
+        ("demo/bowl.ply", "demo/bowl.glb", "demo/bowl.png", "demo/bowl.p3d"),
+    ),
     "write": Case(("write", TEXT, "--on", "bowl", "--out", "write.png", "--force"), ("write.png",)),
     "record": Case(
         ("write", TEXT, "--on", "plane", "--out", "record.p3d", "--recording", "r.jsonl.gz",
@@ -90,12 +100,19 @@ class Left(NamedTuple):
     signal: signal.Signals
     after_s: float
     what: str
+    to_all: bool = False  # as a terminal tells a command, and all that it started, at once
 
 
 def _environment(folder: Path) -> dict[str, str]:
     own = folder / "tmp"
     own.mkdir(exist_ok=True)
     return {**os.environ, "TMPDIR": str(own), MARK: str(folder)}
+
+
+def _hear_all() -> None:
+    """Also where this script itself was started behind, or by nohup: what is ignored stays so."""
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)
 
 
 def _run(case: Case, folder: Path) -> subprocess.Popen[str]:
@@ -105,7 +122,7 @@ def _run(case: Case, folder: Path) -> subprocess.Popen[str]:
         [sys.executable, "-m", "paint3d", *case.words],
         cwd=folder, env=_environment(folder), text=True, start_new_session=True,
         stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+        preexec_fn=_hear_all,
     )  # fmt: skip
 
 
@@ -125,7 +142,8 @@ def processes_of(folder: Path) -> list[str]:
 
 def leftovers(folder: Path) -> list[str]:
     """Temporary files beside results and among the system's."""
-    beside = [entry.name for entry in folder.iterdir() if entry.name.startswith(".")]
+    found = [*folder.iterdir(), *folder.glob("demo/*")]
+    beside = [str(entry.relative_to(folder)) for entry in found if entry.name.startswith(".")]
     return sorted(beside + [f"tmp/{entry.name}" for entry in (folder / "tmp").iterdir()])
 
 
@@ -152,25 +170,37 @@ def _wrong(
             yield f"{file} has {size} bytes; expected {len(OLD)} or {whole[file]}"
 
 
-def _ended_once(
-    name: str, folder: Path, number: signal.Signals, after_s: float, whole: dict[str, int]
-) -> Iterator[Left]:
+def _told_badly(number: signal.Signals, status: int, told: str) -> bool:
+    """Whether a command that was ended says anything but that, or that it is finished."""
+    if number == signal.SIGKILL or status in (0, -number):  # its handlers were not there yet
+        return "Traceback" in told
+    asked = "interrupted" if number == signal.SIGINT else "asked to end"
+    errors = [line for line in told.splitlines() if not line.startswith(TOLD)]
+    return status != STATUS[number] or errors not in ([], [f"paint3d: error: {asked}"])
+
+
+def _ended_once(name: str, folder: Path, left: Left, whole: dict[str, int]) -> Iterator[Left]:
     for file in COMMANDS[name].files:
         (folder / file).write_bytes(OLD)
     before = leftovers(folder)
     running = _run(COMMANDS[name], folder)
-    time.sleep(after_s)
-    running.send_signal(number)
+    time.sleep(left.after_s)
+    began = time.monotonic()
+    with suppress(ProcessLookupError):
+        (os.killpg if left.to_all else os.kill)(running.pid, left.signal)
     try:
         _, told = running.communicate(timeout=PATIENCE_S)
     except subprocess.TimeoutExpired:
         running.kill()
         _, told = running.communicate()
-        yield Left(name, number, after_s, "it did not end")
-    if "Traceback" in told:
-        yield Left(name, number, after_s, told)
-    for what in _wrong(name, folder, number, whole, before):
-        yield Left(name, number, after_s, what)
+        yield left._replace(what="it did not end")
+    took_s = time.monotonic() - began
+    if took_s > ENDS_S:
+        yield left._replace(what=f"it ended after {took_s:.1f} s")
+    if _told_badly(left.signal, running.returncode, told):
+        yield left._replace(what=f"status {running.returncode}: {told}")
+    for what in _wrong(name, folder, left.signal, whole, before):
+        yield left._replace(what=what)
 
 
 def _finished(name: str, folder: Path) -> float:
@@ -196,7 +226,8 @@ def ended_at_random(names: list[str], times: int, seed: int = 1) -> list[Left]:
         whole = {file: (folder / file).stat().st_size for file in COMMANDS[name].files}
         for _ in range(times):
             number, after_s = chance.choice(SIGNALS), chance.uniform(0.0, 1.1) * took_s
-            left += _ended_once(name, folder, number, after_s, whole)
+            asked = Left(name, number, after_s, "", chance.random() < 0.5)
+            left += _ended_once(name, folder, asked, whole)
         _finished(name, folder)
         kept = [file for file in leftovers(folder) if not file.startswith(MEETING)]
         left += [Left(name, signal.SIGKILL, took_s, f"files: {file}") for file in kept]
@@ -214,7 +245,8 @@ def main() -> None:
         n_left += len(left)
         sys.stdout.write(f"{name}: ended {times} times, {len(left)} left something\n")
         for one in left:
-            sys.stdout.write(f"  {one.signal.name} after {one.after_s:.2f} s: {one.what}\n")
+            whom = " to all" if one.to_all else ""
+            sys.stdout.write(f"  {one.signal.name}{whom} after {one.after_s:.2f} s: {one.what}\n")
         sys.stdout.flush()
     if n_left:
         sys.exit(f"{n_left} left something behind")

@@ -14,7 +14,8 @@ from multiprocessing.process import BaseProcess
 from multiprocessing.reduction import ForkingPickler
 from typing import Any, NamedTuple, TypeVar, cast
 
-from paint3d.core.machine import end_with_parent, holding_interrupts, ignore_interrupts
+from paint3d.core.ending import holding_interrupts
+from paint3d.core.machine import end_with_parent, ignore_interrupts
 from paint3d.errors import Paint3DError
 
 __all__ = ["in_processes", "serve"]
@@ -47,9 +48,10 @@ def in_processes(
     Paint3DError
         If a process dies, or finds what cannot be sent. What `work` raises is raised here.
     """
-    workers = _start(work, n)
+    workers = list[_Worker]()
     left, found = iter(enumerate(items)), dict[int, _Found]()
     try:
+        _start(workers, work, n)
         busy = [w for w in workers if _give(w, left)]
         for k in range(len(items)):
             while k not in found:
@@ -69,9 +71,9 @@ def in_processes(
             worker.connection.close()
 
 
-def _start(work: Callable[..., Any], n: int) -> list[_Worker]:
+def _start(workers: list[_Worker], work: Callable[..., Any], n: int) -> None:
+    """Add so many: those that are there already are known where the next one fails."""
     context = multiprocessing.get_context("spawn")
-    workers = []
     with holding_interrupts():
         for _ in range(n):
             ours, theirs = context.Pipe()
@@ -79,7 +81,6 @@ def _start(work: Callable[..., Any], n: int) -> list[_Worker]:
             process.start()
             theirs.close()
             workers.append(_Worker(process, ours))
-    return workers
 
 
 def _give(worker: _Worker, left: Iterator[tuple[int, object]]) -> bool:

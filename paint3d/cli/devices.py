@@ -373,7 +373,7 @@ def rounds(seconds: float | None, pause_s: float) -> Iterator[None]:
     """Once every `pause_s`, for so long or until Ctrl-C, or `kill`, which cuts no round short."""
     end = None if seconds is None else time.monotonic() + seconds
     over: list[bool] = []
-    with heard_by(lambda: over.append(True)):
+    with heard_by(lambda _: over.append(True)):
         while not over and (end is None or time.monotonic() < end):
             time.sleep(pause_s)
             yield

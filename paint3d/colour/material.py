@@ -9,7 +9,7 @@ from paint3d.core.arrays import as_array, as_number
 from paint3d.core.types import AnyArray
 from paint3d.errors import PigmentError
 
-__all__ = ["WAVE_RANGE_MM", "WET_COAT_MM", "Material", "material_ranges"]
+__all__ = ["WAVE_RANGE_MM", "WET_COAT_MM", "Material", "glazed_roughness", "material_ranges"]
 
 _FRICTION = (0.2, 2.0)
 _MOST_SPREAD = 2.5  # times the friction that a brush was rated on: what shapes are tabulated for
@@ -28,12 +28,18 @@ _RANGES = {
     "tooth_mm": (0.0, 10.0),
 }
 _BUMPS = 2.0  # lengths of a bump from one to the next
+_GLAZE_ROUGHNESS = 0.07  # of the one lobe that is used: VTK's own coat is weighed by Fresnel twice
 _RATED = {"rated_absorbency": "absorbency", "rated_friction": "friction"}
 
 WAVE_RANGE_MM = (0.1, 20.0)
 """Least and greatest distance of bumps that is felt and seen, mm."""
 WET_COAT_MM = 0.03
 """Depth of the liquid in one wet coat, mm: a full stroke brushed on. Chosen by eye."""
+
+
+def glazed_roughness(roughness: float, coat: float) -> float:
+    """Roughness that a body of this one has under a glaze so strong, all 0 to 1."""
+    return roughness + coat * (_GLAZE_ROUGHNESS - roughness)
 
 
 def material_ranges() -> dict[str, tuple[float, float]]:
@@ -139,6 +145,11 @@ class Material:
                 f"friction of {self.name} is {self.friction:g}, {self.slip:.3g} times its "
                 f"rated_friction {self.rated_friction:g}; expected at most {_MOST_SPREAD:g} times"
             )
+
+    @property
+    def seen_roughness(self) -> float:
+        """Roughness of what mirrors: the body, or the glaze over it, 0 to 1."""
+        return glazed_roughness(self.roughness, self.coat)
 
     @property
     def wave_mm(self) -> float:

@@ -1,8 +1,9 @@
 """Writing a file so that either all of it appears or nothing changes.
 
-A program that is killed may leave a temporary file, ``.NAME.paint3d-XXXXXXXX.SUFFIX``. As long as
-it is written it is locked, where the system has locks; the next program that writes into the folder
-removes those that nobody writes any more.
+A program that is killed may leave a temporary file, ``.NAME.paint3d-XXXXXXXXYYYY.SUFFIX``, where X
+tells the machine. As long as it is written it is locked, where the system has locks; the next
+program that writes into the folder removes those that nobody writes any more. Not all folders that
+machines share have locks that they share: another machine's are removed when they are a day old.
 """
 
 from __future__ import annotations
@@ -11,17 +12,19 @@ import errno
 import os
 import re
 import secrets
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from paint3d.core.ending import begin_file, forget_file
-from paint3d.core.machine import flush_folder, hold_new, nobodys
+from paint3d.core.machine import flush_folder, hold_new, nobodys, this_machine
 from paint3d.errors import ExportError
 
 __all__ = ["write_atomically"]
 
-_LEFT = re.compile(r"\..*\.paint3d-[0-9a-f]{8}(\..*)?", re.DOTALL)
+_LEFT = re.compile(r"\..*\.paint3d-([0-9a-f]{8})(?:[0-9a-f]{4})?(\..*)?", re.DOTALL)
+_OLD_S = 86400.0  # since it was written to last
 _STEM, _SUFFIXES = 20, 32  # characters and bytes: a name has up to 255 bytes, on some systems 143
 _TRIES = 100
 _TIDY: set[Path] = set()  # folders that were looked through by this process
@@ -96,7 +99,7 @@ def _reserve(target: Path) -> tuple[Path, int | None]:
     def make() -> Path:
         nonlocal held
         for left in reversed(range(_TRIES)):
-            name = f".{stem}.paint3d-{secrets.token_hex(4)}{suffixes}"
+            name = f".{stem}.paint3d-{this_machine()}{secrets.token_hex(2)}{suffixes}"
             try:
                 held = hold_new(target.parent / name)
                 break
@@ -124,10 +127,22 @@ def _tidy(folder: Path) -> None:
     _TIDY.add(folder)
     with suppress(OSError), os.scandir(folder) as entries:
         for entry in entries:
-            if _LEFT.fullmatch(entry.name) and entry.is_file(follow_symlinks=False):
+            if _may_be_left(entry):
                 with suppress(OSError), nobodys(Path(entry.path)) as is_left:
                     if is_left:
                         os.unlink(entry.path)
+
+
+def _may_be_left(entry: os.DirEntry[str]) -> bool:
+    """Whether it has such a name, and is this machine's or old."""
+    named = _LEFT.fullmatch(entry.name)
+    if named is None or not entry.is_file(follow_symlinks=False):
+        return False
+    if named[1] == this_machine():
+        return True
+    with suppress(OSError):
+        return time.time() - entry.stat(follow_symlinks=False).st_mtime > _OLD_S
+    return False
 
 
 def _flush(path: Path) -> None:

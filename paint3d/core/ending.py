@@ -16,7 +16,12 @@ from pathlib import Path
 from types import FrameType
 from typing import Self
 
-from paint3d.core.machine import ENDING, leave_interrupts_to_others
+from paint3d.core.machine import (
+    ENDING,
+    blocking_interrupts,
+    leave_interrupts_to_others,
+    open_no_more,
+)
 
 __all__ = [
     "AskedToEnd",
@@ -25,6 +30,7 @@ __all__ = [
     "end_now",
     "forget_file",
     "heard_by",
+    "holding_interrupts",
     "remove_unfinished",
 ]
 
@@ -64,30 +70,49 @@ def remove_unfinished() -> None:
 def end_now(status: int) -> None:
     """End this process, whatever its threads are at; what it was writing is removed."""
     with _making:  # nothing more is begun
+        open_no_more()  # or a thread that is about to write makes anew what was removed
         remove_unfinished()
         os._exit(status)
 
 
 @contextmanager
-def heard_by(hear: Callable[[], object]) -> Iterator[None]:
-    """Have somebody else told, in the main thread, of interrupts and of being asked to end.
+def heard_by(hear: Callable[[int], object], *, patiently: bool = True) -> Iterator[None]:
+    """Have somebody else told, in the main thread, by which signal this process is asked to end.
 
     What is ignored, as by what a shell runs behind, stays so. In another thread nothing is heard.
+    Not `patiently`, `Ends` knows of it, too, and ends the process after its time.
     """
     if threading.current_thread() is not threading.main_thread():
         yield
         return
     all_before = {number: signal.getsignal(number) for number in ENDING}
     before = {n: heard for n, heard in all_before.items() if heard not in (None, signal.SIG_IGN)}
-    woken = signal.set_wakeup_fd(-1)  # of `Ends`, which is to know nothing of it
+    woken = signal.set_wakeup_fd(-1) if patiently else None
     try:
         for number in before:
-            signal.signal(number, lambda *_: hear())
+            signal.signal(number, lambda number, _: hear(number))
         yield
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
-        signal.set_wakeup_fd(woken)
+        if woken is not None:
+            signal.set_wakeup_fd(woken)
+
+
+@contextmanager
+def holding_interrupts() -> Iterator[None]:
+    """Hold back what asks to end meanwhile, here and for good in processes that are started here.
+
+    Whatever thread takes it, those of libraries too: it is heard of when this is over, or `Ends`
+    has no more patience. The started ones call `machine.ignore_interrupts` when they are ready to.
+    """
+    held: list[int] = []
+    try:
+        with heard_by(held.append, patiently=False), blocking_interrupts():
+            yield
+    finally:
+        for number in held[:1]:  # the first one tells how this process ends
+            signal.raise_signal(number)
 
 
 class Ends:

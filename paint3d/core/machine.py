@@ -15,8 +15,10 @@ import stat
 import tempfile
 import threading
 import time
+import zlib
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
+from functools import cache
 from pathlib import Path
 from types import ModuleType
 from typing import Any, BinaryIO, TextIO, cast
@@ -24,6 +26,7 @@ from typing import Any, BinaryIO, TextIO, cast
 __all__ = [
     "APPENDING",
     "ENDING",
+    "blocking_interrupts",
     "end_with_parent",
     "flush_file",
     "flush_folder",
@@ -31,7 +34,6 @@ __all__ = [
     "give_back_memory",
     "handed_to_child",
     "hold_new",
-    "holding_interrupts",
     "ignore_interrupts",
     "interrupt",
     "is_locked",
@@ -41,8 +43,10 @@ __all__ = [
     "lock",
     "make_memory_file",
     "nobodys",
+    "open_no_more",
     "reserve_space",
     "tell_nobody",
+    "this_machine",
     "usable_cores",
     "user_number",
 ]
@@ -55,6 +59,7 @@ ENDING = tuple(
 """Signals that ask a process to end."""
 _LOOKS_S = 0.3  # that a look whether a file is locked may take where no core is free
 _LOOK_AGAIN_S = 0.002
+_STARTED = Path("/proc/sys/kernel/random/boot_id")  # on Linux
 
 
 def _module(name: str) -> ModuleType | None:
@@ -104,16 +109,26 @@ def usable_cores() -> int:
     return os.cpu_count() or 1
 
 
+@cache
+def this_machine() -> str:
+    """Eight hexadecimal digits that hardly another machine has, or this one when it starts anew."""
+    name = os.uname().nodename if hasattr(os, "uname") else os.environ.get("COMPUTERNAME", "")
+    started = b""
+    with suppress(OSError):
+        started = _STARTED.read_bytes()
+    return f"{zlib.crc32(os.fsencode(name) + started):08x}"
+
+
 # -- processes ----------------------------------------------------------------------------------
 
 
 @contextmanager
-def holding_interrupts() -> Iterator[None]:
-    """Hold back what asks to end meanwhile, here and for good in processes that are started here.
+def blocking_interrupts() -> Iterator[None]:
+    """Keep what asks to end from this thread, and for good from processes that are started here.
 
-    Those call `ignore_interrupts` when they are ready to. A thread that takes what is held back
-    has it raised in the main thread all the same: each calls `leave_interrupts_to_others`.
-    Elsewhere than on POSIX systems nothing is held back.
+    Those call `ignore_interrupts` when they are ready to. Another thread may take it, which the
+    main thread hears of all the same: `ending.holding_interrupts` sees to that. Elsewhere than on
+    POSIX systems nothing is kept from anybody.
     """
     if not hasattr(signal, "pthread_sigmask"):
         yield
@@ -190,6 +205,14 @@ def limit_process(memory: int, seconds: int) -> None:
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds + 1))
     resource.setrlimit(resource.RLIMIT_AS, (memory, memory))
+
+
+def open_no_more() -> None:
+    """Let this process, and all its threads, open no further file, where the system can."""
+    resource = _module("resource")
+    if resource is not None:
+        _, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+        resource.setrlimit(resource.RLIMIT_NOFILE, (0, hard))
 
 
 def handed_to_child(descriptor: int) -> tuple[int, dict[str, Any]]:

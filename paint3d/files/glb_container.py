@@ -14,8 +14,17 @@ from paint3d.core.types import AnyArray
 from paint3d.errors import ExportError
 from paint3d.files.writers.finish import Finish
 
-__all__ = ["INDEX_DATA", "VERTEX_DATA", "material", "vertex_accessor", "write_container"]
+__all__ = [
+    "GENERATOR",
+    "INDEX_DATA",
+    "VERTEX_DATA",
+    "material",
+    "vertex_accessor",
+    "write_container",
+]
 
+GENERATOR = "paint3d"
+"""What a file says made it."""
 FLOAT = 5126
 LARGEST = (1 << 32) - 1
 VERTEX_DATA, INDEX_DATA = 34962, 34963
@@ -52,7 +61,7 @@ def write_container(
         views.append(view | ({} if target is None else {"target": target}))
         end += len(content) + -len(content) % 4
     document = {
-        "asset": {"version": "2.0", "generator": "paint3d"},
+        "asset": {"version": "2.0", "generator": GENERATOR},
         "scene": 0,
         "scenes": [{"nodes": [0]}],
         "nodes": [{"mesh": 0, "name": name}],

@@ -149,6 +149,9 @@ def _find(path: str | os.PathLike[str]) -> Path | None:
         return None
     if found.is_dir():
         raise MeshError(f"{found}: it is a folder; expected a mesh file")
+    if os.path.lexists(found):
+        what = "a link that leads nowhere" if found.is_symlink() else "no plain file"
+        raise MeshError(f"{found}: it is {what}; expected a mesh file")
     names = ", ".join(BUILT_IN_OBJECTS)
     expected = f"expected a mesh file or one of the built-in objects {names}"
     raise MeshError(f"{found}: no such file; {expected}")

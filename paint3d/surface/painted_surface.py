@@ -308,7 +308,7 @@ class PaintedSurface(InkStore):
         Water is what `diffuse` and wet replays move: ink that no time has passed for has none. Of
         layers the ink of all that are visible counts, and the water of the one that is painted on.
         """
-        return self.look_on(self.material.roughness)
+        return self.look_on(self.material.seen_roughness)
 
     def look_on(self, roughness: float) -> WetLook | None:
         """The same, to be shown as if it were on a material so rough; pores are its own."""

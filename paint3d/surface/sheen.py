@@ -110,7 +110,7 @@ class WetWatch:
         """
         surface = self._surface
         water = surface.seen_water
-        is_otherwise = _is_otherwise_dry(surface, surface.material.roughness)
+        is_otherwise = _is_otherwise_dry(surface, surface.material.seen_roughness)
         if water is None and not len(self._wet) and not is_otherwise:
             return self._wet
         if len(self._film) < surface.paint_mesh.n_vertices:
@@ -139,7 +139,7 @@ class WetWatch:
         surface, layers = self._surface, self._surface.seen_layers
         is_same, self._layers = layers == self._layers, layers
         ids = inked if is_same else np.flatnonzero(surface.painted)
-        shine = shine_of_inks(surface.material.roughness, *_dried(surface, ids))
+        shine = shine_of_inks(surface.material.seen_roughness, *_dried(surface, ids))
         steps, otherwise = np.rint(_STEPS * shine).astype(np.int8), inked[:0]
         if not len(self._dried) and not steps.any():
             return otherwise

@@ -89,9 +89,9 @@ class FlatDrawing:
         self._mesh: Any = None
 
     def __enter__(self) -> Self:
-        import pyvista as pv
-
         with quiet_vtk(), told_of_opengl():
+            import pyvista as pv
+
             self._plotter = pv.Plotter(off_screen=True, window_size=self._size, lighting="none")
             self._plotter.set_background("white")
         return self

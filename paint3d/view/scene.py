@@ -10,6 +10,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.core.ending import holding_interrupts
 from paint3d.core.types import AnyArray
 from paint3d.errors import ExportError
 from paint3d.view.camera import Camera
@@ -96,10 +97,10 @@ class SceneDrawing:
         self._plotter: Any = None
 
     def __enter__(self) -> Self:
-        import pyvista as pv
-
         scene = self._scene
         with quiet_vtk(), told_of_opengl():
+            import pyvista as pv
+
             plotter = pv.Plotter(off_screen=True, window_size=self._size, lighting="none")
             self._plotter = plotter
             try:
@@ -314,12 +315,16 @@ def _texture(pixels: AnyArray, *, plain: bool = False) -> Any:
 
 @contextmanager
 def quiet_vtk() -> Iterator[None]:
-    """Keep VTK from warning that it found no X server before it takes EGL or OSMesa."""
-    from vtkmodules.vtkCommonCore import vtkLogger
+    """Keep VTK from warning that it found no X server before it takes EGL or OSMesa.
 
-    cutoff = vtkLogger.GetCurrentVerbosityCutoff()
-    vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_ERROR)
-    try:
-        yield
-    finally:
-        vtkLogger.SetStderrVerbosity(cutoff)
+    And from interrupts: one that comes while a module of it is loaded makes it crash.
+    """
+    with holding_interrupts():
+        from vtkmodules.vtkCommonCore import vtkLogger
+
+        cutoff = vtkLogger.GetCurrentVerbosityCutoff()
+        vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_ERROR)
+        try:
+            yield
+        finally:
+            vtkLogger.SetStderrVerbosity(cutoff)

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.colour.material import glazed_roughness
 from paint3d.colour.materials import Material, load_materials
 from paint3d.core.arrays import as_number
 from paint3d.core.types import AnyArray
@@ -30,7 +31,6 @@ __all__ = [
 
 
 GOLDEN = (np.sqrt(5) - 1) / 2
-GLAZE_ROUGHNESS = 0.07  # of the one lobe that is used: VTK's own coat is weighed by Fresnel twice
 
 
 @dataclass(frozen=True)
@@ -82,7 +82,7 @@ class Gloss:
     @property
     def seen_roughness(self) -> float:
         """Of what mirrors: the body, or the glaze over it."""
-        return self.roughness + self.coat * (GLAZE_ROUGHNESS - self.roughness)
+        return glazed_roughness(self.roughness, self.coat)
 
 
 _GLOSSES = {

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import io
 import json
 import random
@@ -94,7 +95,7 @@ def _damage_value(document: Any, chance: random.Random) -> None:
     holder, key = chance.choice(places)
     way = chance.random()
     if way < 0.6:
-        holder[key] = chance.choice(_VALUES)
+        holder[key] = copy.deepcopy(chance.choice(_VALUES))  # or the next damage is done to it, too
     elif way < 0.8:
         del holder[key]
     else:

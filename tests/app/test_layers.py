@@ -383,7 +383,7 @@ def test_how_it_shines_is_followed_whatever_is_done(seed, material) -> None:
         every = np.arange(surface.n_vertices)
         shine, look = np.zeros(surface.n_vertices), surface.wet_look
         if look is not None:
-            dried = shine_of_inks(surface.material.roughness, look.gloss, look.hidden)
+            dried = shine_of_inks(surface.material.seen_roughness, look.gloss, look.hidden)
             shine = dried + look.film * (1.0 - dried)
         found = PLAIN_SHINE + 0.0 * shine if watch.is_plain else watch.shine(every).astype(float)
         np.testing.assert_allclose((found - PLAIN_SHINE) / 127.0, shine, atol=0.09)

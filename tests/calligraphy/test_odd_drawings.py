@@ -80,6 +80,18 @@ def test_a_hairline_is_left_out_and_said(tmp_path: Path, caplog: pytest.LogCaptu
         load_svg(drawing(tmp_path, HAIRLINE))
 
 
+@pytest.mark.parametrize("width", ["1e-320", "1e-18", "1e-9", "1e-4"])
+def test_a_line_that_is_a_hairline_is_left_out_and_said(tmp_path, caplog, width: str) -> None:
+    """The library of shapes failed at it, or all of the drawing was refused."""
+    line = f'<path id="hair" d="M0 0 H100 V50" stroke="black" fill="none" stroke-width="{width}"/>'
+    with caplog.at_level(logging.WARNING):
+        page = load_svg(drawing(tmp_path, '<rect x="0" y="60" width="90" height="9"/>', line))
+    assert len(page.pieces) == 1
+    assert "hair: not painted: it is a hairline" in caplog.text
+    with pytest.raises(InputError, match="filled or stroked that is more than a hairline"):
+        load_svg(drawing(tmp_path, line))
+
+
 def test_a_line_without_end_is_no_stroke() -> None:
     """Looking for its corners took minutes."""
     bar, endless = box(0, 0, 100, 10), box(0, 20, 30_000, 21)

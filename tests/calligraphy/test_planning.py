@@ -159,6 +159,15 @@ def test_planning_repeats_to_the_bit():
     assert np.array_equal(again.descent, example().descent)
 
 
+def test_a_line_that_the_grid_does_not_show_is_too_fine():
+    """It was told, without a name, that its median lay outside the outline."""
+    x = np.linspace(0.0, 12.0, 400)
+    line, off = np.column_stack([x, 3.0 * np.sin(0.7 * x)]), np.array([0.0, 0.0008])
+    outline = np.concatenate([line + off, line[::-1] - off])
+    with pytest.raises(InputError, match="the thread is too fine for this brush at an em of"):
+        plan_stroke(outline, line, EM, footprints(), name="the thread")
+
+
 def test_stroke_too_fine_for_the_brush_is_refused():
     outline, median = band(0.3, 12.0, 0.06)
     table = footprints("baiyun")

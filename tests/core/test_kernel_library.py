@@ -389,6 +389,7 @@ def level(
 
 
 @pytest.mark.long
+@pytest.mark.timeout(7200)  # it compiles all, by the library and by numba; what it waits for ends
 @pytest.mark.parametrize("name", ["demo", "hairs", "wet", "layers"])
 def test_paintings_are_the_same_to_the_bit_by_the_library_and_by_numba(
     name: str, level: tuple[str, Path]

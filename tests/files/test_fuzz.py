@@ -11,6 +11,7 @@ from paint3d.errors import MeshError
 from paint3d.files.project.records import read_records
 from paint3d.recording.recording import RecordingError, load_recording
 from scripts.fuzz.campaign import Campaign, make_case, try_case
+from scripts.fuzz.mutation import damage_json
 from scripts.fuzz.targets import TARGETS, Target
 
 ROOT = Path(__file__).parents[2]
@@ -36,6 +37,13 @@ def test_a_case_is_made_from_its_number_alone():
     random.seed(3)
     assert cases == [make_case(target, target.seeds(), "recording", k) for k in range(50)]
     assert len(set(cases)) > 40
+
+
+def test_damage_to_a_document_is_made_from_its_chance_alone():
+    """Values that were put into a document were damaged in it, and were so for all that follow."""
+    text = b'{"x": [1, {"a": 2}], "y": {}, "z": {"b": [3]}}'
+    cases = [damage_json(text, random.Random(k)) for k in range(300)]
+    assert cases[::-1] == [damage_json(text, random.Random(k)) for k in reversed(range(300))]
 
 
 def crash(_suffix: str, content: bytes) -> None:

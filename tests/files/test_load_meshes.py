@@ -100,6 +100,16 @@ def test_unknown_unit_name_and_suffix(tmp_path):
         load_mesh(tmp_path)
 
 
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no such files")
+def test_what_is_there_and_no_file_is_not_told_to_be_missing(tmp_path):
+    os.mkfifo(tmp_path / "pipe.obj")
+    (tmp_path / "loop.obj").symlink_to(tmp_path / "loop.obj")
+    with pytest.raises(MeshError, match=r"pipe\.obj: it is no plain file; expected a mesh file"):
+        load_mesh(tmp_path / "pipe.obj")
+    with pytest.raises(MeshError, match=r"loop\.obj: it is a link that leads nowhere; expected"):
+        load_mesh(tmp_path / "loop.obj")
+
+
 def test_a_file_wins_over_a_built_in_name(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert load_mesh("plane").n_faces == 512

@@ -1,5 +1,6 @@
 """Wet paint in files and pictures: smoother and darker than dry, and nothing where all is dry."""
 
+import dataclasses
 import runpy
 from pathlib import Path
 
@@ -11,6 +12,7 @@ from scipy.ndimage import binary_erosion
 from scipy.spatial import cKDTree
 
 import paint3d
+from paint3d.colour.materials import load_material
 from paint3d.colour.pigments import WATER, load_pigment
 from paint3d.colour.spectra import decode_srgb, encode_srgb
 from paint3d.colour.viewing import Viewing
@@ -19,6 +21,8 @@ from paint3d.files.export import export, gloss_of
 from paint3d.files.export_options import ExportOptions
 from paint3d.files.pictures import write_picture
 from paint3d.files.project.painting import read_painting
+from paint3d.files.sandbox.isolation import read_apart
+from paint3d.files.sandbox.reading import Wanted
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.surface.painted_surface import PaintedSurface
 from paint3d.view.shot import Shot
@@ -140,6 +144,8 @@ def test_on_glaze_ink_is_glossy_while_wet_and_matt_when_dry(tmp_path):
     assert thin.wet_look.roughness(glaze)[there].max() < 0.5 * (glaze + MATT_ROUGHNESS)
     export(pine, tmp_path / "dry.glb", ExportOptions(exact=True))
     (read,) = trimesh.load(tmp_path / "dry.glb", process=False).geometry.values()
+    again = read_apart(tmp_path / "dry.glb", Wanted(texture=True))
+    assert again.notes == ("left out: how its ink shines",)  # no stranger's picture
     picture = np.asarray(read.visual.material.metallicRoughnessTexture.convert("RGB"))
     found = picture[0, np.rint(read.visual.uv[:, 0] * 256.0 - 0.5).astype(int), 1] / 255.0
     assert picture.shape == (1, 256, 3)
@@ -293,6 +299,21 @@ def test_the_gloss_of_another_material_is_that_of_its_dry_parts(wet):
     dry = painting.look.damp == 0.0
     assert (glazed.each[dry] == np.float32(Gloss.of("porcelain").seen_roughness)).all()
     assert glazed.each[~dry].min() < 0.1
+
+
+def test_dry_ink_is_matt_on_a_glaze_over_what_is_rough(tmp_path):
+    """Its body was asked how rough it is, not its glaze, and the ink mirrored the lamps."""
+    porcelain, seen = load_material("porcelain"), []
+    for name, roughness in (("porcelain", porcelain.roughness), ("my own", 0.9)):
+        surface = ball("pine soot", dataclasses.replace(porcelain, name=name, roughness=roughness))
+        watch = surface.watch_wet()
+        watch.follow(np.arange(surface.n_vertices, dtype=np.int32))
+        assert not watch.is_plain  # in the window
+        write_picture(surface, tmp_path / "dry.png", Shot(size=(120, 120), view="front"))
+        seen.append(np.asarray(Image.open(tmp_path / "dry.png").convert("L"), float))
+    black = binary_erosion(seen[0] < 100.0, iterations=2)
+    assert black.sum() > 500
+    np.testing.assert_allclose(seen[1][black], seen[0][black], atol=6.0)
 
 
 @pytest.mark.parametrize("viewing", [None, Viewing(gamut="p3")])

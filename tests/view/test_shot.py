@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import signal
+
 import numpy as np
 import pytest
 
 from paint3d.errors import InputError, UnknownNameError
+from paint3d.view.scene import quiet_vtk
 from paint3d.view.shot import VIEWS, Shot, take_shot, take_turning
 from tests.support.view_shapes import BARE, INK, ball, sheet
 from tests.view.test_view_picture import needs_opengl
@@ -45,6 +48,20 @@ def test_a_side_is_seen_from_there(side: str) -> None:
     assert pixels.shape == (48, 64, 3)
     assert tuple(pixels[24, 32]) == SIDES[side]  # without light: the code that was painted
     assert tuple(pixels[0, 0]) == (255, 255, 255)
+
+
+def test_an_interrupt_waits_until_vtk_is_done() -> None:
+    """One that came while a module of VTK was loaded made it crash."""
+    done: list[bool] = []
+
+    def draw() -> None:
+        with quiet_vtk():
+            signal.raise_signal(signal.SIGINT)
+            done.append(True)
+
+    with pytest.raises(KeyboardInterrupt):
+        draw()
+    assert done
 
 
 @needs_opengl

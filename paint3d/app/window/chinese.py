@@ -44,6 +44,7 @@ CHINESE = {
     "its colours and pictures": "颜色与贴图", "relief (a normal map)": "凹凸（法线贴图）",
     "relief (a bump map)": "凹凸（凹凸贴图）", "shadows baked into a picture": "烘焙的阴影",
     "light of its own": "自发光", "metal and gloss from a picture": "金属与光泽贴图",
+    "how its ink shines": "墨的光泽",
     "gloss from a picture": "光泽贴图", "transparency": "透明", "displacement": "置换",
     "extensions of its materials": "材质扩展", "animations": "动画", "skins": "蒙皮",
     "morph targets": "变形目标", "lines": "线条", "points": "点", "lights": "灯光",

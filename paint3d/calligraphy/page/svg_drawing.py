@@ -30,7 +30,7 @@ from paint3d.calligraphy.page.ink import (
 from paint3d.calligraphy.page.page import Page, Piece, bounds_of
 from paint3d.calligraphy.page.svg_numbers import check_numbers
 from paint3d.calligraphy.page.svg_safety import check_svg
-from paint3d.calligraphy.shapes.decompose import decompose
+from paint3d.calligraphy.shapes.decompose import decompose, thinnest_within
 from paint3d.core.types import AnyArray
 from paint3d.errors import InputError
 
@@ -112,8 +112,8 @@ def _inks_of(file: Path | str, ids: Sequence[str]) -> list[_Ink]:
     inks = _covered(list(_read(data, path.name, ids)))
     if not inks:
         raise InputError(
-            f"{path}: nothing is filled or stroked; expected shapes (text has to be turned into "
-            "paths, pictures into drawings)"
+            f"{path}: nothing is filled or stroked that is more than a hairline; expected shapes "
+            "(text has to be turned into paths, pictures into drawings)"
         )
     tags = {element.tag.rpartition("}")[2] for element in root.iter()}
     left_out = [tag for tag in _NOT_PAINTED if tag in tags]
@@ -298,7 +298,9 @@ def _inks(lines: list[tuple[AnyArray, bool]], drawn: _Drawn, name: str) -> Itera
     for points, closed in lines:
         line = np.concatenate([points, points[:1]]) if closed else points
         white = _is_white(shape.stroke)
-        if np.ptp(line, axis=0).max() > 0.0:
+        if width < thinnest_within(line):
+            _tell_hairline(name)
+        elif np.ptp(line, axis=0).max() > 0.0:
             band = LineString(line).buffer(0.5 * width, cap_style=cap, join_style=join)
             yield _Ink(name, as_multipolygon(band), line, closed, width, white)
         elif cap != "flat":  # a path without length is a dot
@@ -414,8 +416,12 @@ def _taken_apart(ink: _Ink) -> list[GlyphStroke]:
     try:
         return decompose(ink.shape)
     except InputError:  # nothing that a brush could fill
-        _LOG.warning("%s: not painted: it is a hairline", ink.name)
+        _tell_hairline(ink.name)
         return []
+
+
+def _tell_hairline(name: str) -> None:
+    _LOG.warning("%s: not painted: it is a hairline", name)
 
 
 def _banded(ink: _Ink, taken: Sequence[GlyphStroke]) -> list[GlyphStroke]:

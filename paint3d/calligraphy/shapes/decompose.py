@@ -33,7 +33,7 @@ from paint3d.errors import InputError
 if TYPE_CHECKING:
     from shapely import MultiPolygon, Polygon
 
-__all__ = ["decompose"]
+__all__ = ["decompose", "thinnest_within"]
 
 _SPECK = 0.01  # squares of the mean width: smaller parts are no strokes
 _HAIRLINE = 1e-5  # of the size of a shape: thinner parts are no strokes
@@ -177,14 +177,18 @@ def _ink_of(part: Polygon) -> Ink:
     return Ink(triangles, skeleton_of(triangles))
 
 
+def thinnest_within(places: AnyArray) -> float:
+    """How thin a part of a shape may be that reaches so far, places (N, 2), and be no hairline."""
+    return float(max(_HAIRLINE * np.ptp(places, axis=0).max(), _GRAIN * np.abs(places).max()))
+
+
 def _parts(outline: MultiPolygon) -> list[Polygon]:
     """The connected polygons of a shape without specks, from the left, then from the top."""
     import shapely
 
     valid = outline if shapely.is_valid(outline) else shapely.make_valid(outline)
     parts = shapely.get_parts(shapely.get_parts(valid))
-    bounds = np.reshape(outline.bounds, (2, 2))
-    thinnest = max(_HAIRLINE * np.ptp(bounds, axis=0).max(), _GRAIN * np.abs(bounds).max())
+    thinnest = thinnest_within(np.reshape(outline.bounds, (2, 2)))
     parts = [part for part in parts if part.geom_type == "Polygon" and part.area > 0.0]
     parts = [part for part in parts if _width([part]) >= thinnest]
     parts = [part for part in parts if part.length <= 2.0 * _LONGEST * _width([part])]

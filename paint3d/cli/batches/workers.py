@@ -14,8 +14,8 @@ from multiprocessing.process import BaseProcess
 from typing import Any
 
 from paint3d.cli.batches.rows import Outcome, Row, run_row
-from paint3d.core.ending import Ends, end_now
-from paint3d.core.machine import end_with_parent, holding_interrupts, ignore_interrupts
+from paint3d.core.ending import Ends, end_now, holding_interrupts
+from paint3d.core.machine import end_with_parent, ignore_interrupts
 
 __all__ = ["run_here"]
 
@@ -69,10 +69,9 @@ class _Worker:
             context = _context()
             self.connection, theirs = context.Pipe()
             process = context.Process(target=_serve, args=(theirs,), daemon=False)
-            with holding_interrupts():  # what is half asked for would fail, and tell so
-                process.start()
-                self._process = process
-                theirs.close()
+            process.start()  # which waits until the server has imported all: it can be ended
+            self._process = process
+            theirs.close()
         self.row = row
         with suppress(OSError):  # it has died: `outcome` will find out
             self.connection.send(tuple(row))

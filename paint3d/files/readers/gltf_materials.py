@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.errors import MeshError
+from paint3d.files.glb_container import GENERATOR
 from paint3d.files.gltf_buffers import GltfFile
 from paint3d.files.readers.textures import REPEAT, Look, open_picture
 
@@ -20,6 +21,7 @@ LEFT_OUT = {  # what of a material is left out, by its key
     "occlusionTexture": "shadows baked into a picture",
     "emissiveTexture": "light of its own",
 }
+OWN_SHINE = "how its ink shines"  # of a painting: what it is painted on anew says how it shines
 TURNED = "KHR_texture_transform"
 
 
@@ -41,6 +43,8 @@ class GltfPaint:
         self.dropped: set[str] = set()
         self.looks: list[Look] = []
         self._file = file
+        asset = file.document.get("asset")
+        self._is_own = isinstance(asset, dict) and asset.get("generator") == GENERATOR
         self._pictures: dict[int, NDArray[np.uint8] | None] = {}
         self._known: dict[int, tuple[int, dict[str, Any]]] = {}
 
@@ -81,7 +85,7 @@ class GltfPaint:
         if any(part > 0.0 for part in surface.get("emissiveFactor", ())):
             self.dropped.add(LEFT_OUT["emissiveTexture"])
         if "metallicRoughnessTexture" in colours:
-            self.dropped.add("metal and gloss from a picture")
+            self.dropped.add(OWN_SHINE if self._is_own else "metal and gloss from a picture")
         if surface.get("alphaMode", "OPAQUE") != "OPAQUE":
             self.dropped.add("transparency")
         if any(key != TURNED for key in surface.get("extensions", {})):
