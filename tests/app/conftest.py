@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from paint3d.app.model.persistence import settings
-from paint3d.view import live_scene
+from paint3d.view import live_picture, live_scene
 from paint3d.view.live_light import BakedLight, LiveLight
 from tests.support.app.screens import start_screen
 
@@ -61,6 +61,23 @@ def plain_edges() -> Iterator[None]:
     """
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(live_scene, "_JITTER", ((0.0, 0.0),))
+        patch.setattr(live_picture, "_TOO_MANY", -1)  # nor once more, when all is calm
+        yield
+
+
+@pytest.fixture(autouse=True, scope="module")
+def few_pictures() -> Iterator[None]:
+    """Draw half as many pictures of a stroke: they are a third of what painting in a window costs.
+
+    All of them are drawn in the files here whose `few_pictures` does nothing.
+    """
+    if "PySide6" not in sys.modules:
+        yield
+        return
+    from paint3d.app.window import studio
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(studio, "_REST", 4.0)
         yield
 
 

@@ -51,6 +51,11 @@ class Seen(QtCore.QObject):
         return False
 
 
+@pytest.fixture(autouse=True, scope="module")
+def few_pictures() -> None:
+    """Pictures are drawn here as often as users see them."""
+
+
 @pytest.fixture(scope="module")
 def window(program):
     """A window with a sheet in it."""

@@ -15,6 +15,11 @@ ACTIONS = 120 if ALL else 60
 BY_THE_CLOCK = {"slow", "stuck"}  # which is no matter of a test: kernels may still be compiled
 
 
+@pytest.fixture(autouse=True, scope="module")
+def few_pictures() -> None:
+    """Pictures are drawn here as often as users see them."""
+
+
 @pytest.fixture
 def work(tmp_path: Path, places: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A folder in which everything is opened and saved."""

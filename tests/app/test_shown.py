@@ -24,6 +24,11 @@ from tests.support.app.pointers import Touching
 from tests.support.app.windows import faults, opened, settled
 
 
+@pytest.fixture(autouse=True, scope="module")
+def few_pictures() -> None:
+    """Pictures are drawn here as often as users see them."""
+
+
 @pytest.fixture(scope="module")
 def window(program):
     with opened(program) as window:

@@ -44,6 +44,36 @@ def test_what_goes_on_is_said_beside_the_strokes(window) -> None:
     window.workspace.tell("")
 
 
+class Laid(QtCore.QObject):
+    """Counts how often a window is laid out."""
+
+    times = 0
+
+    def eventFilter(self, watched: QtCore.QObject, event: QtCore.QEvent) -> bool:
+        self.times += event.type() == QtCore.QEvent.Type.LayoutRequest
+        return False
+
+
+def test_what_is_said_again_does_not_lay_out_the_window(window) -> None:
+    """It is said where each stroke begins, before the first of it is painted."""
+    laid = Laid()
+    for state in ("off", "bad"):
+        window.workspace.tell("the same", state=state)
+        live(0.1)
+        window.installEventFilter(laid)
+        before = laid.times
+        for _ in range(3):
+            window.workspace.tell("the same", state=state)
+            live(0.02)
+        window.removeEventFilter(laid)
+        assert laid.times == before
+    window.installEventFilter(laid)
+    window.workspace.tell("")
+    live(0.02)
+    window.removeEventFilter(laid)
+    assert laid.times > before
+
+
 def test_that_strokes_are_recorded_is_said_until_they_are_not(window, monkeypatch) -> None:
     monkeypatch.setattr(window.recordings, "do_save_recording", lambda first=0: None)
     type_key(window.canvas, QtCore.Qt.Key.Key_R, QtCore.Qt.KeyboardModifier.ControlModifier)

@@ -9,11 +9,12 @@ from itertools import product
 import numpy as np
 import pytest
 from PIL import Image
+from scipy.ndimage import gaussian_filter1d
 
 from paint3d.calligraphy.glyph_sources import open_glyphs
 from paint3d.calligraphy.photo.characters import characters_of
 from paint3d.calligraphy.photo.copying import Asked, CopiedSheet, copy_sheet
-from paint3d.calligraphy.photo.light import flattened
+from paint3d.calligraphy.photo.light import blur_matrix, flattened
 from paint3d.calligraphy.photo.likeness import likeness_of
 from paint3d.calligraphy.photo.sheet import find_sheet
 from paint3d.calligraphy.photo.straighten import homography, map_points, sheet_size
@@ -247,10 +248,10 @@ def test_strokes_of_few_pixels_are_too_coarse() -> None:
 
 
 def test_more_pieces_of_ink_than_a_sheet_of_writing_has_are_told() -> None:
-    pixels = np.full((1600, 1600, 3), 240, np.uint8)
-    for y in range(30, 1570, 22):
-        for x in range(30, 1570, 22):
-            pixels[y : y + 9, x : x + 9] = 20
+    pixels = np.full((800, 800, 3), 240, np.uint8)
+    for y in range(30, 770, 12):
+        for x in range(30, 770, 12):
+            pixels[y : y + 6, x : x + 6] = 20
     assert "crop it" in refused(pixels, whole=True)
 
 
@@ -258,6 +259,13 @@ def test_more_strokes_than_a_sheet_of_writing_has_are_told(monkeypatch) -> None:
     there = shot("永和", 4, 0.0, Camera(size=700, fills=True, shadow=0.0), seals=0)
     monkeypatch.setattr("paint3d.calligraphy.photo.copying._MOST_STROKES", 12)
     assert "more than 12 strokes" in refused(there.pixels, whole=True)
+
+
+@pytest.mark.parametrize(("n", "sigma"), [(120, 30.0), (90, 0.96), (5, 3.0), (1, 0.7), (7, 40.0)])
+def test_light_is_blurred_as_scipy_blurs_it(n: int, sigma: float) -> None:
+    row = np.random.default_rng(n).random((n, 3))
+    ours, theirs = blur_matrix(n, sigma) @ row, gaussian_filter1d(row, sigma, axis=0)
+    np.testing.assert_allclose(ours, theirs, rtol=1e-12)
 
 
 def test_a_highlight_is_told() -> None:

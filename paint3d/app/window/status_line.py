@@ -50,7 +50,7 @@ class StatusLine:
         self._told_state, self._stays = state, stays
         self.told.setText(mark + text)
         self.told.setToolTip(text)
-        self.told.setStyleSheet(f"color: {self._workspace.theme.state_colour(state)}")
+        _dress(self.told, state, self._workspace.theme)
 
     def _invite(self) -> None:
         self._tell(say("hint.turn"), "off", False)
@@ -77,8 +77,7 @@ class StatusLine:
         (state, text), now = keeping_up(frame), time.perf_counter()
         if state == self._state and now < self._next:
             return
-        if state != self._state:
-            self.state.setStyleSheet(f"color: {self._workspace.theme.state_colour(state)}")
+        _dress(self.state, state, self._workspace.theme)
         self._state, self._next = state, now + _EVERY_S
         seen = ""
         if picture_s is not None:
@@ -87,4 +86,11 @@ class StatusLine:
 
     def _set_theme(self, theme: Theme) -> None:
         for label, state in ((self.told, self._told_state), (self.state, self._state)):
-            label.setStyleSheet(f"color: {theme.state_colour(state)}")
+            _dress(label, state, theme)
+
+
+def _dress(label: QtWidgets.QLabel, state: str, theme: Theme) -> None:
+    """Give a label the colour of a state, if it has another: the whole window is laid out then."""
+    sheet = f"color: {theme.state_colour(state)}"
+    if label.styleSheet() != sheet:
+        label.setStyleSheet(sheet)
