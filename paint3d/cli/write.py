@@ -310,7 +310,8 @@ def _prepared(options: argparse.Namespace) -> tuple[Callable[..., Written], dict
     from paint3d.calligraphy.glyph_sources import check_glyphs, open_glyphs
     from paint3d.calligraphy.writing import write_page, write_text
 
-    page = open_page(options)
+    with ProgressBar("looking", enabled=not options.quiet):
+        page = open_page(options)
     if page is not None:
         return partial(write_page, text=page), {}
     source = open_glyphs(options.glyphs)

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import sys
+from types import FrameType
 
 import numpy as np
 import pytest
@@ -15,6 +17,7 @@ from shapely import LineString, MultiPolygon, Point, Polygon, box
 from paint3d.calligraphy.glyph_sources import open_glyphs
 from paint3d.calligraphy.glyphs import Glyph, GlyphStroke
 from paint3d.calligraphy.shapes.decompose import decompose
+from paint3d.calligraphy.shapes.triangles import triangulate
 from paint3d.errors import InputError
 from tests.support.examples import examples
 from tests.support.found_strokes import joined, region_of, score
@@ -291,3 +294,52 @@ def test_a_stroke_runs_out_to_its_point(thick, thin, from_thick) -> None:
     (stroke,) = decompose(MultiPolygon([Polygon(outline)]))
     forwards = float((stroke.median[-1] - stroke.median[0]) @ way) > 0.0
     assert forwards is from_thick
+
+
+def net(n: int) -> MultiPolygon:
+    """Bars between the places of a square grid, a quarter of them left out: one connected shape."""
+    rng = np.random.default_rng(4)
+    bars = [
+        LineString([(10 * x + rng.normal(0.0, 0.3), 10 * y), (10 * (x + dx), 10 * (y + dy))])
+        for x in range(n)
+        for y in range(n)
+        for dx, dy in ((1, 0), (0, 1))
+        if rng.random() > 0.25
+    ]
+    whole = shapely.union_all([bar.buffer(1.0) for bar in bars])
+    return MultiPolygon([max(shapely.get_parts(whole), key=shapely.area)])
+
+
+def steps_of_taking_apart(shape: MultiPolygon) -> tuple[int, int]:
+    """How many functions are called, and how many strokes are found."""
+    calls = 0
+
+    def count(_frame: FrameType, event: str, _arg: object) -> None:
+        nonlocal calls
+        calls += event == "call"
+
+    before = sys.getprofile()
+    sys.setprofile(count)
+    try:
+        strokes = decompose(shape)
+    finally:
+        sys.setprofile(before)
+    return calls, len(strokes)
+
+
+def test_a_net_takes_as_long_as_its_strokes() -> None:
+    """Each of many strokes took as long as there were others: nets of a thousand minutes."""
+    steps_of_taking_apart(net(3))  # what is imported does not count
+    few, some = steps_of_taking_apart(net(5))
+    many, more = steps_of_taking_apart(net(12))
+    assert more > 3 * some > 30
+    assert many / more < 1.4 * few / some
+
+
+def test_distances_to_the_edge_are_those_to_all_of_it() -> None:
+    shape = Point(0, 0).buffer(10.0).difference(box(-3, -2, 4, 5))
+    triangles = triangulate(shape)
+    points = np.random.default_rng(2).uniform(-12.0, 12.0, (300, 2))
+    edge = shapely.distance(shapely.points(points), shape.boundary)
+    assert triangles.to_edge(points) == pytest.approx(edge, rel=1e-12)
+    assert triangles.to_edge(np.zeros((1, 2))) == pytest.approx([2.0])

@@ -141,6 +141,10 @@ def test_what_is_no_number_is_named(tmp_path: Path, element: str, told: str, val
         ('<a stroke-width="nan"><path d="M1 1L9 9"/></a>', "a 1: stroke-width is 'nan'"),
         ('<polygon points="1,2 3,4 5;6"/>', "polygon 1: points has ';6'; expected finite"),
         ('<circle r="-3"/>', "circle 1: r is '-3'; expected a length, not less than 0"),
+        (
+            '<svg preserveAspectRatio="xMid"/>',
+            "svg 2: preserveAspectRatio is 'xMid'; expected none,",
+        ),
     ],
 )
 def test_where_a_list_breaks_off_is_named(tmp_path: Path, element: str, told: str) -> None:
@@ -149,8 +153,25 @@ def test_where_a_list_breaks_off_is_named(tmp_path: Path, element: str, told: st
 
 
 @pytest.mark.parametrize(
+    "view",
+    [
+        "nan 0 9 9", "0 inf 9 9", "0 0 1e999 9", "0 0 9 -9", "0 0 0 9", "0 0 9", "0 0 9 9 9",
+        "0 0 9px 9", "abc", "0;0;9;9",
+    ],
+)  # fmt: skip
+@pytest.mark.parametrize("tag", ["svg", "symbol"])
+def test_a_view_that_shows_nothing_is_named(tmp_path: Path, tag: str, view: str) -> None:
+    with pytest.raises(
+        InputError, match=rf"^a\.svg: {tag} 'v': viewBox is '{view}'; expected four"
+    ):
+        load_svg(drawing(tmp_path, BAR, f'<{tag} id="v" viewBox="{view}">{BAR}</{tag}>'))
+
+
+@pytest.mark.parametrize(
     "element",
     [
+        '<svg viewBox=" 0,0 , 9\n9.5e0 " preserveAspectRatio="xMinYMax slice"/>',
+        '<svg viewBox="none" x="2em"/>',
         '<path d="M10-20.5.5-3e-2a1 1 0 00.5.5zM1 2H3v4"/>',
         '<g transform=" translate(1,2) rotate(-45 3.5,2)matrix(1 0 0 1-3 4), scale( 2 )"/>',
         '<rect style="stroke-width:.5px!important;fill:#fff" width="10e1mm" height="2"/>',

@@ -14,6 +14,7 @@ from io import BytesIO
 from itertools import groupby
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+from xml.etree import ElementTree
 
 import numpy as np
 
@@ -29,6 +30,7 @@ from paint3d.calligraphy.page.ink import (
 )
 from paint3d.calligraphy.page.page import Page, Piece, bounds_of
 from paint3d.calligraphy.page.svg_numbers import check_numbers
+from paint3d.calligraphy.page.svg_references import in_place
 from paint3d.calligraphy.page.svg_safety import check_svg
 from paint3d.calligraphy.shapes.decompose import decompose, thinnest_within
 from paint3d.core.types import AnyArray
@@ -109,7 +111,8 @@ def _inks_of(file: Path | str, ids: Sequence[str]) -> list[_Ink]:
         raise InputError(f"{path}: {len(data):,} bytes; expected {_MOST_BYTES:,} at most")
     root = check_svg(data, path.name)
     check_numbers(root, path.name)
-    inks = _covered(list(_read(data, path.name, ids)))
+    drawn = ElementTree.tostring(in_place(root))
+    inks = _covered(list(_read(drawn, path.name, ids)))
     if not inks:
         raise InputError(
             f"{path}: nothing is filled or stroked that is more than a hairline; expected shapes "

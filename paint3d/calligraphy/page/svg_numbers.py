@@ -38,6 +38,10 @@ _POINTS = re.compile(rf"(?:[\s,]++|{_NUMBER.pattern})*+", re.IGNORECASE)
 _WAY = re.compile(rf"(?:[\s,MZLHVCSQTA]++|{_NUMBER.pattern})*+", re.IGNORECASE)
 _SIGNED = re.compile("([MZLHVCSQTA])", re.IGNORECASE)
 _COUNTS = {"M": 2, "L": 2, "H": 1, "V": 1, "C": 6, "S": 4, "Q": 4, "T": 2, "A": 7, "Z": 0}
+_VIEWS = ("svg", "symbol")
+_ALIGNED = re.compile(
+    r"(?:none|x(?:min|mid|max)y(?:min|mid|max))(?:\s+(?:meet|slice))?", re.IGNORECASE
+)
 _ARCS = re.compile(  # whose flags may stand before other numbers without anything between
     rf"(?:[\s,]*+(?:{_NUMBER.pattern}[\s,]*+){{3}}(?:[01][\s,]*+){{2}}"
     rf"(?:{_NUMBER.pattern}[\s,]*+){{2}})++",
@@ -48,6 +52,8 @@ _CALLS = re.compile(r"\b(?:var|calc|env|min|max|clamp)\(", re.IGNORECASE)
 _DECLARED = re.compile(rf"(?:^|[;{{\s])({'|'.join(_STYLED)})\s*:\s*([^;}}]*)", re.IGNORECASE)
 _COMMENT = re.compile(r"/\*.*?\*/", re.DOTALL)
 _SHOWN = 24
+_VIEW = "four numbers, the last two of them, its width and height, above 0"
+_ALIGNMENT = "none, or xMidYMid and its like, and meet or slice"
 
 
 def check_numbers(root: ElementTree.Element, name: str) -> None:
@@ -98,11 +104,26 @@ def _faults(element: ElementTree.Element, tag: str) -> Iterator[str]:
             left = _TRANSFORM.sub(_unless_finite, value).strip(", \t\r\n")
             if left:
                 yield f"transform has {left[:_SHOWN]!r}; expected transforms of finite numbers"
+        elif attribute == "viewBox" and tag in _VIEWS and value.lower() != "none":
+            if not _is_view(value):
+                yield f"viewBox is {value[:_SHOWN]!r}; expected {_VIEW}"
+        elif attribute == "preserveAspectRatio" and tag in _VIEWS:
+            if not _ALIGNED.fullmatch(value):
+                yield f"preserveAspectRatio is {value[:_SHOWN]!r}; expected {_ALIGNMENT}"
         elif attribute == "points" and tag in ("polyline", "polygon"):
             yield from _faults_of_list(attribute, value, _POINTS, "finite numbers")
         elif attribute == "d" and tag == "path" and value.lower() not in _KEYWORDS:
             yield from _faults_of_list(attribute, value, _WAY, "commands of paths, finite numbers")
             yield from _faults_of_way(value)
+
+
+def _is_view(value: str) -> bool:
+    """Whether a viewBox is four finite numbers, and has an area."""
+    words = [word for word in re.split(r"\s*,\s*|\s+", value) if word]
+    if len(words) != 4 or not all(_NUMBER.fullmatch(word) for word in words):
+        return False
+    numbers = [float(word) for word in words]
+    return all(map(math.isfinite, numbers)) and min(numbers[2:]) > 0.0
 
 
 def _faults_of_style(text: str) -> Iterator[str]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from xml.etree import ElementTree
 
+from paint3d.calligraphy.page.svg_references import HREFS
 from paint3d.core.foreign_xml import XmlFault, parse_xml
 from paint3d.errors import InputError
 
@@ -12,7 +13,6 @@ __all__ = ["check_svg"]
 
 _MOST_DEPTH = 200
 _MOST_ELEMENTS = 100_000
-_HREFS = ("href", "{http://www.w3.org/1999/xlink}href")
 _OUTSIDE = re.compile(r"""url\(\s*['"]?(?!['"]?\s*#)([^)'"]*)|@import\s+([^;]*)""", re.IGNORECASE)
 
 
@@ -42,7 +42,7 @@ def check_svg(data: bytes, name: str) -> ElementTree.Element:
     if root.tag.rpartition("}")[2] != "svg":
         raise InputError(f"{name}: the outermost element is {root.tag!r}; expected svg")
     for element in root.iter():
-        for href in filter(None, map(element.get, _HREFS)):
+        for href in filter(None, map(element.get, HREFS)):
             tag = element.tag.rpartition("}")[2]
             if not href.startswith("#") and tag != "a":
                 raise _outside(name, href)
@@ -74,7 +74,7 @@ def _count(root: ElementTree.Element, name: str) -> None:
             open_now.add(element)
             total = 1 + sum(size(child) for child in element)
             if element.tag.rpartition("}")[2] == "use":
-                used = next(filter(None, map(element.get, _HREFS)), "#").lstrip("#")
+                used = next(filter(None, map(element.get, HREFS)), "#").lstrip("#")
                 total += size(named[used]) if used in named else 0
             open_now.discard(element)
             sizes[element] = total

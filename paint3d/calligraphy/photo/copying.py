@@ -6,7 +6,7 @@ taken apart into strokes as a font's is, and along each it is measured how dry t
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -134,7 +134,12 @@ class CopiedSheet(SheetPicture):
         return replace(self.page, pieces=tuple(pieces))
 
 
-def copy_sheet(pixels: NDArray[np.uint8], name: str, asked: Asked | None = None) -> CopiedSheet:
+def copy_sheet(
+    pixels: NDArray[np.uint8],
+    name: str,
+    asked: Asked | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> CopiedSheet:
     """Find the strokes on a photographed sheet.
 
     Parameters
@@ -144,6 +149,8 @@ def copy_sheet(pixels: NDArray[np.uint8], name: str, asked: Asked | None = None)
     name : str
         Of the photograph, for reports.
     asked : Asked, optional
+    progress : callable, optional
+        Called with the share of the ink's edge that is taken apart.
 
     Raises
     ------
@@ -164,8 +171,11 @@ def copy_sheet(pixels: NDArray[np.uint8], name: str, asked: Asked | None = None)
     per_unit = _em_of(found) / EM_UNITS
     origin = np.array([0.0, float(sheet.shape[0])])
     pieces: list[Piece] = []
-    for one in found:
+    done = np.cumsum([one.shape.length for one in found])
+    for one, so_far in zip(found, done / done[-1], strict=True):
         pieces.append(_piece(one, ink, asked, per_unit, origin))
+        if progress is not None:
+            progress(float(so_far))
         if sum(len(piece.glyph.strokes) for piece in pieces) > _MOST_STROKES:
             raise InputError(
                 f"there are more than {_MOST_STROKES:,} strokes on the sheet; expected no more: "

@@ -139,15 +139,18 @@ def _ends_a_stroke(opening: AnyArray, branch: Branch, skeleton: Skeleton) -> boo
 def _closes_a_ring(branch: Branch, skeleton: Skeleton) -> bool:
     """Whether both ends of a branch are joined by others too."""
     start, goal = branch.ends
+    beyond: dict[int, list[int]] = {}
+    for other in skeleton.branches:
+        if other is not branch:
+            one, two = other.ends
+            beyond.setdefault(one, []).append(two)
+            beyond.setdefault(two, []).append(one)
     reached, waiting = {start}, [start]
     while waiting:
         here = waiting.pop()
         if here == goal:
             return True
-        for other in skeleton.branches:
-            if other is not branch and here in other.ends:
-                beyond = other.ends[1] if other.ends[0] == here else other.ends[0]
-                if beyond not in reached:
-                    reached.add(beyond)
-                    waiting.append(beyond)
+        new = [number for number in beyond.get(here, ()) if number not in reached]
+        reached.update(new)
+        waiting += new
     return start == goal

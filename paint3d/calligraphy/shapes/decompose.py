@@ -14,8 +14,8 @@ from paint3d.calligraphy.shapes.continuation import Chain, chains_of
 from paint3d.calligraphy.shapes.corners import cut_at_corners
 from paint3d.calligraphy.shapes.dots import as_dot, dot_among, dots_of
 from paint3d.calligraphy.shapes.ductus import JoinedForm
-from paint3d.calligraphy.shapes.regions import Ink, Piece, has_way, piece_of, shared_out
-from paint3d.calligraphy.shapes.skeleton import skeleton_of
+from paint3d.calligraphy.shapes.regions import Ink, Piece, has_way, pieces_of, shared_out
+from paint3d.calligraphy.shapes.tracing import skeleton_of
 from paint3d.calligraphy.shapes.transfer import (
     Fit,
     KnownStrokes,
@@ -211,7 +211,7 @@ def _by_shape(ink: Ink) -> list[Piece]:
     chains = [one for one in chains_of(ink.skeleton, ink.half_widths) if has_way(one, ink)]
     if not chains:
         return [as_dot(ink.shape)]
-    return shared_out([piece_of(chain, ink) for chain in chains], ink)
+    return shared_out(pieces_of(chains, ink), ink)
 
 
 def _by_template(ink: Ink, told: list[tuple[Chain, int]]) -> list[tuple[Piece, int | None]]:
@@ -220,7 +220,7 @@ def _by_template(ink: Ink, told: list[tuple[Chain, int]]) -> list[tuple[Piece, i
     dots = dots_of(ink)
     if dots or not told:
         return [(dot, None) for dot in dots or [as_dot(ink.shape)]]
-    pieces = shared_out([piece_of(chain, ink) for chain, _ in told], ink)
+    pieces = shared_out(pieces_of((chain for chain, _ in told), ink), ink)
     return [(piece, stroke) for piece, (_, stroke) in zip(pieces, told, strict=True)]
 
 

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -19,7 +19,7 @@ from paint3d.core.types import AnyArray
 if TYPE_CHECKING:
     from shapely import Polygon
 
-__all__ = ["Ink", "Piece", "has_way", "line_of", "piece_of", "shared_out"]
+__all__ = ["Ink", "Piece", "has_way", "line_of", "pieces_of", "shared_out"]
 
 _LEFT_OUT, _LEFT_OUT_SHARE = 0.9, 0.35  # radii and share of a branch: straight through a junction
 _CALM = 0.35  # half widths that lines are smoothed over
@@ -43,17 +43,9 @@ class Ink:
         """The polygon."""
         return self.triangles.shape
 
-    @cached_property
-    def edge(self) -> Polygon:
-        """The rings around it."""
-        return self.shape.boundary
-
     def half_widths(self, points: AnyArray) -> NDArray[np.float64]:
         """Distances of points (N, 2) to the edge."""
-        import shapely
-
-        result: NDArray[np.float64] = shapely.distance(shapely.points(points), self.edge)
-        return result
+        return self.triangles.to_edge(points)
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,8 +86,14 @@ def _between(line: AnyArray, way: AnyArray, low: float, high: float) -> NDArray[
     return np.concatenate([ends[:1], inner, ends[1:]])
 
 
-def piece_of(chain: Chain, ink: Ink) -> Piece:
-    """The smoothed line of a stroke, and what is its own: triangles along it and at junctions."""
+def pieces_of(chains: Iterable[Chain], ink: Ink) -> list[Piece]:
+    """The strokes of an ink: their smoothed lines, and what is their own."""
+    degrees = ink.skeleton.degrees()
+    return [_piece_of(chain, ink, degrees) for chain in chains]
+
+
+def _piece_of(chain: Chain, ink: Ink, degrees: Counter[int]) -> Piece:
+    """A stroke, whose own are the triangles along it and at junctions."""
     import shapely
 
     line = line_of(chain, ink)
@@ -104,7 +102,6 @@ def piece_of(chain: Chain, ink: Ink) -> Piece:
     )
     cells: list[int] = []
     sweeps = []
-    degrees = ink.skeleton.degrees()
     for index, _ in chain.links:
         branch = ink.skeleton.branches[index]
         cells += branch.cells

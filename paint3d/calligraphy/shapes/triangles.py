@@ -17,12 +17,13 @@ from numpy.typing import NDArray
 from paint3d.core.types import AnyArray
 
 if TYPE_CHECKING:
-    from shapely import Polygon
+    from shapely import Polygon, STRtree
 
 __all__ = ["Triangles", "mean_width", "triangulate"]
 
 _SAMPLES = 8.0  # of the edge, to a stroke's width
 _MOST_SAMPLES = 20_000
+_ROUNDED = 1e-12  # by how much of it a distance may be off
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,6 +81,28 @@ class Triangles:
         opposite = np.roll(squares, -1)
         weights = opposite * (squares.sum() - 2.0 * opposite)
         result = weights @ corners / weights.sum()
+        return result
+
+    @cached_property
+    def _edges(self) -> tuple[NDArray[np.object_], STRtree]:
+        """The edge's segments, and a tree that finds the nearest of them."""
+        import shapely
+
+        rings = [shapely.get_coordinates(ring) for ring in shapely.get_rings(self.shape)]
+        segments = np.concatenate([np.stack([ring[:-1], ring[1:]], axis=1) for ring in rings])
+        lines = shapely.linestrings(segments)
+        return lines, shapely.STRtree(lines)
+
+    def to_edge(self, points: AnyArray) -> NDArray[np.float64]:
+        """Distances of points (N, 2) to the edge."""
+        import shapely
+
+        lines, tree = self._edges
+        places = shapely.points(points)
+        result: NDArray[np.float64] = shapely.distance(places, lines[tree.nearest(places)])
+        reach = (1.0 + _ROUNDED) * result  # of some that are as near, the tree takes any
+        which, near = tree.query(places, predicate="dwithin", distance=reach)
+        np.minimum.at(result, which, shapely.distance(places[which], lines[near]))
         return result
 
     def region(self, triangles: AnyArray | list[int]) -> Polygon:

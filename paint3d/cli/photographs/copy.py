@@ -141,9 +141,9 @@ def _copied(options: argparse.Namespace) -> CopiedSheet:
 
     with ProgressBar("reading", enabled=not options.quiet) as progress:
         pixels, scale = load_photograph(options.photo, progress)
-    with ProgressBar("looking", enabled=not options.quiet):
+    with ProgressBar("looking", enabled=not options.quiet) as progress:
         try:
-            sheet = copy_sheet(pixels, options.photo.name, _asked(options, scale))
+            sheet = copy_sheet(pixels, options.photo.name, _asked(options, scale), progress)
         except InputError as cause:
             raise InputError(f"{options.photo}: {cause}") from None
     if sheet.note:
