@@ -103,7 +103,8 @@ _TWISTED = (0.4, 1.4)  # rad that it lags behind: from lying in its bend to lyin
 _SAME_SLACK = 0.05  # of a slack: a step on which it changes by more is cut
 _MOST_SLACKS = 20
 _HOLDS = 3.0  # mm of way to the mm of press, up to which the paper holds the tip fast
-_SLACK = 0.25  # of the footprint's length: as slack a tip that was held stays where it is
+_SLACK = 0.2  # of the footprint's length: as slack a tip that was held stays where it is
+_PULLS = 2.0  # to the mm of way that a heel goes away from a slack tip, from which on this stays
 _SPRINGS = 0.5  # of the footprint's length: over this way a sliding tip comes back into its bend
 _TOLD = 0.5  # of the length: a tip nearer to its heel tells less of how a footprint lies
 _NOWHERE = 1e-9  # mm: a tip under its heel lies in no direction
@@ -615,16 +616,19 @@ def trail_step(along, across, aside, short, length, way, pressed, bent):
     aside, short : float
         After it.
     """
-    short = max(0.0, short - way)
-    held = min(1.0, short / (_SLACK * length))
+    distance = math.hypot(along, across)
+    slack = max(0.0, length - distance)
+    held = min(1.0, max(0.0, short - way) / (_SLACK * length))
+    if way > 0.0:
+        held *= min(1.0, max(0.0, _PULLS * (short - slack) / way))
     if pressed > 0.0:
         held = max(held, min(1.0, _HOLDS * pressed / way) if way > 0.0 else 1.0)
     held *= bent
-    distance = math.hypot(along, across)
+    short = max(0.0, short - way)
     if held > 0.0:
         if distance > _NOWHERE:
             aside += held * _turn(math.atan2(across, along) - aside)
-        short += held * (max(0.0, length - distance) - short)
+        short += held * (slack - short)
     aside *= math.exp(-(1.0 - held) * way / (_SPRINGS * length))
     return _turn(aside), min(short, length)
 

@@ -112,10 +112,30 @@ def test_the_edge_of_a_heap_is_not_held(at, aside, short, length, way, pressed):
 )
 def test_a_slack_tip_stays_until_it_is_pulled_taut(angle, slack, length, lifted):
     """It swung aside and back over the mark as soon as nothing was pressed any more."""
-    at = (1.0 - slack) * length * math.cos(angle), (1.0 - slack) * length * math.sin(angle)
-    turned, left = trail_step(*at, 0.0, slack * length, length, 0.01 * length, -lifted, 1.0)
+    way = 0.01 * length
+    away = (1.0 - slack) * length + way
+    at = away * math.cos(angle), away * math.sin(angle)
+    turned, left = trail_step(*at, 0.0, slack * length, length, way, -lifted, 1.0)
     distance = length - left
     assert (distance * math.cos(turned), distance * math.sin(turned)) == pytest.approx(at)
+
+
+@LAW
+@given(
+    aside=st.floats(-3.0, 3.0),
+    slack=st.floats(0.05, 0.9),
+    length=lengths,
+    share=st.floats(0.0, 0.3),
+)
+def test_a_slack_tip_that_its_heel_comes_back_to_springs_into_its_bend(aside, slack, length, share):
+    """Held, it was left behind in each corner that a brush goes into and comes back from."""
+    way = share * (1.0 - slack) * length
+    near = (1.0 - slack) * length - way
+    at = near * math.cos(aside), near * math.sin(aside)
+    turned, left = trail_step(*at, aside, slack * length, length, way, -0.1, 1.0)
+    if way > 0.0:
+        assert turned == pytest.approx(aside * math.exp(-2.0 * way / length), abs=1e-9)
+        assert left == max(0.0, slack * length - way)
 
 
 @LAW
