@@ -252,7 +252,9 @@ def test_more_pieces_of_ink_than_a_sheet_of_writing_has_are_told() -> None:
     for y in range(30, 770, 12):
         for x in range(30, 770, 12):
             pixels[y : y + 6, x : x + 6] = 20
-    assert "crop it" in refused(pixels, whole=True)
+    told = refused(pixels, whole=True)
+    assert "3,844 pieces" in told
+    assert "crop it" in told
 
 
 def test_more_strokes_than_a_sheet_of_writing_has_are_told(monkeypatch) -> None:

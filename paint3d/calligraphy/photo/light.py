@@ -132,4 +132,5 @@ def blur_matrix(n: int, sigma: float) -> NDArray[np.float64]:
     place = (np.arange(n)[:, None] + away) % (2 * n)
     place = np.minimum(place, 2 * n - 1 - place) + n * np.arange(n)[:, None]
     weights = np.broadcast_to(taps, place.shape)
-    return np.bincount(place.ravel(), weights.ravel(), n * n).reshape(n, n)
+    summed = np.asarray(np.bincount(place.ravel(), weights.ravel(), n * n), np.float64)
+    return summed.reshape(n, n)
