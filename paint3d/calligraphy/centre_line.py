@@ -27,7 +27,7 @@ __all__ = [
 ]
 
 _PER_EM = 512  # steps of the grid
-_PER_HALF_WIDTH = 4.0  # of these across half a stroke, at the least
+_PER_HALF_WIDTH = 8.0  # of these across half a stroke, at the least: a frayed edge is finer than it
 _MOST_POINTS = 4_000_000  # of a grid
 _LEAP = 0.25  # mm that the kernel goes at a time at the least
 
