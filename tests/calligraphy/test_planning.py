@@ -231,12 +231,14 @@ def test_a_frayed_edge_is_followed() -> None:
 @given(angle=st.floats(-3.1, 3.1), em=st.floats(5.0, 200.0), share=st.floats(0.005, 0.5))
 @settings(deadline=None, max_examples=25)
 def test_grid_is_as_fine_as_the_stroke_is_thin(angle, em, share):
-    """8 steps to half a width, and never coarser than a 512th of the em."""
+    """8 steps to half a width, of a 2048th to a 512th of the em; 4 where they would be finer."""
     width = share * em
     outline = np.array([[0, 0], [em, 0], [em, width], [0, width]])
     turn = np.array([[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]])
     step = grid_step(outline @ turn.T, em)
-    assert step == pytest.approx(min(em / 512, width / (16.0 * (1.0 + share))))
+    half = 0.5 * width / (1.0 + share)
+    finest = min(em / 2048, half / 4.0)
+    assert step == pytest.approx(min(em / 512, max(half / 8.0, finest)))
 
 
 def test_distances_of_holes_are_those_of_the_shape():
