@@ -27,7 +27,9 @@ __all__ = [
 ]
 
 _PER_EM = 512  # steps of the grid
-_PER_HALF_WIDTH = 4.0  # of these across half a stroke, at the least
+_PER_HALF_WIDTH = 8.0  # of these across half a stroke: a frayed edge is finer than it
+_FINEST_PER_EM = 2048  # of these, but where strokes are so thin that fewer are
+_LEAST_PER_HALF_WIDTH = 4.0  # across half of them
 _MOST_POINTS = 4_000_000  # of a grid
 _LEAP = 0.25  # mm that the kernel goes at a time at the least
 
@@ -122,7 +124,8 @@ def grid_step(outline: AnyArray, em_mm: float, holes: Sequence[AnyArray] = ()) -
     if not half_width > 0.0:
         return step
     least = math.sqrt(float(np.prod(np.ptp(outline, axis=0))) / _MOST_POINTS)
-    return min(step, max(half_width / _PER_HALF_WIDTH, least))
+    finest = min(em_mm / _FINEST_PER_EM, half_width / _LEAST_PER_HALF_WIDTH)
+    return min(step, max(half_width / _PER_HALF_WIDTH, finest, least))
 
 
 def outline_field(
