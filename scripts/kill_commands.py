@@ -172,7 +172,9 @@ def _wrong(
 
 def _told_badly(number: signal.Signals, status: int, told: str) -> bool:
     """Whether a command that was ended says anything but that, or that it is finished."""
-    if number == signal.SIGKILL or status in (0, -number):  # its handlers were not there yet
+    if number == signal.SIGKILL or status == -number:  # Python was still loading the program
+        return False
+    if status == 0:
         return "Traceback" in told
     asked = "interrupted" if number == signal.SIGINT else "asked to end"
     errors = [line for line in told.splitlines() if not line.startswith(TOLD)]

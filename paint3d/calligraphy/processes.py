@@ -15,7 +15,7 @@ from multiprocessing.reduction import ForkingPickler
 from typing import Any, NamedTuple, TypeVar, cast
 
 from paint3d.core.ending import holding_interrupts
-from paint3d.core.machine import end_with_parent, ignore_interrupts
+from paint3d.core.machine import blocking_interrupts, end_with_parent, ignore_interrupts
 from paint3d.errors import Paint3DError
 
 __all__ = ["in_processes", "serve"]
@@ -74,7 +74,7 @@ def in_processes(
 def _start(workers: list[_Worker], work: Callable[..., Any], n: int) -> None:
     """Add so many: those that are there already are known where the next one fails."""
     context = multiprocessing.get_context("spawn")
-    with holding_interrupts():
+    with holding_interrupts(), blocking_interrupts():
         for _ in range(n):
             ours, theirs = context.Pipe()
             process = context.Process(target=serve, args=(work, theirs), daemon=True)

@@ -18,7 +18,6 @@ from typing import Self
 
 from paint3d.core.machine import (
     ENDING,
-    blocking_interrupts,
     leave_interrupts_to_others,
     open_no_more,
 )
@@ -101,14 +100,14 @@ def heard_by(hear: Callable[[int], object], *, patiently: bool = True) -> Iterat
 
 @contextmanager
 def holding_interrupts() -> Iterator[None]:
-    """Hold back what asks to end meanwhile, here and for good in processes that are started here.
+    """Hold back what asks to end, in the main thread, until this is over.
 
-    Whatever thread takes it, those of libraries too: it is heard of when this is over, or `Ends`
-    has no more patience. The started ones call `machine.ignore_interrupts` when they are ready to.
+    Whatever thread takes it, those of libraries too; `Ends` has no more patience than else. Who
+    starts processes meanwhile keeps it from them, too, by `machine.blocking_interrupts`.
     """
     held: list[int] = []
     try:
-        with heard_by(held.append, patiently=False), blocking_interrupts():
+        with heard_by(held.append, patiently=False):
             yield
     finally:
         for number in held[:1]:  # the first one tells how this process ends

@@ -43,7 +43,8 @@ def load_photograph(
     path = Path(path)
     try:
         if not path.is_file():
-            what = "it is a folder" if path.is_dir() else "there is no such file"
+            what = "it is no plain file" if path.exists() else "there is no such file"
+            what = "it is a folder" if path.is_dir() else what
             raise InputError(f"{path}: {what}; expected a photograph")
     except OSError as cause:  # a name too long, a folder that must not be looked into
         raise InputError(f"{path}: {cause.strerror or cause}") from None

@@ -45,6 +45,12 @@ def fail_with(monkeypatch: pytest.MonkeyPatch, error: BaseException) -> None:
     monkeypatch.setattr(report, "run", run)
 
 
+def test_an_option_that_is_not_known_is_told_with_its_command(capsys) -> None:
+    assert main.main(["report", "--nosuch", "1"]) == 2
+    told = "paint3d: error: unrecognized arguments: --nosuch 1 (see paint3d report --help)\n"
+    assert capsys.readouterr().err == told
+
+
 def test_a_studio_that_lacks_a_library_says_so_in_one_line(monkeypatch, capsys) -> None:
     monkeypatch.setitem(sys.modules, "paint3d.view.live_scene", None)
     assert main.main(["paint", "--quiet"]) == 2

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import os
 import struct
 import zlib
 from pathlib import Path
@@ -103,6 +104,9 @@ def test_what_is_no_picture_is_refused_in_one_line(tmp_path: Path) -> None:
         load_photograph(tmp_path / "none.jpg")
     with pytest.raises(InputError, match="it is a folder; expected a photograph"):
         load_photograph(tmp_path)
+    if os.path.exists(os.devnull):
+        with pytest.raises(InputError, match="it is no plain file; expected a photograph"):
+            load_photograph(os.devnull)
     with pytest.raises(InputError, match="File name too long"):
         load_photograph(tmp_path / f"{300 * 'a'}.jpg")
     Image.new("RGB", (40, 400)).save(tmp_path / "slim.png")

@@ -29,7 +29,7 @@ PATTERNS: tuple[tuple[str, str], ...] = (
     (r"(?P<p>.*): (?:there is )?no such file; expected .*", "{p}：没有这个文件"),
     (r"(?P<p>.*): it is a folder; expected a mesh file", "{p}：这是文件夹，需要网格文件"),
     (r"(?P<p>.*): it is a link that leads nowhere; .*", "{p}：这是失效的链接，需要网格文件"),
-    (r"(?P<p>.*): it is no plain file; expected a mesh.*", "{p}：这不是普通文件，需要网格文件"),
+    (r"(?P<p>.*): it is no plain file; expected .*", "{p}：这不是普通文件"),
     (r"(?P<p>.*): it does not fit into memory", "{p}：内存不够"),
     (r"(?P<p>.*): its structure is damaged near (?P<a>.*)", "{p}：文件已损坏，在 {a} 附近"),
     (r"(?P<p>.*): it is incomplete near (?P<a>.*)", "{p}：文件不完整，在 {a} 附近"),

@@ -15,7 +15,7 @@ from typing import Any
 
 from paint3d.cli.batches.rows import Outcome, Row, run_row
 from paint3d.core.ending import Ends, end_now, holding_interrupts
-from paint3d.core.machine import end_with_parent, ignore_interrupts
+from paint3d.core.machine import blocking_interrupts, end_with_parent, ignore_interrupts
 
 __all__ = ["run_here"]
 
@@ -51,7 +51,7 @@ def _context() -> SpawnContext | ForkServerContext:
 
     context = multiprocessing.get_context("forkserver")
     context.set_forkserver_preload([_WARM])
-    with holding_interrupts():  # no traceback where the server is interrupted while it imports
+    with holding_interrupts(), blocking_interrupts():  # or it tells of one while it imports
         forkserver.ensure_running()
     return context
 
