@@ -120,8 +120,7 @@ def test_another_brush_is_shown_while_the_painting_is_behind(window, how: str) -
     assert behind == ("full", "xiaokai")
     assert row == 3
     assert window.document.painter.brush.name == "xiaokai"
-    live(0.1)
-    assert view.currentRow() == 3
+    wait_for(lambda: view.currentRow() == 3)
 
 
 @pytest.mark.parametrize("how", ["dialog", "job"])

@@ -159,10 +159,10 @@ def test_every_control_of_the_brush_editor_acts(window) -> None:
                 widget.setFocus()
                 at_end = widget.value() == widget.maximum()
                 QtTest.QTest.keyClick(widget, KEY.Key_Home if at_end else KEY.Key_End)
-                live(0.05)
             else:
                 turn(widget)
-            assert editor.brush != before, f"the one before {len(found)} others does nothing"
+            idle = f"the one before {len(found)} others does nothing"
+            wait_for(lambda before=before: editor.brush != before, fault=idle)
     assert found == []
     editor.close()
 

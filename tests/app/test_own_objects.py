@@ -324,7 +324,7 @@ def test_the_dialog_looks_at_the_whole_of_an_object_once(
     dialog = ObjectDialog(window, reading, "xuan", 2.0, title="egg", accept="Open")
     dialog.show()
     dialog.ways["x"].click()
-    live(0.05)
+    wait_for(lambda: len(looks) > 1)
     assert sorted(looks) == ["box", "points"]
     dialog.deleteLater()
 

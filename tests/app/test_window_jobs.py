@@ -480,8 +480,7 @@ def test_a_first_opening_that_is_stopped_leaves_an_empty_window_that_works(
     start.open_first(empty, "bowl", 3.0, None)
     gate.set()
     monkeypatch.undo()
-    live(0.1)
-    assert empty.begin_page.isVisible()
+    wait_for(empty.begin_page.isVisible)
     assert [button.text() for button in empty.begin_page.buttons][:2] == ["New painting…", "Open…"]
     for name, action in empty.workspace.actions.items():
         assert action.isEnabled() == (name in ALWAYS), name
@@ -498,8 +497,7 @@ def test_a_first_opening_that_is_stopped_leaves_an_empty_window_that_works(
         assert not panel.isEnabled()
     empty.workspace.post("dip")
     assert empty.opening.open_path("plane", 3.0, asked=True)
-    live(0.2)
-    assert not empty.begin_page.isVisible()
+    wait_for(lambda: not empty.begin_page.isVisible())
     assert still_paints(empty)
     wait_for(empty.workspace.actions["undo"].isEnabled)
 

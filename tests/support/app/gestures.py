@@ -88,11 +88,11 @@ def live(seconds: float = 0.05) -> None:
         rounds += 1
 
 
-def wait_for(condition, seconds: float = 300.0) -> None:
+def wait_for(condition, seconds: float = 300.0, fault: str = "it did not come about") -> None:
     """Live until something holds."""
     until = time.perf_counter() + seconds
     while not condition():
-        assert time.perf_counter() < until, "it did not come about"
+        assert time.perf_counter() < until, fault
         live(0.02)
 
 
