@@ -160,10 +160,10 @@ def test_both_hands_at_once(plugged) -> None:
 
 
 def test_unplugged_in_the_middle_of_a_stroke_and_plugged_in_again(plugged) -> None:
-    script = [ramp(300, 1000.0, POSE), [0.35, "unplug", None], [0.7, "plug", None]]
+    script = [ramp(300, 1000.0, POSE), [0.35, "unplug", None], [1.35, "plug", None]]
     code = (
         both_until("len(samples) == 300 and seen == {0, 1} and devices.styli()")
-        .replace("interval_s=0.0", "interval_s=0.2")
+        .replace("interval_s=0.0", "interval_s=0.1")
         .replace("samples +=", "seen.add(len(devices.styli())); samples +=")
         .replace("samples, end", "seen = set(); samples, end")
         .replace('"late":', '"seen": sorted(seen), "late":')

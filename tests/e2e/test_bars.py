@@ -78,7 +78,7 @@ def test_every_step_of_a_command_has_its_bar(
     commands = {
         ("replay", str(pad), *on_plane): "reading reading preparing laying preparing painting "
         "looking writing",
-        ("write", "一", *on_plane, "--force", "--recording", f"{pad}"): "reading preparing "
+        ("write", "一", *on_plane, "--force", "--recording", f"{pad}"): "looking reading preparing "
         "planning preparing painting writing writing",
         ("export", str(painted), f"{pad}.glb"): "opening writing",
     }

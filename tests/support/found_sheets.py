@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import pickle
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import fields, is_dataclass
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 __all__ = ["sheets_found_once"]
 
@@ -23,10 +24,15 @@ def sheets_found_once() -> Iterator[None]:
     found: dict[bytes, copying.CopiedSheet] = {}
     look = copying.copy_sheet
 
-    def known(*asked: object) -> copying.CopiedSheet:
-        key = pickle.dumps(asked)
+    def known(
+        pixels: NDArray[np.uint8],
+        name: str,
+        asked: copying.Asked | None = None,
+        progress: Callable[[float], None] | None = None,
+    ) -> copying.CopiedSheet:
+        key = pickle.dumps((pixels, name, asked))
         if key not in found:
-            found[key] = look(*asked)
+            found[key] = look(pixels, name, asked, progress)
             _hold(found[key])
         return found[key]
 

@@ -59,8 +59,14 @@ def test_an_interrupt_waits_until_vtk_is_done() -> None:
             signal.raise_signal(signal.SIGINT)
             done.append(True)
 
-    with pytest.raises(KeyboardInterrupt):
-        draw()
+    before = signal.signal(
+        signal.SIGINT, signal.default_int_handler
+    )  # behind a shell it is ignored
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            draw()
+    finally:
+        signal.signal(signal.SIGINT, before)
     assert done
 
 
