@@ -111,8 +111,8 @@ def _spread(small: AnyArray, is_paper: AnyArray, longest: int) -> NDArray[np.flo
 def blur_matrix(n: int, sigma: float) -> NDArray[np.float64]:
     """What each of n pixels in a row has of each when they are blurred by a Gaussian.
 
-    It is cut off at four sigma, and the row mirrored at its ends. The widest blur here reaches over
-    all pixels there are: tap by tap it would cost four times as much.
+    The row is mirrored at its ends. The widest blur here reaches over all pixels there are: picture
+    by picture, tap by tap, it would cost 2.7 times as much.
 
     Parameters
     ----------
@@ -125,12 +125,7 @@ def blur_matrix(n: int, sigma: float) -> NDArray[np.float64]:
     (n, n) float64
         Each row sums to 1.
     """
-    reach = int(4.0 * sigma + 0.5)
-    away = np.arange(-reach, reach + 1)
-    taps = np.exp(-0.5 * (away / sigma) ** 2)
-    taps /= taps.sum()
-    place = (np.arange(n)[:, None] + away) % (2 * n)
-    place = np.minimum(place, 2 * n - 1 - place) + n * np.arange(n)[:, None]
-    weights = np.broadcast_to(taps, place.shape)
-    summed = np.asarray(np.bincount(place.ravel(), weights.ravel(), n * n), np.float64)
-    return summed.reshape(n, n)
+    from scipy.ndimage import gaussian_filter1d
+
+    result: NDArray[np.float64] = gaussian_filter1d(np.eye(n), sigma, axis=0)
+    return result
