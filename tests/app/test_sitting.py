@@ -58,6 +58,12 @@ def wait_until(condition):
         time.sleep(0.005)
 
 
+def n_written(folder):
+    """How many strokes have come to their end in a sitting's journals."""
+    events = [event for path in folder.glob("journal-*.p3dj") for event in read_events(path)[1]]
+    return events.count({"do": "end_stroke"})
+
+
 def keep_a_base(easel):
     """Have one base, now that the hand rests, and no other soon."""
     easel.keep_every(0.001)
@@ -181,9 +187,11 @@ def test_what_was_undone_before_a_copy_was_kept_comes_back_to_be_done_again(tmp_
     if done:
         stroke(easel, (-20, 5), (20, 5), n=6)
         rested(easel)
+    (folder,) = tmp_path.iterdir()
+    if done:
+        wait_until(lambda: n_written(folder) == 1)  # by a thread of its own
     with easel.paused() as painted:
         assert painted.modified == done
-        (folder,) = tmp_path.iterdir()
         left = tmp_path / "left"
         shutil.copytree(folder, left)  # as a kill leaves it
     (found,) = recoverable(tmp_path)
