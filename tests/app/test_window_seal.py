@@ -32,6 +32,7 @@ def type_text(text: str, style: str = ""):
     """What deals with the dialog: types a text, chooses a style, and accepts."""
 
     def fill(dialog: QtWidgets.QDialog) -> None:
+        dialog.drawing.clear()  # which the dialog keeps
         dialog.text.selectAll()
         event = QtGui.QInputMethodEvent()  # as the system's input method commits it
         event.setCommitString(text)
