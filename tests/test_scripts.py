@@ -60,6 +60,17 @@ case "$*" in
         exit 1;;
 esac
 """
+INTERRUPTED_UV = {
+    name: f"""case "$*" in *"-e .[test]"*)
+    {answer}
+    echo "uv waits" >> "${{0%/*}}/log"
+    for _ in {{1..6000}}; do sleep .05; done;;
+esac
+"""
+    for name, answer in {
+        "dies": ":", "says no": "trap 'exit 1' INT", "is done": "trap 'exit 0' INT",
+    }.items()
+}  # fmt: skip
 
 
 class Machine:
@@ -154,18 +165,21 @@ def test_where_uv_fails_pip_installs_and_kernels_are_compiled_last(tmp_path: Pat
     assert asked[-1] == "kernels"
 
 
-def test_ctrl_c_ends_what_is_compiled_meanwhile(tmp_path: Path) -> None:
+@pytest.mark.parametrize("answer", ["dies", "says no", "is done"])
+def test_ctrl_c_ends_all_whatever_uv_answers_to_it(tmp_path: Path, answer: str) -> None:
     machine = Machine(tmp_path)
     log = machine.venv / "bin" / "log"
     (machine.venv / "paint3d-installed").unlink()
     (machine.venv / "bin" / "python.slow").touch()
+    (machine.venv / "bin" / "uv").write_text(f"#!/bin/bash\n{INTERRUPTED_UV[answer]}")
     begun = machine.begin()
-    while not log.exists() or "kernels" not in log.read_text():
+    while not log.exists() or not {"kernels", "uv waits"} <= set(log.read_text().splitlines()):
         time.sleep(0.01)
     os.killpg(begun.pid, signal.SIGINT)
     try:
-        begun.communicate(timeout=60.0)
+        begun.communicate(timeout=60.0)  # to the last process that could say something
     finally:
         with contextlib.suppress(ProcessLookupError):
             os.killpg(begun.pid, signal.SIGKILL)
     assert begun.returncode == -signal.SIGINT
+    assert "pip --quiet --disable-pip-version-check -e .[test]" not in log.read_text()
