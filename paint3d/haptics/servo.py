@@ -93,7 +93,7 @@ class ForceFeedback:
     Raises
     ------
     DeviceError
-        If the process does not come up.
+        If the process does not come up, or there is no room for what is shared with it.
     """
 
     def __init__(
@@ -107,7 +107,11 @@ class ForceFeedback:
         self._port = port
         self._board = ServoBoard()
         self._board.counters[board_of.SOFTENING_PPM] = 1_000_000
-        block, self._tree_memory = TreeBlock.share(tree)
+        try:
+            block, self._tree_memory = TreeBlock.share(tree)
+        except BaseException:
+            self._board.close()
+            raise
         self._object_pose = np.array([0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0])
         self._lost = self._clicks = 0
         self._closed = False

@@ -10,12 +10,13 @@ interpreter; both sides only ever look at numbers of eight bytes.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from multiprocessing import shared_memory
+from multiprocessing.shared_memory import SharedMemory
 
 import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.core.types import AnyArray
+from paint3d.device.force.shared_memory import make_shared_memory
 from paint3d.mesh.kernels.bvh import ContactTree
 
 __all__ = [
@@ -51,27 +52,33 @@ class TreeBlock:
     parts: tuple[tuple[tuple[int, ...], str, int], ...]
 
     @classmethod
-    def share(cls, tree: ContactTree) -> tuple[TreeBlock, shared_memory.SharedMemory]:
-        """Copy a tree into new shared memory; whoever holds the memory unlinks it."""
+    def share(cls, tree: ContactTree) -> tuple[TreeBlock, SharedMemory]:
+        """Copy a tree into new shared memory; whoever holds the memory unlinks it.
+
+        Raises
+        ------
+        DeviceError
+            If there is no room for it.
+        """
         parts, offset = [], 0
         for array in tree:
             parts.append((array.shape, array.dtype.str, offset))
             offset += -(-array.nbytes // 64) * 64
-        memory = shared_memory.SharedMemory(create=True, size=max(offset, 1))
+        memory = make_shared_memory(offset)
         block = cls(memory.name, tuple(parts))
         for view, array in zip(block._views(memory), tree, strict=True):
             view[...] = array
         return block, memory
 
-    def attach(self) -> tuple[ContactTree, shared_memory.SharedMemory]:
+    def attach(self) -> tuple[ContactTree, SharedMemory]:
         """The tree in another process; keep the memory as long as the tree."""
-        memory = shared_memory.SharedMemory(name=self.name)
+        memory = SharedMemory(name=self.name)
         views = self._views(memory)
         for view in views:
             view.view(np.uint8).reshape(-1)[::4096].sum()  # touch every page now, not in the loop
         return ContactTree(*views), memory
 
-    def _views(self, memory: shared_memory.SharedMemory) -> list[AnyArray]:
+    def _views(self, memory: SharedMemory) -> list[AnyArray]:
         return [np.ndarray(shape, dtype, memory.buf, offset) for shape, dtype, offset in self.parts]
 
 
@@ -82,15 +89,18 @@ class ServoBoard:
     ----------
     name : str, optional
         Of an existing board; None makes one, which this object then owns.
+
+    Raises
+    ------
+    DeviceError
+        If there is no room for a new one.
     """
 
     def __init__(self, name: str | None = None) -> None:
         sizes = [_COUNTERS, SNAPSHOT_COLUMNS, _RING_ROWS * RING_COLUMNS, _BINS, _BINS, _TEXT // 8]
         self._owner = name is None
         self._memory = (
-            shared_memory.SharedMemory(create=True, size=8 * sum(sizes))
-            if name is None
-            else shared_memory.SharedMemory(name=name)
+            make_shared_memory(8 * sum(sizes)) if name is None else SharedMemory(name=name)
         )
         self.name = self._memory.name
         ends = np.cumsum([0, *sizes]) * 8

@@ -12,7 +12,7 @@ import socket
 import time
 from contextlib import suppress
 from dataclasses import dataclass
-from multiprocessing import shared_memory
+from multiprocessing.shared_memory import SharedMemory
 from multiprocessing.synchronize import Event
 from typing import Self
 
@@ -22,6 +22,7 @@ from numpy.typing import ArrayLike, NDArray
 from paint3d.core.arrays import as_array
 from paint3d.core.types import AnyArray
 from paint3d.device.force.haptic_stylus import decode_force, encode_pose
+from paint3d.device.force.shared_memory import make_shared_memory
 from paint3d.errors import DeviceError
 
 __all__ = ["Felt", "VirtualStylus"]
@@ -68,7 +69,7 @@ class VirtualStylus:
         path = as_array(poses, "poses", (None, 7), error=DeviceError)
         self._n = len(path)
         ours, self.plug = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
-        self._memory = shared_memory.SharedMemory(create=True, size=8 * _COLUMNS * self._n)
+        self._memory = make_shared_memory(8 * _COLUMNS * self._n)
         self._table: NDArray[np.float64] | None
         self._table = np.ndarray((self._n, _COLUMNS), np.float64, self._memory.buf)
         self._table[:] = np.nan
@@ -118,7 +119,7 @@ class VirtualStylus:
 
 
 def _play(cable: socket.socket, name: str, reports: list[bytes], priority: int, go: Event) -> None:
-    memory = shared_memory.SharedMemory(name=name)
+    memory = SharedMemory(name=name)
     table = np.ndarray((len(reports), _COLUMNS), np.float64, memory.buf)
     if priority:
         _hurry(priority)
