@@ -295,7 +295,9 @@ def test_it_is_calibrated_in_the_panel_and_paints_where_it_was_touched(window, s
         assert "corner" in said
         for buttons in (0, 1, 0):
             stylus.hold(x + 20.0, y, -5.0, buttons)
-            live(0.2)
+            told = stylus.n_said()
+            wait_for(lambda told=told: stylus.n_said() > told + 1)  # and that with the buttons
+            live(0.1)  # for longer than a touch is held
         wait_for(lambda said=said: form.told.text() != said)
     assert "0.0" in form.told.text()
     assert not window.document.strokes  # touching paints nothing

@@ -58,6 +58,10 @@ class OpenHapticsStandIn:
         x, y, z = self._held[4:7]
         return np.array([x, -z, y])
 
+    def n_said(self) -> int:
+        """How often it has said where it is, and was told a force for that."""
+        return int(self._held[7])
+
     def close(self) -> None:
         """There is nothing to stop: the library goes with its process."""
 
@@ -70,6 +74,7 @@ class Inverse3StandIn:
     def __init__(self, folder: Path) -> None:
         assert folder.is_dir()
         self._state, self._told = (0.0, 0.0, 0.15, 0), (0.0, 0.0, 0.0)
+        self._n_said = 0
         self._server = serve(self._talk, "127.0.0.1", 0)
         self.environment: dict[str, str] = {}
         self.choice = f"inverse3=ws://127.0.0.1:{self._server.socket.getsockname()[1]}"
@@ -84,6 +89,10 @@ class Inverse3StandIn:
         """The force that it was told last, N."""
         return np.array(self._told)
 
+    def n_said(self) -> int:
+        """How often it has said where it is, and was told a force for that."""
+        return self._n_said
+
     def close(self) -> None:
         """Stop the service; it bids its connections farewell for some seconds, for itself."""
         threading.Thread(target=self._server.shutdown, daemon=True).start()
@@ -95,6 +104,7 @@ class Inverse3StandIn:
                 asked = json.loads(message)["inverse3"][0]["commands"]
                 values = asked["set_cursor_force"]["values"]
                 self._told = values["x"], values["y"], values["z"]
+                self._n_said += 1
                 time.sleep(_PERIOD_S)
                 socket.send(self._said())
 
