@@ -306,6 +306,7 @@ def test_another_size_of_a_preset_is_not_called_like_it(program) -> None:
         editor.close()
 
 
+@pytest.mark.long
 def test_the_editors_stroke_is_in_the_ink_in_hand(program) -> None:
     with opened(program) as window:
         window.workspace.actions["edit_brush"].trigger()

@@ -12,6 +12,7 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 from PySide6 import QtCore, QtGui
 
 from paint3d.app.window.input.canvas import Canvas
+from tests.support.cases import long_but
 
 NOTHING = (1, 2, 3)  # codes that no picture has here
 PLACE = QtCore.QPoint(35, 30)
@@ -40,7 +41,10 @@ def noisy(size, ratio, monkeypatch) -> tuple[Canvas, np.ndarray, np.random.Gener
 
 @pytest.mark.parametrize(
     ("ratio", "size"),
-    list(product((1.0, 1.25, 1.5, 1.75, 2.0), ((323, 241), (320, 240)))),
+    long_but(
+        [(1.25, (323, 241)), (1.5, (320, 240)), (1.75, (323, 241)), (2.0, (320, 240))],
+        product((1.0, 1.25, 1.5, 1.75, 2.0), ((323, 241), (320, 240))),
+    ),
 )
 def test_parts_are_shown_as_the_whole_is(program, ratio, size, monkeypatch) -> None:
     canvas, pixels, chance = noisy(size, ratio, monkeypatch)

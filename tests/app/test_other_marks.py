@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 import pytest
@@ -32,6 +33,7 @@ from tests.support.app.trials import (
     try_strokes,
     ways_of,
 )
+from tests.support.cases import long_but
 from tests.support.examples import ALL
 
 STEP_MS = 10
@@ -100,7 +102,7 @@ def apart(ways: list[Way]) -> float:
 @pytest.mark.parametrize(
     ("name", "actions"),
     [
-        pytest.param("vase", ("mirror",), id="vase mirrored"),
+        pytest.param("vase", ("mirror",), id="vase mirrored", marks=pytest.mark.long),
         pytest.param("bowl", ("radial",), id="bowl turned"),
         pytest.param("sphere", ("mirror", "radial"), id="sphere both", marks=pytest.mark.long),
     ],
@@ -242,14 +244,7 @@ PAD_LINES = {
 
 @pytest.mark.parametrize(
     ("pressure", "name"),
-    [
-        (0.25, "bowl"),
-        pytest.param(0.25, "vase", marks=pytest.mark.long),
-        (0.25, "sphere"),
-        (0.5, "bowl"),
-        pytest.param(0.5, "vase", marks=pytest.mark.long),
-        (0.5, "sphere"),
-    ],
+    long_but([(0.25, "bowl"), (0.5, "sphere")], product((0.25, 0.5), ("bowl", "vase", "sphere"))),
 )
 def test_a_pad_is_laid_down_as_it_was_drawn(name: str, pressure: float) -> None:
     mesh = load_mesh(name)

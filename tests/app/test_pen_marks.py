@@ -190,6 +190,7 @@ def test_a_stroke_is_saved_whole_though_another_object_is_opened_at_once(
     same_vertices(left[0].surface, left[1].surface)
 
 
+@pytest.mark.long
 def test_strokes_in_all_directions_start_as_wide_as_they_go_on(window) -> None:
     starts = EventRecording.load("long_directions")
     open_for(window, starts.header, 0.5)
@@ -223,6 +224,7 @@ def test_a_fast_lift_leaves_no_dot_and_nothing_beyond_the_pen(window) -> None:
     assert max(over) <= 1.0, over  # twice the resolution: edges fade over one
 
 
+@pytest.mark.long
 def test_pale_ink_has_no_dark_stamps_at_its_ends(window) -> None:
     pale = EventRecording.load("pale_ink")
     open_for(window, pale.header, 0.5)

@@ -128,6 +128,7 @@ def test_the_hand_of_a_painting_by_command_has_its_ink_again_after_a_replay(
         assert painter.amount == DipAmount()
 
 
+@pytest.mark.long
 def test_a_whole_painting_is_played_in_time_pauses_and_changes_its_speed(window, tmp_path) -> None:
     window.panels.history.pace.setCurrentText("16 x")
     by_menu(window, SCORE)
@@ -192,6 +193,7 @@ def test_rests_of_a_recording_are_played_as_a_second(window, tmp_path) -> None:
     assert len(window.document.strokes[0].samples) == 40
 
 
+@pytest.mark.long
 def test_a_film_of_the_painting_that_grew_is_written_by_the_menu(window, tmp_path) -> None:
     assert not grown(window, tmp_path / "no.gif")
     drag(window.canvas, (0.35, 0.5), (0.65, 0.5), n=20)

@@ -21,6 +21,7 @@ def window(program):
         yield window
 
 
+@pytest.mark.long
 def test_a_mixture_that_was_picked_up_is_shown_in_the_previews(window) -> None:
     window.panels.inks.dipped.emit({"indigo": 0.8, "water": 0.2}, None)
     drag(window.canvas, (0.45, 0.5), (0.55, 0.5))

@@ -21,6 +21,7 @@ from paint3d.recording.recording import Recording
 from paint3d.recording.score import Score, load_score, save_score
 from paint3d.surface.painted_surface import PaintedSurface
 from tests.support.app.hands import same_vertices
+from tests.support.cases import long_but
 
 RESOLUTION_MM = 0.5
 MOST_MM = 0.5  # off where it was
@@ -144,8 +145,8 @@ def check_places(of, mesh: TriangleMesh, resolution: float) -> None:
 
 @pytest.mark.parametrize(
     ("mesh", "resolution"),
-    [(subdivided, 0.5), pytest.param(decimated, 0.4, marks=pytest.mark.long), (decimated, 0.5),
-     (bowl, 0.3)],
+    [(subdivided, 0.5), pytest.param(decimated, 0.4, marks=pytest.mark.long),
+     pytest.param(decimated, 0.5, marks=pytest.mark.long), (bowl, 0.3)],
     ids=["subdivided", "decimated", "decimated, as fine", "finer paint"],
 )  # fmt: skip
 def test_strokes_lie_where_they_lay(mesh, resolution) -> None:
@@ -154,9 +155,11 @@ def test_strokes_lie_where_they_lay(mesh, resolution) -> None:
 
 @pytest.mark.parametrize(
     ("mesh", "resolution"),
-    [(subdivided, 0.5), (decimated, 0.5), (shifted, 0.3), (bowl, 0.7)]
-    + [pytest.param(*one, marks=pytest.mark.long)
-       for one in ((decimated, 0.3), (halved, 0.4), (bowl, 0.3))],
+    long_but(
+        [(decimated, 0.5), (shifted, 0.3), (bowl, 0.7)],
+        [(subdivided, 0.5), (decimated, 0.5), (shifted, 0.3), (bowl, 0.7), (decimated, 0.3),
+         (halved, 0.4), (bowl, 0.3)],
+    ),
 )  # fmt: skip
 def test_strokes_over_the_rim_lie_where_they_lay(mesh, resolution) -> None:
     check_places(rim, mesh(), resolution)

@@ -19,6 +19,7 @@ from paint3d.view.camera import picture_axes
 from tests.support.app.gestures import ALT, BUTTON, KIND, drag, live, mouse, type_key, wait_for
 from tests.support.app.pointers import HAND, Touching, pen, pen_drag, tap
 from tests.support.app.windows import faults, opened, settled
+from tests.support.cases import long_but
 
 KEY, HELD = QtCore.Qt.Key, QtCore.Qt.KeyboardModifier
 CORNER = (0.04, 0.05)  # beside the object, in shares of the canvas
@@ -176,16 +177,21 @@ def test_a_pointer_that_moves_the_view_is_no_brush(window) -> None:
     assert is_brush_seen(window)
 
 
+STEERED = [
+    (HELD.NoModifier, "orbit"),
+    (HELD.ShiftModifier, "pan"),
+    (HELD.ControlModifier, "dolly"),
+    (HELD.ShiftModifier | HELD.ControlModifier, "roll"),
+]
+
+
 @pytest.mark.parametrize(
-    ("keys", "what"),
-    [
-        (HELD.NoModifier, "orbit"),
-        (HELD.ShiftModifier, "pan"),
-        (HELD.ControlModifier, "dolly"),
-        (HELD.ShiftModifier | HELD.ControlModifier, "roll"),
-    ],
+    ("keys", "what", "by"),
+    long_but(
+        [(*case, by) for case, by in zip(STEERED, ("mouse", "pen") * 2, strict=True)],
+        [(*case, by) for case in STEERED for by in ("mouse", "pen")],
+    ),
 )
-@pytest.mark.parametrize("by", ["mouse", "pen"])
 def test_space_held_steers_over_the_object(window, keys, what, by) -> None:
     n, before = strokes(window), window.hand.camera
     QtTest.QTest.keyPress(window.canvas, KEY.Key_Space, keys)

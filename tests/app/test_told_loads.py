@@ -129,6 +129,7 @@ def test_the_next_stroke_was_told_nothing() -> None:
     assert document.surface.coverage.sum() > 1.2 * wanted().coverage.sum()
 
 
+@pytest.mark.long
 def test_the_images_of_a_stroke_hold_it_too() -> None:
     surface = bare()
     document = Document(surface, Painter(surface, BRUSH, "pine soot", "commanded", amount=amount()))

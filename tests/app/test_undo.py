@@ -1,5 +1,7 @@
 """Undo and redo, to the bit, whatever happened between: the property of the way back."""
 
+from itertools import product
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -11,6 +13,7 @@ from paint3d.surface.painted_surface import PaintedSurface
 from paint3d.surface.undo import UndoHistory
 from paint3d.surface.vertex_sets import union
 from tests.support.app.hands import line
+from tests.support.cases import long_but
 from tests.support.examples import examples
 
 ACTIONS = st.sampled_from(
@@ -134,8 +137,13 @@ def test_what_was_undone_goes_when_something_new_comes():
     assert (history.done, history.undone) == (["a", "c"], [])
 
 
-@pytest.mark.parametrize("redo", [False, True])
-@pytest.mark.parametrize("place", [(-3, 2, 3, -2), (-10, 20, 10, -20), (-10, 70, 10, 60)])
+PLACES = [(-3, 2, 3, -2), (-10, 20, 10, -20), (-10, 70, 10, 60)]
+
+
+@pytest.mark.parametrize(
+    ("place", "redo"),
+    long_but(zip(PLACES, (True, False, True), strict=True), product(PLACES, (True, False))),
+)
 def test_time_goes_on_after_undo_as_if_the_step_had_never_been(place, redo):
     surfaces = []
     for again in (False, True):

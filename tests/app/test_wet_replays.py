@@ -105,6 +105,7 @@ def test_the_wet_recording_paints_the_same_to_the_bit(
     same_ink(window.document.surface, replayed(file, rest_s))
 
 
+@pytest.mark.long
 def test_the_window_replays_it_to_the_bit_too(window, wall, monkeypatch, tmp_path) -> None:
     events, file = lines(), tmp_path / "lines.jsonl"
     header = {**events.header, "material": "xuan", "wet": True}

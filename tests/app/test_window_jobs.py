@@ -32,6 +32,7 @@ from paint3d.errors import ExportError
 from tests.support.app.gestures import answer, answer_bar, drag, live, type_key, wait_for
 from tests.support.app.hands import line
 from tests.support.app.windows import SMALL, close_unasked, settled
+from tests.support.cases import long_but
 
 LIMIT_S = 300.0  # for what comes soon where the machine is not busy
 
@@ -143,7 +144,7 @@ def test_the_bar_moves_by_itself_and_by_what_is_told(window, gate: threading.Eve
     assert seen == sorted(seen)
 
 
-@pytest.mark.parametrize("form", ["glb", "obj", "p3d", "html"])
+@pytest.mark.parametrize("form", long_but(["glb", "p3d"], ["glb", "obj", "p3d", "html"]))
 def test_an_export_that_is_stopped_leaves_no_file_and_a_painting_that_goes_on(
     window, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, gate: threading.Event, form: str
 ) -> None:

@@ -19,6 +19,7 @@ from paint3d.calligraphy.glyphs import Glyph, GlyphStroke
 from paint3d.calligraphy.shapes.decompose import decompose
 from paint3d.calligraphy.shapes.triangles import triangulate
 from paint3d.errors import InputError
+from tests.support.cases import long_but
 from tests.support.examples import examples
 from tests.support.found_strokes import joined, region_of, score
 
@@ -160,7 +161,7 @@ def known(text):
     return open_glyphs(None).load(text)
 
 
-@pytest.mark.parametrize("text", "永世目和国")
+@pytest.mark.parametrize("text", long_but("永目国", "永世目和国"))
 def test_known_strokes_come_back_in_their_order(text):
     glyph = known(text)
     result = score(decompose(joined(glyph.strokes), template=glyph), glyph.strokes)

@@ -22,6 +22,7 @@ from paint3d.painter.painter import Painter
 from paint3d.recording.recording import load_recording, save_recording
 from paint3d.surface.painted_surface import PaintedSurface
 from tests.laws.test_painting_laws import plane
+from tests.support.cases import long_but
 
 BRUSH = load_brush("xiaobaiyun")
 
@@ -164,7 +165,7 @@ def test_an_amount_is_of_a_whole_dip() -> None:
 # -- from the command line ----------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("dip", ["auto", "every 2", pytest.param("always", marks=pytest.mark.long)])
+@pytest.mark.parametrize("dip", long_but(["auto"], ["auto", "every 2", "always"]))
 def test_replayed_it_is_the_same_to_the_byte(tmp_path: Path, dip: str) -> None:
     """What was written, from the recording that was kept of it, in a mixture."""
     ink = ["--ink", "pine soot:0.6,water:0.4"]

@@ -1,5 +1,6 @@
 """The strokes of letters: from KanjiVG, from letters of the same shape, or listed."""
 
+from itertools import product
 from types import SimpleNamespace
 
 import numpy as np
@@ -20,6 +21,7 @@ from paint3d.calligraphy.shapes.ductus import JoinedForm, known_strokes
 from paint3d.calligraphy.shapes.regions import Piece
 from paint3d.calligraphy.shapes.registration import register, tangents_of
 from paint3d.calligraphy.shapes.transfer import KnownStrokes, in_known_order
+from tests.support.cases import long_but
 from tests.support.examples import examples
 from tests.support.found_strokes import as_listed
 
@@ -286,8 +288,10 @@ def joined_ink(form, slant: float = 0.0, thick: float = 1.8) -> MultiPolygon:
     return MultiPolygon([part for part in shapely.get_parts(ink) if part.area > 0.0])
 
 
-@pytest.mark.parametrize("text", list("bfkr"))
-@pytest.mark.parametrize("slant", [0.0, 20.0])
+@pytest.mark.parametrize(
+    ("slant", "text"),
+    long_but([(0.0, "b"), (20.0, "f"), (0.0, "k"), (20.0, "r")], product((0.0, 20.0), "bfkr")),
+)
 def test_a_letter_of_a_joined_hand_is_one_way_to_the_right(text, slant) -> None:
     """Its loops are not torn into a stem and a bow, and its end is not written backwards."""
     forms = known_strokes(SOURCE, text)
@@ -298,7 +302,7 @@ def test_a_letter_of_a_joined_hand_is_one_way_to_the_right(text, slant) -> None:
     assert np.linalg.norm(strokes[-1].median[-1] - end) < 8.0
 
 
-@pytest.mark.parametrize("text", list("bfkrvw"))
+@pytest.mark.parametrize("text", long_but("frv", "bfkrvw"))
 def test_forms_of_joined_hands_leave_other_letters_alone(text) -> None:
     forms = known_strokes(SOURCE, text)
     apart = [form for form in forms if not isinstance(form, JoinedForm)]

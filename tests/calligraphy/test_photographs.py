@@ -80,6 +80,7 @@ def test_dry_strokes_are_known_along_their_way() -> None:
     assert found.dryness_error < 0.11
 
 
+@pytest.mark.long
 def test_trials_bring_flying_white_where_it_was() -> None:
     _, sheet = copied("永大", 5, 0.9)
     without, after = (

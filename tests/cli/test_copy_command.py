@@ -56,6 +56,7 @@ def test_a_photograph_becomes_a_painting(photo: Path, tmp_path: Path, capsys) ->
     assert picture[:, half + 12 :].min() < 60
 
 
+@pytest.mark.long
 def test_a_full_brush_paints_without_flying_white(photo: Path, tmp_path: Path) -> None:
     way = tmp_path / "a.jsonl"
     out = tmp_path / "a.ply"

@@ -17,7 +17,9 @@ from scripts.fuzz.targets import TARGETS, Target
 ROOT = Path(__file__).parents[2]
 
 
-@pytest.mark.parametrize("cases", [25, pytest.param(1000, marks=pytest.mark.long)])
+@pytest.mark.parametrize(
+    "cases", [25, pytest.param(1000, marks=(pytest.mark.long, pytest.mark.timeout(7200)))]
+)
 def test_damaged_inputs_of_each_kind(cases):
     command = [sys.executable, "-m", "scripts.fuzz", "--cases", str(cases)]
     done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=ROOT)

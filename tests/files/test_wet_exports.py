@@ -316,7 +316,9 @@ def test_dry_ink_is_matt_on_a_glaze_over_what_is_rough(tmp_path):
     np.testing.assert_allclose(seen[1][black], seen[0][black], atol=6.0)
 
 
-@pytest.mark.parametrize("viewing", [None, Viewing(gamut="p3")])
+@pytest.mark.parametrize(
+    "viewing", [pytest.param(None, marks=pytest.mark.long), Viewing(gamut="p3")]
+)
 def test_dry_ink_is_matt_on_the_glaze_of_another_material(viewing, tmp_path):
     """Painted on paper it is as rough as that; shown on porcelain it mirrored the lamps."""
     surface, seen = ball("pine soot"), []

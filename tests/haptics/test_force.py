@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import product
 
 import numpy as np
 import pytest
@@ -18,6 +19,7 @@ from paint3d.mesh.kernels.bounded_bvh import find_foot_within, mean_normal, near
 from paint3d.mesh.kernels.bvh import closest_point, find_foot
 from paint3d.surface.painted_surface import PaintedSurface
 from scripts.solids import make_bowl, make_plane, make_sphere
+from tests.support.cases import long_but
 from tests.support.force_model import ForceModel, flag_names
 
 QUICK = settings(deadline=None, max_examples=25)
@@ -317,8 +319,10 @@ def inner_wall(tree):
     return points[wall, 2], radius[wall], inward[wall], normals[wall, 2]
 
 
-@pytest.mark.parametrize("speed", [50.0, 200.0])
-@pytest.mark.parametrize("towards_wall", [1.0, 0.6])
+@pytest.mark.parametrize(
+    ("speed", "towards_wall"),
+    long_but([(50.0, 1.0), (200.0, 0.6)], product((50.0, 200.0), (1.0, 0.6))),
+)
 def test_sliding_over_the_bowl_has_no_steps(trees, speed, towards_wall) -> None:
     tree = trees["bowl"]
     heights, radii, inward, upward = inner_wall(tree)

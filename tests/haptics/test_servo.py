@@ -452,6 +452,7 @@ def test_percentiles_of_a_histogram() -> None:
 # -- the benchmark ----------------------------------------------------------------------------
 
 
+@pytest.mark.long
 def test_the_benchmark_measures() -> None:
     result = run_benchmark("haptics", share=0.03)
     found = {check.name: check.value for check in result.checks}

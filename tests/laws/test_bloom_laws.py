@@ -191,6 +191,7 @@ def test_halo_and_rim_do_not_depend_on_the_steps() -> None:
     np.testing.assert_allclose(found[1], found[2], rtol=0.02)
 
 
+@pytest.mark.long
 def test_a_front_in_a_sheet_is_as_rough_as_measured_ones(monkeypatch) -> None:
     """Its deviation grows with a window's breadth to .63 in paper; without flocs it did to .3."""
     exponent, deviation = measure_front("xuan", 0.25)

@@ -94,9 +94,9 @@ def test_it_ends_and_loses_nothing(patch: str, material: str, coats: float, seco
     ("patch", "material", "coats"),
     [
         ("sheet", "xuan", 2.0),
-        ("uneven triangles", "xuan", 2.0),
+        pytest.param("uneven triangles", "xuan", 2.0, marks=pytest.mark.long),
         ("closed", "bisque", 2.0),
-        ("closed", "xuan", 30.0),
+        pytest.param("closed", "xuan", 30.0, marks=pytest.mark.long),
         ("rim", "plaster", 0.5),
     ],
 )

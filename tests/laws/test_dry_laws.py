@@ -97,6 +97,7 @@ def test_less_ink_and_less_pressure_cover_less() -> None:
     assert (np.diff(by_pressure) > 0.0).all()
 
 
+@pytest.mark.long
 def test_more_hairs_leave_finer_gaps() -> None:
     """Law 11."""
     gaps = []

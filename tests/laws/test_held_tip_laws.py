@@ -308,6 +308,7 @@ def footprints() -> FootprintTable:
     return tabulate_footprints(TUFT, 20.0)
 
 
+@pytest.mark.long
 @settings(deadline=None, max_examples=25)
 @given(bend=st.floats(0.5, 1.4), side=st.sampled_from((-1.0, 1.0)))
 def test_planned_footprints_lie_as_the_laws_lay_them(bend, side):

@@ -397,7 +397,11 @@ def crossing(order: tuple[int, ...]) -> PaintedSurface:
     return paint(plane(40.0), *(strokes[k] for k in order)).surface
 
 
-@pytest.mark.parametrize("order", list(itertools.permutations(range(4)))[1:])
+ORDERS = list(itertools.permutations(range(4)))[1:]
+
+
+@pytest.mark.parametrize("order", [pytest.param(order, marks=pytest.mark.long if k % 4 else ())
+                                   for k, order in enumerate(ORDERS)])  # fmt: skip
 def test_any_order_of_strokes_paints_the_same_vertices(order):
     one, two = crossing((0, 1, 2, 3)), crossing.__wrapped__(order)
     i, j = matched(one, two)

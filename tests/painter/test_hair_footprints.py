@@ -14,6 +14,7 @@ from paint3d.brush_engine.bristles.contact import BEGIN, END
 from paint3d.painter.painter import Painter
 from paint3d.surface.painted_surface import PaintedSurface
 from tests.painter.test_hair_painting import covered, paint, plane, sample_of
+from tests.support.cases import long_but
 from tests.support.surface_cases import flat, on_sphere, poses, sheet
 
 UP, BACK = (0.0, 0.0, 1.0), (-1.0, 0.0, 0.0)
@@ -154,7 +155,7 @@ def painted_round(radius, tilt, press, hairs):
     return painter
 
 
-@pytest.mark.parametrize("radius", [75.0, 150.0, -40.0])
+@pytest.mark.parametrize("radius", long_but([75.0, -40.0], [75.0, 150.0, -40.0]))
 @pytest.mark.parametrize(
     ("tilt", "press"), [(60, 0.05), (60, 0.15), (60, 0.3), (45, 0.15), (90, 0.15)]
 )

@@ -8,6 +8,7 @@ import os
 import subprocess
 import sys
 from argparse import ArgumentTypeError
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -28,6 +29,7 @@ from paint3d.errors import InputError
 from paint3d.painter.painter import Painter
 from paint3d.recording.recording import Recording
 from paint3d.surface.painted_surface import PaintedSurface
+from tests.support.cases import long_but
 from tests.support.surface_cases import ball, bowl, flat, poses, sheet
 
 UP = (0.0, 0.0, 1.0)
@@ -347,8 +349,10 @@ def test_a_hand_that_trembles_does_not_heap_a_tuft(hairs):
 
 
 @pytest.mark.parametrize(("plasticity", "apart"), [(0.0, 0.005), (0.8, 0.02)])
-@pytest.mark.parametrize("azimuth", ["commanded", "dragged"])
-@pytest.mark.parametrize("press", [0.2, 0.5])
+@pytest.mark.parametrize(
+    ("azimuth", "press"),
+    long_but([("commanded", 0.2), ("dragged", 0.5)], product(("commanded", "dragged"), (0.2, 0.5))),
+)
 def test_wet_hairs_are_one_film_that_covers_what_a_solid_tuft_does(
     plasticity, apart, azimuth, press
 ):

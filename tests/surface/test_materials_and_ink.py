@@ -50,6 +50,7 @@ def halos() -> dict[str, float]:
     return {name: halo(name) for name in ("xuan", "tinted xuan", "silk", "sized xuan")}
 
 
+@pytest.mark.long
 def test_raw_xuan_feathers_and_sized_xuan_and_silk_hold_the_ink(halos) -> None:
     assert halos["xuan"] == pytest.approx(4.4, abs=0.3)
     assert halos["sized xuan"] < 0.3

@@ -133,6 +133,7 @@ def test_a_film_ends_with_the_finished_painting_which_stays(tmp_path, monkeypatc
     assert is_finished == [False] * 3 + [True] * 12  # two when it ended, then held a second
 
 
+@pytest.mark.long
 @needs_opengl
 @pytest.mark.usefixtures("lit_by_few")
 def test_wet_ink_shines_in_a_film_as_in_a_picture(tmp_path) -> None:

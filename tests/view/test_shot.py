@@ -151,6 +151,7 @@ def test_a_long_object_is_not_cut_off_as_it_turns(light) -> None:
     assert max(wide[2], wide[6]) < 0.4 * wide[0]
 
 
+@pytest.mark.long
 @needs_opengl
 def test_a_lit_object_turns_under_one_light() -> None:
     vertices, faces, normals = ball()

@@ -139,11 +139,13 @@ def bare_bowl():
     return draw_picture(vertices, faces, normals, srgb, size=(1000, 750)).mean(axis=2)
 
 
+@pytest.mark.long
 @needs_opengl
 def test_no_dark_dots_lie_along_a_rim(bare_bowl):
     assert (bare_bowl > median_filter(bare_bowl, 5) - 30.0).all()
 
 
+@pytest.mark.long
 @needs_opengl
 @pytest.mark.parametrize("row", [570, 580])
 def test_the_shadow_beside_a_foot_has_no_stripes(bare_bowl, row):
@@ -153,6 +155,7 @@ def test_the_shadow_beside_a_foot_has_no_stripes(bare_bowl, row):
     assert np.abs(np.diff(beside, 2)).mean() < 0.35
 
 
+@pytest.mark.long
 @needs_opengl
 def test_an_outline_lies_between_the_pixels():
     """Found from how much of each pixel it covers, it is smooth to a tenth of a pixel."""
