@@ -75,7 +75,6 @@ def play(window, recording: EventRecording, wall: Wall, how: str, pace: float) -
     settle(window)
 
 
-@pytest.mark.long
 @pytest.mark.parametrize("name", ["mouse_lines", pytest.param("bamboo", marks=pytest.mark.long)])
 def test_wet_ink_does_not_depend_on_how_events_are_handed_over(window, monkeypatch, name) -> None:
     recording, wall = EventRecording.load(name), Wall(monkeypatch, window)
