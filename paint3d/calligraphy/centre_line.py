@@ -8,10 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import gaussian_filter1d
 
 from paint3d.calligraphy.kernels import planning as kernels
-from paint3d.core.filters import gaussian_filter1d
-from paint3d.core.filters import median as middle_of
 from paint3d.core.types import AnyArray
 from paint3d.errors import InputError
 
@@ -164,7 +163,7 @@ def centre_line(median: AnyArray, field: OutlineField, step: float) -> CentreLin
         raise InputError("the median has no length; expected two different points")
     points = resampled(median, step)
     headings = _headings(points)
-    width = middle_of(_room(points, headings, field, 2.0 * field.distance.max()).sum(axis=1))
+    width = np.median(_room(points, headings, field, 2.0 * field.distance.max()).sum(axis=1))
     if width <= 0.0:
         raise InputError("most of the median lies outside the outline; expected it within")
     sigma = 0.25 * width / step

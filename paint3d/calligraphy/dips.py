@@ -18,7 +18,6 @@ from numpy.typing import NDArray
 from paint3d.brush.dip_amount import DipAmount
 from paint3d.brush.spec import BrushSpec
 from paint3d.core.arrays import as_number
-from paint3d.core.filters import median
 from paint3d.core.quaternion import rotate
 from paint3d.core.types import AnyArray
 from paint3d.device.recorded import Recording
@@ -104,7 +103,7 @@ def redipped(recording: Recording, brush: BrushSpec, policy: DipPolicy) -> Recor
     taken = np.add.reduceat(ink_taken(recording, brush), starts)
     lasts = -math.log(policy.least)
     if policy.every is None:
-        wetted = _wetted(max(_CHARACTERS * median(taken), float(taken.max())) / lasts)
+        wetted = _wetted(max(_CHARACTERS * np.median(taken), float(taken.max())) / lasts)
         dips = _where_needed(taken / wetted, _heads(recording, starts), policy.least)
     else:
         dips = np.arange(len(starts)) % policy.every == 0
@@ -177,7 +176,7 @@ def _heads(recording: Recording, starts: AnyArray) -> NDArray[np.bool_]:
     heads = np.zeros(len(starts), bool)
     heads[0] = True
     if len(steps):
-        heads[1:] = steps > _NEW_COLUMN * median(steps)
+        heads[1:] = steps > _NEW_COLUMN * np.median(steps)
     return heads
 
 

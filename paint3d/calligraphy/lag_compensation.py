@@ -15,11 +15,11 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import gaussian_filter1d, maximum_filter1d, minimum_filter1d
 
 from paint3d.brush_engine.tuft import drag_along, hold_along
 from paint3d.calligraphy.footprint_table import FootprintTable
 from paint3d.calligraphy.kernels import planning as kernels
-from paint3d.core.filters import gaussian_filter1d, maximum_filter1d, minimum_filter1d
 from paint3d.core.types import AnyArray
 
 __all__ = ["TRIALS", "Lead", "Pulled", "pull", "pulled_on"]
@@ -109,7 +109,8 @@ def _aside(course: Pulled, free: AnyArray) -> NDArray[np.float64]:
     off, ahead = course.centre - free, free - course.handle
     along = (off * ahead).sum(axis=1) / np.maximum((ahead**2).sum(axis=1), 1e-18)
     off = off - along[:, None] * ahead
-    return gaussian_filter1d(off, _EVENED, axis=0, mode="nearest")
+    aside: NDArray[np.float64] = gaussian_filter1d(off, _EVENED, axis=0, mode="nearest")
+    return aside
 
 
 def _fitting(course: Pulled, light: NDArray[np.bool_], lead: Lead) -> NDArray[np.float64]:

@@ -12,13 +12,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import gaussian_filter1d, minimum_filter1d
 
 from paint3d.calligraphy.centre_line import CentreLine, OutlineField, smoothed
 from paint3d.calligraphy.footprint_table import FootprintTable
 from paint3d.calligraphy.kernels import planning as kernels
 from paint3d.calligraphy.lag_compensation import TRIALS, Lead, Pulled, pull, pulled_on
 from paint3d.calligraphy.plan_settings import TECHNIQUES, PlanSettings
-from paint3d.core.filters import gaussian_filter1d, minimum_filter1d
 from paint3d.core.types import AnyArray
 
 __all__ = ["Followed", "PathFitter", "StrokePath"]

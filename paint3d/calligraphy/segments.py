@@ -12,8 +12,8 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import gaussian_filter1d
 
-from paint3d.core.filters import gaussian_filter1d
 from paint3d.core.types import AnyArray
 
 __all__ = ["BODY", "ZONE", "StrokeSegment", "corners_of", "cut_line", "is_hooked"]

@@ -12,10 +12,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
+from scipy.ndimage import gaussian_filter1d, maximum_filter1d, minimum_filter1d
 
 from paint3d.calligraphy.centre_line import smoothed
-from paint3d.core.filters import gaussian_filter1d, maximum_filter1d, minimum_filter1d
-from paint3d.core.piecewise_cubic import clamped_spline
 from paint3d.core.types import AnyArray
 
 __all__ = ["Limits", "stretched", "travel"]
@@ -104,7 +104,7 @@ def _excess(time: AnyArray, poses: AnyArray, limits: Limits) -> tuple[AnyArray, 
     step = 1.0 / limits.rate_hz
     fine = step / _PHASES
     at = fine * np.arange(-_REST * _PHASES, math.ceil(time[-1] / fine) + _REST * _PHASES + 1)
-    curve = clamped_spline(time, poses)
+    curve = CubicSpline(time, poses, bc_type="clamped")
     sampled = curve(np.clip(at, 0.0, time[-1]))
     excess = np.zeros(len(at))
     values = sampled[:, :3]

@@ -17,11 +17,11 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import PchipInterpolator
 
 from paint3d.calligraphy.glyphs import GlyphStroke
 from paint3d.calligraphy.kanjivg import LineStroke
 from paint3d.calligraphy.segments import ZONE, StrokeSegment, cut_line, is_hooked
-from paint3d.core.piecewise_cubic import monotone_cubic
 from paint3d.core.types import AnyArray
 from paint3d.errors import InputError
 
@@ -163,7 +163,7 @@ def _segment_outline(
     keep = np.r_[True, np.diff(stations) > 1e-6 * half]
     at = np.linspace(stations[0], stations[-1], _FINE)
     sides = np.column_stack([facts[side][keep] for side in ("lo", "hi")])
-    lo, hi = monotone_cubic(stations[keep], sides)(at).T
+    lo, hi = PchipInterpolator(stations[keep], sides)(at).T
     points, lefts = segment.at(at)
     left, right = points + half * hi[:, None] * lefts, points + half * lo[:, None] * lefts
     return np.concatenate([left, right[::-1]])

@@ -13,11 +13,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
 
 from paint3d.calligraphy.planning import StrokePath
 from paint3d.calligraphy.speed_profile import Limits, travel
 from paint3d.core.arrays import as_number
-from paint3d.core.piecewise_cubic import clamped_spline
 from paint3d.core.types import AnyArray
 from paint3d.device.sample import DIP
 from paint3d.errors import InputError
@@ -245,7 +245,7 @@ def _join(parts: list[_Part], tempo: Tempo) -> Motion:
     poses = np.empty((n, 4))
     for k, part in enumerate(parts):
         inside = which == k
-        curve = clamped_spline(part.time, part.poses)
+        curve = CubicSpline(part.time, part.poses, bc_type="clamped")
         poses[inside] = curve(np.minimum(time[inside] - starts[k], part.time[-1]))
         if (part.poses[:, 2] >= 0.0).all():  # what is lifted never touches
             poses[inside, 2] = np.maximum(poses[inside, 2], 0.0)

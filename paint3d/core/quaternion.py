@@ -16,8 +16,8 @@ import math
 from typing import Any
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
-from paint3d.core.arrays import dots_of
 from paint3d.core.kernel import kernel
 from paint3d.core.types import AnyArray
 
@@ -45,8 +45,6 @@ __all__ = [
 Vector = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
 _SMALL = 1e-9  # rad, or sine of an angle
-_PAIRS = [(i, j) for i in range(3) for j in range(i, 3)]
-_WITHIN = 1e-12, 1e-12 + 1e-5  # a rotation's rows are as near to orthogonal, and to unit length
 
 # -- by components ------------------------------------------------------------------------------
 
@@ -170,47 +168,13 @@ def matrices_from_quaternions(quaternions: AnyArray) -> AnyArray:
 def quaternions_from_matrices(matrices: AnyArray) -> AnyArray:
     """Unit quaternions (..., 4), w first and not negative, of rotation matrices (..., 3, 3).
 
-    What is not quite a rotation is taken for the nearest one. To the last bit as SciPy does it
-    (Markley 2008), which takes longer to import than a character to be written.
+    A matrix that is not quite a rotation is taken for the nearest one.
     """
     given = np.asarray(matrices, dtype=np.float64)
-    m = _orthogonal(given.reshape(-1, 3, 3))
-    trace = m[:, 0, 0] + m[:, 1, 1] + m[:, 2, 2]
-    size = np.stack([m[:, 0, 0], m[:, 1, 1], m[:, 2, 2], trace], axis=-1)
-    largest = np.argmax(size, axis=-1)
-    wxyz = np.empty((len(m), 4))
-    for i in range(4):
-        chosen = largest == i
-        if not chosen.any():
-            continue
-        of, j, k = m[chosen], (i + 1) % 3, (i + 2) % 3
-        if i == 3:
-            wxyz[chosen, 0] = 1 + trace[chosen]
-            wxyz[chosen, 1] = of[:, 2, 1] - of[:, 1, 2]
-            wxyz[chosen, 2] = of[:, 0, 2] - of[:, 2, 0]
-            wxyz[chosen, 3] = of[:, 1, 0] - of[:, 0, 1]
-        else:
-            wxyz[chosen, 0] = of[:, k, j] - of[:, j, k]
-            wxyz[chosen, 1 + i] = 1 - trace[chosen] + 2 * of[:, i, i]
-            wxyz[chosen, 1 + j] = of[:, j, i] + of[:, i, j]
-            wxyz[chosen, 1 + k] = of[:, k, i] + of[:, i, k]
-    w, x, y, z = wxyz.T
-    wxyz /= np.sqrt(x * x + y * y + z * z + w * w)[:, None]
+    xyzw = Rotation.from_matrix(given.reshape(-1, 3, 3)).as_quat()
+    wxyz = xyzw[:, [3, 0, 1, 2]]
     result: AnyArray = np.where(wxyz[:, :1] < 0, -wxyz, wxyz).reshape(*given.shape[:-2], 4)
     return result
-
-
-def _orthogonal(matrices: AnyArray) -> AnyArray:
-    """The rotations nearest to matrices (N, 3, 3), which are copied only if one is none."""
-    off = np.zeros(len(matrices), bool)
-    for i, j in _PAIRS:
-        off |= ~(np.abs(dots_of(matrices[:, i], matrices[:, j]) - (i == j)) <= _WITHIN[i == j])
-    if not off.any():
-        return matrices
-    left, _, right = np.linalg.svd(matrices[off])
-    near = matrices.copy()
-    near[off] = left @ right
-    return near
 
 
 def slerp(a: AnyArray, b: AnyArray, fraction: AnyArray) -> AnyArray:

@@ -35,7 +35,6 @@ from typing import Any
 
 import numpy as np
 
-from paint3d.core.filters import median
 from paint3d.core.types import AnyArray
 from paint3d.device.recorded import MAX_FORCE_N, Recording
 from paint3d.errors import RecordingError
@@ -324,7 +323,7 @@ def _starts_in_ms(values: AnyArray, starts: AnyArray, since: AnyArray) -> bool:
     """Whether strokes start at times in ms, but count s `since` then."""
     steps = np.diff(since)
     steps = steps[steps > 0]
-    if len(steps) < 2 or median(steps) >= _TOO_FAST_MS:
+    if len(steps) < 2 or np.median(steps) >= _TOO_FAST_MS:
         return False
     ends = np.append(starts[1:], len(values)) - 1
     begin = (values[starts] - values[0]) * 1e6

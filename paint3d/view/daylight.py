@@ -13,8 +13,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import gaussian_filter
 
-from paint3d.core.filters import gaussian_filter1d
 from paint3d.core.types import AnyArray
 from paint3d.view.kernels.depth_map import DepthMap, Floor, Light, add_sunlight, fill_depth_map
 from paint3d.view.studio import Sun
@@ -120,15 +120,10 @@ def light_ground(occluder: Occluder, suns: list[Sun]) -> Ground:
 
 def _smooth_shade(openness: AnyArray) -> NDArray[np.float64]:
     """Blur the shade, least where it is darkest: under the object, where contact is seen."""
-    near, far = (_blurred(openness, blur) for blur in GROUND_BLURS)
+    near, far = (gaussian_filter(openness, blur, mode="nearest") for blur in GROUND_BLURS)
     dark = np.clip((SHARP_BELOW - far) / SHARP_BELOW * 2, 0, 1)
     result: NDArray[np.float64] = far + dark * (near - far)
     return result
-
-
-def _blurred(image: AnyArray, sigma: float) -> NDArray[np.float64]:
-    along = gaussian_filter1d(image, sigma, axis=0, mode="nearest")
-    return gaussian_filter1d(along, sigma, axis=1, mode="nearest")
 
 
 def light_points(

@@ -14,8 +14,8 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import maximum_filter
 
-from paint3d.core.filters import maximum_filter1d
 from paint3d.core.types import AnyArray
 from paint3d.errors import ExportError
 from paint3d.surface.sheen import PLAIN_SHINE
@@ -791,7 +791,7 @@ def _where_dense(pixels: AnyArray) -> tuple[AnyArray, AnyArray]:
     ticks = np.linspace(0.0, 1.0, _SQUARES + 1)
     places = np.stack(np.meshgrid(ticks, ticks), axis=-1).reshape(-1, 2)
     edges = [np.rint(ticks * n).astype(np.int64) for n in pixels.shape[:2]]
-    smeared = maximum_filter1d(maximum_filter1d(pixels[..., 0], 3), 3, axis=1)
+    smeared = maximum_filter(pixels[..., 0], 3)
     dense = smeared > 0  # a texel is smeared over its neighbours
     sums = np.add.reduceat(np.add.reduceat(dense, edges[0][:-1], axis=0), edges[1][:-1], axis=1)
     row, column = np.nonzero(sums)

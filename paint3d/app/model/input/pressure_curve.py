@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
+from scipy.interpolate import PchipInterpolator
 
 from paint3d.core.arrays import as_array
-from paint3d.core.piecewise_cubic import monotone_cubic
 from paint3d.core.types import AnyArray
 from paint3d.errors import InputError
 
@@ -100,6 +100,6 @@ class PressureCurve:
 def _sampled(points: AnyArray) -> AnyArray:
     """The curve at even steps (STEPS + 1,)."""
     x = np.linspace(0.0, 1.0, _STEPS + 1)
-    curve = monotone_cubic(points[:, 0], points[:, 1:])(x)[:, 0]
+    curve = PchipInterpolator(points[:, 0], points[:, 1])(x)
     curve[0], curve[-1] = points[0, 1], points[-1, 1]
     return np.maximum.accumulate(np.clip(curve, points[0, 1], points[-1, 1]))
