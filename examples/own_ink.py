@@ -7,7 +7,7 @@ import numpy as np
 from _stroke import line
 
 import paint3d
-from paint3d.colour.pigment import BANDS_NM, Pigment
+from paint3d.colour.pigments import BANDS_NM, Pigment
 
 out = Path(sys.argv[1] if len(sys.argv) > 1 else "out")
 out.mkdir(exist_ok=True)

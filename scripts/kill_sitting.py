@@ -33,8 +33,8 @@ import numpy as np
 from paint3d.app.model.document import Document
 from paint3d.app.model.easel import Easel
 from paint3d.app.model.persistence.sitting import Recovered, Sitting, recoverable
-from paint3d.brush.bristle_spec import BristleSpec
 from paint3d.brush.presets import load_brush
+from paint3d.brush.spec import BristleSpec
 from paint3d.device.sample import DeviceSample
 
 __all__ = ["Kill", "kill_at_random"]

@@ -34,8 +34,8 @@ from paint3d.core.quaternion import (
 from paint3d.device.recorded import Recording
 from paint3d.errors import Paint3DError
 from paint3d.files.load import load_mesh
+from paint3d.mesh.bvh import ClosestPoints
 from paint3d.mesh.chart import SurfaceFrame
-from paint3d.mesh.closest_points import ClosestPoints
 from paint3d.recording.recording import write_jsonl
 
 TEXT = "漫步人生"

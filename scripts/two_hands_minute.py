@@ -24,19 +24,18 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.bench.virtual_stylus import VirtualStylus
 from paint3d.brush.presets import load_brush
 from paint3d.core.quaternion import rotate
 from paint3d.device.catalogue import find_mouse_quirks
-from paint3d.device.deflection import DeflectionSettings, deflection
 from paint3d.device.descriptor import parse_descriptor
 from paint3d.device.device_log import PlaybackLink
 from paint3d.device.force.force_port import SocketForcePort
 from paint3d.device.force.haptic_stylus import decode_pose, encode_pose
-from paint3d.device.force.virtual_stylus import VirtualStylus
 from paint3d.device.hid_nodes import HidNode
 from paint3d.device.sample import StylusReading
 from paint3d.device.six_dof import MouseReading, find_mouse_layout
-from paint3d.device.space_mouse import SpaceMouse
+from paint3d.device.space_mouse import DeflectionSettings, SpaceMouse, deflection
 from paint3d.device.stylus import ReportClock, stamp
 from paint3d.haptics.servo import ForceFeedback
 from paint3d.haptics.settings import HapticSettings

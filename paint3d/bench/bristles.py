@@ -19,9 +19,9 @@ from paint3d.bench.result import Check, Result
 from paint3d.bench.stopwatch import alternate
 from paint3d.bench.strokes import first_samples, make_dab, record_dabs
 from paint3d.brush.bending import build_tuft
-from paint3d.brush.bristle_spec import BristleSpec
 from paint3d.brush.bristles import build_bristles
 from paint3d.brush.presets import load_brush
+from paint3d.brush.spec import BristleSpec
 from paint3d.brush_engine.bristles import bend as bt
 from paint3d.brush_engine.footprint import make_stamp
 from paint3d.device.recorded import Recording

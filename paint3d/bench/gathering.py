@@ -17,7 +17,7 @@ from paint3d.brush.bending import build_tuft
 from paint3d.brush_engine.ink_transfer import PAINTED
 from paint3d.brush_engine.tuft import enclose_tuft
 from paint3d.brush_engine.vertex_query import VISITED
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 from paint3d.painter.painter import Painter
 from paint3d.surface.painted_surface import PaintedSurface
 

@@ -17,11 +17,11 @@ from numpy.typing import NDArray
 
 from paint3d.bench.replaying import refined_surface
 from paint3d.bench.result import Check, Result
+from paint3d.bench.virtual_stylus import Felt, VirtualStylus
 from paint3d.brush.presets import load_brush
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 from paint3d.device.force.force_port import SocketForcePort
 from paint3d.device.force.haptic_stylus import decode_numbers, encode_force
-from paint3d.device.force.virtual_stylus import Felt, VirtualStylus
 from paint3d.errors import Paint3DError
 from paint3d.files.load import load_mesh
 from paint3d.haptics.realtime import ask_for_speed

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from paint3d.brush.footprint import Footprint
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 from paint3d.surface.painted_surface import PaintedSurface
 
 __all__ = ["PlainSurface"]

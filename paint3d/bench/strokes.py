@@ -17,8 +17,8 @@ from paint3d.brush.bending import build_tuft
 from paint3d.brush.footprint import Footprint, make_footprint
 from paint3d.brush.presets import load_brush
 from paint3d.brush.spec import BrushSpec
+from paint3d.core.arrays import AnyArray
 from paint3d.core.quaternion import quaternions_from_matrices
-from paint3d.core.types import AnyArray
 from paint3d.device.recorded import Recording
 from paint3d.mesh.triangle_mesh import TriangleMesh
 

@@ -22,9 +22,9 @@ from paint3d.app.model.input.navigation import orbit
 from paint3d.app.window.jobs.opened import Opened
 from paint3d.app.window.stage import Stage
 from paint3d.bench.result import Check, Result
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 from paint3d.device.sample import DeviceSample
-from paint3d.mesh.closest_points import ClosestPoints
+from paint3d.mesh.bvh import ClosestPoints
 from paint3d.view.camera import Camera, View, fit_camera
 from paint3d.view.live_object import LiveObject
 

@@ -1,11 +1,11 @@
 from paint3d.brush.bending import build_tuft as build_tuft
-from paint3d.brush.bristle_spec import BristleSpec as BristleSpec
 from paint3d.brush.bristles import build_bristles as build_bristles
-from paint3d.brush.dip_amount import DipAmount as DipAmount
-from paint3d.brush.dynamics import build_curves as build_curves
 from paint3d.brush.footprint import Footprint as Footprint
 from paint3d.brush.footprint import make_footprint as make_footprint
 from paint3d.brush.presets import brush_names as brush_names
 from paint3d.brush.presets import choose_brush as choose_brush
 from paint3d.brush.presets import load_brush as load_brush
+from paint3d.brush.spec import BristleSpec as BristleSpec
 from paint3d.brush.spec import BrushSpec as BrushSpec
+from paint3d.brush.spec import DipAmount as DipAmount
+from paint3d.brush.spec import build_curves as build_curves

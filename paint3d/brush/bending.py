@@ -31,7 +31,7 @@ from paint3d.brush_engine.tuft import (
     Tuft,
 )
 from paint3d.colour.materials import Material
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 from paint3d.errors import BrushError
 
 __all__ = [

@@ -21,11 +21,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.brush.bending import GREATEST_FRACTION, build_tuft
-from paint3d.brush.bristle_spec import SHAPE_COLUMNS, ShapeRows, shape_rows
 from paint3d.brush.footprint import make_footprint
-from paint3d.brush.spec import BrushSpec, parameter_ranges
-from paint3d.core.arrays import as_number
-from paint3d.core.types import AnyArray
+from paint3d.brush.spec import SHAPE_COLUMNS, BrushSpec, ShapeRows, parameter_ranges, shape_rows
+from paint3d.core.arrays import AnyArray, as_number
 from paint3d.errors import BrushError, InputError
 
 __all__ = [

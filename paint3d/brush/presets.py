@@ -2,18 +2,28 @@
 
 from __future__ import annotations
 
+import dataclasses
 import functools
 import importlib.resources
 import json
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-from paint3d.brush.bristle_spec import BristleSpec
-from paint3d.brush.brush_file import read_brush
-from paint3d.brush.spec import BrushSpec
+from paint3d.brush.spec import (
+    HAIRS,
+    SHAPE_COLUMNS,
+    TABLES,
+    BristleSpec,
+    BrushSpec,
+    ShapeRows,
+    hair_ranges,
+    parameter_ranges,
+)
 from paint3d.core.arrays import as_number
-from paint3d.core.parameter_file import named_or_read
+from paint3d.core.atomic import write_atomically
+from paint3d.core.parameter_file import check_known, is_parameter_file, named_or_read, read_thing
 from paint3d.errors import BrushError
 
 __all__ = [
@@ -21,10 +31,247 @@ __all__ = [
     "LEAST_EM",
     "brush_names",
     "brush_note",
+    "brush_text",
+    "check_brush_name",
+    "check_unlike_presets",
     "choose_brush",
     "load_brush",
     "load_presets",
+    "meaning_of",
+    "read_brush",
+    "write_brush",
 ]
+
+# ---- Files ---------------------------------------------------------------------------------------
+# Brushes of one's own as files: TOML or JSON, with the parameters of `BrushSpec` by name.
+#
+# docs/brushes.md describes the file. One that names a ``base`` takes from that brush what it does
+# not say; without, every parameter that has no default must be there.
+
+
+_LONGEST_NAME = 60
+_WORDS = ("note", "base")
+_MEANINGS = {
+    "hair": "what the hairs are of; a word for people",
+    "hardness": "H of Guo 2015, Eq. 4 (S of Guo 2017): force per mm of descent",
+    "n_segments": "n: straight segments of the papers' spine",
+    "tip_segment_mm": "l1: the segment at the tip; smaller, and the tip bends more",
+    "friction": "mu on paper; spreads the hairs and is felt",
+    "spread_by_pressure": "b of Guo 2015, Eq. 2 (d of Guo 2017)",
+    "spread_by_friction": "c of Guo 2015, Eq. 2 (h of Guo 2017)",
+    "length_mm": "L: tuft from tip to ferrule; ranges in mm grow with it",
+    "root_diameter_mm": "thickness at the ferrule",
+    "taper": "the diameter falls towards the tip like (s / L)^taper",
+    "stiffness_exponent": "q: a joint bends (s / L)^q times as hard as the root",
+    "full_press_mm": "descent at the greatest force",
+    "load": "ink in a full tuft, full coats times mm2",
+    "transfer_per_mm": "share of the ink given per mm of way at full pressure",
+    "drag_fraction": "how far paper drags the contact back",
+    "plasticity": "share of the bend that stays when the brush is lifted",
+    "max_force": "N, at full_press_mm",
+    "point_mm": "the cone at the tip",
+    "rated_hardness": "the hardness at which full_press_mm holds",
+    "rated_segments": "the n at which stiffness_exponent holds",
+    "rated_tip_share": "the l1 / L at which stiffness_exponent holds",
+    "n_hairs": "single hairs",
+    "table": "where bent shapes come from",
+    "hair_mm": "thickness of a dry hair",
+    "film": "ink around a full hair, of the root's diameter",
+    "threshold_mm": "how near the surface a hair leaves ink",
+    "unevenness": "how much shorter the shortest hair is, as a share",
+    "parting": "how far the clumps of a dry tuft part",
+    "splay": "how far the hairs of a dry tuft lie side by side",
+    "appetite": "how differently hairs give",
+    "levelling_mm": "way over which wet neighbours share their ink",
+    "set_share": "descent over which a remembered bend is pressed out, of the length",
+}
+
+
+def meaning_of(parameter: str) -> str:
+    """What a parameter of a brush, or of its hairs, is, in a few words."""
+    return _MEANINGS[parameter]
+
+
+def read_brush(path: str | Path, presets: Mapping[str, BrushSpec]) -> BrushSpec:
+    """A brush from a file.
+
+    Parameters
+    ----------
+    path : path-like
+        ``.toml`` or ``.json``, in UTF-8, at most 1 MiB. Where it says no ``name``, the brush is
+        called like the file.
+    presets : mapping
+        What ``base`` may name, and what no other brush may be called.
+
+    Raises
+    ------
+    BrushError
+        Naming the file and the parameter, what was got and what was expected.
+    """
+    return read_thing(
+        path, "a brush", BrushError, lambda values, called: _brush_of(values, called, presets)
+    )
+
+
+def _brush_of(values: dict[str, Any], called: str, presets: Mapping[str, BrushSpec]) -> BrushSpec:
+    fields = {field.name: field for field in dataclasses.fields(BrushSpec)}
+    check_known(values, [*_WORDS, *fields], BrushError)
+    name, base = values.pop("name", called), values.pop("base", None)
+    values.pop("note", None)
+    given: dict[str, Any] = {}
+    if base is not None:
+        if not isinstance(base, str) or base not in presets:
+            raise BrushError(f"base is {base!r:.60}; expected one of {', '.join(presets)}")
+        given = {field: getattr(presets[base], field) for field in fields}
+    else:
+        needed = [f.name for f in fields.values() if f.default is dataclasses.MISSING]
+        missing = [f for f in needed if f != "name" and f not in values]
+        if missing:
+            raise BrushError(
+                f'says no {", ".join(missing)}; expected these, or base = "full" '
+                "or another brush to take them from"
+            )
+    if "bristles" in values:
+        values["bristles"] = _hairs_of(values["bristles"], given.get("bristles"))
+    check_brush_name(name)
+    brush = BrushSpec(**(given | values | {"name": name}))
+    if brush != presets.get(brush.name):
+        check_unlike_presets(brush.name, presets)
+    return brush
+
+
+def check_brush_name(name: object) -> None:
+    """Refuse what no brush of one's own can be called.
+
+    Raises
+    ------
+    BrushError
+        What was got and what was expected.
+    """
+    is_name = isinstance(name, str) and 0 < len(name) <= _LONGEST_NAME and name.isprintable()
+    if not is_name or " @" in str(name) or is_parameter_file(str(name)):
+        raise BrushError(
+            f"name is {name!r:.80}; expected 1 to {_LONGEST_NAME} characters, without ' @' and no "
+            "file's name"
+        )
+
+
+def check_unlike_presets(name: str, presets: Iterable[str]) -> None:
+    """Refuse the name of a brush that comes with the program.
+
+    Raises
+    ------
+    BrushError
+        What was got and what was expected.
+    """
+    if name in presets:
+        raise BrushError(
+            f'name is {name!r}, a brush that comes with the program; expected another: "mine"'
+        )
+
+
+def _hairs_of(values: object, base: BristleSpec | None) -> BristleSpec | None:
+    """The hairs that a table describes; False or 0: none, a solid tuft."""
+    if values is False or values == 0:
+        return None
+    if not isinstance(values, dict):
+        raise BrushError(f"bristles is {values!r:.40}; expected parameters by name, or false")
+    names = [field.name for field in dataclasses.fields(BristleSpec)]
+    check_known(values, names, BrushError, "bristles: ")
+    try:
+        return dataclasses.replace(base or BristleSpec(), **values)
+    except BrushError as cause:
+        raise BrushError(f"bristles: {cause}") from None
+
+
+def brush_text(brush: BrushSpec, note: str = "", *, named: bool = False) -> str:
+    """The file of a brush in TOML, with ranges and meanings as comments.
+
+    `read_brush` makes the same brush of it, but for the name, which is then that of the file.
+
+    Parameters
+    ----------
+    brush : BrushSpec
+    note : str
+        Said above, in one line.
+    named : bool
+        Whether the file says the brush's name, too.
+    """
+    ranges = parameter_ranges(brush.length_mm)
+    lines = [
+        "# A brush of paint3d: --brush FILE paints with it. It is called like the file,",
+        '# or as name = "..." says. Behind each value: its range; what it is.',
+    ]
+    lines += [f"name = {json.dumps(brush.name, ensure_ascii=False)}"] if named else []
+    told = "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in note)
+    lines += [f"note = {json.dumps(told, ensure_ascii=False)}"] if told else []
+    for field in dataclasses.fields(brush):
+        if field.name not in ("name", "bristles", "inputs"):
+            lines.append(_line(field.name, getattr(brush, field.name), ranges, HAIRS))
+    if brush.bristles is not None:
+        lines += ["", "[bristles]"]
+        for field in dataclasses.fields(brush.bristles):
+            value = getattr(brush.bristles, field.name)
+            if field.name == "table" and not isinstance(value, str):
+                lines += _shape_lines(value)
+            else:
+                lines.append(_line(field.name, value, hair_ranges(), TABLES))
+    for setting, by_input in brush.inputs:
+        lines += ["", f"[inputs.{setting}]  # factors, from 0.05 to 20"]
+        for name, points in by_input:
+            pairs = ", ".join(f"[{x!r}, {y!r}]" for x, y in points)
+            lines.append(f"{name} = [{pairs}]")
+    return "\n".join(lines) + "\n"
+
+
+def write_brush(
+    path: str | Path, brush: BrushSpec, presets: Mapping[str, BrushSpec], note: str = ""
+) -> None:
+    """Write a brush of one's own with its name, in TOML, beside the file and then over it.
+
+    Parameters
+    ----------
+    path : path-like
+    brush : BrushSpec
+    presets : mapping
+        What no other brush may be called.
+    note : str
+
+    Raises
+    ------
+    BrushError
+        For a name that no brush of one's own can have.
+    ExportError
+        If the file cannot be written.
+    """
+    check_brush_name(brush.name)
+    check_unlike_presets(brush.name, presets)
+    with write_atomically(path) as file:
+        file.write_text(brush_text(brush, note, named=True), encoding="utf-8")
+
+
+def _shape_lines(rows: ShapeRows) -> list[str]:
+    """Measured shapes of one's own, one row a line."""
+    return [
+        f"table = [  # bent shapes of one's own: {', '.join(SHAPE_COLUMNS)}",
+        *(f"  [{', '.join(f'{x!r}' for x in row)}]," for row in rows),
+        "]",
+    ]
+
+
+def _line(
+    name: str, value: object, ranges: Mapping[str, tuple[float, float]], words: Iterable[str]
+) -> str:
+    told = json.dumps(value) if isinstance(value, str) else repr(value)
+    among = ", ".join(words)
+    if name in ranges:
+        low, high = ranges[name]
+        among = f"{low:.5g} to {high:.5g}"
+    return f"{f'{name} = {told}':<35} # {among}; {_MEANINGS[name]}"
+
+
+# --------------------------------------------------------------------------------------------------
+
 
 LEAST_EM, GREATEST_EM = 8.0, 200.0
 """mm: the sizes of characters that the presets are made for."""

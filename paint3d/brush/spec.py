@@ -3,19 +3,270 @@
 from __future__ import annotations
 
 import dataclasses
+import itertools
 import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from paint3d.brush.bristle_spec import BristleSpec
-from paint3d.brush.dynamics import InputCurves, check_curves
-from paint3d.core.arrays import as_array, as_number
-from paint3d.core.types import AnyArray
+from paint3d.brush_engine.tuft import MOST_POINTS, Curves, Tuft, no_curves
+from paint3d.core.arrays import AnyArray, as_array, as_number
 from paint3d.device.recorded import MAX_FORCE_N
-from paint3d.errors import BrushError
+from paint3d.errors import BrushError, InputError
 
-__all__ = ["HAIRS", "REFERENCE_LENGTH", "BrushSpec", "parameter_ranges"]
+__all__ = [
+    "HAIRS",
+    "INPUTS",
+    "MOST_HAIRS",
+    "REFERENCE_LENGTH",
+    "SETTINGS",
+    "SHAPE_COLUMNS",
+    "TABLES",
+    "BristleSpec",
+    "BrushSpec",
+    "DipAmount",
+    "InputCurves",
+    "ShapeRows",
+    "build_curves",
+    "check_curves",
+    "hair_ranges",
+    "parameter_ranges",
+    "shape_rows",
+]
+
+# ---- Single hairs --------------------------------------------------------------------------------
+# What the hairs of a tuft are: how many, how thick, how they hold together.
+
+
+MOST_HAIRS = 10_000
+TABLES = ("energy", "measured")
+
+SHAPE_COLUMNS = ("angle", "height", "offset", "imprint", "upper", "lower", "spread")
+"""What a row of measured shapes holds: the handle's angle from the upright (degrees), the root's
+height over that of the straight hair, and in hair lengths how far the tip lies ahead of where the
+handle's axis meets the paper, the imprint, and the control lengths of the cubic Bezier curve along
+the handle and along the paper; the hairs' spread (degrees)."""
+
+ShapeRows = tuple[tuple[float, ...], ...]
+
+_SHAPE_RANGES = (
+    (0.0, 60.0),
+    (0.0, 1.0),
+    (-1.0, 1.5),
+    (0.0, 1.5),
+    (0.0, 2.0),
+    (0.0, 2.0),
+    (0.0, 90.0),
+)
+_MOST_SHAPES = 1000
+
+_HAIR_RANGES = {
+    "hair_mm": (0.01, 2.0),
+    "film": (0.0, 0.2),
+    "threshold_mm": (0.0, 1.0),
+    "unevenness": (0.0, 0.2),
+    "parting": (0.0, 1.0),
+    "splay": (0.0, 1.0),
+    "appetite": (0.0, 0.95),
+    "levelling_mm": (0.1, 1e4),
+    "set_share": (0.001, 0.5),
+}
+
+
+def hair_ranges() -> dict[str, tuple[float, float]]:
+    """Least and greatest value of every number of the hairs."""
+    return {"n_hairs": (1.0, float(MOST_HAIRS)), **_HAIR_RANGES}
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class BristleSpec:
+    """A tuft of single hairs, checked.
+
+    Parameters
+    ----------
+    n_hairs : int
+        1 to 10,000.
+    table : {"energy", "measured"} or rows of numbers
+        Where bent shapes come from: the least bending energy of the brush, the shapes measured on a
+        real brush (FastBrush), or those of one's own: rows of `SHAPE_COLUMNS`.
+    hair_mm : float
+        Thickness of a dry hair, mm.
+    film : float
+        Ink around a full hair on either side, as a share of the tuft's diameter at the root; hairs
+        closer than that flow together.
+    threshold_mm : float
+        How near the surface a hair must be to leave ink, mm.
+    unevenness : float
+        How much shorter than the longest hair the shortest is, as a share.
+    parting : float
+        How far the clumps of a dry tuft part, 0 to 1.
+    splay : float
+        How far the hairs of a dry tuft lie side by side instead of coming to a point, 0 to 1.
+    appetite : float
+        How differently hairs give, 0 (all alike) to 1.
+    levelling_mm : float
+        Way over which neighbouring wet hairs share their ink, mm.
+    set_share : float
+        Descent over which a remembered bend is pressed out, of the tuft's length.
+
+    Raises
+    ------
+    BrushError
+        Naming the parameter, what was got and what was expected.
+    """
+
+    n_hairs: int = 1000
+    table: str | ShapeRows = "energy"
+    hair_mm: float = 0.12
+    film: float = 0.011
+    threshold_mm: float = 0.15
+    unevenness: float = 0.02
+    parting: float = 0.9
+    splay: float = 0.85
+    appetite: float = 0.6
+    levelling_mm: float = 30.0
+    set_share: float = 0.06
+
+    def __post_init__(self) -> None:
+        count = as_number(self.n_hairs, "n_hairs", 1, MOST_HAIRS, BrushError)
+        if count != int(count):
+            raise BrushError(f"n_hairs is {self.n_hairs}; expected a whole number")
+        object.__setattr__(self, "n_hairs", int(count))
+        if isinstance(self.table, list | tuple):
+            object.__setattr__(self, "table", shape_rows(self.table))
+        elif self.table not in TABLES:
+            raise BrushError(
+                f"table is {self.table!r:.60}; expected {', '.join(TABLES)} or rows of numbers"
+            )
+        for name, (low, high) in _HAIR_RANGES.items():
+            as_number(getattr(self, name), name, low, high, BrushError)
+
+
+def shape_rows(rows: Any) -> ShapeRows:
+    """Measured shapes, checked and in order: by angle, and the straight hair first.
+
+    Parameters
+    ----------
+    rows : sequence of sequences of 7 numbers
+        `SHAPE_COLUMNS`. An angle without a row of height 1 is given one: the straight hair.
+
+    Raises
+    ------
+    BrushError
+        Naming the row and the column, what was got and what was expected.
+    """
+    if not isinstance(rows, list | tuple):
+        raise BrushError(f"table is {rows!r:.60}; expected rows of numbers")
+    if not 1 <= len(rows) <= _MOST_SHAPES:
+        raise BrushError(f"table has {len(rows)} rows; expected 1 to {_MOST_SHAPES}")
+    checked = set()
+    for k, row in enumerate(rows, 1):
+        if not isinstance(row, list | tuple) or len(row) != len(SHAPE_COLUMNS):
+            raise BrushError(
+                f"table: row {k} is {row!r:.60}; expected 7 numbers: {', '.join(SHAPE_COLUMNS)}"
+            )
+        named = zip(SHAPE_COLUMNS, row, _SHAPE_RANGES, strict=True)
+        checked.add(
+            tuple(as_number(x, f"table: row {k}: {what}", *r, BrushError) for what, x, r in named)
+        )
+    checked |= {(angle, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0) for angle, height, *_ in checked} - {
+        (angle, 1.0, 0.0, 0.0, 1.0, 0.0, 0.0) for angle, height, *_ in checked if height == 1.0
+    }
+    ordered = tuple(sorted(checked, key=lambda row: (row[0], -row[1])))
+    for one, other in itertools.pairwise(ordered):
+        if one[:2] == other[:2]:
+            raise BrushError(
+                f"table has two rows of angle {one[0]:g} and height {one[1]:g}; expected one"
+            )
+    for angle in {row[0] for row in ordered}:
+        if sum(row[0] == angle for row in ordered) < 2:
+            raise BrushError(f"table has no bent hair of angle {angle:g}; expected heights below 1")
+    return ordered
+
+
+# --------------------------------------------------------------------------------------------------
+
+
+# ---- Dynamics ------------------------------------------------------------------------------------
+# Curves that let the hand drive a brush's settings; see `paint3d.brush_engine.stroke_loop`.
+
+
+SETTINGS = ("stiffness", "spread", "load", "wetness")
+INPUTS = ("pressure", "tilt", "speed", "ink_left", "curvature")
+_FACTORS = (0.05, 20.0)
+
+Points = tuple[tuple[float, float], ...]
+InputCurves = tuple[tuple[str, tuple[tuple[str, Points], ...]], ...]
+"""By setting and input, the points (input, factor) of a curve; hashable."""
+
+
+def check_curves(
+    curves: Mapping[str, Mapping[str, object]] | InputCurves, brush: str
+) -> InputCurves:
+    """Curves as a preset has them (setting: {input: [[x, factor], ...]}), checked.
+
+    Raises
+    ------
+    BrushError
+        Naming the brush, the curve, what was got and what was expected.
+    """
+    what = f"brush {brush!r}: inputs"
+    found = []
+    for setting, by_input in _items(curves, what):
+        if setting not in SETTINGS:
+            raise BrushError(f"{what} drive {setting!r:.40}; expected {', '.join(SETTINGS)}")
+        lines = []
+        for name, points in _items(by_input, f"{what} of {setting}"):
+            if name not in INPUTS:
+                raise BrushError(f"{what}: {name!r:.40}; expected one of {', '.join(INPUTS)}")
+            lines.append((name, _points(points, f"{what}: {setting} by {name}")))
+        found.append((setting, tuple(lines)))
+    return tuple(found)
+
+
+def _items(value: Any, what: str) -> list[tuple[str, Any]]:
+    try:
+        pairs: list[tuple[str, Any]] = list(value.items() if isinstance(value, Mapping) else value)
+        names = [name for name, _ in pairs]
+    except (TypeError, ValueError):
+        raise BrushError(f"{what} is {value!r:.60}; expected names with curves") from None
+    if len(set(map(str, names))) < len(names):
+        raise BrushError(f"{what} names something twice")
+    return pairs
+
+
+def _points(points: Any, what: str) -> Points:
+    try:
+        pairs = [(x, y) for x, y in points]
+    except (TypeError, ValueError):
+        raise BrushError(f"{what} is {points!r:.60}; expected points [input, factor]") from None
+    if not 1 <= len(pairs) <= MOST_POINTS:
+        raise BrushError(f"{what} has {len(pairs)} points; expected 1 to {MOST_POINTS}")
+    xs = [as_number(x, f"{what}: an input", error=BrushError) for x, _ in pairs]
+    ys = [as_number(y, f"{what}: a factor", *_FACTORS, BrushError) for _, y in pairs]
+    if any(b <= a for a, b in itertools.pairwise(xs)):
+        raise BrushError(f"{what} has inputs {xs}; expected them to rise")
+    return tuple(zip(xs, ys, strict=True))
+
+
+def build_curves(curves: InputCurves) -> Curves:
+    """Checked curves, ready for kernels."""
+    built = no_curves()
+    for setting, by_input in curves:
+        row = SETTINGS.index(setting)
+        for name, points in by_input:
+            column = INPUTS.index(name)
+            built.counts[row, column] = len(points)
+            built.points[row, column, : len(points)] = np.array(points)
+    built.any[0] = np.count_nonzero(built.counts)
+    return built
+
+
+# --------------------------------------------------------------------------------------------------
+
 
 HAIRS = ("goat", "weasel", "mixed")
 REFERENCE_LENGTH = 35.0  # mm, the tuft of Guo 2017, Table 2, to which its ranges belong
@@ -253,3 +504,65 @@ class BrushSpec:
             narrowed[s <= 0.0] = 1.0
             diameters *= narrowed ** (1.0 - self.taper)
         return diameters
+
+
+# ---- Amount of a dip -----------------------------------------------------------------------------
+# How much ink a dip takes up: what share of the tuft it wets, and how full that is.
+
+
+_LEAST_WETTED = 1e-3  # share of a tuft
+_FULLEST, _EMPTIEST = 3.0, 0.05
+
+
+@dataclass(frozen=True)
+class DipAmount:
+    """What a brush holds after a dip, against the load of its preset.
+
+    A share f of its tuft is wet and filled g times as full as the preset says. It holds f g of the
+    preset's load, and gives R (1 - exp(-eta' pe ds / f)) of what it holds (docs/model.md, equation
+    (10)): at first g times what a whole dip gives, whatever the share, and it runs dry the sooner,
+    the smaller this is. So a large brush writes a few small characters, and is dipped again.
+
+    Attributes
+    ----------
+    wetted : float
+        f, .001 to 1.
+    fullness : float
+        g, .05 to 3.
+
+    Raises
+    ------
+    InputError
+        If one of them is out of range.
+    """
+
+    wetted: float = 1.0
+    fullness: float = 1.0
+
+    def __post_init__(self) -> None:
+        as_number(self.wetted, "wetted share of the tuft", _LEAST_WETTED, 1.0)
+        as_number(self.fullness, "fullness of a dip", _EMPTIEST, _FULLEST)
+
+    @classmethod
+    def of(cls, words: object) -> DipAmount:
+        """The amount that a recording's header tells: ``{"wetted": .., "fullness": ..}``.
+
+        Raises
+        ------
+        InputError
+            For anything else.
+        """
+        if not isinstance(words, Mapping) or set(words) - {"wetted", "fullness"}:
+            raise InputError(f"a dip is {words!r:.60}; expected wetted and fullness")
+        return cls(**words)
+
+    def words(self) -> dict[str, Any]:
+        """What `of` takes."""
+        return {"wetted": self.wetted, "fullness": self.fullness}
+
+    def of_tuft(self, tuft: Tuft) -> Tuft:
+        """A tuft that holds so much when it is full, and gives as such a one does."""
+        return tuft._replace(
+            load=tuft.load * self.wetted * self.fullness,
+            transfer_per_mm=tuft.transfer_per_mm / self.wetted,
+        )

@@ -3,7 +3,7 @@ from paint3d.brush_engine.bristles.stroke_loop import paint_with_hairs as paint_
 from paint3d.brush_engine.contact import Contact as Contact
 from paint3d.brush_engine.contact import find_contact as find_contact
 from paint3d.brush_engine.footprint import Stamp as Stamp
-from paint3d.brush_engine.ink_field import InkField as InkField
+from paint3d.brush_engine.ink_transfer import InkField as InkField
 from paint3d.brush_engine.scratch import make_scratch as make_scratch
 from paint3d.brush_engine.stroke_loop import Canvas as Canvas
 from paint3d.brush_engine.stroke_loop import HeldBrush as HeldBrush

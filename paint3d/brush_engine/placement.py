@@ -40,7 +40,7 @@ from paint3d.brush_engine.tuft import (
 from paint3d.core.kernel import uncounted
 from paint3d.core.quaternion import compiled_x_axis, compiled_y_axis, compiled_z_axis
 from paint3d.mesh.kernels.bvh import find_foot, find_meant
-from paint3d.mesh.kernels.grid import find_cell, flood_patch, sheet_of
+from paint3d.mesh.kernels.mesh_arrays import find_cell, flood_patch, sheet_of
 
 __all__ = [
     "LEANING_OVER",

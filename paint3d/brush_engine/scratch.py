@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from paint3d.brush_engine.coverage import ROWS, WORK_ROWS
 from paint3d.brush_engine.footprint import BETWEEN_SHAPE, SWEEP
+from paint3d.brush_engine.ink_transfer import LINES
 from paint3d.brush_engine.tuft import OUTLINE_CAPACITY, SCRATCH_SIZE
 from paint3d.brush_engine.vertex_query import CURSOR_SIZE, DISC_ROWS
-from paint3d.brush_engine.wet_film import LINES
 from paint3d.mesh.kernels.mesh_arrays import Patch, make_patch
 from paint3d.mesh.refined_mesh import PaintMesh
 

@@ -21,8 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.brush_engine.footprint import PROFILE_CELLS, Stamp, make_stamp, outline_motion
-from paint3d.brush_engine.ink_field import InkField
-from paint3d.brush_engine.ink_transfer import sweep_deposit
+from paint3d.brush_engine.ink_transfer import InkField, sweep_deposit
 from paint3d.brush_engine.placement import place_stamp
 from paint3d.brush_engine.tuft import (
     CURVATURE,

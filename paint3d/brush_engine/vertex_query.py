@@ -17,8 +17,7 @@ from numpy.typing import NDArray
 from paint3d.brush_engine.footprint import PROFILE_CELLS, fill_between, fill_sweep, sweep_bounds
 from paint3d.brush_engine.placement import start_sheet
 from paint3d.core.kernel import uncounted
-from paint3d.mesh.kernels.grid import flood_patch
-from paint3d.mesh.kernels.mesh_arrays import BLOCK_VERTICES
+from paint3d.mesh.kernels.mesh_arrays import BLOCK_VERTICES, flood_patch
 from paint3d.mesh.kernels.refine import activate_cell
 
 __all__ = [

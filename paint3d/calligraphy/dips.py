@@ -4,7 +4,7 @@ presses are let go, so that the load of the brush falls along a column.
 The ink left after a way is R exp(-eta' sum pe ds) of what the brush held (docs/model.md, equation
 (10)), so what a character takes is known before it is painted, as far as the way of the outline is
 that of the root. A brush made for a range of sizes would hold ink for dozens of the small ones; a
-writer wets only the part of its tuft that he needs (`paint3d.brush.dip_amount`).
+writer wets only the part of its tuft that he needs (`paint3d.brush.spec`).
 """
 
 from __future__ import annotations
@@ -15,11 +15,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.brush.dip_amount import DipAmount
-from paint3d.brush.spec import BrushSpec
-from paint3d.core.arrays import as_number
+from paint3d.brush.spec import BrushSpec, DipAmount
+from paint3d.core.arrays import AnyArray, as_number
 from paint3d.core.quaternion import rotate
-from paint3d.core.types import AnyArray
 from paint3d.device.recorded import Recording
 from paint3d.device.sample import DIP
 from paint3d.errors import InputError

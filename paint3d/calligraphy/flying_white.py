@@ -15,13 +15,13 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.brush.dip_amount import DipAmount
+from paint3d.brush.spec import DipAmount
 from paint3d.calligraphy.footprint_table import FootprintTable
 from paint3d.calligraphy.glyphs import Glyph
 from paint3d.calligraphy.planning import on_paper
 from paint3d.calligraphy.timing import Motion
-from paint3d.colour.material import Material
-from paint3d.core.types import AnyArray
+from paint3d.colour.materials import Material
+from paint3d.core.arrays import AnyArray
 from paint3d.device.recorded import Recording
 from paint3d.errors import InputError
 

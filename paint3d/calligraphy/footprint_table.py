@@ -15,7 +15,7 @@ from paint3d.brush_engine.tuft import (
     drag_length,
     trace_outline,
 )
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 from paint3d.errors import InputError
 
 __all__ = ["FootprintTable", "tabulate_footprints"]

@@ -17,8 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.calligraphy.path_commands import split_path
-from paint3d.core.arrays import as_array
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray, as_array
 from paint3d.errors import InputError
 
 __all__ = [

@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 
 from paint3d.brush_engine.tuft import Tuft
 from paint3d.calligraphy.timing import Motion, Tempo, least_jerk
+from paint3d.core.arrays import AnyArray
 from paint3d.core.quaternion import quaternions_from_matrices, rotate, slerp
-from paint3d.core.types import AnyArray
+from paint3d.mesh.bvh import ClosestPoints
 from paint3d.mesh.chart import SurfaceChart
-from paint3d.mesh.closest_points import ClosestPoints
 
 __all__ = ["HandMotion", "join_motions", "root_stretch", "to_hand_motion", "travel"]
 

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from paint3d.calligraphy.glyphs import DESCENDER, EM_UNITS
 from paint3d.calligraphy.path_commands import split_path
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 from paint3d.errors import InputError
 
 __all__ = ["LineStroke", "load_lines", "parse_lines"]

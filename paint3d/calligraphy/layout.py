@@ -17,13 +17,11 @@ from functools import cached_property, lru_cache
 import numpy as np
 
 from paint3d.calligraphy.place_search import frames_to_try, upright_frame, walking_step
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 from paint3d.errors import InputError, MeshError, Paint3DError
-from paint3d.mesh.chart import SurfaceFrame
-from paint3d.mesh.closest_points import ClosestPoints
-from paint3d.mesh.em_square import EmSquare, SquareLimits, lay_square
-from paint3d.mesh.placement import place, upwards
-from paint3d.mesh.walking import SurfaceLine, walk
+from paint3d.mesh.bvh import ClosestPoints
+from paint3d.mesh.chart import EmSquare, SquareLimits, SurfaceFrame, lay_square
+from paint3d.mesh.placement import SurfaceLine, place, upwards, walk
 
 __all__ = ["LAYOUTS", "Layout", "PlacedCharacter", "layout_text", "split_text"]
 

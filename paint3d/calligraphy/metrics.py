@@ -13,8 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from paint3d.calligraphy.kernels import raster
-from paint3d.core.arrays import as_array, as_number
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray, as_array, as_number
 from paint3d.errors import InputError
 
 __all__ = ["MARGIN", "PIXELS", "Likeness", "compare", "copybook_mask", "painted_mask"]

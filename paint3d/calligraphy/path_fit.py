@@ -19,7 +19,7 @@ from paint3d.calligraphy.footprint_table import FootprintTable
 from paint3d.calligraphy.kernels import planning as kernels
 from paint3d.calligraphy.lag_compensation import TRIALS, Lead, Pulled, pull, pulled_on
 from paint3d.calligraphy.plan_settings import TECHNIQUES, PlanSettings
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 
 __all__ = ["Followed", "PathFitter", "StrokePath"]
 

@@ -7,10 +7,10 @@ from itertools import product
 
 import numpy as np
 
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 from paint3d.errors import InputError, MeshError
+from paint3d.mesh.bvh import ClosestPoints
 from paint3d.mesh.chart import SurfaceFrame, frame_at
-from paint3d.mesh.closest_points import ClosestPoints
 from paint3d.mesh.placement import SIDES, is_flat, place, upwards
 
 __all__ = ["frames_to_try", "upright_frame", "walking_step"]

@@ -21,7 +21,7 @@ from paint3d.calligraphy.footprint_table import FootprintTable
 from paint3d.calligraphy.glyphs import DESCENDER, EM_UNITS, Glyph
 from paint3d.calligraphy.path_fit import Followed, PathFitter, StrokePath
 from paint3d.calligraphy.plan_settings import TECHNIQUES, PlanSettings
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 from paint3d.errors import InputError
 
 __all__ = ["TECHNIQUES", "PlanSettings", "StrokePath", "on_paper", "plan_glyph", "plan_stroke"]

@@ -22,7 +22,7 @@ from scipy.interpolate import PchipInterpolator
 from paint3d.calligraphy.glyphs import GlyphStroke
 from paint3d.calligraphy.kanjivg import LineStroke
 from paint3d.calligraphy.segments import ZONE, StrokeSegment, cut_line, is_hooked
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 from paint3d.errors import InputError
 
 __all__ = ["SOURCE_OF_SHAPES", "shape_strokes"]

@@ -17,12 +17,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from paint3d.brush.bending import build_tuft
-from paint3d.brush.effective_footprint import back_zone, effective_points, front_zone
-from paint3d.brush.footprint import Footprint, make_footprint
+from paint3d.brush.footprint import (
+    Footprint,
+    back_zone,
+    effective_points,
+    front_zone,
+    make_footprint,
+)
 from paint3d.brush.spec import BrushSpec
 from paint3d.brush_engine.tuft import bent_by_twist, drag_length, gather_outline, twist_step
+from paint3d.core.arrays import AnyArray
 from paint3d.core.quaternion import matrices_from_quaternions
-from paint3d.core.types import AnyArray
 from paint3d.device.recorded import Recording
 from paint3d.errors import InputError
 from paint3d.pose.brush_pose import brush_poses

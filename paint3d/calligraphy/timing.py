@@ -17,8 +17,7 @@ from scipy.interpolate import CubicSpline
 
 from paint3d.calligraphy.planning import StrokePath
 from paint3d.calligraphy.speed_profile import Limits, travel
-from paint3d.core.arrays import as_number
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray, as_number
 from paint3d.device.sample import DIP
 from paint3d.errors import InputError
 

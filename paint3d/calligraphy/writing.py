@@ -36,13 +36,11 @@ from paint3d.calligraphy.page.laying import PlacedPiece, lay_page
 from paint3d.calligraphy.page.page import Composer, Page
 from paint3d.calligraphy.planning import PlanSettings, on_paper, plan_glyph
 from paint3d.calligraphy.timing import Motion, Tempo, time_courses
-from paint3d.core.arrays import as_number
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray, as_number
 from paint3d.device.recorded import Recording
 from paint3d.errors import InputError, MeshError
-from paint3d.mesh.chart import make_chart
-from paint3d.mesh.closest_points import ClosestPoints
-from paint3d.mesh.em_square import SquareLimits
+from paint3d.mesh.bvh import ClosestPoints
+from paint3d.mesh.chart import SquareLimits, make_chart
 from paint3d.mesh.triangle_mesh import TriangleMesh
 
 __all__ = ["Pen", "Written", "write_page", "write_text"]

@@ -10,7 +10,7 @@ from paint3d.errors import ExportError
 
 if TYPE_CHECKING:
     from paint3d.brush.spec import BrushSpec
-    from paint3d.colour.pigment import Pigment
+    from paint3d.colour.pigments import Pigment
     from paint3d.device.recorded import Recording
     from paint3d.mesh.triangle_mesh import TriangleMesh
 

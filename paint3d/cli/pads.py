@@ -47,8 +47,8 @@ def lay_on(
                 "--at and --size lay a pad's recording; this one has its own place in the world"
             )
         return recording
+    from paint3d.mesh.bvh import ClosestPoints
     from paint3d.mesh.chart import make_chart
-    from paint3d.mesh.closest_points import ClosestPoints
     from paint3d.mesh.placement import place as find_place
     from paint3d.painter.flat_input import LaidPad, dipped, size_of
 

@@ -35,7 +35,7 @@ from paint3d.errors import InputError, RecordingError
 if TYPE_CHECKING:
     from paint3d.brush.spec import BrushSpec
     from paint3d.cli.pictures.films import Watch
-    from paint3d.colour.pigment import Pigment
+    from paint3d.colour.pigments import Pigment
     from paint3d.mesh.triangle_mesh import TriangleMesh
     from paint3d.painter.flat_input import LaidPad
     from paint3d.painter.painter import Painter
@@ -292,7 +292,7 @@ def _in_hand(
     painter: Painter, brush: BrushSpec, ink: dict[Pigment, float], tip: dict[Pigment, float] | None
 ) -> dict[str, Any]:
     """What a session says of the hand: its brush as it was painted with, and what it holds."""
-    from paint3d.brush.dip_amount import DipAmount
+    from paint3d.brush.spec import DipAmount
 
     own = None if painter.hairs is None else painter.hairs.spec
     held = replace(brush, bristles=own)

@@ -27,7 +27,7 @@ from paint3d.cli.progress import ProgressBar
 from paint3d.errors import InputError, Paint3DError, RecordingError
 
 if TYPE_CHECKING:
-    from paint3d.mesh.closest_points import ClosestPoints
+    from paint3d.mesh.bvh import ClosestPoints
     from paint3d.recording.score import Score
 
 __all__ = ["HELP", "add_arguments", "run"]
@@ -194,7 +194,7 @@ def _words(edit: _Edit, score: Score) -> dict[str, Any]:
 def _ground(score: Score, options: argparse.Namespace) -> ClosestPoints:
     """The surface of the object that strokes are moved on."""
     from paint3d.files.load import BUILT_IN_OBJECTS, load_mesh
-    from paint3d.mesh.closest_points import ClosestPoints
+    from paint3d.mesh.bvh import ClosestPoints
 
     name = options.on or score.header.get("object")
     if options.on is None and name not in BUILT_IN_OBJECTS:

@@ -92,7 +92,7 @@ def _watched(document: Document, score: Score, watch: Watch) -> Iterator[Step]:
     """Play a score sample by sample for a film."""
     from paint3d.app.model.score.playback import in_pieces, pass_step
     from paint3d.app.model.score.playing import play
-    from paint3d.recording.hand_time import HandTime
+    from paint3d.recording.recording import HandTime
 
     clock = HandTime()
     for step in play(document, in_pieces(score)):

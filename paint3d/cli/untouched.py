@@ -40,7 +40,7 @@ def _reason(
 ) -> str:
     import numpy as np
 
-    from paint3d.mesh.closest_points import ClosestPoints
+    from paint3d.mesh.bvh import ClosestPoints
     from paint3d.pose.brush_pose import brush_poses
 
     pressure = recording.pressure

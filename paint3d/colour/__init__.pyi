@@ -4,7 +4,7 @@ from paint3d.colour.layers import layer_reflectance as layer_reflectance
 from paint3d.colour.layers import mixture_reflectance as mixture_reflectance
 from paint3d.colour.materials import Material as Material
 from paint3d.colour.materials import load_material as load_material
-from paint3d.colour.pigment import Pigment as Pigment
+from paint3d.colour.pigments import Pigment as Pigment
 from paint3d.colour.pigments import load_palette as load_palette
 from paint3d.colour.pigments import load_pigment as load_pigment
 from paint3d.colour.spectra import srgb_from_reflectance as srgb_from_reflectance

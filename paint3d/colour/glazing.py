@@ -19,7 +19,7 @@ from paint3d.colour.layers import SAUNDERSON
 from paint3d.colour.pigments import Pigment
 from paint3d.colour.spectra import N_BANDS, rgb_weights
 from paint3d.colour.vertex_colours import srgb_codes
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 
 __all__ = ["GlazeModel", "make_ground", "srgb_primaries"]
 

@@ -15,8 +15,7 @@ from numpy.typing import ArrayLike
 from paint3d.colour.kernels.kubelka_munk import layer_bands
 from paint3d.colour.pigments import Pigment, load_pigment
 from paint3d.colour.spectra import N_BANDS
-from paint3d.core.arrays import as_array, as_number
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray, as_array, as_number
 from paint3d.errors import InputError
 
 __all__ = [

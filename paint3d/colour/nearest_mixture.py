@@ -19,8 +19,7 @@ from paint3d.colour.difference import delta_e, lab_from_reflectance, lab_from_sr
 from paint3d.colour.layers import SAUNDERSON, layer_reflectance, to_internal, to_measured
 from paint3d.colour.pigments import WATER, Pigment, load_palette
 from paint3d.colour.spectra import N_BANDS, srgb_from_reflectance
-from paint3d.core.arrays import as_array
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray, as_array
 from paint3d.errors import InputError
 
 __all__ = ["Nearest", "nearest_mixture"]

@@ -14,8 +14,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike
 
-from paint3d.core.arrays import as_array
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray, as_array
 from paint3d.errors import InputError
 
 __all__ = [

@@ -36,8 +36,7 @@ from paint3d.colour.spectra import (
     rgb_weights,
     srgb_from_linear,
 )
-from paint3d.core.arrays import as_array
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray, as_array
 from paint3d.errors import InputError
 
 __all__ = ["ColourModel", "srgb_codes"]

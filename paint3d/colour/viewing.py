@@ -23,7 +23,7 @@ from paint3d.colour.spectra import (
     rgb_from_xyz,
     xyz_weights,
 )
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 from paint3d.errors import UnknownNameError
 
 __all__ = ["ADAPTATIONS", "GAMUTS", "Codes", "Gamut", "Viewing", "linear_srgb_of"]

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.colour.spectra import decode_srgb, encode_srgb
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 
 __all__ = [
     "FILM_ROUGHNESS",

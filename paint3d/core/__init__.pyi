@@ -1,3 +1,4 @@
+from paint3d.core.arrays import AnyArray as AnyArray
 from paint3d.core.arrays import as_array as as_array
 from paint3d.core.arrays import as_number as as_number
 from paint3d.core.atomic import write_atomically as write_atomically
@@ -7,4 +8,3 @@ from paint3d.core.quaternion import multiply_quaternions as multiply_quaternions
 from paint3d.core.quaternion import quaternions_from_matrices as quaternions_from_matrices
 from paint3d.core.quaternion import rotate as rotate
 from paint3d.core.quaternion import slerp as slerp
-from paint3d.core.types import AnyArray as AnyArray

@@ -3,14 +3,35 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, DTypeLike
+from numpy.typing import ArrayLike, DTypeLike, NDArray
 
-from paint3d.core.types import AnyArray
 from paint3d.errors import InputError, Paint3DError
 
-__all__ = ["as_array", "as_number", "cross", "dots_of", "length_of", "lengths_of", "zeros_on_lines"]
+__all__ = [
+    "AnyArray",
+    "as_array",
+    "as_number",
+    "cross",
+    "dots_of",
+    "grown",
+    "length_of",
+    "lengths_of",
+    "zeros_on_lines",
+]
+
+# ---- Types ---------------------------------------------------------------------------------------
+# Names for types that many rooms use.
+
+
+AnyArray = NDArray[Any]
+"""An array whose elements may be of several types, or are said in the documentation alone."""
+
+
+# --------------------------------------------------------------------------------------------------
+
 
 _LINE = 64  # bytes of a cache line
 
@@ -129,3 +150,14 @@ def dots_of(u: AnyArray, v: AnyArray) -> AnyArray:
 def length_of(vector: AnyArray) -> float:
     """The length of one vector (K,); to the bit NumPy's norm, in less than half its time."""
     return math.sqrt(vector.dot(vector))
+
+
+# ---- Growing -------------------------------------------------------------------------------------
+# Arrays that grow.
+
+
+def grown(array: AnyArray, used: int, room: int) -> AnyArray:
+    """An array of `room` rows whose first `used` ones are those of another; the rest are 0."""
+    result = np.zeros((room, *array.shape[1:]), array.dtype)
+    result[:used] = array[:used]
+    return result

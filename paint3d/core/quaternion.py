@@ -18,8 +18,8 @@ from typing import Any
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from paint3d.core.arrays import AnyArray
 from paint3d.core.kernel import kernel
-from paint3d.core.types import AnyArray
 
 __all__ = [
     "Quaternion",

@@ -7,11 +7,10 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from paint3d.device.catalogue import find_mouse_quirks
-from paint3d.device.deflection import DeflectionSettings
 from paint3d.device.hid_link import Link, open_node
 from paint3d.device.hid_nodes import HidNode, list_nodes
 from paint3d.device.sample import StylusReading
-from paint3d.device.space_mouse import MouseEvent, SpaceMouse
+from paint3d.device.space_mouse import DeflectionSettings, MouseEvent, SpaceMouse
 from paint3d.device.stylus import Stylus
 from paint3d.errors import DeviceError
 

@@ -9,8 +9,7 @@ from typing import Any, TypeGuard
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from paint3d.core.arrays import as_array, lengths_of
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray, as_array, lengths_of
 from paint3d.device.sample import DeviceSample
 from paint3d.errors import RecordingError
 

@@ -2,20 +2,131 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
+from paint3d.core.arrays import as_array, as_number
 from paint3d.device.catalogue import MouseQuirks
-from paint3d.device.deflection import DeflectionSettings, calibrate_rest, deflection
 from paint3d.device.descriptor import parse_descriptor
 from paint3d.device.device_loop import DeviceLoop
 from paint3d.device.hid_link import Link
 from paint3d.device.six_dof import MouseReading, find_mouse_layout
+from paint3d.errors import DeviceError
 
-__all__ = ["MouseEvent", "SpaceMouse"]
+__all__ = [
+    "SILENCE_NS",
+    "DeflectionSettings",
+    "MouseEvent",
+    "SpaceMouse",
+    "calibrate_rest",
+    "deflection",
+]
+
+# ---- Deflection ----------------------------------------------------------------------------------
+# Raw axes of a 6-DOF mouse to a deflection that is zero when the hand is off.
+#
+# Pure steps: subtract the rest position, scale, cut a dead zone out without a jump at its edge, and
+# forget everything after a silence, because the device stops sending at rest and the last report
+# need not have been zero.
+
+
+SILENCE_NS = 150_000_000
+"""After so long without a report the deflection is zero, ns."""
+_REST_LIMIT = 0.15
+
+
+@dataclass(frozen=True, slots=True)
+class DeflectionSettings:
+    """How raw axes are read.
+
+    Parameters
+    ----------
+    dead_zone : float
+        Share of the full deflection that counts as rest, 0 to 0.9.
+    rest : tuple of 6 float
+        Counts that this device sends at rest; see `calibrate_rest`.
+    curve : float
+        Exponent of the response, 1 to 4: 1 is linear, more is finer near rest.
+
+    Raises
+    ------
+    DeviceError
+        If one is out of range.
+    """
+
+    dead_zone: float = 0.05
+    rest: tuple[float, ...] = (0.0,) * 6
+    curve: float = 1.6
+
+    def __post_init__(self) -> None:
+        _check(self.dead_zone, "dead_zone", 0.0, 0.9)
+        _check(self.curve, "curve", 1.0, 4.0)
+        as_array(self.rest, "rest", (6,), error=DeviceError)
+
+
+def _check(value: float, name: str, low: float, high: float) -> None:
+    as_number(value, name, low, high, DeviceError)
+
+
+def deflection(
+    axes: ArrayLike, quirks: MouseQuirks, settings: DeflectionSettings
+) -> NDArray[np.float64]:
+    """Deflection (6,), each -1 to 1, in a right-handed frame: x right, y away, z up.
+
+    Translation first, then rotation about the same axes. Counts beyond the nominal full deflection
+    are clamped, as the nominal range is narrower than what caps send.
+    """
+    counts = as_array(axes, "axes", (6,), error=DeviceError) - np.asarray(settings.rest)
+    share = np.clip(counts / quirks.full_deflection, -1.0, 1.0)
+    beyond = np.maximum(np.abs(share) - settings.dead_zone, 0.0) / (1.0 - settings.dead_zone)
+    result: NDArray[np.float64] = (
+        np.sign(share) * beyond**settings.curve * np.asarray(quirks.axes_signs, np.float64)
+    )
+    return result
+
+
+def calibrate_rest(
+    readings: ArrayLike, quirks: MouseQuirks, settings: DeflectionSettings
+) -> DeflectionSettings:
+    """Settings whose rest is where the cap stood in these readings.
+
+    Parameters
+    ----------
+    readings : (N, 6) array_like
+        Raw axes while the hand was off. None at all is a cap that rests at zero.
+    quirks : MouseQuirks
+    settings : DeflectionSettings
+
+    Raises
+    ------
+    DeviceError
+        If the cap moved meanwhile, or rests further than 15 % from zero.
+    """
+    counts = as_array(readings, "readings", (None, 6), error=DeviceError)
+    if len(counts) == 0:
+        return dataclasses.replace(settings, rest=(0.0,) * 6)
+    middle = np.median(counts, axis=0)
+    spread = np.abs(counts - middle).max() / quirks.full_deflection
+    if spread > max(settings.dead_zone, 0.02):
+        raise DeviceError(
+            f"the cap moved by {spread:.0%} of its way during the rest calibration; "
+            "expected nobody to touch it"
+        )
+    if np.abs(middle).max() > _REST_LIMIT * quirks.full_deflection:
+        worst = float(np.abs(middle).max())
+        raise DeviceError(
+            f"the cap rests at {worst:g} counts; expected within "
+            f"{_REST_LIMIT * quirks.full_deflection:g} (is something leaning on it?)"
+        )
+    return dataclasses.replace(settings, rest=tuple(middle.tolist()))
+
+
+# --------------------------------------------------------------------------------------------------
+
 
 _KEPT = 64
 

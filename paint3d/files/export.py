@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from paint3d.core.arrays import AnyArray
 from paint3d.core.atomic import write_atomically
-from paint3d.core.types import AnyArray
 from paint3d.errors import ExportError, UnknownNameError
 from paint3d.files.export_options import ExportOptions
 from paint3d.files.progress import Progress, part_of

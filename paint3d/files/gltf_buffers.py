@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 from paint3d.errors import MeshError
 from paint3d.files.readers.contents import parse_json, read_beside
 from paint3d.files.readers.gltf_kinds import check_kinds

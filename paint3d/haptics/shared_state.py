@@ -9,14 +9,17 @@ interpreter; both sides only ever look at numbers of eight bytes.
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass
 from multiprocessing.shared_memory import SharedMemory
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.core.types import AnyArray
-from paint3d.device.force.shared_memory import make_shared_memory
+from paint3d.core.arrays import AnyArray
+from paint3d.core.machine import reserve_space
+from paint3d.errors import DeviceError
 from paint3d.mesh.kernels.bvh import ContactTree
 
 __all__ = [
@@ -25,8 +28,52 @@ __all__ = [
     "SNAPSHOT_COLUMNS",
     "ServoBoard",
     "TreeBlock",
+    "make_shared_memory",
     "percentile_us",
 ]
+
+# ---- Shared memory -------------------------------------------------------------------------------
+# Memory that a device's process shares with the program, with its room taken when it is made.
+#
+# Where shared memory is a small disk of its own, as in most containers, a page for which there is
+# no room ends whoever writes there, without a word.
+
+
+_DISK = Path("/dev/shm")  # on Linux
+
+
+def make_shared_memory(n_bytes: int) -> SharedMemory:
+    """Return new memory that other processes attach by its name; whoever holds it unlinks it.
+
+    Raises
+    ------
+    DeviceError
+        If there is no room for it.
+    """
+    try:
+        memory = SharedMemory(create=True, size=max(n_bytes, 1))
+    except OSError as cause:
+        raise _no_room(n_bytes, cause) from None
+    try:
+        with suppress(FileNotFoundError), open(_DISK / memory.name, "r+b") as file:
+            reserve_space(file, memory.size)
+    except OSError as cause:
+        memory.close()
+        memory.unlink()
+        raise _no_room(n_bytes, cause) from None
+    return memory
+
+
+def _no_room(n_bytes: int, cause: OSError) -> DeviceError:
+    return DeviceError(
+        f"no {1e-6 * n_bytes:.3g} MB of memory to share with the stylus' process "
+        f"({cause.strerror}); expected room for them in {_DISK}: a container is given more of it "
+        "when it is started (--shm-size)"
+    )
+
+
+# --------------------------------------------------------------------------------------------------
+
 
 SNAPSHOT_COLUMNS = 32
 """time (as int64 bits), object pose (7), settings (22), spare."""

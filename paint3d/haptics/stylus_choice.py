@@ -11,11 +11,10 @@ import numpy as np
 from paint3d.device.force.force_port import ForcePort, HidForcePort
 from paint3d.device.force.haptic_stylus import PRODUCT_ID, VENDOR_ID
 from paint3d.device.force.inverse3 import MAX_FORCE_N as INVERSE3_FORCE_N
-from paint3d.device.force.inverse3 import URI
-from paint3d.device.force.inverse3_port import Inverse3Port
+from paint3d.device.force.inverse3 import URI, Inverse3Port
 from paint3d.device.force.openhaptics import WORLD_FROM_OPENHAPTICS, OpenHapticsPort
+from paint3d.device.hid_link import explain_failure, find_obstacle
 from paint3d.device.hid_nodes import HidNode, list_nodes
-from paint3d.device.permission import explain_failure, find_obstacle
 from paint3d.errors import DeviceError, InputError
 from paint3d.haptics.settings import PHANTOM_DESKTOP, TOUCH, DeviceLimits
 from paint3d.pose.calibration import DeviceCalibration

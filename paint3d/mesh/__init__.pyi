@@ -1,11 +1,11 @@
+from paint3d.mesh.bvh import ClosestPoints as ClosestPoints
+from paint3d.mesh.chart import EmSquare as EmSquare
 from paint3d.mesh.chart import SurfaceChart as SurfaceChart
 from paint3d.mesh.chart import make_chart as make_chart
-from paint3d.mesh.closest_points import ClosestPoints as ClosestPoints
-from paint3d.mesh.em_square import EmSquare as EmSquare
+from paint3d.mesh.chart import unroll as unroll
 from paint3d.mesh.kernels.bvh import ContactTree as ContactTree
 from paint3d.mesh.placement import place as place
 from paint3d.mesh.refined_mesh import PaintMesh as PaintMesh
 from paint3d.mesh.triangle_mesh import TriangleMesh as TriangleMesh
-from paint3d.mesh.unrolling import unroll as unroll
 from paint3d.mesh.upright import turn_mesh as turn_mesh
 from paint3d.mesh.upright import turn_up as turn_up

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 from paint3d.errors import MeshError
 from paint3d.mesh.kernels.refine import MOST_AROUND_EDGE
 from paint3d.mesh.kernels.topology import (
@@ -17,8 +17,8 @@ from paint3d.mesh.kernels.topology import (
     longest_sides,
     measure_faces,
     smooth_corners,
+    weld_positions,
 )
-from paint3d.mesh.kernels.welding import weld_positions
 from paint3d.mesh.triangle_mesh import TriangleMesh
 
 __all__ = ["CREASE_ANGLE", "BaseSurface", "make_base_surface"]

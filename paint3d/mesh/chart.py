@@ -14,13 +14,96 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from paint3d.core.arrays import as_array, as_number, cross, dots_of, lengths_of
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray, as_array, as_number, cross, dots_of, lengths_of
 from paint3d.errors import InputError, MeshError
-from paint3d.mesh.closest_points import ClosestPoints
-from paint3d.mesh.spline_map import SplineMap
+from paint3d.mesh.bvh import ClosestPoints
+from paint3d.mesh.kernels.tensor_spline import eliminate_spline, evaluate_splines, solve_spline
 
-__all__ = ["SurfaceChart", "SurfaceFrame", "frame_at", "make_chart"]
+__all__ = [
+    "EmSquare",
+    "SplineMap",
+    "SquareLimits",
+    "SurfaceChart",
+    "SurfaceFrame",
+    "frame_at",
+    "lay_square",
+    "make_chart",
+    "unroll",
+]
+
+# ---- Splines over a sheet ------------------------------------------------------------------------
+# Bicubic splines through values on a grid: several functions of one rectangle at once.
+
+
+_DEGREE = 3
+
+
+class SplineMap:
+    """F functions of (x, y), each a bicubic spline through its values at the nodes of a grid.
+
+    Parameters
+    ----------
+    xs, ys : (A,), (B,) float64
+        Rising; at least four each.
+    values : (A, B, F) float64
+    """
+
+    def __init__(
+        self, xs: NDArray[np.float64], ys: NDArray[np.float64], values: NDArray[np.float64]
+    ) -> None:
+        x_knots, y_knots = _knots(xs), _knots(ys)
+        coefficients = _fitted(xs, x_knots, ys, y_knots, values)
+        along_x = _differences(coefficients, x_knots)
+        along_y = _differences(coefficients.transpose(1, 0, 2), y_knots).transpose(1, 0, 2)
+        self._parts = {
+            (0, 0): (x_knots, y_knots, (_DEGREE, _DEGREE), coefficients),
+            (1, 0): (x_knots[1:-1].copy(), y_knots, (_DEGREE - 1, _DEGREE), along_x),
+            (0, 1): (
+                x_knots, y_knots[1:-1].copy(), (_DEGREE, _DEGREE - 1), np.ascontiguousarray(along_y)
+            ),
+        }  # fmt: skip
+
+    def __call__(self, xy: AnyArray, dx: int = 0, dy: int = 0) -> AnyArray:
+        """Values (N, F) at places (N, 2), or their first derivatives along x or along y.
+
+        Beyond the grid the rim's hold.
+        """
+        x_knots, y_knots, degrees, coefficients = self._parts[dx, dy]
+        out = np.empty((len(xy), coefficients.shape[2]))
+        evaluate_splines(x_knots, y_knots, degrees, coefficients, np.array(xy, np.float64), out)
+        return out
+
+
+def _knots(places: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Where the pieces of a spline through values at places meet: in all but the outer four."""
+    ends = [np.repeat(places[end], _DEGREE + 1) for end in (0, -1)]
+    return np.concatenate([ends[0], places[2:-2], ends[1]])
+
+
+def _fitted(
+    xs: AnyArray, x_knots: AnyArray, ys: AnyArray, y_knots: AnyArray, values: AnyArray
+) -> NDArray[np.float64]:
+    """Coefficients (A, B, F), to the last bit those of FITPACK (SciPy's RectBivariateSpline)."""
+    n_x, n_y, n_functions = values.shape
+    along_x = np.array(values, np.float64, order="C").reshape(n_x, -1)
+    x_triangle = eliminate_spline(xs, x_knots, along_x)
+    along_y = np.ascontiguousarray(along_x.reshape(values.shape).swapaxes(0, 1)).reshape(n_y, -1)
+    solve_spline(eliminate_spline(ys, y_knots, along_y), along_y)
+    both = along_y.reshape(n_y, n_x, n_functions).swapaxes(0, 1)
+    along_x = np.ascontiguousarray(both).reshape(n_x, -1)
+    solve_spline(x_triangle, along_x)
+    return along_x.reshape(values.shape)
+
+
+def _differences(coefficients: AnyArray, knots: AnyArray) -> AnyArray:
+    """Coefficients of the derivative along the first axis."""
+    spans = knots[_DEGREE + 1 : -1] - knots[1 : -_DEGREE - 1]
+    result: AnyArray = np.diff(coefficients, axis=0) * _DEGREE / spans[:, None, None]
+    return result
+
+
+# --------------------------------------------------------------------------------------------------
+
 
 _STEP_MM = 0.5
 _FINEST_STEP = 1e-3
@@ -296,3 +379,257 @@ def _normalised(vectors: AnyArray) -> AnyArray:
 def _in_plane(vectors: AnyArray, normals: AnyArray) -> AnyArray:
     """Unit vectors along the parts of `vectors` that are orthogonal to `normals`."""
     return _normalised(vectors - normals * dots_of(vectors, normals)[..., None])
+
+
+# ---- The way back --------------------------------------------------------------------------------
+# From points of a surface back to the flat sheet that was laid on it.
+
+
+_NODES = 65  # to a side of the grid that a first guess is taken from
+_ROUNDS = 4
+_DIFFERENCE = 1e-3  # of the chart's half width
+
+
+def unroll(chart: SurfaceChart, points: ArrayLike) -> NDArray[np.float64]:
+    """Chart coordinates (N, 2), mm, of points (N, 3) on the surface; NaN outside the chart.
+
+    Newton's method from the nearest of 65 by 65 nodes; what a point lies off the surface along its
+    normal does not matter.
+
+    Raises
+    ------
+    InputError
+        If `points` is not an array of points.
+    """
+    from scipy.spatial import KDTree
+
+    given = as_array(points, "points", (None, 3))
+    reach = np.array([chart.half_width, chart.half_height])
+    x, y = np.meshgrid(*(np.linspace(-r, r, _NODES) for r in reach), indexing="ij")
+    nodes = np.stack([x.ravel(), y.ravel()], axis=1)
+    there = chart.points(nodes)
+    step = 2.0 * reach.max() / (_NODES - 1)
+    stretch = np.linalg.norm(np.diff(there.reshape(_NODES, _NODES, 3), axis=0), axis=2).max()
+    apart, nearest = KDTree(there).query(given, distance_upper_bound=2.0 * max(step, stretch))
+    near = np.flatnonzero(np.isfinite(apart))
+    flat = np.full((len(given), 2), np.nan)
+    at = nodes[nearest[near]]
+    beyond = np.zeros(len(near), np.bool_)
+    for _ in range(_ROUNDS):
+        moved = at + _newton_step(chart, at, given[near])
+        at = np.clip(moved, -reach, reach)
+        beyond = (np.abs(moved - at) > 0.01 * step).any(axis=1)
+    at[beyond] = np.nan
+    flat[near] = at
+    return flat
+
+
+def _newton_step(chart: SurfaceChart, at: AnyArray, wanted: AnyArray) -> NDArray[np.float64]:
+    """Least-squares step (N, 2) in the chart towards points (N, 3)."""
+    reach = np.array([chart.half_width, chart.half_height])
+    away = wanted - chart.points(at)
+    columns = []
+    for axis in range(2):
+        offset = np.zeros(2)
+        offset[axis] = _DIFFERENCE * reach[axis]
+        high, low = np.minimum(at + offset, reach), np.maximum(at - offset, -reach)
+        span = (high - low)[:, axis, None]
+        columns.append((chart.points(high) - chart.points(low)) / span)
+    along_x, along_y = columns
+    xx, xy = np.sum(along_x * along_x, axis=1), np.sum(along_x * along_y, axis=1)
+    yy = np.sum(along_y * along_y, axis=1)
+    bx, by = np.sum(along_x * away, axis=1), np.sum(along_y * away, axis=1)
+    determinant = xx * yy - xy * xy
+    result: NDArray[np.float64] = (
+        np.stack([yy * bx - xy * by, xx * by - xy * bx], axis=1) / determinant[:, None]
+    )
+    return result
+
+
+# ---- Squares and boxes on a surface --------------------------------------------------------------
+# A square or a box laid on a surface: its chart, how much it is bent, whether two overlap.
+
+
+_EM_NODES = 12  # of the chart along an em
+_EM_PROBES = 20  # points along an em that are looked at
+_FEWEST = 6  # points along a side, however short it is
+_FINEST_MM = 0.25
+_FREE = 0.7  # of the height: nearer than that, something is in the way, or a hollow too tight
+
+
+@dataclass(frozen=True)
+class SquareLimits:
+    """What a square may be like and still be written in.
+
+    Attributes
+    ----------
+    stretch : float
+        Largest relative error of a side's length.
+    shear : float
+        Largest error of a corner's angle, rad.
+    crease : float
+        Largest angle between the normals of neighbouring probes (a 20th of the em), rad.
+    turn : float
+        Largest angle between a normal within the square and the one in its middle, rad.
+    margin : float
+        Share of the em around the square that must lie on the surface as well, for the handle.
+    room_mm : float
+        Height above the surface that must be free, for the tuft.
+    """
+
+    stretch: float = 0.06
+    shear: float = math.radians(5.0)
+    crease: float = math.radians(16.0)
+    turn: float = math.radians(80.0)
+    margin: float = 0.04
+    room_mm: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class EmSquare:
+    """A square of `em_mm`, or a box of that scale, around the middle of a chart.
+
+    Attributes
+    ----------
+    chart : SurfaceChart
+        Reaches a margin beyond the square.
+    em_mm : float
+    width_mm, height_mm : float
+        Both are the em of a square.
+    points, normals : (K, L, 3) float64
+        A grid over the square, x first, with the corners at its ends.
+    """
+
+    chart: SurfaceChart
+    em_mm: float
+    width_mm: float
+    height_mm: float
+    points: NDArray[np.float64]
+    normals: NDArray[np.float64]
+
+    def sides(self) -> NDArray[np.float64]:
+        """Lengths (4,) on the surface of the lower, right, upper and left side, mm."""
+        p = self.points
+        edges = (p[:, 0], p[-1], p[:, -1], p[0])
+        return np.array([np.linalg.norm(np.diff(e, axis=0), axis=1).sum() for e in edges])
+
+    def corner_angles(self) -> NDArray[np.float64]:
+        """Angles (4,) between the sides that meet in each corner, rad."""
+        p = self.points
+        angles = []
+        for i, di in ((0, 1), (-1, -1)):
+            for j, dj in ((0, 1), (-1, -1)):
+                one, two = p[i + di, j] - p[i, j], p[i, j + dj] - p[i, j]
+                normal = self.normals[i, j]
+                one, two = one - normal * (one @ normal), two - normal * (two @ normal)
+                cosine = one @ two / (np.linalg.norm(one) * np.linalg.norm(two))
+                angles.append(math.acos(min(1.0, max(-1.0, cosine))))
+        return np.array(angles)
+
+    def fault(self, limits: SquareLimits) -> str | None:
+        """Why one cannot write here, or None."""
+        n = self.normals
+        neighbours = [(n[1:] * n[:-1]).sum(-1).min(), (n[:, 1:] * n[:, :-1]).sum(-1).min()]
+        if min(neighbours) < math.cos(limits.crease):
+            return "the surface has an edge or a tight bend there"
+        if (n @ self.chart.frame.normal).min() < math.cos(limits.turn):
+            return "the surface turns away there"
+        wanted = np.array([self.width_mm, self.height_mm, self.width_mm, self.height_mm])
+        stretch = np.abs(self.sides() / wanted - 1.0).max()
+        shear = np.abs(self.corner_angles() - 0.5 * math.pi).max()
+        if stretch > limits.stretch or shear > limits.shear:
+            return (
+                f"the surface is so curved there that the square would be stretched by "
+                f"{100.0 * stretch:.0f} % and sheared by {math.degrees(shear):.0f} degrees"
+            )
+        return None
+
+    def overlap(self, other: EmSquare) -> float:
+        """How far (mm) the other square reaches into this one; 0 where they are apart."""
+        edge = other.points
+        rim = np.concatenate([edge[:, 0], edge[-1], edge[::-1, -1], edge[0, ::-1]])
+        flat = self.points.reshape(-1, 3)
+        apart = np.linalg.norm(rim[:, None] - flat, axis=2)
+        nearest = apart.argmin(axis=1)
+        size = np.array([self.width_mm, self.height_mm])
+        spacings = size / (np.array(self.points.shape[:2]) - 1)
+        spacing = float(spacings.max())
+        close = apart[np.arange(len(rim)), nearest] < 1.5 * spacing
+        i, j = np.divmod(nearest[close], self.points.shape[1])
+        at = np.stack([i, j], axis=1) * spacings - 0.5 * size
+        axes = self.chart.tangents(at)
+        local = np.einsum("nk,nkd->nd", rim[close] - flat[nearest[close]], axes)
+        thin = np.abs(local[:, 2]) < 0.5 * spacing  # not the other side of a thin wall
+        inside = (0.5 * size - np.abs(at + local[:, :2])).min(axis=1)
+        return float(np.max(inside[thin], initial=0.0))
+
+
+def lay_square(
+    surface: ClosestPoints,
+    frame: SurfaceFrame,
+    em_mm: float,
+    limits: SquareLimits | None = None,
+    size: tuple[float, float] | None = None,
+) -> EmSquare:
+    """Lay an em square, or a box, around a frame.
+
+    Parameters
+    ----------
+    surface : ClosestPoints
+    frame : SurfaceFrame
+    em_mm : float
+        Side, mm.
+    limits : SquareLimits, optional
+    size : (float, float), optional
+        Width and height of a box, mm; by default it is a square.
+
+    Raises
+    ------
+    MeshError
+        If the surface ends there, or the square breaks the limits; the message says which.
+    """
+    limits = limits or SquareLimits()
+    width, height = size or (em_mm, em_mm)
+    spacing = em_mm / _EM_NODES
+    halves = [(0.5 + limits.margin * (em_mm / side)) * side for side in (width, height)]
+    try:
+        chart = make_chart(surface, frame, halves[0], halves[1], spacing, max(spacing, _FINEST_MM))
+    except MeshError:
+        raise _no_place(surface, frame, em_mm, "the surface ends within it") from None
+    lines = [
+        np.linspace(-0.5 * side, 0.5 * side, _probes(side / em_mm) + 1) for side in (width, height)
+    ]
+    xy = np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1).reshape(-1, 2)
+    shape = (len(lines[0]), len(lines[1]), 3)
+    points, normals = chart.points(xy).reshape(shape), chart.normals(xy).reshape(shape)
+    square = EmSquare(chart, em_mm, width, height, points, normals)
+    fault = square.fault(limits)
+    if fault is None and not _is_free(surface, square, limits.room_mm):
+        fault = "there is no room for the brush above it"
+    if fault is not None:
+        raise _no_place(surface, frame, em_mm, fault)
+    return square
+
+
+def _probes(ems: float) -> int:
+    """How many steps a side of so many ems is looked at in."""
+    return max(_FEWEST, round(_EM_PROBES * ems))
+
+
+def _is_free(surface: ClosestPoints, square: EmSquare, height: float) -> bool:
+    """Whether from so high above the square (mm) nothing is nearer than the square itself."""
+    if height <= 0.0:
+        return True
+    some = tuple(slice(None, None, min(_EM_PROBES // 4, n // 2)) for n in square.points.shape[:2])
+    foot = square.points[some].reshape(-1, 3)
+    above = foot + height * square.normals[some].reshape(-1, 3)
+    nearest = np.linalg.norm(surface.find(above).points - above, axis=1)
+    return bool((nearest > _FREE * height).all())
+
+
+def _no_place(surface: ClosestPoints, frame: SurfaceFrame, em_mm: float, why: str) -> MeshError:
+    x, y, z = frame.origin
+    return MeshError(
+        f"{surface.mesh.name}: no place for an em of {em_mm:g} mm around "
+        f"({x:.1f}, {y:.1f}, {z:.1f}): {why}"
+    )

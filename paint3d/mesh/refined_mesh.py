@@ -17,25 +17,30 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.core.growable import grown
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray, grown
 from paint3d.errors import MeshError
 from paint3d.mesh.base_surface import BaseSurface, make_base_surface
 from paint3d.mesh.kernels.cell_components import (
+    fill_pairs,
     gather_links,
     link_sheets,
     locate_vertices,
     measure_sheets,
     split_sheets,
 )
-from paint3d.mesh.kernels.cracks import link_cracks
-from paint3d.mesh.kernels.facing_pairs import fill_pairs
-from paint3d.mesh.kernels.grid import build_table
-from paint3d.mesh.kernels.mesh_arrays import BLOCK_VERTICES, Cells, SurfaceField
-from paint3d.mesh.kernels.refine import MOST_AROUND_EDGE, activate_cell, longest_edges
+from paint3d.mesh.kernels.mesh_arrays import BLOCK_VERTICES, Cells, SurfaceField, build_table
+from paint3d.mesh.kernels.refine import (
+    BAD_LOG,
+    MOST_AROUND_EDGE,
+    NO_ROOM,
+    activate_cell,
+    longest_edges,
+    repeat_splits,
+)
+from paint3d.mesh.kernels.topology import link_cracks
 from paint3d.mesh.triangle_mesh import TriangleMesh
 
-__all__ = ["PaintMesh"]
+__all__ = ["PaintMesh", "refinement_log", "repeat_refinement", "saved_ids"]
 
 _REFINED_CELL = 5.0  # a cell's size over the longest edge wanted: cells are refined as a whole
 _PLAIN_CELL = 12.0  # where nothing is refined, fewer and larger cells are found faster
@@ -493,3 +498,70 @@ def _blocks(points: AnyArray, starts: AnyArray) -> dict[str, AnyArray]:
     radius = 1.0001 * np.maximum.reduceat(reach, first)
     balls = np.column_stack([centre, radius]).astype(np.float32)
     return {"cell_blocks": cell_blocks, "block_balls": balls}
+
+
+# ---- As a list of bisections ---------------------------------------------------------------------
+# A refined mesh as a list of bisections, small to keep and safe to take from a stranger.
+
+
+_HALVED_AT_ONCE = 1 << 16  # some hundredths of a second
+_FIRST_ROOM = 1 << 18  # a log may come from a stranger: more room is made as it proves right
+
+
+def refinement_log(mesh: PaintMesh) -> NDArray[np.int32]:
+    """Return the nodes that were halved (n,), in the order in which they were.
+
+    Nodes are numbered from the source's triangles on, so a log depends on the source mesh and on
+    the rules of `mesh.kernels.refine`, but not on the lattice in which vertices are found.
+    """
+    child = mesh.arrays.child[: int(mesh.arrays.counts[1])]
+    halved = np.flatnonzero(child >= 0)
+    return halved[np.argsort(child[halved], kind="stable")].astype(np.int32)
+
+
+def repeat_refinement(
+    mesh: PaintMesh, log: NDArray[np.int32], progress: Callable[[float], None] | None = None
+) -> None:
+    """Refine a fresh mesh as the log says: the same vertices and triangles, in the same order.
+
+    Parameters
+    ----------
+    mesh : PaintMesh
+    log : (n,) int32
+    progress : callable, optional
+        Called with the share done, now and then; what it raises stops it.
+
+    Raises
+    ------
+    MeshError
+        If the log does not belong to this mesh.
+    """
+    if len(log) and not mesh.refines:
+        raise MeshError("a mesh that is never refined has a refinement log; expected none")
+    log, at = np.ascontiguousarray(log, np.int32), np.zeros(1, np.int64)
+    if len(log):
+        mesh.reserve(min(len(log), _FIRST_ROOM))
+    state = 0
+    for end in range(_HALVED_AT_ONCE, len(log) + _HALVED_AT_ONCE, _HALVED_AT_ONCE):
+        while (state := repeat_splits(mesh.arrays, log[:end], at)) == NO_ROOM:
+            mesh.reserve()
+        if state == BAD_LOG:
+            break
+        if progress is not None:
+            progress(min(1.0, end / len(log)))
+    if state == BAD_LOG:
+        raise MeshError(
+            f"bisection {int(at[0])} of the refinement log halves triangle {log[at[0]]}, which "
+            "this mesh would not halve; expected the log of this mesh"
+        )
+
+
+def saved_ids(mesh: PaintMesh) -> NDArray[np.int32]:
+    """Return for each vertex (V,) the number that does not depend on the lattice.
+
+    Base vertices count as they do in the source (one on a crease once for each of its normals),
+    added ones follow in the order in which they came.
+    """
+    ids = np.empty(mesh.n_vertices, np.int32)
+    ids[mesh.source_order()] = np.arange(mesh.n_vertices, dtype=np.int32)
+    return ids

@@ -6,12 +6,11 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from paint3d.brush.bristle_spec import BristleSpec
 from paint3d.brush.bristles import build_bristles
-from paint3d.brush.spec import BrushSpec
+from paint3d.brush.spec import BristleSpec, BrushSpec
 from paint3d.brush_engine.bristles.ink_transfer import sum_hairs
 from paint3d.brush_engine.bristles.state import MEMORY_SIZE, SPLIT, WAY, Hairs, make_hairs
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 from paint3d.surface.painted_surface import PaintedSurface
 
 __all__ = ["HairTuft", "complete_memory"]

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.core.arrays import AnyArray
 from paint3d.core.quaternion import multiply_quaternions, quaternions_from_matrices
-from paint3d.core.types import AnyArray
 from paint3d.device.recorded import Recording
 from paint3d.device.sample import DIP
 from paint3d.errors import InputError, RecordingError

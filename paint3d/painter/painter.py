@@ -18,11 +18,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from paint3d.brush.bending import tuft_on
-from paint3d.brush.bristle_spec import BristleSpec
-from paint3d.brush.dip_amount import DipAmount
-from paint3d.brush.dynamics import build_curves
 from paint3d.brush.presets import load_brush
-from paint3d.brush.spec import BrushSpec
+from paint3d.brush.spec import BristleSpec, BrushSpec, DipAmount, build_curves
 from paint3d.brush_engine import placement
 from paint3d.brush_engine.contact import Contact, find_contact
 from paint3d.brush_engine.footprint import Stamp
@@ -43,8 +40,7 @@ from paint3d.brush_engine.vertex_query import VISITED
 from paint3d.colour.inks import load_ink
 from paint3d.colour.pigments import Pigment, load_pigment
 from paint3d.core.ahead import ahead
-from paint3d.core.arrays import as_number, dots_of
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray, as_number, dots_of
 from paint3d.device.sample import DIP, DeviceSample
 from paint3d.errors import InputError
 from paint3d.painter.flat_input import LaidPad

@@ -8,12 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.brush.dip_amount import DipAmount
 from paint3d.brush.presets import load_brush
-from paint3d.brush.spec import BrushSpec
+from paint3d.brush.spec import BrushSpec, DipAmount
 from paint3d.colour.inks import load_ink
-from paint3d.colour.pigment import Pigment
-from paint3d.colour.pigments import load_pigment
+from paint3d.colour.pigments import Pigment, load_pigment
 from paint3d.core.arrays import as_number
 from paint3d.errors import BrushError, InputError, PigmentError, RecordingError, UnknownNameError
 

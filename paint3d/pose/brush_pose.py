@@ -17,9 +17,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.core.arrays import lengths_of
+from paint3d.core.arrays import AnyArray, lengths_of
 from paint3d.core.quaternion import multiply_quaternions, rotate
-from paint3d.core.types import AnyArray
 from paint3d.device.recorded import Recording
 from paint3d.device.sample import DeviceSample
 from paint3d.errors import RecordingError

@@ -17,9 +17,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from paint3d.core.arrays import as_array, as_number
+from paint3d.core.arrays import AnyArray, as_array, as_number
 from paint3d.core.quaternion import multiply, quaternions_from_matrices, rotate, turn
-from paint3d.core.types import AnyArray
 from paint3d.errors import DeviceError
 
 __all__ = ["DeviceCalibration", "fit_calibration", "load_calibration", "save_calibration"]

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from paint3d.core.arrays import as_number
-from paint3d.device.deflection import DeflectionSettings
 from paint3d.device.six_dof import AXES
+from paint3d.device.space_mouse import DeflectionSettings
 from paint3d.errors import DeviceError
 from paint3d.pose.steering import SteeringOptions
 

@@ -14,10 +14,9 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from paint3d.core.arrays import as_array, as_number
+from paint3d.core.arrays import AnyArray, as_array, as_number
 from paint3d.core.quaternion import Quaternion, Vector, multiply, normalized, turn, turn_by
-from paint3d.core.types import AnyArray
-from paint3d.device.deflection import SILENCE_NS
+from paint3d.device.space_mouse import SILENCE_NS
 from paint3d.errors import DeviceError
 
 __all__ = ["ObjectPose", "SteeringOptions", "SteeringState", "advance", "apply_action", "report"]

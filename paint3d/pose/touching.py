@@ -9,8 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from paint3d.core.arrays import as_array, as_number
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray, as_array, as_number
 from paint3d.device.sample import StylusReading
 from paint3d.errors import DeviceError
 from paint3d.pose.calibration import DeviceCalibration, fit_calibration

@@ -25,9 +25,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from paint3d.core.arrays import as_number
+from paint3d.core.arrays import AnyArray, as_number
 from paint3d.core.quaternion import slerp_one
-from paint3d.core.types import AnyArray
 from paint3d.device.sample import DeviceSample, StylusReading
 from paint3d.errors import DeviceError
 from paint3d.pose.calibration import DeviceCalibration
@@ -164,7 +163,7 @@ class TwoHands:
             self._put(reading.time_ns, reading)
 
     def add_deflection(self, time_ns: int, deflection: ArrayLike) -> None:
-        """What the left hand's cap said: (6,), see `paint3d.device.deflection`."""
+        """What the left hand's cap said: (6,), see `paint3d.device.space_mouse`."""
         self._put(time_ns, np.array(deflection, dtype=np.float64))
 
     def set_object_pose(self, pose: ObjectPose) -> None:

@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.core.arrays import AnyArray
 from paint3d.core.quaternion import (
     matrices_from_quaternions,
     multiply_quaternions,
     quaternions_from_matrices,
 )
-from paint3d.core.types import AnyArray
 from paint3d.device.recorded import Recording
 
 __all__ = [

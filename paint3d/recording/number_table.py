@@ -8,7 +8,7 @@ from typing import Protocol
 
 import numpy as np
 
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 from paint3d.errors import RecordingError
 from paint3d.recording.kernels.number_rows import read_rows
 

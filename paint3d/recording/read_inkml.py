@@ -18,8 +18,8 @@ from xml.etree import ElementTree
 
 import numpy as np
 
+from paint3d.core.arrays import AnyArray
 from paint3d.core.foreign_xml import XmlFault, parse_xml
-from paint3d.core.types import AnyArray
 from paint3d.device.recorded import MAX_FORCE_N, Recording
 from paint3d.errors import RecordingError
 from paint3d.recording.flat_recording import (

@@ -35,7 +35,7 @@ from typing import Any
 
 import numpy as np
 
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 from paint3d.device.recorded import MAX_FORCE_N, Recording
 from paint3d.errors import RecordingError
 from paint3d.recording.flat_recording import (

@@ -30,9 +30,10 @@ from pathlib import Path
 from typing import Any, BinaryIO
 
 import numpy as np
+from numpy.typing import NDArray
 
+from paint3d.core.arrays import AnyArray
 from paint3d.core.atomic import write_atomically
-from paint3d.core.types import AnyArray
 from paint3d.device.recorded import FORMAT, MAX_FORCE_N, UNIT_TOLERANCE, Recording, checked_header
 from paint3d.errors import ExportError, RecordingError
 from paint3d.recording.flat_recording import MM_PER_PIXEL
@@ -40,7 +41,9 @@ from paint3d.recording.read_table import read_csv, read_plain_table, write_csv
 
 __all__ = [
     "AT_REST",
+    "LONGEST_REST_S",
     "MAX_LINE",
+    "HandTime",
     "Recording",
     "SampleRows",
     "TextLines",
@@ -617,3 +620,55 @@ def _write_lines(lines: Iterable[str], raw: BinaryIO, zipped: bool) -> None:
         return
     with gzip.GzipFile(filename="", mode="wb", fileobj=raw, mtime=0) as packed:
         packed.write(data)
+
+
+# ---- Without long rests --------------------------------------------------------------------------
+# The time of the hand in a recording, as it is shown again: without long rests.
+
+
+LONGEST_REST_S = 1.0
+_BETWEEN_S = 0.3  # between two strokes whose clocks have nothing to do with each other
+
+
+class HandTime:
+    """Counts the time that a film or a playback takes at the hand's own speed.
+
+    Between two samples as much time passes as between them did, but at most `LONGEST_REST_S`, since
+    nothing is to be seen then; where ink spreads meanwhile, that counts in full.
+
+    Parameters
+    ----------
+    in_full : bool
+        Count every rest in full.
+
+    Attributes
+    ----------
+    seconds : float
+        Since the beginning.
+    """
+
+    def __init__(self, in_full: bool = False) -> None:
+        self.seconds = 0.0
+        self._in_full = in_full
+        self._last_ns: int | None = None
+        self._ink_s = 0.0
+
+    def pass_samples(self, time_ns: NDArray[np.int64]) -> NDArray[np.float64]:
+        """Count some samples, (N,) ns, that follow those before; when each is, (N,) s."""
+        if not len(time_ns):
+            return np.zeros(0)
+        gaps = np.diff(time_ns, prepend=time_ns[:1]) * 1e-9
+        if self._last_ns is not None:
+            since = (int(time_ns[0]) - self._last_ns) * 1e-9
+            gaps[0] = max(0.0, (since if since >= 0.0 else _BETWEEN_S) - self._ink_s)
+        if not self._in_full:
+            gaps = np.minimum(gaps, LONGEST_REST_S)
+        when = self.seconds + np.cumsum(gaps)
+        self._last_ns, self._ink_s = int(time_ns[-1]), 0.0
+        self.seconds = float(when[-1])
+        return when
+
+    def pass_ink(self, seconds: float) -> None:
+        """Count time in which ink spreads and dries."""
+        self._ink_s += seconds
+        self.seconds += seconds

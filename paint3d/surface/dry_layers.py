@@ -19,11 +19,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.colour.kernels.glazing import Ground
-from paint3d.colour.kernels.layering import GROUNDS
+from paint3d.colour.kernels.glazing import GROUNDS, Ground
 from paint3d.colour.spectra import N_BANDS
-from paint3d.core.growable import grown
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray, grown
 
 __all__ = ["DryLayers", "DryRows"]
 

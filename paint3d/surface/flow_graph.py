@@ -17,13 +17,13 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 from paint3d.mesh.refined_mesh import PaintMesh
-from paint3d.surface.kernels.block_groups import group_blocks
 from paint3d.surface.kernels.diffusion import activate_cells
 from paint3d.surface.kernels.intrinsic_delaunay import link_triangles
 from paint3d.surface.kernels.wet_graph import (
     count_vertices,
+    group_blocks,
     leaves_in_box,
     list_distinct,
     list_vertices,

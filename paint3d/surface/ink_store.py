@@ -5,22 +5,21 @@ What water moves and what layers are built of; it knows neither.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.brush_engine.dry_contact import bundle_noise, contact_noise
-from paint3d.brush_engine.ink_field import TRANSFER, InkField
+from paint3d.brush_engine.ink_transfer import TRANSFER, InkField
 from paint3d.colour.glazing import GlazeModel, make_ground
 from paint3d.colour.kernels.glazing import Ground, add_between
 from paint3d.colour.materials import Material
 from paint3d.colour.pigments import WATER, Pigment, load_drawdown_paints, load_palette
 from paint3d.colour.spectra import decode_srgb, srgb_from_reflectance
 from paint3d.colour.vertex_colours import ColourModel
-from paint3d.core.growable import grown
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray, grown
 from paint3d.errors import InputError
 from paint3d.mesh.likeness import Original, build_like
 from paint3d.mesh.refined_mesh import PaintMesh
@@ -28,7 +27,7 @@ from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.surface.dry_layers import DryLayers
 from paint3d.surface.flow_graph import FlowGraph
 
-__all__ = ["InkStore"]
+__all__ = ["InkStore", "union"]
 
 _NO_RGB = np.empty((0, 3), np.float32)
 
@@ -390,3 +389,20 @@ class _MeshColours:
     def ground_of(self, ground: Ground) -> Ground:
         """The ground with these colours in the place of the material."""
         return ground._replace(linear_rgb=self._linear)
+
+
+# ---- Sets of vertices ----------------------------------------------------------------------------
+# Sets of vertices as sorted arrays of their numbers.
+
+
+_FEW = 64  # one in so many: marking all vertices then costs more than sorting these
+
+
+def union(sets: Iterable[AnyArray], capacity: int) -> NDArray[np.int32]:
+    """The distinct numbers (N,) int32, rising, of some arrays of them, all below `capacity`."""
+    ids = np.concatenate([np.empty(0, np.int32), *sets]).astype(np.int32, copy=False)
+    if len(ids) * _FEW < capacity:
+        return np.unique(ids)
+    seen = np.zeros(capacity, bool)
+    seen[ids] = True
+    return np.flatnonzero(seen).astype(np.int32)

@@ -18,14 +18,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.colour.glazing import GlazeModel
-from paint3d.colour.kernels.layering import GROUNDS, see_through
+from paint3d.colour.kernels.glazing import GROUNDS, see_through
 from paint3d.colour.spectra import N_BANDS
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 from paint3d.errors import InputError
 from paint3d.surface.dry_layers import DryLayers
-from paint3d.surface.ink_store import InkStore
-from paint3d.surface.vertex_sets import union
-from paint3d.surface.water import Water
+from paint3d.surface.flow import Water
+from paint3d.surface.ink_store import InkStore, union
 
 __all__ = ["Layer", "LayerStack", "StackState"]
 

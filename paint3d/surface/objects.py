@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from paint3d.colour.illuminants import colour_science
 from paint3d.colour.spectra import WAVELENGTHS
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 from paint3d.errors import ExportError
 from paint3d.mesh.triangle_mesh import TriangleMesh
 

@@ -12,21 +12,18 @@ from numpy.typing import NDArray
 from paint3d.colour.difference import delta_e, lab_from_srgb
 from paint3d.colour.materials import Material, load_material
 from paint3d.colour.wet_look import WetLook
-from paint3d.core.arrays import as_array, as_number
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray, as_array, as_number
 from paint3d.errors import InputError
 from paint3d.mesh.bvh import build_contact_tree
 from paint3d.mesh.kernels.bvh import ContactTree
 from paint3d.mesh.likeness import Original
 from paint3d.mesh.simplify import coarse_faces
 from paint3d.mesh.triangle_mesh import TriangleMesh
-from paint3d.surface.flow import Flow
-from paint3d.surface.ink_store import InkStore
+from paint3d.surface.flow import Flow, Water
+from paint3d.surface.ink_store import InkStore, union
 from paint3d.surface.layer_stack import LayerStack
 from paint3d.surface.objects import open3d_of, plot_painting, pyvista_of, spectral_of, trimesh_of
 from paint3d.surface.sheen import WetWatch, look_when_wet
-from paint3d.surface.vertex_sets import union
-from paint3d.surface.water import Water
 
 if TYPE_CHECKING:
     import colour

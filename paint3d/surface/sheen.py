@@ -8,9 +8,8 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.colour.material import Material
-from paint3d.colour.pigment import Pigment
-from paint3d.colour.pigments import WATER
+from paint3d.colour.materials import Material
+from paint3d.colour.pigments import WATER, Pigment
 from paint3d.colour.wet_look import (
     MATT_ROUGHNESS,
     WetLook,
@@ -18,8 +17,7 @@ from paint3d.colour.wet_look import (
     film_share,
     shine_of_inks,
 )
-from paint3d.core.growable import grown
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray, grown
 from paint3d.mesh.refined_mesh import PaintMesh
 
 __all__ = ["PLAIN_SHINE", "WetWatch", "look_when_wet"]

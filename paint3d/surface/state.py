@@ -15,14 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.colour.materials import Material, load_materials
-from paint3d.colour.pigment import USUAL_FINE
-from paint3d.colour.pigments import WATER, Pigment, load_palette
+from paint3d.colour.pigments import USUAL_FINE, WATER, Pigment, load_palette
 from paint3d.colour.spectra import N_BANDS
-from paint3d.core.arrays import as_array, as_number
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray, as_array, as_number
 from paint3d.errors import InputError, Paint3DError, SessionError
 from paint3d.mesh.likeness import Original
-from paint3d.mesh.refinement_log import refinement_log, repeat_refinement, saved_ids
+from paint3d.mesh.refined_mesh import refinement_log, repeat_refinement, saved_ids
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.surface.painted_surface import PaintedSurface
 

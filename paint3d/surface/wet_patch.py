@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 
 from paint3d.colour.materials import WET_COAT_MM
 from paint3d.colour.pigments import WATER
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 from paint3d.surface.flow_graph import with_room
 from paint3d.surface.ink_store import InkStore
-from paint3d.surface.kernels.wet_ink import give_back, mark_news
+from paint3d.surface.kernels.diffusion import give_back, mark_news
 from paint3d.surface.kernels.wet_step import WetFields
 from paint3d.surface.pores import Pores, close_pores, find_pores, mobility_of
 

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from paint3d.core.arrays import as_array, as_number, cross
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray, as_array, as_number, cross
 from paint3d.errors import InputError
 
 __all__ = [

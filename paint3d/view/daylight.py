@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 from paint3d.view.kernels.depth_map import DepthMap, Floor, Light, add_sunlight, fill_depth_map
 from paint3d.view.studio import Sun
 

@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 
 from paint3d.brush_engine.bristles.bend import Bristles
 from paint3d.brush_engine.tuft import Tuft
-from paint3d.core.arrays import cross
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray, cross
 from paint3d.mesh.kernels.bvh import ContactTree
 from paint3d.view.brush_shape import (
     AROUND,
     BrushStand,
+    SingleHairs,
     grid_faces,
     grid_normals,
     handle_rings,
@@ -26,7 +26,6 @@ from paint3d.view.camera import Camera, picture_axes
 from paint3d.view.kernels.drape import drape_points
 from paint3d.view.live_layers import Box
 from paint3d.view.live_scene import LiveScene
-from paint3d.view.single_hairs import SingleHairs
 from paint3d.view.vtk_parts import DrawnMesh
 
 __all__ = ["HAIR_COLOURS", "LiveBrush", "fade_along", "laid_rings"]

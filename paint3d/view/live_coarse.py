@@ -15,7 +15,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 from paint3d.mesh.refined_mesh import PaintMesh
 from paint3d.view.kernels.clusters import (
     Members,

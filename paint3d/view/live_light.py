@@ -12,14 +12,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.core.growable import grown
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray, grown
 from paint3d.mesh.refined_mesh import PaintMesh
 from paint3d.view.camera import find_view, studio_axes
 from paint3d.view.daylight import Ground, Occluder, light_ground, light_points
 from paint3d.view.kernels.chunks import light_of_added, shown_colours
-from paint3d.view.studio import light_samples
-from paint3d.view.tone import linear_to_srgb, srgb_to_linear
+from paint3d.view.studio import light_samples, linear_to_srgb, srgb_to_linear
 
 __all__ = ["BakedLight", "LiveLight"]
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.colour.wet_look import darkened
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 from paint3d.surface.painted_surface import PaintedSurface
 from paint3d.surface.sheen import PLAIN_SHINE
 from paint3d.view.live_coarse import CoarseObject

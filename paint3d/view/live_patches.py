@@ -13,12 +13,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.core.growable import grown
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray, grown
 from paint3d.mesh.refined_mesh import PaintMesh
 from paint3d.view.kernels.chunks import Entries, add_faces, mark_holders, mark_split, place_faces
 
-__all__ = ["FACES", "LivePatches", "PatchChange"]
+__all__ = ["FACES", "LivePatches", "PatchChange", "turned_away"]
 
 FACES = 6000
 _FACE_AREA = 0.18  # of a refined triangle over the square of the longest edge wanted; measured
@@ -220,3 +219,44 @@ def _compact_groups(places: AnyArray, areas: AnyArray, target: float) -> list[An
 def _with_room(array: AnyArray, used: int, room: int) -> AnyArray:
     """An array with space for `room`, and more, whose first `used` entries are kept."""
     return array if len(array) >= room else grown(array, used, int(room * _GROWTH) + 64)
+
+
+# ---- Facing the eye ------------------------------------------------------------------------------
+# Which patches of an object turn their back to the eye, all of their faces at once.
+#
+# Of a patch one keeps a cone around its normals (`view.kernels.facing`; Shirman and Abi-Ezzi, The
+# cone of normals technique for fast processing of curved patches, 1993).
+
+
+_SLACK = 1e-4  # cosines: what rounding may take
+
+
+def turned_away(bounds: AnyArray, cones: AnyArray, eye: AnyArray) -> AnyArray:
+    """Whether an eye sees all triangles of each patch from behind.
+
+    Parameters
+    ----------
+    bounds : (P, 6)
+        Lowest and highest corner of the box that a patch lies in, mm.
+    cones : (P, 4)
+        `kernels.facing.cone_of` each.
+    eye : (3,)
+        mm.
+
+    Returns
+    -------
+    (P,) bool
+        False where it is not certain.
+    """
+    low, high = bounds[:, :3], bounds[:, 3:]
+    radius = 0.5 * np.linalg.norm(high - low, axis=1)
+    ahead = 0.5 * (low + high) - eye
+    away = np.linalg.norm(ahead, axis=1)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        # seen from behind if the angle between the axis and the ray is less than what is left
+        # of a right angle after the cone's half and the half under which the box is seen
+        spread = np.arccos(np.clip(cones[:, 3] - _SLACK, -1.0, 1.0))
+        seen_under = np.arcsin(np.minimum(radius / away, 1.0))
+        between = np.arccos(np.clip((ahead * cones[:, :3]).sum(axis=1) / away, -1.0, 1.0))
+        result: AnyArray = between + spread + seen_under < 0.5 * np.pi
+        return result

@@ -17,7 +17,7 @@ from collections.abc import Callable, Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 from paint3d.view.live_layers import Box, joined_box
 from paint3d.view.live_scene import LiveScene
 

@@ -16,17 +16,17 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter
 
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 from paint3d.errors import ExportError
 from paint3d.surface.sheen import PLAIN_SHINE
 from paint3d.view.camera import Camera, picture_axes
-from paint3d.view.kernels.facing import cone_of
+from paint3d.view.kernels.chunks import cone_of
 from paint3d.view.kernels.shine import add_shine
 from paint3d.view.live_coarse import CoarseObject
-from paint3d.view.live_facing import turned_away
 from paint3d.view.live_layers import Box, Enlarger, KeptPicture, LastPicture, Target
 from paint3d.view.live_light import BakedLight
 from paint3d.view.live_object import PatchUpload
+from paint3d.view.live_patches import turned_away
 from paint3d.view.studio import Gloss
 from paint3d.view.vtk_parts import DrawnMesh, camera_light, quiet_vtk
 

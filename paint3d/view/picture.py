@@ -15,15 +15,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from PIL import Image
 
-from paint3d.core.arrays import as_array
+from paint3d.core.arrays import AnyArray, as_array
 from paint3d.core.atomic import write_atomically
-from paint3d.core.types import AnyArray
 from paint3d.errors import InputError, MeshError
 from paint3d.view.camera import Camera, View, find_view, fit_camera, studio_axes, vertex_areas
 from paint3d.view.daylight import Ground, Occluder, light_ground, light_points
 from paint3d.view.scene import Scene, draw_scene
-from paint3d.view.studio import LIGHTS, Gloss, Studio, light_samples
-from paint3d.view.tone import linear_to_srgb, srgb_to_linear
+from paint3d.view.studio import LIGHTS, Gloss, Studio, light_samples, linear_to_srgb, srgb_to_linear
 
 __all__ = [
     "Gloss",

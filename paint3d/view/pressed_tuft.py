@@ -35,8 +35,8 @@ from paint3d.brush_engine.tuft import (
     TILT,
     Tuft,
 )
+from paint3d.core.arrays import AnyArray
 from paint3d.core.quaternion import matrices_from_quaternions
-from paint3d.core.types import AnyArray
 from paint3d.mesh.refined_mesh import PaintMesh
 from paint3d.painter.painter import Painter
 from paint3d.pose.brush_pose import BrushPath, joined_samples

@@ -9,11 +9,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.core.arrays import as_number
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray, as_number
 from paint3d.errors import InputError, UnknownNameError
 from paint3d.view.camera import Camera, View, find_view, fit_camera, studio_axes, vertex_areas
-from paint3d.view.flat_scene import FlatDrawing, Frame, draw_flat
 from paint3d.view.picture import (
     Lighting,
     Setting,
@@ -23,9 +21,8 @@ from paint3d.view.picture import (
     draw_picture,
     light_object,
 )
-from paint3d.view.scene import SceneDrawing
-from paint3d.view.studio import LIGHTS, Gloss
-from paint3d.view.tone import srgb_to_linear
+from paint3d.view.scene import FlatDrawing, Frame, SceneDrawing, draw_flat
+from paint3d.view.studio import LIGHTS, Gloss, srgb_to_linear
 
 __all__ = [
     "AUTO",

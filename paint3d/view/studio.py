@@ -11,10 +11,9 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.colour.material import glazed_roughness
-from paint3d.colour.materials import Material, load_materials
-from paint3d.core.arrays import as_number
-from paint3d.core.types import AnyArray
+from paint3d.colour.materials import Material, glazed_roughness, load_materials
+from paint3d.colour.spectra import decode_srgb
+from paint3d.core.arrays import AnyArray, as_number
 from paint3d.errors import UnknownNameError
 
 __all__ = [
@@ -26,9 +25,10 @@ __all__ = [
     "Studio",
     "Sun",
     "light_samples",
+    "linear_to_srgb",
     "make_panorama",
+    "srgb_to_linear",
 ]
-
 
 GOLDEN = (np.sqrt(5) - 1) / 2
 
@@ -252,3 +252,20 @@ def make_panorama(height: int = 256, studio: Studio = LIGHTS["studio"]) -> NDArr
 def _soft_step(x: AnyArray) -> NDArray[np.float64]:
     t = np.clip(0.5 + 0.5 * x, 0.0, 1.0)
     return t * t * (3 - 2 * t)
+
+
+# ---- Tone ----------------------------------------------------------------------------------------
+# Between sRGB bytes and linear light (IEC 61966-2-1).
+
+
+_LINEAR = decode_srgb(np.arange(256, dtype=np.uint8)).astype(np.float32)
+
+
+def srgb_to_linear(srgb: NDArray[np.uint8]) -> NDArray[np.float32]:
+    """Return linear light in [0, 1] for sRGB bytes of any shape."""
+    return _LINEAR[srgb]
+
+
+def linear_to_srgb(linear: AnyArray) -> AnyArray:
+    """Return sRGB in [0, 1] for linear light in [0, 1] of any shape."""
+    return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)

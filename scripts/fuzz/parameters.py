@@ -24,8 +24,7 @@ def _brush_seeds() -> list[tuple[str, bytes]]:
 
 
 def _check_brush(suffix: str, content: bytes) -> None:
-    from paint3d.brush.brush_file import read_brush
-    from paint3d.brush.presets import load_presets
+    from paint3d.brush.presets import load_presets, read_brush
 
     assert np.isfinite(read_brush(file_of(suffix, content), load_presets()).length_mm)
 
@@ -38,8 +37,7 @@ def _material_seeds() -> list[tuple[str, bytes]]:
 
 
 def _check_material(suffix: str, content: bytes) -> None:
-    from paint3d.colour.material_file import read_material
-    from paint3d.colour.materials import load_materials
+    from paint3d.colour.materials import load_materials, read_material
 
     material = read_material(file_of(suffix, content), load_materials())
     assert np.isfinite(material.reflectance).all()
@@ -55,7 +53,7 @@ def _pigments_seeds() -> list[tuple[str, bytes]]:
 
 
 def _check_pigments(suffix: str, content: bytes) -> None:
-    from paint3d.colour.pigment_tables import load_pigments_csv
+    from paint3d.colour.pigments import load_pigments_csv
 
     assert load_pigments_csv(file_of(suffix, content))
 

@@ -307,8 +307,8 @@ def _with_hairs() -> tuple[str, bytes]:
     from paint3d.app.model.document import Document
     from paint3d.app.model.input.symmetry import MirrorPlane, Symmetry
     from paint3d.app.model.mask import AngleMask, Mask
-    from paint3d.brush.bristle_spec import BristleSpec
     from paint3d.brush.presets import load_brush
+    from paint3d.brush.spec import BristleSpec
     from paint3d.mesh.triangle_mesh import TriangleMesh
 
     document = Document.new(TriangleMesh(CORNERS, FACES), 4.0, "xuan")

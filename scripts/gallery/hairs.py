@@ -11,8 +11,8 @@ sys.path.insert(0, str(Path(__file__).parent))
 from ink import draw, join, sheet, sheet_chart, stroke
 
 from paint3d.files.load import load_mesh
+from paint3d.mesh.bvh import ClosestPoints
 from paint3d.mesh.chart import make_chart
-from paint3d.mesh.closest_points import ClosestPoints
 from paint3d.mesh.placement import place
 from paint3d.painter.painter import Painter
 from paint3d.surface.painted_surface import PaintedSurface

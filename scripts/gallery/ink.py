@@ -23,14 +23,14 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 import paint3d
-from paint3d.brush.dip_amount import DipAmount
 from paint3d.brush.presets import load_brush
+from paint3d.brush.spec import DipAmount
 from paint3d.colour.pigments import load_pigment
 from paint3d.core.quaternion import quaternions_from_matrices
 from paint3d.device.recorded import Recording
 from paint3d.files.load import load_mesh
+from paint3d.mesh.bvh import ClosestPoints
 from paint3d.mesh.chart import SurfaceChart, make_chart
-from paint3d.mesh.closest_points import ClosestPoints
 from paint3d.mesh.placement import place
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.painter.painter import Painter

@@ -21,8 +21,8 @@ from paint3d.calligraphy.planning import TECHNIQUES, PlanSettings
 from paint3d.calligraphy.writing import Pen, write_text
 from paint3d.device.sample import DeviceSample
 from paint3d.files.load import load_mesh
+from paint3d.mesh.bvh import ClosestPoints
 from paint3d.mesh.chart import make_chart
-from paint3d.mesh.closest_points import ClosestPoints
 from paint3d.mesh.placement import place
 from paint3d.painter.painter import Painter
 from paint3d.pose.brush_pose import object_poses

@@ -11,8 +11,8 @@ from PIL import Image, ImageDraw
 
 import paint3d
 from paint3d.brush.bending import build_tuft
-from paint3d.brush.dip_amount import DipAmount
 from paint3d.brush.presets import choose_brush, load_brush
+from paint3d.brush.spec import DipAmount
 from paint3d.calligraphy.dips import dipped_as
 from paint3d.calligraphy.glyph_sources import open_glyphs
 from paint3d.calligraphy.kanjivg import load_lines

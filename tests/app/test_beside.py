@@ -14,7 +14,7 @@ import pytest
 import paint3d
 from paint3d.app.window.jobs.opened import some_points
 from paint3d.files.load import load_mesh
-from paint3d.mesh.closest_points import ClosestPoints
+from paint3d.mesh.bvh import ClosestPoints
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.mesh.upright import guess_up
 from paint3d.view.camera import View, fit_camera

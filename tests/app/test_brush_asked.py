@@ -7,7 +7,7 @@ from paint3d.app.model.brush_asked import BRUSH_COMMANDS, brush_after
 from paint3d.app.model.easel import Easel
 from paint3d.app.model.input.hand import Hand, PointerInput
 from paint3d.brush.presets import load_brush
-from paint3d.mesh.closest_points import ClosestPoints
+from paint3d.mesh.bvh import ClosestPoints
 from tests.support.app.hands import small_plane
 
 MS = 1_000_000

@@ -30,10 +30,10 @@ from paint3d.app.window.chinese import CHINESE
 from paint3d.app.window.dialogs import brush_editor
 from paint3d.app.window.dialogs.brush_draft import changed, range_of, value_of
 from paint3d.app.window.wording import choose_language, say_brush
-from paint3d.brush.bristle_spec import BristleSpec, shape_rows
 from paint3d.brush.presets import load_brush
+from paint3d.brush.spec import BristleSpec, shape_rows
 from paint3d.errors import BrushError
-from paint3d.view.brush_picture import draw_stroke
+from paint3d.view.brush_shape import draw_stroke
 from tests.support.app.gestures import live, pen_stroke, wait_for
 from tests.support.app.windows import opened, settled
 

@@ -14,7 +14,7 @@ from paint3d.app.model.score.of_strokes import score_of_strokes
 from paint3d.app.model.score.playback import cues_of
 from paint3d.app.model.score.playing import painted
 from paint3d.app.model.stroke_log import Stroke
-from paint3d.brush.dip_amount import DipAmount
+from paint3d.brush.spec import DipAmount
 from paint3d.cli.main import main
 from paint3d.errors import InputError, Paint3DError, RecordingError, SessionError
 from paint3d.files.load import load_mesh

@@ -16,8 +16,8 @@ from paint3d.app.model.document import Document
 from paint3d.app.model.input.symmetry import MirrorPlane, Symmetry
 from paint3d.app.model.mask import AngleMask, Mask
 from paint3d.app.model.score.playing import painted
-from paint3d.brush.bristle_spec import BristleSpec
 from paint3d.brush.presets import load_brush
+from paint3d.brush.spec import BristleSpec
 from paint3d.errors import InputError, Paint3DError, RecordingError
 from paint3d.recording.score import write_score
 from tests.app.test_score import OWN, PASSAGES, do

@@ -13,8 +13,8 @@ from paint3d.app.model.image_painter import ImagePainter
 from paint3d.app.model.input.symmetry import MirrorPlane, Symmetry
 from paint3d.app.model.persistence.sitting import Sitting, recoverable
 from paint3d.app.model.stroke_log import recording_of
-from paint3d.brush.bristle_spec import BristleSpec
 from paint3d.brush.presets import load_brush
+from paint3d.brush.spec import BristleSpec
 from paint3d.cli.main import main
 from paint3d.errors import BrushError, SessionError
 from paint3d.files.load import load_mesh

@@ -16,7 +16,7 @@ from paint3d.brush_engine.tuft import OUTLINE_CAPACITY, SCRATCH_SIZE, trace_outl
 from paint3d.core.quaternion import matrices_from_quaternions, rotate
 from paint3d.errors import BrushError, InputError
 from paint3d.files.load import load_mesh
-from paint3d.mesh.closest_points import ClosestPoints
+from paint3d.mesh.bvh import ClosestPoints
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from tests.support.app.hands import line, paint, sample, small_plane
 

@@ -13,7 +13,7 @@ from PySide6 import QtCore, QtTest
 from paint3d.app.model.document import Document
 from paint3d.app.model.persistence.settings import load_settings
 from paint3d.app.model.score.playing import painted
-from paint3d.brush.dip_amount import DipAmount
+from paint3d.brush.spec import DipAmount
 from tests.app.test_score import same_paintings
 from tests.support.app.gestures import live, pen_stroke, type_key, wait_for
 from tests.support.app.windows import faults, opened, settled

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from paint3d.app.model.document import Document
 from paint3d.colour.difference import delta_e, lab_from_srgb
-from paint3d.colour.kernels.layering import GROUNDS, see_through
+from paint3d.colour.kernels.glazing import GROUNDS, see_through
 from paint3d.colour.wet_look import shine_of_inks
 from paint3d.errors import InputError, Paint3DError, SessionError
 from paint3d.files.load import load_mesh

@@ -17,7 +17,7 @@ from paint3d.app.window.input import canvas as canvases
 from paint3d.app.window.studio import StudioWindow
 from paint3d.cli.pads import lay_on
 from paint3d.files.load import load_mesh
-from paint3d.mesh.closest_points import ClosestPoints
+from paint3d.mesh.bvh import ClosestPoints
 from paint3d.painter.painter import Painter
 from paint3d.surface.painted_surface import PaintedSurface
 from tests.support.app.event_player import DeviceEvent, EventRecording, open_for, settle, surface_of

@@ -20,7 +20,7 @@ from paint3d.app.model.stroke_log import weights_of
 from paint3d.app.window.dialogs.film_dialog import Film, FilmDialog
 from paint3d.app.window.jobs import growth_film
 from paint3d.app.window.wording import say
-from paint3d.brush.dip_amount import DipAmount
+from paint3d.brush.spec import DipAmount
 from paint3d.cli.main import main
 from paint3d.files.load import load_mesh
 from paint3d.files.project.session import load_session

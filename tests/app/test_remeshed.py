@@ -14,7 +14,7 @@ from paint3d.app.model.score.playing import begun, painted
 from paint3d.cli.main import main
 from paint3d.files.load import load_mesh
 from paint3d.files.project.session import load_session
-from paint3d.mesh.closest_points import ClosestPoints
+from paint3d.mesh.bvh import ClosestPoints
 from paint3d.mesh.likeness import digest_of
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.recording.recording import Recording

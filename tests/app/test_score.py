@@ -26,8 +26,15 @@ from paint3d.colour.pigments import Pigment
 from paint3d.errors import Paint3DError, RecordingError
 from paint3d.files.load import load_mesh
 from paint3d.recording.recording import Recording
-from paint3d.recording.score import Score, load_score, save_score, write_score
-from paint3d.recording.score_schema import check_command, command_names, schema
+from paint3d.recording.score import (
+    Score,
+    check_command,
+    command_names,
+    load_score,
+    save_score,
+    schema,
+    write_score,
+)
 from paint3d.surface.painted_surface import PaintedSurface
 from tests.support.app.hands import line, paint, small_plane
 from tests.support.examples import examples

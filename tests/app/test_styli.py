@@ -21,8 +21,7 @@ from paint3d.colour.materials import load_material
 from paint3d.device.force import haptic_stylus
 from paint3d.device.sample import DIP, StylusReading
 from paint3d.device.space_mouse import MouseEvent
-from paint3d.haptics.feel import Feel
-from paint3d.haptics.settings import DeviceLimits, HapticSettings
+from paint3d.haptics.settings import DeviceLimits, Feel, HapticSettings
 from paint3d.pose.mouse_settings import MouseSettings
 from paint3d.pose.steering import apply_action
 from tests.support.app.gestures import live, wait_for

@@ -15,8 +15,8 @@ from paint3d.app.model.input.symmetry import MirrorPlane, Symmetry
 from paint3d.app.model.score.of_strokes import score_of_strokes
 from paint3d.app.model.score.playing import painted
 from paint3d.app.model.stroke_log import strokes_of
-from paint3d.brush.dip_amount import DipAmount
 from paint3d.brush.presets import load_brush
+from paint3d.brush.spec import DipAmount
 from paint3d.calligraphy.flying_white import inked_as
 from paint3d.calligraphy.glyphs import Glyph, GlyphStroke
 from paint3d.calligraphy.page.page import Page, Piece

@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 
 from paint3d.files.load import load_mesh
 from paint3d.painter.painter import Painter
+from paint3d.surface.ink_store import union
 from paint3d.surface.painted_surface import PaintedSurface
 from paint3d.surface.undo import UndoHistory
-from paint3d.surface.vertex_sets import union
 from tests.support.app.hands import line
 from tests.support.cases import long_but
 from tests.support.examples import examples

@@ -8,9 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from paint3d.brush.bristle_spec import BristleSpec
-from paint3d.brush.brush_file import brush_text
-from paint3d.brush.presets import brush_names, brush_note, load_brush
+from paint3d.brush.presets import brush_names, brush_note, brush_text, load_brush
+from paint3d.brush.spec import BristleSpec
 from paint3d.core.parameter_file import is_parameter_file
 from paint3d.errors import BrushError
 

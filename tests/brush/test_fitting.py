@@ -9,10 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from paint3d.brush.bristle_shapes import MEASURED, measured_shapes
-from paint3d.brush.bristle_spec import BristleSpec, shape_rows
-from paint3d.brush.bristles import build_bristles
-from paint3d.brush.brush_file import brush_text, write_brush
+from paint3d.brush.bristles import MEASURED, build_bristles, measured_shapes
 from paint3d.brush.fitting import (
     PRESS_COLUMNS,
     fit_presses,
@@ -22,7 +19,8 @@ from paint3d.brush.fitting import (
     read_presses,
     read_shapes,
 )
-from paint3d.brush.presets import load_brush, load_presets
+from paint3d.brush.presets import brush_text, load_brush, load_presets, write_brush
+from paint3d.brush.spec import BristleSpec, shape_rows
 from paint3d.errors import BrushError, InputError
 
 CURVES = "angle,x0,z0,x1,z1,x2,z2,x3,z3,spread\n"

@@ -9,14 +9,15 @@ import pytest
 from scipy.optimize import minimize
 
 from paint3d.brush.bending import bending_table, build_tuft
-from paint3d.brush.effective_footprint import (
+from paint3d.brush.footprint import (
+    Footprint,
     back_zone,
     effective_points,
     front_zone,
+    make_footprint,
     stroke_width,
     technique,
 )
-from paint3d.brush.footprint import Footprint, make_footprint
 from paint3d.brush.presets import brush_names, load_brush
 from paint3d.brush_engine.tuft import RING_STATIONS, STATIONS, enclose_tuft, trace_spine
 from paint3d.errors import BrushError

@@ -12,10 +12,9 @@ from hypothesis import strategies as st
 
 from paint3d.bench.kernels.standing_bristles import bend_often
 from paint3d.brush.bending import GREATEST_FRACTION, build_tuft
-from paint3d.brush.bristle_shapes import MEASURED
-from paint3d.brush.bristle_spec import BristleSpec
-from paint3d.brush.bristles import build_bristles, hair_places
+from paint3d.brush.bristles import MEASURED, build_bristles, hair_places
 from paint3d.brush.presets import load_brush
+from paint3d.brush.spec import BristleSpec
 from paint3d.brush_engine.bristles import bend as bt
 from paint3d.errors import BrushError
 from tests.support.examples import examples

@@ -7,8 +7,8 @@ import dataclasses
 import numpy as np
 import pytest
 
-from paint3d.brush.dynamics import INPUTS, SETTINGS, build_curves
 from paint3d.brush.presets import load_brush
+from paint3d.brush.spec import INPUTS, SETTINGS, build_curves
 from paint3d.brush_engine.stroke_loop import curve_at
 from paint3d.errors import BrushError
 from paint3d.painter.painter import Painter

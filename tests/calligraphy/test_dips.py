@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from paint3d.brush.dip_amount import DipAmount
 from paint3d.brush.presets import load_brush
+from paint3d.brush.spec import DipAmount
 from paint3d.calligraphy.dips import DipPolicy, dipped_as, ink_taken, redipped
 from paint3d.cli.main import main
 from paint3d.device.recorded import Recording

@@ -21,7 +21,7 @@ from paint3d.calligraphy.page.laying import lay_page
 from paint3d.calligraphy.shapes.ductus import known_strokes
 from paint3d.errors import InputError
 from paint3d.files.load import load_mesh
-from paint3d.mesh.closest_points import ClosestPoints
+from paint3d.mesh.bvh import ClosestPoints
 from scripts.fuzz.copied import COPIED
 from tests.support.found_strokes import as_listed
 

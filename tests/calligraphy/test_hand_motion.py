@@ -11,8 +11,8 @@ from paint3d.calligraphy.hand_motion import join_motions, to_hand_motion, travel
 from paint3d.calligraphy.timing import Motion, Tempo
 from paint3d.core.quaternion import rotate
 from paint3d.files.load import load_mesh
+from paint3d.mesh.bvh import ClosestPoints
 from paint3d.mesh.chart import frame_at, make_chart
-from paint3d.mesh.closest_points import ClosestPoints
 
 EM = 20.0
 

@@ -13,12 +13,10 @@ from scipy.spatial import cKDTree
 from paint3d.calligraphy.layout import Layout, layout_text, split_text
 from paint3d.errors import InputError, MeshError
 from paint3d.files.load import load_mesh
-from paint3d.mesh.chart import frame_at, make_chart
-from paint3d.mesh.closest_points import ClosestPoints
-from paint3d.mesh.em_square import SquareLimits, lay_square
-from paint3d.mesh.placement import place
+from paint3d.mesh.bvh import ClosestPoints
+from paint3d.mesh.chart import SquareLimits, frame_at, lay_square, make_chart
+from paint3d.mesh.placement import place, walk
 from paint3d.mesh.triangle_mesh import TriangleMesh
-from paint3d.mesh.walking import walk
 from tests.support.cases import long_but
 
 POEM = "春眠不觉晓处处闻啼鸟夜来风雨声花落知多少"

@@ -10,8 +10,8 @@ from paint3d.calligraphy.seal.impression import Pressing, find_impression
 from paint3d.calligraphy.seal.stone import cut_drawing
 from paint3d.errors import InputError, MeshError
 from paint3d.files.load import load_mesh
+from paint3d.mesh.bvh import ClosestPoints
 from paint3d.mesh.chart import frame_at
-from paint3d.mesh.closest_points import ClosestPoints
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.surface.painted_surface import PaintedSurface
 from tests.support.app.hands import small_plane

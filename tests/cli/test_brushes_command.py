@@ -17,7 +17,7 @@ from paint3d.brush.fitting import press_errors, read_presses
 from paint3d.brush.presets import brush_names, load_brush
 from paint3d.cli.main import main
 from paint3d.errors import BrushError
-from paint3d.view import brush_picture
+from paint3d.view import brush_shape
 
 SHEET = "v 0 0 0\nv 90 0 0\nv 90 90 0\nv 0 90 0\nf 1 2 3 4\n"
 
@@ -44,9 +44,9 @@ def test_the_brushes_are_listed(capsys: pytest.CaptureFixture[str]) -> None:
 
 def test_a_picture_of_each_is_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """One is looked at in its size; the others are drawn, too, with a sixteenth of its pixels."""
-    folder, draw = tmp_path / "pictures", brush_picture.draw_brush
+    folder, draw = tmp_path / "pictures", brush_shape.draw_brush
     monkeypatch.setattr(
-        brush_picture,
+        brush_shape,
         "draw_brush",
         lambda b, ink: draw(b, ink, *([] if b.name == "full" else [60])),
     )

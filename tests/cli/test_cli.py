@@ -24,7 +24,7 @@ from paint3d.bench import registry
 from paint3d.bench.result import Check, Result
 from paint3d.cli import bench, devices, first_run, main, options, progress, replay, report, versions
 from paint3d.colour.materials import material_names
-from paint3d.core import compiled as compiled_kernels
+from paint3d.core import kernel as compiled_kernels
 from paint3d.core.ending import AskedToEnd, Ends
 from paint3d.errors import ExportError, MeshError
 

@@ -19,10 +19,9 @@ from paint3d.cli import main
 from paint3d.cli.pictures.films import Watch
 from paint3d.errors import ExportError
 from paint3d.painter.painter import Painter
-from paint3d.recording.hand_time import HandTime
-from paint3d.recording.recording import Recording, save_recording
+from paint3d.recording.recording import HandTime, Recording, save_recording
 from paint3d.view import shot
-from paint3d.view.mp4 import find_encoder, write_mp4
+from paint3d.view.film import find_encoder, write_mp4
 from tests.support.full_disk import full_disk
 from tests.support.surface_cases import poses
 from tests.view.test_view_picture import needs_opengl

@@ -9,11 +9,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from paint3d.cli import main
-from paint3d.colour.difference import delta_e, lab_from_xyz
+from paint3d.colour.difference import compare_spectra, delta_e, lab_from_xyz
 from paint3d.colour.illuminants import FINE_NM, OBSERVERS, find_illuminant
 from paint3d.colour.layers import mixture_reflectance
 from paint3d.colour.materials import load_material
-from paint3d.colour.metamerism import compare_spectra
 from paint3d.colour.pigments import load_palette, load_pigment
 from paint3d.colour.spectra import N_BANDS, WAVELENGTHS, decode_srgb, srgb_from_reflectance
 from paint3d.colour.viewing import GAMUTS, Viewing, linear_srgb_of

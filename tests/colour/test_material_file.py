@@ -12,8 +12,13 @@ import pytest
 from paint3d.app.model.score.words import Inks, header_of, material_in
 from paint3d.brush.bending import build_tuft, tuft_on
 from paint3d.brush.presets import brush_names, load_brush
-from paint3d.colour.material_file import material_text
-from paint3d.colour.materials import Material, load_material, load_materials, material_names
+from paint3d.colour.materials import (
+    Material,
+    load_material,
+    load_materials,
+    material_names,
+    material_text,
+)
 from paint3d.colour.spectra import srgb_from_reflectance
 from paint3d.errors import PigmentError, UnknownNameError
 from paint3d.files.load import load_mesh

@@ -18,10 +18,10 @@ import pytest
 from paint3d.brush_engine.stroke_loop import paint_samples
 from paint3d.brush_engine.tuft import drag_length
 from paint3d.colour.kernels.kubelka_munk import layer_bands
-from paint3d.core import compiled
+from paint3d.core import kernel
 from paint3d.core.kernel_library import FOLDER, INDEX, Library, library
 from paint3d.core.numba_kernels import ONLY, DeferredKernel, llvm_name, processor_of
-from paint3d.mesh.kernels.median_split import order_by_halving
+from paint3d.mesh.kernels.bvh import order_by_halving
 from paint3d.mesh.kernels.refine import activate_cell
 from paint3d.mesh.kernels.topology import corner_normals, count_around, link_radial, measure_faces
 from tests.support.machine_code import needs_library
@@ -79,7 +79,7 @@ def test_the_library_and_numba_give_the_same_bytes(
 
 
 def test_kernels_that_only_kernels_call_are_left_to_numba_and_to_be_called() -> None:
-    from paint3d.mesh.kernels.grid import find_pair
+    from paint3d.mesh.kernels.mesh_arrays import find_pair
 
     assert type(find_pair) is DeferredKernel
     pairs, roots = np.array([0, 3], np.int64), np.array([2, 5, 9], np.int32)
@@ -169,7 +169,7 @@ import sys
 sys.path.insert(0, {root!r})
 from paint3d.brush_engine.stroke_loop import paint_samples
 from paint3d.mesh.kernels.topology import link_radial
-from paint3d.mesh.kernels.welding import weld_positions
+from paint3d.mesh.kernels.topology import weld_positions
 kernels = (paint_samples, link_radial, weld_positions)
 print(*(type(kernel).__name__ for kernel in kernels), "numba" in sys.modules)
 """
@@ -198,7 +198,7 @@ def test_a_kernel_is_not_taken_where_a_source_that_it_was_made_from_has_changed(
     assert kinds(copy) == [ahead, ahead, ahead, "False"]
     for changed, expected in (
         ("mesh/kernels/topology.py", [ahead, by_numba, ahead]),
-        ("mesh/kernels/grid.py", [by_numba, ahead, ahead]),  # called by paint_samples
+        ("mesh/kernels/mesh_arrays.py", [by_numba, ahead, ahead]),  # called by paint_samples
         ("mesh/kernels/mesh_arrays.py", [by_numba, ahead, ahead]),  # a tuple that it takes
         ("core/kernel.py", [by_numba] * 3),  # the decorators
     ):
@@ -351,8 +351,8 @@ def test_a_character_is_written_replayed_and_exported_without_numba(
 
 
 def test_nothing_is_compiled_and_it_is_known_so() -> None:
-    assert compiled.is_compiled(paint_samples)
-    assert not compiled.is_compiled(corner_normals) or type(corner_normals) is not DeferredKernel
+    assert kernel.is_compiled(paint_samples)
+    assert not kernel.is_compiled(corner_normals) or type(corner_normals) is not DeferredKernel
 
 
 BY_ONE = """

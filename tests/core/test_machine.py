@@ -37,8 +37,8 @@ ANY = re.compile(rf"\b({'|'.join([*MODULES, *(n for names in NAMES.values() for 
 # only where a system ends processes by signals.
 ALLOWED = {
     "haptics/realtime.py": {"os.sched_setscheduler", "os.sched_param", "os.uname"},
-    "device/force/virtual_stylus.py": {"os.sched_setscheduler", "os.sched_param"},
-    "device/permission.py": {"os.O_NONBLOCK"},
+    "bench/virtual_stylus.py": {"os.sched_setscheduler", "os.sched_param"},
+    "device/hid_link.py": {"os.O_NONBLOCK"},
     "files/sandbox/isolation.py": {"signal.SIGXCPU", "signal.SIGKILL"},
 }
 

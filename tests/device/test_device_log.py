@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 
 from paint3d.device.catalogue import find_mouse_quirks
-from paint3d.device.deflection import DeflectionSettings
 from paint3d.device.device_log import DeviceLog, PlaybackLink, read_device_log
 from paint3d.device.device_loop import DeviceLoop
 from paint3d.device.force import haptic_stylus
@@ -19,7 +18,7 @@ from paint3d.device.hid_link import DeviceGoneError
 from paint3d.device.hid_nodes import HidNode, kind_of
 from paint3d.device.hot_plug import PluggedDevices, compare_nodes
 from paint3d.device.report_rate import find_report_rate, lateness_ms
-from paint3d.device.space_mouse import SpaceMouse
+from paint3d.device.space_mouse import DeflectionSettings, SpaceMouse
 from paint3d.errors import DeviceError
 from tests.support.descriptors import SPACENAVIGATOR, buttons, collection, field, pen
 

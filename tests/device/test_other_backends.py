@@ -17,11 +17,11 @@ from websockets.exceptions import ConnectionClosed
 from websockets.sync.server import serve
 
 from paint3d.core.quaternion import rotate
-from paint3d.device.force import inverse3_port
+from paint3d.device.force import inverse3
 from paint3d.device.force.force_port import SocketForcePort
 from paint3d.device.force.haptic_stylus import decode_force, encode_pose
 from paint3d.device.force.inverse3 import MAX_FORCE_N as INVERSE3_LIMIT
-from paint3d.device.force.inverse3_port import Inverse3Port
+from paint3d.device.force.inverse3 import Inverse3Port
 from paint3d.device.force.openhaptics import WORLD_FROM_OPENHAPTICS, OpenHapticsPort
 from paint3d.device.sample import BARREL, DIP
 from paint3d.errors import DeviceError
@@ -243,7 +243,7 @@ def run_inverse3(loop: Loop, **more) -> Service:
 
 
 def test_the_inverse3_is_asked_and_answered(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(inverse3_port, "_SILENCE_S", 120.0)  # a machine that is late is not silent
+    monkeypatch.setattr(inverse3, "_SILENCE_S", 120.0)  # a machine that is late is not silent
     loop = Loop(40)
     service = run_inverse3(loop)
     *pushing, last = service.forces()

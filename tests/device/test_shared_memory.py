@@ -9,11 +9,11 @@ from pathlib import Path
 
 import pytest
 
-from paint3d.device.force.shared_memory import make_shared_memory
+from paint3d.haptics.shared_state import make_shared_memory
 
 SMALL = "mount -t tmpfs -o size=64k none /dev/shm"
 USE = """
-from paint3d.device.force.shared_memory import make_shared_memory
+from paint3d.haptics.shared_state import make_shared_memory
 from paint3d.errors import DeviceError
 memory = make_shared_memory(60_000)
 memory.buf[:] = bytes(len(memory.buf))  # ends the process where there is no room after all

@@ -20,7 +20,7 @@ from paint3d.device.recorded import Recording
 from paint3d.errors import ExportError, InputError, SessionError
 from paint3d.files.project import session as sessions
 from paint3d.files.project.session import Session, load_session, save_session
-from paint3d.mesh.refinement_log import refinement_log, repeat_refinement
+from paint3d.mesh.refined_mesh import refinement_log, repeat_refinement
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.painter.painter import Painter
 from paint3d.surface import state as states

@@ -10,9 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from paint3d.brush.presets import load_brush
-from paint3d.haptics.feel import Feel
 from paint3d.haptics.kernels import state as hs
-from paint3d.haptics.settings import PHANTOM_DESKTOP, TOUCH, DeviceLimits
+from paint3d.haptics.settings import PHANTOM_DESKTOP, TOUCH, DeviceLimits, Feel
 from paint3d.surface.painted_surface import PaintedSurface
 from scripts.solids import make_plane
 from tests.support.force_model import ForceModel

@@ -15,8 +15,13 @@ from paint3d.core.quaternion import multiply_quaternions, quaternions_from_matri
 from paint3d.errors import DeviceError
 from paint3d.haptics.kernels import state as hs
 from paint3d.haptics.settings import PHANTOM_DESKTOP, TOUCH, DeviceLimits, HapticSettings
-from paint3d.mesh.kernels.bounded_bvh import find_foot_within, mean_normal, nearest_within
-from paint3d.mesh.kernels.bvh import closest_point, find_foot
+from paint3d.mesh.kernels.bvh import (
+    closest_point,
+    find_foot,
+    find_foot_within,
+    mean_normal,
+    nearest_within,
+)
 from paint3d.surface.painted_surface import PaintedSurface
 from scripts.solids import make_bowl, make_plane, make_sphere
 from tests.support.cases import long_but

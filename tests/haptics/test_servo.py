@@ -18,6 +18,7 @@ import numpy as np
 import pytest
 
 from paint3d.bench.registry import run_benchmark
+from paint3d.bench.virtual_stylus import VirtualStylus
 from paint3d.brush.presets import load_brush
 from paint3d.device.force.force_port import ForceLoop, SocketForcePort
 from paint3d.device.force.haptic_stylus import (
@@ -26,7 +27,6 @@ from paint3d.device.force.haptic_stylus import (
     encode_force,
     encode_pose,
 )
-from paint3d.device.force.virtual_stylus import VirtualStylus
 from paint3d.haptics import servo
 from paint3d.haptics.realtime import SCHEDULES
 from paint3d.haptics.servo import ForceFeedback

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import pytest
 
 from paint3d.device import hid_nodes
-from paint3d.device.force.inverse3_port import Inverse3Port
+from paint3d.device.force.inverse3 import Inverse3Port
 from paint3d.errors import DeviceError, InputError
 from paint3d.haptics import stylus_choice
 from paint3d.haptics.stylus_choice import check_stylus, find_stylus

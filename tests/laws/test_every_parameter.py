@@ -13,11 +13,9 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
-from paint3d.brush.bristle_spec import TABLES, BristleSpec, hair_ranges
 from paint3d.brush.presets import load_brush
-from paint3d.brush.spec import HAIRS, BrushSpec, parameter_ranges
-from paint3d.colour.material import Material, material_ranges
-from paint3d.colour.materials import load_material
+from paint3d.brush.spec import HAIRS, TABLES, BristleSpec, BrushSpec, hair_ranges, parameter_ranges
+from paint3d.colour.materials import Material, load_material, material_ranges
 from paint3d.core.quaternion import multiply_quaternions
 from paint3d.errors import InputError
 from paint3d.haptics.settings import HapticSettings

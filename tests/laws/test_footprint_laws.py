@@ -9,8 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from paint3d.brush.bending import build_tuft
-from paint3d.brush.effective_footprint import stroke_width
-from paint3d.brush.footprint import make_footprint
+from paint3d.brush.footprint import make_footprint, stroke_width
 from paint3d.brush.presets import brush_names, load_brush
 from paint3d.brush_engine.tuft import STATIONS, greatest_descent, round_diameter, trace_spine
 

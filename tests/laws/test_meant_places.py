@@ -18,7 +18,7 @@ from paint3d.files.load import load_mesh
 from paint3d.files.project import journal as journals
 from paint3d.files.project.journal import Journal, read_journal
 from paint3d.files.project.session import Session, load_session, save_session
-from paint3d.mesh.closest_points import ClosestPoints
+from paint3d.mesh.bvh import ClosestPoints
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.painter.flat_input import lay
 from paint3d.painter.painter import Painter

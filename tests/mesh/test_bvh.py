@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial import Delaunay
 
-from paint3d.mesh.bvh import build_contact_tree
-from paint3d.mesh.closest_points import ClosestPoints
+from paint3d.mesh.bvh import ClosestPoints, build_contact_tree
 from paint3d.mesh.kernels.bvh import closest_point, find_foot
 from paint3d.mesh.refined_mesh import PaintMesh
 from paint3d.mesh.triangle_mesh import TriangleMesh

@@ -5,8 +5,8 @@ import pytest
 
 from paint3d.core.quaternion import matrices_from_quaternions
 from paint3d.errors import InputError, MeshError, RecordingError
+from paint3d.mesh.bvh import ClosestPoints
 from paint3d.mesh.chart import frame_at, make_chart
-from paint3d.mesh.closest_points import ClosestPoints
 from paint3d.mesh.placement import place
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.painter.flat_input import LaidPad, lay, size_of

@@ -9,9 +9,8 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from paint3d.errors import InputError
-from paint3d.mesh.closest_points import ClosestPoints
-from paint3d.mesh.kernels.closest_points import _enters
-from paint3d.mesh.kernels.median_split import order_by_halving
+from paint3d.mesh.bvh import ClosestPoints
+from paint3d.mesh.kernels.bvh import _enters, order_by_halving
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from scripts.solids import make_bowl, make_plane
 

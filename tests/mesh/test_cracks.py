@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from paint3d.mesh.kernels.cracks import link_cracks
-from paint3d.mesh.kernels.grid import flood_patch
-from paint3d.mesh.kernels.mesh_arrays import Cells, make_patch
+from paint3d.mesh.kernels.mesh_arrays import Cells, flood_patch, make_patch
+from paint3d.mesh.kernels.topology import link_cracks
 from paint3d.mesh.refined_mesh import PaintMesh
 from paint3d.mesh.triangle_mesh import TriangleMesh
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from paint3d.mesh.kernels.grid import find_cell, flood_patch, sheet_of
-from paint3d.mesh.kernels.mesh_arrays import make_patch
+from paint3d.mesh.kernels.mesh_arrays import find_cell, flood_patch, make_patch, sheet_of
 from paint3d.mesh.refined_mesh import PaintMesh
 from paint3d.mesh.triangle_mesh import TriangleMesh
 

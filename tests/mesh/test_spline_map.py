@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import RectBivariateSpline
 
-from paint3d.mesh.spline_map import SplineMap
+from paint3d.mesh.chart import SplineMap
 
 
 @pytest.mark.parametrize("nodes", [(4, 4), (5, 41), (33, 8)])

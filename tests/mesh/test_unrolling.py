@@ -2,9 +2,8 @@ import numpy as np
 import pytest
 
 from paint3d.errors import InputError
-from paint3d.mesh.chart import frame_at, make_chart
-from paint3d.mesh.closest_points import ClosestPoints
-from paint3d.mesh.unrolling import unroll
+from paint3d.mesh.bvh import ClosestPoints
+from paint3d.mesh.chart import frame_at, make_chart, unroll
 from scripts.solids import make_plane, make_sphere
 
 

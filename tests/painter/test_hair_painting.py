@@ -15,8 +15,8 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
-from paint3d.brush.bristle_spec import MOST_HAIRS, BristleSpec
 from paint3d.brush.presets import load_brush
+from paint3d.brush.spec import MOST_HAIRS, BristleSpec
 from paint3d.brush_engine.bristles.bend import BLOCK
 from paint3d.brush_engine.bristles.contact import FINDINGS, GIVES, HELD
 from paint3d.brush_engine.bristles.ink_transfer import settle_deposits, sum_hairs

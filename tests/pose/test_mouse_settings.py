@@ -8,10 +8,10 @@ import pytest
 from paint3d.app.model.persistence.settings import Settings, load_settings, save_settings
 from paint3d.cli.main import main
 from paint3d.device.catalogue import find_mouse_quirks
-from paint3d.device.deflection import deflection
 from paint3d.device.sample import StylusReading
+from paint3d.device.space_mouse import deflection
 from paint3d.errors import DeviceError
-from paint3d.haptics.feel import Feel
+from paint3d.haptics.settings import Feel
 from paint3d.pose.mouse_settings import MouseSettings, parse_axes
 from paint3d.pose.touching import Touches, sheet_corners
 from paint3d.pose.two_hands import TwoHands

@@ -17,7 +17,7 @@ from paint3d.device.button_actions import (
     find_actions,
 )
 from paint3d.device.catalogue import find_mouse_quirks
-from paint3d.device.deflection import (
+from paint3d.device.space_mouse import (
     SILENCE_NS,
     DeflectionSettings,
     calibrate_rest,

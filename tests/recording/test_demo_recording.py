@@ -7,7 +7,7 @@ from paint3d.brush.bending import build_tuft
 from paint3d.brush.presets import load_brush
 from paint3d.core.quaternion import matrices_from_quaternions
 from paint3d.files.load import load_mesh
-from paint3d.mesh.closest_points import ClosestPoints
+from paint3d.mesh.bvh import ClosestPoints
 from paint3d.pose.brush_pose import brush_poses
 from paint3d.recording.recording import load_recording
 

@@ -11,12 +11,21 @@ import pytest
 from jsonschema import Draft202012Validator
 
 from paint3d.cli.main import main
-from paint3d.colour.pigment import Pigment
+from paint3d.colour.pigments import Pigment
 from paint3d.errors import ExportError, RecordingError
 from paint3d.files.project.session import load_session
 from paint3d.recording.recording import load_recording
-from paint3d.recording.score import Score, is_score, load_score, save_score, write_score
-from paint3d.recording.score_schema import check_command, check_header, check_sample, schema
+from paint3d.recording.score import (
+    Score,
+    check_command,
+    check_header,
+    check_sample,
+    is_score,
+    load_score,
+    save_score,
+    schema,
+    write_score,
+)
 
 DOCS = Path(__file__).parents[2] / "docs" / "recordings.md"
 EXAMPLE = Path(__file__).parents[2] / "examples" / "bamboo.score.jsonl"

@@ -14,13 +14,11 @@ from jsonschema import Draft202012Validator
 
 from paint3d.errors import InputError, RecordingError
 from paint3d.files.load import load_mesh
-from paint3d.mesh.closest_points import ClosestPoints
+from paint3d.mesh.bvh import ClosestPoints
 from paint3d.recording import change_brush, change_ink, delete_stroke, move_stroke, retime_stroke
 from paint3d.recording.recording import Recording
-from paint3d.recording.score import Score, load_score, save_score, write_score
-from paint3d.recording.score_edits import edit_stroke
-from paint3d.recording.score_moves import tangents_at
-from paint3d.recording.score_schema import schema
+from paint3d.recording.score import Score, load_score, save_score, schema, write_score
+from paint3d.recording.score_edits import edit_stroke, tangents_at
 from paint3d.recording.score_steps import follow_steps
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "bamboo.score.jsonl"

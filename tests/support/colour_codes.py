@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.colour.difference import delta_e, lab_from_srgb
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 
 __all__ = ["worth_of_one_code"]
 

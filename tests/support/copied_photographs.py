@@ -26,7 +26,7 @@ from paint3d.calligraphy.photo.rehearsal import rehearsed
 from paint3d.calligraphy.shapes.decompose import decompose
 from paint3d.calligraphy.writing import Pen, Written, write_page
 from paint3d.colour.materials import load_material
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 from paint3d.errors import Paint3DError
 from paint3d.files.load import load_mesh
 from paint3d.painter.painter import Painter

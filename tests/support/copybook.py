@@ -34,11 +34,9 @@ from paint3d.calligraphy.timing import Motion, Tempo, time_courses
 from paint3d.colour.spectra import RGB_FROM_XYZ, decode_srgb
 from paint3d.device.recorded import Recording
 from paint3d.files.load import load_mesh
-from paint3d.mesh.chart import SurfaceChart, make_chart
-from paint3d.mesh.closest_points import ClosestPoints
-from paint3d.mesh.em_square import EmSquare
+from paint3d.mesh.bvh import ClosestPoints
+from paint3d.mesh.chart import EmSquare, SurfaceChart, make_chart, unroll
 from paint3d.mesh.triangle_mesh import TriangleMesh
-from paint3d.mesh.unrolling import unroll
 from paint3d.painter.painter import Painter
 from paint3d.surface.painted_surface import PaintedSurface
 from tests.support.found_strokes import Found, joined, score

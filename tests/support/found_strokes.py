@@ -14,7 +14,7 @@ from shapely import MultiPolygon, Polygon
 from paint3d.calligraphy.glyphs import GlyphStroke
 from paint3d.calligraphy.shapes.continuation import resampled
 from paint3d.calligraphy.shapes.skeleton import length_of
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 
 __all__ = ["AsListed", "Found", "as_listed", "joined", "region_of", "score"]
 

@@ -25,13 +25,11 @@ from paint3d.calligraphy.page.svg_drawing import load_svg
 from paint3d.calligraphy.planning import PlanSettings, on_paper
 from paint3d.calligraphy.shapes.ductus import known_strokes
 from paint3d.calligraphy.writing import Pen, write_page
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 from paint3d.errors import InputError
 from paint3d.files.load import load_mesh
-from paint3d.mesh.chart import make_chart
-from paint3d.mesh.closest_points import ClosestPoints
-from paint3d.mesh.em_square import SquareLimits
-from paint3d.mesh.unrolling import unroll
+from paint3d.mesh.bvh import ClosestPoints
+from paint3d.mesh.chart import SquareLimits, make_chart, unroll
 from paint3d.painter.painter import Painter
 from paint3d.surface.painted_surface import PaintedSurface
 from tests.support.found_strokes import AsListed, as_listed

@@ -8,9 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.core.arrays import as_number
+from paint3d.core.arrays import AnyArray, as_number
 from paint3d.core.quaternion import slerp
-from paint3d.core.types import AnyArray
 from paint3d.device.recorded import Recording
 from paint3d.errors import RecordingError
 from paint3d.pose.brush_pose import BrushPath, joined_samples, velocities

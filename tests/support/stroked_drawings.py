@@ -18,7 +18,7 @@ from paint3d.calligraphy.glyphs import EM_UNITS
 from paint3d.calligraphy.page.page import Page
 from paint3d.calligraphy.page.svg_drawing import load_svg
 from paint3d.calligraphy.shapes.skeleton import length_of
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 
 __all__ = ["Drawing", "Read", "draw_strokes", "drawings_table", "lines_of", "read_drawing"]
 

@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from paint3d.brush_engine.tuft import drag_along
-from paint3d.core.arrays import as_array, as_number
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray, as_array, as_number
 from paint3d.errors import BrushError
 
 __all__ = ["drag_track", "handle_track"]

@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from paint3d.surface.kernels.block_groups import grade_paces, group_blocks
+from paint3d.surface.kernels.wet_graph import grade_paces, group_blocks
 
 SIDE = 6
 

@@ -6,8 +6,8 @@ from scipy.ndimage import uniform_filter
 
 import paint3d.surface.pores as pores
 from paint3d.colour.materials import load_material
-from paint3d.surface.fibres import fibre_relief
 from paint3d.surface.painted_surface import PaintedSurface
+from paint3d.surface.pores import fibre_relief
 from tests.surface.test_diffusion import drop, everything, grid
 
 STEP = 0.06  # mm

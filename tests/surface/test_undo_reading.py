@@ -5,8 +5,7 @@ import pytest
 from paint3d.errors import SessionError
 from paint3d.surface.painted_surface import PaintedSurface
 from paint3d.surface.undo import UndoHistory
-from paint3d.surface.undo_reading import restore_undo
-from paint3d.surface.undo_state import undo_state
+from paint3d.surface.undo_state import restore_undo, undo_state
 from scripts.solids import make_plane
 
 

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 from paint3d.view import picture
 from paint3d.view.daylight import Occluder
 from tests.support.lights import by_few_lights

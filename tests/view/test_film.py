@@ -13,7 +13,7 @@ from paint3d.files.pictures import Filmed, Turning, write_growth, write_picture
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.painter.painter import Painter
 from paint3d.surface.painted_surface import PaintedSurface
-from paint3d.view.growth import Growth
+from paint3d.view.film import Growth
 from paint3d.view.shot import Moment, Shot, take_film, take_shot
 from paint3d.view.studio import Gloss
 from tests.support.surface_cases import flat, poses, sheet

@@ -12,21 +12,27 @@ from scipy.spatial.transform import Rotation
 
 import paint3d
 from paint3d.brush.bending import build_tuft
-from paint3d.brush.bristle_spec import BristleSpec
 from paint3d.brush.bristles import build_bristles
 from paint3d.brush.presets import load_brush
+from paint3d.brush.spec import BristleSpec
 from paint3d.device.sample import DeviceSample
 from paint3d.painter.painter import Painter
 from paint3d.pose.brush_pose import object_poses
 from paint3d.surface.painted_surface import PaintedSurface
 from paint3d.view import live_brush
-from paint3d.view.brush_shape import BrushStand, grid_faces, handle_rings, tuft_rings
+from paint3d.view.brush_shape import (
+    MOST_LINES,
+    BrushStand,
+    SingleHairs,
+    grid_faces,
+    handle_rings,
+    tuft_rings,
+)
 from paint3d.view.camera import View, fit_camera
 from paint3d.view.kernels.drape import drape_points
 from paint3d.view.live_brush import LiveBrush, fade_along
 from paint3d.view.live_scene import LiveScene
 from paint3d.view.pressed_tuft import TuftFollower
-from paint3d.view.single_hairs import MOST_LINES, SingleHairs
 from paint3d.view.studio import Gloss
 from paint3d.view.vtk_parts import DrawnMesh
 

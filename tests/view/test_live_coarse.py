@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import paint3d
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 from paint3d.surface.painted_surface import PaintedSurface
 from paint3d.surface.sheen import PLAIN_SHINE
 from paint3d.view.kernels.shine import add_shine

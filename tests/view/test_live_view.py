@@ -16,12 +16,11 @@ from paint3d.mesh.kernels.refine import activate_cell
 from paint3d.surface.painted_surface import PaintedSurface
 from paint3d.view import live_light, live_scene
 from paint3d.view.camera import View, fit_camera
-from paint3d.view.kernels.facing import cone_of
-from paint3d.view.live_facing import turned_away
+from paint3d.view.kernels.chunks import cone_of
 from paint3d.view.live_layers import Box, Enlarger, KeptPicture, joined_box
 from paint3d.view.live_light import LiveLight
 from paint3d.view.live_object import LiveObject
-from paint3d.view.live_patches import LivePatches
+from paint3d.view.live_patches import LivePatches, turned_away
 from paint3d.view.live_scene import DARK, LiveScene
 from paint3d.view.studio import Gloss, light_samples
 from paint3d.view.vtk_parts import DrawnMesh

@@ -7,8 +7,14 @@ import pytest
 
 from paint3d.view import daylight
 from paint3d.view.daylight import Ground, Occluder, light_ground
-from paint3d.view.studio import SOFTBOXES, Sun, light_samples, make_panorama
-from paint3d.view.tone import linear_to_srgb, srgb_to_linear
+from paint3d.view.studio import (
+    SOFTBOXES,
+    Sun,
+    light_samples,
+    linear_to_srgb,
+    make_panorama,
+    srgb_to_linear,
+)
 from tests.support.view_shapes import ball, sheet
 
 FREE = Ground(np.zeros(3), 1.0, np.ones((1, 1)))

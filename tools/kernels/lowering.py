@@ -37,7 +37,7 @@ from numba.core.runtime import rtsys
 from numba.core.runtime.nrtdynmod import compile_nrt_functions
 from numba.np.numpy_support import from_dtype
 
-from paint3d.core import compiled
+from paint3d.core import kernel
 from tools.kernels.quickening import make_quick
 
 __all__ = ["Lowered", "Unit", "lower"]
@@ -92,7 +92,7 @@ def _make_thin() -> None:
         return flags
 
     dispatcher._FunctionCompiler._customize_flags = without_wrappers
-    compiled.compile_with_numba = lambda function, options: njit(nogil=True, **options)(function)
+    kernel.compile_with_numba = lambda function, options: njit(nogil=True, **options)(function)
     described = callconv.CPUCallConv.build_excinfo_struct
 
     def without_place(self: Any, exc: Any, args: Any, loc: Any, name: Any) -> Any:

@@ -11,8 +11,7 @@ import numpy as np
 from paint3d.app.model.document import Document
 from paint3d.app.model.input.symmetry import MirrorPlane, RadialSymmetry, Symmetry
 from paint3d.app.model.mask import AngleMask, Mask, RegionPick
-from paint3d.brush.bristle_spec import BristleSpec
-from paint3d.brush.spec import BrushSpec
+from paint3d.brush.spec import BristleSpec, BrushSpec
 from paint3d.colour.pigments import Pigment
 from paint3d.errors import SessionError
 

@@ -23,14 +23,11 @@ from paint3d.calligraphy.metrics import Likeness, compare, copybook_mask, painte
 from paint3d.calligraphy.page.laying import PlacedPiece, lay_page
 from paint3d.calligraphy.page.page import Composer, Page
 from paint3d.calligraphy.planning import on_paper
-from paint3d.core.arrays import as_number
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray, as_number
 from paint3d.errors import MeshError
-from paint3d.mesh.chart import SurfaceChart, make_chart
-from paint3d.mesh.closest_points import ClosestPoints
-from paint3d.mesh.em_square import EmSquare
+from paint3d.mesh.bvh import ClosestPoints
+from paint3d.mesh.chart import EmSquare, SurfaceChart, make_chart, unroll
 from paint3d.mesh.triangle_mesh import TriangleMesh
-from paint3d.mesh.unrolling import unroll
 from paint3d.pose.brush_pose import object_poses
 from paint3d.surface.painted_surface import PaintedSurface
 

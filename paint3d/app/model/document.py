@@ -31,7 +31,7 @@ from paint3d.app.model.stroke_commands import StrokeCommands
 from paint3d.app.model.stroke_log import StrokeLog, names_apart, strokes_of, weights_of
 from paint3d.brush.spec import BrushSpec
 from paint3d.colour.materials import Material
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 from paint3d.errors import ExportError, Paint3DError, SessionError
 from paint3d.files.export import (
     PreparedExport,
@@ -45,9 +45,9 @@ from paint3d.files.project.session import Session, is_session_path, load_session
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.painter.painter import Painter
 from paint3d.recording.score import Score
+from paint3d.surface.ink_store import union
 from paint3d.surface.painted_surface import PaintedSurface
 from paint3d.surface.undo import MEMORY_BUDGET, UndoHistory
-from paint3d.surface.vertex_sets import union
 from paint3d.view.pressed_tuft import TuftFollower
 
 __all__ = ["Document", "FileState"]

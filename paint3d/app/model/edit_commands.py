@@ -19,17 +19,16 @@ from paint3d.app.model.score.keeping import ScoreKeeper
 from paint3d.app.model.score.stepping import play
 from paint3d.app.model.score.words import Inks, asked_by, brush_named
 from paint3d.app.model.stroke_log import weights_of
-from paint3d.brush.dip_amount import DipAmount
-from paint3d.brush.spec import BrushSpec
-from paint3d.core.types import AnyArray
+from paint3d.brush.spec import BrushSpec, DipAmount
+from paint3d.core.arrays import AnyArray
 from paint3d.errors import InputError
 from paint3d.recording.recording import Recording
 from paint3d.recording.score import Score
 from paint3d.recording.score_edits import edit_stroke
 from paint3d.recording.score_steps import follow_steps
+from paint3d.surface.ink_store import union
 from paint3d.surface.layer_stack import Layer
 from paint3d.surface.undo import Step
-from paint3d.surface.vertex_sets import union
 
 __all__ = ["EditCommands"]
 

@@ -11,7 +11,7 @@ import numpy as np
 from paint3d.colour.layers import mixture_reflectance
 from paint3d.colour.pigments import WATER, Pigment
 from paint3d.colour.spectra import srgb_from_reflectance
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 from paint3d.painter.painter import Painter
 
 __all__ = ["DISH", "HAIR", "HeldInk", "held_ink", "ink_srgb"]

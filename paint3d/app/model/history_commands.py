@@ -6,13 +6,13 @@ from collections.abc import Callable
 
 from paint3d.app.model.recall_commands import RecallCommands
 from paint3d.app.model.stroke_log import Stroke, StrokeLog, weights_of
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 from paint3d.device.recorded import Recording
 from paint3d.errors import InputError
 from paint3d.painter.painter import Painter
+from paint3d.surface.ink_store import union
 from paint3d.surface.painted_surface import PaintedSurface
 from paint3d.surface.undo import UndoHistory
-from paint3d.surface.vertex_sets import union
 
 __all__ = ["EDIT_STEP", "HistoryCommands"]
 

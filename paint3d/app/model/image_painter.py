@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.app.model.input.symmetry import transformed
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 from paint3d.device.sample import DeviceSample
 from paint3d.painter.painter import Painter
 

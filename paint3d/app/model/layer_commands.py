@@ -7,10 +7,10 @@ from itertools import count
 
 from paint3d.errors import InputError, LayerError
 from paint3d.painter.painter import Painter
+from paint3d.surface.ink_store import union
 from paint3d.surface.layer_stack import Layer, LayerStack
 from paint3d.surface.painted_surface import PaintedSurface
 from paint3d.surface.undo import UndoHistory
-from paint3d.surface.vertex_sets import union
 
 __all__ = ["LayerCommands"]
 

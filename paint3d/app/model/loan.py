@@ -10,9 +10,9 @@ import numpy as np
 
 from paint3d.brush.spec import BrushSpec
 from paint3d.colour.pigments import Pigment
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 from paint3d.painter.painter import Painter
-from paint3d.surface.delta import BrushLoad
+from paint3d.surface.undo import BrushLoad
 
 __all__ = ["Loan"]
 

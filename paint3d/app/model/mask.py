@@ -16,8 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.brush_engine.ink_transfer import level_reservoirs
-from paint3d.core.arrays import as_array, as_number
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray, as_array, as_number
 from paint3d.errors import InputError
 from paint3d.mesh.refined_mesh import PaintMesh
 from paint3d.surface.painted_surface import PaintedSurface

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from paint3d.app.model.input.navigation import ray_at
 from paint3d.device.recorded import Recording
+from paint3d.mesh.bvh import ClosestPoints
 from paint3d.mesh.chart import frame_at, make_chart
-from paint3d.mesh.closest_points import ClosestPoints
 from paint3d.mesh.placement import place, upwards
 from paint3d.painter.flat_input import LaidPad, dipped, size_of
 from paint3d.view.camera import Camera, picture_axes

@@ -15,14 +15,14 @@ import numpy as np
 
 from paint3d.app.model.stroke_log import Stroke, StrokeLog, weights_of
 from paint3d.colour.pigments import Pigment
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 from paint3d.device.recorded import Recording
 from paint3d.errors import InputError
 from paint3d.painter.painter import Ink, Painter
+from paint3d.surface.ink_store import union
 from paint3d.surface.layer_stack import Layer
 from paint3d.surface.painted_surface import PaintedSurface
 from paint3d.surface.undo import UndoHistory
-from paint3d.surface.vertex_sets import union
 
 __all__ = ["RecallCommands"]
 

@@ -11,9 +11,8 @@ from typing import Any
 import numpy as np
 
 from paint3d.app.model.persistence.brush_words import brush_from_words
-from paint3d.brush.dip_amount import DipAmount
 from paint3d.brush.presets import load_brush
-from paint3d.brush.spec import BrushSpec
+from paint3d.brush.spec import BrushSpec, DipAmount
 from paint3d.colour.pigments import Pigment
 from paint3d.core.arrays import as_number
 from paint3d.device.recorded import Recording

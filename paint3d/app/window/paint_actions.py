@@ -14,7 +14,7 @@ from paint3d.app.window.panels.side_panels import Panels
 from paint3d.app.window.wording import say
 from paint3d.app.window.workspace import Workspace
 from paint3d.brush.presets import brush_names
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 from paint3d.mesh.refined_mesh import PaintMesh
 from paint3d.view.camera import picture_axes
 

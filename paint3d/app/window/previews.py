@@ -13,8 +13,8 @@ from paint3d.colour.layers import mixture_reflectance
 from paint3d.colour.materials import load_material
 from paint3d.colour.pigments import WATER, Pigment, load_pigment
 from paint3d.colour.spectra import srgb_from_reflectance
-from paint3d.core.types import AnyArray
-from paint3d.view.brush_picture import draw_stroke
+from paint3d.core.arrays import AnyArray
+from paint3d.view.brush_shape import draw_stroke
 
 __all__ = ["Ink", "ink_coat", "ink_swatch", "sorted_parts", "stroke_preview"]
 

@@ -21,8 +21,8 @@ from paint3d.app.model.mask import Stencil
 from paint3d.app.model.persistence.sitting import Sitting
 from paint3d.app.window.jobs.opened import Opened
 from paint3d.brush.spec import BrushSpec
+from paint3d.core.arrays import AnyArray
 from paint3d.core.quaternion import matrices_from_quaternions
-from paint3d.core.types import AnyArray
 from paint3d.device.sample import DeviceSample
 from paint3d.pose.brush_pose import object_poses
 from paint3d.view.brush_shape import BrushStand

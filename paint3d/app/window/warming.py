@@ -10,15 +10,15 @@ import numpy as np
 from paint3d.app.model.document import Document
 from paint3d.app.model.input.hand import Hand, PointerInput
 from paint3d.brush_engine.stroke_loop import paint_samples
-from paint3d.core.compiled import is_ahead, is_compiled
+from paint3d.core.kernel import is_ahead, is_compiled
 from paint3d.device.sample import DeviceSample
-from paint3d.mesh.closest_points import ClosestPoints
+from paint3d.mesh.bvh import ClosestPoints
 from paint3d.pose.brush_pose import object_poses
 from paint3d.surface.sheen import PLAIN_SHINE
 from paint3d.view.brush_shape import BrushStand, tuft_rings
+from paint3d.view.kernels.chunks import cone_of
 from paint3d.view.kernels.drape import drape_points
 from paint3d.view.kernels.enlarge import enlarge
-from paint3d.view.kernels.facing import cone_of
 from paint3d.view.kernels.shine import add_shine
 from paint3d.view.live_layers import Enlarger
 from paint3d.view.live_object import LiveObject

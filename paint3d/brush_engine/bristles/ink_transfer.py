@@ -39,12 +39,12 @@ from paint3d.brush_engine.ink_transfer import (
     contact_level,
     landing_share,
     leave_from_reservoirs,
+    level_shares,
     note_covered,
     take_up_ink,
 )
 from paint3d.brush_engine.scratch import Found
 from paint3d.brush_engine.vertex_query import VISITED, find_candidates, next_block
-from paint3d.brush_engine.wet_film import level_shares
 from paint3d.core.kernel import kernel, uncounted
 
 __all__ = [

@@ -22,7 +22,7 @@ from paint3d.calligraphy.shapes.arabic_ductus import PlacedLetter, body_strokes,
 from paint3d.calligraphy.shapes.bare_ends import with_stubs
 from paint3d.calligraphy.shapes.decompose import decompose
 from paint3d.calligraphy.shapes.ductus import known_strokes
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 from paint3d.errors import InputError
 
 if TYPE_CHECKING:

@@ -9,7 +9,7 @@ import numpy as np
 
 from paint3d.calligraphy.glyphs import EM_UNITS, GlyphStroke
 from paint3d.calligraphy.page.ink import polygons_of, rings_of
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 
 if TYPE_CHECKING:
     from shapely import Polygon

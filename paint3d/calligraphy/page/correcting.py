@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from paint3d.calligraphy.glyphs import Box, Glyph, GlyphStroke
 from paint3d.calligraphy.page.page import Page, Piece
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 from paint3d.errors import InputError
 
 if TYPE_CHECKING:

@@ -16,11 +16,9 @@ from paint3d.calligraphy.layout import Layout
 from paint3d.calligraphy.page.page import Composer, Page, Piece
 from paint3d.calligraphy.place_search import frames_to_try, upright_frame, walking_step
 from paint3d.errors import InputError, MeshError
-from paint3d.mesh.chart import SurfaceFrame
-from paint3d.mesh.closest_points import ClosestPoints
-from paint3d.mesh.em_square import EmSquare, SquareLimits, lay_square
-from paint3d.mesh.placement import place, upwards
-from paint3d.mesh.walking import SurfaceLine, walk
+from paint3d.mesh.bvh import ClosestPoints
+from paint3d.mesh.chart import EmSquare, SquareLimits, SurfaceFrame, lay_square
+from paint3d.mesh.placement import SurfaceLine, place, upwards, walk
 
 __all__ = ["PlacedPiece", "lay_page"]
 

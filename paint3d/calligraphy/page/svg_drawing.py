@@ -33,7 +33,7 @@ from paint3d.calligraphy.page.svg_numbers import check_numbers
 from paint3d.calligraphy.page.svg_references import in_place
 from paint3d.calligraphy.page.svg_safety import check_svg
 from paint3d.calligraphy.shapes.decompose import decompose, thinnest_within
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 from paint3d.errors import InputError
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ from paint3d.brush.spec import BrushSpec
 from paint3d.calligraphy.footprint_table import tabulate_footprints
 from paint3d.calligraphy.glyphs import EM_UNITS, GlyphStroke
 from paint3d.calligraphy.page.page import Page
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 from paint3d.errors import InputError
 
 __all__ = ["check_widths"]

@@ -28,7 +28,7 @@ from paint3d.calligraphy.photo.seen import check_exposure, check_ground, white_o
 from paint3d.calligraphy.photo.sheet import checked_corners, find_sheet, whole_picture
 from paint3d.calligraphy.photo.straighten import sheet_size, straightened
 from paint3d.calligraphy.shapes.decompose import decompose
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 from paint3d.errors import InputError
 
 if TYPE_CHECKING:

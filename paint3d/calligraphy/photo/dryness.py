@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from paint3d.calligraphy.glyphs import GlyphStroke
 from paint3d.calligraphy.kernels.raster import fill_polygon
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 
 __all__ = ["dryness_along", "stations_along", "strength_of"]
 

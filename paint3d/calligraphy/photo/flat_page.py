@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from paint3d.calligraphy.glyphs import EM_UNITS, GlyphStroke
 from paint3d.calligraphy.page.page import Page
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 
 __all__ = ["FlatPage", "on_sheet"]
 

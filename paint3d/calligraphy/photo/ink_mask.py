@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.calligraphy.photo.bodies import bodies_in, without_specks
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 from paint3d.errors import InputError
 
 __all__ = ["InkMask", "find_ink", "otsu"]

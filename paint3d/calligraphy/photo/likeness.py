@@ -15,10 +15,9 @@ from paint3d.calligraphy.page.page import Piece
 from paint3d.calligraphy.photo.copying import CopiedSheet
 from paint3d.calligraphy.photo.dryness import dryness_along, strength_of
 from paint3d.calligraphy.photo.flat_page import FlatPage
-from paint3d.core.types import AnyArray
-from paint3d.mesh.chart import make_chart
-from paint3d.mesh.closest_points import ClosestPoints
-from paint3d.mesh.unrolling import unroll
+from paint3d.core.arrays import AnyArray
+from paint3d.mesh.bvh import ClosestPoints
+from paint3d.mesh.chart import make_chart, unroll
 from paint3d.surface.painted_surface import PaintedSurface
 
 __all__ = [

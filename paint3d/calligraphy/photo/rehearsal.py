@@ -22,8 +22,8 @@ from paint3d.calligraphy.photo.likeness import (
     strength_of_both,
 )
 from paint3d.calligraphy.writing import Written
-from paint3d.colour.material import Material
-from paint3d.core.types import AnyArray
+from paint3d.colour.materials import Material
+from paint3d.core.arrays import AnyArray
 from paint3d.surface.painted_surface import PaintedSurface
 
 __all__ = ["rehearsed"]

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.calligraphy.photo.straighten import linear_light
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 from paint3d.errors import InputError
 
 __all__ = ["checked_corners", "find_sheet", "whole_picture"]

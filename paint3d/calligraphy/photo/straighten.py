@@ -14,7 +14,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 
 __all__ = ["homography", "linear_light", "map_points", "sheet_size", "straightened"]
 

@@ -16,11 +16,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 from paint3d.errors import InputError, MeshError
-from paint3d.mesh.chart import SurfaceChart, SurfaceFrame, make_chart
-from paint3d.mesh.closest_points import ClosestPoints
-from paint3d.mesh.unrolling import unroll
+from paint3d.mesh.bvh import ClosestPoints
+from paint3d.mesh.chart import SurfaceChart, SurfaceFrame, make_chart, unroll
 from paint3d.surface.kernels.diffusion import activate_cells
 from paint3d.surface.painted_surface import PaintedSurface
 

@@ -21,8 +21,7 @@ from paint3d.calligraphy.fonts.typesetting import is_written_down
 from paint3d.calligraphy.glyph_sources import GlyphSource, load_glyphs
 from paint3d.calligraphy.glyphs import EM_UNITS, Glyph
 from paint3d.calligraphy.page.ink import as_multipolygon, rings_of
-from paint3d.core.arrays import as_number
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray, as_number
 from paint3d.errors import InputError
 
 if TYPE_CHECKING:

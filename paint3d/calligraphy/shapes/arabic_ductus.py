@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.calligraphy.glyphs import Glyph, GlyphStroke
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 
 __all__ = ["PlacedLetter", "body_strokes", "form_of"]
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.calligraphy.shapes.skeleton import Branch, Junction, Skeleton
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 
 __all__ = ["Chain", "End", "chains_of", "dots", "mates_of", "resampled", "turns_between"]
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from paint3d.calligraphy.shapes.continuation import dots, resampled, turns_between
 from paint3d.calligraphy.shapes.skeleton import Branch, Skeleton
 from paint3d.calligraphy.shapes.triangles import Triangles
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 
 __all__ = ["cut_at_corners", "cut_branch"]
 

@@ -27,7 +27,7 @@ from paint3d.calligraphy.shapes.transfer import (
 )
 from paint3d.calligraphy.shapes.triangles import triangulate
 from paint3d.calligraphy.shapes.writing_order import in_writing_order
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 from paint3d.errors import InputError
 
 if TYPE_CHECKING:

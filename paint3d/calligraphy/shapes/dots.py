@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from paint3d.calligraphy.shapes.regions import Ink, Piece
 from paint3d.calligraphy.shapes.skeleton import length_of
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 
 if TYPE_CHECKING:
     from shapely import Polygon

@@ -14,7 +14,7 @@ from paint3d.calligraphy.centre_line import smoothed
 from paint3d.calligraphy.shapes.continuation import Chain, resampled
 from paint3d.calligraphy.shapes.skeleton import Junction, Skeleton, length_of
 from paint3d.calligraphy.shapes.triangles import Triangles
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 
 if TYPE_CHECKING:
     from shapely import Polygon

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from paint3d.calligraphy.shapes.continuation import resampled
 from paint3d.calligraphy.shapes.skeleton import length_of
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 
 __all__ = ["STARTS", "register", "tangents_of"]
 

@@ -9,7 +9,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from paint3d.calligraphy.shapes.skeleton import Branch, Junction, Skeleton, length_of
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 
 __all__ = ["tidy"]
 

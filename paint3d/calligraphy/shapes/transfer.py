@@ -20,7 +20,7 @@ from paint3d.calligraphy.shapes.regions import Ink, Piece, line_of
 from paint3d.calligraphy.shapes.registration import STARTS, register, tangents_of
 from paint3d.calligraphy.shapes.skeleton import Branch, length_of
 from paint3d.calligraphy.shapes.writing_order import directed
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 
 __all__ = ["Fit", "KnownStrokes", "Told", "fit_of", "in_known_order", "label_chains", "lay_over"]
 

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.calligraphy.shapes.regions import Piece
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 
 if TYPE_CHECKING:
     from shapely import Polygon

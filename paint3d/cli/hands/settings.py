@@ -141,7 +141,7 @@ def set_devices(options: argparse.Namespace) -> None:
 
     from paint3d.app.model.persistence.settings import load_settings, save_settings
     from paint3d.device.button_actions import DEFAULT_ACTIONS
-    from paint3d.haptics.feel import Feel
+    from paint3d.haptics.settings import Feel
     from paint3d.pose.mouse_settings import MouseSettings
 
     settings, problem = load_settings()

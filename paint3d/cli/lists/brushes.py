@@ -19,8 +19,7 @@ from paint3d.cli.progress import ProgressBar
 from paint3d.errors import ExportError
 
 if TYPE_CHECKING:
-    from paint3d.brush.bristle_spec import BristleSpec
-    from paint3d.brush.spec import BrushSpec
+    from paint3d.brush.spec import BristleSpec, BrushSpec
 
 __all__ = ["HELP", "add_arguments", "brush_lines", "run"]
 
@@ -114,8 +113,7 @@ def run(options: argparse.Namespace) -> None:
 
 
 def _show(name: str) -> None:
-    from paint3d.brush.brush_file import brush_text
-    from paint3d.brush.presets import brush_note, load_brush
+    from paint3d.brush.presets import brush_note, brush_text, load_brush
 
     brush = load_brush(name)
     sys.stdout.write(brush_text(brush, brush_note(brush.name)))
@@ -126,11 +124,6 @@ def _fit(options: argparse.Namespace) -> None:
     import dataclasses
 
     from paint3d.app.model.brush_size import resized
-    from paint3d.brush.brush_file import (
-        check_brush_name,
-        check_unlike_presets,
-        write_brush,
-    )
     from paint3d.brush.fitting import (
         fit_presses,
         is_table_of_shapes,
@@ -138,7 +131,13 @@ def _fit(options: argparse.Namespace) -> None:
         read_presses,
         read_shapes,
     )
-    from paint3d.brush.presets import load_brush, load_presets
+    from paint3d.brush.presets import (
+        check_brush_name,
+        check_unlike_presets,
+        load_brush,
+        load_presets,
+        write_brush,
+    )
     from paint3d.core.parameter_file import is_parameter_file
 
     if not is_parameter_file(options.out.name) or options.out.suffix.lower() == ".json":
@@ -178,7 +177,7 @@ def _hairs(base: BrushSpec, count: int | None) -> BristleSpec:
     """The base's hairs, or as many as are wanted."""
     import dataclasses
 
-    from paint3d.brush.bristle_spec import BristleSpec
+    from paint3d.brush.spec import BristleSpec
 
     hairs = base.bristles or BristleSpec()
     return hairs if count is None else dataclasses.replace(hairs, n_hairs=count)
@@ -208,7 +207,7 @@ def _draw(brushes: Iterable[BrushSpec], folder: Path, *, quiet: bool) -> None:
     from PIL import Image
 
     from paint3d.core.atomic import write_atomically
-    from paint3d.view.brush_picture import draw_brush
+    from paint3d.view.brush_shape import draw_brush
 
     try:
         folder.mkdir(parents=True, exist_ok=True)

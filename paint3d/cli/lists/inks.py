@@ -13,8 +13,8 @@ from paint3d.cli.options import MATERIALS
 from paint3d.errors import InputError
 
 if TYPE_CHECKING:
-    from paint3d.colour.pigment import Pigment
-    from paint3d.core.types import AnyArray
+    from paint3d.colour.pigments import Pigment
+    from paint3d.core.arrays import AnyArray
 
 HELP = "the palette with sources and swatches"
 
@@ -97,8 +97,8 @@ def run(options: argparse.Namespace) -> None:
 
 def comparison_table(options: argparse.Namespace) -> list[str]:
     """Lines of CSV: a head, then one light a line, with colours, dE00 and metamerism index."""
+    from paint3d.colour.difference import COMPARED, compare_spectra
     from paint3d.colour.materials import load_material
-    from paint3d.colour.metamerism import COMPARED, compare_spectra
     from paint3d.core.arrays import as_number
 
     coats = as_number(options.coats, "--coats", 0.0, 100.0)

@@ -50,7 +50,7 @@ def run(options: argparse.Namespace) -> None:
     from paint3d.colour.materials import load_material, load_materials
 
     if options.action == "show":
-        from paint3d.colour.material_file import material_text
+        from paint3d.colour.materials import material_text
 
         sys.stdout.write(material_text(load_material(options.material)))
     elif not options.quiet:

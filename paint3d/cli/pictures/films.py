@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from paint3d.painter.flat_input import LaidPad
     from paint3d.recording.recording import Recording
     from paint3d.surface.painted_surface import PaintedSurface
-    from paint3d.view.growth import Growth
+    from paint3d.view.film import Growth
     from paint3d.view.shot import Shot
 
 __all__ = ["FilmWanted", "Watch", "add_film_options", "film_of"]
@@ -92,7 +92,7 @@ class FilmWanted:
         self, surface: PaintedSurface, recording: Recording | LaidPad, rest_s: float | None
     ) -> Watch:
         """Watch a recording; with `rest_s` ink spreads meanwhile, and so long afterwards."""
-        from paint3d.recording.hand_time import HandTime
+        from paint3d.recording.recording import HandTime
 
         clock = HandTime(in_full=rest_s is not None)
         clock.pass_samples(recording.time_ns)
@@ -106,7 +106,7 @@ class FilmWanted:
         InputError
             If that makes too many pictures.
         """
-        from paint3d.view.growth import Growth
+        from paint3d.view.film import Growth
 
         speed = self.speed or max(1.0, seconds / _LONGEST_S)
         n = seconds / speed * self.rate + 2.0
@@ -157,7 +157,7 @@ class Watch:
     ) -> Callable[[float], None]:
         """A progress for `Painter.replay` that watches and tells another one."""
         from paint3d.painter.ink_time import PIECE_S
-        from paint3d.recording.hand_time import HandTime
+        from paint3d.recording.recording import HandTime
 
         wet, n = rest_s is not None, len(recording)
         when = HandTime(in_full=wet).pass_samples(recording.time_ns)

@@ -32,7 +32,7 @@ from paint3d.errors import InputError, MeshError, Paint3DError
 if TYPE_CHECKING:
     from paint3d.app.model.document import Document
     from paint3d.calligraphy.seal.stone import Seal
-    from paint3d.colour.pigment import Pigment
+    from paint3d.colour.pigments import Pigment
     from paint3d.mesh.chart import SurfaceFrame
     from paint3d.mesh.triangle_mesh import TriangleMesh
 
@@ -254,7 +254,7 @@ def _frames(document: Document, options: argparse.Namespace) -> Iterator[Surface
     from itertools import islice
 
     from paint3d.calligraphy.place_search import frames_to_try
-    from paint3d.mesh.closest_points import ClosestPoints
+    from paint3d.mesh.bvh import ClosestPoints
     from paint3d.mesh.placement import place
 
     closest = ClosestPoints(document.surface.source)

@@ -13,7 +13,7 @@ from paint3d.colour.glazing import srgb_primaries
 from paint3d.colour.spectra import decode_srgb
 from paint3d.colour.viewing import GAMUTS, Codes, Viewing
 from paint3d.colour.wet_look import WetLook
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 from paint3d.files.progress import Progress
 
 __all__ = ["InLight", "look_of", "tell_clipped"]

@@ -31,8 +31,8 @@ from typing import Any, Self
 
 import numpy as np
 
+from paint3d.core.arrays import AnyArray
 from paint3d.core.machine import APPENDING, flush_file
-from paint3d.core.types import AnyArray
 from paint3d.device.recorded import Recording, checked_header
 from paint3d.device.sample import DeviceSample
 from paint3d.errors import ExportError, RecordingError, SessionError

@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.colour.wet_look import WetLook
-from paint3d.core.arrays import as_array
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray, as_array
 from paint3d.errors import ExportError, MeshError
 from paint3d.files.export_options import ExportOptions
 from paint3d.files.load import UNITS_MM

@@ -21,8 +21,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.core.arrays import as_array
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray, as_array
 from paint3d.errors import MeshError
 from paint3d.files.readers.contents import plain_text, read_contents
 from paint3d.files.readers.raw_mesh import parse_numbers

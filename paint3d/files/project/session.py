@@ -14,8 +14,8 @@ from typing import Any
 
 import numpy as np
 
+from paint3d.core.arrays import AnyArray
 from paint3d.core.atomic import write_atomically
-from paint3d.core.types import AnyArray
 from paint3d.device.recorded import Recording, checked_header
 from paint3d.errors import ExportError, Paint3DError, SessionError
 from paint3d.files.progress import Progress, part_of

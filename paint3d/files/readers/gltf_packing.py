@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 from paint3d.errors import MeshError
 
 __all__ = ["unpack_draco", "unpack_meshopt"]

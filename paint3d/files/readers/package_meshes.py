@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 from paint3d.errors import MeshError
 from paint3d.files.readers.raw_mesh import RawMesh, left_out
 from paint3d.files.readers.textures import MAX_PIXELS, Look, linear_from_srgb

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 from paint3d.errors import MeshError
 from paint3d.files.gltf_buffers import GltfFile
 from paint3d.files.project.position_steps import METRE_MM, STEPS, take_steps

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 
 __all__ = ["COLOUR_NAMES", "colour_codes"]
 

@@ -12,8 +12,8 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from paint3d.core.arrays import AnyArray
 from paint3d.core.machine import from_parent, limit_process
-from paint3d.core.types import AnyArray
 
 __all__ = ["main"]
 

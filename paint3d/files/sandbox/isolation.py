@@ -20,8 +20,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.core.arrays import AnyArray
 from paint3d.core.machine import handed_to_child, make_memory_file
-from paint3d.core.types import AnyArray
 from paint3d.errors import MeshError
 from paint3d.files.progress import Progress
 from paint3d.files.sandbox.handover import receive

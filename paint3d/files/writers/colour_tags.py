@@ -9,7 +9,7 @@ import numpy as np
 
 from paint3d.colour.spectra import WHITE_XYZ
 from paint3d.colour.viewing import ADAPTATIONS, GAMUTS, adapt_white
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 
 __all__ = ["icc_profile", "picture_tags"]
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from paint3d.colour.difference import delta_e, lab_from_linear_rgb, lab_from_srgb
 from paint3d.colour.spectra import decode_srgb, srgb_from_linear
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 
 __all__ = ["Filaments", "choose_filaments", "choose_for_triangles", "split_by_filament"]
 

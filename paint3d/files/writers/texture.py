@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 from paint3d.errors import ExportError
 
 __all__ = ["Detail", "TexturedMesh", "bake_detail"]

@@ -16,7 +16,7 @@ from typing import BinaryIO, cast
 
 import numpy as np
 
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 
 __all__ = ["ListOp", "Spec", "SpecType", "Type", "Value", "write_crate"]
 

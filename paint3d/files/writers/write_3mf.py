@@ -98,7 +98,7 @@ def _entry(name: str) -> zipfile.ZipInfo:
 
 def _weld(vertices: NDArray[np.float32]) -> tuple[NDArray[np.float32], NDArray[np.int32]]:
     """Return the different positions in the order of the vertices, and each vertex's one."""
-    from paint3d.mesh.kernels.welding import weld_positions
+    from paint3d.mesh.kernels.topology import weld_positions
 
     points = np.ascontiguousarray(vertices, np.float32) + np.float32(0.0)  # no minus zero
     table = np.full(1 << (2 * len(points)).bit_length(), -1, np.int32)

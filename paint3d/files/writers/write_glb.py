@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.colour.spectra import decode_srgb
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 from paint3d.files.glb_container import (
     INDEX_DATA,
     VERTEX_DATA,

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
+from paint3d.core.arrays import AnyArray
 from paint3d.core.atomic import write_atomically
-from paint3d.core.types import AnyArray
 from paint3d.errors import ExportError
 
 __all__ = ["write_svg"]

@@ -6,8 +6,7 @@ import numpy as np
 
 from paint3d.core.kernel import kernel
 from paint3d.core.quaternion import compiled_relative, compiled_turn, compiled_turn_back
-from paint3d.haptics.kernels.cues import add_click
-from paint3d.haptics.kernels.force import contact_force
+from paint3d.haptics.kernels.force import add_click, contact_force
 from paint3d.haptics.kernels.safety import limit_power, make_safe
 from paint3d.haptics.kernels.state import BUDGET_SPENT
 

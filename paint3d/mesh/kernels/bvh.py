@@ -20,17 +20,25 @@ from paint3d.core.kernel import kernel, uncounted
 
 __all__ = [
     "ENDLESS",
+    "FACES_PER_LEAF",
     "LEAF_SIZE",
     "ContactTree",
     "box_distance2",
     "build_boxes",
+    "closest_on",
     "closest_point",
     "closest_weights",
+    "find_closest",
     "find_foot",
+    "find_foot_within",
+    "find_hits",
     "find_meant",
     "interpolate",
     "is_near",
+    "mean_normal",
+    "nearest_within",
     "note_foot",
+    "order_by_halving",
     "residual_of",
     "search_nearest",
     "settle_foot",
@@ -462,3 +470,412 @@ def residual_of(root, foot):
     ry = dy - along * foot[4]
     rz = dz - along * foot[5]
     return rx, ry, rz, rx * rx + ry * ry + rz * rz
+
+
+# ---- Order of leaves -----------------------------------------------------------------------------
+# An order of points in which every half, quarter and so on of them lies together in a box.
+#
+# A heap-ordered tree over it has boxes that hardly overlap, unlike one over Morton order: halves of
+# that end anywhere along the curve.
+
+
+@kernel
+def _select(centres, order, low, high, middle, axis):
+    """Move the points [low, high) so that the least along the axis fill [low, middle).
+
+    Of equal ones those with the lower numbers come first.
+    """
+    left, right = low, high - 1
+    while left < right:
+        at = (left + right) // 2
+        pivot, number = centres[at, axis], order[at]
+        i, j = left, right
+        while i <= j:
+            while centres[i, axis] < pivot or (centres[i, axis] == pivot and order[i] < number):
+                i += 1
+            while centres[j, axis] > pivot or (centres[j, axis] == pivot and order[j] > number):
+                j -= 1
+            if i <= j:
+                order[i], order[j] = order[j], order[i]
+                for k in range(3):
+                    centres[i, k], centres[j, k] = centres[j, k], centres[i, k]
+                i += 1
+                j -= 1
+        if middle <= j:
+            right = j
+        elif middle >= i:
+            left = i
+        else:
+            return
+
+
+@kernel
+def order_by_halving(centres, n_leaves, leaf_size, order):
+    """Sort points into the leaves of a heap-ordered tree, halving boxes across their longest side.
+
+    Parameters
+    ----------
+    centres : (T, 3) float32
+        Sorted in place as well.
+    n_leaves : int
+        A power of two.
+    leaf_size : int
+        Points to each leaf; the leaves on the left are full.
+    order : (T,) int32
+        The points' numbers; sorted in place.
+    """
+    total = order.shape[0]
+    size = n_leaves * leaf_size
+    low_corner, high_corner = np.empty(3, np.float32), np.empty(3, np.float32)
+    while size > leaf_size:
+        half = size // 2
+        for low in range(0, total, size):
+            high = min(low + size, total)
+            if high - low <= half:
+                continue
+            low_corner[:] = np.inf
+            high_corner[:] = -np.inf
+            for k in range(low, high):
+                for axis in range(3):
+                    value = centres[k, axis]
+                    low_corner[axis] = min(low_corner[axis], value)
+                    high_corner[axis] = max(high_corner[axis], value)
+            axis = np.argmax(high_corner - low_corner)
+            _select(centres, order, low, high, low + half, axis)
+        size = half
+
+
+# ---- Closest points and rays ---------------------------------------------------------------------
+# Closest points and first hits of rays on the triangles of a mesh, front and back alike.
+#
+# The tree is that of `mesh.kernels.bvh` in the order of `mesh.kernels.median_split`, with fewer
+# triangles to a leaf. A tie is won by the triangle that comes first in the mesh: an answer depends
+# on the mesh and the question alone.
+
+
+FACES_PER_LEAF = 2
+
+_AWRY = 1e-12  # of a normal's length: corner normals that cancel out
+_CLOSE = 1.0 + 1e-12  # what rounding may add to a box's squared distance
+_SLACK = 1e-12  # of a distance along a ray: what rounding may take from a box
+
+
+@kernel(error_model="numpy")
+def closest_on(points, a, b, c, x, y, z):
+    """Weights v, w of the corners b, c at the point of triangle abc nearest to (x, y, z).
+
+    Returns v, w and the squared distance; see `bvh.closest_weights`.
+    """
+    _, v, w = closest_weights(points, a, b, c, (x, y, z))
+    ax = np.float64(points[a, 0])
+    ay = np.float64(points[a, 1])
+    az = np.float64(points[a, 2])
+    dx = x - ax - v * (points[b, 0] - ax) - w * (points[c, 0] - ax)
+    dy = y - ay - v * (points[b, 1] - ay) - w * (points[c, 1] - ay)
+    dz = z - az - v * (points[b, 2] - az) - w * (points[c, 2] - az)
+    return v, w, dx * dx + dy * dy + dz * dz
+
+
+@kernel(error_model="numpy")
+def _search(tree, x, y, z, nodes, away):
+    """The leaf place of the triangle nearest to (x, y, z), and the weights of its b and c.
+
+    `nodes` and `away` (64,) are room for the nodes yet to be seen and how far off they are.
+    """
+    boxes = tree.boxes
+    n_leaves = boxes.shape[0] // 2
+    depth = 0
+    nodes[0] = 1
+    away[0] = 0.0
+    best = np.inf
+    found = -1
+    v = 0.0
+    w = 0.0
+    while depth >= 0:
+        node = nodes[depth]
+        if away[depth] > best * _CLOSE:
+            depth -= 1
+            continue
+        depth -= 1
+        while node < n_leaves:  # down to the nearest leaf
+            near = 2 * node
+            far = near + 1
+            d2 = box_distance2(boxes, near, x, y, z)
+            other = box_distance2(boxes, far, x, y, z)
+            if other < d2:
+                near, far = far, near
+                d2, other = other, d2
+            if other <= best * _CLOSE:
+                depth += 1
+                nodes[depth] = far
+                away[depth] = other
+            if d2 > best * _CLOSE:
+                break
+            node = near
+        if node < n_leaves:
+            continue
+        first = (node - n_leaves) * FACES_PER_LEAF
+        for k in range(first, min(first + FACES_PER_LEAF, tree.triangles.shape[0])):
+            a = tree.triangles[k, 0]
+            b = tree.triangles[k, 1]
+            c = tree.triangles[k, 2]
+            tv, tw, d2 = closest_on(tree.points, a, b, c, x, y, z)
+            if d2 < best or found < 0 or (d2 == best and tree.order[k] < tree.order[found]):
+                best = d2
+                found = k
+                v = tv
+                w = tw
+    return found, v, w
+
+
+@kernel(error_model="numpy")
+def find_closest(tree, queries, points, faces, weights, normals):
+    """Find the nearest point of the surface to each of N points.
+
+    Parameters
+    ----------
+    tree : ContactTree
+    queries : (N, 3) float64
+        mm.
+    points : (N, 3) float64
+        Filled with the nearest points, mm.
+    faces : (N,) int64
+        Filled with the triangles they lie on.
+    weights : (N, 3) float64
+        Filled with the weights of the triangles' corners there.
+    normals : (N, 3) float64
+        Filled with the interpolated unit normals; zero where the corner normals cancel out.
+
+    Returns
+    -------
+    int
+        How many normals are zero.
+    """
+    nodes, away = np.empty(_STACK, np.int64), np.empty(_STACK)
+    cancelled = 0
+    for i in range(queries.shape[0]):
+        k, v, w = _search(tree, queries[i, 0], queries[i, 1], queries[i, 2], nodes, away)
+        u = 1.0 - v - w
+        faces[i] = tree.order[k]
+        weights[i, 0] = u
+        weights[i, 1] = v
+        weights[i, 2] = w
+        a = tree.triangles[k, 0]
+        b = tree.triangles[k, 1]
+        c = tree.triangles[k, 2]
+        n = 0.0
+        for axis in range(3):
+            x = np.float64(tree.points[a, axis])
+            points[i, axis] = x + v * (tree.points[b, axis] - x) + w * (tree.points[c, axis] - x)
+            normals[i, axis] = (
+                u * tree.normals[a, axis] + v * tree.normals[b, axis] + w * tree.normals[c, axis]
+            )
+            n += normals[i, axis] * normals[i, axis]
+        n = np.sqrt(n)
+        for axis in range(3):
+            normals[i, axis] = normals[i, axis] / n if n >= _AWRY else 0.0
+        cancelled += n < _AWRY
+    return cancelled
+
+
+@kernel(error_model="numpy")
+def _enters(boxes, node, ray, best):
+    """Whether a ray meets a box before `best`, in lengths of its direction."""
+    near = 0.0
+    far = best
+    for axis in range(3):
+        low = boxes[node, axis] - ray[axis]
+        high = boxes[node, 3 + axis] - ray[axis]
+        if low > high:  # of an empty node
+            return False
+        way = ray[3 + axis]
+        if way == 0.0:
+            if low > 0.0 or high < 0.0:
+                return False
+            continue
+        first = min(low / way, high / way)
+        last = max(low / way, high / way)
+        near = max(near, first - _SLACK * abs(first))
+        far = min(far, last + _SLACK * abs(last))
+    return near <= far
+
+
+@kernel(error_model="numpy")
+def _crosses(points, a, b, c, ray):
+    """Where a ray meets triangle abc, in lengths of its direction; inf where it does not.
+
+    The sides' volumes are those of the Plücker coordinates of ray and edge: two triangles see the
+    edge between them with opposite signs, so no ray slips through. (One of 20,000 that are aimed
+    right at a corner does: the volumes of all edges there are rounding.)
+    """
+    ax = points[a, 0] - ray[0]
+    ay = points[a, 1] - ray[1]
+    az = points[a, 2] - ray[2]
+    bx = points[b, 0] - ray[0]
+    by = points[b, 1] - ray[1]
+    bz = points[b, 2] - ray[2]
+    cx = points[c, 0] - ray[0]
+    cy = points[c, 1] - ray[1]
+    cz = points[c, 2] - ray[2]
+    dx = ray[3]
+    dy = ray[4]
+    dz = ray[5]
+    u = dx * (by * cz - bz * cy) + dy * (bz * cx - bx * cz) + dz * (bx * cy - by * cx)
+    v = dx * (cy * az - cz * ay) + dy * (cz * ax - cx * az) + dz * (cx * ay - cy * ax)
+    w = dx * (ay * bz - az * by) + dy * (az * bx - ax * bz) + dz * (ax * by - ay * bx)
+    if not ((u >= 0.0 and v >= 0.0 and w >= 0.0) or (u <= 0.0 and v <= 0.0 and w <= 0.0)):
+        return np.inf
+    total = u + v + w  # 0 where the ray runs within the plane: t is NaN then
+    x = (u * ax + v * bx + w * cx) / total
+    y = (u * ay + v * by + w * cy) / total
+    z = (u * az + v * bz + w * cz) / total
+    t = (x * dx + y * dy + z * dz) / (dx * dx + dy * dy + dz * dz)
+    return t if t >= 0.0 else np.inf
+
+
+@kernel(error_model="numpy")
+def find_hits(tree, rays, distances, faces):
+    """Find where each of N rays first meets the surface, from whichever side.
+
+    Parameters
+    ----------
+    tree : ContactTree
+    rays : (N, 6) float64
+        Origins, mm, and directions of any length.
+    distances : (N,) float64
+        Filled with the distances in lengths of the direction; inf where nothing is hit.
+    faces : (N,) int64
+        Filled with the triangles; -1 where nothing is hit.
+    """
+    n_leaves = tree.boxes.shape[0] // 2
+    stack = np.empty(_STACK, np.int64)
+    for i in range(rays.shape[0]):
+        ray = rays[i]
+        best = np.inf
+        found = -1
+        depth = 0
+        stack[0] = 1
+        while depth >= 0:
+            node = stack[depth]
+            depth -= 1
+            if not _enters(tree.boxes, node, ray, best):
+                continue
+            if node < n_leaves:
+                stack[depth + 1] = 2 * node + 1
+                stack[depth + 2] = 2 * node
+                depth += 2
+                continue
+            first = (node - n_leaves) * FACES_PER_LEAF
+            for k in range(first, min(first + FACES_PER_LEAF, tree.triangles.shape[0])):
+                corners = tree.triangles[k]
+                t = _crosses(tree.points, corners[0], corners[1], corners[2], ray)
+                if t < best or (t == best and found >= 0 and tree.order[k] < tree.order[found]):
+                    best = t
+                    found = k
+        distances[i] = best
+        faces[i] = tree.order[found] if found >= 0 else -1
+
+
+# ---- Within a bounded time -----------------------------------------------------------------------
+# Contact for a servo: the nearest point, the foot and the mean normal within a bounded time.
+#
+# A tree asked for the nearest of a million points that are all but equally far (the middle of a
+# bowl) looks at most of them; a servo with a millisecond cannot. Every search counts down one
+# budget of tree nodes, starts from the last foot, and gives the best found when the budget is
+# spent.
+
+
+_POOR = 0.1  # of the distance: a residual above it is no foot
+
+
+@kernel(error_model="numpy")
+def nearest_within(tree, place, up, reach, guess, work, out):
+    """The point nearest to a place on triangles facing `up`, within reach and budget.
+
+    Parameters
+    ----------
+    tree, place, up, reach, guess : as for `mesh.kernels.bvh.search_nearest`
+    work : (1,) int64
+        Tree nodes that may still be looked at; counted down.
+    out : (6,) float64
+        Gets the point and its interpolated unit normal.
+
+    Returns
+    -------
+    int
+        The triangle in the tree's order, or -1.
+    """
+    found, weights, left = search_nearest(tree, place, up, reach, guess, work[0])
+    work[0] = left
+    if found >= 0:
+        interpolate(tree, found, weights, out)
+    return found
+
+
+@kernel(error_model="numpy")
+def find_foot_within(tree, root, up, reach, warm, work, out):
+    """The foot whose interpolated normal passes through the root; see `bvh.find_foot`.
+
+    `warm` (5,) is that of `bvh.note_foot`; `out` (6,) holds the last foot. Returns the triangle in
+    the tree's order, or -1.
+    """
+    found = -1
+    if is_near(warm, root, reach):
+        found, work[0] = settle_foot(tree, root, up, int(warm[1]), 1.0, True, work[0], out)
+        residual = residual_of(root, out)[3]
+        away = (root[0] - out[0]) ** 2 + (root[1] - out[1]) ** 2 + (root[2] - out[2]) ** 2
+        facing = out[3] * up[0] + out[4] * up[1] + out[5] * up[2]
+        if away > reach * reach or facing <= 0.0 or residual > _POOR * _POOR * away:
+            found = -1
+    if found < 0:
+        guess = int(warm[1]) if warm[0] > 0.0 else -1
+        found = nearest_within(tree, root, up, reach, guess, work, out)
+        if found >= 0:
+            found, work[0] = settle_foot(tree, root, up, found, 0.7, True, work[0], out)
+    note_foot(warm, found, root)
+    return found
+
+
+@kernel(error_model="numpy")
+def mean_normal(tree, foot, up, ahead, patch, guess, near, work):
+    """The mean unit normal (3,) of the surface around the foot, a disc of radius `patch`.
+
+    Places where the surface has ended or bent away count less and less, so that the mean does not
+    jump at a rim. `ahead` (3,) is any direction that turns with the pen. `near` (S,) keeps the
+    triangles found, plus 1, from step to step: from there on, the next search is short; the first
+    time from `guess`, as for `nearest_within`.
+    """
+    nx, ny, nz = foot[3], foot[4], foot[5]
+    along = ahead[0] * nx + ahead[1] * ny + ahead[2] * nz
+    ex = ahead[0] - along * nx
+    ey = ahead[1] - along * ny
+    ez = ahead[2] - along * nz
+    norm = np.sqrt(ex * ex + ey * ey + ez * ez)
+    if norm < 1e-6:
+        return nx, ny, nz
+    ex /= norm
+    ey /= norm
+    ez /= norm
+    fx = ny * ez - nz * ey
+    fy = nz * ex - nx * ez
+    fz = nx * ey - ny * ex
+    there = np.empty(6)
+    n_samples = near.shape[0]
+    for i in range(n_samples):
+        c = patch * np.cos(2.0 * np.pi * i / n_samples)
+        s = patch * np.sin(2.0 * np.pi * i / n_samples)
+        x = foot[0] + c * ex + s * fx
+        y = foot[1] + c * ey + s * fy
+        z = foot[2] + c * ez + s * fz
+        begin = np.int64(near[i]) - 1 if near[i] > 0.0 else guess
+        found = nearest_within(tree, (x, y, z), up, patch, begin, work, there)
+        near[i] = found + 1
+        if found < 0:
+            continue
+        d2 = (x - there[0]) ** 2 + (y - there[1]) ** 2 + (z - there[2]) ** 2
+        weight = (1.0 - d2 / (patch * patch)) ** 2
+        nx += weight * there[3]
+        ny += weight * there[4]
+        nz += weight * there[5]
+    norm = np.sqrt(nx**2 + ny**2 + nz**2)
+    return (nx / norm, ny / norm, nz / norm) if norm > 1e-9 else (nx, ny, nz)

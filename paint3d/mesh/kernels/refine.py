@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 from paint3d.core.kernel import kernel, uncounted
-from paint3d.mesh.kernels.grid import find_cell, find_pair
+from paint3d.mesh.kernels.mesh_arrays import find_cell, find_pair
 
 __all__ = [
     "BAD_LOG",

@@ -10,16 +10,20 @@ from __future__ import annotations
 import numpy as np
 
 from paint3d.core.kernel import kernel
+from paint3d.mesh.kernels.bvh import closest_on
+from paint3d.mesh.kernels.mesh_arrays import find_cell, sheet_of
 
 __all__ = [
     "corner_normals",
     "count_around",
     "find_root",
+    "link_cracks",
     "link_radial",
     "longest_sides",
     "measure_faces",
     "pieces_of",
     "smooth_corners",
+    "weld_positions",
 ]
 
 
@@ -202,3 +206,117 @@ def longest_sides(points, faces, out):
                 length2 += d * d
             best = max(best, length2)
         out[t] = np.sqrt(best)
+
+
+# ---- Welding -------------------------------------------------------------------------------------
+# Which vertices lie at one place: a hash table of exact positions.
+
+
+@kernel
+def weld_positions(bits, table, ids):
+    """Number the distinct rows of `bits` (V, 3) uint32 in the order in which they first come.
+
+    Parameters
+    ----------
+    bits : (V, 3) uint32
+        Positions as bit patterns; no minus zeros, so that equal bits are equal numbers.
+    table : (2^k,) int32
+        -1 everywhere, and longer than V: scratch.
+    ids : (V,) int32
+        Filled with each vertex's number.
+
+    Returns
+    -------
+    int
+        How many distinct positions there are.
+    """
+    mask = np.uint64(table.shape[0] - 1)
+    n = 0
+    for v in range(bits.shape[0]):
+        h = np.uint64(bits[v, 0]) * np.uint64(0x9E3779B97F4A7C15)
+        h = (h ^ (h >> np.uint64(29))) + np.uint64(bits[v, 1])
+        h *= np.uint64(0xBF58476D1CE4E5B9)
+        h = (h ^ (h >> np.uint64(32))) + np.uint64(bits[v, 2])
+        h *= np.uint64(0x94D049BB133111EB)
+        slot = (h ^ (h >> np.uint64(31))) & mask
+        while True:
+            u = table[slot]
+            if u < 0:
+                table[slot] = v
+                ids[v] = n
+                n += 1
+                break
+            if bits[u, 0] == bits[v, 0] and bits[u, 1] == bits[v, 1] and bits[u, 2] == bits[v, 2]:
+                ids[v] = ids[u]
+                break
+            slot = (slot + np.uint64(1)) & mask
+    return n
+
+
+# ---- Cracks --------------------------------------------------------------------------------------
+# Cracks: open edges that lie so near to other surface that a brush does not know of them.
+#
+# Two halves of a body that were mirrored and never joined, a face whose long edge has a corner of
+# its neighbours in the middle: nothing says that such faces belong together, but paint goes over.
+
+
+_STEP = 0.25  # of a cell: places along an open edge
+
+
+@kernel
+def _length(points, start, end):
+    """How far apart two vertices lie, mm."""
+    length = 0.0
+    for axis in range(3):
+        length += (np.float64(points[end, axis]) - np.float64(points[start, axis])) ** 2
+    return np.sqrt(length)
+
+
+@kernel
+def link_cracks(points, triangles, radial, cells, widest, links):
+    """List links (n, 2) between sheets of a cell, one of which ends beside the other.
+
+    Parameters
+    ----------
+    points, triangles, radial : arrays of `BaseSurface`
+    cells : Cells
+    widest : float
+        Of a crack, mm.
+    links : (N, 2) int32
+        Filled as far as there is room; a link may come more than once.
+
+    Returns
+    -------
+    int
+        How many there are.
+    """
+    n = 0
+    capacity = links.shape[0]
+    place = np.empty(3)
+    for h in range(radial.shape[0]):
+        if radial[h] != h:
+            continue
+        t = h // 3
+        start = triangles[t, h % 3]
+        end = triangles[t, (h % 3 + 1) % 3]
+        steps = max(1, int(np.ceil(_length(points, start, end) / (_STEP * cells.cell_size))))
+        for k in range(steps):
+            share = (k + 0.5) / steps
+            for axis in range(3):
+                place[axis] = (1.0 - share) * points[start, axis] + share * points[end, axis]
+            cell = find_cell(cells, place[0], place[1], place[2])
+            sheet = sheet_of(cells, cell, t) if cell >= 0 else -1
+            if sheet < 0:
+                continue
+            for other in range(cells.cell_pairs[cell], cells.cell_pairs[cell + 1]):
+                if cells.pair_sheet[other] == sheet:
+                    continue
+                a, b, c = triangles[cells.pair_root[other]]
+                _v, _w, away2 = closest_on(points, a, b, c, place[0], place[1], place[2])
+                if away2 > widest * widest:
+                    continue
+                if n < capacity:
+                    links[n, 0] = sheet
+                    links[n, 1] = cells.pair_sheet[other]
+                n += 1
+    return n

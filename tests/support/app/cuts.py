@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from paint3d.core.arrays import cross
 from paint3d.mesh.base_surface import make_base_surface
-from paint3d.mesh.closest_points import ClosestPoints
+from paint3d.mesh.bvh import ClosestPoints
 
 __all__ = ["Cuts", "cut_across"]
 

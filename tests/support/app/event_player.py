@@ -20,7 +20,7 @@ from PySide6 import QtCore, QtGui, QtTest, QtWidgets
 
 from paint3d.app.model.input import navigation
 from paint3d.app.window.studio import StudioWindow
-from paint3d.mesh.closest_points import ClosestPoints
+from paint3d.mesh.bvh import ClosestPoints
 from paint3d.view.camera import Camera, picture_axes
 from tests.support.app.gestures import wait_for
 

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.spatial import cKDTree
 
 from paint3d.colour.pigments import WATER
-from paint3d.mesh.closest_points import ClosestPoints
+from paint3d.mesh.bvh import ClosestPoints
 from paint3d.surface.painted_surface import PaintedSurface
 from tests.support.app.cuts import Cuts, cut_across
 

@@ -11,7 +11,7 @@ from paint3d.app.model.input.navigation import ray_at
 from paint3d.app.model.persistence import settings
 from paint3d.app.window.input.grips import GRIPS
 from paint3d.app.window.start import make_program
-from paint3d.mesh.closest_points import ClosestPoints
+from paint3d.mesh.bvh import ClosestPoints
 from tests.support.app.gestures import live, pen_stroke, wait_for
 from tests.support.app.windows import light_by_few, opened, settled
 

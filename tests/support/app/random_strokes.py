@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from paint3d.app.model.input import navigation
 from paint3d.app.window.studio import StudioWindow
-from paint3d.mesh.closest_points import ClosestPoints
+from paint3d.mesh.bvh import ClosestPoints
 from tests.support.app.event_player import DeviceEvent, EventRecording, surface_of
 
 __all__ = ["random_strokes"]

@@ -12,14 +12,13 @@ from typing import Protocol
 
 import numpy as np
 
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 from paint3d.device.button_actions import DEFAULT_ACTIONS, checked_actions, find_actions
-from paint3d.device.deflection import DeflectionSettings
 from paint3d.device.hid_nodes import HidNode
 from paint3d.device.recorded import MAX_FORCE_N
 from paint3d.device.report_rate import find_report_rate
 from paint3d.device.sample import DIP, DeviceSample, StylusReading
-from paint3d.device.space_mouse import MouseEvent, SpaceMouse
+from paint3d.device.space_mouse import DeflectionSettings, MouseEvent, SpaceMouse
 from paint3d.device.stylus import Stylus
 from paint3d.errors import DeviceError
 from paint3d.haptics.servo import ServoStatus

@@ -22,13 +22,12 @@ import numpy as np
 from paint3d.app.model.input.pressure_curve import PressureCurve
 from paint3d.app.model.input.standing import any_tangent, held_over, lean_of, root_over, turned_with
 from paint3d.brush.spec import BrushSpec
-from paint3d.core.arrays import as_array, as_number, cross, length_of
+from paint3d.core.arrays import AnyArray, as_array, as_number, cross, length_of
 from paint3d.core.quaternion import quaternions_from_matrices
-from paint3d.core.types import AnyArray
 from paint3d.device.recorded import MAX_FORCE_N
 from paint3d.device.sample import DeviceSample
 from paint3d.errors import InputError
-from paint3d.mesh.closest_points import ClosestPoints
+from paint3d.mesh.bvh import ClosestPoints
 
 __all__ = ["Hand", "HandSettings", "PointerInput"]
 

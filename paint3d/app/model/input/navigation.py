@@ -13,8 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from paint3d.core.arrays import as_array, as_number, cross, length_of
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray, as_array, as_number, cross, length_of
 from paint3d.errors import InputError, UnknownNameError
 from paint3d.view.camera import Camera, picture_axes
 

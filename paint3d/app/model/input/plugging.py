@@ -9,13 +9,12 @@ from paint3d.app.model.input.devices import Feedback
 from paint3d.app.model.persistence.calibrations import kept_calibration
 from paint3d.app.model.persistence.settings import Settings
 from paint3d.brush.spec import BrushSpec
-from paint3d.colour.material import Material
+from paint3d.colour.materials import Material
 from paint3d.device.hid_nodes import list_nodes
 from paint3d.device.hot_plug import PluggedDevices
 from paint3d.errors import Paint3DError
-from paint3d.haptics.feel import Feel
 from paint3d.haptics.servo import ForceFeedback
-from paint3d.haptics.settings import PHANTOM_DESKTOP, DeviceLimits
+from paint3d.haptics.settings import PHANTOM_DESKTOP, DeviceLimits, Feel
 from paint3d.haptics.stylus_choice import find_stylus
 from paint3d.pose.calibration import DeviceCalibration
 from paint3d.pose.mouse_settings import MouseSettings

@@ -16,8 +16,7 @@ from paint3d.brush_engine.tuft import (
     greatest_descent,
     trace_outline,
 )
-from paint3d.core.arrays import as_array, as_number, length_of
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray, as_array, as_number, length_of
 
 __all__ = ["any_tangent", "held_over", "lean_of", "root_over", "turned_with"]
 

@@ -8,9 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.core.arrays import as_array, cross
+from paint3d.core.arrays import AnyArray, as_array, cross
 from paint3d.core.quaternion import matrices_from_quaternions, quaternions_from_matrices
-from paint3d.core.types import AnyArray
 from paint3d.device.sample import DeviceSample
 from paint3d.errors import InputError
 from paint3d.pose.brush_pose import object_poses

@@ -8,8 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from paint3d.brush.bristle_spec import BristleSpec
-from paint3d.brush.spec import BrushSpec
+from paint3d.brush.spec import BristleSpec, BrushSpec
 from paint3d.core.arrays import as_array
 from paint3d.errors import BrushError, SessionError
 from paint3d.painter.bristle_state import complete_memory

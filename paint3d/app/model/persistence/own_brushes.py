@@ -5,8 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from paint3d.app.model.persistence.places import config_folder
-from paint3d.brush.brush_file import read_brush, write_brush
-from paint3d.brush.presets import load_presets
+from paint3d.brush.presets import load_presets, read_brush, write_brush
 from paint3d.brush.spec import BrushSpec
 from paint3d.core.parameter_file import is_parameter_file
 from paint3d.errors import BrushError, Paint3DError

@@ -12,8 +12,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from paint3d.colour.pigment_tables import load_pigments_csv
-from paint3d.colour.pigments import WATER, Pigment, load_palette
+from paint3d.colour.pigments import WATER, Pigment, load_palette, load_pigments_csv
 from paint3d.errors import Paint3DError, PigmentError
 
 __all__ = ["OwnPigments", "check_unlike_palette", "fingerprint_of", "own_pigments"]

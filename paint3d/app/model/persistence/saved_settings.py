@@ -12,9 +12,8 @@ from paint3d.app.model.persistence.own_brushes import own_brushes
 from paint3d.app.model.persistence.own_pigments import own_pigments
 from paint3d.app.model.persistence.settings import Settings
 from paint3d.app.model.stroke_log import weights_of
-from paint3d.brush.dip_amount import DipAmount
 from paint3d.brush.presets import brush_names, load_brush
-from paint3d.brush.spec import BrushSpec
+from paint3d.brush.spec import BrushSpec, DipAmount
 from paint3d.colour.ink_text import names_table
 from paint3d.colour.materials import load_material
 from paint3d.colour.pigments import WATER, Pigment, load_palette, load_pigment

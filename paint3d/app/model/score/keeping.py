@@ -10,13 +10,12 @@ from typing import Any, TypeVar
 
 from paint3d.app.model.score.words import Inks, header_of, line_of
 from paint3d.app.model.stroke_log import recording_of
-from paint3d.brush.dip_amount import DipAmount
+from paint3d.brush.spec import DipAmount
 from paint3d.device.sample import DeviceSample
 from paint3d.errors import Paint3DError
 from paint3d.painter.painter import Painter
 from paint3d.recording.recording import Recording
-from paint3d.recording.score import Score
-from paint3d.recording.score_schema import check_command, command_names
+from paint3d.recording.score import Score, check_command, command_names
 from paint3d.surface.painted_surface import PaintedSurface
 
 __all__ = ["ScoreKeeper", "keeps_score"]

@@ -7,7 +7,7 @@ from typing import Any
 
 from paint3d.app.model.score.words import Inks, brush_named, header_of
 from paint3d.app.model.stroke_log import Stroke, recording_of
-from paint3d.brush.dip_amount import DipAmount
+from paint3d.brush.spec import DipAmount
 from paint3d.recording.recording import Recording
 from paint3d.recording.score import Score
 from paint3d.surface.painted_surface import PaintedSurface

@@ -12,8 +12,7 @@ from paint3d.app.model.score.playing import Step
 from paint3d.app.model.score.words import Inks, asked_by
 from paint3d.device.sample import DeviceSample
 from paint3d.errors import Paint3DError, RecordingError
-from paint3d.recording.hand_time import HandTime
-from paint3d.recording.recording import Recording
+from paint3d.recording.recording import HandTime, Recording
 from paint3d.recording.score import Score
 from paint3d.surface.painted_surface import PaintedSurface
 

@@ -18,14 +18,13 @@ from paint3d.app.model.brush_size import resized
 from paint3d.app.model.input.symmetry import MirrorPlane, RadialSymmetry, Symmetry
 from paint3d.app.model.mask import AngleMask, Mask, RegionPick
 from paint3d.app.model.persistence.brush_words import brush_from_words, brush_words
-from paint3d.brush.bristle_spec import BristleSpec
 from paint3d.brush.presets import brush_names, load_brush
-from paint3d.brush.spec import BrushSpec
+from paint3d.brush.spec import BristleSpec, BrushSpec
 from paint3d.colour.ink_text import table_of
 from paint3d.colour.materials import Material, load_material, material_names
 from paint3d.colour.pigments import Pigment, load_pigment
 from paint3d.errors import Paint3DError, PigmentError, RecordingError, UnknownNameError
-from paint3d.mesh.closest_points import ClosestPoints
+from paint3d.mesh.bvh import ClosestPoints
 from paint3d.mesh.likeness import digest_of
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.surface.painted_surface import PaintedSurface

@@ -14,11 +14,10 @@ from paint3d.app.model.mask import Stencil
 from paint3d.calligraphy.seal.impression import Impression, Pressing, find_impression
 from paint3d.colour.ink_text import table_of
 from paint3d.colour.pigments import load_pigment
-from paint3d.core.arrays import as_array, as_number
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray, as_array, as_number
 from paint3d.errors import InputError
+from paint3d.mesh.bvh import ClosestPoints
 from paint3d.mesh.chart import frame_at
-from paint3d.mesh.closest_points import ClosestPoints
 from paint3d.painter.painter import Painter
 from paint3d.surface.layer_stack import Layer
 from paint3d.surface.painted_surface import PaintedSurface

@@ -27,10 +27,9 @@ from paint3d.device.recorded import Recording
 from paint3d.errors import InputError, Paint3DError
 from paint3d.files.load import load_mesh
 from paint3d.files.project.session import SESSION_SUFFIX, load_session
-from paint3d.mesh.closest_points import ClosestPoints
+from paint3d.mesh.bvh import ClosestPoints
 from paint3d.painter.painter import Painter
-from paint3d.recording.hand_time import HandTime
-from paint3d.recording.recording import load_recording
+from paint3d.recording.recording import HandTime, load_recording
 from paint3d.recording.score import is_score, load_score
 from paint3d.surface.painted_surface import PaintedSurface
 

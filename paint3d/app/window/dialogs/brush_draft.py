@@ -6,9 +6,14 @@ import dataclasses
 from typing import Any
 
 from paint3d.app.model.brush_size import resized, size_limits
-from paint3d.brush.bristle_spec import BristleSpec, hair_ranges
-from paint3d.brush.dynamics import INPUTS, SETTINGS
-from paint3d.brush.spec import BrushSpec, parameter_ranges
+from paint3d.brush.spec import (
+    INPUTS,
+    SETTINGS,
+    BristleSpec,
+    BrushSpec,
+    hair_ranges,
+    parameter_ranges,
+)
 
 __all__ = [
     "INPUT_RANGES", "Points", "changed", "points_of", "range_of", "value_of",

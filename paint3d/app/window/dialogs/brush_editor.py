@@ -23,10 +23,14 @@ from paint3d.app.window.jobs.brush_drawing import PRESSES, BrushDrawing, Drawn
 from paint3d.app.window.panels.brush_panel import pixmap_of, plain_name
 from paint3d.app.window.theme import Theme
 from paint3d.app.window.wording import say, say_error
-from paint3d.brush.bristle_spec import TABLES, BristleSpec
-from paint3d.brush.brush_file import check_brush_name, check_unlike_presets, meaning_of
-from paint3d.brush.presets import brush_names, load_presets
-from paint3d.brush.spec import HAIRS, BrushSpec
+from paint3d.brush.presets import (
+    brush_names,
+    check_brush_name,
+    check_unlike_presets,
+    load_presets,
+    meaning_of,
+)
+from paint3d.brush.spec import HAIRS, TABLES, BristleSpec, BrushSpec
 from paint3d.errors import BrushError, Paint3DError
 
 __all__ = ["FORCE", "OF_HAIRS", "TUFT", "BrushEditor"]

@@ -12,7 +12,7 @@ from paint3d.app.window.theme import Theme
 from paint3d.app.window.wording import say, say_error
 from paint3d.colour.nearest_mixture import Nearest, nearest_mixture
 from paint3d.colour.pigments import Pigment
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 
 __all__ = ["ColourDialog"]
 

@@ -15,7 +15,7 @@ from paint3d.app.window.dialogs.picture_view import PictureView, image_of, lengt
 from paint3d.app.window.theme import Theme
 from paint3d.calligraphy.glyphs import GlyphStroke
 from paint3d.calligraphy.page.page import Page, bounds_of
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 
 if TYPE_CHECKING:
     from paint3d.calligraphy.photo.copying import SheetPicture

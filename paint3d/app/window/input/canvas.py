@@ -19,7 +19,7 @@ from paint3d.app.window.input.touch import (
     touch_of_mouse,
     touch_of_tablet,
 )
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 from paint3d.view.live_layers import Box
 
 __all__ = ["WRITING", "Canvas", "Drag"]

@@ -17,12 +17,12 @@ from paint3d.app.window.input.calibrating import Calibrating
 from paint3d.app.window.panels.device_panel import DevicePanel
 from paint3d.app.window.wording import say, say_error
 from paint3d.app.window.workspace import Workspace
+from paint3d.core.arrays import AnyArray
 from paint3d.core.quaternion import matrices_from_quaternions, multiply_quaternions, rotate
-from paint3d.core.types import AnyArray
 from paint3d.device.recorded import MAX_FORCE_N
 from paint3d.device.sample import DIP, DeviceSample, StylusReading
 from paint3d.errors import Paint3DError
-from paint3d.haptics.feel import Feel
+from paint3d.haptics.settings import Feel
 from paint3d.pose.calibration import DeviceCalibration
 from paint3d.pose.mouse_settings import MouseSettings
 from paint3d.pose.steering import ObjectPose

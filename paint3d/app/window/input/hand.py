@@ -16,9 +16,9 @@ from paint3d.app.model.input.hand import Hand, HandSettings, PointerInput
 from paint3d.app.window.input.canvas import Canvas
 from paint3d.app.window.input.touch import Touch
 from paint3d.app.window.stage import Stage
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 from paint3d.device.sample import DeviceSample
-from paint3d.mesh.closest_points import ClosestPoints
+from paint3d.mesh.bvh import ClosestPoints
 from paint3d.view.camera import Camera, View, fit_camera, is_flat, picture_axes, studio_axes
 
 __all__ = ["CanvasHand"]

@@ -10,7 +10,7 @@ from paint3d.app.window.input.canvas import Canvas
 from paint3d.app.window.input.touch import Touch
 from paint3d.app.window.wording import say
 from paint3d.app.window.workspace import Workspace
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 
 __all__ = ["StrokeDrag"]
 

@@ -9,9 +9,9 @@ from PySide6 import QtCore, QtGui
 
 from paint3d.app.model.stroke_log import Stroke
 from paint3d.app.window.workspace import Workspace
-from paint3d.core.types import AnyArray
-from paint3d.mesh.closest_points import ClosestPoints
-from paint3d.recording.score_moves import pressed_places
+from paint3d.core.arrays import AnyArray
+from paint3d.mesh.bvh import ClosestPoints
+from paint3d.recording.score_edits import pressed_places
 
 __all__ = ["StrokeMark", "ways_of"]
 

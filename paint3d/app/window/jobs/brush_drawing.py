@@ -10,8 +10,8 @@ from PySide6 import QtCore
 from paint3d.app.model.brush_commands import Ink
 from paint3d.app.window.previews import sorted_parts
 from paint3d.brush.spec import BrushSpec
-from paint3d.core.types import AnyArray
-from paint3d.view.brush_picture import draw_footprints, draw_stroke
+from paint3d.core.arrays import AnyArray
+from paint3d.view.brush_shape import draw_footprints, draw_stroke
 
 __all__ = ["PRESSES", "BrushDrawing", "Drawn"]
 

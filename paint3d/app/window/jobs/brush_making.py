@@ -12,8 +12,7 @@ from paint3d.app.window.dialogs.brush_editor import BrushEditor
 from paint3d.app.window.panels.side_panels import Panels
 from paint3d.app.window.wording import say, say_error
 from paint3d.app.window.workspace import Workspace
-from paint3d.brush.brush_file import read_brush
-from paint3d.brush.presets import load_presets
+from paint3d.brush.presets import load_presets, read_brush
 from paint3d.brush.spec import BrushSpec
 from paint3d.errors import Paint3DError
 

@@ -16,9 +16,8 @@ from paint3d.app.window.workspace import Workspace
 from paint3d.errors import InputError
 from paint3d.files.pictures import Filmed, write_growth
 from paint3d.files.progress import part_of
-from paint3d.recording.hand_time import HandTime
-from paint3d.view.film import film_form
-from paint3d.view.growth import Growth
+from paint3d.recording.recording import HandTime
+from paint3d.view.film import Growth, film_form
 from paint3d.view.shot import Shot
 
 __all__ = ["write_growth_film"]

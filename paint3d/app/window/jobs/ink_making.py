@@ -16,7 +16,7 @@ from paint3d.app.window.wording import say, say_error
 from paint3d.app.window.workspace import Workspace
 from paint3d.calligraphy.dips import LEAST_LOAD
 from paint3d.colour.nearest_mixture import Nearest
-from paint3d.colour.pigment_tables import load_pigments_csv
+from paint3d.colour.pigments import load_pigments_csv
 from paint3d.errors import Paint3DError
 
 __all__ = ["InkMaking"]

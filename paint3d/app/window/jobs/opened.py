@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from paint3d.app.model.document import Document
 from paint3d.app.window.jobs.job import Progress
-from paint3d.core.types import AnyArray
-from paint3d.mesh.closest_points import ClosestPoints
+from paint3d.core.arrays import AnyArray
+from paint3d.mesh.bvh import ClosestPoints
 from paint3d.view.live_object import LiveObject, PatchUpload
 
 __all__ = ["Opened", "open_with_progress", "some_points"]

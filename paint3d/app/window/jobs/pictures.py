@@ -18,8 +18,8 @@ from paint3d.app.window.jobs.targets import Targets
 from paint3d.app.window.jobs.turntable import write_turntable
 from paint3d.app.window.wording import say, say_error
 from paint3d.app.window.workspace import Workspace
+from paint3d.core.arrays import AnyArray
 from paint3d.core.atomic import write_atomically
-from paint3d.core.types import AnyArray
 from paint3d.errors import ExportError, Paint3DError
 
 __all__ = ["FILMS", "PICTURES", "Pictures"]

@@ -19,7 +19,7 @@ from paint3d.app.window.wording import say
 from paint3d.app.window.workspace import Workspace
 from paint3d.device.sample import DeviceSample
 from paint3d.painter.ink_time import PIECE_NS
-from paint3d.recording.hand_time import HandTime
+from paint3d.recording.recording import HandTime
 
 __all__ = ["Asked", "Player", "Tools"]
 

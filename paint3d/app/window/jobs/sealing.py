@@ -14,7 +14,7 @@ from paint3d.app.window.wording import say
 from paint3d.app.window.workspace import Workspace
 from paint3d.calligraphy.seal.asked import cut_seal
 from paint3d.calligraphy.seal.stone import Seal
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 from paint3d.view.camera import picture_axes
 
 __all__ = ["Sealing"]

@@ -18,7 +18,7 @@ from paint3d.app.window.theme import Theme
 from paint3d.app.window.wording import say, say_brush, say_length
 from paint3d.brush.presets import brush_names, load_brush
 from paint3d.brush.spec import BrushSpec
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 from paint3d.errors import Paint3DError
 
 __all__ = ["BrushPanel", "pixmap_of", "plain_icon", "plain_name"]

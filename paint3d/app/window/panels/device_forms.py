@@ -11,7 +11,7 @@ from PySide6 import QtCore, QtWidgets
 from paint3d.app.window.wording import say
 from paint3d.device.button_actions import ACTIONS
 from paint3d.device.six_dof import AXES
-from paint3d.haptics.feel import Feel
+from paint3d.haptics.settings import Feel
 from paint3d.haptics.stylus_choice import STYLI
 from paint3d.pose.mouse_settings import MODES, MouseSettings
 from paint3d.pose.steering import SteeringOptions

@@ -14,7 +14,7 @@ from paint3d.app.window.keeping_up import keeping_up
 from paint3d.app.window.panels.device_forms import MouseForm, StylusForm
 from paint3d.app.window.theme import STATES, Theme
 from paint3d.app.window.wording import say
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray
 from paint3d.device.recorded import MAX_FORCE_N
 
 __all__ = ["DevicePanel", "HandsPicture"]

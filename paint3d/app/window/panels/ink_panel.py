@@ -15,7 +15,7 @@ from paint3d.app.window.panels.tone_row import ToneRow, in_tone
 from paint3d.app.window.previews import ink_swatch, sorted_parts
 from paint3d.app.window.theme import Theme
 from paint3d.app.window.wording import language, say
-from paint3d.brush.dip_amount import DipAmount
+from paint3d.brush.spec import DipAmount
 from paint3d.colour.pigments import WATER, Pigment, load_palette, load_pigment
 
 __all__ = ["DishGrid", "InkPanel", "ink_label", "paint_dish"]

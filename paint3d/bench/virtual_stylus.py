@@ -19,11 +19,10 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from paint3d.core.arrays import as_array
-from paint3d.core.types import AnyArray
+from paint3d.core.arrays import AnyArray, as_array
 from paint3d.device.force.haptic_stylus import decode_force, encode_pose
-from paint3d.device.force.shared_memory import make_shared_memory
 from paint3d.errors import DeviceError
+from paint3d.haptics.shared_state import make_shared_memory
 
 __all__ = ["Felt", "VirtualStylus"]
 
