@@ -12,14 +12,15 @@ is quick and loads none of the heavy packages.
 
 from __future__ import annotations
 
-from paint3d.core.face import late_face
+import lazy_loader
 
-_load, __dir__ = late_face(__name__)
+_load, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
 
 
 def __getattr__(name: str) -> object:
     if name != "__version__":
-        return _load(name)
+        value: object = _load(name)
+        return value
     from importlib.metadata import PackageNotFoundError, version
 
     try:

@@ -1,3 +1,3 @@
-from paint3d.bench.registry import BENCHMARKS as BENCHMARKS
-from paint3d.bench.registry import run_benchmark as run_benchmark
-from paint3d.bench.result import Result as Result
+from .registry import BENCHMARKS as BENCHMARKS
+from .registry import run_benchmark as run_benchmark
+from .result import Result as Result

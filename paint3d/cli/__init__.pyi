@@ -1,5 +1,5 @@
-from paint3d.cli.parsing import UsageError as UsageError
-from paint3d.cli.replay import PaintOptions as PaintOptions
-from paint3d.cli.replay import prepare as prepare
-from paint3d.cli.results import Painting as Painting
-from paint3d.cli.results import write_report as write_report
+from .parsing import UsageError as UsageError
+from .replay import PaintOptions as PaintOptions
+from .replay import prepare as prepare
+from .results import Painting as Painting
+from .results import write_report as write_report

@@ -1,5 +1,5 @@
 """Force feedback: its settings, the servo's process, and shared memory."""
 
-from paint3d.core.face import late_face
+import lazy_loader
 
-__getattr__, __dir__ = late_face(__name__)
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

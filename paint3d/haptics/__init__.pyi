@@ -1,4 +1,4 @@
-from paint3d.haptics.servo import ForceFeedback as ForceFeedback
-from paint3d.haptics.servo import ServoStatus as ServoStatus
-from paint3d.haptics.settings import DeviceLimits as DeviceLimits
-from paint3d.haptics.settings import HapticSettings as HapticSettings
+from .servo import ForceFeedback as ForceFeedback
+from .servo import ServoStatus as ServoStatus
+from .settings import DeviceLimits as DeviceLimits
+from .settings import HapticSettings as HapticSettings

@@ -1,3 +1,3 @@
-from paint3d.painter.bristle_state import HairTuft as HairTuft
-from paint3d.painter.flat_input import LaidPad as LaidPad
-from paint3d.painter.painter import Painter as Painter
+from .bristle_state import HairTuft as HairTuft
+from .flat_input import LaidPad as LaidPad
+from .painter import Painter as Painter

@@ -1,5 +1,5 @@
 """Recordings of strokes: what they hold, and the formats they are read from."""
 
-from paint3d.core.face import late_face
+import lazy_loader
 
-__getattr__, __dir__ = late_face(__name__)
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
