@@ -2,7 +2,7 @@
 
 JSON Lines: a header, then samples as in version 1, and between them what was asked for, one object
 a line: ``{"do": "dip", "ink": {"pine soot": 0.2, "water": 0.8}}``. What a line may say is in
-`score_schema`; `paint3d.app.model.score` plays it.
+`data/score.schema.json`; `paint3d.app.model.score` plays it.
 """
 
 from __future__ import annotations
@@ -17,7 +17,9 @@ from functools import lru_cache, partial
 from pathlib import Path
 from typing import Any
 
+import fastjsonschema
 import numpy as np
+from fastjsonschema import JsonSchemaValueException
 
 from paint3d.device.recorded import Recording
 from paint3d.errors import ExportError, RecordingError
@@ -52,22 +54,10 @@ __all__ = [
 
 # ---- The schema ----------------------------------------------------------------------------------
 # What a line of a recording of version 2 may say: its JSON Schema, and the check of a line.
-#
-# The schema is `data/score.schema.json`. Of JSON Schema (2020-12) it uses a few words, which are
-# looked at here, so that a message says what was got and what was expected.
 
 
 SCHEMA = Path(__file__).parent / "data" / "score.schema.json"
-
-_TYPES: Mapping[str, tuple[type, ...]] = {
-    "string": (str,),
-    "number": (int, float),
-    "integer": (int,),
-    "object": (dict,),
-    "array": (list,),
-    "boolean": (bool,),
-    "null": (type(None),),
-}
+_DRAFT = "http://json-schema.org/draft-07/schema#"
 
 
 @lru_cache(maxsize=1)
@@ -92,12 +82,12 @@ def check_header(line: Mapping[str, Any]) -> None:
     RecordingError
         What is what, and what was expected.
     """
-    _check(line, _rule("header"), "the header")
+    _check(line, "header")
 
 
 def check_sample(line: Mapping[str, Any]) -> None:
     """Refuse a line that is no sample; see `check_header`."""
-    _check(line, _rule("sample"), "a sample")
+    _check(line, "sample")
 
 
 def check_command(line: Mapping[str, Any]) -> None:
@@ -107,101 +97,60 @@ def check_command(line: Mapping[str, Any]) -> None:
         near = difflib.get_close_matches(str(name), known, n=1, cutoff=0.6)
         hint = f"did you mean {near[0]!r}? " if near else ""
         raise RecordingError(f"do is {name!r:.60}; {hint}expected one of {', '.join(known)}")
-    _check(line, _rule(str(name)), str(name))
+    _check(line, str(name))
 
 
-def _rule(name: str) -> Mapping[str, Any]:
-    rule: Mapping[str, Any] = schema()["$defs"][name]
-    return rule
+def _check(line: Mapping[str, Any], kind: str) -> None:
+    try:
+        _validator(kind)(line)
+    except JsonSchemaValueException as fault:
+        where = ": ".join([kind, *filter(None, [" ".join(fault.path[1:])])])
+        rule = fault.definition if isinstance(fault.definition, dict) else {}
+        if fault.rule == "required":
+            missing = next(key for key in rule["required"] if key not in fault.value)
+            raise RecordingError(f"{where} has no {missing!r}; expected one") from None
+        if fault.rule == "additionalProperties":
+            odd = next(key for key in fault.value if key not in rule["properties"])
+            known = ", ".join(key for key in rule["properties"] if key not in ("do", "refused"))
+            raise RecordingError(
+                f"{where} has {odd!r:.60}; expected {known or 'nothing else'}"
+            ) from None
+        raise RecordingError(
+            f"{where} is {fault.value!r:.60}; expected {_in_words(rule)}"
+        ) from None
 
 
-def _check(value: object, rule: Mapping[str, Any] | bool, where: str) -> None:
-    if isinstance(rule, bool):
-        if not rule:
-            raise RecordingError(f"{where} is {value!r:.60}; expected none")
-        return
+@lru_cache
+def _validator(kind: str) -> Callable[[Mapping[str, Any]], object]:
+    # Draft 7 means the same as the schema's own 2020-12 by all the words that are used here.
+    rule = {"$schema": _DRAFT, "$defs": schema()["$defs"], "$ref": f"#/$defs/{kind}"}
+    found: Callable[[Mapping[str, Any]], object] = fastjsonschema.compile(rule, use_default=False)
+    return found
+
+
+def _in_words(rule: Mapping[str, Any]) -> str:
+    """What a rule of the schema allows."""
     if "$ref" in rule:
-        rule = _rule(rule["$ref"].rpartition("/")[2])
+        return _in_words(schema()["$defs"][rule["$ref"].rpartition("/")[2]])
     if "anyOf" in rule:
-        _check_any(value, rule["anyOf"], where)
-    if "const" in rule and (value != rule["const"] or type(value) is not type(rule["const"])):
-        raise RecordingError(f"{where} is {value!r:.60}; expected {rule['const']!r}")
-    if "enum" in rule and value not in rule["enum"]:
-        words = " or ".join(map(repr, rule["enum"]))
-        raise RecordingError(f"{where} is {value!r:.60}; expected {words}")
-    if "type" in rule and not _is(value, rule["type"]):
-        raise RecordingError(f"{where} is {value!r:.60}; expected {_word(rule)}")
-    if isinstance(value, dict):
-        _check_object(value, rule, where)
-    elif isinstance(value, list):
-        _check_array(value, rule, where)
-    elif isinstance(value, str):
-        least, most = rule.get("minLength", 0), rule.get("maxLength", math.inf)
-        if not least <= len(value) <= most:
-            raise RecordingError(f"{where} is {value!r:.60}; expected {least} to {most} letters")
-    elif isinstance(value, int | float) and not isinstance(value, bool):
-        least, most = rule.get("minimum", -math.inf), rule.get("maximum", math.inf)
-        if not least <= value <= most:
-            raise RecordingError(f"{where} is {value!r:.60}; expected {least:g} to {most:g}")
-
-
-def _check_any(value: object, rules: list[Mapping[str, Any]], where: str) -> None:
-    """Of several rules the one that is for such a value counts."""
-    own = [rule for rule in map(_followed, rules) if _is(value, rule["type"])]
-    if not own:
-        words = " or ".join(_word(_followed(rule)) for rule in rules)
-        raise RecordingError(f"{where} is {value!r:.60}; expected {words}")
-    _check(value, own[0], where)
-
-
-def _followed(rule: Mapping[str, Any]) -> Mapping[str, Any]:
-    return _rule(rule["$ref"].rpartition("/")[2]) if "$ref" in rule else rule
-
-
-def _check_object(value: dict[str, Any], rule: Mapping[str, Any], where: str) -> None:
-    own: Mapping[str, Any] = rule.get("properties", {})
-    others = rule.get("additionalProperties", True)
-    for key in rule.get("required", ()):
-        if key not in value:
-            raise RecordingError(f"{where} has no {key!r}; expected one")
-    if len(value) < rule.get("minProperties", 0):
-        raise RecordingError(f"{where} is empty; expected at least one entry")
-    for key, item in value.items():
-        if key in own:
-            _check(item, own[key], f"{where}: {key}")
-        elif others is False:
-            known = ", ".join(k for k in own if k not in ("do", "refused")) or "nothing else"
-            raise RecordingError(f"{where} has {key!r:.60}; expected {known}")
-        else:
-            _check(item, others, f"{where}: {key}")
-
-
-def _check_array(value: list[Any], rule: Mapping[str, Any], where: str) -> None:
-    least, most = rule.get("minItems", 0), rule.get("maxItems", math.inf)
-    if not least <= len(value) <= most:
-        wanted = f"{least}" if least == most else f"{least} to {most}"
-        raise RecordingError(f"{where} has {len(value)} entries; expected {wanted}")
-    for item in value:
-        _check(item, rule.get("items", True), where)
-
-
-def _is(value: object, kind: str) -> bool:
-    if isinstance(value, bool):
-        return kind == "boolean"
-    if isinstance(value, float) and kind == "number":
-        return math.isfinite(value)
-    return isinstance(value, _TYPES[kind])
-
-
-def _word(rule: Mapping[str, Any]) -> str:
-    kind = rule["type"]
-    if kind == "array" and rule.get("minItems") == rule.get("maxItems", math.nan):
-        return f"{rule['minItems']} numbers"
-    words = {
-        "string": "a text", "object": "an object", "array": "a list", "null": "null",
-        "boolean": "true or false", "number": "a number", "integer": "a whole number",
-    }  # fmt: skip
-    return words[kind]
+        return " or ".join(map(_in_words, rule["anyOf"]))
+    if "enum" in rule:
+        return " or ".join(map(repr, rule["enum"]))
+    if "const" in rule:
+        return repr(rule["const"])
+    kind: str = rule.get("type", "none")
+    words = {"integer": "a whole number", "number": "a number", "array": "a list",
+             "string": "a text", "object": "an object", "boolean": "true or false"}  # fmt: skip
+    for least, most, unit in (
+        ("minimum", "maximum", ""),
+        ("minItems", "maxItems", "entries"),
+        ("minLength", "maxLength", "letters"),
+    ):
+        if least in rule or most in rule:
+            low, high = rule.get(least, 0), rule.get(most, math.inf)
+            span = f"{low:g}" if low == high else f"{low:g} to {high:g}"
+            return f"{words[kind]} ({span} {unit}".rstrip() + ")"
+    return words.get(kind, kind)
 
 
 # --------------------------------------------------------------------------------------------------
