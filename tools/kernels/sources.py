@@ -13,6 +13,7 @@ __all__ = ["ROOT", "digest", "sources_of"]
 ROOT = Path(__file__).parents[2]  # of the checkout
 _PACKAGE = "paint3d"
 _DECORATORS = "paint3d/core/kernel.py"  # with their options, which count
+_NO_CODE = "paint3d/errors.py"  # exceptions: no machine code depends on one
 
 
 def digest(path: str) -> str:
@@ -46,7 +47,7 @@ def _files_of(module: str) -> Iterator[str]:
     for n in range(2, len(parts) + 1):
         base = "/".join(parts[:n])
         for path in (f"{base}/__init__.py", f"{base}.py"):
-            if (ROOT / path).is_file():
+            if path != _NO_CODE and (ROOT / path).is_file():
                 yield path
 
 
