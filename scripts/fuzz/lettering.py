@@ -124,9 +124,8 @@ def _check_letters(_: str, content: bytes) -> None:
     from shapely import LineString, MultiPolygon, get_parts, union_all
 
     from paint3d.calligraphy.glyph_sources import open_glyphs
-    from paint3d.calligraphy.shapes.arabic_ductus import PlacedLetter, body_strokes, form_of
     from paint3d.calligraphy.shapes.decompose import decompose
-    from paint3d.calligraphy.shapes.ductus import known_strokes
+    from paint3d.calligraphy.shapes.ductus import PlacedLetter, body_strokes, form_of, known_strokes
 
     text, source = content.decode("utf-8", "replace")[:6], open_glyphs(None)
     known = [forms for letter in text if (forms := known_strokes(source, letter))]

@@ -5,7 +5,7 @@ import shapely
 from shapely import box
 
 from paint3d.calligraphy.glyphs import GlyphStroke
-from paint3d.calligraphy.shapes.bare_ends import with_stubs
+from paint3d.calligraphy.shapes.regions import with_stubs
 
 STEM = np.array([[50.0, 190.0], [50.0, 10.0]])
 

@@ -13,14 +13,18 @@ from shapely import LineString, MultiPolygon, Polygon, box
 from paint3d.calligraphy.glyph_sources import open_glyphs
 from paint3d.calligraphy.glyphs import Glyph, GlyphStroke
 from paint3d.calligraphy.shapes import decompose as decomposing
-from paint3d.calligraphy.shapes.arabic_ductus import PlacedLetter, body_strokes, form_of
 from paint3d.calligraphy.shapes.continuation import resampled
 from paint3d.calligraphy.shapes.decompose import decompose
 from paint3d.calligraphy.shapes.dots import dot_among
-from paint3d.calligraphy.shapes.ductus import JoinedForm, known_strokes
+from paint3d.calligraphy.shapes.ductus import (
+    JoinedForm,
+    PlacedLetter,
+    body_strokes,
+    form_of,
+    known_strokes,
+)
 from paint3d.calligraphy.shapes.regions import Piece
-from paint3d.calligraphy.shapes.registration import register, tangents_of
-from paint3d.calligraphy.shapes.transfer import KnownStrokes, in_known_order
+from paint3d.calligraphy.shapes.transfer import KnownStrokes, in_known_order, register, tangents_of
 from tests.support.cases import long_but
 from tests.support.examples import examples
 from tests.support.found_strokes import as_listed

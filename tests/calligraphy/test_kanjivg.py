@@ -11,8 +11,7 @@ from shapely import LineString, Point, Polygon
 from paint3d.calligraphy.glyph_sources import KanjiVGLines, load_glyphs, open_glyphs
 from paint3d.calligraphy.kanjivg import LineStroke, parse_lines
 from paint3d.calligraphy.kanjivg_folder import find_kanjivg
-from paint3d.calligraphy.segments import BODY, ZONE, corners_of, cut_line
-from paint3d.calligraphy.stroke_shapes import shape_strokes
+from paint3d.calligraphy.stroke_shapes import BODY, ZONE, corners_of, cut_line, shape_strokes
 from paint3d.errors import InputError
 
 HEAD = (

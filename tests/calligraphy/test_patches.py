@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import ndimage
 
-from paint3d.calligraphy.kernels.patches import fill_depths, label_patches
+from paint3d.calligraphy.kernels.raster import fill_depths, label_patches
 
 
 def a_mask(share: float, shape: tuple[int, int]) -> np.ndarray:

@@ -10,13 +10,20 @@ from hypothesis import strategies as st
 from paint3d.brush.bending import build_tuft
 from paint3d.brush.presets import choose_brush, load_brush
 from paint3d.calligraphy.centre_line import centre_line, grid_step, outline_field
-from paint3d.calligraphy.detours import Corner, corners_in, detours_to
 from paint3d.calligraphy.footprint_table import FootprintTable, tabulate_footprints
 from paint3d.calligraphy.glyphs import Glyph, GlyphStroke
 from paint3d.calligraphy.hand_motion import root_stretch
 from paint3d.calligraphy.kernels import planning as kernels
 from paint3d.calligraphy.path_fit import PathFitter
-from paint3d.calligraphy.planning import PlanSettings, on_paper, plan_glyph, plan_stroke
+from paint3d.calligraphy.planning import (
+    Corner,
+    PlanSettings,
+    corners_in,
+    detours_to,
+    on_paper,
+    plan_glyph,
+    plan_stroke,
+)
 from paint3d.calligraphy.timing import Tempo, time_courses
 from paint3d.errors import InputError
 from tests.support.cases import long_but

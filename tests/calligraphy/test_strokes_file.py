@@ -13,8 +13,7 @@ from shapely import Polygon, unary_union
 
 from paint3d.calligraphy.page.bands import WIDEST
 from paint3d.calligraphy.page.correcting import CorrectedPage
-from paint3d.calligraphy.page.ink import fill_rings
-from paint3d.calligraphy.page.page import Page, Photograph
+from paint3d.calligraphy.page.page import Page, Photograph, fill_rings
 from paint3d.calligraphy.page.strokes_file import load_strokes, save_strokes
 from paint3d.calligraphy.page.svg_drawing import load_svg
 from paint3d.calligraphy.photo.copying import CopiedSheet, seen_again

@@ -21,7 +21,7 @@ from paint3d.calligraphy.fonts.system_fonts import (
 )
 from paint3d.calligraphy.glyphs import EM_UNITS
 from paint3d.calligraphy.hand_packages import package_of_the_hand
-from paint3d.calligraphy.page.ink import bezier_points, fill_rings
+from paint3d.calligraphy.page.page import bezier_points, fill_rings
 from paint3d.core.arrays import AnyArray
 from paint3d.errors import InputError
 

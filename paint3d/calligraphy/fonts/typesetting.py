@@ -6,29 +6,247 @@ import math
 import unicodedata
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from paint3d.calligraphy.fonts.bodies import WHOLE, Body, bodies_of, text_of
 from paint3d.calligraphy.fonts.font_file import FontFile
-from paint3d.calligraphy.fonts.line_breaks import break_line
-from paint3d.calligraphy.fonts.shaping import DIRECTIONS, Shaper, Style
+from paint3d.calligraphy.fonts.shaping import DIRECTIONS, ShapedGlyph, Shaper, Style
 from paint3d.calligraphy.glyph_sources import GlyphSource
 from paint3d.calligraphy.glyphs import EM_UNITS, Glyph, GlyphStroke
-from paint3d.calligraphy.page.ink import as_multipolygon, polygons_of
-from paint3d.calligraphy.page.page import Page, Piece, bounds_of
-from paint3d.calligraphy.shapes.arabic_ductus import PlacedLetter, body_strokes, form_of
-from paint3d.calligraphy.shapes.bare_ends import with_stubs
+from paint3d.calligraphy.page.page import Page, Piece, as_multipolygon, bounds_of, polygons_of
 from paint3d.calligraphy.shapes.decompose import decompose
-from paint3d.calligraphy.shapes.ductus import known_strokes
+from paint3d.calligraphy.shapes.ductus import PlacedLetter, body_strokes, form_of, known_strokes
+from paint3d.calligraphy.shapes.regions import with_stubs
 from paint3d.core.arrays import AnyArray
 from paint3d.errors import InputError
 
 if TYPE_CHECKING:
-    from shapely import MultiPolygon
+    from shapely import MultiPolygon, Polygon
 
-__all__ = ["FontText", "is_written_down", "set_text"]
+__all__ = [
+    "WHOLE",
+    "Body",
+    "FontText",
+    "bodies_of",
+    "break_line",
+    "is_written_down",
+    "may_break_after",
+    "set_text",
+    "text_of",
+]
+
+# ---- Pieces of ink -------------------------------------------------------------------------------
+# Glyphs of a line as pieces of ink: what hangs together is one body, with the marks it carries.
+#
+# A letter, a word of a joined script and a syllable are bodies; a dot, an accent or a vowel sign
+# that touches none is written after the body it belongs to. Characters of Chinese, Japanese and
+# Korean stay whole.
+
+
+WHOLE = frozenset({"Hani", "Hira", "Kana", "Hang", "Bopo", "Yiii", "Tang", "Nshu"})
+"""Scripts whose characters are squares of their own."""
+
+
+@dataclass(frozen=True, eq=False)
+class Body:
+    """Ink that is written in one go.
+
+    Attributes
+    ----------
+    glyphs : tuple of ShapedGlyph
+        That it is made of, as they are read.
+    parts : tuple of MultiPolygon
+        The body, then its marks; glyph units of the line.
+    """
+
+    glyphs: tuple[ShapedGlyph, ...]
+    parts: tuple[MultiPolygon, ...]
+
+
+class _Part(NamedTuple):
+    shape: Polygon
+    glyph: int  # place in the line
+    is_main: bool  # the largest of a glyph that is no mark
+
+
+def bodies_of(glyphs: Sequence[ShapedGlyph], font: FontFile) -> list[Body]:
+    """The bodies of a line in writing order.
+
+    Parameters
+    ----------
+    glyphs : sequence of ShapedGlyph
+        As they are read.
+    font : FontFile
+    """
+    bodies: list[tuple[int, Body]] = []
+    parts: list[_Part] = []
+    shapes = [_placed(one, font) for one in glyphs]
+    bases = _bases(glyphs, [shape.area for shape in shapes])
+    for k, (one, shape) in enumerate(zip(glyphs, shapes, strict=True)):
+        if shape.is_empty:
+            continue
+        if one.script in WHOLE:
+            bodies.append((k, Body((one,), (shape,))))
+            continue
+        pieces = polygons_of(shape)
+        largest = max(pieces, key=lambda piece: piece.area)
+        is_base = bases[k] == k and not font.is_mark(one.glyph)
+        parts += [_Part(piece, k, piece is largest and is_base) for piece in pieces]
+    bodies += _joined(parts, glyphs, bases)
+    return [body for _, body in sorted(bodies, key=lambda one: one[0])]
+
+
+def text_of(some: Sequence[ShapedGlyph], glyphs: Sequence[ShapedGlyph], line: str) -> str:
+    """The characters of a line that some of its glyphs stand for, from the first to the last."""
+    starts = sorted({one.cluster for one in glyphs})
+    first, last = min(one.cluster for one in some), max(one.cluster for one in some)
+    end = next((start for start in starts if start > last), len(line))
+    return line[first:end]
+
+
+def _bases(glyphs: Sequence[ShapedGlyph], areas: Sequence[float]) -> list[int]:
+    """For every glyph the largest one of those that stand for the same characters."""
+    largest: dict[int, int] = {}
+    for k, one in enumerate(glyphs):
+        if areas[k] > areas[largest.setdefault(one.cluster, k)]:
+            largest[one.cluster] = k
+    return [largest[one.cluster] for one in glyphs]
+
+
+def _placed(one: ShapedGlyph, font: FontFile) -> MultiPolygon:
+    from shapely import transform
+
+    at = np.array([one.x, one.y])
+    return transform(font.outline(one.glyph), lambda points: points + at)
+
+
+def _joined(
+    parts: Sequence[_Part], glyphs: Sequence[ShapedGlyph], bases: Sequence[int]
+) -> list[tuple[int, Body]]:
+    """Parts that touch as bodies, with the others as their marks; each with its first glyph."""
+    groups = _touching(parts)
+    homes = {part.glyph: group for group in groups for part in group if part.is_main}
+    marks: dict[int, list[list[_Part]]] = {}
+    bodies = []
+    for group in groups:
+        home = None if any(part.is_main for part in group) else _home(group, homes, bases)
+        if home is None:
+            bodies.append(group)
+        else:
+            marks.setdefault(id(home), []).append(group)
+    result = []
+    for group in bodies:
+        carried = sorted(marks.get(id(group), []), key=lambda one: min(p.glyph for p in one))
+        members = sorted({part.glyph for one in (group, *carried) for part in one})
+        shapes = tuple(_union(one) for one in (group, *carried))
+        first = min(part.glyph for part in group)
+        result.append((first, Body(tuple(glyphs[k] for k in members), shapes)))
+    return result
+
+
+def _home(
+    group: Sequence[_Part], homes: dict[int, list[_Part]], bases: Sequence[int]
+) -> list[_Part] | None:
+    """The body that a mark belongs to: that of its glyph, or of the letter before it."""
+    here = bases[min(part.glyph for part in group)]
+    return next((homes[k] for k in range(here, -1, -1) if k in homes), None)
+
+
+def _touching(parts: Sequence[_Part]) -> list[list[_Part]]:
+    """Groups of parts whose ink touches."""
+    from shapely import STRtree
+
+    if not parts:
+        return []
+    shapes = [part.shape for part in parts]
+    group = list(range(len(parts)))
+    for a, b in STRtree(shapes).query(shapes, predicate="intersects").T:
+        one, two = group[a], group[b]
+        if one != two:
+            group = [min(one, two) if k in (one, two) else k for k in group]
+    return [
+        [part for part, k in zip(parts, group, strict=True) if k == key]
+        for key in dict.fromkeys(group)
+    ]
+
+
+def _union(parts: Sequence[_Part]) -> MultiPolygon:
+    from shapely import unary_union
+
+    return as_multipolygon(unary_union([part.shape for part in parts]))
+
+
+# --------------------------------------------------------------------------------------------------
+
+
+# ---- Line breaks ---------------------------------------------------------------------------------
+# Where a line of text may be broken: at spaces and hyphens, and between ideographs.
+#
+# Words are kept together. Closing punctuation does not begin a line and opening does not end one.
+# Scripts that are written without spaces and need a dictionary, such as Thai, are not broken.
+
+
+_NOT_FIRST = set(
+    "、。，．・：；？！ー」』）］｝〉》〕】〗’”ゝゞ々〻ぁぃぅぇぉっゃゅょァィゥェォッャュョ…‥%‰℃,.:;?!)]}"
+)
+_NOT_LAST = set("「『（［｛〈《〔【〖‘“([{")
+_HYPHENS = set("-‐–—")
+_IDEOGRAPHIC_SPACE = "\u3000"
+
+
+def may_break_after(text: str, k: int) -> bool:
+    """Whether a line may end after character k of a text, which has more."""
+    here, after = text[k], text[k + 1]
+    if unicodedata.category(after).startswith("M") or after == "\u200d" or here == "\u2060":
+        return False
+    if here in (" ", "\t", _IDEOGRAPHIC_SPACE, "\u200b"):
+        return after not in (" ", "\t", _IDEOGRAPHIC_SPACE)
+    if here in _HYPHENS:
+        return after.isalpha()
+    if after in _NOT_FIRST or here in _NOT_LAST or after.isspace():
+        return False
+    return _is_wide(here) or _is_wide(after)
+
+
+def _is_wide(character: str) -> bool:
+    return unicodedata.east_asian_width(character) in ("W", "F")
+
+
+def break_line(text: str, advances: Sequence[float], room: float) -> list[str]:
+    """Break a text into lines no longer than there is room for, where it can be broken.
+
+    Parameters
+    ----------
+    text : str
+    advances : sequence of float
+        Of every character; 0 for all but the first that are drawn as one.
+    room : float
+        In the unit of the advances.
+
+    Returns
+    -------
+    list of str
+        Without the spaces around the breaks.
+    """
+    lines, start, end, width, kept = [], 0, 0, 0.0, 0.0
+    for k, advance in enumerate(advances):
+        width += advance
+        inked = width if not text[k].isspace() else kept
+        if inked > room and end > start:
+            lines.append(text[start:end].strip())
+            start = end
+            width = sum(advances[start : k + 1])
+            inked = width
+        kept = inked
+        if k + 1 < len(text) and advances[k + 1] > 0.0 and may_break_after(text, k):
+            end = k + 1
+    lines.append(text[start:].strip())
+    return [line for line in lines if line]
+
+
+# --------------------------------------------------------------------------------------------------
+
 
 _COLUMN_SCRIPTS = ("CJK UNIFIED", "CJK COMPATIBILITY", "HIRAGANA", "KATAKANA", "BOPOMOFO")
 _COLUMN_PITCH, _LEAST_PITCH = 1.15, 1.0  # ems from column to column; of lines at least

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from paint3d.calligraphy.glyphs import EM_UNITS, GlyphStroke
-from paint3d.calligraphy.page.ink import polygons_of, rings_of
+from paint3d.calligraphy.page.page import polygons_of, rings_of
 from paint3d.core.arrays import AnyArray
 
 if TYPE_CHECKING:

@@ -12,9 +12,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from paint3d.calligraphy.glyphs import EM_UNITS, Glyph
-from paint3d.calligraphy.layout import Layout
+from paint3d.calligraphy.layout import Layout, frames_to_try, upright_frame, walking_step
 from paint3d.calligraphy.page.page import Composer, Page, Piece
-from paint3d.calligraphy.place_search import frames_to_try, upright_frame, walking_step
 from paint3d.errors import InputError, MeshError
 from paint3d.mesh.bvh import ClosestPoints
 from paint3d.mesh.chart import EmSquare, SquareLimits, SurfaceFrame, lay_square

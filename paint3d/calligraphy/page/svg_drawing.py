@@ -8,38 +8,398 @@ piece as far as they follow each other in the document, whose order is that of t
 from __future__ import annotations
 
 import logging
+import math
+import re
+from collections import Counter
 from collections.abc import Iterator, Sequence
+from copy import deepcopy
 from dataclasses import dataclass, replace
 from io import BytesIO
 from itertools import groupby
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from xml.etree import ElementTree
+from xml.etree.ElementTree import Element
 
 import numpy as np
 
 from paint3d.calligraphy.glyphs import EM_UNITS, Box, Glyph, GlyphStroke
 from paint3d.calligraphy.hand_packages import package_of_the_hand
 from paint3d.calligraphy.page.bands import fill_in_bands, is_wide
-from paint3d.calligraphy.page.ink import (
+from paint3d.calligraphy.page.page import (
+    Page,
+    Piece,
     as_multipolygon,
     bezier_points,
+    bounds_of,
     fill_rings,
     polygons_of,
     rings_of,
 )
-from paint3d.calligraphy.page.page import Page, Piece, bounds_of
-from paint3d.calligraphy.page.svg_numbers import check_numbers
-from paint3d.calligraphy.page.svg_references import in_place
-from paint3d.calligraphy.page.svg_safety import check_svg
 from paint3d.calligraphy.shapes.decompose import decompose, thinnest_within
 from paint3d.core.arrays import AnyArray
+from paint3d.core.foreign_xml import XmlFault, parse_xml
 from paint3d.errors import InputError
 
 if TYPE_CHECKING:
     from shapely import MultiPolygon
 
-__all__ = ["load_svg", "svg_shape"]
+__all__ = ["HREFS", "check_numbers", "check_svg", "in_place", "load_svg", "svg_shape"]
+
+# ---- Numbers -------------------------------------------------------------------------------------
+# Whether the numbers of a drawing's shapes are numbers: what is none is named, not painted over.
+#
+# Where a width is "nan" or a path breaks off, viewers leave the element out or draw half of it,
+# each as it likes (SVG 1.1, appendix F.2 only asks that the document be said to be in error).
+
+
+_SHAPES = ("path", "rect", "circle", "ellipse", "line", "polyline", "polygon")
+_TAGS = (*_SHAPES, "a", "g", "svg", "switch", "symbol", "use")
+_NAMESPACES = ("", "{http://www.w3.org/2000/svg}")
+_SIZE_NAMES = ("width", "height", "r", "stroke-width")
+_SHARES = ("opacity", "fill-opacity", "stroke-opacity")
+_LENGTHS = (*_SIZE_NAMES, *_SHARES, "x", "y", "rx", "ry", "cx", "cy", "x1", "y1", "x2", "y2")
+_STYLED = ("stroke-width", *_SHARES)
+_KEYWORDS = ("auto", "inherit", "initial", "unset", "revert", "none", "medium")
+_UNITS = r"(?:px|pt|pc|mm|cm|in|em|ex|rem|ch|q|vw|vh|vmin|vmax|%)?"
+_NUMBER = re.compile(r"[+-]?(?:\d++\.?+\d*+|\.\d++)(?:e[+-]?\d++)?+", re.IGNORECASE)
+_LENGTH = re.compile(rf"({_NUMBER.pattern})\s*{_UNITS}", re.IGNORECASE)
+_ANGLE = rf"{_NUMBER.pattern}(?:px|pt|pc|mm|cm|in|deg|rad|grad|turn|%)?"
+_TRANSFORM = re.compile(
+    rf"(?:matrix|translate|translatex|translatey|scale|scalex|scaley|rotate|skew|skewx|skewy)\s*"
+    rf"\(\s*{_ANGLE}(?:[\s,]+{_ANGLE}|(?=[+.-]){_ANGLE})*\s*\)",
+    re.IGNORECASE,
+)
+_EXPONENT = re.compile(r"[+-]?(?:\d++\.?\d*+|\.\d++)e[+-]?\d++", re.IGNORECASE)
+_POINTS = re.compile(rf"(?:[\s,]++|{_NUMBER.pattern})*+", re.IGNORECASE)
+_WAY = re.compile(rf"(?:[\s,MZLHVCSQTA]++|{_NUMBER.pattern})*+", re.IGNORECASE)
+_SIGNED = re.compile("([MZLHVCSQTA])", re.IGNORECASE)
+_COUNTS = {"M": 2, "L": 2, "H": 1, "V": 1, "C": 6, "S": 4, "Q": 4, "T": 2, "A": 7, "Z": 0}
+_VIEWS = ("svg", "symbol")
+_ALIGNED = re.compile(
+    r"(?:none|x(?:min|mid|max)y(?:min|mid|max))(?:\s+(?:meet|slice))?", re.IGNORECASE
+)
+_ARCS = re.compile(  # whose flags may stand before other numbers without anything between
+    rf"(?:[\s,]*+(?:{_NUMBER.pattern}[\s,]*+){{3}}(?:[01][\s,]*+){{2}}"
+    rf"(?:{_NUMBER.pattern}[\s,]*+){{2}})++",
+    re.IGNORECASE,
+)
+_IMPORTANT = re.compile(r"!\s*important\s*$", re.IGNORECASE)
+_CALLS = re.compile(r"\b(?:var|calc|env|min|max|clamp)\(", re.IGNORECASE)
+_DECLARED = re.compile(rf"(?:^|[;{{\s])({'|'.join(_STYLED)})\s*:\s*([^;}}]*)", re.IGNORECASE)
+_COMMENT = re.compile(r"/\*.*?\*/", re.DOTALL)
+_SHOWN = 24
+_VIEW = "four numbers, the last two of them, its width and height, above 0"
+_ALIGNMENT = "none, or xMidYMid and its like, and meet or slice"
+
+
+def check_numbers(root: ElementTree.Element, name: str) -> None:
+    """Refuse a drawing of whose shapes a number is none.
+
+    Parameters
+    ----------
+    root : Element
+        Of the SVG.
+    name : str
+        What to call it in messages.
+
+    Raises
+    ------
+    InputError
+        Which element and attribute it is, what stands there, and what was expected.
+    """
+    counts: Counter[str] = Counter()
+    for element in root.iter():
+        namespace, _, tag = element.tag.rpartition("}")
+        tag = tag if f"{namespace}}}" * bool(namespace) in _NAMESPACES else ""
+        counts[tag] += 1
+        if tag == "style":
+            faults = _faults_of_style(element.text or "")
+        elif tag in _TAGS:
+            faults = _faults(element, tag)
+        else:
+            continue
+        for fault in faults:
+            which = element.get("id")
+            called = f"{tag} {which!r}" if which else f"{tag} {counts[tag]}"
+            raise InputError(f"{name}: {called}: {fault}")
+
+
+def _faults(element: ElementTree.Element, tag: str) -> Iterator[str]:
+    """Which attribute of an element is no number, and what was expected."""
+    for attribute, text in element.attrib.items():
+        value = text.strip()
+        if not value:
+            continue  # as if it were not there
+        if attribute in _LENGTHS:
+            wanted = _fault_of_length(attribute, value)
+            if wanted:
+                yield f"{attribute} is {value[:_SHOWN]!r}; expected {wanted}"
+        elif attribute == "style":
+            yield from _faults_of_style(value)
+        elif attribute == "transform" and value.lower() not in _KEYWORDS:
+            left = _TRANSFORM.sub(_unless_finite, value).strip(", \t\r\n")
+            if left:
+                yield f"transform has {left[:_SHOWN]!r}; expected transforms of finite numbers"
+        elif attribute == "viewBox" and tag in _VIEWS and value.lower() != "none":
+            if not _is_view(value):
+                yield f"viewBox is {value[:_SHOWN]!r}; expected {_VIEW}"
+        elif attribute == "preserveAspectRatio" and tag in _VIEWS:
+            if not _ALIGNED.fullmatch(value):
+                yield f"preserveAspectRatio is {value[:_SHOWN]!r}; expected {_ALIGNMENT}"
+        elif attribute == "points" and tag in ("polyline", "polygon"):
+            yield from _faults_of_list(attribute, value, _POINTS, "finite numbers")
+        elif attribute == "d" and tag == "path" and value.lower() not in _KEYWORDS:
+            yield from _faults_of_list(attribute, value, _WAY, "commands of paths, finite numbers")
+            yield from _faults_of_way(value)
+
+
+def _is_view(value: str) -> bool:
+    """Whether a viewBox is four finite numbers, and has an area."""
+    words = [word for word in re.split(r"\s*,\s*|\s+", value) if word]
+    if len(words) != 4 or not all(_NUMBER.fullmatch(word) for word in words):
+        return False
+    numbers = [float(word) for word in words]
+    return all(map(math.isfinite, numbers)) and min(numbers[2:]) > 0.0
+
+
+def _faults_of_style(text: str) -> Iterator[str]:
+    """The same of declarations."""
+    for declared in _DECLARED.finditer(_COMMENT.sub(" ", text)):
+        attribute, value = declared[1].lower(), _IMPORTANT.sub("", declared[2]).strip()
+        wanted = _fault_of_length(attribute, value) if value else ""
+        if wanted:
+            yield f"{attribute} is {value[:_SHOWN]!r}; expected {wanted}"
+
+
+def _fault_of_length(attribute: str, value: str) -> str:
+    """What was expected of a length or share that is none; "" where it is one."""
+    if value.lower() in _KEYWORDS or _CALLS.match(value):
+        return ""
+    found = _LENGTH.fullmatch(value)
+    expected = "a number" if attribute in _SHARES else "a length"
+    if found is None or not math.isfinite(float(found[1])):
+        return expected
+    return (
+        f"{expected}, not less than 0" if attribute in _SIZE_NAMES and float(found[1]) < 0 else ""
+    )
+
+
+def _faults_of_list(
+    attribute: str, text: str, words: re.Pattern[str], expected: str
+) -> Iterator[str]:
+    """The same of a list: the first word that is neither a finite number nor known."""
+    good = words.match(text)
+    end = good.end() if good else 0
+    numbers = (found[0] for found in _EXPONENT.finditer(text, 0, end))
+    bad = next((number for number in numbers if not math.isfinite(float(number))), "")
+    bad = bad or re.split(r"[\s,]", text[end : end + _SHOWN])[0]
+    if bad:
+        yield f"{attribute} has {bad!r}; expected {expected}"
+
+
+def _faults_of_way(text: str) -> Iterator[str]:
+    """Where a path of good words breaks off, or does not begin."""
+    before, *parts = _SIGNED.split(text)
+    if before.strip() or parts[0] not in "Mm":
+        yield f"d has {text[:_SHOWN]!r}; expected M first"
+    for command, numbers in zip(parts[::2], parts[1::2], strict=True):
+        wanted = _COUNTS[command.upper()]
+        n = len(_NUMBER.findall(numbers))
+        if wanted and command in "Aa" and _ARCS.fullmatch(numbers):
+            continue
+        if n % wanted if wanted and n else n != wanted:
+            shown = f"{command}{numbers}".strip()[:_SHOWN]
+            yield f"d has {shown!r}; expected {wanted} numbers to each {command}"
+
+
+def _unless_finite(call: re.Match[str]) -> str:
+    """A transform whose numbers are not all finite; "" of any other."""
+    finite = all(math.isfinite(float(number)) for number in _NUMBER.findall(call[0]))
+    return "" if finite else call[0]
+
+
+# --------------------------------------------------------------------------------------------------
+
+
+# ---- What is refused -----------------------------------------------------------------------------
+# What is refused of an SVG before it is read: entities, what lies outside of it, endless uses.
+
+
+_MOST_DEPTH = 200
+_MOST_ELEMENTS = 100_000
+_OUTSIDE = re.compile(r"""url\(\s*['"]?(?!['"]?\s*#)([^)'"]*)|@import\s+([^;]*)""", re.IGNORECASE)
+
+
+def check_svg(data: bytes, name: str) -> ElementTree.Element:
+    """Refuse an SVG from strangers that declares entities, refers outside of itself, or explodes.
+
+    Parameters
+    ----------
+    data : bytes
+    name : str
+        What to call it in messages.
+
+    Returns
+    -------
+    Element
+        Its root.
+
+    Raises
+    ------
+    InputError
+        Which of these it is, or that it is no SVG.
+    """
+    try:
+        root = parse_xml(data, _MOST_DEPTH, doctypes=True)
+    except XmlFault as fault:
+        raise InputError(f"{name}:{fault.line}: {fault.what}; expected a plain SVG") from None
+    if root.tag.rpartition("}")[2] != "svg":
+        raise InputError(f"{name}: the outermost element is {root.tag!r}; expected svg")
+    for element in root.iter():
+        for href in filter(None, map(element.get, HREFS)):
+            tag = element.tag.rpartition("}")[2]
+            if not href.startswith("#") and tag != "a":
+                raise _outside(name, href)
+        for text in (element.text or "", *element.attrib.values()):
+            outside = _OUTSIDE.search(text)
+            if outside:
+                raise _outside(name, outside[1] or outside[2])
+    _count(root, name)
+    return root
+
+
+def _outside(name: str, reference: str) -> InputError:
+    return InputError(
+        f"{name}: refers to {reference[:60].strip()!r} outside of itself; "
+        "expected a drawing that holds all that it shows"
+    )
+
+
+def _count(root: ElementTree.Element, name: str) -> None:
+    """Refuse a drawing with too many elements once what it uses stands in its place."""
+    named = {key: element for element in root.iter() if (key := element.get("id"))}
+    sizes: dict[ElementTree.Element, int] = {}
+    open_now: set[ElementTree.Element] = set()
+
+    def size(element: ElementTree.Element) -> int:
+        if element in open_now:
+            raise InputError(f"{name}: {element.get('id')!r} uses itself; expected no circles")
+        if element not in sizes:
+            open_now.add(element)
+            total = 1 + sum(size(child) for child in element)
+            if element.tag.rpartition("}")[2] == "use":
+                used = next(filter(None, map(element.get, HREFS)), "#").lstrip("#")
+                total += size(named[used]) if used in named else 0
+            open_now.discard(element)
+            sizes[element] = total
+        return sizes[element]
+
+    try:
+        n = size(root)
+    except RecursionError:
+        raise InputError(f"{name}: its uses are nested too deep") from None
+    if n > _MOST_ELEMENTS:
+        raise InputError(f"{name}: {n:,} elements; expected {_MOST_ELEMENTS:,} at most")
+
+
+# --------------------------------------------------------------------------------------------------
+
+
+# ---- References ----------------------------------------------------------------------------------
+# A drawing with what it refers to in its place, and without what is only there to be referred to.
+#
+# Symbols are not drawn but where they are used, each at the size of that use; masks and markers are
+# no part of the picture; and a drawing within a drawing lies where its x and y say (SVG 1.1, 5.6
+# and 7.9; SVG 2, 5.6). The package that reads drawings draws them all where they stand.
+
+
+HREFS = ("href", "{http://www.w3.org/1999/xlink}href")
+_NOT_DRAWN = ("marker", "mask", "symbol")
+_SIZES, _PLACE = ("width", "height"), ("x", "y")
+
+
+def in_place(root: Element) -> Element:
+    """A drawing whose symbols stand where they are used.
+
+    Parameters
+    ----------
+    root : Element
+        Of an SVG that has no circles and refers to nothing outside of itself; it stays as it is.
+
+    Returns
+    -------
+    Element
+        The root of another one that draws the same.
+    """
+    named = {key: element for element in root.iter() if (key := element.get("id"))}
+    return _placed(root, named)
+
+
+def _placed(element: Element, named: dict[str, Element]) -> Element:
+    """An element and all below it, drawings within it where they lie."""
+    placed = Element(element.tag, element.attrib)
+    placed.text, placed.tail = element.text, element.tail
+    for child in element:
+        tag = _tag(child)
+        if tag in _NOT_DRAWN:
+            continue
+        used = _used(child, named) if tag == "use" else None
+        if used is not None:
+            child = _drawing_at(child, used)
+        elif tag == "svg" and not child.get("viewBox") and any(map(child.get, _PLACE)):
+            child = _moved(child)
+        placed.append(_placed(child, named))
+    return placed
+
+
+def _used(use: Element, named: dict[str, Element]) -> Element | None:
+    """The symbol or drawing that a use is of; none where it is of something else."""
+    href = next(filter(None, map(use.get, HREFS)), "#")
+    used = named.get(href.lstrip("#"))
+    return used if used is not None and _tag(used) in ("svg", "symbol") else None
+
+
+def _drawing_at(use: Element, used: Element) -> Element:
+    """A use that holds its symbol as a drawing as large as it says."""
+    place = _without(use, (*HREFS, *_SIZES))
+    drawing = deepcopy(used)
+    drawing.tag, drawing.tail = _like(use, "svg"), None
+    for key in _SIZES:
+        asked = use.get(key) or drawing.get(key) or ("100%" if _tag(used) == "symbol" else "")
+        if asked:
+            drawing.set(key, asked)
+    if drawing.get("viewBox") and not any(map(drawing.get, _PLACE)):
+        for key in _PLACE:  # of shares of the view that the use is in
+            drawing.set(key, place.attrib.pop(key, "0"))
+    place.append(drawing)
+    return place
+
+
+def _moved(drawing: Element) -> Element:
+    """A drawing without a viewBox, at its place."""
+    place = Element(_like(drawing, "use"), {key: drawing.get(key) or "0" for key in _PLACE})
+    place.append(_without(drawing, _PLACE))
+    place[0].extend(drawing)
+    return place
+
+
+def _without(element: Element, attributes: tuple[str, ...]) -> Element:
+    """An element by itself, without some of its attributes."""
+    return Element(element.tag, {k: v for k, v in element.attrib.items() if k not in attributes})
+
+
+def _tag(element: Element) -> str:
+    return element.tag.rpartition("}")[2]
+
+
+def _like(element: Element, tag: str) -> str:
+    """A tag in the namespace of an element's."""
+    return element.tag.rpartition("}")[0] + "}" * ("}" in element.tag) + tag
+
+
+# --------------------------------------------------------------------------------------------------
+
 
 _LOG = logging.getLogger(__name__)
 _MOST_BYTES = 20_000_000

@@ -20,7 +20,7 @@ from paint3d.calligraphy.fonts.shaping import Shaper, Style
 from paint3d.calligraphy.fonts.typesetting import is_written_down
 from paint3d.calligraphy.glyph_sources import GlyphSource, load_glyphs
 from paint3d.calligraphy.glyphs import EM_UNITS, Glyph
-from paint3d.calligraphy.page.ink import as_multipolygon, rings_of
+from paint3d.calligraphy.page.page import as_multipolygon, rings_of
 from paint3d.core.arrays import AnyArray, as_number
 from paint3d.errors import InputError
 

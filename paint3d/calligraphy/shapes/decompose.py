@@ -13,9 +13,9 @@ from paint3d.calligraphy.glyphs import Glyph, GlyphStroke
 from paint3d.calligraphy.shapes.continuation import Chain, chains_of
 from paint3d.calligraphy.shapes.corners import cut_at_corners
 from paint3d.calligraphy.shapes.dots import as_dot, dot_among, dots_of
-from paint3d.calligraphy.shapes.ductus import JoinedForm
+from paint3d.calligraphy.shapes.ductus import JoinedForm, in_writing_order
 from paint3d.calligraphy.shapes.regions import Ink, Piece, has_way, pieces_of, shared_out
-from paint3d.calligraphy.shapes.tracing import skeleton_of
+from paint3d.calligraphy.shapes.skeleton import skeleton_of
 from paint3d.calligraphy.shapes.transfer import (
     Fit,
     KnownStrokes,
@@ -26,7 +26,6 @@ from paint3d.calligraphy.shapes.transfer import (
     lay_over,
 )
 from paint3d.calligraphy.shapes.triangles import triangulate
-from paint3d.calligraphy.shapes.writing_order import in_writing_order
 from paint3d.core.arrays import AnyArray
 from paint3d.errors import InputError
 

@@ -253,7 +253,7 @@ def _press(
 def _frames(document: Document, options: argparse.Namespace) -> Iterator[SurfaceFrame]:
     from itertools import islice
 
-    from paint3d.calligraphy.place_search import frames_to_try
+    from paint3d.calligraphy.layout import frames_to_try
     from paint3d.mesh.bvh import ClosestPoints
     from paint3d.mesh.placement import place
 
