@@ -10,7 +10,6 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from paint3d.cli.batches.emit import KINDS
 from paint3d.cli.options import add_quiet_option, parse_count
 from paint3d.cli.progress import ProgressBar
 from paint3d.core.machine import usable_cores
@@ -46,15 +45,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--scheduler", metavar="ADDRESS", help="paint on the Dask cluster of this scheduler"
     )
     where.add_argument(
-        "--emit",
-        choices=KINDS,
-        help="paint nothing: write a job file for this engine to stdout, a job for each row left",
-    )
-    where.add_argument(
         "--row",
         metavar="N",
         type=parse_count,
-        help="paint the row in line N of the table only, as the jobs of --emit do",
+        help="paint the row in line N of the table only, as a job of an array does",
     )
     parser.add_argument(
         "--folder",
@@ -95,12 +89,8 @@ def run(options: argparse.Namespace) -> None:
     for outcome in refused:
         failed.append(outcome.line)
         _tell_failure(options.table, outcome)
-    if options.emit is not None:
-        _refuse(options.table, failed, len(rows) + len(refused))
-        _emit(left, folder, options)
-        return
     with ProgressBar("painting rows", enabled=not options.quiet) as progress:
-        for done, outcome in enumerate(_outcomes(left, finished, folder, options), 1):
+        for done, outcome in enumerate(_outcomes(left, folder, options), 1):
             if outcome.message:
                 failed.append(outcome.line)
                 _tell_failure(options.table, outcome)
@@ -130,20 +120,8 @@ def _refuse(table: Path, failed: list[int], total: int) -> None:
         raise InputError(f"{table}: {len(failed)} of {total} rows failed, in line {lines}{more}")
 
 
-def _emit(left: list[Row], folder: str, options: argparse.Namespace) -> None:
-    from paint3d.cli.batches.emit import job_file
-
-    if not left:
-        raise InputError(f"{options.table}: every row is finished; expected --again to do it anew")
-    lines = [row.line for row in left]
-    sys.stdout.write(job_file(options.emit, options.table, folder, lines, again=options.again))
-
-
-def _outcomes(
-    rows: list[Row], finished: FinishedRows, folder: str, options: argparse.Namespace
-) -> Iterator[Outcome]:
+def _outcomes(rows: list[Row], folder: str, options: argparse.Namespace) -> Iterator[Outcome]:
     from paint3d.cli.batches.cluster import run_on_cluster
-    from paint3d.cli.batches.order import longest_first
     from paint3d.cli.batches.rows import placed, run_row
     from paint3d.cli.batches.workers import run_here
 
@@ -152,14 +130,14 @@ def _outcomes(
     if options.folder is not None:
         rows = [placed(row, folder) for row in rows]
     if options.scheduler is not None:
-        return run_on_cluster(longest_first(rows, finished), options.scheduler, folder)
+        return run_on_cluster(rows, options.scheduler, folder)
     from paint3d.cli.first_run import say_if_compiling
 
     say_if_compiling(quiet=options.quiet)
     if options.row is not None:
         return map(run_row, rows)
     processes = options.processes or usable_cores()
-    return run_here(longest_first(rows, finished) if processes > 1 else rows, processes)
+    return run_here(rows, processes)
 
 
 def _finish(row: Row, outcome: Outcome, finished: FinishedRows, *, quiet: bool) -> None:

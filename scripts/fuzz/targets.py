@@ -366,7 +366,7 @@ def _command_seeds() -> list[tuple[str, bytes]]:
         "write 永和 --on vase --out o.glb --size 20 --layout row --around --processes 2 --hairs 40",
         "write 一 --on plane --out o.svg --brush xiaokai --ink cinnabar --resolution .3 --unit cm",
         "export a.p3d b.3mf --tolerance 0.5 --filaments #102030,#aabbcc --texture 512 --unlit",
-        "batch t.csv --emit make --folder . --again --quiet",
+        "batch t.csv --row 3 --folder . --again --quiet",
         "study plan f --participants 6 --devices I,II --character 目 --size 30 --seed 1",
         "devices record r.jsonl --seconds 2",
         "bench write --json b.json",
@@ -415,7 +415,6 @@ def _table_seeds() -> list[tuple[str, bytes]]:
 
 
 def _check_table(suffix: str, content: bytes) -> None:
-    from paint3d.cli.batches.emit import job_file
     from paint3d.cli.batches.rows import command_parser, fingerprint, placed
     from paint3d.cli.batches.table import read_table
     from paint3d.cli.parsing import UsageError
@@ -428,8 +427,6 @@ def _check_table(suffix: str, content: bytes) -> None:
         if not {"-h", "--help"} & set(words):
             with contextlib.suppress(UsageError):
                 command_parser(command).parse_args(words)
-    if rows:
-        job_file("make", Path("t.csv"), "/nowhere", [row.line for row in rows])
 
 
 # -- devices --------------------------------------------------------------------------------------

@@ -10,7 +10,6 @@ import pytest
 from paint3d.cli.batches import cluster as batch_cluster
 from paint3d.cli.batches import rows as batch_rows
 from paint3d.cli.batches import table as batch_table
-from paint3d.cli.batches.order import longest_first
 from paint3d.cli.batches.record import FinishedRows
 from paint3d.cli.batches.rows import Row, fingerprint, placed, run_row
 from paint3d.cli.batches.table import read_table
@@ -150,7 +149,6 @@ def test_a_row_is_finished_until_it_its_files_or_its_output_change(tmp_path):
     with open(tmp_path / "finished", "ab") as file:
         file.write(b'[]\n{"row": 3}\n\xff\n{"row": "cut sho')
     assert FinishedRows(tmp_path / "finished").has(row)
-    assert FinishedRows(tmp_path / "finished").seconds(row) == 2.5
     assert FinishedRows(tmp_path / "finished").has(row._replace(line=9))
     changed = row._replace(arguments=(*row.arguments[:1], "--ink=墨", *row.arguments[1:]))
     assert not FinishedRows(tmp_path / "finished").has(changed)
@@ -189,29 +187,6 @@ def test_a_row_depends_on_its_object_on_the_folder_and_on_the_version(tmp_path, 
     monkeypatch.chdir("b")
     known.append(fingerprint(row))
     assert len(set(known)) == 4
-
-
-def test_long_rows_are_started_first(tmp_path):
-    text = "text,object,output,recording\n"
-    text += "一,bowl,a.ply,\n鬱,bowl,b.ply,\n一二三,bowl,c.ply,\n一    ,bowl,d.ply,\n"
-    text += "\ue000,bowl,e.ply,\n"  # of which nothing is known
-    (tmp_path / "jug.obj").touch()
-    os.truncate(tmp_path / "jug.obj", 100_000_000)
-    text += f"一,{tmp_path / 'jug.obj'},f.ply,\n"
-    for name, size in (("short", 1000), ("long", 40_000_000)):
-        (tmp_path / f"{name}.jsonl").touch()
-        os.truncate(tmp_path / f"{name}.jsonl", size)
-        text += f",bowl,{name}.ply,{tmp_path / name}.jsonl\n"
-    rows, _ = table(tmp_path, text)
-    record = tmp_path / "finished"
-    names = [row.output[0] for row in longest_first(rows, FinishedRows(record))]
-    assert names == ["l", "f", "b", "c", "e", "a", "d", "s"]
-    record.write_text(
-        '{"row": "", "size": 1, "changed_ns": 1, "output": "d.ply", "seconds": 99}\n'
-        '{"row": "", "size": 1, "changed_ns": 1, "output": "c.ply"}\n'
-    )
-    names = [row.output[0] for row in longest_first(rows, FinishedRows(record))]
-    assert names == ["d", "l", "f", "b", "c", "e", "a", "s"]
 
 
 def test_an_object_is_read_once_until_its_file_changes(tmp_path, monkeypatch):

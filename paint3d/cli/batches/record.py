@@ -27,7 +27,6 @@ class FinishedRows:
     def __init__(self, path: Path, folder: str = os.curdir) -> None:
         self.path, self._folder = path, os.path.abspath(folder)
         self._known: dict[str, tuple[int, int]] = {}
-        self._seconds: dict[str, float] = {}
         self._cut_short = False
         try:
             text = path.read_text(encoding="utf-8", errors="replace")
@@ -40,17 +39,12 @@ class FinishedRows:
             try:
                 entry = json.loads(line)
                 self._known[str(entry["row"])] = (int(entry["size"]), int(entry["changed_ns"]))
-                self._seconds[str(entry["output"])] = float(entry["seconds"])
             except (ValueError, KeyError, TypeError, RecursionError):
-                continue  # what came before the fault counts: older records know no seconds
+                continue
 
     def has(self, row: Row) -> bool:
         """Whether the row was finished as it stands, and its output has not been touched since."""
         return self._known.get(fingerprint(row, self._folder), ()) == self._state(row)
-
-    def seconds(self, row: Row) -> float | None:
-        """How long the row's output took when it was last made; None where that is not known."""
-        return self._seconds.get(row.output)
 
     def add(self, row: Row, seconds: float) -> None:
         """Note that a row is finished, and in what time.
