@@ -7,6 +7,7 @@
     |   |-- SessionError         a saved session, or a journal
     |   |-- PigmentError         a pigment, ink or material table
     |   |-- BrushError           a brush preset or parameter
+    |   |-- GlyphError           characters of which no form is known
     |   |-- LayerError           a layer that takes no paint as it is
     |   `-- UnknownNameError     a name that is not among the known ones
     |-- DeviceError              a device, its reports or its driver
@@ -26,6 +27,7 @@ __all__ = [
     "BrushError",
     "DeviceError",
     "ExportError",
+    "GlyphError",
     "InputError",
     "KernelError",
     "LayerError",
@@ -65,6 +67,14 @@ class PigmentError(InputError):
 
 class BrushError(InputError):
     """A brush parameter outside the range in which the model holds."""
+
+
+class GlyphError(InputError):
+    """Characters of which no form is known; `characters` has each once."""
+
+    def __init__(self, message: str, characters: str = "") -> None:
+        super().__init__(message)
+        self.characters = characters
 
 
 class LayerError(InputError):

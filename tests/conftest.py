@@ -63,7 +63,12 @@ _FIRST = (
     "view/test_live_view.py",
     "app/test_window_files.py",
 )
-pytest_plugins = ("tests.support.plugged", "tests.support.lights", "tests.support.found_sheets")
+pytest_plugins = (
+    "tests.support.plugged",
+    "tests.support.lights",
+    "tests.support.found_sheets",
+    "tests.support.fonts",
+)
 
 if "PYTEST_XDIST_WORKER" in os.environ:
     compile_each_kernel_once()

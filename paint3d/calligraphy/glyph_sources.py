@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
@@ -10,7 +11,7 @@ from paint3d.calligraphy.glyphs import Glyph, load_glyph
 from paint3d.calligraphy.kanjivg import load_lines
 from paint3d.calligraphy.kanjivg_folder import find_kanjivg
 from paint3d.calligraphy.stroke_shapes import SOURCE_OF_SHAPES, shape_strokes
-from paint3d.errors import InputError
+from paint3d.errors import GlyphError, InputError
 
 __all__ = [
     "GlyphSource",
@@ -18,11 +19,12 @@ __all__ = [
     "KanjiVGLines",
     "check_glyphs",
     "load_glyphs",
+    "missing_glyphs",
+    "names_of",
     "open_glyph_folder",
     "open_glyphs",
 ]
 
-_HOW_TO_GET = "get it with: npm pack hanzi-writer-data@2 && tar xf hanzi-writer-data-*.tgz"
 _PROBE = "一"
 
 
@@ -39,11 +41,6 @@ class GlyphSource(Protocol):
         """Whose shapes they are and under what licence."""
         ...
 
-    @property
-    def elsewhere(self) -> str:
-        """What to do about a character that is not known."""
-        ...
-
     def has(self, text: str) -> bool:
         """Whether a character is known."""
         ...
@@ -55,7 +52,7 @@ class GlyphSource(Protocol):
 
 @dataclass(frozen=True)
 class HanziWriterFolder:
-    """An unpacked npm `hanzi-writer-data`: one JSON file a character."""
+    """A folder of `hanzi-writer-data`: one JSON file a character."""
 
     folder: Path
     name: str = "hanzi-writer-data"
@@ -63,7 +60,6 @@ class HanziWriterFolder:
         "Stroke shapes: hanzi-writer-data (Make Me a Hanzi), derived from Arphic PL KaitiM; "
         "Arphic Public License"
     )
-    elsewhere: str = "expected characters it has"
 
     def has(self, text: str) -> bool:
         """Whether there is a file for a character."""
@@ -83,10 +79,6 @@ class KanjiVGLines:
     licence: str = (
         "Stroke lines: KanjiVG (Ulrich Apel, kanjivg.tagaini.net), CC BY-SA 3.0; "
         + SOURCE_OF_SHAPES
-    )
-    elsewhere: str = (
-        "it holds the forms that are written in Japan, others may be in hanzi-writer-data: "
-        f"expected characters it has, or --glyphs DIR ({_HOW_TO_GET})"
     )
 
     def has(self, text: str) -> bool:
@@ -111,8 +103,8 @@ def open_glyphs(folder: Path | str | None) -> GlyphSource:
     lines = find_kanjivg()
     if lines is None:
         raise InputError(
-            "the package kanjivg is not installed (pip install kanjivg); "
-            f"expected it, or a folder of hanzi-writer-data ({_HOW_TO_GET})"
+            "the package kanjivg is not installed (pip install kanjivg); expected it, or a folder "
+            "of hanzi-writer-data"
         )
     return KanjiVGLines(lines)
 
@@ -127,13 +119,24 @@ def open_glyph_folder(folder: Path | str) -> HanziWriterFolder:
     """
     top = Path(folder)
     if not top.is_dir():
-        raise InputError(f"{top}: no such folder; expected hanzi-writer-data ({_HOW_TO_GET})")
+        raise InputError(f"{top}: no such folder; expected one of hanzi-writer-data")
     for candidate in (top, top / "package", top / "data", top / "node_modules/hanzi-writer-data"):
         if (candidate / f"{_PROBE}.json").is_file():
             return HanziWriterFolder(candidate)
     raise InputError(
-        f"{top} holds no glyphs (no {_PROBE}.json); expected hanzi-writer-data ({_HOW_TO_GET})"
+        f"{top} holds no glyphs (no {_PROBE}.json); expected the files of hanzi-writer-data, one a "
+        "character"
     )
+
+
+def missing_glyphs(source: GlyphSource, text: str) -> list[str]:
+    """Characters of a text that a source does not know, each once, without white space."""
+    return [one for one in dict.fromkeys("".join(text.split())) if not source.has(one)]
+
+
+def names_of(characters: Iterable[str]) -> str:
+    """Characters with their numbers, as messages name them."""
+    return ", ".join(f"{one!r} (U+{ord(one):04X})" for one in characters)
 
 
 def check_glyphs(source: GlyphSource, text: str) -> None:
@@ -141,13 +144,15 @@ def check_glyphs(source: GlyphSource, text: str) -> None:
 
     Raises
     ------
-    InputError
-        If characters are missing; the message names them all, and where else they may be.
+    GlyphError
+        If characters are missing; the message names them all.
     """
-    missing = [c for c in dict.fromkeys("".join(text.split())) if not source.has(c)]
+    missing = missing_glyphs(source, text)
     if missing:
-        names = ", ".join(f"{c!r} (U+{ord(c):04X})" for c in missing)
-        raise InputError(f"{source.name} has no glyph for {names}; {source.elsewhere}")
+        raise GlyphError(
+            f"{source.name} has no glyph for {names_of(missing)}; expected characters that it has",
+            "".join(missing),
+        )
 
 
 def load_glyphs(source: GlyphSource, text: str) -> dict[str, Glyph]:
@@ -155,7 +160,7 @@ def load_glyphs(source: GlyphSource, text: str) -> dict[str, Glyph]:
 
     Raises
     ------
-    InputError
+    GlyphError
         As `check_glyphs`.
     """
     check_glyphs(source, text)

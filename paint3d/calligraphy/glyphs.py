@@ -1,4 +1,4 @@
-"""Glyphs: stroke outlines and centre lines read from an unpacked npm `hanzi-writer-data` folder.
+"""Glyphs: stroke outlines and centre lines read from a folder of `hanzi-writer-data`.
 
 A glyph lives in an em square of 1024 units with y upwards. Its lower left corner is the point
 (0, -124) of the data, so a unit (x, y) lies at em / 1024 * (x, y + 124) on paper.
@@ -93,7 +93,7 @@ class Glyph:
 
 
 def load_glyph(folder: Path | str, text: str) -> Glyph:
-    """Read one character from an unpacked `hanzi-writer-data`.
+    """Read one character from a folder of `hanzi-writer-data`.
 
     Parameters
     ----------

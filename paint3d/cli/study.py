@@ -81,7 +81,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def _add_measuring(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("folder", metavar="FOLDER", type=Path)
-    parser.add_argument("--glyphs", metavar="DIR", type=Path, help="an unpacked hanzi-writer-data")
+    parser.add_argument("--glyphs", metavar="DIR", type=Path, help="a folder of hanzi-writer-data")
     parser.add_argument(
         "--no-likeness", action="store_true", help="times only, without comparing shapes"
     )

@@ -96,7 +96,7 @@ def _add_writing_options(parser: argparse.ArgumentParser) -> None:
         "--glyphs",
         metavar="DIR",
         type=Path,
-        help="an unpacked npm hanzi-writer-data (default: the lines of the package kanjivg)",
+        help="a folder of hanzi-writer-data (default: the lines of the package kanjivg)",
     )
     parser.add_argument(
         "--size",
@@ -307,7 +307,7 @@ def check_files(
 
 def _prepared(options: argparse.Namespace) -> tuple[Callable[..., Written], dict[str, str]]:
     """What plans a page, or a text in characters that are known, and where these are from."""
-    from paint3d.calligraphy.glyph_sources import check_glyphs, open_glyphs
+    from paint3d.calligraphy.glyph_sources import missing_glyphs, open_glyphs
     from paint3d.calligraphy.writing import write_page, write_text
 
     with ProgressBar("looking", enabled=not options.quiet):
@@ -315,7 +315,10 @@ def _prepared(options: argparse.Namespace) -> tuple[Callable[..., Written], dict
     if page is not None:
         return partial(write_page, text=page), {}
     source = open_glyphs(options.glyphs)
-    check_glyphs(source, options.text)
+    if missing_glyphs(source, options.text):
+        from paint3d.calligraphy.fonts.fallback import with_fallback
+
+        source = with_fallback(source, options.text)
     return partial(write_text, text=options.text, source=source), {"glyphs": source.name}
 
 

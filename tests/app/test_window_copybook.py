@@ -14,11 +14,13 @@ pytest.importorskip("svgelements", reason="svgelements is not installed")
 from PIL import Image
 from PySide6 import QtGui, QtTest, QtWidgets
 
+from paint3d.app.window.wording import choose_language
 from paint3d.calligraphy.fonts.system_fonts import fonts_with
 from paint3d.calligraphy.page.strokes_file import save_strokes
 from paint3d.calligraphy.page.svg_drawing import load_svg
 from tests.support.app.gestures import BUTTON, answer, take_file, wait_for
 from tests.support.app.windows import opened
+from tests.support.photographs import hairs_below_a_stroke
 
 FONT = "DejaVu Sans"
 SVG = """<svg xmlns="http://www.w3.org/2000/svg"><g fill="none" stroke="black" stroke-width="4">
@@ -96,6 +98,40 @@ def test_characters_that_the_font_lacks_are_named(panel, monkeypatch) -> None:
     panel.font_box.setCurrentIndex(0)
 
 
+def test_characters_that_are_taken_from_a_font_are_told(window, panel, system_fonts) -> None:
+    system_fonts.add("Test Kai", "步")
+    panel.em.setValue(30)
+    type_in(panel, "漫步")
+    press(panel, "Lay out")
+    wait_for(lambda: panel.copybook is not None)
+    assert [ghost.text for ghost in panel.copybook.ghosts] == ["漫", "步"]
+    assert "步 taken from the font Test Kai" in window.status.told.text()
+
+
+@pytest.mark.parametrize(
+    ("language", "words"),
+    [
+        ("en", "No form of 步 is known: install a font that has one, such as Noto Serif CJK"),
+        ("zh", "没有“步”的字形：请安装含有它的字体"),
+    ],
+)
+def test_what_a_painter_can_do_about_a_character_is_said(
+    panel, system_fonts, monkeypatch, language: str, words: str
+) -> None:
+    told = []
+    monkeypatch.setattr(QtWidgets.QMessageBox, "warning", lambda *said: told.append(said[-1]))
+    type_in(panel, "漫步")
+    choose_language(language)
+    try:
+        press(panel, "Lay out")
+        wait_for(lambda: told)
+    finally:
+        choose_language("en")
+    assert told[0].startswith(words)
+    assert "--" not in told[0]
+    assert panel.copybook is None
+
+
 def test_a_photograph_is_opened(window, panel, tmp_path: Path) -> None:
     pytest.importorskip("skimage", reason="scikit-image is not installed")
     pixels = np.full((300, 300, 3), 235, np.uint8)
@@ -107,6 +143,19 @@ def test_a_photograph_is_opened(window, panel, tmp_path: Path) -> None:
     QtTest.QTest.mouseClick(panel.open_button, BUTTON.LeftButton)
     wait_for(lambda: panel.copybook is not None)
     assert sum(len(ghost.glyph.strokes) for ghost in panel.copybook.ghosts) == 2
+
+
+def test_ink_that_is_in_no_stroke_is_told(window, panel, tmp_path: Path) -> None:
+    pytest.importorskip("skimage", reason="scikit-image is not installed")
+    file = hairs_below_a_stroke(tmp_path)
+    choose_language("zh")
+    try:
+        answer(take_file(file), QtWidgets.QFileDialog)
+        QtTest.QTest.mouseClick(panel.open_button, BUTTON.LeftButton)
+        wait_for(lambda: panel.copybook is not None)
+    finally:
+        choose_language("en")
+    assert "部分墨迹未归入笔画：字 1 (" in window.status.told.text()
 
 
 @pytest.mark.parametrize("kind", [".svg", ".strokes.json"])

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from functools import cache
 from itertools import product
 
 import numpy as np
 import pytest
+import shapely
 from PIL import Image
 from scipy.ndimage import gaussian_filter1d
 
@@ -20,7 +22,14 @@ from paint3d.calligraphy.photo.sheet import find_sheet
 from paint3d.calligraphy.photo.straighten import homography, map_points, sheet_size
 from paint3d.errors import InputError
 from tests.support.copied_photographs import painted_copy
-from tests.support.photographs import Camera, Photographed, judge, photograph, sheet_of
+from tests.support.photographs import (
+    Camera,
+    Photographed,
+    hairs_below_a_stroke,
+    judge,
+    photograph,
+    sheet_of,
+)
 
 pytest.importorskip("skimage")
 
@@ -145,6 +154,66 @@ def test_a_sheet_that_is_no_rubbing_is_told_where_it_is_read_as_one() -> None:
     there = shot("大", 2, 0.0, Camera(size=700, fills=True, shadow=0.0), seals=0)
     sheet = copy_sheet(there.pixels, "r", Asked(whole=True, invert=True))
     assert "leave --invert out" in sheet.note
+
+
+def inked(*boxes: tuple[int, int, int, int]) -> np.ndarray:
+    """A scan (300, 200) with bars of ink, each from row to row and from column to column."""
+    pixels = np.full((300, 200, 3), 255, np.uint8)
+    for top, bottom, left, right in boxes:
+        pixels[top:bottom, left:right] = 0
+    return pixels
+
+
+def left_out(sheet: CopiedSheet, box: tuple[int, int, int, int]) -> float:
+    """What share of a box of pixels no stroke covers."""
+    top, bottom, left, right = box
+    regions = [shapely.Polygon(one.outline, one.holes).buffer(0.0) for one in sheet.drawn()]
+    covered = shapely.unary_union(regions).intersection(shapely.box(left, top, right, bottom))
+    return 1.0 - covered.area / ((bottom - top) * (right - left))
+
+
+def test_ink_on_either_side_of_a_hairline_is_copied() -> None:
+    bars = (40, 60, 30, 150), (120, 140, 30, 170)
+    pixels = inked(*bars)
+    for k in range(60):
+        pixels[60 + k, 140 - k // 2] = 0
+    sheet = copy_sheet(pixels, "h", Asked(whole=True))
+    for bar in bars:
+        assert left_out(sheet, bar) < 0.02
+    assert sheet.note == ""
+
+
+def test_ink_within_a_ring_is_copied_and_its_counter_stays_open() -> None:
+    """A bar that a pixel joins to the frame around it."""
+    frame = (40, 52, 30, 170), (238, 250, 30, 170), (40, 250, 30, 42), (40, 250, 158, 170)
+    bar = (130, 145, 60, 140)
+    pixels = inked(*frame, bar)
+    pixels[137, 42:60] = 0
+    sheet = copy_sheet(pixels, "r", Asked(whole=True))
+    for side in (*frame, bar):
+        assert left_out(sheet, side) < 0.02
+    for counter in (55, 125, 45, 155), (150, 235, 45, 155):
+        assert left_out(sheet, counter) > 0.98
+
+
+def test_ink_that_no_stroke_covers_is_told(tmp_path) -> None:
+    pixels = np.asarray(Image.open(hairs_below_a_stroke(tmp_path)))
+    sheet = copy_sheet(pixels, "h", Asked(whole=True))
+    told = re.fullmatch(
+        r"some of the ink is in no stroke: character 1 \((\d+)%\); compare .*", sheet.note
+    )
+    assert told is not None, sheet.note
+    assert 3 <= int(told[1]) <= 10
+
+
+@pytest.mark.parametrize(
+    ("level", "words"),
+    [(0, "lies in black shadow"), (20, "lies in black shadow"), (90, "no ink was found")],
+)
+def test_a_sheet_of_one_tone_has_no_ink(level: int, words: str) -> None:
+    """As where a bar of ink was taken for the sheet."""
+    with pytest.raises(InputError, match=words):
+        copy_sheet(np.full((300, 200, 3), level, np.uint8), "b", Asked(whole=True))
 
 
 def one_bit(pixels: np.ndarray, dither: Image.Dither) -> np.ndarray:

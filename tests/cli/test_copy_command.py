@@ -13,7 +13,7 @@ from paint3d.calligraphy.glyph_sources import open_glyphs
 from paint3d.calligraphy.page.strokes_file import load_strokes
 from paint3d.cli.main import main
 from paint3d.recording.recording import load_recording
-from tests.support.photographs import Camera, photograph, sheet_of
+from tests.support.photographs import Camera, hairs_below_a_stroke, photograph, sheet_of
 
 pytest.importorskip("skimage")
 pytestmark = pytest.mark.usefixtures("sheets_found_once")
@@ -89,6 +89,14 @@ def test_what_cannot_be_copied_is_said_in_one_line(
     assert words in told
     assert len(told.splitlines()) == 1 or "usage" in told
     assert not list(tmp_path.iterdir())
+
+
+def test_ink_that_is_in_no_stroke_is_told(tmp_path: Path, capsys) -> None:
+    assert not copy(
+        hairs_below_a_stroke(tmp_path), "--whole", "--on", "plane", "--size", 120,
+        "--resolution", 1, "--out", tmp_path / "a.ply", "--trials", 0, "--processes", 1,
+    )  # fmt: skip
+    assert "some of the ink is in no stroke: character 1 (" in capsys.readouterr().err
 
 
 def test_a_photograph_is_never_written_over(photo: Path, capsys) -> None:

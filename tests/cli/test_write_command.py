@@ -8,11 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from paint3d.calligraphy.glyph_sources import check_glyphs, open_glyphs
 from paint3d.cli import main, options, replay, write
 from paint3d.colour.materials import material_names
-from paint3d.errors import InputError
 from paint3d.recording.recording import load_recording
+from tests.support.fonts import REFERENCE
 
 BAR = "M 150 420 L 220 350 L 800 350 L 880 420 L 800 470 L 220 470 Z"
 
@@ -53,7 +52,7 @@ def glyphs(tmp_path_factory) -> Path:
     ],
 )
 def test_bad_input_is_one_line(
-    glyphs, tmp_path: Path, monkeypatch, capsys, text, options, words
+    glyphs, system_fonts, tmp_path: Path, monkeypatch, capsys, text, options, words
 ) -> None:
     monkeypatch.chdir(tmp_path)
     chosen = {"on": "plane", "out": "a.ply", "size": 20, "glyphs": glyphs, **options}
@@ -91,7 +90,14 @@ WISHES_IN_WRITING = [
     ],
 )
 def test_what_is_wished_is_checked_before_any_work(
-    command: str, glyphs: Path, tmp_path: Path, monkeypatch, capsys, wish: dict, words: str
+    command: str,
+    glyphs: Path,
+    system_fonts,
+    tmp_path: Path,
+    monkeypatch,
+    capsys,
+    wish: dict,
+    words: str,
 ) -> None:
     def load(_: object) -> None:
         pytest.fail("something was loaded")
@@ -112,9 +118,45 @@ def test_every_material_is_listed() -> None:
     assert list(options.MATERIALS) == material_names()
 
 
-def test_forms_that_kanjivg_lacks_are_looked_for_elsewhere() -> None:
-    with pytest.raises(InputError, match=r"'歲' \(U\+6B72\).*--glyphs DIR \(get it with: npm"):
-        check_glyphs(open_glyphs(None), "永歲")
+def test_a_character_that_no_source_has_is_painted_in_a_font(
+    system_fonts, tmp_path: Path, monkeypatch, capsys
+) -> None:
+    """What is recorded of it is painted again where no font has it."""
+    system_fonts.add("Test Kai", REFERENCE + "步")
+    monkeypatch.chdir(tmp_path)
+    rest = ["--on", "plane", "--resolution", "1"]
+    asked = ["write", "漫步", "--size", "40", "--out", "a.ply", "--recording", "a.jsonl"]
+    assert main.main([*asked, *rest, "--processes", "1"]) == 0
+    (note,) = [line for line in capsys.readouterr().err.splitlines() if "Test Kai" in line]
+    assert "步" in note
+    assert "漫" not in note
+    header = load_recording("a.jsonl").header
+    assert header["glyphs"] == "kanjivg; 步 from Test Kai"
+    assert "Font: Test Kai" in header["licence"]
+    system_fonts.remove_all()
+    assert main.main(["replay", "a.jsonl", "--out", "b.ply", *rest]) == 0
+    assert Path("a.ply").read_bytes() == Path("b.ply").read_bytes()
+    assert main.main([*asked, *rest, "--force"]) == 2
+
+
+def test_what_a_painter_can_do_about_a_character_is_said(
+    system_fonts, tmp_path: Path, monkeypatch, capsys
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    for text in ("漫步", "囍"):
+        assert main.main(["write", text, "--on", "plane", "--out", "a.ply"]) == 2
+        told = capsys.readouterr().err
+        assert f"no glyph for {text[-1]!r}" in told
+        assert "--font FONT" in told
+        assert "fonts-noto-cjk" in told
+        assert "npm" not in told
+
+
+@pytest.mark.parametrize("command", ["write", "seal", "study", "copy"])
+def test_no_help_sends_a_painter_to_npm(command: str, capsys) -> None:
+    with pytest.raises(SystemExit):
+        main.main([command, "--help"])
+    assert "npm" not in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(

@@ -119,7 +119,9 @@ def test_kanjivg_is_written_without_a_folder(paint3d, tmp_path: Path) -> None:
     assert told["vertices_painted"] > 100
 
 
-def test_bad_input_is_one_line_and_leaves_nothing(paint3d, glyphs, tmp_path: Path) -> None:
+def test_bad_input_is_one_line_and_leaves_nothing(
+    paint3d, glyphs, system_fonts, tmp_path: Path
+) -> None:
     out = tmp_path / "a.ply"
     done = paint3d("write", "一龘丨鸞", "--on", "plane", "--out", out, "--glyphs", glyphs)
     assert (done.returncode, done.stdout) == (2, "")

@@ -9,6 +9,7 @@ from __future__ import annotations
 import io
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +28,7 @@ __all__ = [
     "Photographed",
     "TrueSheet",
     "carried",
+    "hairs_below_a_stroke",
     "judge",
     "photograph",
     "sheet_of",
@@ -405,3 +407,16 @@ def _dryness(sheet: CopiedSheet, ink: AnyArray, body: AnyArray) -> tuple[AnyArra
             true += bare[known].tolist()
             found += np.array(stroke.dryness)[known].tolist()
     return np.array(true), np.array(found)
+
+
+def hairs_below_a_stroke(folder: Path) -> Path:
+    """A scan of two strokes, the upper one with hairs of a pixel below it that no stroke covers."""
+    pixels = np.full((300, 300, 3), 235, np.uint8)
+    for top in (40, 180):  # a bar that turns down: no sheet of paper is taken for it
+        pixels[top : top + 20, 50:250] = pixels[top : top + 80, 230:250] = 20
+    for start in range(60, 210, 30):
+        for k in range(58):
+            pixels[60 + k, start + k // 3] = 20
+    file = folder / "hairs.png"
+    Image.fromarray(pixels).save(file)
+    return file

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.app.model.stroke_log import Stroke
+from paint3d.calligraphy.fonts.fallback import FallbackGlyphs, with_fallback
 from paint3d.calligraphy.glyph_sources import load_glyphs, open_glyphs
 from paint3d.calligraphy.glyphs import Glyph
 from paint3d.calligraphy.layout import Layout, layout_text
@@ -190,7 +191,8 @@ class Copybook:
     mesh : TriangleMesh
         The object.
     text : str or Composer
-        In characters that are known, where line breaks start a new column or row; or a page.
+        In characters that are known or that a font of the system has, where line breaks start a
+        new column or row; or a page.
     em_mm : float
         Side of the characters' squares, 2 to 1000 mm.
     layout : Layout, optional
@@ -200,6 +202,8 @@ class Copybook:
     ghosts : tuple of Ghost
     page : Page or None
         As it was composed; None of known characters.
+    from_fonts : dict of str to str
+        Characters that are taken from fonts of the system, by the font's name.
 
     Raises
     ------
@@ -219,8 +223,12 @@ class Copybook:
         em_mm = as_number(em_mm, "size (mm)", _LEAST_EM_MM, _MOST_EM_MM)
         surface = ClosestPoints(mesh)
         self.page: Page | None = None
+        self.from_fonts: dict[str, str] = {}
         if isinstance(text, str):
-            glyphs = load_glyphs(open_glyphs(None), "".join(text.split()))
+            source = with_fallback(open_glyphs(None), text)
+            if isinstance(source, FallbackGlyphs):
+                self.from_fonts = source.characters
+            glyphs = load_glyphs(source, "".join(text.split()))
             squares = layout_text(surface, text, em_mm, layout)
             placed = [PlacedPiece(glyphs[one.text], one.square) for one in squares]
         else:

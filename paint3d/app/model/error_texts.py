@@ -73,6 +73,12 @@ PATTERNS: tuple[tuple[str, str], ...] = (
     (r"the ink lies in (?P<a>[\d,]+) pieces .*", "墨迹有 {a} 块，太多了，请裁剪照片"),
     (r"there are more than (?P<a>[\d,]+) strokes on the sheet; .*",
      "纸上的笔画超过 {a} 笔，请裁剪照片"),
+    (r"(?P<p>.*) has no glyph for (?P<a>.*); (?P<b>.*) of the system would do",
+     "{p} 没有这些字形：{a}；系统字体 {b} 有"),
+    (r"(?P<p>.*) has no glyph for (?P<a>.*); try another font",
+     "{p} 没有这些字形：{a}；请换一种字体"),
+    (r"some of the ink is in no stroke: character (?P<a>.*); compare .*",
+     "部分墨迹未归入笔画：字 {a}；请与照片对照"),
     (r"dish (?P<a>\d+) is empty; expected ink in it", "墨碟 {a} 是空的"),
 )  # fmt: skip
 """English, as a pattern, and the Chinese that says the same; r is a system's reason."""

@@ -7,6 +7,10 @@ __all__ = ["CHINESE"]
 CHINESE = {
     "No home to write to: all is kept in {folder}": "没有可写的主目录：一切暂存于 {folder}",
     "Characters of the copybook": "字帖字形",
+    "{characters} taken from the font {font}": "“{characters}”取自字体 {font}",
+    "No form of {characters} is known: install a font that has one, such as Noto Serif CJK, or "
+    "choose another font":
+        "没有“{characters}”的字形：请安装含有它的字体（如 Noto Serif CJK），或另选字体",
     "Open a drawing, strokes or a photograph…": "打开图样、笔画或照片…",
     "Drawings, strokes and photographs": "图样、笔画与照片",
     "Press a seal…": "钤印…", "Lines of one width": "等宽线条", "Font": "字体",

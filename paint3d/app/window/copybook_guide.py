@@ -28,7 +28,7 @@ from paint3d.errors import InputError, Paint3DError
 from paint3d.files.photographs import PHOTOGRAPH_SUFFIXES, load_photograph
 
 if TYPE_CHECKING:
-    from paint3d.calligraphy.photo.copying import SheetPicture
+    from paint3d.calligraphy.photo.copying import CopiedSheet, SheetPicture
 
 __all__ = ["CopybookGuide"]
 
@@ -45,6 +45,7 @@ class _Laid:
     file: Path | None = None
     photographed: Photographed | None = None
     note: str = ""
+    state: str = "off"  # of the note
     unused: Steps[CorrectionState] | None = None  # corrections that could not be laid out
 
 
@@ -83,14 +84,16 @@ class CopybookGuide:
 
         def composed() -> Composer:
             if file.lower().endswith(PHOTOGRAPH_SUFFIXES):
-                laid.photographed = _photographed(Path(file))
-                return laid.photographed.sheet.page
+                sheet, laid.photographed = _photographed(Path(file))
+                laid.note = say_error(sheet.note) if sheet.note else ""
+                return sheet.page
             page = opened_page(file)
             if page.photograph is not None:
                 try:
                     laid.photographed = _photographed_again(page, page.photograph)
                 except Paint3DError as error:
                     laid.note = say("The strokes lie over their ink: {why}", why=say_error(error))
+                    laid.state = "bad"
                 else:
                     read = os.path.realpath(page.photograph.file)
                     laid.note = say("The strokes lie over the photograph {file}", file=read)
@@ -143,11 +146,16 @@ class CopybookGuide:
         done = workspace.run(say("copybook.place"), make)
         if not workspace.went_well(done):
             return False
-        self._laid = laid
-        self._panel.show_copybook(done.result())
+        copybook, self._laid = done.result(), laid
+        self._panel.show_copybook(copybook)
         self._draw()
-        if laid.note:
-            workspace.tell(laid.note, state="bad" if laid.photographed is None else "off")
+        taken = [
+            say("{characters} taken from the font {font}", characters=text, font=font)
+            for font, text in copybook.from_fonts.items()
+        ]
+        note = say("; ").join([*taken, *filter(None, [laid.note])])
+        if note:
+            workspace.tell(note, state=laid.state)
         return True
 
     def hide(self) -> None:
@@ -202,13 +210,13 @@ class CopybookGuide:
         stage.show_lines("next way", [line for g in current for line in g.medians], _MEDIAN, 1.2)
 
 
-def _photographed(file: Path) -> Photographed:
+def _photographed(file: Path) -> tuple[CopiedSheet, Photographed]:
     """A photograph and its strokes; where no sheet stands out in it, it is one."""
     from paint3d.calligraphy.photo.copying import Asked, copy_sheet
 
     pixels, scale = load_photograph(file)
     sheet = copy_sheet(pixels, file.name, Asked(or_whole=True)).taken_from(file, scale)
-    return Photographed(pixels, sheet, _finds(file, pixels, scale, invert=False))
+    return sheet, Photographed(pixels, sheet, _finds(file, pixels, scale, invert=False))
 
 
 def _photographed_again(page: Page, there: Photograph) -> Photographed:

@@ -13,7 +13,7 @@ from paint3d.app.model.texts import Texts, load_texts
 from paint3d.app.window.chinese import CHINESE
 from paint3d.brush.presets import brush_names
 from paint3d.colour.materials import Material, load_materials
-from paint3d.errors import LayerError
+from paint3d.errors import GlyphError, LayerError
 from paint3d.files.load import UNITS_MM
 
 __all__ = [
@@ -82,4 +82,10 @@ def say_error(error: BaseException | str) -> str:
     """What went wrong, in the language that is spoken."""
     if isinstance(error, LayerError):
         return say(f"layer.is_{error.state}", name=say_layer(error.layer))
+    if isinstance(error, GlyphError):
+        return say(
+            "No form of {characters} is known: install a font that has one, such as Noto Serif "
+            "CJK, or choose another font",
+            characters=error.characters,
+        )
     return in_chinese(str(error)) if language() == "zh" else str(error)

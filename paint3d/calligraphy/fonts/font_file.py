@@ -28,7 +28,7 @@ from paint3d.errors import InputError
 if TYPE_CHECKING:
     from shapely import MultiPolygon
 
-__all__ = ["FontFile", "fonts_that_draw", "open_font"]
+__all__ = ["FontFile", "draws", "fonts_that_draw", "open_font"]
 
 _LOG = logging.getLogger(__name__)
 _MOST_BYTES = 200_000_000
@@ -137,7 +137,7 @@ def _families_that_draw(text: str) -> list[str]:
     """Some families of the system that have ink for all characters of a text."""
     families: list[str] = []
     for one in fonts_with(text):
-        if one.family not in families and _draws(one, text):
+        if one.family not in families and draws(one, text):
             families.append(one.family)
         if len(families) == _SOME:
             break
@@ -154,10 +154,10 @@ def fonts_that_draw(text: str) -> list[SystemFont]:
     InputError
         If fontconfig, or a package that reads fonts, is not there.
     """
-    return [one for one in list_fonts(text) if not text or _draws(one, text)]
+    return [one for one in list_fonts(text) if not text or draws(one, text)]
 
 
-def _draws(one: SystemFont, text: str) -> bool:
+def draws(one: SystemFont, text: str) -> bool:
     """Whether a face has ink for all characters of a text; none that cannot be read has."""
     hb = package_of_the_hand("uharfbuzz")
     try:

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
+from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -18,7 +20,7 @@ from paint3d.calligraphy.glyphs import EM_UNITS, LEAST_STRENGTH, Box, Glyph, Gly
 from paint3d.calligraphy.page.bands import fill_in_bands, is_wide
 from paint3d.calligraphy.page.page import Page, Photograph, Piece, digest_of
 from paint3d.calligraphy.photo.characters import Character, characters_of
-from paint3d.calligraphy.photo.dryness import dryness_along, strength_of
+from paint3d.calligraphy.photo.dryness import dryness_along, region_of, strength_of
 from paint3d.calligraphy.photo.flat_page import FlatPage, on_sheet
 from paint3d.calligraphy.photo.ink_mask import InkMask, find_ink
 from paint3d.calligraphy.photo.inks import rubbed, unmixed
@@ -41,6 +43,7 @@ _MOST_STROKES = 4000  # of a sheet: more take minutes to be found
 _BESIDE = 0.02  # of its longer side, that strokes of a file may stand out of it
 _BLACKEST = 0.8  # of the strokes are paler: what the sheet's black ink takes of the light
 _BLACK = 0.8  # of the light, that black ink takes at the least
+_LOST = 0.02  # of a character's ink: so much may be in no stroke, such as hairlines
 _NEARLY = 0.88  # of it: camera and paper make so much of a difference
 
 
@@ -101,7 +104,8 @@ class CopiedSheet(SheetPicture):
     red : (H, W) float32
         Density of seals there.
     note : str
-        What may have been meant otherwise; "" where nothing looks so.
+        What may have been meant otherwise, and which ink no stroke covers; "" where nothing is
+        amiss.
     """
 
     ink: InkMask
@@ -167,7 +171,9 @@ def copy_sheet(
         check_exposure(sheet, paper)
     inks = rubbed(sheet) if asked.invert else unmixed(reflected)
     ink = find_ink(inks.black)
-    found = characters_of(polygons_in(ink.body), ink.width, asked.lines, columns=asked.columns)
+    found = characters_of(
+        polygons_in(ink.body, ink.width), ink.width, asked.lines, columns=asked.columns
+    )
     per_unit = _em_of(found) / EM_UNITS
     origin = np.array([0.0, float(sheet.shape[0])])
     pieces: list[Piece] = []
@@ -185,10 +191,12 @@ def copy_sheet(
         pieces = _as_strong(pieces, inks.black, ink.mask, per_unit, origin)
     page = Page(tuple(pieces), name, f"Photograph: {name}")
     picture, (height, width) = _as_codes(sheet), sheet.shape[:2]
-    return CopiedSheet(
+    copied = CopiedSheet(
         page, (height, width), per_unit, origin, picture=picture, corners=corners, ink=ink,
-        red=inks.red, note=_note_on_ground(sheet) if asked.invert else "",
+        red=inks.red,
     )  # fmt: skip
+    notes = [_note_on_ground(sheet) if asked.invert else "", _note_on_lost_ink(copied)]
+    return replace(copied, note="; ".join(filter(None, notes)))
 
 
 def seen_again(page: Page, pixels: NDArray[np.uint8], scale: float) -> SheetPicture:
@@ -243,6 +251,34 @@ def _note_on_ground(sheet: NDArray[np.float32]) -> str:
     return (
         f"{share:.0%} of the sheet is white, and was copied as the strokes of a rubbing; leave "
         "--invert out where it is the paper"
+    )
+
+
+def _note_on_lost_ink(sheet: CopiedSheet) -> str:
+    """Which characters have ink that no stroke covers, and how much; "" where next to none has."""
+    from scipy.ndimage import distance_transform_edt
+
+    pieces, drawn = sheet.page.pieces, iter(sheet.drawn())
+    owner = np.zeros(sheet.size, np.int32)  # which piece's strokes cover a pixel, from 1; 0: none's
+    for k, piece in enumerate(pieces, start=1):
+        for stroke in islice(drawn, len(piece.glyph.strokes)):
+            box, region = region_of(stroke, sheet.size)
+            owner[box][region] = k
+    nearest = distance_transform_edt(owner == 0, return_distances=False, return_indices=True)
+    count = partial(np.bincount, minlength=len(pieces) + 1)
+    ink, bare = sheet.ink.mask, sheet.ink.mask & (owner == 0)
+    near = owner[tuple(nearest)]
+    shares = count(near[bare])[1:] / np.maximum(count(near[ink])[1:], 1)
+    lost = [
+        f"{piece.glyph.text} ({share:.0%})"
+        for share, piece in zip(shares, pieces, strict=True)
+        if share > _LOST
+    ]
+    if not lost:
+        return ""
+    return (
+        f"some of the ink is in no stroke: character {', '.join(lost)}; compare the strokes with "
+        "the photograph"
     )
 
 

@@ -11,7 +11,7 @@ from paint3d.calligraphy.glyphs import GlyphStroke
 from paint3d.calligraphy.kernels.raster import fill_polygon
 from paint3d.core.arrays import AnyArray
 
-__all__ = ["dryness_along", "stations_along", "strength_of"]
+__all__ = ["dryness_along", "region_of", "stations_along", "strength_of"]
 
 _APART = 0.6  # stroke widths from station to station
 _FEWEST, _MOST = 4, 32
@@ -61,14 +61,12 @@ def dryness_along(
     """
     from scipy.spatial import cKDTree
 
-    low, high = _box(stroke, cover.shape)
-    box = slice(low[1], high[1]), slice(low[0], high[0])
-    region = _filled(stroke, low, high)
+    box, region = region_of(stroke, cover.shape)
     values = cover[box]
     ink = values[region & inked[box]]
     own = max(float(np.percentile(ink, _FULL)), _PALEST) if len(ink) else 1.0
     rows, columns = np.nonzero(_core(region))
-    places = np.column_stack([columns, rows]) + low + 0.5
+    places = np.column_stack([columns + box[1].start, rows + box[0].start]) + 0.5
     width = region.sum() / max(_length(stroke.median), 1.0)
     stations = stations_along(stroke.median, width, n)
     _, nearest = cKDTree(stations).query(places)
@@ -95,32 +93,36 @@ def strength_of(
     inked : (H, W) bool
         Where ink is.
     """
-    low, high = _box(stroke, density.shape)
-    region = _core(_filled(stroke, low, high))
-    values = density[low[1] : high[1], low[0] : high[0]][region]
-    ink = values[inked[low[1] : high[1], low[0] : high[0]][region]]
+    box, region = region_of(stroke, density.shape)
+    region = _core(region)
+    ink = density[box][region & inked[box]]
     return 1.0 - 10.0 ** -float(np.percentile(ink, _FULL)) if len(ink) else 0.0
 
 
-def _box(stroke: GlyphStroke, size: tuple[int, ...]) -> tuple[AnyArray, AnyArray]:
-    """First pixel (x, y) of the box around a stroke, and the first beyond it, on the sheet."""
-    low = np.clip(np.floor(stroke.outline.min(axis=0)) - 1.0, 0.0, size[::-1])
-    high = np.clip(np.ceil(stroke.outline.max(axis=0)) + 2.0, low, size[::-1])
-    return low.astype(int), high.astype(int)
+def region_of(
+    stroke: GlyphStroke, size: tuple[int, ...]
+) -> tuple[tuple[slice, slice], NDArray[np.bool_]]:
+    """The pixels of a stroke's region: the box around it (rows, columns), and a mask of that box.
+
+    Parameters
+    ----------
+    stroke : GlyphStroke
+        In pixels of the sheet, y down.
+    size : (int, int)
+        Height and width of the sheet, pixels.
+    """
+    low = np.clip(np.floor(stroke.outline.min(axis=0)) - 1.0, 0.0, size[::-1]).astype(int)
+    high = np.clip(np.ceil(stroke.outline.max(axis=0)) + 2.0, low, size[::-1]).astype(int)
+    shape = (high[1] - low[1], high[0] - low[0])
+    region, holes = np.zeros(shape, np.bool_), np.zeros(shape, np.bool_)
+    fill_polygon(np.ascontiguousarray(stroke.outline - low), region)
+    for hole in stroke.holes:
+        fill_polygon(np.ascontiguousarray(hole - low), holes)
+    return (slice(low[1], high[1]), slice(low[0], high[0])), region & ~holes
 
 
 def _length(line: AnyArray) -> float:
     return float(np.linalg.norm(np.diff(line, axis=0), axis=1).sum())
-
-
-def _filled(stroke: GlyphStroke, low: AnyArray, high: AnyArray) -> NDArray[np.bool_]:
-    """The pixels of a stroke's region within a box."""
-    size = (high[1] - low[1], high[0] - low[0])
-    region, holes = np.zeros(size, np.bool_), np.zeros(size, np.bool_)
-    fill_polygon(np.ascontiguousarray(stroke.outline - low), region)
-    for hole in stroke.holes:
-        fill_polygon(np.ascontiguousarray(hole - low), holes)
-    return region & ~holes
 
 
 def _core(region: AnyArray) -> NDArray[np.bool_]:

@@ -25,6 +25,7 @@ _MOST = 0.6  # of the sheet: more than that is no writing
 _LEAST = 2e-4
 _DITHERED = 30.0  # pixels of ink to each piece of it and hole in it: fewer is no writing
 _MOST_PIECES = 2000  # the same of strokes' bodies on a sheet
+_SAME = 1e-6  # of the larger: values that differ by less are the same
 _COARSEST = 5.0  # pixels: narrower strokes are too coarse to be taken apart
 
 
@@ -149,7 +150,13 @@ def _taken_near(taken: AnyArray, near: AnyArray) -> NDArray[np.float64]:
 
 
 def otsu(values: AnyArray) -> float:
-    """The threshold that parts values into two classes of least variance (Otsu 1979)."""
+    """The threshold that parts values into two classes of least variance (Otsu 1979).
+
+    Of values that are all the same it is that value.
+    """
+    highest = float(values.max())
+    if highest - float(values.min()) < _SAME * max(abs(highest), 1.0):
+        return highest
     counts, edges = np.histogram(values, 256)
     middles = 0.5 * (edges[:-1] + edges[1:])
     below, sums = np.cumsum(counts), np.cumsum(counts * middles)

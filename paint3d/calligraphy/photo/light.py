@@ -79,7 +79,8 @@ def _is_paper(small: AnyArray) -> NDArray[np.bool_]:
     top = percentile_filter(median_filter(grey[::3, ::3], 3), _SEEN_AS_PAPER, size=window)
     bright = np.maximum(_stretched(top, grey.shape), _DARKEST)
     warmth = small[..., 0] / np.maximum(np.minimum(small[..., 1], small[..., 2]), _DARKEST)
-    usual = float(np.median(warmth[grey > 0.7 * bright]))
+    lit = grey > 0.7 * bright
+    usual = float(np.median(warmth[lit])) if lit.any() else 1.0
     inked = binary_dilation((grey < _BLACK * bright) | (warmth > _RED * usual), np.ones((3, 3)))
     bridged = _spread(grey[..., None], ~inked, longest)[..., 0]
     filled = np.where(inked, bridged, grey)

@@ -42,7 +42,8 @@ def cut_seal(
     font_number : int
         Which face of a collection.
     glyphs : path, optional
-        An unpacked `hanzi-writer-data`, whose lines are taken; by default those of `kanjivg`.
+        A folder of `hanzi-writer-data`, whose lines are taken; by default those of `kanjivg`.
+        Characters that are lacking are taken from a font of the system.
 
     Raises
     ------
@@ -61,6 +62,7 @@ def cut_seal(
         from paint3d.calligraphy.fonts.font_file import open_font
 
         return cut_font(text, open_font(font, font_number), style, size_mm)
+    from paint3d.calligraphy.fonts.fallback import with_fallback
     from paint3d.calligraphy.glyph_sources import open_glyphs
 
-    return cut_known(text, open_glyphs(glyphs), style, size_mm)
+    return cut_known(text, with_fallback(open_glyphs(glyphs), text), style, size_mm)

@@ -91,7 +91,7 @@ def _add_stone_options(parser: argparse.ArgumentParser) -> None:
         "--glyphs",
         metavar="DIR",
         type=Path,
-        help="an unpacked npm hanzi-writer-data (default: the lines of the package kanjivg)",
+        help="a folder of hanzi-writer-data (default: the lines of the package kanjivg)",
     )
     add("--ink", metavar="INK", help="of the paste, as --ink of write (default: cinnabar)")
     add(

@@ -1,0 +1,227 @@
+"""Characters that a source of glyphs lacks, in the forms of a font of the system.
+
+A font's characters fill more of their em than those of the sources do, and are bolder or finer, so
+they are made as large and as bold as those of the source that they stand beside.
+"""
+
+from __future__ import annotations
+
+import logging
+import math
+import re
+import unicodedata
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.calligraphy.fonts.font_file import FontFile, draws, open_font
+from paint3d.calligraphy.fonts.system_fonts import SystemFont, fonts_with
+from paint3d.calligraphy.glyph_sources import GlyphSource, missing_glyphs, names_of
+from paint3d.calligraphy.glyphs import Glyph
+from paint3d.calligraphy.hand_packages import package_of_the_hand
+from paint3d.calligraphy.page.ink import as_multipolygon
+from paint3d.calligraphy.shapes.decompose import decompose
+from paint3d.errors import GlyphError, InputError
+
+if TYPE_CHECKING:
+    from shapely import Geometry, MultiPolygon
+
+__all__ = ["FallbackGlyphs", "FittedFont", "with_fallback"]
+
+_LOG = logging.getLogger(__name__)
+_KAI = re.compile(r"楷|kai(ti)?(?![a-z])", re.IGNORECASE)
+_SONG = re.compile(r"宋|明|song|sung|sun(?![a-z])|ming|mincho|(?<!sans )serif", re.IGNORECASE)
+_PLAIN = {"book", "medium", "normal", "regular", "roman"}
+_SIMPLIFIED, _TRADITIONAL = {"cn", "sc"}, {"hk", "tc", "tw"}
+_REFERENCE = "永中大天木水田西有年山生"
+_LEAST_GROWTH, _MOST_GROWTH = -0.25, 0.5  # of the width of a font's strokes, on both sides together
+
+
+@dataclass(frozen=True, eq=False)
+class FittedFont:
+    """A font whose characters are made as large and as bold as those of a source.
+
+    Attributes
+    ----------
+    font : FontFile
+    scale : float
+    shift : (2,) float64
+        Added to what is scaled, glyph units.
+    growth : float
+        By how much edges are moved outwards then, glyph units.
+    """
+
+    font: FontFile
+    scale: float
+    shift: NDArray[np.float64]
+    growth: float
+
+    @classmethod
+    def beside(cls, source: GlyphSource, font: FontFile) -> FittedFont:
+        """Fit a font to a source by common characters that both have; without any as it is."""
+        pairs = [
+            (_measured(_ink_of(source.load(one))), _measured(_ink(font, one)))
+            for one in _REFERENCE
+            if source.has(one) and ord(one) in font.face.unicodes and not font.is_empty(one)
+        ]
+        if not pairs:
+            return cls(font, 1.0, np.zeros(2), 0.0)
+        wanted, own = (np.array(sizes) for sizes in zip(*pairs, strict=True))
+        scale = float(np.median(wanted[:, 2] / own[:, 2]))
+        shift = np.median(wanted[:, :2] - scale * own[:, :2], axis=0)
+        width = scale * float(np.median(own[:, 3]))
+        more = float(np.median(wanted[:, 3])) / width - 1.0
+        growth = 0.5 * width * min(max(more, _LEAST_GROWTH), _MOST_GROWTH)
+        return cls(font, scale, shift, growth)
+
+    def load(self, text: str) -> Glyph:
+        """A character and the strokes that its shape is made of."""
+        from shapely import transform
+
+        ink = _ink(self.font, text)
+        ink = transform(ink, lambda points: self.scale * points + self.shift)
+        grown = as_multipolygon(ink.buffer(self.growth))
+        return Glyph(text, tuple(decompose(ink if grown.is_empty else grown)))
+
+
+@dataclass(frozen=True, eq=False)
+class FallbackGlyphs:
+    """A source of glyphs, with fonts for characters that it lacks.
+
+    Attributes
+    ----------
+    source : GlyphSource
+    fonts : dict of str to FittedFont
+        By character.
+    """
+
+    source: GlyphSource
+    fonts: dict[str, FittedFont]
+
+    @property
+    def characters(self) -> dict[str, str]:
+        """Which characters each font is taken for, by the font's name."""
+        taken: dict[str, str] = {}
+        for one, fitted in self.fonts.items():
+            taken[fitted.font.name] = taken.get(fitted.font.name, "") + one
+        return taken
+
+    @property
+    def name(self) -> str:
+        """The source, and the fonts with their characters."""
+        return "; ".join(
+            [self.source.name, *(f"{text} from {font}" for font, text in self.characters.items())]
+        )
+
+    @property
+    def licence(self) -> str:
+        """Whose shapes they are and under what licence."""
+        fonts = dict.fromkeys(fitted.font.licence for fitted in self.fonts.values())
+        return ". ".join([self.source.licence, *fonts])
+
+    def has(self, text: str) -> bool:
+        """Whether a character is known."""
+        return text in self.fonts or self.source.has(text)
+
+    def load(self, text: str) -> Glyph:
+        """The glyph of a character."""
+        return self.fonts[text].load(text) if text in self.fonts else self.source.load(text)
+
+
+def with_fallback(source: GlyphSource, text: str) -> GlyphSource:
+    """A source that has all characters of a text: the same one, or one with fonts of the system.
+
+    A font stands in for missing letters that stand in squares, such as Chinese characters: one font
+    for all, or where none has all of them, for each the first that has it. Kai faces come first,
+    then Song and Ming faces, then others. Which is taken is logged in one line.
+
+    Raises
+    ------
+    GlyphError
+        If the source lacks characters that no font of the system can stand in for.
+    InputError
+        If the package that reads fonts is not installed, or a font cannot be used.
+    """
+    missing = missing_glyphs(source, text)
+    if not missing:
+        return source
+    try:
+        package_of_the_hand("uharfbuzz")
+    except InputError as cause:
+        raise InputError(
+            f"{source.name} has no glyph for {names_of(missing)}, and {cause}"
+        ) from None
+    found = _fonts_for([one for one in missing if _stands_in_a_square(one)])
+    lacking = [one for one in missing if one not in found]
+    if lacking:
+        raise GlyphError(
+            f"{source.name} has no glyph for {names_of(lacking)}; expected a font that has: --font "
+            "FONT, or install one such as Noto Serif CJK (the package fonts-noto-cjk)",
+            "".join(lacking),
+        )
+    fitted = {
+        font: FittedFont.beside(source, open_font(font.path, font.number))
+        for font in dict.fromkeys(found.values())
+    }
+    result = FallbackGlyphs(source, {one: fitted[font] for one, font in found.items()})
+    taken = "; ".join(f"{text} is taken from {font}" for font, text in result.characters.items())
+    _LOG.warning("%s lacks characters: %s", source.name, taken)
+    return result
+
+
+def _stands_in_a_square(character: str) -> bool:
+    """Whether it is a letter or number of Chinese, Japanese or Korean; marks need their column."""
+    is_wide = unicodedata.east_asian_width(character) in "WF"
+    return is_wide and unicodedata.category(character)[0] in "LN"
+
+
+def _fonts_for(characters: Sequence[str]) -> dict[str, SystemFont]:
+    """One font for all characters, or one for each that any font has."""
+    if not characters:
+        return {}
+    whole = _best_font("".join(characters))
+    best = {one: whole or _best_font(one) for one in characters}
+    return {one: font for one, font in best.items() if font is not None}
+
+
+def _best_font(text: str) -> SystemFont | None:
+    """The font that comes first of those that have ink for all characters of a text."""
+    regions = _SIMPLIFIED if _is_simplified(text) else _TRADITIONAL
+
+    def rank(font: SystemFont) -> tuple[object, ...]:
+        family = font.family
+        kind = 0 if _KAI.search(family) else 1 if _SONG.search(family) else 2
+        is_plain = font.style.casefold() in _PLAIN
+        is_ours = bool(regions & set(family.casefold().split()))
+        return kind, not is_plain, not is_ours, family, font.style, str(font.path), font.number
+
+    return next((font for font in sorted(fonts_with(text), key=rank) if draws(font, text)), None)
+
+
+def _is_simplified(text: str) -> bool:
+    try:
+        text.encode("gb2312")
+    except UnicodeEncodeError:
+        return False
+    return True
+
+
+def _ink(font: FontFile, character: str) -> MultiPolygon:
+    return font.outline(font.font.get_nominal_glyph(ord(character)))
+
+
+def _ink_of(glyph: Glyph) -> Geometry:
+    from shapely import Polygon, unary_union
+
+    return unary_union([Polygon(one.outline, one.holes).buffer(0.0) for one in glyph.strokes])
+
+
+def _measured(ink: Geometry) -> tuple[float, float, float, float]:
+    """The middle (x, y) of ink, its size from line to line, and the mean width of its strokes."""
+    left, lower, right, upper = ink.bounds
+    width = 2.0 * ink.area / ink.length
+    size = math.sqrt((right - left) * (upper - lower)) - width
+    return 0.5 * (left + right), 0.5 * (lower + upper), size, width
