@@ -309,7 +309,8 @@ def check_output_file(file: Path, suffixes: tuple[str, ...]) -> None:
     Raises
     ------
     ExportError
-        If the suffix is unknown, the folder is missing or closed, or the path is a folder.
+        If the suffix is unknown, the folder is missing or closed, or the path is a folder, a pipe
+        or a device.
     """
     name = file.name.lower()
     if not any(name.endswith(suffix) and name != suffix for suffix in suffixes):
@@ -318,6 +319,8 @@ def check_output_file(file: Path, suffixes: tuple[str, ...]) -> None:
         )
     if file.is_dir():
         raise ExportError(f"{file} is a folder; expected a file name")
+    if file.exists() and not file.is_file():
+        raise ExportError(f"{file} is a pipe or a device; expected a file name")
     if not file.parent.is_dir():
         raise ExportError(f"{file}: there is no folder {file.parent}")
     check_output_folder(file.parent)
