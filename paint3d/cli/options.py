@@ -309,7 +309,8 @@ def check_output_file(file: Path, suffixes: tuple[str, ...]) -> None:
     Raises
     ------
     ExportError
-        If the suffix is unknown, the folder is missing or closed, or the path is a folder.
+        If the suffix is unknown, the folder is missing or closed, or the path is a folder, a pipe
+        or a device.
     """
     name = file.name.lower()
     if not any(name.endswith(suffix) and name != suffix for suffix in suffixes):
@@ -318,6 +319,8 @@ def check_output_file(file: Path, suffixes: tuple[str, ...]) -> None:
         )
     if file.is_dir():
         raise ExportError(f"{file} is a folder; expected a file name")
+    if file.exists() and not file.is_file():
+        raise ExportError(f"{file} is a pipe or a device; expected a file name")
     if not file.parent.is_dir():
         raise ExportError(f"{file}: there is no folder {file.parent}")
     check_output_folder(file.parent)
@@ -366,9 +369,9 @@ def _refers_to(source: str | Path, file: Path) -> bool:
     """Whether a mesh that is read speaks of a file that would be replaced."""
     if not file.exists() or not os.path.isfile(source):
         return False
-    from paint3d.files.readers.references import refers_to
+    from paint3d.files.sandbox.isolation import refers_to_apart
 
-    return refers_to(Path(source), file)
+    return refers_to_apart(Path(source), file)
 
 
 def _same_file(one: str | Path, other: str | Path) -> bool:

@@ -18,7 +18,13 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from paint3d.core.ending import begin_file, forget_file
-from paint3d.core.machine import flush_folder, hold_new, nobodys, this_machine
+from paint3d.core.machine import (
+    copy_permissions,
+    flush_folder,
+    hold_new,
+    nobodys,
+    this_machine,
+)
 from paint3d.errors import ExportError
 
 __all__ = ["write_atomically"]
@@ -39,7 +45,8 @@ def write_atomically(
     The data are flushed to the disk before the move, so after a crash the old file or the new
     one is there, never half of one. If the block raises, the temporary file is removed and an
     existing file at `path` stays as it was. Where `path` is a symbolic link, the file that it
-    leads to is replaced and the link stays.
+    leads to is replaced and the link stays. What replaces a file takes over its permissions, and
+    its group and owner as far as allowed; a new file has what the user's mask leaves.
 
     Parameters
     ----------
@@ -53,7 +60,8 @@ def write_atomically(
     Raises
     ------
     ExportError
-        If the folder is missing or not writable, or the system refuses the writing.
+        If the folder is missing or not writable, the system refuses the writing, or `path` is no
+        plain file: of a pipe or a device nothing could be replaced.
     """
     named = Path(path)
     try:
@@ -67,6 +75,8 @@ def write_atomically(
         _flush(temporary)
         if progress is not None:
             progress(1.0)
+        if target.exists():
+            copy_permissions(target, temporary)
         os.replace(temporary, target)
         flush_folder(target.parent)
     except OSError as cause:
@@ -81,6 +91,8 @@ def write_atomically(
 
 def _behind_links(path: Path) -> Path:
     """The file that a path leads to, through all symbolic links; it need not be there."""
+    if path.exists() and not (path.is_file() or path.is_dir()):
+        raise OSError("it is a pipe or a device; expected a file name")
     if not path.is_symlink():
         return path
     target = Path(os.path.realpath(path))
@@ -93,6 +105,7 @@ def _reserve(target: Path) -> tuple[Path, int | None]:
     """A new file beside the target, and what keeps it locked; see `hold_new`."""
     if target.is_dir():
         raise IsADirectoryError(f"{target.name or target} is a folder; expected a file name")
+    mode = 0o600 if target.exists() else 0o666  # nobody else may look before `copy_permissions`
     stem, suffixes = target.name[:_STEM], _short_suffixes(target)
     held: int | None = None
 
@@ -101,7 +114,7 @@ def _reserve(target: Path) -> tuple[Path, int | None]:
         for left in reversed(range(_TRIES)):
             name = f".{stem}.paint3d-{this_machine()}{secrets.token_hex(2)}{suffixes}"
             try:
-                held = hold_new(target.parent / name)
+                held = hold_new(target.parent / name, mode)
                 break
             except FileExistsError:
                 if not left:

@@ -27,6 +27,7 @@ __all__ = [
     "APPENDING",
     "ENDING",
     "blocking_interrupts",
+    "copy_permissions",
     "end_with_parent",
     "flush_file",
     "flush_folder",
@@ -59,6 +60,7 @@ ENDING = tuple(
 """Signals that ask a process to end."""
 _LOOKS_S = 0.3  # that a look whether a file is locked may take where no core is free
 _LOOK_AGAIN_S = 0.002
+_ACCESS_LIST = "system.posix_acl_access"
 _STARTED = Path("/proc/sys/kernel/random/boot_id")  # on Linux
 
 
@@ -267,10 +269,11 @@ def lock(file: BinaryIO, patience_s: float = _LOOKS_S) -> None:
         time.sleep(_LOOK_AGAIN_S)
 
 
-def hold_new(path: Path) -> int | None:
+def hold_new(path: Path, mode: int = 0o666) -> int | None:
     """Make a file that is locked for as long as a descriptor is open, which is returned.
 
-    Where the system has no locks the file is only made, and there is no descriptor.
+    Its permissions are `mode` less what the user's mask takes away. Where the system has no locks
+    the file is only made, and there is no descriptor.
 
     Raises
     ------
@@ -279,7 +282,7 @@ def hold_new(path: Path) -> int | None:
     """
     fcntl = _module("fcntl")
     flags = os.O_RDWR | os.O_CREAT | os.O_EXCL | getattr(os, "O_CLOEXEC", 0)
-    descriptor = os.open(path, flags, 0o666)
+    descriptor = os.open(path, flags, mode)
     if fcntl is None:
         os.close(descriptor)
         return None
@@ -330,6 +333,45 @@ def is_locked(path: Path) -> bool:
     except OSError:
         return False
     return False
+
+
+def copy_permissions(source: Path, target: Path) -> None:
+    """Give a file the permissions, the group and the owner of another one, as far as allowed.
+
+    Where the group or the access list cannot be kept, the group may do no more than everybody:
+    nobody gains access to the file.
+
+    Raises
+    ------
+    OSError
+        If the permissions cannot be set.
+    """
+    found = os.stat(source)
+    mode = found.st_mode & 0o777
+    kept = True
+    if hasattr(os, "chown"):
+        with suppress(OSError):
+            os.chown(target, -1, found.st_gid)
+        with suppress(OSError):  # allowed to the superuser alone
+            os.chown(target, found.st_uid, -1)
+        kept = os.stat(target).st_gid == found.st_gid
+    access_list = _access_list(source)
+    if access_list is not None:
+        try:
+            os.setxattr(target, _ACCESS_LIST, access_list)
+        except OSError:
+            kept = False
+    os.chmod(target, mode if kept else (mode & ~0o070) | (mode & (mode << 3) & 0o070))
+
+
+def _access_list(path: Path) -> bytes | None:
+    """The access list (POSIX ACL) of a file, as Linux stores it; None where it has none."""
+    if not hasattr(os, "getxattr"):
+        return None
+    try:
+        return os.getxattr(path, _ACCESS_LIST)
+    except OSError:
+        return None
 
 
 def flush_file(descriptor: int) -> None:

@@ -17,6 +17,7 @@ from pathlib import Path
 from threading import Lock
 from typing import IO, Any
 
+from paint3d.core.machine import copy_permissions
 from paint3d.device.hid_link import DeviceGoneError
 from paint3d.device.hid_nodes import HidNode
 from paint3d.errors import DeviceError
@@ -83,6 +84,8 @@ class DeviceLog:
         with self._lock:
             self._file.close()
             self._raw.close()
+            if self._path.exists():
+                copy_permissions(self._path, self._part)
             self._part.replace(self._path)
 
     def _write(self, what: object) -> None:

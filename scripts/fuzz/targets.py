@@ -261,9 +261,9 @@ def _record_seeds() -> list[tuple[str, bytes]]:
 
 
 def _check_records(suffix: str, content: bytes) -> None:
-    from paint3d.files.project.records import read_records
+    from paint3d.files.project.records import read_records_here
 
-    records = read_records(file_of(suffix, content))
+    records = read_records_here(file_of(suffix, content))
     assert np.isfinite(records.vertices).all()
     assert len(records.vertices) == len(records.normals) == len(records.srgb) > 0
 

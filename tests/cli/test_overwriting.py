@@ -6,6 +6,8 @@ import csv
 import gzip
 import json
 import os
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -167,6 +169,47 @@ def test_who_speaks_of_a_file_may_be_packed_or_damaged(tmp_path) -> None:
     elsewhere = tmp_path / "looks" / "in.obj"
     elsewhere.write_text("mtllib ../its own.mtl\n")  # outside its folder: never read
     assert not refers_to(elsewhere, tmp_path / "its own.mtl")
+
+
+MOST_MB = 200  # of the program itself; what the packed file holds is as much
+
+WATCHED = """
+import sys
+from paint3d.cli import main
+status = main.main(sys.argv[1:])
+with open("/proc/self/status") as told:
+    highest = next(line for line in told if line.startswith("VmHWM"))
+print(status, int(highest.split()[1]) // 1024)
+"""
+
+
+@pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="memory is not told here")
+@pytest.mark.parametrize("kind", ["obj", "ply"])
+def test_a_mesh_that_unpacks_to_much_takes_no_memory_of_the_program(strokes, tmp_path, kind):
+    packed = tmp_path / f"bomb.{kind}.gz"
+    with gzip.open(packed, "wb", compresslevel=1) as file:
+        for _ in range(20):
+            file.write(bytes(10 << 20))
+    out = tmp_path / "there.ply"
+    out.write_text("it is in the mesh's folder")
+    told = [
+        sys.executable,
+        "-c",
+        WATCHED,
+        "replay",
+        strokes,
+        "--on",
+        packed,
+        "--out",
+        out,
+        "--quiet",
+    ]
+    done = subprocess.run(list(map(str, told)), capture_output=True, text=True, check=False)
+    status, highest = map(int, done.stdout.split())
+    assert status == 2
+    assert f"{packed}: " in done.stderr  # refused by who reads it
+    assert highest < MOST_MB
+    assert out.read_text() == "it is in the mesh's folder"
 
 
 @pytest.mark.usefixtures("small_pictures")

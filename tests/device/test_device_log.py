@@ -66,6 +66,15 @@ def test_a_log_goes_where_a_link_leads(tmp_path) -> None:
     assert len(list(read_device_log(real))) == 2
 
 
+def test_a_log_keeps_the_permissions_of_the_one_that_it_replaces(tmp_path) -> None:
+    file = tmp_path / "hands.jsonl"
+    file.write_text("old")
+    file.chmod(0o600)
+    DeviceLog(file).close()
+    assert file.read_text() != "old"
+    assert file.stat().st_mode & 0o777 == 0o600
+
+
 def test_a_log_plays_in_the_program_as_it_happened(tmp_path) -> None:
     file = tmp_path / "hands.jsonl.gz"
     write_log(file, 120)

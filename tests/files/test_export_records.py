@@ -1,6 +1,9 @@
 """The paper's record format: nine numbers, seven numbers, and bad lines by number."""
 
 import gzip
+import subprocess
+import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -79,6 +82,32 @@ def test_bad_lines(tmp_path, text, message):
     with pytest.raises(MeshError, match=message) as caught:
         read_records(path)
     assert str(path) in str(caught.value)
+
+
+WATCHED = """
+import sys
+from paint3d.errors import MeshError
+from paint3d.files import read_records
+try:
+    read_records(sys.argv[1])
+except MeshError as cause:
+    print(cause)
+with open("/proc/self/status") as told:
+    print(next(line for line in told if line.startswith("VmHWM")).split()[1])
+"""
+
+
+@pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="memory is not told here")
+def test_records_that_unpack_to_much_take_no_memory_of_the_program(tmp_path):
+    path = tmp_path / "bomb.p3d.txt.gz"
+    with gzip.open(path, "wb", compresslevel=1) as file:
+        for _ in range(20):
+            file.write(bytes(10 << 20))
+    told = [sys.executable, "-c", WATCHED, str(path)]
+    done = subprocess.run(told, capture_output=True, text=True, check=True)
+    cause, highest = done.stdout.splitlines()
+    assert cause.startswith(f"{path}: ")
+    assert int(highest) < 200 * 1024  # kB; the file holds as much
 
 
 def test_bad_arrays_and_files(tmp_path):

@@ -1,5 +1,7 @@
 """Files of other people's that say more, or less, than most: read, or refused by what they hold."""
 
+import base64
+import json
 import struct
 import zipfile
 
@@ -65,6 +67,176 @@ def test_one_colour_of_a_ply_and_what_was_done_reach_the_parent(tmp_path):
     reading = read_mesh(written(tmp_path, "a.ply", head + faces + rows))
     assert reading.mesh.colours.tolist() == [RED_CODES, WHITE_CODES, [0, 0, 255]]
     assert reading.notes == ("1 of 3 vertex colours are no numbers: made white",)
+
+
+CUBE_PLACES = [(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)]
+CUBE_QUADS = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+SHADES = [(200, 30, 30), (30, 200, 30), (30, 30, 200), (0, 0, 0),
+          (1, 1, 1), (3, 2, 0), (0, 1, 2), (90, 60, 2)]  # fmt: skip
+"""Most of them dark; as everything is with 255 for white."""
+PLY_TYPES = {
+    "uint": "u4",
+    "int": "i4",
+    "ushort": "u2",
+    "short": "i2",
+    "float": "f4",
+    "double": "f8",
+}
+
+
+def coloured_ply(kind, order, rows):
+    """A cube whose vertices have these colours, of this type."""
+    head = f"ply\nformat {order} 1.0\nelement vertex {len(rows)}\n{POINTS}"
+    head += "".join(f"property {kind} {name}\n" for name in ("red", "green", "blue"))
+    head += f"element face {len(CUBE_QUADS)}\nproperty list uchar int vertex_indices\nend_header\n"
+    if order == "ascii":
+        lines = [" ".join(map(str, (*p, *c))) for p, c in zip(CUBE_PLACES, rows, strict=True)]
+        lines += [" ".join(map(str, (4, *face))) for face in CUBE_QUADS]
+        return (head + "\n".join(lines) + "\n").encode()
+    mark = "<" if "little" in order else ">"
+    table = np.zeros(len(rows), [("xyz", f"{mark}f4", 3), ("rgb", mark + PLY_TYPES[kind], 3)])
+    table["xyz"], table["rgb"] = CUBE_PLACES, rows
+    faces = np.zeros(len(CUBE_QUADS), [("n", "u1"), ("ids", f"{mark}i4", 4)])
+    faces["n"], faces["ids"] = 4, CUBE_QUADS
+    return head.encode() + table.tobytes() + faces.tobytes()
+
+
+def colours_of(tmp_path, name, data):
+    reading = read_surface(written(tmp_path, name, data))
+    return reading.mesh.colours.tolist(), reading.notes
+
+
+@pytest.mark.parametrize("order", ["ascii", "binary_little_endian", "binary_big_endian"])
+@pytest.mark.parametrize("kind", PLY_TYPES)
+def test_codes_of_any_type_in_a_ply(tmp_path, kind, order):
+    data = coloured_ply(kind, order, SHADES)
+    codes, notes = colours_of(tmp_path, "a.ply", data)
+    assert codes == [list(shade) for shade in SHADES]
+    assert notes == ("its vertex colours are taken as 0 to 255",)
+    open3d = pytest.importorskip("open3d")
+    judge = open3d.io.read_triangle_mesh(str(tmp_path / "a.ply"))
+    np.testing.assert_allclose(255.0 * np.asarray(judge.vertex_colors), codes, atol=1e-4)
+    if PLY_TYPES[kind][0] != "f":  # of floats trimesh takes those from 0 to 1 alone
+        other = trimesh.load(tmp_path / "a.ply", process=False)
+        np.testing.assert_array_equal(other.visual.vertex_colors[:, :3], codes)
+
+
+@pytest.mark.parametrize(
+    ("kind", "end"), [("ushort", 65_535), ("uint", 65_535), ("uint", 2**32 - 1)]
+)
+@pytest.mark.parametrize("order", ["ascii", "binary_little_endian"])
+def test_codes_of_more_bits_in_a_ply(tmp_path, kind, end, order):
+    rows = [tuple(end // 255 * c for c in shade) for shade in SHADES]
+    codes, notes = colours_of(tmp_path, "a.ply", coloured_ply(kind, order, rows))
+    assert codes == [list(shade) for shade in SHADES]
+    full = end == 2 ** (8 * np.dtype(PLY_TYPES[kind]).itemsize) - 1  # as the type says
+    assert notes == (() if full else ("its vertex colours are taken as 0 to 65,535",))
+
+
+def test_bytes_that_a_ply_calls_signed(tmp_path):
+    signed = [tuple(c - 256 if c > 127 else c for c in shade) for shade in SHADES]
+    codes, _ = colours_of(tmp_path, "a.ply", coloured_ply("char", "ascii", signed))
+    assert codes == [list(shade) for shade in SHADES]
+
+
+def test_shares_that_a_ply_calls_bytes(tmp_path):
+    rows = [(0.5, 1, 0)] * 8
+    codes, notes = colours_of(tmp_path, "a.ply", coloured_ply("uchar", "ascii", rows))
+    assert (codes, notes) == ([[128, 255, 0]] * 8, ())
+
+
+def test_codes_of_faces_of_a_ply(tmp_path):
+    head = f"ply\nformat ascii 1.0\nelement vertex 4\n{POINTS}element face 2\n"
+    head += "property list uchar int vertex_indices\nproperty uint red\nproperty uint green\n"
+    text = head + "property uint blue\nend_header\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n"
+    text += "3 0 1 2 200 30 30\n3 0 2 3 3 2 1\n"
+    reading = read_surface(written(tmp_path, "a.ply", text), Wanted(texture=True))
+    assert {tuple(code) for code in reading.mesh.colours.tolist()} == {(200, 30, 30), (3, 2, 1)}
+    assert reading.notes == ("its colours of faces are taken as 0 to 255",)
+
+
+def test_mostly_dark_codes_of_an_obj(tmp_path):
+    rows = ((0, 0, 0), (1, 0, 1), (0, 1, 0), (200, 30, 30))
+    codes, notes = colours_of(tmp_path, "a.obj", coloured(*rows))
+    assert codes == [list(row) for row in rows]
+    assert notes == ("its vertex colours are taken as 0 to 255",)
+
+
+def test_vertices_without_a_colour_are_white_among_codes(tmp_path):
+    codes, _ = colours_of(tmp_path, "a.obj", coloured((200, 30, 30), (), (), (0, 0, 200)))
+    assert codes == [[200, 30, 30], WHITE_CODES, WHITE_CODES, [0, 0, 200]]
+
+
+@pytest.mark.parametrize(
+    ("rows", "codes", "end"),
+    [
+        ([(127.5, 0.5, 30), (200.25, 3, 0)] * 2, [[128, 1, 30], [200, 3, 0]] * 2, "255"),
+        ([(51_400, 7710, 0), (257, 0, 0)] * 2, [[200, 30, 0], [1, 0, 0]] * 2, "65,535"),
+        ([(256, 30, 0), (200, 3, 0), (9, 9, 9), (0, 0, 0)],
+         [[255, 30, 0], [200, 3, 0], [9, 9, 9], [0, 0, 0]], "255"),
+    ],
+)  # fmt: skip
+def test_the_range_is_that_of_the_numbers(tmp_path, rows, codes, end):
+    found, notes = colours_of(tmp_path, "a.obj", coloured(*rows))
+    assert found == codes
+    assert notes[0] == f"its vertex colours are taken as 0 to {end}"
+    assert len(notes) == (2 if rows[0][0] == 256 else 1)
+
+
+def test_light_that_is_too_bright_is_no_code(tmp_path):
+    rows = ((0.5, 0.25, 0), (3.5, 2.5, 0), (0, 0.5, 0), (1, 0, 0))
+    codes, notes = colours_of(tmp_path, "a.obj", coloured(*rows))
+    assert codes == [[128, 64, 0], [255, 255, 0], [0, 128, 0], RED_CODES]
+    assert notes == ("1 of 4 vertex colours are not within 0 to 1: brought to the nearest that is",)
+
+
+@pytest.mark.parametrize(
+    ("rows", "codes", "notes"),
+    [
+        (["200 30 30 255"] * 3, [200, 30, 30], ()),
+        (["0.5 0.25 1 1"] * 3, [128, 64, 255], ()),
+        (["1 0 0 1"] * 3, RED_CODES, ("its vertex colours are taken as 0 to 1",)),
+        (["200.0 30.0 30.0 255.0"] * 3, [200, 30, 30],
+         ("its vertex colours are taken as 0 to 255",)),
+    ],
+)  # fmt: skip
+def test_colours_of_a_coff(tmp_path, rows, codes, notes):
+    places = ("0 0 0", "1 0 0", "0 1 0")
+    lines = [f"{place} {row}" for place, row in zip(places, rows, strict=True)]
+    text = "\n".join(["COFF", "3 1 0", *lines, "3 0 1 2"]) + "\n"
+    assert colours_of(tmp_path, "a.off", text) == ([codes] * 3, notes)
+
+
+@pytest.mark.parametrize("row", [(0.5, 0.25, 1.0), (128, 64, 255)])
+def test_colours_of_a_list_of_points(tmp_path, row):
+    places = [(x, y, 0.0) for x in range(8) for y in range(8)]
+    text = "".join(" ".join(map(str, (*place, *row))) + "\n" for place in places)
+    reading = read_surface(written(tmp_path, "a.xyz", text), Wanted(from_points=True))
+    assert (reading.mesh.colours == [128, 64, 255]).all()
+
+
+@pytest.mark.parametrize(("kind", "code"), [(5121, "u1"), (5123, "<u2"), (5126, "<f4")])
+def test_codes_of_a_gltf_that_does_not_say_that_they_are(tmp_path, kind, code):
+    """Its type is normalized by the specification, which not every writer knows."""
+    places = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0]], "<f4").tobytes()
+    colours = np.array([[255, 0, 0, 255]] * 3, code).tobytes()
+    data = base64.b64encode(places + colours).decode()
+    document = {
+        "asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "COLOR_0": 1}}]}],
+        "accessors": [
+            {"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"},
+            {"bufferView": 1, "componentType": kind, "count": 3, "type": "VEC4"},
+        ],
+        "bufferViews": [
+            {"buffer": 0, "byteLength": 36},
+            {"buffer": 0, "byteOffset": 36, "byteLength": len(colours)},
+        ],
+        "buffers": [{"byteLength": 36 + len(colours), "uri": f"data:;base64,{data}"}],
+    }  # fmt: skip
+    codes, notes = colours_of(tmp_path, "a.gltf", json.dumps(document))
+    assert codes == [RED_CODES] * 3
+    assert notes == ("its vertex colours are taken as 0 to 255",)
 
 
 # -- triangle strips --------------------------------------------------------------------------

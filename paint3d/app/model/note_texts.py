@@ -11,16 +11,16 @@ _COLOURS = "(?P<w>vertex colours|colours of faces)"
 
 _NOTES: tuple[tuple[str, str], ...] = (
     (f"left out: its {_COLOURS}, none of which is a number", "未采用：{w}（全都不是数）"),
-    (f"left out: its {_COLOURS}, most of which are not within 0 to 1",
-     "未采用：{w}（大多不在 0 到 1 之间）"),
+    (rf"left out: its {_COLOURS}, most of which are not within 0 to (?P<end>[\d,]+)",
+     "未采用：{w}（大多不在 0 到 {end} 之间）"),
     (r"left out (?P<n>[\d,]+) faces that name a vertex twice", "去掉了 {n} 个重复用同一顶点的面"),
     (r"a texture is left out: (?P<c>.*)", "未采用一张贴图：{c}"),
     (r"materials are left out: (?P<c>.*)", "未采用材质：{c}"),
     (rf"(?P<n>[\d,]+)(?: of (?P<m>[\d,]+))? {_COLOURS} are no numbers: made white",
      "{n} 处{w}不是数，已改为白色"),
-    (rf"its {_COLOURS} are taken as 0 to 255", "{w}按 0 到 255 读取"),
-    (rf"(?P<n>[\d,]+) of (?P<m>[\d,]+) {_COLOURS} are not within 0 to 1: "
-     "brought to the nearest that is", "{m} 处{w}中有 {n} 处不在 0 到 1 之间，已取最近的值"),
+    (rf"its {_COLOURS} are taken as 0 to (?P<end>[\d,]+)", "{w}按 0 到 {end} 读取"),
+    (rf"(?P<n>[\d,]+) of (?P<m>[\d,]+) {_COLOURS} are not within 0 to (?P<end>[\d,]+): "
+     "brought to the nearest that is", "{m} 处{w}中有 {n} 处不在 0 到 {end} 之间，已取最近的值"),
     (r"it is a point cloud: built (?P<n>[\d,]+) triangles through (?P<m>[\d,]+) points",
      "这是点云：由 {m} 个点构成 {n} 个三角形"),
     (r"its header's line (?P<a>.*) is passed over", "文件头中的 {a} 一行未采用"),

@@ -31,6 +31,7 @@ __all__ = [
     "pack_normals",
     "parse_records",
     "read_records",
+    "read_records_here",
     "standing_place",
     "unpack_normals",
     "write_records",
@@ -135,14 +136,26 @@ def write_records(
 
 
 def read_records(path: str | os.PathLike[str]) -> Records:
-    """Read a file of seven or nine numbers a row.
+    """Read a file of seven or nine numbers a row, in a child process as `load_mesh` does.
 
     Raises
     ------
     MeshError
         ``file: line N: what`` if a line is neither, or rows differ in kind.
     """
-    path = Path(path)
+    from paint3d.files.sandbox.isolation import read_records_apart
+
+    return Records(*read_records_apart(Path(path)))
+
+
+def read_records_here(path: Path) -> Records:
+    """Read such a file in this process.
+
+    Raises
+    ------
+    MeshError
+        As `read_records`.
+    """
     try:
         return parse_records(read_contents(path, MAX_BYTES))
     except MeshError as cause:

@@ -274,8 +274,9 @@ def _ascii_rows(element: Element, numbers: AnyArray, at: int) -> int:
 
 
 def _cast(column: AnyArray, p: Property) -> AnyArray:
-    """Return ASCII numbers in the declared type; colours need to know it, nothing else does."""
-    limits = np.iinfo(p.dtype) if p.dtype.kind == "u" else None
-    if limits is None or not np.isfinite(column).all() or not column.size:
+    """Return ASCII numbers in the declared type where they fit; only colours need to know it."""
+    if p.dtype.kind == "f" or not column.size or not np.isfinite(column).all():
         return column
-    return column.astype(p.dtype) if column.min() >= 0 and column.max() <= limits.max else column
+    limits = np.iinfo(p.dtype)
+    fit = limits.min <= column.min() and column.max() <= limits.max
+    return column.astype(p.dtype) if fit and (column == np.floor(column)).all() else column

@@ -16,11 +16,14 @@ from typing import Any, NamedTuple
 from xml.etree import ElementTree
 
 import numpy as np
+from numpy.typing import NDArray
 
 from paint3d.core.foreign_xml import XmlFault, parse_xml
 from paint3d.errors import MeshError
+from paint3d.files.readers.contents import plain_text
 from paint3d.files.readers.package_meshes import read_trimesh
-from paint3d.files.readers.raw_mesh import RawMesh, left_out
+from paint3d.files.readers.raw_mesh import RawMesh, left_out, parse_numbers
+from paint3d.files.readers.vertex_colours import colour_codes
 
 __all__ = ["FOREIGN", "read_foreign"]
 
@@ -96,6 +99,9 @@ def read_foreign(data: bytes, suffix: str, texture: bool = False) -> RawMesh:
             given.seek(0)
             found = trimesh.load_scene(given, file_type=kind)
         raw = _raw(found, texture)  # looks at what was only noted down until now
+        if suffix == ".xyz" and raw.colours is not None:
+            colours, notes = _colours_of_points(data, len(raw.vertices))
+            raw = replace(raw, colours=colours, notes=(*raw.notes, *notes))
     except MeshError:
         raise
     except Exception as cause:  # of any kind: its readers trust what they read
@@ -158,6 +164,13 @@ def _up_of(root: ElementTree.Element) -> str | None:
         if element.tag.rpartition("}")[2] == "up_axis":
             return _UP.get((element.text or "").strip())
     return None
+
+
+def _colours_of_points(data: bytes, n: int) -> tuple[NDArray[np.uint8] | None, tuple[str, ...]]:
+    """Colours of a list of n points, of which trimesh makes bytes whatever they are."""
+    numbers = parse_numbers(plain_text(data).replace(b",", b" "), "a point")
+    rgb = numbers.reshape(n, -1)[:, 3:6]
+    return colour_codes(rgb, 255 if (rgb == np.floor(rgb)).all() else 1)
 
 
 def _points(cloud: Any) -> RawMesh:

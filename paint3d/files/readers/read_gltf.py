@@ -16,6 +16,7 @@ from paint3d.files.project.position_steps import METRE_MM, STEPS, take_steps
 from paint3d.files.readers.gltf_materials import GltfPaint
 from paint3d.files.readers.raw_mesh import RawMesh, left_out
 from paint3d.files.readers.textures import srgb_from_linear
+from paint3d.files.readers.vertex_colours import colour_shares
 
 __all__ = ["read_gltf"]
 
@@ -133,12 +134,11 @@ def _primitive(
                                 f"{len(others[name])} of {name}")  # fmt: skip
     if STEPS in others:
         vertices = take_steps(vertices, others[STEPS][:, 0])
-    colours = others.get("COLOR_0")
-    if colours is not None:
-        known = np.asarray(np.isfinite(colours).all(axis=1))
-        if not known.all():
-            paint.notes.append(f"{(~known).sum():,} vertex colours are no numbers: made white")
-        colours = srgb_from_linear(np.where(known[:, None], colours, 1.0))
+    colours = None
+    if "COLOR_0" in others:
+        shares, notes = colour_shares(others["COLOR_0"])
+        paint.notes += notes
+        colours = None if shares is None else srgb_from_linear(shares)
     faces = _triangles(indices, mode)
     number, uv = paint.look_of(primitive, len(vertices), texture)
     if uv is not None:

@@ -98,13 +98,19 @@ def _vertices(
     numbers = _numbers(b"\n".join(lines))
     first = np.cumsum(widths) - widths
     vertices = numbers[first[:, None] + np.arange(3)]
-    rgb = np.ones((len(lines), 3))
+    rgb = np.empty((len(lines), 3))
     for width, column in COLOUR_COLUMN.items():
         rows = np.flatnonzero(widths == width)
         rgb[rows] = numbers[first[rows, None] + column + np.arange(3)]
-    if not np.isin(widths, list(COLOUR_COLUMN)).any():
+    coloured = np.isin(widths, list(COLOUR_COLUMN))
+    if not coloured.any():
         return vertices, None, ()
-    return vertices, *colour_codes(rgb)
+    codes, notes = colour_codes(rgb[coloured])
+    if codes is None:
+        return vertices, None, notes
+    colours = np.full((len(lines), 3), 255, np.uint8)
+    colours[coloured] = codes
+    return vertices, colours, notes
 
 
 def _passed_over(lines: Sequence[bytes]) -> set[str]:

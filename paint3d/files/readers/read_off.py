@@ -127,8 +127,8 @@ def _colours(table: list[list[bytes]]) -> tuple[NDArray[np.uint8] | None, tuple[
     if any(len(words) < 6 for words in table):
         return None, ()
     rgb = _columns(table, slice(3, 6))
-    whole = all(b"." not in word for words in table for word in words[3:6])
-    return colour_codes(rgb / 255.0 if whole else rgb)
+    whole = all(word.isdigit() for words in table for word in words[3:6])
+    return colour_codes(rgb, 255 if whole else 1)
 
 
 def _faces(table: list[list[bytes]]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

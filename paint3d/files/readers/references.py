@@ -1,4 +1,7 @@
-"""Which other files a mesh file speaks of: its pictures, materials and buffers."""
+"""Which other files a mesh file speaks of: its pictures, materials and buffers.
+
+The mesh is a stranger's: `refers_to` runs in a child process (`files.sandbox.isolation`).
+"""
 
 from __future__ import annotations
 
@@ -12,13 +15,23 @@ from paint3d.files.gltf_buffers import GltfFile
 from paint3d.files.readers.contents import path_beside, plain_text, read_contents
 from paint3d.files.readers.obj_materials import MAX_LIBRARY
 
-__all__ = ["refers_to"]
+__all__ = ["may_refer_to", "refers_to"]
 
 _LIBRARIES = re.compile(rb"^[ \t]*mtllib[ \t]+(.+)$", re.MULTILINE)
 _MAPS = re.compile(rb"^[ \t]*(?:map_\w+|bump|norm|disp|decal|refl)[ \t]+(.+)$", re.MULTILINE | re.I)
 _PLY_PICTURES = re.compile(rb"^comment[ \t]+TextureFile[ \t]+(.+)$", re.MULTILINE)
 _PLY_END = b"end_header"
 _MOST_WORDS = 40  # of a line in which names are looked for
+
+
+def may_refer_to(mesh: Path, file: Path) -> bool:
+    """Whether a mesh file could speak of another one, by their names alone; neither is opened."""
+    wanted, top = os.path.realpath(file), os.path.realpath(mesh.parent)
+    try:
+        inside = os.path.isfile(wanted) and os.path.commonpath([top, wanted]) == top
+    except ValueError:  # on different drives, or no file name
+        return False
+    return inside and _suffix(mesh) in _NAMED
 
 
 def refers_to(mesh: Path, file: Path) -> bool:
@@ -33,10 +46,9 @@ def refers_to(mesh: Path, file: Path) -> bool:
     """
     wanted, top = os.path.realpath(file), os.path.realpath(mesh.parent)
     try:
-        if not os.path.isfile(wanted) or os.path.commonpath([top, wanted]) != top:
-            return False
-        names = _NAMED.get(_suffix(mesh))
-        return names is not None and _any_is(wanted, top, names(read_contents(mesh), Path(top)))
+        return may_refer_to(mesh, file) and _any_is(
+            wanted, top, _NAMED[_suffix(mesh)](read_contents(mesh), Path(top))
+        )
     except (MeshError, MemoryError, OSError, AttributeError, LookupError, TypeError, ValueError):
         return False
 
@@ -72,7 +84,7 @@ def _of_obj(data: bytes, folder: Path) -> Iterator[str]:
 
 
 def _of_ply(data: bytes, _: Path) -> Iterator[str]:
-    for name in _PLY_PICTURES.findall(plain_text(data.partition(_PLY_END)[0])):
+    for name in _PLY_PICTURES.findall(plain_text(data[: max(0, data.find(_PLY_END))])):
         yield name.strip().decode("utf-8", "surrogateescape")
 
 

@@ -28,7 +28,7 @@ def main() -> None:
 
     path = Path(os.fsdecode(bytes.fromhex(request["path"])))
     descriptor = from_parent(int(request["file"]))
-    read = {"mesh": _mesh, "photograph": _photograph}[request["kind"]]
+    read = _READERS[request["kind"]]
     try:
         arrays, facts = read(path, request["wanted"])
     except InputError as cause:
@@ -56,6 +56,30 @@ def _mesh(path: Path, wanted: list[Any]) -> tuple[dict[str, AnyArray], dict[str,
     facts: dict[str, object] = {"name": mesh.name, "notes": list(reading.notes)}
     facts |= {"knows_up": reading.knows_up, "unit_mm": reading.unit_mm, "up": reading.up}
     return arrays, facts
+
+
+def _references(path: Path, wanted: list[Any]) -> tuple[dict[str, AnyArray], dict[str, object]]:
+    from paint3d.files.readers.references import refers_to
+
+    return {}, {"refers": refers_to(path, Path(os.fsdecode(bytes.fromhex(wanted[0]))))}
+
+
+def _records(path: Path, wanted: list[Any]) -> tuple[dict[str, AnyArray], dict[str, object]]:
+    from paint3d.files.project.records import read_records_here
+
+    records = read_records_here(path)
+    arrays: dict[str, AnyArray] = {"positions": records.vertices, "directions": records.normals}
+    arrays |= {} if records.faces is None else {"rows": records.faces}
+    arrays["colours"] = records.srgb
+    return arrays, {"start": records.initial_position.tolist()}
+
+
+_READERS = {
+    "mesh": _mesh,
+    "photograph": _photograph,
+    "records": _records,
+    "references": _references,
+}
 
 
 if __name__ == "__main__":

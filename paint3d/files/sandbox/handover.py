@@ -21,6 +21,7 @@ __all__ = ["receive", "send"]
 
 MAX_LINE = 1 << 20
 TYPES = {"vertices": "<f4", "faces": "<i4", "normals": "<f4", "colours": "|u1", "pixels": "|u1"}
+TYPES |= {"positions": "<f8", "directions": "<f8", "rows": "<i8"}  # of records
 NUMBERS_A_ROW = 3
 _ALIGNED = 8  # where numbers begin: kernels take no others
 

@@ -14,6 +14,7 @@ import signal
 import subprocess
 import sys
 import time
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -36,6 +37,8 @@ __all__ = [
     "PICTURE_SECONDS",
     "read_apart",
     "read_photograph_apart",
+    "read_records_apart",
+    "refers_to_apart",
 ]
 
 MAX_MEMORY = 2 << 30
@@ -102,6 +105,48 @@ def read_photograph_apart(
     return arrays["pixels"].reshape(int(height), int(width), 3), (int(full[0]), int(full[1]))
 
 
+def read_records_apart(
+    path: Path,
+) -> tuple[
+    NDArray[np.float64],
+    NDArray[np.float64],
+    NDArray[np.float64],
+    NDArray[np.uint8],
+    NDArray[np.int64] | None,
+]:
+    """Read the paper's records in a child process: what `files.project.records.Records` holds.
+
+    Raises
+    ------
+    MeshError
+        As the reader says, or that it crashed, took too long or needed too much memory.
+    """
+    limits = MAX_SECONDS, MAX_IDLE_SECONDS
+    arrays, facts = _read_apart(path, "records", [], limits, None)
+    arrays = {name: array.copy() for name, array in arrays.items()}
+    start = np.array(facts["start"], np.float64)
+    places, directions, colours = (arrays[k] for k in ("positions", "directions", "colours"))
+    return start, places, directions, colours, arrays.get("rows")
+
+
+def refers_to_apart(mesh: Path, file: Path) -> bool:
+    """Whether a mesh file speaks of another one: asked in a child with limits.
+
+    Nothing is started where the names tell that it cannot. A mesh that reaches the limits speaks
+    of nothing: whoever reads it says what is wrong with it.
+    """
+    from paint3d.files.readers.references import may_refer_to  # few commands ask for it
+
+    if not may_refer_to(mesh, file):
+        return False
+    limits = MAX_SECONDS, MAX_IDLE_SECONDS
+    try:
+        _, facts = _read_apart(mesh, "references", [os.fsencode(file).hex()], limits, None)
+    except (MeshError, OSError):
+        return False
+    return facts.get("refers") is True
+
+
 def _read_apart(
     path: Path,
     kind: str,
@@ -166,7 +211,9 @@ def _wait(
     progress: Progress | None,
 ) -> None:
     """Wait for a child to end, telling how far it should be by now."""
-    began, expected = time.monotonic(), START_S + path.stat().st_size / BYTES_A_SECOND
+    began, expected = time.monotonic(), START_S
+    with suppress(OSError):  # the child says what is wrong with the file
+        expected += path.stat().st_size / BYTES_A_SECOND
     watch, (seconds, idle_seconds) = Watch(child.pid), limits
     while True:
         try:
