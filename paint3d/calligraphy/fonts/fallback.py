@@ -22,7 +22,7 @@ from paint3d.calligraphy.fonts.system_fonts import SystemFont, fonts_with
 from paint3d.calligraphy.glyph_sources import GlyphSource, missing_glyphs, names_of
 from paint3d.calligraphy.glyphs import Glyph
 from paint3d.calligraphy.hand_packages import package_of_the_hand
-from paint3d.calligraphy.page.ink import as_multipolygon
+from paint3d.calligraphy.page.page import as_multipolygon
 from paint3d.calligraphy.shapes.decompose import decompose
 from paint3d.errors import GlyphError, InputError
 
