@@ -24,7 +24,7 @@ from paint3d.brush_engine.tuft import (
     trace_outline,
     trace_spine,
 )
-from paint3d.cli.pads import lay_on
+from paint3d.cli.sources import lay_on
 from paint3d.colour.layers import layer_reflectance
 from paint3d.colour.pigments import load_pigment
 from paint3d.colour.spectra import srgb_from_reflectance

@@ -24,8 +24,7 @@ from shapely import Polygon, intersection, linestrings, prepare
 
 from paint3d.calligraphy.glyph_sources import open_glyph_folder
 from paint3d.calligraphy.glyphs import Glyph, GlyphStroke
-from paint3d.calligraphy.kanjivg import load_lines
-from paint3d.calligraphy.kanjivg_folder import find_kanjivg
+from paint3d.calligraphy.kanjivg import find_kanjivg, load_lines
 from paint3d.calligraphy.stroke_shapes import BODY, ZONE, corners_of, cut_line, is_hooked
 from paint3d.errors import Paint3DError
 

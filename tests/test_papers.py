@@ -20,7 +20,7 @@ import pytest
 from paint3d.app.model.persistence.shortcuts import SHORTCUTS
 from paint3d.bench.registry import BENCHMARKS
 from paint3d.cli import main
-from paint3d.cli.parsing import UsageError
+from paint3d.cli.options import UsageError
 
 ROOT = Path(__file__).parents[1]
 PAGE = (ROOT / "docs/papers.md").read_text("utf-8")

@@ -8,8 +8,7 @@ from pathlib import Path
 from typing import Protocol
 
 from paint3d.calligraphy.glyphs import Glyph, load_glyph
-from paint3d.calligraphy.kanjivg import load_lines
-from paint3d.calligraphy.kanjivg_folder import find_kanjivg
+from paint3d.calligraphy.kanjivg import find_kanjivg, load_lines
 from paint3d.calligraphy.stroke_shapes import SOURCE_OF_SHAPES, shape_strokes
 from paint3d.errors import GlyphError, InputError
 

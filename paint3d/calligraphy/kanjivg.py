@@ -6,19 +6,51 @@ its type: one of the stroke characters from U+31C0 on, sometimes with a letter.
 
 from __future__ import annotations
 
+import os
+import sys
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from xml.etree import ElementTree
 
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.calligraphy.glyphs import DESCENDER, EM_UNITS
-from paint3d.calligraphy.path_commands import split_path
+from paint3d.calligraphy.glyphs import DESCENDER, EM_UNITS, split_path
 from paint3d.core.arrays import AnyArray
 from paint3d.errors import InputError
 
-__all__ = ["LineStroke", "load_lines", "parse_lines"]
+__all__ = ["LineStroke", "find_kanjivg", "load_lines", "parse_lines"]
+
+# ---- Where it is ---------------------------------------------------------------------------------
+# Where the package `kanjivg` keeps its characters, if it is installed.
+
+
+@lru_cache(maxsize=1)
+def find_kanjivg() -> Path | None:
+    """The folder with the characters, or None where the package is not installed."""
+    for place in sys.path:  # where pip has put it; `importlib.metadata` takes 10 ms to find it
+        folder = Path(place, "kanji")
+        if not os.path.isdir(folder):  # nor where one may not look: `Path.is_dir` raises there
+            continue
+        if next(folder.parent.glob("kanjivg-*.dist-info"), None) is not None:
+            return folder
+    return _find_anywhere()
+
+
+def _find_anywhere() -> Path | None:
+    from importlib.metadata import PackageNotFoundError, distribution
+
+    try:
+        package = distribution("kanjivg")
+    except PackageNotFoundError:
+        return None
+    folder = Path(str(package.locate_file("kanji")))
+    return folder if folder.is_dir() else None
+
+
+# --------------------------------------------------------------------------------------------------
+
 
 _BOX = 109.0
 _NUMBERS = {"M": 2, "L": 2, "C": 6, "S": 4, "Z": 0}

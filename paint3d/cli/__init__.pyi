@@ -1,4 +1,4 @@
-from .parsing import UsageError as UsageError
+from .options import UsageError as UsageError
 from .replay import PaintOptions as PaintOptions
 from .replay import prepare as prepare
 from .results import Painting as Painting

@@ -131,7 +131,7 @@ def _outcomes(rows: list[Row], folder: str, options: argparse.Namespace) -> Iter
         rows = [placed(row, folder) for row in rows]
     if options.scheduler is not None:
         return run_on_cluster(rows, options.scheduler, folder)
-    from paint3d.cli.first_run import say_if_compiling
+    from paint3d.cli.progress import say_if_compiling
 
     say_if_compiling(quiet=options.quiet)
     if options.row is not None:

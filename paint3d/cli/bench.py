@@ -8,10 +8,9 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from paint3d.cli.first_run import say_if_compiling
 from paint3d.cli.options import add_quiet_option, check_output_file
-from paint3d.cli.progress import ProgressBar
-from paint3d.cli.versions import find_versions
+from paint3d.cli.progress import ProgressBar, say_if_compiling
+from paint3d.cli.report import find_versions
 from paint3d.core.atomic import write_atomically
 from paint3d.errors import UnknownNameError
 

@@ -3,34 +3,477 @@
 from __future__ import annotations
 
 import argparse
+import re
+import select
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from paint3d.cli.hands.calibrate import add_calibrate, calibrate
-from paint3d.cli.hands.options import add_stylus_option
-from paint3d.cli.hands.settings import add_set, set_devices
+from paint3d.app.model.persistence.calibrations import kept_calibration
+from paint3d.app.model.persistence.settings import load_settings
 from paint3d.cli.options import (
     add_force_option,
+    add_stylus_option,
     check_output_file,
     check_output_folder,
     check_overwriting,
     parse_number,
 )
 from paint3d.core.ending import heard_by
-from paint3d.errors import DeviceError
+from paint3d.device.force.force_port import HidForcePort
+from paint3d.device.force.port_reader import PortReader
+from paint3d.device.hid_nodes import HidNode, list_nodes
+from paint3d.device.hot_plug import PluggedDevices
+from paint3d.device.sample import StylusReading
+from paint3d.errors import DeviceError, Paint3DError
+from paint3d.haptics.stylus_choice import FoundStylus, find_stylus, key_of_node
+from paint3d.pose.calibration import DeviceCalibration
+from paint3d.pose.mouse_settings import MouseSettings
 
 if TYPE_CHECKING:
-    from paint3d.cli.hands.opened import OpenedDevices
     from paint3d.device.force.port_reader import PortReader
     from paint3d.device.hid_nodes import HidNode
     from paint3d.device.sample import DeviceSample
     from paint3d.pose.calibration import DeviceCalibration
+    from paint3d.pose.touching import Touches
     from paint3d.pose.two_hands import TwoHands
 
-__all__ = ["HELP", "add_arguments", "rounds", "run"]
+__all__ = [
+    "HELP",
+    "OpenedDevices",
+    "add_arguments",
+    "add_calibrate",
+    "add_set",
+    "calibrate",
+    "rounds",
+    "run",
+    "set_devices",
+]
+
+# ---- Opening -------------------------------------------------------------------------------------
+# What a command reads: HID devices, and a stylus that is reached by a library or a service.
+
+
+_NOTHING = "no 6-DOF mouse, stylus or pen tablet is plugged in"
+_OPENED_KINDS = {"auto": ("mouse", "stylus", "pen"), "hid": ("mouse", "stylus")}
+
+Log = Callable[[HidNode, bytes, int, bytes], None]
+
+
+class OpenedDevices(PluggedDevices):
+    """Everything that is there and was chosen, read as the user's settings say.
+
+    Parameters
+    ----------
+    stylus : str
+        See `find_stylus`; "auto" takes HID styli and pens, and others where there is none of them.
+    log : callable, optional
+        See `PluggedDevices`.
+
+    Attributes
+    ----------
+    mouse : MouseSettings
+        The user's.
+    reader : PortReader or None
+        Of a stylus that is not read by hidapi.
+
+    Raises
+    ------
+    DeviceError
+        If what was chosen is not there, or nothing is, or nothing could be opened.
+    """
+
+    def __init__(self, stylus: str = "auto", log: Log | None = None) -> None:
+        settings, problem = load_settings()
+        if problem is not None:
+            sys.stderr.write(f"{problem}\n")
+        self.mouse = MouseSettings.from_words(settings.mouse)
+        self.reader: PortReader | None = None
+        self._found: FoundStylus | None = None
+        kinds = _OPENED_KINDS.get(stylus, ("mouse",))
+        if stylus == "hid":
+            find_stylus("hid")
+        super().__init__(lambda: list_nodes(kinds), log=log, deflection=self.mouse.deflection())
+        try:
+            self._read_other(stylus)
+        except BaseException:
+            self.stop()
+            raise
+        if not self.names():
+            failures = list(self.failures.values())
+            self.stop()
+            raise DeviceError(failures[0] if failures else _NOTHING)
+
+    def _read_other(self, stylus: str) -> None:
+        if stylus in ("hid", "none") or (stylus == "auto" and self.styli()):
+            return
+        found = find_stylus(stylus)
+        if found is not None and not isinstance(found.port, HidForcePort):
+            self._found, self.reader = found, PortReader(found.port, found.name)
+
+    def names(self) -> list[str]:
+        """Of what is open."""
+        others = [] if self.reader is None else [self.reader.name]
+        return [node.name for node in self.nodes()] + others
+
+    def take_stylus(self) -> list[StylusReading]:
+        """Readings of all styli, in the order of their times."""
+        others = [] if self.reader is None else self.reader.take()
+        return sorted([*super().take_stylus(), *others], key=lambda reading: reading.time_ns)
+
+    def key(self) -> str:
+        """Which stylus or pen it is: the first that is open.
+
+        Raises
+        ------
+        DeviceError
+            If there is none.
+        """
+        if self._found is not None:
+            return self._found.key
+        for node in self.nodes():
+            if node.kind != "mouse":
+                return key_of_node(node)
+        raise DeviceError("no stylus or pen tablet is open; expected one for the right hand")
+
+    def calibration(self) -> DeviceCalibration:
+        """Where the stylus stands in the world: as it was calibrated, else its own axes."""
+        frame = DeviceCalibration() if self._found is None else self._found.frame
+        if self._found is None and all(node.kind == "mouse" for node in self.nodes()):
+            return frame
+        return kept_calibration(self.key()) or frame
+
+    def stop(self) -> None:
+        """Stop looking and close everything."""
+        if self.reader is not None:
+            self.reader.stop()
+        super().stop()
+
+
+# --------------------------------------------------------------------------------------------------
+
+
+# ---- Calibration ---------------------------------------------------------------------------------
+# `paint3d devices calibrate`: touch known points, see the error, keep where the stylus stands.
+
+
+_CORNERS = ("near left corner", "near right corner", "far right corner", "far left corner")
+
+_PATIENCE_S = 600.0
+
+
+def _parse_sheet(text: str) -> tuple[float, float]:
+    found = re.fullmatch(r"(\d+(?:\.\d+)?)x(\d+(?:\.\d+)?)", text)
+    if found is None or not all(20.0 <= float(side) <= 2000.0 for side in found.groups()):
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is no sheet; expected WIDTHxDEPTH in mm, each 20 to 2000, such as 210x148"
+        )
+    return float(found[1]), float(found[2])
+
+
+def _parse_point(text: str) -> tuple[float, ...]:
+    try:
+        point = tuple(float(part) for part in text.split(","))
+    except ValueError:
+        point = ()
+    if len(point) != 3 or not all(abs(part) <= 1e4 for part in point):
+        raise argparse.ArgumentTypeError(f"{text!r} is no point; expected X,Y,Z in mm")
+    return point
+
+
+def add_calibrate(parser: argparse.ArgumentParser) -> None:
+    """Add the options of this deed."""
+    where = parser.add_mutually_exclusive_group()
+    where.add_argument(
+        "--sheet",
+        metavar="WxD",
+        type=_parse_sheet,
+        default=(210.0, 148.0),
+        help="touch the corners of a sheet on the table so wide and deep, mm; its middle becomes "
+        "the world's origin, x to the right, y away, z up (default: 210x148, A5)",
+    )
+    where.add_argument(
+        "--point",
+        metavar="X,Y,Z",
+        type=_parse_point,
+        action="append",
+        help="touch these points of the world instead, mm; three or more (--point=-90,0,0)",
+    )
+    parser.add_argument("--scaled", action="store_true", help="let lengths be scaled, too")
+    parser.add_argument(
+        "--out", metavar="FILE", type=Path, help="keep it in a file of your own (.json) instead"
+    )
+    add_stylus_option(parser, " (default: the first there is)")
+    add_force_option(parser)
+
+
+def calibrate(options: argparse.Namespace) -> None:
+    """Have the points touched, fit the device's frame, keep it.
+
+    Raises
+    ------
+    DeviceError
+        If there is no stylus, or the touches give no frame: by how much.
+    """
+    from paint3d.app.model.persistence.calibrations import keep_calibration
+    from paint3d.pose.calibration import save_calibration
+    from paint3d.pose.touching import Touches, sheet_corners
+
+    if options.out is not None:
+        check_output_file(options.out, (".json",))
+        check_overwriting((options.out,), (), force=options.force)
+    points = options.point or sheet_corners(*options.sheet)
+    touches = Touches(points)
+    names = (
+        list(_CORNERS) if options.point is None else [f"point {k + 1}" for k in range(len(points))]
+    )
+    devices = OpenedDevices(options.stylus or "auto")
+    try:
+        key = devices.key()
+        _touch_all(devices, touches, names)
+    finally:
+        devices.stop()
+    fitted = touches.fit(scaled=options.scaled)
+    if options.out is not None:
+        save_calibration(fitted.calibration, options.out)
+        file = options.out
+    else:
+        file = keep_calibration(key, fitted.calibration)
+    errors = ", ".join(f"{error:.2f}" for error in fitted.errors_mm)
+    residual = fitted.calibration.residual_mm
+    sys.stdout.write(f"{file}: {residual:.2f} mm off (root mean square of {errors})\n")
+
+
+def _touch_all(devices: OpenedDevices, touches: Touches, names: list[str]) -> None:
+    """Ask for point after point, until all were touched: by a button of the stylus, or Enter."""
+    end = time.monotonic() + _PATIENCE_S
+    asked, typed = -1, _can_type()
+    while not touches.is_done:
+        n = len(touches.touched)
+        if n != asked:
+            asked = n
+            x, y, z = touches.points[n]
+            sys.stderr.write(
+                f"touch {n + 1} of {len(touches.points)}: the {names[n]} ({x:g}, {y:g}, {z:g}) mm; "
+                "hold it still and press the stylus' button, or Enter\n"
+            )
+            sys.stderr.flush()
+        if time.monotonic() > end:
+            raise DeviceError(f"{n} of {len(names)} points were touched in {_PATIENCE_S:g} s")
+        time.sleep(_TAKE_S)
+        try:
+            touches.hear(devices.take_stylus())
+            if typed and select.select([sys.stdin], [], [], 0.0)[0]:
+                typed = bool(sys.stdin.readline())
+                if typed:
+                    touches.touch()
+        except DeviceError as cause:
+            asked = -1
+            sys.stderr.write(f"{cause}\n")
+        if devices.reader is not None and devices.reader.gone is not None:
+            raise DeviceError(devices.reader.gone)
+
+
+def _can_type() -> bool:
+    if sys.stdin is None:
+        return False
+    try:
+        select.select([sys.stdin], [], [], 0.0)
+    except (OSError, ValueError):
+        return False
+    return True
+
+
+# --------------------------------------------------------------------------------------------------
+
+
+# ---- Settings ------------------------------------------------------------------------------------
+# `paint3d devices set`: how the hands' devices are read, kept for the studio and for recording.
+
+
+_ON = {"on": True, "off": False}
+_NUMBERS = (
+    ("--mouse-speed", "speed_mm_s", "MM/S", 5000.0, "how fast the object moves at full deflection"),
+    ("--mouse-turn", "turn_deg_s", "DEG/S", 2800.0, "how fast it turns"),
+    ("--mouse-dead-zone", "dead_zone", "SHARE", 0.9, "of the deflection, that counts as rest"),
+)
+
+
+def _number(most: float, least: float = 0.0) -> Any:
+    expected = f"{least:g} to {most:g}"
+    return lambda text: parse_number(text, "a number", expected, lambda n: least <= n <= most)
+
+
+def _parse_axes(text: str) -> tuple[str, ...]:
+    from paint3d.pose.mouse_settings import parse_axes
+
+    axes: tuple[str, ...] = _told(lambda: parse_axes(text))
+    return axes
+
+
+def _parse_button(text: str) -> tuple[int, str]:
+    from paint3d.device.button_actions import checked_actions
+
+    number, _, action = text.partition("=")
+    if not number.isdecimal() or not 1 <= int(number) <= 31:
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is no button; expected N=ACTION with N from 1 to 31, or N= for nothing"
+        )
+    if action:
+        _told(lambda: checked_actions({int(number) - 1: action}))
+    return int(number) - 1, action
+
+
+def _told(parse: Any) -> Any:
+    try:
+        return parse()
+    except Paint3DError as cause:
+        raise argparse.ArgumentTypeError(str(cause)) from None
+
+
+def add_set(parser: argparse.ArgumentParser) -> None:
+    """Add the options of this deed."""
+    parser.add_argument(
+        "--mouse-mode", choices=("object", "camera"), help="whether the cap is the object or you"
+    )
+    for option, name, what, most, told in _NUMBERS:
+        parser.add_argument(option, dest=name, metavar=what, type=_number(most), help=told)
+    parser.add_argument(
+        "--mouse-curve",
+        dest="curve",
+        metavar="N",
+        type=_number(4.0, 1.0),
+        help="exponent of the response: 1 is linear, more is finer near rest",
+    )
+    parser.add_argument(
+        "--mouse-axes",
+        dest="axes",
+        metavar="LIST",
+        type=_parse_axes,
+        help="which axis of the cap gives each motion (right, away, up, turns about them), - turns "
+        "it round: --mouse-axes=x,z,-y,rx,rz,-ry",
+    )
+    parser.add_argument(
+        "--mouse-zoom", dest="zoom_axis", choices=("y", "z"), help="pushed or lifted comes near"
+    )
+    for option, name, told in (
+        ("--mouse-moves", "moving", "whether it moves the object"),
+        ("--mouse-turns", "turning", "whether it turns it"),
+        ("--mouse-one-axis", "dominant_axis", "follow only the axis that is deflected most"),
+    ):
+        parser.add_argument(option, dest=name, choices=tuple(_ON), help=told)
+    parser.add_argument(
+        "--mouse-button",
+        dest="buttons",
+        metavar="N=ACTION",
+        type=_parse_button,
+        action="append",
+        help="what a button does, from 1; recentre, dip, undo, redo, toggle_turning, "
+        "toggle_moving, toggle_dominant_axis, toggle_camera, calibrate_rest, or nothing",
+    )
+    _add_stylus(parser)
+    parser.add_argument("--defaults", action="store_true", help="begin with how it was at first")
+
+
+def _add_stylus(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--stylus-limit",
+        dest="limit_n",
+        metavar="N",
+        type=_number(7.9),
+        help="the stylus never pushes harder, N",
+    )
+    parser.add_argument(
+        "--stylus-anticipation",
+        dest="anticipation_mm",
+        metavar="MM",
+        type=_number(20.0),
+        help="so far before the surface a gentle force begins; 0: none",
+    )
+    parser.add_argument(
+        "--stylus-click",
+        dest="click_n",
+        metavar="N",
+        type=_number(1.0),
+        help="force of the click when the brush is dipped; 0: none",
+    )
+    parser.add_argument(
+        "--stylus-texture",
+        dest="texture",
+        metavar="SHARE",
+        type=_number(1.0),
+        help="how much of the surface's grain is felt; 0: nothing, 1: all (at first)",
+    )
+    add_stylus_option(parser, "")
+
+
+def set_devices(options: argparse.Namespace) -> None:
+    """Keep what was said, and say all of it.
+
+    Raises
+    ------
+    Paint3DError
+        If the settings cannot be written.
+    """
+    import dataclasses
+
+    from paint3d.app.model.persistence.settings import load_settings, save_settings
+    from paint3d.device.button_actions import DEFAULT_ACTIONS
+    from paint3d.haptics.settings import Feel
+    from paint3d.pose.mouse_settings import MouseSettings
+
+    settings, problem = load_settings()
+    if problem is not None:
+        sys.stderr.write(f"{problem}\n")
+    before = settings
+    if options.defaults:
+        settings = dataclasses.replace(
+            settings, mouse={}, feel={}, stylus="auto", buttons=dict(DEFAULT_ACTIONS)
+        )
+    mouse = dataclasses.replace(
+        MouseSettings.from_words(settings.mouse), **_said(options, MouseSettings)
+    )
+    feel = dataclasses.replace(Feel.from_words(settings.feel), **_said(options, Feel))
+    buttons = {**settings.buttons, **dict(options.buttons or ())}
+    settings = dataclasses.replace(
+        settings,
+        mouse=mouse.as_words(),
+        feel=feel.as_words(),
+        buttons={number: action for number, action in buttons.items() if action},
+        stylus=options.stylus or settings.stylus,
+    )
+    if settings != before:
+        save_settings(settings)
+    _show(mouse.as_words(), settings.buttons, {"stylus": settings.stylus, **feel.as_words()})
+
+
+def _said(options: argparse.Namespace, kind: type) -> dict[str, Any]:
+    """What was said of these choices."""
+    import dataclasses
+
+    found = {"mode": options.mouse_mode}
+    for own in dataclasses.fields(kind):
+        found.setdefault(own.name, getattr(options, own.name, None))
+    words = {name: _ON.get(value, value) if isinstance(value, str) else value
+             for name, value in found.items()}  # fmt: skip
+    known = {own.name for own in dataclasses.fields(kind)}
+    return {name: value for name, value in words.items() if value is not None and name in known}
+
+
+def _show(mouse: Mapping[str, Any], buttons: Mapping[int, str], feel: Mapping[str, Any]) -> None:
+    for name, value in mouse.items():
+        told = ",".join(value) if isinstance(value, list) else value
+        sys.stdout.write(f"mouse {name}: {round(told, 3) if isinstance(told, float) else told}\n")
+    for number, action in sorted(buttons.items()):
+        sys.stdout.write(f"mouse button {number + 1}: {action}\n")
+    for name, value in feel.items():
+        sys.stdout.write(f"{name if name == 'stylus' else f'stylus {name}'}: {value}\n")
+
+
+# --------------------------------------------------------------------------------------------------
+
 
 HELP = "what is plugged in, live values, rate and latency, a recording, calibration, settings"
 _KINDS = {"mouse": "6-DOF mouse", "stylus": "haptic stylus", "pen": "pen tablet"}
@@ -364,7 +807,6 @@ def _plug_in(
     stylus: str | None, log: Callable[[HidNode, bytes, int, bytes], None] | None = None
 ) -> OpenedDevices:
     """Open what is there and was chosen; see `OpenedDevices`."""
-    from paint3d.cli.hands.opened import OpenedDevices
 
     return OpenedDevices(stylus or "auto", log)
 

@@ -13,9 +13,9 @@ from paint3d.cli.options import (
     check_output_file,
     check_overwriting,
 )
-from paint3d.cli.paintings import add_painting_argument, open_painting
-from paint3d.cli.pictures.lights import add_light_options, viewing_of
+from paint3d.cli.picture import add_light_options, viewing_of
 from paint3d.cli.progress import ProgressBar
+from paint3d.cli.results import add_painting_argument, open_painting
 
 __all__ = ["HELP", "add_arguments", "run"]
 

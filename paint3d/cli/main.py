@@ -22,7 +22,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, nullcontext
 from importlib import import_module
 
-from paint3d.cli.parsing import Parser, UsageError
+from paint3d.cli.options import Parser, UsageError
 from paint3d.core.ending import Ends, remove_unfinished
 from paint3d.core.machine import tell_nobody
 from paint3d.errors import Paint3DError
@@ -33,12 +33,12 @@ COMMANDS = {  # each by its module, which is imported when the command is asked 
     "demo": "paint3d.cli.demo",
     "replay": "paint3d.cli.replay",
     "write": "paint3d.cli.write",
-    "copy": "paint3d.cli.photographs.copy",
-    "seal": "paint3d.cli.seals.seal",
+    "copy": "paint3d.cli.copy",
+    "seal": "paint3d.cli.seal",
     "paint": "paint3d.cli.paint",
     "score": "paint3d.cli.score",
     "export": "paint3d.cli.export",
-    "picture": "paint3d.cli.pictures.picture",
+    "picture": "paint3d.cli.picture",
     "batch": "paint3d.cli.batch",
     "devices": "paint3d.cli.devices",
     "inks": "paint3d.cli.lists.inks",

@@ -7,11 +7,18 @@ import math
 import os
 from collections.abc import Callable, Iterable
 from pathlib import Path
+from typing import TYPE_CHECKING, Any, Never
 
+from paint3d.cli.progress import ProgressBar
 from paint3d.errors import ExportError
+
+if TYPE_CHECKING:
+    from paint3d.mesh.triangle_mesh import TriangleMesh
 
 __all__ = [
     "DIPS",
+    "Parser",
+    "UsageError",
     "add_dip_option",
     "add_force_option",
     "add_ink_options",
@@ -19,11 +26,13 @@ __all__ = [
     "add_painting_options",
     "add_quiet_option",
     "add_spread_option",
+    "add_stylus_option",
     "add_surface_options",
     "add_up_option",
     "check_output_file",
     "check_output_folder",
     "check_overwriting",
+    "load_object",
     "own_file",
     "parse_count",
     "parse_hairs",
@@ -34,6 +43,34 @@ __all__ = [
     "parse_seconds",
     "parse_share",
 ]
+
+# ---- Parsing -------------------------------------------------------------------------------------
+# An argument parser that raises instead of printing its usage over several lines.
+
+
+class UsageError(Exception):
+    """A command line that argparse refused."""
+
+
+class Parser(argparse.ArgumentParser):
+    """Raises `UsageError` with one line."""
+
+    def parse_args(self, args: Any = None, namespace: Any = None) -> Any:
+        """As argparse's, but that what is not known is told with the command that it stands at."""
+        found, unknown = self.parse_known_args(args, namespace)
+        if unknown:
+            at = getattr(found, "command", None)
+            prog = f"{self.prog} {at}" if at else self.prog
+            raise UsageError(f"unrecognized arguments: {' '.join(unknown)} (see {prog} --help)")
+        return found
+
+    def error(self, message: str) -> Never:
+        """Refuse the command line."""
+        raise UsageError(f"{message} (see {self.prog} --help)")
+
+
+# --------------------------------------------------------------------------------------------------
+
 
 UNITS = ("mm", "cm", "m", "in")
 MATERIALS = (  # known before NumPy is
@@ -382,3 +419,69 @@ def _same_file(one: str | Path, other: str | Path) -> bool:
         return os.path.realpath(one) == os.path.realpath(other)
     except (OSError, ValueError):  # one of them is no file name
         return False
+
+
+# ---- The object ----------------------------------------------------------------------------------
+# The object that a command paints on: read once for all the rows of a batch that name it.
+
+
+_last: dict[tuple[Any, ...], TriangleMesh] = {}  # the one that was read last
+
+
+def load_object(options: argparse.Namespace) -> TriangleMesh:
+    """Load the mesh that ``--on`` names, as the other options say.
+
+    Raises
+    ------
+    MeshError
+        If the file cannot be read or holds no usable surface.
+    """
+    path = os.path.abspath(options.on)  # a name means another file in another folder
+    how = (options.unit, options.from_points, options.texture, options.up)
+    key = (options.on, path, _state(path), *how)
+    if key not in _last:
+        from paint3d.files.load import load_mesh
+
+        unit, from_points, texture, up = how
+        with ProgressBar("reading", enabled=not options.quiet) as progress:
+            mesh = load_mesh(
+                options.on, unit, from_points=from_points, texture=texture, up=up,
+                progress=progress,
+            )  # fmt: skip
+        _last.clear()
+        _last[key] = mesh
+    return _last[key]
+
+
+def _state(path: str) -> tuple[int, int] | None:
+    """What tells a file's versions apart; None where there is no file, but a name."""
+    try:
+        found = os.stat(path)
+    except (OSError, ValueError):
+        return None
+    return found.st_size, found.st_mtime_ns
+
+
+# ---- Devices -------------------------------------------------------------------------------------
+# Options about the hands' devices.
+
+
+def add_stylus_option(parser: argparse.ArgumentParser, default: str) -> None:
+    """Let the stylus be chosen; None where it is not."""
+    parser.add_argument(
+        "--stylus",
+        metavar="KIND",
+        type=_parse_stylus,
+        help="auto, hid, openhaptics (Touch, Phantom; =/PATH/libHD.so), inverse3 "
+        f"(Haply; =ws://HOST:PORT) or none{default}",
+    )
+
+
+def _parse_stylus(text: str) -> str:
+    from paint3d.errors import InputError
+    from paint3d.haptics.stylus_choice import check_stylus
+
+    try:
+        return check_stylus(text)
+    except InputError as cause:
+        raise argparse.ArgumentTypeError(str(cause)) from None

@@ -7,9 +7,13 @@ import os
 from importlib import import_module
 from pathlib import Path
 
-from paint3d.cli.first_run import say_if_compiling
-from paint3d.cli.hands.options import add_stylus_option
-from paint3d.cli.options import add_quiet_option, add_surface_options, add_up_option
+from paint3d.cli.options import (
+    add_quiet_option,
+    add_stylus_option,
+    add_surface_options,
+    add_up_option,
+)
+from paint3d.cli.progress import say_if_compiling
 from paint3d.errors import InputError, MeshError
 
 HELP = "the desktop studio"

@@ -10,7 +10,7 @@ from typing import Self, TextIO
 
 from paint3d.core.machine import leave_interrupts_to_others, tell_nobody
 
-__all__ = ["ProgressBar"]
+__all__ = ["ProgressBar", "say_if_compiling"]
 
 _WIDTH = 30
 _INTERVAL_S = 0.1
@@ -112,3 +112,20 @@ class ProgressBar:
         if self._active:
             with self._drawing:
                 self._write(_CLEAR)
+
+
+# ---- The first run -------------------------------------------------------------------------------
+# Say once that the loops are being compiled, so that a first run does not look stuck.
+
+
+_SECONDS = 100
+
+
+def say_if_compiling(*, quiet: bool) -> None:
+    """Write one line to stderr when the loops are yet to be compiled."""
+    from paint3d.brush_engine.stroke_loop import paint_samples  # the last that a stroke needs
+    from paint3d.core.kernel import is_compiled
+
+    if not quiet and not is_compiled(paint_samples):
+        sys.stderr.write(f"compiling the brush (once, about {_SECONDS} s) ...\n")
+        sys.stderr.flush()

@@ -11,8 +11,7 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from paint3d.cli.first_run import say_if_compiling
-from paint3d.cli.objects import load_object
+from paint3d.cli.films import add_film_options, film_of
 from paint3d.cli.options import (
     TIP_REACH,
     add_force_option,
@@ -21,20 +20,26 @@ from paint3d.cli.options import (
     add_quiet_option,
     check_output_file,
     check_overwriting,
+    load_object,
     own_file,
     parse_length_mm,
     parse_place,
 )
-from paint3d.cli.pads import lay_on
-from paint3d.cli.pictures.films import add_film_options, film_of
-from paint3d.cli.progress import ProgressBar
-from paint3d.cli.results import Painting, result_suffixes, timed, write_report, write_result
-from paint3d.cli.untouched import refuse_untouched
+from paint3d.cli.progress import ProgressBar, say_if_compiling
+from paint3d.cli.results import (
+    Painting,
+    refuse_untouched,
+    result_suffixes,
+    timed,
+    write_report,
+    write_result,
+)
+from paint3d.cli.sources import lay_on
 from paint3d.errors import InputError, RecordingError
 
 if TYPE_CHECKING:
     from paint3d.brush.spec import BrushSpec
-    from paint3d.cli.pictures.films import Watch
+    from paint3d.cli.films import Watch
     from paint3d.colour.pigments import Pigment
     from paint3d.mesh.triangle_mesh import TriangleMesh
     from paint3d.painter.flat_input import LaidPad

@@ -6,12 +6,52 @@ import argparse
 import os
 import subprocess
 import sys
+from functools import cache
 
 from paint3d.cli.progress import ProgressBar
-from paint3d.cli.versions import find_versions
 from paint3d.core.machine import usable_cores
 
-__all__ = ["HELP", "add_arguments", "ask_python", "run"]
+__all__ = ["HELP", "add_arguments", "ask_python", "find_versions", "run"]
+
+# ---- Versions ------------------------------------------------------------------------------------
+# Versions of the program, of Python and of the packages that decide what is painted.
+
+
+_PACKAGES = (
+    "paint3d",
+    "numpy",
+    "scipy",
+    "numba",
+    "llvmlite",
+    "trimesh",
+    "open3d",
+    "pyvista",
+    "vtk",
+    "colour-science",
+    "hidapi",
+)
+
+
+def find_versions() -> dict[str, str]:
+    """Versions by name; a package that is absent is listed as ``not installed``."""
+    import platform
+
+    found = {"python": sys.version.split()[0], "system": platform.platform()}
+    return found | {package: _version(package) for package in _PACKAGES}
+
+
+@cache
+def _version(package: str) -> str:
+    from importlib.metadata import PackageNotFoundError, version
+
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return "not installed"
+
+
+# --------------------------------------------------------------------------------------------------
+
 
 HELP = "versions, renderer, devices: to paste into a bug report"
 

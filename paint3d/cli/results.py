@@ -2,24 +2,46 @@
 
 from __future__ import annotations
 
+import argparse
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from paint3d.cli.options import UNITS, add_up_option
 from paint3d.cli.progress import ProgressBar
-from paint3d.cli.versions import find_versions
+from paint3d.cli.report import find_versions
 from paint3d.core.atomic import write_atomically
-from paint3d.files.readers.odd_names import json_text
+from paint3d.errors import ExportError, RecordingError
+from paint3d.files.readers.contents import json_text
 
 if TYPE_CHECKING:
+    from paint3d.brush.spec import BrushSpec
+    from paint3d.colour.pigments import Pigment
+    from paint3d.files.project.session import Session
+    from paint3d.mesh.triangle_mesh import TriangleMesh
     from paint3d.painter.flat_input import LaidPad
     from paint3d.recording.recording import Recording
     from paint3d.surface.painted_surface import PaintedSurface
 
-__all__ = ["Painting", "result_suffixes", "timed", "write_report", "write_result", "write_results"]
+__all__ = [
+    "Painting",
+    "add_painting_argument",
+    "brush_of",
+    "check_is_plane",
+    "export_outlines",
+    "export_recordings",
+    "is_recording",
+    "open_painting",
+    "refuse_untouched",
+    "result_suffixes",
+    "timed",
+    "write_report",
+    "write_result",
+    "write_results",
+]
 
 
 @dataclass(frozen=True)
@@ -125,3 +147,212 @@ def write_report(file: Path, painting: Painting) -> None:
     text = json_text(painting.describe(), indent=2, allow_nan=False)
     with write_atomically(file) as part:
         part.write_text(text + "\n", encoding="utf-8")
+
+
+# ---- Outlines ------------------------------------------------------------------------------------
+# Strokes on the plane as outlines in an SVG file.
+
+
+_FLAT_MM = 1e-3
+_MARGIN_MM = 1.0
+_BRUSH, _INK = "full", "pine soot"  # where a recording names none, as `replay` has it
+
+
+def check_is_plane(mesh: TriangleMesh) -> None:
+    """Refuse an object that is not the sheet z = 0, facing up.
+
+    Raises
+    ------
+    ExportError
+        If it is another one: outlines of strokes are flat.
+    """
+    low, high = mesh.bounds
+    if max(abs(low[2]), abs(high[2])) > _FLAT_MM or mesh.face_normals[:, 2].min() < 0.99:
+        raise ExportError(f"{mesh.name} is not the plane z = 0; expected it for an .svg of strokes")
+
+
+def export_outlines(
+    mesh: TriangleMesh, recording: Recording, brush: BrushSpec, ink: str, file: Path
+) -> None:
+    """Write the strokes' outlines in the colour of a full coat of an ink on paper.
+
+    Raises
+    ------
+    ExportError
+        If the file cannot be written.
+    InputError
+        If the recording leans or lets the surface turn the tuft.
+    """
+    from paint3d.calligraphy.stroke_sides import stroke_outlines
+    from paint3d.files.writers.write_svg import write_svg
+
+    outlines = stroke_outlines(recording, brush)
+    low, high = mesh.bounds
+    bounds = (float(low[0]), float(low[1]), float(high[0]), float(high[1]))
+    write_svg(file, [(_colour_of(ink), outlines)], bounds, _title(recording))
+
+
+def brush_of(recording: Recording) -> BrushSpec:
+    """The brush that a recording names, which is no file of this machine.
+
+    Raises
+    ------
+    InputError
+        If it is not known.
+    """
+    from paint3d.brush.presets import load_brush
+
+    return load_brush(str(recording.header.get("brush", _BRUSH)), own_files=False)
+
+
+def export_recordings(strokes: Sequence[tuple[Recording, BrushSpec]], file: Path) -> None:
+    """Write strokes on the plane z = 0, each with its brush and in its ink, as large as they are.
+
+    Raises
+    ------
+    ExportError
+        If there is none, or the file cannot be written.
+    InputError
+        If one leans or lets the surface turn the tuft, or its ink is not known.
+    """
+    import numpy as np
+
+    from paint3d.calligraphy.stroke_sides import stroke_outlines
+    from paint3d.files.writers.write_svg import write_svg
+
+    groups = []
+    for recording, brush in strokes:
+        ink = _colour_of(str(recording.header.get("ink", _INK)), own_tables=False)
+        groups.append((ink, stroke_outlines(recording, brush)))
+    points = [ring for _, outlines in groups for rings in outlines for ring in rings]
+    if not points:
+        raise ExportError(f"{file}: no stroke touches the plane; expected one at least")
+    low = np.min([ring.min(axis=0) for ring in points], axis=0) - _MARGIN_MM
+    high = np.max([ring.max(axis=0) for ring in points], axis=0) + _MARGIN_MM
+    bounds = (float(low[0]), float(low[1]), float(high[0]), float(high[1]))
+    write_svg(file, groups, bounds, "".join(_title(recording) for recording, _ in strokes))
+
+
+def _title(recording: Recording) -> str:
+    characters = recording.header.get("characters", ())
+    return "".join(str(character["text"]) for character in characters)
+
+
+def _colour_of(ink: str, *, own_tables: bool = True) -> str:
+    """Of a full coat on paper, as ``#rrggbb``."""
+    from paint3d.colour.inks import load_ink
+    from paint3d.colour.layers import mixture_reflectance
+    from paint3d.colour.materials import load_material
+    from paint3d.colour.spectra import srgb_from_reflectance
+
+    stirred: dict[str | Pigment, float] = dict(load_ink(ink, own_tables=own_tables).items())
+    paper = load_material("xuan").reflectance
+    red, green, blue = srgb_from_reflectance(mixture_reflectance(stirred, 1.0, paper))
+    return f"#{red:02x}{green:02x}{blue:02x}"
+
+
+# ---- Paintings -----------------------------------------------------------------------------------
+# The painting that a command shows: a session, or any mesh with its colours.
+
+
+_RECORDINGS = (".jsonl", ".inkml", ".csv", ".json")
+
+
+def add_painting_argument(parser: argparse.ArgumentParser, unit: str = "--unit") -> None:
+    """Add PAINTING, and how a mesh is to be read; `unit` names the option for its unit."""
+    parser.add_argument(
+        "painting",
+        metavar="PAINTING",
+        help="a session (.p3d), any mesh that is read, with its colours and pictures, or bowl, "
+        "plate, vase, sphere, plane",
+    )
+    parser.add_argument(
+        unit,
+        dest="mesh_unit",
+        choices=UNITS,
+        help="length of one unit in a mesh file (default: as the file says, else mm)",
+    )
+    add_up_option(parser)
+
+
+def is_recording(name: str) -> bool:
+    """Whether a file's name is that of a recording."""
+    plain = name.lower().removesuffix(".gz")
+    return plain.endswith(_RECORDINGS)
+
+
+def open_painting(options: argparse.Namespace) -> Session | TriangleMesh:
+    """Open what PAINTING names.
+
+    Raises
+    ------
+    SessionError, MeshError
+        If it cannot be read.
+    """
+    from paint3d.files.load import load_mesh
+    from paint3d.files.project.session import is_session_path, load_session
+
+    with ProgressBar("opening", enabled=not options.quiet) as progress:
+        if is_session_path(options.painting):
+            return load_session(Path(options.painting), progress)
+        return load_mesh(
+            options.painting, options.mesh_unit, texture=True, up=options.up, progress=progress
+        )
+
+
+# ---- Untouched -----------------------------------------------------------------------------------
+# Why a recording left nothing on an object: what to tell whoever replayed it.
+
+
+_PART = 1 << 16  # samples that are laid on the object at once
+_MOST = 20_000  # samples whose distances are looked at
+
+
+def refuse_untouched(painting: Painting, mesh: TriangleMesh, name: str) -> None:
+    """Refuse a painting of one recording that left no footprint.
+
+    Raises
+    ------
+    RecordingError
+        If there is none; it says how far the brush was, or that it never pressed.
+    """
+    if painting.counts["footprints"]:
+        return
+    recording, brush = painting.recordings[0], painting.settings["brush"]
+    raise RecordingError(
+        f"{name}: the brush never touches {mesh.name}: "
+        f"{_reason(recording, mesh, brush['name'], brush['length_mm'])}"
+    )
+
+
+def _reason(
+    recording: Recording | LaidPad, mesh: TriangleMesh, brush: str, length_mm: float
+) -> str:
+    import numpy as np
+
+    from paint3d.mesh.bvh import ClosestPoints
+    from paint3d.pose.brush_pose import brush_poses
+
+    pressure = recording.pressure
+    if pressure is not None and not pressure.any():
+        return "its pressure is 0 throughout; expected strokes that press"
+    n = len(recording)
+    ways = []
+    for first in range(0, n, _PART):
+        part = recording.part(first, min(n, first + _PART))
+        way = brush_poses(part).way
+        if part.pressure is not None:
+            way = way[part.pressure > 0.0]
+        ways.append(way[:: 1 + n // _MOST])
+    way = np.concatenate(ways)
+    gaps = np.linalg.norm(ClosestPoints(mesh).find(way).points - way, axis=1)
+    near = float(gaps.min())
+    if pressure is None:
+        return (
+            f"the tuft's root comes as near as {near:.1f} mm, and {brush} is {length_mm:g} mm "
+            "long; expected a longer brush, another object, or another unit"
+        )
+    return (
+        f"where it presses, the tuft's root is beside the surface, {near:.1f} mm off at the least, "
+        "or behind it; expected another object, or another unit"
+    )

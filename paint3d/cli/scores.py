@@ -8,16 +8,15 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from paint3d.cli.first_run import say_if_compiling
-from paint3d.cli.objects import load_object
-from paint3d.cli.progress import ProgressBar
+from paint3d.cli.options import load_object
+from paint3d.cli.progress import ProgressBar, say_if_compiling
 from paint3d.cli.results import Painting, timed, write_report, write_result
 from paint3d.errors import InputError, RecordingError
 
 if TYPE_CHECKING:
     from paint3d.app.model.document import Document
     from paint3d.app.model.score.playing import Step
-    from paint3d.cli.pictures.films import FilmWanted, Watch
+    from paint3d.cli.films import FilmWanted, Watch
     from paint3d.recording.score import Score
 
 __all__ = ["replay_score"]

@@ -13,6 +13,9 @@ if TYPE_CHECKING:
     from paint3d.calligraphy.fonts.typesetting import FontText
     from paint3d.calligraphy.page.page import Composer
     from paint3d.calligraphy.writing import Written
+    from paint3d.mesh.triangle_mesh import TriangleMesh
+    from paint3d.painter.flat_input import LaidPad
+    from paint3d.recording.recording import Recording
 
 __all__ = [
     "STROKES_FILE",
@@ -21,6 +24,7 @@ __all__ = [
     "add_source_options",
     "add_trials_option",
     "check_source",
+    "lay_on",
     "open_page",
     "parse_face",
     "save_written",
@@ -215,7 +219,7 @@ def _open_text(options: argparse.Namespace) -> FontText:
     from paint3d.calligraphy.fonts.shaping import Style
     from paint3d.calligraphy.fonts.typesetting import set_text
     from paint3d.calligraphy.glyph_sources import open_glyphs
-    from paint3d.calligraphy.kanjivg_folder import find_kanjivg
+    from paint3d.calligraphy.kanjivg import find_kanjivg
 
     known = options.glyphs is not None or find_kanjivg() is not None
     templates = open_glyphs(options.glyphs) if known else None
@@ -236,3 +240,54 @@ def save_written(written: Written, file: Path) -> None:
 
     assert written.page is not None
     save_strokes(written.page, file)
+
+
+# ---- Pads ----------------------------------------------------------------------------------------
+# Recordings from a flat pad: where on the object, and how large, they are laid.
+
+
+_MIDDLE = (0.5, 0.5)
+_MARGIN_MM = 1.0
+
+
+def lay_on(
+    mesh: TriangleMesh,
+    recording: Recording,
+    place: tuple[float, float] | None,
+    width_mm: float | None,
+) -> Recording | LaidPad:
+    """The recording in the world: laid on the mesh if it is a pad's, else as it is.
+
+    A pad's recording that knows no dips gets one before every stroke.
+
+    Parameters
+    ----------
+    mesh : TriangleMesh
+    recording : Recording
+    place : (float, float) or None
+        Where its middle goes, as `paint3d.mesh.placement.place` takes it; None: the middle.
+    width_mm : float or None
+        How wide to lay it; None: as wide as it was drawn.
+
+    Raises
+    ------
+    InputError
+        If it does not fit there, or a place is given for a recording that has its own.
+    """
+    if not recording.is_pad:
+        if place is not None or width_mm is not None:
+            raise InputError(
+                "--at and --size lay a pad's recording; this one has its own place in the world"
+            )
+        return recording
+    from paint3d.mesh.bvh import ClosestPoints
+    from paint3d.mesh.chart import make_chart
+    from paint3d.mesh.placement import place as find_place
+    from paint3d.painter.flat_input import LaidPad, dipped, size_of
+
+    middle, half, scale = size_of(recording, width_mm)
+    half_width, half_height = half + _MARGIN_MM
+    surface = ClosestPoints(mesh)
+    frame = find_place(surface, place or _MIDDLE)
+    chart = make_chart(surface, frame, half_width, half_height)
+    return LaidPad(dipped(recording), chart, middle, scale)

@@ -23,9 +23,9 @@ from paint3d.cli.options import (
     parse_length_mm,
 )
 from paint3d.cli.progress import ProgressBar
-from paint3d.cli.versions import find_versions
+from paint3d.cli.report import find_versions
 from paint3d.core.atomic import write_atomically
-from paint3d.files.readers.odd_names import json_text
+from paint3d.files.readers.contents import json_text
 
 if TYPE_CHECKING:
     from paint3d.app.model.studies.plan import StudyPlan

@@ -10,7 +10,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from paint3d.cli.objects import load_object
+from paint3d.cli.films import add_film_options, film_of
 from paint3d.cli.options import (
     DIPS,
     add_dip_option,
@@ -20,16 +20,23 @@ from paint3d.cli.options import (
     add_quiet_option,
     check_output_file,
     check_overwriting,
+    load_object,
     own_file,
     parse_count,
     parse_length_mm,
     parse_place,
 )
-from paint3d.cli.outlines import check_is_plane, export_outlines
-from paint3d.cli.pictures.films import add_film_options, film_of
 from paint3d.cli.progress import ProgressBar
 from paint3d.cli.replay import DEFAULT_INK, PaintOptions, paint, prepare, read_for_ink
-from paint3d.cli.results import Painting, result_suffixes, timed, write_report, write_result
+from paint3d.cli.results import (
+    Painting,
+    check_is_plane,
+    export_outlines,
+    result_suffixes,
+    timed,
+    write_report,
+    write_result,
+)
 from paint3d.cli.sources import (
     STROKES_FILE,
     TRIALS,

@@ -15,7 +15,7 @@ from paint3d.files.export_options import ExportOptions
 from paint3d.files.progress import Progress, part_of
 from paint3d.files.project.painting import Exportable, Painting, Untextured, read_painting
 from paint3d.files.project.session import SESSION_SUFFIX, Session, save_session
-from paint3d.files.readers.odd_names import plain_name
+from paint3d.files.readers.contents import plain_name
 from paint3d.files.writers.finish import Finish
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.surface.painted_surface import PaintedSurface

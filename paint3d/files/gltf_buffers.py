@@ -3,19 +3,301 @@
 from __future__ import annotations
 
 import base64
+import json
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from paint3d.core.arrays import AnyArray
-from paint3d.errors import MeshError
+from paint3d.errors import ExportError, MeshError
 from paint3d.files.readers.contents import parse_json, read_beside
-from paint3d.files.readers.gltf_kinds import check_kinds
-from paint3d.files.readers.gltf_packing import unpack_draco, unpack_meshopt
 from paint3d.files.readers.raw_mesh import check_count
+from paint3d.files.writers.finish import Finish
 
-__all__ = ["GltfFile"]
+__all__ = [
+    "GENERATOR",
+    "INDEX_DATA",
+    "VERTEX_DATA",
+    "GltfFile",
+    "check_kinds",
+    "material",
+    "unpack_draco",
+    "unpack_meshopt",
+    "vertex_accessor",
+    "write_container",
+]
+
+# ---- The GLB container ---------------------------------------------------------------------------
+# The GLB container: a JSON document, then the bytes of its buffer views.
+
+
+GENERATOR = "paint3d"
+"""What a file says made it."""
+FLOAT = 5126
+LARGEST = (1 << 32) - 1
+VERTEX_DATA, INDEX_DATA = 34962, 34963
+UNLIT = "KHR_materials_unlit"
+TYPES = {1: "SCALAR", 2: "VEC2", 3: "VEC3"}
+
+
+def write_container(
+    path: Path, document: dict[str, Any], blocks: Sequence[tuple[AnyArray | bytes, int | None]]
+) -> None:
+    """Write a scene of one mesh, whose nodes, buffers and views are added to its document.
+
+    Parameters
+    ----------
+    path : Path
+    document : dict
+        With meshes, materials and accessors; these refer to `blocks` by their places.
+    blocks : sequence of (array or bytes, target or None)
+        What the buffer views hold, in order, and what the graphics card takes them for.
+
+    Raises
+    ------
+    ExportError
+        If the file would be larger than the format can say.
+    OSError
+        If the file cannot be written.
+    """
+    name = document["meshes"][0]["name"]
+    views, end = [], 0
+    contents = [np.ascontiguousarray(b).data.cast("B") if isinstance(b, np.ndarray) else b
+                for b, _ in blocks]  # fmt: skip
+    for content, (_, target) in zip(contents, blocks, strict=True):
+        view = {"buffer": 0, "byteOffset": end, "byteLength": len(content)}
+        views.append(view | ({} if target is None else {"target": target}))
+        end += len(content) + -len(content) % 4
+    document = {
+        "asset": {"version": "2.0", "generator": GENERATOR},
+        "scene": 0,
+        "scenes": [{"nodes": [0]}],
+        "nodes": [{"mesh": 0, "name": name}],
+        **document,
+        "bufferViews": views,
+        "buffers": [{"byteLength": end}],
+    }
+    if any(UNLIT in one.get("extensions", {}) for one in document["materials"]):
+        document["extensionsUsed"] = [UNLIT]
+    text = json.dumps(document, separators=(",", ":")).encode("utf-8")
+    text += b" " * (-len(text) % 4)
+    if 28 + len(text) + end > LARGEST:
+        raise ExportError(f"a binary glTF holds 4 GiB at most; this one would have {end:,} bytes")
+    with open(path, "wb") as file:
+        for word in (0x46546C67, 2, 28 + len(text) + end, len(text), 0x4E4F534A):
+            file.write(word.to_bytes(4, "little"))
+        file.write(text)
+        for word in (end, 0x004E4942):
+            file.write(word.to_bytes(4, "little"))
+        for content in contents:
+            file.write(content)
+            file.write(bytes(-len(content) % 4))
+
+
+def material(finish: Finish, unlit: bool, **surface: object) -> dict[str, Any]:
+    """Return a material that is no metal: without one, viewers would show metal."""
+    surface |= {"metallicFactor": 0, "roughnessFactor": finish.roughness}
+    extensions: dict[str, Any] = {"extensions": {UNLIT: {}}} if unlit else {}
+    return {"name": finish.name, "pbrMetallicRoughness": surface, "doubleSided": True, **extensions}
+
+
+def vertex_accessor(
+    view: int, values: NDArray[np.float32], *, limits: bool = False
+) -> dict[str, Any]:
+    """Return the accessor of float32 numbers (V,) or vectors (V, 2 or 3), with limits if wanted."""
+    accessor: dict[str, Any] = {"bufferView": view, "componentType": FLOAT, "count": len(values)}
+    accessor["type"] = TYPES[values.size // len(values)]
+    if limits:
+        for key, limit in (("min", values.min(axis=0)), ("max", values.max(axis=0))):
+            accessor[key] = limit.astype(float).tolist()
+    return accessor
+
+
+# --------------------------------------------------------------------------------------------------
+
+
+# ---- What is packed ------------------------------------------------------------------------------
+# What is packed in a glTF: primitives by Draco (KHR_draco_mesh_compression, unpacked by DracoPy)
+# and buffer views by meshopt (EXT_meshopt_compression, unpacked by meshoptimizer).
+
+
+_HOW = "pip install 'paint3d[meshes]', or expected an uncompressed file"
+
+
+def unpack_draco(
+    data: bytes, primitive: dict[str, Any], asked: dict[str, int]
+) -> dict[int, AnyArray]:
+    """The values that a packed primitive's accessors stand for.
+
+    Parameters
+    ----------
+    data : bytes
+        The packed primitive.
+    primitive : dict
+        As the document has it: accessors by the names of attributes, and the indices'.
+    asked : dict
+        Draco's numbers of attributes by their names, as the extension says.
+
+    Returns
+    -------
+    dict
+        (N, width) arrays by the numbers of accessors; indices as one column.
+
+    Raises
+    ------
+    MeshError
+        If DracoPy is not installed, or does not understand the data.
+    """
+    try:
+        import DracoPy
+    except ImportError:
+        raise MeshError(f"it is compressed with Draco, which needs DracoPy: {_HOW}") from None
+    try:
+        unpacked = DracoPy.decode(data)
+    except Exception as cause:  # of its own kinds, not all of them derived from one
+        raise MeshError(f"its Draco data cannot be unpacked: {cause}") from None
+    held = {one["unique_id"]: one["data"] for one in unpacked.attributes}
+    values = {}
+    for name, number in asked.items():
+        if number not in held:
+            raise MeshError(f"its Draco data has no attribute {number} for {name}")
+        if name in primitive["attributes"]:
+            values[primitive["attributes"][name]] = held[number]
+    faces = getattr(unpacked, "faces", None)
+    if faces is not None and "indices" in primitive:
+        values[primitive["indices"]] = faces.reshape(-1, 1)
+    return values
+
+
+def unpack_meshopt(data: bytes, packed: dict[str, Any]) -> bytes:
+    """The bytes of a buffer view that is packed by meshopt.
+
+    Parameters
+    ----------
+    data : bytes
+        The packed bytes.
+    packed : dict
+        What the extension says: `count`, `byteStride`, `mode` and `filter`.
+
+    Raises
+    ------
+    MeshError
+        If meshoptimizer is not installed, or does not understand the data.
+    """
+    try:
+        import meshoptimizer
+    except ImportError:
+        raise MeshError(
+            f"it is compressed with meshopt, which needs meshoptimizer: {_HOW}"
+        ) from None
+    count, size = packed.get("count"), packed.get("byteStride")
+    if not (isinstance(count, int) and isinstance(size, int) and count >= 0 and 0 < size <= 256):
+        raise MeshError(f"its meshopt data is {count} elements of {size} bytes; expected numbers")
+    filters = {
+        "NONE": None,
+        "OCTAHEDRAL": meshoptimizer.decode_filter_oct,
+        "QUATERNION": meshoptimizer.decode_filter_quat,
+        "EXPONENTIAL": meshoptimizer.decode_filter_exp,
+    }
+    mode, name = packed.get("mode"), packed.get("filter", "NONE")
+    if name not in filters:
+        raise MeshError(f"its meshopt filter is {name!r:.30}; expected one of {', '.join(filters)}")
+    try:
+        if mode == "ATTRIBUTES":
+            element = np.dtype((np.void, size))
+            values = meshoptimizer.decode_vertex_buffer(count, size, data, element)
+            undo = filters[name]
+            return bytes((values if undo is None else undo(values, count, size)).tobytes())
+        if mode in ("TRIANGLES", "INDICES"):
+            triangles = mode == "TRIANGLES"
+            unpack = (
+                meshoptimizer.decode_index_buffer
+                if triangles
+                else (meshoptimizer.decode_index_sequence)
+            )
+            return bytes(unpack(count, size, data).tobytes())[: count * size]  # room for four bytes
+    except (ValueError, RuntimeError, MemoryError, OverflowError) as cause:
+        raise MeshError(f"its meshopt data cannot be unpacked: {cause}") from None
+    raise MeshError(f"its meshopt mode is {mode!r:.30}; expected ATTRIBUTES, TRIANGLES or INDICES")
+
+
+# --------------------------------------------------------------------------------------------------
+
+
+# ---- Kinds ---------------------------------------------------------------------------------------
+# Whether the parts of a glTF document are of the kinds that the specification asks for.
+
+
+KINDS = {
+    dict: "an object",
+    list: "a list",
+    str: "a text",
+    type(None): "null",
+    bool: "true or false",
+}
+PARTS: dict[str, dict[str, type]] = {  # what is read of the entries of each list
+    "accessors": {"sparse": dict},
+    "buffers": {"uri": str},
+    "bufferViews": {"extensions": dict},
+    "images": {"uri": str},
+    "materials": {"pbrMetallicRoughness": dict, "extensions": dict},
+    "meshes": {"primitives": list},
+    "nodes": {"children": list, "matrix": list, "rotation": list, "scale": list,
+              "translation": list},
+    "samplers": {},
+    "scenes": {"nodes": list},
+    "textures": {},
+}  # fmt: skip
+PRIMITIVE = {"attributes": dict, "extensions": dict}
+SURFACE = {"baseColorTexture": dict, "baseColorFactor": list}
+
+
+def check_kinds(document: Mapping[str, Any]) -> None:
+    """Refuse a document that is of another version, or whose parts are of another kind.
+
+    Raises
+    ------
+    MeshError
+        Naming the part, what it is, and what was expected.
+    """
+    _check(document, {"asset": dict}, "")
+    version = str(document.get("asset", {}).get("version", "2.0"))
+    if not version.startswith("2."):
+        raise MeshError(f"it is glTF version {version:.20}; expected 2")
+    if isinstance(document.get("scenes"), dict):  # named, not counted, as in the first version
+        raise MeshError("its scenes are named, as in glTF version 1; expected 2")
+    _check(document, dict.fromkeys(PARTS, list), "")
+    for name, kinds in PARTS.items():
+        for k, entry in enumerate(document.get(name, [])):
+            place = f"{name}[{k}]"
+            _expect(entry, dict, place)
+            _check(entry, kinds, f"{place}.")
+            if name == "meshes":
+                for j, primitive in enumerate(entry.get("primitives", [])):
+                    _expect(primitive, dict, f"{place}.primitives[{j}]")
+                    _check(primitive, PRIMITIVE, f"{place}.primitives[{j}].")
+            elif name == "materials":
+                inner = entry.get("pbrMetallicRoughness", {})
+                _check(inner, SURFACE, f"{place}.pbrMetallicRoughness.")
+
+
+def _check(entry: Mapping[str, Any], kinds: Mapping[str, type], place: str) -> None:
+    for name, kind in kinds.items():
+        if name in entry:
+            _expect(entry[name], kind, f"{place}{name}")
+
+
+def _expect(value: object, kind: type, place: str) -> None:
+    if not isinstance(value, kind):
+        found = KINDS.get(type(value), "a number")
+        raise MeshError(f"its {place} is {found}; expected {KINDS[kind]}")
+
+
+# --------------------------------------------------------------------------------------------------
+
 
 JSON_CHUNK, BIN_CHUNK = 0x4E4F534A, 0x004E4942
 COMPONENTS = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}

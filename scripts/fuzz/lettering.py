@@ -38,8 +38,7 @@ def _pressed(seal, **how: float) -> None:
 
 def _check_drawn_seal(suffix: str, content: bytes) -> None:
     """Cut a drawing into a stone, one way or the other, and press it."""
-    from paint3d.calligraphy.seal.asked import cut_seal
-    from paint3d.calligraphy.seal.stone import STYLES
+    from paint3d.calligraphy.seal.stone import STYLES, cut_seal
 
     style = STYLES[len(content) % 2]
     _pressed(cut_seal(drawing=file_of(suffix, content), style=style))
@@ -73,7 +72,7 @@ def _damage_words(data: bytes, chance: random.Random, others: Sequence[bytes]) -
 
 def _check_seal(_: str, content: bytes) -> None:
     """Cut and press what a command line asks for."""
-    from paint3d.calligraphy.seal.asked import cut_seal
+    from paint3d.calligraphy.seal.stone import cut_seal
 
     asked = _parsed(content)
     if asked is None or asked.command != "seal":
@@ -87,7 +86,7 @@ def _check_seal(_: str, content: bytes) -> None:
 def _parsed(content: bytes):
     """The options of a command line; None where it asks for help."""
     from paint3d.cli.main import make_parser
-    from paint3d.cli.parsing import UsageError
+    from paint3d.cli.options import UsageError
     from paint3d.errors import InputError
 
     words = content.decode("utf-8", "surrogateescape").split("\n")
@@ -168,7 +167,7 @@ def _check_film(_: str, content: bytes) -> None:
 
     from PIL import Image
 
-    from paint3d.cli.pictures.films import film_of
+    from paint3d.cli.films import film_of
     from paint3d.errors import InputError
     from paint3d.view.film import is_held_whole, write_film
 

@@ -382,10 +382,10 @@ def _command_seeds() -> list[tuple[str, bytes]]:
 
 def _check_command(_: str, content: bytes) -> None:
     """Read the options, and check what is named before any work; nothing is run."""
+    from paint3d.cli.films import film_of
     from paint3d.cli.main import make_parser
-    from paint3d.cli.parsing import UsageError
-    from paint3d.cli.pictures.films import film_of
-    from paint3d.cli.pictures.lights import viewing_of
+    from paint3d.cli.options import UsageError
+    from paint3d.cli.picture import viewing_of
     from paint3d.cli.replay import PaintOptions
     from paint3d.errors import InputError
 
@@ -417,7 +417,7 @@ def _table_seeds() -> list[tuple[str, bytes]]:
 def _check_table(suffix: str, content: bytes) -> None:
     from paint3d.cli.batches.rows import command_parser, fingerprint, placed
     from paint3d.cli.batches.table import read_table
-    from paint3d.cli.parsing import UsageError
+    from paint3d.cli.options import UsageError
 
     rows, refused = read_table(file_of(suffix, content))
     assert all("\n" not in one.message for one in refused)

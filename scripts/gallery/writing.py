@@ -15,8 +15,7 @@ from paint3d.brush.presets import choose_brush, load_brush
 from paint3d.brush.spec import DipAmount
 from paint3d.calligraphy.dips import dipped_as
 from paint3d.calligraphy.glyph_sources import open_glyphs
-from paint3d.calligraphy.kanjivg import load_lines
-from paint3d.calligraphy.kanjivg_folder import find_kanjivg
+from paint3d.calligraphy.kanjivg import find_kanjivg, load_lines
 from paint3d.calligraphy.kernels import raster
 from paint3d.calligraphy.layout import Layout
 from paint3d.calligraphy.planning import TECHNIQUES, PlanSettings

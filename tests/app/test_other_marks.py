@@ -15,7 +15,7 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
 from paint3d.app.window.input import canvas as canvases
 from paint3d.app.window.studio import StudioWindow
-from paint3d.cli.pads import lay_on
+from paint3d.cli.sources import lay_on
 from paint3d.files.load import load_mesh
 from paint3d.mesh.bvh import ClosestPoints
 from paint3d.painter.painter import Painter

@@ -15,7 +15,7 @@ from PIL import Image
 from PySide6 import QtGui, QtTest, QtWidgets
 
 from paint3d.app.window.wording import choose_language
-from paint3d.calligraphy.fonts.system_fonts import fonts_with
+from paint3d.calligraphy.fonts.font_file import fonts_with
 from paint3d.calligraphy.page.strokes_file import save_strokes
 from paint3d.calligraphy.page.svg_drawing import load_svg
 from tests.support.app.gestures import BUTTON, answer, take_file, wait_for

@@ -10,9 +10,8 @@ import numpy as np
 import pytest
 
 from paint3d.calligraphy.fonts import font_file
-from paint3d.calligraphy.fonts.font_file import open_font
+from paint3d.calligraphy.fonts.font_file import SystemFont, open_font
 from paint3d.calligraphy.fonts.shaping import Shaper, Style, base_level, levels_of, visual_order
-from paint3d.calligraphy.fonts.system_fonts import SystemFont
 from paint3d.calligraphy.fonts.typesetting import FontText, break_line, set_text
 from paint3d.calligraphy.glyph_sources import open_glyphs
 from paint3d.calligraphy.page.laying import lay_page

@@ -9,8 +9,7 @@ from hypothesis import strategies as st
 from shapely import LineString, Point, Polygon
 
 from paint3d.calligraphy.glyph_sources import KanjiVGLines, load_glyphs, open_glyphs
-from paint3d.calligraphy.kanjivg import LineStroke, parse_lines
-from paint3d.calligraphy.kanjivg_folder import find_kanjivg
+from paint3d.calligraphy.kanjivg import LineStroke, find_kanjivg, parse_lines
 from paint3d.calligraphy.stroke_shapes import BODY, ZONE, corners_of, cut_line, shape_strokes
 from paint3d.errors import InputError
 

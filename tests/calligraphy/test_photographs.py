@@ -16,10 +16,15 @@ from scipy.ndimage import gaussian_filter1d
 from paint3d.calligraphy.glyph_sources import open_glyphs
 from paint3d.calligraphy.photo.characters import characters_of
 from paint3d.calligraphy.photo.copying import Asked, CopiedSheet, copy_sheet
-from paint3d.calligraphy.photo.light import blur_matrix, flattened
 from paint3d.calligraphy.photo.likeness import likeness_of
-from paint3d.calligraphy.photo.sheet import find_sheet
-from paint3d.calligraphy.photo.straighten import homography, map_points, sheet_size
+from paint3d.calligraphy.photo.sheet import (
+    blur_matrix,
+    find_sheet,
+    flattened,
+    homography,
+    map_points,
+    sheet_size,
+)
 from paint3d.errors import InputError
 from tests.support.copied_photographs import painted_copy
 from tests.support.photographs import (

@@ -5,9 +5,8 @@ import pytest
 from shapely import Polygon
 from shapely.geometry import box
 
-from paint3d.calligraphy.seal.asked import cut_seal
 from paint3d.calligraphy.seal.impression import Pressing, find_impression
-from paint3d.calligraphy.seal.stone import cut_drawing
+from paint3d.calligraphy.seal.stone import cut_drawing, cut_seal
 from paint3d.errors import InputError, MeshError
 from paint3d.files.load import load_mesh
 from paint3d.mesh.bvh import ClosestPoints

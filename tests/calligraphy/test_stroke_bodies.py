@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from scipy.ndimage import gaussian_filter
 
-from paint3d.calligraphy.photo.bodies import bodies_in
-from paint3d.calligraphy.photo.ink_mask import find_ink
+from paint3d.calligraphy.photo.ink_mask import bodies_in, find_ink
 
 WIDTH = 20.0
 NONE = np.zeros((120, 300), bool)

@@ -13,7 +13,7 @@ from paint3d.cli.batches import table as batch_table
 from paint3d.cli.batches.record import FinishedRows
 from paint3d.cli.batches.rows import Row, fingerprint, placed, run_row
 from paint3d.cli.batches.table import read_table
-from paint3d.cli.objects import load_object
+from paint3d.cli.options import load_object
 from paint3d.errors import ExportError, InputError, MeshError
 
 

@@ -16,7 +16,7 @@ import pytest
 from PIL import Image
 
 from paint3d.cli import main
-from paint3d.cli.pictures.films import Watch
+from paint3d.cli.films import Watch
 from paint3d.errors import ExportError
 from paint3d.painter.painter import Painter
 from paint3d.recording.recording import HandTime, Recording, save_recording

@@ -10,8 +10,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from paint3d.cli import main
-from paint3d.cli.pictures import picture
+from paint3d.cli import main, picture
 from paint3d.files.export import export
 from paint3d.files.project.session import Session, save_session
 from paint3d.painter.painter import Painter

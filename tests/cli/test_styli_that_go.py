@@ -12,7 +12,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from paint3d.cli.hands import opened
+from paint3d.cli import devices
 from paint3d.cli.main import main
 from paint3d.device import hid_nodes
 from paint3d.device.force.haptic_stylus import PoseNumbers
@@ -49,7 +49,7 @@ def going(tmp_path, monkeypatch):
     monkeypatch.setattr(hid_nodes, "backend_module", lambda _: SimpleNamespace(enumerate=list))
     port, frame = Going(DeviceError("its cable is off")), DeviceCalibration()
     found = FoundStylus("inverse3", "Haply", "inverse3", port, TOUCH, frame)
-    monkeypatch.setattr(opened, "find_stylus", lambda _: found)
+    monkeypatch.setattr(devices, "find_stylus", lambda _: found)
     return tmp_path
 
 
@@ -127,7 +127,7 @@ def test_points_of_ones_own_are_touched_by_enter_scaled_into_a_file(
     hand = Hand()
     port = Held(points, lambda: hand.getvalue().count("touch "))
     found = FoundStylus("inverse3", "Haply", "inverse3", port, TOUCH, DeviceCalibration())
-    monkeypatch.setattr(opened, "find_stylus", lambda _: found)
+    monkeypatch.setattr(devices, "find_stylus", lambda _: found)
     monkeypatch.setattr(sys, "stderr", hand)
     monkeypatch.setattr(sys, "stdin", os.fdopen(reads))
     asked = [f"--point={x:g},{y:g},{z:g}" for x, y, z in points]

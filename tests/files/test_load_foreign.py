@@ -16,9 +16,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from paint3d.errors import MeshError
+from paint3d.files.gltf_buffers import unpack_meshopt
 from paint3d.files.load import MESH_SUFFIXES, load_mesh, read_mesh
 from paint3d.files.readers import read_foreign
-from paint3d.files.readers.gltf_packing import unpack_meshopt
 from paint3d.files.readers.read_foreign import FOREIGN
 from paint3d.files.readers.read_gltf import read_gltf
 from paint3d.files.sandbox.reading import FOREIGN_SUFFIXES

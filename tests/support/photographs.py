@@ -19,7 +19,7 @@ from scipy.ndimage import gaussian_filter, map_coordinates, zoom
 from paint3d.calligraphy.glyphs import Glyph, GlyphStroke
 from paint3d.calligraphy.photo.copying import CopiedSheet
 from paint3d.calligraphy.photo.flat_page import on_sheet
-from paint3d.calligraphy.photo.straighten import homography, map_points
+from paint3d.calligraphy.photo.sheet import homography, map_points
 from paint3d.core.arrays import AnyArray
 
 __all__ = [

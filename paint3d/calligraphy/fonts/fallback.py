@@ -17,8 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.calligraphy.fonts.font_file import FontFile, draws, open_font
-from paint3d.calligraphy.fonts.system_fonts import SystemFont, fonts_with
+from paint3d.calligraphy.fonts.font_file import FontFile, SystemFont, draws, fonts_with, open_font
 from paint3d.calligraphy.glyph_sources import GlyphSource, missing_glyphs, names_of
 from paint3d.calligraphy.glyphs import Glyph
 from paint3d.calligraphy.hand_packages import package_of_the_hand

@@ -8,7 +8,7 @@ from paint3d.calligraphy.fonts.font_file import open_font
 from paint3d.calligraphy.fonts.shaping import Style
 from paint3d.calligraphy.fonts.typesetting import FontText, set_text
 from paint3d.calligraphy.glyph_sources import open_glyphs
-from paint3d.calligraphy.kanjivg_folder import find_kanjivg
+from paint3d.calligraphy.kanjivg import find_kanjivg
 from paint3d.calligraphy.page.page import Page
 from paint3d.errors import InputError
 

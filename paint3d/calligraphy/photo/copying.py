@@ -6,6 +6,7 @@ taken apart into strokes as a font's is, and along each it is measured how dry t
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -16,19 +17,27 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.brush.bending import build_tuft
+from paint3d.brush.spec import BrushSpec
+from paint3d.calligraphy.footprint_table import tabulate_footprints
 from paint3d.calligraphy.glyphs import EM_UNITS, LEAST_STRENGTH, Box, Glyph, GlyphStroke
 from paint3d.calligraphy.page.bands import fill_in_bands, is_wide
 from paint3d.calligraphy.page.page import Page, Photograph, Piece, digest_of
 from paint3d.calligraphy.photo.characters import Character, characters_of
 from paint3d.calligraphy.photo.dryness import dryness_along, region_of, strength_of
 from paint3d.calligraphy.photo.flat_page import FlatPage, on_sheet
-from paint3d.calligraphy.photo.ink_mask import InkMask, find_ink
-from paint3d.calligraphy.photo.inks import rubbed, unmixed
-from paint3d.calligraphy.photo.light import flattened
-from paint3d.calligraphy.photo.outlines import polygons_in
-from paint3d.calligraphy.photo.seen import check_exposure, check_ground, white_on_dark
-from paint3d.calligraphy.photo.sheet import checked_corners, find_sheet, whole_picture
-from paint3d.calligraphy.photo.straighten import sheet_size, straightened
+from paint3d.calligraphy.photo.ink_mask import InkMask, find_ink, polygons_in, rubbed, unmixed
+from paint3d.calligraphy.photo.sheet import (
+    check_exposure,
+    check_ground,
+    checked_corners,
+    find_sheet,
+    flattened,
+    sheet_size,
+    straightened,
+    white_on_dark,
+    whole_picture,
+)
 from paint3d.calligraphy.shapes.decompose import decompose
 from paint3d.core.arrays import AnyArray
 from paint3d.errors import InputError
@@ -36,7 +45,7 @@ from paint3d.errors import InputError
 if TYPE_CHECKING:
     from shapely import MultiPolygon
 
-__all__ = ["Asked", "CopiedSheet", "SheetPicture", "copy_sheet", "seen_again"]
+__all__ = ["Asked", "CopiedSheet", "SheetPicture", "check_widths", "copy_sheet", "seen_again"]
 
 _LONGEST = 1600  # pixels of the straightened sheet
 _MOST_STROKES = 4000  # of a sheet: more take minutes to be found
@@ -356,3 +365,63 @@ def _as_codes(sheet: NDArray[np.float32]) -> NDArray[np.uint8]:
     curve = np.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** (1.0 / 2.4) - 0.055)
     result: NDArray[np.uint8] = np.round(255.0 * curve).astype(np.uint8)
     return result
+
+
+# ---- Room for the brush --------------------------------------------------------------------------
+# Whether a brush can write strokes as narrow and as wide as those of a page.
+
+
+_NARROW, _WIDE = 10.0, 90.0  # per cent of the strokes' widths: what may be left to the tip
+_TOO_WIDE = 1.15  # times what the brush fills at its full press
+_ROUNDED = 1.05  # the size that is named, so that it does
+
+
+def check_widths(page: Page, brush: BrushSpec, em_mm: float, resolution_mm: float) -> None:
+    """Refuse a size at which strokes are finer or wider than the brush, or than what is seen.
+
+    Parameters
+    ----------
+    page : Page
+    brush : BrushSpec
+    em_mm : float
+        1024 glyph units, mm.
+    resolution_mm : float
+        Vertex spacing of the surface.
+
+    Raises
+    ------
+    InputError
+        The message names the size that would do.
+    """
+    widths = [_width(stroke) for piece in page.pieces for stroke in piece.glyph.strokes]
+    narrow, wide = np.percentile(widths, (_NARROW, _WIDE)) * em_mm / EM_UNITS
+    rows = tabulate_footprints(build_tuft(brush), 1e3).points
+    least, most = (2.0 * float(row[:, 1].max()) for row in (rows[0], rows[-1]))
+    finest = max(least, resolution_mm)
+    if narrow < finest:
+        what = "the brush" if least > resolution_mm else "the vertices"
+        more = "" if least > resolution_mm else f", or --resolution {0.4 * narrow:.2g}"
+        raise InputError(
+            f"strokes are {narrow:.2g} mm wide at --size {em_mm:g}, {what} {finest:.2g} mm; "
+            f"expected wider ones: --size {np.ceil(_ROUNDED * em_mm * finest / narrow):g}{more}"
+        )
+    if wide > _TOO_WIDE * most:
+        raise InputError(
+            f"strokes are {wide:.2g} mm wide at --size {em_mm:g}, the brush {brush.name} at its "
+            f"full press {most:.2g} mm; expected a larger brush, or --size "
+            f"{np.floor(em_mm * most / wide / _ROUNDED):g}"
+        )
+
+
+def _width(stroke: GlyphStroke) -> float:
+    """Mean width of a stroke, glyph units."""
+    rings = (stroke.outline, *stroke.holes)
+    areas = [_area(ring) for ring in rings]
+    length = float(np.linalg.norm(np.diff(stroke.median, axis=0), axis=1).sum())
+    area = max(areas[0] - sum(areas[1:]), 0.0)
+    return area / max(length + 0.25 * math.sqrt(area), 1e-9)
+
+
+def _area(ring: AnyArray) -> float:
+    x, y = ring.T
+    return 0.5 * abs(float(x @ np.roll(y, -1) - y @ np.roll(x, -1)))

@@ -3,15 +3,182 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.calligraphy.photo.bodies import bodies_in, without_specks
+from paint3d.calligraphy.hand_packages import package_of_the_hand
 from paint3d.core.arrays import AnyArray
 from paint3d.errors import InputError
 
-__all__ = ["InkMask", "find_ink", "otsu"]
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from shapely import Polygon
+
+__all__ = [
+    "InkMask",
+    "Inks",
+    "bodies_in",
+    "find_ink",
+    "otsu",
+    "polygons_in",
+    "rubbed",
+    "unmixed",
+    "without_specks",
+]
+
+# ---- Bodies of strokes ---------------------------------------------------------------------------
+# The strokes' bodies: as far as the brush went, with what it left bare between its hairs.
+#
+# Where ink lies in streaks the brush ran dry. A hair that let go and took hold again went over what
+# is bare between, so gaps are closed along the streaks as well as across them; wet strokes end
+# where their ink does.
+
+
+_NOTCH = 0.25  # half widths: notches of a rough edge, up to twice as wide, are a wet stroke's, too
+_GAP = 0.5  # the same of bare streaks, of a stroke that has streaks
+_DRY_GAP = 1.0  # the same where there are many
+_STREAK = 0.16  # of a width: half of a streak's
+_MANY, _MANY_NEAR = 0.16, 0.45  # share of a place that streaks cover; widths around it
+_SOME, _ANY, _SOME_NEAR = 0.03, 0.003, 0.8  # the same of a few, and of one
+_FAINT_BODY = 0.02  # the same: there faint ink is a stroke's, too
+_ALONG = 2.0  # widths: bare bits of a hair's way up to so long belong to the stroke
+_BESIDE = 0.8  # widths from ink that such a way lies at the most
+_GRAIN, _TURN = 0.06, 0.4  # widths over which edges are seen, and the way of the streaks
+_HOLE = 0.3  # squares of a width: smaller holes belong to the stroke
+_NARROW = 0.4  # widths: half of that of a hole among streaks that does, too
+
+
+def bodies_in(mask: NDArray[np.bool_], faint: NDArray[np.bool_], width: float) -> NDArray[np.bool_]:
+    """Strokes with the bare streaks within them; counters stay open.
+
+    Parameters
+    ----------
+    mask, faint : (H, W) bool
+        Where ink is, and where at least a little is.
+    width : float
+        Of a usual stroke, pixels.
+    """
+    streaks = _streaks(mask, width)
+    near = _spread(streaks, _SOME_NEAR * width)
+    inked = mask | (faint & (near > _FAINT_BODY))
+    inked |= _between(inked, near > _SOME, width)
+    closed = inked | _closed(inked, _NOTCH * 0.5 * width)
+    closed |= _closed(inked, _GAP * 0.5 * width) & (near > _ANY)
+    many = _spread(streaks, _MANY_NEAR * width) > _MANY
+    closed |= _closed(inked, _DRY_GAP * 0.5 * width) & many
+    closed |= _small_holes(closed, near > _ANY, width)
+    return without_specks(closed, _BIT * width**2)
+
+
+def without_specks(mask: AnyArray, least: float) -> NDArray[np.bool_]:
+    """A mask without connected bits of fewer pixels."""
+    from scipy.ndimage import label
+
+    areas, _ = label(mask, np.ones((3, 3)))
+    sizes = np.bincount(areas.ravel())
+    sizes[0] = 0
+    result: NDArray[np.bool_] = (sizes >= least)[areas]
+    return result
+
+
+def _closed(mask: AnyArray, reach: float) -> NDArray[np.bool_]:
+    """A mask with gaps filled that are narrower than twice a reach, pixels."""
+    from scipy.ndimage import distance_transform_edt
+
+    grown = np.pad(distance_transform_edt(~mask) <= reach, 1)
+    result: NDArray[np.bool_] = distance_transform_edt(grown)[1:-1, 1:-1] > reach
+    return result
+
+
+def _small_holes(closed: AnyArray, streaky: AnyArray, width: float) -> NDArray[np.bool_]:
+    """Holes that are no counters: small ones, and among streaks those no wider than one."""
+    from scipy.ndimage import distance_transform_edt, label, maximum, mean
+
+    holes, n = label(~closed)
+    small = np.bincount(holes.ravel(), minlength=n + 1) < _HOLE * width**2
+    if n:
+        depth = maximum(distance_transform_edt(~closed), holes, np.arange(n + 1))
+        small |= (depth < _NARROW * width) & (mean(streaky, holes, np.arange(n + 1)) > 0.5)
+    small[0] = False
+    result: NDArray[np.bool_] = small[holes]
+    return result
+
+
+def _streaks(mask: AnyArray, width: float) -> NDArray[np.bool_]:
+    """Ink that is much narrower than a stroke."""
+    from scipy.ndimage import distance_transform_edt
+
+    thin = _STREAK * width
+    core = distance_transform_edt(mask) > thin
+    result: NDArray[np.bool_] = mask & (distance_transform_edt(~core) > thin + 1.5)
+    return result
+
+
+def _spread(streaks: AnyArray, reach: float) -> NDArray[np.float32]:
+    """What share of the places around each are streaks."""
+    from scipy.ndimage import gaussian_filter
+
+    result: NDArray[np.float32] = gaussian_filter(streaks.astype(np.float32), reach)
+    return result
+
+
+def _between(inked: AnyArray, where: AnyArray, width: float) -> NDArray[np.bool_]:
+    """Bare places that have ink before and behind them on the way of the hairs."""
+    from scipy.ndimage import distance_transform_edt
+
+    found = np.zeros(inked.shape, bool)
+    bare = ~inked & where
+    bare &= distance_transform_edt(~inked) <= _BESIDE * width
+    places = np.argwhere(bare)
+    if not len(places):
+        return found
+    way = _ways(inked, width)
+    longest = int(_ALONG * width)
+    ahead = _pixels_to_ink(inked, places, way, longest)
+    behind = _pixels_to_ink(inked, places, -way, longest)
+    rows, columns = places[ahead + behind <= longest].T
+    found[rows, columns] = True
+    return found
+
+
+def _ways(inked: AnyArray, width: float) -> NDArray[np.float32]:
+    """The way of the streaks, or of edges, around each place: (H, W, 2) unit vectors, either way.
+
+    It is across the main axis of the structure tensor (Bigun and Granlund 1987).
+    """
+    from scipy.ndimage import gaussian_filter
+
+    down, right = np.gradient(gaussian_filter(inked.astype(np.float32), max(1.0, _GRAIN * width)))
+    reach = _TURN * width
+    dd, rr, dr = (gaussian_filter(a, reach) for a in (down * down, right * right, down * right))
+    along = 0.5 * np.arctan2(2.0 * dr, rr - dd) + 0.5 * np.pi
+    return np.stack([np.sin(along), np.cos(along)], axis=-1).astype(np.float32)
+
+
+def _pixels_to_ink(
+    inked: AnyArray, places: AnyArray, way: AnyArray, longest: int
+) -> NDArray[np.float64]:
+    """How far (N,) the ways from places (N, 2) lead before ink; infinite where there is none."""
+    last = np.array(inked.shape) - 1
+    far = np.full(len(places), np.inf)
+    at, cell = places.astype(np.float64), places
+    heading = way[cell[:, 0], cell[:, 1]]
+    for step in range(1, longest + 1):
+        at = at + heading
+        cell = np.clip(np.rint(at).astype(int), 0, last)
+        reached = inked[cell[:, 0], cell[:, 1]]
+        far[reached] = np.minimum(far[reached], step)
+        there = way[cell[:, 0], cell[:, 1]]
+        turned = (there * heading).sum(axis=1, keepdims=True) < 0.0
+        heading = np.where(turned, -there, there)
+    return far
+
+
+# --------------------------------------------------------------------------------------------------
+
 
 _LOW, _HIGH = 0.3, 0.45  # of Otsu's threshold: ink goes on to the one where it reaches the other
 _EDGE = 0.575  # of the light that ink near by takes: there an edge lies, however it is blurred
@@ -177,3 +344,152 @@ def _width(mask: AnyArray) -> float:
     depths = np.sort(depth[ridge])  # each stands for as much ink: streaks count for little
     share = np.cumsum(depths)
     return 2.0 * float(depths[np.searchsorted(share, 0.5 * share[-1])])
+
+
+# ---- Outlines ------------------------------------------------------------------------------------
+# From a raster of strokes' bodies to polygons, with edges between the pixels.
+
+
+_SMOOTH = 0.7  # pixels
+_STRAY = 0.15  # pixels that an edge may be simplified by
+_BIT = 0.5  # squares of a width: smaller bits that smoothing cuts off are no strokes
+
+
+def polygons_in(body: NDArray[np.bool_], width: float) -> list[Polygon]:
+    """The connected shapes of a raster, each with its holes; x to the right, y down.
+
+    Edges are smoothed, so ink that hangs together by a neck of a pixel is a shape on either side.
+
+    Parameters
+    ----------
+    body : (H, W) bool
+    width : float
+        Of a usual stroke, pixels.
+    """
+    import shapely
+    from scipy.ndimage import find_objects, gaussian_filter, label
+
+    measure = package_of_the_hand("skimage.measure")
+    areas, _ = label(body, np.ones((3, 3)))
+    found = []
+    for k, box in enumerate(find_objects(areas)):
+        part = np.pad((areas[box] == k + 1).astype(np.float32), 4)
+        rings = measure.find_contours(gaussian_filter(part, _SMOOTH), 0.5)
+        start = np.array([box[1].start, box[0].start]) - 4.0 + 0.5
+        shapes = _nested(
+            [shapely.Polygon(ring[:, ::-1] + start) for ring in rings if len(ring) > 4]
+        )
+        largest = max((shape.area for shape in shapes), default=0.0)
+        least = min(_BIT * width**2, largest)
+        found += [shape for shape in shapes if shape.area >= least]
+    return found
+
+
+def _nested(rings: Sequence[Polygon]) -> list[Polygon]:
+    """The areas that an odd number of rings goes around, largest first, with their holes."""
+    import shapely
+
+    rings = sorted(rings, key=lambda ring: -ring.area)
+    insides = [ring.representative_point() for ring in rings]
+    around = np.array([shapely.contains(ring, insides) for ring in rings])  # [outer, inner]
+    around = np.triu(around, 1)  # a ring lies in larger ones, wherever its inside is
+    depth = around.sum(axis=0)
+    parts: list[Polygon] = []
+    for k in np.flatnonzero(depth % 2 == 0):
+        holes = [rings[i].exterior for i in np.flatnonzero(around[k] & (depth == depth[k] + 1))]
+        whole = shapely.Polygon(rings[k].exterior, holes).simplify(_STRAY)
+        whole = whole if whole.is_valid else shapely.make_valid(whole)
+        flat = shapely.get_parts(shapely.get_parts(whole))  # a collection may hold a multipolygon
+        parts += [part for part in flat if part.geom_type == "Polygon"]
+    return parts
+
+
+# ---- Ink and seals -------------------------------------------------------------------------------
+# Black ink and red seals told apart: inks over each other add in density, -log10 of the light.
+#
+# The density of every place is made of black and of red, neither less than none (least squares).
+# Red is the sheet's own: the mean direction of its most coloured places.
+
+
+_BLACK = np.ones(3) / np.sqrt(3.0)
+_CINNABAR = np.array([0.08, 0.85, 0.75])  # densities in red, green and blue light
+_COLOURED = 0.18  # by how much the density in green and blue exceeds that in red on a seal
+_MOST_RED = 0.55  # of the density in green: in red light a red seal is hardly seen
+_FEW = 2e-4  # of the sheet: fewer coloured pixels are no seal
+_LEAST_RED, _MOST_RED = 4e-3, 1.25  # shares of the light
+
+
+@dataclass(frozen=True, eq=False)
+class Inks:
+    """What lies on a sheet.
+
+    Attributes
+    ----------
+    black, red : (H, W) float32
+        Optical densities of the ink and of seals.
+    """
+
+    black: NDArray[np.float32]
+    red: NDArray[np.float32]
+
+
+def unmixed(reflected: NDArray[np.float32]) -> Inks:
+    """Tell black ink from red.
+
+    Parameters
+    ----------
+    reflected : (H, W, 3) float32
+        As a share of the paper's light.
+    """
+    density = -np.log10(np.clip(reflected, _LEAST_RED, _MOST_RED))
+    red_way = _red_of(density)
+    # what a point of the plane of both directions is made of; off its wedge, of the nearer side
+    ways = np.stack([_BLACK, red_way])
+    inverse = np.linalg.pinv(ways).astype(np.float32)
+    black, red = density @ inverse[:, 0], density @ inverse[:, 1]
+    alone_black = np.maximum(density @ _BLACK.astype(np.float32), 0.0)
+    alone_red = np.maximum(density @ red_way.astype(np.float32), 0.0)
+    black, red = (
+        np.where(red < 0.0, alone_black, np.where(black < 0.0, 0.0, black)),
+        np.where(black < 0.0, alone_red, np.where(red < 0.0, 0.0, red)),
+    )
+    scale = np.float32(1.0 / np.sqrt(3.0))
+    return Inks((black * scale).astype(np.float32), (red * scale).astype(np.float32))
+
+
+def _red_of(density: AnyArray) -> NDArray[np.float64]:
+    """The direction (3,) of the sheet's red, of length 1."""
+    every = density[::2, ::2].reshape(-1, 3)
+    other = np.minimum(every[:, 1], every[:, 2])
+    coloured = every[(other - every[:, 0] > _COLOURED) & (every[:, 0] < _MOST_RED * other)]
+    if len(coloured) < max(20.0, _FEW * len(every)):
+        coloured = _CINNABAR[None]
+    purest = coloured[:, 0] / np.minimum(coloured[:, 1], coloured[:, 2])
+    mean = np.maximum(coloured[purest <= np.median(purest)].mean(axis=0), 0.0)
+    result: NDArray[np.float64] = mean / np.linalg.norm(mean)
+    return result
+
+
+def rubbed(sheet: NDArray[np.float32]) -> Inks:
+    """The white strokes of a rubbing as if they were ink: how far a place is from its black ground.
+
+    Parameters
+    ----------
+    sheet : (H, W, 3) float32
+        Linear light.
+    """
+    from scipy.ndimage import percentile_filter, zoom
+
+    grey = np.sqrt(np.clip(sheet.mean(axis=2), 0.0, 1.0))
+    step = max(1, round(max(grey.shape) / 150))
+    small = grey[::step, ::step]
+    window = max(3, round(0.15 * max(small.shape)))
+    levels = []
+    for percent in (25.0, 98.0):
+        level = percentile_filter(small, percent, size=window)
+        factor = np.array(grey.shape) / level.shape
+        levels.append(zoom(level, factor, order=1, grid_mode=True, mode="nearest"))
+    ground, white = levels
+    white = np.maximum(white, ground + 0.35 * float(np.ptp(np.percentile(small, (5.0, 99.5)))))
+    share = np.clip((grey - ground) / np.maximum(white - ground, 1e-3), 0.0, 1.2)
+    return Inks(share.astype(np.float32), np.zeros_like(share, np.float32))

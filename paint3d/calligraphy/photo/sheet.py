@@ -9,16 +9,150 @@ fitted to the places that agree.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.calligraphy.photo.straighten import linear_light
+from paint3d.calligraphy.photo.ink_mask import otsu
 from paint3d.core.arrays import AnyArray
 from paint3d.errors import InputError
 
-__all__ = ["checked_corners", "find_sheet", "whole_picture"]
+__all__ = [
+    "blur_matrix",
+    "check_exposure",
+    "check_ground",
+    "checked_corners",
+    "find_sheet",
+    "flattened",
+    "homography",
+    "linear_light",
+    "map_points",
+    "sheet_size",
+    "straightened",
+    "white_on_dark",
+    "whole_picture",
+]
+
+# ---- Laid flat -----------------------------------------------------------------------------------
+# A sheet in a photograph laid flat: the projective map of its four corners.
+#
+# The sheet's own proportions follow from the four corners and the picture's middle, where the
+# camera's axis is taken to go through (Zhang and He, *Whiteboard scanning and image enhancement*,
+# 2007, section 3): with the homography from the unit square H = (h1, h2, h3), corners counted from
+# the middle, the focal length is f^2 = -(h1x h2x + h1y h2y) / (h1z h2z), and the ratio of the sides
+# is |diag(1/f, 1/f, 1) h1| / |diag(1/f, 1/f, 1) h2|.
+
+
+_FLAT = 0.02  # of perspective: below it the focal length says nothing
+_FOCAL = (0.4, 6.0)  # longer sides of the picture: focal lengths that cameras have
+_SLIMMEST = 12.0  # ratio of the sides
+_ROWS = 256  # that are looked up at once: bounds the memory
+
+
+def linear_light(codes: AnyArray) -> NDArray[np.float32]:
+    """Linear values, 0 to 1, of sRGB codes (uint8) (IEC 61966-2-1)."""
+    value = np.arange(256) / 255.0
+    table = np.where(value <= 0.04045, value / 12.92, ((value + 0.055) / 1.055) ** 2.4)
+    result: NDArray[np.float32] = table.astype(np.float32)[codes]
+    return result
+
+
+def homography(start: AnyArray, end: AnyArray) -> NDArray[np.float64]:
+    """The projective map (3, 3) that carries four points (4, 2) to four others."""
+    rows, right = [], []
+    for (x, y), (u, v) in zip(start, end, strict=True):
+        rows += [[x, y, 1, 0, 0, 0, -u * x, -u * y], [0, 0, 0, x, y, 1, -v * x, -v * y]]
+        right += [u, v]
+    solved = np.linalg.solve(np.array(rows, np.float64), np.array(right, np.float64))
+    return np.append(solved, 1.0).reshape(3, 3)
+
+
+def map_points(matrix: AnyArray, points: AnyArray) -> NDArray[np.float64]:
+    """Points (N, 2) under a projective map."""
+    mapped = np.column_stack([points, np.ones(len(points))]) @ matrix.T
+    result: NDArray[np.float64] = mapped[:, :2] / mapped[:, 2:]
+    return result
+
+
+def sheet_size(corners: AnyArray, shape: tuple[int, int], longest: int) -> tuple[int, int]:
+    """Height and width, pixels, that a sheet is laid flat in.
+
+    Parameters
+    ----------
+    corners : (4, 2) float64
+        In the picture, pixels: upper left, upper right, lower right, lower left.
+    shape : (int, int)
+        Height and width of the picture.
+    longest : int
+        Of the longer side; less where the picture shows no more.
+    """
+    sides = np.linalg.norm(corners - np.roll(corners, -1, axis=0), axis=1)
+    ratio = _ratio(corners, shape) or float((sides[0] + sides[2]) / (sides[1] + sides[3]))
+    ratio = min(max(ratio, 1.0 / _SLIMMEST), _SLIMMEST)
+    long = min(longest, round(float(sides.max())))
+    width, height = (long, long / ratio) if ratio > 1.0 else (long * ratio, long)
+    return max(8, round(height)), max(8, round(width))
+
+
+def _ratio(corners: AnyArray, shape: tuple[int, int]) -> float | None:
+    """Width over height of a sheet, where the perspective is strong enough to tell."""
+    square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+    size = max(shape)
+    matrix = homography(square, (corners - 0.5 * np.array(shape[::-1])) / size)
+    h1, h2 = matrix[:, 0], matrix[:, 1]
+    if abs(h1[2]) < _FLAT or abs(h2[2]) < _FLAT:
+        return None
+    focal2 = -(h1[0] * h2[0] + h1[1] * h2[1]) / (h1[2] * h2[2])
+    if not _FOCAL[0] ** 2 < focal2 < _FOCAL[1] ** 2:
+        return None
+    scale = np.array([focal2, focal2, 1.0])
+    return math.sqrt(float((h1**2 / scale).sum() / (h2**2 / scale).sum()))
+
+
+def straightened(
+    pixels: NDArray[np.uint8], corners: AnyArray, size: tuple[int, int]
+) -> NDArray[np.float32]:
+    """A sheet laid flat, in linear light.
+
+    Parameters
+    ----------
+    pixels : (H, W, 3) uint8
+        sRGB codes.
+    corners : (4, 2) float64
+        As for `sheet_size`; pixel (i, j) of the picture lies at (j + 0.5, i + 0.5).
+    size : (int, int)
+        Height and width.
+
+    Returns
+    -------
+    (height, width, 3) float32
+    """
+    from scipy.ndimage import gaussian_filter, map_coordinates
+
+    height, width = size
+    flat = np.array([[0, 0], [width, 0], [width, height], [0, height]], np.float64)
+    matrix = homography(flat, corners)
+    sides = np.linalg.norm(corners - np.roll(corners, -1, axis=0), axis=1)
+    shrink = float(sides.max()) / max(height, width)
+    out = np.empty((height, width, 3), np.float32)
+    x = np.arange(width) + 0.5
+    for channel in range(3):
+        plane = linear_light(pixels[..., channel])
+        if shrink > 1.2:  # what the new pixels could not show
+            plane = gaussian_filter(plane, 0.4 * math.sqrt(shrink**2 - 1.0), truncate=3.0)
+        for first in range(0, height, _ROWS):
+            rows = np.arange(first, min(first + _ROWS, height)) + 0.5
+            places = np.stack(np.broadcast_arrays(x[None], rows[:, None]), axis=-1)
+            at = map_points(matrix, places.reshape(-1, 2)) - 0.5
+            values = map_coordinates(plane, at[:, ::-1].T, order=1, mode="nearest")
+            out[first : first + len(rows), :, channel] = values.reshape(len(rows), width)
+    return out
+
+
+# --------------------------------------------------------------------------------------------------
+
 
 _SEARCHED, _DRAWN = 320, 1400  # pixels of the longer side: where it is looked for, and drawn
 _THRESHOLDS = 24
@@ -350,3 +484,200 @@ def _in_order(corners: AnyArray) -> NDArray[np.float64]:
     start = int(np.argmin(corners.sum(axis=1)))
     result: NDArray[np.float64] = np.roll(corners, -start, axis=0)
     return result
+
+
+# ---- Light ---------------------------------------------------------------------------------------
+# The light on a sheet taken out: what is left is how much of it the ink lets back.
+#
+# The paper's own brightness is known wherever there is no ink. It is spread over the rest from near
+# by where paper is near, and from farther off where it is not, so that the edge of a shadow is
+# followed and the inside of a thick stroke is bridged.
+
+
+_SMALL = 360  # pixels of the longer side: light has no finer detail
+_SEEN_AS_PAPER = 80.0  # per cent of a window's pixels that are darker, at first
+_WINDOW = 0.12  # of the longer side
+_NEAR = (0.008, 0.02, 0.06, 0.25)  # of the longer side: from where paper is taken, nearest first
+_ENOUGH = 0.25  # of paper within that distance
+_BLACK = 0.3  # of the light of bright paper around: darker than a shadow
+_RED = 1.35  # times the paper's own red over green and blue: a seal
+_NARROW = 0.05  # of the longer side: narrower dark places are ink, broader ones shadow
+_DARKER = 0.9  # of the paper's light
+_DARKEST = 1e-3
+
+
+def flattened(sheet: NDArray[np.float32]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """What share of the paper's light every place of a sheet sends back.
+
+    Parameters
+    ----------
+    sheet : (H, W, 3) float32
+        Linear light.
+
+    Returns
+    -------
+    (H, W, 3) float32
+        1 on bare paper, 0 on the blackest ink.
+    (h, w, 3) float32
+        The paper's light, at a smaller size.
+    """
+    step = max(1, round(max(sheet.shape[:2]) / _SMALL))
+    small = _means(sheet, step)
+    paper = _spread(small, _is_paper(small), max(small.shape[:2]))
+    whole = np.stack([_stretched(paper[..., k], sheet.shape[:2]) for k in range(3)], axis=-1)
+    return np.clip(sheet / np.maximum(whole, _DARKEST), 1e-3, 1.25), paper
+
+
+def _means(sheet: AnyArray, step: int) -> NDArray[np.float32]:
+    """Means over blocks of so many pixels a side; the last ones may be cut."""
+    height, width = (max(1, n // step) * step for n in sheet.shape[:2])
+    blocks = sheet[:height, :width].reshape(height // step, step, width // step, step, 3)
+    result: NDArray[np.float32] = blocks.mean(axis=(1, 3), dtype=np.float32)
+    return result
+
+
+def _stretched(plane: AnyArray, shape: tuple[int, ...]) -> NDArray[np.float32]:
+    """A plane at another size, linear between its pixels' middles."""
+    from scipy.ndimage import map_coordinates
+
+    rows = (np.arange(shape[0]) + 0.5) * plane.shape[0] / shape[0] - 0.5
+    columns = (np.arange(shape[1]) + 0.5) * plane.shape[1] / shape[1] - 0.5
+    at = np.stack(np.meshgrid(rows, columns, indexing="ij"))
+    result: NDArray[np.float32] = map_coordinates(
+        plane.astype(np.float32), at, order=1, mode="nearest", output=np.float32
+    )
+    return result
+
+
+def _is_paper(small: AnyArray) -> NDArray[np.bool_]:
+    """Places that no ink darkens: ink is very dark, or coloured, or narrow; a shadow is neither."""
+    from scipy.ndimage import binary_dilation, grey_closing, median_filter, percentile_filter
+
+    longest = max(small.shape[:2])
+    grey = small.mean(axis=2)
+    window = max(3, round(_WINDOW * longest / 3))
+    top = percentile_filter(median_filter(grey[::3, ::3], 3), _SEEN_AS_PAPER, size=window)
+    bright = np.maximum(_stretched(top, grey.shape), _DARKEST)
+    warmth = small[..., 0] / np.maximum(np.minimum(small[..., 1], small[..., 2]), _DARKEST)
+    lit = grey > 0.7 * bright
+    usual = float(np.median(warmth[lit])) if lit.any() else 1.0
+    inked = binary_dilation((grey < _BLACK * bright) | (warmth > _RED * usual), np.ones((3, 3)))
+    bridged = _spread(grey[..., None], ~inked, longest)[..., 0]
+    filled = np.where(inked, bridged, grey)
+    size = max(3, round(_NARROW * longest))
+    closed = grey_closing(filled, size=(size, size), mode="nearest")
+    result: NDArray[np.bool_] = ~binary_dilation(grey < _DARKER * closed) & ~inked
+    return result
+
+
+def _spread(small: AnyArray, is_paper: AnyArray, longest: int) -> NDArray[np.float32]:
+    """The light of places that are paper, spread over all: normalized blurs, nearest first."""
+    weight = is_paper.astype(np.float32)
+    if not weight.any():
+        weight[:] = 1.0
+    total = np.zeros(small.shape, np.float32)
+    left = np.ones(small.shape[:2], np.float32)
+    for k, share in enumerate(_NEAR):
+        sigma = max(0.7, share * longest)
+        down, across = (blur_matrix(n, sigma) for n in small.shape[:2])
+        there = (down @ weight @ across.T).astype(np.float32)
+        trust = left if k == len(_NEAR) - 1 else left * np.clip(there / _ENOUGH, 0.0, 1.0)
+        for channel in range(small.shape[2]):
+            seen = (down @ (small[..., channel] * weight) @ across.T).astype(np.float32)
+            total[..., channel] += trust * seen / np.maximum(there, 1e-6)
+        left = left - trust
+    return total
+
+
+def blur_matrix(n: int, sigma: float) -> NDArray[np.float64]:
+    """What each of n pixels in a row has of each when they are blurred by a Gaussian.
+
+    The row is mirrored at its ends. The widest blur here reaches over all pixels there are: picture
+    by picture, tap by tap, it would cost 2.7 times as much.
+
+    Parameters
+    ----------
+    n : int
+    sigma : float
+        Pixels.
+
+    Returns
+    -------
+    (n, n) float64
+        Each row sums to 1.
+    """
+    from scipy.ndimage import gaussian_filter1d
+
+    result: NDArray[np.float64] = gaussian_filter1d(np.eye(n), sigma, axis=0)
+    return result
+
+
+# ---- What is hidden ------------------------------------------------------------------------------
+# What a photograph hides of its sheet: highlights and black shadows.
+
+
+_CLIPPED = 0.985  # linear light of all three colours: nothing is told above it
+_BRIGHTER = 1.25  # than the sheet's own paper: a highlight, not paper that is exposed so
+_GLARE, _BLACK_SHADOW = 0.02, 0.05  # of the sheet, that may be hidden
+_LIT = 0.4  # of the sheet: what is lighter than the rest, and less than that, is no paper
+_CONTRAST = 1.4  # of natural logarithms: more than that of a shadow
+_DARK = 0.012  # linear light of the paper: the camera's noise is as strong
+
+
+def check_exposure(sheet: NDArray[np.float32], paper: NDArray[np.float32]) -> None:
+    """Refuse a sheet of which too much cannot be seen.
+
+    Parameters
+    ----------
+    sheet : (H, W, 3) float32
+        Linear light.
+    paper : (h, w, 3) float32
+        The light of its paper alone, of any size.
+
+    Raises
+    ------
+    InputError
+        How much of it a highlight or a shadow hides.
+    """
+    usual = float(np.median(paper.min(axis=2)))
+    clipped = float((sheet.min(axis=2) > _CLIPPED).mean())
+    if _BRIGHTER * usual < _CLIPPED and clipped > _GLARE:
+        raise InputError(
+            f"a highlight hides {clipped:.0%} of the sheet; expected light from the side: "
+            "photograph it without a flash, away from a window's reflection"
+        )
+    hidden = float((paper.max(axis=2) < _DARK).mean())
+    if hidden > _BLACK_SHADOW:
+        raise InputError(
+            f"{hidden:.0%} of the sheet lies in black shadow; expected light all over: give "
+            "--corners around what can be seen, or photograph it brighter"
+        )
+
+
+def check_ground(sheet: NDArray[np.float32]) -> None:
+    """Refuse white strokes on a dark ground, where they are not asked for.
+
+    Parameters
+    ----------
+    sheet : (H, W, 3) float32
+        Linear light.
+
+    Raises
+    ------
+    InputError
+        If most of the sheet is dark, and the rest much lighter.
+    """
+    share, contrast = white_on_dark(sheet)
+    if share < _LIT and contrast > _CONTRAST:
+        raise InputError(
+            f"{share:.0%} of the sheet is white on a dark ground; expected dark strokes "
+            "on paper: of a rubbing --invert"
+        )
+
+
+def white_on_dark(sheet: NDArray[np.float32]) -> tuple[float, float]:
+    """What share of a sheet (H, W, 3) is the lighter, and by how much: a natural logarithm."""
+    grey = np.log(sheet[::3, ::3].mean(axis=2) + 0.004)
+    lighter = grey > otsu(grey)
+    contrast = float(grey[lighter].mean() - grey[~lighter].mean()) if lighter.any() else 0.0
+    return float(lighter.mean()), contrast

@@ -12,9 +12,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 from paint3d.cli import replay, write
-from paint3d.cli.options import own_file
-from paint3d.cli.parsing import Parser, UsageError
-from paint3d.cli.versions import find_versions
+from paint3d.cli.options import Parser, UsageError, own_file
+from paint3d.cli.report import find_versions
 from paint3d.colour.ink_text import tables_in, with_tables
 from paint3d.errors import Paint3DError
 

@@ -7,6 +7,7 @@ import codecs
 import gzip
 import json
 import os
+import re
 import zlib
 from collections.abc import Iterator
 from pathlib import Path
@@ -18,7 +19,16 @@ from paint3d.errors import MeshError
 if TYPE_CHECKING:
     from xml.etree import ElementTree
 
-__all__ = ["parse_json", "parse_xml", "path_beside", "plain_text", "read_beside", "read_contents"]
+__all__ = [
+    "json_text",
+    "parse_json",
+    "parse_xml",
+    "path_beside",
+    "plain_name",
+    "plain_text",
+    "read_beside",
+    "read_contents",
+]
 
 MAX_BYTES = 1 << 30
 PIECE = 1 << 24
@@ -167,3 +177,43 @@ def parse_xml(data: bytes, name: str) -> ElementTree.Element:
         return ElementTree.fromstring(data)
     except (ElementTree.ParseError, LookupError, ValueError) as cause:
         raise MeshError(f"{name} is not well-formed XML: {cause}") from None
+
+
+# ---- Names ---------------------------------------------------------------------------------------
+# Text from names that may hold anything: half of a UTF-16 pair, control characters, no UTF-8.
+#
+# A file name is bytes, and Python tells those that are no UTF-8 as lone surrogates; a stranger's
+# session may name its material as it likes. Neither fits into most files.
+
+
+SURROGATE = re.compile("[\ud800-\udfff]")
+NOWHERE = re.compile("[\x00-\x1f\x7f-\x9f\ud800-\udfff\ufdd0-\ufdef\ufffe\uffff]")
+
+
+def plain_name(text: str) -> str:
+    """Return a name as every text format can hold it: what none can is marked by U+FFFD.
+
+    Examples
+    --------
+    >>> plain_name("碗\\x01\\ud800") == "碗\\ufffd\\ufffd"
+    True
+    """
+    return NOWHERE.sub("\ufffd", text)
+
+
+def json_text(value: object, **options: Any) -> str:
+    """Return JSON for people to read; what UTF-8 cannot hold is escaped and comes back the same.
+
+    Parameters
+    ----------
+    value : object
+    **options
+        As `json.dumps` takes them.
+
+    Examples
+    --------
+    >>> print(json_text({"碗": "\\udcff"}))
+    {"碗": "\\udcff"}
+    """
+    text = json.dumps(value, ensure_ascii=False, **options)
+    return SURROGATE.sub(lambda found: f"\\u{ord(found[0]):04x}", text)

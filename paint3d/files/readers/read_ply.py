@@ -2,18 +2,444 @@
 
 from __future__ import annotations
 
+import difflib
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any, Literal, NamedTuple, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.core.arrays import AnyArray
 from paint3d.errors import MeshError
-from paint3d.files.readers.ply_looks import PlyLooks, has_face_colours, picture_names, ply_looks
-from paint3d.files.readers.ply_tables import Element, Tables, read_tables
-from paint3d.files.readers.raw_mesh import RawMesh, index_array, left_out
+from paint3d.files.readers.contents import read_beside
+from paint3d.files.readers.raw_mesh import (
+    RawMesh,
+    check_count,
+    index_array,
+    left_out,
+    parse_numbers,
+)
+from paint3d.files.readers.textures import Look, open_picture
 from paint3d.files.readers.vertex_colours import COLOUR_NAMES, colour_codes
 
-__all__ = ["read_ply"]
+__all__ = [
+    "Element",
+    "PlyLooks",
+    "Property",
+    "Tables",
+    "has_face_colours",
+    "picture_names",
+    "ply_looks",
+    "read_ply",
+    "read_tables",
+]
+
+# ---- Pictures and colours of faces ---------------------------------------------------------------
+# Pictures and colours of the faces of a PLY file, as MeshLab and others write them.
+
+
+KEYWORD = "TextureFile"
+PLACE_NAMES = (("s", "t"), ("u", "v"), ("texture_u", "texture_v"))  # of vertices
+MAX_PICTURES = 1000
+
+
+@dataclass(frozen=True)
+class PlyLooks:
+    """What the faces look like; see `RawMesh`. No looks: nothing is said of them."""
+
+    looks: tuple[Look, ...] = ()
+    look_of: NDArray[np.int64] | None = None
+    uv: NDArray[np.float64] | None = None
+    corner_colours: NDArray[np.uint8] | None = None
+    notes: tuple[str, ...] = ()
+
+
+def picture_names(tables: Tables) -> list[str]:
+    """Names of the pictures that the header speaks of."""
+    found = (comment.partition(" ") for comment in tables.comments)
+    return [name.strip() for word, _, name in found if word == KEYWORD]
+
+
+def has_face_colours(tables: Tables) -> bool:
+    """Whether the faces have colours of their own."""
+    return any(_colour_names(element) for element in tables.elements if element.name == "face")
+
+
+def ply_looks(
+    tables: Tables, corners: NDArray[np.int64], sizes: NDArray[np.int64], folder: Path
+) -> PlyLooks:
+    """Return what the faces look like: their pictures, else their own colours.
+
+    Places on the pictures are those of the faces' corners (texcoord), else of the vertices (s, t);
+    they count from the lower left in the file.
+
+    Parameters
+    ----------
+    tables : Tables
+    corners : (N,) int64
+        Of all polygons; within the vertices or not.
+    sizes : (P,) int64
+        The first polygons are those of the element face.
+    folder : Path
+        Of the file; pictures elsewhere are not followed.
+    """
+    faces = [e for e in tables.elements if e.name == "face" and e.list_sizes]
+    names = picture_names(tables)
+    if not names or len(faces) > 1:
+        return _face_colours(faces, sizes)
+    uv = _places(tables, faces, corners, sizes)
+    if uv is None:
+        return PlyLooks(notes=("a texture is left out: the mesh has no places on it",))
+    looks, number, notes = [], [], []
+    for name in names[:MAX_PICTURES]:
+        number.append(-1)
+        try:
+            looks.append(Look(picture=open_picture(read_beside(folder, _as_file(name)))))
+            number[-1] = len(looks) - 1
+        except MeshError as cause:
+            notes.append(f"a texture is left out: {cause}")
+    if not looks:
+        return PlyLooks(notes=tuple(dict.fromkeys(notes)))
+    which = _numbers(faces, len(sizes))
+    inside = (which >= 0) & (which < len(number))
+    look_of = np.where(inside, np.array(number)[np.where(inside, which, 0)], -1)
+    return PlyLooks(tuple(looks), look_of, uv, notes=tuple(dict.fromkeys(notes)))
+
+
+def _as_file(name: str) -> str:
+    """The header was read byte by byte; a name is UTF-8, or what it is."""
+    return name.encode("latin-1").decode("utf-8", "surrogateescape")
+
+
+def _places(
+    tables: Tables, faces: Sequence[Element], corners: NDArray[np.int64], sizes: NDArray[np.int64]
+) -> NDArray[np.float64] | None:
+    """Places (N, 2) of the corners from the upper left, nan where unknown; None: there are none."""
+    uv = np.full((len(corners), 2), np.nan)
+    vertex = next(e for e in tables.elements if e.name == "vertex")
+    pair = next((p for p in PLACE_NAMES if set(p) <= set(vertex.values)), None)
+    listed = faces[0].list_sizes.get("texcoord") if faces else None
+    if listed is not None:
+        own = np.repeat(sizes[: len(listed)], sizes[: len(listed)])
+        told = np.repeat(listed, sizes[: len(listed)]) == 2 * own  # others have none, or too few
+        values = faces[0].values["texcoord"].astype(np.float64)
+        whole = np.repeat(listed == 2 * sizes[: len(listed)], listed)
+        uv[: len(told)][told] = values[whole].reshape(-1, 2)
+    elif pair is not None:
+        table = np.stack([vertex.values[name] for name in pair], axis=1).astype(np.float64)
+        uv = table[np.clip(corners, 0, len(table) - 1)]
+    else:
+        return None
+    return uv * (1.0, -1.0) + (0.0, 1.0)
+
+
+def _numbers(faces: Sequence[Element], n: int) -> NDArray[np.int64]:
+    """Which picture each of n polygons has; the first where nothing is said."""
+    which = np.zeros(n, np.int64)
+    if faces and "texnumber" in faces[0].values and "texnumber" not in faces[0].list_sizes:
+        told = index_array(faces[0].values["texnumber"].astype(np.float64), "a face's texnumber")
+        which[: len(told)] = told
+    return which
+
+
+def _colour_names(element: Element) -> tuple[str, ...] | None:
+    scalars = set(element.values) - set(element.list_sizes)
+    return next((names for names in COLOUR_NAMES if set(names) <= scalars), None)
+
+
+def _face_colours(faces: Sequence[Element], sizes: NDArray[np.int64]) -> PlyLooks:
+    names = _colour_names(faces[0]) if len(faces) == 1 else None
+    if names is None:
+        return PlyLooks()
+    codes, notes = colour_codes(np.stack([faces[0].values[k] for k in names], axis=1))
+    notes = tuple(note.replace("vertex colours", "colours of faces") for note in notes)
+    if codes is None:
+        return PlyLooks(notes=notes)
+    every = np.full((len(sizes), 3), 255, np.uint8)
+    every[: len(codes)] = codes
+    uv = np.full((int(sizes.sum()), 2), np.nan)
+    look_of = np.zeros(len(sizes), np.int64)
+    return PlyLooks((Look(),), look_of, uv, np.repeat(every, sizes, axis=0), notes)
+
+
+# --------------------------------------------------------------------------------------------------
+
+
+# ---- Tables --------------------------------------------------------------------------------------
+# The tables of a PLY file: ASCII and binary of both byte orders, any types, any line ends.
+
+
+TYPES = {
+    "char": "i1", "int8": "i1", "uchar": "u1", "uint8": "u1",
+    "short": "i2", "int16": "i2", "ushort": "u2", "uint16": "u2",
+    "int": "i4", "int32": "i4", "uint": "u4", "uint32": "u4",
+    "float": "f4", "float32": "f4", "double": "f8", "float64": "f8",
+}  # fmt: skip
+FORMATS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
+KEYWORDS = ("format", "element", "property", "comment", "obj_info")
+MAX_HEADER = 1 << 20
+Order = Literal["<", ">"]
+
+
+@dataclass
+class Property:
+    """A column: a scalar, or a list with its own count type."""
+
+    name: str
+    dtype: np.dtype
+    count_dtype: np.dtype | None = None
+
+
+@dataclass
+class Element:
+    """A table of the file: name, rows, columns, and the columns' values once read."""
+
+    name: str
+    count: int
+    properties: list[Property] = field(default_factory=list)
+    values: dict[str, AnyArray] = field(default_factory=dict)
+    list_sizes: dict[str, AnyArray] = field(default_factory=dict)
+
+    @property
+    def least_bytes(self) -> int:
+        """Size of the shortest possible binary row."""
+        return sum(
+            (p.dtype if p.count_dtype is None else p.count_dtype).itemsize for p in self.properties
+        )
+
+
+class Tables(NamedTuple):
+    """What a PLY file holds.
+
+    Attributes
+    ----------
+    elements : tuple of Element
+        In the file's order; those after the last one wanted are without values.
+    comments : tuple of str
+        Without the word that begins them.
+    unknown : tuple of str
+        Lines of the header that say nothing that PLY knows.
+    """
+
+    elements: tuple[Element, ...]
+    comments: tuple[str, ...]
+    unknown: tuple[str, ...]
+
+
+def read_tables(data: bytes, wanted: Collection[str]) -> Tables:
+    """Read the elements of a PLY file as far as the last one whose name is wanted.
+
+    Raises
+    ------
+    MeshError
+        If the header is not PLY's, or the body does not hold what the header promises.
+    """
+    lines, body = _header_lines(data)
+    try:
+        order, tables = _parse_header(lines)
+    except (IndexError, KeyError, ValueError) as cause:
+        if isinstance(cause, MeshError):
+            raise
+        raise MeshError(f"the header cannot be understood near {cause}") from None
+    elements = tables.elements
+    last = max((k for k, e in enumerate(elements) if e.name in wanted), default=-1)
+    if order == "":
+        _read_ascii(elements[: last + 1], data[body:])
+    else:
+        _read_binary(elements[: last + 1], data, body)
+    return tables
+
+
+def _header_lines(data: bytes) -> tuple[list[str], int]:
+    """Return the lines between the first and the last, and where the body begins."""
+    if data[:3] != b"ply":
+        raise MeshError("it does not start with 'ply'; expected a PLY file")
+    end = data.find(b"end_header", 0, MAX_HEADER)
+    if end < 0:
+        raise MeshError("the header has no end; expected a line end_header")
+    lone_return = data[3:4] == b"\r" and data[4:5] != b"\n"
+    body = end + len(b"end_header")
+    while data[body : body + 1] in (b" ", b"\t"):
+        body += 1
+    body += 2 if data[body : body + 2] == b"\r\n" and not lone_return else 1
+    return data[:end].decode("latin-1").splitlines()[1:], body
+
+
+def _parse_header(lines: list[str]) -> tuple[str, Tables]:
+    """Return the byte order, "" for ASCII, and the tables, still empty.
+
+    Lines that are unknown are passed over before the first element, where some programs write
+    comments without saying so; after it, what follows in the file could be misread.
+    """
+    order, elements, comments, unknown = None, [], [], []
+    for line in lines:
+        words = line.split()
+        if not words or words[0] == "obj_info":
+            continue
+        if words[0] == "comment":
+            comments.append(line.strip()[len("comment") :].strip())
+        elif words[0] == "format":
+            order = FORMATS[words[1]]
+        elif words[0] == "element":
+            elements.append(Element(words[1], int(words[2])))
+        elif words[0] == "property" and elements:
+            elements[-1].properties.append(_property(words, order or "<"))
+        elif elements or difflib.get_close_matches(words[0].lower(), KEYWORDS, 1, 0.7):
+            raise MeshError(f"the header has an unknown line {' '.join(words)[:40]!r}")
+        else:
+            unknown.append(" ".join(words))
+    if order is None:
+        raise MeshError("the header has no format line")
+    return order, Tables(tuple(elements), tuple(comments), tuple(unknown))
+
+
+def _property(words: list[str], order: str) -> Property:
+    if words[1] == "list":
+        count, item = (np.dtype(TYPES[w]).newbyteorder(cast("Order", order)) for w in words[2:4])
+        return Property(words[4], item, count)
+    return Property(words[2], np.dtype(TYPES[words[1]]).newbyteorder(cast("Order", order)))
+
+
+def _read_binary(elements: Sequence[Element], data: bytes, at: int) -> None:
+    for element in elements:
+        if not element.properties:
+            continue
+        check_count(element.count, element.least_bytes, len(data) - at, f"of {element.name}")
+        at = _binary_rows(element, data, at)
+
+
+def _binary_rows(element: Element, data: bytes, at: int) -> int:
+    """Read one element's rows from `at`; return where they end."""
+    lists = [p for p in element.properties if p.count_dtype is not None]
+    if element.count == 0:
+        _store(element, {p.name: np.empty(0, p.dtype) for p in element.properties}, {})
+        return at
+    sizes = {p.name: 0 for p in lists}
+    if lists:
+        sizes = _first_row_sizes(element, data, at)
+    record = []
+    for k, p in enumerate(element.properties):
+        if p.count_dtype is not None:
+            record += [(f"count {k}", p.count_dtype), (f"item {k}", p.dtype, (sizes[p.name],))]
+        else:
+            record.append((f"item {k}", p.dtype))
+    row = np.dtype(record)
+    if row.itemsize * element.count <= len(data) - at:
+        rows = np.frombuffer(data, row, element.count, at)
+        counts = [(k, p) for k, p in enumerate(element.properties) if p.count_dtype is not None]
+        if all((rows[f"count {k}"] == sizes[p.name]).all() for k, p in counts):
+            values = {p.name: rows[f"item {k}"] for k, p in enumerate(element.properties)}
+            _store(element, values, {n: np.full(element.count, s) for n, s in sizes.items()})
+            return at + row.itemsize * element.count
+    return _uneven_rows(element, data, at)
+
+
+def _first_row_sizes(element: Element, data: bytes, at: int) -> dict[str, int]:
+    sizes = {}
+    for p in element.properties:
+        if p.count_dtype is None:
+            at += p.dtype.itemsize
+            continue
+        n = _list_size(element, p, data, at)
+        sizes[p.name] = n
+        at += p.count_dtype.itemsize + n * p.dtype.itemsize
+    return sizes
+
+
+def _list_size(element: Element, p: Property, data: bytes, at: int) -> int:
+    assert p.count_dtype is not None, "a number is no list"
+    if at + p.count_dtype.itemsize > len(data):
+        raise MeshError(f"it ends within the {element.name} rows; the file is cut short")
+    n = int(np.frombuffer(data, p.count_dtype, 1, at)[0])
+    check_count(n, p.dtype.itemsize, len(data) - at - p.count_dtype.itemsize, f"in a {p.name} list")
+    return n
+
+
+def _uneven_rows(element: Element, data: bytes, at: int) -> int:
+    """Read rows whose lists differ in length, one by one."""
+    parts: dict[str, list[AnyArray]] = {p.name: [] for p in element.properties}
+    sizes: dict[str, list[int]] = {
+        p.name: [] for p in element.properties if p.count_dtype is not None
+    }
+    for _ in range(element.count):
+        for p in element.properties:
+            n = 1
+            if p.count_dtype is not None:
+                n = _list_size(element, p, data, at)
+                at += p.count_dtype.itemsize
+                sizes[p.name].append(n)
+            if at + n * p.dtype.itemsize > len(data):
+                raise MeshError(f"it ends within the {element.name} rows; the file is cut short")
+            parts[p.name].append(np.frombuffer(data, p.dtype, n, at))
+            at += n * p.dtype.itemsize
+    values = {name: np.concatenate(part) for name, part in parts.items()}
+    _store(element, values, {name: np.array(size, np.int64) for name, size in sizes.items()})
+    return at
+
+
+def _store(element: Element, values: dict[str, AnyArray], sizes: dict[str, AnyArray]) -> None:
+    element.values = {
+        name: np.ravel(array).astype(array.dtype.newbyteorder("="))
+        for name, array in values.items()
+    }
+    element.list_sizes = sizes
+
+
+def _read_ascii(elements: Sequence[Element], text: bytes) -> None:
+    for element in elements:
+        check_count(element.count, 2 * max(1, len(element.properties)), len(text) + 1,
+                    f"of {element.name}")  # fmt: skip
+    numbers, at = parse_numbers(text, "the body"), 0
+    for element in elements:
+        at = _ascii_rows(element, numbers, at)
+
+
+def _ascii_rows(element: Element, numbers: AnyArray, at: int) -> int:
+    """Take one element's rows from the body's numbers; return where they end."""
+    cut_short = MeshError(f"it ends within the {element.name} rows; the file is cut short")
+    properties = element.properties
+    if not any(p.count_dtype is not None for p in properties):
+        width = len(properties)
+        end = at + width * element.count
+        if end > len(numbers):
+            raise cut_short
+        table = numbers[at:end].reshape(element.count, width)
+        _store(element, {p.name: _cast(table[:, k], p) for k, p in enumerate(properties)}, {})
+        return end
+    columns: dict[str, list[Any]] = {p.name: [] for p in properties}
+    sizes: dict[str, list[int]] = {p.name: [] for p in properties if p.count_dtype is not None}
+    flat = numbers.tolist() if element.count else []
+    for _ in range(element.count):
+        for p in properties:
+            n = 1
+            if p.count_dtype is not None:
+                if at >= len(flat) or not 0 <= flat[at] <= len(flat) - at:
+                    raise cut_short
+                n = int(flat[at])
+                sizes[p.name].append(n)
+                at += 1
+            if at + n > len(flat):
+                raise cut_short
+            columns[p.name] += flat[at : at + n]
+            at += n
+    values = {p.name: _cast(np.array(columns[p.name], np.float64), p) for p in properties}
+    _store(element, values, {name: np.array(size, np.int64) for name, size in sizes.items()})
+    return at
+
+
+def _cast(column: AnyArray, p: Property) -> AnyArray:
+    """Return ASCII numbers in the declared type where they fit; only colours need to know it."""
+    if p.dtype.kind == "f" or not column.size or not np.isfinite(column).all():
+        return column
+    limits = np.iinfo(p.dtype)
+    fit = limits.min <= column.min() and column.max() <= limits.max
+    return column.astype(p.dtype) if fit and (column == np.floor(column)).all() else column
+
+
+# --------------------------------------------------------------------------------------------------
+
 
 WANTED = ("vertex", "face", "tristrips")
 INDEX_NAMES = ("vertex_indices", "vertex_index")

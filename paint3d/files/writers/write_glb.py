@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from paint3d.colour.spectra import decode_srgb
 from paint3d.core.arrays import AnyArray
-from paint3d.files.glb_container import (
+from paint3d.files.gltf_buffers import (
     INDEX_DATA,
     VERTEX_DATA,
     material,

@@ -19,7 +19,7 @@ from paint3d.core.atomic import write_atomically
 from paint3d.device.button_actions import DEFAULT_ACTIONS, checked_actions
 from paint3d.device.recorded import MAX_FORCE_N
 from paint3d.errors import ExportError, InputError, Paint3DError
-from paint3d.files.readers.odd_names import json_text
+from paint3d.files.readers.contents import json_text
 from paint3d.haptics.settings import Feel
 from paint3d.haptics.stylus_choice import check_stylus
 from paint3d.pose.mouse_settings import MouseSettings

@@ -9,7 +9,7 @@ from PySide6 import QtWidgets
 
 from paint3d.app.window.dialogs.forms import FormDialog
 from paint3d.app.window.wording import say
-from paint3d.calligraphy.fonts.system_fonts import list_fonts
+from paint3d.calligraphy.fonts.font_file import list_fonts
 from paint3d.calligraphy.seal.stone import LARGEST_MM, SMALLEST_MM
 from paint3d.errors import InputError
 

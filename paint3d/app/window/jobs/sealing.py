@@ -12,8 +12,7 @@ from paint3d.app.window.input.touch import Touch
 from paint3d.app.window.jobs.job import Progress
 from paint3d.app.window.wording import say
 from paint3d.app.window.workspace import Workspace
-from paint3d.calligraphy.seal.asked import cut_seal
-from paint3d.calligraphy.seal.stone import Seal
+from paint3d.calligraphy.seal.stone import Seal, cut_seal
 from paint3d.core.arrays import AnyArray
 from paint3d.view.camera import picture_axes
 

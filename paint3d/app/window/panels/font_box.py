@@ -5,7 +5,7 @@ from __future__ import annotations
 from PySide6 import QtCore, QtGui, QtWidgets
 
 from paint3d.app.window.wording import say
-from paint3d.calligraphy.fonts.system_fonts import list_fonts
+from paint3d.calligraphy.fonts.font_file import list_fonts
 from paint3d.errors import InputError
 
 __all__ = ["FontBox"]

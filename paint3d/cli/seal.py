@@ -9,7 +9,6 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from paint3d.cli.objects import load_object
 from paint3d.cli.options import (
     MATERIALS,
     UNITS,
@@ -20,6 +19,7 @@ from paint3d.cli.options import (
     add_up_option,
     check_output_file,
     check_overwriting,
+    load_object,
     parse_length_mm,
     parse_number,
     parse_place,
@@ -156,7 +156,7 @@ def run(options: argparse.Namespace) -> None:
     Paint3DError
         If anything handed in cannot be used, or the result cannot be written.
     """
-    from paint3d.calligraphy.seal.asked import cut_seal
+    from paint3d.calligraphy.seal.stone import cut_seal
     from paint3d.colour.inks import load_ink
     from paint3d.files.project.session import is_session_path
 

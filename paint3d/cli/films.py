@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import paint3d.cli.pictures.picture as pictures
+import paint3d.cli.picture as pictures
 from paint3d.cli.options import check_output_file, parse_number
 from paint3d.cli.progress import ProgressBar
 from paint3d.errors import InputError

@@ -9,10 +9,13 @@ from __future__ import annotations
 import argparse
 import logging
 import math
+import sys
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
+
+import numpy as np
 
 from paint3d.cli.options import check_output_file
 from paint3d.cli.progress import ProgressBar
@@ -24,8 +27,10 @@ from paint3d.errors import InputError
 if TYPE_CHECKING:
     from paint3d.calligraphy.glyphs import Glyph
     from paint3d.calligraphy.photo.copying import Asked, CopiedSheet
+    from paint3d.calligraphy.writing import Written
+    from paint3d.cli.results import Painting
 
-__all__ = ["HELP", "add_arguments", "run"]
+__all__ = ["HELP", "add_arguments", "run", "show_beside"]
 
 HELP = "copy writing from a photograph: find its strokes, then write them"
 
@@ -108,7 +113,7 @@ def run(options: argparse.Namespace) -> None:
         If the photograph cannot be used, or as `carry_out` says.
     """
     from paint3d.brush.presets import choose_brush, load_brush
-    from paint3d.calligraphy.photo.brush_room import check_widths
+    from paint3d.calligraphy.photo.copying import check_widths
     from paint3d.calligraphy.writing import write_page
 
     check_files(options, (options.photo, options.glyphs), (options.beside,))
@@ -129,8 +134,6 @@ def run(options: argparse.Namespace) -> None:
             options.material,
         )
     if options.beside is not None:
-        from paint3d.cli.photographs.beside import show_beside
-
         show_beside(sheet, written, painting, options)
 
 
@@ -173,9 +176,45 @@ def _asked(options: argparse.Namespace, scale: float) -> Asked:
 def _templates(text: str, folder: Path | None) -> dict[str, Glyph]:
     """The characters of a text that are known."""
     from paint3d.calligraphy.glyph_sources import open_glyphs
-    from paint3d.calligraphy.kanjivg_folder import find_kanjivg
+    from paint3d.calligraphy.kanjivg import find_kanjivg
 
     if not text or (folder is None and find_kanjivg() is None):
         return {}
     source = open_glyphs(folder)
     return {one: source.load(one) for one in dict.fromkeys(text) if source.has(one)}
+
+
+# ---- Beside the photograph -----------------------------------------------------------------------
+# A finished copy beside its photograph, and how alike they are.
+
+
+_GAP = 24  # pixels between the two pictures
+
+
+def show_beside(
+    sheet: CopiedSheet, written: Written, painting: Painting, options: argparse.Namespace
+) -> None:
+    """Write the sheet and the painting side by side, and tell the figures.
+
+    Raises
+    ------
+    ExportError
+        If the file cannot be written.
+    """
+    from PIL import Image
+
+    from paint3d.calligraphy.photo.likeness import likeness_of, painted_sheet
+    from paint3d.core.atomic import write_atomically
+
+    with ProgressBar("comparing", enabled=not options.quiet):
+        assert written.page is not None
+        placed = list(zip(written.page.pieces, written.placed, strict=True))
+        painted = painted_sheet(sheet, placed, painting.surface)
+        figures = likeness_of(sheet, painted)
+        gap = np.full((sheet.picture.shape[0], _GAP, 3), 255, np.uint8)
+        both = np.concatenate([sheet.picture, gap, painted.picture], axis=1)
+        with write_atomically(options.beside) as part:
+            kind = "PNG" if options.beside.suffix.lower() == ".png" else "JPEG"
+            Image.fromarray(both).save(part, kind)
+    if not options.quiet:
+        sys.stdout.write(f"{options.beside}: {figures.told()}\n")

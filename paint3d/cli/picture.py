@@ -7,6 +7,7 @@ import math
 import re
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from paint3d.cli.options import (
     MATERIALS,
@@ -17,12 +18,80 @@ from paint3d.cli.options import (
     own_file,
     parse_number,
 )
-from paint3d.cli.paintings import add_painting_argument, is_recording, open_painting
-from paint3d.cli.pictures.lights import add_light_options, viewing_of
 from paint3d.cli.progress import ProgressBar
+from paint3d.cli.results import add_painting_argument, is_recording, open_painting
 from paint3d.errors import InputError
 
-__all__ = ["FILM_SIZE", "HELP", "LIGHTS", "VIEWS", "add_arguments", "add_view_options", "run"]
+if TYPE_CHECKING:
+    from paint3d.colour.viewing import Viewing
+
+__all__ = [
+    "FILM_SIZE",
+    "HELP",
+    "LIGHTS",
+    "VIEWS",
+    "add_arguments",
+    "add_light_options",
+    "add_view_options",
+    "run",
+    "viewing_of",
+]
+
+# ---- Light ---------------------------------------------------------------------------------------
+# In which light, by which observer and on what screen a painting is shown: the options.
+
+
+_ADAPTATIONS, _GAMUTS = ("cat16", "bradford", "none"), ("srgb", "p3", "rec2020")
+
+
+def add_light_options(parser: argparse.ArgumentParser) -> None:
+    """Add --illuminant, --observer, --adaptation and --gamut."""
+    parser.add_argument(
+        "--illuminant",
+        metavar="LIGHT",
+        default="D65",
+        help="the light it is seen in: A, D50, D65, F2, F11, LED-B3 and others of the CIE, a "
+        "temperature such as 2700K, or a spectrum's FILE.spd, .csv or .spdx (default: D65)",
+    )
+    parser.add_argument(
+        "--observer",
+        metavar="DEGREES",
+        type=int,
+        choices=(2, 10),
+        default=2,
+        help="2 or 10: the CIE's standard observer of 1931 or of 1964 (default: 2)",
+    )
+    parser.add_argument(
+        "--adaptation",
+        choices=_ADAPTATIONS,
+        default="cat16",
+        help="of the eye to the light; none: white has the colour of the light (default: cat16)",
+    )
+    parser.add_argument(
+        "--gamut",
+        choices=_GAMUTS,
+        default="srgb",
+        help="colours that the file can hold; p3 and rec2020 for .png, .webp and .usdz "
+        "(default: srgb)",
+    )
+
+
+def viewing_of(options: argparse.Namespace) -> Viewing | None:
+    """What the options say; None where they change nothing.
+
+    Raises
+    ------
+    InputError
+        If the light is not known, or colour-science is missing.
+    """
+    from paint3d.colour.viewing import Viewing
+
+    found = Viewing(options.illuminant, options.observer, options.adaptation, options.gamut)
+    return None if found.is_plain else found
+
+
+# --------------------------------------------------------------------------------------------------
+
 
 HELP = "a picture of a painting, or a film of it turning"
 
@@ -156,7 +225,7 @@ def run(options: argparse.Namespace) -> None:
 
 def _draw_outlines(options: argparse.Namespace) -> None:
     from paint3d.app.model.stroke_log import strokes_of
-    from paint3d.cli.outlines import brush_of, check_is_plane, export_recordings
+    from paint3d.cli.results import brush_of, check_is_plane, export_recordings
     from paint3d.errors import ExportError
     from paint3d.files.project.session import Session
     from paint3d.recording.recording import load_recording

@@ -1,1 +1,0 @@
-"""Photographs of writing on the command line."""

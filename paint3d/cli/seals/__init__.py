@@ -1,1 +1,0 @@
-"""Seals on the command line."""
