@@ -31,7 +31,7 @@ _MM_PER_INCH = 25.4
 _S = 1_000_000_000  # ns; as by the events' own times, however late they are handed over:
 _PEN_LEFT_NS = 600 * _S  # for so long after a pen was seen, a finger alone does not paint
 _PALM_NS = _S // 5  # for so long after a pen was seen, what touches is the hand that holds it
-_STRAY_NS = _S // 5  # so shortly before or after a pen's touch, a mouse's is made up by its driver
+_STRAY_NS = _S // 10  # so shortly before or after a pen's touch, a mouse's is made up by its driver
 _PRESSURE_SLACK = 1e-3  # beyond 0 to 1: a driver's rounding
 _KIND, _BUTTON, _KEY = QtCore.QEvent.Type, QtCore.Qt.MouseButton, QtCore.Qt.KeyboardModifier
 _TOUCHES = (_KIND.TouchBegin, _KIND.TouchUpdate, _KIND.TouchEnd, _KIND.TouchCancel)
@@ -228,9 +228,10 @@ class Canvas(QtWidgets.QWidget):
             return  # one thing after the other
         place = event.position()
         time_ns = self._time_ns("mouse", event, handled)
-        if self._pen_touched_ns is not None and time_ns - self._pen_touched_ns < _STRAY_NS:
+        pressed = handled if "mouse" in self._clock.untimed else time_ns  # not evened out
+        if self._pen_touched_ns is not None and pressed - self._pen_touched_ns < _STRAY_NS:
             return
-        self._pressed_ns = time_ns
+        self._pressed_ns = pressed
         mode = _mode_of(event) or self.mode_at(place.x(), place.y(), event.modifiers())
         if mode is not None:
             self._begin(mode, "mouse", place)
