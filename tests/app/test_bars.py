@@ -17,8 +17,8 @@ from paint3d.app.model.persistence.sitting import Sitting, recoverable
 from paint3d.app.window import warming
 from paint3d.app.window.dialogs.film_dialog import Film
 from paint3d.app.window.jobs import job as jobs
+from paint3d.app.window.jobs import opening
 from paint3d.app.window.jobs.job import run_beside
-from paint3d.app.window.jobs.opening import _warm_up
 from tests.support.app.gestures import answer_bar, drag, wait_for
 from tests.support.app.windows import faults, opened, settled
 
@@ -100,8 +100,10 @@ def _save_and_open(window, folder: Path) -> bool:
 
 
 def _warm(window, folder: Path) -> bool:
-    warming._warm.clear()
-    return window.workspace.went_well(window.workspace.run("warming", _warm_up))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(warming, "_warm", [])
+        patch.setattr(opening, "is_warm", lambda: False)
+        return window.opening.open_path("plane", 4.0, "xuan", asked=True)
 
 
 def _refine(window, folder: Path) -> bool:

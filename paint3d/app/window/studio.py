@@ -181,7 +181,7 @@ class StudioWindow(QtWidgets.QMainWindow):
         self.canvas.resized.connect(self._resized)
         self.canvas.dropped.connect(self.opening.open_path)
         self.canvas.untimed.connect(lambda: workspace.tell(say(_UNTIMED)))
-        self.canvas.misread.connect(lambda: workspace.tell(say(_MISREAD), state="bad"))
+        self.canvas.misread.connect(lambda: workspace.tell(say(_MISREAD), state="bad", stays=True))
         self.recent.chosen.connect(self.opening.open_path)
         self.commands.menus["file"].aboutToShow.connect(self.recovery.fill_menu)
         panels.history.asked.connect(self.recalling.go_to)
