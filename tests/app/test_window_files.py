@@ -510,6 +510,43 @@ def test_whole_copies_are_kept_as_often_as_was_chosen_however_much_is_painted(pr
         wait_for(lambda: paints.sitting.number > first)
 
 
+@pytest.mark.skipif(os.name == "nt", reason="rights are others there")
+@pytest.mark.parametrize("umask", [0o000, 0o022, 0o077])
+def test_what_is_kept_is_the_users_alone_whatever_the_umask(
+    program, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, umask: int
+) -> None:
+    """Also among what an older version has left open to others."""
+    state, config = tmp_path / "home" / "state", tmp_path / "home" / "config"
+    monkeypatch.setenv("PAINT3D_STATE", str(state))
+    monkeypatch.setenv("PAINT3D_CONFIG", str(config))
+    before = os.umask(umask)
+    try:
+        if umask == 0o022:
+            (state / "sittings").mkdir(parents=True)
+        with opened(program, resolution=2.0) as window:
+            paints = window.stage.easel
+            drag(window.canvas, (0.4, 0.45), (0.6, 0.5), n=8)
+            settled(window)
+            paints.keep_every(0.1)
+            drag(window.canvas, (0.4, 0.55), (0.6, 0.55), n=8)
+            wait_for(lambda: paints.sitting.number > 1)
+            paints.keep_every(1e9)
+            settled(window)
+            window.workspace.keep(theme="light")
+            kept = [*(state / "sittings").rglob("*"), *config.rglob("*"), state / "sittings"]
+            if umask != 0o022:
+                kept += [state, config]
+            modes = {path.name: path.stat().st_mode & 0o777 for path in kept}
+            folders = {path.name for path in kept if path.is_dir()}
+    finally:
+        os.umask(before)
+    assert {"lock", "about.json", "settings.json"} <= set(modes)
+    assert any(name.startswith("journal-") for name in modes)
+    assert {name: oct(mode) for name, mode in modes.items()} == {
+        name: oct(0o700 if name in folders else 0o600) for name in modes
+    }
+
+
 def test_what_a_full_disk_could_not_keep_is_kept_as_soon_as_there_is_room(
     program, tmp_path: Path, monkeypatch
 ) -> None:
