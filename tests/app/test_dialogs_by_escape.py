@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import tempfile
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 
+import numpy as np
 import pytest
+from PIL import Image
 
 pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
@@ -26,6 +30,20 @@ def window(program):
         drag(window.canvas, (0.45, 0.5), (0.55, 0.5), n=6)
         settled(window)
         yield window
+
+
+def correct(window) -> None:
+    """Correct the strokes found in a picture of writing."""
+    pytest.importorskip("skimage", reason="scikit-image is not installed")
+    button = window.panels.copybook.correct_button
+    if not button.isEnabled():
+        pixels = np.full((300, 300, 3), 235, np.uint8)
+        pixels[60:84, 50:250] = pixels[200:224, 50:250] = 20
+        with tempfile.TemporaryDirectory() as folder:
+            file = Path(folder) / "two.png"
+            Image.fromarray(pixels).save(file)
+            assert window.copying.layout_file(str(file), 30.0)
+    button.click()
 
 
 def by_action(name: str) -> Callable[..., object]:
@@ -49,6 +67,7 @@ MODAL: dict[str, Callable[..., object]] = {
             "shortcuts", "about",
         )
     },
+    "correct": correct,
     "move": by_edit("move"),
     "time": by_edit("time"),
     **{f"export {suffix}": export(suffix) for suffix in (".glb", ".html", ".png", ".3mf")},
