@@ -14,7 +14,7 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 from PySide6 import QtCore, QtGui, QtTest, QtWidgets
 
 from paint3d.app.model.input.event_clock import EventClock
-from paint3d.app.model.input.navigation import roll_of
+from paint3d.app.model.input.navigation import dolly, roll_of
 from paint3d.view.camera import picture_axes
 from tests.support.app.gestures import ALT, BUTTON, KIND, drag, live, mouse, type_key, wait_for
 from tests.support.app.pointers import HAND, Touching, pen, pen_drag, tap
@@ -87,9 +87,10 @@ def changes(window, before) -> set[str]:
     return found
 
 
-def test_near_shows_one_and_a_half_tufts_all_round_and_never_less_near(window) -> None:
+@pytest.mark.parametrize("brush", ["gongbi", "full"])
+def test_near_shows_three_quarters_of_a_tuft_all_round_and_never_less_near(window, brush) -> None:
     canvas = window.canvas
-    window.workspace.post("set_brush", "gongbi")
+    window.workspace.post("set_brush", brush)
     settled(window)
     length = window.document.painter.brush.length_mm
     mouse(canvas, KIND.MouseMove, 0.45 * canvas.width(), 0.5 * canvas.height())
@@ -99,13 +100,56 @@ def test_near_shows_one_and_a_half_tufts_all_round_and_never_less_near(window) -
     camera = window.hand.camera
     np.testing.assert_allclose(camera.focus, place, atol=1e-6)
     half = np.tan(0.5 * camera.view_angle) * distance(window)
-    assert distance(window) < first
-    assert 1.5 * length <= half <= 2.0 * length
+    assert distance(window) < 0.5 * first
+    assert 0.75 * length <= half <= 1.0 * length
     for _ in range(6):
         canvas.wheeled.emit(3.0, 0.5 * canvas.width(), 0.5 * canvas.height())
     near = distance(window)
     type_key(canvas, KEY.Key_F)
     assert distance(window) <= near * (1 + 1e-9)
+
+
+def test_near_asked_for_again_changes_nothing_until_the_pointer_or_the_brush_does(window) -> None:
+    """The place that was come near to is in the middle then, and another under the pointer."""
+    canvas = window.canvas
+    at = 0.4 * canvas.width(), 0.4 * canvas.height()
+    window.workspace.post("set_brush", "gongbi")
+    settled(window)
+    mouse(canvas, KIND.MouseMove, *at)
+    type_key(canvas, KEY.Key_F)
+    near = window.hand.camera
+    for _ in range(3):
+        type_key(canvas, KEY.Key_F)
+        mouse(canvas, KIND.MouseMove, at[0] + 1, at[1])  # no hand is that still
+    assert window.hand.camera is near
+    window.workspace.post("step_brush", -1)
+    settled(window)
+    type_key(canvas, KEY.Key_F)
+    nearer = window.hand.camera
+    assert nearer is not near
+    mouse(canvas, KIND.MouseMove, 0.6 * canvas.width(), 0.6 * canvas.height())
+    type_key(canvas, KEY.Key_F)
+    assert changes(window, nearer) == {"pan"}
+    assert distance(window) == pytest.approx(np.linalg.norm(nearer.position - nearer.focus))
+
+
+SIDES = [f"look_{side}" for side in ("front", "back", "left", "right", "top", "bottom")]
+
+
+@pytest.mark.parametrize("action", [*SIDES, "frame_all"])
+def test_all_is_seen_as_large_as_there_is_room_from_each_side_also_when_asked_again(
+    window, action
+) -> None:
+    """From a side the ball was as small as the box around it needs when it is turned."""
+    window.hand.look(dolly(window.hand.camera, 3.0))
+    window.workspace.actions[action].trigger()
+    first = window.hand.camera
+    points = window.document.surface.source.vertices - first.position
+    _, up, back = picture_axes(first)
+    high = np.abs(points @ up / (points @ back)).max() / np.tan(0.5 * first.view_angle)
+    assert 0.75 < high < 1.0
+    window.workspace.actions[action].trigger()
+    assert changes(window, first) == set()
 
 
 @pytest.mark.parametrize(

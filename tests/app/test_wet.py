@@ -297,10 +297,16 @@ def test_nothing_is_written_down_where_all_is_dry(tmp_path):
 
 
 @pytest.fixture
-def wet_sitting(quick_wall, tmp_path):
+def base_every_s():
+    """No base but the first."""
+    return 1e9
+
+
+@pytest.fixture
+def wet_sitting(quick_wall, tmp_path, base_every_s):
     """Strokes that run into one another, while time goes on; left to be recovered."""
     document = small_plane(1.0, material="xuan")
-    easel = Easel(document, wet=True, sitting=Sitting(document, tmp_path), base_every_s=1e9)
+    easel = Easel(document, True, Sitting(document, tmp_path), base_every_s)
     for k in range(4):
         easel.post("begin_stroke")
         for sample in line((-20, 6 * k), (20, 6 * k - 10), n=40):
@@ -345,12 +351,8 @@ def test_recovery_can_be_stopped_and_done_later(wet_sitting, tmp_path):
     same_vertices(recoverable(tmp_path)[0].recover().document.surface, wet_sitting.surface)
 
 
-@pytest.fixture
-def little_is_dear(monkeypatch):
-    monkeypatch.setattr(easels, "_DEAR_S", 0.02)
-
-
-def test_a_new_base_is_saved_before_recovering_takes_long(little_is_dear, wet_sitting, tmp_path):
+@pytest.mark.parametrize("base_every_s", [-1.0])  # the clock stands still
+def test_a_wet_sitting_comes_back_to_the_bit_from_a_later_base(wet_sitting, tmp_path):
     (unfinished,) = recoverable(tmp_path)
     (base,) = unfinished.folder.glob("base-*")
     assert int(base.stem.split("-")[1]) > 1

@@ -52,7 +52,6 @@ _ENDS = frozenset({"begin_stroke", "cancel_stroke", "end_stroke"})
 _BASE_EVERY_S = 120.0
 _AGAIN_S = 10.0  # after which a base is tried again that is to make up for a gap in the journal
 _LIVE_S = 0.002  # between two looks whether the window has said that it lives
-_DEAR_S = 3.0  # of work since the last base, after which the next is due: what recovering costs
 
 Command = str | Callable[[Document], object]
 
@@ -150,7 +149,6 @@ class Easel:
         self._writer = None if sitting is None else _JournalWriter(sitting, document, self.tell)
         self._base_time, self._base_step = time.monotonic(), 0
         self._base_due = False
-        self._work_s = 0.0  # since the last base
         self.n_painted = 0
         self._jobs: deque[_Job] = deque()
         self._brushes: deque[BrushSpec] = deque()  # asked for and not yet in hand
@@ -463,7 +461,6 @@ class Easel:
         return min(_AGAIN_S, self.base_every_s) if self._writer.has_gap else self.base_every_s
 
     def _work(self) -> None:
-        before = time.thread_time()
         with self._wake:
             job = self._jobs.popleft() if self._jobs else None
         if job is not None:
@@ -471,7 +468,6 @@ class Easel:
             self._n_done += job.command != _FOLLOW
         elif self._wet:
             self._wait_for_the_hand()
-        self._work_s += time.thread_time() - before
         if self._slot is None and self._stale:
             self._guarded("showing", self._publish)
         if not self._jobs:
@@ -564,7 +560,7 @@ class Easel:
         if self._writer is None or self.document.in_stroke:
             return
         passed_s = time.monotonic() - self._base_time
-        late = passed_s > self.base_every_s or self._work_s > _DEAR_S
+        late = passed_s > self.base_every_s
         gap = self._writer.has_gap and passed_s > _AGAIN_S
         if not (self._base_due or gap or (late and self._writer.n_put)):
             return
@@ -573,7 +569,7 @@ class Easel:
                 return
             turned = self._writer.turn_page()  # what comes from now on is in the next journal
             self._base_due = False
-        self._base_time, self._work_s = time.monotonic(), 0.0
+        self._base_time = time.monotonic()
         self._base_step = self.document.steps.newest
         turned.result()
         gap = self._writer.had_gap

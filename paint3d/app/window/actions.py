@@ -25,6 +25,7 @@ __all__ = ["Actions"]
 
 _LARGE, _SMALL = QtCore.QSize(19, 19), QtCore.QSize(16, 16)
 _TIGHTEST = 2  # how close together tools are drawn: from 0 to this
+_NEVER_LOST = ("undo", "redo")  # asked for while they look disabled, too: see `Actions.bind`
 
 
 class Actions:
@@ -47,6 +48,7 @@ class Actions:
 
     def __init__(self, workspace: Workspace, tapped: Iterable[str]) -> None:
         self._workspace, self._tapped = workspace, frozenset(tapped)
+        self._do: dict[str, Callable[[], object]] = {}  # without asking whether it is enabled
         self.menus: dict[str, QtWidgets.QMenu] = {}
         for name, actions in MENUS.items():
             menu = self.menus[name] = workspace.window.menuBar().addMenu(say(f"menu.{name}"))
@@ -92,7 +94,11 @@ class Actions:
         return bar
 
     def bind(self, doers: Iterable[object]) -> None:
-        """Have each action done by the one of the doers that has a ``do_<action>``."""
+        """Have each action done by the one of the doers that has a ``do_<action>``.
+
+        Undo and redo look as the last frame says. Their keys and taps are heard whatever it says:
+        what was asked for since may have brought something to undo or redo.
+        """
         doers = tuple(doers)
         for name, action in self._workspace.actions.items():
             do = next(getattr(d, f"do_{name}") for d in doers if hasattr(d, f"do_{name}"))
@@ -100,10 +106,25 @@ class Actions:
                 action.toggled.connect(do)
             else:
                 action.triggered.connect(_without_state(do))
+            if name in _NEVER_LOST:
+                self._hear_always(name, do)
+
+    def _hear_always(self, name: str, do: Callable[[], object]) -> None:
+        """Do what an action does by its keys while it is disabled, and so swallows them."""
+        action = self._workspace.actions[name]
+        keys = QtGui.QShortcut(self._workspace.window)
+        keys.setKeys(action.shortcuts())
+        keys.activated.connect(do)
+        keys.setEnabled(not action.isEnabled())  # else they would be ambiguous, and do nothing
+        action.changed.connect(lambda: keys.setEnabled(not action.isEnabled()))
+        self._do[name] = do
 
     def trigger(self, name: str) -> None:
         """Ask for one by its name."""
-        self._workspace.actions[name].trigger()
+        if name in self._do:
+            self._do[name]()
+        else:
+            self._workspace.actions[name].trigger()
 
     def set_open(self, is_open: bool) -> None:
         """Let what needs a painting be asked for, or not; what was lit for another one goes out."""

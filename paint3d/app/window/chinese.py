@@ -72,6 +72,8 @@ CHINESE = {
     "Paint with the left button or a pen; turn with Alt or the middle button":
         "左键或压感笔作画；按 Alt 或中键转动",
     "This pen gives no times of its own; they are evened out": "这支笔不报时间，已按间隔均匀处理",
+    "This pen gives pressures outside 0 to 1; they are clipped":
+        "这支笔报告的压力超出 0 到 1，已截取到此范围",
     "feibai": "飞白", "langhao": "狼毫", "yanghao": "羊毫", "jianhao": "兼毫",
     "Grips on the picture": "画面上的握柄", "Show the mask": "显示遮罩",
     "Still painting; ask again in a moment": "仍在作画，请稍后再试",

@@ -48,6 +48,8 @@ class PaintActions:
 
     def do_undo(self) -> None:
         """Take the last step back; that of a recording that is replayed, as far as it came."""
+        if self._workspace.stage.easel is None:
+            return
         self._player.take_back()
         self._recalling.undo()
 

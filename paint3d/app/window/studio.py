@@ -59,6 +59,7 @@ __all__ = ["StudioWindow"]
 _TICK_MS = 12
 _REST = 0.25  # of a picture's time, left to hand and painting before the next one
 _UNTIMED = "This pen gives no times of its own; they are evened out"
+_MISREAD = "This pen gives pressures outside 0 to 1; they are clipped"
 
 
 class StudioWindow(QtWidgets.QMainWindow):
@@ -180,6 +181,7 @@ class StudioWindow(QtWidgets.QMainWindow):
         self.canvas.resized.connect(self._resized)
         self.canvas.dropped.connect(self.opening.open_path)
         self.canvas.untimed.connect(lambda: workspace.tell(say(_UNTIMED)))
+        self.canvas.misread.connect(lambda: workspace.tell(say(_MISREAD), state="bad", stays=True))
         self.recent.chosen.connect(self.opening.open_path)
         self.commands.menus["file"].aboutToShow.connect(self.recovery.fill_menu)
         panels.history.asked.connect(self.recalling.go_to)

@@ -41,16 +41,16 @@ def is_warm() -> bool:
     return all(map(is_ahead, (paint_samples, drape_points, cone_of, add_shine, enlarge)))
 
 
-def warm_up(progress: Callable[[], None] = lambda: None) -> None:
+def warm_up(progress: Callable[[float], None] = lambda _: None) -> None:
     """Paint a stroke that nobody sees; once, some tenths of a second, a minute the first time.
 
     Parameters
     ----------
     progress : callable
-        Called between the steps; what it raises stops them.
+        Called with the share done between the steps; what it raises stops them.
     """
     while not _one_at_a_time.acquire(timeout=_LOOK_S):  # one that was given up goes on for a while
-        progress()
+        progress(0.0)
     try:
         if not _warm:
             _paint_unseen(progress)
@@ -59,27 +59,27 @@ def warm_up(progress: Callable[[], None] = lambda: None) -> None:
         _one_at_a_time.release()
 
 
-def _paint_unseen(progress: Callable[[], None]) -> None:
+def _paint_unseen(progress: Callable[[float], None]) -> None:
     document = Document.new("plane", 4.0, "xuan")
     hand, brush = Hand(ClosestPoints(document.surface.source)), document.painter.brush
     shown = LiveObject(document.surface)
     for upload in shown.uploads(document.refresh()):
         cone_of(upload.points, upload.faces, np.zeros(4))
-    progress()
+    progress(0.2)
     document.begin_stroke()
     samples = hand.begin(_over(0), brush)
     assert samples is not None, "the pen is over the sheet"
     for k in range(1, 6):
         samples += hand.move(_over(k), brush)
     document.feed(samples)
-    progress()
+    progress(0.7)
     document.end_stroke()
     document.let_time_pass(0.05)
-    progress()
+    progress(0.9)
     shown.uploads(document.refresh())
     _turn(shown)
     _stand(document, samples[-1])
-    progress()
+    progress(0.98)
     document.undo()
 
 

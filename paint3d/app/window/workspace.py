@@ -143,7 +143,6 @@ class Workspace(QtCore.QObject):
             return True
 
         def wait(progress: Progress) -> None:
-            progress.expect(0.0, 0.98, 1.0)
             while not easel.has_halted(_LOOK_S):
                 progress.check()
 

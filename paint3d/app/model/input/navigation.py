@@ -1,5 +1,4 @@
-"""Moving the camera around the object, as pure steps: orbit, pan, dolly, roll, frame, look from a
-side.
+"""Moving the camera around the object, as pure steps: orbit, pan, dolly, roll, frame.
 
 Drags are counted in pixels of a picture of some height, so that what lies under the pointer at the
 focus stays under it.
@@ -14,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from paint3d.core.arrays import AnyArray, as_array, as_number, cross, length_of
-from paint3d.errors import InputError, UnknownNameError
+from paint3d.errors import InputError
 from paint3d.view.camera import Camera, picture_axes
 
 __all__ = [
@@ -23,7 +22,6 @@ __all__ = [
     "approach",
     "dolly",
     "frame",
-    "look_from",
     "orbit",
     "pan",
     "ray_at",
@@ -188,21 +186,6 @@ def approach(camera: Camera, centre: ArrayLike, radius: float, aspect: float = 1
     now = length_of(camera.position - camera.focus)
     wanted = length_of(nearer.position - nearer.focus)
     return nearer if wanted <= now else dolly(nearer, wanted / now)
-
-
-def look_from(camera: Camera, side: str) -> Camera:
-    """Look at the focus from one of `SIDES`, from as far as now.
-
-    Raises
-    ------
-    UnknownNameError
-        If there is no such side.
-    """
-    if side not in SIDES:
-        raise UnknownNameError("side", str(side), SIDES)
-    towards, up = (np.array(vector) for vector in SIDES[side])
-    distance = length_of(camera.position - camera.focus)
-    return replace(camera, position=camera.focus + distance * towards, up=up)
 
 
 def ray_at(camera: Camera, x: float, y: float, size: tuple[float, float]) -> Ray:

@@ -12,7 +12,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from paint3d.app.model.input.pressure_curve import PressureCurve
-from paint3d.app.model.persistence.places import config_folder, usual_config_folder
+from paint3d.app.model.persistence.places import (
+    config_folder,
+    make_private,
+    make_private_folder,
+    usual_config_folder,
+)
 from paint3d.colour.materials import Material, load_materials
 from paint3d.core.arrays import as_number
 from paint3d.core.atomic import write_atomically
@@ -275,9 +280,10 @@ def save_settings(settings: Settings, folder: Path | None = None) -> None:
     """
     file = _file(folder)
     try:
-        file.parent.mkdir(parents=True, exist_ok=True)
+        make_private_folder(file.parent)
     except OSError as cause:
         raise ExportError(f"{file.parent}: cannot be made: {cause.strerror or cause}") from None
     values = {"version": VERSION, **dataclasses.asdict(settings)}
     with write_atomically(file) as part:
+        make_private(part)  # it says which files were opened
         part.write_text(json_text(values, indent=1) + "\n", encoding="utf-8")

@@ -3,7 +3,8 @@
 A sitting is a folder. ``base-K.p3d`` is the painting at a moment, ``journal-K.p3dj`` all samples
 and commands since, in order; doing them again on the base gives the same painting to the bit.
 Saving a new base starts a new journal first, so at every moment some base and the journals after it
-hold everything. A lock that dies with the program tells whether a sitting is going on.
+hold everything. A lock that dies with the program tells whether a sitting is going on. Folder and
+files are the user's alone.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from typing import BinaryIO
 
 from paint3d.app.model.commands import do_again, encode_command
 from paint3d.app.model.document import Document, FileState
-from paint3d.app.model.persistence.places import recovery_folder
+from paint3d.app.model.persistence.places import make_private, make_private_folder, recovery_folder
 from paint3d.core.machine import is_locked, lock
 from paint3d.device.recorded import Recording
 from paint3d.device.sample import DeviceSample
@@ -71,8 +72,10 @@ class Sitting:
         self._before: Journal | None = None  # which ends by itself
         self._in_file = document.steps.newest
         try:
-            self.folder.mkdir(parents=True)
+            make_private_folder(self.folder)
+            make_private(root)  # an older version may have let others look
             self._lock = open(self.folder / _LOCK, "wb")  # noqa: SIM115 - for as long as it lives
+            make_private(self.folder / _LOCK)
             lock(self._lock)
         except OSError as cause:
             raise _unkeepable(root, cause) from None
@@ -144,7 +147,9 @@ class Sitting:
         ExportError
             If it cannot be saved; the older base and all journals stay.
         """
-        document.save_copy(self.folder / f"base-{self._number}.p3d")
+        base = self.folder / f"base-{self._number}.p3d"
+        document.save_copy(base)
+        make_private(base)
         with suppress(ExportError):  # turning the page will tell
             self._lay_out_page()
         with suppress(OSError):
@@ -158,6 +163,7 @@ class Sitting:
         """Make the next journal ready: turning the page waits for no disk, nor who paints on."""
         if self._next is None:
             self._next = Journal(self.folder / f"journal-{self._number + 1}.p3dj", {})
+            make_private(self._next.path)
 
     def _has_undone(self, document: Document) -> bool:
         """Whether something was undone, all of it perhaps, that is in no file."""
@@ -185,6 +191,7 @@ class Sitting:
     def _write_about(self) -> None:
         temporary = self.folder / f".{_ABOUT}"
         temporary.write_text(json.dumps(self._about), encoding="utf-8")
+        make_private(temporary)
         os.replace(temporary, self.folder / _ABOUT)
 
     def close(self, keep: bool = False) -> None:

@@ -21,6 +21,17 @@ _PATCH = QtCore.QSize(86, 44)
 _GOOD, _FAIR = 1.0, 3.0  # CIEDE2000: hardly seen; seen side by side
 
 
+class _Picker(QtWidgets.QColorDialog):
+    """Qt's dialog as a part of another one."""
+
+    def keyPressEvent(self, event: QtGui.QKeyEvent) -> None:
+        """Leave Escape to the dialog around it: Qt's own would close the picker alone."""
+        if event.matches(QtGui.QKeySequence.StandardKey.Cancel):
+            event.ignore()
+        else:
+            super().keyPressEvent(event)
+
+
 class ColourDialog(QtWidgets.QDialog):
     """Choose a colour; painting goes on beside it.
 
@@ -58,7 +69,7 @@ class ColourDialog(QtWidgets.QDialog):
         self._worker = ThreadPoolExecutor(1, thread_name_prefix="paint3d-colour")
         self._next: QtGui.QColor | None = None
         self._coming: Future[Nearest] | None = None
-        self.picker = QtWidgets.QColorDialog()
+        self.picker = _Picker()
         option = QtWidgets.QColorDialog.ColorDialogOption
         self.picker.setOptions(option.NoButtons | option.DontUseNativeDialog)
         self.picker.setWindowFlags(QtCore.Qt.WindowType.Widget)

@@ -110,6 +110,9 @@ class FactorCurve(QtWidgets.QWidget):
 
     def mousePressEvent(self, event: QtGui.QMouseEvent) -> None:
         """Hold a point, make one, or take one away."""
+        left = QtCore.Qt.MouseButton.LeftButton
+        if event.button() != left and event.buttons() & left:
+            return  # beside the button that holds one
         place = event.position()
         at = self._point_at(place)
         if event.button() == QtCore.Qt.MouseButton.RightButton:
@@ -135,8 +138,9 @@ class FactorCurve(QtWidgets.QWidget):
         self._tell((*self.points[:at], (x, y), *self.points[at + 1 :]))
 
     def mouseReleaseEvent(self, event: QtGui.QMouseEvent) -> None:
-        """Let go of it."""
-        self._held = -1
+        """Let go of it with the button that holds it."""
+        if not event.buttons() & QtCore.Qt.MouseButton.LeftButton:
+            self._held = -1
 
     def _fits(self, x: float, at: int, after: int) -> bool:
         """Whether an input lies between the points before a place and from another on."""

@@ -51,6 +51,7 @@ class PictureView(QtWidgets.QWidget):
         self._is_whole = True
         self._pressed: QtCore.QPointF | None = None
         self._last, self._moved, self._holds = QtCore.QPointF(), False, False
+        self._button = _BUTTON.LeftButton
         self.setMinimumSize(300, 240)
         self.setFocusPolicy(QtCore.Qt.FocusPolicy.StrongFocus)
         self.grabGesture(QtCore.Qt.GestureType.PinchGesture)
@@ -112,7 +113,7 @@ class PictureView(QtWidgets.QWidget):
 
     def mousePressEvent(self, event: QtGui.QMouseEvent) -> None:
         """Begin a click or a drag."""
-        self._begin(event.position(), event.button())
+        self._begin(event.position(), event.button(), event.buttons())
 
     def mouseMoveEvent(self, event: QtGui.QMouseEvent) -> None:
         """Go on with it."""
@@ -120,20 +121,24 @@ class PictureView(QtWidgets.QWidget):
 
     def mouseReleaseEvent(self, event: QtGui.QMouseEvent) -> None:
         """End it; where nothing was moved it was a click."""
-        self._end(event.position(), event.button())
+        self._end(event.position(), event.buttons())
 
     def tabletEvent(self, event: QtGui.QTabletEvent) -> None:
         """Do the same with a pen."""
         if event.type() == _KIND.TabletPress:
-            self._begin(event.position(), event.button())
+            self._begin(event.position(), event.button(), event.buttons())
         elif event.type() == _KIND.TabletRelease:
-            self._end(event.position(), event.button())
+            self._end(event.position(), event.buttons())
         else:
             self._go_on(event.position())
         event.accept()
 
-    def _begin(self, place: QtCore.QPointF, button: QtCore.Qt.MouseButton) -> None:
-        self._last, self._moved, self._pressed = place, False, place
+    def _begin(
+        self, place: QtCore.QPointF, button: QtCore.Qt.MouseButton, down: QtCore.Qt.MouseButton
+    ) -> None:
+        if self._pressed is not None and button != self._button and down & self._button:
+            return  # beside the button that drags
+        self._last, self._moved, self._pressed, self._button = place, False, place, button
         self._holds = button == _BUTTON.LeftButton and self.take_hold(place)
 
     def _go_on(self, place: QtCore.QPointF) -> None:
@@ -148,10 +153,12 @@ class PictureView(QtWidgets.QWidget):
             self._last, self._is_whole = place, False
             self.update()
 
-    def _end(self, place: QtCore.QPointF, button: QtCore.Qt.MouseButton) -> None:
+    def _end(self, place: QtCore.QPointF, still_down: QtCore.Qt.MouseButton) -> None:
+        if still_down & self._button:
+            return  # another button was let go of
         was_click = self._pressed is not None and not (self._moved or self._holds)
         self._pressed = None
-        if was_click and button == _BUTTON.LeftButton:
+        if was_click and self._button == _BUTTON.LeftButton:
             self.clicked.emit(*self.pixel(place))
 
     def wheelEvent(self, event: QtGui.QWheelEvent) -> None:

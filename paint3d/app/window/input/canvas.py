@@ -31,6 +31,8 @@ _MM_PER_INCH = 25.4
 _S = 1_000_000_000  # ns; as by the events' own times, however late they are handed over:
 _PEN_LEFT_NS = 600 * _S  # for so long after a pen was seen, a finger alone does not paint
 _PALM_NS = _S // 5  # for so long after a pen was seen, what touches is the hand that holds it
+_STRAY_NS = _S // 10  # so shortly before or after a pen's touch, a mouse's is made up by its driver
+_PRESSURE_SLACK = 1e-3  # beyond 0 to 1: a driver's rounding
 _KIND, _BUTTON, _KEY = QtCore.QEvent.Type, QtCore.Qt.MouseButton, QtCore.Qt.KeyboardModifier
 _TOUCHES = (_KIND.TouchBegin, _KIND.TouchUpdate, _KIND.TouchEnd, _KIND.TouchCancel)
 _RELEASED = QtGui.QEventPoint.State.Released
@@ -68,6 +70,8 @@ class Canvas(QtWidgets.QWidget):
         A file was let fall here.
     untimed : ()
         A pen gives no times of its own: the first time that this is found.
+    misread : ()
+        A pen gives a pressure outside 0 to 1: the first time that this is found.
 
     Attributes
     ----------
@@ -97,6 +101,7 @@ class Canvas(QtWidgets.QWidget):
     resized = QtCore.Signal()
     dropped = QtCore.Signal(str)
     untimed = QtCore.Signal()
+    misread = QtCore.Signal()
 
     def __init__(self, parent: QtWidgets.QWidget | None = None) -> None:
         super().__init__(parent)
@@ -125,6 +130,9 @@ class Canvas(QtWidgets.QWidget):
         self._by = ""  # what began it: "mouse", "pen" or "finger"
         self._finger_pressure: float | None = None
         self._pen_down = self._mouse_down = self._finger_down = self._palm = False
+        self._pressed_ns = 0  # when mouse or finger came down last
+        self._pen_touched_ns: int | None = None  # when a pen was down last, on whatever
+        self._has_misread = False
         self.pen_seen_ns: int | None = None
         self._clock = EventClock()
 
@@ -219,11 +227,15 @@ class Canvas(QtWidgets.QWidget):
         if self._mode is not None or self._mouse_down or self._pen_down or self._finger_down:
             return  # one thing after the other
         place = event.position()
+        time_ns = self._time_ns("mouse", event, handled)
+        pressed = handled if "mouse" in self._clock.untimed else time_ns  # not evened out
+        if self._pen_touched_ns is not None and pressed - self._pen_touched_ns < _STRAY_NS:
+            return
+        self._pressed_ns = pressed
         mode = _mode_of(event) or self.mode_at(place.x(), place.y(), event.modifiers())
         if mode is not None:
             self._begin(mode, "mouse", place)
         else:
-            time_ns = self._time_ns("mouse", event, handled)
             self._mouse_down = True
             self._touch(touch_of_mouse(event, time_ns))
 
@@ -280,11 +292,15 @@ class Canvas(QtWidgets.QWidget):
         event.accept()
         self._take_focus()
         time_ns = self.pen_seen_ns = self._time_ns("pen", event, handled)
+        self._look_at_pressure(event.pressure())
         place = event.position()
         if self._by == "pen":
+            self._pen_touched_ns = time_ns
             self._steer_with_pen(event)
             return
-        if event.type() == _KIND.TabletPress and not self._pen_down and self._mode is None:
+        if event.type() == _KIND.TabletPress and not self._pen_down:
+            self._take_over(time_ns, place)
+            self._pen_touched_ns = time_ns
             self.setFocus(QtCore.Qt.FocusReason.MouseFocusReason)
             mode = _mode_of_pen(event)
             if mode is None and event.pointerType() != _ERASER:
@@ -297,11 +313,36 @@ class Canvas(QtWidgets.QWidget):
         self._pen_down = touch.down and (was_down or event.type() == _KIND.TabletPress)
         touch = replace(touch, down=self._pen_down)
         if touch.down or was_down:
+            self._pen_touched_ns = time_ns
             self._touch(touch)  # a stroke ends on a grip, too
         elif not self.grip_at(place.x(), place.y()):
             self._touch(touch)
         else:
             self.left.emit()
+
+    def _look_at_pressure(self, pressure: float) -> None:
+        """Tell once that a pen's pressure is none."""
+        if not (self._has_misread or -_PRESSURE_SLACK <= pressure <= 1.0 + _PRESSURE_SLACK):
+            self._has_misread = True
+            self.misread.emit()
+
+    def _take_over(self, time_ns: int, place: QtCore.QPointF) -> None:
+        """Let a pen that comes down have the picture: what mouse or finger do ends there.
+
+        What they began just before is taken back: a mouse's press was made up by the pen's driver,
+        a finger's was the hand that holds the pen.
+        """
+        if self._by:
+            self._end(place)
+        if self._mouse_down or self._finger_down:
+            self._mouse_down = self._finger_down = False
+            if self._had_by is None and time_ns - self._pressed_ns < _STRAY_NS:
+                self._is_down = False
+                self.taken_back.emit()
+            else:
+                self._touch(Touch(time_ns, place.x(), place.y()))
+        self._fingers.cancel(time_ns)
+        self._palm = True  # until all fingers are lifted
 
     def _steer_with_pen(self, event: QtGui.QTabletEvent) -> None:
         """Steer until tip and buttons are let go of."""
@@ -349,6 +390,8 @@ class Canvas(QtWidgets.QWidget):
             self._finger_down = self._is_down = False
             self.taken_back.emit()
         else:
+            if meant.kind == "press":
+                self._pressed_ns = meant.time_ns
             down = self._finger_down = meant.kind != "lift"
             pressure = self._finger_pressure
             self._touch(Touch(meant.time_ns, meant.x, meant.y, pressure, down=down))

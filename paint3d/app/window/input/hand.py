@@ -28,7 +28,8 @@ _FORCE_A_PIXEL = 0.02  # N a pixel of a drag with Shift+F
 _FIRST_VIEW = View((0.12, -1.0, 0.62))
 _FLAT_VIEW = np.array([0.0, -0.45, 1.0])  # in the sheet's own axes
 _BENDS_PX = 6.0  # a motion that tells whither the tuft is to bend
-_CLOSE = 1.5  # tuft lengths that are seen all round of what is under the pointer
+_CLOSE = 0.75  # tuft lengths that are seen all round of what is under the pointer
+_STAYS_PX = 6.0  # that a pointer moves which stays where it was
 
 
 class CanvasHand(QtCore.QObject):
@@ -67,6 +68,7 @@ class CanvasHand(QtCore.QObject):
         self._bends_from: tuple[float, float] | None = None  # and since the mouse turns its bend
         self._bend: AnyArray | None = None  # whither its tip was told to point, object's frame
         self._aside = (0.0, 0.0)  # pixels from the pointer to the brush that turned in place
+        self._near: tuple[Camera, Touch, float] | None = None  # what `show_place` did last
         canvas.touched.connect(self.touch)
         canvas.taken_back.connect(self._take_back)
         canvas.resized.connect(self._resized)
@@ -114,7 +116,7 @@ class CanvasHand(QtCore.QObject):
         if is_flat(points):
             axes = studio_axes(points, View((0.0, -0.6, 1.0)))
             view = View(axes.T @ _FLAT_VIEW, axes[1])
-        self.look(fit_camera(points, view, self._canvas.width() / max(1, self._canvas.height())))
+        self.look(fit_camera(points, view, self._aspect()))
         self._whole = self.camera
 
     def _resized(self) -> None:
@@ -123,27 +125,31 @@ class CanvasHand(QtCore.QObject):
             self.show_all()
 
     def show_place(self) -> None:
-        """See what is under the pointer from near."""
-        found = self.place()
-        if found is None:
+        """See what is under the pointer from near; asked again where it stays, do nothing."""
+        found, touch = self.place(), self._place
+        if found is None or touch is None:
             return
-        radius = _CLOSE * self._stage.open_easel.document.painter.brush.length_mm
-        aspect = self._canvas.width() / max(1, self._canvas.height())
-        self.look(navigation.approach(self.open_camera, found, radius, aspect))
+        radius = _CLOSE * self._stage.open_easel.brush.length_mm
+        if self._near is not None:
+            camera, at, seen = self._near
+            moved = math.hypot(touch.x - at.x, touch.y - at.y)
+            if (self.camera, radius) == (camera, seen) and moved <= _STAYS_PX:
+                return  # by now something else is under the pointer
+        self.look(navigation.approach(self.open_camera, found, radius, self._aspect()))
+        self._near = self.open_camera, touch, radius
 
     def look_from(self, side: str) -> None:
-        """See the whole object from a side."""
-        points = self._stage.points
-        centre = 0.5 * (points.min(axis=0) + points.max(axis=0)).astype(np.float64)
-        radius = 0.5 * float(np.linalg.norm(np.ptp(points, axis=0)))
-        aspect = self._canvas.width() / max(1, self._canvas.height())
-        camera = navigation.frame(self.open_camera, centre, radius, aspect)
-        self.look(navigation.look_from(camera, side))
+        """See the whole object from one of `navigation.SIDES`."""
+        view = View(*navigation.SIDES[side])
+        self.look(fit_camera(self._stage.points, view, self._aspect()))
 
     def look(self, camera: Camera) -> None:
         """Look from there."""
         self.camera = camera
         self._stage.set_camera(camera)
+
+    def _aspect(self) -> float:
+        return self._canvas.width() / max(1, self._canvas.height())
 
     def _size(self) -> tuple[int, int]:
         return self._canvas.width(), self._canvas.height()

@@ -88,17 +88,18 @@ def pressure_of_contact(
 
 
 def touch_of_tablet(event: QtGui.QTabletEvent, time_ns: int) -> Touch:
-    """What a pen says."""
+    """What a pen says; a pressure outside 0 to 1 is clipped."""
     place = event.position()
-    released = event.type() == QtCore.QEvent.Type.TabletRelease
+    pressure = min(max(0.0, event.pressure()), 1.0)  # in this order NaN becomes 0
+    is_release = event.type() == QtCore.QEvent.Type.TabletRelease  # of any button, and maybe stale
     return Touch(
         time_ns,
         place.x(),
         place.y(),
-        float(event.pressure()),
+        pressure,
         math.radians(event.xTilt()),
         math.radians(event.yTilt()),
         math.radians(event.rotation()),
-        not released and (event.pressure() > 0.0 or bool(event.buttons() & _LEFT)),
+        bool(event.buttons() & _LEFT) or (pressure > 0.0 and not is_release),
         event.pointerType() == _ERASER,
     )

@@ -34,7 +34,6 @@ FORMATS = {
     SESSION_SUFFIX: "Copy of the painting",
 }
 _TAKEN = 0.5  # of an export's time, about, until the painting may go on
-_VERTICES_A_SECOND = 4e5  # that are written, about
 
 
 class Exporting:
@@ -107,15 +106,12 @@ class Exporting:
         How many colours did not fit in, is added to `clipped`.
         """
         easel = self._workspace.easel
-        seconds = self._workspace.document.surface.n_vertices / _VERTICES_A_SECOND
 
         def work(progress: Progress) -> None:
-            progress.expect(0.0, _TAKEN, 1.0 + 2.0 * seconds)
             taken = part_of(progress, 0.0, _TAKEN)
             asked = easel.post("prepare_export", path, ExportOptions(**options), taken)
             prepared = result_of(asked, progress)
             clipped.append(prepared.painting.n_clipped)
-            progress.expect(_TAKEN, 0.98, 1.0 + seconds)
             prepared.write(part_of(progress, _TAKEN, 1.0))
 
         return work

@@ -17,7 +17,7 @@ __all__ = ["Progress", "is_waiting", "result_of", "run_beside"]
 _SOON_MS = 350  # work that is done by then shows no bar, unless the window itself works, too
 _LOOK_MS = 40
 _GRACE_S = 0.6  # that work has to stop in; then it is left to itself, and what it makes is dropped
-_SHORT_S = 1.0  # what work takes of which nothing is known, about
+_AHEAD, _AHEAD_S = 0.05, 2.0  # the bar moves on by itself, at most so far, half of it in such time
 _STEPS = 1000  # of the bar
 
 _KIND = QtCore.QEvent.Type
@@ -39,11 +39,12 @@ class Progress:
     def __init__(self) -> None:
         self._lock = threading.Lock()
         self._stopped = self._settled = False
-        self._share, self._upto, self._expected_s = 0.0, 1.0, _SHORT_S
-        self._told = time.monotonic()
+        self._told = 0.0, time.monotonic()  # share done, and when that was said
 
     def __call__(self, share: float) -> None:
         """Say how far it is, 0 to 1; with 1 it is done, and cannot be stopped any more.
+
+        What is done is never less than what was said before.
 
         Raises
         ------
@@ -54,26 +55,17 @@ class Progress:
             if self._stopped:
                 raise CancelledError
             self._settled = self._settled or share >= 1.0
-        self._tell(float(share), max(float(share), self._upto), self._expected_s)
-
-    def expect(self, share: float, upto: float, seconds: float) -> None:
-        """Say how far it is, and that it comes to `upto` in some seconds, about.
-
-        The bar moves on by itself toward `upto`, the slower the longer nothing is said.
-        """
-        self.check()
-        self._tell(share, upto, seconds)
-
-    def _tell(self, share: float, upto: float, seconds: float) -> None:
-        self._share = max(share, self.share)
-        self._upto, self._expected_s, self._told = upto, seconds, time.monotonic()
+        self._told = max(self._told[0], float(share)), time.monotonic()
 
     @property
     def share(self) -> float:
-        """How far it should be by now, 0 to 1."""
-        gone = time.monotonic() - self._told
-        ahead = max(0.0, self._upto - self._share)
-        return self._share + ahead * gone / (gone + 2.0 * self._expected_s)
+        """How far it is to be shown, 0 to 1: what is done, and a little more as time goes by.
+
+        It is at most 0.05 ahead of what was said last, so it goes back by no more than that.
+        """
+        done, since = self._told
+        gone = time.monotonic() - since
+        return done + min(_AHEAD, 1.0 - done) * gone / (gone + _AHEAD_S)
 
     def check(self) -> None:
         """Raise CancelledError if it is no longer wanted."""

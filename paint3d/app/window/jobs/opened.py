@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from paint3d.app.model.document import Document
 from paint3d.app.window.jobs.job import Progress
 from paint3d.core.arrays import AnyArray
+from paint3d.files.progress import part_of
 from paint3d.mesh.bvh import ClosestPoints
 from paint3d.view.live_object import LiveObject, PatchUpload
 
@@ -18,7 +19,6 @@ __all__ = ["Opened", "open_with_progress", "some_points"]
 
 _MOST_POINTS = 60_000  # to place a camera by; more show no object any better
 _N_WAYS = 200  # and the outermost of all vertices so many ways
-_SHOWN_A_SECOND = 6e5  # triangles that are made ready to be shown, about
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,30 +46,29 @@ class Opened:
     points: NDArray[np.float32]
 
     @classmethod
-    def of(cls, document: Document, check: Callable[[], None] = lambda: None) -> Opened:
+    def of(cls, document: Document, progress: Callable[[float], None] = lambda _: None) -> Opened:
         """Find it out.
 
         Parameters
         ----------
         document : Document
             Nobody else may change it meanwhile.
-        check : callable
-            Called between the steps; what it raises ends them.
+        progress : callable
+            Called with the share done between the steps; what it raises ends them.
         """
         shown = LiveObject(document.surface)
-        check()
+        progress(0.4)
         uploads = shown.uploads(document.refresh())
-        check()
+        progress(0.6)
         surface = ClosestPoints(document.surface.source)
-        check()
+        progress(0.9)
         return cls(document, shown, uploads, surface, some_points(document.surface.source.vertices))
 
 
 def open_with_progress(document: Document, progress: Progress, share: float) -> Opened:
     """Make a painting ready to be shown; the share of the work that is done before."""
-    n = document.surface.source.n_faces + 2 * document.surface.n_vertices
-    progress.expect(share, 0.98, 0.1 + n / _SHOWN_A_SECOND)
-    return Opened.of(document, progress.check)
+    progress(share)
+    return Opened.of(document, part_of(progress, share, 0.98))
 
 
 def some_points(points: AnyArray) -> AnyArray:

@@ -29,8 +29,6 @@ from paint3d.files.sandbox.reading import Reading
 
 __all__ = ["Opening", "say_warming"]
 
-_FACES_A_SECOND = 1e6  # of a mesh that is made ready to be painted on, about
-
 
 class Opening:
     """For one window.
@@ -166,8 +164,7 @@ class Opening:
             found = reading.mesh
             if not choice.coloured:  # as it was before it was refined for its picture
                 found = read_mesh(path, up=self.up, progress=part_of(progress, 0.0, 0.4)).mesh
-            share = 0.0 if choice.coloured else 0.4
-            progress.expect(share, 0.7, 0.2 + found.n_faces / _FACES_A_SECOND)
+            progress(0.0 if choice.coloured else 0.4)
             document = Document.new(
                 choice.apply(found),
                 choice.resolution,
@@ -191,8 +188,7 @@ def say_warming() -> str:
 
 
 def _warm_up(progress: Progress) -> None:
-    progress.expect(0.0, 0.98, 20.0)
-    warm_up(progress.check)
+    warm_up(_before_one(progress))
 
 
 def _before_one(progress: Progress) -> Callable[[float], None]:

@@ -31,7 +31,6 @@ _FORMATS = {".png": "PNG", ".jpg": "JPEG", ".jpeg": "JPEG"}
 _FINE_PIXELS = 4_500_000  # more are drawn without being smoothed, which needs four times as many
 _QUALITY = 92
 _DRAWN = 0.7  # of the time that a large picture takes, about
-_BYTES_A_SECOND = 2e7  # that are packed, about
 _LOOK_S = 0.05
 
 
@@ -80,7 +79,7 @@ class _Drawing:
     def wait(self, progress: Progress) -> AnyArray:
         """(H, W, 3) uint8, the first row on top; called beside the window's thread."""
         while not wait([self._pixels], timeout=_LOOK_S).done:
-            progress.expect(_DRAWN * self._share, _DRAWN, 1.0)
+            progress(_DRAWN * self._share)
         return self._pixels.result()
 
 
@@ -119,7 +118,7 @@ class Pictures:
             if form is None:
                 raise ExportError(f"{path}: a picture is written as .png or .jpg")
             pixels = drawing.wait(progress)
-            progress.expect(_DRAWN, 0.98, 0.1 + pixels.size / _BYTES_A_SECOND)
+            progress(_DRAWN)
             with write_atomically(path, progress) as part:
                 Image.fromarray(pixels).save(part, format=form, quality=quality)
 

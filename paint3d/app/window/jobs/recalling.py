@@ -57,8 +57,8 @@ class Recalling:
 
     def undo(self) -> None:
         """Take the last step back; where no step does, the strokes are painted again first."""
-        document = self._workspace.document
-        if document.steps.done or not document.can_undo:
+        document, easel = self._workspace.document, self._workspace.easel
+        if easel.is_behind or document.steps.done or not document.can_undo:
             self._workspace.post("undo")
         else:
             self.go_to(len(document.strokes) - 1)

@@ -13,7 +13,7 @@ from paint3d.app.model.score.of_strokes import score_of_strokes
 from paint3d.app.model.score.playback import Cue, cues_of
 from paint3d.app.model.score.playing import begun, painted
 from paint3d.app.window.jobs.job import Progress
-from paint3d.app.window.jobs.opened import Opened
+from paint3d.app.window.jobs.opened import Opened, open_with_progress
 from paint3d.app.window.jobs.player import Asked, Player, Tools
 from paint3d.app.window.jobs.targets import Targets
 from paint3d.app.window.wording import say
@@ -169,7 +169,7 @@ class Recordings:
             else:
                 document = begun(score, mesh)
                 cues = list(cues_of(score, document.surface))
-            return Opened.of(document, progress.check), cues
+            return open_with_progress(document, progress, 0.9), cues
 
         done = workspace.run(title, make)
         if not workspace.went_well(done):
@@ -218,7 +218,6 @@ def _samples(recording: Recording, progress: Progress) -> list[DeviceSample]:
 
 
 def _write(recording: Recording, score: Score, path: Path, progress: Progress) -> None:
-    progress.expect(0.0, 0.95, 1.0)
     if path.name.lower().endswith((".score.jsonl", ".score.jsonl.gz")):
         save_score(score, path, progress)
         return

@@ -12,7 +12,7 @@ from paint3d.app.model.own_object import ObjectChoice, first_choice, is_implausi
 from paint3d.app.window.dialogs.object_dialog import ObjectDialog, told
 from paint3d.app.window.dialogs.questions import Answer, ask
 from paint3d.app.window.jobs.job import Progress
-from paint3d.app.window.jobs.opened import Opened
+from paint3d.app.window.jobs.opened import Opened, open_with_progress
 from paint3d.app.window.wording import say
 from paint3d.app.window.workspace import Workspace
 from paint3d.colour.materials import Material
@@ -168,7 +168,7 @@ class Standing:
                 undo_bytes=int(workspace.settings.undo_megabytes * (1 << 20)),
             )  # fmt: skip
             document.inks[1] = inks[1]
-            return Opened.of(document, progress.check)
+            return open_with_progress(document, progress, 0.6)
 
         done = workspace.run(say("status.opening", name=source.name), make)
         return bool(workspace.went_well(done) and workspace.show(done.result()))

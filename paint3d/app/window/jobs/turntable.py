@@ -87,7 +87,7 @@ def _parts(workspace: Workspace, turns: Sequence[float]) -> Iterator[Image.Image
 def _taken(drawn: queue.Queue[Image.Image], n: int, progress: Progress) -> Iterator[Image.Image]:
     """Pictures as they are drawn."""
     for k in range(n):
-        progress.expect(_DRAWN * k / n, _DRAWN * (k + 1) / n, _LOOK_S)
+        progress(_DRAWN * k / n)
         while True:
             progress.check()
             try:
@@ -96,4 +96,4 @@ def _taken(drawn: queue.Queue[Image.Image], n: int, progress: Progress) -> Itera
             except queue.Empty:
                 continue
         yield picture
-    progress.expect(_DRAWN, 0.99, 1.0 + 0.02 * n)
+    progress(_DRAWN)

@@ -82,6 +82,9 @@ class CurveEditor(QtWidgets.QWidget):
 
     def mousePressEvent(self, event: QtGui.QMouseEvent) -> None:
         """Hold a point, make one, or take one away."""
+        left = QtCore.Qt.MouseButton.LeftButton
+        if event.button() != left and event.buttons() & left:
+            return  # beside the button that holds one
         place = event.position()
         at = self._point_at(place)
         try:
@@ -102,8 +105,9 @@ class CurveEditor(QtWidgets.QWidget):
             self.set_curve(self.curve.moved(self._held, *self._value(event.position())))
 
     def mouseReleaseEvent(self, event: QtGui.QMouseEvent) -> None:
-        """Let go of it."""
-        self._held = -1
+        """Let go of it with the button that holds it."""
+        if not event.buttons() & QtCore.Qt.MouseButton.LeftButton:
+            self._held = -1
 
     def set_curve(self, curve: PressureCurve) -> None:
         """Show another curve, and tell."""

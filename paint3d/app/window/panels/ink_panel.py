@@ -236,8 +236,8 @@ class DishGrid(QtWidgets.QWidget):
 
     def mousePressEvent(self, event: QtGui.QMouseEvent) -> None:
         """Stir with the other button or Ctrl; else see how long it is pressed."""
-        at = self._index(event.position())
-        if at < 0:
+        at, left = self._index(event.position()), QtCore.Qt.MouseButton.LeftButton
+        if at < 0 or (event.button() != left and event.buttons() & left):
             return
         stirs = event.button() == QtCore.Qt.MouseButton.RightButton or (
             event.modifiers() & QtCore.Qt.KeyboardModifier.ControlModifier
@@ -253,6 +253,8 @@ class DishGrid(QtWidgets.QWidget):
 
         How long, the events' own times tell: a busy window hears late that a short press is over.
         """
+        if event.buttons() & QtCore.Qt.MouseButton.LeftButton:
+            return  # another button was let go of
         pressed, self._pressed = self._pressed, -1
         self._long.stop()
         self.update()
