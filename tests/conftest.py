@@ -89,7 +89,7 @@ def pytest_runtest_setup(item: pytest.Item) -> None:
 def garbage_goes() -> Iterator[None]:
     """Collect garbage where a window has been: it leaves that to its own thread's events."""
     yield
-    window = sys.modules.get("paint3d.app.window.garbage")
+    window = sys.modules.get("paint3d.app.window.studio")
     if window is not None:
         window.collect_garbage()
 

@@ -11,8 +11,7 @@ from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from paint3d.app.model.persistence.calibrations import kept_calibration
-from paint3d.app.model.persistence.settings import load_settings
+from paint3d.app.model.persistence.settings import kept_calibration, load_settings
 from paint3d.cli.options import (
     add_force_option,
     add_stylus_option,
@@ -217,7 +216,7 @@ def calibrate(options: argparse.Namespace) -> None:
     DeviceError
         If there is no stylus, or the touches give no frame: by how much.
     """
-    from paint3d.app.model.persistence.calibrations import keep_calibration
+    from paint3d.app.model.persistence.settings import keep_calibration
     from paint3d.pose.calibration import save_calibration
     from paint3d.pose.touching import Touches, sheet_corners
 

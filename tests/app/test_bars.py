@@ -14,11 +14,10 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 from PySide6 import QtWidgets
 
 from paint3d.app.model.persistence.sitting import Sitting, recoverable
-from paint3d.app.window import warming
-from paint3d.app.window.dialogs.film_dialog import Film
 from paint3d.app.window.jobs import job as jobs
 from paint3d.app.window.jobs import opening
 from paint3d.app.window.jobs.job import run_beside
+from paint3d.app.window.jobs.pictures import Film
 from tests.support.app.gestures import answer_bar, drag, wait_for
 from tests.support.app.windows import faults, opened, settled
 
@@ -101,7 +100,7 @@ def _save_and_open(window, folder: Path) -> bool:
 
 def _warm(window, folder: Path) -> bool:
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(warming, "_warm", [])
+        patch.setattr(opening, "_warm", [])
         patch.setattr(opening, "is_warm", lambda: False)
         return window.opening.open_path("plane", 4.0, "xuan", asked=True)
 

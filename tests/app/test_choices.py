@@ -12,7 +12,6 @@ import pytest
 import paint3d
 from paint3d.app.model.brush_size import resized
 from paint3d.app.model.document import Document
-from paint3d.app.model.error_texts import in_chinese
 from paint3d.app.model.persistence.places import config_folder, recovery_folder
 from paint3d.app.model.persistence.saved_settings import chosen_brush, chosen_inks, in_hand
 from paint3d.app.model.persistence.settings import Settings, load_settings, save_settings
@@ -23,7 +22,7 @@ from paint3d.app.model.persistence.shortcuts import (
     find_shortcuts,
 )
 from paint3d.app.model.persistence.sitting import Unfinished
-from paint3d.app.model.texts import LANGUAGES, Texts, load_texts, system_language
+from paint3d.app.model.texts import LANGUAGES, Texts, in_chinese, load_texts, system_language
 from paint3d.brush.presets import load_brush
 from paint3d.colour.materials import load_material, load_materials
 from paint3d.colour.pigments import load_pigment

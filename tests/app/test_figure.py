@@ -11,7 +11,7 @@ from scipy.spatial import ConvexHull
 
 from paint3d.app.model.document import Document
 from paint3d.app.model.frame import view_brush
-from paint3d.app.model.input.standing import root_over
+from paint3d.app.model.input.hand import root_over
 from paint3d.brush_engine.bristles.state import PARTED, SPLIT
 from paint3d.core.quaternion import matrices_from_quaternions, quaternions_from_matrices
 from paint3d.device.sample import DeviceSample

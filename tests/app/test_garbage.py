@@ -11,7 +11,7 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
 from PySide6 import QtCore, QtWidgets
 
-from paint3d.app.window import garbage
+from paint3d.app.window import studio
 from tests.support.app.gestures import wait_for
 from tests.support.app.windows import opened
 
@@ -47,9 +47,9 @@ def test_a_painting_that_was_let_go_of_goes_with_its_memory(
     program, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     given_back: list[threading.Thread] = []
-    monkeypatch.setattr(garbage, "_LATER_MS", 200)
+    monkeypatch.setattr(studio, "_LATER_MS", 200)
     monkeypatch.setattr(
-        garbage, "give_back_memory", lambda: given_back.append(threading.current_thread())
+        studio, "give_back_memory", lambda: given_back.append(threading.current_thread())
     )
     with opened(program, "plane", 4.0) as window:
         left = weakref.ref(window.document)

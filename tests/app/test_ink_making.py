@@ -13,9 +13,9 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 from PySide6 import QtCore, QtGui, QtTest, QtWidgets
 
 from paint3d.app.model.score.playing import painted
-from paint3d.app.window.chinese import CHINESE
 from paint3d.app.window.dialogs import colour_dialog
 from paint3d.app.window.panels import ink_panel
+from paint3d.app.window.wording import CHINESE
 from paint3d.colour.inks import TONES
 from paint3d.colour.pigments import WATER, load_palette
 from tests.support.app.gestures import live, pen_stroke, type_key, wait_for

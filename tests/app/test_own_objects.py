@@ -14,12 +14,11 @@ from PIL import Image
 from PySide6 import QtCore, QtGui, QtTest, QtWidgets
 
 from paint3d.app.model.own_object import first_choice, likely_unit, sensible_resolution
-from paint3d.app.window.chinese import CHINESE
 from paint3d.app.window.dialogs.object_dialog import ObjectDialog, told
 from paint3d.app.window.dialogs.questions import NewDialog
 from paint3d.app.window.start import open_first
 from paint3d.app.window.studio import StudioWindow
-from paint3d.app.window.wording import choose_language
+from paint3d.app.window.wording import CHINESE, choose_language
 from paint3d.files.export import export
 from paint3d.files.load import load_mesh, read_mesh
 from paint3d.files.project.session import load_session

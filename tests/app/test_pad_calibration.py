@@ -12,7 +12,7 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
 from PySide6 import QtCore, QtTest
 
-from paint3d.app.model.persistence.calibrations import kept_calibration
+from paint3d.app.model.persistence.settings import kept_calibration
 from paint3d.device.hid_nodes import HidNode
 from paint3d.device.hot_plug import PluggedDevices
 from tests.support.app.gestures import live, pen_stroke, wait_for

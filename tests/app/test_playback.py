@@ -17,8 +17,8 @@ from PySide6 import QtTest
 from paint3d.app.model.document import Document
 from paint3d.app.model.score.playing import painted
 from paint3d.app.model.stroke_log import weights_of
-from paint3d.app.window.dialogs.film_dialog import Film, FilmDialog
-from paint3d.app.window.jobs import growth_film
+from paint3d.app.window.jobs import pictures
+from paint3d.app.window.jobs.pictures import Film, FilmDialog
 from paint3d.app.window.wording import say
 from paint3d.brush.spec import DipAmount
 from paint3d.cli.main import main
@@ -228,7 +228,7 @@ def test_a_film_that_grows_too_large_is_refused_before_anything_is_painted(
 ) -> None:
     drag(window.canvas, (0.35, 0.5), (0.65, 0.5), n=20)
     settled(window)
-    monkeypatch.setattr(growth_film, "begun", None)
+    monkeypatch.setattr(pictures, "begun", None)
     told: list[str] = []
     answer(lambda box: (told.append(box.text()), box.accept()))
     assert not window.pictures.growth_to(tmp_path / "a.gif", Film(60.0, 30.0, (1920, 1080)))

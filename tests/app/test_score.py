@@ -17,8 +17,7 @@ from paint3d.app.model.commands import COMMANDS
 from paint3d.app.model.document import Document
 from paint3d.app.model.input.symmetry import MirrorPlane, RadialSymmetry, Symmetry
 from paint3d.app.model.mask import AngleMask, Mask, RegionPick
-from paint3d.app.model.score.of_strokes import score_of_strokes
-from paint3d.app.model.score.playing import painted
+from paint3d.app.model.score.playing import painted, score_of_strokes
 from paint3d.app.model.score.words import Inks, asked_by, line_of
 from paint3d.app.model.stroke_log import recording_of
 from paint3d.brush.presets import load_brush

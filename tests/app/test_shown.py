@@ -429,10 +429,9 @@ def test_the_whole_object_stays_in_sight_until_somebody_looks_elsewhere(window) 
 
 
 def test_the_first_start_is_told_once(window, monkeypatch) -> None:
-    from paint3d.app.window import warming
     from paint3d.app.window.jobs import opening
 
-    assert not warming.is_first_start()  # this very test has compiled
+    assert not opening.is_first_start()  # this very test has compiled
     assert opening.say_warming() == "Preparing the brush…"
     monkeypatch.setattr(opening, "is_first_start", lambda: True)
     assert opening.say_warming().startswith("First start")
@@ -440,11 +439,10 @@ def test_the_first_start_is_told_once(window, monkeypatch) -> None:
 
 @pytest.mark.parametrize("ahead", [True, False])
 def test_kernels_that_were_compiled_ahead_are_not_warmed(program, monkeypatch, ahead) -> None:
-    from paint3d.app.window import warming
     from paint3d.app.window.jobs import opening
 
     warmed: list[bool] = []
-    monkeypatch.setattr(warming, "is_ahead", lambda kernel: ahead)
+    monkeypatch.setattr(opening, "is_ahead", lambda kernel: ahead)
     monkeypatch.setattr(opening, "warm_up", lambda check: warmed.append(True))
     with opened(program, "plane", 3.0):
         assert warmed == ([] if ahead else [True])
@@ -452,19 +450,19 @@ def test_kernels_that_were_compiled_ahead_are_not_warmed(program, monkeypatch, a
 
 def test_what_spreads_a_picture_of_fewer_pixels_is_warmed_too(monkeypatch) -> None:
     """Compiled at the first such picture it would hold up the window's thread."""
-    from paint3d.app.window import warming
+    from paint3d.app.window.jobs import opening
     from paint3d.view import live_layers
 
     spread: list[tuple[str, int]] = []
     monkeypatch.setattr(
         live_layers, "enlarge", lambda *given: spread.extend((a.dtype.str, a.ndim) for a in given)
     )
-    monkeypatch.setattr(warming, "_warm", [])
-    warming.warm_up()
+    monkeypatch.setattr(opening, "_warm", [])
+    opening.warm_up()
     wanted = [("<u4", 2), *[("<i4", 1)] * 4, ("<u8", 1), ("<u4", 2)]  # as in entries.txt
     assert spread == wanted
-    monkeypatch.setattr(warming, "is_ahead", lambda kernel: kernel is not warming.enlarge)
-    assert not warming.is_warm()
+    monkeypatch.setattr(opening, "is_ahead", lambda kernel: kernel is not opening.enlarge)
+    assert not opening.is_warm()
 
 
 def test_errors_are_told_in_the_language_of_the_window(window) -> None:

@@ -17,11 +17,10 @@ from PIL import Image
 from PySide6 import QtCore, QtGui, QtTest, QtWidgets
 
 from paint3d.app.model.copybook import Copybook
-from paint3d.app.model.error_texts import in_chinese
+from paint3d.app.model.texts import in_chinese
 from paint3d.app.window import copybook_guide
 from paint3d.app.window.dialogs.questions import Answer
-from paint3d.app.window.dialogs.stroke_view import Taken
-from paint3d.app.window.dialogs.strokes_dialog import StrokesDialog
+from paint3d.app.window.dialogs.strokes_dialog import StrokesDialog, Taken
 from paint3d.calligraphy.glyphs import Glyph, GlyphStroke
 from paint3d.calligraphy.page.correcting import CorrectedPage
 from paint3d.calligraphy.page.opening import opened_page

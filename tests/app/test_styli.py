@@ -11,10 +11,8 @@ import pytest
 
 pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
-from paint3d.app.model.input.devices import NothingPlugged
-from paint3d.app.model.input.plugging import Feeling, start_feeling
-from paint3d.app.model.persistence.calibrations import kept_calibration
-from paint3d.app.model.persistence.settings import Settings, load_settings
+from paint3d.app.model.input.devices import Feeling, NothingPlugged, start_feeling
+from paint3d.app.model.persistence.settings import Settings, kept_calibration, load_settings
 from paint3d.app.window.studio import StudioWindow
 from paint3d.brush.presets import load_brush
 from paint3d.colour.materials import load_material
@@ -424,7 +422,7 @@ sys.path.insert(0, ROOT)
 
 def main():
     import numpy as np
-    from paint3d.app.model.input.plugging import plug_in_mice, start_feeling
+    from paint3d.app.model.input.devices import plug_in_mice, start_feeling
     from paint3d.app.model.persistence.settings import Settings, load_settings
     from paint3d.app.window.start import make_program
     from paint3d.app.window.studio import StudioWindow

@@ -12,8 +12,7 @@ from shapely import LineString
 
 from paint3d.app.model.document import Document
 from paint3d.app.model.input.symmetry import MirrorPlane, Symmetry
-from paint3d.app.model.score.of_strokes import score_of_strokes
-from paint3d.app.model.score.playing import painted
+from paint3d.app.model.score.playing import painted, score_of_strokes
 from paint3d.app.model.stroke_log import strokes_of
 from paint3d.brush.presets import load_brush
 from paint3d.brush.spec import DipAmount

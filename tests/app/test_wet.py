@@ -13,8 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from paint3d.app.model import easel as easels
-from paint3d.app.model.easel import Easel, Pace
-from paint3d.app.model.ink_clock import LATE_S, InkClock
+from paint3d.app.model.easel import LATE_S, Easel, InkClock, Pace
 from paint3d.app.model.persistence.sitting import Sitting, recoverable
 from paint3d.painter import painter as engine
 from paint3d.painter.ink_time import PIECE_NS, PIECE_S

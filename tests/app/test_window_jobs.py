@@ -21,10 +21,10 @@ from paint3d.app.model.document import Document
 from paint3d.app.model.persistence.sitting import Sitting, Unfinished, recoverable
 from paint3d.app.window import start, studio
 from paint3d.app.window.commands import ALWAYS, CHECKABLE
-from paint3d.app.window.dialogs.film_dialog import Film
 from paint3d.app.window.jobs import job as jobs
 from paint3d.app.window.jobs import opening
 from paint3d.app.window.jobs.job import is_waiting, run_beside
+from paint3d.app.window.jobs.pictures import Film
 from paint3d.app.window.studio import StudioWindow
 from paint3d.app.window.wording import choose_language
 from paint3d.core.machine import is_locked
@@ -514,8 +514,8 @@ def test_toggles_of_one_painting_are_not_lit_in_the_next(window) -> None:
 
 
 def test_every_name_of_a_format_is_there_in_chinese() -> None:
-    from paint3d.app.window.chinese import CHINESE
     from paint3d.app.window.jobs import exporting, pictures, recordings
+    from paint3d.app.window.wording import CHINESE
 
     for names in (exporting.FORMATS, recordings.FORMATS, pictures.PICTURES, pictures.FILMS):
         assert set(names.values()) <= set(CHINESE)

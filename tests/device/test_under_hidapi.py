@@ -364,7 +364,7 @@ def test_a_servo_that_is_killed_is_spoken_for(plugged, tmp_path) -> None:
 STUDIO = """
 import json, time
 from paint3d.app.model.input.devices import DeviceHub, StrokeCutter
-from paint3d.app.model.input.plugging import plug_in_mice
+from paint3d.app.model.input.devices import plug_in_mice
 from paint3d.device.hid_link import open_node
 from paint3d.device.hid_nodes import list_nodes
 pens = list_nodes(("pen",))

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from paint3d.app.model.brush_commands import BrushCommands, Ink
-from paint3d.app.model.edit_commands import EditCommands
+from paint3d.app.model.history_commands import EditCommands
 from paint3d.app.model.image_painter import ImagePainter
 from paint3d.app.model.input.symmetry import Symmetry
 from paint3d.app.model.layer_commands import LayerCommands

@@ -10,8 +10,8 @@ from PySide6 import QtCore, QtWidgets
 
 from paint3d.app.model.persistence.sitting import recoverable
 from paint3d.app.window.jobs.opening import Opening
-from paint3d.app.window.jobs.recent_files import RecentFiles
 from paint3d.app.window.jobs.recovery import Recovery
+from paint3d.app.window.jobs.saving import RecentFiles
 from paint3d.app.window.named import named
 from paint3d.app.window.wording import say
 from paint3d.app.window.workspace import Workspace

@@ -2,24 +2,26 @@
 
 from __future__ import annotations
 
+import gc
 import math
+import sys
+import threading
 import time
-from collections.abc import Callable
+import traceback
+from collections.abc import Callable, Mapping
 
 from PySide6 import QtCore, QtGui, QtWidgets
 
 from paint3d.app.model.document import Document
 from paint3d.app.model.easel import Event
 from paint3d.app.model.frame import Frame
-from paint3d.app.model.input.devices import Plugged
-from paint3d.app.model.input.plugging import Feeling
+from paint3d.app.model.input.devices import Feeling, Plugged
 from paint3d.app.model.persistence.settings import Settings
 from paint3d.app.model.persistence.sitting import Sitting
 from paint3d.app.window.actions import Actions
 from paint3d.app.window.begin_page import BeginPage
 from paint3d.app.window.copybook_guide import CopybookGuide
-from paint3d.app.window.garbage import collect_later
-from paint3d.app.window.guard import TellOnce
+from paint3d.app.window.dialogs.target_dialog import Targets
 from paint3d.app.window.hud import Hud
 from paint3d.app.window.input.device_input import DeviceInput
 from paint3d.app.window.input.keys import HeldKeys
@@ -33,28 +35,182 @@ from paint3d.app.window.jobs.opening import Opening
 from paint3d.app.window.jobs.pictures import Pictures
 from paint3d.app.window.jobs.player import Player
 from paint3d.app.window.jobs.recalling import Recalling
-from paint3d.app.window.jobs.recent_files import RecentFiles
 from paint3d.app.window.jobs.recordings import Recordings
 from paint3d.app.window.jobs.recovery import Recovery
-from paint3d.app.window.jobs.saving import Saving
+from paint3d.app.window.jobs.saving import RecentFiles, Saving
 from paint3d.app.window.jobs.sealing import Sealing
 from paint3d.app.window.jobs.standing import Standing
 from paint3d.app.window.jobs.stroke_editing import StrokeEditing
-from paint3d.app.window.jobs.targets import Targets
 from paint3d.app.window.named import described
 from paint3d.app.window.paint_actions import PaintActions
 from paint3d.app.window.panels.side_panels import Panels
-from paint3d.app.window.replay_bar import ReplayBar
-from paint3d.app.window.status_line import StatusLine
+from paint3d.app.window.status_line import ReplayBar, StatusLine
 from paint3d.app.window.theme import DARK_THEME
 from paint3d.app.window.view_actions import ViewActions
-from paint3d.app.window.window_place import first_size, restore_window, window_words
 from paint3d.app.window.wording import say, say_error
 from paint3d.app.window.workspace import Workspace
 from paint3d.colour.materials import Material
+from paint3d.core.machine import give_back_memory
 from paint3d.errors import Paint3DError
 
-__all__ = ["StudioWindow"]
+__all__ = [
+    "StudioWindow",
+    "TellOnce",
+    "collect_all",
+    "collect_garbage",
+    "collect_here",
+    "collect_later",
+    "first_size",
+    "restore_window",
+    "window_words",
+]
+
+# ---- Garbage -------------------------------------------------------------------------------------
+# Garbage is collected in the window's thread alone.
+#
+# Python looks for cycles of objects that nobody holds in whatever thread happens to make the next
+# object. A window that was closed is such a cycle, and Qt's objects must not die in another thread
+# than their own: while the window's thread hands them an event, the program ends there and then.
+
+
+_LOOK_MS = 250
+_LATER_MS = 3000  # when what was opened instead has been drawn, and lit
+_YOUNG = 700  # objects, Python's own thresholds
+_ROUNDS = 10
+_REST_S = 60.0  # between searches among all objects, some .05 s each
+
+
+class _Search:
+    """When all objects were last searched."""
+
+    at_s = 0.0
+
+
+def collect_garbage() -> None:
+    """Collect what is due, as Python itself would, in the thread that calls."""
+    young, middle, old = gc.get_count()
+    now = time.monotonic()
+    if old > _ROUNDS and now - _Search.at_s > _REST_S:
+        _Search.at_s = now
+        gc.collect(2)
+    elif middle > _ROUNDS:
+        gc.collect(1)
+    elif young > _YOUNG:
+        gc.collect(0)
+
+
+def collect_all() -> None:
+    """Collect all that is due, and have its memory given back to the system.
+
+    That takes a tenth of a second where there is much, and is no thread's in particular.
+    """
+    _Search.at_s = time.monotonic()
+    gc.collect(2)
+    threading.Thread(target=give_back_memory, name="paint3d-memory", daemon=True).start()
+
+
+def collect_later(owner: QtCore.QObject) -> QtCore.QTimer:
+    """What collects all a while after it was last started, as long as its owner lives.
+
+    It is started when a painting is let go of: paintings are circles of objects too, of some
+    hundred megabytes.
+    """
+    timer = QtCore.QTimer(owner, interval=_LATER_MS, singleShot=True)
+    timer.timeout.connect(collect_all)
+    return timer
+
+
+def collect_here(owner: QtCore.QObject) -> None:
+    """From now on collect garbage in this thread only, as long as its owner lives."""
+    gc.disable()
+    gc.freeze()  # what was imported stays: half of what a whole search looks at
+    timer = QtCore.QTimer(owner, interval=_LOOK_MS)
+    timer.timeout.connect(collect_garbage)
+    timer.start()
+
+
+# --------------------------------------------------------------------------------------------------
+
+
+# ---- Size and position ---------------------------------------------------------------------------
+# Size, place and panels of a window, as words for the settings.
+
+
+_VERSION = 1  # of the arrangement of tool bars and panels: another one is not restored
+_SIZE = QtCore.QSize(1280, 800)
+_FRAME = QtCore.QSize(2, 38)  # that a window manager puts around it, about
+
+
+def first_size(window: QtWidgets.QMainWindow) -> QtCore.QSize:
+    """How large a window is that was never opened before: no larger than its screen."""
+    room = window.screen().availableGeometry().size() - _FRAME
+    return _SIZE.boundedTo(room).expandedTo(window.minimumSizeHint())
+
+
+def window_words(window: QtWidgets.QMainWindow) -> dict[str, object]:
+    """What `restore_window` needs, as JSON can hold it."""
+    return {
+        "geometry": _text(window.saveGeometry()),
+        "panels": _text(window.saveState(_VERSION)),
+    }
+
+
+def restore_window(window: QtWidgets.QMainWindow, words: Mapping[str, object]) -> None:
+    """Give a window the size, place and panels that it had; what cannot be used is passed over.
+
+    Qt moves what would lie beside the screens back onto one.
+    """
+    geometry, panels = words.get("geometry"), words.get("panels")
+    if isinstance(geometry, str):
+        window.restoreGeometry(_bytes(geometry))
+    if isinstance(panels, str):
+        window.restoreState(_bytes(panels), _VERSION)
+
+
+def _text(data: QtCore.QByteArray) -> str:
+    return bytes(data.toBase64().data()).decode("ascii")
+
+
+def _bytes(text: str) -> QtCore.QByteArray:
+    return QtCore.QByteArray.fromBase64(text.encode("utf-8", "replace"))
+
+
+# --------------------------------------------------------------------------------------------------
+
+
+# ---- Faults of timers ----------------------------------------------------------------------------
+# What a timer calls again and again must not tell the same fault again and again.
+
+
+class TellOnce:
+    """Runs an action; a fault of it is handed on once for each place where it arises.
+
+    Parameters
+    ----------
+    action : callable
+    tell : callable
+        Given the fault in words, for the user.
+    """
+
+    def __init__(self, action: Callable[[], object], tell: Callable[[str], object]) -> None:
+        self._action, self._tell = action, tell
+        self._known: set[tuple[object, ...]] = set()
+
+    def __call__(self) -> None:
+        """Do it."""
+        try:
+            self._action()
+        except Exception as error:  # the next call may well succeed
+            last = traceback.extract_tb(error.__traceback__)[-1]
+            place = type(error), last.filename, last.lineno
+            if place not in self._known:
+                self._known.add(place)
+                sys.excepthook(type(error), error, error.__traceback__)
+                self._tell(f"{type(error).__name__}: {error}")
+
+
+# --------------------------------------------------------------------------------------------------
+
 
 _TICK_MS = 12
 _REST = 0.25  # of a picture's time, left to hand and painting before the next one

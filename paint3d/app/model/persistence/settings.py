@@ -23,13 +23,21 @@ from paint3d.core.arrays import as_number
 from paint3d.core.atomic import write_atomically
 from paint3d.device.button_actions import DEFAULT_ACTIONS, checked_actions
 from paint3d.device.recorded import MAX_FORCE_N
-from paint3d.errors import ExportError, InputError, Paint3DError
+from paint3d.errors import DeviceError, ExportError, InputError, Paint3DError
 from paint3d.files.readers.contents import json_text
 from paint3d.haptics.settings import Feel
 from paint3d.haptics.stylus_choice import check_stylus
+from paint3d.pose.calibration import DeviceCalibration, load_calibration, save_calibration
 from paint3d.pose.mouse_settings import MouseSettings
 
-__all__ = ["Settings", "load_settings", "save_settings"]
+__all__ = [
+    "Settings",
+    "calibration_file",
+    "keep_calibration",
+    "kept_calibration",
+    "load_settings",
+    "save_settings",
+]
 
 VERSION = 2
 WET_AT_FIRST = frozenset({"xuan", "tinted xuan"})
@@ -287,3 +295,41 @@ def save_settings(settings: Settings, folder: Path | None = None) -> None:
     with write_atomically(file) as part:
         make_private(part)  # it says which files were opened
         part.write_text(json_text(values, indent=1) + "\n", encoding="utf-8")
+
+
+# ---- Calibrations --------------------------------------------------------------------------------
+# Where devices stand in the world, kept in the user's settings folder by device.
+
+
+def calibration_file(key: str) -> Path:
+    """Where a device's calibration is kept, by its key (`FoundStylus.key`)."""
+    return config_folder() / "calibrations" / f"{key}.json"
+
+
+def kept_calibration(key: str) -> DeviceCalibration | None:
+    """A device's calibration; None where none was kept.
+
+    Raises
+    ------
+    DeviceError
+        If the file is none.
+    """
+    file = calibration_file(key)
+    return load_calibration(file) if file.is_file() else None
+
+
+def keep_calibration(key: str, calibration: DeviceCalibration) -> Path:
+    """Keep a device's calibration; the file.
+
+    Raises
+    ------
+    DeviceError
+        If it cannot be written.
+    """
+    file = calibration_file(key)
+    try:
+        file.parent.mkdir(parents=True, exist_ok=True)
+    except OSError as cause:
+        raise DeviceError(f"{file.parent}: cannot be made: {cause.strerror or cause}") from None
+    save_calibration(calibration, file)
+    return file

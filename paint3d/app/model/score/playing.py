@@ -3,23 +3,26 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from paint3d.app.model.document import Document
 from paint3d.app.model.persistence.saved_settings import DEFAULT_BRUSH, DEFAULT_INKS
 from paint3d.app.model.score.stepping import Step, play
-from paint3d.app.model.score.words import Inks, brush_in, material_in
+from paint3d.app.model.score.words import Inks, brush_in, brush_named, header_of, material_in
+from paint3d.app.model.stroke_log import Stroke, recording_of
+from paint3d.brush.spec import DipAmount
 from paint3d.colour.materials import Material
 from paint3d.errors import Paint3DError, RecordingError
 from paint3d.files.load import BUILT_IN_OBJECTS, load_mesh
 from paint3d.mesh.likeness import Original, digest_of
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.painter.painter import Painter
+from paint3d.recording.recording import Recording
 from paint3d.recording.score import Score
 from paint3d.surface.painted_surface import PaintedSurface
 
-__all__ = ["Step", "begun", "painted", "play"]
+__all__ = ["Step", "begun", "painted", "play", "score_of_strokes"]
 
 _RESOLUTION_MM = 0.4
 _log = logging.getLogger("paint3d.score")
@@ -125,3 +128,46 @@ def painted(
     if document.in_stroke:
         document.end_stroke()
     return document
+
+
+# ---- Of strokes alone ----------------------------------------------------------------------------
+# A score of strokes alone, where what happened between them is not known.
+
+
+def score_of_strokes(strokes: Sequence[Stroke], surface: PaintedSurface) -> Score | None:
+    """A score of strokes alone, with their brushes, inks and layers; None where there are none.
+
+    What was dried, mirrored, masked, wiped, or let run between them is not in it.
+    """
+    if not strokes:
+        return None
+    inks, first = Inks({}), strokes[0]
+    known = {pigment.name: pigment for pigment in surface.pigments}
+    events: list[Recording | dict[str, Any]] = [
+        {"do": "rename_layer", "place": 0, "name": first.layer}
+    ]
+    layers, active, brush, amount = [first.layer], first.layer, None, DipAmount()
+    for stroke in strokes:
+        ink = inks.words({known.get(name, name): part for name, part in stroke.ink.items()})
+        if stroke.layer not in layers:
+            events.append({"do": "add_layer", "name": stroke.layer, "place": len(layers)})
+            layers.append(stroke.layer)
+        elif stroke.layer != active:
+            events.append({"do": "select_layer", "place": layers.index(stroke.layer)})
+        active = stroke.layer
+        if stroke.brush != brush:
+            events.append({"do": "set_brush", "brush": brush_named(stroke.brush)})
+        if stroke.brush != brush or stroke.dipped:
+            amounts = {} if stroke.amount == amount else {"amount": stroke.amount.words()}
+            events.append({"do": "dip", "ink": ink, **amounts})
+            amount = stroke.amount
+        brush = stroke.brush
+        pairs = {"loads": stroke.loads, "strengths": stroke.strengths}
+        told = {name: [list(one) for one in of] for name, of in pairs.items() if of}
+        events.append({"do": "begin_stroke", "time_s": stroke.time_s, **told})
+        events.append(recording_of(stroke.samples, {}))
+        events.append({"do": "end_stroke"})
+    dipped = {known.get(name, name): part for name, part in first.ink.items()}
+    header = header_of(surface, first.brush, dipped, inks)
+    own = {"pigments": inks.table} if inks.table else {}
+    return Score({**header, **own}, tuple(events))

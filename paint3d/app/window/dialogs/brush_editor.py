@@ -3,24 +3,17 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Callable
+from concurrent.futures import Future, ThreadPoolExecutor
+from typing import Any, NamedTuple
 
-from PySide6 import QtCore, QtWidgets
+from PySide6 import QtCore, QtGui, QtWidgets
 
 from paint3d.app.model.brush_commands import Ink
-from paint3d.app.window.dialogs.brush_draft import (
-    INPUT_RANGES,
-    changed,
-    points_of,
-    range_of,
-    value_of,
-    with_curve,
-    with_hairs,
-)
-from paint3d.app.window.dialogs.factor_curve import FactorCurve
-from paint3d.app.window.dialogs.number_row import NumberRow
-from paint3d.app.window.jobs.brush_drawing import PRESSES, BrushDrawing, Drawn
+from paint3d.app.model.brush_size import resized, size_limits
 from paint3d.app.window.panels.brush_panel import pixmap_of, plain_name
+from paint3d.app.window.previews import sorted_parts
 from paint3d.app.window.theme import Theme
 from paint3d.app.window.wording import say, say_error
 from paint3d.brush.presets import (
@@ -30,10 +23,486 @@ from paint3d.brush.presets import (
     load_presets,
     meaning_of,
 )
-from paint3d.brush.spec import HAIRS, TABLES, BristleSpec, BrushSpec
+from paint3d.brush.spec import (
+    HAIRS,
+    INPUTS,
+    SETTINGS,
+    TABLES,
+    BristleSpec,
+    BrushSpec,
+    hair_ranges,
+    parameter_ranges,
+)
+from paint3d.brush_engine.tuft import MOST_POINTS
+from paint3d.core.arrays import AnyArray
 from paint3d.errors import BrushError, Paint3DError
+from paint3d.view.brush_shape import draw_footprints, draw_stroke
 
-__all__ = ["FORCE", "OF_HAIRS", "TUFT", "BrushEditor"]
+__all__ = [
+    "FORCE",
+    "INPUT_RANGES",
+    "OF_HAIRS",
+    "PRESSES",
+    "TUFT",
+    "BrushDrawing",
+    "BrushEditor",
+    "Drawn",
+    "FactorCurve",
+    "NumberRow",
+    "Points",
+    "changed",
+    "points_of",
+    "range_of",
+    "value_of",
+    "with_curve",
+    "with_hairs",
+]
+
+# ---- Pictures of the brush -----------------------------------------------------------------------
+# Pictures of a brush that is being changed, drawn beside the window: always of the newest.
+
+
+_LOOK_MS = 30
+PRESSES = (0.25, 0.6, 1.0)
+"""Pressures whose footprints are shown."""
+
+
+class Drawn(NamedTuple):
+    """Pictures (H, W, 3) uint8 of a brush, or what is wrong with it."""
+
+    brush: BrushSpec
+    footprints: AnyArray | None
+    stroke: AnyArray | None
+    error: BaseException | None
+
+
+class BrushDrawing(QtCore.QObject):
+    """One thread that draws; what was asked for while it was busy is drawn when it has time.
+
+    Parameters
+    ----------
+    side, columns : int
+        Pixels: of the footprints' picture along a side, of the stroke's from left to right.
+
+    Signals
+    -------
+    drawn : Drawn
+    """
+
+    drawn = QtCore.Signal(object)
+
+    def __init__(self, parent: QtCore.QObject, side: int, columns: int) -> None:
+        super().__init__(parent)
+        self._size = side, columns
+        self._worker = ThreadPoolExecutor(1, thread_name_prefix="paint3d-brush")
+        self._next: tuple[BrushSpec, Ink] | None = None
+        self._coming: Future[Drawn] | None = None
+        self._timer = QtCore.QTimer(self, interval=_LOOK_MS)
+        self._timer.timeout.connect(self._look)
+
+    @property
+    def is_busy(self) -> bool:
+        """Whether something is still to be drawn."""
+        return self._next is not None or self._coming is not None
+
+    def ask(self, brush: BrushSpec, ink: Ink) -> None:
+        """Draw this brush instead of any that waits."""
+        self._next = brush, ink
+        self._look()
+        self._timer.start()
+
+    def close_down(self) -> None:
+        """Draw nothing more."""
+        self._timer.stop()
+        self._next = None
+        self._worker.shutdown(wait=False, cancel_futures=True)
+
+    def _look(self) -> None:
+        if self._coming is not None:
+            if not self._coming.done():
+                return
+            drawn, self._coming = self._coming.result(), None
+            self.drawn.emit(drawn)
+        if self._next is not None:
+            (brush, ink), self._next = self._next, None
+            self._coming = self._worker.submit(_draw, brush, ink, *self._size)
+        else:
+            self._timer.stop()
+
+
+def _draw(brush: BrushSpec, ink: Ink, side: int, columns: int) -> Drawn:
+    try:
+        parts: Any = dict(sorted_parts(ink))
+        footprints = draw_footprints(brush, side, PRESSES)
+        return Drawn(brush, footprints, draw_stroke(brush, parts, columns=columns), None)
+    except Exception as error:  # told in the window: what went wrong in a thread nobody sees
+        return Drawn(brush, None, None, error)
+
+
+# --------------------------------------------------------------------------------------------------
+
+
+# ---- Curves --------------------------------------------------------------------------------------
+# A curve to drag, by which an input of the hand drives a setting of the brush.
+
+
+_GRIP, _NEAR = 5.5, 12.0
+_LEAST, _MOST = 0.05, 20.0
+_MARGIN = QtCore.QMarginsF(34, 12, 14, 22)
+_APART = 0.01  # of the width: points lie at least so far from each other
+
+
+class FactorCurve(QtWidgets.QWidget):
+    """Points (input, factor) joined by straight lines; outside the first and last these hold.
+
+    Signals
+    -------
+    changed : tuple of (float, float)
+        All points, when one was added, moved or taken away.
+    """
+
+    changed = QtCore.Signal(object)
+
+    def __init__(self, theme: Theme) -> None:
+        super().__init__()
+        self.theme = theme
+        self.points: Points = ()
+        self._low, self._high, self._unit = 0.0, 1.0, ""
+        self._held = -1
+        self.setMinimumSize(250, 150)
+        self.setToolTip(say("Drag points; click to add one, right button to take one away"))
+
+    def show_points(self, points: Points, low: float, high: float, unit: str) -> None:
+        """Show other points, over inputs from low to high, and tell nothing."""
+        self.points, self._low, self._high, self._unit = points, low, high, unit
+        self._held = self._held if self._held < len(points) else -1
+        self.update()
+
+    def place(self, x: float, y: float) -> QtCore.QPointF:
+        """Where an input and a factor lie in the widget."""
+        area = QtCore.QRectF(self.rect()).marginsRemoved(_MARGIN)
+        along = (x - self._low) / (self._high - self._low)
+        up = math.log(y / _LEAST) / math.log(_MOST / _LEAST)
+        return QtCore.QPointF(
+            area.left() + min(max(along, 0.0), 1.0) * area.width(),
+            area.bottom() - min(max(up, 0.0), 1.0) * area.height(),
+        )
+
+    def _value(self, place: QtCore.QPointF) -> tuple[float, float]:
+        area = QtCore.QRectF(self.rect()).marginsRemoved(_MARGIN)
+        along = min(max((place.x() - area.left()) / area.width(), 0.0), 1.0)
+        up = min(max((area.bottom() - place.y()) / area.height(), 0.0), 1.0)
+        x = self._low + along * (self._high - self._low)
+        return float(f"{x:.3g}"), float(f"{_LEAST * (_MOST / _LEAST) ** up:.3g}")
+
+    def paintEvent(self, event: QtGui.QPaintEvent) -> None:
+        """Draw axes, curve and points."""
+        painter, theme = QtGui.QPainter(self), self.theme
+        painter.setRenderHint(QtGui.QPainter.RenderHint.Antialiasing)
+        area = QtCore.QRectF(self.rect()).marginsRemoved(_MARGIN)
+        painter.setPen(QtGui.QPen(QtGui.QColor(theme.line), 1))
+        painter.setBrush(QtGui.QColor(theme.field))
+        painter.drawRoundedRect(area.adjusted(-5, -5, 5, 5), 6, 6)
+        small = painter.font()
+        small.setPointSizeF(small.pointSizeF() - 1.5)
+        painter.setFont(small)
+        for factor in (0.1, 0.3, 1.0, 3.0, 10.0):
+            y = self.place(self._low, factor).y()
+            painter.setPen(QtGui.QPen(QtGui.QColor(theme.line), 2.0 if factor == 1.0 else 1.0))
+            painter.drawLine(QtCore.QPointF(area.left(), y), QtCore.QPointF(area.right(), y))
+            painter.setPen(QtGui.QColor(theme.faint))
+            box = QtCore.QRectF(0, y - 8, area.left() - 8, 16)
+            painter.drawText(box, QtCore.Qt.AlignmentFlag.AlignRight, f"×{factor:g}")
+        below = QtCore.QRectF(area.left(), area.bottom() + 5, area.width(), 16)
+        painter.drawText(below, QtCore.Qt.AlignmentFlag.AlignLeft, f"{self._low:g}")
+        most = f"{self._high:g} {self._unit}".rstrip()
+        painter.drawText(below, QtCore.Qt.AlignmentFlag.AlignRight, most)
+        if self.points:
+            self._draw_curve(painter, area)
+        painter.end()
+
+    def _draw_curve(self, painter: QtGui.QPainter, area: QtCore.QRectF) -> None:
+        places = [self.place(x, y) for x, y in self.points]
+        ends = (
+            QtCore.QPointF(area.left(), places[0].y()), QtCore.QPointF(area.right(), places[-1].y())
+        )  # fmt: skip
+        painter.setBrush(QtCore.Qt.BrushStyle.NoBrush)
+        painter.setPen(QtGui.QPen(QtGui.QColor(self.theme.accent), 2.2))
+        painter.drawPolyline([ends[0], *places, ends[1]])
+        painter.setBrush(QtGui.QColor(self.theme.raised))
+        for place in places:
+            painter.drawEllipse(place, _GRIP, _GRIP)
+
+    def _point_at(self, place: QtCore.QPointF) -> int:
+        near = [
+            ((self.place(*point) - place).manhattanLength(), k)
+            for k, point in enumerate(self.points)
+        ]
+        distance, k = min(near, default=(math.inf, -1))
+        return k if distance < _NEAR else -1
+
+    def mousePressEvent(self, event: QtGui.QMouseEvent) -> None:
+        """Hold a point, make one, or take one away."""
+        left = QtCore.Qt.MouseButton.LeftButton
+        if event.button() != left and event.buttons() & left:
+            return  # beside the button that holds one
+        place = event.position()
+        at = self._point_at(place)
+        if event.button() == QtCore.Qt.MouseButton.RightButton:
+            if at >= 0:
+                self._tell(self.points[:at] + self.points[at + 1 :])
+            return
+        if at < 0 and len(self.points) < MOST_POINTS:
+            x, y = self._value(place)
+            at = sum(point[0] < x for point in self.points)
+            if self._fits(x, at, at):
+                self._tell((*self.points[:at], (x, y), *self.points[at:]))
+            else:
+                at = -1
+        self._held = at
+
+    def mouseMoveEvent(self, event: QtGui.QMouseEvent) -> None:
+        """Drag the point that is held, between its neighbours."""
+        at = self._held
+        if at < 0:
+            return
+        x, y = self._value(event.position())
+        x = x if self._fits(x, at, at + 1) else self.points[at][0]
+        self._tell((*self.points[:at], (x, y), *self.points[at + 1 :]))
+
+    def mouseReleaseEvent(self, event: QtGui.QMouseEvent) -> None:
+        """Let go of it with the button that holds it."""
+        if not event.buttons() & QtCore.Qt.MouseButton.LeftButton:
+            self._held = -1
+
+    def _fits(self, x: float, at: int, after: int) -> bool:
+        """Whether an input lies between the points before a place and from another on."""
+        apart = _APART * (self._high - self._low)
+        before = self.points[at - 1][0] if at > 0 else -math.inf
+        behind = self.points[after][0] if after < len(self.points) else math.inf
+        return before + apart <= x <= behind - apart
+
+    def _tell(self, points: Points) -> None:
+        self.points = points
+        self.update()
+        self.changed.emit(points)
+
+
+# --------------------------------------------------------------------------------------------------
+
+
+# ---- Numbers -------------------------------------------------------------------------------------
+# A number to be chosen: what it is, a slider, a box with its unit, and between what it may lie.
+
+
+_STEPS = 1000
+_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+_DIGITS = 3  # significant, of the narrower end of a range
+
+
+class NumberRow(QtCore.QObject):
+    """One row of a grid.
+
+    Parameters
+    ----------
+    grid : QGridLayout
+        Where it is put, below what is there.
+    name : str
+        Which number; said with a change.
+    label : (str, str)
+        What it is called, and what its tool tip says.
+    unit : str
+    whole : bool
+        Whether only whole numbers can be chosen.
+    even : bool
+        Whether the slider goes in even steps; if not, in even ratios.
+
+    Signals
+    -------
+    changed : (str, float)
+        Chosen by hand.
+    """
+
+    changed = QtCore.Signal(str, float)
+
+    def __init__(
+        self,
+        grid: QtWidgets.QGridLayout,
+        name: str,
+        label: tuple[str, str],
+        unit: str = "",
+        *,
+        whole: bool = False,
+        even: bool = True,
+    ) -> None:
+        super().__init__(grid)
+        self.name, self._whole, self._even = name, whole, even
+        self._low, self._high, self._shown = 0.0, 1.0, 0.0
+        self.label = QtWidgets.QLabel(say(label[0]))
+        self.slider = QtWidgets.QSlider(QtCore.Qt.Orientation.Horizontal)
+        self.slider.setRange(0, _STEPS)
+        self.slider.setMinimumWidth(90)
+        self.box = _PlainBox()
+        self.box.setObjectName(name)
+        self.box.setKeyboardTracking(False)
+        self.box.setSuffix(f" {unit}" if unit else "")
+        self.box.setMinimumWidth(96)
+        self.range = QtWidgets.QLabel()
+        self.range.setObjectName("faint")
+        for widget in (self.label, self.slider, self.box):
+            widget.setToolTip(label[1])
+        self.slider.setAccessibleName(say(label[0]))
+        self.box.setAccessibleName(say(label[0]))
+        row = grid.rowCount()
+        for column, one in enumerate((self.label, self.slider, self.box, self.range)):
+            grid.addWidget(one, row, column)
+        self.slider.valueChanged.connect(self._slid)
+        self.box.valueChanged.connect(self._typed)
+
+    def show_value(self, value: float, low: float, high: float) -> None:
+        """Show a value and between what it may lie, and tell nothing."""
+        self._low, self._high, self._shown = low, high, value
+        digits = 0 if self._whole else _digits_for(low, high, self._even)
+        with QtCore.QSignalBlocker(self.slider), QtCore.QSignalBlocker(self.box):
+            self.box.setDecimals(digits)
+            self.box.setRange(low, high)
+            self.box.setSingleStep(1.0 if self._whole else 10.0 ** (1 - digits))
+            self.box.setValue(value)
+            self.slider.setValue(round(_STEPS * self._share(value)))
+        self.range.setText(f"{_told(low)} – {_told(high)}")
+
+    def enable(self, on: bool) -> None:
+        """Let it be chosen, or not."""
+        for widget in (self.label, self.slider, self.box, self.range):
+            widget.setEnabled(on)
+
+    def _share(self, value: float) -> float:
+        low, high = self._low, self._high
+        if self._even:
+            return (value - low) / (high - low)
+        return math.log(value / low) / math.log(high / low)
+
+    def _slid(self, step: int) -> None:
+        share = step / _STEPS
+        low, high = self._low, self._high
+        value = low + share * (high - low) if self._even else low * (high / low) ** share
+        self._say(min(max(float(f"{value:.4g}"), low), high))
+
+    def _typed(self, value: float) -> None:
+        self._say(min(max(value, self._low), self._high))
+
+    def _say(self, value: float) -> None:
+        value = float(round(value)) if self._whole else value
+        if value != self._shown:
+            self.changed.emit(self.name, value)
+
+
+class _PlainBox(QtWidgets.QDoubleSpinBox):
+    """Shows no zeros behind the last digit that says something."""
+
+    def textFromValue(self, value: float) -> str:
+        """The number as it is shown."""
+        text = super().textFromValue(value)
+        point = self.locale().decimalPoint()
+        return text.rstrip("0").removesuffix(point) if point in text else text
+
+
+def _told(number: float) -> str:
+    """An end of a range: three digits; powers of ten below a thousandth and from a million on."""
+    if number != 0.0 and not 1e-3 <= abs(number) < 1e6:
+        digits, power = f"{number:.2e}".split("e")
+        digits = digits.rstrip("0").rstrip(".")
+        return f"{'' if digits == '1' else digits + '·'}10{str(int(power)).translate(_RAISED)}"
+    return f"{number:.3g}" if abs(number) < 1e3 else f"{number:.0f}"
+
+
+def _digits_for(low: float, high: float, even: bool) -> int:
+    """How many decimals tell values of a range apart."""
+    span = high - low if even else low
+    return min(max(_DIGITS - 1 - math.floor(math.log10(max(span, 1e-9))), 0), 7)
+
+
+# --------------------------------------------------------------------------------------------------
+
+
+# ---- Drafts --------------------------------------------------------------------------------------
+# A brush while its parameters are turned: one change at a time, each within its range.
+
+
+INPUT_RANGES = {
+    "pressure": (0.0, 1.0),
+    "tilt": (30.0, 90.0),
+    "speed": (0.0, 600.0),
+    "ink_left": (0.0, 1.0),
+    "curvature": (0.0, 0.5),
+}
+"""Between what a hand's inputs lie mostly: shares, degrees, mm/s, 1/mm (`brush.dynamics`)."""
+
+Points = tuple[tuple[float, float], ...]
+
+
+def _of_hairs(parameter: str) -> bool:
+    return parameter in hair_ranges()
+
+
+def value_of(brush: BrushSpec, parameter: str) -> float:
+    """A number of a brush or of its hairs; those that a solid tuft would have, where it is one."""
+    owner = (brush.bristles or BristleSpec()) if _of_hairs(parameter) else brush
+    return float(getattr(owner, parameter))
+
+
+def range_of(brush: BrushSpec, parameter: str) -> tuple[float, float]:
+    """Least and greatest value of a number, for a tuft as long as this."""
+    if _of_hairs(parameter):
+        return hair_ranges()[parameter]
+    if parameter == "length_mm":
+        return size_limits(brush)
+    return parameter_ranges(brush.length_mm)[parameter]
+
+
+def changed(brush: BrushSpec, parameter: str, value: Any) -> BrushSpec:
+    """The brush with another value; with another length, all that is a length goes along.
+
+    Raises
+    ------
+    BrushError
+        If it is out of its range.
+    """
+    if _of_hairs(parameter) or parameter == "table":
+        hairs = dataclasses.replace(brush.bristles or BristleSpec(), **{parameter: value})
+        return dataclasses.replace(brush, bristles=hairs)
+    if parameter == "length_mm":
+        return dataclasses.replace(resized(brush, value), name=brush.name)
+    return dataclasses.replace(brush, **{parameter: value})
+
+
+def with_hairs(brush: BrushSpec, hairs: BristleSpec | None) -> BrushSpec:
+    """The brush with these single hairs; None: a solid tuft."""
+    return dataclasses.replace(brush, bristles=hairs)
+
+
+def points_of(brush: BrushSpec, setting: str, name: str) -> Points:
+    """The points (input, factor) by which an input drives a setting; empty where it does not."""
+    return dict(dict(brush.inputs).get(setting, ())).get(name, ())
+
+
+def with_curve(brush: BrushSpec, setting: str, name: str, points: Points) -> BrushSpec:
+    """The brush with another such curve; without points the input drives nothing.
+
+    Raises
+    ------
+    BrushError
+        If they are no curve.
+    """
+    curves = {s: {i: points_of(brush, s, i) for i in INPUTS} for s in SETTINGS}
+    curves[setting][name] = points
+    kept = {s: {i: p for i, p in by_input.items() if p} for s, by_input in curves.items()}
+    inputs: Any = {s: by_input for s, by_input in kept.items() if by_input}
+    return dataclasses.replace(brush, inputs=inputs)
+
+
+# --------------------------------------------------------------------------------------------------
+
 
 _SIDE, _COLUMNS = 208, 440  # pixels of the pictures
 _SHARPER = 2  # times as many are drawn

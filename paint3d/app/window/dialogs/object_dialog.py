@@ -8,13 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 from PySide6 import QtCore, QtGui, QtWidgets
 
-from paint3d.app.model.note_texts import note_in_chinese
 from paint3d.app.model.own_object import (
     ObjectChoice,
     first_choice,
     longest_side,
     sensible_resolution,
 )
+from paint3d.app.model.texts import note_in_chinese
 from paint3d.app.window.dialogs.material_box import MaterialBox
 from paint3d.app.window.dialogs.questions import ask
 from paint3d.app.window.wording import language, say

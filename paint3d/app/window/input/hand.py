@@ -13,8 +13,7 @@ from PySide6 import QtCore
 
 from paint3d.app.model.input import navigation
 from paint3d.app.model.input.hand import Hand, HandSettings, PointerInput
-from paint3d.app.window.input.canvas import Canvas
-from paint3d.app.window.input.touch import Touch
+from paint3d.app.window.input.canvas import Canvas, Touch
 from paint3d.app.window.stage import Stage
 from paint3d.core.arrays import AnyArray
 from paint3d.device.sample import DeviceSample

@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import Any
 
 from paint3d.app.window.dialogs.export_dialog import ExportDialog, kept_options
+from paint3d.app.window.dialogs.target_dialog import Targets
 from paint3d.app.window.jobs.job import Progress, result_of
 from paint3d.app.window.jobs.pictures import Pictures
-from paint3d.app.window.jobs.targets import Targets
 from paint3d.app.window.wording import say
 from paint3d.app.window.workspace import Workspace
 from paint3d.files.export import EXPORT_SUFFIXES

@@ -9,13 +9,12 @@ from pathlib import Path
 from PySide6 import QtWidgets
 
 from paint3d.app.model.pad_in_view import lay_in_view
-from paint3d.app.model.score.of_strokes import score_of_strokes
 from paint3d.app.model.score.playback import Cue, cues_of
-from paint3d.app.model.score.playing import begun, painted
+from paint3d.app.model.score.playing import begun, painted, score_of_strokes
+from paint3d.app.window.dialogs.target_dialog import Targets
 from paint3d.app.window.jobs.job import Progress
 from paint3d.app.window.jobs.opened import Opened, open_with_progress
 from paint3d.app.window.jobs.player import Asked, Player, Tools
-from paint3d.app.window.jobs.targets import Targets
 from paint3d.app.window.wording import say
 from paint3d.app.window.workspace import Workspace
 from paint3d.brush.spec import BrushSpec

@@ -3,21 +3,307 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from PySide6 import QtCore, QtGui, QtWidgets
 
 from paint3d.app.model.frame import Frame
 from paint3d.app.model.input.devices import DeviceHub, DeviceView
-from paint3d.app.window.keeping_up import keeping_up
-from paint3d.app.window.panels.device_forms import MouseForm, StylusForm
+from paint3d.app.window.status_line import keeping_up
 from paint3d.app.window.theme import STATES, Theme
 from paint3d.app.window.wording import say
 from paint3d.core.arrays import AnyArray
+from paint3d.device.button_actions import ACTIONS
 from paint3d.device.recorded import MAX_FORCE_N
+from paint3d.device.six_dof import AXES
+from paint3d.haptics.settings import Feel
+from paint3d.haptics.stylus_choice import STYLI
+from paint3d.pose.mouse_settings import MODES, MouseSettings
+from paint3d.pose.steering import SteeringOptions
+from paint3d.pose.touching import SHEET_MM
 
-__all__ = ["DevicePanel", "HandsPicture"]
+__all__ = ["DevicePanel", "HandsPicture", "MouseForm", "StylusForm"]
+
+# ---- Forms ---------------------------------------------------------------------------------------
+# What is chosen for the hands' devices: the stylus that pushes back, the 6-DOF mouse.
+
+
+_STYLUS_NAMES = {
+    "auto": "The first there is",
+    "hid": "HID protocol of paint3d",
+    "openhaptics": "OpenHaptics (Touch, Phantom)",
+    "inverse3": "Haply Inverse3",
+    "none": "None",
+}
+_MODE_NAMES = {"object": "the object", "camera": "the viewer"}
+_ACTION_NAMES = {
+    "": "Nothing",
+    "recentre": "Recentre",
+    "dip": "Dip",
+    "undo": "action.undo",
+    "redo": "action.redo",
+    "toggle_turning": "Lock turning",
+    "toggle_moving": "Lock moving",
+    "toggle_dominant_axis": "One axis at a time",
+    "toggle_camera": "Object or viewer",
+    "calibrate_rest": "The cap rests here",
+}
+_MOTIONS = (
+    "Right by",
+    "Away by",
+    "Up by",
+    "Turn about right by",
+    "Turn about away by",
+    "Turn about up by",
+)
+_MOST_BUTTONS = 31
+_BY_BUTTONS = ("moving", "turning", "dominant_axis", "mode")  # what buttons toggle
+
+
+class _Form(QtWidgets.QWidget):
+    """Rows with a label each."""
+
+    def __init__(self, title: str) -> None:
+        super().__init__()
+        self._form = QtWidgets.QFormLayout(self)
+        self._form.setContentsMargins(0, 6, 0, 0)
+        head = QtWidgets.QLabel(say(title))
+        head.setObjectName("title")
+        self._form.addRow(head)
+
+    def _box(self, label: str, choices: Mapping[str, str]) -> QtWidgets.QComboBox:
+        box = QtWidgets.QComboBox()
+        box.setSizeAdjustPolicy(
+            QtWidgets.QComboBox.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon
+        )
+        for value, text in choices.items():
+            box.addItem(say(text), value)
+        self._form.addRow(say(label), box)
+        return box
+
+    def _number(
+        self, label: str, low: float, high: float, unit: str, digits: int = 0
+    ) -> QtWidgets.QDoubleSpinBox:
+        box = QtWidgets.QDoubleSpinBox()
+        box.setDecimals(digits)
+        box.setRange(low, high)
+        box.setSuffix(f" {unit}")
+        box.setKeyboardTracking(False)
+        self._form.addRow(say(label), box)
+        return box
+
+
+class StylusForm(_Form):
+    """Which stylus pushes back, how hard at most, and where it stands.
+
+    Signals
+    -------
+    chosen : str
+        One of `STYLI`, also if it was chosen before: to try again.
+    felt : dict of str to float
+        Changes of `Feel` by name.
+    calibrated : (float, float)
+        The corners of a sheet are to be touched that is so wide and deep, mm; (0, 0) stops it.
+    touched : ()
+        The corner that was asked for is touched now: for a stylus without a button.
+    """
+
+    chosen = QtCore.Signal(str)
+    felt = QtCore.Signal(object)
+    calibrated = QtCore.Signal(float, float)
+    touched = QtCore.Signal()
+
+    def __init__(self) -> None:
+        super().__init__("Stylus that pushes back")
+        self.kind = self._box("Reached by", {kind: _STYLUS_NAMES[kind] for kind in STYLI})
+        self.kind.activated.connect(lambda: self.chosen.emit(self.kind.currentData()))
+        self.limit = self._number("Pushes at most", 0.0, 7.9, "N", 1)
+        self.limit.valueChanged.connect(lambda n: self.felt.emit({"limit_n": n}))
+        self.ahead = self._number("Felt before contact", 0.0, 20.0, "mm")
+        self.ahead.valueChanged.connect(lambda n: self.felt.emit({"anticipation_mm": n}))
+        self.click = self._number("Click at a dip", 0.0, 1.0, "N", 1)
+        self.click.valueChanged.connect(lambda n: self.felt.emit({"click_n": n}))
+        self.texture = self._number("Grain is felt", 0.0, 1.0, "", 1)
+        self.texture.setSingleStep(0.1)
+        self.texture.valueChanged.connect(lambda n: self.felt.emit({"texture": n}))
+        self.width_box = self._number("Sheet to touch, wide", 20.0, 2000.0, "mm")
+        self.depth_box = self._number("and deep", 20.0, 2000.0, "mm")
+        for box, value in zip((self.width_box, self.depth_box), SHEET_MM, strict=True):
+            box.setValue(value)
+        self.calibrate = QtWidgets.QPushButton(say("Calibrate…"))
+        self.calibrate.setToolTip(say("Touch the four corners of a sheet on the table"))
+        self.calibrate.clicked.connect(self._ask)
+        self.told = QtWidgets.QLabel()
+        self.told.setObjectName("faint")
+        self.told.setWordWrap(True)
+        self.touches = QtWidgets.QPushButton(say("It touches"))
+        self.touches.setToolTip(say("For a stylus without a button, by the other hand"))
+        self.touches.setEnabled(False)
+        self.touches.clicked.connect(self.touched)
+        row = QtWidgets.QHBoxLayout()
+        row.addWidget(self.calibrate, 1)
+        row.addWidget(self.touches, 1)
+        self._form.addRow(row)
+        self._form.addRow(self.told)
+        self._going_on = False
+
+    def show_choices(self, stylus: str, feel: Feel) -> None:
+        """Show what is chosen."""
+        kind = stylus.partition("=")[0]
+        self.kind.setCurrentIndex(max(0, self.kind.findData(kind)))
+        for box, value in (
+            (self.limit, feel.limit_n),
+            (self.ahead, feel.anticipation_mm),
+            (self.click, feel.click_n),
+            (self.texture, feel.texture),
+        ):
+            with QtCore.QSignalBlocker(box):
+                box.setValue(value)
+
+    def show_calibrating(self, told: str, going_on: bool) -> None:
+        """Say what is to be touched next, or what came of it."""
+        self._going_on = going_on
+        self.told.setText(told)
+        self.calibrate.setText(say("button.cancel") if going_on else say("Calibrate…"))
+        self.touches.setEnabled(going_on)
+
+    def _ask(self) -> None:
+        sheet = (0.0, 0.0) if self._going_on else (self.width_box.value(), self.depth_box.value())
+        self.calibrated.emit(*sheet)
+
+
+class MouseForm(_Form):
+    """How a 6-DOF mouse is read, and what its buttons do.
+
+    Signals
+    -------
+    read : MouseSettings
+    pressed : (int, str)
+        A button, from 0, is to do this from now on; "": nothing.
+    """
+
+    read = QtCore.Signal(object)
+    pressed = QtCore.Signal(int, str)
+
+    def __init__(self) -> None:
+        super().__init__("6-DOF mouse")
+        self._actions: Mapping[int, str] = {}
+        self._mouse = MouseSettings()
+        self.mode = self._choice("The cap is", "mode", {mode: _MODE_NAMES[mode] for mode in MODES})
+        self.speed = self._scaled("Moves", "speed_mm_s", (0.0, 5000.0), "mm/s")
+        self.turn = self._scaled("Turns", "turn_deg_s", (0.0, 2800.0), "°/s")
+        self.dead_zone = self._scaled("Dead zone", "dead_zone", (0.0, 90.0), "%", 0.01)
+        self.curve = self._scaled("Finer near rest", "curve", (1.0, 4.0), "", digits=1)
+        self.moving = self._check("It moves", "moving")
+        self.turning = self._check("It turns", "turning")
+        self.dominant = self._check("One axis at a time", "dominant_axis")
+        zooms = {"y": "the cap is pushed", "z": "the cap is lifted"}
+        self.zoom = self._choice("Comes near when", "zoom_axis", zooms)
+        signed = {sign + axis: sign + axis for axis in AXES for sign in ("", "-")}
+        self.axes = [self._box(motion, signed) for motion in _MOTIONS]
+        for k, box in enumerate(self.axes):
+            box.activated.connect(self._swapper(k))
+        self.button = QtWidgets.QSpinBox()
+        self.button.setRange(1, _MOST_BUTTONS)
+        self._form.addRow(say("Button"), self.button)
+        self.action = self._box("does", {a: _ACTION_NAMES[a] for a in ("", *ACTIONS)})
+        self.button.valueChanged.connect(lambda: self._show_action())
+        self.action.activated.connect(
+            lambda: self.pressed.emit(self.button.value() - 1, self.action.currentData())
+        )
+
+    def _choice(self, label: str, name: str, choices: Mapping[str, str]) -> QtWidgets.QComboBox:
+        box = self._box(label, choices)
+        box.activated.connect(lambda: self._change(name, box.currentData()))
+        return box
+
+    def _scaled(
+        self,
+        label: str,
+        name: str,
+        span: tuple[float, float],
+        unit: str,
+        scale: float = 1.0,
+        digits: int = 0,
+    ) -> QtWidgets.QDoubleSpinBox:
+        box = self._number(label, *span, unit, digits)
+        box.valueChanged.connect(lambda value: self._change(name, scale * value))
+        return box
+
+    def _check(self, label: str, name: str) -> QtWidgets.QCheckBox:
+        check = QtWidgets.QCheckBox(say(label))
+        check.toggled.connect(lambda on: self._change(name, on))
+        self._form.addRow(check)
+        return check
+
+    def _change(self, name: str, value: object) -> None:
+        changes: dict[str, Any] = {name: value}
+        self._mouse = replace(self._mouse, **changes)
+        self.read.emit(self._mouse)
+
+    def show_choices(self, mouse: MouseSettings, actions: Mapping[int, str]) -> None:
+        """Show what is chosen."""
+        self._actions, self._mouse = actions, mouse
+        numbers = (
+            (self.speed, mouse.speed_mm_s),
+            (self.turn, mouse.turn_deg_s),
+            (self.dead_zone, 100.0 * mouse.dead_zone),
+            (self.curve, mouse.curve),
+        )
+        for box, value in numbers:
+            with QtCore.QSignalBlocker(box):
+                box.setValue(value)
+        self._show_locks()
+        self.zoom.setCurrentIndex(self.zoom.findData(mouse.zoom_axis))
+        for choice, axis in zip(self.axes, mouse.axes, strict=True):
+            choice.setCurrentIndex(choice.findData(axis))
+        self._show_action()
+
+    def show_locks(self, steering: SteeringOptions) -> None:
+        """Show what the mouse's own buttons locked or chose, which the next change keeps."""
+        now = {name: getattr(steering, name) for name in _BY_BUTTONS}
+        if any(getattr(self._mouse, name) != value for name, value in now.items()):
+            self._mouse = replace(self._mouse, **now)
+            self._show_locks()
+
+    def _show_locks(self) -> None:
+        mouse = self._mouse
+        checks = (
+            (self.moving, mouse.moving),
+            (self.turning, mouse.turning),
+            (self.dominant, mouse.dominant_axis),
+        )
+        for check, on in checks:
+            with QtCore.QSignalBlocker(check):
+                check.setChecked(on)
+        self.mode.setCurrentIndex(self.mode.findData(mouse.mode))
+
+    def _show_action(self) -> None:
+        action = self._actions.get(self.button.value() - 1, "")
+        self.action.setCurrentIndex(max(0, self.action.findData(action)))
+
+    def _swapper(self, k: int) -> Callable[[], None]:
+        """Let the motion that had the axis before have the one that was given up."""
+
+        def swap() -> None:
+            wanted, axes = self.axes[k].currentData(), list(self._mouse.axes)
+            old = axes[k]
+            for other, axis in enumerate(axes):
+                if other != k and axis.removeprefix("-") == wanted.removeprefix("-"):
+                    axes[other] = old
+            axes[k] = wanted
+            for box, axis in zip(self.axes, axes, strict=True):
+                box.setCurrentIndex(box.findData(axis))
+            self._change("axes", tuple(axes))
+
+        return swap
+
+
+# --------------------------------------------------------------------------------------------------
+
 
 _LATE_MS = 8.0
 
