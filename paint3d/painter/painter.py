@@ -2,8 +2,8 @@
 
 Samples become poses in the object's frame (`pose`), along which `brush_engine.stroke_loop` runs the
 pipeline: foot point and bent brush, enclosing sphere and plane, outline, sweep, ink. Painting is
-deterministic: no clock, file or random source is read, and the same samples give the same painting
-to the bit, for any number of threads and any chunking.
+deterministic: it depends on no clock, file or random source, and the same samples give the same
+painting to the bit, for any number of threads and any chunking.
 """
 
 from __future__ import annotations
