@@ -1,15 +1,15 @@
-"""The table of bent shapes of a tuft, and the `Tuft` that kernels take.
+"""The table of bent shapes of a tuft, and the `Tuft` that the kernels take.
 
-The energy that fills the gap in the papers is described in `paint3d.brush_engine.spine`. The spine
-is followed on fine arcs that crowd towards the tip, where a tuft is weak: k_j = s_j^q / r_j, with
-s_j the joint's arc length from the tip over the tuft's and r_j the length that bends there, the
-mean of the two arcs that it joins, and half of the last one at the holder. Nothing of it depends on
-the tuft but q, so tufts of one q share a table.
+`paint3d.brush_engine.spine` describes the bending energy, which the papers leave open. The spine is
+discretised into fine arcs that crowd towards the tip, where a tuft is weak. The stiffness of joint
+j is k_j = s_j^q / r_j, with s_j its arc length from the tip over the tuft's, and r_j the length
+that bends there: the mean of the two arcs that it joins, at the holder half of the last one. The
+table depends on the tuft by q alone, so tufts of one q share it.
 
-The papers' segments say where a tuft is soft: the shorter they are near the tip, the easier it
-bends there. A brush whose number of segments or tip segment is no longer what it was rated with
-bends as if its hairs were le(s) / le_rated(s) times as thick at s, with le the length of the
-segment there: docs/model.md, section 1.
+The papers' segments determine where a tuft is soft: the shorter they are near the tip, the easier
+it bends there. A brush whose number of segments or tip segment differs from its rated one bends as
+if its hairs were le(s) / le_rated(s) times as thick at s, with le the length of the segment there:
+docs/model.md, section 1.
 """
 
 from __future__ import annotations
@@ -48,24 +48,23 @@ GREATEST_FRACTION = 0.62  # descent over the straight tuft's height; below, the 
 _N_TILTS = 25
 _N_DESCENTS = 129
 _N_ARCS = 2 * (STATIONS - 1)
-_CROWDING = 2.6  # arcs at the tip are so much shorter that the lightest touch bends some of them
+_CROWDING = 2.6  # exponent of the arcs' spacing: even the lightest touch bends several at the tip
 Chain = tuple[float, float, float, float]
-_FARTHEST_DRAG = 0.5  # as of brushes
-_LEAST_COSINE = 1e-3  # of sections: what stands straighter is clear of the plane
+_FARTHEST_DRAG = 0.5  # the upper end of `BrushSpec.drag_fraction`
+_LEAST_COSINE = 1e-3  # of a section's angle; a steeper section is clear of the plane
 
 
 class BendingTable:
     """Least-energy shapes of a tuft of length 1 over tilt and descent.
 
-    Columns are even in the square root of the descent, because an upright tuft gives way like one.
-    `n_arcs` is for studies of how fine the spine has to be.
+    Columns are even in the square root of the descent, as an upright tuft yields.
 
     Parameters
     ----------
     exponent : float
         q: a joint bends (s / LE)^q times as hard as the root.
     n_arcs : int
-        On which the spine is solved.
+        Resolution of the spine; the default except in convergence studies.
     chain : tuple, optional
         As `BrushSpec.chain`.
 
@@ -109,11 +108,10 @@ class BendingTable:
 
     @functools.cached_property
     def spine(self) -> tuple[AnyArray, AnyArray, AnyArray]:
-        """Where the joints are and how sections stand there, (T, D, M + 1) each, tip first.
+        """Positions of the joints and angles of their sections, (T, D, M + 1) each, tip first.
 
         Along the plane from the root's foot and up from the plane, both over the tuft's length, and
-        the section's angle (rad): the mean of the arcs that the joint joins, at the root the
-        holder's.
+        the section's angle (rad): the mean of the two arcs at the joint, at the root the holder's.
         """
         lengths = np.diff(self.arcs)
         run, rise = lengths * np.cos(self.angles), lengths * np.sin(self.angles)
@@ -135,15 +133,15 @@ def joint_stiffness(arcs: AnyArray, exponent: float, chain: Chain | None = None)
     result: AnyArray = arcs[1:] ** exponent / bending
     if chain is not None:
         segments, tip, rated_segments, rated_tip = chain
-        there = _segment_at(arcs[1:], segments, tip)
-        result *= (there / _segment_at(arcs[1:], rated_segments, rated_tip)) ** exponent
+        actual = _segment_at(arcs[1:], segments, tip)
+        result *= (actual / _segment_at(arcs[1:], rated_segments, rated_tip)) ** exponent
     return result
 
 
 def _segment_at(arcs: AnyArray, segments: float, tip: float) -> AnyArray:
     """Length of the papers' segment (Guo 2017, Eq. 1) at arc lengths, all for LE = 1.
 
-    The sum of j segments is j (tip - d / 2) + j^2 d / 2, and its growth with j the length there.
+    j segments span j (tip - d / 2) + j^2 d / 2; the derivative with respect to j is the length.
     """
     d = 2.0 * (1.0 - segments * tip) / (segments * (segments - 1.0))
     result: AnyArray = np.sqrt((tip - 0.5 * d) ** 2 + 2.0 * d * arcs)
@@ -152,7 +150,7 @@ def _segment_at(arcs: AnyArray, segments: float, tip: float) -> AnyArray:
 
 @functools.lru_cache(maxsize=16)
 def bending_table(exponent: float, chain: Chain | None = None) -> BendingTable:
-    """The table of an exponent of stiffness, and a chain; kept in memory. About .1 s.
+    """Return the table for a stiffness exponent and a chain; cached. About .1 s.
 
     Raises
     ------
@@ -164,7 +162,7 @@ def bending_table(exponent: float, chain: Chain | None = None) -> BendingTable:
 
 @functools.lru_cache(maxsize=16)
 def _shared(exponent: float, chain: Chain | None) -> tuple[NDArray[np.float32], ...]:
-    """What tufts of one table share, at the stations: see `Tuft.spine` and `Tuft.reach`."""
+    """Arrays common to tufts of one table, at the stations: `Tuft.spine`, `Tuft.reach`, chords."""
     along, up, angle = (part[..., ::2] for part in bending_table(exponent, chain).spine)
     spine = np.stack([along, up, angle], axis=2)
     cosine = np.maximum(np.cos(angle), _LEAST_COSINE)
@@ -182,18 +180,11 @@ def _constant(values: AnyArray) -> NDArray[np.float32]:
     return result
 
 
-def _openness(chords: AnyArray, diameters: AnyArray) -> NDArray[np.float32]:
-    """g / (1 + g), with g = 2 z / (cos beta C): see `Tuft.openness`."""
-    gap = chords[..., 1:] / diameters[1:]
-    gap = np.concatenate([gap[..., :1], gap], axis=-1)  # where tip and plane meet, 0 over 0
-    return _constant(gap / (1.0 + gap))
-
-
 def tuft_on(spec: BrushSpec, material: Material) -> Tuft:
-    """The brush ready for kernels, on a surface that may draw more or less ink out of it.
+    """Build the tuft of a brush on a material, which may draw more or less ink out of it.
 
-    Friction belongs to both: hairs spread by d + h mu with mu = `BrushSpec.friction` times
-    `Material.slip` (Guo 2015, Eq. 2), and the contact is dragged back so many times as far.
+    Friction depends on both: hairs spread by d + h mu with mu = `BrushSpec.friction` times
+    `Material.slip` (Guo 2015, Eq. 2), and the drag of the contact scales with the slip.
 
     Raises
     ------
@@ -211,7 +202,7 @@ def tuft_on(spec: BrushSpec, material: Material) -> Tuft:
 
 @functools.lru_cache(maxsize=64)
 def build_tuft(spec: BrushSpec) -> Tuft:
-    """The brush ready for kernels; kept in memory, so that asking again costs nothing.
+    """Build the tuft of a brush for the kernels; results are cached.
 
     Raises
     ------
@@ -232,12 +223,15 @@ def build_tuft(spec: BrushSpec) -> Tuft:
     )
     for array in (arcs, diameters, spheres):
         array.setflags(write=False)
+    # Tuft.openness, g / (1 + g) with g = 2 z / (cos beta C); at the tip, 0 over 0, that beside it:
+    gap = chords[..., 1:] / (diameters / spec.length_mm)[1:]
+    gap = np.concatenate([gap[..., :1], gap], axis=-1)
     return Tuft(
         arcs=arcs,
         diameters=diameters,
         spine=spine,
         reach=reach,
-        openness=_openness(chords, diameters / spec.length_mm),
+        openness=_constant(gap / (1.0 + gap)),
         spheres=spheres,
         taper=float(spec.taper),
         point=float(spec.point_mm),

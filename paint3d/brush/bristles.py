@@ -1,4 +1,4 @@
-"""The hairs of a brush, ready for kernels."""
+"""Single hairs of a brush: their positions, lengths and tables of bent shapes, for the kernels."""
 
 from __future__ import annotations
 
@@ -15,23 +15,24 @@ from paint3d.core.arrays import AnyArray, zeros_on_lines
 
 __all__ = ["MEASURED", "build_bristles", "energy_shapes", "hair_places", "measured_shapes"]
 
-# ---- Shapes of hairs -----------------------------------------------------------------------------
-# Tables of bent hairs over tilt and height: from the bending energy, and as measured.
+# ---- Bent shapes ---------------------------------------------------------------------------------
+# Two tables of bent hairs. Both hold, for 25 tilts from 30 to 90 degrees and 129 descents (even in
+# the square root, 0 to 62 % of the upright height), the points of a hair of length 1 at the fixed
+# arc lengths `ARCS` from the tip: x from the root's foot along the bend, z over the plane, and the
+# angle to the plane.
 #
-# Both hold, for 25 tilts from 30 to 90 degrees and 129 descents (even in the square root, 0 to 62 %
-# of the upright height), the points of a hair of length 1 at the fixed arc lengths `ARCS` from the
-# tip: x from the root's foot along the bend, z over the plane, and the angle to the plane.
+# *energy*: the least-energy shapes of the brush (`brush.bending`).
 #
-# *energy*: the least-energy shapes of the brush (`brush.bending`). *measured*: twelve shapes of a
-# real brush, published in the FastBrush thesis, as cubic Bezier curves from the root along the
-# handle to the tip along the paper; or the shapes of one's own brush, measured so. What FastBrush's
-# program got wrong is mended: between the measured handle angles (its own are 0 and 45 degrees) and
-# between the measured heights everything is interpolated, beyond the last angle its shapes hold;
-# heights count from where the straight hair first touches; the tip's offset counts from where the
-# handle's axis meets the paper, at every angle, so that nothing jumps as the handle leaves the
-# upright; and a curve longer or shorter than the hair is cut, or laid on along the paper, to the
-# hair's own length.
-
+# *measured*: twelve shapes of a real brush, published in the FastBrush thesis, as cubic Bezier
+# curves from the root along the handle to the tip along the paper; or shapes of the user's brush,
+# measured in the same way. Four faults of FastBrush's program are corrected:
+# - Shapes are interpolated between the measured handle angles (0 and 45 degrees in the thesis) and
+#   between heights; beyond the last angle, its shapes hold.
+# - Heights count from where the straight hair first touches.
+# - The tip's offset counts from where the handle's axis meets the paper, at every angle, so that
+#   nothing jumps as the handle leaves the upright.
+# - A curve longer than the hair is cut to the hair's length; a shorter one is extended along the
+#   paper.
 
 MEASURED: ShapeRows = (
     (0.0, 1.00, 0.0, 0.0, 1.0, 0.0, 0.0),
@@ -47,9 +48,9 @@ MEASURED: ShapeRows = (
     (45.0, 0.54, 0.38, 0.01, 0.64, 0.0, 5.0),
     (45.0, 0.24, 0.52, 0.01, 0.26, 0.0, 15.0),
 )
-"""The shapes of FastBrush (KTH thesis), in rows of `bristle_spec.SHAPE_COLUMNS`."""
+"""The shapes of FastBrush (KTH thesis), in rows of `brush.spec.SHAPE_COLUMNS`."""
 
-_FINE = 400  # points of a curve that is measured along
+_FINE = 400  # points of a Bezier curve that is resampled by arc length
 
 
 def energy_shapes(table: BendingTable) -> tuple[AnyArray, AnyArray]:
@@ -57,17 +58,12 @@ def energy_shapes(table: BendingTable) -> tuple[AnyArray, AnyArray]:
 
     The fans are 0: how a tuft spreads is the brush's own law (Guo 2017, Eq. 2).
     """
-    shapes = [_along(table.arcs, values) for values in table.spine]
+    joints = table.arcs
+    below = np.clip(np.searchsorted(joints, ARCS, side="right") - 1, 0, len(joints) - 2)
+    t = (ARCS - joints[below]) / np.diff(joints)[below]
+    shapes = [(1.0 - t) * values[..., below] + t * values[..., below + 1] for values in table.spine]
     fans = np.zeros((*table.angles.shape[:2], 2), np.float32)
     return np.ascontiguousarray(np.concatenate(shapes, axis=-1), np.float32), fans
-
-
-def _along(joints: AnyArray, values: AnyArray) -> AnyArray:
-    """Values at joints (..., M + 1), linear between them, at `ARCS` (..., SAMPLES)."""
-    place = np.clip(np.searchsorted(joints, ARCS, side="right") - 1, 0, len(joints) - 2)
-    share = (ARCS - joints[place]) / np.diff(joints)[place]
-    result: AnyArray = (1.0 - share) * values[..., place] + share * values[..., place + 1]
-    return result
 
 
 def measured_shapes(
@@ -82,8 +78,8 @@ def measured_shapes(
     fractions : (D,) float64
         Descent over the straight hair's height.
     rows : tuple of tuples of float
-        Measured shapes as `bristle_spec.shape_rows` has them. Between angles and between heights
-        they are interpolated; beyond the first and the last, these hold.
+        Measured shapes, as from `brush.spec.shape_rows`. They are interpolated between angles and
+        between heights, and held beyond the first and the last.
     """
     shapes = np.empty((len(tilts), len(fractions), 3 * SAMPLES), np.float32)
     fans = np.empty((len(tilts), len(fractions), 2), np.float32)
@@ -103,12 +99,16 @@ def measured_shapes(
 
 
 def _measured_at(rows: ShapeRows, angle: float, height: float) -> AnyArray:
-    known = np.array([row[1:] for row in rows if row[0] == angle])[::-1]
+    """Interpolate offset, imprint, upper, lower and spread (5,) at a height, for one angle."""
+    known = np.array([row[1:] for row in rows if row[0] == angle])[::-1]  # heights rise
     return np.array([np.interp(height, known[:, 0], known[:, c]) for c in range(1, 6)])
 
 
 def _bezier_hair(tilt: float, height: float, offset: float, upper: float, lower: float) -> AnyArray:
-    """x, z and angle at `ARCS` of a hair of length 1 along the curve, never under the paper."""
+    """Sample x, z and angle (3 SAMPLES,) at `ARCS` of a hair of length 1 along a Bezier curve.
+
+    It never goes below the paper.
+    """
     tip = height / math.tan(tilt) + offset
     corners = np.array(
         [
@@ -122,31 +122,30 @@ def _bezier_hair(tilt: float, height: float, offset: float, upper: float, lower:
     weights = ((1.0 - t) ** 3, 3.0 * t * (1.0 - t) ** 2, 3.0 * t**2 * (1.0 - t), t**3)
     points = sum(w * corner for w, corner in zip(weights, corners, strict=True))
     points[:, 1] = np.maximum(points[:, 1], 0.0)
-    laid_on = points[-1] + np.array([2.0, 0.0])  # what is left lies on the paper
-    points = np.vstack([points, laid_on])
-    way = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
+    beyond_tip = points[-1] + np.array([2.0, 0.0])  # extends a curve shorter than the hair
+    points = np.vstack([points, beyond_tip])
+    arc = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
     fine = np.linspace(0.0, 1.0, _FINE)  # from the root
-    x, z = np.interp(fine, way, points[:, 0]), np.interp(fine, way, points[:, 1])
+    x, z = np.interp(fine, arc, points[:, 0]), np.interp(fine, arc, points[:, 1])
     angle = np.arctan2(-np.gradient(z, fine), np.gradient(x, fine))
     from_root = 1.0 - ARCS
     return np.concatenate([np.interp(from_root, fine, values) for values in (x, z, angle)])
 
 
-# --------------------------------------------------------------------------------------------------
+# ---- The tuft ------------------------------------------------------------------------------------
 
-
-_ROOT = math.sqrt(2.0) - 1.0  # steps of lengths: no hair is long because of where it stands
+_ROOT = math.sqrt(2.0) - 1.0  # step of the lengths' sequence: uncorrelated with the golden spiral
 _GOLDEN = math.pi * (3.0 - math.sqrt(5.0))
-_BUNDLED = 1.3  # times as broad as the room of a hair is a bundle of them
-_CELLS = 512  # places across the tuft that tell clump and appetite
+_BUNDLED = 1.3  # width of a bundle over the spacing of its hairs
+_CELLS = 512  # cells across the tuft in which clump and appetite are tabulated
 _CLUMPS = (9, 31, 3)  # across the tuft: when it parts, when it falls apart, when it splits
 
 
 def hair_places(n: int) -> AnyArray:
-    """Places (2, n) float32 of hairs in a disc of radius 1, evenly over its area.
+    """Positions (2, n) float32 of hairs in a disc of radius 1, evenly over its area.
 
-    A spiral by the golden angle with the radius as the square root of the number: as many hairs
-    to every mm2 in the middle as at the rim. A single hair stands in the middle.
+    A golden-angle spiral whose radius grows as the square root of the number, so that the density
+    is uniform (Vogel's sunflower). A single hair stands in the middle.
     """
     if n == 1:
         return np.zeros((2, 1), np.float32)
@@ -158,7 +157,7 @@ def hair_places(n: int) -> AnyArray:
 
 @functools.lru_cache(maxsize=32)
 def build_bristles(spec: BrushSpec, hairs: BristleSpec) -> Bristles:
-    """The hairs of a brush; kept in memory, so that asking again costs nothing.
+    """Build the hairs of a brush; results are cached.
 
     Raises
     ------
@@ -205,7 +204,7 @@ def build_bristles(spec: BrushSpec, hairs: BristleSpec) -> Bristles:
 
 
 def _rest_lengths(spec: BrushSpec, places: AnyArray, lengths: AnyArray) -> AnyArray:
-    """Lengths of a straight hair's pieces, tip first, as `Bristles.rests`."""
+    """Segment lengths of straight hairs, tip first, as `Bristles.rests`."""
     arcs = ARCS * spec.length_mm
     along, out = np.diff(arcs), np.diff(0.5 * spec.diameters(arcs))
     off = np.sum(places.astype(np.float64) ** 2, axis=0)[:, None, :]
@@ -216,26 +215,26 @@ def _rest_lengths(spec: BrushSpec, places: AnyArray, lengths: AnyArray) -> AnyAr
 
 
 def _scatter(n: int, seed: float = 0.5, step: float = 0.6180339887498949) -> AnyArray:
-    """n numbers, evenly over 0 to 1 and without order: multiples of the golden ratio, or a step."""
+    """Low-discrepancy sequence (n,) in [0, 1): multiples of the golden ratio, or of `step`."""
     return np.mod(seed + np.arange(n) * step, 1.0) if n > 1 else np.zeros(n)
 
 
 def _clump_middles(count: int) -> AnyArray:
-    """For `_CELLS` places in [-1, 1], the middle of the clump there; clumps differ in width."""
+    """Middle of the clump at each of `_CELLS` cells of [-1, 1]; clumps differ in width."""
     widths = 1.0 + 0.9 * (_scatter(count, 0.3) - 0.5)
     edges = np.concatenate([[0.0], np.cumsum(widths)]) / widths.sum() * 2.0 - 1.0
-    places = (np.arange(_CELLS) + 0.5) / _CELLS * 2.0 - 1.0
-    at = np.clip(np.searchsorted(edges, places) - 1, 0, count - 1)
+    cells = (np.arange(_CELLS) + 0.5) / _CELLS * 2.0 - 1.0
+    at = np.clip(np.searchsorted(edges, cells) - 1, 0, count - 1)
     result: AnyArray = (0.5 * (edges[at] + edges[at + 1])).astype(np.float32)
     return result
 
 
 def _noise() -> AnyArray:
-    """For `_CELLS` places, how hairs differ there: noise in three widths, mean 0."""
-    places = (np.arange(_CELLS) + 0.5) / _CELLS
+    """Value noise of three scales over the `_CELLS` cells, mean 0."""
+    cells = (np.arange(_CELLS) + 0.5) / _CELLS
     noise = np.zeros(_CELLS)
     for count, weight, seed in ((7, 0.45, 0.11), (19, 0.45, 0.47), (47, 0.25, 0.83)):
         values = 2.0 * _scatter(count + 1, seed) - 1.0
-        noise += weight * np.interp(places * count, np.arange(count + 1), values)
+        noise += weight * np.interp(cells * count, np.arange(count + 1), values)
     result: AnyArray = noise - noise.mean()
     return result

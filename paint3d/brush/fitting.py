@@ -1,11 +1,11 @@
-"""Brushes fitted to what was measured on a real one: presses with their footprints, bent hairs.
+"""Fitting a brush to measurements of a real one.
 
-*Presses* of an upright brush: how deep it was pressed, how wide and long its footprint is, and how
-far behind the handle that begins. The tuft's shape and stiffness are sought within the ranges of
-the papers, so that the model's footprints (Guo 2017, Eqs. 2 to 8) come closest in least squares.
+*Presses* of an upright brush: depth, the footprint's width and length, and how far behind the
+handle it begins. The tuft's shape and stiffness are fitted by least squares, within the ranges of
+the papers, to the model's footprints (Guo 2017, Eqs. 2 to 8).
 
-*Bent hairs*: for some angles of the handle and some heights of its root, the cubic Bezier curve
-that a hair lies along, as FastBrush took them from photographs.
+*Bent hairs*: the cubic Bezier curve that a hair follows, for some angles of the handle and heights
+of its root, as FastBrush took them from photographs.
 """
 
 from __future__ import annotations
@@ -32,22 +32,22 @@ __all__ = [
 ]  # fmt: skip
 
 PRESS_COLUMNS = ("depth_mm", "width_mm", "offset_mm", "drag_mm")
-"""Columns of a table of presses, mm: of the root below where the tip touched first, of the widest
-place, of the footprint's beginning behind the handle, and from there to its end."""
+"""Columns of a table of presses, mm: descent of the root since the tip touched, greatest width of
+the footprint, how far behind the handle it begins, and its length from there."""
 
 POINT_COLUMNS = ("angle", "x0", "z0", "x1", "z1", "x2", "z2", "x3", "z3")
-"""Columns of a table of curves: the handle's angle from the upright (degrees), and the points of
-the curve from the root to the tip, mm, z over the paper; `spread` (degrees) may be there, too."""
+"""Columns of a table of curves: the handle's angle from the upright (degrees), and the control
+points from the root to the tip, mm, z over the paper; `spread` (degrees) is optional."""
 
-_SOUGHT = ("root_diameter_mm", "taper", "full_press_mm", "point_mm")
+_FREE = ("root_diameter_mm", "taper", "full_press_mm", "point_mm")
 _EXPONENTS = (2.5, 3.0, 3.5, 4.0, 4.5, 5.0)
-_STEP = 5e-3  # of a parameter, over which the model's slope is taken
+_STEP = 5e-3  # relative step of the finite differences
 _MOST_TRIES = 25
 _MOST_BYTES = 1 << 20
 _MOST_MM = 1000.0  # of a reading
 
 
-def _text(path: Path) -> str:
+def _read_text(path: Path) -> str:
     try:
         with path.open("rb") as stream:
             data = stream.read(_MOST_BYTES + 1)
@@ -61,8 +61,8 @@ def _text(path: Path) -> str:
 
 
 def _rows(path: Path, *wanted: Sequence[str]) -> list[tuple[int, dict[str, float]]]:
-    """Line and numbers of every row of a table that has all columns of one of those wanted."""
-    lines = ["" if line.startswith("#") else line for line in _text(path).splitlines()]
+    """Read the line and numbers of every row of a table with all columns of one `wanted` set."""
+    lines = ["" if line.startswith("#") else line for line in _read_text(path).splitlines()]
     first = next((k for k, line in enumerate(lines) if line.strip()), 0)
     reader = csv.DictReader(lines[first:])
     try:
@@ -70,9 +70,9 @@ def _rows(path: Path, *wanted: Sequence[str]) -> list[tuple[int, dict[str, float
         reader.fieldnames = names
         columns = next((c for c in wanted if set(c) <= set(names)), None)
         if columns is None:
-            told = ", or ".join(", ".join(c) for c in wanted)
+            expected = ", or ".join(", ".join(c) for c in wanted)
             got = ", ".join(names)[:200] or "none"
-            raise InputError(f"{path}: has the columns {got}; expected {told}")
+            raise InputError(f"{path}: has the columns {got}; expected {expected}")
         rows = []
         for row in reader:
             line = first + reader.line_num
@@ -85,32 +85,32 @@ def _rows(path: Path, *wanted: Sequence[str]) -> list[tuple[int, dict[str, float
 
 
 def _numbers(row: Mapping[str, Any], columns: Sequence[str], where: str) -> dict[str, float]:
-    found = {}
+    numbers = {}
     for name, text in row.items():
         if name not in columns and (name != "spread" or not text):
             continue
         try:
-            found[name] = float(text)
+            numbers[name] = float(text)
         except (TypeError, ValueError):
-            found[name] = math.nan
-        if not math.isfinite(found[name]):
+            numbers[name] = math.nan
+        if not math.isfinite(numbers[name]):
             raise InputError(f"{where}: {name} is {text!r:.40}; expected a number")
-    return found
+    return numbers
 
 
-# -- presses ------------------------------------------------------------------------------------
+# ---- Presses -------------------------------------------------------------------------------------
 
 
 def read_presses(path: str | Path) -> NDArray[np.float64]:
-    """Readings (N, 4) of a table, mm: depth, width, heel offset and length, by depth.
+    """Read a table of presses (N, 4), mm: depth, width, heel offset and length, by depth.
 
-    Readings of one depth are averaged: they scatter by more than the model is wrong.
+    Readings of one depth are averaged: they scatter more than the model errs.
 
     Raises
     ------
     InputError
-        If there is no such table, or it lacks a column, or a cell holds no number, or one that no
-        footprint has.
+        If there is no such table, it lacks a column, or a cell holds no number or one that is out
+        of range.
     """
     rows = _rows(Path(path), PRESS_COLUMNS)
     for line, row in rows:
@@ -123,7 +123,7 @@ def read_presses(path: str | Path) -> NDArray[np.float64]:
 
 
 def predict_presses(brush: BrushSpec, depths: AnyArray) -> NDArray[np.float64]:
-    """Width, heel offset and length (N, 3), mm, of a brush held upright, at depths (N,), mm.
+    """Predict width, heel offset and length (N, 3), mm, of an upright brush at depths (N,), mm.
 
     Raises
     ------
@@ -140,7 +140,7 @@ def predict_presses(brush: BrushSpec, depths: AnyArray) -> NDArray[np.float64]:
 
 
 def press_errors(brush: BrushSpec, presses: AnyArray) -> tuple[float, float, float]:
-    """RMS over the depths, mm, of width, heel offset and length against readings (N, 4)."""
+    """RMS errors over the depths, mm, of width, heel offset and length against readings (N, 4)."""
     errors = predict_presses(brush, presses[:, 0]) - presses[:, 1:]
     width, offset, length = np.sqrt((errors**2).mean(axis=0))
     return float(width), float(offset), float(length)
@@ -153,22 +153,22 @@ def fit_presses(
     progress: Callable[[float], None] | None = None,
     exponents: Sequence[float] = _EXPONENTS,
 ) -> BrushSpec:
-    """The brush whose footprints come closest to readings, in least squares; some seconds.
+    """Fit a brush to readings by least squares; takes some seconds.
 
-    Sought are root diameter, taper, full press and point, for each exponent of stiffness; all else,
-    the length among it, is that of the base.
+    Root diameter, taper, full press and point are fitted for each stiffness exponent, and the best
+    brush returned; everything else, including the length, is the base's.
 
     Parameters
     ----------
     presses : (N, 4)
-        As `read_presses` gives them.
+        From `read_presses`.
     base : BrushSpec
     name : str
-        What it is called.
+        Name of the fitted brush.
     progress : callable, optional
-        Called with the share done.
+        Called with the fraction done.
     exponents : sequence of float
-        Of stiffness, to be tried beside that of the base.
+        Stiffness exponents to try in addition to the base's.
 
     Raises
     ------
@@ -184,46 +184,46 @@ def fit_presses(
             f"({GREATEST_FRACTION:g} of the tuft's length, {base.length_mm:g} mm)"
         )
     tried = dict.fromkeys((*map(float, exponents), float(base.stiffness_exponent)))
-    found = []
+    fitted = []
     for k, exponent in enumerate(tried):
-        stated = dataclasses.replace(
+        start = dataclasses.replace(
             base, name=name, stiffness_exponent=exponent, rated_hardness=base.hardness,
             rated_segments=base.n_segments, rated_tip_share=math.nan,
         )  # fmt: skip
-        found.append(_fitted(stated, presses))
+        fitted.append(_fit(start, presses))
         if progress is not None:
             progress((k + 1) / len(tried))
-    return min(found, key=lambda brush: float(np.square(press_errors(brush, presses)).sum()))
+    return min(fitted, key=lambda brush: float(np.square(press_errors(brush, presses)).sum()))
 
 
-def _fitted(base: BrushSpec, presses: AnyArray) -> BrushSpec:
-    """The base with those parameters `_SOUGHT` that come closest to readings (N, 4)."""
+def _fit(base: BrushSpec, presses: AnyArray) -> BrushSpec:
+    """Fit the parameters `_FREE` of a brush to readings (N, 4), starting from its own."""
     from scipy.optimize import least_squares
 
     ranges = parameter_ranges(base.length_mm)
-    low, high = np.array([ranges[name] for name in _SOUGHT]).T
+    low, high = np.array([ranges[name] for name in _FREE]).T
 
-    def made(values: AnyArray) -> BrushSpec:
-        numbers = zip(_SOUGHT, np.clip(values * high, low, high), strict=True)
+    def brush_with(values: AnyArray) -> BrushSpec:  # each over the upper end of its range
+        numbers = zip(_FREE, np.clip(values * high, low, high), strict=True)
         changed: dict[str, Any] = {key: float(f"{number:.4g}") for key, number in numbers}
         return dataclasses.replace(base, **changed)
 
-    def off(values: AnyArray) -> AnyArray:
-        residuals: AnyArray = predict_presses(made(values), presses[:, 0]) - presses[:, 1:]
-        return residuals.ravel()
+    def residuals(values: AnyArray) -> AnyArray:
+        errors: AnyArray = predict_presses(brush_with(values), presses[:, 0]) - presses[:, 1:]
+        return errors.ravel()
 
-    start = np.array([getattr(base, name) for name in _SOUGHT]) / high
+    start = np.array([getattr(base, name) for name in _FREE]) / high
     inside = np.clip(start, low / high + 1e-6, 1.0 - 1e-6)
     limits = (low / high, np.ones(len(high)))
-    best = least_squares(off, inside, bounds=limits, diff_step=_STEP, max_nfev=_MOST_TRIES)
-    return made(best.x)
+    best = least_squares(residuals, inside, bounds=limits, diff_step=_STEP, max_nfev=_MOST_TRIES)
+    return brush_with(best.x)
 
 
-# -- bent hairs ---------------------------------------------------------------------------------
+# ---- Bent hairs ----------------------------------------------------------------------------------
 
 
 def is_table_of_shapes(path: str | Path) -> bool:
-    """Whether a table holds bent hairs, and no presses: what the first line with words names."""
+    """Return whether a table holds bent hairs rather than presses, by its header line."""
     try:
         with Path(path).open(encoding="utf-8-sig", errors="replace") as stream:
             lines = stream.read(1 << 12).splitlines()
@@ -235,21 +235,21 @@ def is_table_of_shapes(path: str | Path) -> bool:
 
 
 def read_shapes(path: str | Path, length_mm: float) -> ShapeRows:
-    """Bent shapes of one's own brush from a table, for `BristleSpec.table`.
+    """Read measured bent shapes from a table, for `BristleSpec.table`.
 
     Parameters
     ----------
     path : path-like
         With the columns `SHAPE_COLUMNS`, or `POINT_COLUMNS` in mm.
     length_mm : float
-        Of the tuft, for points.
+        Of the tuft; used with `POINT_COLUMNS`.
 
     Raises
     ------
     InputError
-        If there is no such table, or it lacks a column, or a cell holds no number.
+        If there is no such table, it lacks a column, or a cell holds no number.
     BrushError
-        If a row describes no bent hair.
+        If a row is not a bent hair.
     """
     path = Path(path)
     rows = _rows(path, SHAPE_COLUMNS, POINT_COLUMNS)
@@ -264,24 +264,24 @@ def read_shapes(path: str | Path, length_mm: float) -> ShapeRows:
 
 
 def _shape_of(row: Mapping[str, float], length: float, where: str) -> tuple[float, ...]:
-    """`SHAPE_COLUMNS` of the points of a curve, which need not lie as the model has them.
+    """Convert the control points of a measured curve to `SHAPE_COLUMNS`.
 
-    The model's curve leaves the root along the handle and ends along the paper: of the points
-    between the ends, the distances from these are taken.
+    The model's curve leaves the root along the handle and ends along the paper; a measured one need
+    not. So of the two inner points only their distances from the ends are used.
     """
     angle = row["angle"]
     if not 0.0 <= angle <= 60.0:
         raise InputError(f"{where}: angle is {angle:g}; expected 0 to 60 degrees from the upright")
     tilt = math.radians(90.0 - angle)
     x, z = (np.array([row[f"{axis}{k}"] for k in range(4)]) / length for axis in "xz")
-    way = 1.0 if x[3] >= x[0] else -1.0  # a photograph may be taken from either side
+    side = 1.0 if x[3] >= x[0] else -1.0  # a photograph may be taken from either side
     height = float(z[0] - z[3])
     if not 0.0 < height <= 1.001 * math.sin(tilt):
         raise InputError(
             f"{where}: the root is {length * height:.4g} mm over the tip; expected above 0, to "
             f"{length * math.sin(tilt):.4g}, as high as {length:g} mm of hair stand at this angle"
         )
-    offset = way * float(x[3] - x[0]) - height / math.tan(tilt)
+    offset = side * float(x[3] - x[0]) - height / math.tan(tilt)
     upper, lower = math.hypot(x[1] - x[0], z[1] - z[0]), math.hypot(x[3] - x[2], z[3] - z[2])
-    share = min(height / math.sin(tilt), 1.0)
-    return (angle, share, offset, 0.0, upper, lower, row.get("spread", 0.0))
+    fraction = min(height / math.sin(tilt), 1.0)
+    return (angle, fraction, offset, 0.0, upper, lower, row.get("spread", 0.0))

@@ -1,4 +1,7 @@
-"""The footprint of a bent tuft on the plane of the paper (Guo 2017, Eqs. 6-9)."""
+"""Footprint of a bent tuft on the plane of the paper (Guo 2017, Eqs. 6-9), at rest and in motion.
+
+In motion it has effective points, zones and a technique (Guo 2015, section 3).
+"""
 
 from __future__ import annotations
 
@@ -69,7 +72,7 @@ class Footprint:
 
     @property
     def is_empty(self) -> bool:
-        """Whether nothing touches the plane."""
+        """True if nothing touches the plane."""
         return self.reach.size == 0
 
     @property
@@ -105,7 +108,7 @@ class Footprint:
 def make_footprint(
     tuft: Tuft, descent: float, tilt: float, azimuth: float = 0.0, pe: float | None = None
 ) -> Footprint:
-    """Footprint of a pressed tuft.
+    """Compute the footprint of a pressed tuft.
 
     Parameters
     ----------
@@ -118,7 +121,7 @@ def make_footprint(
     azimuth : float
         alpha of the bend direction, rad.
     pe : float, optional
-        Pressure coefficient, 0 to 1; without it what Eq. 4 gives for the descent.
+        Pressure coefficient, 0 to 1; by default from the descent by Eq. 4.
 
     Returns
     -------
@@ -145,20 +148,19 @@ def make_footprint(
     return Footprint(reach[:n], half_width[:n], azimuth)
 
 
-# ---- Effective footprint -------------------------------------------------------------------------
-# Effective points, zones and techniques of a footprint in motion (Guo 2015, section 3).
+# ---- In motion -----------------------------------------------------------------------------------
 
-
-_ALIGNED = math.radians(15.0)  # how far off the pure techniques their names still hold
+_ALIGNED = math.radians(15.0)  # tolerance of the pure techniques
 
 
 def _tangent_indices(polygon: AnyArray, direction: AnyArray) -> tuple[int, int]:
+    """Indices of the outermost points to the left and right of a direction of motion."""
     across = polygon @ np.array([-direction[1], direction[0]])
     return int(np.argmax(across)), int(np.argmin(across))
 
 
 def effective_points(footprint: Footprint, direction: ArrayLike) -> tuple[AnyArray, AnyArray]:
-    """Where the two lines parallel to the motion touch the outline: A on the left, B on the right.
+    """Points where lines parallel to the motion touch the outline: A on the left, B on the right.
 
     Parameters
     ----------
@@ -228,7 +230,7 @@ def _polygon(footprint: Footprint) -> AnyArray:
 
 
 def _zone(footprint: Footprint, heading: AnyArray) -> AnyArray:
-    """Outline points from left to right effective point, clockwise, that is around the front."""
+    """Outline points (K, 2) from the left to the right effective point, clockwise: the front."""
     polygon = _polygon(footprint)
     left, right = _tangent_indices(polygon, heading)
     count = (right - left) % len(polygon) + 1
@@ -236,7 +238,7 @@ def _zone(footprint: Footprint, heading: AnyArray) -> AnyArray:
 
 
 def _unit(direction: ArrayLike) -> AnyArray:
-    """The direction (2,) with length 1; BrushError where it has none."""
+    """Normalise a direction (2,); BrushError if it has no length."""
     vector = as_array(direction, "direction", (2,), error=BrushError)
     norm = math.hypot(vector[0], vector[1])
     if norm < 1e-12:

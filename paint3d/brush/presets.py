@@ -1,4 +1,4 @@
-"""Brushes by name: those of presets.json, files of one's own, and which suits a size of writing."""
+"""Brushes by name: presets, the user's brush files, and the choice of one for a character size."""
 
 from __future__ import annotations
 
@@ -17,7 +17,6 @@ from paint3d.brush.spec import (
     TABLES,
     BristleSpec,
     BrushSpec,
-    ShapeRows,
     hair_ranges,
     parameter_ranges,
 )
@@ -42,12 +41,10 @@ __all__ = [
     "write_brush",
 ]
 
-# ---- Files ---------------------------------------------------------------------------------------
-# Brushes of one's own as files: TOML or JSON, with the parameters of `BrushSpec` by name.
-#
-# docs/brushes.md describes the file. One that names a ``base`` takes from that brush what it does
-# not say; without, every parameter that has no default must be there.
-
+# ---- Brush files ---------------------------------------------------------------------------------
+# TOML or JSON, with the parameters of `BrushSpec` by name; docs/brushes.md describes the format.
+# Parameters that a file omits come from the preset that it names as ``base``; without a base, all
+# that have no default are required.
 
 _LONGEST_NAME = 60
 _WORDS = ("note", "base")
@@ -88,20 +85,20 @@ _MEANINGS = {
 
 
 def meaning_of(parameter: str) -> str:
-    """What a parameter of a brush, or of its hairs, is, in a few words."""
+    """Describe a parameter of a brush, or of its hairs, in a few words."""
     return _MEANINGS[parameter]
 
 
 def read_brush(path: str | Path, presets: Mapping[str, BrushSpec]) -> BrushSpec:
-    """A brush from a file.
+    """Read a brush from a file.
 
     Parameters
     ----------
     path : path-like
-        ``.toml`` or ``.json``, in UTF-8, at most 1 MiB. Where it says no ``name``, the brush is
-        called like the file.
+        ``.toml`` or ``.json``, in UTF-8, at most 1 MiB. Without a ``name`` in it, the brush is
+        named after the file.
     presets : mapping
-        What ``base`` may name, and what no other brush may be called.
+        The brushes that ``base`` may name; their own names are taken.
 
     Raises
     ------
@@ -109,14 +106,14 @@ def read_brush(path: str | Path, presets: Mapping[str, BrushSpec]) -> BrushSpec:
         Naming the file and the parameter, what was got and what was expected.
     """
     return read_thing(
-        path, "a brush", BrushError, lambda values, called: _brush_of(values, called, presets)
+        path, "a brush", BrushError, lambda values, stem: _brush_of(values, stem, presets)
     )
 
 
-def _brush_of(values: dict[str, Any], called: str, presets: Mapping[str, BrushSpec]) -> BrushSpec:
+def _brush_of(values: dict[str, Any], stem: str, presets: Mapping[str, BrushSpec]) -> BrushSpec:
     fields = {field.name: field for field in dataclasses.fields(BrushSpec)}
     check_known(values, [*_WORDS, *fields], BrushError)
-    name, base = values.pop("name", called), values.pop("base", None)
+    name, base = values.pop("name", stem), values.pop("base", None)
     values.pop("note", None)
     given: dict[str, Any] = {}
     if base is not None:
@@ -141,12 +138,12 @@ def _brush_of(values: dict[str, Any], called: str, presets: Mapping[str, BrushSp
 
 
 def check_brush_name(name: object) -> None:
-    """Refuse what no brush of one's own can be called.
+    """Raise unless `name` is a valid name for a user's brush.
 
     Raises
     ------
     BrushError
-        What was got and what was expected.
+        Saying what was got and what was expected.
     """
     is_name = isinstance(name, str) and 0 < len(name) <= _LONGEST_NAME and name.isprintable()
     if not is_name or " @" in str(name) or is_parameter_file(str(name)):
@@ -157,12 +154,12 @@ def check_brush_name(name: object) -> None:
 
 
 def check_unlike_presets(name: str, presets: Iterable[str]) -> None:
-    """Refuse the name of a brush that comes with the program.
+    """Raise if `name` is that of a preset.
 
     Raises
     ------
     BrushError
-        What was got and what was expected.
+        Saying what was got and what was expected.
     """
     if name in presets:
         raise BrushError(
@@ -171,7 +168,7 @@ def check_unlike_presets(name: str, presets: Iterable[str]) -> None:
 
 
 def _hairs_of(values: object, base: BristleSpec | None) -> BristleSpec | None:
-    """The hairs that a table describes; False or 0: none, a solid tuft."""
+    """Parse a file's table of hairs; False or 0 is a solid tuft (None)."""
     if values is False or values == 0:
         return None
     if not isinstance(values, dict):
@@ -185,17 +182,17 @@ def _hairs_of(values: object, base: BristleSpec | None) -> BristleSpec | None:
 
 
 def brush_text(brush: BrushSpec, note: str = "", *, named: bool = False) -> str:
-    """The file of a brush in TOML, with ranges and meanings as comments.
+    """Format a brush as TOML, with ranges and meanings as comments.
 
-    `read_brush` makes the same brush of it, but for the name, which is then that of the file.
+    `read_brush` reads the same brush from it; without a name, it is named after the file.
 
     Parameters
     ----------
     brush : BrushSpec
     note : str
-        Said above, in one line.
+        Written at the top, in one line.
     named : bool
-        Whether the file says the brush's name, too.
+        Whether to write the brush's name, too.
     """
     ranges = parameter_ranges(brush.length_mm)
     lines = [
@@ -203,8 +200,8 @@ def brush_text(brush: BrushSpec, note: str = "", *, named: bool = False) -> str:
         '# or as name = "..." says. Behind each value: its range; what it is.',
     ]
     lines += [f"name = {json.dumps(brush.name, ensure_ascii=False)}"] if named else []
-    told = "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in note)
-    lines += [f"note = {json.dumps(told, ensure_ascii=False)}"] if told else []
+    printable = "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in note)
+    lines += [f"note = {json.dumps(printable, ensure_ascii=False)}"] if printable else []
     for field in dataclasses.fields(brush):
         if field.name not in ("name", "bristles", "inputs"):
             lines.append(_line(field.name, getattr(brush, field.name), ranges, HAIRS))
@@ -213,7 +210,9 @@ def brush_text(brush: BrushSpec, note: str = "", *, named: bool = False) -> str:
         for field in dataclasses.fields(brush.bristles):
             value = getattr(brush.bristles, field.name)
             if field.name == "table" and not isinstance(value, str):
-                lines += _shape_lines(value)
+                lines.append(f"table = [  # bent shapes of one's own: {', '.join(SHAPE_COLUMNS)}")
+                lines += [f"  [{', '.join(f'{x!r}' for x in row)}]," for row in value]
+                lines.append("]")
             else:
                 lines.append(_line(field.name, value, hair_ranges(), TABLES))
     for setting, by_input in brush.inputs:
@@ -227,20 +226,20 @@ def brush_text(brush: BrushSpec, note: str = "", *, named: bool = False) -> str:
 def write_brush(
     path: str | Path, brush: BrushSpec, presets: Mapping[str, BrushSpec], note: str = ""
 ) -> None:
-    """Write a brush of one's own with its name, in TOML, beside the file and then over it.
+    """Write a user's brush with its name, in TOML, atomically.
 
     Parameters
     ----------
     path : path-like
     brush : BrushSpec
     presets : mapping
-        What no other brush may be called.
+        Their names are taken.
     note : str
 
     Raises
     ------
     BrushError
-        For a name that no brush of one's own can have.
+        For a name that is invalid or taken.
     ExportError
         If the file cannot be written.
     """
@@ -250,35 +249,27 @@ def write_brush(
         file.write_text(brush_text(brush, note, named=True), encoding="utf-8")
 
 
-def _shape_lines(rows: ShapeRows) -> list[str]:
-    """Measured shapes of one's own, one row a line."""
-    return [
-        f"table = [  # bent shapes of one's own: {', '.join(SHAPE_COLUMNS)}",
-        *(f"  [{', '.join(f'{x!r}' for x in row)}]," for row in rows),
-        "]",
-    ]
-
-
 def _line(
     name: str, value: object, ranges: Mapping[str, tuple[float, float]], words: Iterable[str]
 ) -> str:
-    told = json.dumps(value) if isinstance(value, str) else repr(value)
-    among = ", ".join(words)
+    """Format one parameter with its range, or the words it may be, and its meaning."""
+    text = json.dumps(value) if isinstance(value, str) else repr(value)
+    allowed = ", ".join(words)
     if name in ranges:
         low, high = ranges[name]
-        among = f"{low:.5g} to {high:.5g}"
-    return f"{f'{name} = {told}':<35} # {among}; {_MEANINGS[name]}"
+        allowed = f"{low:.5g} to {high:.5g}"
+    return f"{f'{name} = {text}':<35} # {allowed}; {_MEANINGS[name]}"
 
 
-# --------------------------------------------------------------------------------------------------
-
+# ---- Presets -------------------------------------------------------------------------------------
 
 LEAST_EM, GREATEST_EM = 8.0, 200.0
-"""mm: the sizes of characters that the presets are made for."""
+"""mm: range of character sizes that the presets are made for."""
 
 _BRUSHES = ((22.0, "xiaobaiyun"), (60.0, "zhongbaiyun"), (GREATEST_EM, "dabaiyun"))
-"""Size (mm) up to which each brush is taken. The three are alike in shape: a full belly and a
-blunt taper, whose footprints are about as long as wide and so reach into corners at any bend."""
+"""Each brush with the largest size (mm) that it writes. The three are alike in shape: a full belly
+and a blunt taper, whose footprints are about as long as wide and so reach into corners at any bend.
+"""
 
 
 @functools.lru_cache(maxsize=1)
@@ -290,7 +281,7 @@ def _read_file() -> dict[str, dict[str, Any]]:
 
 @functools.lru_cache(maxsize=1)
 def load_presets() -> Mapping[str, BrushSpec]:
-    """The brushes that come with the program, by name; read-only."""
+    """Return the presets by name; read-only."""
     specs = {}
     for name, stated in _read_file().items():
         parameters = {key: value for key, value in stated.items() if key != "note"}
@@ -301,30 +292,30 @@ def load_presets() -> Mapping[str, BrushSpec]:
 
 
 def brush_names() -> tuple[str, ...]:
-    """Names of the brushes that come with the program, in the order of the file."""
+    """Names of the presets, in the order of presets.json."""
     return tuple(load_presets())
 
 
 def brush_note(name: str) -> str:
-    """What a preset is for and where its numbers are from; nothing of any other brush."""
+    """Return a preset's purpose and the source of its numbers; "" for any other brush."""
     return str(_read_file().get(name, {}).get("note", ""))
 
 
 def load_brush(name: str, *, own_files: bool = True) -> BrushSpec:
-    """A brush by name, or of a file of one's own (``mine.toml``, ``mine.json``).
+    """Return a preset by name, or read a user's brush file (``mine.toml``, ``mine.json``).
 
     Parameters
     ----------
     name : str
     own_files : bool
-        Whether the name may be that of a file. Names that come from somebody else's file may not.
+        Whether the name may be that of a file; False for names from a stranger's file.
 
     Raises
     ------
     UnknownNameError
-        If no brush has this name; the message lists those that there are.
+        If no brush has this name; the message lists the presets.
     BrushError
-        If the file cannot be used, or may not be read.
+        If the file is invalid, or may not be read.
     """
     presets = load_presets()
     read = functools.partial(read_brush, presets=presets) if own_files else None
@@ -332,7 +323,7 @@ def load_brush(name: str, *, own_files: bool = True) -> BrushSpec:
 
 
 def choose_brush(em_mm: float) -> str:
-    """The preset for writing kaishu of a size.
+    """Choose the preset for writing kaishu of a size.
 
     Parameters
     ----------
@@ -347,7 +338,7 @@ def choose_brush(em_mm: float) -> str:
     Raises
     ------
     InputError
-        If the size is none of those.
+        If the size is out of this range.
     """
     size = as_number(em_mm, "size of the characters (mm)", LEAST_EM, GREATEST_EM)
     return next(name for largest, name in _BRUSHES if size <= largest)

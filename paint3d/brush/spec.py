@@ -1,4 +1,7 @@
-"""What a brush is: the papers' parameters under names that cannot be confused."""
+"""Checked brush parameters: the tuft, its single hairs, input curves, and the amount of a dip.
+
+The papers call one quantity by several letters; here each has one name, with the letters beside it.
+"""
 
 from __future__ import annotations
 
@@ -38,15 +41,13 @@ __all__ = [
 ]
 
 # ---- Single hairs --------------------------------------------------------------------------------
-# What the hairs of a tuft are: how many, how thick, how they hold together.
-
 
 MOST_HAIRS = 10_000
 TABLES = ("energy", "measured")
 
 SHAPE_COLUMNS = ("angle", "height", "offset", "imprint", "upper", "lower", "spread")
-"""What a row of measured shapes holds: the handle's angle from the upright (degrees), the root's
-height over that of the straight hair, and in hair lengths how far the tip lies ahead of where the
+"""Columns of a row of measured shapes: the handle's angle from the upright (degrees); the root's
+height over that of the straight hair; in hair lengths, how far the tip lies ahead of where the
 handle's axis meets the paper, the imprint, and the control lengths of the cubic Bezier curve along
 the handle and along the paper; the hairs' spread (degrees)."""
 
@@ -77,40 +78,40 @@ _HAIR_RANGES = {
 
 
 def hair_ranges() -> dict[str, tuple[float, float]]:
-    """Least and greatest value of every number of the hairs."""
+    """Allowed range of every numeric parameter of the hairs."""
     return {"n_hairs": (1.0, float(MOST_HAIRS)), **_HAIR_RANGES}
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
 class BristleSpec:
-    """A tuft of single hairs, checked.
+    """Checked parameters of a tuft of single hairs.
 
     Parameters
     ----------
     n_hairs : int
         1 to 10,000.
     table : {"energy", "measured"} or rows of numbers
-        Where bent shapes come from: the least bending energy of the brush, the shapes measured on a
-        real brush (FastBrush), or those of one's own: rows of `SHAPE_COLUMNS`.
+        Source of the bent shapes: the least bending energy of the brush, the shapes measured on a
+        real brush (FastBrush), or the user's: rows of `SHAPE_COLUMNS`.
     hair_mm : float
         Thickness of a dry hair, mm.
     film : float
-        Ink around a full hair on either side, as a share of the tuft's diameter at the root; hairs
+        Thickness of ink around a full hair, as a fraction of the tuft's diameter at the root; hairs
         closer than that flow together.
     threshold_mm : float
         How near the surface a hair must be to leave ink, mm.
     unevenness : float
-        How much shorter than the longest hair the shortest is, as a share.
+        How much shorter than the longest hair the shortest is, as a fraction.
     parting : float
         How far the clumps of a dry tuft part, 0 to 1.
     splay : float
         How far the hairs of a dry tuft lie side by side instead of coming to a point, 0 to 1.
     appetite : float
-        How differently hairs give, 0 (all alike) to 1.
+        How much hairs differ in giving ink, 0 (all alike) to 1.
     levelling_mm : float
-        Way over which neighbouring wet hairs share their ink, mm.
+        Path length over which neighbouring wet hairs level their ink, mm.
     set_share : float
-        Descent over which a remembered bend is pressed out, of the tuft's length.
+        Descent over which a remembered bend is pressed out, as a fraction of the tuft's length.
 
     Raises
     ------
@@ -146,7 +147,7 @@ class BristleSpec:
 
 
 def shape_rows(rows: Any) -> ShapeRows:
-    """Measured shapes, checked and in order: by angle, and the straight hair first.
+    """Check measured shapes and sort them by angle, the straight hair first.
 
     Parameters
     ----------
@@ -187,12 +188,8 @@ def shape_rows(rows: Any) -> ShapeRows:
     return ordered
 
 
-# --------------------------------------------------------------------------------------------------
-
-
-# ---- Dynamics ------------------------------------------------------------------------------------
-# Curves that let the hand drive a brush's settings; see `paint3d.brush_engine.stroke_loop`.
-
+# ---- Input curves --------------------------------------------------------------------------------
+# They modulate a brush's settings by the hand's motion; see `paint3d.brush_engine.stroke_loop`.
 
 SETTINGS = ("stiffness", "spread", "load", "wetness")
 INPUTS = ("pressure", "tilt", "speed", "ink_left", "curvature")
@@ -200,13 +197,13 @@ _FACTORS = (0.05, 20.0)
 
 Points = tuple[tuple[float, float], ...]
 InputCurves = tuple[tuple[str, tuple[tuple[str, Points], ...]], ...]
-"""By setting and input, the points (input, factor) of a curve; hashable."""
+"""Points (input, factor) of a curve, by setting and input; hashable."""
 
 
 def check_curves(
     curves: Mapping[str, Mapping[str, object]] | InputCurves, brush: str
 ) -> InputCurves:
-    """Curves as a preset has them (setting: {input: [[x, factor], ...]}), checked.
+    """Check curves in a preset's form, {setting: {input: [[x, factor], ...]}}.
 
     Raises
     ------
@@ -214,7 +211,7 @@ def check_curves(
         Naming the brush, the curve, what was got and what was expected.
     """
     what = f"brush {brush!r}: inputs"
-    found = []
+    checked = []
     for setting, by_input in _items(curves, what):
         if setting not in SETTINGS:
             raise BrushError(f"{what} drive {setting!r:.40}; expected {', '.join(SETTINGS)}")
@@ -223,8 +220,8 @@ def check_curves(
             if name not in INPUTS:
                 raise BrushError(f"{what}: {name!r:.40}; expected one of {', '.join(INPUTS)}")
             lines.append((name, _points(points, f"{what}: {setting} by {name}")))
-        found.append((setting, tuple(lines)))
-    return tuple(found)
+        checked.append((setting, tuple(lines)))
+    return tuple(checked)
 
 
 def _items(value: Any, what: str) -> list[tuple[str, Any]]:
@@ -253,7 +250,7 @@ def _points(points: Any, what: str) -> Points:
 
 
 def build_curves(curves: InputCurves) -> Curves:
-    """Checked curves, ready for kernels."""
+    """Pack checked curves into arrays for the kernels."""
     built = no_curves()
     for setting, by_input in curves:
         row = SETTINGS.index(setting)
@@ -265,8 +262,7 @@ def build_curves(curves: InputCurves) -> Curves:
     return built
 
 
-# --------------------------------------------------------------------------------------------------
-
+# ---- The brush -----------------------------------------------------------------------------------
 
 HAIRS = ("goat", "weasel", "mixed")
 REFERENCE_LENGTH = 35.0  # mm, the tuft of Guo 2017, Table 2, to which its ranges belong
@@ -297,7 +293,7 @@ _THICKEST_ROOT = 0.42  # of the length: thicker, and the ferrule touches within 
 
 
 def parameter_ranges(length_mm: float) -> dict[str, tuple[float, float]]:
-    """Least and greatest value of every number of a brush whose tuft is so long (mm)."""
+    """Allowed range of every numeric parameter of a brush with a tuft of this length, mm."""
     scale = length_mm / REFERENCE_LENGTH
     return _RANGES | {
         "n_segments": _SEGMENTS,
@@ -343,15 +339,15 @@ class BrushSpec:
     stiffness_exponent : float
         q: a joint bends (s / LE)^q times as hard as the root.
     full_press_mm : float
-        Descent of the root at which pe = 1, with the hardness `rated_hardness`; gives lambda_c.
+        Descent of the root at which pe = 1 with `rated_hardness`; determines lambda_c.
     load : float
         Ink in a full tuft, full coats times mm2.
     transfer_per_mm : float
-        eta', share of the ink given per mm of travel at pe = 1.
+        eta', fraction of the ink given per mm of travel at pe = 1.
     drag_fraction : float
         c, how far paper drags the contact back in the dragged mode, 0 to 1/2.
     plasticity : float
-        rho, share of the bend that stays when the pen lifts, 0 (springs back) to 1.
+        rho, fraction of the bend that remains when the pen lifts, 0 (springs back) to 1.
     max_force : float
         Force at pe = 1, N.
     rated_hardness, rated_segments, rated_tip_share : float, optional
@@ -360,10 +356,10 @@ class BrushSpec:
         less hardness is pressed deeper by the same force, one with a shorter tip segment bends more
         at its tip. NaN: the brush's own.
     bristles : BristleSpec, optional
-        What its tuft's hairs are, for a brush that paints with single hairs; None: a solid tuft.
+        Single hairs that it paints with; None: a solid tuft.
     inputs : mapping, optional
         Curves by which the hand drives the brush: ``{setting: {input: [[x, factor], ...]}}``; see
-        `brush.dynamics`.
+        `check_curves`.
 
     Raises
     ------
@@ -430,7 +426,7 @@ class BrushSpec:
 
     def _check(self, parameter: str, low: float, high: float) -> None:
         what = f"brush {self.name!r}: {parameter}"
-        low, high = low * (1.0 - 1e-9), high * (1.0 + 1e-9)  # a scaled range holds its own ends
+        low, high = low * (1.0 - 1e-9), high * (1.0 + 1e-9)  # ends of scaled ranges are rounded
         as_number(getattr(self, parameter), what, low, high, BrushError)
 
     @property
@@ -457,13 +453,13 @@ class BrushSpec:
 
     @property
     def press_mm(self) -> float:
-        """Descent at pe = 1, mm: where a softer brush would go on, it ends at its deepest press."""
+        """Descent at pe = 1, mm; a softer brush, which would go deeper, stops at its deepest."""
         press = self.full_press_mm * (self.rated_hardness / self.hardness)
         return min(press, _DEEPEST_PRESS * self.length_mm)
 
     @property
     def greatest_force(self) -> float:
-        """Force at pe = 1, N: `max_force`, and less where the press ends before."""
+        """Force at pe = 1, N: `max_force`, or less where `press_mm` is limited."""
         is_whole = self.full_press_mm * (self.rated_hardness / self.hardness) <= (
             _DEEPEST_PRESS * self.length_mm
         )
@@ -471,11 +467,11 @@ class BrushSpec:
 
     @property
     def chain(self) -> tuple[float, float, float, float] | None:
-        """Segments and tip_segment_mm / length_mm, as they are and as rated; None where alike."""
-        share = self.tip_segment_mm / self.length_mm
-        if self.n_segments == self.rated_segments and math.isclose(share, self.rated_tip_share):
+        """Segments and tip_segment_mm / length_mm, now and as rated; None if they are the same."""
+        tip = self.tip_segment_mm / self.length_mm
+        if self.n_segments == self.rated_segments and math.isclose(tip, self.rated_tip_share):
             return None
-        return float(self.n_segments), share, float(self.rated_segments), self.rated_tip_share
+        return float(self.n_segments), tip, float(self.rated_segments), self.rated_tip_share
 
     @property
     def volume(self) -> float:
@@ -501,27 +497,25 @@ class BrushSpec:
         diameters: AnyArray = self.root_diameter_mm * (s / self.length_mm) ** self.taper
         if self.point_mm > 0.0:
             narrowed = -np.expm1(-s / self.point_mm)
-            narrowed[s <= 0.0] = 1.0
+            narrowed[s <= 0.0] = 1.0  # the diameter is 0 there already
             diameters *= narrowed ** (1.0 - self.taper)
         return diameters
 
 
 # ---- Amount of a dip -----------------------------------------------------------------------------
-# How much ink a dip takes up: what share of the tuft it wets, and how full that is.
 
-
-_LEAST_WETTED = 1e-3  # share of a tuft
+_LEAST_WETTED = 1e-3  # fraction of a tuft
 _FULLEST, _EMPTIEST = 3.0, 0.05
 
 
 @dataclass(frozen=True)
 class DipAmount:
-    """What a brush holds after a dip, against the load of its preset.
+    """The load of a brush after a dip, relative to its preset.
 
-    A share f of its tuft is wet and filled g times as full as the preset says. It holds f g of the
-    preset's load, and gives R (1 - exp(-eta' pe ds / f)) of what it holds (docs/model.md, equation
-    (10)): at first g times what a whole dip gives, whatever the share, and it runs dry the sooner,
-    the smaller this is. So a large brush writes a few small characters, and is dipped again.
+    A fraction f of the tuft is wet and filled g times as full as in the preset. It holds f g of the
+    preset's load, and gives R (1 - exp(-eta' pe ds / f)) of its load (docs/model.md, equation
+    (10)): at first g times what a whole dip gives, for any f, but a smaller f runs dry sooner. So a
+    large brush writes a few small characters and is dipped again.
 
     Attributes
     ----------
@@ -545,7 +539,7 @@ class DipAmount:
 
     @classmethod
     def of(cls, words: object) -> DipAmount:
-        """The amount that a recording's header tells: ``{"wetted": .., "fullness": ..}``.
+        """Parse the amount in a recording's header: ``{"wetted": .., "fullness": ..}``.
 
         Raises
         ------
@@ -557,11 +551,11 @@ class DipAmount:
         return cls(**words)
 
     def words(self) -> dict[str, Any]:
-        """What `of` takes."""
+        """Return the form that `of` parses."""
         return {"wetted": self.wetted, "fullness": self.fullness}
 
     def of_tuft(self, tuft: Tuft) -> Tuft:
-        """A tuft that holds so much when it is full, and gives as such a one does."""
+        """Return `tuft` with this load when full, and the matching rate of transfer."""
         return tuft._replace(
             load=tuft.load * self.wetted * self.fullness,
             transfer_per_mm=tuft.transfer_per_mm / self.wetted,

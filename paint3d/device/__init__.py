@@ -1,4 +1,4 @@
-"""What hands hold: reports in, readings out, and forces back."""
+"""Input devices: decoding of their reports, readings and force feedback."""
 
 import lazy_loader
 

@@ -1,4 +1,4 @@
-"""Buttons to actions: what happens when one goes down, as data the user may change."""
+"""Mapping of device buttons to actions, which the user may change."""
 
 from __future__ import annotations
 
@@ -30,14 +30,14 @@ _MOST_BUTTONS = 31
 
 
 def checked_actions(actions: Mapping[int, str]) -> dict[int, str]:
-    """A copy of a user's own table.
+    """Check and copy a user's mapping.
 
     Raises
     ------
     DeviceError
         If a button's number is not 0 to 30.
     UnknownNameError
-        For an action that is not known.
+        For an unknown action.
     """
     for button, action in actions.items():
         if isinstance(button, bool) or not isinstance(button, int) or not 0 <= button < 31:
@@ -50,6 +50,6 @@ def checked_actions(actions: Mapping[int, str]) -> dict[int, str]:
 def find_actions(
     before: int, after: int, actions: Mapping[int, str] = DEFAULT_ACTIONS
 ) -> list[str]:
-    """The actions of buttons that went down between two bit fields, lowest button first."""
-    fresh = after & ~before
-    return [actions[button] for button in sorted(actions) if fresh >> button & 1]
+    """List the actions of buttons pressed between two bit fields, lowest button first."""
+    pressed = after & ~before
+    return [actions[button] for button in sorted(actions) if pressed >> button & 1]

@@ -1,7 +1,7 @@
 """Known devices and their quirks, read from ``catalogue.json``.
 
-The table names devices and says where one differs from what its descriptor leads to expect; it
-does not say where the axes are. A 6-DOF mouse that is not listed works by its descriptor.
+The table names devices and lists deviations from their descriptors; it does not hold the positions
+of axes. An unlisted 6-DOF mouse works by its descriptor.
 """
 
 from __future__ import annotations
@@ -17,21 +17,21 @@ __all__ = ["MouseQuirks", "find_mouse_quirks", "is_listed_mouse", "is_never_six_
 
 @dataclass(frozen=True, slots=True)
 class MouseQuirks:
-    """What is known about one model of 6-DOF mouse.
+    """Properties of one model of 6-DOF mouse.
 
     Attributes
     ----------
     name : str or None
-        None for one that is not listed: its own product string names it.
+        None for an unlisted model, which is named by its product string.
     full_deflection : int
         Counts at full deflection; some caps go beyond, which is clamped.
     axes_signs : tuple of 6 int
         From the device's axes (x right, y towards the user, z down) to a right-handed frame with
         z up.
     buttons : int or None
-        How many it has.
+        Number of buttons.
     receiver : bool
-        Whether another device may stand behind it.
+        True for a wireless receiver, behind which there may be another device.
     """
 
     name: str | None
@@ -57,7 +57,7 @@ def _find(table: str, vendor: int, product: int) -> dict[str, Any] | None:
 
 
 def find_mouse_quirks(vendor: int, product: int) -> MouseQuirks:
-    """The quirks of a 6-DOF mouse; the defaults for one that is not listed."""
+    """Look up the quirks of a 6-DOF mouse; the defaults for an unlisted one."""
     defaults = _read()["six_dof_defaults"]
     row = _find("six_dof_mice", vendor, product) or {}
     return MouseQuirks(
@@ -70,10 +70,10 @@ def find_mouse_quirks(vendor: int, product: int) -> MouseQuirks:
 
 
 def is_never_six_dof(vendor: int, product: int) -> bool:
-    """Whether this is known to be an ordinary mouse or a keypad of a maker of 6-DOF mice."""
+    """Return whether it is known as an ordinary mouse or keypad by a maker of 6-DOF mice."""
     return _find("not_six_dof", vendor, product) is not None
 
 
 def is_listed_mouse(vendor: int, product: int) -> bool:
-    """Whether this model of 6-DOF mouse is in the table."""
+    """Return whether this model of 6-DOF mouse is in the table."""
     return _find("six_dof_mice", vendor, product) is not None

@@ -1,10 +1,9 @@
-"""HID report descriptors: what each bit of a report means (USB HID 1.11, section 6.2.2).
+"""HID report descriptors: the layout of a device's reports (USB HID 1.11, section 6.2.2).
 
-A device describes its own reports. Reading that description, instead of a table of byte
-positions per model, makes devices work that nobody has listed, on whatever report they put their
-axes. The parser is strict where a wrong guess would be dangerous (sizes, nesting, counts) and
-passes over what does not change the layout (strings, designators, units). Then numbers come out
-of reports by pure functions, from bytes and a field to a value.
+A device describes its own reports. Parsing that description, instead of keeping a table of byte
+positions per model, supports unlisted devices, whichever report holds their axes. The parser is
+strict where a wrong guess would be dangerous (sizes, nesting, counts) and skips items that do not
+change the layout (strings, designators).
 """
 
 from __future__ import annotations
@@ -43,7 +42,7 @@ _SIGNED = {_LOGICAL_LOW, _LOGICAL_HIGH, _PHYSICAL_LOW, _PHYSICAL_HIGH}
 
 
 class Kind(Enum):
-    """Which way a report goes."""
+    """Type of a report: from the device, to it, or configuration."""
 
     INPUT = "input"
     OUTPUT = "output"
@@ -58,23 +57,23 @@ class Field:
     ----------
     kind : Kind
     report_id : int
-        0 where the device numbers no reports.
+        0 if the device does not number its reports.
     bit, size : int
         Offset in bits after the report id, and width in bits.
     page, usage : int
         HID usage; of an array, the page and the lowest usage.
     application : int
-        Page and usage (``page << 16 | usage``) of the application collection around it.
+        Page and usage (``page << 16 | usage``) of the enclosing application collection.
     low, high : int
         Logical range. `high` of an unsigned field is read as unsigned.
     physical_low, physical_high : int
-        Physical range; equal to the logical one where the device gives none.
+        Physical range; the logical one if the device gives none.
     unit, exponent : int
         HID unit code and power of ten.
     variable, relative, constant : bool
         Flags; an array (not variable) holds indices of usages.
     last_usage : int
-        Of an array, the usage of its highest index; else `usage`.
+        For an array, the usage of its highest index; else `usage`.
     """
 
     kind: Kind
@@ -108,7 +107,7 @@ class ReportDescriptor:
     Attributes
     ----------
     fields : tuple of Field
-        In the order in which they were declared, padding left out.
+        In the order of declaration, without padding.
     applications : tuple of int
         Page and usage of every application collection, ``page << 16 | usage``.
     numbered : bool
@@ -123,13 +122,13 @@ class ReportDescriptor:
     bits: dict[tuple[Kind, int], int]
 
     def inputs_in(self, applications: tuple[int, ...]) -> tuple[Field, ...]:
-        """Input fields within application collections of these page and usage numbers."""
+        """Input fields in application collections of these pages and usages."""
         return tuple(
             f for f in self.fields if f.kind is Kind.INPUT and f.application in applications
         )
 
     def size(self, kind: Kind, report_id: int) -> int:
-        """Bytes of a report without its id; 0 for one that is not declared."""
+        """Length of a report in bytes, without its id; 0 if it is not declared."""
         return (self.bits.get((kind, report_id), 0) + 7) // 8
 
 
@@ -167,8 +166,8 @@ def parse_descriptor(data: bytes) -> ReportDescriptor:
     Raises
     ------
     DeviceError
-        If it is empty, longer than 4096 bytes, cut short, wrongly nested, or declares reports
-        that cannot be.
+        If it is empty, longer than 4096 bytes, truncated, wrongly nested, or declares impossible
+        reports.
     """
     if not 0 < len(data) <= _MAX_BYTES:
         raise DeviceError(f"report descriptor has {len(data)} bytes; expected 1 to {_MAX_BYTES}")
@@ -186,7 +185,7 @@ def parse_descriptor(data: bytes) -> ReportDescriptor:
 
 
 def _items(data: bytes) -> Iterator[tuple[int, int, bytes]]:
-    """Offset, tag with type, and payload of every item; long items are passed over."""
+    """Yield offset, tag with type, and payload of every item; long items are skipped."""
     at = 0
     while at < len(data):
         prefix = data[at]
@@ -208,33 +207,29 @@ def _apply(state: _State, tag: int, payload: bytes) -> None:
     if kind is not None:
         _add_fields(state, kind, value)
     elif tag == _COLLECTION:
-        _open_collection(state, value)
+        if len(state.collections) >= _MAX_DEPTH:
+            raise DeviceError(f"collections nested deeper than {_MAX_DEPTH}")
+        application = state.collections[-1] if state.collections else 0
+        if value == _APPLICATION:
+            application = state.usages[0][0] if state.usages else 0
+            state.applications.append(application)
+        state.collections.append(application)
     elif tag == _END:
         if not state.collections:
             raise DeviceError("a collection ends that never began")
         state.collections.pop()
-    elif tag & 0x0C == 0x08:
+    elif tag & 0x0C == 0x08:  # type bits 2: a local item
         _set_local(state, tag, value, len(payload))
         return
     else:
         _set_global(state, tag, value, payload)
         return
-    state.usages.clear()
+    state.usages.clear()  # a main item ends the validity of local ones
     state.lowest = None
 
 
-def _open_collection(state: _State, value: int) -> None:
-    if len(state.collections) >= _MAX_DEPTH:
-        raise DeviceError(f"collections nested deeper than {_MAX_DEPTH}")
-    inside = state.collections[-1] if state.collections else 0
-    if value == _APPLICATION:
-        inside = state.usages[0][0] if state.usages else 0
-        state.applications.append(inside)
-    state.collections.append(inside)
-
-
 def _set_local(state: _State, tag: int, value: int, size: int) -> None:
-    full = value if size == 4 else state.settings.page << 16 | value
+    full = value if size == 4 else state.settings.page << 16 | value  # four bytes hold the page
     if tag == _USAGE:
         state.usages.append((full, full))
     elif tag == _USAGE_LOW:
@@ -294,12 +289,15 @@ def _add_fields(state: _State, kind: Kind, flags: int) -> None:
         return
     if len(state.fields) + s.count > _MAX_FIELDS:
         raise DeviceError(f"more than {_MAX_FIELDS} fields")
-    for i, (first, last) in zip(range(s.count), _spread(state, variable), strict=False):
+    for i, (first, last) in zip(range(s.count), _usages_of(state, variable), strict=False):
         state.fields.append(_make_field(state, kind, flags, start + i * s.size, first, last))
 
 
-def _spread(state: _State, variable: bool) -> Iterator[tuple[int, int]]:
-    """First and last usage of each number: one each; the last one holds for the rest."""
+def _usages_of(state: _State, variable: bool) -> Iterator[tuple[int, int]]:
+    """Yield, without end, the first and last usage of each field.
+
+    Variables have one usage each, the last one repeated; an array has the whole range.
+    """
     usages = state.usages or [(0, 0)]
     if not variable:
         low, high = usages[0][0], usages[-1][1]
@@ -318,9 +316,9 @@ def _make_field(
     s = state.settings
     high = s.high
     if s.low >= 0 and high < s.low and s.high_bits:
-        high &= (1 << s.high_bits) - 1  # 25 ff: 255, not -1, where nothing is negative
-    given = (s.physical_low, s.physical_high)
-    physical = given if given != (0, 0) else (s.low, high)
+        high &= (1 << s.high_bits) - 1  # 25 ff is 255, not -1, if the minimum is not negative
+    stated = (s.physical_low, s.physical_high)
+    physical = stated if stated != (0, 0) else (s.low, high)
     return Field(
         kind,
         s.report_id,
@@ -342,10 +340,9 @@ def _make_field(
 
 
 def split_report(descriptor: ReportDescriptor, data: bytes) -> tuple[int, bytes]:
-    """The id of an input report (0 where none are numbered) and what follows it.
+    """Split an input report into its id (0 if reports are not numbered) and its body.
 
-    Some systems pad every report to the longest one; what lies beyond the declared length is cut
-    off.
+    Some systems pad every report to the longest one; bytes beyond the declared length are cut off.
 
     Raises
     ------
@@ -365,7 +362,7 @@ def split_report(descriptor: ReportDescriptor, data: bytes) -> tuple[int, bytes]
 
 
 def extract(field: Field, body: bytes) -> int:
-    """The number of one field in a report's body (without its id).
+    """Extract one field's number from a report's body (without its id).
 
     Numbers may start at any bit and cross bytes; the lowest bit comes first.
     """
@@ -378,7 +375,7 @@ def extract(field: Field, body: bytes) -> int:
 
 
 def scaled(field: Field, value: int) -> float | None:
-    """The value in its logical range as 0 to 1; None outside of it (HID: no value)."""
+    """Scale a value from its logical range to 0 to 1; None outside of it (HID: no value)."""
     if field.high <= field.low or not field.low <= value <= field.high:
         return None
     return (value - field.low) / (field.high - field.low)
@@ -387,7 +384,7 @@ def scaled(field: Field, value: int) -> float | None:
 def pack_report(
     descriptor: ReportDescriptor, kind: Kind, report_id: int, values: Mapping[Field, int]
 ) -> bytes:
-    """An output or feature report with its id byte (0 where reports are not numbered).
+    """Pack an output or feature report, with its id byte (0 if reports are not numbered).
 
     Raises
     ------
@@ -399,7 +396,8 @@ def pack_report(
         raise DeviceError(f"the device has no {kind.value} report {report_id}")
     bits = 0
     for part, value in values.items():
-        low, high = _bounds(part)
+        span = 1 << (part.size - part.signed)
+        low, high = (-span if part.signed else 0), span - 1
         if part.kind is not kind or part.report_id != report_id or not low <= value <= high:
             raise DeviceError(f"{value} does not fit the {part.size} bits of {part.usage:#x}")
         bits |= (value & ((1 << part.size) - 1)) << part.bit
@@ -407,22 +405,16 @@ def pack_report(
 
 
 def pressed(fields: Iterable[Field], body: bytes, first_usage: int = 1) -> int:
-    """Bit field of held buttons: bit 0 stands for `first_usage`; arrays list what is held."""
+    """Collect pressed buttons in a bit field, whose bit 0 is `first_usage`."""
     buttons = 0
     for part in fields:
         value = extract(part, body)
         if part.variable:
-            usage, held = part.usage, bool(value)
-        else:
-            usage, held = part.usage + value - part.low, part.low <= value <= part.high
-            held = held and usage > 0
-        place = usage - first_usage
-        if held and 0 <= place < 31:
-            buttons |= 1 << place
+            usage, is_down = part.usage, bool(value)
+        else:  # an array lists the buttons that are down
+            usage, is_down = part.usage + value - part.low, part.low <= value <= part.high
+            is_down = is_down and usage > 0
+        bit = usage - first_usage
+        if is_down and 0 <= bit < 31:
+            buttons |= 1 << bit
     return buttons
-
-
-def _bounds(field: Field) -> tuple[int, int]:
-    if field.signed:
-        return -(1 << (field.size - 1)), (1 << (field.size - 1)) - 1
-    return 0, (1 << field.size) - 1

@@ -1,8 +1,9 @@
-"""Everything that devices sent, as they sent it: written while it happens, played back as devices.
+"""Logs of raw device reports, and their playback as devices.
 
-JSON Lines, gzipped where the name ends in .gz. The first line names format, version and the
-devices with their descriptors; every further line is ``[time_ns, device, "report in hex"]``. What
-was recorded can be decoded again by later, better decoders.
+JSON Lines, gzipped if the name ends in .gz. The first line names format and version. A device is
+described, with its descriptor, before its first report; a report is a line
+``[time_ns, device, "report in hex"]``. As reports are raw, later and better decoders can decode a
+log again.
 """
 
 from __future__ import annotations
@@ -31,10 +32,10 @@ LogEntry = tuple[int, bytes]
 
 
 class DeviceLog:
-    """Writes reports as they come; threads may share it.
+    """Writes reports as they come; thread-safe.
 
-    The file is written beside its place and moved there by `close`; of a symbolic link, that is
-    the place of what it leads to.
+    The log is written to a temporary file beside `path` and moved there by `close`. A symbolic link
+    is followed.
 
     Raises
     ------
@@ -51,12 +52,13 @@ class DeviceLog:
             raw = self._part.open("wb")
         except OSError as cause:
             raise DeviceError(f"{path}: cannot be written: {cause.strerror}") from None
-        zipped = gzip.GzipFile(fileobj=raw, mode="wb", mtime=0) if _is_gz(self._path) else raw
-        self._raw, self._file = raw, zipped
+        is_gz = self._path.suffix == ".gz"
+        self._file = gzip.GzipFile(fileobj=raw, mode="wb", mtime=0) if is_gz else raw
+        self._raw = raw
         self._write({"format": _FORMAT, "version": _VERSION})
 
     def keep(self, node: HidNode, descriptor: bytes, time_ns: int, report: bytes) -> None:
-        """Write down one report; a device is named before its first."""
+        """Write one report, preceded by the device's description if it is its first."""
         with self._lock:
             if node.path not in self._devices:
                 self._devices[node.path] = len(self._devices)
@@ -73,14 +75,14 @@ class DeviceLog:
             self._write([time_ns, self._devices[node.path], report.hex()])
 
     def discard(self) -> None:
-        """Leave no file behind."""
+        """Close and delete the log."""
         with self._lock:
             self._file.close()
             self._raw.close()
             self._part.unlink(missing_ok=True)
 
     def close(self) -> None:
-        """Finish the file and put it in its place."""
+        """Finish the log and move it to its path."""
         with self._lock:
             self._file.close()
             self._raw.close()
@@ -93,7 +95,7 @@ class DeviceLog:
 
 
 class PlaybackLink:
-    """A device out of a log: gives its reports at their times, then goes.
+    """A device played back from a log: gives its reports at their times, then disconnects.
 
     Parameters
     ----------
@@ -102,7 +104,7 @@ class PlaybackLink:
     entries : list of (int, bytes)
         Times (ns) and reports.
     now_ns : callable
-        The clock that plays; `time.monotonic_ns`, or a simulated one.
+        The clock; `time.monotonic_ns`, or a simulated one.
     """
 
     def __init__(
@@ -122,16 +124,16 @@ class PlaybackLink:
         self._next = 0
 
     def start(self, at_ns: int, first_ns: int) -> None:
-        """Let what was recorded at `first_ns` happen at `at_ns`."""
+        """Play the report of `first_ns` at `at_ns`, the others relative to it."""
         self._start_ns = at_ns - first_ns
 
     def read(self, timeout_ms: int) -> list[LogEntry]:
-        """Reports whose time has come.
+        """Return the reports that are due.
 
         Raises
         ------
         DeviceGoneError
-            When all have been given.
+            After the last one.
         """
         if self._next == len(self.entries):
             raise DeviceGoneError(f"{self.name}: the recording is over")
@@ -152,15 +154,15 @@ class PlaybackLink:
         return ready
 
     def write(self, report: bytes) -> None:
-        """Kept in `sent`: there is nobody to feel it."""
+        """Record an output report in `sent`."""
         self.sent.append(report)
 
     def close(self) -> None:
-        """Nothing to let go."""
+        """Do nothing; there is no device to release."""
 
 
 def read_device_log(path: str | os.PathLike[str]) -> list[PlaybackLink]:
-    """The devices of a log, ready to play.
+    """Read the devices of a log, ready to play.
 
     Raises
     ------
@@ -186,6 +188,7 @@ def read_device_log(path: str | os.PathLike[str]) -> list[PlaybackLink]:
 
 
 def _lines(file: IO[bytes]) -> Iterator[tuple[int, bytes]]:
+    """Yield numbered lines, of bounded length."""
     number = 0
     while line := file.readline(_MAX_LINE + 1):
         number += 1
@@ -194,26 +197,23 @@ def _lines(file: IO[bytes]) -> Iterator[tuple[int, bytes]]:
         yield number, line
 
 
-def _take_line(found: Any, number: int, links: list[PlaybackLink]) -> None:
+def _take_line(entry: Any, number: int, links: list[PlaybackLink]) -> None:
+    """Check the header, add a device to `links`, or add a report to its device."""
     if number == 1:
-        if not isinstance(found, dict) or found.get("format") != _FORMAT:
+        if not isinstance(entry, dict) or entry.get("format") != _FORMAT:
             raise ValueError(f"expected format {_FORMAT!r} in the first line")
-        if found.get("version") != _VERSION:
-            raise ValueError(f"version is {found.get('version')!r}; expected {_VERSION}")
-    elif isinstance(found, dict):
-        kind, vendor, product = str(found["kind"]), int(found["vendor"]), int(found["product"])
+        if entry.get("version") != _VERSION:
+            raise ValueError(f"version is {entry.get('version')!r}; expected {_VERSION}")
+    elif isinstance(entry, dict):
+        kind, vendor, product = str(entry["kind"]), int(entry["vendor"]), int(entry["product"])
         path = f"log:{len(links)}"
-        node = HidNode(path, "log", vendor, product, str(found["name"]), "", 0, 0, kind)
-        links.append(PlaybackLink(node, bytes.fromhex(found["descriptor"]), []))
+        node = HidNode(path, "log", vendor, product, str(entry["name"]), "", 0, 0, kind)
+        links.append(PlaybackLink(node, bytes.fromhex(entry["descriptor"]), []))
     else:
-        time_ns, device, report = found
+        time_ns, device, report = entry
         if not 0 <= device < len(links):
             raise ValueError(f"device {device!r} was not named before")
         entries = links[device].entries
         if not isinstance(time_ns, int) or (entries and time_ns < entries[-1][0]):
             raise ValueError(f"time {time_ns!r}; expected an integer, not before the last one")
         entries.append((time_ns, bytes.fromhex(report)))
-
-
-def _is_gz(path: Path) -> bool:
-    return path.suffix == ".gz"

@@ -1,4 +1,4 @@
-"""A thread that reads one device until it goes: decode, count, deliver, never stop for garbage."""
+"""A thread that reads and decodes one device's reports until it disconnects."""
 
 from __future__ import annotations
 
@@ -15,27 +15,27 @@ from paint3d.errors import DeviceError
 __all__ = ["DeviceLoop", "DeviceStatus"]
 
 _WAIT_MS = 50
-_MOST_WAITING = 100_000
+_MOST_WAITING = 100_000  # events to be taken; the oldest are dropped
 
 
 @dataclass
 class DeviceStatus:
-    """What is known about a device's stream.
+    """Counters and state of a device's stream of reports.
 
     Attributes
     ----------
     n_reports : int
-        Decoded.
+        Reports decoded.
     n_refused : int
-        That could not be decoded; `last_refusal` says why the last of them was.
+        Reports that could not be decoded; `last_refusal` says why, for the last of them.
     n_dropped : int
-        Events that nobody took in time.
+        Events that were not taken in time.
     heard_ns : int
         When the last report was read; 0 before the first.
     longest_gap_ns : int
         Longest time between two reports.
     gone : str or None
-        Why the device is no longer there.
+        Why the device has disconnected; None while it is there.
     """
 
     n_reports: int = 0
@@ -48,17 +48,17 @@ class DeviceStatus:
 
 
 class DeviceLoop:
-    """Reads a link in a thread of its own.
+    """Reads a link in its own thread.
 
     Parameters
     ----------
     link : Link
     decode : callable
-        From a time (ns) and a report to events; it may raise `DeviceError`, which is counted.
+        Turns a time (ns) and a report into events; a `DeviceError` it raises is counted.
     log : callable, optional
-        Called with every raw report and its time, before it is decoded.
+        Called with the time and every raw report, before it is decoded.
     at_end : callable, optional
-        Called with the time (ns) once the device is gone or closed; gives the last events.
+        Called with the time (ns) when the device is gone or closed; returns the last events.
     """
 
     def __init__(
@@ -79,14 +79,14 @@ class DeviceLoop:
         self._thread.start()
 
     def take(self) -> list[Any]:
-        """All events since the last call, oldest first."""
+        """Return all events since the last call, oldest first."""
         events = []
         while self._events:
             events.append(self._events.popleft())
         return events
 
     def write(self, report: bytes | None) -> None:
-        """Send an output report; None and a device that has gone are passed over."""
+        """Send an output report; does nothing for None, or if the device is gone."""
         if report is None or self.status.gone is not None:
             return
         try:

@@ -1,8 +1,8 @@
 """Generic HID digitizers: pens on usage page 0x0D, and on Wacom's mirror of it, page 0xFF0D.
 
-Where the digitizer gives lengths (HID units of cm or inch with a power of ten), positions are in
-mm; tilts follow the angle's unit likewise, degrees where none is given. How a pen leans, tilts
-along x and y, becomes its orientation.
+Positions are in mm if the digitizer declares a unit of length (cm or inch, with a power of ten);
+tilts follow their declared unit, by default degrees. The tilts along x and y give the pen's
+orientation.
 """
 
 from __future__ import annotations
@@ -33,21 +33,21 @@ _STEEPEST = math.radians(89.0)
 
 @dataclass(frozen=True)
 class DigitizerLayout:
-    """Where a descriptor puts what a pen says; a part that is None is not said.
+    """Fields of a descriptor that describe a pen.
 
     Attributes
     ----------
     descriptor : ReportDescriptor
     parts : dict of str to Field
         x, y, pressure, tip, in_range, tilt_x, tilt_y, twist, barrel, second, eraser, invert,
-        distance: those that the device has. x and y are always there.
+        distance: those that the device has, always x and y.
     """
 
     descriptor: ReportDescriptor
     parts: dict[str, Field]
 
     def decode(self, data: bytes, time_ns: int = 0) -> StylusReading | None:
-        """The reading in a report; None where the report is not a pen's.
+        """Decode the reading in a report; None if it is not the pen's report.
 
         y grows upwards (away from the user), as on paper; z is the hover height.
 
@@ -71,7 +71,7 @@ class DigitizerLayout:
         tip = bool(raw.get("tip", raw.get("pressure", 0) > 0) or raw.get("eraser", 0))
         pressure = scaled(self.parts["pressure"], raw["pressure"]) if "pressure" in raw else None
         if pressure is None:
-            pressure = 0.5 if tip else 0.0  # a pen that only knows whether it touches
+            pressure = 0.5 if tip else 0.0  # a pen that only senses contact
         pressure = pressure if tip and in_range else 0.0
         orientation = orientation_from_tilt(
             self._angle("tilt_x", raw), -self._angle("tilt_y", raw), self._angle("twist", raw)
@@ -140,12 +140,12 @@ def _physical(field: Field, value: int) -> float:
     span = field.high - field.low
     if span <= 0:
         return float(value)
-    share = (value - field.low) / span
-    return field.physical_low + share * (field.physical_high - field.physical_low)
+    fraction = (value - field.low) / span
+    return field.physical_low + fraction * (field.physical_high - field.physical_low)
 
 
 def _millimetres(field: Field, value: int) -> float:
-    """A length in mm; counts of 0.01 mm where the device does not say (5080 a 2 inch, usually)."""
+    """Convert a length to mm; without a known unit, counts are 0.01 mm (usually 2540 an inch)."""
     value = min(max(value, field.low), field.high) if field.high > field.low else value
     if field.unit in _MM_OF:
         return _physical(field, value) * 10.0**field.exponent * _MM_OF[field.unit]
@@ -153,7 +153,7 @@ def _millimetres(field: Field, value: int) -> float:
 
 
 def orientation_from_tilt(tilt_x: float, tilt_y: float, twist: float = 0.0) -> NDArray[np.float64]:
-    """pad_from_pen (4,) of a pen that leans by these angles.
+    """Quaternion pad_from_pen (4,) of a pen with these tilts.
 
     The handle leans towards +x by `tilt_x` and towards +y by `tilt_y` (rad, seen along the other
     axis), so its direction is (tan tilt_x, tan tilt_y, 1), as in W3C Pointer Events. The tip

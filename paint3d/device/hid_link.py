@@ -1,4 +1,4 @@
-"""An open HID device: reports in with their times, reports out, and a clear end when it goes."""
+"""Links to open HID devices, and explanations of why one cannot be opened."""
 
 from __future__ import annotations
 
@@ -25,16 +25,14 @@ __all__ = [
 ]
 
 # ---- Permissions ---------------------------------------------------------------------------------
-# Why a node cannot be opened, and what to do about it.
-
 
 RULES_FILE = "/etc/udev/rules.d/70-paint3d.rules"
-"""Below 73: the tag is acted upon there (73-seat-late.rules of systemd)."""
+"""Its number is below 73, as systemd's 73-seat-late.rules acts on the tag."""
 _LIBUSB_PATH = re.compile(r"(\d+)-[\d.]+:")
 
 
 def udev_rule(node: HidNode) -> str:
-    """The udev rule that lets the person at the screen open the device, by cable or Bluetooth."""
+    """Return the udev rule that lets the user at the screen open the device, on any bus."""
     if node.backend == "hidraw":
         device = f"{node.vendor:04X}:{node.product:04X}"
         return f'KERNEL=="hidraw*", KERNELS=="*:{device}.*", TAG+="uaccess"'
@@ -45,7 +43,7 @@ def udev_rule(node: HidNode) -> str:
 
 
 def find_obstacle(node: HidNode) -> str | None:
-    """Why the node cannot be opened for reading and writing; None where nothing seems wrong."""
+    """Return why the node cannot be opened for reading and writing; None if it seems it can."""
     if not node.path.startswith("/dev/"):
         return None
     try:
@@ -60,7 +58,7 @@ def find_obstacle(node: HidNode) -> str | None:
 
 
 def explain_failure(node: HidNode, cause: object = "") -> DeviceError:
-    """The exception that says why this node could not be opened, and how to put it right."""
+    """Make an exception that says why this node could not be opened, and the remedy."""
     what = f"{node.name} at {node.path}"
     obstacle = find_obstacle(node)
     if obstacle == "no permission" or (obstacle is None and _LIBUSB_PATH.match(node.path)):
@@ -77,36 +75,35 @@ def explain_failure(node: HidNode, cause: object = "") -> DeviceError:
     return DeviceError(f"{what} was found but could not be opened ({cause}){hint}")
 
 
-# --------------------------------------------------------------------------------------------------
-
+# ---- Links ---------------------------------------------------------------------------------------
 
 MAX_REPORT = 64
 _MOST_AT_ONCE = 256
-"""The kernel keeps 64; a device that sends faster than we read must not hold us for ever."""
+"""The kernel queues 64; the limit ends a read from a device that sends faster than we read."""
 
 
 class DeviceGoneError(DeviceError):
-    """The device was unplugged, or its driver gave it up."""
+    """The device was unplugged, or its driver released it."""
 
 
 class Link(Protocol):
-    """What a loop needs of a device: `HidLink`, or a recording that plays one."""
+    """Interface of an open device: `HidLink`, or `PlaybackLink`, which plays a log."""
 
     name: str
     descriptor: bytes
 
     def read(self, timeout_ms: int) -> list[tuple[int, bytes]]:
-        """All reports that wait, oldest first, each with its time in ns."""
+        """Return all queued reports, oldest first, each with its time in ns."""
 
     def write(self, report: bytes) -> None:
         """Send an output report, id first."""
 
     def close(self) -> None:
-        """Let the device go."""
+        """Release the device."""
 
 
 class HidLink:
-    """A device that hidapi opened; see `open_node`."""
+    """A device opened by hidapi; see `open_node`."""
 
     def __init__(self, device: Any, name: str) -> None:
         self._device = device
@@ -115,10 +112,10 @@ class HidLink:
         device.set_nonblocking(1)
 
     def read(self, timeout_ms: int) -> list[tuple[int, bytes]]:
-        """Wait for a report, then take all that wait with it.
+        """Wait for a report, then take all that are queued.
 
-        The kernel keeps the oldest 63 reports and drops the newest, so whoever leaves reports
-        lying sees the past.
+        The kernel keeps the oldest 63 reports and drops the newest, so a queue that is not emptied
+        goes stale.
 
         Parameters
         ----------
@@ -128,12 +125,12 @@ class HidLink:
         Returns
         -------
         list of (int, bytes)
-            Time of reading, ns on the monotonic clock, and report; empty after a silence.
+            Time of reading, ns on the monotonic clock, and report; empty after a timeout.
 
         Raises
         ------
         DeviceGoneError
-            If the device is no longer there.
+            If the device is gone.
         """
         reports = []
         report = self._read_one(timeout_ms)
@@ -168,7 +165,7 @@ class HidLink:
             raise DeviceGoneError(f"{self.name} has gone: a report could not be sent")
 
     def close(self) -> None:
-        """Let the device go; nothing happens the second time."""
+        """Release the device; idempotent."""
         self._device.close()
 
 
@@ -180,7 +177,7 @@ def open_node(node: HidNode) -> HidLink:
     PermissionNeededError
         If it may not be opened; the message holds the udev rule to add.
     DeviceError
-        If it cannot be opened for another reason, or does not say what its reports mean.
+        If it cannot be opened for another reason, or has no report descriptor.
     """
     device = backend_module(node.backend).device()
     try:

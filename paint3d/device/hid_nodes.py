@@ -1,8 +1,8 @@
-"""What is plugged in: HID nodes, what each is good for, and in which way it is reached.
+"""Enumeration of connected HID nodes, with the kind of device and the hidapi backend of each.
 
-On Linux the wheel of hidapi holds two backends: ``hidraw`` (the kernel's own HID layer, which says
-which usages a node has) and ``hid`` (libusb, which takes a device from the kernel). The first is
-tried first; a node that only the second one sees is reached through it.
+On Linux the wheel of hidapi holds two backends: ``hidraw`` (the kernel's own HID layer, which
+reports a node's usages) and ``hid`` (libusb, which detaches a device from the kernel). hidraw is
+preferred; a node that only libusb lists is opened through libusb.
 """
 
 from __future__ import annotations
@@ -40,10 +40,10 @@ class HidNode:
         "hidraw" or "hid".
     vendor, product : int
     name : str
-        By the catalogue, else by the device's own strings.
+        From the catalogue, else from the device's own strings.
     serial : str
     usage_page, usage : int
-        Of its first top-level collection; 0 where the backend does not say.
+        Of its first top-level collection; 0 if the backend does not report them.
     kind : {"mouse", "stylus", "pen", "other"}
         6-DOF mouse, haptic stylus, digitizer.
     """
@@ -60,17 +60,17 @@ class HidNode:
 
 
 def backends() -> tuple[str, ...]:
-    """Names of hidapi's modules in the order in which they are tried."""
+    """Names of hidapi's modules, in order of preference."""
     return ("hidraw", "hid") if sys.platform.startswith("linux") else ("hid",)
 
 
 def backend_module(backend: str) -> ModuleType:
-    """The module of a backend.
+    """Import the module of a backend.
 
     Raises
     ------
     DeviceError
-        If hidapi lacks it or a library that it needs is missing.
+        If hidapi lacks it, or it needs a library that is missing.
     """
     try:
         return import_module(backend)
@@ -79,9 +79,9 @@ def backend_module(backend: str) -> ModuleType:
 
 
 def list_nodes(kinds: tuple[str, ...] = ("mouse", "stylus", "pen")) -> list[HidNode]:
-    """Nodes of these kinds, in the order of their paths, hidraw's before libusb's.
+    """List nodes of these kinds by path, hidraw's before libusb's.
 
-    A device that hidraw shows is not listed again under libusb.
+    A device that hidraw lists is not listed again under libusb.
 
     Raises
     ------
@@ -105,7 +105,7 @@ def list_nodes(kinds: tuple[str, ...] = ("mouse", "stylus", "pen")) -> list[HidN
 
 
 def _merged(nodes: list[HidNode]) -> list[HidNode]:
-    """One entry a path: hidapi lists a node once for every top-level collection."""
+    """Keep one entry per path: hidapi lists a node once for every top-level collection."""
     best: dict[str, HidNode] = {}
     for node in nodes:
         if node.path not in best or best[node.path].kind == "other":
@@ -136,14 +136,16 @@ def _kind(backend: str, path: str, vendor: int, product: int, usages: tuple[int,
     if usages in _PENS:
         return "pen"
     if backend == "hidraw":
-        data = _descriptor_of(path)
-        return kind_of(data) if data else "other"
-    # libusb's backend does not say what a node is for: only what the table knows is touched
+        try:  # sysfs may be readable even if the node may not be opened
+            return kind_of(Path(_SYSFS.format(Path(path).name)).read_bytes())
+        except OSError:
+            return "other"
+    # libusb's backend reports no usages, so only a device in the catalogue is used.
     return "mouse" if usages == (0, 0) and is_listed_mouse(vendor, product) else "other"
 
 
 def kind_of(descriptor: bytes) -> str:
-    """What a report descriptor is good for: "mouse", "stylus", "pen" or "other"."""
+    """Classify a report descriptor as "mouse", "stylus", "pen" or "other"."""
     if is_haptic_stylus(descriptor):
         return "stylus"
     try:
@@ -158,11 +160,3 @@ def kind_of(descriptor: bytes) -> str:
         if kind == "pen" or is_multi_axis(parsed):
             return kind
     return "other"
-
-
-def _descriptor_of(path: str) -> bytes:
-    """A hidraw node's descriptor, which may be read even where the node may not be opened."""
-    try:
-        return Path(_SYSFS.format(Path(path).name)).read_bytes()
-    except OSError:
-        return b""

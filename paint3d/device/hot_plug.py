@@ -1,10 +1,11 @@
-"""Devices that come and go while the program runs."""
+"""Hot plugging: devices that connect and disconnect while the program runs."""
 
 from __future__ import annotations
 
 import threading
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 
 from paint3d.device.catalogue import find_mouse_quirks
 from paint3d.device.hid_link import Link, open_node
@@ -22,14 +23,14 @@ _RESTING_NS = 1_000_000_000
 
 @dataclass(frozen=True, slots=True)
 class Changes:
-    """Nodes that came and went between two looks."""
+    """Nodes connected and disconnected between two enumerations."""
 
     came: tuple[HidNode, ...]
     went: tuple[HidNode, ...]
 
 
 def compare_nodes(before: list[HidNode], now: list[HidNode]) -> Changes:
-    """What changed; a node that was pulled and put back under the same path did not."""
+    """Compare two enumerations; a node reconnected at the same path is unchanged."""
     old, new = {n.path: n for n in before}, {n.path: n for n in now}
     return Changes(
         tuple(n for p, n in new.items() if old.get(p) != n),
@@ -38,20 +39,20 @@ def compare_nodes(before: list[HidNode], now: list[HidNode]) -> Changes:
 
 
 class PluggedDevices:
-    """Opens every mouse and stylus that is there or comes, once a second, and forgets what goes.
+    """All connected mice and styli: opens new ones once a second and closes those that are gone.
 
     Parameters
     ----------
     find : callable
-        Gives the nodes: `list_nodes`, or a stand-in.
+        Lists the nodes: `list_nodes`, or a stand-in.
     open_link : callable
         Opens a node: `open_node`, or a stand-in.
     interval_s : float
-        Between two looks; 0 looks only when `look` is called.
+        Between two enumerations; 0 enumerates only when `look` is called.
     log : callable, optional
         Called with the node, its descriptor, the time and every raw report.
     deflection : DeflectionSettings, optional
-        How the caps of mice are read.
+        For the caps of mice.
     """
 
     def __init__(
@@ -68,10 +69,11 @@ class PluggedDevices:
         self._log = log
         self._lock = threading.Lock()
         self._devices: dict[str, tuple[HidNode, SpaceMouse | Stylus]] = {}
-        self._speaking: str | None = None
-        self._heard_ns = 0
-        self._left_mouse: list[tuple[str, list[MouseEvent]]] = []
-        self._left_stylus: list[StylusReading] = []
+        self._active_mouse: str | None = None  # path of the one whose events are taken
+        self._moved_ns = 0  # when it last moved
+        # What devices that are gone sent before:
+        self._last_events: list[tuple[str, list[MouseEvent]]] = []
+        self._last_readings: list[StylusReading] = []
         self.failures: dict[str, str] = {}
         self._stop = threading.Event()
         self._thread = None
@@ -83,7 +85,7 @@ class PluggedDevices:
             self._thread.start()
 
     def look(self) -> Changes:
-        """Look once: open what came, let go what went."""
+        """Enumerate once: open new devices and close those that are gone."""
         nodes = self._find()
         with self._lock:
             for path, (_, device) in list(self._devices.items()):
@@ -94,24 +96,25 @@ class PluggedDevices:
                 self._retire(node.path)
             for node in changes.came:
                 self._try_open(node)
-            self.failures = {p: why for p, why in self.failures.items() if p in _paths(nodes)}
+            current = {node.path for node in nodes} | {"enumeration"}
+            self.failures = {p: why for p, why in self.failures.items() if p in current}
         return changes
 
     def nodes(self) -> list[HidNode]:
-        """The nodes that are open."""
+        """List the open nodes."""
         with self._lock:
             return [node for node, _ in self._devices.values()]
 
     def mice(self) -> list[SpaceMouse]:
-        """The 6-DOF mice that are open."""
+        """List the open 6-DOF mice."""
         return [device for device in self._all() if isinstance(device, SpaceMouse)]
 
     def styli(self) -> list[Stylus]:
-        """The styli and pens that are open."""
+        """List the open styli and pens."""
         return [device for device in self._all() if isinstance(device, Stylus)]
 
     def read_caps(self, deflection: DeflectionSettings) -> None:
-        """Read the caps of mice that are there or come otherwise; where each rests stays."""
+        """Change the settings of all caps, now and later; each keeps its own rest position."""
         with self._lock:
             self._deflection = deflection
             for _, device in self._devices.values():
@@ -119,41 +122,41 @@ class PluggedDevices:
                     device.settings = replace(deflection, rest=device.settings.rest)
 
     def take_mouse(self) -> list[MouseEvent]:
-        """Events of the mouse in use.
+        """Return the events of the active mouse since the last call, by time.
 
-        One mouse may show two nodes (cable and receiver): the one that sends is taken, until it
-        has been at rest for a second and another one moves.
+        One mouse may have two nodes (cable and receiver). The one that sends is active until it has
+        been at rest for a second and another one moves.
         """
         taken: list[MouseEvent] = []
         with self._lock:
-            heard, self._left_mouse = self._left_mouse, []
+            received, self._last_events = self._last_events, []
             for path, (_, device) in self._devices.items():
                 if isinstance(device, SpaceMouse):
-                    heard.append((path, device.take()))
-        for path, events in heard:
+                    received.append((path, device.take()))
+        for path, events in received:
             for event in events:
-                moved = bool(event.deflection.any() or event.buttons)
-                if moved and (
-                    self._speaking is None or event.time_ns - self._heard_ns > _RESTING_NS
+                is_moving = bool(event.deflection.any() or event.buttons)
+                if is_moving and (
+                    self._active_mouse is None or event.time_ns - self._moved_ns > _RESTING_NS
                 ):
-                    self._speaking = path
-                if path == self._speaking:
-                    if moved:
-                        self._heard_ns = event.time_ns
+                    self._active_mouse = path
+                if path == self._active_mouse:
+                    if is_moving:
+                        self._moved_ns = event.time_ns
                     taken.append(event)
         return sorted(taken, key=lambda event: event.time_ns)
 
     def take_stylus(self) -> list[StylusReading]:
-        """Readings of all styli, in the order of their times."""
+        """Return the readings of all styli since the last call, by time."""
         with self._lock:
-            readings, self._left_stylus = self._left_stylus, []
+            readings, self._last_readings = self._last_readings, []
             for _, device in self._devices.values():
                 if isinstance(device, Stylus):
                     readings += device.take()
         return sorted(readings, key=lambda reading: reading.time_ns)
 
     def stop(self) -> None:
-        """Stop looking and close everything."""
+        """Stop enumerating and close all devices."""
         self._stop.set()
         if self._thread is not None:
             self._thread.join(timeout=2.0)
@@ -174,19 +177,19 @@ class PluggedDevices:
                 self.failures["enumeration"] = str(cause)
 
     def _retire(self, path: str) -> None:
-        """Let a device go, but not what it said before."""
+        """Close a device, keeping what it sent before."""
         _, device = self._devices.pop(path)
         device.stop()
         if isinstance(device, SpaceMouse):
-            self._left_mouse.append((path, device.take()))
+            self._last_events.append((path, device.take()))
         else:
-            self._left_stylus += device.take()
+            self._last_readings += device.take()
 
     def _try_open(self, node: HidNode) -> None:
         link = None
         try:
             link = self._open(node)
-            log = None if self._log is None else _bound(self._log, node, link.descriptor)
+            log = None if self._log is None else partial(self._log, node, link.descriptor)
             if node.kind == "mouse":
                 quirks = find_mouse_quirks(node.vendor, node.product)
                 self._devices[node.path] = node, SpaceMouse(link, quirks, self._deflection, log)
@@ -197,13 +200,3 @@ class PluggedDevices:
             self.failures[node.path] = str(failure)
             if link is not None:
                 link.close()
-
-
-def _bound(
-    log: Callable[[HidNode, bytes, int, bytes], None], node: HidNode, descriptor: bytes
-) -> Callable[[int, bytes], None]:
-    return lambda time_ns, report: log(node, descriptor, time_ns, report)
-
-
-def _paths(nodes: list[HidNode]) -> set[str]:
-    return {node.path for node in nodes} | {"enumeration"}

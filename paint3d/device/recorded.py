@@ -1,4 +1,4 @@
-"""A recording of both hands: checked arrays, and a device that plays them back."""
+"""Recordings of both hands: checked arrays, and their playback as device samples."""
 
 from __future__ import annotations
 
@@ -30,11 +30,11 @@ _CHOICES = {"space": ("world", "pad"), "azimuth": ("commanded", "dragged")}
 class Recording:
     """N samples of the brush (right hand) and of the object (left hand), in time order.
 
-    `position` is the tuft's root P_m, where the hairs leave the ferrule. With `pressure`, the
-    force (pressure times 7.9 N) sets the descent through Guo 2017, Eq. 4, and the position only
-    says where; without it the descent follows from the root's distance to the surface. In pad
-    space (``header["space"] == "pad"``) x and y are mm on a flat pad and z the height of the
-    lifted pen above it; `paint3d.painter.flat_input.lay` carries such a recording onto a surface.
+    `position` is the tuft's root P_m, where the hairs leave the ferrule. With `pressure`, the force
+    (pressure times 7.9 N) determines the descent by Guo 2017, Eq. 4, and the position only where on
+    the surface; without it the descent follows from the root's distance to the surface. In pad
+    space (``header["space"] == "pad"``) x and y are mm on a flat pad and z the height of the lifted
+    pen above it; `paint3d.painter.flat_input.lay` maps such a recording onto a surface.
 
     Attributes
     ----------
@@ -52,9 +52,9 @@ class Recording:
     object_orientation : (N, 4) float64
         world_from_object, unit quaternions, w first.
     contact : (N, 3) float64, or None
-        The places on the surface that the hand meant, in the world, mm; rows of NaN for samples
-        that say none. The footprint's middle comes to lie there, wherever the root is. Only with
-        a pressure; None if no sample says one.
+        Intended contact points on the surface, in the world, mm; rows of NaN for samples without
+        one. The footprint is centred there, wherever the root is. Requires a pressure; None if no
+        sample has one.
     header : dict
         format, version, units, devices, brush, ink, object, licence, space ("world" or "pad"),
         azimuth ("commanded" or "dragged"); other entries are kept.
@@ -105,7 +105,7 @@ class Recording:
 
     @property
     def is_pad(self) -> bool:
-        """Whether the samples lie on a flat pad and must be laid on a surface first."""
+        """True if the samples lie on a flat pad, and must be mapped onto a surface first."""
         return bool(self.header["space"] == "pad")
 
     @property
@@ -114,7 +114,7 @@ class Recording:
         return float(self.time_ns[-1] - self.time_ns[0]) * 1e-9
 
     def part(self, first: int, last: int) -> Recording:
-        """The samples from `first` to before `last` as a recording; its arrays are views."""
+        """Return the samples from `first` up to, not including, `last`; its arrays are views."""
         part = object.__new__(Recording)
         for entry in fields(self):
             value = getattr(self, entry.name)
@@ -123,8 +123,9 @@ class Recording:
         return part
 
     def samples(self) -> Iterator[DeviceSample]:
-        """The samples one after the other, as a live device would give them."""
+        """Yield the samples one by one, as a live device would."""
         for i in range(len(self)):
+            contact = None if self.contact is None else self.contact[i]
             yield DeviceSample(
                 int(self.time_ns[i]),
                 self.position[i],
@@ -133,20 +134,17 @@ class Recording:
                 int(self.buttons[i]),
                 self.object_position[i],
                 self.object_orientation[i],
-                self._contact_of(i),
+                None if contact is None or np.isnan(contact[0]) else contact,
             )
-
-    def _contact_of(self, i: int) -> AnyArray | None:
-        return None if self.contact is None or np.isnan(self.contact[i, 0]) else self.contact[i]
 
 
 def checked_header(header: Mapping[str, Any]) -> dict[str, Any]:
-    """A copy of `header` with its defaults filled in.
+    """Copy `header` and fill in its defaults.
 
     Raises
     ------
     RecordingError
-        For a format, version, space or azimuth that is not known.
+        For an unknown format, version, space or azimuth.
     """
     filled: dict[str, Any] = {
         "format": FORMAT,
@@ -187,19 +185,19 @@ def _times(values: ArrayLike) -> AnyArray:
 
 
 def _floats(values: ArrayLike, name: str, shape: tuple[int, ...]) -> AnyArray:
-    if _is_one_row(values, shape):  # stays one
+    if _is_one_row(values, shape):  # check and keep just one
         return np.broadcast_to(_floats(values[:1], name, (1, *shape[1:])), shape)
     return _own(as_array(values, name, shape, error=RecordingError), values)
 
 
 def _own(array: AnyArray, given: object) -> AnyArray:
-    """A copy that nobody else can write to; the array itself where it is such a one already."""
+    """Copy an array, unless it is the given one, owns its memory and is read-only."""
     frozen = array is given and array.base is None and not array.flags.writeable
     return array if frozen else array.copy()
 
 
 def _is_one_row(values: ArrayLike, shape: tuple[int, ...]) -> TypeGuard[AnyArray]:
-    """Whether it is an array of that shape in which all rows are the same memory."""
+    """Return whether it is an array of that shape with one row broadcast to all."""
     if not isinstance(values, np.ndarray) or values.shape != shape or len(shape) != 2:
         return False
     return shape[0] > 1 and values.strides[0] == 0
@@ -233,7 +231,7 @@ def _pressures(values: ArrayLike, n: int) -> AnyArray:
 
 
 def _contacts(values: ArrayLike | None, n: int, with_pressure: bool) -> AnyArray | None:
-    """Checked places on the surface; None where no sample says one."""
+    """Check contact points; None if no sample has one."""
     if values is None:
         return None
     array = np.array(values, dtype=np.float64)

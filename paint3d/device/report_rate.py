@@ -1,4 +1,4 @@
-"""How steadily a device reports, from the times at which its reports were read."""
+"""Rate and regularity of a device's reports, from the times at which they were read."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ class ReportRate:
     n : int
         Reports.
     rate_hz : float
-        One over the mean interval, pauses of 100 ms and more left out; 0 where there is none.
+        One over the mean interval, without pauses of 100 ms and more; 0 if there is no interval.
     interval_p50_ms, interval_p99_ms, longest_ms : float
-        Of the intervals within runs; NaN where there is none.
+        Of the intervals between pauses; NaN if there are none.
     pauses : int
     """
 
@@ -36,7 +36,7 @@ class ReportRate:
 
 
 def find_report_rate(times_ns: ArrayLike) -> ReportRate:
-    """The rate of reports read at these times (N,), ns."""
+    """Measure the rate of reports read at these times (N,), ns."""
     times = np.asarray(times_ns, dtype=np.int64)
     gaps = np.diff(times)
     within = gaps[gaps < _PAUSE_NS] * 1e-6
@@ -51,18 +51,17 @@ def find_report_rate(times_ns: ArrayLike) -> ReportRate:
 
 
 def lateness_ms(times_ns: ArrayLike, sequence: ArrayLike) -> NDArray[np.float64]:
-    """How much later than the steady rate each report was read, (N,) ms.
+    """Estimate how much later than a steady rate each report was read, (N,) ms.
 
     Parameters
     ----------
     times_ns : (N,) array_like
     sequence : (N,) array_like
-        The device's own numbers, modulo 65536, at a steady rate.
+        The device's own report numbers, modulo 65536, counted at a steady rate.
 
     Notes
     -----
-    The earliest report of all is taken as not late: a delay that they all share cannot be seen
-    from this side.
+    The earliest report is taken as punctual: a delay common to all cannot be observed.
     """
     times = np.asarray(times_ns, dtype=np.float64)
     numbers: NDArray[np.int64] = np.asarray(sequence, dtype=np.int64)
@@ -71,6 +70,6 @@ def lateness_ms(times_ns: ArrayLike, sequence: ArrayLike) -> NDArray[np.float64]
     if len(times) < 3 or count[-1] <= 0:
         return np.zeros(len(times))
     slope, start = np.polyfit(count, times - times[0], 1)
-    rest = times - times[0] - (start + slope * count)
-    result: NDArray[np.float64] = (rest - rest.min()) * 1e-6
+    residual = times - times[0] - (start + slope * count)
+    result: NDArray[np.float64] = (residual - residual.min()) * 1e-6
     return result

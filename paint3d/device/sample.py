@@ -1,4 +1,4 @@
-"""What devices say at one instant: a stylus in its own frame, and both hands in the world."""
+"""Readings of devices at one instant: a stylus in its own frame, and both hands in the world."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 __all__ = ["BARREL", "DIP", "ERASER", "DeviceSample", "StylusReading"]
 
 BARREL, DIP, ERASER = 1, 2, 4
-"""Bits of `buttons`: the first button, the one that dips the brush, and the turned-round end."""
+"""Bits of `buttons`: the first button, the one that dips the brush, and the eraser end."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -25,14 +25,14 @@ class StylusReading:
         mm in the device's frame: the tuft's root for a device with six degrees of freedom, the
         point on the pad (z its hover height) for a tablet.
     orientation : (4,) float64
-        device_from_pen, unit quaternion, w first: pen z runs up the handle, x is where the tip
-        bends.
+        device_from_pen, unit quaternion, w first: pen z runs up the handle, x is the direction in
+        which the tip bends.
     pressure : float or None
-        0 to 1; None where the device only says where it is.
+        0 to 1; None if the device only measures its pose.
     buttons : int
         Bit field; see `BARREL`, `DIP`, `ERASER`.
     in_range : bool
-        False when the pen has left the pad: the reading's pose then means nothing.
+        False when the pen has left the pad; the pose is then meaningless.
     """
 
     time_ns: int
@@ -65,8 +65,8 @@ class DeviceSample:
     object_orientation : (4,) float64
         world_from_object, unit quaternion, w first.
     contact : (3,) float64 or None
-        The place on the surface that the hand means, in the world, mm: the middle of the footprint
-        comes to lie there. None where a device only says where its pen is.
+        The intended contact point on the surface, in the world, mm: the footprint is centred there.
+        None if the device only measures its pose.
     """
 
     time_ns: int

@@ -1,9 +1,9 @@
-"""6-DOF mice: input reports to axes and buttons, by the device's own descriptor.
+"""6-DOF mice: decoding of input reports to axes and buttons by the device's own descriptor.
 
 Usage page 1 (generic desktop) holds X, Y, Z, Rx, Ry, Rz (0x30 to 0x35), page 9 the buttons, page 8
 the light. Older devices send translation and rotation as two reports, newer ones all six axes in
-one; the descriptor says which. A report of this kind says how far the cap is deflected *now*; it
-is no motion, and the device falls silent when it sends the last one before rest.
+one; the descriptor says which. A report gives the cap's current deflection, not a motion; at rest
+the device sends nothing.
 """
 
 from __future__ import annotations
@@ -28,12 +28,12 @@ _DESKTOP, _LEDS, _BUTTONS = 0x01, 0x08, 0x09
 _FIRST_AXIS = 0x30
 _MULTI_AXIS = 0x0001_0008
 _JOYSTICKS = (0x0001_0004, 0x0001_0005)
-_BATTERY_REPORT = 0x17  # wireless SpaceMice: per cent, charging; not in every descriptor
+_BATTERY_REPORT = 0x17  # of wireless SpaceMice: percentage, charging; not in every descriptor
 
 
 @dataclass(frozen=True, slots=True)
 class MouseReading:
-    """What a 6-DOF mouse last said.
+    """Last known state of a 6-DOF mouse.
 
     Attributes
     ----------
@@ -42,7 +42,7 @@ class MouseReading:
     buttons : int
         Bit 0 is the first button.
     battery : int or None
-        Per cent, where the device says.
+        Percentage, if the device reports it.
     """
 
     axes: tuple[int, ...] = (0, 0, 0, 0, 0, 0)
@@ -52,7 +52,7 @@ class MouseReading:
 
 @dataclass(frozen=True)
 class MouseLayout:
-    """Where a descriptor puts axes, buttons and the light.
+    """Fields of a descriptor for axes, buttons and the light.
 
     Attributes
     ----------
@@ -69,7 +69,7 @@ class MouseLayout:
     light: Field | None
 
     def decode(self, data: bytes, before: MouseReading) -> MouseReading:
-        """The reading after one report; what the report does not speak of stays.
+        """Update a reading by one report; what the report lacks keeps its value.
 
         Parameters
         ----------
@@ -82,25 +82,27 @@ class MouseLayout:
         DeviceError
             If the report is not one of the device's, or too short.
         """
-        if data[:1] == bytes([_BATTERY_REPORT]) and self._undeclared(_BATTERY_REPORT):
+        if (
+            data[:1] == bytes([_BATTERY_REPORT])
+            and self.descriptor.numbered
+            and not self.descriptor.size(Kind.INPUT, _BATTERY_REPORT)  # undeclared
+        ):
             return replace(before, battery=min(data[1], 100)) if len(data) > 1 else before
         report_id, body = split_report(self.descriptor, data)
         axes = tuple(
             extract(field, body) if field is not None and field.report_id == report_id else old
             for field, old in zip(self.axes, before.axes, strict=True)
         )
-        told = [field for field in self.buttons if field.report_id == report_id]
-        return MouseReading(axes, pressed(told, body) if told else before.buttons, before.battery)
+        fields = [field for field in self.buttons if field.report_id == report_id]
+        buttons = pressed(fields, body) if fields else before.buttons
+        return MouseReading(axes, buttons, before.battery)
 
     def encode_light(self, on: bool) -> bytes | None:
-        """The output report that turns the light on or off; None where there is no light."""
+        """Encode the output report that turns the light on or off; None if there is no light."""
         if self.light is None:
             return None
         values = {self.light: int(on)}
         return pack_report(self.descriptor, Kind.OUTPUT, self.light.report_id, values)
-
-    def _undeclared(self, report_id: int) -> bool:
-        return self.descriptor.numbered and not self.descriptor.size(Kind.INPUT, report_id)
 
 
 def find_mouse_layout(descriptor: ReportDescriptor) -> MouseLayout:
@@ -112,9 +114,10 @@ def find_mouse_layout(descriptor: ReportDescriptor) -> MouseLayout:
         If the descriptor has no multi-axis controller with all of X, Y, Z, Rx, Ry and Rz.
     """
     fields = [f for f in descriptor.fields if f.application not in _JOYSTICKS and not f.constant]
+    inputs = [f for f in fields if f.kind is Kind.INPUT]
     axes = tuple(
         next(
-            (f for f in fields if _is(f, Kind.INPUT, _DESKTOP, _FIRST_AXIS + i) and f.variable),
+            (f for f in inputs if (f.page, f.usage) == (_DESKTOP, _FIRST_AXIS + i) and f.variable),
             None,
         )
         for i in range(6)
@@ -122,15 +125,11 @@ def find_mouse_layout(descriptor: ReportDescriptor) -> MouseLayout:
     if None in axes:
         missing = " ".join(name for name, f in zip(AXES, axes, strict=True) if f is None)
         raise DeviceError(f"not a 6-DOF mouse: its descriptor has no axis {missing}")
-    buttons = tuple(f for f in fields if f.kind is Kind.INPUT and f.page == _BUTTONS)
+    buttons = tuple(f for f in inputs if f.page == _BUTTONS)
     light = next((f for f in fields if f.kind is Kind.OUTPUT and f.page == _LEDS), None)
     return MouseLayout(descriptor, axes, buttons, light)
 
 
 def is_multi_axis(descriptor: ReportDescriptor) -> bool:
-    """Whether a top-level collection is a multi-axis controller (page 1, usage 8)."""
+    """Return whether a top-level collection is a multi-axis controller (page 1, usage 8)."""
     return _MULTI_AXIS in descriptor.applications
-
-
-def _is(field: Field, kind: Kind, page: int, usage: int) -> bool:
-    return field.kind is kind and field.page == page and field.usage == usage

@@ -1,4 +1,4 @@
-"""A 6-DOF mouse at work: events of deflection and of buttons from an open link."""
+"""6-DOF mouse: events of deflection and buttons from an open link."""
 
 from __future__ import annotations
 
@@ -27,30 +27,27 @@ __all__ = [
 ]
 
 # ---- Deflection ----------------------------------------------------------------------------------
-# Raw axes of a 6-DOF mouse to a deflection that is zero when the hand is off.
-#
-# Pure steps: subtract the rest position, scale, cut a dead zone out without a jump at its edge, and
-# forget everything after a silence, because the device stops sending at rest and the last report
-# need not have been zero.
-
+# From raw axes to a deflection that is zero when the hand is off: subtract the rest position,
+# scale, and cut out a dead zone without a jump at its edge.
 
 SILENCE_NS = 150_000_000
-"""After so long without a report the deflection is zero, ns."""
+"""Time without a report after which the deflection is zero, ns: a mouse stops sending at rest, and
+its last report need not have been zero."""
 _REST_LIMIT = 0.15
 
 
 @dataclass(frozen=True, slots=True)
 class DeflectionSettings:
-    """How raw axes are read.
+    """Calibration and response of the axes.
 
     Parameters
     ----------
     dead_zone : float
-        Share of the full deflection that counts as rest, 0 to 0.9.
+        Fraction of the full deflection that counts as rest, 0 to 0.9.
     rest : tuple of 6 float
         Counts that this device sends at rest; see `calibrate_rest`.
     curve : float
-        Exponent of the response, 1 to 4: 1 is linear, more is finer near rest.
+        Exponent of the response, 1 to 4: 1 is linear, a larger one is finer near rest.
 
     Raises
     ------
@@ -63,13 +60,9 @@ class DeflectionSettings:
     curve: float = 1.6
 
     def __post_init__(self) -> None:
-        _check(self.dead_zone, "dead_zone", 0.0, 0.9)
-        _check(self.curve, "curve", 1.0, 4.0)
+        as_number(self.dead_zone, "dead_zone", 0.0, 0.9, DeviceError)
+        as_number(self.curve, "curve", 1.0, 4.0, DeviceError)
         as_array(self.rest, "rest", (6,), error=DeviceError)
-
-
-def _check(value: float, name: str, low: float, high: float) -> None:
-    as_number(value, name, low, high, DeviceError)
 
 
 def deflection(
@@ -77,14 +70,14 @@ def deflection(
 ) -> NDArray[np.float64]:
     """Deflection (6,), each -1 to 1, in a right-handed frame: x right, y away, z up.
 
-    Translation first, then rotation about the same axes. Counts beyond the nominal full deflection
-    are clamped, as the nominal range is narrower than what caps send.
+    Translation first, then rotation about the same axes. Counts are clamped at the nominal full
+    deflection, which some caps exceed.
     """
     counts = as_array(axes, "axes", (6,), error=DeviceError) - np.asarray(settings.rest)
-    share = np.clip(counts / quirks.full_deflection, -1.0, 1.0)
-    beyond = np.maximum(np.abs(share) - settings.dead_zone, 0.0) / (1.0 - settings.dead_zone)
+    linear = np.clip(counts / quirks.full_deflection, -1.0, 1.0)
+    beyond = np.maximum(np.abs(linear) - settings.dead_zone, 0.0) / (1.0 - settings.dead_zone)
     result: NDArray[np.float64] = (
-        np.sign(share) * beyond**settings.curve * np.asarray(quirks.axes_signs, np.float64)
+        np.sign(linear) * beyond**settings.curve * np.asarray(quirks.axes_signs, np.float64)
     )
     return result
 
@@ -92,19 +85,19 @@ def deflection(
 def calibrate_rest(
     readings: ArrayLike, quirks: MouseQuirks, settings: DeflectionSettings
 ) -> DeflectionSettings:
-    """Settings whose rest is where the cap stood in these readings.
+    """Return the settings with the rest position measured in these readings.
 
     Parameters
     ----------
     readings : (N, 6) array_like
-        Raw axes while the hand was off. None at all is a cap that rests at zero.
+        Raw axes while the hand was off. With N = 0 the cap rests at zero.
     quirks : MouseQuirks
     settings : DeflectionSettings
 
     Raises
     ------
     DeviceError
-        If the cap moved meanwhile, or rests further than 15 % from zero.
+        If the cap moved, or rests further than 15 % from zero.
     """
     counts = as_array(readings, "readings", (None, 6), error=DeviceError)
     if len(counts) == 0:
@@ -125,15 +118,14 @@ def calibrate_rest(
     return dataclasses.replace(settings, rest=tuple(middle.tolist()))
 
 
-# --------------------------------------------------------------------------------------------------
+# ---- The mouse -----------------------------------------------------------------------------------
 
-
-_KEPT = 64
+_RECENT = 64  # readings that the rest is measured from
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class MouseEvent:
-    """What a 6-DOF mouse said at `time_ns`: deflection (6,), -1 to 1, and buttons held."""
+    """State of a 6-DOF mouse at `time_ns`: deflection (6,), -1 to 1, and buttons held."""
 
     time_ns: int
     deflection: NDArray[np.float64]
@@ -141,7 +133,7 @@ class MouseEvent:
 
 
 class SpaceMouse:
-    """Reads a 6-DOF mouse in a thread; its light is on while it is in use.
+    """Reads a 6-DOF mouse in a thread, with its light on meanwhile.
 
     Parameters
     ----------
@@ -155,7 +147,7 @@ class SpaceMouse:
     Raises
     ------
     DeviceError
-        If the link's descriptor is no 6-DOF mouse's.
+        If the link's descriptor is not a 6-DOF mouse's.
     """
 
     def __init__(
@@ -174,15 +166,15 @@ class SpaceMouse:
         self.set_light(True)
 
     def take(self) -> list[MouseEvent]:
-        """All events since the last call; the last one of a device that goes is rest."""
+        """Return all events since the last call; a device that disconnects ends with rest."""
         return self.loop.take()
 
     def set_light(self, on: bool) -> None:
-        """Turn the light on or off, where there is one."""
+        """Turn the light on or off, if there is one."""
         self.loop.write(self.layout.encode_light(on))
 
     def calibrate_rest(self) -> None:
-        """Take where the cap stood in the last reports as its rest.
+        """Set the rest position from the last reports.
 
         Raises
         ------
@@ -200,7 +192,7 @@ class SpaceMouse:
 
     def _decode(self, time_ns: int, report: bytes) -> Iterator[MouseEvent]:
         self.reading = self.layout.decode(report, self.reading)
-        self._recent = [*self._recent[-_KEPT + 1 :], self.reading.axes]
+        self._recent = [*self._recent[-_RECENT + 1 :], self.reading.axes]
         yield MouseEvent(
             time_ns,
             deflection(self.reading.axes, self.quirks, self.settings),

@@ -1,8 +1,9 @@
-"""A stylus at work without force: readings of a haptic stylus or a pen from an open link.
+"""Stylus without force feedback: readings of a haptic stylus or a pen from an open link.
 
-A report is read some time after it was measured: late when the reader was busy, and several at
-once when they queued up. A device that measures at a steady rate and counts its reports lets us
-undo that: the n-th report was measured n periods after the first, and never after it was read.
+A report is read some time after it was measured, when the reader was busy, or several at once, when
+they queued up. If the device measures at a steady rate and numbers its reports, the time of
+measurement can be recovered: report n was measured n periods after the first, and never after it
+was read.
 """
 
 from __future__ import annotations
@@ -28,17 +29,17 @@ _PERIOD_NS = 1e6
 
 @dataclass(frozen=True, slots=True)
 class ReportClock:
-    """What is known about a device's beat.
+    """State of the estimate of a device's measurement times.
 
     Attributes
     ----------
     period_ns : float
         Between two measurements.
     last_ns : int
-        Time given to the last report; 0 before the first.
+        Time assigned to the last report; 0 before the first.
     last_sequence : int
     lost : int
-        Reports that never came, by their numbers.
+        Reports missing by their numbers.
     """
 
     period_ns: float
@@ -48,7 +49,7 @@ class ReportClock:
 
 
 def stamp(clock: ReportClock, read_ns: int, sequence: int) -> tuple[int, ReportClock]:
-    """The time at which a report was measured, and the clock after it.
+    """Estimate when a report was measured; return the time and the updated clock.
 
     Parameters
     ----------
@@ -61,8 +62,8 @@ def stamp(clock: ReportClock, read_ns: int, sequence: int) -> tuple[int, ReportC
     Returns
     -------
     (int, ReportClock)
-        The time is later than the last one, at most `read_ns` unless that were not later, and
-        follows the steady beat; after a break of 50 ms the clock locks anew.
+        The time is later than the last one, if possible not later than `read_ns`, and follows the
+        steady rate; after a break of 50 ms the clock locks anew.
     """
     steps = (sequence - clock.last_sequence) % _WRAP
     expected = clock.last_ns + steps * clock.period_ns
@@ -89,7 +90,7 @@ class Stylus:
     Attributes
     ----------
     lost : int
-        Reports that never came, where the device numbers them.
+        Reports that never came, if the device numbers them.
 
     Raises
     ------
@@ -106,7 +107,7 @@ class Stylus:
 
     @property
     def has_force(self) -> bool:
-        """Whether the device can push back."""
+        """True if the device can push back."""
         return self._layout is None
 
     @property
@@ -115,11 +116,11 @@ class Stylus:
         return self._clock.lost
 
     def take(self) -> list[StylusReading]:
-        """All readings since the last call, oldest first."""
+        """Return all readings since the last call, oldest first."""
         return self.loop.take()
 
     def stop(self) -> None:
-        """Stop reading and close; a device with force is told to rest."""
+        """Stop reading and close, with the force of a haptic stylus set to zero."""
         if self.has_force:
             self.loop.write(encode_force((0.0, 0.0, 0.0)))
         self.loop.stop()

@@ -1,4 +1,4 @@
-"""What the operating system can do for a process that must not be late."""
+"""Real-time scheduling and memory locking for a process that must not be late."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from contextlib import suppress
 __all__ = ["SCHEDULES", "ask_for_speed", "end_with_parent", "keep_in_memory"]
 
 SCHEDULES = ("fifo", "slice", "plain")
-"""Ways of being scheduled, the best first."""
+"""Kinds of scheduling, the best first."""
 _PRIORITY = 40
 _SLICE_NS = 100_000
 _SYS_SCHED_SETATTR = {"x86_64": 314, "aarch64": 274}
@@ -22,10 +22,10 @@ _PR_SET_PDEATHSIG = 1
 
 
 def ask_for_speed() -> str:
-    """Ask for SCHED_FIFO, else for a slice of 100 us, else go on as any process.
+    """Request SCHED_FIFO, else a time slice of 100 us, else stay an ordinary process.
 
-    FIFO needs the right to it (CAP_SYS_NICE, or rtprio in limits.conf). The slice needs Linux 6.12
-    or later and no right at all.
+    FIFO needs a privilege (CAP_SYS_NICE, or rtprio in limits.conf). The slice needs Linux 6.12 or
+    later and no privilege.
 
     Returns
     -------
@@ -42,7 +42,7 @@ def ask_for_speed() -> str:
 
 
 def _ask_for_short_slice() -> bool:
-    """sched_setattr(SCHED_OTHER, runtime): a shorter slice is served sooner (EEVDF)."""
+    """Call sched_setattr(SCHED_OTHER, runtime): EEVDF schedules a shorter slice sooner."""
     number = _SYS_SCHED_SETATTR.get(os.uname().machine)
     if number is None:
         return False
@@ -53,7 +53,7 @@ def _ask_for_short_slice() -> bool:
 
 
 def keep_in_memory() -> bool:
-    """No garbage collection and, where it may be, no paging: neither can then be waited for."""
+    """Turn off garbage collection and, if permitted, paging; return whether paging is off."""
     gc.collect()
     gc.freeze()
     gc.disable()

@@ -1,4 +1,4 @@
-"""Force feedback for a program: start the servo, tell it where the object is, take its samples."""
+"""Force feedback for a program: starts the servo, publishes the object's pose, takes samples."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ _STATES = ("starting", "running", "stopped", "failed")
 
 @dataclass(frozen=True, slots=True)
 class ServoStatus:
-    """How the servo does.
+    """State and timing of the servo.
 
     Attributes
     ----------
@@ -43,15 +43,15 @@ class ServoStatus:
         Steps, and how many came more than 2 ms after the one before.
     period_p50_us, period_p99_us, longest_us : float
     step_p99_us, worst_step_us : float
-        From the pose's arrival in the servo to the force, without the device's own way.
+        From the pose's arrival in the servo to the force, without the device's own delay.
     refused : int
         Reports that could not be read.
     lost : int
         Samples that were not taken in time.
     softening : float
-        Share of the stiffness that is left because the servo is late too often; 1 is all.
+        Fraction of the stiffness in use; below 1 if the servo is late too often.
     fault : str
-        Why it failed; empty where it did not.
+        Why it failed; empty if it did not.
     """
 
     state: str
@@ -79,21 +79,20 @@ class ForceFeedback:
     ----------
     port : ForcePort
     tree : ContactTree
-        Of the surface (`PaintedSurface.contact_tree`); handed over once, since the shape never
-        changes.
+        Of the surface (`PaintedSurface.contact_tree`); shared once, since the shape never changes.
     settings : HapticSettings
     calibration : DeviceCalibration, optional
-        Where the device stands in the world.
+        world_from_device.
 
     Attributes
     ----------
     last_force : (3,) float64
-        Given in the last step that `take` returned, N.
+        Force of the last step that `take` returned, N.
 
     Raises
     ------
     DeviceError
-        If the process does not come up, or there is no room for what is shared with it.
+        If the process does not start, or there is no room for the shared memory.
     """
 
     def __init__(
@@ -136,12 +135,12 @@ class ForceFeedback:
         self.stop()
 
     def publish(self, object_pose: ArrayLike | None = None) -> None:
-        """Tell the servo where the object is now, and that the program is alive.
+        """Publish the object's pose and the settings to the servo; also serves as a heartbeat.
 
         Parameters
         ----------
         object_pose : (7,) array_like, optional
-            world_from_object, position in mm and unit quaternion; None: where it was.
+            world_from_object, position in mm and unit quaternion; None: unchanged.
 
         Raises
         ------
@@ -155,12 +154,12 @@ class ForceFeedback:
         self._board.publish(time.monotonic_ns(), self._object_pose, record.view(np.float64))
 
     def click(self) -> None:
-        """Let a click be felt, as at the edge of an ink stone; see `HapticSettings.click_n`."""
+        """Play a click, as at the edge of an ink stone; see `HapticSettings.click_n`."""
         self._clicks += 1
         self.publish()
 
     def take(self) -> list[StylusReading]:
-        """What the stylus did since the last call, in the world's frame (calibrated)."""
+        """Return the stylus' readings since the last call, in the world's frame (calibrated)."""
         rows, lost = self._board.take()
         self._lost += lost
         if len(rows):
@@ -172,7 +171,7 @@ class ForceFeedback:
         ]
 
     def status(self) -> ServoStatus:
-        """How the servo does."""
+        """Return the servo's state and timing."""
         board, counters = self._board, self._board.counters
         state = _STATES[int(counters[board_of.STATE])]
         if state in ("starting", "running") and not self._process.is_alive():
@@ -195,18 +194,18 @@ class ForceFeedback:
 
     @property
     def process_id(self) -> int | None:
-        """Of the servo's process, as the system counts them."""
+        """Id of the servo's process."""
         return self._process.pid
 
     def is_running(self) -> bool:
-        """Whether the servo runs; where its process was killed, the device is told to rest."""
+        """Return whether the servo runs; if it was killed, set the device's force to zero."""
         if self._process.is_alive():
             return True
         self._quiet()
         return False
 
     def stop(self) -> None:
-        """Stop the servo, its last act being no force; nothing happens the second time."""
+        """Stop the servo, which sets the force to zero; idempotent."""
         if self._closed:
             return
         self._closed = True
@@ -229,7 +228,7 @@ class ForceFeedback:
             time.sleep(0.01)
 
     def _quiet(self) -> None:
-        """A servo that was killed could not send its last force: send it from here."""
+        """Set the force to zero for a servo that was killed and could not."""
         if self._process.exitcode in (0, None) or not isinstance(self._port, HidForcePort):
             return
         try:

@@ -1,7 +1,7 @@
-"""The servo's own process: read the pose, find the force, send it, a thousand times a second.
+"""The servo's process: reads the pose, computes the force and sends it, a thousand times a second.
 
-Nothing here waits for the program, and the program waits for nothing here. Whatever ends the loop
-(told to stop, a signal, the device gone, an error, the parent killed) the port sends no force last.
+Neither this process nor the program ever waits for the other. However the loop ends (a stop, a
+signal, the device gone, an error, the parent killed), the last force that the port sends is zero.
 """
 
 from __future__ import annotations
@@ -31,15 +31,15 @@ __all__ = ["ServoTask", "new_state", "run_servo"]
 
 _LATE_NS = 2_000_000
 _LONGEST_DT_S, _SHORTEST_DT_S = 0.005, 0.0001
-_STEADY = 256  # steps over which lateness is judged
-_HARMLESS, _GRAVE = 0.02, 0.20  # share of late steps at which softening begins and is greatest
+_STEADY = 256  # steps over which the fraction of late ones is measured
+_HARMLESS, _GRAVE = 0.02, 0.20  # fraction of late steps at which softening begins and is greatest
 _SOFTEST = 0.3
 _LONG_AGO_S = 1e9
 
 
 @dataclass(frozen=True)
 class ServoTask:
-    """What the process is started with; all of it can be sent to another process."""
+    """Arguments of the process; all can be pickled."""
 
     port: ForcePort
     tree: TreeBlock
@@ -49,7 +49,7 @@ class ServoTask:
 
 
 class _Servo:
-    """Everything that one step needs, made before the loop begins."""
+    """The `ForceLoop` of the process; whatever a step needs is allocated before the loop."""
 
     def __init__(self, task: ServoTask, tree: ContactTree, board: ServoBoard) -> None:
         self.tree, self.board, self.parent = tree, board, task.parent
@@ -83,18 +83,22 @@ class _Servo:
         servo_step(self.tree, settings, new_state(), self._pose, self._pose, moment, self._out)
 
     def stopped(self) -> bool:
-        """Whether the loop must end."""
-        gone = os.getppid() != self.parent
-        return self.stopping or gone or self.board.counters[board_of.STOP] != 0
+        """Return whether the loop must end."""
+        is_orphan = os.getppid() != self.parent
+        return self.stopping or is_orphan or self.board.counters[board_of.STOP] != 0
 
     def refused(self) -> None:
         """Count a report that could not be read."""
         self.board.counters[board_of.REFUSED] += 1
 
     def step(self, pose: PoseNumbers | None, now_ns: int) -> tuple[float, float, float]:
-        """The force, N, in the device's frame."""
-        if pose is not None:
-            self._place(pose)
+        """Return the force, N, in the device's frame."""
+        if pose is not None:  # to the world's frame
+            x, y, z = turn(self._rotation, pose.position)
+            scale, (dx, dy, dz), world = self._scale, self._shift, self._pose
+            world[0], world[1], world[2] = scale * x + dx, scale * y + dy, scale * z + dz
+            world[3:] = multiply(self._rotation, pose.orientation)
+            self._pose_ns = pose.time_ns
         dt = (now_ns - self._last_ns) * 1e-9 if self._last_ns else 0.001
         self._last_ns = now_ns
         known = self.board.read_snapshot(self._snapshot) or self._known
@@ -113,7 +117,7 @@ class _Servo:
         return turn(self._back, (x, y, z))
 
     def sent(self) -> None:
-        """Keep the books of the last step."""
+        """Record the last step's times and its sample."""
         pose = self._answered
         if pose is None:
             self._last_pose_ns = 0
@@ -134,15 +138,8 @@ class _Servo:
         row[13] = self._flags
         board.push(row)
 
-    def _place(self, pose: PoseNumbers) -> None:
-        x, y, z = turn(self._rotation, pose.position)
-        scale, shift, out = self._scale, self._shift, self._pose
-        out[0], out[1], out[2] = scale * x + shift[0], scale * y + shift[1], scale * z + shift[2]
-        out[3:] = multiply(self._rotation, pose.orientation)
-        self._pose_ns = pose.time_ns
-
     def _note_period(self, now_ns: int) -> None:
-        """From pose to pose: a device that pauses is not a servo that is late."""
+        """Record the time since the last pose; after a silence of the device there is none."""
         counters = self.board.counters
         if self._last_pose_ns:
             period = now_ns - self._last_pose_ns
@@ -158,18 +155,21 @@ class _Servo:
             self._soften(self._recent_late / _STEADY)
             self._recent_late = 0
 
-    def _soften(self, late_share: float) -> None:
-        """A loop that is often late is only stable with a softer spring."""
-        excess = min(1.0, max(0.0, (late_share - _HARMLESS) / (_GRAVE - _HARMLESS)))
-        wanted = 1.0 - (1.0 - _SOFTEST) * excess
-        now = float(self._state[0]["softening"])
-        softening = min(wanted, now + 0.02) if wanted > now else wanted
+    def _soften(self, late: float) -> None:
+        """Soften the spring by the fraction of late steps, at once; it recovers slowly.
+
+        A loop that is often late is unstable with a stiff spring.
+        """
+        excess = min(1.0, max(0.0, (late - _HARMLESS) / (_GRAVE - _HARMLESS)))
+        target = 1.0 - (1.0 - _SOFTEST) * excess
+        current = float(self._state[0]["softening"])
+        softening = min(target, current + 0.02) if target > current else target
         self._state["softening"] = softening
         self.board.counters[board_of.SOFTENING_PPM] = int(1e6 * softening)
 
 
 def new_state() -> NDArray[np.void]:
-    """The servo's state before its first step, (1,) STATE."""
+    """Return the servo's state before its first step, (1,) STATE."""
     state = np.zeros(1, hs.STATE)
     state["softening"] = 1.0
     state["object_turn"][:, 0] = 1.0
@@ -177,7 +177,7 @@ def new_state() -> NDArray[np.void]:
 
 
 def run_servo(task: ServoTask) -> None:
-    """The process's main function."""
+    """Run the servo: main function of its process."""
     end_with_parent()
     board = ServoBoard(task.board)
     counters = board.counters
@@ -197,7 +197,7 @@ def run_servo(task: ServoTask) -> None:
     try:
         task.port.run(servo)
         counters[board_of.STATE] = board_of.STOPPED
-    except Exception as fault:  # whatever it was, the program must hear of it
+    except Exception as fault:  # of any kind: the program must learn of it
         board.explain(str(fault) if isinstance(fault, DeviceError) else repr(fault))
         counters[board_of.STATE] = board_of.FAILED
     finally:

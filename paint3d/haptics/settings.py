@@ -1,4 +1,4 @@
-"""What the force depends on: the brush, what the device can do, what the user allows."""
+"""Settings of the force: the brush's, the device's limits, and the user's choices."""
 
 from __future__ import annotations
 
@@ -19,18 +19,18 @@ from paint3d.haptics.kernels import state as hs
 
 __all__ = ["PHANTOM_DESKTOP", "TOUCH", "DeviceLimits", "Feel", "HapticSettings"]
 
-_LOWEST_TILT = math.radians(30.0)  # where the model of the bent brush ends
-_AS_THEY_ARE = (
+_LOWEST_TILT = math.radians(30.0)  # limit of the model of the bent brush
+_SAME_NAMES = (  # in HapticSettings and the kernels' record
     "length", "spring", "friction", "user_limit", "stick", "ramp_s", "slew", "max_pose_age_s",
     "max_snapshot_age_s", "start_force", "rise_s", "follow_s", "ahead_n", "click_n",
 )  # fmt: skip
-_TEXTURE = 0.25  # of the friction, by which it varies on the coarsest grain
-_PATCH = 0.08  # of the tuft's length: the disc over which the surface's normal is averaged
+_TEXTURE = 0.25  # relative variation of the friction on the coarsest grain
+_PATCH = 0.08  # radius over which the surface's normal is averaged, over the tuft's length
 
 
 @dataclass(frozen=True, slots=True)
 class DeviceLimits:
-    """What a force device can do: greatest force N, greatest stable stiffness N/mm."""
+    """Limits of a force device: greatest force N, greatest stable stiffness N/mm."""
 
     max_force: float
     max_stiffness: float
@@ -41,7 +41,7 @@ class DeviceLimits:
 
 
 PHANTOM_DESKTOP = DeviceLimits(MAX_FORCE_N, 1.0)
-"""The papers' device, and the one that paint3d's own stylus is modelled on."""
+"""The papers' device, on which paint3d's own stylus is modelled."""
 TOUCH = DeviceLimits(3.3, 0.4)
 
 
@@ -57,13 +57,13 @@ class HapticSettings:
         mu, of brush and surface.
     limits : DeviceLimits
     user_limit : float
-        Never push harder than this.
+        The user's limit of the force.
     ramp_s : float
-        A contact fades in over so long, 0.010 to 0.020.
+        Time over which a contact fades in, 0.010 to 0.020.
     slew : float
         Fastest change of the force, N/s.
     max_pose_age_s, max_snapshot_age_s : float
-        Older than this, and the force is zero.
+        If a pose or snapshot is older, the force is zero.
     start_force, rise_s : float
         At the start the force stays zero until the wanted one is below `start_force`, then rises
         over `rise_s`.
@@ -74,12 +74,12 @@ class HapticSettings:
     grain : float
         Of the surface, 0 to 1: friction varies over it by up to a quarter, times this.
     wave_mm : float
-        How far apart the bumps of the grain are.
+        Wavelength of the grain.
     texture : float
         How much of the grain is felt, 0 (nothing) to 1.
     ahead_mm, ahead_n : float
-        Before the surface a force is felt from so far on, which grows to so much at contact; 0 mm:
-        none.
+        Anticipation: a force that begins at distance `ahead_mm` from the surface and grows to
+        `ahead_n` at contact; 0 mm: none.
     click_n : float
         Greatest force of the click at a dip.
 
@@ -140,7 +140,7 @@ class HapticSettings:
         material: Material | None = None,
         **more: float,
     ) -> HapticSettings:
-        """Settings of a brush on a device; the force at pe = 1 is the device's own greatest.
+        """Make the settings for a brush on a device; at pe = 1 the force is the device's greatest.
 
         Guo 2017 divides by the maximum output force of the device at hand, so a weaker device
         pushes back more softly instead of reaching its limit sooner. With a `material` the
@@ -164,7 +164,7 @@ class HapticSettings:
         return min(self.limits.max_force, self.user_limit)
 
     def as_record(self) -> NDArray[np.void]:
-        """The settings as the kernels take them, (1,) SETTINGS."""
+        """Return the settings as the kernels take them, (1,) SETTINGS."""
         out = np.zeros(1, hs.SETTINGS)
         limits = self.limits
         out["device_limit"], out["stiffest"] = limits.max_force, limits.max_stiffness
@@ -173,25 +173,24 @@ class HapticSettings:
         out["texture"] = _TEXTURE * self.grain * self.texture
         out["wave"] = self.wave_mm
         out["ahead"] = self.ahead_mm
-        for name in _AS_THEY_ARE:
+        for name in _SAME_NAMES:
             out[name] = getattr(self, name)
         return out
 
 
-# ---- The user's choice ---------------------------------------------------------------------------
-# What of a haptic stylus is the user's own choice, and the settings that follow from all of it.
+# ---- The user's choices --------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, slots=True)
 class Feel:
-    """A user's choices.
+    """A user's choices for a haptic stylus.
 
     Parameters
     ----------
     limit_n : float
-        The stylus never pushes harder, N, 0 to 7.9.
+        Limit of the force, N, 0 to 7.9.
     anticipation_mm : float
-        So far before the surface it is felt already (Guo 2017, section 6), 0 to 20; 0: not.
+        Distance at which the surface is felt before contact (Guo 2017, section 6), 0 to 20; 0: not.
     click_n : float
         Force of the click when the brush is dipped, N, 0 to 1; 0: none.
     texture : float
@@ -216,18 +215,18 @@ class Feel:
 
     @classmethod
     def from_words(cls, words: Mapping[str, float]) -> Feel:
-        """Choices out of a file; what it does not know it passes over."""
+        """Read the choices from a file's entries; unknown ones are ignored."""
         known = {own.name for own in dataclasses.fields(cls)}
         return cls(**{name: value for name, value in words.items() if name in known})
 
     def as_words(self) -> dict[str, float]:
-        """Everything, ready for a file."""
+        """Return all choices, ready for a file."""
         return dataclasses.asdict(self)
 
     def settings(
         self, brush: BrushSpec, limits: DeviceLimits, material: Material | None = None
     ) -> HapticSettings:
-        """What the servo works with: of the brush, the device, the surface and these choices."""
+        """Make the servo's settings from the brush, the device, the surface and these choices."""
         return HapticSettings.for_brush(
             brush,
             limits,

@@ -1,10 +1,10 @@
-"""Memory that the program and the servo share: the surface once, snapshots in, samples out.
+"""Shared memory of the program and the servo: the surface once, snapshots in, samples out.
 
-One side writes each part. A snapshot is guarded by a counter that is odd while it is written (a
-seqlock): the reader tries again, and keeps what it had if it never gets a whole one. Samples go
-through a ring whose head is moved after its entry is written; a reader that falls behind by more
-than the ring holds is told how many it lost. The order of plain stores is that of x86 and of the
-interpreter; both sides only ever look at numbers of eight bytes.
+Each part has one writer. A snapshot is guarded by a seqlock, a counter that is odd during a write:
+the reader retries, and keeps its old snapshot if it never gets a consistent one. Samples go through
+a ring buffer whose head advances after an entry is written; a reader that falls behind by more than
+its capacity learns how many it lost. There are no memory barriers: this relies on x86's order of
+stores and the interpreter's, and on all numbers being of eight bytes.
 """
 
 from __future__ import annotations
@@ -32,18 +32,13 @@ __all__ = [
     "percentile_us",
 ]
 
-# ---- Shared memory -------------------------------------------------------------------------------
-# Memory that a device's process shares with the program, with its room taken when it is made.
-#
-# Where shared memory is a small disk of its own, as in most containers, a page for which there is
-# no room ends whoever writes there, without a word.
-
+# ---- Allocation ----------------------------------------------------------------------------------
 
 _DISK = Path("/dev/shm")  # on Linux
 
 
 def make_shared_memory(n_bytes: int) -> SharedMemory:
-    """Return new memory that other processes attach by its name; whoever holds it unlinks it.
+    """Allocate memory that other processes attach by its name; the caller must unlink it.
 
     Raises
     ------
@@ -55,6 +50,8 @@ def make_shared_memory(n_bytes: int) -> SharedMemory:
     except OSError as cause:
         raise _no_room(n_bytes, cause) from None
     try:
+        # /dev/shm may be a small disk, as in most containers. A write to a page for which there is
+        # no room would then kill the process, so all pages are reserved now.
         with suppress(FileNotFoundError), open(_DISK / memory.name, "r+b") as file:
             reserve_space(file, memory.size)
     except OSError as cause:
@@ -72,8 +69,7 @@ def _no_room(n_bytes: int, cause: OSError) -> DeviceError:
     )
 
 
-# --------------------------------------------------------------------------------------------------
-
+# ---- The board -----------------------------------------------------------------------------------
 
 SNAPSHOT_COLUMNS = 32
 """time (as int64 bits), object pose (7), settings (22), spare."""
@@ -93,14 +89,14 @@ STARTING, RUNNING, STOPPED, FAILED = range(4)
 
 @dataclass(frozen=True)
 class TreeBlock:
-    """Where a contact tree lies in shared memory: name and (shape, type, offset) of its arrays."""
+    """A contact tree in shared memory: its name, and (shape, type, offset) of the arrays."""
 
     name: str
     parts: tuple[tuple[tuple[int, ...], str, int], ...]
 
     @classmethod
     def share(cls, tree: ContactTree) -> tuple[TreeBlock, SharedMemory]:
-        """Copy a tree into new shared memory; whoever holds the memory unlinks it.
+        """Copy a tree into new shared memory, which the caller must unlink.
 
         Raises
         ------
@@ -118,7 +114,7 @@ class TreeBlock:
         return block, memory
 
     def attach(self) -> tuple[ContactTree, SharedMemory]:
-        """The tree in another process; keep the memory as long as the tree."""
+        """Attach the tree in another process; the memory must outlive it."""
         memory = SharedMemory(name=self.name)
         views = self._views(memory)
         for view in views:
@@ -130,12 +126,12 @@ class TreeBlock:
 
 
 class ServoBoard:
-    """The board that both sides write on; see the module.
+    """Counters, snapshot, ring of samples and histograms in shared memory; see the module.
 
     Parameters
     ----------
     name : str, optional
-        Of an existing board; None makes one, which this object then owns.
+        Of an existing board; None makes one that this object owns.
 
     Raises
     ------
@@ -163,7 +159,7 @@ class ServoBoard:
     # -- snapshots: program to servo --------------------------------------------------------
 
     def publish(self, time_ns: int, object_pose: AnyArray, settings: AnyArray) -> None:
-        """Write a snapshot: where the object is, and what the force depends on."""
+        """Write a snapshot of the object's pose (7,) and the settings."""
         row = np.zeros(SNAPSHOT_COLUMNS)
         row[:1].view(np.int64)[0] = time_ns
         row[1:8] = object_pose
@@ -173,7 +169,7 @@ class ServoBoard:
         self.counters[SEQUENCE] += 1
 
     def read_snapshot(self, out: AnyArray) -> bool:
-        """Copy the last whole snapshot into `out` (32,); False if there is none to be had."""
+        """Copy the last snapshot into `out` (32,); return False if no consistent one was read."""
         for _ in range(4):
             before = self.counters[SEQUENCE]
             if before == 0:
@@ -194,9 +190,9 @@ class ServoBoard:
         self.counters[HEAD] = head + 1
 
     def take(self) -> tuple[NDArray[np.float64], int]:
-        """Samples since the last call (N, RING_COLUMNS), and how many were lost before them."""
+        """Return samples since the last call (N, RING_COLUMNS), and how many were lost before."""
         head = int(self.counters[HEAD])
-        first = max(self._tail, head - _RING_ROWS + 64)
+        first = max(self._tail, head - _RING_ROWS + 64)  # the writer may overwrite the oldest now
         lost = first - self._tail
         rows = self._ring[np.arange(first, head) % _RING_ROWS]
         self._tail = head
@@ -209,16 +205,16 @@ class ServoBoard:
         bins[min(nanoseconds // (1000 * BIN_US), _BINS - 1)] += 1
 
     def explain(self, fault: str) -> None:
-        """Write down why the servo ended."""
+        """Store why the servo ended."""
         data = fault.encode()[: _TEXT - 1]
         self._text[: len(data)] = np.frombuffer(data, np.uint8)
 
     def fault(self) -> str:
-        """Why the servo ended; empty where nothing went wrong."""
+        """Return why the servo ended; empty if nothing went wrong."""
         return self._text.tobytes().rstrip(b"\0").decode(errors="replace")
 
     def close(self) -> None:
-        """Let the memory go; its owner also removes it."""
+        """Release the memory; its owner also unlinks it."""
         del self.counters, self._snapshot, self._ring, self.periods, self.durations, self._text
         self._memory.close()
         if self._owner:
@@ -226,7 +222,7 @@ class ServoBoard:
 
 
 def percentile_us(bins: AnyArray, percent: float) -> float:
-    """A percentile of a histogram of 10 us bins: the upper edge of its bin, us."""
+    """Percentile of a histogram of 10 us bins: the upper edge of its bin, us."""
     total = int(bins.sum())
     if total == 0:
         return float("nan")

@@ -1,4 +1,4 @@
-"""Which stylus pushes back: chosen in words, found, and told what it needs where it is missing."""
+"""Choice of the force-feedback stylus: parsing it, and finding the device."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ from paint3d.pose.calibration import DeviceCalibration
 __all__ = ["STYLI", "FoundStylus", "check_stylus", "find_stylus", "key_of_node"]
 
 STYLI = ("auto", "hid", "openhaptics", "inverse3", "none")
-"""What a stylus may be chosen by; those of a library or service may say where, after "="."""
+"""Choices of a stylus; one with a library or service may give its location after "="."""
 
-_WITH_PLACE = ("openhaptics", "inverse3")
+_WITH_LOCATION = ("openhaptics", "inverse3")
 _HAPLY = DeviceLimits(INVERSE3_FORCE_N, 0.5)  # stiffness chosen to be cautious, not measured
 
 log = logging.getLogger("paint3d")
@@ -32,20 +32,20 @@ log = logging.getLogger("paint3d")
 
 @dataclass(frozen=True)
 class FoundStylus:
-    """A stylus that answers.
+    """A stylus that was found.
 
     Attributes
     ----------
     kind : {"hid", "openhaptics", "inverse3"}
     name : str
-        For people.
+        For display.
     key : str
-        Which device it is, for what is kept of it: letters, digits and dashes.
+        Identifies the device in saved files: letters, digits and dashes.
     port : ForcePort
         Opens and runs it.
     limits : DeviceLimits
     frame : DeviceCalibration
-        Its own axes in the world's, where it has not been calibrated.
+        From its own axes to the world's, until it is calibrated.
     """
 
     kind: str
@@ -57,49 +57,57 @@ class FoundStylus:
 
 
 def check_stylus(choice: str) -> str:
-    """A choice as it was given.
+    """Return a choice if it is valid.
 
     Raises
     ------
     InputError
-        If it is none of `STYLI`, or names a place where there is none to be named.
+        If it is none of `STYLI`, or gives a location that its kind does not have.
     """
     _split(choice)
     return choice
 
 
 def _split(choice: str) -> tuple[str, str]:
-    """The kind, and the place behind "=" or an empty one."""
-    kind, equals, place = choice.partition("=") if isinstance(choice, str) else ("", "", "")
-    if kind not in STYLI or (equals and (kind not in _WITH_PLACE or not place)):
+    """Split a choice into kind and location, which may be empty."""
+    kind, equals, location = choice.partition("=") if isinstance(choice, str) else ("", "", "")
+    if kind not in STYLI or (equals and (kind not in _WITH_LOCATION or not location)):
         raise InputError(
             f"stylus is {choice!r}; expected {', '.join(STYLI)}, "
             "openhaptics=/PATH/libHD.so or inverse3=ws://HOST:PORT"
         )
-    return kind, place
+    return kind, location
 
 
 def find_stylus(choice: str = "auto") -> FoundStylus | None:
-    """The stylus that was chosen; None where none is wanted, or by "auto" none is there.
+    """Find the chosen stylus; None for "none", or if "auto" finds none.
 
-    "auto" takes the first that is there of paint3d's own HID protocol, OpenHaptics, Inverse3.
+    "auto" takes the first available of paint3d's own HID protocol, OpenHaptics, Inverse3.
 
     Raises
     ------
     InputError
         See `check_stylus`.
     DeviceError
-        If the one that was chosen does not answer: what is missing, and where it comes from.
-        By "auto" only if a HID stylus was found that may not be opened.
+        If the chosen one does not answer; the message says what is missing and where to get it.
+        For "auto" only if there is a HID stylus that may not be opened.
     """
-    kind, place = _split(choice)
+    kind, location = _split(choice)
     if kind == "none":
         return None
     if kind != "auto":
-        return {"hid": _find_hid, "openhaptics": _find_openhaptics, "inverse3": _find_inverse3}[
-            kind
-        ](place)
-    if _has_hid():
+        finders = {
+            "hid": _find_hid,
+            "openhaptics": _find_openhaptics,
+            "inverse3": _find_inverse3,
+        }
+        return finders[kind](location)
+    try:
+        has_hid = bool(list_nodes(("stylus",)))
+    except DeviceError as failure:  # hidapi is missing; the others do without
+        log.info("%s", failure)
+        has_hid = False
+    if has_hid:
         return _find_hid("")
     for find, is_there in (
         (_find_openhaptics, OpenHapticsPort().is_installed),
@@ -112,14 +120,6 @@ def find_stylus(choice: str = "auto") -> FoundStylus | None:
         except DeviceError as failure:
             log.warning("%s", failure)
     return None
-
-
-def _has_hid() -> bool:
-    try:
-        return bool(list_nodes(("stylus",)))
-    except DeviceError as failure:  # without hidapi there may be another
-        log.info("%s", failure)
-        return False
 
 
 def _find_hid(_: str) -> FoundStylus:
@@ -137,9 +137,9 @@ def _find_hid(_: str) -> FoundStylus:
     return FoundStylus("hid", node.name, key_of_node(node), port, PHANTOM_DESKTOP, frame)
 
 
-def _find_openhaptics(place: str) -> FoundStylus:
-    is_library = "/" in place or ".so" in place or place.endswith(".dll")
-    port = OpenHapticsPort(library=place) if is_library else OpenHapticsPort(place)
+def _find_openhaptics(location: str) -> FoundStylus:
+    is_library = "/" in location or ".so" in location or location.endswith(".dll")
+    port = OpenHapticsPort(library=location) if is_library else OpenHapticsPort(location)
     force, stiffness = port.read_limits()
     limits = DeviceLimits(force, stiffness or TOUCH.max_stiffness)
     frame = DeviceCalibration(np.array(WORLD_FROM_OPENHAPTICS))
@@ -149,8 +149,8 @@ def _find_openhaptics(place: str) -> FoundStylus:
     )
 
 
-def _find_inverse3(place: str) -> FoundStylus:
-    port = Inverse3Port(place or URI)
+def _find_inverse3(location: str) -> FoundStylus:
+    port = Inverse3Port(location or URI)
     name = port.read_name()
     return FoundStylus(
         "inverse3",
@@ -163,12 +163,12 @@ def _find_inverse3(place: str) -> FoundStylus:
 
 
 def key_of_node(node: HidNode) -> str:
-    """Which HID device it is, for what is kept of it."""
+    """Return the key that identifies a HID device in saved files."""
     kind = "pen" if node.kind == "pen" else "hid"
     return _key(kind, f"{node.vendor:04x}-{node.product:04x}", node.serial)
 
 
 def _key(*parts: str) -> str:
-    """Parts as one word that may name a file."""
+    """Join parts to one word that can be a file name."""
     words = [re.sub(r"[^A-Za-z0-9]+", "-", part).strip("-") for part in parts]
     return "-".join(word for word in words if word)[:80].lower()

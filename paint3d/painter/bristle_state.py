@@ -1,4 +1,4 @@
-"""The hairs in a painter's hand: their ink and what they remember, and painting with them."""
+"""State of a painter's single hairs: the ink in each, and the tuft's memory."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ __all__ = ["HairTuft", "complete_memory"]
 
 
 def complete_memory(memory: AnyArray) -> AnyArray:
-    """What hairs remember, of which saved paintings lack what came last: a split tuft."""
+    """Append a closed split to a memory saved before the split was stored."""
     return np.append(memory, 0.0) if len(memory) == MEMORY_SIZE - 1 else memory
 
 
@@ -34,8 +34,8 @@ class HairTuft:
     load : (B, P) float64
         Ink in each hair, coats x mm2.
     memory : (6,) float64
-        See `brush_engine.bristles.state`: the bend that stays, how far clumps have parted, and
-        ways.
+        See `brush_engine.bristles.state`: the remaining bend, how far clumps have parted, and
+        path lengths.
 
     Raises
     ------
@@ -51,17 +51,18 @@ class HairTuft:
         self._work: Hairs | None = None
 
     def shape(self) -> None:
-        """Bring the tuft to a point: no bend is left in it, and its clumps join."""
+        """Bring the tuft to a point: straighten it and join its clumps."""
         self.memory[:WAY] = 0.0
         self.memory[SPLIT] = 0.0
 
     def dip(self, held: AnyArray, full: float, reach: float = 1.0) -> None:
-        """Let the tuft hold `held` (P,), after a dip of so much of every hair's length.
+        """Distribute the load `held` (P,) over the hairs after a dip.
 
-        Up to there a hair is full as `full` fills the tuft, coats x mm2; above that it keeps what
-        it held. Which inks lie where along them, the surface's reservoirs say.
+        The lower fraction `reach` of each hair is full, `full` being the load of a full tuft, coats
+        x mm2; above, a hair keeps its own. The surface's reservoirs say which ink lies where along
+        them.
         """
-        self._fit(len(held))
+        self._add_pigments(len(held))
         self.memory[WAY:] = 0.0
         if reach >= 1.0:
             self.load[:] = held / len(self.load)
@@ -70,14 +71,14 @@ class HairTuft:
         self.load[:] = own[:, None] * held / max(own.sum(), 1e-300)
 
     def held(self) -> AnyArray:
-        """Ink in all hairs (P,)."""
+        """Sum the ink of all hairs (P,)."""
         held = np.empty(self.load.shape[1])
-        sum_hairs(self.load, held)  # the same sum as while painting, to the bit
+        sum_hairs(self.load, held)  # the kernels' order of summation, to the bit
         return held
 
     def hold(self, load: AnyArray) -> None:
-        """Let the hairs hold `load` (P,) in all, each as much of it as it had before."""
-        self._fit(len(load))
+        """Rescale the hairs' ink to the total `load` (P,), each keeping its fraction of it."""
+        self._add_pigments(len(load))
         held = self.held()
         for p in np.flatnonzero(held != load):
             if held[p] > 0.0:
@@ -85,23 +86,24 @@ class HairTuft:
             else:
                 self.load[:, p] = load[p] / len(self.load)
 
-    def _fit(self, n_pigments: int) -> None:
+    def _add_pigments(self, n_pigments: int) -> None:
+        """Grow `load` to at least this many columns."""
         missing = n_pigments - self.load.shape[1]
         if missing > 0:
             self.load = np.pad(self.load, ((0, 0), (0, missing)))
 
     def keep(self) -> dict[str, AnyArray]:
-        """What `restore` takes: the ink of every hair, and what the tuft remembers."""
+        """Snapshot, for `restore`, the ink of every hair and the tuft's memory."""
         return {"load": self.load.copy(), "memory": self.memory.copy()}
 
     def restore(self, kept: Mapping[str, AnyArray]) -> None:
-        """Be as when it was kept."""
+        """Return to a snapshot of `keep`."""
         self.load = kept["load"].copy()
         self.memory[:] = kept["memory"]
         self._work = None
 
     def work(self, surface: PaintedSurface) -> Hairs:
-        """Arrays for the kernels, with what the surface says that the brush holds."""
+        """Return the arrays for the kernels, first matching the load to the surface's."""
         ink = surface.ink
         if self.load.shape[1] != len(ink.load) or (self.held() != ink.load).any():
             self.hold(ink.load)

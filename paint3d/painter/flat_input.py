@@ -1,4 +1,4 @@
-"""Laying a recording from a flat pad on a surface."""
+"""Mapping of recordings drawn on a flat pad onto a surface."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ __all__ = ["LaidPad", "dipped", "lay", "size_of"]
 
 
 def lay(recording: Recording, chart: SurfaceChart) -> Recording:
-    """Carry a pad recording onto a surface; the object stays at rest in the world.
+    """Map a pad recording onto a surface; the object stays at rest in the world.
 
     A sample at (x, y, z) of the pad goes to the chart's point at (x, y) plus z mm along the
-    normal there, and its orientation is taken relative to the chart's directions there. With a
-    pressure that point is the place that the hand meant: the pad's own pen drew there.
+    normal there; its orientation is relative to the chart's tangent frame there. If the recording
+    has a pressure, that point is also its contact: the pad's own pen drew there.
 
     Parameters
     ----------
@@ -62,16 +62,16 @@ def lay(recording: Recording, chart: SurfaceChart) -> Recording:
 
 @dataclass(frozen=True, eq=False)
 class LaidPad:
-    """A pad recording on a surface, carried there part by part as it is asked for.
+    """A pad recording that is mapped onto a surface part by part, on demand.
 
-    Ten million samples laid at once would take four times the memory of what was read.
+    Ten million samples mapped at once would take four times the memory of the recording.
 
     Attributes
     ----------
     pad : Recording
     chart : SurfaceChart
     middle : (2,) float64
-        What point of the pad comes to lie at the chart's origin.
+        The point of the pad that is mapped to the chart's origin, mm.
     scale : float
         mm on the surface per mm of the pad.
     """
@@ -96,11 +96,11 @@ class LaidPad:
 
     @property
     def header(self) -> dict[str, Any]:
-        """The pad's, in the world's space."""
+        """The pad's, with the space "world"."""
         return {**self.pad.header, "space": "world"}
 
     def part(self, first: int, last: int) -> Recording:
-        """The samples from `first` to before `last`, laid on the surface.
+        """Map the samples from `first` up to, not including, `last`.
 
         Raises
         ------
@@ -113,25 +113,25 @@ class LaidPad:
         return lay(replace(part, position=position), self.chart)
 
     def whole(self) -> Recording:
-        """All samples, laid on the surface; as `part` raises."""
+        """Map all samples; raises as `part`."""
         return self.part(0, len(self))
 
 
 def size_of(
     recording: Recording, width_mm: float | None = None
 ) -> tuple[AnyArray, AnyArray, float]:
-    """Where a pad recording's middle is, and how large it is to be laid.
+    """Return a pad recording's middle, its half extent on the surface, and the scale.
 
     Parameters
     ----------
     recording : Recording
     width_mm : float, optional
-        How wide; as it was drawn unless told.
+        Width on the surface; by default as drawn.
 
     Returns
     -------
     middle, half : (2,) float64
-        mm: the middle on the pad, and how far it reaches from there on the surface.
+        mm: the middle on the pad, and half the extent on the surface.
     scale : float
         mm on the surface per mm of the pad.
 
@@ -153,9 +153,9 @@ def size_of(
 
 
 def dipped(recording: Recording) -> Recording:
-    """The recording with the brush dipped before every stroke, if it is never dipped in it.
+    """Add a dip before every stroke to a recording that has none.
 
-    A pad knows no ink: what was drawn with a pen that never ran dry would fade out under a brush.
+    A pad's pen never runs dry: without dips, such a drawing would fade out under a brush.
     """
     pressure = recording.pressure
     if pressure is None or ((recording.buttons & DIP) != 0).any():

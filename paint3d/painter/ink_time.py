@@ -1,9 +1,9 @@
-"""The time that passes for ink that spreads while a hand paints: in equal pieces.
+"""Fixed time steps for ink that spreads while the hand paints.
 
-A piece ends whenever the hand's own clock has come to a multiple of its length, and passes before
-the first sample that was made then or later. What a pen that was lifted has left is painted before;
-where it goes on, the two samples that wait for others still wait. So what the ink meets follows
-from the samples alone, and is the same while they are made, handed over late, and replayed.
+A step ends at every multiple of its length on the samples' clock, and is taken before the first
+sample of that time or later. A stroke that ended before it is painted first, to its end; of one
+that goes on, the last two samples still wait for their successors. So the state of the ink follows
+from the samples alone: the same live, delivered late, or replayed.
 """
 
 from __future__ import annotations
@@ -19,24 +19,24 @@ from paint3d.pose.brush_pose import joined_samples, object_poses
 __all__ = ["LOOKAHEAD", "PIECE_NS", "PIECE_S", "Pauses", "is_lifted", "pieces_until"]
 
 PIECE_S = 0.05
-"""Of time that passes at once."""
+"""Length of a time step, s."""
 PIECE_NS = 50_000_000
 LOOKAHEAD = 2
 """Samples that must be known beyond an interval before it is painted."""
 
 
 def pieces_until(time_ns: int) -> int:
-    """How many pieces have ended at a time, counted from the clock's zero."""
+    """Count the time steps that have ended at a time, from the clock's zero."""
     return time_ns // PIECE_NS
 
 
 def is_lifted(samples: Sequence[DeviceSample]) -> bool:
-    """Whether the pen was up between two of some samples that follow one another."""
+    """Return whether the pen was up between any two consecutive samples."""
     return not joined_samples(object_poses(samples))[1:].all()
 
 
 class Pauses:
-    """Where the painting of samples stops for the ink.
+    """The samples at which painting pauses for time steps of the ink.
 
     Parameters
     ----------
@@ -44,12 +44,12 @@ class Pauses:
     joined : (N,) bool
         See `joined_samples`.
     first : int
-        Before the samples up to this one all pieces have passed.
+        All steps before the samples up to this one are taken already.
 
     Attributes
     ----------
     passed : int
-        Before the samples up to this one they have by now.
+        The same by now, as `until` goes on.
     """
 
     def __init__(self, time_ns: NDArray[np.int64], joined: NDArray[np.bool_], first: int) -> None:
@@ -63,7 +63,7 @@ class Pauses:
         self.passed = first
 
     def until(self, stop: int) -> Iterator[tuple[int, int]]:
-        """Samples that are painted up to, none after `stop`, and the pieces that pass then."""
+        """Yield samples to paint up to, none after `stop`, and the number of steps to take then."""
         last = int(np.searchsorted(self._stops, stop, side="right"))
         for k in range(self._next, last):
             self._next, self.passed = k + 1, int(self._before[k])

@@ -1,9 +1,9 @@
-"""The painter: a brush, an ink, a surface, and poses in time.
+"""The painter: moves one inked brush over a surface along a sequence of timed poses.
 
-One way through the stages, readable here in one screen: samples are turned into object-frame poses
-(`pose`), and `brush_engine.stroke_loop` walks along them: foot point and bent brush, enclosing
-sphere and plane, outline, sweep, ink. Nothing here has a clock, a file or a random source; the same
-samples give the same painting to the bit, for any number of threads and any chunking.
+Samples become poses in the object's frame (`pose`), along which `brush_engine.stroke_loop` runs the
+pipeline: foot point and bent brush, enclosing sphere and plane, outline, sweep, ink. Painting is
+deterministic: it depends on no clock, file or random source, and the same samples give the same
+painting to the bit, for any number of threads and any chunking.
 """
 
 from __future__ import annotations
@@ -55,13 +55,13 @@ if TYPE_CHECKING:
 
 __all__ = ["Painter"]
 
-_PART = 1 << 16  # samples of a recording that are made ready at once
+_PART = 1 << 16  # samples of a recording that are prepared at once
 _CHUNK = 2000  # samples between two calls of `progress`
-_FOR_EVER_S = 1e9  # no ink is wet for so long
-_RESERVOIRS = 12  # pieces of a tuft that is loaded differently along its length
+_FOR_EVER_S = 1e9  # longer than any ink stays wet
+_RESERVOIRS = 12  # segments of a tuft whose load varies along its length
 
 Ink = str | Pigment | Mapping[Any, float]
-"""An ink, or the parts of several that are stirred, by themselves or by their names."""
+"""One ink, or a mixture as parts by pigment; pigments as objects or by name."""
 
 
 class Painter:
@@ -72,37 +72,39 @@ class Painter:
     surface : PaintedSurface
     brush : str or BrushSpec
     ink : str, Pigment, mapping or None
-        What the brush is dipped in; see `dip`. None: it holds what the surface says that it held,
-        as after opening a session.
+        What the brush is dipped in; see `dip`. None: it holds the load stored with the surface, as
+        after opening a session.
     azimuth : {"commanded", "dragged"}
-        Whether the pose's roll turns the tuft, or the surface pulls it.
+        Whether the pose's roll turns the tuft, or drag on the surface does.
     pickup : float, optional
-        Share of the wet ink under the brush that it takes back per mm of travel at full pressure
-        (0.05 is a thirsty brush); 0: it stays clean. None: as before, 0 on a new surface.
+        Fraction of the wet ink under the brush that it takes back per mm of travel at full pressure
+        (0.05 is a thirsty brush); 0: it stays clean. None: leave the surface's value, 0 on a new
+        one.
     hairs : int or BristleSpec, optional
-        Paint with so many single hairs, or with these; 0 for a solid tuft. None: as the brush is.
+        Paint with this many single hairs, or with these; 0 for a solid tuft. None: as the brush's
+        preset.
     amount : DipAmount, optional
-        How much ink a dip takes up; by default what the brush's preset says.
+        How much ink a dip takes up; by default the preset's full load.
 
     Attributes
     ----------
     tuft : Tuft
-        The brush as it bends, and gives ink on this surface, wetted as it is.
+        Bending and ink transfer of the brush on this surface, with the load of `amount`.
     amount : DipAmount
         How much ink a dip takes up.
     curves : Curves
-        What drives it while it paints.
+        Input curves that modulate the brush while it paints.
     hairs : HairTuft or None
-        None in a solid tuft.
+        None for a solid tuft.
     scratch : Scratch
-        What the kernels work in, and count.
+        Working memory and counters of the kernels.
 
     Raises
     ------
     UnknownNameError
-        For a brush or an ink that is not known.
+        For an unknown brush or ink.
     InputError
-        For no ink where the surface has never seen one.
+        If there is no ink and the surface has never had one.
     """
 
     def __init__(
@@ -129,9 +131,9 @@ class Painter:
         self.seconds = {"poses": 0.0, "stroke": 0.0, "colour": 0.0}
         self._progress = make_progress()
         self.scratch = make_scratch(surface.paint_mesh, len(surface.pigments))
-        self._held: list[DeviceSample] = []
-        self._told = _Told()
-        self._n_let_go = 0  # of the stroke's samples, that are painted and not held any more
+        self._pending: list[DeviceSample] = []
+        self._schedule = _Schedule()
+        self._n_released = 0  # samples of the live stroke that are painted and dropped
         self._origin_ns = 0
         self._n_samples = 0
         self._dip_down = False
@@ -152,25 +154,25 @@ class Painter:
         reach: float | None = None,
         amount: DipAmount | None = None,
     ) -> None:
-        """Rinse the brush and load it fully with `ink` (None: the same again, tip and belly).
+        """Rinse the brush and load it with `ink` (None: repeat the last dips, whole and tip).
 
         Parameters
         ----------
         ink : str, Pigment or mapping, optional
-            An ink, or parts of several that are stirred: ``{"pine soot": 0.2, "water": 0.8}``, or
-            the same in words, ``"pine soot:0.2,water:0.8"`` or ``"light"``; see `load_ink`.
+            An ink, or a mixture by parts: ``{"pine soot": 0.2, "water": 0.8}``, or the same as
+            text, ``"pine soot:0.2,water:0.8"`` or ``"light"``; see `load_ink`.
         reach : float, optional
-            Dip only so much of the tuft's length, from the tip, 0 to 1; the rest keeps what it
-            holds: first the belly in light ink, then the tip in dark. A whole dip also brings
-            single hairs to a point.
+            Dip only this fraction of the tuft's length, from the tip, 0 to 1; the rest keeps its
+            load: first the belly in light ink, then the tip in dark. A whole dip also brings single
+            hairs to a point.
         amount : DipAmount, optional
-            How much ink the brush takes up, now and at the dips after; None: as at the dip before.
+            How much ink the brush takes up, from now on; None: unchanged.
 
         Raises
         ------
         InputError
-            If a part is not a number above 0, the reach is not between 0 and 1, or there is an
-            amount for the tip alone.
+            If a part is not a number above 0, the reach is not between 0 and 1, or an amount is
+            given for the tip alone.
         """
         if amount is not None and reach is not None:
             raise InputError("an amount is said with a reach; expected it for a whole dip")
@@ -181,27 +183,33 @@ class Painter:
             return
         ink = _in_parts(self._dipped if ink is None else ink)
         parts = self._mixture(ink)
-        share = 1.0 if reach is None else as_number(reach, "reach", 0.0, 1.0)
+        depth = 1.0 if reach is None else as_number(reach, "reach", 0.0, 1.0)
         self._take_amount(amount)
         if self.hairs is not None:
             self.hairs.hold(self.surface.ink.load)
-        if reach is not None:
-            self._dip_tip(parts, share)
-        else:
+        if reach is None:
             self._hold(parts * self.tuft.load)
+        else:
+            along = self.surface.ink.reservoirs
+            if len(along) == 1:
+                along = np.repeat(self.surface.ink.load[None] / _RESERVOIRS, _RESERVOIRS, axis=0)
+            is_dipped = (np.arange(len(along)) + 0.5) / len(along) < depth
+            full = parts * self.tuft.load / len(along)
+            self._hold_along(np.where(is_dipped[:, None], full, along))
         if self.hairs is not None:
-            self.hairs.dip(self.surface.ink.load, self.tuft.load, share)
+            self.hairs.dip(self.surface.ink.load, self.tuft.load, depth)
             self.surface.ink.load[:] = self.hairs.held()
             if reach is None:
                 self.hairs.shape()
-        deeper = () if reach is None else (d for d in self._dips if d[1] is None or d[1] > share)
-        self._dips = (*deeper, (ink, None if reach is None else share))
+        # A dip hides earlier ones of the same reach or less:
+        deeper = () if reach is None else (d for d in self._dips if d[1] is None or d[1] > depth)
+        self._dips = (*deeper, (ink, None if reach is None else depth))
         self._dipped = ink
         self.ink = self.surface.main_pigment(parts)
         self._fit_scratch()
 
     def _take_up(self) -> None:
-        """Take the brush as it lies there: with what it holds, or dry."""
+        """Start with the load stored with the surface; with none, the brush is dry."""
         surface = self.surface
         if not surface.pigments:
             raise InputError("ink is None and this surface has never seen any; expected an ink")
@@ -214,11 +222,11 @@ class Painter:
         self.loaded = sum(accounts.values()) - accounts["loaded"]
 
     def rinse(self) -> None:
-        """Wash the brush out and shake it dry: it holds nothing."""
+        """Empty the brush: wash it out and shake it dry."""
         self._hold(np.zeros(len(self.surface.pigments)))
 
     def wipe(self, share: float = 0.5) -> None:
-        """Wipe a share of what the brush holds off, 0 to 1; what stays is what it was.
+        """Wipe off a fraction of the load, 0 to 1; the mixture stays the same.
 
         Raises
         ------
@@ -236,7 +244,7 @@ class Painter:
             self.surface.ink.load[:] = self.hairs.held()
 
     def fill_to(self, share: float) -> None:
-        """Let the brush hold such a share, 0 to 1, of what a dip gives, in its own mixture.
+        """Set the load to a fraction, 0 to 1, of a full dip; the mixture stays the same.
 
         Raises
         ------
@@ -259,9 +267,9 @@ class Painter:
             self.surface.ink.load[:] = self.hairs.held()
 
     def thin_to(self, share: float) -> None:
-        """Let what the brush holds be such a share, up to 1, of what it was dipped in, and water.
+        """Dilute the load to a fraction, up to 1, of the ink last dipped in, the rest water.
 
-        The next dip is in the ink itself again.
+        The next dip is in undiluted ink again.
 
         Raises
         ------
@@ -282,7 +290,7 @@ class Painter:
         self._mix(along)
 
     def _mix(self, along: AnyArray) -> None:
-        """Let what the brush holds be of these parts (N, P) along the tuft, or all (1, P)."""
+        """Give the load these parts: (N, P) along the tuft, or (1, P) throughout."""
         field = self.surface.ink
         if self.hairs is not None:
             self.hairs.hold(field.load)
@@ -295,7 +303,7 @@ class Painter:
         self._fit_scratch()
 
     def recolour(self, ink: Ink) -> None:
-        """Let what the brush holds be another ink, as much of it as there is, hair by hair.
+        """Replace the ink in the brush, keeping the amount, hair by hair.
 
         Raises
         ------
@@ -309,12 +317,12 @@ class Painter:
         self.ink = self.surface.main_pigment(parts)
 
     def change_brush(self, brush: str | BrushSpec) -> None:
-        """Take another brush into the hand, loaded fully with the same ink.
+        """Switch to another brush, fully loaded with the same ink.
 
         Raises
         ------
         UnknownNameError, BrushError
-            For a brush that is not known, or cannot be bent.
+            For an unknown brush, or one whose bending cannot be solved.
         """
         brush = load_brush(brush) if isinstance(brush, str) else brush
         self.tuft = self._dipped_tuft(brush)
@@ -324,13 +332,13 @@ class Painter:
         self.dip(self._dipped)
 
     def _take_amount(self, amount: DipAmount | None) -> None:
-        """Take up so much ink from now on; None: as before."""
+        """Set the amount of ink that dips take up; None: unchanged."""
         if amount is not None:
             self.amount = amount
             self.tuft = self._dipped_tuft(self.brush)
 
     def _dipped_tuft(self, brush: BrushSpec) -> Tuft:
-        """A brush on this surface, with the ink of a dip."""
+        """Build the tuft of a brush on this surface, with the load of one dip."""
         return self.amount.of_tuft(tuft_on(brush, self.surface.material))
 
     def _make_hairs(self) -> HairTuft | None:
@@ -354,22 +362,22 @@ class Painter:
 
     @property
     def dipped(self) -> Ink:
-        """What the brush was dipped in last."""
+        """The ink last dipped in."""
         return self._dipped
 
     @property
     def dips(self) -> tuple[tuple[Ink, float | None], ...]:
-        """What `dip` without an ink does again: the whole tuft (reach None), then its tip."""
+        """Inks and reaches that `dip` repeats without an ink: the whole tuft (None), then tips."""
         return self._dips
 
     def keep(self) -> dict[str, object]:
-        """What `restore` takes: all that is remembered between strokes, apart from the surface."""
+        """Snapshot, for `restore`, all state between strokes except the surface."""
         names = ("brush", "tuft", "amount", "loaded", "ink", "_dipped", "_dips", "hairs", "curves")
         kept = {name: getattr(self, name) for name in names}
         return kept | {"of_hairs": None if self.hairs is None else self.hairs.keep()}
 
     def restore(self, kept: Mapping[str, Any]) -> None:
-        """Be as when it was kept; the surface is brought back by `surface.undo`."""
+        """Return to a snapshot of `keep`; `surface.undo` restores the surface."""
         of_hairs = kept.get("of_hairs")
         for name, value in kept.items():
             if name != "of_hairs":
@@ -379,7 +387,7 @@ class Painter:
         self._fit_scratch()
 
     def _mixture(self, ink: Ink) -> AnyArray:
-        """(P,) parts of the pigments on the surface, of sum 1."""
+        """Fractions (P,) of the surface's pigments in an ink; they sum to 1."""
         stirred: Mapping[Any, float] = ink if isinstance(ink, Mapping) else {ink: 1.0}
         if not stirred:
             raise InputError("the brush is dipped in nothing; expected an ink")
@@ -393,7 +401,7 @@ class Painter:
         return parts
 
     def _hold(self, load: AnyArray) -> None:
-        """Let the brush hold `load` (P,), alike all along the tuft."""
+        """Set the load (P,), uniform along the tuft."""
         surface = self.surface
         self.loaded += surface.lasting(load - surface.ink.load)
         surface.ink.load[:] = load
@@ -401,7 +409,7 @@ class Painter:
         surface.ink = surface.ink._replace(reservoirs=np.zeros((1, len(load))))
 
     def _hold_along(self, reservoirs: AnyArray) -> None:
-        """Let the brush hold `reservoirs` (N, P) along the tuft, tip first."""
+        """Set the load (N, P) along the tuft, tip first."""
         surface = self.surface
         reservoirs = np.ascontiguousarray(reservoirs)
         level_reservoirs(reservoirs)
@@ -412,22 +420,13 @@ class Painter:
         surface.ink.transfer["reservoir_mm"] = self.brush.length_mm / len(reservoirs)
         surface.ink = surface.ink._replace(reservoirs=reservoirs)
 
-    def _dip_tip(self, parts: AnyArray, reach: float) -> None:
-        held = self.surface.ink.reservoirs
-        if len(held) == 1:
-            held = np.repeat(self.surface.ink.load[None] / _RESERVOIRS, _RESERVOIRS, axis=0)
-        middle = (np.arange(len(held)) + 0.5) / len(held)
-        dipped = middle < reach
-        held = np.where(dipped[:, None], parts * self.tuft.load / len(held), held)
-        self._hold_along(held)
-
     def in_brush(self) -> float:
         """Pigment in the brush, coats x mm2."""
         return self.surface.lasting(self.surface.ink.load)
 
     @property
     def stamp(self) -> Stamp:
-        """The footprint that was placed last."""
+        """The footprint placed last."""
         return self._progress.after
 
     def contact(
@@ -437,7 +436,7 @@ class Painter:
         pressure: float | None = None,
         place: ArrayLike | None = None,
     ) -> Contact | None:
-        """How the brush would stand on the surface in one pose; see `find_contact`."""
+        """Find how the brush would meet the surface in one pose; see `find_contact`."""
         surface = self.surface
         return find_contact(
             self.tuft, surface.paint_mesh, surface.contact_tree, position, orientation, pressure,
@@ -458,13 +457,13 @@ class Painter:
         Parameters
         ----------
         recording : Recording or LaidPad
-            However long: 65,536 samples at a time are made ready for painting, the next ones while
-            these are painted.
+            Of any length: 65,536 samples at a time are prepared, the next ones while these are
+            painted.
         progress : callable, optional
             Called with the fraction done, a few times a second, after every frame and pause.
         frame_rate : float, optional
-            Bring the colours up to date this often, Hz of the recording's own time, as a live
-            view would; the painting is the same without.
+            Refresh the colours at this rate, Hz of the recording's own time, as a live view would;
+            the painting is the same without.
         wet : bool
             Let the ink spread and dry meanwhile, in the recording's own time (`painter.ink_time`).
         """
@@ -482,7 +481,7 @@ class Painter:
             for stop, is_frame in _stops(time_s, int(at[0]), known, frame_rate):
                 for pause, pieces in pauses.until(stop) if wet else ():
                     self._paint(samples, pause, refills)
-                    self._let_pass(pieces, progress, max(0, first + pause + 1) / n)
+                    self._step_ink(pieces, progress, max(0, first + pause + 1) / n)
                 self._paint(samples, stop, refills)
                 if is_frame or (frame_rate is not None and first + stop == n - 1):
                     self._refresh()
@@ -496,14 +495,14 @@ class Painter:
         self._n_samples += n
         self._begin()
 
-    def _let_pass(
-        self, pieces: int, progress: Callable[[float], None] | None, share: float
+    def _step_ink(
+        self, pieces: int, progress: Callable[[float], None] | None, fraction: float
     ) -> bool:
-        """Let pieces of time pass for the ink; whether it is dry, so that nothing more changes."""
+        """Advance the ink by time steps; return whether it is dry, so that no more can change."""
         for _ in range(pieces):
             self.surface.follow_time(PIECE_S)
             if progress is not None:
-                progress(share)
+                progress(fraction)
             if self.surface.flow.is_dry:
                 return True
         return False
@@ -511,16 +510,16 @@ class Painter:
     def rest(
         self, last_ns: int, seconds: float, progress: Callable[[float], None] | None = None
     ) -> None:
-        """Let the ink of a wet replay have more time, however long it takes to follow.
+        """Let the ink of a wet replay go on spreading and drying.
 
         Parameters
         ----------
         last_ns : int
-            Time of the last sample, ns: the pieces of `painter.ink_time` go on from there.
+            Time of the last sample, ns: the time steps of `painter.ink_time` continue from there.
         seconds : float
-            Of the ink's time; no more passes once it is dry.
+            Of the ink's time; it ends early when the ink is dry.
         progress : callable, optional
-            Called with the fraction of that time that has passed, after every piece.
+            Called with the fraction of that time that has passed, after every step.
 
         Raises
         ------
@@ -531,22 +530,25 @@ class Painter:
         n = pieces_until(last_ns + round(1e9 * seconds)) - pieces_until(last_ns)
         passed, is_dry = 0, False
         while passed < n and not is_dry:
-            passed += self.surface.keeps_up  # else no time passes
-            is_dry = self._let_pass(1, progress, passed / n)
+            passed += self.surface.keeps_up  # a surface that lags behind takes no new time
+            is_dry = self._step_ink(1, progress, passed / n)
 
     def _prepare(
         self, recording: Recording | LaidPad, first: int, last: int
     ) -> tuple[AnyArray, Samples, list[_Refill]]:
-        """The times of a part that follows the one before, its samples, what fills the brush."""
+        """Prepare one part: its times (N,), ns, samples and refills.
+
+        Runs ahead on a thread. Parts must come in order: each needs the touch-down before it.
+        """
         started = time.perf_counter()
         part = recording.part(first, last)
         path = brush_poses(part)
         samples, origins = _samples(path, part.time_ns, self._origin_ns)
         self._origin_ns = int(origins[max(0, len(part) - 1 - 2 * LOOKAHEAD)])
-        told, header = _Told(), recording.header
+        schedule, header = _Schedule(), recording.header
         if "loads" in header or "strengths" in header:
-            told = _Told(*told_at(header, part.time_ns))
-        prepared = part.time_ns, samples, _refills(path.buttons, told)
+            schedule = _Schedule(*told_at(header, part.time_ns))
+        prepared = part.time_ns, samples, _refills(path.buttons, schedule)
         self.seconds["poses"] += time.perf_counter() - started
         return prepared
 
@@ -555,67 +557,67 @@ class Painter:
         loads: Sequence[tuple[int, float]] = (),
         strengths: Sequence[tuple[int, float]] = (),
     ) -> None:
-        """Let the brush hold what is told from these samples of the next live stroke on.
+        """Schedule changes of load and strength for the next live stroke.
 
         Parameters
         ----------
         loads : sequence of (int, float)
-            A sample, counted from 0, and a share of a dip, 0 to 1; see `fill_to`.
+            From which sample, counted from 0, the load is which fraction of a dip, 0 to 1; see
+            `fill_to`.
         strengths : sequence of (int, float)
-            A sample, and a share of ink in water; see `thin_to`.
+            From which sample the load is which fraction of ink in water; see `thin_to`.
         """
-        self._told = _Told(tuple(loads), tuple(strengths))
+        self._schedule = _Schedule(tuple(loads), tuple(strengths))
 
     def advance(self, samples: Iterable[DeviceSample]) -> None:
-        """Paint live: the interval before the last two samples waits for what comes next."""
-        if not self._held:
+        """Paint live; the last two samples stay pending until their successors arrive."""
+        if not self._pending:
             samples = list(samples)
             self._origin_ns = samples[0].time_ns if samples else 0
-        self._held.extend(samples)
-        self._paint_held(len(self._held) - 1 - LOOKAHEAD)
+        self._pending.extend(samples)
+        self._paint_pending(len(self._pending) - 1 - LOOKAHEAD)
 
     def lift(self) -> None:
-        """Paint what still waits though the stroke goes on: its next sample is not joined to it."""
-        self._paint_held(len(self._held) - 1)
+        """Paint all pending samples in mid-stroke: the next one is not joined to them."""
+        self._paint_pending(len(self._pending) - 1)
 
     def finish(self) -> None:
-        """Paint what still waits, and lift the brush."""
-        self._paint_held(len(self._held) - 1)
-        self._n_samples += len(self._held)
-        self._let_go()
+        """Paint all pending samples and lift the brush."""
+        self._paint_pending(len(self._pending) - 1)
+        self._n_samples += len(self._pending)
+        self.abandon()
 
     def abandon(self) -> None:
-        """Forget what still waits, and lift the brush; what was painted stays."""
-        self._let_go()
-
-    def _let_go(self) -> None:
-        self._held, self._told, self._n_let_go = [], _Told(), 0
+        """Drop pending samples and lift the brush; what is painted stays."""
+        self._pending, self._schedule, self._n_released = [], _Schedule(), 0
         self._begin()
 
     def _begin(self) -> None:
+        """Reset the kernels' progress for a new stroke."""
         self._progress.at[:] = 0
         self._progress.before.values[:] = 0.0
         self.scratch.warm[0] = 0.0
 
-    def _paint_held(self, last: int) -> None:
+    def _paint_pending(self, last: int) -> None:
+        """Paint pending samples up to `last`, and release those that no later interval needs."""
         if last <= int(self._progress.at[0]):
             return
         started = time.perf_counter()
-        path = object_poses(self._held)
-        times = np.array([sample.time_ns for sample in self._held], np.int64)
+        path = object_poses(self._pending)
+        times = np.array([sample.time_ns for sample in self._pending], np.int64)
         samples, origins = _samples(path, times, self._origin_ns)
         self.seconds["poses"] += time.perf_counter() - started
-        told = self._told.part(self._n_let_go, len(times))
-        self._paint(samples, last, _refills(path.buttons, told))
+        schedule = self._schedule.part(self._n_released, len(times))
+        self._paint(samples, last, _refills(path.buttons, schedule))
         done = max(0, int(self._progress.at[0]) - LOOKAHEAD)
         self._origin_ns = int(origins[done])
         self._n_samples += done
-        self._held = self._held[done:]
-        self._n_let_go += done
+        self._pending = self._pending[done:]
+        self._n_released += done
         self._progress.at[0] -= done
 
     def _paint(self, samples: Samples, last: int, refills: list[_Refill]) -> None:
-        """Paint up to sample `last`, dipping the brush where the recording does."""
+        """Paint up to sample `last`, refilling the brush at the samples in between."""
         first = int(self._progress.at[0])
         for stop, fill in refills:
             if not (first < stop <= last or stop == first == 0):
@@ -625,44 +627,43 @@ class Painter:
         self._run(samples, last)
 
     def _run(self, samples: Samples, last: int) -> None:
+        """Run the stroke kernel up to sample `last`, growing the surface as often as it asks."""
         started = time.perf_counter()
         surface = self.surface
         scratch = self.scratch  # the surface may have grown, or another brush brought a pigment
         is_small = len(scratch.found.ids) != surface.paint_mesh.capacity + 1
         if is_small or len(scratch.part) != len(surface.pigments):
             self._fit_scratch()
+        brush = HeldBrush(self.tuft, self.curves, self.azimuth == "dragged")
         while True:
-            state = self._run_kernel(samples, last)
+            progress, scratch = self._progress, self.scratch
+            hairs = None if self.hairs is None else self.hairs.work(surface)
+            canvas = Canvas(surface.contact_tree, surface.paint_mesh.arrays, surface.ink)
+            if hairs is None:
+                state = paint_samples(samples, last, brush, canvas, progress, scratch)
+            else:
+                from paint3d.brush_engine.bristles.stroke_loop import paint_with_hairs
+
+                state = paint_with_hairs(samples, last, brush, canvas, progress, scratch, hairs)
             if state == FINISHED:
                 break
             surface.make_room()
             self._fit_scratch()
-        surface.ink.transfer["capacity"] = self.tuft.load  # whatever curves made of it
+        surface.ink.transfer["capacity"] = self.tuft.load  # input curves may have changed it
         self.seconds["stroke"] += time.perf_counter() - started
 
-    def _run_kernel(self, samples: Samples, last: int) -> int:
-        surface, progress, scratch = self.surface, self._progress, self.scratch
-        brush = HeldBrush(self.tuft, self.curves, self.azimuth == "dragged")
-        hairs = None if self.hairs is None else self.hairs.work(surface)
-        canvas = Canvas(surface.contact_tree, surface.paint_mesh.arrays, surface.ink)
-        if hairs is None:
-            return int(paint_samples(samples, last, brush, canvas, progress, scratch))
-        from paint3d.brush_engine.bristles.stroke_loop import paint_with_hairs
-
-        return int(paint_with_hairs(samples, last, brush, canvas, progress, scratch, hairs))
-
     def _fit_scratch(self) -> None:
-        """Let the scratch fit the surface and its pigments; counts, and what was begun, go on."""
+        """Resize the scratch to the surface and its pigments; counters and progress carry over."""
         mesh, pigments = self.surface.paint_mesh, len(self.surface.pigments)
         self.scratch = grow_scratch(self.scratch, mesh, pigments)
 
     # -- accounts ---------------------------------------------------------------------------
 
     def ledger(self) -> dict[str, float]:
-        """Where the ink is, coats x mm2: loaded = in_brush + wet + dry + off_surface.
+        """Return the ink balance, coats x mm2: loaded = in_brush + wet + dry + off_surface.
 
-        The terms of docs/model.md, equation (11). What ran off the surface can be less than 0: by
-        what a mask gave back to the surface and the brush had no longer.
+        The terms of docs/model.md, equation (11). `off_surface`, the ink that ran off, can be
+        negative: by what a mask gave back to the surface after the brush had lost it.
         """
         return {
             "loaded": self.loaded,
@@ -678,7 +679,7 @@ class Painter:
         self.seconds["colour"] += time.perf_counter() - started
 
     def report(self) -> dict[str, Any]:
-        """Counts, seconds by stage, and the ink ledger, ready for JSON."""
+        """Return counts, seconds by stage, and the ink ledger, ready for JSON."""
         self._refresh()
         counters = self.scratch.counters
         return {
@@ -702,7 +703,7 @@ class Painter:
 
 
 def _in_parts(ink: Ink) -> Ink:
-    """An ink in words by what it is made of; a pigment's own name stays as it is."""
+    """Resolve an ink given as text to its parts; a pigment's own name stays as it is."""
     if not isinstance(ink, str):
         return ink
     stirred = load_ink(ink)
@@ -713,9 +714,9 @@ def _in_parts(ink: Ink) -> Ink:
 
 
 def _spans(n: int) -> Iterator[tuple[int, int]]:
-    """First samples and ends of the parts of a recording that are made ready at once.
+    """Yield first samples and ends of the parts in which a recording of `n` samples is prepared.
 
-    They overlap: an interval waits for the samples beyond it, and needs those before it again.
+    They overlap by what the spline needs: LOOKAHEAD samples on either side of an interval.
     """
     first = 0
     while first + _PART < n:
@@ -725,44 +726,47 @@ def _spans(n: int) -> Iterator[tuple[int, int]]:
 
 
 _Refill = tuple[int, Callable[["Painter"], None]]
-"""A sample up to which is painted first, and what is done with the brush then."""
+"""A sample, and what to do with the brush after painting up to it."""
 
 
-class _Told(NamedTuple):
-    """What the brush comes to hold at samples: shares of a dip, and of ink in water."""
+class _Schedule(NamedTuple):
+    """Scheduled loads (fractions of a dip) and strengths (fractions of ink in water), by sample."""
 
     loads: Sequence[tuple[int, float]] = ()
     strengths: Sequence[tuple[int, float]] = ()
 
-    def part(self, first: int, count: int) -> _Told:
-        """What is told of so many samples from the first on, which are counted from 0 then."""
-        return _Told(
-            *([(k - first, share) for k, share in one if 0 <= k - first < count] for one in self)
+    def part(self, first: int, count: int) -> _Schedule:
+        """Return the entries of `count` samples from `first` on, renumbered from 0."""
+        return _Schedule(
+            *(
+                [(k - first, fraction) for k, fraction in entries if 0 <= k - first < count]
+                for entries in self
+            )
         )
 
 
-def _refills(buttons: AnyArray, told: _Told) -> list[_Refill]:
-    """Samples at which the dip button goes down, or load or strength are told, in this order."""
+def _refills(buttons: AnyArray, schedule: _Schedule) -> list[_Refill]:
+    """List dips (the button goes down), loads and strengths by sample; at one, in this order."""
     down = (np.asarray(buttons) & DIP) != 0
-    found: list[_Refill] = [
+    refills: list[_Refill] = [
         (int(k), Painter.dip) for k in np.flatnonzero(down[1:] & ~down[:-1]) + 1
     ]
-    found += [(k, partial(Painter.fill_to, share=share)) for k, share in told.loads]
-    found += [(k, partial(Painter.thin_to, share=share)) for k, share in told.strengths]
-    return sorted(found, key=lambda one: one[0])
+    refills += [(k, partial(Painter.fill_to, share=load)) for k, load in schedule.loads]
+    refills += [(k, partial(Painter.thin_to, share=part)) for k, part in schedule.strengths]
+    return sorted(refills, key=lambda refill: refill[0])  # stable
 
 
 def _stops(
     time_s: AnyArray, first: int, last: int, frame_rate: float | None
 ) -> Iterator[tuple[int, bool]]:
-    """Samples after `first`, up to `last`, that are painted up to, and whether a frame ends there.
+    """Yield the samples after `first`, up to `last`, to stop at, and whether a frame ends there.
 
-    Without a rate these are every 2000 samples; times are counted from the recording's start.
+    Without a frame rate these are every 2000 samples; `time_s` counts from the recording's start.
     """
     if frame_rate is None:
         ends = np.arange(first + _CHUNK, last, _CHUNK)
     else:
-        start = first + 1 if first else 0  # what ended at the last part's end has ended
+        start = first + 1 if first else 0  # the part before yielded the frame that ends at `first`
         frames = np.floor(time_s[start : last + 2] * frame_rate).astype(np.int64)
         ends = start + np.flatnonzero(np.diff(frames))
     for end in ends:
@@ -774,23 +778,23 @@ def _stops(
 def _samples(
     path: BrushPath, time_ns: NDArray[np.int64], origin_ns: int
 ) -> tuple[Samples, AnyArray]:
-    """Make a path ready for interpolation.
+    """Prepare a path for interpolation by the kernels.
 
-    Time counts from where the brush came down last, whatever was painted before: so a stroke is the
-    same to the bit by itself and in a recording of many.
+    Time counts from the latest touch-down, whatever was painted before: so a stroke is the same to
+    the bit by itself and in a recording of many.
 
     Parameters
     ----------
     path : BrushPath
     time_ns : (N,) int64
     origin_ns : int
-        When the brush came down that was there before the first sample.
+        Time of the latest touch-down before the first sample.
 
     Returns
     -------
     samples : Samples
     origins : (N,) int64
-        When it came down before each, ns.
+        Time of the latest touch-down before each sample, ns.
     """
     pressure = path.pressure
     if pressure is None:
@@ -805,7 +809,7 @@ def _samples(
         position=np.ascontiguousarray(path.way, np.float64),
         velocity=velocities(path, joined),
         orientation=_one_hemisphere(path.orientation),
-        pressure=np.array(pressure, np.float64),  # one that is read-only would be compiled anew
+        pressure=np.array(pressure, np.float64),  # a read-only array is another type to the kernel
         joined=joined,
         on_surface=path.has_contact,
     )

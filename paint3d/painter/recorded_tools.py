@@ -1,4 +1,7 @@
-"""What a recording of version 1 says of brush and ink: in its header, of no file of a machine."""
+"""Brush and ink named in the header of a version 1 recording.
+
+A recording may come from a stranger, so these names never open a file of this machine.
+"""
 
 from __future__ import annotations
 
@@ -25,20 +28,20 @@ __all__ = [
     "told_at",
 ]
 
-TIP_REACH = 0.35  # of the tuft's length that a tip is dipped, where nothing is said
+TIP_REACH = 0.35  # default fraction of the tuft's length that a dip of the tip reaches
 LEAST_INK = 1e-4
-"""Share of ink in water, that a brush is thinned to at the least."""
+"""Least fraction of ink in water to which a brush can be thinned."""
 
 
 def recorded_brush(header: Mapping[str, Any]) -> BrushSpec | None:
-    """The brush that a recording names; None where it names none.
+    """Return the brush that a header names, or None.
 
     Raises
     ------
     RecordingError
-        If it is not known.
+        If it is unknown.
     """
-    name = _named_in(header, "brush")
+    name = _name_in(header, "brush")
     if name is None:
         return None
     try:
@@ -48,32 +51,32 @@ def recorded_brush(header: Mapping[str, Any]) -> BrushSpec | None:
 
 
 def recorded_ink(header: Mapping[str, Any]) -> dict[Pigment, float] | None:
-    """The parts of the ink that a recording names; None where it names none.
+    """Return the parts, by pigment, of the ink that a header names, or None.
 
     Raises
     ------
     RecordingError
-        If one is not known.
+        If a pigment is unknown.
     """
     parts = header.get("parts")
     try:
-        if isinstance(parts, dict) and len(parts) > 1:  # "ink" is the most of them
+        if isinstance(parts, dict) and len(parts) > 1:  # "ink" names the largest only
             return {load_pigment(str(name), own_tables=False): n for name, n in parts.items()}
-        name = _named_in(header, "ink")
+        name = _name_in(header, "ink")
         return None if name is None else load_ink(name, own_tables=False)
     except PigmentError as cause:
         raise RecordingError(f"the header: {cause}") from None
 
 
 def recorded_tip(header: Mapping[str, Any]) -> tuple[dict[Pigment, float], float] | None:
-    """What the tip is dipped in afterwards, and over which share of the tuft; None: in nothing.
+    """Return the ink for a second dip of the tip and its reach (fraction of the tuft), or None.
 
     Raises
     ------
     RecordingError
-        If the ink is not known, or the reach is no share.
+        If the ink is unknown, or the reach is not between 0 and 1.
     """
-    name = _named_in(header, "tip")
+    name = _name_in(header, "tip")
     if name is None:
         return None
     reach = as_number(
@@ -86,12 +89,12 @@ def recorded_tip(header: Mapping[str, Any]) -> tuple[dict[Pigment, float], float
 
 
 def recorded_amount(header: Mapping[str, Any]) -> DipAmount:
-    """How much ink a recording's dips take up; what the brush's preset says where it says nothing.
+    """Return how much ink a recording's dips take up; by default the preset's full load.
 
     Raises
     ------
     RecordingError
-        If it is no amount.
+        If the header's "dip" is not an amount.
     """
     try:
         return DipAmount.of(header.get("dip", {}))
@@ -102,42 +105,44 @@ def recorded_amount(header: Mapping[str, Any]) -> DipAmount:
 def told_at(
     header: Mapping[str, Any], time_ns: NDArray[np.int64]
 ) -> tuple[list[tuple[int, float]], list[tuple[int, float]]]:
-    """What a header tells of samples at times: its ``loads``, and its ``strengths``.
+    """Read a header's ``loads`` and ``strengths`` as changes at samples (N,) of these times, ns.
 
     Returns
     -------
     loads, strengths : list of (int, float)
-        From which sample on the brush holds which share of a dip, and which share of ink, the rest
-        being water; none beyond the last sample.
+        From which sample on the brush holds which fraction of a dip, and which fraction of ink in
+        water; none beyond the last sample.
 
     Raises
     ------
     RecordingError
-        If they are no pairs of a time (ns) and a share, in the order of time.
+        If they are not pairs of a time (ns) and a fraction, in the order of time.
     """
-    loads = _told_in(header, "loads", 0.0, time_ns)
-    return loads, _told_in(header, "strengths", LEAST_INK, time_ns)
+    loads = _changes_in(header, "loads", 0.0, time_ns)
+    return loads, _changes_in(header, "strengths", LEAST_INK, time_ns)
 
 
-def _told_in(
+def _changes_in(
     header: Mapping[str, Any], name: str, least: float, time_ns: NDArray[np.int64]
 ) -> list[tuple[int, float]]:
-    told = header.get(name, [])
+    stated = header.get(name, [])
     expected = f"pairs of a time (ns) and a share from {least:g} to 1, in the order of time"
     try:
-        times = np.array([when for when, _ in told], np.int64)
-        shares = [as_number(share, "share", least, 1.0) for _, share in told]
+        times = np.array([when for when, _ in stated], np.int64)
+        fractions = [as_number(fraction, "share", least, 1.0) for _, fraction in stated]
     except (TypeError, ValueError, OverflowError, InputError):
-        raise RecordingError(f"the header's {name} are {told!r:.60}; expected {expected}") from None
-    whole = all(type(when) is int for when, _ in told)
+        raise RecordingError(
+            f"the header's {name} are {stated!r:.60}; expected {expected}"
+        ) from None
+    whole = all(type(when) is int for when, _ in stated)  # np.array above truncates floats
     if not (whole and (times[1:] > times[:-1]).all()):
-        raise RecordingError(f"the header's {name} are {told!r:.60}; expected {expected}")
+        raise RecordingError(f"the header's {name} are {stated!r:.60}; expected {expected}")
     at = np.searchsorted(time_ns, times)
-    return [(int(k), share) for k, share in zip(at, shares, strict=True) if k < len(time_ns)]
+    return [(int(k), x) for k, x in zip(at, fractions, strict=True) if k < len(time_ns)]
 
 
-def _named_in(header: Mapping[str, Any], what: str) -> str | None:
-    name = header.get(what)
+def _name_in(header: Mapping[str, Any], key: str) -> str | None:
+    name = header.get(key)
     if name is not None and not isinstance(name, str):
-        raise RecordingError(f"the header's {what} is {name!r:.60}; expected a name")
+        raise RecordingError(f"the header's {key} is {name!r:.60}; expected a name")
     return name

@@ -1,4 +1,4 @@
-"""From what two hands' devices say to one pose of the brush in the object's frame."""
+"""From readings of two hands' devices to the brush's pose in the object's frame."""
 
 import lazy_loader
 

@@ -1,12 +1,12 @@
-"""Two hands, one pose: the brush in the object's frame, and what it did between two samples.
+"""Poses of the brush in the object's frame, and their interpolation between samples.
 
-object_from_pen = inverse(world_from_object) world_from_pen, for every sample. Painting only
-ever sees this product, so moving both hands together changes nothing.
+object_from_pen = inverse(world_from_object) world_from_pen, for every sample. Painting depends on
+this product alone, so moving both hands together changes nothing.
 
 Positions follow cubic Hermite curves in time, with tangents from the parabola through three
-samples, cut back so that no interval overshoots; orientations turn along the shorter arc, and
-pressures change linearly. Nothing is made up where nothing is known: a lone interval longer
-than 100 ms is straight, and while the pen is up at both of its ends an interval is not joined.
+samples, limited so that no interval overshoots; orientations turn along the shorter arc, and
+pressures change linearly. Gaps are not embellished: a lone interval longer than 100 ms is straight,
+and an interval with the pen up at both ends is not joined.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ class BrushPath:
     pressure : (N,) float64 in [0, 1], or None
     buttons : (N,) int32
     contact : (N, 3) float64, or None
-        Places on the surface that the hand meant, mm; rows of NaN where it said none.
+        Intended contact points on the surface, mm; rows of NaN for samples without one.
     """
 
     time_s: NDArray[np.float64]
@@ -69,26 +69,26 @@ class BrushPath:
 
     @property
     def has_contact(self) -> NDArray[np.bool_]:
-        """(N,) bool: whether the hand said which place on the surface it meant."""
+        """(N,) bool: which samples have an intended contact point."""
         if self.contact is None:
             return np.zeros(len(self), bool)
         return ~np.isnan(self.contact[:, 0])
 
     @property
     def way(self) -> AnyArray:
-        """(N, 3) what moves along the stroke, mm: the place on the surface, else the root."""
+        """(N, 3) path of the stroke, mm: the intended contact points, else the tuft's root."""
         if self.contact is None:
             return self.position
         return np.where(self.has_contact[:, None], self.contact, self.position)
 
 
 def brush_poses(recording: Recording) -> BrushPath:
-    """The poses of a recording's brush in the frame of its object.
+    """Compute the poses of a recording's brush in the object's frame.
 
     Raises
     ------
     RecordingError
-        If the recording lies on a pad: it must be laid on a surface first.
+        If the recording is a pad's, which must be mapped onto a surface first.
     """
     if recording.is_pad:
         raise RecordingError(
@@ -107,7 +107,7 @@ def brush_poses(recording: Recording) -> BrushPath:
 
 
 def object_poses(samples: Sequence[DeviceSample]) -> BrushPath:
-    """The poses of live samples; time counts from the first of them.
+    """Compute the poses of live samples; time counts from the first.
 
     Raises
     ------
@@ -140,11 +140,11 @@ def object_poses(samples: Sequence[DeviceSample]) -> BrushPath:
 
 
 def contacts_of(samples: Sequence[DeviceSample]) -> AnyArray | None:
-    """(N, 3) the places on the surface that samples mean, rows of NaN for none; None if all are."""
+    """Intended contact points (N, 3) of samples, NaN for none; None if no sample has one."""
     if all(sample.contact is None for sample in samples):
         return None
-    nowhere = np.full(3, np.nan)
-    return np.array([nowhere if s.contact is None else s.contact for s in samples], np.float64)
+    none = np.full(3, np.nan)
+    return np.array([none if s.contact is None else s.contact for s in samples], np.float64)
 
 
 def _path(
@@ -170,10 +170,10 @@ def _path(
 
 
 def joined_samples(path: BrushPath) -> AnyArray:
-    """Whether the pen came to each sample from the one before it: (N,) bool.
+    """Find which samples (N,) bool are joined by a stroke to the one before.
 
-    False for the first sample, where the pressure is 0 at both ends of the interval, and where only
-    one of them says which place on the surface is meant.
+    Not joined are the first sample, an interval with pressure 0 at both ends, and one with an
+    intended contact point at only one end.
     """
     joined = np.ones(len(path), dtype=bool)
     joined[0] = False
@@ -188,10 +188,10 @@ def velocities(path: BrushPath, joined: NDArray[np.bool_]) -> AnyArray:
     """Tangents of the cubics along `BrushPath.way` in mm/s, (N, 3).
 
     The derivative of the parabola through a sample and its two neighbours; at the ends of a
-    stroke that through the three last samples; the chord's where there are two. A sample at
+    stroke, of that through the last three samples; with two samples, the chord. A sample at
     the end of an interval longer than 100 ms takes that chord's velocity (between two such, 0).
-    No tangent is longer than three times the slower of its two chords. Only samples up to two
-    away matter, so a path may be painted as it comes in.
+    No tangent is longer than three times the slower of its two chords. A tangent depends only on
+    samples up to two away, so a path can be painted as it comes in.
 
     Parameters
     ----------
@@ -204,13 +204,15 @@ def velocities(path: BrushPath, joined: NDArray[np.bool_]) -> AnyArray:
     if n < 2:
         return velocity
     time, way = path.time_s, path.way
-    steps = np.where(joined[1:], time[1:] - time[:-1], 1.0)  # others are not asked for
+    steps = np.where(joined[1:], time[1:] - time[:-1], 1.0)  # the others are not used
     chords = (way[1:] - way[:-1]) / steps[:, None]
     curved = joined[1:] & (steps <= _MAX_CURVED_GAP_S)
     left, right = np.zeros(n, bool), np.zeros(n, bool)
     left[1:] = right[:-1] = curved
     i = np.flatnonzero(left & right)
-    velocity[i] = _weighted(chords[i - 1], chords[i], steps[i], steps[i - 1])
+    # Each chord is weighted by the other's duration:
+    total = (steps[i] + steps[i - 1])[:, None]
+    velocity[i] = (steps[i][:, None] * chords[i - 1] + steps[i - 1][:, None] * chords[i]) / total
     _set_ends(velocity, chords, steps, curved, np.flatnonzero(right & ~left), 1)
     _set_ends(velocity, chords, steps, curved, np.flatnonzero(left & ~right), -1)
     straight = joined[1:] & ~curved
@@ -221,13 +223,7 @@ def velocities(path: BrushPath, joined: NDArray[np.bool_]) -> AnyArray:
     one = np.flatnonzero(before & ~after)
     velocity[one] = chords[one - 1]
     velocity[before & after] = 0.0
-    return velocity * _cut(velocity, chords, joined)[:, None]
-
-
-def _weighted(a: AnyArray, b: AnyArray, weight_a: AnyArray, weight_b: AnyArray) -> AnyArray:
-    total = (weight_a + weight_b)[:, None]
-    result: AnyArray = (weight_a[:, None] * a + weight_b[:, None] * b) / total
-    return result
+    return velocity * _limit(velocity, chords, joined)[:, None]
 
 
 def _set_ends(
@@ -236,17 +232,17 @@ def _set_ends(
     steps: AnyArray,
     curved: AnyArray,
     ends: AnyArray,
-    way: int,
+    side: int,
 ) -> None:
-    """Fill the tangents of samples that end a curved run; `way` is 1 where it goes on after."""
-    near = ends if way == 1 else ends - 1
-    far = np.minimum(np.maximum(near + way, 0), len(chords) - 1)
-    known = (far == near + way) & curved[far]
-    share = np.where(known, steps[near] / (steps[near] + steps[far]), 0.0)
-    velocity[ends] = chords[near] + (chords[near] - chords[far]) * share[:, None]
+    """Fill the tangents at `ends` of curved runs that lie after (`side` 1) or before them (-1)."""
+    near = ends if side == 1 else ends - 1
+    far = np.minimum(np.maximum(near + side, 0), len(chords) - 1)
+    has_far = (far == near + side) & curved[far]
+    weight = np.where(has_far, steps[near] / (steps[near] + steps[far]), 0.0)
+    velocity[ends] = chords[near] + (chords[near] - chords[far]) * weight[:, None]
 
 
-def _cut(velocity: AnyArray, chords: AnyArray, joined: AnyArray) -> AnyArray:
+def _limit(velocity: AnyArray, chords: AnyArray, joined: AnyArray) -> AnyArray:
     """Factors (N,) in [0, 1] that keep the tangents from overshooting."""
     speed = lengths_of(chords)
     speed[~joined[1:]] = np.inf

@@ -1,7 +1,7 @@
-"""Where a device stands in the world: world_from_device, found from points touched.
+"""Calibration of a device's frame: world_from_device, fitted to points that the user touched.
 
-The user touches known points; rotation, shift and (if wanted) scale that carry the device's
-points onto the world's with the least squares follow in closed form (Umeyama 1991, Eqs. 40-42).
+The rotation, shift and (optionally) scale that map the device's points onto the known ones with
+least squares follow in closed form (Umeyama 1991, Eqs. 40-42).
 """
 
 from __future__ import annotations
@@ -41,12 +41,12 @@ class DeviceCalibration:
     scale : float
         World mm per device mm, 0.01 to 100.
     residual_mm : float
-        Root mean square distance that the fit left.
+        Root mean square residual of the fit.
 
     Raises
     ------
     DeviceError
-        If a value is not finite or out of range, or the quaternion has no unit length.
+        If a value is not finite or out of range, or the quaternion is not of unit length.
     """
 
     rotation: NDArray[np.float64] = (1.0, 0.0, 0.0, 0.0)  # type: ignore[assignment]
@@ -68,26 +68,26 @@ class DeviceCalibration:
         as_number(self.residual_mm, "residual_mm", 0.0, _FARTHEST_MM, DeviceError)
 
     def to_world(self, points: AnyArray) -> AnyArray:
-        """Points (..., 3), mm, from the device's frame to the world's."""
+        """Transform points (..., 3), mm, from the device's frame to the world's."""
         return self.scale * rotate(self.rotation, points) + self.shift
 
     def to_device(self, points: AnyArray) -> AnyArray:
-        """Points (..., 3), mm, from the world's frame to the device's."""
-        back = self.rotation * np.array([1.0, -1.0, -1.0, -1.0])
-        return rotate(back, (points - self.shift) / self.scale)
+        """Transform points (..., 3), mm, from the world's frame to the device's."""
+        inverse = self.rotation * np.array([1.0, -1.0, -1.0, -1.0])
+        return rotate(inverse, (points - self.shift) / self.scale)
 
     def place(self, point: AnyArray, orientation: AnyArray) -> tuple[AnyArray, AnyArray]:
-        """One point (3,) and one orientation (4,) in the world."""
+        """Transform one point (3,) and one orientation (4,) to the world's frame."""
         q, d = tuple(self.rotation.tolist()), tuple(point.tolist())
         turned = np.array(multiply(q, tuple(orientation.tolist())))
         return self.scale * np.array(turn(q, d)) + self.shift, turned
 
     def force_to_device(self, force: AnyArray) -> AnyArray:
-        """A force (..., 3), N, from the world's frame to the device's: turned, never scaled."""
+        """Rotate a force (..., 3), N, from the world's frame to the device's, without scaling."""
         return rotate(self.rotation * np.array([1.0, -1.0, -1.0, -1.0]), force)
 
     def as_dict(self) -> dict[str, Any]:
-        """Everything, ready for JSON."""
+        """Return all values, ready for JSON."""
         return {
             "format": _FORMAT,
             "rotation": self.rotation.tolist(),
@@ -100,7 +100,7 @@ class DeviceCalibration:
 def fit_calibration(
     device_points: ArrayLike, world_points: ArrayLike, *, scaled: bool = False
 ) -> DeviceCalibration:
-    """The calibration that carries device points onto world points with the least squares.
+    """Fit a calibration that maps device points onto world points, by least squares.
 
     Parameters
     ----------
@@ -126,8 +126,8 @@ def fit_calibration(
     turn = u * signs @ vt
     scale = float((spread * signs).sum() / (d**2).sum() * len(d)) if scaled else 1.0
     shift = world.mean(axis=0) - scale * turn @ device.mean(axis=0)
-    left = world - (scale * device @ turn.T + shift)
-    residual = float(np.sqrt((left**2).sum(axis=1).mean()))
+    errors = world - (scale * device @ turn.T + shift)
+    residual = float(np.sqrt((errors**2).sum(axis=1).mean()))
     return DeviceCalibration(quaternions_from_matrices(turn[None])[0], shift, scale, residual)
 
 
@@ -137,17 +137,17 @@ def load_calibration(path: str | os.PathLike[str]) -> DeviceCalibration:
     Raises
     ------
     DeviceError
-        If the file cannot be read or is no calibration.
+        If the file cannot be read or is not a calibration.
     """
     try:
-        found = json.loads(Path(path).read_text(encoding="utf-8"))
+        stored = json.loads(Path(path).read_text(encoding="utf-8"))
     except (OSError, ValueError, RecursionError) as cause:
         raise DeviceError(f"{path}: no calibration can be read ({cause})") from None
-    if not isinstance(found, Mapping) or found.get("format") != _FORMAT:
+    if not isinstance(stored, Mapping) or stored.get("format") != _FORMAT:
         raise DeviceError(f"{path}: expected a JSON object with format {_FORMAT!r}")
     try:
         return DeviceCalibration(
-            found["rotation"], found["shift"], found["scale"], found.get("residual_mm", 0.0)
+            stored["rotation"], stored["shift"], stored["scale"], stored.get("residual_mm", 0.0)
         )
     except (KeyError, TypeError) as cause:
         raise DeviceError(f"{path}: no {cause} in the calibration") from None
@@ -156,7 +156,7 @@ def load_calibration(path: str | os.PathLike[str]) -> DeviceCalibration:
 
 
 def save_calibration(calibration: DeviceCalibration, path: str | os.PathLike[str]) -> None:
-    """Write a calibration as JSON, whole or not at all.
+    """Write a calibration as JSON, atomically.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""How a 6-DOF mouse is read, as a user says it in the panel, the command and the file."""
+"""User settings of a 6-DOF mouse, as in the panel, the command and the file."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ _ZOOMS = ("y", "z")
 
 
 def parse_axes(text: str) -> tuple[str, ...]:
-    """Six axes out of words with commas, such as "x,-z,y,rx,ry,-rz".
+    """Parse six comma-separated axes, such as "x,-z,y,rx,ry,-rz".
 
     Raises
     ------
     DeviceError
-        If one is missing, unknown or said twice.
+        If one is missing, unknown or repeated.
     """
     axes = tuple(part.strip().lower() for part in text.split(","))
     if sorted(axis.removeprefix("-") for axis in axes) != sorted(AXES):
@@ -44,15 +44,15 @@ class MouseSettings:
     Parameters
     ----------
     mode : {"object", "camera"}
-        Whether the cap is the object, or the viewer.
+        Whether the cap moves the object, or the viewer.
     speed_mm_s, turn_deg_s : float
         At full deflection; 0 to 5000 and 0 to 2800.
     dead_zone : float
-        Share of the deflection that counts as rest, 0 to 0.9.
+        Fraction of the deflection that counts as rest, 0 to 0.9.
     curve : float
         Exponent of the response, 1 to 4.
     axes : tuple of 6 str
-        Which axis of the cap gives each motion; see `parse_axes`.
+        The cap's axis for each motion; see `parse_axes`.
     moving, turning : bool
         False locks them.
     dominant_axis : bool
@@ -97,7 +97,7 @@ class MouseSettings:
 
     @classmethod
     def from_words(cls, words: Mapping[str, Any]) -> MouseSettings:
-        """Choices out of a file; what it does not know it passes over.
+        """Read the settings from a file's entries; unknown ones are ignored.
 
         Raises
         ------
@@ -108,11 +108,11 @@ class MouseSettings:
         return cls(**{name: value for name, value in words.items() if name in known})
 
     def as_words(self) -> dict[str, Any]:
-        """Everything, ready for a file."""
+        """Return all settings, ready for a file."""
         return {**dataclasses.asdict(self), "axes": list(self.axes)}
 
     def steering(self) -> SteeringOptions:
-        """For what turns deflections to motion."""
+        """Return the options for turning deflections into motion."""
         return SteeringOptions(
             mode=self.mode,
             speed_mm_s=self.speed_mm_s,
@@ -126,6 +126,6 @@ class MouseSettings:
         )
 
     def deflection(self, before: DeflectionSettings | None = None) -> DeflectionSettings:
-        """For what reads the cap; where it rests stays as it was."""
+        """Return the settings for reading the cap, with the rest position of `before`."""
         before = before or DeflectionSettings()
         return dataclasses.replace(before, dead_zone=self.dead_zone, curve=self.curve)

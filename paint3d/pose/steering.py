@@ -1,8 +1,8 @@
-"""The left hand turns the object: deflection of a 6-DOF mouse to motion in time.
+"""Rate control of the object by a 6-DOF mouse: deflections integrated over time.
 
-A deflection is a rate. The object's pose at any instant is the integral of what the cap said until
-then, whatever the number of reports: a device read at 60 Hz and one read at 1 kHz turn the object
-equally far. Between two reports the deflection holds, for at most `SILENCE_NS`.
+A deflection is a rate, and the object's pose its integral, independent of the rate of reports: a
+device read at 60 Hz and one read at 1 kHz turn the object equally far. A deflection holds until the
+next report, for at most `SILENCE_NS`.
 """
 
 from __future__ import annotations
@@ -35,29 +35,29 @@ class ObjectPose:
 
 @dataclass(frozen=True, slots=True)
 class SteeringOptions:
-    """What users ask of a 6-DOF mouse.
+    """Options of steering by a 6-DOF mouse.
 
     Parameters
     ----------
     mode : {"object", "camera"}
-        Whether the cap is the object, or the viewer who moves about it.
+        Whether the cap moves the object, or the viewer around it.
     speed_mm_s, turn_rad_s : float
         At full deflection.
     order : tuple of 6 int
-        Which of the cap's six axes each motion comes from: x, y, z, and the turns about them.
+        The cap's axis for each motion: along x, y, z, and the turns about them.
     inverted : tuple of 6 bool
-        Motions to be turned round.
+        Motions to be reversed.
     moving, turning : bool
         False locks them.
     dominant_axis : bool
         Follow only the axis that is deflected farthest.
     zoom_axis : {"y", "z"}
-        The cap's axis that brings the object nearer: pushed away (y), or lifted (z), which then
-        change places.
+        The cap's axis that brings the object nearer: pushing it away (y) or lifting it (z); for z,
+        the two axes are swapped.
     pivot : tuple of 3 float
         Point of the object about which it turns in object mode, mm in its own frame.
     world_from_view : tuple of 4 float
-        Where the user sits: rotates x right, y away, z up into the world.
+        The user's point of view: rotates x right, y away, z up into the world.
 
     Raises
     ------
@@ -96,7 +96,7 @@ class SteeringOptions:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class SteeringState:
-    """The object at `time_ns`, and the rates that move it on from there.
+    """The object's pose at `time_ns` and its rates from then on.
 
     Attributes
     ----------
@@ -107,7 +107,7 @@ class SteeringState:
     spin : tuple of 3 float
         About the world's axes, rad/s.
     heard_ns : int
-        When the device last spoke.
+        When the device last reported.
     """
 
     time_ns: int
@@ -120,14 +120,14 @@ class SteeringState:
 def report(
     options: SteeringOptions, state: SteeringState, time_ns: int, deflection: ArrayLike
 ) -> SteeringState:
-    """The state after the device said at `time_ns` that its cap is deflected so, (6,)."""
+    """Return the state after a report of the cap's deflection (6,) at `time_ns`."""
     moved = advance(options, state, time_ns)
     velocity, spin = _rates(options, as_array(deflection, "deflection", (6,), error=DeviceError))
     return dataclasses.replace(moved, velocity=velocity, spin=spin, heard_ns=moved.time_ns)
 
 
 def advance(options: SteeringOptions, state: SteeringState, time_ns: int) -> SteeringState:
-    """The state at a later time; times before the state's change nothing."""
+    """Return the state at a later time; a time before the state's changes nothing."""
     if time_ns <= state.time_ns:
         return state
     if state.velocity == _NONE and state.spin == _NONE:
@@ -142,7 +142,7 @@ def advance(options: SteeringOptions, state: SteeringState, time_ns: int) -> Ste
 
 
 def apply_action(options: SteeringOptions, action: str) -> SteeringOptions:
-    """Options after a button's action; those of other actions stay as they are."""
+    """Return the options after a button's action; most actions do not change them."""
     if action == "toggle_turning":
         return dataclasses.replace(options, turning=not options.turning)
     if action == "toggle_moving":
@@ -157,21 +157,21 @@ def apply_action(options: SteeringOptions, action: str) -> SteeringOptions:
 
 def _rates(options: SteeringOptions, deflection: AnyArray) -> tuple[Vector, Vector]:
     """Velocity, mm/s, and angular velocity, rad/s, in the world."""
-    share = deflection[list(options.order)]
-    share = np.where(options.inverted, -share, share)
+    rates = deflection[list(options.order)]
+    rates = np.where(options.inverted, -rates, rates)
     if options.zoom_axis == "z":
-        share = share[[0, 2, 1, 3, 4, 5]]
-    share[:3] *= options.speed_mm_s if options.moving else 0.0
-    share[3:] *= options.turn_rad_s if options.turning else 0.0
+        rates = rates[[0, 2, 1, 3, 4, 5]]
+    rates[:3] *= options.speed_mm_s if options.moving else 0.0
+    rates[3:] *= options.turn_rad_s if options.turning else 0.0
     if options.dominant_axis:
         full = np.repeat([max(options.speed_mm_s, 1e-9), max(options.turn_rad_s, 1e-9)], 3)
-        share[np.arange(6) != np.argmax(np.abs(share / full))] = 0.0
-    x, y, z, rx, ry, rz = share.tolist()
+        rates[np.arange(6) != np.argmax(np.abs(rates / full))] = 0.0
+    x, y, z, rx, ry, rz = rates.tolist()
     return turn(options.world_from_view, (x, y, z)), turn(options.world_from_view, (rx, ry, rz))
 
 
 def _moved(options: SteeringOptions, state: SteeringState, seconds: float) -> ObjectPose:
-    """Exactly the motion of constant rates: two half steps are one whole step."""
+    """Move the object by constant rates, exactly: two half steps equal one whole step."""
     x, y, z = state.velocity
     rx, ry, rz = state.spin
     if options.mode == "camera":
@@ -183,20 +183,21 @@ def _moved(options: SteeringOptions, state: SteeringState, seconds: float) -> Ob
     step = turn_by(angles)
     after = normalized(multiply(step, before))
     if options.mode == "camera":
-        base, way = turn(step, position), _way(shift, angles)
+        base, added = turn(step, position), _twist_translation(shift, angles)
     else:
+        # The pivot stays where it is while the object turns:
         a, b = turn(before, options.pivot), turn(after, options.pivot)
         base = (position[0] + a[0] - b[0], position[1] + a[1] - b[1], position[2] + a[2] - b[2])
-        way = shift
+        added = shift
     return ObjectPose(
-        np.array((base[0] + way[0], base[1] + way[1], base[2] + way[2])), np.array(after)
+        np.array((base[0] + added[0], base[1] + added[1], base[2] + added[2])), np.array(after)
     )
 
 
-def _way(shift: Vector, angles: Vector) -> Vector:
+def _twist_translation(shift: Vector, angles: Vector) -> Vector:
     """Translation of a constant twist about the world's origin (exponential map of SE(3))."""
     angle = math.sqrt(angles[0] ** 2 + angles[1] ** 2 + angles[2] ** 2)
-    if angle < 1e-4:
+    if angle < 1e-4:  # series, where the closed forms lose all digits
         one, two = 0.5 - angle**2 / 24.0, 1.0 / 6.0
     else:
         one = (1.0 - math.cos(angle)) / angle**2

@@ -1,4 +1,4 @@
-"""Touching known points with a stylus: which readings count, and what frame follows of them."""
+"""Calibration by touching known points: picks the touches from a stylus' readings and fits them."""
 
 from __future__ import annotations
 
@@ -17,19 +17,19 @@ from paint3d.pose.calibration import DeviceCalibration, fit_calibration
 __all__ = ["SHEET_MM", "Fitted", "Touches", "sheet_corners"]
 
 SHEET_MM = (210.0, 148.0)
-"""A sheet of A5 across: how wide and how deep, mm."""
+"""Width and depth of an A5 sheet in landscape, mm."""
 
-_HELD_NS = 60_000_000  # over which a touch is taken
+_HELD_NS = 60_000_000  # over which a touch is measured
 _STILL_MM = 3.0
 _LEAST_APART_MM = 10.0
-_LEAST_WIDE_MM = 5.0  # root mean square, across the line that is nearest to the points
-_LEAST_SHARE = 0.1  # of their spread along it
-_MOST_LEFT = 0.05  # of the greatest distance between points: more is a touch in the wrong place
+_LEAST_WIDE_MM = 5.0  # root mean square, across the line nearest to the points
+_LEAST_WIDE = 0.1  # the same over their spread along that line
+_GREATEST_ERROR = 0.05  # over the greatest distance between points; beyond, a touch is misplaced
 _KEPT = 4096
 
 
 def sheet_corners(width: float = SHEET_MM[0], depth: float = SHEET_MM[1]) -> NDArray[np.float64]:
-    """(4, 3) the corners of a sheet on the table, mm: near left, near right, far right, far left.
+    """Corners (4, 3) of a sheet on the table, mm: near left, near right, far right, far left.
 
     The world's origin lies in its middle, x to the right, y away, z up.
     """
@@ -40,7 +40,7 @@ def sheet_corners(width: float = SHEET_MM[0], depth: float = SHEET_MM[1]) -> NDA
 
 @dataclass(frozen=True, eq=False)
 class Fitted:
-    """What touches gave.
+    """Result of fitting touches.
 
     Attributes
     ----------
@@ -55,7 +55,7 @@ class Fitted:
 
 
 class Touches:
-    """Points that are to be touched one after the other.
+    """Known points to be touched in turn, and the touches so far.
 
     Parameters
     ----------
@@ -71,7 +71,7 @@ class Touches:
     Raises
     ------
     DeviceError
-        If the points are too few, or give no frame.
+        If there are too few points, or they do not determine a frame.
     """
 
     def __init__(self, points: ArrayLike) -> None:
@@ -85,16 +85,16 @@ class Touches:
 
     @property
     def is_done(self) -> bool:
-        """Whether all have been touched."""
+        """True if all points have been touched."""
         return len(self.touched) == len(self.points)
 
     def hear(self, readings: Iterable[StylusReading]) -> bool:
-        """Follow the stylus, in its own frame; whether a button that went down touched a point.
+        """Follow the stylus, in its own frame; return whether a button press touched a point.
 
         Raises
         ------
         DeviceError
-            See `touch`: the point is still to be touched.
+            See `touch`; the point remains to be touched.
         """
         touched = False
         for reading in readings:
@@ -108,18 +108,18 @@ class Touches:
         return touched
 
     def touch(self) -> None:
-        """Take where the stylus is for the next point.
+        """Take the stylus' position as the touch of the next point.
 
         Raises
         ------
         DeviceError
-            If nothing was heard of it, it was not held still, or it is where it touched before.
+            If there are no readings, it was not held still, or it is at an earlier touch.
         """
         if not self._recent:
             raise DeviceError("nothing was heard of the stylus; expected it to be awake")
-        places = np.array([reading.position for reading in self._recent])
-        middle = np.median(places, axis=0)
-        moved = float(np.linalg.norm(places - middle, axis=1).max())
+        positions = np.array([reading.position for reading in self._recent])
+        middle = np.median(positions, axis=0)
+        moved = float(np.linalg.norm(positions - middle, axis=1).max())
         if moved > _STILL_MM:
             raise DeviceError(
                 f"the stylus moved by {moved:.1f} mm while point {len(self.touched) + 1} was "
@@ -136,7 +136,7 @@ class Touches:
         self._recent.clear()
 
     def fit(self, *, scaled: bool = False) -> Fitted:
-        """The device's place in the world that follows.
+        """Fit the device's frame in the world to the touches.
 
         Parameters
         ----------
@@ -147,7 +147,7 @@ class Touches:
         ------
         DeviceError
             If touches are missing, too near to each other or to one line, or do not fit their
-            points: by how much.
+            points, with the errors.
         """
         if not self.is_done:
             raise DeviceError(
@@ -159,11 +159,11 @@ class Touches:
             _check_distances(device, self.points)
         calibration = fit_calibration(device, self.points, scaled=scaled)
         errors = np.linalg.norm(calibration.to_world(device) - self.points, axis=1)
-        most = _MOST_LEFT * _greatest_distance(self.points)
+        most = _GREATEST_ERROR * _greatest_distance(self.points)
         if errors.max() > most:
-            told = ", ".join(f"{error:.1f}" for error in errors)
+            each = ", ".join(f"{error:.1f}" for error in errors)
             raise DeviceError(
-                f"the touches lie {told} mm off their points; expected at most {most:.1f} mm: were "
+                f"the touches lie {each} mm off their points; expected at most {most:.1f} mm: were "
                 "they touched in the order that was asked for, and are the points as far apart as "
                 "was said?"
             )
@@ -171,7 +171,7 @@ class Touches:
 
 
 def _check_spread(points: AnyArray, what: str) -> None:
-    """Refuse points that lie together or on one line, with numbers."""
+    """Raise if points lie too close together or on one line."""
     apart = np.linalg.norm(points[:, None] - points[None], axis=2)
     apart[np.diag_indices(len(points))] = np.inf
     i, j = np.unravel_index(np.argmin(apart), apart.shape)
@@ -181,7 +181,7 @@ def _check_spread(points: AnyArray, what: str) -> None:
             f"expected at least {_LEAST_APART_MM:g}"
         )
     spread = np.linalg.svd(points - points.mean(axis=0))[1] / np.sqrt(len(points))
-    least = max(_LEAST_WIDE_MM, _LEAST_SHARE * float(spread[0]))
+    least = max(_LEAST_WIDE_MM, _LEAST_WIDE * float(spread[0]))
     if spread[1] < least:
         raise DeviceError(
             f"the {what} lie within {spread[1]:.2f} mm of one line, along which they spread "
@@ -190,11 +190,11 @@ def _check_spread(points: AnyArray, what: str) -> None:
 
 
 def _check_distances(device: AnyArray, world: AnyArray) -> None:
-    """Refuse touches whose distances are not those of their points, whatever the frame."""
+    """Raise if distances between touches differ from those of their points, in any frame."""
     between = [np.linalg.norm(p[:, None] - p[None], axis=2) for p in (device, world)]
     off = np.abs(between[0] - between[1])
     i, j = np.unravel_index(np.argmax(off), off.shape)
-    most = _MOST_LEFT * _greatest_distance(world)
+    most = _GREATEST_ERROR * _greatest_distance(world)
     if off[i, j] > most:
         raise DeviceError(
             f"touches {min(i, j) + 1} and {max(i, j) + 1} lie {between[0][i, j]:.1f} mm apart, "

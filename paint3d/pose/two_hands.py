@@ -1,16 +1,16 @@
-"""Two streams of time-stamped readings to one stream of samples, smoothed as the hand moves.
+"""Merging the time-stamped readings of both hands into one smoothed stream of samples.
 
-The right hand sets the beat: every stylus reading gives one sample, none is lost and none is made
-up. The left hand's deflection is integrated up to that very instant. Readings are taken in the
-order of their times, whichever device they came from, up to a moment that both devices must have
-reached; what is younger waits for the next call.
+The right hand sets the pace: every stylus reading gives exactly one sample, with the left hand's
+deflection integrated up to its time. Readings are processed in the order of their times, whichever
+device they came from, up to a time that both devices must have reached; later ones wait for the
+next call.
 
-A steady hand comes of the 1-Euro filter on positions, orientations and pressures: Casiez, Roussel
-and Vogel, *1 Euro filter: a simple speed-based low-pass filter for noisy input in interactive
-systems*, CHI 2012. Slow hands are smoothed much, fast ones little, since noise is seen when the
-hand is slow and lag when it is fast. Time steps are those of the samples, so the result does not
-hang on a fixed rate. Here the cutoff follows one speed of the whole pose: smoothing axes apart
-would bend straight strokes.
+Positions, orientations and pressures pass a 1-Euro filter: Casiez, Roussel and Vogel, *1 Euro
+filter: a simple speed-based low-pass filter for noisy input in interactive systems*, CHI 2012. Slow
+motion is smoothed much and fast motion little, since noise shows in slow motion and lag in fast. It
+uses the samples' own time steps, so the result does not depend on a fixed rate. Unlike in the
+paper, one cutoff for the whole pose follows its speed: smoothing the axes separately would bend
+straight strokes.
 """
 
 from __future__ import annotations
@@ -37,14 +37,14 @@ __all__ = ["SmoothingSettings", "TwoHands", "lag_s", "smooth_pose"]
 
 @dataclass(frozen=True, slots=True)
 class SmoothingSettings:
-    """How much to smooth.
+    """Parameters of the 1-Euro filter.
 
     Parameters
     ----------
     rest_hz : float
         Cutoff of a hand at rest.
     hz_per_mm_s : float
-        By how much the cutoff rises with the speed.
+        Increase of the cutoff with the speed.
     speed_hz : float
         Cutoff of the speed's own low-pass filter.
 
@@ -66,7 +66,7 @@ class SmoothingSettings:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class _SmoothedPose:
-    """The filter's memory, and its output: position (3,) mm, orientation (4,), pressure or None."""
+    """State and output of the filter: position (3,) mm, orientation (4,), pressure or None."""
 
     time_ns: int
     position: NDArray[np.float64]
@@ -84,45 +84,41 @@ def smooth_pose(
     orientation: AnyArray,
     pressure: float | None,
 ) -> _SmoothedPose:
-    """One step of the filter; without `before` the sample passes unchanged.
+    """Filter one sample; without `before` it passes unchanged.
 
-    A pressure of 0 passes unchanged and at once: a pen that lifts must not drag its stroke on.
+    A pressure of 0 passes unchanged and at once: a pen that lifts must not extend its stroke.
     """
     if before is None or time_ns <= before.time_ns:
         return _SmoothedPose(time_ns, position, orientation, pressure, position, np.zeros(3))
     dt = (time_ns - before.time_ns) * 1e-9
-    rate = _share(settings.speed_hz, dt)
+    rate = _gain(settings.speed_hz, dt)
     velocity = before.velocity + rate * ((position - before.raw_position) / dt - before.velocity)
     speed = math.sqrt(velocity @ velocity)
-    share = _share(settings.rest_hz + settings.hz_per_mm_s * speed, dt)
+    gain = _gain(settings.rest_hz + settings.hz_per_mm_s * speed, dt)
+    if pressure and before.pressure:
+        pressure = before.pressure + gain * (pressure - before.pressure)
     return _SmoothedPose(
         time_ns,
-        before.position + share * (position - before.position),
-        np.array(slerp_one(before.orientation.tolist(), orientation.tolist(), share)),
-        _smooth_pressure(before.pressure, pressure, share),
+        before.position + gain * (position - before.position),
+        np.array(slerp_one(before.orientation.tolist(), orientation.tolist(), gain)),
+        pressure,
         position,
         velocity,
     )
 
 
 def lag_s(settings: SmoothingSettings, speed_mm_s: float) -> float:
-    """Delay of the filter behind a hand of steady speed, s (1 / 2 pi cutoff)."""
+    """Lag of the filter behind a hand of constant speed, s: 1 / (2 pi cutoff)."""
     return 1.0 / (2.0 * math.pi * (settings.rest_hz + settings.hz_per_mm_s * speed_mm_s))
 
 
-def _share(cutoff_hz: float, dt: float) -> float:
-    """Of the new value: the exact step response of a first-order low-pass over dt."""
+def _gain(cutoff_hz: float, dt: float) -> float:
+    """Weight of the new value: the exact step response of a first-order low-pass over dt."""
     return -math.expm1(-2.0 * math.pi * cutoff_hz * dt)
 
 
-def _smooth_pressure(before: float | None, now: float | None, share: float) -> float | None:
-    if now is None or before is None or now == 0.0 or before == 0.0:
-        return now
-    return before + share * (now - before)
-
-
 class TwoHands:
-    """Merges the stylus and the 6-DOF mouse; no clock inside, so a replay repeats to the bit.
+    """Merges the stylus and the 6-DOF mouse; it reads no clock, so a replay is exact to the bit.
 
     Parameters
     ----------
@@ -154,42 +150,43 @@ class TwoHands:
 
     @property
     def object_pose(self) -> ObjectPose:
-        """The object at the last time that was asked for."""
+        """The object's pose at the time of the last `take`."""
         return self._state.pose
 
     def add_stylus(self, readings: Iterable[StylusReading]) -> None:
-        """Readings of the right hand."""
+        """Queue readings of the right hand."""
         for reading in readings:
             self._put(reading.time_ns, reading)
 
     def add_deflection(self, time_ns: int, deflection: ArrayLike) -> None:
-        """What the left hand's cap said: (6,), see `paint3d.device.space_mouse`."""
+        """Queue a deflection (6,) of the left hand's cap, see `paint3d.device.space_mouse`."""
         self._put(time_ns, np.array(deflection, dtype=np.float64))
 
     def set_object_pose(self, pose: ObjectPose) -> None:
-        """Put the object elsewhere at once (recentred, or a session opened)."""
+        """Move the object at once (recentred, or a session opened)."""
         self._state = dataclasses.replace(self._state, pose=pose)
 
     def take(self, until_ns: int) -> list[DeviceSample]:
-        """Samples of everything up to `until_ns`, in the order of time.
+        """Return the samples of all readings up to `until_ns`, by time.
 
-        A reading that is older than what was already taken (`late` counts them) is put right after
-        it: its pose is true, only its time is bent.
+        A reading older than a sample already taken (`late` counts these) is put right after it: its
+        pose is kept, its time shifted.
         """
         samples = []
         while self._waiting and self._waiting[0][0] <= until_ns:
-            time_ns, _, what = heapq.heappop(self._waiting)
-            if isinstance(what, StylusReading):
-                samples += self._sample(time_ns, what)
+            time_ns, _, entry = heapq.heappop(self._waiting)
+            if isinstance(entry, StylusReading):
+                samples += self._sample(time_ns, entry)
             else:
-                self._state = report(self.steering, self._state, time_ns, what)
+                self._state = report(self.steering, self._state, time_ns, entry)
         self._state = advance(self.steering, self._state, until_ns)
         return samples
 
-    def _put(self, time_ns: int, what: StylusReading | ArrayLike) -> None:
-        heapq.heappush(self._waiting, (time_ns, next(self._count), what))
+    def _put(self, time_ns: int, entry: StylusReading | ArrayLike) -> None:
+        heapq.heappush(self._waiting, (time_ns, next(self._count), entry))  # ties: as they came
 
     def _sample(self, time_ns: int, reading: StylusReading) -> list[DeviceSample]:
+        """Turn a reading into one sample, or none if the pen is out of range."""
         if not reading.in_range:
             self._smoothed = None
             return []
@@ -206,7 +203,7 @@ class TwoHands:
             )
             position, orientation = self._smoothed.position, self._smoothed.orientation
             pressure = self._smoothed.pressure
-        thing = self._state.pose
+        held = self._state.pose
         return [
             DeviceSample(
                 time_ns,
@@ -214,7 +211,7 @@ class TwoHands:
                 orientation,
                 pressure,
                 reading.buttons,
-                thing.position,
-                thing.orientation,
+                held.position,
+                held.orientation,
             )
         ]

@@ -1,1 +1,1 @@
-"""Devices that push back: styli with motors, and what stands in for them."""
+"""Force-feedback styli: their protocols and ports."""

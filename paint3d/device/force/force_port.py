@@ -1,8 +1,8 @@
-"""Devices that push back, as loops: some call us, others are asked, so each backend owns its loop.
+"""Force-feedback devices as ports that each run their own loop.
 
-A port is handed a loop whose `step` makes a force of a pose (or of None, where the device was
-silent), and runs until it is told to stop or the device goes. Whatever happens, the last thing that
-it sends is no force.
+Some devices call us back and others are polled, so the backend owns the loop. A port calls `step`
+of a `ForceLoop` with every pose (None after a silence), sends the force that it returns, and runs
+until it is stopped or the device is gone. However it ends, the last force it sends is zero.
 """
 
 from __future__ import annotations
@@ -24,39 +24,39 @@ __all__ = ["ForceLoop", "ForcePort", "HidForcePort", "SocketForcePort"]
 
 _WAIT_MS = 2
 _NOTHING = (0.0, 0.0, 0.0)
-_LAST_WORD_S = 1.0  # to wait for room for the last force, where the other side is slow to read
+_LAST_WORD_S = 1.0  # timeout of the last force, for a reader that is slow
 
 
 class ForceLoop(Protocol):
-    """What a port needs of the servo."""
+    """Interface of the servo to a port."""
 
     def step(self, pose: PoseNumbers | None, now_ns: int) -> tuple[float, float, float]:
-        """The force in the device's frame, N, after a pose or a silence."""
+        """Return the force in the device's frame, N, after a pose or a silence."""
 
     def sent(self) -> None:
-        """The force has gone out: the time to keep books."""
+        """Called when the force is sent, with time left for bookkeeping."""
 
     def refused(self) -> None:
-        """A report came that cannot be."""
+        """Called for a report that cannot be decoded."""
 
     def stopped(self) -> bool:
-        """Whether the loop must end."""
+        """Return whether the loop must end."""
 
 
 class ForcePort(Protocol):
-    """A force device that has yet to be opened: it travels to the servo's process."""
+    """A force device that is opened by `run`, in the servo's process."""
 
     def run(self, loop: ForceLoop) -> None:
-        """Open the device and run until it goes or the loop is stopped."""
+        """Open the device and run until it is gone or the loop is stopped."""
 
 
 def answer(
     reports: list[tuple[int, bytes]], send: Callable[[bytes], None], loop: ForceLoop
 ) -> None:
-    """Answer the newest readable report of a batch, or a silence, with a force.
+    """Answer a batch of reports, or a silence, with one force.
 
-    Every report is handed to the loop, so that none is missing from the painting, but only the
-    last force is sent.
+    The loop steps for every valid report, so that none is missing from the painting; only the last
+    force is sent.
     """
     sequence, force = 0, None
     for time_ns, report in reports:
@@ -86,7 +86,7 @@ class HidForcePort:
         Raises
         ------
         DeviceError
-            If it cannot be opened, or goes.
+            If it cannot be opened, or disconnects.
         """
         link = open_node(self.node)
         try:
@@ -100,7 +100,7 @@ class HidForcePort:
 
 @dataclass(frozen=True)
 class SocketForcePort:
-    """The same reports over a socket that keeps messages apart: a stylus that is a program."""
+    """A stylus that is a program: the same reports over a socket that preserves messages."""
 
     socket: socket.socket
 
@@ -138,6 +138,6 @@ class SocketForcePort:
         try:
             self.socket.send(report)
         except BlockingIOError:
-            return  # it does not read: the next force is newer anyway
+            return  # the reader lags; the next force is newer anyway
         except OSError as cause:
             raise DeviceGoneError(f"the virtual stylus has gone ({cause})") from None

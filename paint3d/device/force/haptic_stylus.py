@@ -1,9 +1,9 @@
-"""paint3d's own HID haptic stylus: pose in, force out, on a vendor page.
+"""paint3d's own HID haptic stylus: pose in, force out, on a vendor-defined page.
 
 Input report 1, 24 bytes: int32 x, y, z in um, int16 quaternion w, x, y, z in 1/16384 (Q14), uint8
 buttons, uint8 reserved, uint16 sequence number. Output report 2, 8 bytes: int16 force x, y, z in
-mN, uint16 the sequence number of the pose that it answers. Little-endian. A device of this kind
-must let its force fall to zero by itself when no force report has come for 10 ms.
+mN, uint16 the sequence number of the pose that it answers. Little-endian. The device must set its
+force to zero by itself when no force report has come for 10 ms.
 """
 
 from __future__ import annotations
@@ -49,12 +49,12 @@ _MILLI = 1000.0
 
 
 def is_haptic_stylus(descriptor: bytes) -> bool:
-    """Whether a device's descriptor is this stylus'."""
+    """Return whether a descriptor is this stylus'."""
     return bytes(descriptor) == DESCRIPTOR
 
 
 class PoseNumbers(NamedTuple):
-    """A pose as plain numbers: what the servo takes, without an array being made.
+    """A pose as plain numbers, which the servo handles without allocating arrays.
 
     `position` in mm and unit `orientation`, w first, in the device's frame.
     """
@@ -67,12 +67,13 @@ class PoseNumbers(NamedTuple):
 
 
 def decode_numbers(data: bytes, time_ns: int = 0) -> PoseNumbers:
-    """The pose in an input report; padding behind it is passed over.
+    """Decode the pose in an input report; trailing padding is ignored.
 
     Raises
     ------
     DeviceError
-        If the report is another one, too short, farther than 2 m, or its quaternion is not one.
+        If it is another report or too short, its position is beyond 2 m, or its quaternion is not
+        of unit length.
     """
     if len(data) < _POSE.size or data[0] != _POSE_ID:
         raise DeviceError(
@@ -81,8 +82,8 @@ def decode_numbers(data: bytes, time_ns: int = 0) -> PoseNumbers:
         )
     _, x, y, z, qw, qx, qy, qz, buttons, _, sequence = _POSE.unpack_from(data)
     if not -_FARTHEST <= min(x, y, z) <= max(x, y, z) <= _FARTHEST:
-        place = f"({x / _MILLI:g}, {y / _MILLI:g}, {z / _MILLI:g})"
-        raise DeviceError(f"the stylus is at {place} mm; expected within {_FARTHEST / _MILLI:g}")
+        position = f"({x / _MILLI:g}, {y / _MILLI:g}, {z / _MILLI:g})"
+        raise DeviceError(f"the stylus is at {position} mm; expected within {_FARTHEST / _MILLI:g}")
     length = math.sqrt(qw * qw + qx * qx + qy * qy + qz * qz)
     if abs(length / _Q14 - 1.0) > _WORST_LENGTH:
         raise DeviceError(f"the stylus' quaternion has length {length / _Q14:.3g}; expected 1")
@@ -96,7 +97,7 @@ def decode_numbers(data: bytes, time_ns: int = 0) -> PoseNumbers:
 
 
 def decode_pose(data: bytes, time_ns: int = 0) -> tuple[StylusReading, int]:
-    """The reading and the sequence number in an input report; see `decode_numbers`."""
+    """Decode the reading and the sequence number in an input report; see `decode_numbers`."""
     pose = decode_numbers(data, time_ns)
     reading = StylusReading(
         time_ns, np.array(pose.position), np.array(pose.orientation), None, pose.buttons
@@ -107,7 +108,7 @@ def decode_pose(data: bytes, time_ns: int = 0) -> tuple[StylusReading, int]:
 def encode_pose(
     position: ArrayLike, orientation: ArrayLike, buttons: int = 0, sequence: int = 0
 ) -> bytes:
-    """The input report of a pose, as the device (or one that stands in for it) sends it."""
+    """Encode the input report of a pose, as the device or a virtual one sends it."""
     micro = np.round(np.asarray(position, np.float64) * _MILLI).astype(np.int64)
     parts = np.round(np.asarray(orientation, np.float64) * _Q14).astype(np.int64)
     return _POSE.pack(
@@ -116,25 +117,25 @@ def encode_pose(
 
 
 def encode_force(force: ArrayLike, sequence: int = 0) -> bytes:
-    """The output report of a force (3,) in N, in the device's frame.
+    """Encode the output report of a force (3,) in N, in the device's frame.
 
     Raises
     ------
     DeviceError
-        If the force is not finite or above the device's limit: it must be made safe before.
+        If the force is not finite or above the device's limit; the caller must limit it.
     """
     x, y, z = np.asarray(force, np.float64).tolist()
     squared = x * x + y * y + z * z
-    if not squared <= (MAX_FORCE_N + 1e-6) ** 2:  # also where it is NaN
+    if not squared <= (MAX_FORCE_N + 1e-6) ** 2:  # negated to catch NaN
         raise DeviceError(f"force is ({x:g}, {y:g}, {z:g}) N; expected at most {MAX_FORCE_N} N")
-    # towards zero: rounding must not pass the limit
+    # int() truncates towards zero: rounding must not exceed the limit.
     return _FORCE.pack(
         _FORCE_ID, int(x * _MILLI), int(y * _MILLI), int(z * _MILLI), sequence & 0xFFFF
     )
 
 
 def decode_force(data: bytes) -> tuple[tuple[float, float, float], int]:
-    """Force in N and sequence number of an output report, as the device reads it.
+    """Decode the force in N and the sequence number of an output report, as the device does.
 
     Raises
     ------

@@ -1,11 +1,12 @@
 """Haply Inverse3 with VerseGrip: JSON messages of the vendor's service, both ways.
 
 NOT TRIED ON HARDWARE: written from the service's public interface (version 3, JSON over a
-WebSocket at ws://localhost:10001) and tested against a server that stands in for it.
+WebSocket at ws://localhost:10001) and tested against a mock server.
 
-The service sends a state; every force that is sent is answered by the next state, and without a
-force (zero will do) no state comes. Positions are in metres, forces in newtons, quaternions have
-x, y, z, w by name. Only the first message of a connection carries the configuration.
+The service sends a first state, and answers every force (zero will do) with the next; so our forces
+set its pace. Positions are in metres, forces in newtons, quaternions have x, y, z, w by name. Only
+the first message of a connection carries the configuration. Needs the package websockets
+(``pip install 'paint3d[haply]'``).
 """
 
 from __future__ import annotations
@@ -49,9 +50,9 @@ class Inverse3State:
     Attributes
     ----------
     device_id : str
-        Of the Inverse3: forces name it.
+        Of the Inverse3, to address forces to.
     reading : StylusReading
-        Position in mm and, where a grip is there, orientation and buttons.
+        Position in mm and, if there is a grip, orientation and buttons.
     has_grip : bool
     """
 
@@ -61,13 +62,13 @@ class Inverse3State:
 
 
 def decode_state(data: bytes | str, time_ns: int = 0) -> Inverse3State:
-    """Read a message of the service.
+    """Decode a message of the service.
 
     Raises
     ------
     DeviceError
-        If it is not JSON, names no Inverse3, or a number in it is missing, no number, not finite
-        or out of reach.
+        If it is not JSON, names no Inverse3, or one of its numbers is missing, not a number, not
+        finite or out of range.
     """
     if len(data) > _MAX_BYTES:
         raise DeviceError(f"a message of {len(data)} bytes; expected at most {_MAX_BYTES}")
@@ -81,24 +82,24 @@ def decode_state(data: bytes | str, time_ns: int = 0) -> Inverse3State:
     device_id = device.get("device_id")
     if not isinstance(device_id, str) or not device_id:
         raise DeviceError(f"the Inverse3's device_id is {device_id!r:.40}; expected a name")
-    place = _numbers(device, "cursor_position", "xyz")
-    if max(map(abs, place)) * _MM > _MAX_MM:
-        raise DeviceError(f"the cursor is at {place} m; expected within {_MAX_MM / _MM:g}")
+    cursor = _numbers(device, "cursor_position", "xyz")
+    if max(map(abs, cursor)) * _MM > _MAX_MM:
+        raise DeviceError(f"the cursor is at {cursor} m; expected within {_MAX_MM / _MM:g}")
     grip = next((g for name in _GRIPS if (g := _first(message, name)) is not None), None)
     orientation, buttons = [1.0, 0.0, 0.0, 0.0], 0
     if grip is not None:
-        orientation, buttons = _orientation(grip), _held(grip)
-    reading = StylusReading(time_ns, np.array(place) * _MM, np.array(orientation), None, buttons)
+        orientation, buttons = _orientation(grip), _buttons(grip)
+    reading = StylusReading(time_ns, np.array(cursor) * _MM, np.array(orientation), None, buttons)
     return Inverse3State(device_id, reading, grip is not None)
 
 
 def encode_force(device_id: str, force: ArrayLike) -> str:
-    """The message that sets the force (3,), N, and asks for the next state.
+    """Encode the message that sets the force (3,), N, and requests the next state.
 
     Raises
     ------
     DeviceError
-        If the force is not finite or above the device's limit: it must be made safe before.
+        If the force is not finite or above the device's limit; the caller must limit it.
     """
     x, y, z = np.asarray(force, np.float64).tolist()
     if not math.hypot(x, y, z) <= MAX_FORCE_N + 1e-6:
@@ -109,29 +110,30 @@ def encode_force(device_id: str, force: ArrayLike) -> str:
 
 
 def _first(message: object, name: str) -> dict[str, Any] | None:
-    """The first entry of a list of devices."""
+    """Return the first entry of a list of devices, or None."""
     devices = message.get(name) if isinstance(message, dict) else None
-    found = devices[0] if isinstance(devices, list) and devices else None
-    return found if isinstance(found, dict) else None
+    device = devices[0] if isinstance(devices, list) and devices else None
+    return device if isinstance(device, dict) else None
 
 
 def _numbers(device: dict[str, Any], name: str, keys: str) -> list[float]:
+    """Return the finite numbers of one entry of a device's state, by their one-letter keys."""
     state = device.get("state")
     parts = state.get(name) if isinstance(state, dict) else None
     if not isinstance(parts, dict):
         raise DeviceError(f"the Inverse3 service sent no {name}")
-    found = []
+    numbers = []
     for key in keys:
         number = parts.get(key)
         if isinstance(number, bool) or not isinstance(number, int | float):
             raise DeviceError(f"{name}.{key} is {number!r:.40}; expected a number")
         try:
-            found.append(float(number))
+            numbers.append(float(number))
         except OverflowError:
-            found.append(math.inf)
-        if not math.isfinite(found[-1]):
-            raise DeviceError(f"{name}.{key} is {found[-1]}; expected a finite number")
-    return found
+            numbers.append(math.inf)
+        if not math.isfinite(numbers[-1]):
+            raise DeviceError(f"{name}.{key} is {numbers[-1]}; expected a finite number")
+    return numbers
 
 
 def _orientation(grip: dict[str, Any]) -> list[float]:
@@ -142,21 +144,15 @@ def _orientation(grip: dict[str, Any]) -> list[float]:
     return [part / length for part in parts]
 
 
-def _held(grip: dict[str, Any]) -> int:
+def _buttons(grip: dict[str, Any]) -> int:
     state = grip.get("state")
-    held = state.get("buttons") if isinstance(state, dict) else None
-    if not isinstance(held, dict):
+    buttons = state.get("buttons") if isinstance(state, dict) else None
+    if not isinstance(buttons, dict):
         return 0
-    return sum(bit for name, bit in _BUTTONS.items() if held.get(name) is True)
+    return sum(bit for name, bit in _BUTTONS.items() if buttons.get(name) is True)
 
 
 # ---- The port ------------------------------------------------------------------------------------
-# Haply Inverse3 as a force port: one force out, one state back, over the vendor's service.
-#
-# NOT TRIED ON HARDWARE; see `paint3d.device.force.inverse3`. The service answers every force with
-# the next state, so its pace is ours. Needs the package websockets (``pip install
-# 'paint3d[haply]'``).
-
 
 _FIRST_S, _SILENCE_S = 5.0, 0.002
 _LISTENS_S = 0.25
@@ -170,17 +166,17 @@ class Inverse3Port:
     uri: str = URI
 
     def is_served(self) -> bool:
-        """Whether something listens where the service would be."""
-        place = urlsplit(self.uri)
+        """Return whether something listens at the service's address."""
+        url = urlsplit(self.uri)
         try:
-            there = (place.hostname or "localhost", place.port or 80)
-            socket.create_connection(there, _LISTENS_S).close()
+            address = (url.hostname or "localhost", url.port or 80)
+            socket.create_connection(address, _LISTENS_S).close()
         except (OSError, ValueError):
             return False
         return True
 
     def read_name(self) -> str:
-        """The name of the Inverse3 that the service knows.
+        """Read the device id of the service's first Inverse3.
 
         Raises
         ------
@@ -196,10 +192,20 @@ class Inverse3Port:
         Raises
         ------
         DeviceError
-            If the service does not run, knows no Inverse3, or hangs up.
+            If the service does not run, knows no Inverse3, or closes the connection.
         """
         with self._connected() as service:
-            self._serve(service, loop)
+            state = decode_state(service.recv(timeout=_FIRST_S), time.monotonic_ns())
+            device_id = state.device_id
+            try:
+                force = loop.step(_pose_numbers(state), time.monotonic_ns())
+                while not loop.stopped():
+                    service.send(encode_force(device_id, force))
+                    loop.sent()
+                    force = self._next(service, loop)
+            finally:
+                with suppress(Exception):  # the connection may be closed already
+                    service.send(encode_force(device_id, _NOTHING))
 
     @contextmanager
     def _connected(self) -> Iterator[ClientConnection]:
@@ -219,24 +225,11 @@ class Inverse3Port:
                 "with Haply's software: start it, or say where it is: --stylus inverse3=ws://HOST:PORT"
             ) from None
 
-    def _serve(self, service: ClientConnection, loop: ForceLoop) -> None:
-        state = decode_state(service.recv(timeout=_FIRST_S), time.monotonic_ns())
-        device_id = state.device_id
-        try:
-            force = loop.step(_pose_numbers(state), time.monotonic_ns())
-            while not loop.stopped():
-                service.send(encode_force(device_id, force))
-                loop.sent()
-                force = self._next(service, loop)
-        finally:
-            with suppress(Exception):  # it may be gone; there is nothing more to be done
-                service.send(encode_force(device_id, _NOTHING))
-
     def _next(self, service: ClientConnection, loop: ForceLoop) -> tuple[float, float, float]:
-        """The force after the newest state, or after a silence.
+        """Compute the force after the newest state, or after a silence.
 
-        A silence is answered too, with what is then no force; its own answer comes on top of the
-        late one, so all that wait are taken, or the hand would be felt ever later.
+        A silence is answered too, by the loop's force for it. The service's reply to that comes in
+        addition to the late state, so all queued states are taken: else the delay would add up.
         """
         force, timeout = None, _SILENCE_S
         while True:

@@ -1,9 +1,9 @@
 """3D Systems Touch and Phantom devices through OpenHaptics' HD library.
 
 NOT TRIED ON HARDWARE: written against the public HD interface (OpenHaptics 3) and tested against a
-library that stands in for it.
+mock library.
 
-The library calls us back a thousand times a second from a thread of its own. Its frame has x to the
+The library calls us back a thousand times a second from its own thread. Its frame has x to the
 right, y up and z towards the user, lengths in mm; the stylus' z axis runs up the handle, as ours.
 `WORLD_FROM_OPENHAPTICS` turns it into x right, y away, z up.
 """
@@ -54,7 +54,7 @@ class OpenHapticsPort:
     Parameters
     ----------
     name : str
-        As configured in the maker's setup program; empty is the default device.
+        As configured in the maker's setup program; empty for the default device.
     library : str
         The shared library.
     """
@@ -63,7 +63,7 @@ class OpenHapticsPort:
     library: str = "libHD.so"
 
     def is_installed(self) -> bool:
-        """Whether the library can be loaded."""
+        """Return whether the library can be loaded."""
         try:
             _load(self.library)
         except DeviceError:
@@ -71,12 +71,12 @@ class OpenHapticsPort:
         return True
 
     def read_limits(self) -> tuple[float, float | None]:
-        """Open the device for a moment, and let it go.
+        """Open the device for a moment to read its limits.
 
         Returns
         -------
         (float, float or None)
-            Its greatest force, N, and greatest stable stiffness, N/mm, where it says.
+            Its greatest force, N, and greatest stable stiffness, N/mm, if it states one.
 
         Raises
         ------
@@ -94,7 +94,7 @@ class OpenHapticsPort:
         return most, stiffest[0] if 0.01 <= stiffest[0] <= 20.0 else None
 
     def _open(self, hd: ctypes.CDLL) -> int:
-        for _ in range(_MOST_ERRORS):  # it keeps them until they are asked for
+        for _ in range(_MOST_ERRORS):  # the library queues errors; drop old ones
             if not hd.hdGetError().code:
                 break
         handle: int = hd.hdInitDevice(self.name.encode() or None)
@@ -125,7 +125,7 @@ class OpenHapticsPort:
             ticket = hd.hdScheduleAsynchronous(callback, None, _PRIORITY)
             hd.hdStartScheduler()
             while not session.over.wait(_PATIENCE_S):
-                session.check_beat()
+                session.check_alive()
             hd.hdStopScheduler()
             hd.hdUnschedule(ticket)
         finally:
@@ -137,7 +137,7 @@ class OpenHapticsPort:
 
 @dataclass
 class _Session:
-    """What the callback works with; nothing is made anew in it."""
+    """State of the callback, which allocates nothing itself."""
 
     hd: ctypes.CDLL
     handle: int
@@ -153,18 +153,18 @@ class _Session:
         self._held = (ctypes.c_int * 1)()
 
     def read_limit(self) -> None:
-        """What the device itself can do, N."""
+        """Read the device's greatest force, N."""
         self.limit = _greatest_force(self.hd)
         self.called_ns = time.monotonic_ns()
 
-    def check_beat(self) -> None:
-        """End where the library has stopped calling: nobody would be told to stop."""
+    def check_alive(self) -> None:
+        """End the session if the library has stopped calling, as nothing else would."""
         if time.monotonic_ns() - self.called_ns > _SILENCE_NS:
             self.failure = DeviceError("OpenHaptics has stopped calling: the device has gone")
             self.over.set()
 
     def call(self, _: int | None) -> int:
-        """One servo tick; an exception must not reach the library."""
+        """Run one servo tick; no exception may reach the library."""
         hd = self.hd
         self.called_ns = now_ns = time.monotonic_ns()
         hd.hdBeginFrame(self.handle)
@@ -198,7 +198,7 @@ class _Session:
 
 
 def _greatest_force(hd: ctypes.CDLL) -> float:
-    """What the open device can do, N, but never more than is asked of any."""
+    """Greatest force of the open device, N, at most `MAX_FORCE_N`."""
     most = (ctypes.c_double * 1)()
     hd.hdGetDoublev(_MAX_FORCE, most)
     if not 0.0 < most[0] <= 1000.0:
@@ -207,7 +207,7 @@ def _greatest_force(hd: ctypes.CDLL) -> float:
 
 
 def _pose(matrix: Any, buttons: int, time_ns: int) -> PoseNumbers:
-    """Position and quaternion out of a column-major 4 x 4 matrix."""
+    """Convert a column-major 4 x 4 matrix to position and quaternion."""
     m = [[matrix[4 * column + row] for column in range(3)] for row in range(3)]
     trace = m[0][0] + m[1][1] + m[2][2]
     if trace > 0.0:

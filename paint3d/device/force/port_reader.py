@@ -1,4 +1,4 @@
-"""A stylus with motors that is only read: its port runs in a thread, and is never given a force."""
+"""Reads a force-feedback stylus without force: its port runs in a thread and is sent zeros."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from paint3d.errors import DeviceError
 __all__ = ["PortReader"]
 
 _NOTHING = (0.0, 0.0, 0.0)
-_MOST = 100_000  # readings that wait to be taken: the oldest go
+_MOST = 100_000  # readings to be taken; the oldest are dropped
 
 
 class PortReader:
@@ -27,7 +27,7 @@ class PortReader:
     name : str
         For messages.
     patience_s : float
-        How long to wait for the first pose; what goes wrong until then is raised.
+        How long to wait for the first pose; failures until then are raised.
 
     Attributes
     ----------
@@ -58,15 +58,15 @@ class PortReader:
 
     @property
     def gone(self) -> str | None:
-        """Why nothing comes any more; None while it is read."""
+        """Why reading has ended; None while it goes on."""
         return None if self._failure is None else str(self._failure)
 
     def take(self) -> list[StylusReading]:
-        """All readings since the last call, oldest first."""
+        """Return all readings since the last call, oldest first."""
         return [self._readings.popleft() for _ in range(len(self._readings))]
 
     def stop(self) -> None:
-        """Stop reading; nothing happens the second time."""
+        """Stop reading; idempotent."""
         self._stopping.set()
         self._thread.join(timeout=5.0)
 
@@ -75,29 +75,29 @@ class PortReader:
             self._port.run(self)
         except DeviceError as failure:
             self._failure = failure
-        except Exception as cause:  # nobody else would hear of it
+        except Exception as cause:  # it would be lost with the thread
             self._failure = DeviceError(f"{self.name} failed: {cause!r}")
         finally:
             self._spoke.set()
 
-    # -- what the port calls ----------------------------------------------------------------
+    # -- ForceLoop, called by the port -------------------------------------------------------
 
     def step(self, pose: PoseNumbers | None, now_ns: int) -> tuple[float, float, float]:
-        """Keep a pose; the force is none."""
+        """Store a pose; the force is zero."""
         if pose is not None:
-            at, turned = np.array(pose.position), np.array(pose.orientation)
-            reading = StylusReading(pose.time_ns or now_ns, at, turned, None, pose.buttons)
-            self._readings.append(reading)
+            position, orientation = np.array(pose.position), np.array(pose.orientation)
+            time_ns = pose.time_ns or now_ns
+            self._readings.append(StylusReading(time_ns, position, orientation, None, pose.buttons))
             self._spoke.set()
         return _NOTHING
 
     def sent(self) -> None:
-        """The zero has gone out."""
+        """Do nothing; see `ForceLoop`."""
 
     def refused(self) -> None:
         """Count a report that could not be read."""
         self.n_refused += 1
 
     def stopped(self) -> bool:
-        """Whether the port must end."""
+        """Return whether the port must end."""
         return self._stopping.is_set()
