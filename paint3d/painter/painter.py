@@ -256,6 +256,7 @@ class Painter:
         held = float(ink.load.sum())
         if not held > 0.0:
             self.dip()
+            ink = self.surface.ink  # dipping belly and tip makes new reservoirs
             held = float(ink.load.sum())
         factor = share * self.tuft.load / held
         if len(ink.reservoirs) > 1:

@@ -357,6 +357,19 @@ def test_a_brush_that_was_rinsed_is_filled_with_what_it_was_dipped_in():
 
 
 @pytest.mark.parametrize(
+    "empty", [lambda painter: painter.rinse(), lambda painter: painter.wipe(1.0)]
+)
+def test_an_empty_brush_is_filled_with_belly_and_tip(empty):
+    painter = Painter(surface(), ink="light")
+    painter.dip("pine soot", reach=0.3)
+    painter.fill_to(0.5)
+    whole = painter.surface.ink.reservoirs.copy()
+    empty(painter)
+    painter.fill_to(0.5)
+    np.testing.assert_allclose(painter.surface.ink.reservoirs, whole)
+
+
+@pytest.mark.parametrize(
     "told",
     ["much", [[1]], [[5, 0.1], [5, 0.2]], [[0, 2.0]], [[0.5, 0.1]], [[0, None]], 7, [[0, "0.5"]],
      [[0, [0.5, 0.5]]], [[0, [0.5]]], [[0, True]], [[0, float("nan")]], None,
