@@ -54,18 +54,6 @@ def lab_from_reflectance(spectra: ArrayLike) -> AnyArray:
     return lab_from_xyz(xyz_from_reflectance(spectra))
 
 
-def _hue_terms(
-    a1: AnyArray, b1: AnyArray, c1: AnyArray, a2: AnyArray, b2: AnyArray, c2: AnyArray
-) -> tuple[AnyArray, AnyArray]:
-    """Hue difference and mean hue, Sharma Eqs. 7, 10, 14, in radians; 0 where a colour is grey."""
-    h1, h2 = np.arctan2(b1, a1) % (2 * np.pi), np.arctan2(b2, a2) % (2 * np.pi)
-    grey = c1 * c2 == 0
-    turn = np.where(grey, 0.0, (h2 - h1 + np.pi) % (2 * np.pi) - np.pi)
-    apart = np.abs(h1 - h2) > np.pi
-    mean = np.where(apart, (h1 + h2 + 2 * np.pi) / 2 % (2 * np.pi), (h1 + h2) / 2)
-    return turn, np.where(grey, h1 + h2, mean)
-
-
 def delta_e(lab_1: ArrayLike, lab_2: ArrayLike) -> AnyArray:
     """CIEDE2000 colour difference (...,) of two arrays of L*a*b* (..., 3), kL = kC = kH = 1."""
     one, two = np.asarray(lab_1, dtype=np.float64), np.asarray(lab_2, dtype=np.float64)
@@ -74,7 +62,12 @@ def delta_e(lab_1: ArrayLike, lab_2: ArrayLike) -> AnyArray:
     stretch = 1.5 - 0.5 * np.sqrt(chroma**7 / (chroma**7 + 25.0**7))
     a1, a2 = one[..., 1] * stretch, two[..., 1] * stretch
     c1, c2 = np.hypot(a1, b1), np.hypot(a2, b2)
-    turn, hue = _hue_terms(a1, b1, c1, a2, b2, c2)
+    grey = c1 * c2 == 0
+    h1, h2 = np.arctan2(b1, a1) % (2 * np.pi), np.arctan2(b2, a2) % (2 * np.pi)  # Eq. 7
+    turn = np.where(grey, 0.0, (h2 - h1 + np.pi) % (2 * np.pi) - np.pi)  # Eq. 10
+    apart = np.abs(h1 - h2) > np.pi
+    hue = np.where(apart, (h1 + h2 + 2 * np.pi) / 2 % (2 * np.pi), (h1 + h2) / 2)
+    hue = np.where(grey, h1 + h2, hue)  # Eq. 14
     light, chroma = (one[..., 0] + two[..., 0]) / 2, (c1 + c2) / 2
     t = (
         1
@@ -94,15 +87,14 @@ def delta_e(lab_1: ArrayLike, lab_2: ArrayLike) -> AnyArray:
 
 
 # ---- Metamerism ----------------------------------------------------------------------------------
-# How far two inks that look alike in one light part in others: metamerism (CIE 15:2018).
-
+# How much two inks that match in one light differ in others (CIE 15:2018).
 
 REFERENCE = "D65"
 COMPARED = (REFERENCE, "D50", "A", "F2", "F11", "LED-B3")
 
 
 class Seen(NamedTuple):
-    """Two spectra in one light.
+    """Colours of two spectra in one light.
 
     Attributes
     ----------
@@ -112,9 +104,9 @@ class Seen(NamedTuple):
     difference : float
         dE00.
     shift : float
-        dE00 that is left when the second's XYZ are scaled so that both are the same in the first
-        light: the special metamerism index for a change of light, with the multiplicative
-        correction of CIE 15. 0 in the first light.
+        Special metamerism index for a change of light, with the multiplicative correction of
+        CIE 15: dE00 after the second's XYZ are scaled so that both match in the first light.
+        0 in the first light.
     """
 
     illuminant: str
@@ -131,11 +123,11 @@ def compare_spectra(
     Raises
     ------
     InputError
-        If a light or the observer is not known, or colour-science is missing.
+        If a light or the observer is unknown, or colour-science is missing.
     """
     pair = np.stack([np.asarray(one, np.float64), np.asarray(two, np.float64)])
     ratio = None
-    found = []
+    results = []
     for name in illuminants:
         weights = observer_weights(name, observer)
         white, xyz = weights.sum(axis=0), pair @ weights
@@ -143,5 +135,5 @@ def compare_spectra(
             ratio = xyz[0] / np.maximum(xyz[1], 1e-12)
         lab = lab_from_xyz(xyz, white)
         corrected = lab_from_xyz(xyz[1] * ratio, white)
-        found.append(Seen(name, lab, float(delta_e(*lab)), float(delta_e(lab[0], corrected))))
-    return found
+        results.append(Seen(name, lab, float(delta_e(*lab)), float(delta_e(lab[0], corrected))))
+    return results

@@ -1,7 +1,7 @@
 """Wet paint over grounds that differ from vertex to vertex: dried layers, coloured meshes.
 
-All 31 bands, always: what has dried is kept as the spectrum that it shows, which is all that
-Kubelka-Munk theory asks of a backing, so any number of layers is composed exactly.
+Always all 31 bands: dried paint is stored as the spectrum that it reflects, which is all that
+Kubelka-Munk theory needs of a backing, so any number of layers composes exactly.
 """
 
 from __future__ import annotations
@@ -31,9 +31,9 @@ _NO_RGB = np.empty((0, 3), np.float32)
 def srgb_primaries() -> AnyArray:
     """Return (31, 3) spectra of red, green and blue.
 
-    Their sum weighted by a linear sRGB is a smooth reflectance in [0, 1] that has it (Mallett,
-    Yuksel: Spectral Primary Decomposition for Rendering with sRGB Reflectance, EGSR 2019), and what
-    lies between two colours has the spectrum between.
+    Their sum weighted by a linear sRGB colour is a smooth reflectance in [0, 1] of that colour
+    (Mallett, Yuksel: Spectral Primary Decomposition for Rendering with sRGB Reflectance, EGSR
+    2019). It is linear: interpolated colours have the interpolated spectrum.
     """
     primaries = np.loadtxt(_TABLE, delimiter=",", skiprows=1)[:, 1:]
     primaries.flags.writeable = False
@@ -79,7 +79,7 @@ class GlazeModel:
         vertex_ids: NDArray[np.int32],
         linear_rgb: NDArray[np.float32] | None = None,
     ) -> None:
-        """Fill `out` (V, 3), and `linear_rgb` (V, 3), for the vertices named."""
+        """Fill `out` (V, 3), and `linear_rgb` (V, 3), for the vertices in `vertex_ids`."""
         rgb = _NO_RGB if linear_rgb is None else linear_rgb
         wet, shown = Wet(vertex_ids, amounts, coverage), Shown(srgb_codes(), rgb, out)
         glazed_colours(wet, self._glaze, ground, shown)
@@ -92,5 +92,5 @@ class GlazeModel:
         vertex_ids: NDArray[np.int32],
         rows: NDArray[np.int32],
     ) -> None:
-        """Keep in the rows of `ground.spectra` what the vertices show now."""
+        """Store in the rows of `ground.spectra` what the vertices reflect now."""
         dry_vertices(Wet(vertex_ids, amounts, coverage), self._glaze, ground, rows)

@@ -1,7 +1,7 @@
-"""Lights and observers: those of the CIE as colour-science tabulates them, and files of one's own.
+"""Illuminants and observers: the CIE's, as colour-science tabulates them, and spectra from files.
 
-colour-science is imported when one is asked for, and only here and in `spectral_files`: the light
-that paintings have by themselves, D65 and the observer of 1931, is in a small table of our own.
+colour-science is imported on first use, and only here: the default light and observer, D65 and
+CIE 1931, come from the small table that `spectra` reads.
 """
 
 from __future__ import annotations
@@ -35,11 +35,8 @@ __all__ = [
 ]
 
 # ---- Files of spectra ----------------------------------------------------------------------------
-# Files of spectra: plain columns, IES TM-27-14 (.spdx), X-Rite, Sekonic and UPRtek.
-#
-# Plain columns are read here, the rest by colour-science, after a look at what a stranger's XML
-# declares.
-
+# Plain columns are read here; IES TM-27-14 (.spdx), X-Rite, Sekonic and UPRtek by colour-science,
+# XML only after `parse_xml` found no entities in it.
 
 Spectrum = tuple[NDArray[np.float64], NDArray[np.float64]]
 """Wavelengths (N,) in nm, rising, and values (N,)."""
@@ -52,14 +49,14 @@ _DEEPEST = 16  # elements of TM-27 in one another
 
 
 def is_spectral(path: str | Path) -> bool:
-    """Whether a file's name is that of a measured spectrum and not of a table of pigments."""
+    """Return whether a file's name is that of a measured spectrum, not of a table of pigments."""
     return str(path).lower().endswith((*_XML, ".txt"))
 
 
 def read_plain_spectrum(path: Path) -> Spectrum | None:
     """Read two columns, wavelength in nm and value; None if the file is of another kind.
 
-    Commas, semicolons, tabs or blanks are between them, lines before the first number are a head,
+    Commas, semicolons, tabs or blanks separate them, lines before the first number are a header,
     ``#`` begins a comment.
 
     Raises
@@ -68,7 +65,7 @@ def read_plain_spectrum(path: Path) -> Spectrum | None:
         If it cannot be read, or a line after the first numbers is no pair of them.
     """
     rows: list[tuple[float, float]] = []
-    for k, line in enumerate(_text(path).splitlines(), 1):
+    for k, line in enumerate(_read_text(path).splitlines(), 1):
         words = [word for word in _SPLIT.split(line.split("#")[0].strip()) if word]
         if not words:
             continue
@@ -76,7 +73,7 @@ def read_plain_spectrum(path: Path) -> Spectrum | None:
             nm, value = (float(word) for word in words)
         except ValueError:
             if not rows:
-                continue  # a head
+                continue  # a header
             if len(rows) < 3:
                 return None
             raise InputError(
@@ -90,17 +87,22 @@ def read_plain_spectrum(path: Path) -> Spectrum | None:
 
 
 def read_spectra(path: str | Path) -> Mapping[str, Spectrum]:
-    """Read what colour-science does, by name: .spdx, and text of X-Rite, Sekonic and UPRtek.
+    """Read the spectra of a .spdx file, or of X-Rite's, Sekonic's or UPRtek's text, by name.
 
     Raises
     ------
     InputError
-        If it cannot be read, is none of these, or colour-science is missing.
+        If the file cannot be read, is none of these, or colour-science is missing.
     """
     path = Path(path)
-    text = _text(path)
+    text = _read_text(path)
     if path.suffix.lower() in _XML:
-        _check_xml(path, text)
+        from paint3d.core.foreign_xml import XmlFault, parse_xml  # pigments are read without
+
+        try:
+            parse_xml(text.encode("utf-8"), _DEEPEST, doctypes=False)
+        except XmlFault as fault:
+            raise InputError(f"{path}: {fault}") from None
     try:
         colour = import_module("colour")
     except ImportError as cause:
@@ -110,7 +112,13 @@ def read_spectra(path: str | Path) -> Mapping[str, Spectrum]:
         ) from None
     for read in _readers(path, text, colour):
         try:
-            found = {name: _points(spectrum) for name, spectrum in read().items()}
+            found = {
+                name: (
+                    np.asarray(spectrum.wavelengths, np.float64),
+                    np.asarray(spectrum.values, np.float64),
+                )
+                for name, spectrum in read().items()
+            }
         except Exception:  # whatever a reader stumbles over in a file of another kind
             continue
         if found and all(len(nm) > 1 for nm, _ in found.values()):
@@ -121,17 +129,8 @@ def read_spectra(path: str | Path) -> Mapping[str, Spectrum]:
     )
 
 
-def _check_xml(path: Path, text: str) -> None:
-    from paint3d.core.foreign_xml import XmlFault, parse_xml  # pigments are read without
-
-    try:
-        parse_xml(text.encode("utf-8"), _DEEPEST, doctypes=False)
-    except XmlFault as fault:
-        raise InputError(f"{path}: {fault}") from None
-
-
 def _readers(path: Path, text: str, colour: Any) -> tuple[Callable[[], Mapping[str, Any]], ...]:
-    """How colour-science might read a file, the likeliest first."""
+    """Return the readers of colour-science that may fit a file, the likeliest first."""
 
     def measured(kind: str) -> Callable[[], Mapping[str, Any]]:
         def read() -> Mapping[str, Any]:
@@ -150,11 +149,7 @@ def _readers(path: Path, text: str, colour: Any) -> tuple[Callable[[], Mapping[s
     return kinds[1:] + kinds[:1] if "sekonic" in text.lower() else kinds
 
 
-def _points(spectrum: Any) -> Spectrum:
-    return np.asarray(spectrum.wavelengths, np.float64), np.asarray(spectrum.values, np.float64)
-
-
-def _text(path: Path) -> str:
+def _read_text(path: Path) -> str:
     try:
         with path.open("rb") as stream:
             data = stream.read(_MOST_BYTES + 1)
@@ -182,29 +177,29 @@ def _checked(path: Path, nm: AnyArray, values: AnyArray) -> Spectrum:
     return nm, values
 
 
-# --------------------------------------------------------------------------------------------------
+# ---- Illuminants and observers -------------------------------------------------------------------
 
 
 OBSERVERS = {2: "CIE 1931 2 Degree Standard Observer", 10: "CIE 1964 10 Degree Standard Observer"}
 FINE_NM = np.arange(360.0, 831.0)
-"""(471,) nm, at which light, observer and reflectance are summed."""
+"""(471,) nm, the wavelengths of the sum over light, observer and reflectance."""
 FINE_NM.flags.writeable = False
 
 _KELVINS = re.compile(r"(\d{3,5}(?:\.\d+)?)\s*K", re.IGNORECASE)
 _LAMP = re.compile(r"F(L?)(\d+(?:\.\d+)?)", re.IGNORECASE)
 _COLDEST, _HOTTEST = 800.0, 25_000.0
 _C2 = 1.438776877e7  # nm K, of Planck's law
-_FAINTEST = 1e-9  # share of a file's power that can be seen
+_FAINTEST = 1e-9  # fraction of a file's peak power that must be visible
 _SUFFIXES = (".spd", ".csv", ".txt", ".tsv", ".spdx", ".xml")
 
 
 def colour_science() -> Any:
-    """The package colour-science.
+    """Import the package colour-science.
 
     Raises
     ------
     InputError
-        If it is not installed; it says how it is.
+        If it is not installed; the message says how to.
     """
     try:
         return import_module("colour")
@@ -229,8 +224,8 @@ def find_illuminant(name: str) -> NDArray[np.float64]:
     name : str
         One of `illuminant_names` (``F2`` is ``FL2``), a temperature such as ``2700K`` (a black
         body, Planck 1901), or a file: two columns, wavelength in nm and power, or what
-        `spectral_files` reads. Between its wavelengths a light is interpolated linearly, beyond
-        them it is as at the last.
+        `read_spectra` reads. Between its wavelengths a light is interpolated linearly, beyond
+        them it is constant.
 
     Raises
     ------
@@ -243,7 +238,7 @@ def find_illuminant(name: str) -> NDArray[np.float64]:
     if heat:
         return _black_body(float(heat[1]), name)
     if os.path.splitext(name)[1].lower() in _SUFFIXES:
-        return _of_file(Path(name))
+        return _read_illuminant(Path(name))
     known = colour_science().SDS_ILLUMINANTS
     lamp = _LAMP.fullmatch(name.strip())
     wanted = (f"FL{lamp[2]}" if lamp else name.strip()).lower()
@@ -253,7 +248,7 @@ def find_illuminant(name: str) -> NDArray[np.float64]:
         expected = [*dict.fromkeys([*close, "A", "D50", "D65", "F2", "F11", "LED-B3", "E"])]
         raise UnknownNameError("illuminant", name, [*expected, "a temperature 2700K", "FILE.spd"])
     spectrum = known[found]
-    return _fine(np.asarray(spectrum.wavelengths), np.asarray(spectrum.values))
+    return _resample(np.asarray(spectrum.wavelengths), np.asarray(spectrum.values))
 
 
 def _black_body(kelvins: float, name: str) -> NDArray[np.float64]:
@@ -266,7 +261,7 @@ def _black_body(kelvins: float, name: str) -> NDArray[np.float64]:
     return result
 
 
-def _of_file(path: Path) -> NDArray[np.float64]:
+def _read_illuminant(path: Path) -> NDArray[np.float64]:
     found = read_plain_spectrum(path)
     if found is None:
         spectra = read_spectra(path)
@@ -276,22 +271,24 @@ def _of_file(path: Path) -> NDArray[np.float64]:
     nm, power = found
     if power.min() < 0.0 or not power.max() > 0.0:
         raise InputError(f"{path}: its power is {power.min():g} to {power.max():g}; expected light")
-    fine = _fine(nm, power / power.max())
+    fine = _resample(nm, power / power.max())
     if not fine.max() > _FAINTEST:
         raise InputError(f"{path}: none of its power is from 360 to 830 nm; expected light")
     return fine
 
 
-def _fine(nm: AnyArray, values: AnyArray) -> NDArray[np.float64]:
+def _resample(nm: AnyArray, values: AnyArray) -> NDArray[np.float64]:
+    """Interpolate values at wavelengths `nm` to `FINE_NM`."""
     result: NDArray[np.float64] = np.interp(FINE_NM, nm, values)
     return result
 
 
 @lru_cache(maxsize=2)
-def _observer(degrees: int) -> NDArray[np.float64]:
+def _matching_functions(degrees: int) -> NDArray[np.float64]:
+    """Colour matching functions (471, 3) of an observer at `FINE_NM`."""
     table = colour_science().MSDS_CMFS[OBSERVERS[degrees]]
     nm = np.asarray(table.wavelengths)
-    return np.stack([_fine(nm, column) for column in np.asarray(table.values).T], axis=1)
+    return np.stack([_resample(nm, column) for column in np.asarray(table.values).T], axis=1)
 
 
 def white_of(illuminant: str, observer: int) -> NDArray[np.float64]:
@@ -304,21 +301,22 @@ def white_of(illuminant: str, observer: int) -> NDArray[np.float64]:
 def observer_weights(illuminant: str, observer: int) -> NDArray[np.float64]:
     """Weights (31, 3): XYZ of a reflectance spectrum in a light is ``spectrum @ weights``, Y = 1.
 
-    Light and observer are summed by 1 nm, as CIE 15 asks; the reflectance is interpolated linearly
-    between its 31 bands and beyond them as at the last. So lamps with lines are not missed.
+    Light and observer are summed every 1 nm, as CIE 15 requires, so that the lines of lamps are
+    not missed; the reflectance is interpolated linearly between its 31 bands and constant beyond.
 
     Raises
     ------
     UnknownNameError
-        If the light or the observer is not known.
+        If the light or the observer is unknown.
     InputError
         If a file holds no light, or colour-science is missing.
     """
     if observer not in OBSERVERS:
         raise UnknownNameError("observer", str(observer), [str(degrees) for degrees in OBSERVERS])
-    seen = find_illuminant(illuminant)[:, None] * _observer(observer)
+    seen = find_illuminant(illuminant)[:, None] * _matching_functions(observer)
     seen /= seen[:, 1].sum()
     at = np.clip((FINE_NM - 400.0) / 10.0, 0.0, 30.0)
+    # hat functions: the linear interpolation as weights of the bands
     hats = np.maximum(0.0, 1.0 - np.abs(at[None, :] - np.arange(31.0)[:, None]))
     weights: NDArray[np.float64] = hats @ seen
     weights.flags.writeable = False

@@ -1,4 +1,4 @@
-"""Inks in words: names, parts, and the files that they lead to. Known before NumPy is loaded."""
+"""The text that names an ink: its parts, and the tables that they refer to. Needs no NumPy."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _TABLES = (".csv", ".spdx", ".xml", ".txt")  # pigments, and measured spectra
 
 
 def table_of(name: str) -> str | None:
-    """The file of a user's own table that one ink's name leads to; None for the others.
+    """Return the user's table that an ink's name refers to; None for other names.
 
     Examples
     --------
@@ -26,18 +26,18 @@ def table_of(name: str) -> str | None:
 
 
 def split_ink(text: str) -> list[tuple[str, float]]:
-    """The inks that a text stirs, by name, and the parts of each.
+    """Split the text of a mixture into the name and the parts of each ink.
 
     Parameters
     ----------
     text : str
-        ``NAME``, or ``NAME:PARTS,NAME:PARTS``; who says no parts stands for one. A name may be
+        ``NAME``, or ``NAME:PARTS,NAME:PARTS``; without parts, a name counts one. A name may be
         ``FILE.csv:NAME``.
 
     Raises
     ------
     PigmentError
-        If an ink has no name, or its parts are no number above 0.
+        If an ink has no name, or its parts are not a number above 0.
 
     Examples
     --------
@@ -46,14 +46,14 @@ def split_ink(text: str) -> list[tuple[str, float]]:
     >>> split_ink("mine.csv:iron gall")
     [('mine.csv:iron gall', 1.0)]
     """
-    pieces = [text] if _is_one(text) else text.split(",")
-    return [_split_part(piece.strip(), text) for piece in pieces]
+    return [_split_part(piece.strip(), text) for piece in _split_commas(text)]
 
 
-def _is_one(text: str) -> bool:
-    """Whether the text is one ink of a table, with a comma in its file's name or in its own."""
+def _split_commas(text: str) -> list[str]:
+    """Split at commas, unless it is one ink of a table with a comma in the file's or ink's name."""
     file = table_of(text)
-    return file is not None and "," in text and os.path.isfile(file)
+    is_single = file is not None and "," in text and os.path.isfile(file)
+    return [text] if is_single else text.split(",")
 
 
 def _split_part(piece: str, text: str) -> tuple[str, float]:
@@ -79,17 +79,16 @@ def _split_part(piece: str, text: str) -> tuple[str, float]:
 
 
 def names_table(text: str) -> bool:
-    """Whether an ink in words could lead to a file, which is not looked for."""
+    """Return whether the text of an ink may refer to a table; the file is not looked for."""
     return any(f"{suffix}:" in text.lower() for suffix in _TABLES)
 
 
 def tables_in(text: str | None) -> list[str]:
-    """The files of users' own tables that an ink in words leads to."""
+    """List the users' tables that the text of an ink refers to."""
     if not text:
         return []
-    pieces = [text] if _is_one(text) else text.split(",")
     found = []
-    for piece in pieces:
+    for piece in _split_commas(text):
         name = piece.strip()
         file = table_of(name) or table_of(name.rpartition(":")[0])
         found += [file] if file else []
@@ -97,10 +96,9 @@ def tables_in(text: str | None) -> list[str]:
 
 
 def with_tables(text: str, place: Callable[[str], str]) -> str:
-    """The ink with the files of its tables as `place` has them."""
-    pieces = [text] if _is_one(text) else text.split(",")
+    """Replace the path of each table in the text of an ink by ``place(path)``."""
     placed = []
-    for piece in pieces:
+    for piece in _split_commas(text):
         name = piece.strip()
         file = table_of(name) or table_of(name.rpartition(":")[0])
         placed.append(piece if file is None else place(file) + name[len(file) :])

@@ -1,7 +1,7 @@
-"""Inks as one asks for them in words: one of the palette, a mixture, ink in one of its five tones.
+"""Inks from text: a pigment of the palette, a mixture, or ink in one of its five tones.
 
-Painters know five tones of one ink, by how much water is in it (mo fen wu se): burnt, thick, heavy,
-light and clear. ``light`` is that of pine soot, ``light oil soot`` that of another.
+Painters distinguish five tones of one ink by the water in it (mo fen wu se): burnt, thick, heavy,
+light and clear. ``light`` is light pine soot, ``light oil soot`` that of another ink.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ _INK = "pine soot"
 
 
 class Tone(NamedTuple):
-    """A tone of ink: what it is called, and how much of it is ink; the rest is water."""
+    """A tone of ink: its Chinese name and the fraction that is ink; the rest is water."""
 
     chinese: str
     share: float
@@ -30,14 +30,14 @@ TONES: Mapping[str, Tone] = MappingProxyType({
     "burnt": Tone("焦", 1.0), "thick": Tone("浓", 0.25), "heavy": Tone("重", 0.15),
     "light": Tone("淡", 0.09), "clear": Tone("清", 0.04),
 })  # fmt: skip
-"""The five tones. Their shares are such that a coat of each on xuan, and the bare paper, lie evenly
-apart in lightness (L*); painters' own rules are of words."""
+"""The five tones. Their fractions space a coat of each on xuan, and the bare paper, evenly in
+lightness (L*); painters give no numbers."""
 
 _OTHER_CHINESE = {"濃": "浓"}
 
 
 def load_ink(text: str, *, own_tables: bool = True) -> dict[Pigment, float]:
-    """Return the pigments that an ink in words is made of, and the parts of each.
+    """Return the pigments of an ink written as text, and the parts of each.
 
     Parameters
     ----------
@@ -46,59 +46,59 @@ def load_ink(text: str, *, own_tables: bool = True) -> dict[Pigment, float]:
         pigment's name, or several of these with their parts:
         ``pine soot:0.2,water:0.8``, ``light oil soot``, ``mine.csv:iron gall:1,water:3``.
     own_tables : bool
-        Whether a name may lead to a file. What comes from somebody else's file may not.
+        Whether a name may refer to a file; not where the text comes from somebody else's file.
 
     Returns
     -------
     dict
-        Parts as they were given, above 0, in the order of the text; one pigment alone has 1.
+        Parts as given, above 0, in the order of the text; one pigment alone has 1.
 
     Raises
     ------
     UnknownNameError
-        If a pigment is not known; the message lists the palette, or the table's names.
+        If a pigment is unknown; the message lists the palette, or the table's names.
     PigmentError
-        If a part is no number above 0, or a table cannot be used, or may not be read.
+        If a part is not a number above 0, or a table cannot be used, or may not be read.
     """
     if not own_tables and names_table(text):
         raise PigmentError(
             f"the ink {text[-100:]!r} is of a table on this machine, which a file "
             "may not name; expected an ink of the palette"
         )
-    stirred: dict[Pigment, float] = {}
+    mixture: dict[Pigment, float] = {}
     for name, parts in split_ink(text):
-        for pigment, share in _thinned(name).items():
-            stirred[pigment] = stirred.get(pigment, 0.0) + parts * share
-    return stirred
+        for pigment, fraction in _load_toned(name).items():
+            mixture[pigment] = mixture.get(pigment, 0.0) + parts * fraction
+    return mixture
 
 
-def _thinned(name: str) -> dict[Pigment, float]:
-    """One pigment by its name, or in one of its tones."""
+def _load_toned(name: str) -> dict[Pigment, float]:
+    """Return the fractions of a pigment, and of water where the name begins with a tone."""
     try:
         return {load_pigment(name): 1.0}
     except UnknownNameError:
-        tone, of = _tone_in(name)
+        tone, ink = _split_tone(name)
         if tone is None and table_of(name):
             raise
         if tone is None:
             known = [*load_palette(), *TONES, WATER.name]
             raise UnknownNameError("ink", name, known) from None
-    pigment = load_pigment(of)
+    pigment = load_pigment(ink)
     if tone.share == 1.0 or pigment is WATER:
         return {pigment: 1.0}
     return {pigment: tone.share, WATER: 1.0 - tone.share}
 
 
-def _tone_in(name: str) -> tuple[Tone | None, str]:
-    """The tone that a name begins with, and the pigment's name after it."""
-    word, _, of = name.partition(" ")
+def _split_tone(name: str) -> tuple[Tone | None, str]:
+    """Return the tone that a name begins with, and the pigment's name after it."""
+    word, _, ink = name.partition(" ")
     if word.lower() in TONES:
-        return TONES[word.lower()], of.strip() or _INK
+        return TONES[word.lower()], ink.strip() or _INK
     first = _OTHER_CHINESE.get(name[:1], name[:1])
     for tone in TONES.values():
         if first == tone.chinese:
-            of = name[1:].strip()
-            return tone, _INK if of in ("", "墨") else of
+            ink = name[1:].strip()
+            return tone, _INK if ink in ("", "墨") else ink
     return None, name
 
 
@@ -108,7 +108,7 @@ def tone_names() -> list[str]:
 
 
 def describe_ink(stirred: Mapping[Pigment, float]) -> str:
-    """A text that `load_ink` reads back, naming the palette's pigments and no file."""
+    """Return a text that `load_ink` reads back; it names pigments without their files."""
     if len(stirred) == 1:
         return next(iter(stirred)).name
     return ",".join(f"{pigment.name}:{parts:.6g}" for pigment, parts in stirred.items())

@@ -1,8 +1,8 @@
 """Layers of paint over a backing, spectrum by spectrum: mixing, glazing, gloss.
 
-Wet paints in one place mix: K and S add by their fractions. Paint over dry paint glazes: what
-the dry layer reflects is the backing of the next one. A glossy film's measured reflectance also
-holds what its surface throws back on the way in and on the way out (Saunderson 1942).
+Wet paints mix: K and S add by their fractions. Paint over dry paint glazes: the reflectance of
+the dry layer is the backing of the next one. A glossy film's measured reflectance also includes
+what its surface reflects on the way in and on the way out (Saunderson 1942).
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ __all__ = [
 ]
 
 SAUNDERSON = (0.03, 0.5)
-"""k1, k2: light thrown back at the film's surface from outside and from inside."""
+"""k1, k2: reflectance of the film's surface from outside and from inside."""
 
 
 def layer_reflectance(
@@ -75,7 +75,7 @@ def layer_reflectance(
 
 
 def to_measured(internal: ArrayLike, outer: float, inner: float) -> AnyArray:
-    """Reflectance as measured, gloss included, of a film's internal reflectance.
+    """Measured reflectance, gloss included, of a film's internal reflectance.
 
     k1 + (1 - k1)(1 - k2) R / (1 - k2 R) with k1 = `outer`, k2 = `inner` (Saunderson 1942).
     """
@@ -146,7 +146,7 @@ def mixture_reflectance(
     Raises
     ------
     UnknownNameError
-        If a paint's name is not known.
+        If a paint's name is unknown.
     InputError
         If a fraction, the thickness or the backing is not finite or outside its range.
 

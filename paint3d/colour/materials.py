@@ -1,7 +1,7 @@
-"""The materials that surfaces are made of, by name, and those of one's own files.
+"""Materials of surfaces: the shipped ones by name, and users' own files.
 
 The table `data/materials.csv` is built by `scripts/build_materials.py`; each row says where its
-reflectance was measured and for what it stands in, and `note` where the other numbers are from.
+reflectance was measured and what it stands in for, and `note` where the other numbers are from.
 """
 
 from __future__ import annotations
@@ -40,11 +40,10 @@ __all__ = [
 ]
 
 # ---- One material --------------------------------------------------------------------------------
-# What a surface is made of: what shines through thin paint, how it looks, drinks and rubs.
-
+# Reflectance below the paint, gloss, uptake of ink and water, and friction.
 
 _FRICTION = (0.2, 2.0)
-_MOST_SPREAD = 2.5  # times the friction that a brush was rated on: what shapes are tabulated for
+_MOST_SPREAD = 2.5  # of `slip`: brush shapes are tabulated up to it
 _RANGES = {
     "roughness": (0.0, 1.0),
     "coat": (0.0, 1.0),
@@ -59,29 +58,29 @@ _RANGES = {
     "drying_mm_s": (0.0, 1.0),
     "tooth_mm": (0.0, 10.0),
 }
-_BUMPS = 2.0  # lengths of a bump from one to the next
-_GLAZE_ROUGHNESS = 0.07  # of the one lobe that is used: VTK's own coat is weighed by Fresnel twice
+_BUMPS = 2.0  # spacing of bumps, in lengths of one
+_GLAZE_ROUGHNESS = 0.07  # for our single lobe: VTK's own coat is weighted by Fresnel twice
 _RATED = {"rated_absorbency": "absorbency", "rated_friction": "friction"}
 
 WAVE_RANGE_MM = (0.1, 20.0)
-"""Least and greatest distance of bumps that is felt and seen, mm."""
+"""Least and greatest spacing of bumps that is felt and seen, mm."""
 WET_COAT_MM = 0.03
 """Depth of the liquid in one wet coat, mm: a full stroke brushed on. Chosen by eye."""
 
 
 def glazed_roughness(roughness: float, coat: float) -> float:
-    """Roughness that a body of this one has under a glaze so strong, all 0 to 1."""
+    """Return the roughness of a body under a glaze of strength `coat`, all 0 to 1."""
     return roughness + coat * (_GLAZE_ROUGHNESS - roughness)
 
 
 def material_ranges() -> dict[str, tuple[float, float]]:
-    """Least and greatest value of every number of a material."""
+    """Return the least and greatest value of every numeric parameter of a material."""
     return _RANGES | {name: _RANGES[of] for name, of in _RATED.items()}
 
 
 @dataclass(frozen=True, eq=False)
 class Material:
-    """What an object is made of.
+    """Material of an object: its look, uptake of ink and water, and friction.
 
     Parameters
     ----------
@@ -98,28 +97,28 @@ class Material:
     grain : float
         How coarse the surface is to a brush, 0 to 1.
     pores_mm : float
-        Water that the pores below 1 mm2 hold, as a depth in mm (thickness x porosity); 0 for what
-        drinks nothing, and then ink stays where it is laid.
+        Water that the pores below 1 mm2 hold, as a depth in mm (thickness x porosity); with 0
+        nothing soaks in, and ink stays where it is laid.
     residual : float
-        Share of it that stays where it is, held by the fibres.
+        Fraction of it that the fibres hold in place.
     advance : float
-        Share of it that must be there before water goes on into what is dry. The more it is above
-        the residual, the earlier the border is pinned and the darker its rim dries.
+        Fraction of it above which water advances into dry pores. The more it exceeds the
+        residual, the earlier the border is pinned and the darker its rim dries.
     spread_mm2_s : float
         Diffusivity of water in full pores, mm2/s.
     passing : float
-        Speed of soot over that of the water that carries it, 0 to 1; coarser grains go slower.
+        Speed of soot over that of the water that carries it, 0 to 1; coarser grains are slower.
     drying_mm_s : float
         Depth of water that evaporates in a second.
     tooth_mm : float
         Length of the bumps that break a dry stroke, 0 for none.
     friction : float
-        How many times as much hairs rub on it as on raw xuan, .2 to 2: with the brush's own mu it
-        is mu of Guo 2015, Eqs. 2 and 5 (`slip`).
+        Friction of hairs on it over that on raw xuan, .2 to 2: times the brush's own mu it is mu
+        of Guo 2015, Eqs. 2 and 5 (`slip`).
     rated_absorbency, rated_friction : float, optional
         Those at which brushes give their ink, spread and drag as `BrushSpec` says. NaN: its own.
     chinese, source, basis, licence, note : str
-        Its Chinese name; whose measurement the reflectance is, for what it stands in, and its
+        Its Chinese name; whose measurement the reflectance is, what it stands in for, and its
         terms; where the other numbers are from.
 
     Raises
@@ -180,18 +179,18 @@ class Material:
 
     @property
     def seen_roughness(self) -> float:
-        """Roughness of what mirrors: the body, or the glaze over it, 0 to 1."""
+        """Roughness of the reflecting surface: the body, or the glaze over it, 0 to 1."""
         return glazed_roughness(self.roughness, self.coat)
 
     @property
     def wave_mm(self) -> float:
-        """How far apart the bumps of its grain are, mm: as they are felt and seen."""
+        """Spacing of the bumps of its grain, mm, as they are felt and seen."""
         shortest, longest = WAVE_RANGE_MM
         return min(max(_BUMPS * self.tooth_mm, shortest), longest)
 
     @property
     def uptake(self) -> float:
-        """How many times as fast a brush gives its ink as on the surface that it was rated on.
+        """Ratio of a brush's rate of giving ink to that on the surface it was rated on.
 
         Guo 2017, section 4.2.2, adapts eta to brush and surface: here by (1 + absorbency) over the
         same of `rated_absorbency`. The factor is set by eye.
@@ -200,15 +199,15 @@ class Material:
 
     @property
     def slip(self) -> float:
-        """How many times as much hairs rub on it as where a brush was rated.
+        """Ratio of the friction of hairs on it to that on the surface a brush was rated on.
 
-        Friction belongs to brush and surface (Guo 2015, section 4): what is painted has
-        mu = `BrushSpec.friction` times this, what is felt `BrushSpec.friction` times `friction`.
+        Friction belongs to brush and surface (Guo 2015, section 4): painting uses
+        mu = `BrushSpec.friction` times this, force feedback `BrushSpec.friction` times `friction`.
         """
         return self.friction / self.rated_friction
 
 
-# --------------------------------------------------------------------------------------------------
+# ---- Shipped materials ---------------------------------------------------------------------------
 
 
 _TABLE = Path(__file__).parent / "data" / "materials.csv"
@@ -230,18 +229,18 @@ def load_materials() -> Mapping[str, Material]:
 
 
 def material_names() -> list[str]:
-    """Names of the materials that come with the program."""
+    """List the names of the shipped materials."""
     return list(load_materials())
 
 
 def load_material(name: str, *, own_files: bool = True) -> Material:
-    """Return a material by its name, or of a file of one's own (``mine.toml``, ``mine.json``).
+    """Return a shipped material by name, or one of a user's file (``mine.toml``, ``mine.json``).
 
     Parameters
     ----------
     name : str
     own_files : bool
-        Whether the name may be that of a file. Names that come from somebody else's file may not.
+        Whether the name may be that of a file; not where it comes from somebody else's file.
 
     Raises
     ------
@@ -256,12 +255,9 @@ def load_material(name: str, *, own_files: bool = True) -> Material:
 
 
 # ---- Files ---------------------------------------------------------------------------------------
-# Materials of one's own as files: TOML or JSON, with the parameters of `Material` by name.
-#
-# docs/materials.md describes the file. One that names a ``base`` takes from that material what it
-# does not say; without, it must say a colour or a reflectance, roughness, coat, absorbency and
-# grain.
-
+# A user's material is a TOML or JSON file with the parameters of `Material` by name; see
+# docs/materials.md. Parameters that it leaves out are those of its ``base``, if it names one;
+# otherwise a colour or a reflectance, roughness, coat, absorbency and grain are required.
 
 _LONGEST_NAME = 60
 _LONGEST_WORDS = 500
@@ -287,30 +283,30 @@ _MEANINGS = {
 
 
 def read_material(path: str | Path, known: Mapping[str, Material]) -> Material:
-    """A material from a file.
+    """Read a material from a file.
 
     Parameters
     ----------
     path : path-like
-        ``.toml`` or ``.json``, in UTF-8, at most 1 MiB. Where it says no ``name``, the material is
-        called like the file.
+        ``.toml`` or ``.json``, in UTF-8, at most 1 MiB. Without a ``name``, the material is named
+        after the file.
     known : mapping
-        What ``base`` may name, and what no other material may be called.
+        The materials that ``base`` may name; their names are taken.
 
     Raises
     ------
     PigmentError
-        Naming the file and the parameter, what was got and what was expected.
+        Naming the file and the parameter, the value and what was expected.
     """
     return read_thing(
-        path, "a material", PigmentError, lambda values, called: _material_of(values, called, known)
+        path, "a material", PigmentError, lambda values, stem: _make_material(values, stem, known)
     )
 
 
-def _material_of(values: dict[str, Any], called: str, known: Mapping[str, Material]) -> Material:
+def _make_material(values: dict[str, Any], stem: str, known: Mapping[str, Material]) -> Material:
     fields = {field.name: field for field in dataclasses.fields(Material)}
     check_known(values, ["base", "colour", *fields], PigmentError)
-    name, base = values.pop("name", called), values.pop("base", None)
+    name, base = values.pop("name", stem), values.pop("base", None)
     given: dict[str, Any] = {}
     if base is not None:
         if not isinstance(base, str) or base not in known:
@@ -323,17 +319,17 @@ def _material_of(values: dict[str, Any], called: str, known: Mapping[str, Materi
         if "colour" in values and "reflectance" in missing:
             missing.remove("reflectance")
         if missing:
-            told = ", ".join("colour" if f == "reflectance" else f for f in missing)
+            names = ", ".join("colour" if f == "reflectance" else f for f in missing)
             raise PigmentError(
-                f'says no {told}; expected these, or base = "xuan" or another material to take '
+                f'says no {names}; expected these, or base = "xuan" or another material to take '
                 "them from"
             )
     if "colour" in values and "reflectance" in values:
         raise PigmentError("says a colour and a reflectance; expected one of them")
     if "colour" in values:
-        given["reflectance"], given["basis"] = _spectrum_of(values.pop("colour"))
+        given["reflectance"], given["basis"] = _spectrum_of_colour(values.pop("colour"))
     elif "reflectance" in values:
-        given["reflectance"] = _bands_of(values.pop("reflectance"))
+        given["reflectance"] = _parse_reflectance(values.pop("reflectance"))
         given["basis"] = "as its file says"
     _check_words(name, values)
     material = Material(**(given | values | {"name": name}))
@@ -352,16 +348,16 @@ def _check_words(name: object, values: Mapping[str, Any]) -> None:
             f"name is {name!r:.80}; expected 1 to {_LONGEST_NAME} characters, and no file's name"
         )
     for word in _FILE_WORDS:
-        said = values.get(word, "")
-        if not isinstance(said, str) or len(said) > _LONGEST_WORDS or _ODD.search(said):
+        text = values.get(word, "")
+        if not isinstance(text, str) or len(text) > _LONGEST_WORDS or _ODD.search(text):
             raise PigmentError(
-                f"{word} is {said!r:.60}; expected at most {_LONGEST_WORDS} letters, no control "
+                f"{word} is {text!r:.60}; expected at most {_LONGEST_WORDS} letters, no control "
                 "characters and no halves of one"
             )
 
 
-def _spectrum_of(colour: object) -> tuple[AnyArray, str]:
-    """Reflectance (31,) of an sRGB colour, and what it is from."""
+def _spectrum_of_colour(colour: object) -> tuple[AnyArray, str]:
+    """Return the reflectance (31,) of an sRGB colour, and the text of its basis."""
     from paint3d.colour.glazing import srgb_primaries  # brings kernels
 
     if not isinstance(colour, str) or _COLOUR.fullmatch(colour) is None:
@@ -371,10 +367,13 @@ def _spectrum_of(colour: object) -> tuple[AnyArray, str]:
     return spectrum, f"of the colour {colour.lower()}"
 
 
-def _bands_of(values: object) -> AnyArray:
-    """Reflectance (31,) of as many numbers, or of pairs of a wavelength (nm) and a reflectance."""
+def _parse_reflectance(values: object) -> AnyArray:
+    """Return the reflectance (31,) given by 31 numbers, or by pairs [wavelength in nm, value]."""
     expected = f"{len(WAVELENGTHS)} numbers at 400, 410, ... 700 nm, or pairs [nm, reflectance]"
-    if not _are_numbers(values):
+    rows = values if isinstance(values, list) else [values]
+    numbers = [one for row in rows for one in (row if isinstance(row, list) else [row])]
+    # checked here, since NumPy would also take strings and booleans for numbers
+    if not all(isinstance(one, int | float) and not isinstance(one, bool) for one in numbers):
         raise PigmentError(f"reflectance is {values!r:.60}; expected {expected}")
     try:
         array = np.array(values, np.float64)
@@ -394,28 +393,21 @@ def _bands_of(values: object) -> AnyArray:
     return bands
 
 
-def _are_numbers(values: object) -> bool:
-    """Whether it is a number, or they are, or pairs: NumPy would take words and truths for some."""
-    rows = values if isinstance(values, list) else [values]
-    numbers = [one for row in rows for one in (row if isinstance(row, list) else [row])]
-    return all(isinstance(one, int | float) and not isinstance(one, bool) for one in numbers)
-
-
 def material_text(material: Material) -> str:
-    """The file of a material in TOML, with ranges and meanings as comments.
+    """Write a material as a TOML file, with ranges and meanings as comments.
 
-    `read_material` makes the same material of it, but for the name, which is then that of the file.
+    `read_material` reads the same material back, except for the name, which is the file's.
     """
     lines = [
         "# A material of paint3d: --material FILE paints on it. It is called like the file,",
         '# or as name = "..." says. Behind each value: its range; what it is.',
     ]
     for word in _FILE_WORDS:
-        if said := getattr(material, word):
-            lines.append(f"{word} = {json.dumps(said, ensure_ascii=False)}")
+        if text := getattr(material, word):
+            lines.append(f"{word} = {json.dumps(text, ensure_ascii=False)}")
     for parameter, (low, high) in material_ranges().items():
-        told = f"{parameter} = {getattr(material, parameter)!r}"
-        lines.append(f"{told:<28}# {low:g} to {high:g}; {_MEANINGS[parameter]}")
+        setting = f"{parameter} = {getattr(material, parameter)!r}"
+        lines.append(f"{setting:<28}# {low:g} to {high:g}; {_MEANINGS[parameter]}")
     lines += ['# at 400, 410, ... 700 nm; colour = "#rrggbb" or pairs [nm, reflectance] do, too']
     numbers = [repr(float(value)) for value in material.reflectance]
     rows = [", ".join(numbers[i : i + 8]) for i in range(0, len(numbers), 8)]

@@ -1,8 +1,8 @@
-"""The mixture of a palette that comes nearest to a colour, by Kubelka-Munk theory itself.
+"""The mixture of a palette whose coat is nearest to a colour, by Kubelka-Munk theory.
 
-Up to three pigments and water are sought, of which a coat on a given ground has the least CIEDE2000
-difference. Every three of the palette are tried at the points of a coarse grid, once for a palette
-and a ground; then the best few are followed downhill, by grids around the best point that shrink.
+A mixture has up to three pigments and water; nearness is the CIEDE2000 difference of a coat on a
+given ground. Every triple of the palette is tried on a coarse grid, once for a palette and a
+ground; then the best few are refined on shrinking grids around their best points.
 """
 
 from __future__ import annotations
@@ -25,19 +25,19 @@ from paint3d.errors import InputError
 __all__ = ["Nearest", "nearest_mixture"]
 
 _SPLITS = ((3, 3, 1), (3, 1, 3), (1, 3, 3), (8, 1, 1), (1, 8, 1), (1, 1, 8))
-_INKED = (1.0, 0.5, 0.2, 0.08, 0.02)  # share that is not water
-_BEST = 60  # threes that are followed
-_ROUNDS, _FIRST, _KEPT = 30, 0.16, 0.75  # in the root of the shares
-_LEAST = 0.0005  # of a coat: less is left out of the mixture
+_INKED = (1.0, 0.5, 0.2, 0.08, 0.02)  # fraction that is not water
+_BEST = 60  # triples that are refined
+_ROUNDS, _FIRST, _KEPT = 30, 0.16, 0.75  # first step in the roots of the fractions
+_LEAST = 0.0005  # of a coat: smaller amounts are left out
 
 
 class Nearest(NamedTuple):
-    """A mixture and how near it comes.
+    """A mixture and its distance from the colour asked for.
 
     Attributes
     ----------
     parts : dict of Pigment to float
-        Of sum 1, the most first, water among them.
+        Summing to 1, the largest first, with the water.
     difference : float
         CIEDE2000 between the colour asked for and a coat of it.
     srgb : (int, int, int)
@@ -52,21 +52,21 @@ class Nearest(NamedTuple):
 def nearest_mixture(
     srgb: ArrayLike, ground: ArrayLike, pigments: Sequence[Pigment] | None = None
 ) -> Nearest:
-    """The mixture of up to three pigments and water of which a coat is nearest to a colour.
+    """Find the mixture of up to three pigments and water whose coat is nearest to a colour.
 
     Parameters
     ----------
     srgb : (3,) uint8 or int
         0 to 255.
     ground : (31,) array_like
-        Reflectance of what is painted on.
+        Reflectance of the surface below.
     pigments : sequence of Pigment, optional
-        Those that there are; by default the palette.
+        Those available; by default the palette.
 
     Raises
     ------
     InputError
-        If the colour or the ground is none, or there is no pigment.
+        If the colour or the ground is out of range, or there is no pigment.
 
     Notes
     -----
@@ -82,37 +82,37 @@ def nearest_mixture(
     if not inks:
         raise InputError("there is no pigment to mix; expected one or more")
     wanted = lab_from_srgb(codes / 255.0)
-    chosen, shares, labs = _coarse(inks, tuple(below.tolist()))
+    chosen, fractions, labs = _coarse_grid(inks, tuple(below.tolist()))
     off = delta_e(labs, wanted).reshape(-1, len(_SPLITS) * len(_INKED))
-    at = off.argmin(axis=1) + off.shape[1] * np.arange(len(off))  # the best of every three
+    at = off.argmin(axis=1) + off.shape[1] * np.arange(len(off))  # the best of every triple
     order = at[np.argsort(off.min(axis=1), kind="stable")[:_BEST]]
-    which, roots = chosen[order], np.sqrt(shares[order])
-    which, roots = _follow(which, roots, inks, below, wanted)
-    return _described(which, roots**2, inks, below, wanted)
+    which, roots = chosen[order], np.sqrt(fractions[order])
+    which, roots = _refine(which, roots, inks, below, wanted)
+    return _make_nearest(which, roots**2, inks, below, wanted)
 
 
 @lru_cache(maxsize=8)
-def _coarse(
+def _coarse_grid(
     inks: tuple[Pigment, ...], ground: tuple[float, ...]
 ) -> tuple[AnyArray, AnyArray, AnyArray]:
-    """Which three (N, 3), shares of a coat (N, 3) and L*a*b* (N, 3) of the coarse grid."""
+    """Return indices (N, 3), fractions of a coat (N, 3) and L*a*b* (N, 3) of the coarse grid."""
     n = len(inks)
-    threes = list(itertools.combinations(range(n), 3)) or [(0, min(1, n - 1), min(1, n - 1))]
+    triples = list(itertools.combinations(range(n), 3)) or [(0, min(1, n - 1), min(1, n - 1))]
     splits = np.array(_SPLITS, np.float64)
     splits /= splits.sum(axis=1, keepdims=True)
     points = (np.array(_INKED)[:, None, None] * splits).reshape(-1, 3)
-    chosen = np.repeat(np.array(threes), len(points), axis=0)
-    shares = np.tile(points, (len(threes), 1))
-    return chosen, shares, _lab(chosen, shares, inks, np.array(ground))
+    chosen = np.repeat(np.array(triples), len(points), axis=0)
+    fractions = np.tile(points, (len(triples), 1))
+    return chosen, fractions, _lab(chosen, fractions, inks, np.array(ground))
 
 
 def _coats(
-    chosen: AnyArray, shares: AnyArray, inks: Sequence[Pigment], ground: AnyArray
+    chosen: AnyArray, fractions: AnyArray, inks: Sequence[Pigment], ground: AnyArray
 ) -> AnyArray:
-    """Reflectance (N, 31) of coats of mixtures: which three (N, 3), their shares (N, 3)."""
+    """Reflectance (N, 31) of coats of mixtures: indices of inks (N, 3), fractions (N, 3)."""
     k, s = (np.array([getattr(ink, letter) for ink in inks]) for letter in "KS")
     weights = np.zeros((len(chosen), len(inks)))
-    np.add.at(weights, (np.arange(len(chosen))[:, None], chosen), shares)
+    np.add.at(weights, (np.arange(len(chosen))[:, None], chosen), fractions)
     glossy = np.array([ink.saunderson for ink in inks])
     shiny = (weights[:, glossy] > 0.0).any(axis=1)
     result: AnyArray = np.empty((len(chosen), N_BANDS))
@@ -126,14 +126,17 @@ def _coats(
     return result
 
 
-def _lab(chosen: AnyArray, shares: AnyArray, inks: Sequence[Pigment], ground: AnyArray) -> AnyArray:
-    return lab_from_reflectance(_coats(chosen, shares, inks, ground))
+def _lab(
+    chosen: AnyArray, fractions: AnyArray, inks: Sequence[Pigment], ground: AnyArray
+) -> AnyArray:
+    """L*a*b* (N, 3) of what `_coats` takes."""
+    return lab_from_reflectance(_coats(chosen, fractions, inks, ground))
 
 
-def _follow(
+def _refine(
     chosen: AnyArray, roots: AnyArray, inks: Sequence[Pigment], ground: AnyArray, wanted: AnyArray
 ) -> tuple[AnyArray, AnyArray]:
-    """The best of mixtures (N, 3) after each was followed downhill in the roots of its shares."""
+    """Descend from mixtures (N, 3) in the roots of their fractions; return the best one."""
     steps = np.array(list(itertools.product((-1.0, 0.0, 1.0), repeat=3)))
     reach = np.full(len(chosen), _FIRST)
     for _ in range(_ROUNDS):
@@ -148,29 +151,34 @@ def _follow(
         roots = tried[np.arange(len(tried)), best]
         reach = np.where(moved, reach * 0.9, reach * 0.7)
         order = np.argsort(off.min(axis=1), kind="stable")
-        if len(order) > 6:  # those that fall behind are left
+        if len(order) > 6:  # drop those that fall behind
             order = order[: max(6, int(_KEPT * len(order)))]
         chosen, roots, reach = chosen[order], roots[order], reach[order]
     return chosen[0], roots[0]
 
 
-def _described(
-    chosen: AnyArray, shares: AnyArray, inks: Sequence[Pigment], ground: AnyArray, wanted: AnyArray
+def _make_nearest(
+    chosen: AnyArray,
+    fractions: AnyArray,
+    inks: Sequence[Pigment],
+    ground: AnyArray,
+    wanted: AnyArray,
 ) -> Nearest:
+    """Round a mixture, drop its traces, and measure the coat that is left."""
     summed: dict[Pigment, float] = {}
-    for which, share in zip(chosen, shares, strict=True):
-        if share >= _LEAST:
-            summed[inks[which]] = summed.get(inks[which], 0.0) + float(share)
+    for which, fraction in zip(chosen, fractions, strict=True):
+        if fraction >= _LEAST:
+            summed[inks[which]] = summed.get(inks[which], 0.0) + float(fraction)
     if not summed:
-        summed[inks[chosen[int(np.argmax(shares))]]] = _LEAST
+        summed[inks[chosen[int(np.argmax(fractions))]]] = _LEAST
     parts = dict(sorted(summed.items(), key=lambda part: -part[1]))
     water = 1.0 - sum(parts.values())
-    parts = {ink: round(share, 4) for ink, share in parts.items()}
+    parts = {ink: round(fraction, 4) for ink, fraction in parts.items()}
     if water > 1e-4:
         parts[WATER] = round(1.0 - sum(parts.values()), 4)
-    places = {ink: k for k, ink in enumerate(inks)}
-    inked = [(places[ink], share) for ink, share in parts.items() if ink is not WATER]
-    rows = np.array([[place for place, _ in inked]])
-    coat = _coats(rows, np.array([[share for _, share in inked]]), inks, ground)
+    indices = {ink: k for k, ink in enumerate(inks)}
+    inked = [(indices[ink], fraction) for ink, fraction in parts.items() if ink is not WATER]
+    rows = np.array([[index for index, _ in inked]])
+    coat = _coats(rows, np.array([[fraction for _, fraction in inked]]), inks, ground)
     red, green, blue = (int(code) for code in srgb_from_reflectance(coat)[0])
     return Nearest(parts, float(delta_e(lab_from_reflectance(coat), wanted)[0]), (red, green, blue))

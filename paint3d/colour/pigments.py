@@ -1,8 +1,8 @@
-"""The pigments there are to paint with, by name.
+"""Pigments by name: those of the palette, the drawdown paints and users' tables.
 
-Two tables lie in `data/`, both built by scripts from published measurements: `palette.csv`, the
-inks and colours to paint with (`scripts/build_palette.py`), and `drawdown_paints.csv`, the oil
-paints of the drawdowns that the colour model was checked on (`scripts/fit_drawdowns.py`).
+Scripts build two tables in `data/` from published measurements: `palette.csv`, the inks and
+colours to paint with (`scripts/build_palette.py`), and `drawdown_paints.csv`, the oil paints of
+the drawdowns that the colour model was checked on (`scripts/fit_drawdowns.py`).
 Users' own tables have the same columns (`load_pigments_csv`); a pigment of one is named
 ``FILE.csv:NAME``.
 """
@@ -44,16 +44,15 @@ __all__ = [
 ]
 
 # ---- One pigment ---------------------------------------------------------------------------------
-# One pigment: how it absorbs and scatters light, by wavelength, and where that is from.
-
+# Absorption and scattering by wavelength, with their source.
 
 BANDS_NM = np.arange(400.0, 701.0, 10.0)
 """(31,) wavelengths of K and S, nm."""
 BANDS_NM.flags.writeable = False
 USUAL_FINE = 0.12
-"""Of a pigment of which nothing is said, what goes wherever its water goes."""
+"""Default of `Pigment.fine`: the fraction that goes wherever the water goes."""
 COARSEST_UM = 1000.0
-"""Diameter of grains, um, up to which a pigment may have any."""
+"""Largest diameter of a pigment's grains, um."""
 _STRONGEST = 1e6  # K and S of a coat; measured inks stay below 100
 
 
@@ -67,14 +66,14 @@ class Pigment:
     K, S : (31,) array_like
         Absorption and scattering per full coat at 400, 410, ... 700 nm, 0 to a million.
     source, basis, licence : str
-        Whose measurement; how K and S came from it, and for what it stands in; its terms.
+        Whose measurement; how K and S were derived, and what they stand in for; its terms.
     saunderson : bool
-        Whether K and S describe the film below its gloss, so that Saunderson's correction leads
-        to what is measured. Otherwise they give the measured reflectance themselves.
+        Whether K and S describe the film below its gloss, so that the measured reflectance
+        follows by Saunderson's correction. Otherwise they give it directly.
     gloss : float
-        How glossy a full coat of it dries, 0 (as what it lies on) to 1.
+        Gloss of a dry full coat, 0 (that of the surface below) to 1.
     fine : float
-        The share of it that no pore holds back, 0 (all grains) to 1 (dissolved).
+        Fraction that no pore holds back, 0 (all grains) to 1 (dissolved).
     grain_um : float
         Diameter of the grains of the rest, um, 0 (no larger than soot) to 1000.
 
@@ -100,9 +99,9 @@ class Pigment:
     def __post_init__(self) -> None:
         if not self.name:
             raise PigmentError("a pigment has no name")
-        for share in ("gloss", "fine"):
-            value = getattr(self, share)
-            as_number(value, f"{share} of {self.name}", 0.0, 1.0, error=PigmentError)
+        for fraction in ("gloss", "fine"):
+            value = getattr(self, fraction)
+            as_number(value, f"{fraction} of {self.name}", 0.0, 1.0, error=PigmentError)
         grain = f"grain_um of {self.name}"
         as_number(self.grain_um, grain, 0.0, COARSEST_UM, error=PigmentError)
         for letter in "KS":
@@ -119,15 +118,15 @@ class Pigment:
             object.__setattr__(self, letter, values)
 
     def is_like(self, other: Pigment) -> bool:
-        """Whether it absorbs, scatters, shines and runs as another does, whatever its name."""
+        """Return whether it absorbs, scatters, shines and flows as another, whatever its name."""
         if self is other:
             return True
         same = np.array_equal(self.K, other.K) and np.array_equal(self.S, other.S)
-        how = attrgetter("saunderson", "gloss", "fine", "grain_um")
-        return same and how(self) == how(other)
+        rest = attrgetter("saunderson", "gloss", "fine", "grain_um")
+        return same and rest(self) == rest(other)
 
 
-# --------------------------------------------------------------------------------------------------
+# ---- By name -------------------------------------------------------------------------------------
 
 
 _DATA = Path(__file__).parent / "data"
@@ -144,23 +143,23 @@ WATER = Pigment(
     basis="by definition",
     licence="none needed",
 )
-"""What inks are thinned with: it takes room in the brush and on the surface and dries away."""
+"""The thinner of inks: it takes up volume in the brush and on the surface, and evaporates."""
 
 
 @lru_cache(maxsize=1)
 def load_palette() -> Mapping[str, Pigment]:
-    """Inks and colours to paint with, by name."""
+    """Load the inks and colours to paint with, by name."""
     return load_pigments_csv(_DATA / "palette.csv")
 
 
 @lru_cache(maxsize=1)
 def load_drawdown_paints() -> Mapping[str, Pigment]:
-    """Oil paints fitted on the drawdowns, by the names used there."""
+    """Load the oil paints fitted on the drawdowns, by the names used there."""
     return load_pigments_csv(_DATA / "drawdown_paints.csv")
 
 
 def pigment_names() -> list[str]:
-    """Names of the palette, inks first, as in the table."""
+    """List the names of the palette, inks first, as in the table."""
     return list(load_palette())
 
 
@@ -174,7 +173,7 @@ def load_pigment(name: str, *, own_tables: bool = True) -> Pigment:
     ----------
     name : str
     own_tables : bool
-        Whether the name may lead to a file. Names that come from somebody else's file may not.
+        Whether the name may refer to a file; not where it comes from somebody else's file.
 
     Raises
     ------
@@ -206,15 +205,12 @@ def load_pigment(name: str, *, own_tables: bool = True) -> Pigment:
 
 
 # ---- From the reflectance of an opaque layer -----------------------------------------------------
-# K and S of a pigment of which only the reflectance of an opaque layer is known.
-#
-# Kubelka-Munk gives K/S = (1 - R)^2 / 2R there and nothing about S. We guess one S for all
-# wavelengths, scaled so that a full coat hides 98 %: good for pigments that scatter strongly
-# (vermilion is missed by 1.5 dE00), bad for dyes and strong blues (Prussian blue by 17).
-
+# For an opaque layer Kubelka-Munk gives K/S = (1 - R)^2 / 2R and nothing about S. We assume one S
+# for all wavelengths, scaled so that a full coat hides 98 %: good for pigments that scatter
+# strongly (vermilion is missed by 1.5 dE00), bad for dyes and strong blues (Prussian blue by 17).
 
 HIDING = 0.98
-"""Luminance of a full coat over black by that over a white chart."""
+"""Luminance of a full coat over black, divided by that over a white chart."""
 _CHART = 0.8
 
 
@@ -253,8 +249,7 @@ def _luminous_efficiency() -> AnyArray:
 
 
 # ---- Tables --------------------------------------------------------------------------------------
-# Tables of pigments: CSV of K and S by wavelength, or of the reflectance of a masstone.
-
+# CSV of K and S by wavelength, or of the reflectance of a masstone.
 
 _NUMBER = re.compile(r"\d+(\.\d*)?|\.\d+")
 _DARKEST = 1e-6  # of a reflectance; nothing is as black
@@ -270,10 +265,10 @@ def load_pigments_csv(path: str | Path) -> Mapping[str, Pigment]:
         CSV in UTF-8 with a header: ``name``, and either ``K_<nm>`` and ``S_<nm>``, per full coat,
         or ``R_<nm>``, the reflectance of a masstone (see `masstone_strengths`), for rising
         wavelengths that cover 400 to 700 nm (others than every 10 nm are interpolated linearly);
-        where wanted ``chinese``, ``source``, ``basis``, ``licence``, ``saunderson`` (yes|no),
+        optionally ``chinese``, ``source``, ``basis``, ``licence``, ``saunderson`` (yes|no),
         ``gloss`` (0 to 1), ``fine`` (0 to 1; .12), what no pore holds back, and ``grain_um`` (0
         to 1000; 0), the diameter of the other grains, um.
-        Or measured masstones as `spectral_files` reads them: IES TM-27 (.spdx), and .txt of two
+        Or measured masstones as `illuminants` reads them: IES TM-27 (.spdx), and .txt of two
         columns or of X-Rite.
 
     Raises
@@ -286,14 +281,14 @@ def load_pigments_csv(path: str | Path) -> Mapping[str, Pigment]:
     """
     path = Path(path)
     if is_spectral(path):
-        return _of_spectra(path)
+        return _read_masstones(path)
     try:
         with path.open(newline="", encoding="utf-8-sig") as stream:
             reader = csv.DictReader(stream)
             header = list(reader.fieldnames or [])
             rows = [(reader.line_num, row) for row in reader]
     except (OSError, UnicodeDecodeError, csv.Error) as cause:
-        why = getattr(cause, "strerror", None) or cause  # which names the file once more
+        why = getattr(cause, "strerror", None) or cause  # str(OSError) repeats the file's name
         raise PigmentError(f"{path}: cannot be read as a table of pigments: {why}") from None
     if "name" not in header:
         raise PigmentError(f"{path}:1: has no column 'name'")
@@ -309,8 +304,8 @@ def load_pigments_csv(path: str | Path) -> Mapping[str, Pigment]:
     return MappingProxyType(pigments)
 
 
-def _of_spectra(path: Path) -> Mapping[str, Pigment]:
-    """Pigments of measured masstones, by the names that their file gives them, or its own."""
+def _read_masstones(path: Path) -> Mapping[str, Pigment]:
+    """Make pigments of measured masstones, by their names in the file, or the file's own."""
     try:
         plain = read_plain_spectrum(path) if path.suffix.lower() == ".txt" else None
         spectra = read_spectra(path) if plain is None else {path.stem: plain}
@@ -330,7 +325,7 @@ def _of_spectra(path: Path) -> Mapping[str, Pigment]:
 
 
 def _read_bands(header: list[str], path: Path) -> tuple[AnyArray, dict[str, list[str]]]:
-    """Wavelengths and columns of each letter: K and S for the same wavelengths, or R alone."""
+    """Return wavelengths, and columns by letter: K and S for the same wavelengths, or R alone."""
     columns: dict[str, list[str]] = {"K": [], "S": [], "R": []}
     bands: dict[str, list[float]] = {"K": [], "S": [], "R": []}
     for column in header:
@@ -396,7 +391,7 @@ def _read_row(
 def _read_number(
     row: dict[str, Any], where: str, name: str, usual: float, most: float = 1.0
 ) -> float:
-    """A number from 0 to `most`, or the usual one where nothing is said."""
+    """Parse a number from 0 to `most`; an empty cell gives `usual`."""
     text = (row.get(name) or "").strip()
     if not text:
         return usual
@@ -408,7 +403,7 @@ def _read_number(
 
 
 def _read_spectrum(row: dict[str, Any], where: str, nm: AnyArray, columns: list[str]) -> AnyArray:
-    """Values (31,) of one letter's columns, checked one by one."""
+    """Parse one letter's columns and interpolate them at `BANDS_NM` (31,)."""
     values = []
     for column in columns:
         try:

@@ -1,11 +1,11 @@
-"""Colours of a painted surface's vertices: pigment amounts in, sRGB out, fast.
+"""Colours of a painted surface's vertices: from amounts of pigment to sRGB, fast.
 
-Three ways, one class:
+`ColourModel` has two paths, and two methods for the live one:
 
 - `reference`: all 31 bands, any mixture;
 - `live`, several pigments: 12 bands chosen for the palette (`scripts/search_live_bands.py`),
   twice as fast, within mean 0.09 and maximum 0.5 dE00 of the reference on random mixtures;
-  mixtures with any other pigment, for which these bands could be wrong by 4 dE00, take all 31;
+  mixtures with any other pigment, where these bands could be wrong by 4 dE00, take all 31;
 - `live`, one pigment: a table over the layer's thickness, three times as fast, within 0.001 dE00.
 """
 
@@ -48,19 +48,14 @@ _NO_RGB = np.empty((0, 3), np.float32)
 
 @lru_cache(maxsize=1)
 def _live_bands() -> tuple[AnyArray, AnyArray]:
-    """Indices (12,) of the live bands among the 31, and their weights (12, 3)."""
+    """Return indices (12,) of the live bands among the 31, and their weights (12, 3)."""
     table = np.loadtxt(_LIVE, delimiter=",", skiprows=1)
     return np.searchsorted(WAVELENGTHS, table[:, 0]), table[:, 1:]
 
 
-def _all_of_palette(pigments: Sequence[Pigment]) -> bool:
-    palette = load_palette()
-    return all(palette.get(p.name) is p for p in pigments)
-
-
 @lru_cache(maxsize=1)
 def srgb_codes() -> AnyArray:
-    """sRGB code (16384,) uint8 of evenly spaced linear values; at most 0.2 codes a step."""
+    """Return the sRGB codes (16384,) uint8 of evenly spaced linear values, <= 0.2 codes a step."""
     return srgb_from_linear(np.linspace(0.0, 1.0, _N_CODES))
 
 
@@ -88,7 +83,7 @@ class ColourModel:
     Raises
     ------
     InputError
-        If there is no pigment, the backing is out of range or the path is not known.
+        If there is no pigment, the backing is out of range or the path is unknown.
 
     Notes
     -----
@@ -117,13 +112,14 @@ class ColourModel:
         self.bare_linear_rgb = linear_rgb_from_reflectance(ground).astype(np.float32)
         self._look: Film | OneInk
         if path == "live" and len(pigments) == 1:
-            self._look = self._tabulated()
-        elif path == "live" and _all_of_palette(self.pigments):
+            self._look = self._table()
+        elif path == "live" and all(load_palette().get(p.name) is p for p in pigments):
             self._look = self._film(*_live_bands())
         else:
             self._look = self._film(np.arange(N_BANDS), rgb_weights())
 
     def _film(self, bands: AnyArray, weights: AnyArray) -> Film:
+        """Constants of the mixture kernel for some of the 31 bands and their weights (N, 3)."""
         outer, inner = self._gloss
         paints = [(p.K[bands], p.S[bands]) for p in self.pigments]
         scaled = weights * ((1.0 - outer) * (1.0 - inner))
@@ -135,7 +131,8 @@ class ColourModel:
             np.float32(inner),
         )
 
-    def _tabulated(self) -> OneInk:
+    def _table(self) -> OneInk:
+        """Tabulate the colour of one pigment over y = coats / (bend + coats) in [0, 1]."""
         pigment = self.pigments[0]
         strength = float((pigment.K + pigment.S).max())
         bend = np.float32(2.0 / max(strength, 1e-3))
@@ -168,7 +165,7 @@ class ColourModel:
             sRGB; only the rows of `vertex_ids` are written.
         vertex_ids : (N,) int32, optional
         linear_rgb : (V, 3) float32, optional
-            Filled likewise, before colours out of gamut go to the border.
+            Filled likewise, before colours out of gamut are clipped.
 
         Returns
         -------

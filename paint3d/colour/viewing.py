@@ -1,13 +1,13 @@
-"""How spectra are looked at: in which light, by which observer, adapted or not, on which screen.
+"""Viewing conditions: the light, the observer, chromatic adaptation and the screen's gamut.
 
 Reflectance goes to XYZ in the light (`illuminants`), by chromatic adaptation to the screen's white
-(Li et al. 2017 for CAT16, Lam 1985 for Bradford, both taken as complete), and to linear RGB of the
-screen's primaries. All three screens have the white D65, and their files sRGB's transfer function.
+(Li et al. 2017 for CAT16, Lam 1985 for Bradford, both complete), and to linear RGB of the screen's
+primaries. All three screens have the white D65, and their files sRGB's transfer function.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -40,7 +40,7 @@ _BRADFORD = (  # Lam 1985
     (0.0389, -0.0685, 1.0296),
 )
 ADAPTATIONS = {"cat16": _CAT16, "bradford": _BRADFORD, NONE: None}
-_AT_ONCE = 1 << 16
+_BLOCK = 1 << 16  # spectra encoded at a time
 
 
 class Gamut(NamedTuple):
@@ -66,7 +66,7 @@ GAMUTS = {
 
 
 class Codes(NamedTuple):
-    """Colours as codes, and what did not fit in.
+    """Colours as codes, and the number that were out of gamut.
 
     Attributes
     ----------
@@ -81,7 +81,7 @@ class Codes(NamedTuple):
 
 @dataclass(frozen=True)
 class Viewing:
-    """How spectra are looked at.
+    """Viewing conditions of spectra.
 
     Parameters
     ----------
@@ -90,14 +90,14 @@ class Viewing:
     observer : {2, 10}
         Degrees: the CIE's of 1931 and of 1964.
     adaptation : {"cat16", "bradford", "none"}
-        To the light: a white sheet is white then. Without it, the picture has the light's colour,
-        and is as bright as fits in.
+        To the light, so that a white sheet is white. Without it, the picture has the light's
+        colour, as bright as the gamut allows.
     gamut : {"srgb", "p3", "rec2020"}
 
     Raises
     ------
     InputError
-        If one of them is not known, or colour-science is needed and missing.
+        If one of them is unknown, or colour-science is needed and missing.
     """
 
     illuminant: str = "D65"
@@ -118,12 +118,12 @@ class Viewing:
 
     @property
     def is_own_light(self) -> bool:
-        """Whether it is the light that paintings have by themselves: D65, 2 degrees."""
+        """Whether it is the default light and observer: D65, 2 degrees."""
         return self.illuminant.strip().upper() == "D65" and self.observer == 2
 
     @property
     def is_plain(self) -> bool:
-        """Whether it changes nothing: D65, 2 degrees, sRGB."""
+        """Whether all is as by default: D65, 2 degrees, sRGB."""
         return self.is_own_light and self.gamut == "srgb"
 
     @cached_property
@@ -145,12 +145,15 @@ class Viewing:
         return np.asarray(spectra) @ self.weights
 
     def codes(self, spectra: ArrayLike) -> Codes:
-        """Codes (N, 3) of reflectance spectra (N, 31); those out of gamut go to its border."""
+        """Codes (N, 3) of reflectance spectra (N, 31); those out of gamut are clipped."""
         return encoded(self.linear_rgb(spectra))
 
     def codes_of(self, n: int, spectra_of: Callable[[AnyArray], AnyArray]) -> Codes:
-        """Codes of `n` spectra, asked for by their numbers some at a time."""
-        parts = [self.codes(spectra_of(ids)) for ids in _in_parts(n)]
+        """Codes of `n` spectra; ``spectra_of(ids)`` gives a block of them, (K, 31)."""
+        parts = [
+            self.codes(spectra_of(np.arange(first, min(first + _BLOCK, n), dtype=np.int32)))
+            for first in range(0, n, _BLOCK)
+        ]
         if not parts:
             return Codes(np.empty((0, 3), np.uint8), 0)
         return Codes(
@@ -158,20 +161,15 @@ class Viewing:
         )
 
 
-def _in_parts(n: int) -> Iterator[NDArray[np.int32]]:
-    for first in range(0, n, _AT_ONCE):
-        yield np.arange(first, min(first + _AT_ONCE, n), dtype=np.int32)
-
-
 def encoded(linear: AnyArray) -> Codes:
-    """Codes of linear RGB (N, 3) of any gamut."""
+    """Encode linear RGB (N, 3) of any gamut."""
     values = 255.0 * encode_srgb(linear)
     outside = ((values < -0.5) | (values > 255.5)).any(axis=1)
     return Codes(np.rint(np.clip(values, 0.0, 255.0)).astype(np.uint8), int(outside.sum()))
 
 
 def adapt_white(matrix: ArrayLike, white: AnyArray, to: AnyArray) -> AnyArray:
-    """(3, 3) XYZ from XYZ: complete adaptation from one white to another (von Kries)."""
+    """Return (3, 3) XYZ from XYZ: complete von Kries adaptation from one white to another."""
     cones = np.asarray(matrix)
     scale = (cones @ to) / (cones @ white)
     result: AnyArray = np.linalg.solve(cones, scale[:, None] * cones)

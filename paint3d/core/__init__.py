@@ -1,4 +1,4 @@
-"""What every other part stands on, and that knows none of them."""
+"""Foundations of all other rooms; imports none of them."""
 
 import lazy_loader
 

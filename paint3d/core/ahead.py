@@ -1,4 +1,4 @@
-"""What is needed next is made while what is there is used, on a second core."""
+"""Prefetching: a worker thread computes the next item while the caller uses the current one."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ T = TypeVar("T")
 
 
 def ahead(makers: Iterable[Callable[[], T]]) -> Iterator[T]:
-    """What each of `makers` gives, in order; a thread makes the next while one is used.
+    """Yield the results of `makers` in order; a thread makes the next while one is used.
 
-    No more than one is made ahead, and none while another is made, so it is the same as calling
-    one after the other, sooner, as long as using one changes nothing that making another takes. An
-    error comes where the call would have raised it. The first, often the only one, takes no thread.
+    Only one is made ahead, and never two at a time, so the results are those of calling one after
+    the other, sooner, as long as using one changes nothing that making the next reads. An error is
+    raised where the call would have raised it. The first, often the only one, needs no thread.
     """
     waiting = iter(makers)
     first = next(waiting, None)
@@ -41,9 +41,10 @@ def ahead(makers: Iterable[Callable[[], T]]) -> Iterator[T]:
 
 @contextmanager
 def beside(make: Callable[[], object]) -> Iterator[None]:
-    """Have a thread make what will be asked for, and is kept, while what stands within is done.
+    """Run `make`, which fills a cache, in a thread beside the body of the ``with`` statement.
 
-    Its end is waited for. An error comes where it is asked for, for that is not kept.
+    The end of the body waits for it. An error in it is dropped: nothing is cached then, and
+    whoever needs the result raises it again.
     """
     with ThreadPoolExecutor(1, "beside", leave_interrupts_to_others) as thread:
         thread.submit(make)

@@ -1,4 +1,4 @@
-"""Arrays: checks at the public boundary (shape, finite, range), room on cache lines, products."""
+"""Arrays: validation at the public boundary, alignment to cache lines, products of vectors."""
 
 from __future__ import annotations
 
@@ -22,16 +22,8 @@ __all__ = [
     "zeros_on_lines",
 ]
 
-# ---- Types ---------------------------------------------------------------------------------------
-# Names for types that many rooms use.
-
-
 AnyArray = NDArray[Any]
-"""An array whose elements may be of several types, or are said in the documentation alone."""
-
-
-# --------------------------------------------------------------------------------------------------
-
+"""An array whose elements may be of several types, or of one that only the docstring says."""
 
 _LINE = 64  # bytes of a cache line
 
@@ -43,17 +35,17 @@ def as_array(
     dtype: DTypeLike = np.float64,
     error: type[Paint3DError] = InputError,
 ) -> AnyArray:
-    """Return `values` as a C-contiguous finite array of the wanted shape.
+    """Return `values` as a C-contiguous finite array of the expected shape.
 
     Parameters
     ----------
     values : array_like
     name : str
-        What to call the array in messages.
+        Name of the array in messages.
     shape : tuple
-        The wanted shape; None stands for any length.
+        Expected shape; None stands for any length.
     dtype : dtype
-        Wanted element type; floats must be finite.
+        Element type; floats must be finite.
     error : type
         The exception to raise.
 
@@ -112,7 +104,7 @@ def as_number(
 
 
 def zeros_on_lines(shape: int | tuple[int, ...], dtype: DTypeLike) -> AnyArray:
-    """Zeros whose first element begins a cache line, so that vector loops cross none."""
+    """Return zeros that begin on a cache line, so that no vector of a loop straddles two."""
     kind = np.dtype(dtype)
     size = int(np.prod(shape)) * kind.itemsize
     memory = np.zeros(size + _LINE, np.uint8)
@@ -152,12 +144,8 @@ def length_of(vector: AnyArray) -> float:
     return math.sqrt(vector.dot(vector))
 
 
-# ---- Growing -------------------------------------------------------------------------------------
-# Arrays that grow.
-
-
 def grown(array: AnyArray, used: int, room: int) -> AnyArray:
-    """An array of `room` rows whose first `used` ones are those of another; the rest are 0."""
+    """Copy the first `used` rows of an array to a new one of `room` rows; the rest are 0."""
     result = np.zeros((room, *array.shape[1:]), array.dtype)
     result[:used] = array[:used]
     return result

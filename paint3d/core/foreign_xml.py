@@ -1,4 +1,4 @@
-"""XML from strangers: read without entities, and not deeper than it may be."""
+"""Parsing of untrusted XML: no entities, and a limited depth of nesting."""
 
 from __future__ import annotations
 
@@ -9,14 +9,13 @@ __all__ = ["XmlFault", "parse_xml"]
 
 
 class XmlFault(Exception):
-    """Why XML is not read.
+    """The reason why XML is refused.
 
     Attributes
     ----------
     line : int
-        Where.
     what : str
-        What is wrong there.
+        The fault in that line.
     """
 
     def __init__(self, line: int, what: str) -> None:
@@ -25,20 +24,20 @@ class XmlFault(Exception):
 
 
 def parse_xml(data: bytes, most_depth: int, *, doctypes: bool) -> ElementTree.Element:
-    """The root of an XML document, with names as ElementTree has them.
+    """Parse an XML document; return its root, with names as ElementTree has them.
 
     Parameters
     ----------
     data : bytes
     most_depth : int
-        How deep elements may be nested.
+        Greatest depth of nested elements.
     doctypes : bool
-        Whether it may say of which type it is; entities it may declare in no case.
+        Whether a document type may be declared; entities never may.
 
     Raises
     ------
     XmlFault
-        If it declares what it may not, is nested too deep, or is not well-formed.
+        If it has a forbidden declaration, is nested too deep, or is not well-formed.
     """
     builder = ElementTree.TreeBuilder()
     parser = expat.ParserCreate(namespace_separator="}")
@@ -80,4 +79,5 @@ def parse_xml(data: bytes, most_depth: int, *, doctypes: bool) -> ElementTree.El
 
 
 def _named(tag: str) -> str:
+    """Return a name of expat's, ``uri}tag``, as ElementTree writes it: ``{uri}tag``."""
     return "{" + tag if "}" in tag else tag

@@ -1,7 +1,7 @@
 """The decorators of every hot loop: compiled, and run without the interpreter's lock.
 
 Kernels are written in numba's subset of Python. Those that Python calls were compiled when the
-package was built; numba compiles what is not there, or has changed since: see `compiled`.
+package was built; numba compiles those that are missing or have changed since: see `compiled`.
 """
 
 from __future__ import annotations
@@ -16,11 +16,11 @@ from paint3d.core.numba_kernels import ONLY, DeferredKernel, compile_with_numba
 __all__ = ["compiled", "is_ahead", "is_compiled", "kernel", "uncounted"]
 
 # ---- Where machine code comes from ---------------------------------------------------------------
-# Where a kernel's machine code comes from: the library that was built ahead, else numba.
+# The library that was built ahead of time, or else numba.
 
 
 def compiled(function: Callable[..., Any], options: dict[str, Any]) -> Any:
-    """What is called in a function's place; `options` are those of numba's `njit`."""
+    """Return the compiled kernel of a function; `options` are those of numba's `njit`."""
     ahead = None if os.environ.get(ONLY) == "numba" else library()
     if ahead is None:
         return compile_with_numba(function, options)
@@ -28,28 +28,28 @@ def compiled(function: Callable[..., Any], options: dict[str, Any]) -> Any:
 
 
 def is_ahead(kernel: Any) -> bool:
-    """Whether a kernel is taken from the library, so that calling it costs no more at first."""
+    """Return whether a kernel comes from the library, so that its first call compiles nothing."""
     ahead = library()
     return ahead is not None and isinstance(kernel, ahead.kernel_type)
 
 
 def is_compiled(kernel: Any) -> bool:
-    """Whether a kernel can be called without being compiled first.
+    """Return whether a kernel can be called without being compiled first.
 
     Raises
     ------
     KernelError
-        It never can: it is not in the library, and numba is not installed.
+        If it is not in the library and numba is not installed.
     """
     if is_ahead(kernel):
         return True
-    by_numba = getattr(kernel, "jit", kernel)  # or an error that says that there is none
+    by_numba = getattr(kernel, "jit", kernel)  # raises KernelError without numba
     from paint3d.core.compile_cache import is_kept
 
     return is_kept(by_numba)
 
 
-# --------------------------------------------------------------------------------------------------
+# ---- Decorators ----------------------------------------------------------------------------------
 
 
 def kernel(function: Callable[..., Any] | None = None, **options: Any) -> Any:
@@ -67,18 +67,18 @@ def kernel(function: Callable[..., Any] | None = None, **options: Any) -> Any:
 
 
 def uncounted(function: Callable[..., Any] | None = None, **options: Any) -> Any:
-    """Compile a function without counting who holds the arrays that it is handed.
+    """Compile a function without reference counts of the arrays that it takes.
 
-    numba counts references to every array of every named tuple that a kernel is handed, up at its
+    numba counts references to every array of every named tuple that a kernel takes, up at its
     beginning and down at its end, with a locked instruction each. Painting calls a dozen kernels
     for a footprint, and the surface and the scratch arrays are a hundred: some three thousand such
-    instructions, a quarter of the time. Whoever calls holds the arrays anyway.
+    instructions, a quarter of the time. The caller holds the arrays anyway.
 
-    A kernel compiled so may make no arrays (nor assign one to a slice of another, which may raise
-    an error with a text), and return none: one that does, and is called by such a kernel, is a
-    `kernel`. Options as there, and ``forceinline`` for what is called in one place: handing over
-    a hundred arrays, each with its shape and strides, takes half a microsecond. But whatever calls
-    it is as much larger, and compiled as much longer.
+    Such a kernel must not allocate arrays (nor assign one to a slice of another, which may raise
+    an error with a text) nor return any: one that does, and is called by such a kernel, is a
+    `kernel`. Options as there, and ``forceinline`` for a function called in one place: passing a
+    hundred arrays, each with its shape and strides, takes half a microsecond. But its code, and
+    the time to compile it, are added to its caller's.
     """
     return _decorate(function, {"_nrt": False, **options})
 

@@ -1,8 +1,8 @@
 """Kernels that were compiled ahead of time: a shared library beside the package.
 
-A wheel brings it, `scripts/install` builds it for a checkout (`python -m tools.kernels`). A kernel
-is taken from it only where every source that it was made from is, to the byte, what it was then; so
-after an edit, what the edit reaches is compiled by numba, and no old code is ever run.
+A wheel contains it, `scripts/install` builds it for a checkout (`python -m tools.kernels`). A
+kernel is taken from it only if every source that it was compiled from is unchanged, to the byte;
+so after an edit numba compiles the kernels that it affects, and no outdated code is ever run.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from paint3d.core.numba_kernels import DeferredKernel, can_compile
 __all__ = ["FOLDER", "INDEX", "Library", "library"]
 
 FOLDER = Path(__file__).with_name("machine_code")
-INDEX = "index.json"  # written last: what it names is whole
+INDEX = "index.json"  # written last: the files that it names are complete
 FORMAT = 2
 _ROOT = Path(__file__).parents[2]
 
@@ -37,7 +37,7 @@ log = logging.getLogger("paint3d")
 
 @cache
 def library() -> Library | None:
-    """The library, or None where there is none that this machine can run."""
+    """Load the library; None if there is none that this machine can run."""
     try:
         index = json.loads((FOLDER / INDEX).read_text("utf-8"))
         return Library(FOLDER, index) if index["format"] == FORMAT else None
@@ -49,13 +49,13 @@ def library() -> Library | None:
 
 
 class Library:
-    """Machine code for one kind of processor, and the caller that hands it arrays.
+    """Machine code for one kind of processor, and the extension module that calls it.
 
     Parameters
     ----------
     folder : Path
     index : dict
-        What `tools.kernels` has written there.
+        The `INDEX` that `tools.kernels` wrote there.
 
     Attributes
     ----------
@@ -72,30 +72,29 @@ class Library:
 
     def __init__(self, folder: Path, index: dict[str, Any]) -> None:
         caller = _load_caller(folder / index["caller"])
-        is_one = caller.processors()  # the best first
-        fitting = (name for name in is_one if name in index["code"])
-        self.processor = next(fitting, "")
+        processors = caller.processors()  # this one's kinds, the best first
+        self.processor = next((name for name in processors if name in index["code"]), "")
         if not self.processor:
-            raise LookupError(f"there is none for this processor, {is_one[0]}")
+            raise LookupError(f"there is none for this processor, {processors[0]}")
         self._code = ctypes.CDLL(os.fspath(folder / index["code"][self.processor]))
         self._kernels: dict[str, Any] = index["kernels"]
         self._sources: list[tuple[str, str]] = index["sources"]
-        self.kernel_type = _kernel_type(caller.Entry)
+        self.kernel_type = _make_kernel_type(caller.Entry)
 
     def find(self, function: Callable[..., Any], options: dict[str, Any]) -> Any:
-        """Return the compiled kernel, to be called as the function is; or None.
+        """Return the compiled kernel, which is called like the function; or None.
 
         Parameters
         ----------
         function : callable
         options : dict
-            Of numba's `njit`, for arguments of other types than it was compiled for.
+            Of numba's `njit`, used for arguments of types that it was not compiled for.
         """
         name = f"{function.__module__}.{function.__qualname__}"
         kernel = self._kernels.get(name)
-        if kernel is None or not all(_is_as_then(*self._sources[k]) for k in kernel["sources"]):
+        if kernel is None or not all(_is_unchanged(*self._sources[k]) for k in kernel["sources"]):
             return None
-        found = None
+        first = None  # of a chain: each entry passes arguments that do not fit to its `other`
         for code in reversed(kernel["codes"]):
             entry = self.kernel_type(
                 address=self._address(code["symbol"]),
@@ -107,9 +106,9 @@ class Library:
                 n_gives=code["n_gives"],
             )
             update_wrapper(entry, function)
-            entry.expected, entry.options, entry.other = code["expected"], options, found
-            found = entry
-        return found
+            entry.expected, entry.options, entry.other = code["expected"], options, first
+            first = entry
+        return first
 
     def _address(self, symbol: str) -> int:
         return ctypes.cast(getattr(self._code, symbol), ctypes.c_void_p).value or 0
@@ -118,15 +117,15 @@ class Library:
 def _load_caller(path: Path) -> ModuleType:
     loader = importlib.machinery.ExtensionFileLoader("caller", os.fspath(path))
     spec = importlib.util.spec_from_file_location("caller", path, loader=loader)
-    assert spec is not None, "it is told the loader"
+    assert spec is not None, "the loader is given"
     module = importlib.util.module_from_spec(spec)
     loader.exec_module(module)
     return module
 
 
 @cache
-def _is_as_then(path: str, digest: str) -> bool:
-    """Whether a source is what code was made from."""
+def _is_unchanged(path: str, digest: str) -> bool:
+    """Return whether a source still has the digest of the one that was compiled."""
     try:
         return hashlib.sha256((_ROOT / path).read_bytes()).hexdigest() == digest
     except OSError:
@@ -134,27 +133,24 @@ def _is_as_then(path: str, digest: str) -> bool:
 
 
 def _dtype(record: dict[str, Any]) -> np.dtype[Any]:
-    """The type of a record, as the index describes it."""
-    described: Any = {**record, "formats": [_format(of) for of in record["formats"]]}
-    dtype: np.dtype[Any] = np.dtype(described)
+    """Make the type of a record from its description in the index."""
+    formats = [of if isinstance(of, str) else (of[0], tuple(of[1])) for of in record["formats"]]
+    description: Any = {**record, "formats": formats}
+    dtype: np.dtype[Any] = np.dtype(description)
     return dtype
 
 
-def _format(of: str | list[Any]) -> Any:
-    return of if isinstance(of, str) else (of[0], tuple(of[1]))
-
-
-def _kernel_type(entry: type) -> type:
-    """The type of compiled kernels, which the caller's is the base of."""
+def _make_kernel_type(entry: type) -> type:
+    """Derive the type of compiled kernels from the extension module's."""
 
     class LibraryKernel(entry, DeferredKernel):  # type: ignore[misc]
-        """A kernel of the library; other kernels, and arguments that do not fit, get numba's."""
+        """A kernel of the library; numba compiles it for other kernels and other arguments."""
 
         expected: dict[str, Any]
-        other: Any  # the same for other types; None for the last
+        other: Any  # the same kernel for other types; None for the last
 
         def _unfit(self, args: tuple[Any, ...], kwargs: dict[str, Any] | None) -> Any:
-            """Call what takes these arguments, which this one does not."""
+            """Call a kernel that takes these arguments, as this one does not (from `caller.c`)."""
             if self.other is not None:
                 return self.other(*args, **(kwargs or {}))
             if not can_compile():
@@ -162,7 +158,7 @@ def _kernel_type(entry: type) -> type:
             return self.jit(*args, **(kwargs or {}))
 
         def _failed(self, code: int, pickled: bytes) -> None:
-            """Raise the error that the kernel ended with."""
+            """Raise the error that the kernel ended with (from `caller.c`)."""
             if not pickled:
                 raise MemoryError(f"{self.__wrapped__.__qualname__} has no memory ({code})")
             error, args, _ = pickle.loads(pickled)
@@ -173,21 +169,23 @@ def _kernel_type(entry: type) -> type:
             if kwargs or len(args) != len(self.expected):
                 return f"{name} takes {', '.join(self.expected)} in this order, got {len(args)}"
             for (what, expected), value in zip(self.expected.items(), args, strict=True):
-                unfit = _say_what(what, expected, value)
-                if unfit:
-                    return f"{name}: {unfit}"
+                mismatch = _explain_mismatch(what, expected, value)
+                if mismatch:
+                    return f"{name}: {mismatch}"
             return f"{name}: a number is out of range"
 
     return LibraryKernel
 
 
-def _say_what(name: str, expected: str | dict[str, Any], value: Any) -> str:
-    """What is wrong with a value; "" for nothing."""
+def _explain_mismatch(name: str, expected: str | dict[str, Any], value: Any) -> str:
+    """Say how a value differs from the expected type; "" if it fits."""
     if isinstance(expected, dict):
         if not isinstance(value, tuple) or len(value) != len(expected):
             return f"{name}: expected ({', '.join(expected)}), got {type(value).__name__}"
         parts = zip(expected.items(), value, strict=True)
-        return next(filter(None, (_say_what(f"{name}.{k}", e, v) for (k, e), v in parts)), "")
+        return next(
+            filter(None, (_explain_mismatch(f"{name}.{k}", e, v) for (k, e), v in parts)), ""
+        )
     if "[" not in expected:
         fits = {
             "f8": isinstance(value, float | int | np.integer) and not isinstance(value, bool),

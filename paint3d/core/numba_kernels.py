@@ -1,4 +1,4 @@
-"""Kernels that numba compiles when they are first called, and keeps."""
+"""Kernels that numba compiles at their first call, and caches."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ __all__ = [
     "processor_of",
 ]
 
-ONLY = "PAINT3D_KERNELS"  # "numba" or "library": take kernels from there or not at all
+ONLY = "PAINT3D_KERNELS"  # "numba" or "library": the only source of kernels
 _LEVEL_3 = {"avx2", "bmi", "bmi2", "f16c", "fma", "lzcnt", "movbe"}  # of x86-64
 _LEVEL_2 = {"cx16", "popcnt", "sse4.1", "sse4.2", "ssse3"}
 
 
 def can_compile() -> bool:
-    """Whether what is not compiled can be."""
+    """Return whether numba may and can compile kernels."""
     return os.environ.get(ONLY) != "library" and importlib.util.find_spec("numba") is not None
 
 
@@ -36,7 +36,7 @@ def compile_with_numba(function: Callable[..., Any], options: dict[str, Any]) ->
     Raises
     ------
     KernelError
-        numba is not installed, or is not to be asked.
+        If numba is not installed, or `ONLY` excludes it.
     """
     if not can_compile():
         name = f"{function.__module__}.{function.__qualname__}"
@@ -56,37 +56,38 @@ def compile_with_numba(function: Callable[..., Any], options: dict[str, Any]) ->
 
 @cache
 def _prepare() -> None:
-    """Have numba compile for a kind of processor, as the library is, and drop what is stale.
+    """Make numba compile for a kind of processor, like the library, and drop stale code.
 
-    Some of the last bits of single hairs rest on which instruction estimates 1/sqrt(x). Code for
-    the very processor would take another one where there is AVX-512; so all processors of a kind
-    paint the same, with the library and without.
+    Some last bits of single hairs depend on the instruction that estimates 1/sqrt(x). Code for the
+    exact processor would use another one where there is AVX-512; compiled for its kind, all
+    processors of a kind paint the same, with the library and without.
     """
     import numba
     from llvmlite import binding
 
-    config: Any = numba.config  # its own, unknown to types
+    config: Any = numba.config  # untyped attributes
     if config.CPU_NAME is None:
         has = {name for name, on in binding.get_host_cpu_features().items() if on}
         processor = processor_of(platform.machine(), has)
         if processor:
-            config.CPU_NAME, config.CPU_FEATURES = llvm_name(processor), ""  # what all of them have
-            os.environ["NUMBA_CPU_NAME"] = config.CPU_NAME  # numba reads it again, at times
+            config.CPU_NAME = llvm_name(processor)
+            config.CPU_FEATURES = ""  # only those that all of the kind have
+            os.environ["NUMBA_CPU_NAME"] = config.CPU_NAME  # numba may read it again
             os.environ["NUMBA_CPU_FEATURES"] = config.CPU_FEATURES
     from paint3d.core.compile_cache import drop_stale
 
-    drop_stale()  # before the first is loaded
+    drop_stale()  # before the first kernel is loaded
 
 
 def processor_of(machine: str, features: set[str]) -> str:
-    """The best kind of processor that code is made for, by what one has; "" for none.
+    """Return the best kind of processor that code is made for, by its features; "" for none.
 
     Parameters
     ----------
     machine : str
-        As `platform.machine` says it.
+        As given by `platform.machine`.
     features : set of str
-        As LLVM names them.
+        By their names in LLVM.
     """
     if machine in ("aarch64", "arm64"):
         return "aarch64"
@@ -96,12 +97,12 @@ def processor_of(machine: str, features: set[str]) -> str:
 
 
 def llvm_name(processor: str) -> str:
-    """What LLVM calls a kind of processor."""
+    """Return LLVM's name for a kind of processor."""
     return "generic" if processor == "aarch64" else processor
 
 
 class DeferredKernel:
-    """A kernel for which numba is not imported before it is called or looked into."""
+    """A kernel that imports numba only when it is called or inspected."""
 
     __wrapped__: Callable[..., Any]
     options: dict[str, Any]
@@ -109,7 +110,7 @@ class DeferredKernel:
 
     @classmethod
     def of(cls, function: Callable[..., Any], options: dict[str, Any]) -> DeferredKernel:
-        """The kernel of a function."""
+        """Make the kernel of a function."""
         kernel = cls()
         update_wrapper(kernel, function)
         kernel.options = options
@@ -121,19 +122,19 @@ class DeferredKernel:
 
     @property
     def jit(self) -> Any:
-        """The same as numba's dispatcher."""
+        """numba's dispatcher of the function."""
         if self._jit is None:
             self._jit = compile_with_numba(self.__wrapped__, self.options)
         return self._jit
 
     @property
     def py_func(self) -> Callable[..., Any]:
-        """The function as it is written."""
+        """The Python function."""
         return self.__wrapped__
 
     @property
     def _numba_type_(self) -> Any:
-        """What it is to a kernel that calls it and is compiled by numba."""
+        """numba's type of it, for kernels that call it."""
         return self.jit._numba_type_
 
     def __getattr__(self, name: str) -> Any:

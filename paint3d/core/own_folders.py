@@ -1,8 +1,8 @@
-"""Folders of the user's own: the home, or where there is none to write to, a private one.
+"""The user's folders: the home, or a private folder where the home cannot be written.
 
-Service accounts, containers that are run with another user's number and read-only homes have no
-place for what a program keeps. What it keeps can be programs (compiled kernels), so the folder that
-takes the home's place must be one that nobody else can have put anything into.
+Service accounts, containers run under another user's number and read-only homes leave a program
+nowhere to store files. Some of its files are code (compiled kernels), so the folder that replaces
+the home must be one that nobody else can have put anything into.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ __all__ = ["can_write", "find_home", "private_folder"]
 
 
 def find_home() -> Path | None:
-    """The user's home, which need not be there; None where the system knows of none."""
+    """Return the user's home, which need not exist; None if the system knows none."""
     try:
         home = Path.home()
     except RuntimeError:  # a user without an entry in the list of users, and no HOME
@@ -29,7 +29,7 @@ def find_home() -> Path | None:
 
 
 def can_write(folder: Path) -> bool:
-    """Whether files can be made in a folder, or, where it is yet to be made, where it would be."""
+    """Return whether files can be made in a folder or, while it does not exist, in its parent."""
     there = os.fspath(folder)
     while not os.path.lexists(there) and there != os.path.dirname(there):
         there = os.path.dirname(there)
@@ -44,8 +44,8 @@ def can_write(folder: Path) -> bool:
 def private_folder() -> Path:
     """Return a folder among the temporary files that only this user can enter.
 
-    It is the same at the next start, unless somebody else has made one of its name, or has been let
-    into it: then it is a fresh one.
+    It is the same at every start, unless somebody else has made one of its name, or may enter it:
+    then it is a fresh one.
 
     Raises
     ------

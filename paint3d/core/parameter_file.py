@@ -1,4 +1,4 @@
-"""Files of parameters by name, in TOML or JSON: brushes and materials of one's own."""
+"""Files of named parameters in TOML or JSON: users' own brushes and materials."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _Thing = TypeVar("_Thing")
 
 
 def is_parameter_file(name: str) -> bool:
-    """Whether a name is that of such a file.
+    """Return whether a name is that of a parameter file.
 
     Examples
     --------
@@ -30,14 +30,14 @@ def is_parameter_file(name: str) -> bool:
 
 
 def read_parameters(path: Path, what: str, error: type[Paint3DError]) -> dict[str, Any]:
-    """The parameters of a file, by name, as they stand there.
+    """Read the parameters of a file, by name, unchecked.
 
     Parameters
     ----------
     path : Path
         ``.json``, or else TOML, in UTF-8, at most 1 MiB.
     what : str
-        What it holds, for messages: "a brush".
+        What the file describes, for messages: "a brush".
     error : type
         Of the exception that is raised.
 
@@ -53,7 +53,14 @@ def read_parameters(path: Path, what: str, error: type[Paint3DError]) -> dict[st
             data = stream.read(_MOST_BYTES + 1)
         if len(data) > _MOST_BYTES:
             raise error(f"{path}: is over 1 MiB; expected {what}")
-        values = _parser(path)(data.decode("utf-8-sig"))
+        text = data.decode("utf-8-sig")
+        values: Any
+        if path.suffix.lower() == ".json":
+            values = json.loads(text)
+        else:
+            from tomllib import loads  # most runs read no such file
+
+            values = loads(text)
     except OSError as cause:
         raise error(f"{path}: {cause.strerror or cause}") from None
     except (ValueError, RecursionError) as cause:
@@ -65,28 +72,20 @@ def read_parameters(path: Path, what: str, error: type[Paint3DError]) -> dict[st
     return values
 
 
-def _parser(path: Path) -> Callable[[str], Any]:
-    if path.suffix.lower() == ".json":
-        return json.loads
-    from tomllib import loads  # for files of one's own alone: most runs read none
-
-    return loads
-
-
 def read_thing(
     path: str | Path,
     what: str,
     error: type[Paint3DError],
     make: Callable[[dict[str, Any], str], _Thing],
 ) -> _Thing:
-    """What a file of parameters describes.
+    """Read the object that a parameter file describes.
 
     Parameters
     ----------
     path, what, error
         As for `read_parameters`.
     make : callable
-        Makes it of the parameters, and of what it is called where they say no name.
+        Makes it from the parameters, and from its name where they give none.
 
     Raises
     ------
@@ -108,7 +107,7 @@ def named_or_read(
     error: type[Paint3DError],
     read: Callable[[str], _Thing] | None,
 ) -> _Thing:
-    """What comes with the program by that name, or what a file of that name describes.
+    """Return the shipped object of that name, or read it from a file of that name.
 
     Parameters
     ----------
@@ -116,11 +115,11 @@ def named_or_read(
     shipped : mapping
         By name.
     what : str
-        What they are, for messages: "brush".
+        The kind of object, for messages: "brush".
     error : type
         Of the exception that is raised for a file.
     read : callable or None
-        Reads a file. None: a name out of a file, which may not lead to one of this machine.
+        Reads a file. None where the name comes from a file, which may not name another.
 
     Raises
     ------
@@ -144,18 +143,18 @@ def named_or_read(
 def check_known(
     values: Mapping[str, Any], known: Iterable[str], error: type[Paint3DError], what: str = ""
 ) -> None:
-    """Refuse parameters that there are not, with the nearest that there is.
+    """Refuse unknown parameters, suggesting the nearest known one.
 
     Parameters
     ----------
     values : mapping
         By name.
     known : iterable of str
-        Names that there are.
+        Known names.
     error : type
         Of the exception that is raised.
     what : str
-        Said before: "bristles: ".
+        Beginning of the message: "bristles: ".
 
     Raises
     ------

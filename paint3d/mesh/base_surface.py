@@ -1,4 +1,4 @@
-"""A source mesh made ready for painting: welded, creased, without faces that have no area."""
+"""A source mesh prepared for painting: welded, split at creases, without faces of no area."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ from paint3d.mesh.triangle_mesh import TriangleMesh
 
 __all__ = ["CREASE_ANGLE", "BaseSurface", "make_base_surface"]
 
-CREASE_ANGLE = np.deg2rad(40.0)  # two faces that turn by more have an edge between them
-_AGREES = 0.8  # cosine at which a normal from the file is believed
+CREASE_ANGLE = np.deg2rad(40.0)  # faces whose normals differ by more meet in a crease
+_AGREES = 0.8  # least cosine to the computed normal at which the file's is taken
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,7 +40,7 @@ class BaseSurface:
     source_faces: AnyArray  # (R,) int64
 
     def longest_edges(self) -> NDArray[np.float64]:
-        """(R,) float64: the longest edge of every triangle, mm."""
+        """Return the longest edge of every triangle, (R,) float64, mm."""
         longest = np.empty(len(self.faces))
         longest_sides(self.points, self.faces, longest)
         return longest
@@ -54,8 +54,10 @@ def make_base_surface(mesh: TriangleMesh) -> BaseSurface:
     MeshError
         If more than 256 triangles share one edge.
     """
-    points = np.ascontiguousarray(mesh.vertices, np.float32) + np.float32(0.0)
-    welded = _weld(points)
+    points = np.ascontiguousarray(mesh.vertices, np.float32) + np.float32(0.0)  # -0 becomes 0
+    table = np.full(1 << (2 * len(points)).bit_length(), -1, np.int32)
+    welded = np.empty(len(points), np.int32)  # a dense id for each position
+    weld_positions(points.view(np.uint32), table, welded)
     faces = np.asarray(mesh.faces)
     face_normals, doubled = np.empty((len(faces), 3), np.float32), np.empty(len(faces))
     measure_faces(points, faces, face_normals, doubled)
@@ -90,7 +92,7 @@ def make_base_surface(mesh: TriangleMesh) -> BaseSurface:
     corner_normals(base_points, new_faces, face_normals, vertex_of_corner, normals)
     return BaseSurface(
         points=base_points,
-        normals=_with_given(normals, mesh.normals, source),
+        normals=_prefer_given(normals, mesh.normals, source),
         faces=np.ascontiguousarray(new_faces),
         radial=radial,
         areas=0.5 * doubled,
@@ -99,15 +101,7 @@ def make_base_surface(mesh: TriangleMesh) -> BaseSurface:
     )
 
 
-def _weld(points: AnyArray) -> NDArray[np.int32]:
-    """(V,) int32: a dense id for each position."""
-    table = np.full(1 << (2 * len(points)).bit_length(), -1, np.int32)
-    ids = np.empty(len(points), np.int32)
-    weld_positions(np.ascontiguousarray(points).view(np.uint32), table, ids)
-    return ids
-
-
-def _with_given(normals: AnyArray, given: AnyArray | None, source: AnyArray) -> AnyArray:
+def _prefer_given(normals: AnyArray, given: AnyArray | None, source: AnyArray) -> AnyArray:
     """Take the file's own normal where the vertex is smooth and the two roughly agree."""
     if given is None:
         return normals.astype(np.float32)

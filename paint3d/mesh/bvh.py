@@ -1,4 +1,4 @@
-"""Box trees over triangles, and the contact tree of a paint mesh that is asked for footprints."""
+"""Box trees over triangles: the contact tree of a paint mesh, closest points and ray hits."""
 
 from __future__ import annotations
 
@@ -50,19 +50,22 @@ def build_box_tree(
     leaf_size : int
         Triangles to each leaf.
     halve : bool
-        Whether every half, quarter and so on shall lie together in a box; else they are in Morton
-        order. Closest points are found three times as fast; a million triangles take 0.4 s more.
+        Order the triangles by halving them recursively, so that every half, quarter and so on is
+        compact, instead of in Morton order. Closest points are found three times as fast; a
+        million triangles take 0.4 s more.
 
     Returns
     -------
     order : (T,) int32
         The triangles in the tree's order.
     boxes : (2 L, 6) float32
-        Low and high corners in heap order, the triangles lying in the latter half, the leaves.
+        Low and high corners in heap order; the latter half are the leaves, with the triangles.
     triangles : (T, 3) int32
         Vertex ids in that order.
     """
-    centres = _centres(points, triangles)
+    centres = np.zeros((len(triangles), 3), np.float32)  # three times over: only their order counts
+    for corner in range(3):
+        centres += points[triangles[:, corner]]
     order = _morton_order(centres)
     n_leaves = 1
     while n_leaves * leaf_size < len(triangles):
@@ -75,22 +78,14 @@ def build_box_tree(
     return order, boxes, triangles
 
 
-def _centres(points: AnyArray, triangles: AnyArray) -> AnyArray:
-    """Three times the triangles' centres (T, 3) float32."""
-    centres = np.zeros((len(triangles), 3), np.float32)
-    for corner in range(3):
-        centres += points[triangles[:, corner]]
-    return centres
-
-
 def _morton_order(centres: AnyArray) -> AnyArray:
-    """Triangle ids (T,) int32 sorted by the interleaved bits of their centres' coordinates."""
+    """Return triangle ids (T,) int32 sorted by the interleaved bits of their centres."""
     low = centres.min(axis=0)
     span = max(float((centres.max(axis=0) - low).max()), 1e-12)
     grid = ((centres - low) * (1023.0 / span)).astype(np.uint32)
     code = np.zeros(len(centres), np.uint32)
     for axis in range(3):
-        bits = grid[:, axis]
+        bits = grid[:, axis]  # 10 bits; the masks put two zeros between them
         for shift, mask in (
             (16, 0x030000FF),
             (8, 0x0300F00F),
@@ -103,7 +98,6 @@ def _morton_order(centres: AnyArray) -> AnyArray:
 
 
 # ---- Closest points and rays ---------------------------------------------------------------------
-# Closest points and ray hits on a mesh, many at a time.
 
 
 class Found(NamedTuple):
@@ -142,7 +136,7 @@ class ClosestPoints:
     Attributes
     ----------
     tree : ContactTree
-        Of its triangles, in which the kernels search.
+        The box tree of its triangles.
 
     Raises
     ------
@@ -151,9 +145,9 @@ class ClosestPoints:
 
     Notes
     -----
-    The answers are exact to float64's rounding and depend on the mesh and the question alone:
-    of triangles that are equally near the first in the mesh counts. Triangles without area, which
-    cannot be painted on, are passed over.
+    Results are exact to float64's rounding and depend on the mesh and the query alone: among
+    equally near triangles the first in the mesh counts. Triangles without area, which cannot be
+    painted on, are ignored.
     """
 
     def __init__(self, mesh: TriangleMesh) -> None:
@@ -166,18 +160,18 @@ class ClosestPoints:
         self.tree = ContactTree(faces, boxes, triangles, base.points, base.normals)
 
     def find(self, points: AnyArray) -> Found:
-        """The closest point of the surface to each of `points` (N, 3), mm."""
+        """Find the closest point of the surface to each of `points` (N, 3), mm."""
         queries = as_array(points, "points", (None, 3))
         n = len(queries)
         there, normals, weights = np.empty((n, 3)), np.empty((n, 3)), np.empty((n, 3))
         faces = np.empty(n, np.int64)
         if find_closest(self.tree, queries, there, faces, weights, normals):
-            cancelled = ~normals.any(axis=1)
+            cancelled = ~normals.any(axis=1)  # interpolation gave a normal of zero
             normals[cancelled] = self.mesh.face_normals[faces[cancelled]]
         return Found(there, faces, weights, normals)
 
     def cast(self, origins: AnyArray, directions: AnyArray) -> RayHits:
-        """The first hits of rays from `origins` (N, 3) along `directions` (N, 3)."""
+        """Find the first hits of rays from `origins` (N, 3) along `directions` (N, 3)."""
         origins = as_array(origins, "origins", (None, 3))
         directions = as_array(directions, "directions", (len(origins), 3))
         distance, faces = np.empty(len(origins)), np.empty(len(origins), np.int64)

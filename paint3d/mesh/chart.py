@@ -1,8 +1,8 @@
 """A sheet of paper laid on a surface: the geodesic exponential map around a point.
 
-Node (x, y) of a regular grid lies where the straightest geodesic that leaves the origin in the
-direction (x, y) arrives after sqrt(x^2 + y^2) mm, so lengths along rays from the origin are
-kept, and those across them shrink or grow with the curvature in between (by sin(r/R)/(r/R) on
+Node (x, y) of a regular grid is the end of the straightest geodesic that leaves the origin in the
+direction (x, y) and is sqrt(x^2 + y^2) mm long. So lengths along rays from the origin are
+preserved, and those across them shrink or grow with the curvature in between (by sin(r/R)/(r/R) on
 a sphere). Between the nodes the map is a bicubic spline.
 """
 
@@ -32,8 +32,7 @@ __all__ = [
 ]
 
 # ---- Splines over a sheet ------------------------------------------------------------------------
-# Bicubic splines through values on a grid: several functions of one rectangle at once.
-
+# Bicubic, through the values of several functions at the nodes of one grid.
 
 _DEGREE = 3
 
@@ -64,9 +63,9 @@ class SplineMap:
         }  # fmt: skip
 
     def __call__(self, xy: AnyArray, dx: int = 0, dy: int = 0) -> AnyArray:
-        """Values (N, F) at places (N, 2), or their first derivatives along x or along y.
+        """Values (N, F) at positions (N, 2), or their first derivatives along x or along y.
 
-        Beyond the grid the rim's hold.
+        Beyond the grid they are those at its rim.
         """
         x_knots, y_knots, degrees, coefficients = self._parts[dx, dy]
         out = np.empty((len(xy), coefficients.shape[2]))
@@ -74,10 +73,10 @@ class SplineMap:
         return out
 
 
-def _knots(places: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Where the pieces of a spline through values at places meet: in all but the outer four."""
-    ends = [np.repeat(places[end], _DEGREE + 1) for end in (0, -1)]
-    return np.concatenate([ends[0], places[2:-2], ends[1]])
+def _knots(nodes: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Knots of a spline through `nodes`: all but the second from each end, the ends fourfold."""
+    ends = [np.repeat(nodes[end], _DEGREE + 1) for end in (0, -1)]
+    return np.concatenate([ends[0], nodes[2:-2], ends[1]])
 
 
 def _fitted(
@@ -102,16 +101,16 @@ def _differences(coefficients: AnyArray, knots: AnyArray) -> AnyArray:
     return result
 
 
-# --------------------------------------------------------------------------------------------------
+# ---- Charts --------------------------------------------------------------------------------------
 
 
 _STEP_MM = 0.5
 _FINEST_STEP = 1e-3
 _LEAST_ADVANCE = 0.6
-"""A step that gains less than this share of its length has run into the surface's end."""
+"""A step that gains less than this fraction of its length has run off the surface."""
 _MOST_NODES = 400
-_PROBES = 5  # along each side: these rays are followed first, to see whether the surface ends
-_FARTHEST_SIZES = 8.0  # diagonals of the object that a chart may reach from its middle
+_PROBES = 5  # geodesics to each side of the rim that are traced first
+_FARTHEST_SIZES = 8.0  # reach of a chart from its middle, in diagonals of the object
 _INVERSE_NODES = 81
 
 
@@ -136,7 +135,7 @@ class SurfaceFrame:
 
 
 def frame_at(surface: ClosestPoints, point: ArrayLike, up: ArrayLike) -> SurfaceFrame:
-    """The frame at the surface's closest point to `point`, its y axis as near `up` as can be.
+    """Return the frame at the closest point to `point`, its y axis as near `up` as can be.
 
     Parameters
     ----------
@@ -167,7 +166,7 @@ def frame_at(surface: ClosestPoints, point: ArrayLike, up: ArrayLike) -> Surface
 class SurfaceChart:
     """A smooth map from a flat rectangle, in mm, onto a surface.
 
-    Made by `make_chart`. The rectangle reaches from -half_width to half_width in x and from
+    Made by `make_chart`. The rectangle extends from -half_width to half_width in x and from
     -half_height to half_height in y; (0, 0) is the frame's origin.
 
     Attributes
@@ -207,8 +206,8 @@ class SurfaceChart:
     def tangents(self, xy: ArrayLike) -> AnyArray:
         """Frames (N, 3, 3) whose columns are the directions of x and y and the normal.
 
-        The normal is that of `normals`; x and y are turned alike until they are orthogonal, so
-        that neither is favoured where the map shears.
+        The normal is that of `normals`; where the map shears, x and y are turned by the same angle
+        to become orthogonal.
         """
         checked = self._checked(xy)
         normals = _normalised(self._normals(checked))
@@ -284,9 +283,9 @@ def make_chart(
     frame : SurfaceFrame
         From `frame_at`.
     half_width, half_height : float
-        How far the chart reaches in x and y, mm.
+        Extent of the chart in x and y, mm.
     spacing : float
-        Distance of the grid's nodes, mm; made larger where there would be over 400 in a row.
+        Spacing of the grid's nodes, mm; made larger where there would be over 400 in a row.
     step : float
         Longest step along a geodesic, mm.
 
@@ -316,7 +315,11 @@ def make_chart(
         )
     xs, ys = _nodes(half_width, spacing), _nodes(half_height, spacing)
     x, y = (grid.ravel() for grid in np.meshgrid(xs, ys, indexing="ij"))
-    _trace(surface, frame, *_rim(half_width, half_height), step)
+    # the rim first: where the surface ends within the rectangle, a few geodesics show it
+    along = np.linspace(-1.0, 1.0, _PROBES)
+    rim_x, rim_y = (grid.ravel() for grid in np.meshgrid(along, along, indexing="ij"))
+    rim = np.maximum(np.abs(rim_x), np.abs(rim_y)) == 1.0
+    _trace(surface, frame, half_width * rim_x[rim], half_height * rim_y[rim], step)
     points, normals = _trace(surface, frame, x, y, step)
     shape = (len(xs), len(ys), 3)
     return SurfaceChart(frame, xs, ys, points.reshape(shape), normals.reshape(shape))
@@ -327,18 +330,10 @@ def _nodes(half: float, spacing: float) -> AnyArray:
     return np.linspace(-half, half, 2 * n + 1)
 
 
-def _rim(half_width: float, half_height: float) -> tuple[AnyArray, AnyArray]:
-    """Some chart coordinates x, y (N,) on the rectangle's rim, with its corners."""
-    along = np.linspace(-1.0, 1.0, _PROBES)
-    x, y = (grid.ravel() for grid in np.meshgrid(along, along, indexing="ij"))
-    rim = np.maximum(np.abs(x), np.abs(y)) == 1.0
-    return half_width * x[rim], half_height * y[rim]
-
-
 def _trace(
     surface: ClosestPoints, frame: SurfaceFrame, x: AnyArray, y: AnyArray, step_mm: float
 ) -> tuple[AnyArray, AnyArray]:
-    """Follow the straightest geodesics from the frame to chart coordinates x, y: (N, 3) each."""
+    """Trace geodesics from the frame to chart coordinates x, y; return points, normals (N, 3)."""
     reach = np.hypot(x, y)
     n_steps = max(1, math.ceil(reach.max() / step_mm))
     step = (reach / n_steps)[:, None]
@@ -349,7 +344,7 @@ def _trace(
     for k in range(n_steps):
         found = surface.find(points + step * heading)
         advance = np.sum((found.points - points) * heading, axis=1)
-        turned = np.sum(found.normals * normals, axis=1)
+        turned = np.sum(found.normals * normals, axis=1)  # cosine between the two normals
         lost = (advance < _LEAST_ADVANCE * step[:, 0] - _FINEST_STEP) | (turned <= 0.0)
         if lost.any():
             i = int(np.flatnonzero(lost)[0])
@@ -357,18 +352,12 @@ def _trace(
                 f"{surface.mesh.name}: the surface ends {step[i, 0] * k:.1f} mm from the middle "
                 f"of the chart, towards ({x[i]:.1f}, {y[i]:.1f}) mm; expected it to go on"
             )
-        heading = _carried(heading, normals, found.normals)
+        # Parallel transport: the least rotation that takes one normal to the next. Projecting the
+        # headings instead would pull every geodesic towards the direction of least bending.
+        ratio = np.sum(heading * found.normals, axis=1) / (1.0 + turned)
+        heading = _in_plane(heading - ratio[:, None] * (normals + found.normals), found.normals)
         points, normals = found.points, found.normals
     return points, normals
-
-
-def _carried(heading: AnyArray, before: AnyArray, after: AnyArray) -> AnyArray:
-    """Tangents (N, 3) turned by the least rotation that takes one normal to the next.
-
-    Projecting them instead would pull every geodesic towards the direction of least bending.
-    """
-    share = np.sum(heading * after, axis=1) / (1.0 + np.sum(before * after, axis=1))
-    return _in_plane(heading - share[:, None] * (before + after), after)
 
 
 def _normalised(vectors: AnyArray) -> AnyArray:
@@ -381,11 +370,9 @@ def _in_plane(vectors: AnyArray, normals: AnyArray) -> AnyArray:
     return _normalised(vectors - normals * dots_of(vectors, normals)[..., None])
 
 
-# ---- The way back --------------------------------------------------------------------------------
-# From points of a surface back to the flat sheet that was laid on it.
+# ---- From the surface back to the sheet ----------------------------------------------------------
 
-
-_NODES = 65  # to a side of the grid that a first guess is taken from
+_NODES = 65  # along each side of the grid that gives the first guess
 _ROUNDS = 4
 _DIFFERENCE = 1e-3  # of the chart's half width
 
@@ -393,8 +380,8 @@ _DIFFERENCE = 1e-3  # of the chart's half width
 def unroll(chart: SurfaceChart, points: ArrayLike) -> NDArray[np.float64]:
     """Chart coordinates (N, 2), mm, of points (N, 3) on the surface; NaN outside the chart.
 
-    Newton's method from the nearest of 65 by 65 nodes; what a point lies off the surface along its
-    normal does not matter.
+    Newton's method from the nearest of 65 by 65 nodes; a point's distance from the surface, along
+    its normal, does not matter.
 
     Raises
     ------
@@ -425,7 +412,7 @@ def unroll(chart: SurfaceChart, points: ArrayLike) -> NDArray[np.float64]:
 
 
 def _newton_step(chart: SurfaceChart, at: AnyArray, wanted: AnyArray) -> NDArray[np.float64]:
-    """Least-squares step (N, 2) in the chart towards points (N, 3)."""
+    """Return the least-squares step (N, 2) in the chart towards points (N, 3)."""
     reach = np.array([chart.half_width, chart.half_height])
     away = wanted - chart.points(at)
     columns = []
@@ -447,19 +434,18 @@ def _newton_step(chart: SurfaceChart, at: AnyArray, wanted: AnyArray) -> NDArray
 
 
 # ---- Squares and boxes on a surface --------------------------------------------------------------
-# A square or a box laid on a surface: its chart, how much it is bent, whether two overlap.
+# The em square or box of a character: its chart, its distortion, and the overlap of two.
 
-
-_EM_NODES = 12  # of the chart along an em
-_EM_PROBES = 20  # points along an em that are looked at
-_FEWEST = 6  # points along a side, however short it is
+_EM_NODES = 12  # nodes of the chart along an em
+_EM_PROBES = 20  # points along an em that are checked
+_FEWEST = 6  # of these points along a side, however short it is
 _FINEST_MM = 0.25
-_FREE = 0.7  # of the height: nearer than that, something is in the way, or a hollow too tight
+_FREE = 0.7  # of the height: anything nearer is in the way, or a hollow is too tight
 
 
 @dataclass(frozen=True)
 class SquareLimits:
-    """What a square may be like and still be written in.
+    """The distortion up to which a square can be written in.
 
     Attributes
     ----------
@@ -472,7 +458,7 @@ class SquareLimits:
     turn : float
         Largest angle between a normal within the square and the one in its middle, rad.
     margin : float
-        Share of the em around the square that must lie on the surface as well, for the handle.
+        Fraction of the em around the square that must lie on the surface as well, for the handle.
     room_mm : float
         Height above the surface that must be free, for the tuft.
     """
@@ -527,7 +513,7 @@ class EmSquare:
         return np.array(angles)
 
     def fault(self, limits: SquareLimits) -> str | None:
-        """Why one cannot write here, or None."""
+        """Return why the square cannot be written in, or None."""
         n = self.normals
         neighbours = [(n[1:] * n[:-1]).sum(-1).min(), (n[:, 1:] * n[:, :-1]).sum(-1).min()]
         if min(neighbours) < math.cos(limits.crease):
@@ -545,7 +531,7 @@ class EmSquare:
         return None
 
     def overlap(self, other: EmSquare) -> float:
-        """How far (mm) the other square reaches into this one; 0 where they are apart."""
+        """Return how far the other square extends into this one, mm; 0 where they are apart."""
         edge = other.points
         rim = np.concatenate([edge[:, 0], edge[-1], edge[::-1, -1], edge[0, ::-1]])
         flat = self.points.reshape(-1, 3)
@@ -559,7 +545,7 @@ class EmSquare:
         at = np.stack([i, j], axis=1) * spacings - 0.5 * size
         axes = self.chart.tangents(at)
         local = np.einsum("nk,nkd->nd", rim[close] - flat[nearest[close]], axes)
-        thin = np.abs(local[:, 2]) < 0.5 * spacing  # not the other side of a thin wall
+        thin = np.abs(local[:, 2]) < 0.5 * spacing  # excludes the other side of a thin wall
         inside = (0.5 * size - np.abs(at + local[:, :2])).min(axis=1)
         return float(np.max(inside[thin], initial=0.0))
 
@@ -597,7 +583,8 @@ def lay_square(
     except MeshError:
         raise _no_place(surface, frame, em_mm, "the surface ends within it") from None
     lines = [
-        np.linspace(-0.5 * side, 0.5 * side, _probes(side / em_mm) + 1) for side in (width, height)
+        np.linspace(-0.5 * side, 0.5 * side, max(_FEWEST, round(_EM_PROBES * (side / em_mm))) + 1)
+        for side in (width, height)
     ]
     xy = np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1).reshape(-1, 2)
     shape = (len(lines[0]), len(lines[1]), 3)
@@ -611,18 +598,13 @@ def lay_square(
     return square
 
 
-def _probes(ems: float) -> int:
-    """How many steps a side of so many ems is looked at in."""
-    return max(_FEWEST, round(_EM_PROBES * ems))
-
-
 def _is_free(surface: ClosestPoints, square: EmSquare, height: float) -> bool:
-    """Whether from so high above the square (mm) nothing is nearer than the square itself."""
+    """Return whether nothing is nearer to points `height` mm above the square than the square."""
     if height <= 0.0:
         return True
-    some = tuple(slice(None, None, min(_EM_PROBES // 4, n // 2)) for n in square.points.shape[:2])
-    foot = square.points[some].reshape(-1, 3)
-    above = foot + height * square.normals[some].reshape(-1, 3)
+    sparse = tuple(slice(None, None, min(_EM_PROBES // 4, n // 2)) for n in square.points.shape[:2])
+    foot = square.points[sparse].reshape(-1, 3)
+    above = foot + height * square.normals[sparse].reshape(-1, 3)
     nearest = np.linalg.norm(surface.find(above).points - above, axis=1)
     return bool((nearest > _FREE * height).all())
 

@@ -1,12 +1,11 @@
-"""An object that was meshed anew, made ready so that a brush moves on it as on the first mesh.
+"""Indexing of a remeshed object so that a brush moves on it as on the original mesh.
 
 Where a footprint lies follows from normals and from the sheets of surface in the cells around it.
-On what is bent as sharply as the rim of a bowl all of these depend on the triangles and on where
-the lattice lies: the lattice begins at the box around the object and its cells grow with the
-resolution, vertices on coarse triangles lean otherwise, and a sheet that looks just away from the
-foot counts or does not. So the second mesh takes over, wherever it is the same surface: the first
-one's lattice, its normals at the own vertices, and what its sheets say of the shape. Where the
-object was changed it stands for itself.
+On a surface bent as sharply as the rim of a bowl these depend on the triangles and on the lattice:
+the lattice begins at the object's bounding box and its cells grow with the resolution, vertices on
+coarse triangles have other normals, and a sheet that just faces away from the foot may or may not
+count. So wherever the new mesh is the same surface, it takes over the original's lattice, normals
+and sheets. Where the object was changed, it keeps its own.
 """
 
 from __future__ import annotations
@@ -19,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.core.arrays import AnyArray
-from paint3d.mesh.base_surface import BaseSurface, make_base_surface
+from paint3d.mesh.base_surface import make_base_surface
 from paint3d.mesh.bvh import ClosestPoints
 from paint3d.mesh.refined_mesh import PaintMesh
 from paint3d.mesh.triangle_mesh import TriangleMesh
@@ -27,15 +26,15 @@ from paint3d.mesh.triangle_mesh import TriangleMesh
 __all__ = ["Original", "build_like", "digest_of"]
 
 _DIGEST_BYTES = 8
-_FEWEST_EDGES, _MOST_EDGES = 2.0, 64.0  # to a cell that is taken over
-_ALIKE = 0.5  # share of the vertices that lie on the original where it is the same object
-_FACES_AS = 0.5  # cosine of normals that are one another's
-_FITS = 1.5  # mm: two sheets farther apart, or by as much turned, are not the same
-_TURN_MM = 1.0  # that a turn of the mean normal by one radian counts as
+_FEWEST_EDGES, _MOST_EDGES = 2.0, 64.0  # per cell of a lattice that is taken over
+_ALIKE = 0.5  # least fraction of vertices on the original for it to be the same object
+_FACES_AS = 0.5  # least cosine between corresponding normals
+_FITS = 1.5  # mm: sheets that differ by more in position and turn are not the same
+_TURN_MM = 1.0  # what a turn of the mean normal by one radian counts
 
 
 class Original(NamedTuple):
-    """What an object's painting was first painted on."""
+    """The mesh and resolution on which an object was first painted."""
 
     mesh: TriangleMesh
     resolution: float
@@ -43,7 +42,7 @@ class Original(NamedTuple):
 
 
 def digest_of(mesh: TriangleMesh) -> str:
-    """16 hexadecimal digits of vertices, faces and normals: they tell meshes of one name apart."""
+    """Return 16 hexadecimal digits that tell meshes of one name apart: a hash of their arrays."""
     digest = hashlib.blake2b(digest_size=_DIGEST_BYTES)
     for array in (mesh.vertices, mesh.faces, mesh.normals):
         digest.update(b"none" if array is None else np.ascontiguousarray(array).tobytes())
@@ -53,20 +52,20 @@ def digest_of(mesh: TriangleMesh) -> str:
 def build_like(
     mesh: TriangleMesh, resolution: float | None, original: Original
 ) -> PaintMesh | None:
-    """Index a mesh for painting (`PaintMesh.build`) as its original was.
+    """Index a mesh for painting (`PaintMesh.build`) like its original.
 
     Parameters
     ----------
     mesh : TriangleMesh
     resolution : float or None
-        Longest edge wanted, mm.
+        Longest edge after refinement, mm.
     original : Original
 
     Returns
     -------
     PaintMesh or None
-        None where the original makes no difference: the two meshes are one, less than half of the
-        vertices lie on it, or its cells do not suit the resolution.
+        None where the original makes no difference: the two meshes are the same, less than half
+        of the vertices lie on it, or its cells do not suit the resolution.
 
     Raises
     ------
@@ -81,30 +80,25 @@ def build_like(
     size = first.arrays.cell_size
     if not (first.refines and _FEWEST_EDGES <= size / resolution <= _MOST_EDGES):
         return None
-    base, is_there = _with_normals(make_base_surface(mesh), original)
+    base = make_base_surface(mesh)
+    nearest = ClosestPoints(original.mesh).find(base.points.astype(np.float64))
+    away = np.linalg.norm(nearest.points - base.points, axis=1)
+    is_there = away <= original.resolution
     if is_there.mean() < _ALIKE:
         return None
+    agrees = np.einsum("ij,ij->i", nearest.normals, base.normals) >= _FACES_AS
+    normals = np.where((is_there & agrees)[:, None], nearest.normals, base.normals)
+    base = dataclasses.replace(base, normals=normals.astype(np.float32))
     own = PaintMesh(base, resolution, (first.arrays.origin, size))
-    pack = _with_sheets(own, first)
-    own.arrays = own.arrays._replace(sheet_pack=pack)
+    own.arrays = own.arrays._replace(sheet_pack=_merge_sheets(own, first))
     return own
 
 
-def _with_normals(base: BaseSurface, original: Original) -> tuple[BaseSurface, NDArray[np.bool_]]:
-    """The surface with the original's normals where it lies on it, and where that is (B,)."""
-    found = ClosestPoints(original.mesh).find(base.points.astype(np.float64))
-    away = np.linalg.norm(found.points - base.points, axis=1)
-    is_there = away <= original.resolution
-    agrees = np.einsum("ij,ij->i", found.normals, base.normals) >= _FACES_AS
-    chosen = np.where((is_there & agrees)[:, None], found.normals, base.normals)
-    return dataclasses.replace(base, normals=chosen.astype(np.float32)), is_there
+def _merge_sheets(own: PaintMesh, first: PaintMesh) -> AnyArray:
+    """Return the own `sheet_pack` (S, 8), with the first's rows for the sheets that both have.
 
-
-def _with_sheets(own: PaintMesh, first: PaintMesh) -> AnyArray:
-    """What is known of the own sheets (S, 8), of those that are the first's too as it is there.
-
-    Both lie in one lattice. Each sheet of the first is at most one of the own: a sliver that fell
-    off it stays as it is.
+    Both have one lattice. Each sheet of `first` is matched with at most one of its own: a sliver
+    that was cut off it keeps its row.
     """
     pack, theirs = own.arrays.sheet_pack.copy(), first.arrays.sheet_pack
     further = np.rint((first.arrays.origin - own.arrays.origin) / own.arrays.cell_size)
@@ -116,11 +110,11 @@ def _with_sheets(own: PaintMesh, first: PaintMesh) -> AnyArray:
     for nth in range(int((end - start).max(initial=0))):
         mine = np.flatnonzero(start + nth < end)
         other = order[start[mine] + nth]
-        off = _differ(pack[mine], theirs[other])
+        off = _sheet_distance(pack[mine], theirs[other])
         nearer = off < best[mine]
         best[mine[nearer]], partner[mine[nearer]] = off[nearer], other[nearer]
     mine = np.flatnonzero(partner >= 0)
-    mine = mine[np.argsort(pack[mine, 3], kind="stable")]  # the largest last: it stays
+    mine = mine[np.argsort(pack[mine, 3], kind="stable")]  # the largest last: it wins
     chosen = np.full(len(theirs), -1)
     chosen[partner[mine]] = mine
     taken = np.flatnonzero(chosen >= 0)
@@ -128,15 +122,15 @@ def _with_sheets(own: PaintMesh, first: PaintMesh) -> AnyArray:
     return pack
 
 
-def _keys(places: AnyArray) -> NDArray[np.int64]:
-    """One number for each place of a lattice (n, 3), which has at most 2^20 along an axis."""
-    p = places.astype(np.int64)
+def _keys(positions: AnyArray) -> NDArray[np.int64]:
+    """Pack lattice positions (n, 3), at most 2^20 along an axis, into one number each."""
+    p = positions.astype(np.int64)
     return (p[:, 0] << 42) | (p[:, 1] << 21) | p[:, 2]
 
 
-def _differ(one: AnyArray, other: AnyArray) -> AnyArray:
-    """How far sheets (n, 8) are from one another: way of their middles and turn, mm."""
-    way = np.linalg.norm(one[:, 4:7] - other[:, 4:7], axis=1)
+def _sheet_distance(one: AnyArray, other: AnyArray) -> AnyArray:
+    """Distance (n,) of sheets (n, 8), mm: that of their centres, plus their turn."""
+    distance = np.linalg.norm(one[:, 4:7] - other[:, 4:7], axis=1)
     area = np.maximum(np.maximum(one[:, 3], other[:, 3]), 1e-9)
-    off: AnyArray = way + _TURN_MM * np.linalg.norm(one[:, :3] - other[:, :3], axis=1) / area
+    off: AnyArray = distance + _TURN_MM * np.linalg.norm(one[:, :3] - other[:, :3], axis=1) / area
     return off

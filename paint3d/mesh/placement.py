@@ -1,4 +1,4 @@
-"""Where on an object a sheet is put: by fractions of its size, or by a direction."""
+"""Positions on an object, by fractions of its size or a direction, and lines of one bearing."""
 
 from __future__ import annotations
 
@@ -19,21 +19,21 @@ from paint3d.mesh.chart import SurfaceFrame, frame_at
 __all__ = ["SIDES", "SurfaceLine", "is_flat", "place", "upwards", "walk"]
 
 SIDES = ("outside", "inside", "top", "bottom")
-"""From where a place on an object is looked at."""
+"""The sides from which a position on an object is seen."""
 
 _FLAT = 0.35
-"""An object lower than this share of its smaller width is written on from above."""
+"""An object lower than this fraction of its smaller width is written on from above."""
 
 
 def is_flat(surface: ClosestPoints) -> bool:
-    """Whether an object is painted from above (a plate) rather than from the side (a vase)."""
+    """Return whether an object is painted from above (a plate), not from the side (a vase)."""
     low, high = surface.mesh.bounds
     width, depth, height = high - low
     return bool(height < _FLAT * min(width, depth))
 
 
 def upwards(normal: AnyArray) -> NDArray[np.float64]:
-    """What is up on paper that lies along a normal (3,): +z, or +y where it nearly lies flat."""
+    """Return the up direction of paper with a normal (3,): +z, or +y where it nearly lies flat."""
     return np.array([0.0, 0.0, 1.0] if abs(normal[2]) < 0.9 else [0.0, 1.0, 0.0])
 
 
@@ -42,7 +42,7 @@ def place(
     at: ArrayLike | Sequence[float],
     side: str | None = None,
 ) -> SurfaceFrame:
-    """A frame on an object: up is +z, or +y where its surface is nearly horizontal.
+    """Return a frame on an object: up is +z, or +y where its surface is nearly horizontal.
 
     Parameters
     ----------
@@ -51,10 +51,10 @@ def place(
         Two fractions (u, v) in [0, 1]. Seen from the top or the bottom they run along x and y of
         the bounding box. Seen from the outside or the inside u is the turn about the vertical
         axis, counter-clockwise seen from above, with 0.5 at the front (-y), and v the height from
-        bottom to top. Three numbers are a direction from the object's middle: the outermost point
-        that way, or on the inside the first.
+        bottom to top. Three numbers are a direction from the object's middle, to the outermost
+        point along it or, on the inside, the first.
     side : {"outside", "inside", "top", "bottom"}, optional
-        From where one looks; by default the top of a flat object and the outside of others.
+        The side it is seen from; by default the top of a flat object and the outside of others.
 
     Raises
     ------
@@ -83,15 +83,17 @@ def place(
 
 
 def _ray(surface: ClosestPoints, at: AnyArray, side: str) -> tuple[AnyArray, AnyArray]:
-    """Start and unit direction of the ray that finds the place, from outside or the axis."""
+    """Return start and unit direction of the ray to a position, from outside or the axis."""
     low, high = surface.mesh.bounds
     middle, far = 0.5 * (low + high), float(np.linalg.norm(high - low)) + 1.0
     if len(at) == 3:
         length = np.linalg.norm(at)
         if length == 0.0:
             raise InputError("at is the direction (0, 0, 0); expected a length above 0")
-        way = at / length
-        return (middle, way) if side == "inside" else (middle + far * way, -way)
+        direction = at / length
+        if side == "inside":
+            return middle, direction
+        return middle + far * direction, -direction
     u = as_number(float(at[0]), "u", 0.0, 1.0)
     v = as_number(float(at[1]), "v", 0.0, 1.0)
     if side in ("top", "bottom"):
@@ -106,32 +108,28 @@ def _ray(surface: ClosestPoints, at: AnyArray, side: str) -> tuple[AnyArray, Any
 
 
 # ---- Lines that keep their bearing ---------------------------------------------------------------
-# Lines on a surface that keep their bearing: level ones, and those that climb or fall.
-#
-# Text runs along them: on a body the rows lie level and the columns hang straight, whatever the
-# geodesics would do.
-
+# Text runs along such lines: rows lie level and columns hang straight, whatever the geodesics do.
 
 _STEPS_PER_SIZE = 150  # steps over the object's diagonal, at least
-_LEAST_ADVANCE = 0.5
-_LONGEST_SIZES = 8.0  # diagonals after which a line that neither ends nor closes is left
+_LEAST_ADVANCE = 0.5  # of a step: below, the surface has ended
+_LONGEST_SIZES = 8.0  # diagonals: a line that neither ends nor closes is cut off there
 
 
 class SurfaceLine:
-    """A line on a surface, walked as far as is asked of it; all of it, at most.
+    """A line on a surface, traced only as far as it is queried.
 
-    Made by `walk`. Threads may ask the same line.
+    Made by `walk`. Several threads may query one line.
     """
 
     def __init__(self, begin: Callable[[], Iterator[tuple[AnyArray, float, bool]]]) -> None:
         self._begin, self._lock = begin, Lock()
-        self._start_over()
+        self._restart()
         self.reaches(0.0)
 
-    def _start_over(self) -> None:
+    def _restart(self) -> None:
         self._steps = self._begin()
         self._points: list[AnyArray] = []
-        self._way: list[float] = []
+        self._arc_lengths: list[float] = []
         self._closed = False
 
     @property
@@ -148,28 +146,28 @@ class SurfaceLine:
 
     @property
     def length(self) -> float:
-        """How far the line goes, mm."""
+        """Length of the line, mm."""
         self.reaches(math.inf)
-        return self._way[-1]
+        return self._arc_lengths[-1]
 
     def reaches(self, distance: float) -> bool:
-        """Whether the line is so long, mm; no more of it is walked than tells."""
+        """Return whether the line is at least so long, mm; traces it no further than needed."""
         with self._lock:
-            while not self._way or self._way[-1] < distance:
+            while not self._arc_lengths or self._arc_lengths[-1] < distance:
                 try:
                     step = next(self._steps, None)
-                except BaseException:  # what was interrupted in a step cannot go on from there
-                    self._start_over()
+                except BaseException:  # an interrupted generator cannot go on
+                    self._restart()
                     raise
                 if step is None:
                     return False
-                point, way, self._closed = step
+                point, length, self._closed = step
                 self._points.append(point)
-                self._way.append(way)
+                self._arc_lengths.append(length)
         return True
 
     def at(self, distance: float) -> NDArray[np.float64]:
-        """The point (3,) after so many mm; on a closed line any number goes.
+        """Return the point (3,) after `distance` mm; a closed line repeats.
 
         Raises
         ------
@@ -182,9 +180,9 @@ class SurfaceLine:
                     f"the line is {self.length:.1f} mm long; expected {distance:.1f} mm"
                 )
             distance %= self.length
-        j = max(0, bisect_left(self._way, distance) - 1)
-        way, points = self._way[j : j + 2], np.array(self._points[j : j + 2])
-        return np.array([np.interp(distance, way, points[:, k]) for k in range(3)])
+        j = max(0, bisect_left(self._arc_lengths, distance) - 1)
+        ends, points = self._arc_lengths[j : j + 2], np.array(self._points[j : j + 2])
+        return np.array([np.interp(distance, ends, points[:, k]) for k in range(3)])
 
 
 def walk(
@@ -203,11 +201,11 @@ def walk(
     start : SurfaceFrame
         From `frame_at` with the same `up`.
     up : (3,) array_like
-        What is upwards everywhere.
+        The up direction everywhere.
     bearing : (float, float)
         Direction in the frame of every point: (1, 0) goes right along a level line, (0, 1) climbs.
     most_mm : float, optional
-        Where to stop, or a step farther.
+        Length at which to stop, or a step farther.
     step_mm : float
         Length of a step; at most a 150th of the object's diagonal is taken.
 
@@ -231,11 +229,11 @@ def _points_along(
     most: float,
     step: float,
 ) -> Iterator[tuple[AnyArray, float, bool]]:
-    """Each point (3,), the way to it, mm, and whether it is the start again, the first as well."""
-    frame, way = start, 0.0
+    """Yield each point (3,), the first too, its arc length, mm, and whether the line has closed."""
+    frame, length = start, 0.0
     shortest, began = step / 30.0, start.origin
-    yield began, way, False
-    while way < most:
+    yield began, length, False
+    while length < most:
         following = _step(surface, frame, up, bearing, step)
         if following is None:
             step *= 0.5
@@ -243,13 +241,13 @@ def _points_along(
                 return
             continue
         before, frame = frame.origin, following
-        onward = way + float(np.linalg.norm(frame.origin - before))
+        onward = length + float(np.linalg.norm(frame.origin - before))
         home = float(np.linalg.norm(frame.origin - began))
         if onward > 4.0 * step and home < 0.75 * step and frame.normal @ start.normal > 0.5:
-            yield began, way + float(np.linalg.norm(before - began)), True
+            yield began, length + float(np.linalg.norm(before - began)), True
             return
-        way = onward
-        yield frame.origin, way, False
+        length = onward
+        yield frame.origin, length, False
 
 
 def _step(
@@ -259,13 +257,13 @@ def _step(
     bearing: tuple[float, float],
     step: float,
 ) -> SurfaceFrame | None:
-    """The frame one step on by the midpoint rule, or None where surface or bearing end."""
+    """Return the frame one step on by the midpoint rule; None where surface or bearing end."""
     at = frame
-    for share in (0.5, 1.0):
+    for fraction in (0.5, 1.0):
         heading = bearing[0] * at.x_axis + bearing[1] * at.y_axis
         try:
-            at = frame_at(surface, frame.origin + share * step * heading, up)
-        except InputError:  # up has come to lie along the normal: no bearing here
+            at = frame_at(surface, frame.origin + fraction * step * heading, up)
+        except InputError:  # up is along the normal: no bearing here
             return None
     onward = bearing[0] * at.x_axis + bearing[1] * at.y_axis
     advance = (at.origin - frame.origin) @ heading

@@ -77,9 +77,9 @@ def _fans(polygons: NDArray[np.int64]) -> NDArray[np.int64]:
 def _smaller(
     vertices: NDArray[np.float64], fan: NDArray[np.int64], ears: NDArray[np.int64]
 ) -> NDArray[np.int64]:
-    """The triangles of less area: what lies outside of a polygon, or is folded back, adds to it.
+    """Return the triangles of less area: those outside a polygon, or folded back, add to it.
 
-    None of a flat outline that does not cross itself have less than ears.
+    For a flat outline that does not cross itself no triangles have less than the ears.
     """
     fan_area, ears_area = (
         np.linalg.norm(np.cross(one[:, 1] - one[:, 0], one[:, 2] - one[:, 0]), axis=1).sum()
@@ -89,7 +89,7 @@ def _smaller(
 
 
 def _is_concave(vertices: NDArray[np.float64], polygons: NDArray[np.int64]) -> NDArray[np.bool_]:
-    """Tell which (P, n) polygons have a corner that points inwards."""
+    """Return which of the polygons (P, n) have a corner that points inwards."""
     points = vertices[polygons]
     points = points - points[:, :1]
     following = np.roll(points, -1, axis=1)
@@ -121,7 +121,9 @@ def _clip_ears(points: NDArray[np.float64], ids: NDArray[np.int64]) -> NDArray[n
                 f"a face with {len(ids):,} corners is too tangled to be cut into triangles; "
                 "expected a simpler outline"
             )
-        near = rounding if misses <= n else -rounding  # what nearly touches may be let through
+        near = (
+            rounding if misses <= n else -rounding
+        )  # in a second round what nearly touches passes
         crossing = misses > 2 * n  # such outlines have no ear: cut anyway
         if crossing or _is_ear(flat, trio, left, near):
             forced += crossing
@@ -137,9 +139,9 @@ def _clip_ears(points: NDArray[np.float64], ids: NDArray[np.int64]) -> NDArray[n
 def _flatten(points: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the corners as seen along the Newell normal, (n, 2), counter-clockwise.
 
-    They are moved along it into the plane of the axes that it is not nearest to, so that none is
-    rounded where it is an axis. Only where all lie in one plane would it do to leave out the third
-    coordinate: a twisted outline looks otherwise along an axis, inward corners pointing outwards.
+    They are projected along it onto the coordinate plane most nearly perpendicular to it, so
+    that nothing is rounded where it is an axis. Dropping the third coordinate would do only for
+    flat outlines: seen along an axis, a twisted one may turn inward corners outwards.
     """
     points = points - points.mean(axis=0)
     newell = np.cross(points, np.roll(points, -1, axis=0)).sum(axis=0)
@@ -155,10 +157,10 @@ def _flatten(points: NDArray[np.float64]) -> NDArray[np.float64]:
 def _is_ear(
     flat: NDArray[np.float64], trio: NDArray[np.int64], left: NDArray[np.int64], near: float
 ) -> bool:
-    """Whether three corners in a row are cut off by a line that stays inside.
+    """Return whether the line that cuts off three consecutive corners stays inside the polygon.
 
-    Others of the corners left that lie in their triangle, or beside it by less than `near` (twice
-    the area with that side), stand in its way.
+    Any other corner left in their triangle, or outside it by less than `near` (twice the area with
+    that side), prevents it.
     """
     a, b, c = flat[trio]
     if _cross(b - a, c - b) <= max(near, 0.0):

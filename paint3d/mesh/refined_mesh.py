@@ -1,9 +1,8 @@
-"""A mesh to paint on: vertices appear where the paint is, the surface never changes.
+"""A mesh to paint on: vertices are added where the paint is, the surface never changes.
 
-Colours live on vertices, so a coarse object needs more of them, but only under the paint.
-`PaintMesh` holds the base triangles as roots of a bisection forest (`mesh.kernels.refine`), the
-lattice of cells in which they are refined and found (`mesh.kernels.grid`), and everything in flat
-arrays.
+Colours are stored at vertices, so a coarse object needs more of them, but only under the paint.
+`PaintMesh` keeps, in flat arrays, the base triangles as roots of a bisection forest
+(`mesh.kernels.refine`) and the lattice of cells in which they are refined and found.
 """
 
 from __future__ import annotations
@@ -42,25 +41,25 @@ from paint3d.mesh.triangle_mesh import TriangleMesh
 
 __all__ = ["PaintMesh", "refinement_log", "repeat_refinement", "saved_ids"]
 
-_REFINED_CELL = 5.0  # a cell's size over the longest edge wanted: cells are refined as a whole
-_PLAIN_CELL = 12.0  # where nothing is refined, fewer and larger cells are found faster
-_MOST_CELLS = 4e6  # a gigabyte; of larger objects the cells are larger, up to:
+_REFINED_CELL = 5.0  # edges across a cell: cells are refined as a whole
+_PLAIN_CELL = 12.0  # without refinement fewer, larger cells are faster
+_MOST_CELLS = 4e6  # a gigabyte; larger objects have larger cells, up to:
 _COARSEST_CELL = 256.0  # edges: refining one takes a second and 20 MB
 _SOFT_EDGE_PER_EDGE = 0.6  # mean vertex spacing over the longest edge, nearly
-_BLOCK_STEPS = 16  # places along a cell that order its vertices
+_BLOCK_STEPS = 16  # along a cell, to sort its vertices by
 _LATTICE = 1 << 20  # cells along an axis that Morton codes can hold
 _AREA_BITS = 61
 _STEPS_PER_EDGE = 8  # float32 steps that a shortest edge must span
 _PATH = 1 << 16
 _CELLS_A_STEP = 256  # refined between two reports of progress
 _MOST_PAIRS = 2**26  # of cells and the triangles in them: a gigabyte
-_PAIRS_PER_FACE, _PAIRS_PER_CELL, _LINKS_PER_PAIR = 4, 2.0, 5  # room that is nearly always enough
-_CRACK_MM = 0.1  # a gap that no hair gets into: paint goes over it
+_PAIRS_PER_FACE, _PAIRS_PER_CELL, _LINKS_PER_PAIR = 4, 2.0, 5  # capacity, nearly always enough
+_CRACK_MM = 0.1  # widest gap that paint goes over: no hair fits in
 _PER_VERTEX = (
     "px", "py", "pz", "nx", "ny", "nz", "key", "parents", "vertex_sheet", "area_units",
     "next_in_cell",
 )  # fmt: skip
-_ROOM = 1 << 15  # vertices that a fresh mesh can grow by
+_GROWTH = 1 << 15  # least number of vertices to reserve
 
 
 class PaintMesh:
@@ -69,7 +68,7 @@ class PaintMesh:
     Attributes
     ----------
     arrays : SurfaceField
-        What kernels work on. Replaced, not changed, when it grows.
+        The arrays of the kernels. Replaced, not changed, when they grow.
     base_faces : (R, 3) int32
         The roots: the triangles of the source that have an area, on this mesh's own vertices.
     source_vertices : (B,) int32
@@ -78,7 +77,7 @@ class PaintMesh:
 
     @classmethod
     def build(cls, mesh: TriangleMesh, resolution: float | None) -> PaintMesh:
-        """Index a mesh and make it ready for refinement to edges of at most `resolution` mm.
+        """Index a mesh and prepare it for refinement to edges of at most `resolution` mm.
 
         With None the mesh keeps its own vertices. Cost: about 2 us a triangle.
 
@@ -91,9 +90,9 @@ class PaintMesh:
 
         Notes
         -----
-        What is painted is refined cell by cell. A cell is 5 edges long, longer where the surface
-        would take more than some millions of them: memory and time follow what is painted, and
-        the object's area only up to a gigabyte and some ten seconds.
+        Refinement goes cell by cell, where paint is. A cell is 5 edges long, longer where the
+        surface would have more than some millions of them: memory and time grow with the painted
+        area, and with the object's only up to a gigabyte and some ten seconds.
         """
         return cls(make_base_surface(mesh), resolution)
 
@@ -142,7 +141,7 @@ class PaintMesh:
         shift = 2 * max(0, int(np.ceil(np.log2(float(edges.max()) / self.resolution)))) + 6
         shift = shift if self.refines else 0
         sixth = base.areas / 6.0
-        # the sum over the whole surface fits, so any vertex does, however many triangles it has
+        # the sum over the whole surface fits in int64, so that of any vertex does
         unit = 2.0 * float(sixth.sum()) / 2.0 ** (_AREA_BITS - shift)
         node_area = np.maximum(np.rint(sixth / unit), 1.0).astype(np.int64) << shift
         area_units = np.zeros(n, np.int64)
@@ -178,14 +177,14 @@ class PaintMesh:
             longest_edges(self.arrays, self.arrays.longest)
             self.reserve()
 
-    # -- growth -----------------------------------------------------------------------------
+    # -- refinement -------------------------------------------------------------------------
 
     def reserve(self, extra: int | None = None) -> None:
-        """Make room for `extra` more vertices (None: about as many again as there are)."""
+        """Reserve space for `extra` more vertices (None: about half as many again)."""
         field = self.arrays
         n, nodes = (int(x) for x in field.counts)
         if extra is None:
-            extra = max(_ROOM, (n - self.n_base_vertices) // 2)
+            extra = max(_GROWTH, (n - self.n_base_vertices) // 2)
         vertices = n + extra + MOST_AROUND_EDGE
         # a vertex on an edge halves two triangles: four nodes
         capacity = nodes + 4 * extra + 4 * MOST_AROUND_EDGE
@@ -197,12 +196,12 @@ class PaintMesh:
         self.arrays = field._replace(**larger)
 
     def refine_all(self, progress: Callable[[float], None] | None = None) -> None:
-        """Refine every cell: what lazy refinement must agree with wherever it went.
+        """Refine every cell; lazy refinement gives the same wherever it has been.
 
         Parameters
         ----------
         progress : callable, optional
-            Called with the share done, now and then, and at last with 1; what it raises stops
+            Called with the fraction done, now and then, and at last with 1; what it raises aborts
             between two cells, and leaves the mesh as it was.
         """
         before = None
@@ -221,31 +220,31 @@ class PaintMesh:
                 self.arrays = before
             raise
 
-    # -- what there is ----------------------------------------------------------------------
+    # -- counts and arrays ------------------------------------------------------------------
 
     @property
     def n_vertices(self) -> int:
-        """Vertices there are now, V."""
+        """Current number of vertices, V."""
         return int(self.arrays.counts[0])
 
     @property
     def capacity(self) -> int:
-        """Vertices there is room for."""
+        """Number of vertices for which space is reserved."""
         return len(self.arrays.px)
 
     @property
     def n_cells(self) -> int:
-        """Cells that the surface meets."""
+        """Number of cells that the surface meets."""
         return len(self.arrays.head)
 
     @property
     def n_blocks(self) -> int:
-        """Blocks of neighbouring base vertices."""
+        """Number of blocks of neighbouring base vertices."""
         return len(self.arrays.block_balls)
 
     @property
     def n_sheets(self) -> int:
-        """Connected pieces of surface, cell by cell."""
+        """Number of connected pieces of surface, counted in each cell."""
         return len(self.arrays.sheet_cell)
 
     @property
@@ -266,21 +265,21 @@ class PaintMesh:
         return self.arrays.area_units[: self.n_vertices] * self.arrays.area_unit
 
     def leaf_faces(self) -> NDArray[np.int32]:
-        """(F, 3) int32: the triangles there are now."""
+        """Return the current triangles (F, 3) int32."""
         if not self.refines:
             return self.base_faces
         nodes = int(self.arrays.counts[1])
         return self.arrays.node_vertices[:nodes][self.arrays.child[:nodes] < 0]
 
     def leaf_roots(self) -> NDArray[np.int32]:
-        """(F,) int32: the base face that each of the `leaf_faces` lies in."""
+        """Return for each of the `leaf_faces` the base face that it lies in, (F,) int32."""
         if not self.refines:
             return np.arange(len(self.base_faces), dtype=np.int32)
         nodes = int(self.arrays.counts[1])
         return self.arrays.node_root[:nodes][self.arrays.child[:nodes] < 0]
 
     def source_order(self) -> NDArray[np.int32]:
-        """(V,) int32: base vertices as the source has them, then added ones as they came."""
+        """Return ids (V,) int32: base vertices in the source's order, then added ones by age."""
         base = np.argsort(self.source_vertices, kind="stable").astype(np.int32)
         return np.concatenate(
             [base, np.arange(self.n_base_vertices, self.n_vertices, dtype=np.int32)]
@@ -305,7 +304,7 @@ def _check_precision(points: AnyArray, resolution: float) -> None:
 
 
 def _position_keys(points: AnyArray) -> AnyArray:
-    """uint64 keys that depend on the position alone, so that both sides of a seam agree."""
+    """Hash positions (B, 3) to uint64 keys, so that both sides of a seam have the same."""
     bits = (np.ascontiguousarray(points) + np.float32(0.0)).view(np.uint32).astype(np.uint64)
     with np.errstate(over="ignore"):
         key = bits[:, 0] * np.uint64(0x9E3779B97F4A7C15)
@@ -331,7 +330,7 @@ class _Lattice:
     ) -> tuple[AnyArray, _Lattice]:
         """Return the base vertices' new order (cell by cell) and the lattice.
 
-        `origin` (3,) is where a lattice begins that is there already; it may begin further on.
+        `origin` (3,) is that of an existing lattice to align with; None places it freely.
         """
         low = base.points.min(axis=0).astype(np.float64)
         span = float((base.points.max(axis=0) - low).max())
@@ -341,9 +340,9 @@ class _Lattice:
                 f"at this resolution"
             )
         if origin is None:
-            # off the lattice of round numbers, so that flat faces do not lie between two cells
+            # an irrational offset, so that faces at round coordinates do not lie between two cells
             origin = low - 0.6180339887 * size
-        else:  # no place has a number below 0
+        else:  # moved by whole cells so that no cell has a negative number
             origin = origin - size * np.maximum(np.ceil((origin - low) / size), 0.0)
         places, pair_root, cell_pairs = _pairs_by_cell(base, origin, size)
         n_cells = len(places)
@@ -361,11 +360,11 @@ class _Lattice:
         )
         n_sheets = split_sheets(base.points, base.faces, base.radial, cells)
         area, normal, centre = np.zeros(n_sheets), np.zeros((n_sheets, 3)), np.zeros((n_sheets, 3))
-        with ThreadPoolExecutor(1) as beside:  # a third of the time, and what follows another
+        with ThreadPoolExecutor(1) as beside:  # beside the rest, which takes as long
             measured = beside.submit(
                 measure_sheets, base.points, base.normals, base.faces, cells, area, normal, centre
             )
-            cracks = _over_cracks(base, cells)
+            cracks = _crack_links(base, cells)
             sheet_links, linked = _links(cells, len(base.faces), n_sheets, cracks)
             order, starts, vertex_sheets = _sort_vertices(base, cells)
             measured.result()
@@ -391,10 +390,10 @@ class _Lattice:
 def _pairs_by_cell(
     base: BaseSurface, origin: AnyArray, size: float
 ) -> tuple[AnyArray, AnyArray, AnyArray]:
-    """Cells (C, 3) in Morton order, the roots that meet them, and each cell's run of roots."""
+    """Return the cells (C, 3) in Morton order, the roots that meet them, and each cell's run."""
     capacity = int(_PAIRS_PER_FACE * len(base.faces) + _PAIRS_PER_CELL * base.areas.sum() / size**2)
     n = capacity + 1
-    while n > capacity:  # counting first would take as long as listing, so we guess
+    while n > capacity:  # counting takes as long as listing: guess, and repeat if too few
         capacity = max(capacity, n)
         if capacity > _MOST_PAIRS:
             raise MeshError(
@@ -414,10 +413,10 @@ def _pairs_by_cell(
 
 
 def _morton(places: AnyArray) -> AnyArray:
-    """Interleave the bits of lattice places (n, 3) into int64 codes."""
+    """Interleave the bits of lattice positions (n, 3) into int64 codes."""
     code = np.zeros(len(places), np.int64)
     for axis in range(3):
-        bits = places[:, axis].astype(np.int64)
+        bits = places[:, axis].astype(np.int64)  # 20 bits; the masks put two zeros between them
         for shift, mask in (
             (32, 0x1F00000000FFFF),
             (16, 0x1F0000FF0000FF),
@@ -433,9 +432,9 @@ def _morton(places: AnyArray) -> AnyArray:
 def _links(
     cells: Cells, n_roots: int, n_sheets: int, others: AnyArray
 ) -> tuple[AnyArray, AnyArray]:
-    """The sheets' graph as runs (S + 1,) and neighbours, each link once in either direction.
+    """Return the sheets' graph as runs (S + 1,) and neighbours, each link in both directions.
 
-    `others` (M, 2) are links besides those of triangles in two cells.
+    `others` (M, 2) are links in addition to those by triangles in two cells.
     """
     n_cells = len(cells.cell_place)
     pair_cell = np.repeat(np.arange(n_cells, dtype=np.int32), np.diff(cells.cell_pairs))
@@ -452,8 +451,8 @@ def _links(
     return graph
 
 
-def _over_cracks(base: BaseSurface, cells: Cells) -> NDArray[np.int32]:
-    """(n, 2) int32: sheets that end beside one another, at most a hair's breadth away."""
+def _crack_links(base: BaseSurface, cells: Cells) -> NDArray[np.int32]:
+    """Return pairs (n, 2) int32 of sheets whose borders are at most `_CRACK_MM` apart."""
     capacity = 0
     links = np.empty((capacity, 2), np.int32)
     if not (base.radial == np.arange(len(base.radial), dtype=np.int32)).any():
@@ -467,7 +466,7 @@ def _over_cracks(base: BaseSurface, cells: Cells) -> NDArray[np.int32]:
 
 
 def _sort_vertices(base: BaseSurface, cells: Cells) -> tuple[AnyArray, AnyArray, AnyArray]:
-    """Order of the base vertices by cell and place in it, each cell's run, every vertex's sheet."""
+    """Sort base vertices by cell and position in it; return order, cells' runs and sheets."""
     root_of = np.empty(len(base.points), np.int32)
     for corner in range(3):
         root_of[base.faces[:, corner]] = np.arange(len(base.faces), dtype=np.int32)
@@ -482,7 +481,7 @@ def _sort_vertices(base: BaseSurface, cells: Cells) -> tuple[AnyArray, AnyArray,
 
 
 def _blocks(points: AnyArray, starts: AnyArray) -> dict[str, AnyArray]:
-    """Cut every cell's run of vertices (B, 3) into blocks; a ball around each."""
+    """Cut every cell's run of vertices (B, 3) into blocks, each with a bounding ball."""
     counts = -(-np.diff(starts) // BLOCK_VERTICES)
     cell_blocks = np.concatenate([[0], np.cumsum(counts)]).astype(np.int32)
     at = np.arange(cell_blocks[-1]) - np.repeat(cell_blocks[:-1], counts)
@@ -494,25 +493,24 @@ def _blocks(points: AnyArray, starts: AnyArray) -> dict[str, AnyArray]:
     centre = (0.5 * (low + high)).astype(np.float32)
     sizes = np.diff(np.append(first, len(points)))
     reach = np.linalg.norm(points - np.repeat(centre, sizes, axis=0), axis=1)
-    # a little more: rounding must not leave a vertex out
+    # slightly larger, since rounding must not leave a vertex out
     radius = 1.0001 * np.maximum.reduceat(reach, first)
     balls = np.column_stack([centre, radius]).astype(np.float32)
     return {"cell_blocks": cell_blocks, "block_balls": balls}
 
 
 # ---- As a list of bisections ---------------------------------------------------------------------
-# A refined mesh as a list of bisections, small to keep and safe to take from a stranger.
-
+# A compact form of a refined mesh for files, checked when a stranger's file is read.
 
 _HALVED_AT_ONCE = 1 << 16  # some hundredths of a second
-_FIRST_ROOM = 1 << 18  # a log may come from a stranger: more room is made as it proves right
+_FIRST_RESERVE = 1 << 18  # for a stranger's log; more as its bisections prove valid
 
 
 def refinement_log(mesh: PaintMesh) -> NDArray[np.int32]:
-    """Return the nodes that were halved (n,), in the order in which they were.
+    """Return the nodes that were halved (n,), in order.
 
-    Nodes are numbered from the source's triangles on, so a log depends on the source mesh and on
-    the rules of `mesh.kernels.refine`, but not on the lattice in which vertices are found.
+    Nodes are numbered from the source's triangles on, so a log depends on the source mesh and the
+    rules of `mesh.kernels.refine`, but not on the lattice.
     """
     child = mesh.arrays.child[: int(mesh.arrays.counts[1])]
     halved = np.flatnonzero(child >= 0)
@@ -522,14 +520,14 @@ def refinement_log(mesh: PaintMesh) -> NDArray[np.int32]:
 def repeat_refinement(
     mesh: PaintMesh, log: NDArray[np.int32], progress: Callable[[float], None] | None = None
 ) -> None:
-    """Refine a fresh mesh as the log says: the same vertices and triangles, in the same order.
+    """Refine a fresh mesh by a log: the same vertices and triangles, in the same order.
 
     Parameters
     ----------
     mesh : PaintMesh
     log : (n,) int32
     progress : callable, optional
-        Called with the share done, now and then; what it raises stops it.
+        Called with the fraction done, now and then; what it raises aborts.
 
     Raises
     ------
@@ -540,7 +538,7 @@ def repeat_refinement(
         raise MeshError("a mesh that is never refined has a refinement log; expected none")
     log, at = np.ascontiguousarray(log, np.int32), np.zeros(1, np.int64)
     if len(log):
-        mesh.reserve(min(len(log), _FIRST_ROOM))
+        mesh.reserve(min(len(log), _FIRST_RESERVE))
     state = 0
     for end in range(_HALVED_AT_ONCE, len(log) + _HALVED_AT_ONCE, _HALVED_AT_ONCE):
         while (state := repeat_splits(mesh.arrays, log[:end], at)) == NO_ROOM:
@@ -557,10 +555,10 @@ def repeat_refinement(
 
 
 def saved_ids(mesh: PaintMesh) -> NDArray[np.int32]:
-    """Return for each vertex (V,) the number that does not depend on the lattice.
+    """Return for each vertex (V,) a number that does not depend on the lattice.
 
-    Base vertices count as they do in the source (one on a crease once for each of its normals),
-    added ones follow in the order in which they came.
+    Base vertices are numbered in the source's order (one on a crease once for each normal), then
+    added ones in the order of their creation.
     """
     ids = np.empty(mesh.n_vertices, np.int32)
     ids[mesh.source_order()] = np.arange(mesh.n_vertices, dtype=np.int32)

@@ -1,8 +1,8 @@
-"""Take back the bisections that colour does not need: the file is small, the picture the same.
+"""Undo the bisections that colour does not need: a smaller file, the same picture.
 
-Every halved triangle may be made whole again where interpolating the colours of its corners gives
-the colours of all the vertices inside to within a tolerance. The surface does not change, nor does
-any vertex; without paint the triangles of the source come back.
+A halved triangle is merged again where interpolating the colours of its corners gives the colours
+of all the vertices inside to within a tolerance. The surface does not change, nor does any vertex;
+without paint the result is the triangles of the source.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ __all__ = ["coarse_faces"]
 
 Difference = Callable[[AnyArray, AnyArray], AnyArray]
 
-_JUDGED_AT_ONCE = 1 << 16  # triangles: some hundredths of a second
+_BLOCK = 1 << 16  # triangles compared at a time: some hundredths of a second
 
 
 def coarse_faces(
@@ -42,7 +42,7 @@ def coarse_faces(
     difference : callable
         ``difference(a, b)`` of colours (n, 3), (n, 3) float64 as (n,), for example CIEDE2000.
     progress : callable, optional
-        Called with the share done, now and then; what it raises stops it.
+        Called with the fraction done, now and then; what it raises aborts.
 
     Returns
     -------
@@ -50,8 +50,8 @@ def coarse_faces(
         Vertices of the paint mesh that are kept: base vertices in the source's order, then added
         ones in ascending order.
     faces : (F, 3) int32
-        Triangles as places in `vertex_ids`. There are no cracks: triangles on one edge are halved
-        together.
+        Triangles as indices into `vertex_ids`. There are no cracks: triangles on one edge are
+        halved together.
 
     Raises
     ------
@@ -75,18 +75,18 @@ def coarse_faces(
 
 
 def _compact(order: AnyArray, faces: AnyArray, n_base: int) -> tuple[AnyArray, AnyArray]:
-    """Number the vertices that are used, in the given order; base vertices always stay."""
+    """Renumber the vertices that are used, in the given order; base vertices always stay."""
     used = np.zeros(len(order), bool)
     used[:n_base] = True
     used[faces] = True
     kept = order[used[order]]
-    place = np.empty(len(order), np.int32)
-    place[kept] = np.arange(len(kept), dtype=np.int32)
-    return kept, place[faces]
+    index = np.empty(len(order), np.int32)
+    index[kept] = np.arange(len(kept), dtype=np.int32)
+    return kept, index[faces]
 
 
 class _Forest:
-    """The bisection forest, seen from its halved nodes (H of them, out of N nodes)."""
+    """The bisection forest: N nodes, of which H are halved."""
 
     def __init__(self, mesh: PaintMesh) -> None:
         field, n = mesh.arrays, int(mesh.arrays.counts[1])
@@ -98,7 +98,13 @@ class _Forest:
         self.parent = np.full(n, -1, np.int32)
         for side in (0, 1):
             self.parent[self.child[self.halved] + side] = self.halved
-        self.split = _splits(mesh)[self.nodes[self.child[self.halved], 1]]
+        # One halving of an edge makes its vertices, several on a crease, one after the other and
+        # with the same key: number the halvings by the runs of keys.
+        keys = mesh.arrays.key[: mesh.n_vertices]
+        starts = np.ones(len(keys), bool)
+        starts[1:] = keys[1:] != keys[:-1]
+        split_of_vertex: AnyArray = np.cumsum(starts) - 1
+        self.split = split_of_vertex[self.nodes[self.child[self.halved], 1]]
 
     def coarse_misses(
         self,
@@ -107,7 +113,7 @@ class _Forest:
         difference: Difference,
         progress: Callable[[float], None] | None = None,
     ) -> NDArray[np.bool_]:
-        """(N,) bool: nodes that are too coarse for one of the vertices inside."""
+        """Return the nodes (N,) bool that are too coarse for one of the vertices inside."""
         misses = np.zeros(len(self.nodes), bool)
         node: AnyArray = self.halved
         vertex = self.nodes[self.child[node], 1]
@@ -115,14 +121,21 @@ class _Forest:
         rows = np.arange(len(node))
         weights[rows, self.edge[node]] = 0.5
         weights[rows, (self.edge[node] + 1) % 3] = 0.5
-        total, done = self._n_judged() if progress is not None else 0, 0
+        total, done = self._count_pairs() if progress is not None else 0, 0
         while len(node):
-            for at in range(0, len(node), _JUDGED_AT_ONCE):
-                some = slice(at, at + _JUDGED_AT_ONCE)
-                told = node[some], vertex[some], weights[some]
-                self._judge(misses, *told, colours, tolerance, difference)
+            for start in range(0, len(node), _BLOCK):
+                block = np.arange(start, min(start + _BLOCK, len(node)))
+                done += len(block)
+                block = block[~misses[node[block]]]
+                corners = colours[self.nodes[node[block]]]
+                # nothing to compare where all corners have the vertex's own colour
+                uniform = (corners == colours[vertex[block]][:, None]).all(axis=(1, 2))
+                block, corners = block[~uniform], corners[~uniform]
+                if len(block):
+                    shown = np.einsum("nk,nkc->nc", weights[block], corners)
+                    far = difference(shown, colours[vertex[block]]) > tolerance
+                    misses[node[block[far]]] = True
                 if progress is not None:
-                    done += len(told[0])
                     progress(done / total)
             above = self.parent[node]
             inner = above >= 0
@@ -130,8 +143,8 @@ class _Forest:
             node, vertex = above[inner], vertex[inner]
         return misses
 
-    def _n_judged(self) -> int:
-        """How many pairs there are of a halved node and itself or one above it."""
+    def _count_pairs(self) -> int:
+        """Count the pairs of a halved node and itself or an ancestor."""
         node: AnyArray = self.halved
         total = 0
         while len(node):
@@ -140,28 +153,8 @@ class _Forest:
             node = above[above >= 0]
         return total
 
-    def _judge(
-        self,
-        misses: AnyArray,
-        node: AnyArray,
-        vertex: AnyArray,
-        weights: AnyArray,
-        colours: AnyArray,
-        tolerance: float,
-        difference: Difference,
-    ) -> None:
-        open_rows = np.flatnonzero(~misses[node])
-        node, vertex = node[open_rows], vertex[open_rows]
-        corners = colours[self.nodes[node]]
-        plain = (corners == colours[vertex][:, None]).all(axis=(1, 2))
-        rows = np.flatnonzero(~plain)
-        shown = np.einsum("nk,nkc->nc", weights[open_rows[rows]], corners[rows])
-        if len(rows):
-            far = difference(shown, colours[vertex[rows]]) > tolerance
-            misses[node[rows[far]]] = True
-
     def _lift(self, node: AnyArray, above: AnyArray, weights: AnyArray) -> AnyArray:
-        """Barycentric weights in a node as weights in its parent.
+        """Convert barycentric weights in a node to weights in its parent.
 
         Child 0 of (a, b, c) halved at m on ab is (a, m, c), child 1 is (m, b, c).
         """
@@ -178,7 +171,7 @@ class _Forest:
         return lifted
 
     def close(self, misses: AnyArray) -> NDArray[np.bool_]:
-        """(N,) bool: nodes to halve, with all that must be halved before or along with them."""
+        """Return the nodes (N,) bool to halve, with all that must be halved before or with them."""
         wanted = np.zeros(int(self.split.max(initial=-1)) + 1, bool)
         split_of = np.full(len(self.nodes), -1, np.int64)
         split_of[self.halved] = self.split
@@ -195,20 +188,9 @@ class _Forest:
         return halve
 
     def faces(self, halve: AnyArray) -> AnyArray:
-        """Triangles (F, 3) of the forest with only some of its nodes halved."""
+        """Return the triangles (F, 3) of the forest with only the nodes `halve` (N,) halved."""
         there = np.zeros(len(self.nodes), bool)
         there[: self.n_roots] = True
         for side in (0, 1):
             there[self.child[halve] + side] = True
         return self.nodes[there & ~halve]
-
-
-def _splits(mesh: PaintMesh) -> NDArray[np.int64]:
-    """(V,) int64: which halving of an edge made a vertex; both sides of a crease share one.
-
-    They are made one after the other, with the same key.
-    """
-    keys = mesh.arrays.key[: mesh.n_vertices]
-    starts = np.ones(len(keys), bool)
-    starts[1:] = keys[1:] != keys[:-1]
-    return np.cumsum(starts) - 1

@@ -1,4 +1,4 @@
-"""The object to be painted: triangles in millimetres, checked once and never changed."""
+"""The object to be painted: triangles in millimetres, validated once and immutable."""
 
 from __future__ import annotations
 
@@ -16,14 +16,13 @@ from paint3d.mesh.kernels.topology import pieces_of
 
 __all__ = ["TriangleMesh"]
 
-# Sizes beyond this (a million km) come from broken files.
-MAX_COORDINATE_MM = 1e12
+MAX_COORDINATE_MM = 1e12  # a million km: larger sizes come from broken files
 _BLOCK = 1 << 18  # faces measured at a time
 
 
 @dataclass(frozen=True, eq=False)
 class TriangleMesh:
-    """An immutable triangle mesh; construction checks everything that later stages rely on.
+    """An immutable triangle mesh; the constructor checks all that later stages rely on.
 
     Attributes
     ----------
@@ -34,7 +33,7 @@ class TriangleMesh:
     colours : (V, 3) uint8 or None
         sRGB of the bare object, where its file gave colours.
     name : str
-        What to call the object in messages and reports.
+        Name of the object in messages and reports.
     normals : (V, 3) float32 or None
         Unit normals as the file gave them. They may disagree with the faces.
 
@@ -57,7 +56,7 @@ class TriangleMesh:
     name: str = "mesh"
     normals: NDArray[np.float32] | None = None
 
-    if TYPE_CHECKING:  # what it takes is more than what it holds
+    if TYPE_CHECKING:  # the constructor takes more types than the fields hold
 
         def __init__(
             self,
@@ -69,12 +68,12 @@ class TriangleMesh:
         ) -> None: ...
 
     def __post_init__(self) -> None:
-        vertices = _vertices(self.vertices)
-        faces = _faces(self.faces, len(vertices))
+        vertices = _check_vertices(self.vertices)
+        faces = _check_faces(self.faces, len(vertices))
         self._set("vertices", vertices)
         self._set("faces", faces)
         if self.colours is not None:
-            self._set("colours", _colours(self.colours, len(vertices)))
+            self._set("colours", _check_colours(self.colours, len(vertices)))
         if self.normals is not None:
             shape = (len(vertices), 3)
             self._set("normals", as_array(self.normals, "normals", shape, np.float32, MeshError))
@@ -95,7 +94,7 @@ class TriangleMesh:
         return len(self.faces)
 
     def _cross_products(self) -> Iterator[tuple[slice, NDArray[np.float64]]]:
-        """Cross products of two edges of each face, block by block: memory stays small."""
+        """Yield cross products of two edges of each face, block by block to save memory."""
         for start in range(0, self.n_faces, _BLOCK):
             block = slice(start, start + _BLOCK)
             a, b, c = (self.vertices[self.faces[block, k]].astype(np.float64) for k in range(3))
@@ -133,10 +132,10 @@ class TriangleMesh:
 
     @cached_property
     def is_solid(self) -> bool:
-        """Whether it is the skin of bodies, so that no face is seen from behind from outside.
+        """Whether it is closed with outward normals, so that no face shows its back outside.
 
-        Every edge is passed as often one way as the other, and each connected piece encloses a
-        volume that its normals point out of. What has a hollow inside is not called so.
+        Every edge is used as often in one direction as in the other, and each connected piece
+        encloses a volume that its normals point out of. A cavity inside disqualifies it.
         """
         start = self.faces.ravel().astype(np.int64)
         end = np.roll(self.faces, -1, axis=1).ravel().astype(np.int64)
@@ -152,7 +151,7 @@ class TriangleMesh:
         return bool((np.bincount(piece, cones)[np.unique(piece)] > 0.0).all())
 
 
-def _vertices(values: ArrayLike) -> NDArray[np.float32]:
+def _check_vertices(values: ArrayLike) -> NDArray[np.float32]:
     vertices = as_array(values, "vertices", (None, 3), np.float64, MeshError)
     if len(vertices) == 0:
         raise MeshError("vertices is empty; expected at least 3")
@@ -164,7 +163,7 @@ def _vertices(values: ArrayLike) -> NDArray[np.float32]:
     return vertices.astype(np.float32)
 
 
-def _faces(values: ArrayLike, n_vertices: int) -> NDArray[np.int32]:
+def _check_faces(values: ArrayLike, n_vertices: int) -> NDArray[np.int32]:
     array = np.asarray(values)
     if array.dtype.kind not in "iu" and array.size:
         raise MeshError(f"faces has type {array.dtype}; expected integers")
@@ -180,7 +179,7 @@ def _faces(values: ArrayLike, n_vertices: int) -> NDArray[np.int32]:
     return np.ascontiguousarray(array, dtype=np.int32)
 
 
-def _colours(values: ArrayLike, n_vertices: int) -> NDArray[np.uint8]:
+def _check_colours(values: ArrayLike, n_vertices: int) -> NDArray[np.uint8]:
     array = np.asarray(values)
     if array.dtype != np.uint8:
         raise MeshError(f"colours has type {array.dtype}; expected uint8 sRGB codes")

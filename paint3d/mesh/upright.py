@@ -1,4 +1,4 @@
-"""Which side of an object is up: guessed from how it would stand, with how sure that is."""
+"""Guess which axis of an object points up, and rotate meshes accordingly."""
 
 from __future__ import annotations
 
@@ -14,19 +14,19 @@ from paint3d.mesh.triangle_mesh import TriangleMesh
 __all__ = ["UP_AXES", "Upright", "guess_up", "stand_on", "turn_mesh", "turn_rows", "turn_up"]
 
 UP_AXES = ("z", "y", "x", "-z", "-y", "-x")
-"""What may point up, the most usual first."""
+"""Axes that may point up, the most usual first."""
 
-_NEAR = 0.01  # of the object's size: what is so low touches the ground
+_NEAR = 0.01  # of the object's size: up to this height a point touches the ground
 _MOST_FACES = 6000
-_CELLS = 40  # along the object, in which it is tried what water stays on it
-_MIRRORED = 0.02  # of the size: a mirror image that lies so near is the same
-_HABIT = {"z": 0.06, "y": 0.06}  # axes that programs take for up
-_SURE = 0.14  # by which the best must be better than any other
-_LEAST = 0.4  # and what it must have
+_CELLS = 40  # along the object, of the height map that is filled with water
+_MIRRORED = 0.02  # of the size: distance of a mirror image that counts as the same
+_HABIT = {"z": 0.06, "y": 0.06}  # bonus of the axes that programs use for up
+_SURE = 0.14  # lead over the second that a sure guess needs
+_LEAST = 0.4  # and its own least score
 
 
 class Upright(NamedTuple):
-    """A guess: the axis of the mesh that points up, whether it is sure, the score of each."""
+    """A guess: the axis of the mesh that points up, whether it is sure, the score of each axis."""
 
     up: str
     sure: bool
@@ -95,8 +95,8 @@ def turn_mesh(mesh: TriangleMesh, turn: NDArray[np.float64], scale: float = 1.0)
 def guess_up(mesh: TriangleMesh) -> Upright:
     """Guess which of its axes points up on an object as people stand it.
 
-    What speaks for a side at the bottom: it is flat, broad against the object's outline, the
-    middle of the surface lies low and well over it; what is hollow opens to the top; and an
+    In favour of a side as the bottom: it is flat and broad against the object's outline; the
+    middle of the surface is low and well inside it; hollow objects open to the top; and an
     animal's two halves are left and right.
     """
     step = max(1, mesh.n_faces // _MOST_FACES)
@@ -106,33 +106,33 @@ def guess_up(mesh: TriangleMesh) -> Upright:
     points = np.concatenate([corners.mean(axis=1), corners.reshape(-1, 3)])
     size = max(float(np.ptp(points, axis=0).max()), 1e-30)
     middle = np.average(corners.mean(axis=1), axis=0, weights=area + 1e-30)
-    mirrored = _mirrored(points, size)
+    mirrored = _find_mirrors(points, size)
     open_to = area @ mesh.face_normals[faces] / max(float(area.sum()), 1e-30)  # 0 where closed
-    even = _even_points(mesh)
+    even = _sample_evenly(mesh)
     scores = {}
     for up in UP_AXES:
         turn = turn_up(up)
         low = float((mesh.vertices @ turn[2].astype(np.float32)).min())
         foot = mesh.vertices[mesh.vertices @ turn[2].astype(np.float32) < low + _NEAR * size]
         normals = mesh.face_normals[faces] @ turn.T
-        stands = _standing(corners @ turn.T, area, normals, foot @ turn.T, size)
-        stands += 0.4 * open_to @ turn[2]
+        stability = _stability(corners @ turn.T, area, normals, foot @ turn.T, size)
+        stability += 0.4 * open_to @ turn[2]
         axis = "xyz".index(up[-1])
         across = mirrored[axis] and mirrored.count(True) == 1
         height = max(float((points @ turn[2]).max()) - low, 1e-30)
         lowness = 1.0 - (float(middle @ turn[2]) - low) / height
-        score = _HABIT.get(up, 0.0) + stands + 0.6 * (lowness - 0.5) - 0.5 * across
-        scores[up] = float(score + 1.2 * _holds(even @ turn.T, size))
+        score = _HABIT.get(up, 0.0) + stability + 0.6 * (lowness - 0.5) - 0.5 * across
+        scores[up] = float(score + 1.2 * _water_depth(even @ turn.T, size))
     order = sorted(scores, key=lambda up: -scores[up])
     best, next_best = (scores[up] for up in order[:2])
     sure = best - next_best > _SURE and best > _LEAST
     return Upright(order[0], sure, scores)
 
 
-def _standing(
+def _stability(
     corners: NDArray[np.float64], area: AnyArray, normals: AnyArray, foot: AnyArray, size: float
 ) -> float:
-    """How well an object (F, 3, 3) would stand on its foot (N, 3), 0 to about 1.5."""
+    """Score, 0 to about 1.5, how stably an object (F, 3, 3) stands on its foot (N, 3)."""
     low = foot[:, 2].min()
     outline = _hull_area(corners[..., :2].reshape(-1, 2))
     if outline <= 1e-6 * size * size:
@@ -157,7 +157,7 @@ def _hull_area(points: AnyArray) -> float:
 def _hull(points: AnyArray) -> AnyArray:
     """Corners (H, 2) of the convex hull, counter-clockwise (Andrew's monotone chain)."""
     points = np.unique(points, axis=0)
-    if len(points) > 400:  # only what lies outermost in some direction can be a corner, nearly
+    if len(points) > 400:  # nearly all corners are outermost in one of these directions
         angles = np.linspace(0.0, 2.0 * np.pi, 181)[:-1]
         far = points @ np.stack([np.cos(angles), np.sin(angles)])
         points = points[np.unique(far.argmax(axis=0))]
@@ -175,22 +175,23 @@ def _hull(points: AnyArray) -> AnyArray:
 
 
 def _left_of(a: AnyArray, b: AnyArray, c: AnyArray) -> float:
+    """Return a positive number where c (2,) is left of the line from a to b."""
     return float((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
 
 
-def _depth_inside(points: AnyArray, place: AnyArray) -> float:
-    """How deep a place lies in the convex hull of points; 0 outside."""
+def _depth_inside(points: AnyArray, point: AnyArray) -> float:
+    """Distance of a point (2,) inside the convex hull of points (N, 2) to its border; 0 outside."""
     hull = _hull(points)
     if len(hull) < 3:
         return 0.0
     along = np.roll(hull, -1, axis=0) - hull
     length = np.linalg.norm(along, axis=1)
     inward = np.stack([-along[:, 1], along[:, 0]], axis=1) / np.maximum(length, 1e-30)[:, None]
-    return max(0.0, float(np.einsum("ij,ij->i", inward, place - hull).min()))
+    return max(0.0, float(np.einsum("ij,ij->i", inward, point - hull).min()))
 
 
-def _mirrored(points: AnyArray, size: float) -> list[bool]:
-    """Whether points (N, 3) are their own mirror image along each axis, nearly."""
+def _find_mirrors(points: AnyArray, size: float) -> list[bool]:
+    """Return for each axis whether points (N, 3) are nearly their own mirror image along it."""
     from scipy.spatial import cKDTree
 
     tree = cKDTree(points)
@@ -205,8 +206,8 @@ def _mirrored(points: AnyArray, size: float) -> list[bool]:
     return found
 
 
-def _even_points(mesh: TriangleMesh) -> NDArray[np.float64]:
-    """(N, 3) points spread evenly over the surface."""
+def _sample_evenly(mesh: TriangleMesh) -> NDArray[np.float64]:
+    """Return points (N, 3) spread evenly over the surface."""
     n = 16 * _CELLS**2
     ends = np.cumsum(mesh.double_areas)
     at = (np.arange(n) + 0.5) / n * ends[-1]
@@ -222,16 +223,17 @@ def _even_points(mesh: TriangleMesh) -> NDArray[np.float64]:
     return result
 
 
-def _holds(points: NDArray[np.float64], size: float) -> float:
-    """Mean depth of the water that stays on an object (N, 3), in its heights."""
+def _water_depth(points: NDArray[np.float64], size: float) -> float:
+    """Mean depth of the water that an object (N, 3) holds, in units of its height."""
     low = points.min(axis=0)
     height = float(np.ptp(points[:, 2]))
     if height < 1e-3 * size:
         return 0.0
-    place = ((points[:, :2] - low[:2]) / size * (_CELLS - 1)).astype(np.int64) + 1
+    cell = ((points[:, :2] - low[:2]) / size * (_CELLS - 1)).astype(np.int64) + 1
     ground = np.full((_CELLS + 2, _CELLS + 2), -1.0)
-    np.maximum.at(ground, (place[:, 0], place[:, 1]), (points[:, 2] - low[2]) / height)
+    np.maximum.at(ground, (cell[:, 0], cell[:, 1]), (points[:, 2] - low[2]) / height)
     there = ground >= 0.0
+    # start with a flood and lower every cell to its lowest neighbour, but not below the ground
     water = np.where(there, 2.0, -1.0)
     for _ in range(_CELLS * 4):
         lowest = np.full_like(water, -1.0)
