@@ -1,15 +1,15 @@
-"""What has dried on a surface: a row for each vertex that something dried on, and no other.
+"""Sparse storage of dried paint: one row for each vertex that something has dried on.
 
-A row holds the reflectance that the vertex shows, 31 bands of 16 bits, which is the whole of what
-later paint can see of all the layers below it, the amounts that dried, for the accounts, and the
-share of the vertex that they cover: 66 bytes and 4 a pigment. Besides, the surface has 4 bytes a
-vertex once anything has dried.
+A row holds the reflectance that the vertex shows (31 bands of 16 bits), which is all that later
+paint can see of the layers below it, the amounts that dried, for the ink balance, and the covered
+fraction of the vertex: 66 bytes plus 4 per pigment. A surface also needs 4 bytes per vertex for
+the row index once anything has dried.
 
 Where what lies below may change later (`surface.layer_stack`), a row also holds what the vertex
-would show over three grey grounds: 186 bytes more, and enough to tell what it shows over any.
+would show over three grey grounds: 186 bytes more, enough to compute what it shows over any ground.
 
-For undo, rows are kept as they were before paint dried on them (`mark`), and can be exchanged with
-what they were at another time (`exchange`).
+For undo, `mark` starts saving rows before paint dries on them, and `exchange` swaps rows with their
+state at another time.
 """
 
 from __future__ import annotations
@@ -29,9 +29,9 @@ _FIRST_ROWS = 1024
 
 
 class DryRows(NamedTuple):
-    """Rows as they are at another time (K: rows, P: pigments)."""
+    """The rows of `DryLayers` that differ at another time (K: rows, P: pigments)."""
 
-    count: int  # type: ignore[assignment]  # how many rows there are then; no tuple counts here
+    count: int  # type: ignore[assignment]  # number of rows at that time; hides tuple.count
     rows: AnyArray  # (K,) int32 rows that differ
     vertex_ids: AnyArray  # (K,) int32
     spectra: AnyArray  # (K, 31) uint16
@@ -41,20 +41,20 @@ class DryRows(NamedTuple):
 
 
 class DryLayers:
-    """Dried layers of a surface, flattened vertex by vertex.
+    """Dried paint of a surface, all coats flattened into one row per vertex.
 
     Parameters
     ----------
     n_pigments : int
     filters : bool
-        Whether rows also say what they show over `kernels.layering.GROUNDS`.
+        Whether rows also hold what they show over `colour.kernels.glazing.GROUNDS`.
 
     Attributes
     ----------
     count : int
-        Vertices that something has dried on, D.
+        Number of vertices with dried paint, D.
     changes : int
-        How often rows came, went or changed.
+        Revision number, raised whenever rows are added, removed or changed.
     """
 
     def __init__(self, n_pigments: int = 0, filters: bool = False) -> None:
@@ -76,12 +76,12 @@ class DryLayers:
 
     @property
     def amounts(self) -> NDArray[np.float32]:
-        """(D, P) float32 of every pigment, coats times the share covered, all layers together."""
+        """(D, P) float32 amount of each pigment, coats times the covered fraction, all coats."""
         return self._amounts[: self.count]
 
     @property
     def share(self) -> NDArray[np.float32]:
-        """(D,) float32: greatest share of the vertex's area that any of the layers covers."""
+        """(D,) float32: greatest fraction of the vertex's area that any coat covers."""
         return self._share[: self.count]
 
     @property
@@ -96,22 +96,22 @@ class DryLayers:
 
     @property
     def has_filters(self) -> bool:
-        """Whether rows say what they show over other grounds."""
+        """Whether rows hold what they show over other grounds."""
         return self._over[0].shape[1] > 0
 
     def add_filters(self, over: tuple[AnyArray, ...]) -> None:
-        """From now on rows say what they show over grey grounds; `over` is that of those here."""
-        room = len(self._ids)
-        self._over = tuple(grown(array, self.count, room) for array in over)
+        """Store what rows show over grey grounds; `over`, (D, 31) each, is that of today's rows."""
+        capacity = len(self._ids)
+        self._over = tuple(grown(array, self.count, capacity) for array in over)
 
     def rows_of(self, vertex_ids: AnyArray) -> NDArray[np.int32]:
-        """(N,) int32 rows of vertices (N,), -1 for those that nothing has dried on."""
+        """(N,) int32 rows of vertices (N,), -1 where nothing has dried."""
         if not self.count:
             return np.full(len(vertex_ids), -1, np.int32)
         return self._slots[vertex_ids]
 
     def grey_grounds(self, ground: Ground) -> list[Ground]:
-        """These layers on each of the grey grounds, for drying on them."""
+        """Return this dried paint over each of the grey grounds, for paint to dry on."""
         greys = [np.full(N_BANDS, grey, np.float32) for grey in GROUNDS]
         return [
             ground._replace(
@@ -121,7 +121,7 @@ class DryLayers:
         ]
 
     def pack(self) -> None:
-        """Give back the room that vertices without rows take; `fit` takes it again."""
+        """Free the vertex-to-row index; `fit` rebuilds it."""
         self._slots = self._slots[:0]
 
     def has_row(self, vertex_ids: AnyArray) -> NDArray[np.bool_]:
@@ -131,11 +131,11 @@ class DryLayers:
         return self._slots[vertex_ids] >= 0
 
     def ground_under(self, ground: Ground) -> Ground:
-        """The ground with these layers on it."""
+        """Return the ground with this dried paint on it."""
         return ground._replace(slots=self._slots, spectra=self._spectra)
 
     def fit(self, capacity: int, n_pigments: int) -> None:
-        """Know vertices up to `capacity`, if anything has dried, and so many pigments."""
+        """Resize to `n_pigments` and, if anything has dried, to vertices up to `capacity`."""
         if self.count and not len(self._slots):
             self._slots = np.full(capacity, -1, np.int32)
             self._slots[self.vertex_ids] = np.arange(self.count, dtype=np.int32)
@@ -146,13 +146,15 @@ class DryLayers:
             self._amounts = np.pad(self._amounts, ((0, 0), (0, missing)))
 
     def reserve_rows(self, vertex_ids: AnyArray, capacity: int) -> NDArray[np.int32]:
-        """(N,) int32 rows of `spectra` for some distinct vertices; `settle` makes them theirs."""
+        """Return rows (N,) int32 of `spectra` for distinct vertices; `settle` assigns them."""
         if len(self._slots) < capacity:
             self._slots = _padded(self._slots, capacity)
         rows = self._slots[vertex_ids]
         fresh = rows < 0
         if self._marked is not None:
-            self._keep_before(rows[~fresh])
+            old = rows[~fresh & (rows < self._marked)]
+            if len(old):
+                self._before.append(self._copy_rows(old, self._marked))
         rows[fresh] = self.count + np.arange(np.count_nonzero(fresh), dtype=np.int32)
         self._reserve(self.count + int(np.count_nonzero(fresh)))
         return rows
@@ -160,9 +162,9 @@ class DryLayers:
     def settle(
         self, vertex_ids: AnyArray, rows: AnyArray, amounts: AnyArray, share: AnyArray
     ) -> None:
-        """From now on these rows are the vertices' grounds.
+        """Assign rows (N,) from `reserve_rows` to vertices on which paint has dried.
 
-        Amounts (N, P) have dried there and cover shares (N,) of the vertices.
+        Adds the amounts (N, P) that dried, which cover the fractions `share` (N,) of the vertices.
         """
         self.changes += 1
         self._slots[vertex_ids] = rows
@@ -174,28 +176,28 @@ class DryLayers:
     # -- for undo ---------------------------------------------------------------------------
 
     def mark(self) -> None:
-        """From now on, rows are kept as they are now before anything dries on them."""
+        """Save every row from now on before paint dries on it."""
         self._marked = self.count
         self._before = []
 
     def since_mark(self) -> DryRows:
-        """The rows as they were at the mark."""
+        """Return the changed rows as they were at the mark."""
         marked = self._marked or 0
-        kept = [*self._before, self._rows(np.empty(0, np.int32), marked)]
-        rows = np.concatenate([k.rows for k in kept])
-        rows, first = np.unique(rows, return_index=True)  # the first time is the one before
+        saved = [*self._before, self._copy_rows(np.empty(0, np.int32), marked)]
+        rows = np.concatenate([s.rows for s in saved])
+        rows, first = np.unique(rows, return_index=True)  # a row's first copy is the oldest
         ids, spectra, amounts, share = (
             np.concatenate([_wide(array, self) for array in column])[first]
-            for column in zip(*(k[2:6] for k in kept), strict=True)
+            for column in zip(*(s[2:6] for s in saved), strict=True)
         )
-        over = [np.concatenate([k.over[i] for k in kept])[first] for i in range(len(GROUNDS))]
+        over = [np.concatenate([s.over[i] for s in saved])[first] for i in range(len(GROUNDS))]
         return DryRows(marked, rows, ids, spectra, amounts, share, tuple(over))
 
     def exchange(self, then: DryRows, capacity: int) -> DryRows:
-        """Make the rows what they were then; return what they were until now."""
+        """Set the rows to another state; return the state that they had."""
         shared = then.rows[then.rows < self.count]
         leaving = np.arange(then.count, self.count, dtype=np.int32)
-        now = self._rows(np.concatenate([shared, leaving]), self.count)
+        now = self._copy_rows(np.concatenate([shared, leaving]), self.count)
         self._slots[self._ids[leaving]] = -1
         self._amounts[leaving] = 0.0
         self._share[leaving] = 0.0
@@ -213,24 +215,19 @@ class DryLayers:
         self.count = then.count
         return now
 
-    def _keep_before(self, rows: AnyArray) -> None:
-        old = rows[rows < self._marked]
-        if len(old):
-            self._before.append(self._rows(old, self._marked or 0))
-
-    def _rows(self, rows: AnyArray, count: int) -> DryRows:
+    def _copy_rows(self, rows: AnyArray, count: int) -> DryRows:
         over = tuple(array[rows] for array in self._over)
         own = self._ids[rows], self._spectra[rows], self._amounts[rows], self._share[rows]
         return DryRows(count, rows, *own, over)
 
     def _reserve(self, wanted: int) -> None:
         if wanted > len(self._ids):
-            room = max(_FIRST_ROWS, wanted + wanted // 2)
-            self._ids = grown(self._ids, self.count, room)
-            self._spectra = grown(self._spectra, self.count, room)
-            self._amounts = grown(self._amounts, self.count, room)
-            self._share = grown(self._share, self.count, room)
-            self._over = tuple(grown(array, self.count, room) for array in self._over)
+            capacity = max(_FIRST_ROWS, wanted + wanted // 2)
+            self._ids = grown(self._ids, self.count, capacity)
+            self._spectra = grown(self._spectra, self.count, capacity)
+            self._amounts = grown(self._amounts, self.count, capacity)
+            self._share = grown(self._share, self.count, capacity)
+            self._over = tuple(grown(array, self.count, capacity) for array in self._over)
 
     def restore(
         self,
@@ -241,7 +238,7 @@ class DryLayers:
         share: AnyArray,
         over: tuple[AnyArray, ...] | None = None,
     ) -> None:
-        """Take over layers that were kept elsewhere; see the attributes of the same names."""
+        """Replace all rows by saved ones; the arrays are those of the properties' names."""
         self._slots = np.full(capacity if len(vertex_ids) else 0, -1, np.int32)
         self._slots[vertex_ids] = np.arange(len(vertex_ids), dtype=np.int32)
         self._ids = np.array(vertex_ids, np.int32)
@@ -256,14 +253,14 @@ class DryLayers:
 
 
 def _padded(slots: AnyArray, capacity: int) -> AnyArray:
-    """Slots for so many vertices; -1 for those that nothing has dried on."""
+    """Return slots for at least `capacity` vertices; -1 where nothing has dried."""
     if len(slots) >= capacity:
         return slots
     return np.pad(slots, (0, capacity - len(slots)), constant_values=-1)
 
 
 def _wide(array: AnyArray, layers: DryLayers) -> AnyArray:
-    """Amounts (K, p) with a column for every pigment that is known by now; other arrays as is."""
+    """Return amounts (K, p) with a column for every pigment known now; other arrays as they are."""
     if array.dtype != np.float32 or array.ndim == 1:
         return array
     return np.pad(array, ((0, 0), (0, layers._amounts.shape[1] - array.shape[1])))

@@ -1,14 +1,14 @@
-"""Wet ink in a surface that drinks: it spreads, lags, stops, and dries.
+"""Time integration of wet ink on an absorbent surface: it spreads, lags, stops, and dries.
 
-The equations are in `surface.kernels.diffusion`.
-Runs on the patch of surface that is wet and a margin around it; the patch is refined as painting
-would refine it, and grows when the water comes near its rim. What is on the vertices belongs to
-`PaintedSurface`; here is how deep the water stands, and how the pigment got where it is. Paint that
-comes, is taken up by a brush or dries by command between two calls is noticed and followed.
+The equations are in `surface.kernels.diffusion`. The simulation runs on a patch: the wet part of
+the surface and a margin around it. The patch is refined as painting would refine it, and grows when
+water comes near its rim. The ink on the vertices belongs to `PaintedSurface`; the patch holds the
+depth of the water and the pigment in it, and is synchronised with paint that is added, picked up by
+a brush or dried on command between two calls.
 
-Every block of the patch has a step of its own: short while ink runs there, seconds long where it
-has nearly come to rest. So what a painting costs goes with what moves, not with what is wet. Blocks
-that have nothing to do with one another are moved on all cores.
+Every block of the patch has a time step of its own: short while ink runs there, seconds long where
+it has nearly come to rest. So the cost grows with what moves, not with what is wet. Groups of
+blocks that share no neighbour are moved on all cores.
 """
 
 from __future__ import annotations
@@ -36,37 +36,37 @@ from paint3d.surface.wet_patch import FIRST_PACE, WetPatch
 
 __all__ = ["Flow", "Water", "WorkMemory", "work_memory"]
 
-_BUNDLE = 4000  # nodes that are moved by one thread, or more
+_BUNDLE = 4000  # nodes, at least, that one thread moves as a unit of work
 
 _LONGEST_STEP = 20.0  # s
-_SHORTEST = 0.05  # s: no step in which much moves is cut to less
-_MOST, _MEAN = 0.3, 0.01  # of the pores' depth: the changes a step of our own choosing aims at
-_EASE = 2.5  # times as much beside a hand
-_CARE = 0.15  # of it where time is asked for: then the outcome is within 1 %, whatever the steps
-_GROWTH = 1.5
-_UNLIKE = 1.15  # times as long as a neighbour's may a block's steps be
-_REST = 60.0  # s: steps while nothing moves but air
-_PIECE = 0.05  # s: time that passes at once beside a hand
-_LATE = 0.12  # s: steps as long can be taken where ink has just come; radii are 2 % off then
-_OPENED = 6  # blocks whose ways are learnt in one call beside a hand: some 3 ms each
-_NEARLY = 0.7  # of its step: then a block may take it along with others
-_BESIDE = 0.35  # of it: the same where a neighbour takes one
-_EDGE_GAIN, _EDGE_REACH = 8.0, 1.0  # evaporation at the border over that inside, less 1; mm
+_SHORTEST = 0.05  # s: a step is not split below this, however much moves
+_MOST, _MEAN = 0.3, 0.01  # target greatest and mean change per step, of the pores' depth
+_EASE = 2.5  # factor on these targets while somebody is painting (`Flow.follow`)
+_CARE = 0.15  # the same in `Flow.advance`: the result is within 1 % whatever the steps
+_GROWTH = 1.5  # factor by which a block's step may grow at once
+_UNLIKE = 1.15  # greatest ratio of the steps of neighbouring blocks
+_REST = 60.0  # s: longest step while nothing moves and water only evaporates
+_PIECE = 0.05  # s: longest time that `Flow.follow` lets pass at once
+_LATE = 0.12  # s: tolerated delay; steps this long in fresh ink put radii off by 2 %
+_OPENED = 6  # most blocks opened in one call of `Flow.follow`, some 3 ms each
+_NEARLY = 0.7  # fraction of its step after which a block is due
+_BESIDE = 0.35  # the same beside a block that is due
+_EDGE_GAIN, _EDGE_REACH = 8.0, 1.0  # evaporation at the border over that inside, minus 1; mm
 _EDGE_SWEEPS = 2
-_DRY = 1e-9  # mm
+_DRY = 1e-9  # mm: less water counts as none
 _MOST_THREADS = 4
-_ROOM, _MOST_ROOM = 1 << 18, 1 << 24  # numbers to work with that a thread keeps; 128 MiB
-_Given = TypeVar("_Given")
-_Found = TypeVar("_Found")
+_ROOM, _MOST_ROOM = 1 << 18, 1 << 24  # floats of work memory per thread; at most 128 MiB stays
+_Item = TypeVar("_Item")
+_Result = TypeVar("_Result")
 
 
 class WorkMemory(threading.local):
-    """Memory for the work of a thread: what is asked for anew the system clears at each step.
+    """Scratch memory of a thread, reused: the system would clear new memory at each step.
 
     Attributes
     ----------
     room : Room
-        What a step is handed to work in.
+        Scratch arrays passed to each step.
     """
 
     def __init__(self) -> None:
@@ -76,11 +76,11 @@ class WorkMemory(threading.local):
         self.room = Room(np.empty(size), np.empty(size // 2, np.int32))
 
     def grow(self) -> None:
-        """Make it twice as large."""
+        """Double the scratch arrays."""
         self._make(2 * len(self.room.floats))
 
     def give_back(self) -> None:
-        """Keep no more than a sheet's worth."""
+        """Shrink to the initial size if a large step made the arrays exceptionally large."""
         if len(self.room.floats) > _MOST_ROOM:
             self._make(_ROOM)
 
@@ -90,16 +90,16 @@ work_memory = WorkMemory()
 
 @dataclass(eq=False)
 class _Step:
-    """What is found of each block (B,) in a step.
+    """Per-block results (B blocks) of one step.
 
     Attributes
     ----------
     due, mobile, still_wet : (B,) bool
-        Whether it takes part, has water that can move, and has water left.
-    moved : (B,) float64
-        The greatest change of depth, mm.
+        Whether the block takes part, has water that can move, and has water left.
+    moved : (B, 3) float64
+        Greatest change of depth, mm; the changed volume; the area that it is spread over.
     rings : int
-        How often more of the surface had to be known.
+        How often more of the surface had to be opened.
     """
 
     due: NDArray[np.bool_]
@@ -110,7 +110,7 @@ class _Step:
 
 
 class Flow:
-    """The water on a surface and its way.
+    """The water on a surface, moved step by step.
 
     Parameters
     ----------
@@ -119,7 +119,7 @@ class Flow:
     Attributes
     ----------
     steps : int
-        Taken so far.
+        Number of steps taken so far.
     waiting : (N,) int32
         Vertices whose ink `follow` has not taken up yet: they are fresh at the next call, too.
     """
@@ -132,7 +132,7 @@ class Flow:
         self.steps = 0
         self._ease = 1.0
         self.waiting = np.zeros(0, np.int32)
-        self._waited = 0.0  # s, since all fresh ink was taken up
+        self._waited = 0.0  # s since all fresh ink was last taken up
 
     @property
     def water(self) -> float:
@@ -142,7 +142,7 @@ class Flow:
 
     @property
     def n_wet(self) -> int:
-        """Nodes with water."""
+        """Number of nodes with water."""
         return int(np.count_nonzero(self._patch.water > 0.0))
 
     @property
@@ -152,40 +152,40 @@ class Flow:
 
     @property
     def is_wet(self) -> bool:
-        """Whether any water is left that `depths` tells."""
+        """Whether any water is left on the patch; ink still waiting does not count."""
         return self._patch.is_wet()
 
     @property
     def patience(self) -> float:
-        """Time that may pass before anything has to move, s; infinite where nothing is wet."""
+        """Time until the next block is due for a step, s; infinite where nothing is wet."""
         patch = self._patch
         wet = patch.wet_blocks()
         return max(0.0, float((patch.pace[wet] - patch.owed[wet]).min(initial=np.inf)))
 
     def depths(self) -> tuple[AnyArray, AnyArray]:
-        """Vertices (C,) int32 of the patch and the depth of water on each (C,), mm."""
+        """Return the vertices (C,) int32 of the patch and the depth of water on each (C,), mm."""
         graph = self._patch.graph
         node = graph.node_of[: graph.n_places]
         return graph.vertices[: graph.n_places], self._patch.water[node]
 
     def keep(self) -> dict[str, AnyArray]:
-        """What `restore` takes: what is on the patch, vertex by vertex."""
+        """Return the state of the patch, vertex by vertex, for `restore`."""
         return self._patch.keep()
 
     def clear(self) -> None:
-        """Take all water away."""
+        """Remove all water."""
         self._patch.clear()
         self.waiting = self.waiting[:0]
 
     def restore(self, kept: Mapping[str, AnyArray]) -> None:
-        """Go on where another flow, on the same surface with the same ink, was kept."""
+        """Continue from the state `kept` by a flow on the same surface with the same ink."""
         self.waiting = self.waiting[:0]
         self._patch.restore(kept)
 
     # -- time -------------------------------------------------------------------------------
 
     def advance(self, seconds: float, step: float | None, fresh: AnyArray) -> None:
-        """Let time pass; `fresh` (N,) int32 are vertices whose ink may have changed since."""
+        """Advance time in full; the ink of vertices `fresh` (N,) int32 may have changed since."""
         patch = self._patch
         self._ease = _CARE
         self._take_up(fresh)
@@ -199,27 +199,24 @@ class Flow:
             patch.owed += gone
             if left > 1e-9 * seconds:
                 self._step(self._due(wet, pace))
-        self._bring_to_now()
-        patch.hand_back()
-
-    def _bring_to_now(self) -> None:
-        patch = self._patch
+        # Bring every block up to the present, due or not.
         while len(wet := patch.wet_blocks()) and patch.owed[wet].any():
             self._step(wet[patch.owed[wet] > 0.0])
+        patch.hand_back()
 
     def follow(self, seconds: float, fresh: AnyArray, most_nodes: int) -> bool:
-        """Let time pass, and let what is due move, as far as there is time for it.
+        """Advance time interactively: a bounded amount of work, the most urgent blocks first.
 
-        Water that moves little is left where it is until its step is due, and of what is due no
-        more is done than `most_nodes` for every 1/20 s, what waits longest first; and no more than
-        a few blocks are opened. The rest is due at the next call, which may be for no time at all.
-        How far anything is behind, and what is done in one call, does not depend on a clock.
+        Water that moves little waits until its step is due. Of the blocks due, no more than
+        `most_nodes` nodes are moved for every 1/20 s, the longest overdue first, and only a few
+        blocks are opened. The rest is due at the next call, which may be for 0 s. The work done in
+        a call depends on simulated time alone, never on a clock.
 
         Returns
         -------
         bool
-            Whether nothing waits so long that this could be seen: water for its step more than
-            0.12 s, and three times what suits it; ink to be taken up 0.12 s.
+            Whether nothing lags visibly: no block is more than 0.12 s and three of its steps
+            behind, and no ink has waited 0.12 s to be taken up.
         """
         patch = self._patch
         self._ease = _EASE
@@ -241,18 +238,18 @@ class Flow:
         return not is_late.any() and self._waited < _LATE
 
     def _due(self, wet: AnyArray, pace: AnyArray) -> AnyArray:
-        """Those of the wet blocks (K,), of paces (K,), that take a step now."""
+        """Return those of the wet blocks (K,), with steps `pace` (K,), that take a step now."""
         patch, graph = self._patch, self._patch.graph
-        share = np.zeros(graph.n_blocks)
-        share[wet] = patch.owed[wet] / pace
-        is_due = share >= _NEARLY
+        elapsed = np.zeros(graph.n_blocks)  # as a fraction of the block's step
+        elapsed[wet] = patch.owed[wet] / pace
+        is_due = elapsed >= _NEARLY
         for block in np.flatnonzero(is_due):
             beside = graph.beside[graph.first_beside[block] : graph.last_beside[block]]
-            is_due[beside] |= share[beside] >= _BESIDE
+            is_due[beside] |= elapsed[beside] >= _BESIDE
         return np.flatnonzero(is_due)
 
     def _most_urgent(self, due: AnyArray, most_nodes: int) -> AnyArray:
-        """Those of the blocks (K,) that wait longest for their pace, rising; one at least."""
+        """Return the most overdue of blocks (K,) within `most_nodes`, ascending; at least one."""
         patch = self._patch
         late = np.argsort(-patch.owed[due] / patch.pace[due], kind="stable")
         sizes = np.cumsum(patch.graph.block_nodes[due[late]])
@@ -260,7 +257,7 @@ class Flow:
         return np.sort(due[late[: max(1, n)]])
 
     def _take_up(self, fresh: AnyArray) -> None:
-        """Follow what happened to the ink, after the water there was brought to now."""
+        """Synchronise with ink that changed, after bringing the water there up to the present."""
         patch = self._patch
         at = patch.find_changed(fresh)
         if not len(at):
@@ -273,7 +270,7 @@ class Flow:
     # -- steps ------------------------------------------------------------------------------
 
     def _step(self, blocks: AnyArray) -> None:
-        """Let the water of some blocks (K,), rising, move and dry for the time they are owed."""
+        """Move and dry the water of blocks (K,), ascending, for the time that they are behind."""
         if not len(blocks):
             return
         patch = self._patch
@@ -289,14 +286,16 @@ class Flow:
         was_dry = np.isinf(patch.owed)
         patch.open(blocks)
         patch.open(patch.graph.open_before(blocks))
-        self._ease_entries(blocks, step)
+        # Water in and around these blocks flows into notches of the wet border.
+        nodes = np.concatenate([patch.graph.nodes_of(blocks), patch.graph.rims_of(blocks)])
+        ease_entries(nodes, patch.fields(step.due, step.mobile, step.moved), patch.dry_entry)
         bundles = self._bundles(blocks)
         work = [(bundle, np.zeros(1)) for bundle in bundles]
         done = each(lambda own: self._move_and_dry(*own, step), work)
         dried = []
         for own, gone in zip(work, done, strict=True):
-            while gone is None:  # more of the surface has to be known first
-                patch.open(self._wanted(own[0], step))
+            while gone is None:  # more of the surface has to be opened first
+                patch.open(self._blocks_to_open(own[0], step))
                 gone = self._move_and_dry(*own, step)
             dried.append(gone)
         dry = np.concatenate(dried)
@@ -309,14 +308,8 @@ class Flow:
             patch.owed[bundle] = np.where(step.still_wet[bundle], left, np.inf)
         self._choose_pace(step, np.flatnonzero(was_dry & np.isfinite(patch.owed)))
 
-    def _ease_entries(self, blocks: AnyArray, step: _Step) -> None:
-        """Let the water in and around some blocks (K,) find its way into notches of its border."""
-        p = self._patch
-        nodes = np.concatenate([p.graph.nodes_of(blocks), p.graph.rims_of(blocks)])
-        ease_entries(nodes, p.fields(step.due, step.mobile, step.moved), p.dry_entry)
-
     def _bundles(self, blocks: AnyArray) -> list[AnyArray]:
-        """Blocks (K,) in bundles that have nothing to do with one another, none very small."""
+        """Group blocks (K,) into independent bundles of at least `_BUNDLE` nodes where possible."""
         graph = self._patch.graph
         bundles: list[list[AnyArray]] = []
         size = _BUNDLE
@@ -329,7 +322,7 @@ class Flow:
         return [np.sort(np.concatenate(bundle)) for bundle in bundles]
 
     def _choose_pace(self, step: _Step, came: AnyArray) -> None:
-        """Let the next steps follow the motion in these; `came` (K,) are blocks wet since."""
+        """Adapt the time steps to the motion in this one; `came` (K,) are newly wet blocks."""
         p, due, graph = self._patch, step.due, self._patch.graph
         pores = max(p.material.pores_mm, WET_COAT_MM)
         pace = p.pace[due]
@@ -346,10 +339,10 @@ class Flow:
         p.pace[np.isinf(p.owed)] = FIRST_PACE
 
     def _move_and_dry(self, blocks: AnyArray, rest: AnyArray, step: _Step) -> AnyArray | None:
-        """A step of some blocks (K,), which touches nothing that other bundles know of.
+        """Move and dry the water of one bundle of blocks (K,); touches no other bundle's state.
 
-        Returns the nodes that are dry now, or None where more of the surface has to be known: then
-        nothing was done.
+        Returns the nodes that have dried, or None if more of the surface has to be opened first:
+        then nothing was done.
         """
         p = self._patch
         nodes = p.graph.nodes_of(blocks)
@@ -362,36 +355,31 @@ class Flow:
         work_memory.give_back()
         if stages < 0:
             return None
-        return self._evaporate(nodes, float(rest[0]), step)
-
-    def _wanted(self, blocks: AnyArray, step: _Step) -> AnyArray:
-        """Blocks to be opened before the water on some blocks (K,) can move."""
-        graph, water = self._patch.graph, self._patch.water
-        ring = graph.rims_of(blocks)
-        ring = ring[~step.due[graph.block[ring]]]
-        asked = ring[(graph.closed[ring] == 2) | ((graph.closed[ring] == 1) & (water[ring] > 0.0))]
-        step.rings += 1
-        wanted = np.unique(graph.block[asked])
-        for _ in range(step.rings // 2):  # the farther the water goes at once, the farther we look
-            wanted = graph.blocks_around(wanted)
-        return wanted
-
-    def _evaporate(self, nodes: AnyArray, rest: float, step: _Step) -> AnyArray:
-        """Let the water of some nodes (N,) dry; return those that are dry now."""
-        p = self._patch
-        fields = p.fields(step.due, step.mobile, step.moved)
+        # Evaporation, faster at the border of the wet area.
         is_wet = p.water[nodes] > 0.0
         wet = nodes[is_wet]
         p.inside[nodes[~is_wet]] = 0.0
         solve_edges(wet, fields, p.totals, _EDGE_REACH, _EDGE_SWEEPS, p.inside)
         dried = np.empty(len(wet), np.int32)
         drying = Drying(float(p.material.drying_mm_s), _EDGE_GAIN, _DRY)
-        count = evaporate(wet, fields, rest, drying, p.inside, dried, step.still_wet)
+        count = evaporate(wet, fields, float(rest[0]), drying, p.inside, dried, step.still_wet)
         return dried[:count]
 
+    def _blocks_to_open(self, blocks: AnyArray, step: _Step) -> AnyArray:
+        """Return the blocks to open before the water on blocks (K,) can move."""
+        graph, water = self._patch.graph, self._patch.water
+        ring = graph.rims_of(blocks)
+        ring = ring[~step.due[graph.block[ring]]]
+        missing = (graph.closed[ring] == 2) | ((graph.closed[ring] == 1) & (water[ring] > 0.0))
+        step.rings += 1
+        wanted = np.unique(graph.block[ring[missing]])
+        for _ in range(step.rings // 2):  # look further ahead each time water outruns the patch
+            wanted = graph.blocks_around(wanted)
+        return wanted
 
-def each(work: Callable[[_Given], _Found], items: Sequence[_Given]) -> list[_Found]:
-    """What `work` gives for each item, in their order; kernels in it run at the same time."""
+
+def each(work: Callable[[_Item], _Result], items: Sequence[_Item]) -> list[_Result]:
+    """Map `work` over items on threads, results in order; kernels release the GIL."""
     if len(items) < 2:
         return [work(item) for item in items]
     return list(_threads(os.getpid()).map(work, items))
@@ -399,17 +387,13 @@ def each(work: Callable[[_Given], _Found], items: Sequence[_Given]) -> list[_Fou
 
 @lru_cache(maxsize=1)
 def _threads(process: int) -> ThreadPoolExecutor:
-    """The threads of this process: one that was forked has none of its parent's."""
+    """Return the thread pool of a process; a forked child cannot use its parent's."""
     count = min(_MOST_THREADS, os.cpu_count() or 1)
     return ThreadPoolExecutor(count, thread_name_prefix="paint3d-flow")
 
 
-# ---- Water ---------------------------------------------------------------------------------------
-# Water on a surface, and the ink that it has not heard of yet.
-
-
 class Water:
-    """The water on the layer that is painted on; there is none until it is asked for.
+    """The active layer's water, created on first use, with the ink that it has yet to take up.
 
     Parameters
     ----------
@@ -418,18 +402,18 @@ class Water:
     Attributes
     ----------
     fresh : list of (N,) int32, or None
-        Vertices whose ink may have changed since the water was told; None while there is none.
+        Vertices whose ink may have changed since the flow last took it up; None without a flow.
     """
 
     def __init__(self, store: InkStore) -> None:
         self._store = store
         self._flow: Flow | None = None
-        self._still: Flow | None = None  # one that was dropped: its graph may serve again
+        self._still: Flow | None = None  # one that was dropped, kept because its graph is reusable
         self.fresh: list[AnyArray] | None = None
 
     @property
     def flow(self) -> Flow:
-        """The water and its way, from the first time that it is asked for."""
+        """The simulation of the water, created on first access."""
         if self._flow is None:
             self._flow, self._still = self._still or Flow(self._store), None
             self._flow.clear()
@@ -438,7 +422,7 @@ class Water:
 
     @property
     def patience(self) -> float:
-        """Time that may pass before there is anything to do, s; infinite if all is dry."""
+        """Time until there is anything to do, s; infinite if all is dry."""
         n_dirty = self._store.ink.n_dirty[0]
         if self._flow is None:
             return 0.0 if n_dirty or self._store.coverage.any() else np.inf
@@ -446,7 +430,7 @@ class Water:
         return 0.0 if is_fresh else self._flow.patience
 
     def depths(self) -> tuple[AnyArray, AnyArray] | None:
-        """Vertices (C,) int32 and the depth of water on each, mm; None where there is none."""
+        """Return vertices (C,) int32 and the depth of water on each, mm; None without water."""
         if self._flow is None or not self._flow.is_wet:
             return None
         return self._flow.depths()
@@ -462,9 +446,9 @@ class Water:
         return keeps_up
 
     def keep(self) -> dict[str, AnyArray] | None:
-        """What `restore` takes, or None where no water has ever moved.
+        """Return the state for `restore`, or None where no water has ever moved.
 
-        Besides what `Flow.keep` says, fresh (N,) int32: vertices whose ink came since.
+        Adds to what `Flow.keep` returns fresh (N,) int32: vertices whose ink came since.
         """
         if self._flow is None:
             return None
@@ -472,7 +456,7 @@ class Water:
         return {**self._flow.keep(), "fresh": union(fresh, self._store.paint_mesh.capacity)}
 
     def restore(self, kept: Mapping[str, AnyArray]) -> None:
-        """Go on as on the surface that it was kept from."""
+        """Continue from a state returned by `keep`."""
         kept, count = dict(kept), len(self._store.pigments)
         for name in ("pigment", "fine", "written"):  # pigments may have come since
             missing = count - kept[name].shape[1]
@@ -481,12 +465,12 @@ class Water:
         self.fresh = [kept["fresh"]]
 
     def drop(self) -> None:
-        """Let there be none in motion."""
+        """Discard all water."""
         self._still = self._flow or self._still
         self._flow, self.fresh = None, None
 
     def _take_fresh(self) -> AnyArray:
-        """Vertices (N,) int32 whose ink may have changed since the water was told."""
+        """Return and clear the vertices (N,) int32 whose ink may have changed."""
         fresh = [*(self.fresh or ()), self._dirty()]
         self.fresh = []
         return np.concatenate(fresh)

@@ -1,13 +1,13 @@
-"""The graph on which liquids move over a surface: who touches whom, how strongly.
+"""The weighted graph on which liquids move over a surface.
 
-It is made block by block where liquid comes. A block is a cube of the lattice's cells; it is
-*open* once the ways from its nodes are known, for which it and the cells around are refined first:
-vertices and triangles there never change again (`mesh.kernels.refine`). What is known of a block
-depends on the block alone, not on when and with which others it was opened.
+It is built block by block where liquid arrives. A block is a cube of the lattice's cells; it is
+*open* once the links of its nodes are known, for which it and the cells around it are refined
+first: vertices and triangles there never change again (`mesh.kernels.refine`). The nodes and links
+of a block depend on the block alone, not on when and with which others it was opened.
 
-Vertices at the same place on both sides of a crease are one node. Weights are the cotangents of the
+Coincident vertices on the two sides of a crease are one node. Weights are the cotangents of the
 intrinsic Delaunay triangulation of the block and a margin (`surface.kernels.intrinsic_delaunay`);
-areas are those of the paint mesh, so that what is counted here is what is counted there.
+areas are those of the paint mesh, so that both account for the same amounts of ink.
 """
 
 from __future__ import annotations
@@ -33,26 +33,26 @@ from paint3d.surface.kernels.wet_graph import (
 __all__ = ["FlowGraph", "graph_of_triangles", "with_room"]
 
 _BLOCK_CELLS = 3  # along an axis
-_MARGIN_EDGES = 2.5  # around a block: flips that reach it start nearer than that
+_MARGIN_EDGES = 2.5  # edge lengths around a block: edge flips further away cannot reach it
 
 
 class FlowGraph:
-    """N nodes, L links in either direction, C vertices (some share a node on a crease), B blocks.
+    """N nodes, L directed links, C vertices (some share a node on a crease), B blocks.
 
-    Arrays may be longer than what they hold.
+    Arrays have spare capacity at their ends.
 
     Parameters
     ----------
     mesh : PaintMesh
     make_room : callable
-        Lets the mesh grow.
+        Enlarges the mesh's arrays.
 
     Attributes
     ----------
     n_nodes, n_places, n_links : int
         N, C and L.
     vertices, node_of : (C,) int32
-        Ids in the paint mesh, and the node of each.
+        Ids in the paint mesh, and the node of each. An index into these is a *place*.
     points : (N, 3) float64
         mm.
     area : (N,) float64
@@ -61,20 +61,20 @@ class FlowGraph:
     closed : (N,) uint8
         1 where the links of a node are not known.
     first, last : (N,) int64
-        The run of each node's links.
+        The range of each node's links.
     links, weights : (L,) int32, (L,) float64
         Weights are >= 0.
     owner : (L,) int32
-        The node whose link it is.
+        The node that the link starts from.
     first_beside, last_beside : (B,) int64
-        The run of each open block's neighbours.
+        The range of each open block's neighbours in `beside`.
     beside : (M,) int32
         The blocks that share a link with it.
     block_open : (B,) bool
     was_open : (B,) bool
-        Blocks that were open when what is painted here was saved: to open them is nothing new.
+        Blocks that were open when this painting was saved: they may be opened again at once.
     block_nodes : (B,) int64
-        How many nodes of each are known.
+        Number of known nodes of each block.
     """
 
     def __init__(self, mesh: PaintMesh, make_room: Callable[[], None]) -> None:
@@ -94,8 +94,8 @@ class FlowGraph:
         self.block_nodes = np.zeros(self.n_blocks, np.int64)
         self._known = np.zeros(mesh.n_cells, bool)
         self._start, self._stop = np.zeros((2, mesh.n_cells), np.int64)
-        self._place = np.zeros(0, np.int32)  # of each vertex among those known, plus 1
-        self._rank = np.zeros(0, np.int32)  # work, 0 between two openings
+        self._place = np.zeros(0, np.int32)  # place of each vertex plus 1, 0 for unknown ones
+        self._rank = np.zeros(0, np.int32)  # scratch, all 0 between calls of `open`
         self.n_nodes = self.n_places = self.n_links = 0
         self.vertices, self.node_of = np.zeros((2, 0), np.int32)
         self.points = np.zeros((0, 3))
@@ -107,20 +107,20 @@ class FlowGraph:
 
     @property
     def n_blocks(self) -> int:
-        """Blocks that the surface meets, B."""
+        """Number of blocks that the surface meets, B."""
         return len(self._block_places)
 
-    # -- where things are -------------------------------------------------------------------
+    # -- look-up ----------------------------------------------------------------------------
 
     def places(self, ids: AnyArray) -> AnyArray:
-        """(N,) place of vertices among those known, -1 for others."""
+        """Return the places (N,) of vertices, -1 for vertices that are not known."""
         known = ids < len(self._place)  # the mesh may have grown since
         place = np.full(len(ids), -1, np.int32)
         place[known] = self._place[ids[known]] - 1
         return place
 
     def places_at(self, nodes: AnyArray) -> AnyArray:
-        """(M,) all places of some nodes (N,), node after node, rising for each."""
+        """Return all places (M,) of nodes (N,), node after node, ascending for each."""
         node_of = self.node_of[: self.n_places]
         wanted = nodes.astype(np.int32)
         first = np.searchsorted(node_of, wanted)
@@ -128,24 +128,24 @@ class FlowGraph:
         return _from_runs(first, counts)
 
     def cells_of(self, ids: AnyArray) -> AnyArray:
-        """The cells in which some vertices (N,) lie, rising."""
+        """Return the cells in which vertices (N,) lie, ascending."""
         fields = self._mesh.arrays
         marks = np.zeros(self._mesh.n_cells, bool)
         marks[fields.sheet_cell[fields.vertex_sheet[ids]]] = True
         return np.flatnonzero(marks)
 
     def block_of(self, ids: AnyArray) -> NDArray[np.int32]:
-        """(N,) int32 block in which each of some vertices lies."""
+        """Return the block (N,) int32 in which each of some vertices lies."""
         fields = self._mesh.arrays
         result: NDArray[np.int32] = self._cell_block[fields.sheet_cell[fields.vertex_sheet[ids]]]
         return result
 
     def blocks_of(self, cells: AnyArray) -> AnyArray:
-        """The blocks of some cells (K,), rising."""
+        """Return the blocks of cells (K,), ascending."""
         return np.unique(self._cell_block[cells])
 
     def around(self, cells: AnyArray) -> AnyArray:
-        """Some cells (K,) and those that the surface goes on into from there, rising."""
+        """Return cells (K,) with those that the surface continues into from there, ascending."""
         fields = self._mesh.arrays
         marks = np.zeros(self._mesh.n_cells, bool)
         marks[cells] = True
@@ -155,18 +155,18 @@ class FlowGraph:
         return np.flatnonzero(marks)
 
     def blocks_around(self, blocks: AnyArray) -> AnyArray:
-        """Some blocks (K,) and those next to them, rising."""
+        """Return blocks (K,) with those next to them, ascending."""
         return self.blocks_of(self.around(self._cells[_runs(self._cell_runs, blocks)]))
 
     def open_before(self, blocks: AnyArray) -> AnyArray:
-        """The blocks next to some open ones (K,) that were open when it was saved, but are not."""
+        """Return the closed neighbours of open blocks (K,) that were open on saving, ascending."""
         starts, stops = self.first_beside[blocks], self.last_beside[blocks]
         around = np.unique(self.beside[_from_runs(starts, stops - starts)])
         result: AnyArray = around[self.was_open[around] & ~self.block_open[around]]
         return result
 
     def apart(self, blocks: AnyArray) -> list[AnyArray]:
-        """Some open blocks (K,), rising, in groups that no block lies next to two of."""
+        """Split open blocks (K,), ascending, into groups such that no block adjoins two of them."""
         group = np.empty(len(blocks), np.int32)
         count = group_blocks(
             blocks, self.first_beside, self.last_beside, self.beside, self._heads, group
@@ -176,7 +176,7 @@ class FlowGraph:
         return np.split(blocks[order], ends)
 
     def nodes_of(self, blocks: AnyArray) -> AnyArray:
-        """The known nodes of some blocks (K,), rising: always in the same order."""
+        """Return the known nodes of blocks (K,), ascending: always in the same order."""
         cells = self._cells[_runs(self._cell_runs, blocks)]
         cells = cells[self._known[cells]]
         starts, stops = self._start[cells], self._stop[cells]
@@ -185,13 +185,13 @@ class FlowGraph:
         return nodes
 
     def links_of(self, nodes: AnyArray) -> AnyArray:
-        """The links of some nodes (N,), node after node; none where they are not known."""
+        """Return the links of nodes (N,), node after node; none where they are not known."""
         return _from_runs(self.first[nodes], self.last[nodes] - self.first[nodes])
 
     def rims_of(self, blocks: AnyArray) -> AnyArray:
-        """Nodes (R,) next to those of some open blocks (K,): always in the same order.
+        """Return the nodes (R,) adjacent to open blocks (K,): always in the same order.
 
-        Some of them may come twice, or be of these blocks.
+        A node may occur twice, or belong to one of these blocks.
         """
         rims = [self._rims[block] for block in blocks.tolist()]
         return np.concatenate([np.zeros(0, np.int32), *rims])
@@ -200,11 +200,11 @@ class FlowGraph:
 
     @property
     def opened(self) -> AnyArray:
-        """The blocks (K,) that are open, or were when it was saved, rising."""
+        """The blocks (K,) that are open, or were on saving, ascending."""
         return np.flatnonzero(self.block_open | self.was_open)
 
     def know(self, cells: AnyArray) -> None:
-        """Refine some cells (K,), and give their vertices nodes."""
+        """Refine cells (K,) and create the nodes of their vertices."""
         cells = cells[~self._known[cells]]
         done = 0
         while done < len(cells):
@@ -252,7 +252,7 @@ class FlowGraph:
         self.n_nodes, self.n_places = n, c
 
     def open(self, blocks: AnyArray) -> None:
-        """Learn the ways from all nodes of some blocks (K,)."""
+        """Compute the links of all nodes of blocks (K,)."""
         for block in blocks[~self.block_open[blocks]]:
             self._open(int(block))
 
@@ -270,7 +270,8 @@ class FlowGraph:
         ids = np.empty(nodes.size, np.int32)
         self._rank = with_room(self._rank, self.n_nodes)
         ids = np.sort(ids[: list_distinct(nodes.ravel(), self._rank, ids)])
-        key = fields.key[self.vertices[self._first_place(ids)]]
+        first = np.searchsorted(self.node_of[: self.n_places], ids)  # a place of each node
+        key = fields.key[self.vertices[first]]
         ids = ids[np.argsort(key, kind="stable")]
         self._rank[ids] = np.arange(1, len(ids) + 1, dtype=np.int32)
         runs, links, weights = graph_of_triangles(self.points[ids], self._rank[nodes] - 1)
@@ -301,12 +302,8 @@ class FlowGraph:
         self.n_links = n
         self.block_open[block] = True
 
-    def _first_place(self, nodes: AnyArray) -> AnyArray:
-        """A place of each of some nodes (N,)."""
-        return np.searchsorted(self.node_of[: self.n_places], nodes)
-
     def _faces_near(self, block: int, cells: AnyArray) -> AnyArray:
-        """(F, 3) vertices of the triangles in a block and a margin."""
+        """Return the triangles (F, 3) in a block and a margin around it, as vertex ids."""
         mesh = self._mesh
         fields = mesh.arrays
         size = fields.cell_size
@@ -322,7 +319,7 @@ class FlowGraph:
 
 
 def graph_of_triangles(points: AnyArray, faces: AnyArray) -> tuple[AnyArray, AnyArray, AnyArray]:
-    """Links of a triangle mesh: points (N, 3), faces (F, 3) int32 to `runs`, `links`, `weights`.
+    """Return `runs`, `links` and `weights` of a triangle mesh: points (N, 3), faces (F, 3) int32.
 
     See `link_triangles`. Cost: about .3 us a triangle.
     """
@@ -333,7 +330,7 @@ def graph_of_triangles(points: AnyArray, faces: AnyArray) -> tuple[AnyArray, Any
 
 
 def with_room(array: AnyArray, n: int) -> AnyArray:
-    """An array that starts alike and is at least `n` long, 0 beyond."""
+    """Return the array, or a copy padded with zeros that is at least `n` long."""
     if len(array) >= n:
         return array
     longer = np.zeros((max(n, 2 * len(array)), *array.shape[1:]), array.dtype)
@@ -342,11 +339,11 @@ def with_room(array: AnyArray, n: int) -> AnyArray:
 
 
 def _runs(starts: AnyArray, chosen: AnyArray) -> AnyArray:
-    """All places in some runs (K,) of `starts` (N + 1,), run after run."""
+    """Return all indices in the chosen runs (K,) of `starts` (N + 1,), run after run."""
     first = starts[chosen].astype(np.int64)
     return _from_runs(first, starts[chosen + 1].astype(np.int64) - first)
 
 
 def _from_runs(first: AnyArray, counts: AnyArray) -> AnyArray:
-    """All places in runs that begin at `first` (K,) int64 and are `counts` (K,) int64 long."""
+    """Return all indices in runs that begin at `first` (K,) int64, `counts` (K,) int64 long."""
     return np.repeat(first - np.cumsum(counts) + counts, counts) + np.arange(int(counts.sum()))

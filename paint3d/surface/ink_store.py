@@ -1,6 +1,6 @@
-"""The ink that lies on a mesh, vertex by vertex: wet amounts, dried layers, and their colours.
+"""Per-vertex ink on a mesh: wet amounts, dried paint, and the colours of both.
 
-What water moves and what layers are built of; it knows neither.
+Water (`surface.flow`) and layers (`surface.layer_stack`) build on this, which knows neither.
 """
 
 from __future__ import annotations
@@ -44,20 +44,20 @@ class InkStore:
     material : Material
         What the surface is made of: its reflectance is the ground of every colour.
     original : Original, optional
-        What it was painted on before it was meshed anew: a brush moves on it as there.
+        The mesh that was painted on before remeshing: a brush moves as it did on that one.
 
     Attributes
     ----------
     paint_mesh : PaintMesh
-        The mesh as it is refined; rows of all arrays are its vertices.
+        The mesh, refined as paint arrives; rows of all arrays are its vertices.
     original : Original or None
-        None where it makes no difference.
+        None where it makes no difference (see `build_like`).
     pigments : list of Pigment
         Columns of the ink's arrays.
     ink : InkField
     dry_layers : DryLayers
     looks_otherwise : bool
-        Whether a pigment has come since colours were brought up to date.
+        Whether a pigment was added since colours were last brought up to date.
     """
 
     def __init__(
@@ -110,36 +110,36 @@ class InkStore:
 
     @cached_property
     def flow_graph(self) -> FlowGraph:
-        """The ways of liquids over the shape, as far as any has come."""
+        """The graph on which liquids move over the shape, built where any has come."""
         return FlowGraph(self.paint_mesh, self.make_room)
 
     def open_blocks(self) -> NDArray[np.int32]:
-        """(K,) int32: the blocks of `flow_graph` in which liquids know their ways."""
+        """Return the open blocks (K,) int32 of `flow_graph`."""
         if "flow_graph" not in vars(self):
             return np.zeros(0, np.int32)
         return self.flow_graph.opened.astype(np.int32)
 
     def recall_blocks(self, blocks: AnyArray) -> None:
-        """Let liquids know their ways again in blocks (K,) where they did when it was saved."""
+        """Mark blocks (K,) of `flow_graph` as having been open on saving."""
         if len(blocks):
             self.flow_graph.was_open[blocks] = True
 
     def make_room(self, extra: int | None = None) -> None:
-        """Let the mesh grow by `extra` vertices (None: as `PaintMesh.reserve` sees fit)."""
+        """Reserve capacity for `extra` vertices (None: as `PaintMesh.reserve` sees fit)."""
         self.paint_mesh.reserve(extra)
         self._fit()
 
     def grow_ahead(self) -> None:
-        """Let the mesh grow where it soon would have to: it takes .2 s with a million vertices."""
+        """Reserve capacity before it runs out: this takes .2 s with a million vertices."""
         mesh = self.paint_mesh
         added = mesh.n_vertices - mesh.n_base_vertices
         if mesh.refines and mesh.capacity - mesh.n_vertices < added // 4:
             self.make_room(added)
 
     def refine_all(self, progress: Callable[[float], None] | None = None) -> None:
-        """Refine the whole surface now instead of where paint comes; nothing painted changes.
+        """Refine the whole surface now instead of where paint arrives; nothing painted changes.
 
-        What `progress` (see `PaintMesh.refine_all`) raises leaves everything as it was.
+        If `progress` (see `PaintMesh.refine_all`) raises, everything stays as it was.
         """
         try:
             self.paint_mesh.refine_all(progress)
@@ -147,7 +147,7 @@ class InkStore:
             self._fit()
 
     def _fit(self) -> None:
-        """Give every vertex that the mesh has room for its place in the per-vertex arrays."""
+        """Grow the per-vertex arrays to the mesh's capacity."""
         old, old_srgb = self.ink, self._srgb
         n = len(old_srgb)
         if n == self.paint_mesh.capacity:
@@ -167,18 +167,19 @@ class InkStore:
             self._mesh_colours.fit(self.paint_mesh.capacity)
 
     def column_of(self, pigment: Pigment) -> int:
-        """The column of a pigment in the ink's arrays; a new one is added at the end.
+        """Return the column of a pigment in the ink's arrays; a new one is added at the end.
+
+        A built-in pigment matches by name: a painting keeps the inks that it was begun with even
+        when a later version has measured them anew.
 
         Raises
         ------
         InputError
-            If an ink of that name that is not like it is on the surface already. One that ships
-            is taken as the surface has it: a painting keeps the inks that it was begun with when a
-            later version measures them anew.
+            If a different ink of that name is on the surface already.
         """
         for column, known in enumerate(self.pigments):
             if known.name == pigment.name:
-                if not known.is_like(pigment) and not _ships(pigment):
+                if not known.is_like(pigment) and not _is_built_in(pigment):
                     raise InputError(
                         f"there is another ink named {pigment.name!r} on this surface; "
                         "expected its K, S, gloss, fine share and grains or another name"
@@ -202,7 +203,7 @@ class InkStore:
         return count - 1
 
     def know_vertices(self) -> None:
-        """Give vertices that have appeared on a mesh with colours theirs."""
+        """Interpolate the mesh's own colours at vertices that were added since the last call."""
         if self._mesh_colours is not None:
             mesh = self.paint_mesh
             self._mesh_colours.know(mesh.arrays.parents, mesh.n_vertices, self._srgb)
@@ -210,7 +211,7 @@ class InkStore:
     def colour_as_one(self, ids: AnyArray) -> None:
         """Bring the colours of vertices (N,) int32 up to date, as if this were the only layer.
 
-        Some pigment is known.
+        At least one pigment must be known.
         """
         ink = self.ink
         if self._mesh_colours is not None:
@@ -228,7 +229,7 @@ class InkStore:
             self._glaze.srgb(ink.amounts, ink.coverage, self.ground(), self._srgb, own)
 
     def bare_spectra(self, vertex_ids: AnyArray) -> NDArray[np.uint16]:
-        """(N, 31) uint16 reflectance of vertices without paint, in steps of 1/65535."""
+        """Return the reflectance (N, 31) uint16 of unpainted vertices, in steps of 1/65535."""
         if self._mesh_colours is None:
             return np.tile(_in_steps(self._ground.material), (len(vertex_ids), 1))
         self.know_vertices()
@@ -236,7 +237,7 @@ class InkStore:
         return _in_steps(ground.linear_rgb[vertex_ids] @ ground.primaries.T)
 
     def spectra_as_one(self, vertex_ids: AnyArray) -> NDArray[np.uint16]:
-        """(N, 31) uint16 reflectance of distinct vertices, as if this were the only layer."""
+        """Return the reflectance (N, 31) uint16 of distinct vertices, as if on the only layer."""
         spectra = self.bare_spectra(vertex_ids)
         rows = self.dry_layers.rows_of(vertex_ids)
         spectra[rows >= 0] = self.dry_layers.spectra[rows[rows >= 0]]
@@ -250,18 +251,18 @@ class InkStore:
 
     @property
     def glaze(self) -> GlazeModel | None:
-        """The light of the pigments that are known; None before the first."""
+        """The glazing model of the known pigments; None before the first."""
         return self._glaze
 
     def ground(self) -> Ground:
-        """What lies below the wet paint: dried layers, the mesh's own colours, the material."""
+        """Return the ground below the wet paint: dried paint, the mesh's own colours, material."""
         ground = self._ground
         if self._mesh_colours is not None:
             ground = self._mesh_colours.ground_of(ground)
         return self.dry_layers.ground_under(ground)
 
     def settle(self, vertex_ids: AnyArray) -> None:
-        """Turn the wet paint of some vertices (N,) int32 into a dry layer."""
+        """Dry the wet paint of some vertices (N,) int32."""
         ink = self.ink
         if not len(vertex_ids) or self._glaze is None:
             return
@@ -280,7 +281,7 @@ class InkStore:
         self.touch(vertex_ids)
 
     def touch(self, vertex_ids: AnyArray) -> None:
-        """Note that the colours of some vertices are out of date."""
+        """Mark the colours of some vertices (N,) as out of date."""
         ink = self.ink
         fresh = vertex_ids[ink.dirty[vertex_ids] == 0]
         count = int(ink.n_dirty[0])
@@ -290,17 +291,17 @@ class InkStore:
 
     @property
     def _lasting(self) -> NDArray[np.float32]:
-        """(P,) float32: 1 for a pigment, 0 for water, which no account holds."""
+        """(P,) float32: 1 for a pigment, 0 for water, which is not part of the ink balance."""
         return np.array([p is not WATER for p in self.pigments], np.float32)
 
     @property
     def n_vertices(self) -> int:
-        """Vertices there are now, V."""
+        """Number of vertices at present, V."""
         return self.paint_mesh.n_vertices
 
     @property
     def codes(self) -> NDArray[np.uint8]:
-        """(cap, 3) uint8 sRGB as `refresh` last left it; rows of vertices to come are bare."""
+        """(cap, 3) uint8 sRGB as of the last `refresh`; rows of vertices to come are bare."""
         return self._srgb
 
     @property
@@ -313,36 +314,36 @@ class InkStore:
 
     @property
     def coverage(self) -> NDArray[np.float32]:
-        """(V,) float32: share of each vertex's own area that is under wet paint, 0 to 1."""
+        """(V,) float32: fraction of each vertex's own area that is under wet paint, 0 to 1."""
         return self.ink.coverage[: self.n_vertices]
 
     @property
     def amounts(self) -> NDArray[np.float32]:
-        """(V, P) float32: wet ink at each vertex, full coats times the covered share."""
+        """(V, P) float32: wet ink at each vertex, full coats times the covered fraction."""
         return self.ink.amounts[: self.n_vertices]
 
     @property
     def vertex_areas(self) -> NDArray[np.float64]:
-        """(V,) float64: the surface's area that each vertex stands for, mm2."""
+        """(V,) float64: the surface area that each vertex stands for, mm2."""
         return self.paint_mesh.vertex_areas
 
     def main_pigment(self, parts: AnyArray) -> Pigment:
-        """The pigment that most of a mixture (P,) is, not counting water unless it is alone."""
+        """Return the main pigment of a mixture (P,); water only where there is nothing else."""
         inked = parts * self._lasting
         return self.pigments[int(np.argmax(inked if inked.any() else parts))]
 
     def lasting(self, per_pigment: AnyArray) -> float:
-        """Sum of a quantity (P,) over the pigments, without water."""
+        """Return the sum of a quantity (P,) over the pigments, without water."""
         return float(per_pigment @ self._lasting)
 
 
 def _in_steps(reflectance: AnyArray) -> AnyArray:
-    """Reflectance as it is kept: uint16, in steps of 1/65535."""
+    """Quantise reflectance to uint16, in steps of 1/65535."""
     return (np.clip(reflectance, 0.0, 1.0) * 65535.0 + 0.5).astype(np.uint16)
 
 
-def _ships(pigment: Pigment) -> bool:
-    """Whether it is one of the program's own, which nobody can name otherwise."""
+def _is_built_in(pigment: Pigment) -> bool:
+    """Return whether a pigment is one of the program's own."""
     tables = load_palette(), load_drawdown_paints()
     return any(table.get(pigment.name) is pigment for table in tables)
 
@@ -350,8 +351,8 @@ def _ships(pigment: Pigment) -> bool:
 class _MeshColours:
     """sRGB of every vertex of a refined mesh before anything was painted.
 
-    A vertex that halves an edge has the mean of its ends' codes, as a viewer that interpolates
-    codes shows it, so that refinement does not show and export can take it back.
+    A vertex that bisects an edge has the mean of its ends' codes, as a viewer that interpolates
+    codes shows it, so that refinement is invisible and export can undo it.
 
     Parameters
     ----------
@@ -365,13 +366,13 @@ class _MeshColours:
         self._linear = decode_srgb(srgb).astype(np.float32)
 
     def fit(self, capacity: int) -> None:
-        """Make room for so many vertices."""
+        """Grow to a capacity in vertices."""
         if len(self._encoded) < capacity:
             self._encoded = grown(self._encoded, self._known, capacity)
             self._linear = grown(self._linear, self._known, capacity)
 
     def know(self, parents: AnyArray, n_vertices: int, srgb: AnyArray) -> None:
-        """Give colours to vertices that have appeared, also as codes in `srgb` (cap, 3)."""
+        """Interpolate colours at vertices added since, and write their codes to `srgb` (cap, 3)."""
         first, last = self._known, n_vertices
         if first == last:
             return
@@ -382,24 +383,20 @@ class _MeshColours:
         self._known = last
 
     def codes(self, n_vertices: int) -> NDArray[np.uint8]:
-        """(n, 3) uint8 of the first n vertices, which are known."""
+        """Return the codes (n, 3) uint8 of the first n vertices, which must be known."""
         codes: NDArray[np.uint8] = np.rint(self._encoded[:n_vertices] * 255.0).astype(np.uint8)
         return codes
 
     def ground_of(self, ground: Ground) -> Ground:
-        """The ground with these colours in the place of the material."""
+        """Return the ground with these colours in place of the material's."""
         return ground._replace(linear_rgb=self._linear)
 
 
-# ---- Sets of vertices ----------------------------------------------------------------------------
-# Sets of vertices as sorted arrays of their numbers.
-
-
-_FEW = 64  # one in so many: marking all vertices then costs more than sorting these
+_FEW = 64  # below one vertex in so many, sorting costs less than marking all
 
 
 def union(sets: Iterable[AnyArray], capacity: int) -> NDArray[np.int32]:
-    """The distinct numbers (N,) int32, rising, of some arrays of them, all below `capacity`."""
+    """Return the union (N,) int32, ascending, of arrays of vertex ids, all below `capacity`."""
     ids = np.concatenate([np.empty(0, np.int32), *sets]).astype(np.int32, copy=False)
     if len(ids) * _FEW < capacity:
         return np.unique(ids)

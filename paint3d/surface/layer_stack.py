@@ -1,11 +1,11 @@
-"""Layers as painters know them: named, shown or hidden, in any order, each painted by itself.
+"""Layers as in a paint program: named, shown or hidden, in any order, painted one at a time.
 
 Every layer lies on those below it as if they had dried first, so it glazes over them and never
-mixes with them; painting on a lower one shows through those above. The layer that is painted on has
-its ink in the surface's own arrays, and the engine knows nothing of layers. Of the others only the
-vertices with paint are kept: wet ink as it is, and dried rows as functions of what is below
-(`colour.kernels.layering`). What shows is composed from the bottom up, vertex by vertex, with the
-kernels that paint one layer. Water moves on the layer that is painted on, and waits on the others.
+mixes with them; a lower layer shows through those above. The active layer, which is painted on, has
+its ink in the surface's own arrays, so the engine knows nothing of layers. Of a resting layer only
+the painted vertices are stored: wet ink as it is, and dried rows as functions of what is below
+(`colour.kernels.glazing`). The visible result is composited from the bottom up, vertex by vertex,
+with the kernels that paint one layer. Water moves on the active layer and waits on the others.
 """
 
 from __future__ import annotations
@@ -30,12 +30,12 @@ __all__ = ["Layer", "LayerStack", "StackState"]
 
 _MOST_LAYERS = 256
 _LONGEST_NAME = 200
-_AT_ONCE = 1 << 16  # vertices that are composed together
+_AT_ONCE = 1 << 16  # vertices composited per chunk
 
 
 @dataclass(frozen=True)
 class Layer:
-    """What is said of a layer.
+    """Name and flags of a layer.
 
     Attributes
     ----------
@@ -52,7 +52,7 @@ class Layer:
 
 @dataclass(eq=False)
 class _Content:
-    """What is on a layer while another one is painted on: wet vertices (N,), dried rows, water."""
+    """Paint of a resting layer: wet vertices (N,), dried rows and water."""
 
     dry: DryLayers
     ids: AnyArray = field(default_factory=lambda: np.empty(0, np.int32))
@@ -60,22 +60,22 @@ class _Content:
     coverage: AnyArray = field(default_factory=lambda: np.empty(0, np.float32))
     flow: Mapping[str, AnyArray] | None = None
     dry_ids: AnyArray = field(default_factory=lambda: np.empty(0, np.int32))  # sorted
-    dry_rows: AnyArray = field(default_factory=lambda: np.empty(0, np.int32))  # of each
+    dry_rows: AnyArray = field(default_factory=lambda: np.empty(0, np.int32))  # row of each
 
 
 class StackState(NamedTuple):
-    """Which layers there are, the lowest first, and which is painted on, by their keys."""
+    """The layers in order, the lowest first, and the active one, by their keys."""
 
     keys: tuple[int, ...]
     active: int
 
     def exchange(self, surface: _Layered) -> tuple[StackState, AnyArray]:
-        """Bring the stack there; a part of an undo step."""
+        """Set the surface's stack to this state, as a part of an undo step."""
         return surface.use_layers().exchange(self)
 
 
 class _Layered(Protocol):
-    """What has layers."""
+    """Interface of a surface that can have layers."""
 
     def use_layers(self) -> LayerStack:
         """The stack."""
@@ -83,14 +83,16 @@ class _Layered(Protocol):
 
 
 class LayerStack:
-    """The layers of a surface, the lowest first; there is always one at least.
+    """The layers of a surface, the lowest first; there is always at least one.
+
+    A *place* is a layer's index in the stack; its key identifies it wherever it is moved.
 
     Parameters
     ----------
     store : InkStore
-        What is on it already is the first layer.
+        The paint on it becomes the first layer.
     water : Water
-        That of the layer which is painted on.
+        The water of the active layer.
     """
 
     def __init__(self, store: InkStore, water: Water) -> None:
@@ -98,24 +100,24 @@ class LayerStack:
         self._about = {0: Layer("1")}
         self._contents: dict[int, _Content] = {}
         self._keys, self._active = [0], 0
-        _know_filters(store)
+        _add_filters(store)
 
     def __len__(self) -> int:
         return len(self._keys)
 
     @property
     def layers(self) -> tuple[Layer, ...]:
-        """What is said of each, the lowest first."""
+        """Name and flags of each layer, the lowest first."""
         return tuple(self._about[key] for key in self._keys)
 
     @property
     def active(self) -> int:
-        """Place of the layer that is painted on, from 0 for the lowest."""
+        """Place of the active layer, from 0 for the lowest."""
         return self._keys.index(self._active)
 
     @property
     def is_plain(self) -> bool:
-        """Whether there is one layer, and it is visible: nothing has to be composed."""
+        """Whether there is one layer, and it is visible: nothing has to be composited."""
         return len(self._keys) == 1 and self._about[self._active].visible
 
     @property
@@ -123,15 +125,15 @@ class LayerStack:
         """The keys of the visible layers, the lowest first."""
         return tuple(key for key in self._keys if self._about[key].visible)
 
-    # -- changing the stack -----------------------------------------------------------------
+    # -- editing the stack ------------------------------------------------------------------
 
     def add(self, name: str, place: int) -> None:
-        """Put an empty layer at a place, and paint on it from now on.
+        """Insert an empty layer at a place and make it the active one.
 
         Raises
         ------
         InputError
-            If the place or the name is none, or there are 256.
+            If the place or the name is invalid, or there are 256 layers.
         """
         if len(self._keys) >= _MOST_LAYERS:
             raise InputError(f"there are {_MOST_LAYERS} layers; expected no more")
@@ -144,12 +146,12 @@ class LayerStack:
         self.activate(place)
 
     def remove(self, place: int) -> None:
-        """Take a layer away with what is on it.
+        """Remove a layer with its paint.
 
         Raises
         ------
         InputError
-            If there is none at that place, or no other.
+            If there is no layer at that place, or it is the only one.
         """
         key = self._key(place)
         if len(self._keys) == 1:
@@ -159,7 +161,7 @@ class LayerStack:
         self._keys.remove(key)
 
     def move(self, place: int, to: int) -> None:
-        """Put a layer at another place; the others keep their order.
+        """Move a layer to another place; the others keep their order.
 
         Raises
         ------
@@ -177,7 +179,7 @@ class LayerStack:
         Raises
         ------
         InputError
-            If there is none at that place, or the name is none.
+            If there is no layer at that place, or the name is invalid.
         """
         key = self._key(place)
         if "name" in changes:
@@ -185,20 +187,20 @@ class LayerStack:
         self._about[key] = replace(self._about[key], **changes)
 
     def activate(self, place: int) -> None:
-        """Paint on the layer at a place from now on; nothing that shows changes."""
+        """Make the layer at a place the active one; nothing visible changes."""
         key = self._key(place)
         if key == self._active:
             return
-        self._contents[self._active] = self._lift()
+        self._contents[self._active] = self._unload()
         self._active = key
-        self._lay_open(self._contents.pop(key))
+        self._load(self._contents.pop(key))
 
     def state(self) -> StackState:
-        """Which layers there are; those that were removed are still known to it."""
+        """Return the state of the stack; it can be put back even after layers were removed."""
         return StackState(tuple(self._keys), self._active)
 
     def exchange(self, state: StackState) -> tuple[StackState, AnyArray]:
-        """Have the layers of a state; return the way back, and vertices to colour anew (N,)."""
+        """Put a state; return the previous one and the vertices (N,) to recolour."""
         back, before = self.state(), self.painted_ids()
         self.put(state)
         touched = union([before, self.painted_ids()], self._store.paint_mesh.capacity)
@@ -206,13 +208,13 @@ class LayerStack:
         return back, touched
 
     def put(self, state: StackState) -> None:
-        """Have the layers of a state again."""
+        """Restore the layers of a state."""
         self._keys = [*dict.fromkeys([*state.keys, self._active])]
         self.activate(self._keys.index(state.active))
         self._keys = list(state.keys)
 
     def dry_by_key(self) -> dict[int, DryLayers]:
-        """What has dried on each layer that is known, also on those that were removed."""
+        """Return the dried paint of every known layer, including removed ones."""
         own = {key: content.dry for key, content in self._contents.items()}
         return own | {self._active: self._store.dry_layers}
 
@@ -221,8 +223,8 @@ class LayerStack:
             raise InputError(f"layer {place}; expected 0 to {len(self._keys) - 1}")
         return self._keys[place]
 
-    def _lift(self) -> _Content:
-        """Take what is painted on out of the surface's arrays."""
+    def _unload(self) -> _Content:
+        """Move the active layer's paint out of the surface's arrays."""
         store = self._store
         ink = store.ink
         ids = np.flatnonzero((ink.coverage > 0.0) | ink.amounts.any(axis=1)).astype(np.int32)
@@ -238,8 +240,8 @@ class LayerStack:
         dry.pack()
         return content
 
-    def _lay_open(self, content: _Content) -> None:
-        """Put a layer's paint into the surface's arrays."""
+    def _load(self, content: _Content) -> None:
+        """Move a resting layer's paint into the surface's arrays."""
         store = self._store
         count, ink = len(store.pigments), store.ink
         ink.amounts[content.ids, : content.amounts.shape[1]] = content.amounts
@@ -249,94 +251,103 @@ class LayerStack:
         if content.flow is not None:
             self._water.restore(content.flow)
 
-    # -- what shows -------------------------------------------------------------------------
+    # -- compositing ------------------------------------------------------------------------
 
     def colour(self, glaze: GlazeModel, vertex_ids: AnyArray, srgb: AnyArray) -> None:
         """Fill `srgb` (cap, 3) for some distinct vertices (N,) int32."""
         for start in range(0, len(vertex_ids), _AT_ONCE):
             ids = vertex_ids[start : start + _AT_ONCE]
-            srgb[ids] = self._seen(glaze, self.spectra(glaze, ids))
+            # The spectra become a ground that is shown bare, under a wet layer without ink.
+            n, spectra = len(ids), self.spectra(glaze, ids)
+            every = np.arange(n, dtype=np.int32)
+            ground = self._store.ground()._replace(
+                slots=every, spectra=spectra, linear_rgb=np.empty((0, 3), np.float32)
+            )
+            codes = np.empty((n, 3), np.uint8)
+            no_ink = np.zeros((n, len(self._store.pigments)), np.float32)
+            glaze.srgb(no_ink, np.zeros(n, np.float32), ground, codes, every)
+            srgb[ids] = codes
 
     def spectra(self, glaze: GlazeModel, vertex_ids: AnyArray) -> NDArray[np.uint16]:
-        """(N, 31) uint16 reflectance of distinct vertices (N,) int32, in steps of 1/65535."""
+        """Return the reflectance (N, 31) uint16 of distinct vertices, in steps of 1/65535."""
         spectra = self._store.bare_spectra(vertex_ids)
         for key in self._keys:
             if self._about[key].visible:
-                self._lay(glaze, key, vertex_ids, spectra)
+                self._lay_over(glaze, key, vertex_ids, spectra)
         return spectra
 
-    def _lay(self, glaze: GlazeModel, key: int, ids: AnyArray, spectra: AnyArray) -> None:
-        """Lay one layer over the spectra (N, 31) of the vertices (N,)."""
-        dry, rows, places, amounts, coverage = self._on(key, ids)
+    def _lay_over(self, glaze: GlazeModel, key: int, ids: AnyArray, spectra: AnyArray) -> None:
+        """Composite one layer over the spectra (N, 31) of vertices (N,), in place."""
+        dry, rows, wet, amounts, coverage = self._paint_at(key, ids)
         dried = np.flatnonzero(rows >= 0).astype(np.int32)
         if len(dried):
             see_through(dried, rows[dried], *dry.over, spectra)
-        if len(places):
+        if len(wet):
             ground = self._store.ground()._replace(
-                slots=places, spectra=spectra, linear_rgb=np.empty((0, 3), np.float32)
+                slots=wet, spectra=spectra, linear_rgb=np.empty((0, 3), np.float32)
             )
-            all_of_them = np.arange(len(places), dtype=np.int32)
-            glaze.dry(amounts, coverage, ground, all_of_them, places)
+            every = np.arange(len(wet), dtype=np.int32)
+            glaze.dry(amounts, coverage, ground, every, wet)
 
-    def _on(
+    def _paint_at(
         self, key: int, ids: AnyArray
     ) -> tuple[DryLayers, AnyArray, AnyArray, AnyArray, AnyArray]:
-        """A layer's dried rows (N,) of vertices, and of the M wet ones place, amounts, share."""
+        """Return a layer's dried paint and its wet paint on vertices (N,).
+
+        Returns
+        -------
+        dry : DryLayers
+        rows : (N,) int32
+            Rows of `dry`, -1 where nothing has dried.
+        wet : (M,) int32
+            Indices into `ids` of the vertices with wet ink.
+        amounts, coverage : (M, P) float32, (M,) float32
+        """
         store, count = self._store, len(self._store.pigments)
         if key == self._active:
             ink, dry = store.ink, store.dry_layers
-            places = np.flatnonzero(ink.coverage[ids] > 0.0).astype(np.int32)
-            wet = ids[places]
-            return dry, dry.rows_of(ids), places, ink.amounts[wet], ink.coverage[wet]
+            wet = np.flatnonzero(ink.coverage[ids] > 0.0).astype(np.int32)
+            return dry, dry.rows_of(ids), wet, ink.amounts[ids[wet]], ink.coverage[ids[wet]]
         content = self._contents[key]
         rows = np.full(len(ids), -1, np.int32)
-        at, found = _find(content.dry_ids, ids)
-        rows[found] = content.dry_rows[at]
-        at, places = _find(content.ids, ids)
+        at, dried = _find(content.dry_ids, ids)
+        rows[dried] = content.dry_rows[at]
+        at, wet = _find(content.ids, ids)
         amounts = content.amounts[at]
         amounts = np.pad(amounts, ((0, 0), (0, count - amounts.shape[1])))
-        return content.dry, rows, places, amounts, content.coverage[at]
-
-    def _seen(self, glaze: GlazeModel, spectra: AnyArray) -> AnyArray:
-        """The sRGB (N, 3) of spectra (N, 31)."""
-        n = len(spectra)
-        every = np.arange(n, dtype=np.int32)
-        ground = self._store.ground()._replace(
-            slots=every, spectra=spectra, linear_rgb=np.empty((0, 3), np.float32)
-        )
-        seen = np.empty((n, 3), np.uint8)
-        nothing = np.zeros((n, len(self._store.pigments)), np.float32)
-        glaze.srgb(nothing, np.zeros(n, np.float32), ground, seen, every)
-        return seen
+        return content.dry, rows, wet, amounts, content.coverage[at]
 
     def painted_ids(self) -> NDArray[np.int32]:
-        """(N,) int32 vertices with paint on any layer, visible or not."""
+        """Return the vertices (N,) int32 with paint on any layer, visible or not."""
         store = self._store
-        found: list[AnyArray] = [np.flatnonzero(store.coverage > 0.0), store.dry_layers.vertex_ids]
-        for content in self._others():
-            found += [content.ids, content.dry_ids]
-        return union(found, store.paint_mesh.capacity)
+        sets: list[AnyArray] = [np.flatnonzero(store.coverage > 0.0), store.dry_layers.vertex_ids]
+        for content in self._resting():
+            sets += [content.ids, content.dry_ids]
+        return union(sets, store.paint_mesh.capacity)
 
     def paint_on(self, place: int) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-        """Ink (V, P) of the layer at a place, wet and dry, and the share that it covers (V,).
+        """Return the ink (V, P) of a layer, wet and dry, and the fraction (V,) that it covers.
 
-        Coats times the covered share.
+        Ink is in coats times the covered fraction.
 
         Raises
         ------
         InputError
-            If there is none at that place.
+            If there is no layer at that place.
         """
         ids = np.arange(self._store.n_vertices, dtype=np.int32)
         key, share = self._key(place), np.zeros(len(ids), np.float32)
-        dry, rows, places, _, coverage = self._on(key, ids)
+        dry, rows, wet, _, coverage = self._paint_at(key, ids)
         dried = np.flatnonzero(rows >= 0)
         share[dried] = dry.share[rows[dried]]
-        share[places] = np.maximum(share[places], coverage)
+        share[wet] = np.maximum(share[wet], coverage)
         return self._ink_of(key, ids), share
 
     def coats_at(self, vertex_ids: AnyArray) -> NDArray[np.float64]:
-        """(N, P) ink of all visible layers on vertices (N,), wet and dry: coats times the share."""
+        """Return the ink (N, P) of all visible layers on vertices (N,), wet and dry.
+
+        In coats times the covered fraction.
+        """
         coats = np.zeros((len(vertex_ids), len(self._store.pigments)))
         for key in self._keys:
             if self._about[key].visible:
@@ -344,33 +355,33 @@ class LayerStack:
         return coats
 
     def _ink_of(self, key: int, ids: AnyArray) -> NDArray[np.float32]:
-        """(N, P) ink of one layer on vertices (N,), wet and dry: coats times the share."""
-        dry, rows, places, wet, _ = self._on(key, ids)
+        """Return the ink (N, P) of one layer on vertices (N,), wet and dry, as `coats_at` does."""
+        dry, rows, wet, wet_amounts, _ = self._paint_at(key, ids)
         amounts = np.zeros((len(ids), len(self._store.pigments)), np.float32)
         dried = np.flatnonzero(rows >= 0)
         amounts[dried, : dry.amounts.shape[1]] = dry.amounts[rows[dried]]
-        amounts[places] += wet
+        amounts[wet] += wet_amounts
         return amounts
 
     def parts_at(self, vertex_id: int) -> AnyArray:
-        """(P,) ink on a vertex in the highest visible layer that has any there: wet, else dry."""
+        """Return the wet, else dry ink (P,) of the topmost visible layer with any on a vertex."""
         ids = np.array([vertex_id], np.int32)
         for key in reversed(self._keys):
             if not self._about[key].visible:
                 continue
-            dry, rows, _, amounts, _ = self._on(key, ids)
+            dry, rows, _, amounts, _ = self._paint_at(key, ids)
             if amounts.any():
                 return np.asarray(amounts[0], np.float64)
             if rows[0] >= 0:
                 return np.asarray(dry.amounts[rows[0]], np.float64)
         return np.zeros(len(self._store.pigments))
 
-    # -- accounts ---------------------------------------------------------------------------
+    # -- ink balance ------------------------------------------------------------------------
 
     def resting_ink(self, areas: AnyArray, lasting: AnyArray) -> tuple[float, float]:
-        """Wet and dry pigment on the layers that are not painted on, coats x mm2."""
+        """Return the wet and the dry pigment on the resting layers, coats x mm2."""
         wet = dry = 0.0
-        for content in self._others():
+        for content in self._resting():
             columns = lasting[: content.amounts.shape[1]].astype(np.float64)
             wet += float(areas[content.ids] @ (content.amounts @ columns))
             amounts = content.dry.amounts.sum(axis=1, dtype=np.float64)
@@ -378,15 +389,15 @@ class LayerStack:
         return wet, dry
 
     def add_shares(self, share: AnyArray) -> None:
-        """Raise (V,) to the share that paint on the layers that rest covers, visible or not."""
-        for content in self._others():
+        """Raise `share` (V,) to the fraction covered by resting layers, visible or not."""
+        for content in self._resting():
             for ids, own in (
                 (content.ids, content.coverage),
                 (content.dry.vertex_ids, content.dry.share),
             ):
                 share[ids] = np.maximum(share[ids], own)
 
-    def _others(self) -> Sequence[_Content]:
+    def _resting(self) -> Sequence[_Content]:
         return [self._contents[key] for key in self._keys if key != self._active]
 
 
@@ -397,7 +408,7 @@ def _checked_name(name: object) -> str:
 
 
 def _find(known: AnyArray, ids: AnyArray) -> tuple[AnyArray, AnyArray]:
-    """Where ids (N,) that are among the sorted known ones (K,) lie: places there, and in ids."""
+    """Intersect sorted `known` (K,) with `ids` (N,); return the indices of matches in both."""
     if not len(known):
         return np.empty(0, np.int64), np.empty(0, np.int32)
     at = np.minimum(np.searchsorted(known, ids), len(known) - 1)
@@ -405,16 +416,16 @@ def _find(known: AnyArray, ids: AnyArray) -> tuple[AnyArray, AnyArray]:
     return at[found], found
 
 
-def _know_filters(store: InkStore) -> None:
-    """Let the dried rows on a surface say what they show over other grounds.
+def _add_filters(store: InkStore) -> None:
+    """Compute what the dried rows of a surface show over the grey grounds.
 
-    What dried before is taken for one coat of all that dried there: its order is not known.
+    Everything that dried on a vertex is taken as one mixed coat: its order is not known.
     """
     dry = store.dry_layers
     if dry.has_filters:
         return
     over = tuple(np.zeros((dry.count, N_BANDS), np.uint16) for _ in GROUNDS)
-    rows, share = np.arange(dry.count, dtype=np.int32), dry.share.copy()
+    rows, covered = np.arange(dry.count, dtype=np.int32), dry.share.copy()
     bare = store.ground()._replace(
         slots=np.empty(0, np.int32), linear_rgb=np.empty((0, 3), np.float32)
     )
@@ -422,5 +433,5 @@ def _know_filters(store: InkStore) -> None:
         if dry.count:
             ground = bare._replace(spectra=array, material=np.full(N_BANDS, grey, np.float32))
             assert store.glaze is not None, "something has dried, so a pigment is known"
-            store.glaze.dry(dry.amounts.copy(), share, ground, rows, rows)
+            store.glaze.dry(dry.amounts.copy(), covered, ground, rows, rows)
     dry.add_filters(over)

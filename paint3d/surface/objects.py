@@ -1,7 +1,7 @@
-"""A painting as an object of another package: trimesh, Open3D, PyVista, each imported late.
+"""Conversion of a painting to trimesh, Open3D and PyVista, each imported only when needed.
 
-All vertices are given out, in the order of `PaintedSurface.mesh`, with their colours and normals,
-and, where the object can hold them, arrays of what each layer holds (`layer_arrays`).
+Objects get all vertices, in the order of `PaintedSurface.mesh`, with colours and normals and,
+where the type can hold them, the per-layer arrays (`layer_arrays`).
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ _COLOURS = "srgb"
 
 
 class Paintings(Protocol):
-    """What is given out."""
+    """Interface of a painting to convert."""
 
     @property
     def mesh(self) -> TriangleMesh:
@@ -33,7 +33,7 @@ class Paintings(Protocol):
         ...
 
     def layer_arrays(self) -> dict[str, NDArray[np.float32]]:
-        """What every layer holds, vertex by vertex."""
+        """Return the ink of every layer, vertex by vertex."""
         ...
 
 
@@ -41,13 +41,13 @@ def trimesh_of(painting: Paintings) -> Any:
     """Return a trimesh.Trimesh; see `PaintedSurface.to_trimesh`."""
     trimesh, mesh = _package("trimesh"), painting.mesh
     return trimesh.Trimesh(
-        np.array(mesh.vertices, np.float64),  # it writes to what it is given
+        np.array(mesh.vertices, np.float64),  # a copy: trimesh writes to its arguments
         np.array(mesh.faces, np.int64),
         vertex_normals=_normals(mesh),
         vertex_colors=np.array(mesh.colours),
         vertex_attributes=painting.layer_arrays(),
         metadata={"name": mesh.name, "units": "mm"},
-        process=False,  # which would join vertices, and lose their order
+        process=False,  # processing would merge vertices and lose their order
     )
 
 

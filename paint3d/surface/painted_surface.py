@@ -1,4 +1,4 @@
-"""The one mutable thing: an object with ink on it."""
+"""The painted object: ink, layers and water on a mesh. Everything mutable is in here."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ _FINEST, _COARSEST = 0.005, 1e6  # mm
 class PaintedSurface(InkStore):
     """A mesh that takes ink.
 
-    Vertices appear where paint comes (to the resolution asked); the shape never changes.
+    The mesh is refined where paint arrives, to `resolution`; its shape never changes.
 
     Parameters
     ----------
@@ -54,8 +54,8 @@ class PaintedSurface(InkStore):
     material : str or Material
         What the surface is made of: its reflectance is the ground of every colour.
     original : Original, optional
-        The mesh and the resolution that it was painted with before: strokes of then lie where they
-        lay, on what is still the same surface (`mesh.likeness`).
+        The mesh and the resolution that it was painted with before remeshing: recorded strokes
+        keep their position wherever the surface is still the same (`mesh.likeness`).
 
     Raises
     ------
@@ -65,7 +65,7 @@ class PaintedSurface(InkStore):
     Attributes
     ----------
     keeps_up : bool
-        Whether what moves on it could be followed when `follow_time` was called last.
+        Whether the last call of `follow_time` kept up with the moving water.
     """
 
     def __init__(
@@ -88,14 +88,14 @@ class PaintedSurface(InkStore):
 
     @cached_property
     def contact_tree(self) -> ContactTree:
-        """Where a brush meets the shape; made when first asked for (.2 s for a million faces)."""
+        """The tree for brush contact, built on first access (.2 s for a million faces)."""
         return build_contact_tree(self.paint_mesh)
 
     def refresh(self) -> AnyArray:
         """Bring colours up to date; return the ids (N,) int32 of vertices that may have changed.
 
-        Those that got ink, or, once another pigment has come, all that have paint: the mixtures of
-        more pigments are computed otherwise, and their gloss is that of all.
+        Those are the vertices that got ink or, after a pigment was added, all that have paint: the
+        number of pigments changes how mixtures and their gloss are computed.
         """
         self.know_vertices()
         count = int(self.ink.n_dirty[0])
@@ -120,9 +120,10 @@ class PaintedSurface(InkStore):
         return seen
 
     def take_changed(self) -> NDArray[np.int32]:
-        """(N,) int32 vertices whose ink may have changed since the last call; all at the first.
+        """Return the vertices (N,) int32 whose ink may have changed since the last call.
 
-        Whoever asks once is expected to ask again: what changes is remembered from then on.
+        The first call returns all inked vertices and starts recording changes, so call it again
+        now and then.
         """
         dirty = self.ink.dirty_ids[: int(self.ink.n_dirty[0])]
         if self._changed is None:
@@ -134,35 +135,35 @@ class PaintedSurface(InkStore):
         return union([*changed, dirty], self.paint_mesh.capacity)
 
     def use_layers(self) -> LayerStack:
-        """Have layers from now on; what is painted is the first. See `surface.layer_stack`."""
+        """Return the layers; existing paint becomes the first. See `surface.layer_stack`."""
         if self.layers is None:
             self.layers = LayerStack(self, self._water)
         return self.layers
 
     @property
     def flow(self) -> Flow:
-        """The water on the surface, from the first time that it is asked for."""
+        """The simulation of the water on the surface, created on first access."""
         return self._water.flow
 
     @property
     def flow_patience(self) -> float:
-        """Time that may pass before `follow_flow` has anything to do, s; infinite if all is dry."""
+        """Time until `follow_flow` has anything to do, s; infinite if all is dry."""
         return self._water.patience
 
     def keep_flow(self) -> dict[str, AnyArray] | None:
-        """What `restore_flow` takes, or None where no water has ever moved; see `Water.keep`."""
+        """Return the state for `restore_flow`, None if no water ever moved; see `Water.keep`."""
         return self._water.keep()
 
     def restore_flow(self, kept: Mapping[str, AnyArray]) -> None:
-        """Let the water go on as on the surface that it was kept from."""
+        """Continue from a state returned by `keep_flow`."""
         self._water.restore(kept)
 
     def drop_flow(self) -> None:
-        """Let there be no water in motion."""
+        """Discard all water in motion."""
         self._water.drop()
 
     def diffuse(self, seconds: float, step: float | None = None) -> None:
-        """Let time pass: wet ink spreads in what drinks, and dries.
+        """Advance time: wet ink spreads on an absorbent material, and dries.
 
         Parameters
         ----------
@@ -181,18 +182,18 @@ class PaintedSurface(InkStore):
         self._water.advance(seconds, step)
 
     def follow_time(self, seconds: float) -> bool:
-        """Let time pass beside a hand, or, while more moves than can be followed, none.
+        """Advance time interactively, or not at all until the water has caught up.
 
-        Which it is depends on the painting alone. Returns what `keeps_up` is now.
+        Which of the two depends on the painting alone. Returns the new `keeps_up`.
         """
         self.keeps_up = self.follow_flow(seconds if self.keeps_up else 0.0)
         return self.keeps_up
 
     def follow_flow(self, seconds: float, most_nodes: int = MOST_NODES_AT_ONCE) -> bool:
-        """Let time pass beside a hand: what moves little is left until it is worth a step.
+        """Advance time interactively: water that moves little waits until a step is worth it.
 
-        The outcome is that of `diffuse` as far as can be seen, for much less work; one call does
-        a bounded part of it. See `Flow.follow`.
+        The result is visually that of `diffuse`, for much less work; one call does a bounded part
+        of it. See `Flow.follow`.
 
         Parameters
         ----------
@@ -203,7 +204,7 @@ class PaintedSurface(InkStore):
         Returns
         -------
         bool
-            Whether nothing is left that has to move now. If not, call again, if need be for 0 s.
+            Whether nothing is overdue. If not, call again, if need be for 0 s.
 
         Raises
         ------
@@ -214,9 +215,9 @@ class PaintedSurface(InkStore):
         return self._water.follow(seconds, most_nodes)
 
     def dry(self) -> None:
-        """Let all wet paint dry at once where it is: what it shows stays.
+        """Dry all wet paint at once where it is; its colour stays, and water is discarded.
 
-        Paint that comes later glazes over it and does not mix with it. Water is gone.
+        Later paint glazes over it and does not mix with it.
         """
         ids = np.flatnonzero(self.coverage > 0.0).astype(np.int32)
         self.settle(ids)
@@ -229,7 +230,7 @@ class PaintedSurface(InkStore):
         return self._srgb[: self.n_vertices]
 
     def spectra(self, vertex_ids: AnyArray | None = None) -> NDArray[np.float64]:
-        """Reflectance of vertices as the eye gets it, all layers and what lies below together.
+        """Return the reflectance of vertices, all layers and the ground below composited.
 
         Parameters
         ----------
@@ -249,8 +250,14 @@ class PaintedSurface(InkStore):
         """
         self.refresh()
         n = self.n_vertices
-        every = np.arange(n) if vertex_ids is None else _as_ids(vertex_ids, n)
-        ids = every.astype(np.int32)
+        ids: AnyArray = np.arange(n)
+        if vertex_ids is not None:
+            ids = as_array(vertex_ids, "vertex_ids", (None,), np.int64)
+            if ids.size and not (ids.min() >= 0 and ids.max() < n):
+                raise InputError(
+                    f"vertex_ids are {ids.min()} to {ids.max()}; expected 0 to {n - 1}"
+                )
+        ids = ids.astype(np.int32)
         if self.layers is not None and not self.layers.is_plain and self.glaze is not None:
             steps = self.layers.spectra(self.glaze, ids)
         else:
@@ -258,7 +265,7 @@ class PaintedSurface(InkStore):
         return steps / 65535.0
 
     def reflectance(self, vertex_ids: AnyArray | None = None) -> colour.MultiSpectralDistributions:
-        """`spectra` as an object of colour-science, n vertices x 31 bands.
+        """Return `spectra` as an object of colour-science, n vertices x 31 bands.
 
         Its labels are the vertices' ids.
 
@@ -280,17 +287,17 @@ class PaintedSurface(InkStore):
         return painted
 
     def parts_at(self, vertex_id: int) -> NDArray[np.float64]:
-        """(P,) float64 ink on one vertex, coats times the covered share: what is wet, else dry."""
+        """Return the wet, else dry ink (P,) of one vertex, coats times the covered fraction."""
         if self.layers is not None:
             return self.layers.parts_at(vertex_id)
         wet = self.ink.amounts[vertex_id]
         row = self.dry_layers.rows_of(np.array([vertex_id]))[0]
-        found = wet if wet.any() or row < 0 else self.dry_layers.amounts[row]
-        result: NDArray[np.float64] = found.astype(np.float64)
+        ink = wet if wet.any() or row < 0 else self.dry_layers.amounts[row]
+        result: NDArray[np.float64] = ink.astype(np.float64)
         return result
 
     def share_painted(self) -> NDArray[np.float32]:
-        """(V,) float32: greatest share of each vertex that any paint covers, wet or dry."""
+        """Return the greatest fraction (V,) of each vertex that any paint covers, wet or dry."""
         share = self.coverage.copy()
         ids = self.dry_layers.vertex_ids
         share[ids] = np.maximum(share[ids], self.dry_layers.share)
@@ -302,35 +309,35 @@ class PaintedSurface(InkStore):
     def wet_look(self) -> WetLook | None:
         """How wet and glossy each vertex is; None where all are as dry and rough as the material.
 
-        Water is what `diffuse` and wet replays move: ink that no time has passed for has none. Of
-        layers the ink of all that are visible counts, and the water of the one that is painted on.
+        Water is what `diffuse` and wet replays move: ink for which no time has passed has none. The
+        ink of all visible layers counts, but only the water of the active one.
         """
         return self.look_on(self.material.seen_roughness)
 
     def look_on(self, roughness: float) -> WetLook | None:
-        """The same, to be shown as if it were on a material so rough; pores are its own."""
+        """Return `wet_look` as on a material of another roughness, with this one's pores."""
         return look_when_wet(self, roughness)
 
     def watch_wet(self) -> WetWatch:
-        """What follows `wet_look` from one picture to the next."""
+        """Return a tracker of `wet_look` from one picture to the next."""
         return WetWatch(self)
 
     @property
     def seen_layers(self) -> Hashable:
-        """Another one where other layers are visible than before."""
+        """A token that changes whenever the set of visible layers does."""
         return None if self.layers is None else self.layers.seen
 
     @property
     def seen_water(self) -> tuple[AnyArray, AnyArray] | None:
-        """Vertices (C,) int32 and how deep water stands on each, mm, (C,); None without any.
+        """Vertices (C,) int32 and the depth of water on each (C,), mm.
 
-        Nor where the layer that is painted on is hidden.
+        None without any, or while the active layer is hidden.
         """
         is_hidden = self.layers is not None and not self.layers.layers[self.layers.active].visible
         return None if is_hidden else self._water.depths()
 
     def coats_at(self, vertex_ids: AnyArray) -> NDArray[np.float64]:
-        """(N, P) ink on vertices (N,) of all visible layers, wet and dry, coats times the share."""
+        """Return the ink (N, P) of all visible layers, in coats times the covered fraction."""
         if self.layers is not None:
             return self.layers.coats_at(vertex_ids)
         coats = self.ink.amounts[vertex_ids].astype(np.float64)
@@ -340,7 +347,7 @@ class PaintedSurface(InkStore):
 
     @property
     def mesh(self) -> TriangleMesh:
-        """The mesh as it is refined now, with its colours."""
+        """The mesh as refined at present, with its colours."""
         return TriangleMesh(
             vertices=self.paint_mesh.vertices,
             faces=self.paint_mesh.leaf_faces(),
@@ -355,17 +362,17 @@ class PaintedSurface(InkStore):
         srgb: NDArray[np.uint8] | None = None,
         progress: Callable[[float], None] | None = None,
     ) -> tuple[AnyArray, AnyArray, AnyArray, AnyArray]:
-        """The painting for a file: bisections that its colours do not need are taken back.
+        """Return the painting for a file, undoing bisections that its colours do not need.
 
         Parameters
         ----------
         tolerance : float or None
             Largest dE00 by which interpolated sRGB codes may miss a vertex's colour; None for
-            all vertices and triangles that there are.
+            all vertices and triangles.
         srgb : (V, 3) uint8, optional
-            Codes to give out, and to judge by, instead of the painting's own.
+            Codes to export and compare instead of the painting's own.
         progress : callable, optional
-            Called with the share done, now and then; what it raises stops it.
+            Called with the fraction done, now and then; an exception from it stops the export.
 
         Returns
         -------
@@ -389,7 +396,7 @@ class PaintedSurface(InkStore):
         srgb: NDArray[np.uint8],
         progress: Callable[[float], None] | None = None,
     ) -> tuple[AnyArray, AnyArray]:
-        """Vertices (K,) that `export_arrays` gives out, and faces (F, 3) by their places there."""
+        """Return the vertices (K,) to export, and faces (F, 3) of indices into them."""
         mesh = self.paint_mesh
         if tolerance is not None:
             return coarse_faces(mesh, srgb, tolerance, _code_difference, progress)
@@ -399,16 +406,16 @@ class PaintedSurface(InkStore):
         return ids, place[mesh.leaf_faces()]
 
     def detail_arrays(self) -> tuple[AnyArray, ...]:
-        """The object's own triangles, and those painted on it, for a texture.
+        """Return the object's own triangles and the refined ones on them, for baking a texture.
 
         Returns
         -------
         vertices, faces, normals : (B, 3) float32, (R, 3) int32, (B, 3) float32
             Of the object: one vertex for each normal, faces without area left out.
         all_vertices, all_faces : (V, 3) float32, (F, 3) int32
-            Those there are now.
+            The refined mesh.
         owners : (F,) int32
-            The face of the object that each lies in.
+            The object's face that each refined face lies in.
         srgb : (V, 3) uint8
         """
         mesh = self.paint_mesh
@@ -417,7 +424,7 @@ class PaintedSurface(InkStore):
         return *own, vertices, mesh.leaf_faces(), mesh.leaf_roots(), self.srgb
 
     def _source_arrays(self) -> tuple[AnyArray, AnyArray, AnyArray, AnyArray]:
-        """The source's own vertices and triangles; normals are not of length 1."""
+        """Return the source's own vertices and triangles; normals are not normalised."""
         source, base = self.source, self.paint_mesh.source_vertices
         srgb, normals = source.colours, source.normals
         if srgb is None:
@@ -430,44 +437,39 @@ class PaintedSurface(InkStore):
     # -- for other packages -----------------------------------------------------------------
 
     def layer_arrays(self) -> dict[str, NDArray[np.float32]]:
-        """What every layer holds, vertex by vertex, the lowest layer first.
+        """Return the ink of every layer, vertex by vertex, the lowest layer first.
 
         Returns
         -------
         dict
-            For each layer ``"NAME: share"``, (V,) float32, the share of each vertex that its paint
-            covers, and for each pigment on it ``"NAME: PIGMENT"``, (V,) float32, coats times the
-            covered share, wet and dry together. A surface without layers has one, named 1. Of
-            layers of one name the second is ``"NAME (2)"``, and so on.
+            For each layer ``"NAME: share"``, (V,) float32, the fraction of each vertex that its
+            paint covers, and for each pigment on it ``"NAME: PIGMENT"``, (V,) float32, coats times
+            the covered fraction, wet and dry together. A surface without layers has one, named 1.
+            Of layers of one name the second is ``"NAME (2)"``, and so on.
         """
         if self.layers is None:
-            held = [("1", *self._paint())]
+            amounts, share, dry = self.amounts.copy(), self.coverage.copy(), self.dry_layers
+            amounts[dry.vertex_ids] += dry.amounts
+            share[dry.vertex_ids] = np.maximum(share[dry.vertex_ids], dry.share)
+            layers = [("1", amounts, share)]
         else:
             stack = self.layers
-            held = [(layer.name, *stack.paint_on(k)) for k, layer in enumerate(stack.layers)]
+            layers = [(layer.name, *stack.paint_on(k)) for k, layer in enumerate(stack.layers)]
         arrays: dict[str, NDArray[np.float32]] = {}
-        seen: dict[str, int] = {}
-        for name, amounts, share in held:
-            seen[name] = seen.get(name, 0) + 1
-            told = name if seen[name] == 1 else f"{name} ({seen[name]})"
-            arrays[f"{told}: share"] = share
+        counts: dict[str, int] = {}
+        for name, amounts, share in layers:
+            counts[name] = counts.get(name, 0) + 1
+            unique = name if counts[name] == 1 else f"{name} ({counts[name]})"
+            arrays[f"{unique}: share"] = share
             for column, pigment in enumerate(self.pigments):
                 if self._lasting[column] and amounts[:, column].any():
-                    arrays[f"{told}: {pigment.name}"] = amounts[:, column].copy()
+                    arrays[f"{unique}: {pigment.name}"] = amounts[:, column].copy()
         return arrays
 
-    def _paint(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-        """Ink (V, P) wet and dry of the layer that is painted on, and the share it covers (V,)."""
-        amounts, share, dry = self.amounts.copy(), self.coverage.copy(), self.dry_layers
-        ids = dry.vertex_ids
-        amounts[ids] += dry.amounts
-        share[ids] = np.maximum(share[ids], dry.share)
-        return amounts, share
-
     def to_trimesh(self) -> trimesh.Trimesh:
-        """The painting as a trimesh.Trimesh: mm, all vertices in the order of `mesh`.
+        """Return the painting as a trimesh.Trimesh: mm, all vertices in the order of `mesh`.
 
-        Colours are those of its vertices, normals too; `layer_arrays` are its `vertex_attributes`.
+        It has vertex colours and normals; its `vertex_attributes` are `layer_arrays`.
 
         Raises
         ------
@@ -480,7 +482,7 @@ class PaintedSurface(InkStore):
     def to_open3d(
         self, *, legacy: bool = False
     ) -> open3d.t.geometry.TriangleMesh | open3d.geometry.TriangleMesh:
-        """The painting as an Open3D mesh: mm, all vertices in the order of `mesh`.
+        """Return the painting as an Open3D mesh: mm, all vertices in the order of `mesh`.
 
         Parameters
         ----------
@@ -499,7 +501,7 @@ class PaintedSurface(InkStore):
         return given
 
     def to_pyvista(self) -> pyvista.PolyData:
-        """The painting as a pyvista.PolyData: mm, all vertices in the order of `mesh`.
+        """Return the painting as a pyvista.PolyData: mm, all vertices in the order of `mesh`.
 
         Its `point_data` hold ``srgb`` (uint8 codes, active), ``Normals`` and `layer_arrays`.
 
@@ -511,15 +513,15 @@ class PaintedSurface(InkStore):
         return pyvista_of(self)
 
     def plot(self, *, lit: bool = True, plotter: Any = None, **options: Any) -> Any:
-        """Show the painting in a window of PyVista; in a notebook in the page.
+        """Show the painting in a PyVista window, or inline in a notebook.
 
-        In a notebook it can be turned there where trame is installed (``pip install
-        'pyvista[jupyter]'``), and is a still picture elsewhere.
+        In a notebook it is interactive where trame is installed (``pip install
+        'pyvista[jupyter]'``), and a still picture otherwise.
 
         Parameters
         ----------
         lit : bool
-            Whether light falls on it; without, every colour is shown as it was painted.
+            Whether it is lit; unlit, every colour is shown as it was painted.
         plotter : pyvista.Plotter, optional
             Add the painting to this one, and show nothing yet.
         **options
@@ -539,37 +541,23 @@ class PaintedSurface(InkStore):
         return plot_painting(self, lit=lit, plotter=plotter, options=options)
 
     def wet_ink(self) -> float:
-        """Pigment on the surface that has not dried, coats x mm2."""
+        """Return the wet pigment on the surface, coats x mm2."""
         own = float(self.vertex_areas @ (self.amounts @ self._lasting.astype(np.float64)))
         return own + self._resting_ink()[0]
 
     def dry_ink(self) -> float:
-        """Pigment that has dried on the surface, coats x mm2."""
+        """Return the dried pigment on the surface, coats x mm2."""
         areas = self.paint_mesh.vertex_areas[self.dry_layers.vertex_ids]
         own = float(areas @ self.dry_layers.amounts.sum(axis=1, dtype=np.float64))
         return own + self._resting_ink()[1]
 
     def _resting_ink(self) -> tuple[float, float]:
-        """Wet and dry pigment on layers that are not painted on, coats x mm2."""
+        """Return the wet and the dry pigment on layers other than the active one, coats x mm2."""
         if self.layers is None:
             return 0.0, 0.0
         return self.layers.resting_ink(self.vertex_areas, self._lasting)
 
 
-def _as_ids(vertex_ids: AnyArray, n: int) -> NDArray[np.int64]:
-    """Check ids of vertices.
-
-    Raises
-    ------
-    InputError
-        If one is no whole number from 0 to n - 1.
-    """
-    ids = as_array(vertex_ids, "vertex_ids", (None,), np.int64)
-    if ids.size and not (ids.min() >= 0 and ids.max() < n):
-        raise InputError(f"vertex_ids are {ids.min()} to {ids.max()}; expected 0 to {n - 1}")
-    return ids
-
-
 def _code_difference(a: AnyArray, b: AnyArray) -> AnyArray:
-    """CIEDE2000 (n,) between sRGB codes (n, 3), 0 to 255."""
+    """Return CIEDE2000 (n,) between sRGB codes (n, 3), 0 to 255."""
     return delta_e(lab_from_srgb(a / 255.0), lab_from_srgb(b / 255.0))

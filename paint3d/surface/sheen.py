@@ -1,4 +1,4 @@
-"""How the vertices of a painting shine: under water, and where ink has dried."""
+"""Gloss of a painting's vertices: under water, and where ink has dried."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ from paint3d.mesh.refined_mesh import PaintMesh
 __all__ = ["PLAIN_SHINE", "WetWatch", "look_when_wet"]
 
 PLAIN_SHINE = 128
-"""Of what shines as its material; 255 shines as a film of water, 1 is as matt as ink can dry."""
+"""Shine of bare material; 255 is that of a film of water, 1 of the most matt dried ink."""
 
 
 class _Painted(Protocol):
-    """What has ink and water on it: `PaintedSurface`."""
+    """Interface of a surface with ink and water on it, `PaintedSurface`."""
 
     pigments: list[Pigment]
     paint_mesh: PaintMesh
@@ -46,7 +46,7 @@ class _Painted(Protocol):
 
 
 def look_when_wet(surface: _Painted, roughness: float) -> WetLook | None:
-    """How wet, glossy and matt all vertices are; None where all are as a material so rough."""
+    """Return the wet look of all vertices; None where all look like a material so rough."""
     water, pores = surface.seen_water, surface.material.pores_mm
     ids = np.zeros(0, np.int64)
     if _is_otherwise_dry(surface, roughness):
@@ -64,21 +64,21 @@ def look_when_wet(surface: _Painted, roughness: float) -> WetLook | None:
 
 _STEPS = 127  # of shine, either way
 _SHARES = film_share, damp_share
-_LEVELS = 15  # that are told apart: what dries is shown a few times, not in every picture
+_LEVELS = 15  # distinct levels: drying changes the picture a few times, not in every frame
 
 
-def _in_levels(shares: AnyArray) -> NDArray[np.uint8]:
-    """Shares (N,) in steps of 1/255, rounded to few."""
-    levels = np.rint(_LEVELS * shares).astype(np.uint8)
+def _quantised(fractions: AnyArray) -> NDArray[np.uint8]:
+    """Return fractions (N,) in steps of 1/255, rounded to `_LEVELS` levels."""
+    levels = np.rint(_LEVELS * fractions).astype(np.uint8)
     result: NDArray[np.uint8] = levels * np.uint8(255 // _LEVELS)
     return result
 
 
 class WetWatch:
-    """How wet, glossy and matt the vertices of a surface look, followed as it changes.
+    """Tracker of the wet look of a surface's vertices, updated as the surface changes.
 
-    It costs next to nothing while nothing is wet and inks dry as their material is; `shine` and
-    `damp` are then not to be asked for (`is_plain`).
+    It costs next to nothing while nothing is wet and inks dry to the gloss of the material; `shine`
+    and `damp` must not be called then (`is_plain`).
 
     Parameters
     ----------
@@ -88,23 +88,23 @@ class WetWatch:
     def __init__(self, surface: _Painted) -> None:
         self._surface = surface
         self._film, self._damp = np.zeros(0, np.uint8), np.zeros(0, np.uint8)
-        self._dried = np.zeros(0, np.int8)  # shine when all is dry, in `_STEPS`
+        self._dried = np.zeros(0, np.int8)  # shine once dry, less the material's, in `_STEPS`
         self._shine = np.zeros(0, np.uint8)
         self._is_wet, self._wet = np.zeros(0, bool), np.zeros(0, np.int32)
-        self._layers: Hashable = self  # none yet: at first all is looked at
+        self._layers: Hashable = self  # equal to no layers, so the first call looks at everything
 
     @property
     def is_plain(self) -> bool:
-        """Whether all looks as its material, as far as was followed."""
+        """Whether everything looked like its material at the last `follow`."""
         return not len(self._wet) and not len(self._dried)
 
     def follow(self, inked: AnyArray) -> NDArray[np.int32]:
-        """Vertices (N,) that look otherwise than at the last call, by how they shine alone.
+        """Update, and return the vertices (N,) whose shine differs from that at the last call.
 
         Parameters
         ----------
         inked : (M,) int32
-            Vertices whose ink may have changed: how theirs dries is found anew.
+            Vertices whose ink may have changed: their dry gloss is computed anew.
         """
         surface = self._surface
         water = surface.seen_water
@@ -112,15 +112,18 @@ class WetWatch:
         if water is None and not len(self._wet) and not is_otherwise:
             return self._wet
         if len(self._film) < surface.paint_mesh.n_vertices:
-            room, known = surface.paint_mesh.capacity, len(self._film)
-            self._film, self._damp = (grown(a, known, room) for a in (self._film, self._damp))
+            capacity, known = surface.paint_mesh.capacity, len(self._film)
+            self._film, self._damp = (grown(a, known, capacity) for a in (self._film, self._damp))
             self._film[known:] = self._damp[known:] = 0
-            self._is_wet, self._shine = np.zeros(room, bool), grown(self._shine, known, room)
+            self._is_wet, self._shine = (
+                np.zeros(capacity, bool),
+                grown(self._shine, known, capacity),
+            )
             self._shine[known:] = PLAIN_SHINE
-        otherwise = self._follow_dried(inked) if is_otherwise else self._wet[:0]
+        changed_dry = self._follow_dried(inked) if is_otherwise else self._wet[:0]
         ids, depth = (np.zeros(0, np.int32), np.zeros(0)) if water is None else water
         ids, depth = ids[depth > 0.0], depth[depth > 0.0]
-        film, damp = (_in_levels(share(depth, surface.material.pores_mm)) for share in _SHARES)
+        film, damp = (_quantised(share(depth, surface.material.pores_mm)) for share in _SHARES)
         self._is_wet[ids] = True
         dried = self._wet[~self._is_wet[self._wet]]
         self._is_wet[ids] = False
@@ -128,19 +131,19 @@ class WetWatch:
         is_new = (self._film[ids] != film) | (self._damp[ids] != damp)
         self._film[ids], self._damp[ids] = film, damp
         self._wet = ids
-        changed: NDArray[np.int32] = np.concatenate([otherwise, dried, ids[is_new]])
+        changed: NDArray[np.int32] = np.concatenate([changed_dry, dried, ids[is_new]])
         self._mix(changed)
         return changed
 
     def _follow_dried(self, inked: AnyArray) -> NDArray[np.int32]:
-        """Vertices (N,) that will dry otherwise since other layers are seen."""
+        """Update the dry shine; return vertices (N,) where it changed with the visible layers."""
         surface, layers = self._surface, self._surface.seen_layers
         is_same, self._layers = layers == self._layers, layers
         ids = inked if is_same else np.flatnonzero(surface.painted)
         shine = shine_of_inks(surface.material.seen_roughness, *_dried(surface, ids))
-        steps, otherwise = np.rint(_STEPS * shine).astype(np.int8), inked[:0]
+        steps, changed = np.rint(_STEPS * shine).astype(np.int8), inked[:0]
         if not len(self._dried) and not steps.any():
-            return otherwise
+            return changed
         if len(self._dried) < len(self._film):
             self._dried = np.pad(self._dried, (0, len(self._film) - len(self._dried)))
         if is_same:
@@ -149,34 +152,34 @@ class WetWatch:
         else:
             before, self._dried = self._dried, np.zeros_like(self._dried)
             self._dried[ids] = steps
-            otherwise = np.flatnonzero(self._dried != before)
-        result: NDArray[np.int32] = otherwise.astype(np.int32)
+            changed = np.flatnonzero(self._dried != before)
+        result: NDArray[np.int32] = changed.astype(np.int32)
         return result
 
     def _mix(self, ids: AnyArray) -> None:
-        """Find anew how vertices (N,) shine, by their film and what dried below it."""
+        """Recompute the shine of vertices (N,) from their film and the dry shine below it."""
         film = self._film[ids] / np.float32(255.0)
         dried = self._dried[ids].astype(np.float32) if len(self._dried) else np.float32(0.0)
         self._shine[ids] = np.rint(PLAIN_SHINE + dried + film * (np.float32(_STEPS) - dried))
 
     def shine(self, ids: AnyArray) -> NDArray[np.uint8]:
-        """How vertices (N,) shine beside their material (N,): see `PLAIN_SHINE`."""
+        """Return the shine (N,) of vertices relative to their material; see `PLAIN_SHINE`."""
         return self._shine[ids]
 
     def damp(self, ids: AnyArray) -> AnyArray | None:
-        """How much of vertices (N,) is under water, 0 to 1 (N,); None while nothing is."""
+        """Return the fraction (N,) of vertices under water, 0 to 1; None while nothing is wet."""
         return self._damp[ids] / 255.0 if len(self._wet) else None
 
 
 def _is_otherwise_dry(surface: _Painted, roughness: float) -> bool:
-    """Whether inks that dry on it may be rougher or glossier than a material so rough."""
+    """Return whether dried ink may be rougher or glossier than a material so rough."""
     return roughness < MATT_ROUGHNESS or any(pigment.gloss for pigment in surface.pigments)
 
 
 def _dried(surface: _Painted, ids: AnyArray) -> tuple[AnyArray, AnyArray]:
-    """Gloss and hidden share (N,) of vertices (N,), 0 to 1, when their inks are dry.
+    """Return gloss (N,) and hidden fraction (N,) of vertices, 0 to 1, once their inks are dry.
 
-    The more coats the more is hidden, 1 - exp(-3 coats); of several inks' gloss the shares count.
+    Coats hide the material by the fraction 1 - exp(-3 coats); gloss is the inks' weighted mean.
     """
     pigments, coats = surface.pigments, surface.coats_at(ids)
     total = coats @ np.array([float(pigment is not WATER) for pigment in pigments])

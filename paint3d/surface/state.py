@@ -1,8 +1,8 @@
-"""A painted surface as plain arrays, numbers and words, and back again, to the bit.
+"""Bit-exact conversion of a painted surface to plain arrays, numbers and strings, and back.
 
-What can be computed from the mesh is not kept: the refined vertices are a log of bisections, the
-colours follow from the ink. Pigments and the material are kept with their spectra, so a painting
-looks the same when the palette has changed.
+Whatever follows from the mesh and the ink is not stored: refined vertices are stored as a log of
+bisections, colours not at all. Pigments and the material are stored with their spectra, so a
+painting looks the same after the palette has changed.
 """
 
 from __future__ import annotations
@@ -41,33 +41,33 @@ __all__ = [
 
 STATE_VERSION = 7
 BRUSH_TRANSFER = ["pickup", "capacity", "reservoir_mm"]
-"""Which of `InkField.transfer` are of the brush ("habit" of files); the other is the material's."""
+"""Fields of `InkField.transfer` that belong to the brush ("habit" in files), not the material."""
 MOST_RESERVOIRS = 256
 _MOST_PIGMENTS = 256
 FLOW_VERTICES = ("vertices", "fresh")
-"""Arrays of `PaintedSurface.keep_flow` that hold numbers of vertices."""
+"""Arrays of `PaintedSurface.keep_flow` that hold vertex numbers."""
 _OVER = ("dried_low", "dried_middle", "dried_high")
 _DEEPEST_MM = 1e3
 MOST_INK = 1e9  # coats, and coats x mm2: a brush holds some thousand
-ROUNDING = 1e-6  # coats x mm2 below none that a brush may hold: its account is a sum
+ROUNDING = 1e-6  # coats x mm2 by which a brush's load may be negative: it is a rounded sum
 _Record = TypeVar("_Record", Material, Pigment)
 _LONGEST_PACE, _LONGEST_OWED = 3600.0, 1e9  # s
 
-_FLOW = {  # the most of each
+_FLOW = {  # upper bound of each
     "water": _DEEPEST_MM, "inside": _DEEPEST_MM, "soaked": 1.0, "owed": _LONGEST_OWED,
     "pace": _LONGEST_PACE,
 }  # fmt: skip
 
 State = dict[str, Any]
 UPGRADES: dict[int, Callable[[State], State]] = {
-    1: lambda state: {**state, "version": 2, "flows": False},  # it knew no water
-    2: lambda state: {**state, "version": 3, **_alike(len(state["pigments"]))},
-    3: lambda state: {**state, "version": 4, "layers": None, "active": 0, **_whole(state)},
-    4: lambda state: {**state, "version": 5, **_paced(state)},
-    5: lambda state: {**state, "version": 6},  # it says how fast the water rose, too
+    1: lambda state: {**state, "version": 2, "flows": False},  # without water
+    2: lambda state: {**state, "version": 3, **_uniform_brush(len(state["pigments"]))},
+    3: lambda state: {**state, "version": 4, "layers": None, "active": 0, **_full_shares(state)},
+    4: lambda state: {**state, "version": 5, **_pace_by_vertex(state)},
+    5: lambda state: {**state, "version": 6},  # with how fast the water rose, no longer used
     6: lambda state: {**state, "version": 7, "open_blocks": np.zeros(0, np.int32)},
 }
-"""For each old version the step to the next one; `restore_surface` takes them in turn."""
+"""Upgrade of each old version to the next one; `restore_surface` applies them in turn."""
 
 
 def surface_state(surface: PaintedSurface) -> State:
@@ -78,28 +78,27 @@ def surface_state(surface: PaintedSurface) -> State:
     dict
         version, resolution (mm or None), material, pigments (dicts of numbers and words), and
         arrays: splits (n,) int32, the refinement log; touched (T,) int32, numbers of the vertices
-        with wet ink (`mesh.refinement_log.saved_ids`); amounts (T, P) and coverage (T,) float32;
+        with wet ink (`mesh.refined_mesh.saved_ids`); amounts (T, P) and coverage (T,) float32;
         dried (D,) int32, the vertices with dry ink; dried_spectra (D, 31) uint16 and dried_amounts
         (D, P) and dried_share (D,) float32; load and off_surface (P,) float64; stations (N, P)
-        float64, the load along the tuft, N = 1: alike all along; habit (3,) float64, pick-up
+        float64, the load along the tuft, N = 1 if it is uniform; habit (3,) float64, pick-up
         (1/mm), capacity (coats x mm2) and length of a reservoir (mm) of `TRANSFER`.
 
-        flows (bool) says whether there is water in motion (`WetPatch`); if so, of the C vertices
-        where there is any trace of it: flow_vertices (C,) int32, flow_water (C,), flow_pigment
-        and flow_fine (C, P) float64, flow_inside, flow_soaked, flow_owed, flow_pace (C,) and
-        flow_written (C, P) float32; flow_fresh (N,) int32 vertices. Older files have no flow_fine:
-        of all pigment the same share is fine. open_blocks (B,) int32 are those of its
-        `FlowGraph` where water has been.
+        flows (bool) says whether there is water in motion (`WetPatch`); if so, for the C vertices
+        with any trace of it: flow_vertices (C,) int32, flow_water (C,), flow_pigment and flow_fine
+        (C, P) float64, flow_inside, flow_soaked, flow_owed, flow_pace (C,) and flow_written (C, P)
+        float32; flow_fresh (N,) int32 vertices. Older files have no flow_fine: the same fraction
+        of all pigment is fine. open_blocks (B,) int32 are the blocks of its `FlowGraph` where
+        water has been.
 
-        layers is None, or says of each layer, the lowest first, name, visible and locked; active
-        is the place of the one that the arrays above belong to. Those of any other, at place K,
-        have layerK_ before their names (layerK_touched ...). With layers there are dried_low,
-        dried_middle and dried_high (D, 31) uint16 as well: what dried rows show over the grounds
-        of `colour.kernels.layering`.
+        layers is None, or a list of name, visible and locked of each layer, the lowest first;
+        active is the place of the one that the arrays above belong to. The arrays of any other
+        layer, at place K, are prefixed with layerK_ (layerK_touched ...). With layers there are
+        also dried_low, dried_middle and dried_high (D, 31) uint16: what dried rows show over the
+        grounds of `colour.kernels.glazing`.
 
         original (its name), original_vertices, original_faces, original_normals and
-        original_resolution (mm) are of the mesh that the object was painted on before it was
-        meshed anew, if it was.
+        original_resolution (mm) describe the mesh that was painted on before remeshing, if any.
     """
     ids = saved_ids(surface.paint_mesh)
     ink = surface.ink
@@ -121,17 +120,17 @@ def surface_state(surface: PaintedSurface) -> State:
 
 
 def _original_state(surface: PaintedSurface) -> State:
-    """What it was first painted on, if that was another mesh."""
+    """Return the mesh that was painted on before remeshing, if any, as `surface_state` names it."""
     original = surface.original
     if original is None:
         return {}
     arrays = {name: getattr(original.mesh, name) for name in ("vertices", "faces", "normals")}
-    known = {f"original_{name}": array for name, array in arrays.items() if array is not None}
-    words = {"original": original.mesh.name, "original_resolution": original.resolution}
-    return words | known
+    given = {f"original_{name}": array for name, array in arrays.items() if array is not None}
+    return {"original": original.mesh.name, "original_resolution": original.resolution, **given}
 
 
 def _original_in(state: State) -> Original | None:
+    """Return what `_original_state` stored, or None."""
     if "original_resolution" not in state:
         return None
     resolution = as_number(state["original_resolution"], "its original's resolution", 0.005, 1e6)
@@ -141,7 +140,7 @@ def _original_in(state: State) -> Original | None:
 
 
 def layer_state(surface: PaintedSurface, ids: NDArray[np.int32]) -> State:
-    """Return what is on the layer that is painted on, as `surface_state` names it.
+    """Return the paint on the active layer, as `surface_state` names it.
 
     Parameters
     ----------
@@ -160,7 +159,7 @@ def layer_state(surface: PaintedSurface, ids: NDArray[np.int32]) -> State:
         "dried_spectra": dry.spectra.copy(),
         "dried_amounts": dry.amounts.copy(),
         "dried_share": dry.share.copy(),
-        **_kept_flow(surface, ids),
+        **_flow_state(surface, ids),
     }
     if dry.has_filters:
         state |= {name: over.copy() for name, over in zip(_OVER, dry.over, strict=True)}
@@ -168,6 +167,7 @@ def layer_state(surface: PaintedSurface, ids: NDArray[np.int32]) -> State:
 
 
 def _resting_layers(surface: PaintedSurface, ids: AnyArray) -> State:
+    """Return the list of layers and the paint on those that are not active."""
     stack = surface.layers
     if stack is None:
         return {"layers": None, "active": 0}
@@ -182,29 +182,30 @@ def _resting_layers(surface: PaintedSurface, ids: AnyArray) -> State:
     return state
 
 
-def _whole(state: State) -> State:
-    """Dried paint that covers whole vertices, as far as older files say."""
+def _full_shares(state: State) -> State:
+    """Return dried_share for files without it: paint covers whole vertices."""
     return {"dried_share": np.ones(len(np.atleast_1d(state["dried"])), np.float32)}
 
 
-def _paced(state: State) -> State:
-    """Water whose vertices all take the same steps, as they once did, on every layer."""
-    paced: State = {}
+def _pace_by_vertex(state: State) -> State:
+    """Return flow_pace and flow_owed per vertex for files with one step for all, on every layer."""
+    upgraded: State = {}
     for name in state:
         if name.endswith("flow_pace"):
             count = len(np.atleast_1d(state[name.replace("pace", "vertices")]))
             pace = np.asarray(state[name], np.float64)
-            paced[name] = np.full(count, pace[0] if pace.shape == (1,) else np.nan)
-            paced[name.replace("pace", "owed")] = np.zeros(count)
-    return paced
+            upgraded[name] = np.full(count, pace[0] if pace.shape == (1,) else np.nan)
+            upgraded[name.replace("pace", "owed")] = np.zeros(count)
+    return upgraded
 
 
-def _alike(n_pigments: int) -> State:
-    """A brush that holds its load alike all along, as every brush once did."""
+def _uniform_brush(n_pigments: int) -> State:
+    """Return stations and habit for files without them: the load is uniform along the tuft."""
     return {"stations": np.zeros((1, n_pigments)), "habit": np.zeros(len(BRUSH_TRANSFER))}
 
 
-def _kept_flow(surface: PaintedSurface, ids: AnyArray) -> State:
+def _flow_state(surface: PaintedSurface, ids: AnyArray) -> State:
+    """Return the water of the active layer, with vertices by their numbers in a file."""
     kept = surface.keep_flow()
     if kept is None:
         return {"flows": False}
@@ -228,21 +229,21 @@ def restore_surface(
     mesh : TriangleMesh
         The object as it was before painting.
     state : mapping
-        Of this version or an older one. It may come from a stranger: everything is checked.
+        Of this version or an older one. It is untrusted: everything is checked.
     progress : callable, optional
-        Called with the share done, now and then; what it raises stops it.
+        Called with the fraction done, now and then; an exception from it stops the call.
 
     Raises
     ------
     SessionError
-        If the state is newer than this program, incomplete, or not that of this mesh.
+        If the state is newer than this program, incomplete, or belongs to another mesh.
     """
     try:
-        state = _upgraded(dict(state))
-        material = _known(Material, state["material"], load_materials())
+        state = _upgrade(dict(state))
+        material = _as_record(Material, state["material"], load_materials())
         surface = PaintedSurface(mesh, state["resolution"], material, _original_in(state))
         palette = {**load_palette(), WATER.name: WATER}
-        pigments = [_known(Pigment, entry, palette) for entry in state["pigments"]]
+        pigments = [_as_record(Pigment, entry, palette) for entry in state["pigments"]]
         if len(pigments) > _MOST_PIGMENTS or len({p.name for p in pigments}) < len(pigments):
             raise SessionError(f"it has {len(pigments)} pigments with repeated or too many names")
         repeat_refinement(surface.paint_mesh, _integers(state, "splits"), progress)
@@ -250,9 +251,12 @@ def restore_surface(
             surface.make_room()
         for pigment in pigments:
             surface.column_of(pigment)
-        _put_ink(surface, state)
+        ink, shape = surface.ink, surface.ink.load.shape
+        ink.load[:] = _amounts(state, "load", shape, np.float64, least=-ROUNDING)
+        ink.off_surface[:] = _amounts(state, "off_surface", shape, np.float64, least=-MOST_INK)
+        _put_brush(surface, state)
         _put_layers(surface, state)
-        surface.recall_blocks(_blocks(state, surface))
+        surface.recall_blocks(_saved_blocks(state, surface))
     except (KeyError, TypeError, AttributeError) as cause:
         raise SessionError(f"the surface's state is incomplete near {cause}") from None
     except SessionError:
@@ -262,7 +266,7 @@ def restore_surface(
     return surface
 
 
-def _upgraded(state: State) -> State:
+def _upgrade(state: State) -> State:
     version = state.get("version")
     if type(version) is not int or version < 1:
         raise SessionError(f"the surface's state has version {version!r}; expected a number")
@@ -275,15 +279,8 @@ def _upgraded(state: State) -> State:
     return state
 
 
-def _put_ink(surface: PaintedSurface, state: State) -> None:
-    ink, shape = surface.ink, surface.ink.load.shape
-    ink.load[:] = _amounts(state, "load", shape, np.float64, least=-ROUNDING)
-    ink.off_surface[:] = _amounts(state, "off_surface", shape, np.float64, least=-MOST_INK)
-    _put_brush(surface, state)
-
-
 def _put_layers(surface: PaintedSurface, state: State) -> None:
-    """Put every layer's paint where it was."""
+    """Restore the layers and the paint on each."""
     n = surface.n_vertices
     now = np.empty(n, np.int32)
     now[saved_ids(surface.paint_mesh)] = np.arange(n, dtype=np.int32)
@@ -315,20 +312,20 @@ def _put_layers(surface: PaintedSurface, state: State) -> None:
 
 
 def restore_layer(surface: PaintedSurface, state: State, now: NDArray[np.int32]) -> None:
-    """Put what `layer_state` gave on the layer that is painted on, which is empty.
+    """Put the paint of a `layer_state` on the active layer, which must be empty.
 
     Parameters
     ----------
     surface : PaintedSurface
     state : mapping
-        It may come from a stranger.
+        It is untrusted.
     now : (V,) int32
         The vertex of each number in the file.
 
     Raises
     ------
     SessionError
-        If it is none of this surface.
+        If the state is invalid or belongs to another surface.
     """
     n, count, ink = len(now), len(surface.pigments), surface.ink
     wet = now[_vertices(state, "touched", n)]
@@ -343,8 +340,8 @@ def restore_layer(surface: PaintedSurface, state: State, now: NDArray[np.int32])
     over = None
     if surface.layers is not None:
         over = tuple(_spectra(state, name, len(dry)) for name in _OVER)
-    room = surface.paint_mesh.capacity
-    surface.dry_layers.restore(room, dry, spectra, amounts, share, over)
+    capacity = surface.paint_mesh.capacity
+    surface.dry_layers.restore(capacity, dry, spectra, amounts, share, over)
     surface.touch(np.concatenate([wet, dry[ink.coverage[dry] == 0.0]]))
     if state["flows"]:
         count = len(surface.pigments)
@@ -359,7 +356,7 @@ def _spectra(state: Mapping[str, Any], name: str, n: int) -> NDArray[np.uint16]:
 
 
 def _put_brush(surface: PaintedSurface, state: State) -> None:
-    """Let the brush hold along its tuft what it held."""
+    """Restore the ink along the tuft and the brush's transfer parameters."""
     ink = surface.ink
     n = len(np.atleast_1d(state["stations"]))
     if not 1 <= n <= MOST_RESERVOIRS:
@@ -379,19 +376,19 @@ def checked_flow(
     n_pigments: int,
     now: Callable[[AnyArray], AnyArray],
 ) -> dict[str, AnyArray]:
-    """Return what `PaintedSurface.restore_flow` takes, of what a file holds as ``flow_...``.
+    """Check a file's ``flow_...`` arrays and return them for `PaintedSurface.restore_flow`.
 
     Parameters
     ----------
     state : mapping
     n_vertices, n_pigments : int
     now : callable
-        The vertices (N,) that have some numbers (N,) in the file.
+        Maps numbers (N,) in the file to vertices (N,).
 
     Raises
     ------
     SessionError
-        If an array is none that water could leave.
+        If an array is not one that moving water could leave.
     """
     kept: dict[str, AnyArray]
     kept = {name: now(_vertices(state, f"flow_{name}", n_vertices)) for name in FLOW_VERTICES}
@@ -402,11 +399,11 @@ def checked_flow(
     shape = (*shape, n_pigments)
     kept["pigment"] = _amounts(state, "flow_pigment", shape, np.float64)
     kept["fine"] = USUAL_FINE * kept["pigment"]
-    if "flow_fine" in state:  # once all pigment was alike
+    if "flow_fine" in state:  # missing in older files
         fine = _amounts(state, "flow_fine", shape, np.float64)
         if (fine > 1.000001 * kept["pigment"]).any():
             raise SessionError("flow_fine is more than flow_pigment; expected a part of it")
-        kept["fine"] = np.minimum(fine, kept["pigment"])  # sums are rounded
+        kept["fine"] = np.minimum(fine, kept["pigment"])  # exceeds it by rounding at most
     kept["written"] = _amounts(state, "flow_written", shape, np.float32)
     if not kept["pace"].all():
         raise SessionError("flow_pace is 0; expected a time")
@@ -414,7 +411,7 @@ def checked_flow(
 
 
 def _vertices(state: Mapping[str, Any], name: str, n: int) -> NDArray[np.int32]:
-    """Return distinct numbers of vertices, 0 to n - 1."""
+    """Return an array of distinct vertex numbers, 0 to n - 1."""
     ids = _integers(state, name)
     if len(ids) and not 0 <= int(ids.min()) <= int(ids.max()) < n:
         raise SessionError(f"{name} holds {ids.min()} to {ids.max()}; expected 0 to {n - 1}")
@@ -439,7 +436,7 @@ def _amounts(
     return values
 
 
-def _blocks(state: Mapping[str, Any], surface: PaintedSurface) -> NDArray[np.int32]:
+def _saved_blocks(state: Mapping[str, Any], surface: PaintedSurface) -> NDArray[np.int32]:
     blocks = _integers(state, "open_blocks")
     if len(blocks) and not 0 <= blocks.min() <= blocks.max() < surface.flow_graph.n_blocks:
         raise SessionError(
@@ -458,12 +455,12 @@ def _integers(state: Mapping[str, Any], name: str) -> NDArray[np.int32]:
 
 def _as_dict(record: Material | Pigment) -> dict[str, object]:
     """Return a frozen record's fields with arrays as lists; floats read back exactly."""
-    found = {field.name: getattr(record, field.name) for field in fields(record) if field.init}
-    return {k: v.tolist() if isinstance(v, np.ndarray) else v for k, v in found.items()}
+    values = {field.name: getattr(record, field.name) for field in fields(record) if field.init}
+    return {k: v.tolist() if isinstance(v, np.ndarray) else v for k, v in values.items()}
 
 
-def _known(kind: type[_Record], entry: object, table: Mapping[str, _Record]) -> _Record:
-    """Return the table's record where it is the same, so that fast ways for it stay open."""
+def _as_record(kind: type[_Record], entry: object, table: Mapping[str, _Record]) -> _Record:
+    """Return the table's own record if it is equal (its colour tables apply), else a new one."""
     if not isinstance(entry, Mapping):
         raise SessionError(f"a {kind.__name__.lower()} is {entry!r:.60}; expected its properties")
     names = {field.name for field in fields(kind) if field.init}
@@ -477,7 +474,7 @@ def _known(kind: type[_Record], entry: object, table: Mapping[str, _Record]) -> 
     own = table.get(record.name)
     if own is None:
         return record
-    there, said = _as_dict(own), _as_dict(record)
-    if all(said[key] == there[key] for key in given):  # older files do not say all that there is
+    theirs, ours = _as_dict(record), _as_dict(own)
+    if all(theirs[key] == ours[key] for key in given):  # older files lack some fields
         return own
     return record

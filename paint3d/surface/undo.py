@@ -1,8 +1,8 @@
-"""Undo and redo without limit: a step holds only what it changed, the oldest lie on the disk.
+"""Unlimited undo and redo: a step stores only what it changed, and old steps spill to disk.
 
-A step reaches from its beginning to that of the next one, so what ran, dried or was dipped in
-between goes with it. Past a budget of memory the steps that are farthest from now are written to a
-temporary file without a name, and read again when undo comes to them.
+A step extends from its beginning to that of the next one, so it includes what ran, dried or was
+dipped in between. Beyond a memory budget the steps farthest from the present are written to an
+unnamed temporary file, and read back when undo reaches them.
 """
 
 from __future__ import annotations
@@ -39,18 +39,18 @@ __all__ = [
     "pack_flow",
 ]
 
-# ---- What changed --------------------------------------------------------------------------------
-# What changed on a surface between two moments, to the bit, and the way there and back.
+# ---- Deltas --------------------------------------------------------------------------------------
+# The bit-exact difference of a surface between two moments.
 #
-# Painting writes into the surface's arrays inside kernels, which cannot know what will be undone.
-# So `DeltaRecorder` keeps a second copy of the wet ink as it was, fills it only where there was
-# paint, and compares the vertices that are known to have been touched. Exchanging a delta with the
-# surface gives the delta that leads back: undo and redo are the same step.
+# Painting writes into the surface's arrays inside kernels, which do not record undo. So
+# `DeltaRecorder` keeps a second copy of the wet ink, filled only where there was paint, and
+# compares the vertices that are known to have been touched. Exchanging a delta with the surface
+# gives the inverse delta: undo and redo are the same operation.
 
 
 @dataclass(frozen=True, eq=False)
 class BrushLoad:
-    """The ink in the brush, and what ran off the surface; see `InkField`."""
+    """The ink in the brush, and the ink that went off the surface; see `InkField`."""
 
     load: AnyArray
     off_surface: AnyArray
@@ -59,12 +59,12 @@ class BrushLoad:
 
     @classmethod
     def of(cls, surface: PaintedSurface) -> BrushLoad:
-        """What the surface's brush holds now."""
+        """Return a copy of what the surface's brush holds."""
         ink = surface.ink
         return cls(*(getattr(ink, name).copy() for name in cls.__annotations__))
 
     def put(self, surface: PaintedSurface) -> None:
-        """Let the surface's brush hold this; pigments that came since get nothing."""
+        """Set the surface's brush to this; pigments added since get none."""
         ink, count = surface.ink, len(surface.pigments)
         for name in ("load", "off_surface"):
             getattr(ink, name)[:] = np.pad(getattr(self, name), (0, count - len(self.load)))
@@ -75,7 +75,7 @@ class BrushLoad:
 
 @dataclass(frozen=True, eq=False)
 class SurfaceDelta:
-    """What some vertices, the brush and the water are at another moment.
+    """The state of some vertices, the brush and the water at another moment.
 
     Attributes
     ----------
@@ -85,7 +85,7 @@ class SurfaceDelta:
     dry : DryRows
     brush : BrushLoad
     flow : mapping or None
-        As `PaintedSurface.keep_flow` gives it.
+        From `PaintedSurface.keep_flow`.
     """
 
     vertex_ids: NDArray[np.int32]
@@ -104,23 +104,23 @@ class SurfaceDelta:
     def exchange(
         self, surface: PaintedSurface, water: Mapping[str, AnyArray] | None
     ) -> tuple[SurfaceDelta, AnyArray]:
-        """Bring the surface there.
+        """Apply the delta to the surface.
 
         Parameters
         ----------
         surface : PaintedSurface
         water : mapping or None
-            What `PaintedSurface.keep_flow` gives now.
+            The present result of `PaintedSurface.keep_flow`.
 
         Returns
         -------
         SurfaceDelta
-            The way back.
+            The inverse delta.
         vertex_ids : (M,) int32
             Vertices whose colours may have changed.
         """
         ink, ids, dry = surface.ink, self.vertex_ids, surface.dry_layers
-        back = ink.amounts[ids], ink.coverage[ids], BrushLoad.of(surface)
+        amounts, coverage, brush = ink.amounts[ids], ink.coverage[ids], BrushLoad.of(surface)
         missing = len(surface.pigments) - self.amounts.shape[1]
         ink.amounts[ids] = np.pad(self.amounts, ((0, 0), (0, missing)))
         ink.coverage[ids] = self.coverage
@@ -130,25 +130,22 @@ class SurfaceDelta:
         dried = (gone, rows.vertex_ids, self.dry.vertex_ids)
         touched = union([ids, *dried], surface.paint_mesh.capacity)
         surface.touch(touched)
-        if self.flow is not water:
-            self._move_water(surface)
-        return SurfaceDelta(ids, back[0], back[1], rows, back[2], water), touched
-
-    def _move_water(self, surface: PaintedSurface) -> None:
-        surface.drop_flow()
-        if self.flow is not None:
-            surface.restore_flow(self.flow)
+        if self.flow is not water:  # identity: restoring the same water again would cost much
+            surface.drop_flow()
+            if self.flow is not None:
+                surface.restore_flow(self.flow)
+        return SurfaceDelta(ids, amounts, coverage, rows, brush, water), touched
 
 
-def _same(one: Mapping[str, AnyArray] | None, two: Mapping[str, AnyArray] | None) -> bool:
-    """Whether the water was kept twice as it is."""
+def _is_same_flow(one: Mapping[str, AnyArray] | None, two: Mapping[str, AnyArray] | None) -> bool:
+    """Return whether two results of `keep_flow` are equal."""
     if one is None or two is None:
         return one is two
     return all(np.array_equal(one[name], two[name]) for name in one)
 
 
 class DeltaRecorder:
-    """Remembers a surface as it was at a moment, and says what changed since.
+    """Snapshot of a surface at a moment, from which the changes since are computed.
 
     Parameters
     ----------
@@ -163,7 +160,7 @@ class DeltaRecorder:
         self.restart()
 
     def restart(self) -> None:
-        """Take the surface as it is now, whatever it was."""
+        """Take a new snapshot, whatever changed before."""
         ink = self._surface.ink
         self._clear()
         painted = np.flatnonzero((ink.coverage > 0.0) | ink.amounts.any(axis=1))
@@ -172,22 +169,22 @@ class DeltaRecorder:
 
     @property
     def water(self) -> Mapping[str, AnyArray] | None:
-        """What `PaintedSurface.keep_flow` gave when this was last asked."""
+        """The result of `PaintedSurface.keep_flow` at the snapshot."""
         return self._flow
 
     def accept(self, vertex_ids: AnyArray, water: Mapping[str, AnyArray] | None) -> None:
-        """Take what was brought to these vertices (N,), and this water, as what there is."""
+        """Update the snapshot where an exchange set these vertices (N,), and this water."""
         self._surface.take_changed()
         self._fit()
         self._follow(vertex_ids, water)
 
     def before(self, vertex_ids: AnyArray) -> tuple[AnyArray, AnyArray]:
-        """Amounts (N, P) and coverage (N,) of vertices (N,) when this was last asked."""
+        """Return amounts (N, P) and coverage (N,) of vertices (N,) at the snapshot."""
         self._fit()
         return self._amounts[vertex_ids], self._coverage[vertex_ids]
 
     def take(self) -> SurfaceDelta:
-        """The way back to where this was last asked; from now on it is the way back to here."""
+        """Return the delta back to the snapshot, and take a new one."""
         surface = self._surface
         ids = surface.take_changed()
         self._fit()
@@ -204,10 +201,11 @@ class DeltaRecorder:
             self._flow,
         )
         water = surface.keep_flow()
-        self._follow(ids[at], self._flow if _same(self._flow, water) else water)
+        self._follow(ids[at], self._flow if _is_same_flow(self._flow, water) else water)
         return delta
 
     def _follow(self, ids: AnyArray, water: Mapping[str, AnyArray] | None) -> None:
+        """Update the snapshot: the wet ink at vertices (N,), all else as it is now."""
         surface = self._surface
         self._amounts[ids] = surface.ink.amounts[ids]
         self._coverage[ids] = surface.ink.coverage[ids]
@@ -216,13 +214,13 @@ class DeltaRecorder:
         self._flow = water
 
     def _clear(self) -> None:
-        """Remember no paint, with room for all vertices: memory is taken only where it comes."""
+        """Reset the copy to no paint; zeroed pages take no memory until they are written to."""
         ink = self._surface.ink
         self._amounts = np.zeros(ink.amounts.shape, np.float32)
         self._coverage = np.zeros(ink.coverage.shape, np.float32)
 
     def _fit(self) -> None:
-        """Follow a surface that has grown, or knows more pigments."""
+        """Resize to a surface that has gained vertices or pigments."""
         ink = self._surface.ink
         amounts, coverage = self._amounts, self._coverage
         if amounts.shape == ink.amounts.shape:
@@ -234,22 +232,22 @@ class DeltaRecorder:
 
 
 # ---- Packed deltas -------------------------------------------------------------------------------
-# A `SurfaceDelta` in few bytes, with vertices by the numbers that they have in a file.
+# A compact `SurfaceDelta`, with vertices by their numbers in a file.
 #
-# Most of what a stroke goes over was bare before, and most of a patch of water is dry: only rows
-# that hold something are kept.
+# Most of what a stroke covers was bare before, and most of a patch of water is dry: only rows that
+# are not zero are kept.
 
 
 class NumbersNow(Protocol):
-    """What the numbers of vertices in a file are in the mesh."""
+    """Interface of a mapping from vertex numbers in a file to those in the mesh."""
 
     def now(self, saved: AnyArray) -> AnyArray:
-        """(N,) int32 in the mesh."""
+        """Return numbers (N,) int32 in the mesh."""
         ...
 
 
 class VertexNumbers:
-    """The numbers of a mesh's vertices in a file, and the other way; more may come.
+    """Mapping between vertex numbers in the mesh and in a file; later vertices are included.
 
     Parameters
     ----------
@@ -257,39 +255,40 @@ class VertexNumbers:
     """
 
     def __init__(self, mesh: PaintMesh) -> None:
-        n = mesh.n_base_vertices  # those that were added have the same number in both
+        n = mesh.n_base_vertices  # vertices added by refinement have the same number in both
         self._saved = saved_ids(mesh)[:n]
         self._now = np.empty(n, np.int32)
         self._now[self._saved] = np.arange(n, dtype=np.int32)
 
     def saved(self, vertex_ids: AnyArray) -> NDArray[np.int32]:
-        """(N,) int32 in a file."""
+        """Return numbers (N,) int32 in a file."""
         return _mapped(vertex_ids, self._saved)
 
     def now(self, saved: AnyArray) -> NDArray[np.int32]:
-        """(N,) int32 in the mesh."""
+        """Return numbers (N,) int32 in the mesh."""
         return _mapped(saved, self._now)
 
 
 def _mapped(ids: AnyArray, table: AnyArray) -> AnyArray:
-    found = np.array(ids, np.int32)
-    base = found < len(table)
-    found[base] = table[found[base]]
-    return found
+    """Map ids (N,) through the table; ids beyond its end are unchanged."""
+    mapped = np.array(ids, np.int32)
+    base = mapped < len(table)
+    mapped[base] = table[mapped[base]]
+    return mapped
 
 
 @dataclass(frozen=True, eq=False)
 class PackedFlow:
-    """What `PaintedSurface.keep_flow` gives, without rows in which nothing is.
+    """The result of `PaintedSurface.keep_flow` without rows that are zero.
 
     Attributes
     ----------
     n : int
-        Vertices of the patch, C.
+        Number of vertices of the patch, C.
     rows : (H,) int32
-        Those that hold something.
+        Rows that are not zero.
     arrays : mapping
-        Of floats with a row a vertex only those rows; numbers of vertices are those of a file.
+        Per-vertex arrays of floats with these rows only; vertices are by their numbers in a file.
     """
 
     n: int
@@ -302,7 +301,7 @@ class PackedFlow:
         return self.rows.nbytes + sum(array.nbytes for array in self.arrays.values())
 
     def unpacked(self, numbers: NumbersNow) -> dict[str, AnyArray]:
-        """As `PaintedSurface.restore_flow` takes it."""
+        """Return the flow for `PaintedSurface.restore_flow`."""
         flow = {}
         for name, array in self.arrays.items():
             if name in FLOW_VERTICES:
@@ -316,12 +315,12 @@ class PackedFlow:
 
 
 def is_by_vertex(name: str, array: AnyArray) -> bool:
-    """Whether an array of a flow has floats for each vertex of its patch."""
+    """Return whether an array of a flow holds floats for each vertex of its patch."""
     return array.dtype.kind == "f"
 
 
 def pack_flow(flow: Mapping[str, AnyArray], numbers: VertexNumbers) -> PackedFlow:
-    """Leave out what is nothing."""
+    """Pack a flow by leaving out rows that are zero."""
     n = len(flow["vertices"])
     own = [name for name, array in flow.items() if is_by_vertex(name, array)]
     holds = np.zeros(n, bool)
@@ -339,16 +338,16 @@ def pack_flow(flow: Mapping[str, AnyArray], numbers: VertexNumbers) -> PackedFlo
 
 @dataclass(frozen=True, eq=False)
 class PackedDelta:
-    """What `SurfaceDelta` holds (N vertices, the first I of them with ink, P pigments).
+    """A packed `SurfaceDelta` (N vertices, the first I of them with ink, P pigments).
 
     Attributes
     ----------
     vertex_ids : (N,) int32
-        Numbers in a file.
+        Vertex numbers in a file.
     amounts : (I, P) float32
     coverage : (I,) float32
     dry : DryRows
-        With numbers in a file.
+        With vertex numbers in a file.
     brush : BrushLoad
     flow : PackedFlow or None
     """
@@ -368,7 +367,7 @@ class PackedDelta:
         return own + (0 if self.flow is None else self.flow.n_bytes)
 
     def unpacked(self, numbers: VertexNumbers, flow: Mapping[str, AnyArray] | None) -> SurfaceDelta:
-        """The delta, with its flow as it was unpacked elsewhere."""
+        """Return the delta, with its flow already unpacked by the caller."""
         missing = len(self.vertex_ids) - len(self.coverage)
         return SurfaceDelta(
             numbers.now(self.vertex_ids),
@@ -381,7 +380,7 @@ class PackedDelta:
 
 
 def pack_delta(delta: SurfaceDelta, numbers: VertexNumbers, flow: PackedFlow | None) -> PackedDelta:
-    """Keep only rows that hold something; `flow` is the delta's own, packed."""
+    """Pack a delta by leaving out amounts of bare vertices; `flow` is the delta's own, packed."""
     holds = (delta.coverage != 0.0) | delta.amounts.any(axis=1)
     inked, bare = np.flatnonzero(holds), np.flatnonzero(~holds)
     return PackedDelta(
@@ -394,7 +393,7 @@ def pack_delta(delta: SurfaceDelta, numbers: VertexNumbers, flow: PackedFlow | N
     )
 
 
-# --------------------------------------------------------------------------------------------------
+# ---- History -------------------------------------------------------------------------------------
 
 
 MEMORY_BUDGET = 512 << 20  # bytes
@@ -402,29 +401,29 @@ _LAYER = "1"
 
 
 class Part(Protocol):
-    """Something that a step changed besides ink; exchanged like a `SurfaceDelta`."""
+    """Interface of a change other than of ink in a step; exchanged like a `SurfaceDelta`."""
 
     def exchange(self, surface: PaintedSurface) -> tuple[Part, AnyArray]:
-        """Bring the surface there; return the way back, and vertices to colour anew (N,)."""
+        """Apply this to the surface; return the inverse, and the vertices (N,) to recolour."""
         ...
 
 
 class UndoHistory:
-    """The steps that led to a surface as it is, and those that were undone.
+    """The done and the undone steps of a surface.
 
     Parameters
     ----------
     surface : PaintedSurface
     memory_budget : int
-        Bytes of steps that are kept in memory.
+        Bytes of steps to keep in memory.
     keep, restore : callable, optional
-        What the painter remembers besides the surface: `keep` returns it, `restore` takes it.
+        Save and restore the painter's state besides the surface, as one object.
 
     Attributes
     ----------
     memory_budget : int
     done, undone : list
-        Labels of the steps: oldest first, and the one that `redo` takes next last.
+        Labels of the steps, the one that `undo` or `redo` takes next last.
     """
 
     def __init__(
@@ -441,7 +440,7 @@ class UndoHistory:
         self._recorder = DeltaRecorder(surface)
         self._done: list[Step] = []
         self._undone: list[Step] = []
-        self._since = Step(None, 0)  # what came after an undo: the next undo or redo forgets it
+        self._since = Step(None, 0)  # changes after an undo: the next undo or redo drops them
         self._newest = 0
         self._numbers: VertexNumbers | None = None
         self._water: tuple[PackedFlow | None, Mapping[str, AnyArray] | None] = (None, None)
@@ -455,38 +454,38 @@ class UndoHistory:
 
     @property
     def undone(self) -> list[object]:
-        """Labels of the steps that can be done again, the next one last."""
+        """Labels of the steps that can be redone, the next one last."""
         return [step.label for step in self._undone]
 
     @property
     def newest(self) -> int:
-        """Number of the step that was begun last, ever; they count from 1."""
+        """Number of the most recently begun step, counted from 1 and never reused."""
         return self._newest
 
     @property
     def next_undo(self) -> int:
-        """Number of the step that `undo` would take back; 0 for none."""
+        """Number of the step that `undo` would undo; 0 for none."""
         return self._done[-1].number if self._done else 0
 
     @property
     def next_redo(self) -> int:
-        """Number of the step that `redo` would do again; 0 for none."""
+        """Number of the step that `redo` would redo; 0 for none."""
         return self._undone[-1].number if self._undone else 0
 
     @property
     def n_bytes(self) -> int:
-        """Memory that the steps take, without those on the disk."""
+        """Memory that the steps take, in bytes, without those on disk."""
         parts = [part for step in self._steps() for part in step.parts]
         return sum(part.n_bytes for part in parts if isinstance(part, Painting))
 
     @property
     def n_spilled(self) -> int:
-        """Parts of steps that lie on the disk."""
+        """Number of parts of steps that are on disk."""
         parts = [part for step in self._steps() for part in step.parts]
-        return sum(isinstance(p, Painting) and isinstance(p.delta, _Place) for p in parts)
+        return sum(isinstance(p, Painting) and isinstance(p.delta, _DiskRange) for p in parts)
 
     def begin(self, label: object) -> None:
-        """Start a step; what was undone before cannot be done again."""
+        """Start a step; steps undone before can no longer be redone."""
         self.seal()
         if self._done:
             self._done[-1].parts += self._since.parts
@@ -497,12 +496,12 @@ class UndoHistory:
         self._spill()
 
     def change(self, state: Callable[[], Part], action: Callable[[], None]) -> None:
-        """Do something that ink has no part in; the step that goes on takes it back as well.
+        """Run an action that changes something other than ink, as part of the current step.
 
         Parameters
         ----------
         state : callable
-            Returns how it is now, as something that can be exchanged.
+            Returns the present state of it as an exchangeable part.
         action : callable
         """
         self.seal()
@@ -512,17 +511,19 @@ class UndoHistory:
         self._begin_here()
 
     def before(self, vertex_ids: AnyArray) -> tuple[AnyArray, AnyArray]:
-        """Amounts (N, P) and coverage (N,) of vertices (N,) when a step or `seal` was last."""
+        """Return amounts (N, P) and coverage (N,) of vertices (N,) at the last step or `seal`."""
         return self._recorder.before(vertex_ids)
 
     def seal(self) -> None:
-        """Put what changed so far into the step that goes on, if anything did."""
-        part = self._take()
-        if not self._is_nothing(part):
+        """Add what changed so far to the current step, if anything did."""
+        delta, kept = self._recorder.take(), self._kept
+        self._kept = self._keep()
+        part = Painting(delta, kept, delta.n_bytes)
+        if not self._is_no_change(part):
             self._add(part)
 
-    def _is_nothing(self, part: Painting) -> bool:
-        """Whether a part that was just taken leads nowhere."""
+    def _is_no_change(self, part: Painting) -> bool:
+        """Return whether a part that was just taken changes nothing."""
         delta, dry = self._read(part), self._surface.dry_layers
         if len(delta.vertex_ids) or len(delta.dry.rows) or delta.dry.count != dry.count:
             return False
@@ -532,25 +533,20 @@ class UndoHistory:
         return _equal(vars(delta.brush), brush) and _equal(part.kept, self._kept)
 
     def _add(self, part: Part | Painting) -> None:
-        """Put a part into the step that goes on, if there is one."""
+        """Add a part to the current step, if there is one."""
         if self._undone:
             self._since.parts.append(part)
         elif self._done:
             self._done[-1].parts.append(part)
 
-    def _take(self) -> Painting:
-        delta, kept = self._recorder.take(), self._kept
-        self._kept = self._keep()
-        return Painting(delta, kept, delta.n_bytes)
-
     def undo(self) -> AnyArray:
-        """Take back the last step; return the vertices (N,) int32 whose colours may change.
+        """Undo the last step; return the vertices (N,) int32 whose colours may change.
 
-        Nothing happens where there is none.
+        Does nothing if there is none.
         """
         if not self._done:
             return np.empty(0, np.int32)
-        first = self._take_back_since()
+        _, first = self.lay_aside_since()
         step = self._done.pop()
         second = self._exchange(step)
         self._undone.append(step)
@@ -558,46 +554,45 @@ class UndoHistory:
         return self._union([first, second])
 
     def redo(self) -> AnyArray:
-        """Do again what was undone last; return vertices (N,) int32. What came since goes."""
+        """Redo the last undone step; return vertices (N,) int32. Changes since the undo are lost.
+
+        Does nothing if there is none.
+        """
         if not self._undone:
             return np.empty(0, np.int32)
-        first = self._take_back_since()
+        _, first = self.lay_aside_since()
         step = self._undone.pop()
         second = self._exchange(step)
         self._done.append(step)
         self._spill()
         return self._union([first, second])
 
-    def _take_back_since(self) -> AnyArray:
-        """Bring the surface to the end of the last step that is done, where one was undone."""
-        return self.lay_aside_since()[1]
-
     def _union(self, sets: list[AnyArray]) -> AnyArray:
         return union(sets, self._surface.paint_mesh.capacity)
 
     def revert(self) -> AnyArray:
-        """Take back the step that goes on and forget it, as when a stroke is cancelled."""
+        """Undo the current step and drop it, as when a stroke is cancelled."""
         touched = self.undo()
         if self._undone:
             self._undone.pop()
         return touched
 
     def prepend(self, prepare: Callable[[], None], paint: Callable[[], None]) -> None:
-        """Have steps before all others: those that `paint` begins on a layer of its own.
+        """Insert steps before all others: those that `paint` begins, on a layer of its own.
 
-        That the layers, the brush and the water as they are now come instead belongs to the last
-        of its steps. Where something is raised, everything is as it was.
+        Its last step includes the change to the present layers, brush and water. On an exception
+        everything is restored.
 
         Parameters
         ----------
         prepare : callable
-            Makes the bare surface and the brush ready: where undo ends.
+            Prepares the bare surface and the brush, at which undo ends.
         paint : callable
-            Begins one step at least.
+            Begins at least one step.
         """
         if self._done:
             raise ValueError("steps are done; expected them to be undone first")
-        self._take_back_since()
+        self.lay_aside_since()
         surface, stack = self._surface, self._surface.use_layers()
         undone, self._undone = self._undone, []
         now, brush, kept = stack.state(), BrushLoad.of(surface), self._keep()
@@ -624,35 +619,35 @@ class UndoHistory:
         self._spill()
 
     def lay_aside_since(self) -> tuple[Step, AnyArray]:
-        """Take back what came since an undo; `resume_since` brings it back.
+        """Undo the changes since an undo; `resume_since` brings them back.
 
-        Returns it, and vertices (N,) int32 whose colours may change.
+        Returns them as a step, and the vertices (N,) int32 whose colours may change.
         """
         self.seal()
         step, self._since = self._since, Step(None, 0)
         return step, self._exchange(step)
 
     def resume_since(self, step: Step) -> AnyArray:
-        """Bring back what came since an undo; returns vertices (N,) int32."""
+        """Redo changes that were laid aside; return the vertices (N,) int32 to recolour."""
         touched, self._since = self._exchange(step), step
         return touched
 
     def exchange_undone(self, steps: Sequence[Step]) -> list[Step]:
-        """Have other steps to do again, which lead on from where the surface is, the next one last.
+        """Replace the undone steps by others from the present surface on, the next one last.
 
-        Nothing came since the undo. Returns the steps that there were.
+        There must be no changes since the undo. Returns the steps that were replaced.
         """
         aside, self._undone = self._undone, list(steps)
         self._spill(aside)
         return aside
 
     def _begin_here(self) -> None:
-        """Take everything as it is now, whatever it was."""
+        """Take the present as the end of the last step, whatever changed before."""
         self._recorder.restart()
         self._kept = self._keep()
 
     def _exchange(self, step: Step) -> AnyArray:
-        """Bring the surface to the other end of a step, and turn the step round."""
+        """Bring the surface to the other end of a step, and invert the step."""
         if not step.parts:
             return np.empty(0, np.int32)
         back: list[Part | Painting] = []
@@ -663,22 +658,23 @@ class UndoHistory:
                 painting, ids, water = self._exchange_painting(part, water)
                 back.append(painting)
             else:
-                other, ids = part.exchange(self._surface)
+                inverse, ids = part.exchange(self._surface)
                 water = self._surface.keep_flow()
-                back.append(other)
+                back.append(inverse)
             touched.append(ids)
         step.parts = back
-        everything = self._union(touched)
+        ids = self._union(touched)
         if all(isinstance(part, Painting) for part in back):
-            self._recorder.accept(everything, water)
-        else:  # another layer may lie open
+            self._recorder.accept(ids, water)
+        else:  # another layer may be active
             self._recorder.restart()
         self._kept = self._keep()
-        return everything
+        return ids
 
     def _exchange_painting(
         self, part: Painting, water: Mapping[str, AnyArray] | None
     ) -> tuple[Painting, AnyArray, Mapping[str, AnyArray] | None]:
+        """Exchange one painting; return its inverse, the touched vertices, and the new water."""
         delta = self._read(part)
         if isinstance(delta, PackedDelta):
             delta = delta.unpacked(self._vertex_numbers(), self._unpacked_flow(delta.flow))
@@ -691,8 +687,8 @@ class UndoHistory:
         return [*self._done, self._since, *self._undone]
 
     def _read(self, part: Painting) -> SurfaceDelta | PackedDelta:
-        """What a part holds, wherever it lies."""
-        return self._file.read(part.delta) if isinstance(part.delta, _Place) else part.delta
+        """Return the delta of a part, from memory or from disk."""
+        return self._file.read(part.delta) if isinstance(part.delta, _DiskRange) else part.delta
 
     def _vertex_numbers(self) -> VertexNumbers:
         if self._numbers is None:
@@ -700,7 +696,7 @@ class UndoHistory:
         return self._numbers
 
     def _unpacked_flow(self, flow: PackedFlow | None) -> Mapping[str, AnyArray] | None:
-        """Water as it was; the same where it is asked for twice, so that none has to be moved."""
+        """Unpack a flow; the last one is cached, since identical water need not be restored."""
         if flow is not self._water[0]:
             self._water = flow, flow.unpacked(self._vertex_numbers()) if flow else None
         return self._water[1]
@@ -708,23 +704,23 @@ class UndoHistory:
     # -- for a file -------------------------------------------------------------------------
 
     def steps(self) -> tuple[Sequence[Step], Step, Sequence[Step]]:
-        """The steps done, what came since one was undone, and those undone; sealed."""
+        """Return the done steps, the changes since an undo, and the undone steps, all sealed."""
         self.seal()
         return tuple(self._done), self._since, tuple(self._undone)
 
     def packed(self, step: Step, place: int, flows: dict[int, PackedFlow]) -> PackedDelta:
-        """A `Painting` of a step as a file holds it; so it is kept from now on.
+        """Return a `Painting` of a step in packed form, and keep it so in memory.
 
         Parameters
         ----------
         step : Step
         place : int
-            Of the part in it.
+            Index of the part in it.
         flows : dict
-            Of what was packed before, by identity; filled.
+            Flows packed so far, by the identity of the unpacked one; added to.
         """
         part = step.parts[place]
-        assert isinstance(part, Painting), "another part holds no delta"
+        assert isinstance(part, Painting), "only a painting holds a delta"
         delta = self._read(part)
         if isinstance(delta, PackedDelta):
             return delta
@@ -736,12 +732,12 @@ class UndoHistory:
             if flow is self._recorder.water:
                 self._water = packed_flow, flow
         packed = pack_delta(delta, self._vertex_numbers(), packed_flow)
-        if not isinstance(part.delta, _Place):
+        if not isinstance(part.delta, _DiskRange):
             step.parts[place] = Painting(packed, part.kept, packed.n_bytes)
         return packed
 
     def resume(self, done: Sequence[Step], since: Step, undone: Sequence[Step]) -> None:
-        """Have the steps of another history, of the same surface as it is now."""
+        """Adopt the steps of another history of the same surface in its present state."""
         self._done, self._since, self._undone = list(done), since, list(undone)
         for number, step in enumerate([*done, *reversed(undone)], self._newest + 1):
             step.number = number
@@ -749,7 +745,7 @@ class UndoHistory:
         self._spill()
 
     def _spill(self, aside: Sequence[Step] = ()) -> None:
-        """Write to the disk what memory has no room for: what is farthest from now first."""
+        """Write parts beyond the memory budget to disk, farthest from the present first."""
         n_bytes = self.n_bytes + sum(
             part.n_bytes for step in aside for part in step.parts if isinstance(part, Painting)
         )
@@ -759,7 +755,7 @@ class UndoHistory:
                     return
                 if (
                     isinstance(part, Painting)
-                    and not isinstance(part.delta, _Place)
+                    and not isinstance(part.delta, _DiskRange)
                     and part.n_bytes
                 ):
                     n_bytes -= part.n_bytes
@@ -767,7 +763,7 @@ class UndoHistory:
 
 
 def _equal(one: object, two: object) -> bool:
-    """Whether two things that were kept say the same."""
+    """Return whether two saved states are equal."""
     if one is two:
         return True
     if isinstance(one, Mapping) and isinstance(two, Mapping):
@@ -778,8 +774,8 @@ def _equal(one: object, two: object) -> bool:
 
 
 @dataclass(frozen=True)
-class _Place:
-    """Where on the disk a delta lies."""
+class _DiskRange:
+    """Position of a delta in the spill file, in bytes."""
 
     start: int
     length: int
@@ -787,16 +783,16 @@ class _Place:
 
 @dataclass(frozen=True, eq=False)
 class Painting:
-    """A delta, what the painter remembered, and how much memory that takes."""
+    """A delta, the painter's state with it, and the memory of the delta in bytes."""
 
-    delta: SurfaceDelta | PackedDelta | _Place
+    delta: SurfaceDelta | PackedDelta | _DiskRange
     kept: object
     n_bytes: int
 
 
 @dataclass(eq=False)
 class Step:
-    """What leads back over a step, or over it again, oldest part first."""
+    """The parts that undo a step, or redo it, oldest first."""
 
     label: object
     number: int
@@ -804,19 +800,19 @@ class Step:
 
 
 class _StepFile:
-    """Deltas in a file that has no name and is gone with the program."""
+    """Deltas in an unnamed temporary file, which the system deletes with the process."""
 
     def __init__(self) -> None:
         self._file: BinaryIO | None = None
         self._end = 0
 
-    def write(self, delta: SurfaceDelta | PackedDelta) -> _Place:
+    def write(self, delta: SurfaceDelta | PackedDelta) -> _DiskRange:
         if self._file is None:
             self._file = tempfile.TemporaryFile(prefix="paint3d-undo-")  # noqa: SIM115
         data = pickle.dumps(delta, protocol=5)
         self._file.seek(self._end)
         self._file.write(data)
-        place = _Place(self._end, len(data))
+        place = _DiskRange(self._end, len(data))
         self._end += len(data)
         return place
 
@@ -824,10 +820,9 @@ class _StepFile:
         if self._file is not None:
             self._file.close()
 
-    def read(self, place: _Place) -> SurfaceDelta | PackedDelta:
+    def read(self, place: _DiskRange) -> SurfaceDelta | PackedDelta:
         assert self._file is not None, "nothing was written"
         self._file.seek(place.start)
-        result: SurfaceDelta | PackedDelta = pickle.loads(
-            self._file.read(place.length)
-        )  # our own bytes, in a file of our own
+        # Unpickling is safe: nobody else can write to the unnamed file.
+        result: SurfaceDelta | PackedDelta = pickle.loads(self._file.read(place.length))
         return result

@@ -1,14 +1,14 @@
-"""The steps of an `UndoHistory` as plain arrays, numbers and words, and back again.
+"""Conversion of the steps of an `UndoHistory` to plain arrays, numbers and strings, and back.
 
-What is written are deltas as `undo` packs them, one column for each of their arrays, and the
-layers that are not there now but come back with a step.
+The deltas are stored as `undo` packs them, one column for each of their arrays, with the layers
+that are not in the stack at present but come back with a step.
 """
 
 from __future__ import annotations
 
 import hashlib
 import itertools
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from itertools import pairwise
 from typing import Any
@@ -54,32 +54,31 @@ __all__ = [
 ]
 
 # ---- Ragged arrays -------------------------------------------------------------------------------
-# Many arrays of different lengths as one column, each different one kept once.
+# Many arrays of different lengths in one column, equal ones stored once.
 #
-# A file has no room for an entry an array; and what a step left as it was is in many steps the
-# same.
+# One file entry per array would be too many, and many steps share arrays that they left unchanged.
 
 
 Ragged = dict[str, AnyArray]
-"""By name: the column, NAME_starts (U + 1,) int64 of the U different arrays in it, and NAME_of
-(K,) int32, which of them each of the K arrays is."""
+"""NAME: the column; NAME_starts (U + 1,) int64: where its U distinct arrays start; NAME_of (K,)
+int32: the distinct array that each of the K arrays is."""
 
 
 def pack_arrays(
     name: str, arrays: Sequence[AnyArray], dtype: DTypeLike, shape: tuple[int, ...] = ()
 ) -> Ragged:
-    """Join K arrays of some type, each (n, *shape), to a column."""
-    places: dict[bytes, int] = {}
-    different: list[AnyArray] = []
+    """Join K arrays of one type, each (n, *shape), to a column."""
+    index_of: dict[bytes, int] = {}
+    distinct: list[AnyArray] = []
     of = np.empty(len(arrays), np.int32)
     for k, array in enumerate(arrays):
         array = np.ascontiguousarray(array, dtype).reshape(-1, *shape)
-        key = hashlib.blake2b(array.view(np.uint8).data, digest_size=16).digest()
-        of[k] = places.setdefault(key, len(different))
-        if of[k] == len(different):
-            different.append(array)
-    starts = np.concatenate([[0], np.cumsum([len(array) for array in different], dtype=np.int64)])
-    column = np.concatenate([np.empty((0, *shape), dtype), *different])
+        digest = hashlib.blake2b(array.view(np.uint8).data, digest_size=16).digest()
+        of[k] = index_of.setdefault(digest, len(distinct))
+        if of[k] == len(distinct):
+            distinct.append(array)
+    starts = np.concatenate([[0], np.cumsum([len(array) for array in distinct], dtype=np.int64)])
+    column = np.concatenate([np.empty((0, *shape), dtype), *distinct])
     return {name: column, f"{name}_starts": starts.astype(np.int64), f"{name}_of": of}
 
 
@@ -90,12 +89,12 @@ def unpack_arrays(
     dtype: DTypeLike,
     shape: tuple[Any, ...] = (),
 ) -> list[AnyArray]:
-    """The K arrays of a column, as views of it; they may come from a stranger.
+    """Return the K arrays of an untrusted column, as views of it.
 
     Raises
     ------
     SessionError
-        If the column is not of this type, or not shared out to `count` arrays.
+        If the column is not of this type, or not divided into `count` arrays.
     """
     column, starts, of = (np.asarray(state[name + end]) for end in ("", "_starts", "_of"))
     if column.dtype != dtype or column.shape[1:] != shape or column.ndim != 1 + len(shape):
@@ -109,36 +108,33 @@ def unpack_arrays(
         raise SessionError(f"{name} is given {of.shape} times; expected {count}")
     if count and not 0 <= of.min() <= of.max() < len(starts) - 1:
         raise SessionError(f"{name} is given from {of.min()} to {of.max()}")
-    different = [column[a:b] for a, b in pairwise(starts)]
-    return [different[k] for k in of]
+    distinct = [column[a:b] for a, b in pairwise(starts)]
+    return [distinct[k] for k in of]
 
 
-# --------------------------------------------------------------------------------------------------
-
-
-# --------------------------------------------------------------------------------------------------
+# ---- Writing -------------------------------------------------------------------------------------
 
 
 UNDO_VERSION = 1
-_STEP_BYTES = 1000  # about what a step takes besides its vertices
+_STEP_BYTES = 1000  # about what a part takes besides its vertices
 OVER = ("dry_low", "dry_middle", "dry_high")
-"""Columns of what dried rows show over the grounds of `colour.kernels.layering`."""
+"""Columns of what dried rows show over the grounds of `colour.kernels.glazing`."""
 
 State = dict[str, Any]
 
 
 @dataclass(frozen=True)
 class SavedSteps:
-    """Steps as a file holds them.
+    """Steps in the form that is written to a file.
 
     Attributes
     ----------
     state : dict
         See `undo_state`.
     done, undone : sequence
-        Labels of the steps that are in it, as `UndoHistory` has them.
+        Labels of the steps in it, in the order of `UndoHistory`.
     kept : sequence
-        What the painter remembered, for each of the K paintings in order.
+        The painter's state with each of the K paintings in order.
     """
 
     state: State
@@ -148,33 +144,39 @@ class SavedSteps:
 
 
 def undo_state(surface: PaintedSurface, history: UndoHistory, most_bytes: int) -> SavedSteps:
-    """Return the steps that are nearest to now and fit into so many bytes.
+    """Return the steps nearest to the present that fit into `most_bytes`.
 
     Parameters
     ----------
     surface : PaintedSurface
-        As the history has left it.
+        In the history's present state.
     history : UndoHistory
     most_bytes : int
 
     Returns
     -------
     SavedSteps
-        Its state holds version; done and undone, how many steps; of the S steps (those done,
-        what came since one was undone, those undone) parts (S,) int32, how many parts; of the Q
-        parts stack (Q,) int32, which of the `stacks` it is, or -1 for a painting; stacks, lists
-        of layers and the one painted on, layers by their places now and above these by their
-        places in layers, which says of those that are not there now what `surface_state` says of
-        the others, with gone0_ and so on before the names of what is on them. Of the K paintings
-        there are the columns (`ragged`) vertices, amounts, coverage, dry_... and stations, and
-        dry_count (K,) int32, load and off_surface (K, P) and habit (K, 3) float64, flow (K,)
-        int32, which of the F flows, or -1; of these flow_rows, flow_size (F,) int32, and the
-        columns flow_... of `surface_state`.
+        Its state holds version and done and undone, the numbers of steps. For the S steps (done,
+        changes since an undo, undone) parts (S,) int32 is the number of parts; for the Q parts
+        stack (Q,) int32 is the index in `stacks`, or -1 for a painting.
+
+        Each of the stacks is a list of layers, and the active one. Layers are numbered by their
+        places in the present stack, and then by their indices in layers: that describes, as
+        `surface_state` does, those that are not in the present stack; the arrays of their paint
+        are prefixed with gone0_ and so on.
+
+        For the K paintings there are the columns (`Ragged`) vertices, amounts, coverage, dry_...
+        and stations, and dry_count (K,) int32, load and off_surface (K, P) and habit (K, 3)
+        float64, and flow (K,) int32, the index of one of F flows, or -1. For the flows there are
+        flow_rows, flow_size (F,) int32, and the columns flow_... of `surface_state`.
     """
     chosen = _nearest(history, most_bytes)
     steps = [*chosen.done, chosen.since, *reversed(chosen.undone)]
     parts = [part for step in steps for part in step.parts]
-    keys = _keys(surface, parts)
+    # Layers of the present stack are numbered first, then those that only a step has.
+    now = surface.layers.state().keys if surface.layers is not None else ()
+    named = (key for part in parts if isinstance(part, StackState) for key in part.keys)
+    numbers = {key: k for k, key in enumerate(dict.fromkeys([*now, *named]))}
     stacks = [part for part in parts if isinstance(part, StackState)]
     kinds = np.full(len(parts), -1, np.int32)
     kinds[[isinstance(part, StackState) for part in parts]] = np.arange(len(stacks))
@@ -183,11 +185,11 @@ def undo_state(surface: PaintedSurface, history: UndoHistory, most_bytes: int) -
         "version": UNDO_VERSION,
         "done": len(chosen.done),
         "undone": len(chosen.undone),
-        "stacks": [[[keys[k] for k in one.keys], keys[one.active]] for one in stacks],
+        "stacks": [[[numbers[k] for k in one.keys], numbers[one.active]] for one in stacks],
         "parts": np.array([len(step.parts) for step in steps], np.int32),
         "stack": kinds,
         **_columns(deltas, len(surface.pigments)),
-        **_gone_layers(surface, keys),
+        **_gone_layers(surface, list(numbers)),
     }
     return SavedSteps(
         state,
@@ -199,6 +201,8 @@ def undo_state(surface: PaintedSurface, history: UndoHistory, most_bytes: int) -
 
 @dataclass
 class _Chosen:
+    """The steps to save, and their deltas by the identity of their parts."""
+
     done: list[Step]
     since: Step
     undone: list[Step]  # the next one first
@@ -206,7 +210,7 @@ class _Chosen:
 
 
 def _nearest(history: UndoHistory, most_bytes: int) -> _Chosen:
-    """The steps that fit, those that are done before those that were undone."""
+    """Return the nearest steps that fit; undone ones only if all done ones do."""
     done, since, undone = history.steps()
     flows: dict[int, PackedFlow] = {}
     packed: dict[int, PackedDelta] = {}
@@ -231,29 +235,15 @@ def _nearest(history: UndoHistory, most_bytes: int) -> _Chosen:
 
     if not fits(since):
         return _Chosen([], Step(None, 0), [], {})
-    near_done = _while(fits, reversed(done))
-    near_undone = _while(fits, reversed(undone)) if len(near_done) == len(done) else []
+    near_done = list(itertools.takewhile(fits, reversed(done)))
+    near_undone: list[Step] = []
+    if len(near_done) == len(done):
+        near_undone = list(itertools.takewhile(fits, reversed(undone)))
     return _Chosen(near_done[::-1], since, near_undone, packed)
 
 
-def _while(fits: Callable[[Step], bool], steps: Iterator[Step]) -> list[Step]:
-    found = []
-    for step in steps:
-        if not fits(step):
-            break
-        found.append(step)
-    return found
-
-
-def _keys(surface: PaintedSurface, parts: Sequence[object]) -> dict[int, int]:
-    """Numbers of the layers in a file: by place, then of those that are not there now."""
-    now = surface.layers.state().keys if surface.layers is not None else ()
-    named = (key for part in parts if isinstance(part, StackState) for key in part.keys)
-    return {key: k for k, key in enumerate(dict.fromkeys([*now, *named]))}
-
-
-def _gone_layers(surface: PaintedSurface, keys: Mapping[int, int]) -> State:
-    """What is on the layers that are not there now."""
+def _gone_layers(surface: PaintedSurface, keys: Sequence[int]) -> State:
+    """Return the layers among `keys` that are not in the present stack, with their paint."""
     stack = surface.layers
     state: State = {"layers": []}
     if stack is None or len(keys) == len(stack):
@@ -268,7 +258,7 @@ def _gone_layers(surface: PaintedSurface, keys: Mapping[int, int]) -> State:
 
 
 def _columns(deltas: Sequence[PackedDelta], n_pigments: int) -> State:
-    """The arrays of K deltas."""
+    """Return the arrays of K deltas, as `undo_state` names them."""
     p = (n_pigments,)
     state: State = {
         **pack_arrays("vertices", [d.vertex_ids for d in deltas], np.int32),
@@ -283,7 +273,10 @@ def _columns(deltas: Sequence[PackedDelta], n_pigments: int) -> State:
         **pack_arrays("stations", [_wide(d.brush.reservoirs, *p) for d in deltas], np.float64, p),
         "load": _rows([_wide(d.brush.load[None], *p) for d in deltas], n_pigments),
         "off_surface": _rows([_wide(d.brush.off_surface[None], *p) for d in deltas], n_pigments),
-        "habit": _rows([_habit(d.brush) for d in deltas], len(BRUSH_TRANSFER)),
+        "habit": _rows(
+            [np.array(d.brush.transfer[BRUSH_TRANSFER].tolist()) for d in deltas],
+            len(BRUSH_TRANSFER),
+        ),
     }
     filters = all(d.dry.over[0].shape[1] for d in deltas)
     for k, name in enumerate(OVER if filters else ()):
@@ -292,12 +285,13 @@ def _columns(deltas: Sequence[PackedDelta], n_pigments: int) -> State:
 
 
 def _flow_columns(deltas: Sequence[PackedDelta], n_pigments: int) -> State:
-    places: dict[int, int] = {}
+    """Return the arrays of the flows of K deltas, each flow once."""
+    index_of: dict[int, int] = {}
     flows: list[PackedFlow] = []
     of = np.full(len(deltas), -1, np.int32)
     for k, delta in enumerate(deltas):
         if delta.flow is not None:
-            of[k] = places.setdefault(id(delta.flow), len(flows))
+            of[k] = index_of.setdefault(id(delta.flow), len(flows))
             if of[k] == len(flows):
                 flows.append(delta.flow)
     state: State = {
@@ -316,28 +310,25 @@ def _flow_columns(deltas: Sequence[PackedDelta], n_pigments: int) -> State:
 
 
 def _wide(array: AnyArray, n_pigments: int) -> AnyArray:
-    """An array (..., p) with a column for every pigment that is known now."""
+    """Return an array (K, p) with a column for every pigment known now."""
     return np.pad(array, ((0, 0), (0, n_pigments - array.shape[1])))
 
 
-def _habit(brush: BrushLoad) -> AnyArray:
-    return np.array(brush.transfer[BRUSH_TRANSFER].tolist())
-
-
 def _rows(arrays: Sequence[AnyArray], width: int) -> AnyArray:
+    """Stack rows of `width` columns; no rows give an array (0, width)."""
     return np.concatenate([np.empty((0, width)), *arrays])
 
 
 # ---- Reading -------------------------------------------------------------------------------------
-# The steps of an undo history out of a file that may come from a stranger.
+# Restoring the steps of an undo history from an untrusted file.
 #
-# Nothing is believed: a step that could not follow from the surface as it is, and from the steps
-# between, is refused. What `undo_state` wrote comes back to the bit.
+# Everything is verified: a step that could not follow from the present surface and the steps in
+# between is refused. What `undo_state` wrote is restored bit by bit.
 
 
 _MOST_STEPS = 1_000_000
 _MOST_FLOWS = 100_000
-_MOST_FLOW_ROWS = 1 << 28  # of all flows together, as they are checked
+_MOST_FLOW_ROWS = 1 << 28  # of all flows together, since checking unpacks them
 _ABOUT = {"name": str, "visible": bool, "locked": bool}
 
 ReadState = Mapping[str, Any]
@@ -351,23 +342,23 @@ def restore_undo(
     undone: Sequence[object],
     kept: Sequence[object],
 ) -> None:
-    """Let a new history have the steps of one that was saved with the surface.
+    """Give a new history the steps of one that was saved with the surface.
 
     Parameters
     ----------
     surface : PaintedSurface
     history : UndoHistory
     state : mapping
-        Of `undo_state`; it may come from a stranger: everything is checked before anything is done.
+        From `undo_state`; it is untrusted: everything is checked before the history is changed.
     done, undone : sequence
         Labels.
     kept : sequence
-        What the painter remembered, for each painting.
+        The painter's state with each painting.
 
     Raises
     ------
     SessionError
-        If the state is newer than this program, incomplete, or not that of this surface.
+        If the state is newer than this program, incomplete, or belongs to another surface.
     """
     try:
         version = state["version"]
@@ -388,15 +379,15 @@ def restore_undo(
             Step(label, 0, [*itertools.islice(parts, n)])
             for label, n in zip([*done, None, *undone], counts, strict=True)
         ]
-        ways = steps[: len(done)], steps[len(done)], steps[len(done) + 1 :]
-        _check_course(surface, *ways)
+        course = steps[: len(done)], steps[len(done)], steps[len(done) + 1 :]
+        _check_course(surface, *course)
     except SessionError:
         raise
     except (KeyError, TypeError, AttributeError, ValueError, IndexError) as cause:
         raise SessionError(f"they are incomplete near {cause}") from None
     except InputError as cause:
         raise SessionError(str(cause)) from None
-    history.resume(*ways)
+    history.resume(*course)
 
 
 def _parts(
@@ -405,7 +396,7 @@ def _parts(
     deltas: Sequence[PackedDelta],
     kept: Sequence[Any],
 ) -> Iterator[StackState | Painting]:
-    """The parts of all steps, in order."""
+    """Return the parts of all steps, in order."""
     if kinds.max(initial=-1) >= len(stacks) or kinds.min(initial=0) < -1:
         raise SessionError(f"a part is {kinds.min()} to {kinds.max()} of {len(stacks)} stacks")
     paintings = (Painting(d, k, d.n_bytes) for d, k in zip(deltas, kept, strict=True))
@@ -413,12 +404,12 @@ def _parts(
 
 
 def _layers(surface: PaintedSurface) -> LayerStack:
-    """The stack that the steps were made on.
+    """Return the stack that the steps were made on.
 
     Raises
     ------
     SessionError
-        If there is none.
+        If the surface has none.
     """
     if surface.layers is None:
         raise SessionError("the surface has no layers; expected those that the steps were made on")
@@ -426,7 +417,7 @@ def _layers(surface: PaintedSurface) -> LayerStack:
 
 
 def _stacks(surface: PaintedSurface, state: ReadState) -> list[StackState]:
-    """The stacks of layers, with the layers that are not there now added to what is known."""
+    """Return the saved stacks, after making layers outside the present stack known to it."""
     stack, about = _layers(surface), state["layers"]
     now = stack.state()
     keys = list(now.keys)
@@ -445,17 +436,17 @@ def _stacks(surface: PaintedSurface, state: ReadState) -> list[StackState]:
             restore_layer(surface, content, numbers)
     finally:
         stack.put(now)
-    found = []
+    stacks = []
     for own, active in state["stacks"]:
         whole = all(type(k) is int and 0 <= k < len(keys) for k in [*own, active])
         if not whole or active not in own or len(set(own)) < len(own):
             raise SessionError(f"layers {own!r:.60} are none of {len(keys)}")
-        found.append(StackState(tuple(keys[k] for k in own), keys[active]))
-    return found
+        stacks.append(StackState(tuple(keys[k] for k in own), keys[active]))
+    return stacks
 
 
 def _deltas(surface: PaintedSurface, state: ReadState, count: int) -> list[PackedDelta]:
-    """The K deltas, each checked by itself."""
+    """Return the K deltas, each checked by itself."""
     n, p = surface.n_vertices, (len(surface.pigments),)
 
     def column(name: str, dtype: type, shape: tuple[Any, ...] = ()) -> list[AnyArray]:
@@ -468,14 +459,12 @@ def _deltas(surface: PaintedSurface, state: ReadState, count: int) -> list[Packe
     load = as_array(state["load"], "load", (count, *p), np.float64, SessionError)
     off = as_array(state["off_surface"], "off_surface", (count, *p), np.float64, SessionError)
     shape = (count, len(BRUSH_TRANSFER))
-    own = as_array(state["habit"], "habit", shape, np.float64, SessionError)
+    habits = as_array(state["habit"], "habit", shape, np.float64, SessionError)
     transfers = np.repeat(surface.ink.transfer[None], count, axis=0)  # with the material's grain
-    for name, values in zip(BRUSH_TRANSFER, own.T, strict=True):
+    for name, values in zip(BRUSH_TRANSFER, habits.T, strict=True):
         transfers[name][:, 0] = values
-    brushes = [
-        BrushLoad(*held) for held in zip(load, off, column("stations", np.float64, p), transfers,
-                                       strict=True)
-    ]  # fmt: skip
+    stations = column("stations", np.float64, p)
+    brushes = [BrushLoad(*own) for own in zip(load, off, stations, transfers, strict=True)]
     bands = (N_BANDS,)
     bare = [np.empty((0, 0), np.uint16)] * count
     over = [
@@ -520,7 +509,7 @@ def _check_ink(
 
 
 class _Distinct:
-    """Checks numbers of vertices; the same array is looked at once."""
+    """Check that vertex numbers are valid and distinct; a shared array is checked once."""
 
     def __init__(self, n: int) -> None:
         self._n = n
@@ -554,7 +543,7 @@ def _check_delta(delta: PackedDelta, distinct: _Distinct) -> None:
 
 
 def _flows(surface: PaintedSurface, state: ReadState) -> list[PackedFlow]:
-    """The water of the steps."""
+    """Return the F flows of the steps, each checked."""
     sizes, names = _integers(state, "flow_size"), state["flow_names"]
     count, n, p = len(sizes), surface.n_vertices, len(surface.pigments)
     if count > _MOST_FLOWS or sizes.max(initial=0) > n or sizes.min(initial=0) < 0:
@@ -574,7 +563,7 @@ def _flows(surface: PaintedSurface, state: ReadState) -> list[PackedFlow]:
 
 
 def _checked(flow: PackedFlow, n: int, n_pigments: int) -> PackedFlow:
-    """A flow that water could leave, with the arrays that are known only."""
+    """Check that water could leave such a flow; return it without unknown arrays."""
     rows = flow.rows
     if len(rows) and (np.diff(rows) <= 0).any() | (rows[0] < 0) | (rows[-1] >= flow.n):
         raise SessionError("rows of a flow are not in order")
@@ -586,12 +575,12 @@ def _checked(flow: PackedFlow, n: int, n_pigments: int) -> PackedFlow:
     if len(known["vertices"]) != flow.n:
         raise SessionError(f"a flow of {flow.n} vertices has {len(known['vertices'])}")
     own = {name: flow.arrays[name] for name in known if name in flow.arrays}
-    missing = {name: known[name][rows] for name in known if name not in own}  # of older files
+    missing = {name: known[name][rows] for name in known if name not in own}  # from older files
     return PackedFlow(flow.n, rows, own | missing)
 
 
 class _SameNumbers:
-    """Numbers of vertices that are left as they are; see `VertexNumbers`."""
+    """The identity mapping of vertex numbers; see `VertexNumbers`."""
 
     @staticmethod
     def now(saved: AnyArray) -> AnyArray:
@@ -601,28 +590,28 @@ class _SameNumbers:
 def _check_course(
     surface: PaintedSurface, done: Sequence[Step], since: Step, undone: Sequence[Step]
 ) -> None:
-    """Go the steps back and forth with nothing but the numbers of dried vertices.
+    """Dry-run all steps back and forth on the numbers of dried vertices alone.
 
     Raises
     ------
     SessionError
-        Where what dried could not have been so.
+        If a step's dried rows do not follow from those before it.
     """
     numbers = saved_ids(surface.paint_mesh)
-    for way in ([since, *reversed(done)], [since, *reversed(undone)]):
+    for direction in ([since, *reversed(done)], [since, *reversed(undone)]):
         stack = _layers(surface)
         dried = {key: numbers[dry.vertex_ids] for key, dry in stack.dry_by_key().items()}
         active = stack.state().active
-        for step in way:
+        for step in direction:
             for part in reversed(step.parts):
                 if isinstance(part, StackState):
                     active = part.active
                 elif isinstance(part, Painting) and isinstance(part.delta, PackedDelta):
-                    dried[active] = _exchanged(dried[active], part.delta.dry)
+                    dried[active] = _exchange_ids(dried[active], part.delta.dry)
 
 
-def _exchanged(now: AnyArray, then: DryRows) -> AnyArray:
-    """(D',) dried vertices after an exchange with rows of another time."""
+def _exchange_ids(now: AnyArray, then: DryRows) -> AnyArray:
+    """Return the dried vertices (D',) after exchanging those of now (D,) with rows `then`."""
     rows, ids = then.rows, then.vertex_ids
     shared = rows < len(now)
     came = max(then.count - len(now), 0)

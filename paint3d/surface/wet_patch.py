@@ -1,4 +1,4 @@
-"""The wet part of a surface as a graph, with the water and the pigment on its nodes."""
+"""The wet part of a surface: the flow graph with water and pigment on its nodes."""
 
 from __future__ import annotations
 
@@ -25,48 +25,48 @@ _OF_NODES = (
     "place", "bare_held", "bare_ways",
 )  # fmt: skip
 _OF_PORES = ("residual", "strength", "sieve", "bare_held", "bare_ways")
-FIRST_PACE = 1.0 / 30.0  # s: the step where something came
+FIRST_PACE = 1.0 / 30.0  # s: the time step of a block after ink arrived
 
 
 class WetPatch:
-    """Nodes, their neighbours, and what is on them (N nodes, C vertices, P pigments, B blocks).
+    """Water and pigment on the flow graph (N nodes, C vertices, P pigments, B blocks, L links).
 
-    It reaches as far as something is wet, and a block further; what is there once stays. Arrays
-    may be longer than what they hold, and are 0 there.
+    The patch extends one block beyond what is wet, and never shrinks. Arrays have spare capacity at
+    their ends, which is 0.
 
     Attributes
     ----------
     graph : FlowGraph
     weights : (L,) float64
-        Those of the graph, with the grain in them.
+        Those of the graph times the conductance, which varies with grain and glue.
     totals, residual, strength, entry : (N,) float64
-        Of `surface.kernels.diffusion`, with the grain in them.
+        Of `surface.kernels.diffusion`, varied by the grain.
     sieve : (N,) float64
-        Potential from which on the pores let all pigment pass.
+        Potential above which the pores let all pigment pass.
     bare_held, bare_ways : (N,) float64
-        `held` and `ways` as they would be without glue.
+        `held` and `ways` (factors on the conductance) as they would be without glue.
     held : (N,) float64
-        Depth, mm, to which a dry node fills before water goes on.
+        Depth, mm, to which a dry node fills before water advances.
     water : (N,) float64
         Depth, mm.
     pigment : (N, P) float64
-        Coats times the covered share.
+        Coats times the covered fraction.
     fine : (N, P) float64
-        Of these, what no pore holds back.
+        The part of it that no pore holds back.
     mobility : (P,) float64
-        What the pores let pass of each pigment's other grains, over what they do of soot.
+        Mobility of each pigment's coarse grains in the pores, relative to soot.
     inside : (N,) float32
         See `kernels.diffusion.solve_edges`.
     soaked : (N,) float32
-        Greatest share of the node's area that was under water since it was last dry, 0 to 1.
+        Greatest fraction of the node's area that was under water since it was last dry, 0 to 1.
     changed : (N,) bool
         Nodes whose ink moved since it was handed back.
     owed : (B,) float32
-        Time that passed since each block's last step, s; infinite where there is no water.
+        Time since each block's last step, s; infinite where there is no water.
     pace : (B,) float32
-        The step that suits each block now, s.
+        The time step of each block, s.
     place : (N,) int32
-        Work, 0 between two steps.
+        Scratch, 0 between two steps.
     """
 
     residual: NDArray[np.float64]
@@ -101,13 +101,13 @@ class WetPatch:
         self._follow()
 
     def keep(self) -> dict[str, AnyArray]:
-        """What `restore` takes, vertex by vertex, where there is anything."""
+        """Return the state for `restore`, vertex by vertex, where it is not zero."""
         self._know_pigments()
         n, places = self.graph.n_nodes, self.graph.n_places
         holds = np.zeros(n, bool)
         for name in _KEPT:
-            held = getattr(self, name)[:n] != 0.0
-            holds |= held if held.ndim == 1 else held.any(axis=1)
+            nonzero = getattr(self, name)[:n] != 0.0
+            holds |= nonzero if nonzero.ndim == 1 else nonzero.any(axis=1)
         node = self.graph.node_of[:places]
         at = np.flatnonzero(holds[node] | self.written[:places].any(axis=1))
         node = node[at]
@@ -120,7 +120,7 @@ class WetPatch:
         }
 
     def clear(self) -> None:
-        """Take everything away."""
+        """Remove all water and pigment."""
         self._know_pigments()
         for name in _KEPT:
             getattr(self, name)[:] = 0.0
@@ -131,9 +131,9 @@ class WetPatch:
         self.owed[:], self.pace[:] = np.inf, FIRST_PACE
 
     def restore(self, kept: Mapping[str, AnyArray]) -> None:
-        """Take over what another patch kept, on the same vertices of the same surface."""
+        """Replace the state by one `kept` by a patch on the same surface."""
         ids = kept["vertices"]
-        self.graph.know(self.graph.cells_of(ids))  # the ways from there are found when needed
+        self.graph.know(self.graph.cells_of(ids))  # links are computed when needed
         self._follow()
         self.clear()
         place = self.graph.places(ids)
@@ -147,7 +147,7 @@ class WetPatch:
         self.owed[block], self.pace[block] = kept["owed"][wet], kept["pace"][wet]
 
     def fields(self, due: AnyArray, mobile: AnyArray, moved: AnyArray) -> WetFields:
-        """What a step of some blocks, `due` (B,) bool, knows; see there for the others."""
+        """Return the arrays for a step of blocks `due` (B,) bool; see `WetFields` for the rest."""
         graph = self.graph
         return WetFields(
             graph.first, graph.last, graph.links, self.weights, graph.area, graph.block,
@@ -161,42 +161,36 @@ class WetPatch:
         return bool(np.isfinite(self.owed).any())
 
     def wet_blocks(self) -> AnyArray:
-        """The blocks with water (K,), rising."""
+        """Return the blocks with water (K,), ascending."""
         return np.flatnonzero(np.isfinite(self.owed))
 
-    # -- what comes and goes ----------------------------------------------------------------
+    # -- exchange with the surface ----------------------------------------------------------
 
     def find_changed(self, fresh: AnyArray) -> AnyArray:
-        """Places of those of some vertices (N,) whose ink is not what was handed back."""
-        store = self._store
+        """Return the places of those vertices (N,) whose ink is not what was handed back."""
+        store, graph = self._store, self.graph
         self._know_pigments()
         self.see_glue()
-        fresh, place = self._news(fresh)
-        wet = store.ink.amounts[fresh].any(axis=1)
-        if (wet & ((place < 0) | ~self._is_open(place))).any():
-            self.reach(fresh[wet])
-            place = self.graph.places(fresh)
-        seen = np.zeros(self.graph.n_places, bool)
-        seen[place[place >= 0]] = True
-        at = np.flatnonzero(seen)
-        now = store.ink.amounts[self.graph.vertices[at]]
-        result: AnyArray = at[
-            (now != self.written[at]).any(axis=1)
-        ]  # most are what was handed back
-        return result
-
-    def _news(self, fresh: AnyArray) -> tuple[AnyArray, AnyArray]:
-        """Those of some vertices (N,) that are not what was handed back, and their places."""
-        graph, place = self.graph, self.graph.places(fresh)
+        place = graph.places(fresh)
         is_new = np.empty(len(fresh), bool)
         mark_news(
             fresh, place, graph.node_of, graph.block, graph.block_open, self.written,
-            self._store.ink.amounts, is_new,
+            store.ink.amounts, is_new,
         )  # fmt: skip
-        return fresh[is_new], place[is_new]
+        fresh, place = fresh[is_new], place[is_new]
+        wet = store.ink.amounts[fresh].any(axis=1)
+        if (wet & ((place < 0) | ~self._is_open(place))).any():
+            self.reach(fresh[wet])
+            place = graph.places(fresh)
+        seen = np.zeros(graph.n_places, bool)
+        seen[place[place >= 0]] = True
+        at = np.flatnonzero(seen)
+        now = store.ink.amounts[graph.vertices[at]]
+        result: AnyArray = at[(now != self.written[at]).any(axis=1)]
+        return result
 
     def take_up(self, at: AnyArray) -> None:
-        """Follow what happened to the ink at some places (N,); see `find_changed`."""
+        """Apply changes of the ink at places (N,) to water and pigment; see `find_changed`."""
         graph = self.graph
         now = self._store.ink.amounts[graph.vertices[at]]
         change = (now - self.written[at]).astype(np.float64)
@@ -209,7 +203,9 @@ class WetPatch:
         np.add.at(self.water, node, WET_COAT_MM * share * came)
         self._add_pigment(node, share[:, None] * change)
         self.written[at] = now
-        self._drop_water(node)
+        for column, pigment in enumerate(self._store.pigments):
+            if pigment is WATER:  # it is now depth of water, no longer an amount
+                self.pigment[node, column] = self.fine[node, column] = 0.0
         laid = node[came > 0.0]
         self.soaked[laid] = 1.0  # wetted by the brush
         self.entry[laid] = 0.0
@@ -221,7 +217,7 @@ class WetPatch:
         self.owed[block[np.isinf(self.owed[block])]] = 0.0
 
     def _add_pigment(self, node: AnyArray, change: AnyArray) -> None:
-        """Add pigment (N, P) to some nodes (N,), or take some away: of fine and coarse alike."""
+        """Add pigment (N, P) to nodes (N,), or remove it, fine and coarse in proportion."""
         came, before = np.maximum(change, 0.0), self.pigment[node]
         left = 1.0 + np.divide(change - came, before, out=np.zeros_like(came), where=before > 0)
         np.multiply.at(self.fine, node, np.clip(left, 0.0, 1.0))
@@ -232,6 +228,7 @@ class WetPatch:
         self.fine[node] = np.minimum(self.fine[node], self.pigment[node])
 
     def _know_pigments(self) -> None:
+        """Add columns for pigments that are new on the surface."""
         missing = len(self._store.pigments) - self.pigment.shape[1]
         if missing:
             for name in ("pigment", "fine", "written"):
@@ -242,14 +239,8 @@ class WetPatch:
         grains = np.array([pigment.grain_um for pigment in self._store.pigments], float)
         self.mobility = mobility_of(self.material, grains)
 
-    def _drop_water(self, nodes: AnyArray) -> None:
-        """Plain water has become depth: it is no longer an amount."""
-        for column, pigment in enumerate(self._store.pigments):
-            if pigment is WATER:
-                self.pigment[nodes, column] = self.fine[nodes, column] = 0.0
-
     def hand_back(self) -> None:
-        """Put the pigment back on the vertices, where it moved; ink that came since stays there."""
+        """Write pigment that moved back to the vertices; ink that came since stays there."""
         graph, count = self.graph, self.graph.n_places
         ids = np.empty(count, np.int32)
         n = give_back(
@@ -259,7 +250,7 @@ class WetPatch:
         self._store.touch(ids[:n])
 
     def dry(self, nodes: AnyArray) -> None:
-        """What is on some nodes (N,) has lost its water: it becomes a dry layer.
+        """Turn the pigment on nodes (N,), which have lost their water, into dried paint.
 
         Ink that came since is wet, and stays for `take_up`.
         """
@@ -283,26 +274,26 @@ class WetPatch:
         ink.coverage[ids] = np.where(came.any(axis=1), coverage, ink.coverage[ids])
         self.written[at] = 0.0
 
-    # -- where ------------------------------------------------------------------------------
+    # -- growth -----------------------------------------------------------------------------
 
     def _is_open(self, place: AnyArray) -> NDArray[np.bool_]:
-        """(N,) bool: whether the ways from some places (N,) are known."""
+        """Return whether places (N,) are in open blocks, (N,) bool; -1 is not."""
         graph = self.graph
-        here = place >= 0
-        found = np.zeros(len(place), bool)
-        found[here] = graph.block_open[graph.block[graph.node_of[place[here]]]]
-        return found
+        known = place >= 0
+        is_open = np.zeros(len(place), bool)
+        is_open[known] = graph.block_open[graph.block[graph.node_of[place[known]]]]
+        return is_open
 
     def reach(self, ids: AnyArray) -> None:
-        """Reach as far as some vertices (N,)."""
+        """Extend the patch to vertices (N,)."""
         cells = self.graph.cells_of(ids)
         self.graph.open(self.graph.blocks_of(cells))
         self._follow()
 
     def open_some(self, ids: AnyArray, most: int) -> tuple[AnyArray, AnyArray]:
-        """Reach as far as some vertices (N,) with ink, but open no more than so many new blocks.
+        """Extend the patch to vertices (N,) with ink, opening at most `most` new blocks.
 
-        Returns those whose ink can be taken up now, and those that have to wait.
+        Returns the vertices whose ink can be taken up now, and those that have to wait.
         """
         place = self.graph.places(ids)
         wanted = self._store.ink.amounts[ids].any(axis=1) & ~self._is_open(place)
@@ -314,15 +305,15 @@ class WetPatch:
         return ids[~waits], ids[waits]
 
     def open_wet(self, most: int) -> bool:
-        """Open so many new ones of the blocks with water; whether all are open now."""
+        """Open at most `most` new blocks with water; return whether all are open now."""
         wet = self.wet_blocks()
         return not len(self._open_of(wet[~self.graph.block_open[wet]], most))
 
     def _open_of(self, closed: AnyArray, most: int) -> AnyArray:
-        """Open those of some closed blocks (K,) that were open before, and so many more.
+        """Open those of closed blocks (K,) that were open on saving, and at most `most` others.
 
-        Returns those that stay closed. What was saved goes on as what it was saved from, where
-        the former were open.
+        Returns those that stay closed. Blocks that were open on saving do not count, so that a
+        restored painting goes on exactly as the saved one would have.
         """
         again = self.graph.was_open[closed]
         new = closed[~again]
@@ -330,12 +321,12 @@ class WetPatch:
         return new[most:]
 
     def open(self, blocks: AnyArray) -> None:
-        """Learn the ways in some blocks (K,)."""
+        """Open blocks (K,) of the graph."""
         self.graph.open(blocks)
         self._follow()
 
     def _follow(self) -> None:
-        """Know of the nodes and links that came to the graph."""
+        """Initialise the nodes and links that were added to the graph."""
         graph = self.graph
         for name in _OF_NODES:
             setattr(self, name, with_room(getattr(self, name), graph.n_nodes))
@@ -345,8 +336,17 @@ class WetPatch:
         self.totals = with_room(self.totals, graph.n_nodes)
         nodes = slice(self._n_nodes, graph.n_nodes)
         if self._n_nodes < graph.n_nodes:
-            self._find_pores(nodes)
-            self._share_areas(nodes)
+            # Pores vary with the grain, and with the glue that has dried in them.
+            spacing = float(self._store.paint_mesh.arrays.resolution)
+            pores = find_pores(graph.points[nodes], self.material, spacing)
+            self.residual[nodes], self.strength[nodes], self.sieve[nodes] = pores[:3]
+            self.bare_held[nodes], self.bare_ways[nodes] = pores.held, pores.ways
+            self._close_pores(np.arange(nodes.start, nodes.stop))
+            # Each vertex has the fraction of its node's area that is its own.
+            first = np.searchsorted(graph.node_of[: graph.n_places], nodes.start)
+            places = slice(int(first), graph.n_places)
+            areas = self._store.paint_mesh.vertex_areas[graph.vertices[places]]
+            self.share[places] = areas / graph.area[graph.node_of[places]]
         links = slice(self._n_links, graph.n_links)
         if self._n_links < graph.n_links:
             self._weigh_links(np.arange(links.start, links.stop))
@@ -355,24 +355,8 @@ class WetPatch:
             self.totals[: graph.n_nodes] += own
         self._n_nodes, self._n_links = graph.n_nodes, graph.n_links
 
-    def _share_areas(self, nodes: slice) -> None:
-        """Say what share of its node's area each vertex has."""
-        graph = self.graph
-        first = np.searchsorted(graph.node_of[: graph.n_places], nodes.start)
-        places = slice(int(first), graph.n_places)
-        areas = self._store.paint_mesh.vertex_areas[graph.vertices[places]]
-        self.share[places] = areas / graph.area[graph.node_of[places]]
-
-    def _find_pores(self, nodes: slice) -> None:
-        """Let pores and ways vary with the grain, and with what has dried there."""
-        spacing = float(self._store.paint_mesh.arrays.resolution)
-        pores = find_pores(self.graph.points[nodes], self.material, spacing)
-        self.residual[nodes], self.strength[nodes], self.sieve[nodes] = pores[:3]
-        self.bare_held[nodes], self.bare_ways[nodes] = pores.held, pores.ways
-        self._close_pores(np.arange(nodes.start, nodes.stop))
-
     def _close_pores(self, nodes: AnyArray) -> None:
-        """Let glue lie in the pores of some nodes (N,) as it has dried there."""
+        """Close the pores of nodes (N,) by the glue of the ink that has dried there."""
         store, graph = self._store, self.graph
         first = np.searchsorted(graph.node_of[: graph.n_places], nodes)
         row = store.dry_layers.rows_of(graph.vertices[first])
@@ -385,7 +369,7 @@ class WetPatch:
         self.entry[nodes] = np.where(self.soaked[nodes] >= 1.0, 0.0, entry)
 
     def see_glue(self) -> None:
-        """Close pores anew all over, where paint dried or was taken away by others."""
+        """Update all pores if dried paint was added or removed by other means than `dry`."""
         dry = self._store.dry_layers
         if (dry, dry.changes) == self._seen:
             return
@@ -395,7 +379,7 @@ class WetPatch:
         self._weigh(np.flatnonzero(self.ways != before))
 
     def _weigh(self, nodes: AnyArray) -> None:
-        """Weights of all links from and to some nodes (N,) whose ways have changed."""
+        """Update the weights of all links from and to nodes (N,) whose conductance has changed."""
         graph = self.graph
         if not len(nodes):
             return
@@ -407,6 +391,7 @@ class WetPatch:
         self.totals[owners] = np.bincount(place, self.weights[links], len(owners))
 
     def _weigh_links(self, links: AnyArray) -> None:
+        """Multiply weights by the harmonic mean of the conductance factors at both ends."""
         graph = self.graph
         start, end = self.ways[graph.owner[links]], self.ways[graph.links[links]]
         self.weights[links] = graph.weights[links] * (2.0 * start * end / (start + end))

@@ -1,11 +1,11 @@
-"""The form of a brush: its tuft as the model bends it, its handle, and its outline on the surface.
+"""The shape of a brush: its tuft as the model bends it, its handle, and its outline on the surface.
 
 Points are in the frame of the bend plane until they are placed: `along` from the root's foot to the
 tip, `up` along the plane's normal, `side` across (`brush_engine.tuft`). The sections are the
 papers' (Guo 2017, Eqs. 2, 3, 6): ellipses about the bent spine, wide across and thin in the bend
-plane. What lies on the surface is then brought into the outline that painting has there, which is
-another one where the tuft lies in a heap, or where its hairs lie otherwise; above, that fades
-towards the root. Hairs that have parted are drawn apart.
+plane. The part on the surface is then deformed to the painted outline, which differs where the tuft
+lies in a heap or its hairs are displaced; the deformation fades towards the root. Hairs that have
+parted are drawn apart.
 """
 
 from __future__ import annotations
@@ -59,15 +59,15 @@ __all__ = [
 ]
 
 AROUND = 44  # points around a section of the tuft, and of the handle
-_HAIR_RELIEF = (0.05, 0.2)  # of the radius, and mm at most: how far hairs stand out of a section
-_GATHERED = 0.5  # of the length from the root, over which the spread fades
-_POINTED = 0.07  # of the length: the more, the finer the tip of a tuft that hangs free
-_OUTLINE_POINTS = 33  # of either side, from the heel to the tip
-_TORN = 0.25  # mm: columns of two points that part farther are not joined
-_OWN_SECTION = 0.8  # mm that points part, until each has a section of its own
-_MOST_WIDENED = 12.0  # times: near the ends, where an outline of sections has no width
-_FOOT = 0.6  # mm over the plane: lower points are brought into the outline
-_LIFT = 0.12  # mm that the lowest hairs are drawn above the surface, not to flicker with it
+_HAIR_RELIEF = (0.05, 0.2)  # relief of hairs on a section: fraction of the radius, at most mm
+_GATHERED = 0.5  # fraction of the length from the root over which the spread fades
+_POINTED = 0.07  # fraction of the length: the larger, the finer the tip of a free tuft
+_OUTLINE_POINTS = 33  # on either side, from the heel to the tip
+_TORN = 0.25  # mm: columns of different points further apart than this are not joined
+_OWN_SECTION = 0.8  # mm between points at which each has a section of its own
+_MOST_WIDENED = 12.0  # greatest widening, near the ends, where the sections' outline has no width
+_FOOT = 0.6  # mm over the plane below which points are deformed to the outline
+_LIFT = 0.12  # mm of the lowest hairs above the surface, against z-fighting
 _HANDLE = (  # distance up the handle over the tuft's length, radius over the root's, material
     (-0.04, 1.00, 0), (-0.02, 1.10, 0), (0.10, 1.14, 0), (0.32, 1.02, 0), (0.34, 0.93, 0),
     (0.36, 0.86, 1), (0.60, 0.80, 1), (1.10, 0.78, 1), (1.12, 0.81, 2), (1.15, 0.81, 2),
@@ -80,7 +80,7 @@ _PARTS = np.array([[44, 30, 24], [196, 158, 104], [150, 108, 62]], np.float64)  
 
 @dataclass(frozen=True, eq=False)
 class BrushStand:
-    """How a brush stands somewhere: touching the surface, above it, or far from it.
+    """The pose of a brush: touching the surface, above it, or far from it.
 
     Attributes
     ----------
@@ -89,13 +89,13 @@ class BrushStand:
     axes : (3, 3) float64
         Rows: along, side and up of the bend plane.
     origin : (3,) float64
-        Where along and up are counted from, mm.
+        Origin of along and up, mm.
     descent, tilt, pressure : float
         mm, rad, 0 to 1.
     handle : (3,) float64
         Unit, up the handle.
     pressed : PressedTuft or None
-        How the tuft lies on the surface; None where it does not touch it.
+        The tuft on the surface; None if it does not touch it.
     """
 
     root: NDArray[np.float64]
@@ -111,7 +111,7 @@ class BrushStand:
     def of(
         cls, tuft: Tuft, root: AnyArray, axes: AnyArray, pressed: PressedTuft | None
     ) -> BrushStand:
-        """Return how the brush of a pose stands.
+        """Return the stand of a brush in a pose.
 
         Parameters
         ----------
@@ -121,7 +121,7 @@ class BrushStand:
         axes : (3, 3)
             Columns x, y, z of the pose: z is up the handle, x is the commanded bend.
         pressed : PressedTuft or None
-            How the tuft lies in that pose.
+            The tuft in that pose.
         """
         x, y, z = np.asarray(axes, np.float64).T
         if pressed is None:
@@ -139,17 +139,17 @@ class BrushStand:
         return self.pressed is not None
 
     def place(self, points: AnyArray) -> AnyArray:
-        """Points (..., 3), along, side and up, in the object's frame (mm)."""
+        """Transform points (..., 3) of along, side and up to the object's frame, mm."""
         return self.origin + points @ self.axes
 
     def outline(self) -> AnyArray:
-        """(N, 3) mm: the footprint's outline in the plane, all around; empty where none."""
+        """Return the closed outline (N, 3) of the footprint in the plane, mm; empty if none."""
         if self.pressed is None:
             return np.empty((0, 3))
         pressed = self.pressed
         even = np.linspace(pressed.heel, pressed.tip, PROFILE_CELLS + 1)
-        share = 0.5 - 0.5 * np.cos(np.linspace(0.0, np.pi, _OUTLINE_POINTS))
-        reach = pressed.heel + share * (pressed.tip - pressed.heel)
+        t = 0.5 - 0.5 * np.cos(np.linspace(0.0, np.pi, _OUTLINE_POINTS))  # denser at the ends
+        reach = pressed.heel + t * (pressed.tip - pressed.heel)
         half = np.interp(reach, even, pressed.half_widths)
         sides = np.concatenate([half[::-1], -half])
         along = np.concatenate([reach[::-1], reach])
@@ -157,14 +157,14 @@ class BrushStand:
 
 
 def tuft_rings(tuft: Tuft, stand: BrushStand) -> tuple[AnyArray, AnyArray]:
-    """The surface of the tuft, hair by hair.
+    """Return the surface of the tuft as rings.
 
     Returns
     -------
     points : (R, AROUND, 3) float64
         mm, the tip's ring first; a ring on the surface is flattened by it.
     arc : (R,) float64
-        How far up the tuft each ring is, 0 to 1.
+        Arc length of each ring from the tip, 0 to 1.
     """
     arc = tuft.arcs
     if stand.touches:
@@ -173,12 +173,12 @@ def tuft_rings(tuft: Tuft, stand: BrushStand) -> tuple[AnyArray, AnyArray]:
     else:
         along, up, angle = np.zeros_like(arc), arc, np.full_like(arc, 0.5 * np.pi)
     radius = 0.5 * tuft.diameters
-    if not stand.touches:  # wet hairs that hang free draw together to a point
-        share = arc / tuft.length
-        radius = radius * (1.0 + _POINTED) * share / (share + _POINTED)
+    if not stand.touches:  # free wet hairs gather to a point
+        t = arc / tuft.length
+        radius = radius * (1.0 + _POINTED) * t / (t + _POINTED)
     pressed = stand.pressed
-    lying = 0.0 if pressed is None else _lying(tuft, stand, (along, up, angle))
-    # In the model all but the last segment spread alike; what does not touch is drawn gathered.
+    lying = 0.0 if pressed is None else _lying_fraction(tuft, stand, (along, up, angle))
+    # In the model all but the last segment spread equally; the part in the air is drawn gathered.
     gathered = min(_GATHERED, 1.0 - lying)
     fade = np.clip((1.0 - arc / tuft.length) / gathered, 0.0, 1.0)
     fade = fade * fade * (3.0 - 2.0 * fade)
@@ -197,18 +197,20 @@ def tuft_rings(tuft: Tuft, stand: BrushStand) -> tuple[AnyArray, AnyArray]:
         axis=2,
     )
     if pressed is not None:
-        share = 1.0 - np.clip((arc / tuft.length - lying) / max(1.0 - lying, 1e-6), 0.0, 1.0)
-        share = share * share * (3.0 - 2.0 * share)
-        _bring_into_outline(points, share, _model_outline(tuft, stand), pressed)
-        _turn_to_handle(points, 1.0 - share, stand)
+        weight = 1.0 - np.clip((arc / tuft.length - lying) / max(1.0 - lying, 1e-6), 0.0, 1.0)
+        weight = weight * weight * (3.0 - 2.0 * weight)
+        _fit_to_outline(points, weight, _model_outline(tuft, stand), pressed)
+        _turn_to_handle(points, 1.0 - weight, stand)
         if pressed.clumps is not None:
             _part(points, arc / tuft.length, pressed.clumps)
         points[..., 2] = np.maximum(points[..., 2], _LIFT)
     return stand.place(points), arc / tuft.length
 
 
-def _lying(tuft: Tuft, stand: BrushStand, spine: tuple[AnyArray, AnyArray, AnyArray]) -> float:
-    """How far up the tuft its underside lies on the plane, 0 to 1."""
+def _lying_fraction(
+    tuft: Tuft, stand: BrushStand, spine: tuple[AnyArray, AnyArray, AnyArray]
+) -> float:
+    """Return the fraction of the tuft's length, from the tip, whose underside lies on the plane."""
     assert stand.pressed is not None, "it touches"
     _, up, angle = spine
     spread = 1.0 + stand.pressed.spread * stand.pressure
@@ -218,7 +220,7 @@ def _lying(tuft: Tuft, stand: BrushStand, spine: tuple[AnyArray, AnyArray, AnyAr
 
 
 def _model_outline(tuft: Tuft, stand: BrushStand) -> tuple[AnyArray, AnyArray]:
-    """Reach and half width (mm), heel first, of the outline that the sections make."""
+    """Return reach and half width (mm), heel first, of the outline of the model's sections."""
     reach, half = np.empty(OUTLINE_CAPACITY), np.empty(OUTLINE_CAPACITY)
     assert stand.pressed is not None, "it touches"
     driven = tuft._replace(spread=stand.pressed.spread)
@@ -227,10 +229,10 @@ def _model_outline(tuft: Tuft, stand: BrushStand) -> tuple[AnyArray, AnyArray]:
     return reach[:n][::-1], half[:n][::-1]
 
 
-def _bring_into_outline(
-    points: AnyArray, share: AnyArray, model: tuple[AnyArray, AnyArray], pressed: PressedTuft
+def _fit_to_outline(
+    points: AnyArray, weight: AnyArray, model: tuple[AnyArray, AnyArray], pressed: PressedTuft
 ) -> None:
-    """Move points (R, AROUND, 3) from the sections' outline to the one painted, by shares (R,)."""
+    """Deform rings (R, AROUND, 3) from the model's outline to the painted one, by weights (R,)."""
     reach, half = model
     if not len(reach):
         return
@@ -244,39 +246,40 @@ def _bring_into_outline(
     moved = pressed.heel + scale * (np.maximum(x, low) - low) + np.minimum(x - low, 0.0)
     foot = np.clip(1.0 - height / _FOOT, 0.0, 1.0) * (x >= low)
     times = whole + foot * (np.interp(x, even, np.minimum(wider, _MOST_WIDENED)) - whole)
-    points[..., 0] = x + share[:, None] * (moved - x)
-    points[..., 1] *= 1.0 + share[:, None] * (times - 1.0)
+    points[..., 0] = x + weight[:, None] * (moved - x)
+    points[..., 1] *= 1.0 + weight[:, None] * (times - 1.0)
 
 
-def _turn_to_handle(points: AnyArray, share: AnyArray, stand: BrushStand) -> None:
-    """Turn sections (R, AROUND, 3) about their middles, by shares (R,), to stand in the handle.
+def _turn_to_handle(points: AnyArray, weight: AnyArray, stand: BrushStand) -> None:
+    """Rotate sections (R, AROUND, 3) about their middles towards the handle, by weights (R,).
 
-    The model bends a tuft in one plane, which a handle that leans to its side does not lie in: the
-    spine stays where it is, and the section at the root comes to fit the ferrule.
+    The model bends a tuft in one plane, which does not contain a handle that leans sideways: the
+    spine stays in place, and the section at the root is made to fit the ferrule.
     """
     root = np.array([-np.cos(stand.tilt), 0.0, np.sin(stand.tilt)])
     handle = stand.axes @ stand.handle
     axis = cross(root, handle)
     sine, cosine = float(np.linalg.norm(axis)), float(root @ handle)
-    turned = np.flatnonzero(share > 0.0)
+    turned = np.flatnonzero(weight > 0.0)
     if sine < 1e-6 or not len(turned):
         return
     axis /= sine
-    angle = (share[turned] * np.arctan2(sine, cosine))[:, None, None]
+    angle = (weight[turned] * np.arctan2(sine, cosine))[:, None, None]
     middle = points[turned].mean(axis=1, keepdims=True)
     arm = points[turned] - middle
     x, y, z = axis
     across = arm @ np.array([[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]])  # axis x arm
     along = (arm @ axis)[..., None] * axis
+    # Rodrigues' rotation formula
     points[turned] = middle + along + np.cos(angle) * (arm - along) + np.sin(angle) * across
 
 
 def _part(points: AnyArray, arc: AnyArray, clumps: Clumps) -> None:
-    """Draw hairs (R, AROUND, 3) to the middles of their clumps and points, within the outline.
+    """Pull hairs (R, AROUND, 3) to the middles of their clumps and points, within the outline.
 
-    As `brush_engine.bristles.bend` moves hairs, by how far up the tuft rings are (R,); and the bend
-    that stays is counted from the tip, where the stamp has it. Points come to have sections of
-    their own.
+    As `brush_engine.bristles.bend` moves hairs, by the arc length of their rings (R,); the
+    permanent bend is measured from the tip, where the stamp has it. Points get sections of their
+    own.
     """
     free = 1.0 - arc
     points[..., 1] += (clumps.set_y * (free * free - 1.0))[:, None]
@@ -292,8 +295,8 @@ def _part(points: AnyArray, arc: AnyArray, clumps: Clumps) -> None:
 
 
 def _pulls(clumps: Clumps) -> tuple[AnyArray, AnyArray, AnyArray]:
-    """Of each column: how far it goes aside, in half widths of the tuft; where in its point it is,
-    -1 to 1; and whether the next one belongs to another point (AROUND,)."""
+    """Return the displacement of each column (AROUND,), in half widths of the tuft; its position in
+    its point, -1 to 1; and whether the next column belongs to another point."""
     even = _even_places()
     cells = clumps.middles.shape[1]
     cell = np.minimum(cells - 1, ((even + 1.0) * 0.5 * cells).astype(int))
@@ -310,7 +313,7 @@ def _pulls(clumps: Clumps) -> tuple[AnyArray, AnyArray, AnyArray]:
 
 @cache
 def _even_places() -> AnyArray:
-    """(AROUND,): where hairs of each column lie across the tuft when they lie evenly, -1 to 1."""
+    """Return the positions (AROUND,) of columns across an evenly spread tuft, -1 to 1."""
     b = np.sin(2.0 * np.pi * np.arange(AROUND) / AROUND)
     side = np.minimum(np.abs(b), 1.0)
     even = np.arcsin(side) + side * np.sqrt(1.0 - side * side)
@@ -320,12 +323,12 @@ def _even_places() -> AnyArray:
 
 @cache
 def _hair_noise() -> AnyArray:
-    """(AROUND,) in [0, 1]: which hairs stand out, always the same."""
+    """Return the relief (AROUND,) of each column of hairs in [0, 1], always the same."""
     return np.random.default_rng(5).random(AROUND)
 
 
 def handle_rings(tuft: Tuft, stand: BrushStand) -> tuple[AnyArray, AnyArray]:
-    """The ferrule and the handle.
+    """Return the ferrule and the handle as rings.
 
     Returns
     -------
@@ -334,7 +337,7 @@ def handle_rings(tuft: Tuft, stand: BrushStand) -> tuple[AnyArray, AnyArray]:
         sRGB, 0 to 255.
     """
     profile = np.array(_HANDLE)
-    length = min(max(tuft.length, 22.0), 46.0)  # a small brush's handle is no toy
+    length = min(max(tuft.length, 22.0), 46.0)  # keeps a small brush's handle of a real size
     thick = 0.5 * max(tuft.diameters[-1], 0.14 * length)
     ahead = np.array([1.0, 0.0, 0.0]) if abs(stand.handle[0]) < 0.9 else np.array([0.0, 1.0, 0.0])
     x = cross(stand.handle, ahead)
@@ -353,7 +356,7 @@ def handle_rings(tuft: Tuft, stand: BrushStand) -> tuple[AnyArray, AnyArray]:
 
 @cache
 def grid_faces(rows: int, columns: int = AROUND) -> NDArray[np.int32]:
-    """(L, 3) int32: triangles between rings, which close around; always the same array."""
+    """Return the triangles (L, 3) int32 between closed rings; always the same array."""
     ring = np.arange(columns)
     after = (ring + 1) % columns
     below = columns * np.arange(rows - 1)[:, None]
@@ -364,7 +367,7 @@ def grid_faces(rows: int, columns: int = AROUND) -> NDArray[np.int32]:
 
 
 def torn_faces(tuft: Tuft, pressed: PressedTuft) -> NDArray[np.int32] | None:
-    """Triangles between a tuft's rings but for those where it has split in points; None: all."""
+    """Return the triangles between a tuft's rings, without those across splits; None: all."""
     clumps = pressed.clumps
     if clumps is None:
         return None
@@ -381,26 +384,25 @@ def torn_faces(tuft: Tuft, pressed: PressedTuft) -> NDArray[np.int32] | None:
 
 
 def grid_normals(points: AnyArray) -> NDArray[np.float32]:
-    """(R, AROUND, 3) float32: unit normals of rings of points, outward."""
+    """Return outward unit normals (R, AROUND, 3) float32 of rings of points."""
     normals = np.empty(points.shape, np.float32)
     ring_normals(np.ascontiguousarray(points, np.float64), normals)
     return normals
 
 
 # ---- Single hairs --------------------------------------------------------------------------------
-# The single hairs of a tuft as lines, where the tuft's form in the picture has them.
+# The single hairs of a tuft as lines that follow the shape of the tuft.
 #
 # Hairs stand in the ferrule as `paint3d.brush.bristles` places them; along the tuft each keeps its
-# place in the section, so that it follows the form's rings (`view.brush_shape`), bent, spread,
-# parted and laid on the surface as these are. A hair that is shorter than the longest ends above
-# the tip.
+# position in the section, so that it is bent, spread, parted and laid on the surface as the tuft's
+# rings are. A hair that is shorter than the longest ends above the tip.
 
 
 MOST_LINES = 400
-"""Hairs that are drawn of more, evenly over the section."""
+"""Greatest number of hairs drawn, evenly chosen over the section."""
 
 _STATIONS = 11  # points of a line
-_CROWDED = 1.6  # towards the tip, where hairs bend most
+_CROWDED = 1.6  # exponent that crowds them towards the tip, where hairs bend most
 
 
 class SingleHairs:
@@ -411,14 +413,14 @@ class SingleHairs:
     tuft : Tuft
     bristles : Bristles
     around : int
-        Points of a ring of the tuft's form.
+        Points of a ring of the tuft.
 
     Attributes
     ----------
     count : int
-        Lines that are drawn.
+        Number of lines.
     line_mm : float
-        How wide a line is, mm: as a hair, or as those that it stands for side by side.
+        Width of a line, mm: that of the hairs it stands for, side by side.
     """
 
     def __init__(self, tuft: Tuft, bristles: Bristles, around: int) -> None:
@@ -447,12 +449,12 @@ class SingleHairs:
         self._inner = (1.0 - out).astype(np.float32)[..., None]
 
     def points(self, rings: AnyArray) -> tuple[AnyArray, AnyArray]:
-        """Points of the lines and the way out of the tuft there.
+        """Return the points of the lines, and outward directions there.
 
         Parameters
         ----------
         rings : (R, around, 3)
-            The tuft's form, the tip's ring first, mm.
+            The tuft, the tip's ring first, mm.
 
         Returns
         -------
@@ -472,13 +474,13 @@ class SingleHairs:
 
 
 # ---- Pictures of a brush -------------------------------------------------------------------------
-# Pictures of a brush: the footprints of its presses, and a stroke painted by the engine itself.
+# The footprints of a brush at several pressures, and a stroke painted by the engine itself.
 
 
 Ink = str | Pigment
 
 PRESSES = (0.15, 0.4, 0.7, 1.0)
-"""Pressures whose footprints are drawn."""
+"""Pressures at which footprints are drawn."""
 
 _COLUMNS, _ROWS = 264, 84
 _SHEET_LENGTHS = 4.4  # tuft lengths across the sheet
@@ -486,7 +488,7 @@ _SAMPLES = 90
 _PRESS = np.array([0.0, 0.62, 0.40, 0.36, 0.50, 0.78, 0.68, 0.34, 0.08, 0.0])
 _NO_TURN = np.array([1.0, 0.0, 0.0, 0.0])
 _PAPER, _INK = np.array([250, 248, 243]), np.array([42, 40, 44])
-_FINER = 4  # pixels of a side that one of the picture is the mean of
+_FINER = 4  # supersampling along each axis
 
 
 def draw_stroke(
@@ -495,7 +497,7 @@ def draw_stroke(
     material: str | Material = "xuan",
     columns: int = _COLUMNS,
 ) -> NDArray[np.uint8]:
-    """(H, W, 3) uint8: one stroke from left to right, pressed twice and lifted slowly.
+    """Paint a stroke from left to right, pressed twice and lifted slowly: (H, W, 3) uint8.
 
     Cost: 0.1 s at 264 columns, and the brush's table the first time.
 
@@ -504,7 +506,7 @@ def draw_stroke(
     brush : BrushSpec
     ink : str, Pigment, or mapping of these to parts
     material : str or Material
-        Of the sheet, which is 4.4 tufts wide.
+        Of the sheet, which is 4.4 tuft lengths wide.
     columns : int
         W; H is 84 / 264 of it.
 
@@ -543,22 +545,19 @@ def _samples(brush: BrushSpec, width: float) -> list[DeviceSample]:
     y = 0.055 * width * np.sin(1.9 * np.pi * t)
     samples = []
     for k in range(_SAMPLES):
-        place = np.array([x[k], y[k], brush.length_mm])
-        samples.append(
-            DeviceSample(
-                8_000_000 * (k + 1), place, _NO_TURN, float(pressure[k]), 0, np.zeros(3), _NO_TURN
-            )
-        )
+        position = np.array([x[k], y[k], brush.length_mm])
+        time_ns, press = 8_000_000 * (k + 1), float(pressure[k])
+        samples.append(DeviceSample(time_ns, position, _NO_TURN, press, 0, np.zeros(3), _NO_TURN))
     return samples
 
 
 def draw_footprints(
     brush: BrushSpec, columns: int = 240, presses: Sequence[float] = PRESSES
 ) -> NDArray[np.uint8]:
-    """(W, W, 3) uint8: the footprints of an upright brush, each over the larger ones.
+    """Draw the footprints of an upright brush, each over the larger ones: (W, W, 3) uint8.
 
-    The tip is on the left. The picture is 1.3 tufts wide, of every brush, so that two of one length
-    can be compared.
+    The tip is on the left. The picture is 1.3 tuft lengths wide, so that brushes of one length can
+    be compared.
 
     Parameters
     ----------
@@ -566,12 +565,12 @@ def draw_footprints(
     columns : int
         W.
     presses : sequence of float
-        Pressures, 0 to 1, that rise.
+        Ascending pressures, 0 to 1.
     """
     tuft = build_tuft(brush)
     n = _FINER * columns
     half = 0.65 * brush.length_mm
-    place = (np.arange(n) + 0.5) / n * 2.0 * half - half
+    position = (np.arange(n) + 0.5) / n * 2.0 * half - half
     shade = np.zeros((n, n))
     deepest = greatest_descent(tuft, 0.5 * math.pi)
     for k, pe in reversed(list(enumerate(presses))):
@@ -580,16 +579,16 @@ def draw_footprints(
         if footprint.is_empty:
             continue
         reach, width = footprint.reach[::-1], footprint.half_width[::-1]
-        # the picture's middle is half way between the root's foot and the deepest press's tip
-        along = 0.25 * brush.length_mm - place
+        # The picture's middle is half way between the root's foot and the tip at full pressure.
+        along = 0.25 * brush.length_mm - position
         across = np.interp(along, reach, width, left=-1.0, right=-1.0)
-        shade[np.abs(place)[:, None] < across[None, :]] = 1.0 - 0.8 * k / len(presses)
+        shade[np.abs(position)[:, None] < across[None, :]] = 1.0 - 0.8 * k / len(presses)
     mean = shade.reshape(columns, _FINER, columns, _FINER).mean(axis=(1, 3))[..., None]
     return np.asarray(np.rint(_PAPER + mean * (_INK - _PAPER)), np.uint8)
 
 
 def draw_brush(brush: BrushSpec, ink: Ink | Mapping[Ink, float], rows: int = 240) -> AnyArray:
-    """(H, W, 3) uint8: footprints on the left, a stroke on xuan on the right."""
+    """Draw footprints on the left and a stroke on xuan on the right: (H, W, 3) uint8."""
     stroke = draw_stroke(brush, ink, columns=round(rows * _COLUMNS / _ROWS))[:rows]
     picture: AnyArray = np.concatenate([draw_footprints(brush, len(stroke)), stroke], axis=1)
     return picture

@@ -1,4 +1,4 @@
-"""Where the picture is taken from: the painted side, found, and the camera fitted to the object."""
+"""Camera placement: find the painted side, and fit a camera to the object."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ __all__ = [
     "vertex_areas",
 ]
 
-VIEW_ANGLE = np.radians(24.0)  # a long lens: little perspective, as product pictures are taken
-FILL = 0.80  # share of the frame's half-width or half-height that the object may take
+VIEW_ANGLE = np.radians(24.0)  # a long lens: little perspective, as in product photography
+FILL = 0.80  # fraction of the frame's half-width or half-height that the object may fill
 FLAT_FILL = 0.92
 FLAT_RATIO = 0.05  # thickness over length below which an object counts as a sheet
-PAINT_STEP = 12  # sRGB steps from the bare colour from which a vertex counts as painted
-LEVEL_RATIO = 0.3  # level over upright part of a normal below which it points up, or down
-LOWEST, HIGHEST, RAISED = np.radians([16.0, 58.0, 14.0])
+PAINT_STEP = 12  # least difference from the bare colour, sRGB steps, of a painted vertex
+LEVEL_RATIO = 0.3  # horizontal over vertical part of a normal below which it points up or down
+LOWEST, HIGHEST, RAISED = np.radians([16.0, 58.0, 14.0])  # elevations: bounds, and offset
 Z_AXIS = np.array([0.0, 0.0, 1.0])
 
 
@@ -42,7 +42,7 @@ class View:
     direction : (3,) array_like
         From the object toward the camera, in the object's frame; any length but 0.
     up : (3,) array_like
-        What points up in the picture; the ground lies across it. Not parallel to `direction`.
+        Up in the picture, normal to the ground. Not parallel to `direction`.
     zoom : float
         1 fills the frame with the object, 2 shows half of it; 0.1 to 20.
 
@@ -56,7 +56,7 @@ class View:
     up: NDArray[np.float64] = (0.0, 0.0, 1.0)  # type: ignore[assignment]  # made an array below
     zoom: float = 1.0
 
-    if TYPE_CHECKING:  # what it takes is more than what it holds
+    if TYPE_CHECKING:  # the constructor accepts more types than the fields hold
 
         def __init__(
             self, direction: ArrayLike, up: ArrayLike = ..., zoom: float = 1.0
@@ -82,9 +82,9 @@ class Camera:
     view_angle: float
 
 
-@lru_cache(maxsize=4)  # asked for with every move of a pen
+@lru_cache(maxsize=4)  # called with every move of a pen
 def picture_axes(camera: Camera) -> tuple[AnyArray, AnyArray, AnyArray]:
-    """Unit vectors right and up in the picture, and back towards the viewer; read-only.
+    """Return unit vectors right and up in the picture, and back towards the viewer; read-only.
 
     Raises
     ------
@@ -107,7 +107,7 @@ def vertex_areas(vertices: AnyArray, faces: AnyArray) -> NDArray[np.float64]:
 
 
 def is_flat(vertices: AnyArray) -> bool:
-    """Return whether the object is a sheet: far thinner than long, in whatever direction."""
+    """Return whether the object is a sheet: far thinner than long, in any orientation."""
     spread = vertices - vertices.mean(axis=0, dtype=np.float64)
     axes = np.linalg.eigh(spread.T @ spread)[1]
     extents = np.ptp(spread @ axes, axis=0)
@@ -117,10 +117,10 @@ def is_flat(vertices: AnyArray) -> bool:
 def find_view(
     vertices: AnyArray, normals: AnyArray, srgb: NDArray[np.uint8], areas: AnyArray
 ) -> View:
-    """Return the view onto the painted side, from slightly above; a sheet is looked at squarely.
+    """Return the view onto the painted side, from slightly above; a sheet is viewed squarely.
 
-    Painted are the vertices that differ from the colour covering the largest area. Without paint
-    the object is seen from the front (-y).
+    A vertex is painted if it differs from the colour covering the largest area. Without paint the
+    object is viewed from the front (-y).
 
     Parameters
     ----------
@@ -155,7 +155,7 @@ def fit_camera(vertices: AnyArray, view: View, aspect: float) -> Camera:
     tall = np.tan(VIEW_ANGLE / 2) * (FLAT_FILL if is_flat(vertices) else FILL)
     wide = tall * aspect
     cx, cy = (x.max() + x.min()) / 2, (y.max() + y.min()) / 2
-    for _ in range(8):  # the middle of what is seen moves with the distance, and back
+    for _ in range(8):  # centre and distance depend on each other: iterate
         eye = np.max(z + np.maximum(np.abs(x - cx) / wide, np.abs(y - cy) / tall))
         depth = eye - z
         seen_x, seen_y = (x - cx) / depth, (y - cy) / depth
@@ -170,8 +170,8 @@ def fit_camera(vertices: AnyArray, view: View, aspect: float) -> Camera:
 def studio_axes(vertices: AnyArray, view: View) -> NDArray[np.float64]:
     """Return rows right, away from the camera and up: the studio's axes in the object's frame.
 
-    Up is the view's; under a sheet that is looked at from above it is the sheet's normal, so that
-    the sheet lies on the ground.
+    Up is the view's; for a sheet viewed from above it is the sheet's normal, so that the sheet lies
+    on the ground.
     """
     up = view.up
     if is_flat(vertices):
@@ -184,11 +184,13 @@ def studio_axes(vertices: AnyArray, view: View) -> NDArray[np.float64]:
 
 
 def _thin_axis(vertices: AnyArray) -> NDArray[np.float64]:
+    """Return the axis (3,) of least variance: a sheet's normal, of either sign."""
     spread = vertices - vertices.mean(axis=0, dtype=np.float64)
     return np.linalg.eigh(spread.T @ spread)[1][:, 0]
 
 
 def _paint_weights(srgb: AnyArray, areas: AnyArray) -> NDArray[np.float64]:
+    """Return area times difference from the bare colour of painted vertices (V,), else 0."""
     packed = srgb.astype(np.int64) @ np.array([65536, 256, 1])
     colours, index = np.unique(packed, return_inverse=True)
     bare = colours[np.argmax(np.bincount(index, areas))]
@@ -205,8 +207,9 @@ def _sheet_view(vertices: AnyArray, facing: AnyArray) -> View:
 
 
 def _raised_view(facing: AnyArray) -> View:
+    """Return the view onto a side that faces (3,), raised by `RAISED` within bounds."""
     level = np.hypot(facing[0], facing[1])
-    if level <= LEVEL_RATIO * abs(facing[2]) or level < 1e-12:  # no side: upright, from the front
+    if level <= LEVEL_RATIO * abs(facing[2]) or level < 1e-12:  # faces up or down: from the front
         upward = HIGHEST if facing[2] > 0 else LOWEST
         facing, level = np.array([0.0, -1.0, np.tan(upward - RAISED)]), 1.0
     elevation = np.clip(np.arctan2(facing[2], level) + RAISED, LOWEST, HIGHEST)

@@ -1,10 +1,10 @@
-"""Light that reaches each point, with soft shadows: depth maps of the object from many sides.
+"""Irradiance with soft shadows, by shadow maps of the object from many directions.
 
 A point is lit from a direction if nothing of the object lies nearer to the light on the line
 through it. Each of the studio's directions gets a depth map of samples spread evenly over the
-surface; a point looks itself up, moved off the surface by `OFFSET` cells so that it does not shade
-itself. Sums over many directions give soft shadows and ambient occlusion that, unlike screen-space
-occlusion, do not depend on where the camera stands.
+surface; a point is looked up in it after moving it off the surface by `OFFSET` cells, so that it
+does not shadow itself. Sums over many directions give soft shadows and ambient occlusion that,
+unlike screen-space occlusion, do not depend on the camera.
 """
 
 from __future__ import annotations
@@ -22,17 +22,17 @@ from paint3d.view.studio import Sun
 __all__ = ["Ground", "Occluder", "light_ground", "light_points"]
 
 CELLS = 224  # across a depth map: 0.9 mm on a bowl of 200 mm
-SAMPLES = 400_000  # 8 a cell of the map, so that a hole is met once in thousands of cells
-OFFSET = 1.6  # cells
+SAMPLES = 400_000  # 8 per cell of the map, so that only one cell in thousands is a hole
+OFFSET = 1.6  # cells off the surface, against self-shadowing
 GROUND_CELLS = 420
-GROUND_BLURS = 3.0, 7.0  # cells, in the deepest shade and elsewhere: joins neighbouring lights
-SHARP_BELOW = 0.3  # openness below which the shade is drawn sharper
+GROUND_BLURS = 3.0, 7.0  # cells, in the deepest shadow and elsewhere: merges single lights
+SHARP_BELOW = 0.3  # openness below which the shadow is blurred less
 GAP = 0.004  # radii from the lowest point down to the floor: a sheet must not sink into it
-GROUND_HALF = 3.0  # half-width of the shaded ground, in radii of the object
+GROUND_HALF = 3.0  # half-width of the shadowed ground, in radii of the object
 
 
 class Occluder:
-    """The object as something that casts shadows.
+    """The object as a caster of shadows.
 
     Parameters
     ----------
@@ -69,30 +69,27 @@ class Occluder:
         floor = Floor(ground.openness, x, y, z, ground.half)
         for sun in suns:
             light = Light(sun.irradiance, 4 * sun.share)
-            depth_map = self._toward(sun.direction)
+            depth_map = self._depth_map(sun.direction)
             add_sunlight(points, normals, lift, depth_map, light, floor, lit, hidden)
         return lit, hidden
 
-    def _toward(self, direction: NDArray[np.float64]) -> DepthMap:
-        """What a light from there meets first; kept, since the floor and the object ask for it."""
+    def _depth_map(self, direction: NDArray[np.float64]) -> DepthMap:
+        """Return the depth map seen from a light; cached, as floor and object both need it."""
         key = direction.tobytes()
         if key not in self._depth_maps:
+            u = np.cross(direction, np.eye(3)[np.argmin(np.abs(direction))])
+            u /= np.linalg.norm(u)
+            axes = np.stack([u, np.cross(direction, u), direction])
             depth = np.empty((CELLS, CELLS), dtype=np.float32)
-            depth_map = DepthMap(self.centre, _axes_toward(direction), 1 / self.cell, depth)
+            depth_map = DepthMap(self.centre, axes, 1 / self.cell, depth)
             fill_depth_map(self.points, depth_map)
             self._depth_maps[key] = depth_map
         return self._depth_maps[key]
 
 
-def _axes_toward(direction: AnyArray) -> NDArray[np.float64]:
-    u = np.cross(direction, np.eye(3)[np.argmin(np.abs(direction))])
-    u /= np.linalg.norm(u)
-    return np.stack([u, np.cross(direction, u), direction])
-
-
 @dataclass(frozen=True)
 class Ground:
-    """The floor under the object: `openness` (N, N) is its light over that of the free floor.
+    """The floor under the object: `openness` (N, N) is its light over that of an empty floor.
 
     Cell [i, j] lies at (-half + (j + 1/2) step, -half + (i + 1/2) step) from `origin`, studio axes.
     """
@@ -107,23 +104,19 @@ def light_ground(occluder: Occluder, suns: list[Sun]) -> Ground:
     half = GROUND_HALF * occluder.radius
     floor = occluder.points[:, 2].min() - GAP * occluder.radius
     origin = np.array([occluder.centre[0], occluder.centre[1], floor], dtype=np.float64)
-    free = Ground(origin, half, np.ones((1, 1)))
+    empty = Ground(origin, half, np.ones((1, 1)))
     ticks = ((np.arange(GROUND_CELLS) + 0.5) / GROUND_CELLS * 2 - 1) * half
     x, y = np.meshgrid(ticks + origin[0], ticks + origin[1])
     points = np.stack([x, y, np.full_like(x, floor)], axis=-1).reshape(-1, 3).astype(np.float32)
     normals = np.tile(np.array([0, 0, 1], np.float32), (len(points), 1))
     above = [sun for sun in suns if sun.direction[2] > 0]
-    lit = occluder.shine(above, points, normals, 0.0, free)[0].mean(axis=1)
+    lit = occluder.shine(above, points, normals, 0.0, empty)[0].mean(axis=1)
     full = sum(sun.irradiance.mean() * sun.direction[2] for sun in above)
-    return Ground(origin, half, _smooth_shade((lit / full).reshape(GROUND_CELLS, GROUND_CELLS)))
-
-
-def _smooth_shade(openness: AnyArray) -> NDArray[np.float64]:
-    """Blur the shade, least where it is darkest: under the object, where contact is seen."""
-    near, far = (gaussian_filter(openness, blur, mode="nearest") for blur in GROUND_BLURS)
-    dark = np.clip((SHARP_BELOW - far) / SHARP_BELOW * 2, 0, 1)
-    result: NDArray[np.float64] = far + dark * (near - far)
-    return result
+    openness = (lit / full).reshape(GROUND_CELLS, GROUND_CELLS)
+    # Blur least where the shadow is darkest: under the object, where contact is visible.
+    sharp, soft = (gaussian_filter(openness, blur, mode="nearest") for blur in GROUND_BLURS)
+    dark = np.clip((SHARP_BELOW - soft) / SHARP_BELOW * 2, 0, 1)
+    return Ground(origin, half, soft + dark * (sharp - soft))
 
 
 def light_points(
@@ -136,14 +129,15 @@ def light_points(
 ) -> NDArray[np.float64]:
     """Return the (N, 3) irradiance over pi at points of the surface.
 
-    What the object hides from a point sends light as well: it is taken to shine with the mean
-    light of all points times `albedo`, one bounce, so that a white bowl glows inside.
+    The parts of the object that block a point's sky reflect light themselves: they are taken to
+    shine with the mean light of all points times `albedo`, one bounce, so that a white bowl glows
+    inside.
 
     Parameters
     ----------
     occluder : Occluder
     ground : Ground
-        The floor, whose shade darkens the light from below.
+        The floor, whose shadow darkens the light from below.
     suns : list of Sun
     points, normals : (N, 3) float32 arrays, studio axes
     albedo : float

@@ -1,4 +1,4 @@
-"""Films: pictures one after the other, in a file."""
+"""Video files, and the recording of how a painting came about."""
 
 from __future__ import annotations
 
@@ -37,31 +37,31 @@ __all__ = [
 ]
 
 # ---- MP4 -----------------------------------------------------------------------------------------
-# Films as .mp4, H.264: packed by FFmpeg, which runs as a program of its own beside this one.
+# H.264 in .mp4, encoded by FFmpeg as a separate process.
 #
-# Its licence is the GPL in most builds, so that no library of it is loaded here. It is the one that
-# comes with the package imageio-ffmpeg (BSD), else the one of the system.
+# Most builds of FFmpeg are under the GPL, so none of its libraries is loaded. The program is the
+# one that comes with the package imageio-ffmpeg (BSD), else that of the system.
 
 
-_ENCODERS = {  # by preference; how each is told to lose little
+_ENCODERS = {  # in order of preference, with options for high quality
     "libx264": ("-crf", "16", "-preset", "medium"),
     "libopenh264": ("-b:v", "8M"),
     "mpeg4": ("-q:v", "2"),
 }
 _COLOURS = "bt709"
-_LIST_S = 20.0
-_FINEST_RATE = 1001  # denominator of a rate that is no whole number
+_LIST_S = 20.0  # longest wait for the list of encoders, s
+_FINEST_RATE = 1001  # greatest denominator of a fractional frame rate
 
 
 def find_encoder() -> str:
-    """The program that packs films.
+    """Return the path of FFmpeg.
 
     Raises
     ------
     ExportError
         If there is none.
     """
-    with suppress(ImportError, RuntimeError):  # the second where the package brings no program
+    with suppress(ImportError, RuntimeError):  # the latter if the package has no program
         from imageio_ffmpeg import get_ffmpeg_exe
 
         return str(get_ffmpeg_exe())
@@ -75,15 +75,15 @@ def find_encoder() -> str:
 
 
 def write_mp4(part: Path, pictures: Iterable[Image.Image], rate: float) -> None:
-    """Write pictures, all of one size, as a film; they are asked for one after the other.
+    """Write pictures, all of one size, as a film; they are consumed one at a time.
 
-    An odd width or height becomes even by the last column or row once more: so the format wants it.
-    Whatever stops it ends the program that packs.
+    The format needs even dimensions: of an odd width or height the last column or row is repeated.
+    On any exception the FFmpeg process is killed.
 
     Parameters
     ----------
     part : Path
-        Where; what is there is written over.
+        File to write, overwritten if it exists.
     pictures : iterable of Image
     rate : float
         Pictures a second.
@@ -97,26 +97,26 @@ def write_mp4(part: Path, pictures: Iterable[Image.Image], rate: float) -> None:
     frames = (_even(picture) for picture in pictures)
     first = next(frames)
     height, width = first.shape[:2]
-    with tempfile.TemporaryFile() as told:
+    with tempfile.TemporaryFile() as messages:
         command = _command(program, (width, height), rate, part)
-        packing = subprocess.Popen(
+        encoding = subprocess.Popen(
             command,
             stdin=subprocess.PIPE,
             stdout=subprocess.DEVNULL,
-            stderr=told,
-            start_new_session=True,  # an interrupt of the terminal is this program's
+            stderr=messages,
+            start_new_session=True,  # Ctrl-C in the terminal must reach only this process
         )
         try:
-            assert packing.stdin is not None, "it was asked for"
-            with suppress(BrokenPipeError):  # it says itself why
-                _feed(packing.stdin, first, frames)
-            failed = packing.wait() != 0
+            assert encoding.stdin is not None, "stdin is a pipe"
+            with suppress(BrokenPipeError):  # FFmpeg's own message says why it quit
+                _feed(encoding.stdin, first, frames)
+            failed = encoding.wait() != 0
         finally:
-            packing.kill()
-            packing.wait()
+            encoding.kill()
+            encoding.wait()
         if failed:
-            told.seek(0)
-            raise ExportError(f"{part.name}: cannot write: {_reason(told.read())}")
+            messages.seek(0)
+            raise ExportError(f"{part.name}: cannot write: {_reason(messages.read())}")
 
 
 def _feed(stream: IO[bytes], first: AnyArray, others: Iterator[AnyArray]) -> None:
@@ -126,13 +126,14 @@ def _feed(stream: IO[bytes], first: AnyArray, others: Iterator[AnyArray]) -> Non
             stream.write(frame.tobytes())
 
 
-def _reason(told: bytes) -> str:
-    lines = told.decode("utf-8", "replace").split("\n")
-    said = [" ".join(line.split()) for line in lines if line.strip()]
-    return said[0][:200] if said else "FFmpeg ended without a word"
+def _reason(messages: bytes) -> str:
+    lines = messages.decode("utf-8", "replace").split("\n")
+    reasons = [" ".join(line.split()) for line in lines if line.strip()]
+    return reasons[0][:200] if reasons else "FFmpeg ended without a word"
 
 
 def _even(picture: Image.Image) -> AnyArray:
+    """Return the pixels (H, W, 3), padded to even dimensions."""
     pixels = np.asarray(picture.convert("RGB"))
     odd = [(0, n % 2) for n in pixels.shape[:2]]
     return np.pad(pixels, (*odd, (0, 0)), mode="edge")
@@ -154,9 +155,9 @@ def _command(program: str, size: tuple[int, int], rate: float, part: Path) -> li
 
 
 def _encoder_of(program: str) -> str:
-    """The encoder that is preferred of those that a build of FFmpeg has."""
+    """Return the preferred one of the encoders that a build of FFmpeg has."""
     try:
-        asked = subprocess.run(
+        listing = subprocess.run(
             [program, "-hide_banner", "-encoders"],
             stdin=subprocess.DEVNULL,
             capture_output=True,
@@ -165,29 +166,29 @@ def _encoder_of(program: str) -> str:
         )
     except (OSError, subprocess.SubprocessError) as cause:
         raise ExportError(f"{program}: it does not run: {cause}") from None
-    words = asked.stdout.decode("utf-8", "replace").split()
+    words = listing.stdout.decode("utf-8", "replace").split()
     for name in _ENCODERS:
         if name in words:
             return name
     raise ExportError(f"{program}: it has none of {', '.join(_ENCODERS)}; expected another FFmpeg")
 
 
-# --------------------------------------------------------------------------------------------------
+# ---- Film formats --------------------------------------------------------------------------------
 
 
 FILMS = {".mp4": "MP4", ".webp": "WEBP", ".gif": "GIF"}
-"""What the formats of films are called by who writes them."""
+"""Format of a film by its suffix, as Pillow names it."""
 MOST_PIXELS = 4e8
-"""Of all pictures of a film that is held in memory until it is written."""
+"""Greatest number of pixels, all pictures together, of a film that is held in memory."""
 
 
 def film_form(path: Path) -> str:
-    """The format of a film by its suffix, if it can be written here.
+    """Return the format of a film by its suffix, if it can be written here.
 
     Raises
     ------
     ExportError
-        If the suffix is that of no film, or what writes .mp4 is not installed.
+        If the suffix is not that of a film, or FFmpeg for .mp4 is not installed.
     """
     form = FILMS.get(path.suffix.lower())
     if form is None:
@@ -198,7 +199,7 @@ def film_form(path: Path) -> str:
 
 
 def is_held_whole(form: str) -> bool:
-    """Whether pictures of such a film stay in memory until it is written."""
+    """Return whether all pictures of such a film stay in memory until it is written."""
     return form != "MP4"
 
 
@@ -210,25 +211,25 @@ def write_film(
     rate: float,
     how: Mapping[str, Any] | None = None,
 ) -> None:
-    """Write a film; its pictures are asked for one after the other.
+    """Write a film; its pictures are consumed one at a time.
 
-    What it will take of the disk is kept free for it when two pictures are there: where there is no
-    room for it, no more are asked for. For an .mp4, whose size nobody can tell, nothing is.
+    Its disk space is estimated from the first two pictures and reserved, so that a full disk is
+    noticed before the others are made. For an .mp4, whose size is unpredictable, it is not.
 
     Parameters
     ----------
     part : Path
-        A file that is there, and is written over.
+        An existing file, which is overwritten.
     pictures : iterator of Image
         All of one size.
     n : int
-        How many, 2 at least.
+        Number of pictures, at least 2.
     form : str
         One of those of `FILMS`.
     rate : float
         Pictures a second. A GIF counts hundredths of a second, a WebP thousandths.
     how : mapping, optional
-        What Pillow is told besides for a GIF or a WebP, such as its quality and its profile.
+        Further options of Pillow for a GIF or a WebP, such as quality and profile.
 
     Raises
     ------
@@ -261,7 +262,7 @@ def _write(
 def _film_bytes(
     first: Image.Image, second: Image.Image, n: int, form: str, how: Mapping[str, Any]
 ) -> int:
-    """About what a film of n pictures takes that begins with these two."""
+    """Estimate the size of a film of n pictures that begins with these two, bytes."""
     sizes = []
     for others in ([], [second]):
         _write(short := BytesIO(), first, others, form, 1.0, how)
@@ -269,33 +270,33 @@ def _film_bytes(
     return sizes[0] + (n - 1) * max(0, sizes[1] - sizes[0])
 
 
-# ---- How a painting came about -------------------------------------------------------------------
-# How the colours of a painting came about: what is kept while it is painted, for a film of it.
+# ---- Recording a painting ------------------------------------------------------------------------
+# Recording of a surface's colours while it is painted, for a film of it.
 
 
-_IN_MEMORY = 64_000_000  # bytes; more goes to the disk
+_IN_MEMORY = 64_000_000  # bytes of a recording; more goes to disk
 _ROUND = 1e-9
 
 
 class Grown(NamedTuple):
-    """One picture: colours as they are seen, and roughness, None where all is as the material."""
+    """One picture: visible colours and roughness, None if all is as rough as the material."""
 
     srgb: NDArray[np.uint8]  # (V, 3)
     roughness: NDArray[np.float32] | None  # (V,)
 
 
 class Growth:
-    """How a surface looked at equal steps of time, kept as what changed; used with `with`.
+    """Delta-coded recording of a surface at equal time steps; a context manager.
 
-    Vertices that come later are shown from the beginning, bare until something is painted on them.
-    Nothing that is painted becomes otherwise by being looked at.
+    Vertices that are added later are in all pictures, bare until they are painted on. Recording
+    does not affect the painting.
 
     Parameters
     ----------
     surface : PaintedSurface
-        As the film begins.
+        In its state at the beginning of the film.
     step_s : float
-        Between two pictures, s of the painting's own time.
+        Time between two pictures, s of the painting's own time.
 
     Attributes
     ----------
@@ -305,7 +306,7 @@ class Growth:
     def __init__(self, surface: PaintedSurface, step_s: float) -> None:
         self.surface, self._step_s = surface, step_s
         self._material = Gloss.of(surface.material).seen_roughness
-        self._is_plain = True  # nothing was wet, and all ink dried as its material is
+        self._is_plain = True  # so far nothing was wet, and all ink dried as rough as the material
         self._start = self._seen()
         self._last = self._start
         self._lengths: list[int] = []
@@ -319,16 +320,16 @@ class Growth:
 
     @property
     def n_pictures(self) -> int:
-        """How many there are by now; the first is as the film begins."""
+        """Number of pictures so far, including that of the beginning."""
         return 1 + len(self._lengths)
 
     def at(self, seconds: float) -> None:
-        """Keep what is there, if it is time for a picture, or for more than one.
+        """Record the present state if one picture or more are due.
 
         Parameters
         ----------
         seconds : float
-            Since the beginning; does not go back.
+            Time since the beginning; must not decrease.
         """
         due = math.floor(seconds / self._step_s + _ROUND) - len(self._lengths)
         if due > 0:
@@ -336,7 +337,7 @@ class Growth:
             self._keep()
 
     def end(self, seconds: float) -> None:
-        """Keep what is there as the last picture."""
+        """Record the present state as the last picture."""
         self.at(seconds)
         self._keep()
 
@@ -349,7 +350,7 @@ class Growth:
         self._last = now
 
     def _seen(self) -> NDArray[np.uint8]:
-        """(V, 4): colours as they are seen, and roughness in steps of 1/255."""
+        """Return visible colours and roughness (V, 4), the latter in steps of 1/255."""
         codes, look = self.surface.srgb, self.surface.wet_look
         if look is None:
             return self._with_roughness(codes, self._material)
@@ -363,9 +364,9 @@ class Growth:
         return seen
 
     def pictures(self) -> Iterator[Grown]:
-        """Each picture, of all vertices there are in the end.
+        """Yield each picture, with all vertices that exist in the end.
 
-        What comes out is another one's next time: it is to be used before the next is asked for.
+        The arrays are reused: use a picture before taking the next.
         """
         seen = self._with_roughness(self.surface.bare_codes, self._material)
         seen[: len(self._start)] = self._start

@@ -1,4 +1,4 @@
-"""The brush in the live scene: tuft, ink, handle, shadow and footprint."""
+"""The brush in the live scene: tuft, ink, handle, shadow and footprint outline."""
 
 from __future__ import annotations
 
@@ -32,15 +32,15 @@ __all__ = ["HAIR_COLOURS", "LiveBrush", "fade_along", "laid_rings"]
 
 HAIR_COLOURS = {"goat": (232, 224, 204), "weasel": (164, 106, 58), "mixed": (205, 172, 124)}
 _SHADOW_FALL = np.array([0.45, 0.40, -0.80])  # studio axes: away from the key light
-_GRAZING = 0.45  # cosine of incidence from which the shadow fades
+_GRAZING = 0.45  # cosine of incidence below which the shadow fades
 _SHADOW_LIFT = 0.10  # mm above the surface
 _OUTLINE_LIFT = 0.16
 _HAIR_LIFT = 0.12
-_LYING = 0.45  # of the tuft's length above the surface: from there the root's plane holds
-_STEEPEST = 0.2  # cosine: no steeper is the surface taken to be under a ring
-_ABOVE = 0.6  # of the tuft's length: from where its feet are looked for
-_BELOW = 2.3  # times that under the plane: so far
-_DARKEST = 96  # of 255, the shadow where the brush touches
+_LYING = 0.45  # height, in tuft lengths, up to which rings follow the surface
+_STEEPEST = 0.2  # least cosine of the surface's slope under a ring
+_ABOVE = 0.6  # height, in tuft lengths, that rays to the surface start from
+_BELOW = 2.3  # times that height: how far below the plane they end
+_DARKEST = 96  # of 255: opacity of the shadow where the brush touches
 _SHADOW_REACH = 220.0  # mm
 _SOFT = np.array([-1.6, -0.9, 0.0, 0.9, 1.6])  # radii across the shadow
 _SOFT_SHARE = np.array([0.0, 0.75, 1.0, 0.75, 0.0])
@@ -51,16 +51,16 @@ _HOVER = (60, 60, 60, 200)
 
 
 class LiveBrush:
-    """The figure of one brush in a scene; hidden until it is shown somewhere.
+    """The model of one brush in a scene; hidden until `show`.
 
     Parameters
     ----------
     scene : LiveScene
     tuft : Tuft
     hair : str
-        What its hairs are: a key of `HAIR_COLOURS`.
+        Kind of hair: a key of `HAIR_COLOURS`.
     bristles : Bristles, optional
-        Its single hairs, which are then drawn as lines; without, the tuft is one solid.
+        Its single hairs, to be drawn as lines; without them the tuft is drawn as a solid.
     """
 
     def __init__(
@@ -80,23 +80,23 @@ class LiveBrush:
         self._seen_in = (0, 0)
         self._box: Box | None = None
         for name, part in self._parts.items():
-            _look(part, name)
+            _set_appearance(part, name)
             scene.add(part, front=True)
         self.hide()
 
     def remove(self) -> None:
-        """Take it out of the scene."""
+        """Remove the brush from the scene."""
         for part in self._parts.values():
             self._scene.remove(part)
 
     def hide(self) -> None:
-        """Show nothing of it."""
+        """Hide the brush."""
         self._seen, self._seen_from = [], None
         for part in self._parts.values():
             part.show(False)
 
     def screen_box(self) -> Box | None:
-        """The box of pixels that it is seen in, with its shadow and outline."""
+        """Return the screen bounding box of the brush with its shadow and outline."""
         if not self._seen:
             return None
         scene = self._scene
@@ -113,23 +113,23 @@ class LiveBrush:
         ink: tuple[int, int, int] | None,
         fill: float,
     ) -> None:
-        """Draw it as it stands.
+        """Draw the brush.
 
         Parameters
         ----------
         stand : BrushStand
         tree : ContactTree
-            Of the surface that it throws its shadow on.
+            Of the surface that the shadow falls on.
         up : (3, 3)
             Rows: the studio's axes in the object's frame.
         ink : (3,) of 0 to 255, or None
-            sRGB of what it holds.
+            sRGB of the ink that it holds.
         fill : float
-            How full it is, 0 to 1.
+            Ink over the most that it holds, 0 to 1.
         """
         self._seen, self._seen_from = [], None
         rings, arc = tuft_rings(self._tuft, stand)
-        if stand.touches:  # the model's plane is flat, what the hairs lie on need not be
+        if stand.touches:  # the model bends the tuft on a plane; the surface may be curved
             rings = laid_rings(self._tuft, rings, stand, tree)
         if self.hairs is not None:
             self._draw_hairs(self.hairs, rings, stand.root, up, (ink, fill))
@@ -146,6 +146,7 @@ class LiveBrush:
     def _draw(
         self, name: str, rings: AnyArray, colours: AnyArray, faces: AnyArray | None = None
     ) -> None:
+        """Draw one part as a grid of rings (R, AROUND, 3)."""
         part = self._parts[name]
         faces = grid_faces(len(rings)) if faces is None else faces
         part.set_shape(rings.reshape(-1, 3), faces, grid_normals(rings).reshape(-1, 3))
@@ -159,22 +160,22 @@ class LiveBrush:
         rings: AnyArray,
         root: AnyArray,
         up: AnyArray,
-        held: tuple[tuple[int, int, int] | None, float],
+        ink_and_fill: tuple[tuple[int, int, int] | None, float],
     ) -> None:
-        """Draw the hairs as lines, as thick as they are seen, lit from where the sun stands."""
+        """Draw the hairs as lines of their projected width, lit by the key light."""
         part = self._parts["hairs"]
         points, outward = hairs.points(rings)
         light = -_SHADOW_FALL @ up
         lit = outward @ (light / np.linalg.norm(light))
         shades = _line_shades(hairs.count)
         colours = np.empty((*points.shape[:2], 3))
-        colours[:] = np.swapaxes(self._tuft_colours(hairs.arc.T, shades, *held), 0, 1)
+        colours[:] = np.swapaxes(self._tuft_colours(hairs.arc.T, shades, *ink_and_fill), 0, 1)
         colours *= (0.82 + 0.3 * np.clip(lit, -0.6, 1.0))[..., None]
         part.set_strands(points)
         part.set_colours(np.clip(colours, 0, 255).reshape(-1, 3).astype(np.uint8))
         camera = self._scene.camera
         ahead = float((camera.position - root) @ picture_axes(camera)[2])
-        seen = 2.0 * max(ahead, 1e-3) * np.tan(0.5 * camera.view_angle)  # mm from top to bottom
+        seen = 2.0 * max(ahead, 1e-3) * np.tan(0.5 * camera.view_angle)  # picture height, mm
         width = hairs.line_mm * self._scene.size[1] / seen
         part.actor.GetProperty().SetLineWidth(float(np.clip(width, *_LINE_WIDTHS)))
         part.show(True)
@@ -183,14 +184,14 @@ class LiveBrush:
     def _tuft_colours(
         self, arc: AnyArray, hairs: AnyArray, ink: tuple[Any, ...] | None, fill: float
     ) -> AnyArray:
-        """(R, H, 3): hair, darker at the root, with the ink as high as the tuft is full.
+        """Return colours (R, H, 3): hair, darker at the root, inked up to a height set by `fill`.
 
         Parameters
         ----------
         arc : (R,) or (R, H)
-            How far up the tuft, 0 to 1.
+            Arc length from the tip, 0 to 1.
         hairs : (H,)
-            How light each hair is, about 1.
+            Lightness of each hair, about 1.
         ink : (3,) or None
         fill : float
         """
@@ -217,25 +218,25 @@ class LiveBrush:
         fall /= np.linalg.norm(fall)
         rings = np.concatenate([tuft[::6], handle[5:13]])
         centre = rings.mean(axis=1)
-        across = cross(stand.handle, fall)  # one for all rings, or the strip folds where it bends
+        across = cross(stand.handle, fall)  # the same for all rings, or the strip folds at bends
         across /= max(float(np.linalg.norm(across)), 1e-9)
         reach = np.abs((rings - centre[:, None]) @ across).max(axis=1)
         strip = centre[:, None] + (reach[:, None] * _SOFT)[..., None] * across
-        found, landed = _drape(tree, strip.reshape(-1, 3), fall, _SHADOW_REACH)
+        hits, landed = _drape(tree, strip.reshape(-1, 3), fall, _SHADOW_REACH)
         landed = landed.reshape(len(rings), len(_SOFT))
-        whole_rows = np.logical_and.accumulate(landed.all(axis=1))  # in one piece from the tip on
+        whole_rows = np.logical_and.accumulate(landed.all(axis=1))  # unbroken from the tip on
         landed = landed & whole_rows[:, None]
         if whole_rows.sum() < 2:
             part.show(False)
             return
-        height = np.linalg.norm(found[:, :3] - strip.reshape(-1, 3), axis=1).reshape(landed.shape)
+        height = np.linalg.norm(hits[:, :3] - strip.reshape(-1, 3), axis=1).reshape(landed.shape)
         faint = 1.0 / (1.0 + height / 28.0)
-        steep = np.clip(-(found[:, 3:] @ fall) / _GRAZING, 0.0, 1.0).reshape(landed.shape)
+        steep = np.clip(-(hits[:, 3:] @ fall) / _GRAZING, 0.0, 1.0).reshape(landed.shape)
         fade = fade_along(centre)[:, None]
         alpha = _DARKEST * _SOFT_SHARE * faint * steep**2 * fade * landed
         colours = np.zeros((landed.size, 4), np.uint8)
         colours[:, 3] = alpha.reshape(-1)
-        lifted = found[:, :3] + _SHADOW_LIFT * found[:, 3:]
+        lifted = hits[:, :3] + _SHADOW_LIFT * hits[:, 3:]
         part.set_shape(lifted, _whole_faces(landed))
         self._seen.append(lifted[landed.reshape(-1)])
         part.set_colours(colours)
@@ -243,22 +244,22 @@ class LiveBrush:
 
     def _draw_outline(self, stand: BrushStand, tree: ContactTree) -> None:
         part = self._parts["outline"]
-        line = stand.outline() if stand.touches else self._landing(stand)
+        line = stand.outline() if stand.touches else self._hover_ring(stand)
         fall = -stand.axes[2] if stand.touches else -stand.handle
         above = _ABOVE * self._tuft.length if stand.touches else 0.0
-        found, landed = _drape(tree, line - above * fall, fall, 140.0 + above)
+        hits, landed = _drape(tree, line - above * fall, fall, 140.0 + above)
         if len(line) < 3 or not landed.all():
             part.show(False)
             return
-        lifted = found[:, :3] + _OUTLINE_LIFT * found[:, 3:]
+        lifted = hits[:, :3] + _OUTLINE_LIFT * hits[:, 3:]
         part.set_line(lifted, closed=True)
         self._seen.append(lifted)
         colour = _OUTLINE if stand.touches else _HOVER
         part.set_colours(np.tile(np.array(colour, np.uint8), (len(line) + 1, 1)))
         part.show(True)
 
-    def _landing(self, stand: BrushStand) -> AnyArray:
-        """(N, 3): the ring around the straight tip that tells where it would come down."""
+    def _hover_ring(self, stand: BrushStand) -> AnyArray:
+        """Return a ring (N, 3) around the straight tip, projected to where it would touch down."""
         turn = 2.0 * np.pi * np.arange(36) / 36
         radius = 0.22 * self._tuft.diameters[-1]
         ring = radius * np.stack([np.cos(turn), np.sin(turn), np.zeros(36)], axis=1)
@@ -266,20 +267,20 @@ class LiveBrush:
 
 
 def fade_along(centres: AnyArray) -> AnyArray:
-    """(R,): how dense a shadow still is under rings about these centres (R, 3), 1 to 0.
+    """Return the shadow's fade (R,), 1 to 0, under rings about centres (R, 3).
 
-    By how far along they are, not by which they are: at a joint of the handle two lie together.
+    It depends on arc length, not on the index: at a joint of the handle two rings coincide.
     """
     steps = np.linalg.norm(np.diff(centres, axis=0), axis=1)
-    share = np.append(0.0, np.cumsum(steps)) / max(float(steps.sum()), 1e-9)
-    result: AnyArray = 1.0 - share * share
+    fraction = np.append(0.0, np.cumsum(steps)) / max(float(steps.sum()), 1e-9)
+    result: AnyArray = 1.0 - fraction * fraction
     return result
 
 
 def laid_rings(tuft: Tuft, rings: AnyArray, stand: BrushStand, tree: ContactTree) -> AnyArray:
-    """A tuft's rings (R, AROUND, 3) moved up or down with the surface under each, above it (mm).
+    """Return a tuft's rings (R, AROUND, 3), mm, moved up or down to lie on the surface.
 
-    Across a ring the surface is a parabola, through what lies under its middle and both sides.
+    Across a ring the surface is a parabola through the points below its middle and both sides.
     """
     along, side, normal = stand.axes
     length = tuft.length
@@ -288,7 +289,7 @@ def laid_rings(tuft: Tuft, rings: AnyArray, stand: BrushStand, tree: ContactTree
     lies = height < _LYING * length
     if not lies.any():
         return rings
-    share = (1.0 - height[lies] / (_LYING * length)).clip(0.0, 1.0)
+    weight = (1.0 - height[lies] / (_LYING * length)).clip(0.0, 1.0)
     apart = rings[lies] - centres[lies][:, None]
     across, ahead = apart @ side, apart @ along
     feet = centres[lies] - height[lies, None] * normal
@@ -299,7 +300,7 @@ def laid_rings(tuft: Tuft, rings: AnyArray, stand: BrushStand, tree: ContactTree
     bow = 0.5 * (right + left - 2.0 * rise[:, 0]) / half**2
     under = rise[:, :1] + across * (slope[:, None] + across * bow[:, None])
     own = height[lies, None] + apart @ normal
-    moved = own + share[:, None] * under
+    moved = own + weight[:, None] * under
     least = under + tilt * ahead + _HAIR_LIFT
     lifted = np.where(landed[:, None], np.maximum(moved, least), own)
     result: AnyArray = rings.copy()
@@ -310,57 +311,58 @@ def laid_rings(tuft: Tuft, rings: AnyArray, stand: BrushStand, tree: ContactTree
 def _ground_under(
     feet: AnyArray, half: AnyArray, stand: BrushStand, tree: ContactTree, above: float
 ) -> tuple[AnyArray, AnyArray, AnyArray]:
-    """The surface under rings (R), asked for under every second of them.
+    """Return the surface under rings (R), sampled under every second and interpolated.
 
     Parameters
     ----------
     feet : (R, 3)
-        Of their middles on the stand's plane, mm.
+        Projections of their middles onto the stand's plane, mm.
     half : (R,)
         Their half widths, mm.
     above : float
-        From where over the plane the surface is looked for, mm.
+        Height over the plane that rays start from, mm.
 
     Returns
     -------
     rise : (R, 3) float64
-        Of the surface over the plane under the middle and both sides, mm.
+        Height of the surface over the plane under the middle and both sides, mm.
     leans : (R, 2) float64
         Slopes under the middle, along the bend and across it.
     landed : (R,) bool
         Whether there is a surface under the middle.
     """
     along, side, normal = stand.axes
-    asked = np.unique(np.append(np.arange(0, len(feet), 2), len(feet) - 1))
-    across = half[asked, None] * np.array([0.0, -1.0, 1.0])
-    above_them = across[..., None] * side + feet[asked, None] + above * normal
-    found, hit = _drape(tree, above_them.reshape(-1, 3), -normal, above + _BELOW * above)
-    hit, ground = hit.reshape(-1, 3), found.reshape(-1, 3, 6)[:, 0, 3:]
-    rise = ((found[:, :3] - stand.origin) @ normal).reshape(-1, 3)
+    sampled = np.unique(np.append(np.arange(0, len(feet), 2), len(feet) - 1))
+    across = half[sampled, None] * np.array([0.0, -1.0, 1.0])
+    starts = across[..., None] * side + feet[sampled, None] + above * normal
+    hits, hit = _drape(tree, starts.reshape(-1, 3), -normal, above + _BELOW * above)
+    hit, ground = hit.reshape(-1, 3), hits.reshape(-1, 3, 6)[:, 0, 3:]
+    rise = ((hits[:, :3] - stand.origin) @ normal).reshape(-1, 3)
     upright = np.maximum(ground @ normal, _STEEPEST)
     leans = -np.stack([ground @ along, ground @ side], axis=1) / upright[:, None]
     rise = np.where(hit, rise, rise[:, :1] + across * leans[:, 1:])
     known = np.concatenate([rise, leans, hit[:, :1]], axis=1)
     rings = np.arange(len(feet))
-    spread = np.stack([np.interp(rings, asked, column) for column in known.T], axis=1)
-    return spread[:, :3], spread[:, 3:5], spread[:, 5] > 0.99
+    every = np.stack([np.interp(rings, sampled, column) for column in known.T], axis=1)
+    return every[:, :3], every[:, 3:5], every[:, 5] > 0.99
 
 
 @cache
 def _line_shades(n: int) -> AnyArray:
-    """(n,): how light each single hair is, always the same."""
+    """Return the lightness (n,) of each single hair, always the same."""
     return 0.8 + 0.36 * np.random.default_rng(11).random(n)
 
 
 @cache
 def _hair_shades() -> AnyArray:
-    """(AROUND,): how light each hair is, always the same."""
+    """Return the lightness (AROUND,) of each column of hairs, always the same."""
     return 0.86 + 0.28 * np.random.default_rng(11).random(AROUND)
 
 
 def _drape(
     tree: ContactTree, points: AnyArray, direction: AnyArray, reach: float
 ) -> tuple[AnyArray, AnyArray]:
+    """Return where rays from points (N, 3) hit, and normals (N, 6), and which do (N,) bool."""
     out, landed = np.zeros((len(points), 6)), np.zeros(len(points), np.uint8)
     if len(points):
         drape_points(tree, np.ascontiguousarray(points, np.float64), direction, reach, out, landed)
@@ -368,9 +370,9 @@ def _drape(
 
 
 def _whole_faces(landed: AnyArray) -> NDArray[np.int32]:
-    """(L, 3) int32: triangles of a strip (R, C) all of whose corners have landed.
+    """Return the triangles (L, 3) int32 of a strip (R, C) all of whose corners have landed.
 
-    Of one that has landed as one of the last ones it is the same array: only places are sent then.
+    Cached by content: the same array again lets `DrawnMesh` send positions only.
     """
     return _faces_of(landed.tobytes(), landed.shape)
 
@@ -387,7 +389,7 @@ def _faces_of(landed_bytes: bytes, shape: tuple[int, int]) -> NDArray[np.int32]:
     return result
 
 
-def _look(part: DrawnMesh, name: str) -> None:
+def _set_appearance(part: DrawnMesh, name: str) -> None:
     look = part.actor.GetProperty()
     look.SetInterpolationToPhong()
     if name == "hairs":

@@ -1,9 +1,9 @@
-"""An object as it is drawn while the view moves: no finer than the screen shows.
+"""Level of detail while the view moves: an object no finer than the screen shows.
 
-A software renderer pays for every triangle, seen or not: two million of them take half a second,
-each smaller than a pixel. `CoarseObject` draws vertices together that lie within some pixels of
-each other (`view.kernels.clusters`), and as few pieces as it takes, so that the picture follows the
-hand. What stands still is drawn from the patches, to the last triangle.
+A software renderer pays for every triangle, visible or not: two million of them take half a second,
+each smaller than a pixel. `CoarseObject` clusters vertices within about a pixel of each other
+(`view.kernels.clusters`) and uses few pieces, so that the picture follows the hand. At rest the
+object is drawn from its patches, with every triangle.
 """
 
 from __future__ import annotations
@@ -29,13 +29,13 @@ from paint3d.view.live_patches import LivePatches
 
 __all__ = ["CoarseObject", "CoarsePiece"]
 
-_MOST = 0.95  # of its area, by which its triangles' size is told
-_PIECES = 24  # each costs the renderer some tens of microseconds a frame
+_MOST = 0.95  # quantile of the area that `triangle_mm` is taken at
+_PIECES = 24  # at most: each costs the renderer some tens of microseconds a frame
 
 
 @dataclass(frozen=True, eq=False)
 class CoarsePiece:
-    """A part of the object, drawn coarsely.
+    """A part of the coarse object.
 
     Attributes
     ----------
@@ -46,7 +46,7 @@ class CoarsePiece:
     faces : (L, 3) int32
         Triangles with numbers into `clusters`.
     centre : (3,) float64
-        Where it lies.
+        Mean of its points, mm.
     """
 
     clusters: NDArray[np.int32]
@@ -57,31 +57,31 @@ class CoarsePiece:
 
 
 class CoarseObject:
-    """A mesh whose vertices are drawn together within a distance.
+    """A mesh simplified by clustering vertices within a distance.
 
     Parameters
     ----------
     mesh : PaintMesh
-        Refined further, it needs another.
+        Refining it further invalidates this object.
     patches : LivePatches
         Of that mesh, up to date.
     size : float
         The distance, mm.
     shown : callable
-        Given vertices (N,) int32 and the paint on all (V, 3), returns what is seen (N, 4) uint8:
-        the colour, lit, and how it shines (`surface.sheen`).
+        Maps vertices (N,) int32 and the paint on all (V, 3) to the visible (N, 4) uint8: colour,
+        lit, and shine (`surface.sheen`).
     srgb : (V, 3) uint8
         The paint on every vertex.
 
     Attributes
     ----------
     n_vertices, n_faces : int
-        Of the mesh when it was made, and of what is drawn.
+        Of the mesh at the time, and of the coarse object.
     pieces : list of CoarsePiece
     points, normals : (C, 3) float32
         Of the clusters, mm and unit vectors.
     colours : (C, 4) uint8
-        Of the clusters, lit, and how they shine.
+        Of the clusters: colour, lit, and shine.
 
     Notes
     -----
@@ -115,7 +115,7 @@ class CoarseObject:
 
     @cached_property
     def triangle_mm(self) -> float:
-        """How large its triangles are, mm: most of its area lies in smaller ones."""
+        """Size of its triangles, mm; 95 % of its area lies in smaller ones."""
         pairs = [(piece.points[piece.faces[:, k]] for k in range(3)) for piece in self.pieces]
         normals = [np.cross(b - a, c - a) for a, b, c in pairs] or [np.zeros((1, 3))]
         areas = np.sort(np.linalg.norm(np.concatenate(normals), axis=1))
@@ -123,7 +123,7 @@ class CoarseObject:
         return float(np.sqrt(areas[np.searchsorted(sums, _MOST * sums[-1])]))
 
     def repaint(self, vertex_ids: AnyArray, srgb: AnyArray) -> None:
-        """Take the paint (V, 3) of some vertices (N,) int32 anew; later ones are passed over."""
+        """Update the paint (V, 3) of some vertices (N,) int32; vertices added since are ignored."""
         ids = vertex_ids[vertex_ids < self.n_vertices]
         self._shown[ids] = self._look(ids, srgb)
         touched = np.zeros(len(self.colours), bool)
@@ -137,7 +137,7 @@ class CoarseObject:
         return out
 
     def _cut(self, patches: LivePatches, count: int) -> list[CoarsePiece]:
-        """The triangles, in runs of patches, each with its own vertices."""
+        """Return the triangles in pieces, each a run of patches with vertices of its own."""
         faces, leaves = patches.leaves()
         runs = np.array_split(np.arange(len(leaves)), min(_PIECES, len(leaves)))
         ends = np.cumsum([sum(len(leaves[p]) for p in run) for run in runs])
@@ -156,13 +156,13 @@ class CoarseObject:
 
 
 def _of(mesh: PaintMesh) -> tuple[tuple[AnyArray, ...], ...]:
-    """The columns of places, and of normals."""
+    """Return the columns of positions, and of normals."""
     field = mesh.arrays
     return (field.px, field.py, field.pz), (field.nx, field.ny, field.nz)
 
 
 def _clusters(mesh: PaintMesh, size: float) -> tuple[AnyArray, int]:
-    """The cluster of each vertex (V,), and how many there are."""
+    """Return the cluster of each vertex (V,), and the number of clusters."""
     n = mesh.n_vertices
     columns = [column[:n] for column in _of(mesh)[0]]
     low = np.array([float(c.min()) for c in columns])

@@ -1,8 +1,8 @@
-"""Pictures kept in graphics memory: the backdrop, and the object in front of it with its depth.
+"""Cached framebuffers in graphics memory: the backdrop, and the object in front of it with depth.
 
-What is drawn over a kept picture need not draw it again: a brush that moves costs what the brush
-costs. Kept pictures have the size and the form of the one that is drawn into, so that copying is
-exact to the bit, depth included.
+What is drawn over a cached picture need not draw it again: a moving brush costs no more than the
+brush. Cached framebuffers have the size and format of the render target, so that copying is
+bit-exact, depth included.
 """
 
 from __future__ import annotations
@@ -24,30 +24,30 @@ __all__ = ["Box", "Enlarger", "KeptPicture", "LastPicture", "Target", "joined_bo
 
 Box = tuple[int, int, int, int]
 
-_COLOUR, _DEPTH = 0x4000, 0x0100  # OpenGL's bits and names
+_COLOUR, _DEPTH = 0x4000, 0x0100  # OpenGL's bits and enums
 _NEAREST, _LINEAR = 0x2600, 0x2601
 _SCISSOR_TEST = 0x0C11
-_BYTES, _DEPTH_BITS = 3, 32  # as VTK makes the picture it draws into
+_BYTES, _DEPTH_BITS = 3, 32  # as in VTK's own render framebuffer
 
 
 def joined_box(boxes: Iterable[Box | None]) -> Box | None:
-    """The smallest box around some; None around none."""
-    there = [box for box in boxes if box is not None]
-    if not there:
+    """Return the smallest box around all boxes; None if there is none."""
+    given = [box for box in boxes if box is not None]
+    if not given:
         return None
-    low, high = np.array(there)[:, :2].min(axis=0), np.array(there)[:, 2:].max(axis=0)
+    low, high = np.array(given)[:, :2].min(axis=0), np.array(given)[:, 2:].max(axis=0)
     return int(low[0]), int(low[1]), int(high[0]), int(high[1])
 
 
 class KeptPicture:
-    """A copy of the picture that a window draws into: colours and depths.
+    """A copy of a window's render framebuffer: colours and depths.
 
     Parameters
     ----------
     window : vtkRenderWindow
-        It has drawn once at its present size.
+        It must have drawn once at its present size.
     depth : bool
-        Whether depths are kept: not where nothing has one.
+        Whether depths are copied too.
     """
 
     def __init__(self, window: vtkRenderWindow, *, depth: bool = True) -> None:
@@ -66,17 +66,17 @@ class KeptPicture:
             raise ExportError("nothing can be drawn: OpenGL gave no room for a picture")
 
     def keep(self, box: Box) -> None:
-        """Take a box of pixels of what the window has drawn."""
+        """Copy a box of pixels from the window."""
         self._copy(self._window.GetRenderFramebuffer(), self._kept, box)
 
     def give(self, box: Box) -> None:
-        """Put a box of pixels back where the window draws."""
+        """Copy a box of pixels back to the window."""
         self._copy(self._kept, self._window.GetRenderFramebuffer(), box)
 
     def spread(self, small: Box, box: Box) -> None:
-        """Spread a box of what the window has drawn over all of it, as far as it lies in another.
+        """Scale the box `small` of the window up to all of it, clipped to `box`.
 
-        What was kept in the small box is lost.
+        What was copied in the small box is lost.
         """
         self._copy(self._window.GetRenderFramebuffer(), self._kept, small)
         state = self._window.GetState()
@@ -88,7 +88,7 @@ class KeptPicture:
         self._blit(source, target, (small, whole), (_DEPTH, _NEAREST), clipped=True)
 
     def release(self) -> None:
-        """Let go of the graphics memory."""
+        """Release the graphics memory."""
         self._window.MakeCurrent()
         self._kept.ReleaseGraphicsResources(self._window)
 
@@ -104,7 +104,7 @@ class KeptPicture:
         *,
         clipped: bool = False,
     ) -> None:
-        """Copy from one box to another what OpenGL's bits name, as its filter does."""
+        """Blit from one box to another; `how` is OpenGL's buffer bits and filter."""
         self._window.MakeCurrent()
         state = self._window.GetState()
         state.PushFramebufferBindings()
@@ -118,25 +118,25 @@ class KeptPicture:
 
 
 class LastPicture(KeptPicture):
-    """A kept picture that is copied only when the window draws over it.
+    """A lazy `KeptPicture`: copied only when the window is about to draw over it.
 
-    While nothing else is drawn, the window's own picture is the one: an object that turns without a
-    brush is copied neither there nor back.
+    While nothing else is drawn, the window's own framebuffer holds the picture: an object that
+    turns without a brush is copied neither there nor back.
 
     Attributes
     ----------
     is_lost : bool
-        Whether it was drawn over without being copied, and has not been drawn again since.
+        Whether it was drawn over without being copied, and has not been redrawn since.
     """
 
     def __init__(self, window: vtkRenderWindow) -> None:
         super().__init__(window)
-        self._due: Box | None = None  # drawn by the window, and not copied
+        self._due: Box | None = None  # drawn by the window, and not yet copied
         self._covered: Box | None = None  # where the window shows something else
         self.is_lost = False
 
     def keep(self, box: Box) -> None:
-        """Take a box of pixels of what the window has drawn, before they are drawn over."""
+        """Register a box of pixels that the window has drawn; it is copied when needed."""
         self._covered = _without(self._covered, box)
         if self._covered is None:
             self._due, self.is_lost = joined_box((self._due, box)), False
@@ -144,9 +144,9 @@ class LastPicture(KeptPicture):
             super().keep(box)
 
     def cover(self, box: Box, *, keep: bool = True) -> None:
-        """Be told that the window is about to draw something else in a box.
+        """Prepare for the window to draw something else in a box.
 
-        What was there is kept, or lost: then all of it must be drawn before it is asked for.
+        The picture is copied or, without `keep`, lost: it must be redrawn before `give`.
         """
         if self._due is not None and keep:
             super().keep(self._due)
@@ -155,14 +155,14 @@ class LastPicture(KeptPicture):
         self._covered = joined_box((self._covered, box))
 
     def give(self, box: Box) -> None:
-        """Put a box of pixels back where the window draws, if it shows something else there."""
+        """Copy a box of pixels back to the window, if that shows something else there."""
         if self._covered is not None:
             super().give(box)
             self._covered = _without(self._covered, box)
 
 
 class Enlarger:
-    """Spreads a picture over one of more pixels; keeps what that is reckoned with.
+    """Bilinear enlargement from one size to another, with precomputed weights.
 
     Parameters
     ----------
@@ -176,7 +176,7 @@ class Enlarger:
         self._mixed = np.empty(small[0] + 1, np.uint64)
 
     def enlarge(self, pixels: NDArray[np.uint8], out: NDArray[np.uint8]) -> None:
-        """Spread (h, w, 4), the first row at the bottom, over (H, W, 4), the first row at the top.
+        """Enlarge (h, w, 4), the first row at the bottom, to (H, W, 4), the first row at the top.
 
         Both are C-contiguous.
         """
@@ -185,14 +185,14 @@ class Enlarger:
 
 
 def _between(few: int, many: int) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
-    """Which of a few pixels many more begin after, and how far on they lie, of 256: (many,)."""
+    """Return the source pixel before each of `many` and the fraction past it, in 1/256: (many,)."""
     place = np.clip((np.arange(many) + 0.5) * few / many - 0.5, 0.0, few - 1.0)
     before = place.astype(np.int32)
     return before, np.rint(256.0 * (place - before)).astype(np.int32)
 
 
 def _without(box: Box | None, taken: Box) -> Box | None:
-    """A box of which another is taken away: none if that holds all of it, else as it was."""
+    """Return None if `taken` holds all of a box, else the box unchanged."""
     if box is None:
         return None
     low = taken[0] <= box[0] and taken[1] <= box[1]
@@ -200,7 +200,7 @@ def _without(box: Box | None, taken: Box) -> Box | None:
 
 
 class Target:
-    """The picture that a window draws into.
+    """Pixel access to a window's render framebuffer.
 
     Parameters
     ----------
@@ -215,15 +215,15 @@ class Target:
         self._pixels, self._as_array = vtkUnsignedCharArray(), vtk_to_numpy
 
     def read(self, box: Box) -> NDArray[np.uint8]:
-        """(H, W, 4) uint8: a box of its pixels, the first row at the bottom; until the next call.
+        """Return a box of pixels (H, W, 4) uint8, bottom row first; valid until the next call.
 
         Raises
         ------
         ExportError
-            If OpenGL gives none.
+            If OpenGL returns none.
         """
         x0, y0, x1, y1 = box
-        pixels = self._pixels  # of the same size no memory is asked for
+        pixels = self._pixels  # reused: VTK allocates only if the size changes
         self._window.GetRGBACharPixelData(x0, y0, x1 - 1, y1 - 1, 0, pixels)
         if pixels.GetNumberOfTuples() != (x1 - x0) * (y1 - y0):
             raise ExportError("nothing could be drawn: OpenGL gave no pixels")
@@ -231,7 +231,7 @@ class Target:
         return result
 
     def write(self, box: Box, pixels: AnyArray) -> None:
-        """Put pixels (H, W, 4) uint8 there; depths stay as they are."""
+        """Write pixels (H, W, 4) uint8 to a box; depths are unchanged."""
         from vtkmodules.util.numpy_support import numpy_to_vtk
 
         x0, y0, x1, y1 = box

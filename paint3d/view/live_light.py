@@ -1,8 +1,7 @@
-"""Light on the live object: baked into its vertices once, so that every frame is cheap.
+"""Light on the live object, baked into its vertices once so that every frame is cheap.
 
-The studio of the offscreen pictures (`daylight`) stands still around the object while one walks
-about it. First there is light without shadows, at once; `bake` finds the soft shadows, and may run
-in a thread of its own.
+The studio of the offscreen pictures (`daylight`) is fixed to the object while the camera moves.
+Unshadowed light is available at once; `bake` computes soft shadows, and may run in a thread.
 """
 
 from __future__ import annotations
@@ -23,16 +22,16 @@ __all__ = ["BakedLight", "LiveLight"]
 
 _N_DOME = 48
 _WHITE = 0.72  # linear brightness of ideal white where lit best
-_LIT_BEST = 0.88  # of the area is lit no better than that
+_LIT_BEST = 0.88  # fraction of the area that is lit no better than `_WHITE`
 _SHOULDER = 1.5  # the film curve of `picture`
 _ALBEDO = 0.8
-_CODES = 1 << 14
-_CHUNK = 200_000
+_CODES = 1 << 14  # steps of linear light in the table of the film curve
+_CHUNK = 200_000  # vertices lit at once
 
 
 @dataclass(frozen=True, eq=False)
 class BakedLight:
-    """Soft light on the base vertices, and the object's shade on the floor.
+    """Soft light on the base vertices, and the object's shadow on the floor.
 
     Attributes
     ----------
@@ -49,7 +48,7 @@ class BakedLight:
 
 
 class LiveLight:
-    """The light on each vertex of a paint mesh, also on those that refinement adds.
+    """The light on each vertex of a paint mesh, including vertices added by refinement.
 
     Attributes
     ----------
@@ -67,18 +66,21 @@ class LiveLight:
         view = find_view(self._points, self._normals, bare, self._areas)
         self.axes = studio_axes(self._points, view)
         self._linear = srgb_to_linear(np.arange(256, dtype=np.uint8))
-        self._codes = _film()
+        # sRGB codes of even steps of linear light, through the film curve of the pictures.
+        x = np.linspace(0.0, 1.0, _CODES)
+        codes = np.rint(255.0 * linear_to_srgb(1.0 - (1.0 - x) ** _SHOULDER))
+        self._codes = codes.astype(np.uint8)
         self._light = np.empty((0, 3), np.float32)
         self._known = 0
-        self.take(self._plain())
+        self.take(self._unshadowed())
 
     def take(self, light: AnyArray) -> None:
-        """Use this light (B, 3) of the base vertices from now on."""
+        """Set the light (B, 3) of the base vertices."""
         self._light = np.ascontiguousarray(light, np.float32)
         self._known = len(light)
 
     def bake(self) -> BakedLight:
-        """Find the soft light; changes nothing, reads only what never changes.
+        """Compute the soft light; thread-safe, since it changes nothing and reads only constants.
 
         Cost: 1 s, and 3 s more for each million vertices.
         """
@@ -90,42 +92,33 @@ class LiveLight:
         return BakedLight(self._exposed(light), ground, self.axes)
 
     def colours(self, vertex_ids: AnyArray, srgb: AnyArray) -> AnyArray:
-        """(N, 3) uint8: vertices (N,) int32 as they are seen; srgb (V, 3) is their paint."""
-        self._follow()
+        """Return lit colours (N, 3) uint8 of vertices (N,) int32; srgb (V, 3) is the paint."""
+        n = self.mesh.n_vertices
+        if self._known < n:  # refinement has added vertices
+            if len(self._light) < n:
+                self._light = grown(self._light, self._known, self.mesh.capacity)
+            light_of_added(self.mesh.arrays.parents, self._known, n, self._light)
+            self._known = n
         out = np.empty((len(vertex_ids), 3), np.uint8)
         shown_colours(vertex_ids, srgb, self._light, self._linear, self._codes, out)
         return out
 
-    def _follow(self) -> None:
-        n = self.mesh.n_vertices
-        if self._known == n:
-            return
-        if len(self._light) < n:
-            self._light = grown(self._light, self._known, self.mesh.capacity)
-        light_of_added(self.mesh.arrays.parents, self._known, n, self._light)
-        self._known = n
-
-    def _plain(self) -> AnyArray:
-        """Light (B, 3) that falls on every vertex as if nothing stood in its way."""
+    def _unshadowed(self) -> AnyArray:
+        """Return the light (B, 3) on every vertex without any shadows."""
         suns = light_samples(_N_DOME)
         toward = np.stack([sun.direction for sun in suns]) @ self.axes
         shine = np.stack([sun.irradiance for sun in suns]) / np.pi
         toward, shine = toward.astype(np.float32), shine.astype(np.float32)
         light = np.empty((len(self._normals), 3), np.float32)
-        for at in range(0, len(light), _CHUNK):
-            cosines = np.maximum(self._normals[at : at + _CHUNK] @ toward.T, 0.0)
-            light[at : at + _CHUNK] = cosines @ shine
+        for start in range(0, len(light), _CHUNK):
+            cosines = np.maximum(self._normals[start : start + _CHUNK] @ toward.T, 0.0)
+            light[start : start + _CHUNK] = cosines @ shine
         return self._exposed(light)
 
     def _exposed(self, light: AnyArray) -> AnyArray:
+        """Scale light (B, 3) so that best-lit white has the brightness `_WHITE`."""
         brightness = light.mean(axis=1)
         order = np.argsort(brightness)
-        share = np.cumsum(self._areas[order]) / self._areas.sum()
-        best = brightness[order[min(int(np.searchsorted(share, _LIT_BEST)), len(order) - 1)]]
+        fraction = np.cumsum(self._areas[order]) / self._areas.sum()
+        best = brightness[order[min(int(np.searchsorted(fraction, _LIT_BEST)), len(order) - 1)]]
         return light * (_WHITE / max(float(best), 1e-6))
-
-
-def _film() -> AnyArray:
-    """sRGB code (M,) of even steps of linear light, through the film curve of the pictures."""
-    x = np.linspace(0.0, 1.0, _CODES)
-    return np.rint(255.0 * linear_to_srgb(1.0 - (1.0 - x) ** _SHOULDER)).astype(np.uint8)

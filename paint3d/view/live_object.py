@@ -1,4 +1,4 @@
-"""What the renderer is sent of a painted object: geometry and lit colours, patch by patch."""
+"""Updates of a painted object for the live renderer: geometry and lit colours, by patches."""
 
 from __future__ import annotations
 
@@ -18,15 +18,14 @@ from paint3d.view.live_patches import FACES, LivePatches
 
 __all__ = ["LiveObject", "PatchUpload"]
 
-_VEIL = np.array([70.0, 84.0, 112.0])  # sRGB codes of what covers the surface
-_DENSE, _THIN = 0.62, 0.40  # how much of it is seen on its stripes, and between them
+_VEIL = np.array([70.0, 84.0, 112.0])  # sRGB codes of the veil over masked parts
+_DENSE, _THIN = 0.62, 0.40  # its opacity on its stripes, and between them
 _STRIPES = 26  # across the object
-_LEAST_EDGES = 5.0  # lengths of an edge from stripe to stripe: vertices must be able to show them
+_LEAST_EDGES = 5.0  # edge lengths from stripe to stripe, so that vertex colours can resolve them
 
-
-_PIXELS = 0.5  # across which vertices are drawn together where there are few triangles,
-_MOST_PIXELS = 1.5  # and at most; more only where there are too many
-_NEAR = 1.5  # as coarse as this over what is wanted, or as fine: it is kept
+_PIXELS = 0.5  # cluster size of a coarse object with few triangles
+_MOST_PIXELS = 1.5  # size up to which it is reused; larger only where triangles are too many
+_NEAR = 1.5  # a coarse object is reused if its cluster size is off by no more than this factor
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,7 +36,7 @@ class PatchUpload:
     ----------
     patch : int
     colours : (K, 3) or (K, 4) uint8
-        The fourth says how each point shines (`surface.sheen`); without it all as the material.
+        The fourth is each point's shine (`surface.sheen`); without it all shine as the material.
     points, normals : (K, 3) float32, or None where only colours have changed
     faces : (L, 3) int32, or None likewise
     """
@@ -50,22 +49,21 @@ class PatchUpload:
 
     @property
     def n_bytes(self) -> int:
-        """What travels to the renderer."""
+        """Bytes to send to the renderer."""
         parts = (self.colours, self.points, self.normals, self.faces)
         return sum(part.nbytes for part in parts if part is not None)
 
 
 class LiveObject:
-    """A surface, followed while it is painted.
+    """A surface as the live view shows it, updated while it is painted.
 
-    `uploads` reads the surface, so it must run where nothing paints meanwhile; what it returns
-    belongs to the caller.
+    `uploads` reads the surface, so nothing may paint meanwhile; its result belongs to the caller.
 
     Parameters
     ----------
     surface : PaintedSurface
     faces : int
-        Triangles in a patch, about.
+        Approximate number of triangles in a patch.
 
     Attributes
     ----------
@@ -74,7 +72,7 @@ class LiveObject:
     radius : float
         Half of that box's diagonal, mm.
     is_solid : bool
-        Whether none of its faces is seen from behind.
+        Whether none of its faces is ever seen from behind.
     """
 
     def __init__(self, surface: PaintedSurface, faces: int = FACES) -> None:
@@ -95,23 +93,23 @@ class LiveObject:
         self._stripe = max(2.0 * self.radius / _STRIPES, _LEAST_EDGES * edge)
 
     def veil(self, covers: Callable[[AnyArray], AnyArray] | None) -> None:
-        """Hatch what takes no paint; the next `uploads` brings every colour.
+        """Hatch the parts that take no paint; the next `uploads` returns every colour.
 
         Parameters
         ----------
         covers : callable or None
-            Given vertices (N,) int32 returns (N,) bool; None: nothing is covered.
+            Maps vertices (N,) int32 to (N,) bool; None: nothing is covered.
         """
         self._covers = covers
         self._all = True
 
     def relight(self, baked: BakedLight) -> None:
-        """Use baked light; the next `uploads` brings every colour."""
+        """Use baked light; the next `uploads` returns every colour."""
         self.light.take(baked.light)
         self._all = True
 
     def uploads(self, vertex_ids: NDArray[np.int32]) -> list[PatchUpload]:
-        """What has changed since the last call.
+        """Return what has changed since the last call.
 
         Parameters
         ----------
@@ -128,7 +126,7 @@ class LiveObject:
             vertex_ids = np.concatenate([vertex_ids, by_water])
         self._changed = vertex_ids
         field = surface.paint_mesh.arrays
-        found = []
+        uploads = []
         for change in self.patches.changes(vertex_ids):
             ids = change.vertex_ids
             points = normals = None
@@ -138,36 +136,34 @@ class LiveObject:
             colours = self._shown(ids, srgb)
             if self._wet.is_plain:
                 colours = np.ascontiguousarray(colours[:, :3])
-            found.append(PatchUpload(change.patch, colours, points, normals, change.faces))
-        return found
+            uploads.append(PatchUpload(change.patch, colours, points, normals, change.faces))
+        return uploads
 
     def _shown(self, ids: AnyArray, srgb: AnyArray) -> NDArray[np.uint8]:
-        """(N, 4) uint8: vertices (N,) as they are seen and shine; srgb (V, 3) is their paint."""
+        """Return colour, lit, and shine (N, 4) of vertices (N,); srgb (V, 3) is their paint."""
         shown = np.full((len(ids), 4), PLAIN_SHINE, np.uint8)
         colours = shown[:, :3]
         colours[:] = self.light.colours(ids, srgb)
         if not self._wet.is_plain:
             damp = self._wet.damp(ids)
             if damp is not None:
-                there = damp > 0.0
-                colours[there] = darkened(colours[there], damp[there])
+                is_damp = damp > 0.0
+                colours[is_damp] = darkened(colours[is_damp], damp[is_damp])
             shown[:, 3] = self._wet.shine(ids)
         if self._covers is not None:
-            self._hatch(ids, self._covers(ids), colours)
+            # A veil over what takes no paint, striped along the diagonal of space.
+            covered = self._covers(ids)
+            ids, field = ids[covered], self.surface.paint_mesh.arrays
+            along = (field.px[ids] + field.py[ids] + field.pz[ids]) / (3.0**0.5 * self._stripe)
+            wave = 0.5 + 0.5 * np.cos(2.0 * np.pi * along)
+            opacity = (_THIN + (_DENSE - _THIN) * wave)[:, None]
+            colours[covered] = np.rint((1.0 - opacity) * colours[covered] + opacity * _VEIL)
         return shown
 
-    def _hatch(self, ids: AnyArray, covered: AnyArray, colours: AnyArray) -> None:
-        """Lay a striped veil over the colours (N, 3) of those vertices (N,) that are covered."""
-        ids, field = ids[covered], self.surface.paint_mesh.arrays
-        along = (field.px[ids] + field.py[ids] + field.pz[ids]) / (3.0**0.5 * self._stripe)
-        wave = 0.5 + 0.5 * np.cos(2.0 * np.pi * along)
-        share = (_THIN + (_DENSE - _THIN) * wave)[:, None]
-        colours[covered] = np.rint((1.0 - share) * colours[covered] + share * _VEIL)
-
-    # -- coarsely ---------------------------------------------------------------------------
+    # -- coarse version ---------------------------------------------------------------------
 
     def coarse_fits(self, pixel_mm: float, n_triangles: int) -> bool:
-        """Whether the last `coarse_for` would do for these."""
+        """Return whether the last result of `coarse_for` still fits these parameters."""
         before = self._coarse
         if before is None or n_triangles != self._coarse_triangles:
             return False
@@ -178,22 +174,22 @@ class LiveObject:
         return low <= before.size <= max(_MOST_PIXELS * pixel_mm, fewest * _NEAR)
 
     def _fewest_mm(self, n_triangles: int) -> float:
-        """How far apart vertices are drawn together where there are too many triangles; else 0."""
+        """Return the cluster size, mm, that leaves `n_triangles`; 0 if there are no more anyway."""
         if self.patches.n_leaves <= n_triangles:
             return 0.0
         return float(np.sqrt(2.0 * self.patches.fine_area / n_triangles))
 
     def coarse_for(self, pixel_mm: float, n_triangles: int) -> CoarseObject | None:
-        """The object as it is to be drawn while the view moves; None: as the last time.
+        """Return a coarse version to draw while the view moves; None if the last one still fits.
 
-        Call it where nothing paints meanwhile, after `uploads`.
+        Call it after `uploads`, while nothing paints.
 
         Parameters
         ----------
         pixel_mm : float
-            How far across a pixel is on the nearest part that is seen, mm.
+            Size of a pixel on the nearest visible part, mm.
         n_triangles : int
-            How many may be drawn, about.
+            Approximate greatest number of triangles.
         """
         if self.coarse_fits(pixel_mm, n_triangles):
             return None
@@ -205,7 +201,7 @@ class LiveObject:
         return self._coarse
 
     def repaint_coarse(self) -> CoarseObject | None:
-        """Show in it what the last `uploads` brought; None where there is none."""
+        """Apply the changes of the last `uploads` to the coarse version; return it, or None."""
         if self._coarse is not None:
             self._coarse.repaint(self._changed, self.surface.codes)
         return self._coarse

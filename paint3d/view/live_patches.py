@@ -1,9 +1,9 @@
-"""An object in patches, so that a renderer is sent what has changed and no more.
+"""Partition of an object into patches, so that only what has changed is sent to the renderer.
 
-VTK uploads whole arrays: on one array of a million vertices every touch of the brush would cost a
-million colours. Here the sheets of the paint mesh are cut into compact groups of about `FACES`
-triangles when all is painted, those that look to each of six sides by themselves; each group is a
-patch with its own arrays.
+VTK uploads whole arrays: with a single array of a million vertices every touch of the brush would
+upload a million colours. The sheets of the paint mesh are grouped, separately for each of the six
+axis directions that they face, into compact patches of about `FACES` triangles once fully refined,
+each with its own arrays.
 """
 
 from __future__ import annotations
@@ -20,15 +20,15 @@ from paint3d.view.kernels.chunks import Entries, add_faces, mark_holders, mark_s
 __all__ = ["FACES", "LivePatches", "PatchChange", "turned_away"]
 
 FACES = 6000
-_FACE_AREA = 0.18  # of a refined triangle over the square of the longest edge wanted; measured
+_FACE_AREA = 0.18  # area of a refined triangle over the squared resolution; measured
 _MOST_PATCHES = 400  # each costs the renderer some tens of microseconds a frame
-_GROUP = 1.4  # of the area wanted: halves of more are nearer to it
+_GROUP = 1.4  # times the target area, above which a group is halved
 _GROWTH = 1.5
 
 
 @dataclass(frozen=True, eq=False)
 class PatchChange:
-    """A patch that is to be drawn anew.
+    """A patch to be redrawn.
 
     Attributes
     ----------
@@ -45,19 +45,19 @@ class PatchChange:
 
 
 class LivePatches:
-    """The patches of one paint mesh, followed while it is refined.
+    """The patches of one paint mesh, updated while it is refined.
 
     Parameters
     ----------
     mesh : PaintMesh
     faces : int
-        Triangles in a patch, about.
+        Approximate number of triangles in a patch.
 
     Notes
     -----
-    Not for use while another thread refines the mesh. Cost: 0.1 us a triangle at the start and
-    for each that refinement makes, and 1 ms per million triangles in every `changes` that follows
-    a refinement.
+    Must not be used while another thread refines the mesh. Cost: 0.1 us for every triangle, at the
+    start or when refinement creates it, and 1 ms per million triangles in every `changes` after a
+    refinement.
     """
 
     def __init__(self, mesh: PaintMesh, faces: int = FACES) -> None:
@@ -72,16 +72,16 @@ class LivePatches:
         self._entries = Entries(none, none, none, none, np.zeros(1, np.int64))
 
     def vertex_ids(self, patch: int) -> NDArray[np.int32]:
-        """(K,) int32: the vertices of one patch."""
+        """Return the vertices (K,) int32 of one patch."""
         return self._ids[patch]
 
     def changes(self, vertex_ids: NDArray[np.int32]) -> list[PatchChange]:
-        """What to draw anew after these vertices' colours have changed and the mesh was refined.
+        """Return the patches to redraw after colours have changed and the mesh was refined.
 
         Parameters
         ----------
         vertex_ids : (N,) int32
-            Vertices with new colours; those that are new since the last call need not be named.
+            Vertices with new colours; vertices added since the last call need not be included.
 
         Returns
         -------
@@ -99,22 +99,22 @@ class LivePatches:
 
     @property
     def n_leaves(self) -> int:
-        """How many triangles there are."""
+        """Number of triangles."""
         return sum(map(len, self._leaves))
 
     @property
     def fine_area(self) -> float:
-        """How much of the mesh so many triangles cover if they are refined, mm^2, about."""
+        """Approximate area of the refined part of the mesh, mm^2."""
         return min(self._area, _FACE_AREA * self.mesh.resolution**2 * self.n_leaves)
 
     def leaves(self) -> tuple[AnyArray, list[AnyArray]]:
-        """All triangles there ever were (F, 3), and which of them each patch consists of (L,)."""
+        """Return all triangles (F, 3), also bisected ones, and the present ones (L,) per patch."""
         return self._all_faces()[0], self._leaves
 
     # -- refinement -------------------------------------------------------------------------
 
     def _rebuild(self) -> dict[int, AnyArray]:
-        """Take in the triangles that are new; return the faces of the patches they change."""
+        """Assign new triangles to patches; return the faces of the patches that they change."""
         faces, child = self._all_faces()
         before, n = self._n_faces, len(faces)
         if n == before:
@@ -127,8 +127,12 @@ class LivePatches:
         if child is not None:
             mark_split(child, before, self._face_patch, marks)
             fresh = fresh[child[before:n] < 0]
-        fresh, starts = self._by_patch(fresh)
-        marks[np.diff(starts) > 0] = 1
+        # Sort by patch: a patch's new triangles are fresh[starts[p] : starts[p + 1]].
+        patches = self._face_patch[fresh]
+        counts = np.bincount(patches, minlength=self.n_patches)
+        fresh = fresh[np.argsort(patches, kind="stable")]
+        starts = np.concatenate([[0], np.cumsum(counts)])
+        marks[counts > 0] = 1
         self._n_faces = n
         return {
             int(p): self._refit(int(p), faces, child, fresh[starts[p] : starts[p + 1]])
@@ -136,39 +140,32 @@ class LivePatches:
         }
 
     def _all_faces(self) -> tuple[AnyArray, AnyArray | None]:
-        """Triangles there ever were (F, 3), and their first children (None: nothing refines)."""
+        """Return all triangles (F, 3), also bisected ones, and their first children, if any."""
         mesh = self.mesh
         if not mesh.refines:
             return mesh.base_faces, None
         n = int(mesh.arrays.counts[1])
         return mesh.arrays.node_vertices[:n], mesh.arrays.child[:n]
 
-    def _by_patch(self, faces: AnyArray) -> tuple[AnyArray, AnyArray]:
-        """Sort faces (N,) by patch; return them and where each patch's run begins (P + 1,)."""
-        patches = self._face_patch[faces]
-        counts = np.bincount(patches, minlength=self.n_patches)
-        order = np.argsort(patches, kind="stable")
-        return faces[order], np.concatenate([[0], np.cumsum(counts)])
-
     def _refit(
         self, patch: int, faces: AnyArray, child: AnyArray | None, fresh: AnyArray
     ) -> AnyArray:
-        """Give a patch its present triangles, and return them with the patch's own numbers."""
-        kept = self._leaves[patch]
+        """Update a patch's triangles, and return them with indices into the patch's vertices."""
+        leaves = self._leaves[patch]
         if child is not None:
-            kept = kept[child[kept] < 0]
-        chosen = np.concatenate([kept, fresh])
-        self._make_room(3 * len(chosen))
+            leaves = leaves[child[leaves] < 0]
+        chosen = np.concatenate([leaves, fresh])
+        self._reserve(3 * len(chosen))
         local, new_ids = np.empty((len(chosen), 3), np.int32), np.empty(3 * len(chosen), np.int32)
-        held = self._ids[patch]
-        n_new = add_faces(faces, chosen, patch, len(held), self._entries, local, new_ids)
+        ids = self._ids[patch]
+        n_new = add_faces(faces, chosen, patch, len(ids), self._entries, local, new_ids)
         if n_new:
-            self._ids[patch] = np.concatenate([held, new_ids[:n_new]])
+            self._ids[patch] = np.concatenate([ids, new_ids[:n_new]])
         self._leaves[patch] = chosen
         return local
 
-    def _make_room(self, extra: int) -> None:
-        """Let the entries hold `extra` more, and every vertex there is room for."""
+    def _reserve(self, extra: int) -> None:
+        """Grow the table of entries by `extra`, and to all vertices up to the mesh's capacity."""
         old, count = self._entries, int(self._entries.count[0])
         head = old.head
         if len(head) < self.mesh.n_vertices:
@@ -183,7 +180,7 @@ class LivePatches:
 
 
 def _cut(mesh: PaintMesh, faces: int) -> tuple[NDArray[np.int32], float]:
-    """(S,) int32: the patch of each sheet; and the whole area."""
+    """Return the patch of each sheet (S,) int32, and the total area."""
     field = mesh.arrays
     along = np.abs(field.sheet_normal).argmax(axis=1)
     looks = np.take_along_axis(field.sheet_normal, along[:, None], axis=1)[:, 0] < 0.0
@@ -201,7 +198,7 @@ def _cut(mesh: PaintMesh, faces: int) -> tuple[NDArray[np.int32], float]:
 
 
 def _compact_groups(places: AnyArray, areas: AnyArray, target: float) -> list[AnyArray]:
-    """Cut places (N, 3) with areas (N,) in two, again and again, until about `target` is left."""
+    """Halve points (N, 3) with areas (N,) recursively into groups of about `target` area."""
     groups, waiting = [], [np.arange(len(places))] if len(places) else []
     while waiting:
         group = waiting.pop()
@@ -216,30 +213,30 @@ def _compact_groups(places: AnyArray, areas: AnyArray, target: float) -> list[An
     return groups
 
 
-def _with_room(array: AnyArray, used: int, room: int) -> AnyArray:
-    """An array with space for `room`, and more, whose first `used` entries are kept."""
-    return array if len(array) >= room else grown(array, used, int(room * _GROWTH) + 64)
+def _with_room(array: AnyArray, used: int, capacity: int) -> AnyArray:
+    """Return an array of at least `capacity` whose first `used` entries are those of the given."""
+    return array if len(array) >= capacity else grown(array, used, int(capacity * _GROWTH) + 64)
 
 
-# ---- Facing the eye ------------------------------------------------------------------------------
-# Which patches of an object turn their back to the eye, all of their faces at once.
+# ---- Back-face culling ---------------------------------------------------------------------------
+# Culling of whole patches that face away from the eye.
 #
-# Of a patch one keeps a cone around its normals (`view.kernels.facing`; Shirman and Abi-Ezzi, The
+# A patch has a cone around its normals (`view.kernels.chunks.cone_of`; Shirman and Abi-Ezzi, The
 # cone of normals technique for fast processing of curved patches, 1993).
 
 
-_SLACK = 1e-4  # cosines: what rounding may take
+_SLACK = 1e-4  # of cosines, for rounding
 
 
 def turned_away(bounds: AnyArray, cones: AnyArray, eye: AnyArray) -> AnyArray:
-    """Whether an eye sees all triangles of each patch from behind.
+    """Return whether each patch faces away from an eye with all its triangles.
 
     Parameters
     ----------
     bounds : (P, 6)
-        Lowest and highest corner of the box that a patch lies in, mm.
+        Lowest and highest corner of each patch's bounding box, mm.
     cones : (P, 4)
-        `kernels.facing.cone_of` each.
+        `kernels.chunks.cone_of` each.
     eye : (3,)
         mm.
 
@@ -253,8 +250,8 @@ def turned_away(bounds: AnyArray, cones: AnyArray, eye: AnyArray) -> AnyArray:
     ahead = 0.5 * (low + high) - eye
     away = np.linalg.norm(ahead, axis=1)
     with np.errstate(invalid="ignore", divide="ignore"):
-        # seen from behind if the angle between the axis and the ray is less than what is left
-        # of a right angle after the cone's half and the half under which the box is seen
+        # Seen from behind if the angle between the cone's axis and the ray to the box, plus the
+        # cone's half angle, plus the half angle under which the box is seen, is below 90 degrees.
         spread = np.arccos(np.clip(cones[:, 3] - _SLACK, -1.0, 1.0))
         seen_under = np.arcsin(np.minimum(radius / away, 1.0))
         between = np.arccos(np.clip((ahead * cones[:, :3]).sum(axis=1) / away, -1.0, 1.0))

@@ -1,10 +1,10 @@
-"""What of a scene to draw next, so that no picture takes long and all of it is fine in the end.
+"""Progressive rendering of a scene: no picture takes long, and in the end all of it is fine.
 
-While the view moves, an object of many triangles is drawn coarsely, by a graphics card only where
-that takes long, and in software by fewer pixels where it still does. Where it stands still, it is
-drawn to the last triangle, cell by cell of the picture, a few at a time; and once nothing moves any
-more, software renderers smooth its edges in the same way. What changes meanwhile comes first: a
-hand never waits for more than one step.
+While the view moves, an object of many triangles is drawn coarsely (on a graphics card only if it
+is too slow otherwise) and, in software, at reduced resolution if that is still too slow. Once the
+view stands still, every triangle is drawn, cell by cell of the picture, a few cells at a time; and
+once nothing moves any more, software renderers smooth edges in the same way. Changes come first: a
+hand never waits for more than one such step.
 """
 
 from __future__ import annotations
@@ -23,46 +23,47 @@ from paint3d.view.live_scene import LiveScene
 
 __all__ = ["LivePicture"]
 
-_CELL = 160  # pixels
-_PART = 640  # pixels of a picture that is drawn part by part
-_FINE, _PLAIN, _ROUGH = 0, 1, 2  # edges smoothed; every triangle; coarse
-_SETTLED_S = 0.15  # after the view moved: then all triangles are drawn,
-_CALM_S = 0.35  # and after anything moved: then edges are smoothed
-_STEP_S = 0.025  # what may be spent on that at once
-_MANY = 120_000  # triangles: more are drawn coarsely while the view moves,
-_TOO_MANY = 700_000  # and of more the edges are not smoothed
+_CELL = 160  # side of a cell, pixels
+_PART = 640  # side of a part in `draw_by_parts`, pixels
+_FINE, _PLAIN, _ROUGH = 0, 1, 2  # states of a cell: smooth edges; every triangle; coarse
+_SETTLED_S = 0.15  # time after the view moved until all triangles are drawn
+_CALM_S = 0.35  # time after anything changed until edges are smoothed
+_STEP_S = 0.025  # longest time spent at once on such improvements
+_MANY = 120_000  # triangles above which the object is drawn coarsely while the view moves
+_TOO_MANY = 700_000  # triangles above which edges are not smoothed
 _Levels = tuple[tuple[float, float], ...]
-_LEVELS: _Levels = (  # while the view moves: triangles that may be drawn, share of pixels per side
+# Levels of detail while the view moves: most triangles, and fraction of the pixels per side.
+_LEVELS: _Levels = (
     (_MANY, 1.0), (60_000, 1.0), (60_000, 2 / 3), (30_000, 2 / 3), (30_000, 0.5),
 )  # fmt: skip
-_CARD_LEVELS: _Levels = (  # where a card draws: all of them while that is quick enough
+_CARD_LEVELS: _Levels = (  # on a graphics card: every triangle while that is fast enough
     (math.inf, 1.0), (_MANY, 1.0), (60_000, 1.0), (30_000, 1.0),
 )  # fmt: skip
-_LONG_S, _SHORT_S = 0.018, 0.016  # that such a picture may take, and may well take;
-_CARD_LONG_S, _CARD_SHORT_S = 0.012, 0.010  # so that a card gives 60 a second, all else included
-_SOON, _LATE = 2, 64  # judgements that were well, after which a better level is tried again
-_JUDGED = 5  # pictures, of which the middle one counts
-_MANY_PIECES = 60
-_RECENT = 20  # pictures
-_APART = 1.5  # boxes are drawn one by one if the one around both has more pixels than so
+_LONG_S, _SHORT_S = 0.018, 0.016  # picture times above, and below, which the level is changed
+_CARD_LONG_S, _CARD_SHORT_S = 0.012, 0.010  # so that a card reaches 60 pictures a second in all
+_SOON, _LATE = 2, 64  # least and greatest number of fast judgements before a better level is tried
+_JUDGED = 5  # pictures per judgement, of which the median counts
+_MANY_PIECES = 60  # patches above which the object is drawn coarsely while the view moves
+_RECENT = 20  # pictures averaged in `picture_s`
+_APART = 1.5  # two boxes are joined if the joint one has at most so many times their pixels
 
 
 class LivePicture:
-    """The picture of a scene, kept up with what changes in it.
+    """The picture of a scene, updated step by step as the scene changes.
 
     Parameters
     ----------
     scene : LiveScene
     prepare : callable
-        Called with how many triangles may be drawn where the object is drawn coarsely; gives
-        the scene a coarse object that fits (`LiveScene.set_coarse`), and tells whether it could.
+        Called with the most triangles that a coarse object may have; sets such an object
+        (`LiveScene.set_coarse`) and returns whether it could.
 
     Attributes
     ----------
     picture_s : float
-        What a picture takes that shows something new, s: the mean of the last ones.
+        Mean duration of the last pictures with something new, s; 0 before the first.
     changed : Box or None
-        What the last picture shows otherwise than the one before.
+        Pixels in which the last picture differs from the one before.
     """
 
     def __init__(self, scene: LiveScene, prepare: Callable[[int], bool]) -> None:
@@ -84,29 +85,29 @@ class LivePicture:
 
     @property
     def picture_s(self) -> float:
-        """See above; 0 before the first."""
+        """Mean duration of the last pictures with something new, s; 0 before the first."""
         return sum(self._took) / len(self._took) if self._took else 0.0
 
     def touch(self) -> None:
-        """Have everything drawn anew: it is seen from elsewhere, or otherwise."""
+        """Mark everything for redrawing: the camera or the appearance has changed."""
         self._stale = self._turns = True
 
     def touch_object(self, box: Box | None) -> None:
-        """Have the object drawn anew within a box."""
+        """Mark the object for redrawing within a box."""
         if box is not None:
             self._object.append(box)
 
     def touch_front(self, box: Box | None) -> None:
-        """Have what is in front of the object drawn anew within a box."""
+        """Mark what is in front of the object for redrawing within a box."""
         if box is not None:
             self._front.append(box)
 
     def is_done(self) -> bool:
-        """Whether nothing is left to draw."""
+        """Return whether nothing is left to draw."""
         return not (self._stale or self._object or self._front or self._left().any())
 
     def draw(self) -> NDArray[np.uint8] | None:
-        """(H, W, 4) uint8 pixels, the first row at the bottom; None if nothing has changed."""
+        """Do one step; return (H, W, 4) uint8 pixels, bottom row first, or None if unchanged."""
         started, scene = time.perf_counter(), self._scene
         if self._stale:
             moves = self._turns and self._is_moving(started)
@@ -116,12 +117,16 @@ class LivePicture:
             self._judge(scene.frame_s)
             return pixels
         if scene.is_lost and (self._object or self._front or self._is_settled(started)):
-            moves = self._draws_less() and self._is_moving(started)
-            return self._draw_all(started, moves=moves)  # or it is now blurred, now sharp
+            # Stay at reduced detail while the view moves, or the picture flickers between the two.
+            moves = self._is_reduced() and self._is_moving(started)
+            return self._draw_all(started, moves=moves)
         boxes = self._take_boxes()
         for box in boxes:
             scene.draw_object(box)
-            self._mark(box, _PLAIN)
+            # Its cells are now plain at best; a cell that is rough in other parts stays so.
+            x0, y0, x1, y1 = box
+            part = self._cells[y0 // _CELL : -(-y1 // _CELL), x0 // _CELL : -(-x1 // _CELL)]
+            np.maximum(part, _PLAIN, out=part)
         boxes += self._front
         self._front.clear()
         if boxes:
@@ -135,18 +140,18 @@ class LivePicture:
         return self._show(joined_box(boxes), started, fine=fine)
 
     def draw_whole(self, *, fine: bool) -> NDArray[np.uint8]:
-        """(H, W, 4) uint8 pixels, all of them drawn anew to the last triangle."""
+        """Redraw everything at full detail; return (H, W, 4) uint8 pixels."""
         pixels = self._scene.draw(fine=fine)
         self._stale = True
         return pixels
 
     def draw_by_parts(self, *, fine: bool) -> Iterator[tuple[float, AnyArray]]:
-        """Draw all anew as `draw_whole` does, and yield after each part, so that it can be left.
+        """Redraw everything as `draw_whole` does, but yield after each part, so it can be aborted.
 
         Yields
         ------
         float
-            The share that is drawn, up to 1.
+            The fraction that is drawn, up to 1.
         (H, W, 4) uint8
             Pixels; the next part changes them.
         """
@@ -170,21 +175,21 @@ class LivePicture:
         return pixels
 
     def _is_settled(self, now: float) -> bool:
-        """Whether the view has stood still for a while."""
+        """Return whether the view has stood still for a while."""
         return now - self._turned >= _SETTLED_S
 
     def _is_moving(self, now: float) -> bool:
-        """Whether the view moves."""
+        """Return whether the view moves."""
         return not self._is_settled(now)
 
-    def _draws_less(self) -> bool:
-        """Whether a view that moves is drawn by less than the same one at rest, cells aside."""
+    def _is_reduced(self) -> bool:
+        """Return whether a moving view is drawn with less detail than one at rest."""
         if self._scene.is_software:
             return self._levels[self._level][1] < 1.0
         return self._level > 0
 
     def _draw_all(self, started: float, *, moves: bool = False) -> AnyArray:
-        """Draw all anew; of a view that moves soon again, so it is not kept."""
+        """Redraw everything; of a moving view the picture is not kept, as the next will differ."""
         scene, (many, share) = self._scene, self._levels[self._level]
         share = share if moves else 1.0
         self._object.clear()
@@ -199,9 +204,10 @@ class LivePicture:
         return self._show(None, started, keep=not moves)
 
     def _judge(self, took_s: float) -> None:
-        """Draw less while the view moves if pictures take long, more if they do not.
+        """Adapt the level of detail of a moving view to the time that its pictures take.
 
-        Whether more can be drawn is found by trying, and ever more seldom where it could not.
+        A better level is tried after some fast pictures; each failed trial doubles the wait for
+        the next.
         """
         self._wholes.append(took_s)
         if len(self._wholes) < _JUDGED:
@@ -220,7 +226,7 @@ class LivePicture:
             self._level, self._well, self._is_tried = self._level - 1, 0, True
 
     def _improve(self, started: float, fine: bool) -> list[Box]:
-        """Draw some cells better than they are; return where."""
+        """Redraw some cells at a better state; return their boxes."""
         scene, left = self._scene, self._left()
         if not left.any() or not self._is_settled(started):
             return []
@@ -234,10 +240,12 @@ class LivePicture:
         return self._step(left, started, _FINE) if fine else []
 
     def _step(self, cells: AnyArray, started: float, state: int) -> list[Box]:
-        """Draw cells for as long as a step may last."""
+        """Draw cells until the time of a step is used up."""
         boxes = []
+        width, height = self._scene.size
         for row, column in np.argwhere(cells):
-            box = self._cell_box(row, column)
+            x, y = column * _CELL, row * _CELL
+            box = x, y, min(x + _CELL, width), min(y + _CELL, height)
             self._scene.draw_object(box, fine=state == _FINE)
             self._cells[row, column] = state
             boxes.append(box)
@@ -246,25 +254,14 @@ class LivePicture:
         return boxes
 
     def _left(self) -> NDArray[np.bool_]:
-        """(R, C) bool: the cells that can be drawn better than they are."""
+        """Return which cells (R, C) can still be improved."""
         best = _FINE
         if not self._scene.is_software or self._scene.seen()[0] > _TOO_MANY:
             best = _PLAIN
         return self._cells > best
 
-    def _cell_box(self, row: int, column: int) -> Box:
-        width, height = self._scene.size
-        x, y = column * _CELL, row * _CELL
-        return x, y, min(x + _CELL, width), min(y + _CELL, height)
-
-    def _mark(self, box: Box, state: int) -> None:
-        """Note that a box was drawn anew; cells of which a part is rough stay so."""
-        x0, y0, x1, y1 = box
-        part = self._cells[y0 // _CELL : -(-y1 // _CELL), x0 // _CELL : -(-x1 // _CELL)]
-        np.maximum(part, state, out=part)
-
     def _take_boxes(self) -> list[Box]:
-        """The boxes in which the object is to be drawn anew, those near each other joined."""
+        """Return and clear the boxes in which to redraw the object, joining near ones."""
         taken, self._object = self._object, []
         joined: list[Box] = []
         for box in taken:

@@ -1,7 +1,7 @@
-"""The scene one paints in, drawn by VTK into pixels; no window system is needed.
+"""The live scene, rendered offscreen by VTK; no window system is needed.
 
-Pixels rather than a native window: the same code runs under X11, Wayland and none, in tests and in
-the desktop window, which lays its own pictures over them.
+It renders into pixels rather than a native window, so the same code runs under X11, Wayland and
+without a display, in tests and in the desktop window, which draws its overlays on top.
 """
 
 from __future__ import annotations
@@ -32,16 +32,18 @@ from paint3d.view.vtk_parts import DrawnMesh, camera_light, quiet_vtk
 
 __all__ = ["DARK", "LIGHT", "Background", "LiveScene"]
 
-_SQUARES = 20  # along the floor: those without shade are not drawn
-_SHADE = 0.55  # darkest the object's shade on the floor becomes
-_MARGINS = np.array([-4, -4, 5, 5])  # pixels around what changed: lines are wide, edges smooth
-_JITTER = tuple((x, y) for y in (-0.25, 0.25) for x in (-0.25, 0.25))  # of a pixel: four samples
+_SQUARES = 20  # along a side of the floor; squares without shadow are not drawn
+_SHADE = 0.55  # greatest opacity of the object's shadow on the floor
+_MARGINS = np.array([-4, -4, 5, 5])  # pixels around a change: for line width and smooth edges
+_JITTER = tuple((x, y) for y in (-0.25, 0.25) for x in (-0.25, 0.25))  # sample offsets, pixels
 _SOFTWARE = ("llvmpipe", "softpipe", "swrast", "swr ")
-_SAMPLES = 4  # a pixel, where a graphics card draws
-_CORNERS = np.array([(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)], bool)  # of a box
-_FEW_PIXELS = (
-    20.0  # across a triangle: while the view moves, lamps mirrored in its corners are enough
-)
+_SAMPLES = 4  # MSAA samples per pixel on a graphics card
+_CORNERS = np.array([(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)], bool)
+# Up to this size of triangles, in pixels, highlights are computed per vertex while the view moves.
+_FEW_PIXELS = 20.0
+# Specular highlights of the three parallel lamps, as VTK's own shader computes them but without
+# the terms that are zero here. Vertex alpha selects the gloss: that of the material, of a film of
+# water (like glaze), or of matt ink.
 _SHINE = """
   vec3 mirrored = reflect(normalize(-vertexVC.xyz), normalVCVSOutput);
   vec3 toward = vec3(dot(mirrored, lightDirectionVC0), dot(mirrored, lightDirectionVC1),
@@ -58,8 +60,6 @@ _SHINE = """
   fragOutput0 = vec4(RELIEF * vertexColorVSOutput.rgb
     + share * (bright.x * lightColor0 + bright.y * lightColor1 + bright.z * lightColor2), 1.0);
 """
-# of three parallel lamps, as VTK draws them but for what comes to nothing; alpha says how the
-# vertex shines: as the material, a film of water, which shines as glaze does, or matt ink
 _FILM_POWER, _FILM_SHARE = 120.0, 0.22
 _MATT_POWER, _MATT_SHARE = 8.8, 0.02
 _LOBES = {
@@ -69,6 +69,8 @@ _LOBES = {
     "MATT_POWER": _MATT_POWER,
     "MATT_SHARE": _MATT_SHARE,
 }
+# Surface grain: waves fixed in the object, as in `haptics.kernels.force`, warped to and fro so that
+# no weave is visible, and faded out where pixels are coarser than the grain.
 _RELIEF = """
 float relief() {
   vec3 turned = grainPlace * TURNS;
@@ -82,13 +84,13 @@ float relief() {
   vec3 two = sin(down * vec3(0.85, 0.81, 0.97) + vec3(2.9, 1.3, 4.4));
   return 1.0 + DEPTH * seen * (dot(one, vec3(1.0)) + dot(two, vec3(1.0)));
 }
-"""  # waves that stand in the object, as in `haptics.kernels.force`, drawn to and fro so that no
-# weave is seen; nothing where pixels are coarser
+"""
+# The shadow on the floor: black, with the texture's only channel as its opacity.
 _SHADE_ALONE = """
   fragOutput0 = vec4(0.0, 0.0, 0.0, texture(actortexture, tcoordVCVSOutput).r);
-"""  # on the floor: black, as dense as its only channel says
-_DEEPEST = 0.1  # by which the coarsest grain makes its bumps lighter
-_LIGHTS = (  # of what shines and of the brush; the object's own light is baked
+"""
+_DEEPEST = 0.1  # relative brightening of the bumps of the coarsest grain
+_LIGHTS = (  # of highlights and the brush; the object's diffuse light is baked
     ((-0.55, 0.75, 1.0), 0.85, (1.0, 0.985, 0.96)),
     ((0.9, 0.25, 0.45), 0.35, (0.93, 0.96, 1.0)),
     ((0.1, 0.5, -0.7), 0.3, (1.0, 1.0, 1.0)),
@@ -97,7 +99,7 @@ _LIGHTS = (  # of what shines and of the brush; the object's own light is baked
 
 @dataclass(frozen=True)
 class Background:
-    """Colours around the object, sRGB in [0, 1]: at the picture's lower border and its upper."""
+    """Background gradient, sRGB in [0, 1]: colours at the bottom and the top of the picture."""
 
     below: tuple[float, float, float]
     above: tuple[float, float, float]
@@ -109,7 +111,7 @@ DARK = Background((0.300, 0.296, 0.290), (0.150, 0.150, 0.154))
 
 @dataclass(frozen=True, eq=False)
 class _Smaller:
-    """What an object is drawn with by fewer pixels."""
+    """Buffers for drawing the object at a reduced resolution, `share` of the pixels per side."""
 
     share: float
     box: Box
@@ -118,29 +120,29 @@ class _Smaller:
 
     @classmethod
     def of(cls, share: float, window: Any, size: tuple[int, int]) -> _Smaller:
-        """With so many of the pixels along each side of a size."""
+        """Create them for a fraction `share` of the pixels along each side of `size`."""
         small = max(1, round(share * size[0])), max(1, round(share * size[1]))
         return cls(share, (0, 0, *small), KeptPicture(window, depth=False), Enlarger(small, size))
 
 
 class LiveScene:
-    """Everything seen while painting, in three layers: the backdrop, the object, the brush.
+    """The scene while painting, in three layers: the backdrop, the object, the brush.
 
-    Each layer's picture is kept, so that only what has changed is drawn anew: a brush over an
-    object costs what a brush costs, and a part of an object costs what lies in that part.
+    The pictures of the lower layers are cached, so that only what has changed is redrawn: a brush
+    over an object costs no more than the brush, and a part of an object no more than that part.
 
     Parameters
     ----------
     size : (int, int)
         Width and height, pixels.
-    mood : Mood
+    mood : Background
 
     Attributes
     ----------
     uploaded : int
-        Bytes that went to the renderer.
+        Bytes sent to the renderer so far.
     frame_s : float
-        What the last `draw_object` and `show` took, s.
+        Duration of the last `draw_object` and `show`, s.
 
     Raises
     ------
@@ -149,7 +151,7 @@ class LiveScene:
     """
 
     def __init__(self, size: tuple[int, int] = (800, 600), mood: Background = LIGHT) -> None:
-        import vtkmodules.vtkRenderingOpenGL2  # noqa: F401  gives the classes below their bodies
+        import vtkmodules.vtkRenderingOpenGL2  # noqa: F401  implements the classes below
         from vtkmodules.vtkCommonDataModel import vtkRecti
         from vtkmodules.vtkRenderingCore import vtkCamera, vtkRenderWindow
 
@@ -160,7 +162,7 @@ class LiveScene:
         self._window.SetMultiSamples(0)
         self._window.SetSize(*size)
         self._window.SetFrameBlitModeToNoBlit()
-        self._window.SetSwapBuffers(False)  # there is no screen to copy pictures for
+        self._window.SetSwapBuffers(False)  # nothing is presented on a screen
         self._size = size
         self._eye = vtkCamera()
         self._backdrop, self.renderer, self._front = (self._layer(n) for n in range(3))
@@ -176,7 +178,7 @@ class LiveScene:
         self._kept: tuple[KeptPicture, LastPicture] | None = None
         self._smaller: _Smaller | None = None
         self._is_small = False
-        self._beside: dict[DrawnMesh, float] = {}  # what else there is, and how wide its lines are
+        self._beside: dict[DrawnMesh, float] = {}  # other meshes, and their line widths
         self._pixels: AnyArray | None = None
         self._patches: dict[int, DrawnMesh] = {}
         self._coarse: list[DrawnMesh] = []
@@ -197,11 +199,11 @@ class LiveScene:
         self.set_mood(mood)
 
     def _layer(self, number: int) -> Any:
-        """A renderer of one layer: 0 the backdrop, 1 the object, 2 the brush."""
+        """Create the renderer of one layer: 0 the backdrop, 1 the object, 2 the brush."""
         from vtkmodules.vtkRenderingCore import vtkRenderer
 
         layer = vtkRenderer()
-        layer.SetUseOIT(False)  # as things lie over each other they are added; a pass less
+        layer.SetUseOIT(False)  # translucent actors are added back to front: saves a pass
         layer.SetAutomaticLightCreation(False)
         layer.GetCullers().RemoveAllItems()
         self._window.AddRenderer(layer)
@@ -214,18 +216,18 @@ class LiveScene:
         return layer
 
     def _start(self) -> str:
-        """Start OpenGL; return the name of what draws."""
+        """Start OpenGL; return the name of the OpenGL renderer."""
         self._window.Render()
-        told = self._window.ReportCapabilities() or ""
-        names = [line for line in told.splitlines() if "renderer string" in line]
+        report = self._window.ReportCapabilities() or ""
+        names = [line for line in report.splitlines() if "renderer string" in line]
         if not names:
             raise ExportError("nothing can be drawn: no OpenGL of version 3.2 or later was found")
         return names[0].partition(":")[2].strip()
 
-    # -- what is in it ----------------------------------------------------------------------
+    # -- contents ---------------------------------------------------------------------------
 
     def set_mood(self, mood: Background) -> None:
-        """Change the colours around the object."""
+        """Set the background colours."""
         self.mood = mood
         self._backdrop.GradientBackgroundOn()
         self._backdrop.SetBackground(*mood.below)
@@ -233,9 +235,9 @@ class LiveScene:
         self._forget()
 
     def clear(self, centre: AnyArray, radius: float, gloss: Gloss, *, solid: bool = False) -> None:
-        """Take the object away; the next one lies within `radius` mm of `centre`.
+        """Remove the object; the next one lies within `radius` mm of `centre`.
 
-        What is seen from behind is not drawn if the next one is `solid` (`TriangleMesh.is_solid`).
+        Back faces are culled if the next one is `solid` (`TriangleMesh.is_solid`).
         """
         for drawn in self._patches.values():
             self.renderer.RemoveActor(drawn.actor)
@@ -254,24 +256,24 @@ class LiveScene:
         self.set_gloss(gloss)
 
     def set_gloss(self, gloss: Gloss) -> None:
-        """Let the object shine as its material does."""
+        """Set the gloss of the object's material."""
         self._gloss = gloss
         for drawn in (*self._patches.values(), *self._coarse):
             _shine(drawn.actor.GetProperty(), gloss)
 
     def apply(self, uploads: Iterable[PatchUpload]) -> list[AnyArray]:
-        """Take new arrays of some patches.
+        """Update the arrays of some patches.
 
         Returns
         -------
         list of (N, 3) float32
-            Of each patch the corners of those triangles that look otherwise than before.
+            For each patch the corners of the triangles whose appearance changed.
         """
         changed = []
         for upload in uploads:
             drawn = self._patches.get(upload.patch)
             if drawn is None:
-                drawn = self._patches[upload.patch] = self._glazed()
+                drawn = self._patches[upload.patch] = self._new_piece()
                 self._shown = np.empty(0, bool)
             if upload.points is not None and upload.faces is not None:
                 drawn.set_shape(upload.points, upload.faces, upload.normals)
@@ -281,19 +283,19 @@ class LiveScene:
             self.uploaded += upload.n_bytes
         return changed
 
-    def _glazed(self) -> DrawnMesh:
-        """A piece of the object, of which nothing is there yet."""
+    def _new_piece(self) -> DrawnMesh:
+        """Add an empty mesh with the object's material to the scene."""
         drawn = DrawnMesh(PLAIN_SHINE)
         look = drawn.actor.GetProperty()
         _shine(look, self._gloss)
         look.SetBackfaceCulling(self._is_solid)
-        _mirror(drawn, True, self._gloss)
-        drawn.actor.ForceOpaqueOn()  # alpha says how it shines
+        _set_shaders(drawn, True, self._gloss)
+        drawn.actor.ForceOpaqueOn()  # alpha is the shine, not opacity
         self.renderer.AddActor(drawn.actor)
         return drawn
 
     def _bound(self, patch: int, points: AnyArray, faces: AnyArray) -> None:
-        """Note where a patch lies, and which ways its faces look."""
+        """Update the bounding box and the cone of normals of a patch."""
         if patch >= len(self._bounds_of):
             more = patch + 1 - len(self._bounds_of)
             self._bounds_of = np.concatenate([self._bounds_of, np.full((more, 6), np.nan)])
@@ -307,12 +309,12 @@ class LiveScene:
         self._boxes = self._seen = None
 
     def set_coarse(self, coarse: CoarseObject | None) -> None:
-        """Take the object as it is drawn coarsely (see `draw_object`), or None for not at all."""
+        """Set the coarse version of the object (see `draw_object`), or None for no such version."""
         for drawn in self._coarse:
             self.renderer.RemoveActor(drawn.actor)
         self._coarse, self._coarse_object, self._coarse_order = [], coarse, []
         for piece in coarse.pieces if coarse is not None else ():
-            drawn = self._glazed()
+            drawn = self._new_piece()
             drawn.set_shape(piece.points, piece.faces, piece.normals)
             drawn.show(False)
             self._coarse.append(drawn)
@@ -324,18 +326,18 @@ class LiveScene:
         return bool(self._coarse)
 
     def recolour_coarse(self) -> None:
-        """Have its colours taken anew when it is drawn again."""
+        """Mark the colours of the coarse object as changed."""
         self._coarse_is_new = True
 
     def _light_coarse(self) -> None:
-        """Let lamps be mirrored in the corners of what is drawn coarsely, if they lie near."""
+        """Update the coarse object's colours, with highlights per vertex if triangles are small."""
         coarse, look = self._coarse_object, self._coarse[0].actor.GetProperty()
         assert coarse is not None, "its pieces are there"
         near = coarse.triangle_mm <= _FEW_PIXELS * self.nearest_mm()
         colours = coarse.colours
         if near:
             colours = np.empty_like(coarse.colours)
-            axes = self._axes * (1.0, 1.0, -1.0)  # to the right, up, and to the eye
+            axes = self._axes * (1.0, 1.0, -1.0)  # right, up, and toward the eye
             lamps = np.array(
                 [
                     [*(axes @ _unit(place)), *(np.array(colour) * light)]
@@ -367,27 +369,27 @@ class LiveScene:
         if bool(look.GetLighting()) == near:
             for drawn in self._coarse:
                 drawn.actor.GetProperty().SetLighting(not near)
-                _mirror(drawn, not near, self._gloss)
+                _set_shaders(drawn, not near, self._gloss)
 
     def add(self, drawn: DrawnMesh, *, front: bool = False) -> None:
-        """Show something else besides: a line on the object; in front, a brush over it."""
+        """Add another mesh to the object's layer, or to the brush's, in front of it."""
         (self._front if front else self.renderer).AddActor(drawn.actor)
         if not front:
             self._beside[drawn] = drawn.actor.GetProperty().GetLineWidth()
 
     def remove(self, drawn: DrawnMesh) -> None:
-        """Show it no longer."""
+        """Remove a mesh that was added."""
         self._beside.pop(drawn, None)
         self.renderer.RemoveActor(drawn.actor)
         self._front.RemoveActor(drawn.actor)
 
     def set_ground(self, baked: BakedLight) -> None:
-        """Let the object cast its soft shade on the floor, which is seen from above only."""
+        """Set the object's soft shadow on the floor, which is visible from above only."""
         if self._ground is not None:
             self.renderer.RemoveActor(self._ground.actor)
         ground, drawn = baked.ground, DrawnMesh()
         pixels = _shade_pixels(ground.openness)
-        places, faces = _where_dense(pixels)
+        places, faces = _visible_squares(pixels)
         corners = np.concatenate([2.0 * places - 1.0, np.zeros((len(places), 1))], axis=1)
         drawn.set_shape((ground.origin + ground.half * corners) @ baked.axes, faces)
         drawn.set_texture(pixels, places)
@@ -401,10 +403,10 @@ class LiveScene:
         self._ground = drawn
         self.renderer.AddActor(drawn.actor)
 
-    # -- where it is seen from --------------------------------------------------------------
+    # -- camera -----------------------------------------------------------------------------
 
     def set_size(self, size: tuple[int, int]) -> None:
-        """Change the width and height, pixels."""
+        """Set the width and height, pixels."""
         self._size = max(1, int(size[0])), max(1, int(size[1]))
         self._forget()
 
@@ -415,7 +417,7 @@ class LiveScene:
 
     @property
     def camera(self) -> Camera:
-        """From where it is seen."""
+        """The present camera."""
         return self._camera
 
     @property
@@ -424,7 +426,7 @@ class LiveScene:
         return 0, 0, *self._size
 
     def set_camera(self, camera: Camera) -> None:
-        """Look from there."""
+        """Set the camera."""
         self._camera, self._axes = camera, _looking_axes(camera)
         self._pixels = self._boxes = self._seen = None
         eye = self._eye
@@ -438,30 +440,31 @@ class LiveScene:
         eye.SetClippingRange(max(depth - 2.0 * radius, 0.002 * far), far)
 
     def screen_box(self, points: AnyArray) -> Box | None:
-        """The smallest box of pixels that points (N, 3) are seen in, y up; None if in none."""
+        """Return the screen bounding box of points (N, 3), y up; None if none is in the picture."""
         points = np.asarray(points, np.float64)
         if len(points) == 0:
             return None
-        return _box_of(self._screen_boxes(points[None])[0])
+        x0, y0, x1, y1 = (int(edge) for edge in self._screen_boxes(points[None])[0])
+        return (x0, y0, x1, y1) if x1 > x0 and y1 > y0 else None
 
     def _patch_boxes(self) -> AnyArray:
-        """(P, 4) the box of each patch; empty where it is seen nowhere."""
+        """Return the screen bounding box of each patch (P, 4); empty if out of the picture."""
         if self._boxes is None:
             low, high = self._bounds_of[:, :3], self._bounds_of[:, 3:]
             self._boxes = self._screen_boxes(np.where(_CORNERS, high[:, None], low[:, None]))
         return self._boxes
 
     def _screen_boxes(self, points: AnyArray) -> AnyArray:
-        """(P, 4) int: the boxes around points (P, N, 3); x1 <= x0 or y1 <= y0 where in none."""
+        """Return the boxes (P, 4) int of points (P, N, 3); x1 <= x0 or y1 <= y0 if empty."""
         camera, (width, height) = self._camera, self._size
         away = points - camera.position
         right, up, ahead = (away @ axis for axis in self._axes.T)
         scale = 0.5 * height / np.tan(0.5 * camera.view_angle) / np.maximum(ahead, 1e-9)
         across, along = scale * right + 0.5 * width, scale * up + 0.5 * height
-        low = [across.min(axis=1), along.min(axis=1)]  # apart: rows of numbers are fast
+        low = [across.min(axis=1), along.min(axis=1)]  # separately: contiguous rows are fast
         high = [across.max(axis=1), along.max(axis=1)]
         boxes = np.stack([*low, *high], axis=1) + _MARGINS
-        boxes[~(ahead.min(axis=1) > 0.0)] = self.whole  # at the eye or behind: anywhere; also nan
+        boxes[~(ahead.min(axis=1) > 0.0)] = self.whole  # behind the eye, or nan: could be anywhere
         result: AnyArray = np.clip(boxes, 0, (width, height, width, height)).astype(np.int64)
         return result
 
@@ -475,20 +478,20 @@ class LiveScene:
         fine: bool = False,
         share: float = 1.0,
     ) -> None:
-        """Draw the object anew; `show` then shows it.
+        """Redraw the object; `show` then shows it.
 
         Parameters
         ----------
         box : (x0, y0, x1, y1), optional
-            Only this box of pixels; to the bit as it would be within the whole. The cost falls
-            with its size and with what lies in it.
+            Redraw only this box of pixels, bit-identical to a full redraw. The cost falls with its
+            size and with what lies in it.
         coarse : bool
-            Draw what `set_coarse` was given.
+            Draw the version given to `set_coarse`.
         fine : bool
-            Smooth edges also where software draws, at four times the cost: for when nothing moves.
+            Smooth edges also in software, at four times the cost: for when nothing moves.
         share : float
-            Of the pixels along each side of the whole that are drawn, and then spread over it: for
-            while the view moves. The object is lost with the next picture (`is_lost`).
+            Fraction of the pixels along each side to draw and then enlarge: for while the view
+            moves. The picture of the object is lost with the next one (`is_lost`).
         """
         started = time.perf_counter()
         backdrop, kept = self._keep()
@@ -513,7 +516,7 @@ class LiveScene:
         self.frame_s = time.perf_counter() - started
 
     def _draw_smaller(self, share: float) -> None:
-        """Draw the object in the lower left corner, by fewer pixels."""
+        """Draw the object at reduced resolution into the lower left corner."""
         if self._smaller is None or self._smaller.share != share:
             if self._smaller is not None:
                 self._smaller.backdrop.release()
@@ -528,13 +531,13 @@ class LiveScene:
             drawn.actor.GetProperty().SetLineWidth(width)
 
     def _draw_within(self, layer: Any, box: Box) -> None:
-        """Draw all that a layer shows within a box of pixels."""
+        """Draw a whole layer scaled into a box of pixels."""
         layer.SetViewport(0.0, 0.0, box[2] / self._size[0], box[3] / self._size[1])
         self._draw_layer(layer, box, (0.0, 0.0))
         layer.SetViewport(0.0, 0.0, 1.0, 1.0)
 
     def _show_enlarged(self, pixels: AnyArray) -> None:
-        """Write what was drawn by fewer pixels into the whole, and what is in front by all."""
+        """Enlarge the reduced picture, and draw the brush over it at full resolution."""
         assert self._smaller is not None, "it was drawn"
         smaller, kept, top = self._smaller, self._keep()[1], self._size[1]
         smaller.enlarger.enlarge(self._target.read(smaller.box), pixels)
@@ -545,7 +548,7 @@ class LiveScene:
             pixels[top - box[3] : top - box[1], box[0] : box[2]] = self._target.read(box)[::-1]
 
     def _front_box(self) -> Box | None:
-        """The box around what is to be drawn in front of the object; None around nothing."""
+        """Return the box of what is drawn in front of the object; None if there is nothing."""
         bounds = [a.GetBounds() for a in self._front.GetActors() if a.GetVisibility()]
         if not bounds:
             return None
@@ -555,22 +558,22 @@ class LiveScene:
 
     @property
     def is_lost(self) -> bool:
-        """Whether the object must be drawn anew, all of it, before `show`."""
+        """Whether the whole object must be redrawn before `show`."""
         return self._kept is not None and self._kept[1].is_lost
 
     def show(self, box: Box | None = None, *, fine: bool = False, keep: bool = True) -> AnyArray:
-        """The object as it was drawn last, with the brush in front of it.
+        """Return the picture: the object as it was last drawn, with the brush in front of it.
 
         Parameters
         ----------
         box : (x0, y0, x1, y1), optional
-            What has changed since the last call: where the object was drawn anew, where the brush
+            The pixels changed since the last call: where the object was redrawn, where the brush
             was, and where it is.
         fine : bool
-            Smooth the brush's edges also where software draws.
+            Smooth the brush's edges also in software.
         keep : bool
-            Keep the object's picture, though the brush is drawn over it: not where all of it will
-            be drawn anew for the next picture. See `is_lost`.
+            Keep the object's picture under the brush. Not needed if all of it will be redrawn for
+            the next picture; see `is_lost`.
 
         Returns
         -------
@@ -605,14 +608,16 @@ class LiveScene:
         return self._pixels[::-1]
 
     def draw(self, *, fine: bool = False, only: Box | None = None) -> NDArray[np.uint8]:
-        """(H, W, 4) uint8 sRGB pixels, the first row at the bottom; the next call changes them.
+        """Draw and return (H, W, 4) uint8 sRGB pixels, the first row at the bottom.
+
+        The next call changes them.
 
         Parameters
         ----------
         fine : bool
-            Smooth edges also where software draws, at four times the cost: for when nothing moves.
+            Smooth edges also in software, at four times the cost: for when nothing moves.
         only : (x0, y0, x1, y1), optional
-            Draw only this box of pixels anew; the rest is as before.
+            Redraw only this box of pixels; the rest is as before.
 
         Raises
         ------
@@ -625,21 +630,21 @@ class LiveScene:
         return self.show(only, fine=fine)
 
     def seen(self) -> tuple[int, int]:
-        """How many triangles lie in the picture, and in how many patches."""
+        """Return the numbers of triangles and of patches in the picture."""
         if self._seen is None:
             inside = self._in_sight(self.whole)
             self._seen = int(self._counts[inside].sum()), int(np.count_nonzero(inside))
         return self._seen
 
     def _in_sight(self, box: Box) -> NDArray[np.bool_]:
-        """(P,) bool: the patches that may be seen within a box of pixels."""
+        """Return which patches (P,) may be visible within a box of pixels."""
         inside = _overlap(self._patch_boxes(), box)
         if self._is_solid:
             inside &= ~turned_away(self._bounds_of, self._cones, self._camera.position)
         return inside
 
     def nearest_mm(self) -> float:
-        """How far across a pixel is on the nearest patch in the picture, mm."""
+        """Return the size of a pixel on the nearest patch in the picture, mm."""
         camera, ahead = self._camera, self._axes[:, 2]
         middle = 0.5 * (self._bounds_of[:, :3] + self._bounds_of[:, 3:])
         depth = ((middle - camera.position) @ ahead)[_overlap(self._patch_boxes(), self.whole)]
@@ -649,12 +654,12 @@ class LiveScene:
         return result
 
     def _has_front(self) -> bool:
-        """Whether anything is there to be drawn in front of the object."""
+        """Return whether anything is visible in front of the object."""
         actors = self._front.GetActors()
         return any(actor.GetVisibility() for actor in actors)
 
     def _choose(self, box: Box, coarse: bool) -> None:
-        """Let the renderer see only what lies in the box."""
+        """Show only the patches in the box, or the coarse object."""
         shown = np.zeros(len(self._bounds_of), bool) if coarse else self._in_sight(box)
         before, self._shown = self._shown, shown
         if len(before) != len(shown):
@@ -669,21 +674,21 @@ class LiveScene:
             self._sort_coarse()
 
     def _sort_coarse(self) -> None:
-        """Draw near pieces first: what lies behind them need not be shaded."""
+        """Sort pieces front to back, so that hidden pixels are not shaded."""
         assert self._coarse_object is not None, "its pieces are there"
         centres = np.stack([piece.centre for piece in self._coarse_object.pieces])
         order = np.argsort((centres - self._camera.position) @ self._axes[:, 2], kind="stable")
         if order.tolist() == self._coarse_order:
             return
         self._coarse_order = order.tolist()
-        props = self.renderer.GetViewProps()  # the renderer itself would send it all again
+        props = self.renderer.GetViewProps()  # RemoveActor would free the arrays on the GPU
         for drawn in self._coarse:
             props.RemoveItem(drawn.actor)
         for k in self._coarse_order:
             props.AddItem(self._coarse[k].actor)
 
     def _draw_layer(self, layer: Any, box: Box, shift: tuple[float, float]) -> None:
-        """Draw one layer within a box, some share of a pixel aside."""
+        """Draw one layer within a box, shifted by a fraction of a pixel."""
         for other in (self._backdrop, self.renderer, self._front):
             other.SetDraw(other is layer)
         x0, y0, x1, y1 = box
@@ -693,7 +698,7 @@ class LiveScene:
         self._window.Render()
 
     def _forget(self) -> None:
-        """Let go of what is kept: it no longer fits."""
+        """Release all cached pictures."""
         for kept in self._kept or ():
             kept.release()
         if self._smaller is not None:
@@ -702,7 +707,7 @@ class LiveScene:
         self._is_small = False
 
     def _keep(self) -> tuple[KeptPicture, LastPicture]:
-        """The backdrop, and where the object is kept."""
+        """Return the cached pictures of the backdrop and the object, creating them if needed."""
         if self._kept is None:
             self._window.SetSize(*self._size)
             self._draw_layer(self._backdrop, self.whole, (0.0, 0.0))
@@ -711,29 +716,24 @@ class LiveScene:
         return self._kept
 
     def close(self) -> None:
-        """Let go of the graphics memory."""
+        """Release all graphics memory."""
         self._forget()
         self._window.Finalize()
 
 
 def _looking_axes(camera: Camera) -> AnyArray:
-    """(3, 3): columns to the right, up and ahead."""
+    """Return the camera's axes (3, 3): columns right, up and ahead."""
     right, up, back = picture_axes(camera)
     return np.stack([right, up, -back], axis=1)
 
 
-def _box_of(edges: AnyArray) -> Box | None:
-    x0, y0, x1, y1 = (int(edge) for edge in edges)
-    return (x0, y0, x1, y1) if x1 > x0 and y1 > y0 else None
-
-
 def _mean(sums: AnyArray, n: int) -> AnyArray:
-    """The mean (H, W, 4) uint8 of n pictures, from their sum (H, W, 4) uint16."""
+    """Return the rounded mean (H, W, 4) uint8 of n pictures from their sum (H, W, 4) uint16."""
     return ((sums + n // 2) // n).astype(np.uint8)
 
 
 def _overlap(boxes: AnyArray, box: Box) -> NDArray[np.bool_]:
-    """(P,) bool: which of the boxes (P, 4) have pixels in common with another."""
+    """Return which of the boxes (P, 4) overlap another box, (P,) bool."""
     low, high = np.maximum(boxes[:, :2], box[:2]), np.minimum(boxes[:, 2:], box[2:])
     return np.asarray((high > low).all(axis=1))
 
@@ -743,15 +743,15 @@ def _unit(vector: Iterable[float]) -> AnyArray:
     return array / np.linalg.norm(array)
 
 
-def _mirror(drawn: DrawnMesh, on: bool, gloss: Gloss) -> None:
-    """Let lamps be mirrored pixel by pixel and grain be seen, or not."""
+def _set_shaders(drawn: DrawnMesh, on: bool, gloss: Gloss) -> None:
+    """Turn per-pixel highlights and grain on or off."""
     shader = drawn.actor.GetShaderProperty()
     shader.ClearAllFragmentShaderReplacements()
     shader.ClearAllVertexShaderReplacements()
     drawn.drop_nothing()
     if not on:
         return
-    place = "//VTK::PositionVC::Dec"
+    declare, assign = "//VTK::PositionVC::Dec", "//VTK::PositionVC::Impl"
     shine = _SHINE.replace("RELIEF *", "relief() *" if gloss.grain > 0.0 else "")
     for name, value in _LOBES.items():
         shine = shine.replace(name, f"{value:.3f}")
@@ -761,17 +761,16 @@ def _mirror(drawn: DrawnMesh, on: bool, gloss: Gloss) -> None:
         depth, turns = _DEEPEST * gloss.grain / 3.0, 2.0 * math.pi / gloss.wave_mm
         relief = _RELIEF.replace("DEPTH", f"{depth:.6f}").replace("TURNS", f"{turns:.6f}")
         shader.AddFragmentShaderReplacement(
-            place, True, f"{place}\nin vec3 grainPlace;\n{relief}", False
+            declare, True, f"{declare}\nin vec3 grainPlace;\n{relief}", False
         )
-        shader.AddVertexShaderReplacement(place, True, f"{place}\nout vec3 grainPlace;", False)
-        told = place.replace("Dec", "Impl")
+        shader.AddVertexShaderReplacement(declare, True, f"{declare}\nout vec3 grainPlace;", False)
         shader.AddVertexShaderReplacement(
-            told, True, f"{told}\n  grainPlace = vertexMC.xyz;", False
+            assign, True, f"{assign}\n  grainPlace = vertexMC.xyz;", False
         )
 
 
 def _shine(look: Any, gloss: Gloss) -> None:
-    """Colours come lit; only what glaze mirrors of the lamps is added."""
+    """Set the material so that only highlights are added: vertex colours are already lit."""
     look.SetAmbient(1.0)
     look.SetDiffuse(0.0)
     look.SetSpecular(0.02 + 0.22 * gloss.coat)
@@ -779,8 +778,8 @@ def _shine(look: Any, gloss: Gloss) -> None:
     look.SetInterpolationToPhong()
 
 
-def _where_dense(pixels: AnyArray) -> tuple[AnyArray, AnyArray]:
-    """A grid over a texture (H, W, 1) without the squares in which nothing is to be seen.
+def _visible_squares(pixels: AnyArray) -> tuple[AnyArray, AnyArray]:
+    """Return a grid over a texture (H, W, 1) without squares that are fully transparent.
 
     Returns
     -------
@@ -791,8 +790,7 @@ def _where_dense(pixels: AnyArray) -> tuple[AnyArray, AnyArray]:
     ticks = np.linspace(0.0, 1.0, _SQUARES + 1)
     places = np.stack(np.meshgrid(ticks, ticks), axis=-1).reshape(-1, 2)
     edges = [np.rint(ticks * n).astype(np.int64) for n in pixels.shape[:2]]
-    smeared = maximum_filter(pixels[..., 0], 3)
-    dense = smeared > 0  # a texel is smeared over its neighbours
+    dense = maximum_filter(pixels[..., 0], 3) > 0  # filtering spreads a texel to its neighbours
     sums = np.add.reduceat(np.add.reduceat(dense, edges[0][:-1], axis=0), edges[1][:-1], axis=1)
     row, column = np.nonzero(sums)
     a = row * (_SQUARES + 1) + column
@@ -802,7 +800,7 @@ def _where_dense(pixels: AnyArray) -> tuple[AnyArray, AnyArray]:
 
 
 def _shade_pixels(openness: AnyArray) -> NDArray[np.uint8]:
-    """(N, N, 1) uint8: how dense the shade is where light is kept away; it fades at the border."""
+    """Return the shadow's opacity (N, N, 1) uint8 from the openness, faded at the border."""
     n = len(openness)
     ticks = (np.arange(n) + 0.5) / n * 2.0 - 1.0
     radius = np.hypot(ticks[None, :], ticks[:, None])

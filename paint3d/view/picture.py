@@ -1,8 +1,8 @@
-"""An offscreen picture of a painted object in a studio: glazed, softly lit, without a display.
+"""Offscreen pictures of a painted object in a studio, softly lit; no display is needed.
 
-The light that the paint scatters is computed per vertex (`daylight`: soft shadows, occlusion, one
-bounce) and handed to VTK inside the vertex colours; VTK's physically based shading, lit evenly,
-shows it and adds what the surface and its glaze mirror.
+Diffuse light is computed per vertex (`daylight`: soft shadows, occlusion, one bounce) and passed to
+VTK in the vertex colours; VTK's physically based shading, under even light, shows it and adds the
+reflections of the surface and its glaze.
 """
 
 from __future__ import annotations
@@ -38,19 +38,20 @@ __all__ = [
 ]
 
 VTK_GAMMA = 2.2  # VTK's physically based shading reads vertex colours as powers of 2.2
-LIT_BEST = 0.88  # of the seen vertices are lit no better than WHITE_POINT
-SHALLOWEST = 0.02  # sine of the camera's height below which the ground is left out
-VIGNETTE = 0.34
-SMALLEST, LARGEST = 16, 4096
-WHITE_POINT = 0.74  # linear brightness of ideal white where lit best: room for what glaze mirrors
-SHOULDER = 1.5  # power of the film curve, see _develop
+LIT_BEST = 0.88  # fraction of the visible vertices that are lit no better than WHITE_POINT
+SHALLOWEST = 0.02  # sine of the camera's elevation below which the ground is left out
+VIGNETTE = 0.34  # relative darkening in the corners
+SMALLEST, LARGEST = 16, 4096  # pixels
+WHITE_POINT = 0.74  # linear brightness of best-lit ideal white: leaves headroom for highlights
+SHOULDER = 1.5  # power of the film curve, see `develop`
 
 
 class Stand(NamedTuple):
-    """Where everything stands, for pictures that belong together.
+    """A fixed studio, camera and exposure, for pictures that belong together.
 
     `axes` (3, 3) are the studio's in the object's frame, as `studio_axes` returns them; the camera
-    is in the studio's. `exposure` is that of one picture's `Scene`, or None for the picture's own.
+    is in the studio's frame. `exposure` is that of another picture's `Scene`, or None to compute
+    the picture's own.
     """
 
     axes: NDArray[np.float64]
@@ -59,9 +60,9 @@ class Stand(NamedTuple):
 
 
 class Setting(NamedTuple):
-    """How an object is lit, and what it stands on: the studio's floor, or nothing at all.
+    """Lighting and background of a picture: on the studio's floor, or on nothing if transparent.
 
-    Without a `stand` it is found from the view.
+    Without a `stand` it is computed from the view.
     """
 
     studio: Studio = LIGHTS["studio"]
@@ -119,8 +120,7 @@ def draw_picture(
 ) -> NDArray[np.uint8]:
     """Return the pixels of a picture of the painted object, (height, width, 3) sRGB codes.
 
-    With a transparent setting there are four: the last is the share that the object covers, 0 to
-    255.
+    With a transparent setting there are four: the last is the object's coverage, 0 to 255.
 
     Parameters
     ----------
@@ -170,7 +170,7 @@ def set_up_scene(
     ----------
     arrays : vertices (V, 3) float32, faces (F, 3) int32, normals (V, 3), srgb (V, 3) uint8
     view : View
-        Of it only the direction counts where the setting has a stand.
+        If the setting has a stand, only its direction counts.
     size : (int, int)
     setting : Setting
     """
@@ -179,10 +179,10 @@ def set_up_scene(
 
 
 class Lighting(NamedTuple):
-    """An object in its place, and the light on it, whatever its colours are.
+    """An object placed in the studio, and the light on it, independent of its colours.
 
-    `vertices` and `normals` (V, 3) are in the studio's axes; `light` (S, 3) is what falls on the
-    vertices `seen` (V,); `exposure` is in it.
+    `vertices` and `normals` (V, 3) are in the studio's axes; `light` (S, 3) falls on the S vertices
+    marked in `seen` (V,), and includes the `exposure`.
     """
 
     vertices: NDArray[np.float32]
@@ -196,7 +196,7 @@ class Lighting(NamedTuple):
     studio: Studio
 
     def scene(self, albedo: AnyArray) -> Scene:
-        """The object in some colours, (V, 3) linear."""
+        """Return the scene with colours `albedo`, (V, 3) linear."""
         peak = max(float(self.light.max()), 1.0)
         shown = np.zeros_like(albedo)
         shown[self.seen] = albedo[self.seen] * self.light / peak
@@ -216,8 +216,8 @@ def light_object(
 ) -> Lighting:
     """Light an object and place the camera; see `set_up_scene`.
 
-    What falls on it depends on its colours by their mean alone. Only what may be seen is lit, or
-    everything `everywhere`.
+    The light depends on the colours by their mean alone. Only visible vertices are lit, or all
+    with `everywhere`.
     """
     vertices, faces, normals, srgb = arrays
     areas = vertex_areas(vertices, faces)
@@ -232,7 +232,7 @@ def light_object(
     albedo = srgb_to_linear(srgb)
     seen = np.ones(len(normals), np.bool_)
     if not everywhere:
-        seen = _seen(normals, camera.position - vertices, faces)
+        seen = _needs_light(normals, camera.position - vertices, faces)
     mean_albedo = float(areas @ albedo.mean(axis=1) / areas.sum())
     light = light_points(occluder, ground, suns, vertices[seen], normals[seen], mean_albedo)
     exposure = None if stand is None else stand.exposure
@@ -245,10 +245,10 @@ def light_object(
     )
 
 
-def _seen(normals: AnyArray, to_camera: AnyArray, faces: AnyArray) -> NDArray[np.bool_]:
-    """Which vertices (V,) have a part in what may be seen, and so need light.
+def _needs_light(normals: AnyArray, to_camera: AnyArray, faces: AnyArray) -> NDArray[np.bool_]:
+    """Return which vertices (V,) belong to a triangle with any vertex facing the camera.
 
-    All three of a triangle that turns to the camera with one: else it would fade into black.
+    A triangle needs light on all three, or it would fade into black.
     """
     ahead = np.einsum("ij,ij->i", normals, to_camera) > 0.0
     seen = np.zeros(len(normals), np.bool_)
@@ -257,11 +257,11 @@ def _seen(normals: AnyArray, to_camera: AnyArray, faces: AnyArray) -> NDArray[np
 
 
 def develop(pixels: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    """Print a picture (H, W, 3) on film: 1 - (1 - x)^SHOULDER.
+    """Apply the film curve 1 - (1 - x)^SHOULDER and a vignette to a picture (H, W, 3).
 
-    The curve lifts middle tones, bends toward white instead of running into it, and keeps black.
-    A fixed grain of half a step keeps slow gradients from banding. One on nothing (H, W, 4) keeps
-    what it covers, and is not darker in its corners.
+    The curve lifts midtones, rolls off toward white instead of clipping, and keeps black. A fixed
+    grain of half a step dithers slow gradients. A transparent picture (H, W, 4) keeps its alpha,
+    and gets no vignette.
     """
     if pixels.shape[2] == 4:
         return np.concatenate([_printed(pixels[..., :3], 1.0), pixels[..., 3:]], axis=2)

@@ -1,13 +1,13 @@
-"""How a tuft lies on the surface as painting has it: followed from the last footprint painted.
+"""The pose of a tuft on the surface for display, extrapolated from the last painted footprint.
 
-Painting waits for the samples that come next, and the figure of the brush does not: from the last
-footprint that was placed, the stamp, it goes on through the samples that wait, by the same kernel.
-So it is bent as the paper has dragged it, twisted, or lies in a heap as the painting has it; and
-where the hand rests, the figure's outline is the stamp's.
+Painting lags behind by the samples that it needs to look ahead; the displayed brush does not. From
+the last painted footprint, the stamp, it goes on through the pending samples with the same kernel.
+So the tuft is shown dragged, twisted or in a heap as in the painting, and where the hand rests, its
+outline is the stamp's.
 
-Hairs are bent for painting only: what their outline was more or less than that of a solid tuft in
-the same place is carried on, and what they remember says how they have parted into clumps and
-points (`brush_engine.bristles.bend`).
+Single hairs are bent in painting only: the difference of their outline from that of a solid tuft in
+the same pose is carried forward, and their memory gives how they have parted into clumps and points
+(`brush_engine.bristles.bend`).
 """
 
 from __future__ import annotations
@@ -43,24 +43,25 @@ from paint3d.pose.brush_pose import BrushPath, joined_samples
 
 __all__ = ["Clumps", "PressedTuft", "TuftFollower"]
 
-_STEP = 0.01  # of the tuft's length: the longest way that is followed as a chord
-_TURN = 0.1  # the most that it turns in one
-_MOST_STEPS = 24  # between two samples
-_WIDER = 8.0  # times the width of a solid tuft: the most that hairs spread
+_STEP = 0.01  # longest step between interpolated poses, in tuft lengths
+_TURN = 0.1  # greatest rotation in a step, rad
+_MOST_STEPS = 24  # greatest number of steps between two samples
+_WIDER = 8.0  # greatest width of the hairs over that of a solid tuft
 
 
 @dataclass(frozen=True, eq=False)
 class Clumps:
-    """How the hairs of a tuft lie beside one another, otherwise than those of a solid one.
+    """Lateral displacement of the hairs of a tuft, relative to a solid one.
 
     Attributes
     ----------
     middles : (3, N) float32
-        Where in [-1, 1] across the tuft the middle of a place's clump is: large, small, points.
+        For N positions across the tuft, the middle of the clump there in [-1, 1]: large clumps,
+        small clumps, points.
     pulls : (3,) float64
-        How far hairs have come to these middles, 0 to 1.
+        How far hairs are drawn to these middles, 0 to 1.
     set_x, set_y : float
-        Where the bend that stays carries the tip, along and across the bend, mm.
+        Displacement of the tip by the permanent bend, along and across the bend, mm.
     """
 
     middles: NDArray[np.float32]
@@ -76,18 +77,18 @@ class PressedTuft:
     Attributes
     ----------
     origin, normal, bend : (3,) float64
-        As in a stamp's geometry: where the outline is counted from in the plane, the plane's
-        normal, and the direction in it from the root's foot to the tip.
+        As in a stamp's geometry: the outline's origin in the plane, the plane's normal, and the
+        direction in it from the root's foot to the tip.
     descent, tilt, pressure : float
         D_s (mm), theta (rad), and pe of Eq. 2.
     heel, tip : float
-        Between which places along the bend the outline lies, mm.
+        Ends of the outline along the bend, mm.
     half_widths : (PROFILE_CELLS + 1,) float64
         Of the outline, at even steps from the heel to the tip, mm.
     spread : float
-        Of the tuft as the hand drives it.
+        Spread of the tuft as driven by the hand.
     clumps : Clumps or None
-        None in a solid tuft.
+        None for a solid tuft.
     """
 
     origin: NDArray[np.float64]
@@ -104,27 +105,27 @@ class PressedTuft:
 
     @property
     def numbers(self) -> tuple[float, ...]:
-        """All that tells it from another, but for the clumps' middles."""
-        places = *self.origin, *self.normal, *self.bend, self.heel, self.tip
+        """Numbers to compare two tufts by: all but the clumps' middles."""
+        geometry = *self.origin, *self.normal, *self.bend, self.heel, self.tip
         pressed = self.descent, self.tilt, self.pressure, self.spread, float(self.half_widths.sum())
         if self.clumps is None:
-            return (*places, *pressed)
+            return (*geometry, *pressed)
         own = self.clumps
-        return (*places, *pressed, *own.pulls, own.set_x, own.set_y)
+        return (*geometry, *pressed, *own.pulls, own.set_x, own.set_y)
 
 
 @dataclass(frozen=True)
 class _Hairs:
-    """What the outline of hairs is more than a solid tuft's: mm, mm, times, and mm aside."""
+    """Difference of the hairs' outline from a solid tuft's."""
 
-    tip: float
-    heel: float
-    wider: AnyArray
-    aside: float
+    tip: float  # mm
+    heel: float  # mm
+    wider: AnyArray  # (PROFILE_CELLS + 1,) ratio of half widths
+    aside: float  # mm
 
 
 class TuftFollower:
-    """Finds how a painter's tuft lies; keeps what the kernels work in."""
+    """Computes the pose of a painter's tuft, reusing the kernels' scratch memory."""
 
     def __init__(self) -> None:
         self._mesh: PaintMesh | None = None
@@ -133,16 +134,16 @@ class TuftFollower:
     def follow(
         self, painter: Painter, path: BrushPath, *, painted: bool = False
     ) -> PressedTuft | None:
-        """The tuft at the end of a path; None where it touches nothing there.
+        """Return the tuft at the end of a path; None if it touches nothing there.
 
         Parameters
         ----------
         painter : Painter
         path : BrushPath
-            Samples, one after the other.
+            Consecutive samples.
         painted : bool
-            Whether the painter has come to the first of them, and its stamp stands there. If not,
-            the brush comes down with it.
+            Whether the painter's stamp is at the first of them. If not, the brush touches down
+            there.
         """
         poses, joined = _poses(path), joined_samples(path)
         stamp, known = make_stamp(), painter.stamp
@@ -156,13 +157,13 @@ class TuftFollower:
             tuft = _driven(painter, path, k, stamp)
             if not joined[k]:
                 stamp.values[0]["touches"] = 0.0
-            way = _between(poses[k - 1], poses[k], tuft.length) if joined[k] else poses[k : k + 1]
-            for pose in way:
+            steps = _between(poses[k - 1], poses[k], tuft.length) if joined[k] else poses[k : k + 1]
+            for pose in steps:
                 self._place(painter, pose, stamp, tuft)
         return _pressed(painter, poses[-1], stamp, tuft, hairs)
 
     def _place(self, painter: Painter, pose: AnyArray, stamp: Stamp, tuft: Tuft) -> None:
-        """Move a stamp on to a pose (9,) of `place_stamp`."""
+        """Advance a stamp to a pose (9,) of `place_stamp`."""
         surface = painter.surface
         mesh = surface.paint_mesh
         if self._scratch is None or self._mesh is not mesh:
@@ -173,7 +174,7 @@ class TuftFollower:
 
 
 def _poses(path: BrushPath) -> AnyArray:
-    """(N, 9) poses of `place_stamp`."""
+    """Return the samples as poses (N, 9) of `place_stamp`."""
     poses = np.zeros((len(path), 9))
     poses[:, :3], poses[:, 3:7], poses[:, 8] = path.way, path.orientation, path.has_contact
     poses[:, 7] = np.nan if path.pressure is None else path.pressure
@@ -181,25 +182,25 @@ def _poses(path: BrushPath) -> AnyArray:
 
 
 def _between(before: AnyArray, after: AnyArray, length: float) -> AnyArray:
-    """(N, 9) poses on the way from one to another, the last of which it is."""
-    way = float(np.linalg.norm(after[:3] - before[:3]))
+    """Interpolate poses (N, 9) from one to another, excluding the first."""
+    distance = float(np.linalg.norm(after[:3] - before[:3]))
     cosine = float(before[3:7] @ after[3:7])
     turn = 2.0 * math.acos(min(1.0, abs(cosine)))
-    steps = min(_MOST_STEPS, max(1, math.ceil(max(way / (_STEP * length), turn / _TURN))))
-    share = (np.arange(1, steps + 1) / steps)[:, None]
-    poses: AnyArray = (1.0 - share) * before + share * after
+    steps = min(_MOST_STEPS, max(1, math.ceil(max(distance / (_STEP * length), turn / _TURN))))
+    t = (np.arange(1, steps + 1) / steps)[:, None]
+    poses: AnyArray = (1.0 - t) * before + t * after
     poses[:, 8] = after[8]
-    q = (1.0 - share) * before[3:7] + share * (after[3:7] if cosine >= 0.0 else -after[3:7])
+    q = (1.0 - t) * before[3:7] + t * (after[3:7] if cosine >= 0.0 else -after[3:7])
     poses[:, 3:7] = q / np.linalg.norm(q, axis=1, keepdims=True)
     return poses
 
 
 def _driven(painter: Painter, path: BrushPath, k: int, stamp: Stamp) -> Tuft:
-    """The tuft as the hand drives it at sample k: how far it bends and spreads."""
+    """Return the tuft with stiffness and spread as driven by the hand at sample k."""
     tuft, values, inputs = painter.tuft, stamp.values[0], np.zeros(N_INPUTS)
     if not painter.curves.any[0]:
         return tuft
-    curves = painter.curves._replace(inputs=inputs)  # not those that painting fills
+    curves = painter.curves._replace(inputs=inputs)  # not the painter's own, which painting fills
     inputs[PRESSURE] = values["pressure"] if path.pressure is None else path.pressure[k]
     inputs[TILT] = math.degrees(values["tilt"]) if values["tilt"] > 0.0 else 90.0
     inputs[INK_LEFT] = painter.surface.ink.load.sum() / tuft.load
@@ -219,7 +220,7 @@ def _driven(painter: Painter, path: BrushPath, k: int, stamp: Stamp) -> Tuft:
 
 
 def _beyond_solid(painted: Stamp, solid: Stamp) -> _Hairs | None:
-    """What a painted stamp of hairs is more than a solid tuft's; None where either is none."""
+    """Return the difference of a stamp of hairs from a solid tuft's; None unless both touch."""
     hairs, own = painted.values[0], solid.values[0]
     if hairs["touches"] <= 0.0 or own["touches"] <= 0.0:
         return None
@@ -235,7 +236,7 @@ def _beyond_solid(painted: Stamp, solid: Stamp) -> _Hairs | None:
 def _pressed(
     painter: Painter, pose: AnyArray, stamp: Stamp, tuft: Tuft, hairs: _Hairs | None
 ) -> PressedTuft | None:
-    """What a stamp says of the tuft; None where it touches nothing."""
+    """Return the tuft that a stamp describes; None if it touches nothing."""
     values = stamp.values[0]
     if values["triangle"] < 0 or values["touches"] <= 0.0 or values["area"] <= 0.0:
         return None
@@ -261,7 +262,7 @@ def _pressed(
 
 
 def _clumps(painter: Painter, pose: AnyArray, values: AnyArray) -> Clumps | None:
-    """How the hairs have parted and set, as they remember it, for a bend in this pose."""
+    """Return how the hairs have parted and set, from their memory, relative to the present bend."""
     hairs = painter.hairs
     if hairs is None:
         return None

@@ -1,7 +1,6 @@
-"""A small picture of an object as it would stand, drawn in a moment and without OpenGL.
+"""Small previews of an object in different orientations, fast and without OpenGL.
 
-Points spread evenly over the surface are laid into the picture from back to front; a shadow below
-shows where the ground is.
+Points spread evenly over the surface are splatted back to front; a shadow shows the ground.
 """
 
 from __future__ import annotations
@@ -18,19 +17,19 @@ __all__ = ["Preview"]
 
 _AZIMUTH, _HEIGHT = np.deg2rad(-60.0), np.deg2rad(22.0)  # of the eye
 _LIGHT = np.array([-0.45, 0.35, 0.82], np.float32)  # in the picture: right, up, toward the eye
-_SHADE = 0.42  # what is left of the light where it does not fall
-_F = np.float32  # is enough for pixels
+_SHADE = 0.42  # ambient fraction of the light
+_F = np.float32  # precise enough for pixels
 _CLAY = np.array([222.0, 216.0, 204.0], _F)
 _GROUND, _SHADOW = np.array([238.0, 238.0, 236.0], _F), np.array([196.0, 196.0, 194.0], _F)
-_LEVELS = 65535.0  # of depth
+_LEVELS = 65535.0  # depth levels
 _POINTS_A_PIXEL = 0.8
-_FILLS = 0.86  # of the picture's side
-_REACH = 5.0  # pixels around a place that tell which side it is
-_DETAIL = 2  # pixels drawn along each that is shown
+_FILLS = 0.86  # fraction of the picture's side that the object fills
+_REACH = 5.0  # radius, pixels, within which `side_at` averages normals
+_DETAIL = 2  # supersampling along each axis
 
 
 class Preview:
-    """Pictures of one object from the side, standing in different ways.
+    """Pictures of one object from the side, in different orientations.
 
     Parameters
     ----------
@@ -45,22 +44,22 @@ class Preview:
         ends = np.cumsum(mesh.double_areas)
         at = (np.arange(n) + 0.5) / n * ends[-1]
         face = np.minimum(np.searchsorted(ends, at), len(ends) - 1)
-        # two irrational steps spread the points over each triangle (Roberts' sequence)
+        # The R2 sequence (Roberts) spreads the points evenly over each triangle.
         u, v = ((np.arange(n) * step) % 1.0 for step in (0.7548776662466927, 0.5698402909980532))
         over = u + v > 1.0
         u, v = np.where(over, 1.0 - u, u), np.where(over, 1.0 - v, v)
         weights = np.stack([1.0 - u - v, u, v], axis=1).astype(np.float32)
         corners = mesh.faces[face]
         middle = mesh.bounds.mean(axis=0)
-        places = (mesh.vertices[corners] - middle).astype(_F)
-        self._points = np.einsum("nc,nci->ni", weights, places)
+        centred = (mesh.vertices[corners] - middle).astype(_F)
+        self._points = np.einsum("nc,nci->ni", weights, centred)
         self._normals = mesh.face_normals[face].astype(_F)
         self._own = np.broadcast_to(_CLAY, (n, 3))
         if mesh.colours is not None:
             self._own = np.einsum("nc,nci->ni", weights, mesh.colours[corners].astype(_F))
 
     def smaller(self, size: int) -> Preview:
-        """The same in so many pixels, which are not more: with some of its points."""
+        """Return a copy of at most the present size in pixels, with fewer points."""
         every = max(1, len(self._points) // _points_for(size))
         other = copy(self)
         other.size, other._points = size, self._points[::every]
@@ -68,7 +67,7 @@ class Preview:
         return other
 
     def plain(self) -> Preview:
-        """The same without its colours."""
+        """Return a copy without the object's colours."""
         other = copy(self)
         other._own = np.broadcast_to(_CLAY, self._own.shape)
         return other
@@ -77,7 +76,7 @@ class Preview:
         """Return the picture (size, size, 3) of the object after a rotation (3, 3); z is up."""
         size = self.size
         n = size * _DETAIL
-        axes, seen, shadow, scale, middle = self._laid(turn, n)
+        axes, seen, shadow, scale, middle = self._projected(turn, n)
         picture = np.empty((n * n, 3), _F)
         picture[:] = _GROUND
         shaded = np.zeros(n * n, np.bool_)
@@ -85,13 +84,15 @@ class Preview:
         picture[shaded] = _SHADOW
         deep = seen[:, 2]
         levels = (deep - deep.min()) * (_LEVELS / max(float(np.ptp(deep)), 1e-9))
-        order = np.argsort(levels.astype(np.uint16), kind="stable")  # by digits: few are enough
+        order = np.argsort(levels.astype(np.uint16), kind="stable")  # uint16: a fast radix sort
         owner = np.full(n * n, -1, np.int32)
         owner[_pixels(seen[order], middle, scale, n)] = np.repeat(order.astype(np.int32), 4)
         covered = np.flatnonzero(owner >= 0)
         shown = owner[covered]
         normals = self._normals[shown] @ axes.T
-        facing = np.where(normals[:, 2] < 0.0, -1.0, 1.0)  # meshes are seen from inside too
+        facing = np.where(
+            normals[:, 2] < 0.0, -1.0, 1.0
+        )  # two-sided: open meshes show their inside
         light = _SHADE + (1.0 - _SHADE) * np.clip(facing * (normals @ _LIGHT), 0.0, 1.0)
         picture[covered] = self._own[shown] * light[:, None]
         rows = picture.reshape(size, _DETAIL, size, _DETAIL, 3)
@@ -99,11 +100,11 @@ class Preview:
         return np.ascontiguousarray(np.clip(mean, 0.0, 255.0).astype(np.uint8))
 
     def side_at(self, turn: NDArray[np.float64], across: float, down: float) -> AnyArray | None:
-        """Return the unit normal (3,) of what is seen at a place of the picture, 0 to 1 each.
+        """Return the unit normal (3,) visible at a position of the picture, 0 to 1 each.
 
-        In the mesh's own axes, out of the side that is seen; None beside the object.
+        In the mesh's own axes, toward the viewer; None beside the object.
         """
-        axes, seen, _, scale, middle = self._laid(turn, self.size)
+        axes, seen, _, scale, middle = self._projected(turn, self.size)
         place = np.array([across - 0.5, 0.5 - down]) * self.size / scale + middle
         gap = np.linalg.norm(seen[:, :2] - place, axis=1) * scale
         near = np.flatnonzero(gap < _REACH)
@@ -116,12 +117,23 @@ class Preview:
         length = float(np.linalg.norm(normal))
         return normal / length if length > 1e-6 else None
 
-    def _laid(
+    def _projected(
         self, turn: NDArray[np.float64], n: int
     ) -> tuple[AnyArray, AnyArray, AnyArray, float, AnyArray]:
-        """The eye's axes, points in them and their shadows' places, and how they lie on n pixels.
+        """Project the points onto n x n pixels.
 
-        The axes (3, 3), right, up and toward the eye, are told in the mesh's own.
+        Returns
+        -------
+        axes : (3, 3)
+            Rows right, up and toward the eye, in the mesh's own axes.
+        seen : (N, 3)
+            Points in these axes.
+        shadow : (N, 2)
+            Their shadows on the ground, likewise.
+        scale : float
+            Pixels per mm.
+        middle : (2,)
+            Position in the middle of the picture.
         """
         ca, sa, ch, sh = np.cos(_AZIMUTH), np.sin(_AZIMUTH), np.sin(_HEIGHT), np.cos(_HEIGHT)
         right = np.array([-sa, ca, 0.0])
@@ -140,15 +152,15 @@ class Preview:
 
 
 def _points_for(size: int) -> int:
-    """How many points fill a picture."""
+    """Return the number of points that fill a picture."""
     return int(_POINTS_A_PIXEL * (size * _DETAIL) ** 2)
 
 
 def _pixels(points: AnyArray, middle: AnyArray, scale: float, n: int) -> NDArray[np.int64]:
-    """Numbers of the pixels that points cover, 2 x 2 each (4 N,), row by row from the top."""
+    """Return the indices (4 N,) of the 2 x 2 pixels that each point covers, rows from the top."""
     column, row = (
-        np.clip((points[:, k] - _F(middle[k])) * _F(way * scale) + _F(0.5 * n), 0, n - 2)
-        for k, way in enumerate((1.0, -1.0))
+        np.clip((points[:, k] - _F(middle[k])) * _F(sign * scale) + _F(0.5 * n), 0, n - 2)
+        for k, sign in enumerate((1.0, -1.0))
     )
     first = row.astype(np.int64) * n + column.astype(np.int64)
     result: NDArray[np.int64] = (first[:, None] + np.array([0, 1, n, n + 1])).ravel()

@@ -1,4 +1,4 @@
-"""The scene in VTK: object, ground, mirrored studio and camera, drawn into pixels."""
+"""Offscreen rendering with VTK: lit scenes (object, ground, studio), and unlit projections."""
 
 from __future__ import annotations
 
@@ -29,26 +29,26 @@ __all__ = [
     "told_of_opengl",
 ]
 
-BACKDROP = np.array([0.238, 0.226, 0.210])  # linear light of the paper far from the object
-POOL = np.array([0.600, 0.572, 0.535])  # and around it, where the key light falls
-DIFFUSE = 0.924  # of evenly falling light, what VTK returns from a white rough surface; measured
-SAMPLES_A_PIXEL = 8  # as far as the driver has them: software has 4, and none over some edges
-FINER = 2  # pixels drawn for each of the picture, across and down
-MOST_PIXELS = 8192  # drawn, along a side
+BACKDROP = np.array([0.238, 0.226, 0.210])  # linear light of the backdrop far from the object
+POOL = np.array([0.600, 0.572, 0.535])  # the same around the object, in the key light
+DIFFUSE = 0.924  # fraction of even light that VTK reflects from rough white; measured
+SAMPLES_A_PIXEL = 8  # if the driver has as many: software has 4, and none over some edges
+FINER = 2  # supersampling along each axis
+MOST_PIXELS = 8192  # greatest number drawn along a side
 MATTE_IOR, GLAZE_IOR = 1.1, 1.53
 _FILM_MIRRORS = (
     "vec3(mix(max(baseF0Uniform, 0.02), baseF0Uniform, smoothstep(0.1, 0.6, roughness)))"
 )
-"""What reflects straight on: a smooth film as much as water at least, what is rough as it is."""
+"""GLSL: reflectance at normal incidence, for smooth surfaces at least that of water."""
 POOL_RADIUS = 0.62  # of the ground's half-width
 
 
 @dataclass(frozen=True)
 class Scene:
-    """All that is seen, in studio axes and mm.
+    """Everything visible, in studio axes and mm.
 
-    `colours` (V, 3) uint8 hold light / `peak` raised to 1/2.2; `exposure` turns the studio's
-    radiance into linear brightness; `ground` is None if seen from below, or none is wanted.
+    `colours` (V, 3) uint8 are (light / `peak`)^(1/2.2); `exposure` converts the studio's radiance
+    to linear brightness; `ground` is None in views from below and in transparent pictures.
     """
 
     vertices: NDArray[np.float32]
@@ -65,10 +65,9 @@ class Scene:
 def draw_scene(
     scene: Scene, gloss: Gloss, size: tuple[int, int], transparent: bool = False
 ) -> NDArray[np.uint8]:
-    """Return the (height, width, 3) sRGB pixels of the scene; (height, width, 4) on nothing.
+    """Return the (height, width, 3) sRGB pixels of the scene, or (height, width, 4).
 
-    The fourth of a pixel that is `transparent` is the share of it that the object covers, 255 for
-    all of it.
+    A `transparent` picture has the object's coverage as its fourth channel, 255 for all of a pixel.
 
     Raises
     ------
@@ -80,7 +79,7 @@ def draw_scene(
 
 
 class SceneDrawing:
-    """A scene that is drawn again and again, in other colours or turned; used with `with`.
+    """Repeated drawing of a scene, recoloured or turned; a context manager.
 
     Parameters
     ----------
@@ -120,7 +119,7 @@ class SceneDrawing:
                     self._ground = _add_ground(plotter, scene.ground)
                 _add_studio(plotter, scene)
                 _place_camera(plotter, scene)
-                if not self._transparent:  # a sample is of the object or not: no mixed colours
+                if not self._transparent:  # else samples must be object or not, never a mix
                     plotter.enable_anti_aliasing("msaa", multi_samples=SAMPLES_A_PIXEL)
             except BaseException:
                 plotter.close()
@@ -131,13 +130,13 @@ class SceneDrawing:
         self._plotter.close()
 
     def show(self, scene: Scene, roughness: AnyArray | None = None) -> None:
-        """Draw this one from now on: of the same faces, camera and studio.
+        """Replace the scene by one of the same faces, camera and studio.
 
-        `roughness` (V,) is each vertex's from now on, where the gloss had one for each.
+        `roughness` (V,) replaces each vertex's own, if the gloss had one for each.
         """
         mesh = self._object
         if roughness is not None:
-            mesh.active_texture_coordinates[:] = _places(roughness)
+            mesh.active_texture_coordinates[:] = _roughness_coordinates(roughness)
             mesh.GetPointData().GetTCoords().Modified()
         mesh.point_data["light"][:] = scene.colours
         mesh.GetPointData().GetScalars().Modified()
@@ -152,12 +151,12 @@ class SceneDrawing:
             self._plotter.remove_actor(self._ground, render=False)
             self._ground = _add_ground(self._plotter, scene.ground)
         mesh.Modified()
-        if scene.vertices is not self._scene.vertices:  # nearer or farther than before
+        if scene.vertices is not self._scene.vertices:  # the depth range has changed
             self._plotter.reset_camera_clipping_range()
         self._scene = scene
 
     def pixels(self) -> NDArray[np.uint8]:
-        """The (height, width, 3) sRGB pixels as `draw_scene` returns them."""
+        """Draw and return the pixels as `draw_scene` does."""
         plotter = self._plotter
         with quiet_vtk(), told_of_opengl():
             plotter.render()
@@ -167,7 +166,7 @@ class SceneDrawing:
 
 @contextmanager
 def told_of_opengl() -> Iterator[None]:
-    """Say in one line that there is none."""
+    """Raise an ExportError of one line where OpenGL cannot be started."""
     try:
         yield
     except RuntimeError as cause:
@@ -175,12 +174,12 @@ def told_of_opengl() -> Iterator[None]:
 
 
 def join_pixels(pixels: AnyArray, scale: int, transparent: bool) -> NDArray[np.uint8]:
-    """Join scale x scale pixels to one, by their light: edges cover the share that they do.
+    """Downsample by averaging scale x scale pixels in linear light.
 
     Parameters
     ----------
     pixels : (scale H, scale W, 3 or 4) uint8
-        Where they are to be `transparent`, the fourth says whether anything is there.
+        If `transparent`, the fourth says whether a pixel is covered.
     scale : int
     transparent : bool
 
@@ -196,9 +195,9 @@ def join_pixels(pixels: AnyArray, scale: int, transparent: bool) -> NDArray[np.u
     covered = np.zeros((height, width, 1), np.float32)
     for row, column in np.ndindex(scale, scale):
         part = pixels[row::scale, column::scale]
-        share = (part[..., 3:] > 127).astype(np.float32) if transparent else np.float32(1.0)
-        light += linear[part[..., :3]] * share
-        covered += share
+        is_covered = (part[..., 3:] > 127).astype(np.float32) if transparent else np.float32(1.0)
+        light += linear[part[..., :3]] * is_covered
+        covered += is_covered
     light /= np.maximum(covered, 1.0)
     codes = np.rint(255 * linear_to_srgb(light))
     shown = [codes, np.rint(covered * (255.0 / scale**2))] if transparent else [codes]
@@ -214,33 +213,28 @@ def _add_object(plotter: Any, scene: Scene, gloss: Gloss) -> Any:
     mesh.point_data["light"] = scene.colours
     roughness = gloss.seen_roughness
     if gloss.each is not None:
-        mesh.active_texture_coordinates = _places(gloss.each)
-        roughness = 1.0  # of what the texture says
+        mesh.active_texture_coordinates = _roughness_coordinates(gloss.each)
+        roughness = 1.0  # multiplies the texture's
     actor = plotter.add_mesh(
         mesh, scalars="light", rgb=True, pbr=True, metallic=0.0, roughness=roughness
     )
-    # What a matte surface reflects all around is already part of its painted colour.
+    # A matte surface's own reflection is already part of its painted colour.
     actor.GetProperty().SetBaseIOR(MATTE_IOR + gloss.coat * (GLAZE_IOR - MATTE_IOR))
     if gloss.each is not None:
-        actor.GetProperty().SetORMTexture(_texture(_scale_of_roughness(), plain=True))
+        scale = np.zeros((1, 256, 3), np.uint8)  # occlusion, roughness, metallic
+        scale[..., 0] = 255
+        scale[..., 1] = np.arange(256)
+        actor.GetProperty().SetORMTexture(_texture(scale, plain=True))
         shader = actor.GetShaderProperty()
         shader.AddFragmentShaderReplacement("vec3(baseF0Uniform)", False, _FILM_MIRRORS, True)
     return mesh
 
 
-def _places(roughness: AnyArray) -> AnyArray:
-    """Places (V, 2) of roughnesses (V,) in their scale."""
-    across = (255.0 * np.clip(roughness, 0.0, 1.0) + 0.5) / 256.0
-    places: AnyArray = np.stack([across, np.full_like(across, 0.5)], axis=1)
-    return places
-
-
-def _scale_of_roughness() -> NDArray[np.uint8]:
-    """Pixels (1, 256, 3): no shade, roughness 0 to 1, no metal."""
-    scale = np.zeros((1, 256, 3), np.uint8)
-    scale[..., 0] = 255
-    scale[..., 1] = np.arange(256)
-    return scale
+def _roughness_coordinates(roughness: AnyArray) -> AnyArray:
+    """Return texture coordinates (V, 2) of roughnesses (V,) in a texture of 256 levels."""
+    u = (255.0 * np.clip(roughness, 0.0, 1.0) + 0.5) / 256.0
+    coordinates: AnyArray = np.stack([u, np.full_like(u, 0.5)], axis=1)
+    return coordinates
 
 
 def _add_ground(plotter: Any, ground: Ground) -> Any:
@@ -270,7 +264,7 @@ def _ground_light(ground: Ground) -> NDArray[np.float64]:
 
 
 def _add_studio(plotter: Any, scene: Scene) -> None:
-    """Mirror the panorama; light the body evenly, as its light is in the vertex colours."""
+    """Reflect the panorama; light the body evenly, since vertex colours include the light."""
     renderer = plotter.renderer
     renderer.SetAutomaticLightCreation(False)
     renderer.SetUseImageBasedLighting(True)
@@ -289,6 +283,7 @@ def _add_studio(plotter: Any, scene: Scene) -> None:
 
 
 def _light_body(renderer: Any, peak: float) -> None:
+    """Set even light such that vertex colours appear as light times `peak`."""
     irradiance = renderer.GetEnvMapIrradiance()
     irradiance.SetInputTexture(_texture(np.full((2, 4, 3), peak / DIFFUSE, np.float32)))
     irradiance.SetIrradianceSize(4)
@@ -304,10 +299,9 @@ def _place_camera(plotter: Any, scene: Scene) -> None:
 
 
 def _texture(pixels: AnyArray, *, plain: bool = False) -> Any:
-    """Return a texture of the (H, W, 3) array, first row at the bottom, values as they are.
+    """Return a texture of the (H, W, 3) array, first row at the bottom, values unchanged.
 
-    A `plain` one has no coarser copies: where it is seen at a slant, the step from one to the next
-    would leave stripes.
+    A `plain` one has no mipmaps, whose transitions would be visible at grazing angles.
     """
     import pyvista as pv
 
@@ -324,9 +318,9 @@ def _texture(pixels: AnyArray, *, plain: bool = False) -> Any:
 
 @contextmanager
 def quiet_vtk() -> Iterator[None]:
-    """Keep VTK from warning that it found no X server before it takes EGL or OSMesa.
+    """Suppress VTK's warning that it found no X server before it takes EGL or OSMesa.
 
-    And from interrupts: one that comes while a module of it is loaded makes it crash.
+    Also hold interrupts: VTK crashes if one comes while a module of it is loaded.
     """
     with holding_interrupts():
         from vtkmodules.vtkCommonCore import vtkLogger
@@ -339,16 +333,16 @@ def quiet_vtk() -> Iterator[None]:
             vtkLogger.SetStderrVerbosity(cutoff)
 
 
-# ---- Without light -------------------------------------------------------------------------------
-# A painting without light: every colour as it was painted, in a parallel projection, to scale.
+# ---- Unlit projection ----------------------------------------------------------------------------
+# Every colour as it was painted, in a parallel projection, to scale.
 
 
 _FINER = 3
-_FAR = 4.0  # depths of the object that the camera stands away
+_FAR = 4.0  # distance of the camera, in depths of the object
 
 
 class Frame(NamedTuple):
-    """The part of a projection that is drawn.
+    """The section of a projection to draw.
 
     Attributes
     ----------
@@ -373,7 +367,7 @@ def draw_flat(
     size: tuple[int, int],
     transparent: bool = False,
 ) -> NDArray[np.uint8]:
-    """Return the pixels of a projection on white, (height, width, 3), or on nothing, four.
+    """Return the pixels of a projection, (height, width, 3) on white, or 4 if transparent.
 
     Parameters
     ----------
@@ -381,10 +375,10 @@ def draw_flat(
         mm.
     faces : (F, 3) int32
     srgb : (V, 3) uint8
-        Mixed along edges as codes, as files show them.
+        Interpolated as codes, as viewers of mesh files do.
     frame : Frame
     size : (int, int)
-        Width and height in pixels; those are square, so the width is what follows.
+        Width and height in pixels, which are square: `frame.height` spans the height.
     transparent : bool
 
     Raises
@@ -397,7 +391,7 @@ def draw_flat(
 
 
 class FlatDrawing:
-    """A projection that is drawn again and again, in other colours or turned; used with `with`.
+    """Repeated drawing of a projection, recoloured or turned; a context manager.
 
     Parameters
     ----------
@@ -431,7 +425,7 @@ class FlatDrawing:
         self._plotter.close()
 
     def pixels(self, vertices: AnyArray, srgb: AnyArray) -> NDArray[np.uint8]:
-        """The pixels as `draw_flat` returns them; of as many vertices every time."""
+        """Draw and return the pixels as `draw_flat` does, of equally many vertices each time."""
         import pyvista as pv
 
         seen = (vertices @ self._frame.axes.T).astype(np.float32)

@@ -1,4 +1,4 @@
-"""Pictures as people ask for them: from the front, from above, flat, in some light, turning."""
+"""Pictures and films by named views and lights: from the front, flat, lit or unlit, turning."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ __all__ = [
 ]
 
 AUTO, FLAT, UNLIT = "auto", "flat", "none"
-VIEWS = {  # azimuth from the front (-y) toward the right (+x), and height, degrees
+VIEWS = {  # azimuth from the front (-y) toward the right (+x), and elevation, degrees
     "front": (0.0, 15.0),
     "right": (90.0, 15.0),
     "back": (180.0, 15.0),
@@ -47,11 +47,11 @@ VIEWS = {  # azimuth from the front (-y) toward the right (+x), and height, degr
     "bottom": (0.0, -90.0),
 }
 SIZE = (1600, 1200)
-BORDER = 1.06  # of a projection's frame over what is in it
-_ANGLES, _BANDS = 24, 32  # of the body that an object sweeps when it turns
-_KEPT_BYTES = 300_000_000  # of the light on an object as it turns, about
+BORDER = 1.06  # size of a projection's frame over its content
+_ANGLES, _BANDS = 24, 32  # resolution of the body that a turning object sweeps
+_KEPT_BYTES = 300_000_000  # approximate cache size for the light on a turning object
 _ROUND = 1e-6
-_STEEP = 89.9  # degrees, from which +y points up in the picture (from below, too)
+_STEEP = 89.9  # elevation, degrees, beyond which the view is straight down, or up
 
 Arrays = tuple[AnyArray, AnyArray, AnyArray, AnyArray]
 """Vertices (V, 3) float32 mm, faces (F, 3) int32, unit normals (V, 3), srgb (V, 3) uint8."""
@@ -59,27 +59,27 @@ Arrays = tuple[AnyArray, AnyArray, AnyArray, AnyArray]
 
 @dataclass(frozen=True)
 class Shot:
-    """How a picture is to be taken.
+    """Settings of a picture.
 
     Attributes
     ----------
     view : str or (float, float)
         "auto": onto the painted side; "front" (-y), "right", "back", "left", "above", "top",
-        "bottom"; azimuth and height in degrees, as of `VIEWS`; or "flat": straight from above,
+        "bottom"; azimuth and elevation in degrees, as in `VIEWS`; or "flat": straight from above,
         to scale, without light and without a border.
     size : (int, int) or None
         Pixels, each 16 to 4096; None: 1600 x 1200, for "flat" the shape of the object.
     light : str
         One of `LIGHTS`, or "none": every colour as it was painted, in a parallel projection.
     transparent : bool
-        Leave out the ground and whatever is behind.
+        Leave out the ground and the background.
     zoom : float
-        0.1 to 20; 1 shows the object as large as it can be.
+        0.1 to 20; 1 fits the object to the picture.
 
     Raises
     ------
     InputError
-        If a value is not possible.
+        If a value is out of range.
     """
 
     view: str | tuple[float, float] = AUTO
@@ -103,36 +103,37 @@ class Shot:
 
     @property
     def is_lit(self) -> bool:
-        """Whether light falls on the object."""
+        """Whether the object is lit."""
         return self.light != UNLIT and self.view != FLAT
 
     def seen_from(self, arrays: Arrays) -> View:
-        """The side that is looked at."""
+        """Return the view of the object."""
         if self.view == AUTO:
             vertices, faces, normals, srgb = arrays
-            found = find_view(vertices, normals, srgb, vertex_areas(vertices, faces))
-            return View(found.direction, found.up, self.zoom)
-        return self._told_view()
+            auto = find_view(vertices, normals, srgb, vertex_areas(vertices, faces))
+            return View(auto.direction, auto.up, self.zoom)
+        return self._given_view()
 
     def check_turning(self) -> None:
-        """Refuse a view from which no object is seen to turn.
+        """Refuse a view in which turning would not be visible.
 
         Raises
         ------
         InputError
             If it is straight from above or below.
         """
-        if self.view != AUTO and _is_steep(self._told_view()):
+        if self.view != AUTO and _is_steep(self._given_view()):
             raise InputError("an object that turns is seen from the side; expected another view")
 
-    def _told_view(self) -> View:
-        told = "top" if self.view == FLAT else self.view
-        azimuth, height = VIEWS[told] if isinstance(told, str) else told
+    def _given_view(self) -> View:
+        """Return the view by its name or its angles."""
+        given = "top" if self.view == FLAT else self.view
+        azimuth, height = VIEWS[given] if isinstance(given, str) else given
         turn, rise = np.radians(azimuth), np.radians(height)
         level = np.cos(rise)
         direction = (np.sin(turn) * level, -np.cos(turn) * level, np.sin(rise))
         up = (0.0, 0.0, 1.0)
-        if abs(height) > _STEEP:  # what lies away from the viewer is above
+        if abs(height) > _STEEP:  # straight down or up: a horizontal up vector
             up = (-np.sin(turn) * np.sign(height), np.cos(turn) * np.sign(height), 0.0)
         return View(direction, up, self.zoom)
 
@@ -166,7 +167,7 @@ def take_shot(arrays: Arrays, shot: Shot, gloss: Gloss | None = None) -> NDArray
 def take_turning(
     arrays: Arrays, shot: Shot, n_pictures: int, gloss: Gloss | None = None
 ) -> Iterator[NDArray[np.uint8]]:
-    """Yield the pictures of an object that turns once, to the left in front, under still light.
+    """Yield the pictures of an object turning once, to the left in front, under fixed light.
 
     Parameters
     ----------
@@ -177,7 +178,7 @@ def take_turning(
     Raises
     ------
     InputError
-        If the view is straight from above or below: nothing would be seen of the turning.
+        If the view is straight from above or below: turning would not be visible.
     MeshError, ExportError
         As `take_shot`.
     """
@@ -186,9 +187,9 @@ def take_turning(
 
 
 class Moment(NamedTuple):
-    """One picture of a film: the colours (V, 3) uint8, and how far the object has turned, rad.
+    """One picture of a film: the colours (V, 3) uint8, and the object's angle of rotation, rad.
 
-    And the roughness (V,) of each vertex, 0 to 1, where they differ; of all pictures or of none.
+    Also the roughness (V,) of each vertex, 0 to 1, if they differ; for all pictures or for none.
     """
 
     srgb: NDArray[np.uint8]
@@ -203,20 +204,19 @@ def take_film(
     gloss: Gloss | None = None,
     n_lights: int = 0,
 ) -> Iterator[NDArray[np.uint8]]:
-    """Yield pictures of an object whose colours change, and which may turn under still light.
+    """Yield pictures of an object whose colours change, and which may turn under fixed light.
 
     Parameters
     ----------
     arrays : see `Arrays`
-        With the colours of the finished painting: by them the side that is looked at is found, and
-        how the picture is exposed.
+        With the colours of the finished painting, which determine the view and the exposure.
     shot, gloss
         As for `take_shot`.
     moments : iterable of Moment
-        One for each picture; asked for one after the other.
+        One for each picture; consumed one at a time.
     n_lights : int
-        How often it is found in a turn what light falls on the object; between two it is mixed. 0
-        for an object that does not turn: its pictures are those of `take_shot`.
+        Number of angles per turn at which the light on the object is computed; in between it is
+        interpolated. 0 for an object that does not turn: its pictures are those of `take_shot`.
 
     Raises
     ------
@@ -240,7 +240,10 @@ def take_film(
         camera = _fitted(swept, axes, view, shot)
         frame, size = _frame(swept, _picture_axes(view), shot)
     if camera is None or not shot.is_lit:
-        yield from _unlit(arrays, moments, FlatDrawing(arrays[1], frame, size, shot.transparent))
+        with FlatDrawing(arrays[1], frame, size, shot.transparent) as drawing:
+            for moment in moments:
+                vertices = _turned(arrays, moment.turn)[0] if moment.turn else arrays[0]
+                yield drawing.pixels(vertices, moment.srgb)
         return
     setting = Setting(LIGHTS[shot.light], shot.transparent, Stand(axes, camera))
     lights = _Lights(arrays, view, checked_size(shot.size or SIZE), setting, n_lights)
@@ -248,6 +251,7 @@ def take_film(
 
 
 def _fitted(vertices: AnyArray, axes: AnyArray, view: View, shot: Shot) -> Camera:
+    """Return the camera, in studio axes, that fits the vertices."""
     width, height = checked_size(shot.size or SIZE)
     seen = View(axes @ view.direction, axes @ view.up, view.zoom)
     return fit_camera((vertices @ axes.T.astype(np.float32)), seen, width / height)
@@ -259,19 +263,13 @@ def _middle(vertices: AnyArray) -> AnyArray:
 
 
 def _turned(arrays: Arrays, turn: float) -> Arrays:
+    """Rotate the object by `-turn` about the vertical axis through its middle."""
     vertices, faces, normals, srgb = arrays
-    spin, middle = _spin(-turn), _middle(vertices)
-    there = ((vertices - middle) @ spin.T + middle).astype(np.float32)
-    return there, faces, (normals @ spin.T).astype(np.float32), srgb
-
-
-def _unlit(
-    arrays: Arrays, moments: Iterable[Moment], drawing: FlatDrawing
-) -> Iterator[NDArray[np.uint8]]:
-    with drawing:
-        for moment in moments:
-            vertices = _turned(arrays, moment.turn)[0] if moment.turn else arrays[0]
-            yield drawing.pixels(vertices, moment.srgb)
+    c, s = np.cos(-turn), np.sin(-turn)
+    spin = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    middle = _middle(vertices)
+    moved = ((vertices - middle) @ spin.T + middle).astype(np.float32)
+    return moved, faces, (normals @ spin.T).astype(np.float32), srgb
 
 
 def _lit(lights: _Lights, moments: Iterable[Moment], gloss: Gloss) -> Iterator[NDArray[np.uint8]]:
@@ -290,7 +288,7 @@ def _lit(lights: _Lights, moments: Iterable[Moment], gloss: Gloss) -> Iterator[N
 
 
 class _Lights:
-    """The light on an object as it turns, found so often in a turn, and mixed between."""
+    """The light on a turning object, computed at n angles and interpolated; results are cached."""
 
     def __init__(
         self, arrays: Arrays, view: View, size: tuple[int, int], setting: Setting, n: int
@@ -298,29 +296,29 @@ class _Lights:
         self._arrays, self._view, self.size, self.setting, self._n = arrays, view, size, setting, n
         self._still = light_object(arrays, view, size, setting)
         assert setting.stand is not None, "it does not move"
-        stand = setting.stand._replace(exposure=self._still.exposure)  # one for all
+        stand = setting.stand._replace(exposure=self._still.exposure)  # the same for all angles
         self._exposed = setting._replace(stand=stand)
         self._kept: dict[int, Lighting] = {}
         self._most = max(2, _KEPT_BYTES // (24 * len(arrays[0])))
 
     def at(self, turn: float) -> Lighting:
-        """The object there, and the light on it then."""
+        """Return the object at an angle of rotation, rad, with the light on it."""
         if not self._n:
             return self._still
-        place = turn / (2.0 * np.pi) * self._n
-        before = int(np.floor(place + _ROUND))
-        share = max(0.0, place - before)
-        near = self._found(before % self._n)
-        if share < _ROUND:
-            return near
-        after = self._found((before + 1) % self._n)
+        position = turn / (2.0 * np.pi) * self._n
+        k = int(np.floor(position + _ROUND))
+        fraction = max(0.0, position - k)
+        before = self._lighting(k % self._n)
+        if fraction < _ROUND:
+            return before
+        after = self._lighting((k + 1) % self._n)
         vertices, _, normals, _ = _turned(self._arrays, turn)
         axes = self._axes
-        return near._replace(
+        return before._replace(
             vertices=vertices @ axes.T,
             normals=normals @ axes.T,
-            light=near.light + share * (after.light - near.light),
-            ground=near.ground if share < 0.5 else after.ground,
+            light=before.light + fraction * (after.light - before.light),
+            ground=before.ground if fraction < 0.5 else after.ground,
         )
 
     @property
@@ -329,22 +327,24 @@ class _Lights:
         axes: AnyArray = self._exposed.stand.axes.astype(np.float32)
         return axes
 
-    def _found(self, k: int) -> Lighting:
+    def _lighting(self, k: int) -> Lighting:
+        """Return the light at the k-th angle, from the cache if it is there."""
         if k not in self._kept:
             while len(self._kept) >= self._most:
                 del self._kept[next(iter(self._kept))]
-            there = _turned(self._arrays, 2.0 * np.pi * k / self._n)
+            turned = _turned(self._arrays, 2.0 * np.pi * k / self._n)
             view, size, setting = self._view, self.size, self._exposed
-            self._kept[k] = light_object(there, view, size, setting, everywhere=True)
+            self._kept[k] = light_object(turned, view, size, setting, everywhere=True)
         return self._kept[k]
 
 
 def _is_steep(view: View) -> bool:
-    """Whether it goes straight down or up."""
+    """Return whether a view goes straight down or up."""
     return bool(abs(view.direction[2]) > np.sin(np.radians(_STEEP)))
 
 
 def _picture_axes(view: View) -> NDArray[np.float64]:
+    """Return rows right, up and toward the viewer (3, 3)."""
     right = np.cross(view.up, view.direction)
     right /= np.linalg.norm(right)
     return np.stack([right, np.cross(view.direction, right), view.direction])
@@ -353,7 +353,7 @@ def _picture_axes(view: View) -> NDArray[np.float64]:
 def _frame(
     vertices: AnyArray, axes: NDArray[np.float64], shot: Shot
 ) -> tuple[Frame, tuple[int, int]]:
-    """The part of a projection that holds all vertices, and the picture's size in pixels."""
+    """Return the section of a projection that holds all vertices, and the size in pixels."""
     seen = vertices.astype(np.float64) @ axes[:2].T
     low, high = seen.min(axis=0), seen.max(axis=0)
     wide, tall = np.maximum(high - low, 1e-6 * max(float((high - low).max()), 1e-9)).tolist()
@@ -369,7 +369,7 @@ def _frame(
 
 
 def _swept(vertices: AnyArray) -> NDArray[np.float64]:
-    """Points (N, 3) around the body that an object sweeps when it turns about z through 0."""
+    """Return points (N, 3) on the hull of the body that an object turning about z sweeps."""
     radius, z = np.hypot(vertices[:, 0], vertices[:, 1]), vertices[:, 2].astype(np.float64)
     span = max(float(np.ptp(z)), 1e-9)
     band = np.minimum(((z - z.min()) / span * _BANDS).astype(np.int64), _BANDS - 1)
@@ -381,8 +381,3 @@ def _swept(vertices: AnyArray) -> NDArray[np.float64]:
     turn = np.linspace(0.0, 2.0 * np.pi, _ANGLES, endpoint=False)
     x, y = np.outer(np.cos(turn), r).ravel(), np.outer(np.sin(turn), r).ravel()
     return np.stack([x, y, np.tile(height, _ANGLES)], axis=1)
-
-
-def _spin(turn: float) -> NDArray[np.float64]:
-    c, s = np.cos(turn), np.sin(turn)
-    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])

@@ -1,4 +1,4 @@
-"""The photographer's studio, computed: softboxes, dome and floor, and how glossy a material is.
+"""The photographer's studio: softboxes, dome and floor, and the gloss of materials.
 
 Studio axes: x to the camera's right, y away from the camera, z up. Radiance is relative; the
 exposure is set in `paint3d.view.picture`.
@@ -35,7 +35,7 @@ GOLDEN = (np.sqrt(5) - 1) / 2
 
 @dataclass(frozen=True)
 class Gloss:
-    """How a material mirrors the studio.
+    """The specular reflection of a material.
 
     Parameters
     ----------
@@ -44,11 +44,11 @@ class Gloss:
     coat : float
         Strength of the clear glaze over it, 0 (none) to 1.
     grain : float
-        How coarse it is, 0 (smooth) to 1: its bumps are lighter and its pits darker.
+        Coarseness, 0 (smooth) to 1: its bumps are lighter and its pits darker.
     wave_mm : float
-        How far apart they are.
+        Distance between bumps.
     each : (V,) float32, optional
-        What is seen of each vertex's roughness, where they differ: wet, or under dried ink.
+        Visible roughness of each vertex, if they differ: where wet, or under dried ink.
     """
 
     roughness: float
@@ -65,9 +65,9 @@ class Gloss:
 
     @classmethod
     def of(cls, material: str | Material) -> Gloss:
-        """Return how a material shines; UnknownNameError lists the names that are known.
+        """Return the gloss of a material; UnknownNameError lists the known names.
 
-        Those that pictures were tuned for by eye shine so, others as they say themselves.
+        Some materials have values tuned by eye for pictures, others those of their own.
         """
         name = material if isinstance(material, str) else material.name
         if name in _GLOSSES:
@@ -81,7 +81,7 @@ class Gloss:
 
     @property
     def seen_roughness(self) -> float:
-        """Of what mirrors: the body, or the glaze over it."""
+        """Roughness of the reflecting surface: the body, or the glaze over it."""
         return glazed_roughness(self.roughness, self.coat)
 
 
@@ -98,8 +98,8 @@ _GLOSSES = {
 class Softbox:
     """A soft-edged rectangle of light: centre direction, half-angles (rad), linear RGB radiance.
 
-    One that is not `mirrored` stands for polarised light, which a filter on the camera keeps from
-    veiling the ink; it lights all the same. Its light comes from `samples` directions.
+    One that is not `mirrored` stands for polarised light, whose reflection a filter on the camera
+    removes lest it veil the ink; it lights all the same. Its light comes from `samples` directions.
     """
 
     centre: tuple[float, float, float]
@@ -128,7 +128,7 @@ class Softbox:
         return result
 
     def suns(self) -> list[Sun]:
-        """Return directions that share out the light of the box evenly (a golden lattice)."""
+        """Return the box as equal parallel lights, on a golden lattice."""
         n = self.samples
         right, up, towards = self.axes()
         k = np.arange(n) + 0.5
@@ -150,7 +150,7 @@ class Sun:
     irradiance : (3,) array
         On a surface that faces it, linear RGB.
     share : float
-        The part of the whole sphere of directions that it samples evenly; 0 for extra lights.
+        The fraction of the sphere of directions that it samples evenly; 0 for extra lights.
     """
 
     direction: NDArray[np.float64]
@@ -160,7 +160,7 @@ class Sun:
 
 @dataclass(frozen=True)
 class Dome:
-    """The bright room around: radiance at the horizon and overhead, and of the lit floor below."""
+    """The surrounding room: radiance at the horizon, overhead, and of the lit floor below."""
 
     horizon: tuple[float, float, float]
     zenith: tuple[float, float, float]
@@ -196,7 +196,7 @@ SOFTBOXES = (
 
 @dataclass(frozen=True)
 class Studio:
-    """The room around and the softboxes in it."""
+    """The surrounding room and the softboxes in it."""
 
     dome: Dome
     softboxes: tuple[Softbox, ...] = ()
@@ -206,13 +206,13 @@ LIGHTS = {
     "studio": Studio(DOME, SOFTBOXES),
     # an overcast sky, three times as bright overhead as at the horizon (Moon and Spencer 1942)
     "soft": Studio(Dome((0.30, 0.30, 0.30), (0.90, 0.90, 0.90), (0.36, 0.35, 0.34))),
-    # from low on the left: every unevenness of the shape throws its shade
+    # from low on the left: every unevenness of the shape casts a shadow
     "raking": Studio(
         Dome((0.10, 0.10, 0.11), (0.14, 0.14, 0.15), (0.10, 0.10, 0.10)),
         (Softbox((-1.0, -0.25, 0.30), 0.20, 0.14, (22.0, 21.0, 19.5), samples=60),),
     ),
 }
-"""The studio by its name; "studio" is that of product pictures."""
+"""Studios by name; "studio" is that of product pictures."""
 
 
 def light_samples(n_dome: int = 96, studio: Studio = LIGHTS["studio"]) -> list[Sun]:
@@ -230,10 +230,11 @@ def light_samples(n_dome: int = 96, studio: Studio = LIGHTS["studio"]) -> list[S
 
 
 def make_panorama(height: int = 256, studio: Studio = LIGHTS["studio"]) -> NDArray[np.float32]:
-    """Return a studio as the glaze mirrors it, (height, 2 height, 3) linear RGB.
+    """Return the panorama that the glaze reflects, (height, 2 height, 3) linear RGB.
 
-    The floor is darker than in `light_samples`: what a wall mirrors of it lies in the object's own
-    shade. Rows go from straight down to straight up; columns turn from -x over the camera's side.
+    The floor is darker than in `light_samples`: the part that a wall reflects lies in the object's
+    own shadow. Rows go from straight down to straight up; columns turn from -x over the camera's
+    side.
     """
     elevation = ((np.arange(height) + 0.5) / height - 0.5) * np.pi
     turn = ((np.arange(2 * height) + 0.5) / (2 * height) - 0.5) * 2 * np.pi
@@ -255,7 +256,7 @@ def _soft_step(x: AnyArray) -> NDArray[np.float64]:
 
 
 # ---- Tone ----------------------------------------------------------------------------------------
-# Between sRGB bytes and linear light (IEC 61966-2-1).
+# Conversion between sRGB bytes and linear light (IEC 61966-2-1).
 
 
 _LINEAR = decode_srgb(np.arange(256, dtype=np.uint8)).astype(np.float32)

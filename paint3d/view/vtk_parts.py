@@ -18,7 +18,7 @@ __all__ = ["DrawnMesh", "camera_light", "make_texture", "quiet_vtk"]
 
 
 def quiet_vtk() -> None:
-    """Keep VTK from telling the terminal how it looks for a screen."""
+    """Suppress VTK's messages about its search for a display."""
     from vtkmodules.vtkCommonCore import vtkLogger
 
     vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_ERROR)
@@ -26,21 +26,20 @@ def quiet_vtk() -> None:
 
 _KINDS = {"float32": "vtkFloatArray", "int32": "vtkIntArray", "uint8": "vtkUnsignedCharArray"}
 _RGB = 3
-_WIDE = 1000.0  # mm from the origin: up to there VTK would not shift what it is given
 
 
 class DrawnMesh:
-    """Triangles on screen, whose arrays can be replaced.
+    """Triangles or lines on screen, whose arrays can be replaced.
 
     Parameters
     ----------
     fourth : int
-        What points have as their fourth channel while they are given three.
+        Fourth channel of points whose colours have three.
 
     Attributes
     ----------
     actor : vtkActor
-        To set how it looks.
+        For setting its appearance.
     """
 
     def __init__(self, fourth: int = 255) -> None:
@@ -69,8 +68,8 @@ class DrawnMesh:
     def set_shape(self, points: AnyArray, faces: AnyArray, normals: AnyArray | None = None) -> None:
         """Replace the triangles: points (K, 3) float32, faces (L, 3) int32, normals (K, 3).
 
-        Given the same array of faces as the last time, only the places are replaced. The faces
-        are not copied: nobody may change them.
+        If `faces` is the same array as last time, only positions and normals are sent. The faces
+        are not copied, so they must not be changed afterwards.
         """
         if faces is self._faces and self._move(points, normals):
             return
@@ -78,18 +77,18 @@ class DrawnMesh:
         self._faces = faces
         self._points = np.array(points, np.float32, order="C")
         self._place = make["vtkPoints"]()
-        self._place.SetData(_laid_over(self._points))
+        self._place.SetData(_shared(self._points))
         cells = make["vtkCellArray"]()
-        cells.SetData(3, _laid_over(np.ascontiguousarray(faces, np.int32).reshape(-1, 1)))
+        cells.SetData(3, _shared(np.ascontiguousarray(faces, np.int32).reshape(-1, 1)))
         self._data.SetPoints(self._place)
         self._data.SetPolys(cells)
         if normals is not None:
             self._normals = np.array(normals, np.float32, order="C")
-            self._vtk_normals = _laid_over(self._normals)
+            self._vtk_normals = _shared(self._normals)
             self._data.GetPointData().SetNormals(self._vtk_normals)
 
     def _move(self, points: AnyArray, normals: AnyArray | None) -> bool:
-        """Replace the places of as many points, and their normals; whether that was possible."""
+        """Replace positions and normals of equally many points; return whether possible."""
         if self._points.shape != points.shape or (normals is None) != (self._normals is None):
             return False
         self._points[:] = points
@@ -125,7 +124,7 @@ class DrawnMesh:
     def set_strands(self, points: AnyArray) -> None:
         """Replace everything by lines of as many points each (L, S, 3).
 
-        Given as many as the last time, only the places are replaced.
+        If there are as many as last time, only positions are sent.
         """
         flat = points.reshape(-1, 3)
         if self._strands == points.shape[:2] and self._move(flat, None):
@@ -153,12 +152,13 @@ class DrawnMesh:
             self._vtk_colours.Modified()
             return
         if colours.shape[1] == _RGB:
-            self.actor.ForceOpaqueOn()  # or VTK looks through the colours for what lets light by
+            self.actor.ForceOpaqueOn()  # or VTK searches the colours for translucent ones
         self._sent = np.array(self._four(colours), np.uint8, order="C")
-        self._vtk_colours = _laid_over(self._sent)
+        self._vtk_colours = _shared(self._sent)
         self._data.GetPointData().SetScalars(self._vtk_colours)
 
     def _four(self, colours: AnyArray) -> AnyArray:
+        """Return colours with four channels."""
         if colours.shape[1] > _RGB:
             return colours
         four = np.full((len(colours), _RGB + 1), self._fourth, np.uint8)
@@ -166,7 +166,7 @@ class DrawnMesh:
         return four
 
     def changed_by(self, colours: AnyArray) -> AnyArray:
-        """(N, 3) float32: corners of all triangles that colours (K, C) uint8 would change."""
+        """Return the corners (N, 3) float32 of all triangles that colours (K, C) would change."""
         if self._faces is None or self._vtk_colours is None:
             return self._points
         marks = np.empty(len(colours), np.uint8)
@@ -175,32 +175,32 @@ class DrawnMesh:
         return result
 
     def keep_places(self) -> None:
-        """Hand shaders the points as they are: by itself VTK may shift and scale each mesh's."""
+        """Pass points to shaders unchanged: by default VTK may shift and scale them."""
         self._mapper.SetVBOShiftScaleMethod(0)
 
     def drop_nothing(self) -> None:
-        """Draw also pixels that let everything through: being asked, a renderer tests depth late.
+        """Remove `discard` from the shader, which prevents the early depth test.
 
-        Where software draws that takes a fifth of an object's time. Other changes to the shader
-        come after this one.
+        In software that costs a fifth of an object's time. Other shader replacements must come
+        after this one.
         """
         shader = self.actor.GetShaderProperty()
         shader.AddFragmentShaderReplacement("discard;", True, "", False)
 
     def show(self, on: bool) -> None:
-        """Let it be seen, or not."""
+        """Set the visibility."""
         if on != self._shown:
             self._shown = on
             self.actor.SetVisibility(on)
 
     def draw_before(self) -> None:
-        """Let it win over what lies in the same depth: it is painted on a surface."""
+        """Offset its depth so that it is drawn over a coincident surface."""
         self._mapper.SetResolveCoincidentTopologyToPolygonOffset()
         self._mapper.SetRelativeCoincidentTopologyPolygonOffsetParameters(-2.0, -2.0)
         self._mapper.SetRelativeCoincidentTopologyLineOffsetParameters(-2.0, -4.0)
 
     def set_texture(self, pixels: AnyArray, corners: AnyArray) -> None:
-        """Paste (H, W, 4) uint8 pixels, first row at v = 0; corners (K, 2) are the points' u, v."""
+        """Set a texture (H, W, 4) uint8, bottom row first; corners (K, 2) are the points' u, v."""
         from vtkmodules.util.numpy_support import numpy_to_vtk
 
         array = numpy_to_vtk(np.ascontiguousarray(corners, np.float32), deep=True)
@@ -210,29 +210,29 @@ class DrawnMesh:
 
 @cache
 def _makers() -> dict[str, Any]:
-    """VTK's classes by name: an import within a function is looked at by Qt's hook each time."""
+    """Return VTK's classes by name; cached, since Qt's import hook slows every local import."""
     from vtkmodules import vtkCommonCore, vtkCommonDataModel
 
-    found = {"vtkCellArray": vtkCommonDataModel.vtkCellArray}
+    classes = {"vtkCellArray": vtkCommonDataModel.vtkCellArray}
     names = ("vtkPoints", *_KINDS.values())
-    return found | {name: getattr(vtkCommonCore, name) for name in names}
+    return classes | {name: getattr(vtkCommonCore, name) for name in names}
 
 
-def _laid_over(array: AnyArray) -> Any:
-    """VTK's array over the memory of one (N, C) that is C-contiguous, and that it keeps alive.
+def _shared(array: AnyArray) -> Any:
+    """Wrap a C-contiguous array (N, C) in a VTK array that shares its memory and keeps it alive.
 
-    As `numpy_to_vtk` makes it, which takes five times as long to look at what it is given.
+    The same as `numpy_to_vtk`, which takes five times as long because of its checks.
     """
     made = _makers()[_KINDS[array.dtype.name]]()
     made.SetNumberOfComponents(array.shape[1])
     made.SetVoidArray(array, array.size, 1)
-    holder = made.GetBuffer() if hasattr(made, "GetBuffer") else made  # as VTK's own does
+    holder = made.GetBuffer() if hasattr(made, "GetBuffer") else made  # as in `numpy_to_vtk`
     holder._numpy_reference = array
     return made
 
 
 def make_texture(pixels: AnyArray) -> vtkTexture:
-    """A smooth texture of (H, W, C) uint8 pixels, first row at the bottom."""
+    """Return a linearly filtered texture of (H, W, C) uint8 pixels, first row at the bottom."""
     from vtkmodules.util.numpy_support import numpy_to_vtk
     from vtkmodules.vtkCommonDataModel import vtkImageData
     from vtkmodules.vtkRenderingCore import vtkTexture
@@ -255,7 +255,7 @@ def camera_light(
     intensity: float,
     colour: tuple[float, float, float] = (1.0, 1.0, 1.0),
 ) -> vtkLight:
-    """A parallel light that moves with the camera; x right, y up, z from the object to the eye."""
+    """Return a parallel light fixed to the camera: x right, y up, z from the object to the eye."""
     from vtkmodules.vtkRenderingCore import vtkLight
 
     light = vtkLight()
