@@ -2,8 +2,9 @@
 
 Channels X, Y, Z, F, OA, OE, OR and T are read; others are passed over. Y grows downwards
 unless its channel says ``orientation="-ve"``; azimuths turn from the file's x towards its y.
-Each trace is a stroke, and the pen is lifted between two of them. Without OA the surface drags
-the tip.
+Counts of a device become lengths, angles or times by its channel's property ``resolution``. Each
+trace is a stroke, and the pen is lifted between two of them; a trace of type penUp is its way
+through the air. Without OA the surface drags the tip.
 """
 
 from __future__ import annotations
@@ -11,9 +12,10 @@ from __future__ import annotations
 import json
 import math
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
+from functools import cache
 from html import escape
-from typing import Any
+from typing import Any, NamedTuple
 from xml.etree import ElementTree
 
 import numpy as np
@@ -33,11 +35,17 @@ from paint3d.recording.flat_recording import (
 __all__ = ["read_inkml", "write_inkml"]
 
 _NAMESPACE = "http://www.w3.org/2003/InkML"
+_ID = "{http://www.w3.org/XML/1998/namespace}id"
 _LENGTHS = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4, "pt": 25.4 / 72, "pc": 25.4 / 6}
+_LENGTHS |= {"himetric": 0.01}
+_KNOWN = ("X", "Y", "Z", "F", "OA", "OE", "OR", "T")
+_CONTEXT_PARTS = ("traceFormatRef", "inkSourceRef")
+_COUNTS = ("dev", "px", "*")  # units that say nothing of lengths, angles or times
 _ANGLES = {"deg": math.pi / 180.0, "rad": 1.0}
 _TIMES = {"ms": 1_000_000, "s": 1_000_000_000, "us": 1000, "ns": 1}
 _DEFAULT_STEP_NS = 10_000_000
 _PEN_UP_NS = 100_000_000
+_PRESSED = 0.5  # where the pad tells no pressure
 _MAX_DEPTH = 64
 _NUMBER = re.compile(r"\s*(['\"!]?)\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)|\s*(\S)")
 _NOTE = "paint3d-header"
@@ -67,52 +75,147 @@ def read_inkml(data: bytes, name: str, *, scale: float, y_down: bool) -> Recordi
         raise RecordingError(f"{name}:{fault.line}: {fault.what}; expected InkML") from None
     if _local(root) != "ink":
         raise RecordingError(f"{name}:1: the root element is <{_local(root)}>; expected <ink>")
-    channels, intermittent = _channels(root, name)
-    names = [channel["name"] for channel in channels]
-    for wanted in ("X", "Y"):
-        if wanted not in names:
-            raise RecordingError(f"{name}:1: channels are {names}; expected X and Y among them")
+    format_of = _formats(root, name)
     traces = []
-    for k, element in enumerate(e for e in root.iter() if _local(e) == "trace"):
+    for k, (element, context) in enumerate(_traces(root)):
+        layout = format_of(context)
         try:
-            values = _trace(element.text or "", len(channels), intermittent)
+            values = _points(element.text or "", len(layout.channels), layout.intermittent)
         except RecordingError as cause:
             raise RecordingError(f"{name}: trace {k + 1}: {cause}") from None
         if len(values):
-            traces.append(values)
+            traces.append(_Trace(values, layout, element.get("type") == "penUp"))
     if not traces:
         raise RecordingError(f"{name}:1: there are no traces with points; expected at least one")
     try:
-        return _assemble(traces, channels, _note(root), scale, y_down)
+        return _assemble(traces, _note(root), scale, y_down)
     except RecordingError as cause:
         raise RecordingError(f"{name}: {cause}") from None
+
+
+class _Format(NamedTuple):
+    """What the numbers of a point are.
+
+    `channels` are attributes by name, in the points' order, of which the last `intermittent` may
+    be missing; `resolutions` are counts to a unit.
+    """
+
+    channels: dict[str, dict[str, str]]
+    intermittent: int
+    resolutions: dict[str, tuple[float, str]]
+
+
+class _Trace(NamedTuple):
+    """Points (N, C) in a format, of a pen that touches or not."""
+
+    values: AnyArray
+    layout: _Format
+    is_up: bool
 
 
 def _local(element: ElementTree.Element) -> str:
     return element.tag.rsplit("}", 1)[-1]
 
 
-def _channels(root: ElementTree.Element, name: str) -> tuple[list[dict[str, str]], int]:
-    """Attributes of the channels of the first trace format, and how many are intermittent."""
-    formats = [e for e in root.iter() if _local(e) == "traceFormat"]
-    if not formats:
-        return [{"name": "X"}, {"name": "Y"}], 0
-    regular = [dict(e.attrib) for e in formats[0] if _local(e) == "channel"]
+def _traces(
+    element: ElementTree.Element, context: str = ""
+) -> Iterator[tuple[ElementTree.Element, str]]:
+    """The traces of an element, and the identifiers of their contexts, inherited from groups."""
+    context = element.get("contextRef", "")[1:] or context
+    if _local(element) == "trace":
+        yield element, context
+        return
+    for inner in element:
+        yield from _traces(inner, context)
+
+
+def _formats(root: ElementTree.Element, name: str) -> Callable[[str], _Format]:
+    """What tells the format of a trace by its context; by default it is the document's first."""
+    named = {e.get(_ID) or e.get("id") or None: e for e in root.iter()}
+
+    @cache
+    def described(
+        element: ElementTree.Element,
+    ) -> tuple[ElementTree.Element | None, dict[str, tuple[float, str]]]:
+        """The first trace format in an element, and the resolutions that belong to it.
+
+        Those are its ink source's; where it stands in none, all there are.
+        """
+        every = list(element.iter())
+        layout = next((e for e in every if _local(e) == "traceFormat"), None)
+        for source in (e for e in every if _local(e) == "inkSource"):
+            if layout is not None and layout in source.iter():
+                every = list(source.iter())
+                break
+        return layout, _resolutions(every, name)
+
+    @cache
+    def channels(layout: ElementTree.Element | None) -> tuple[dict[str, dict[str, str]], int]:
+        return ({"X": {}, "Y": {}}, 0) if layout is None else _channels(layout, name)
+
+    @cache
+    def format_of(context: str) -> _Format:
+        places: list[ElementTree.Element] = []
+        element = named.get(context) if context else None
+        while element is not None and element not in places and len(places) < _MAX_DEPTH:
+            places.append(element)
+            others = (named.get(element.get(key, "")[1:]) for key in _CONTEXT_PARTS)
+            places += [other for other in others if other is not None]
+            element = named.get(element.get("contextRef", "")[1:])  # what it does not say itself
+        found = [described(place) for place in places]
+        if all(layout is None for layout, _ in found):
+            found.append(described(root))
+        layout = next((layout for layout, _ in found if layout is not None), None)
+        resolutions: dict[str, tuple[float, str]] = {}
+        for _, told in reversed(found):
+            resolutions |= told
+        return _Format(*channels(layout), resolutions)
+
+    return format_of
+
+
+def _channels(layout: ElementTree.Element, name: str) -> tuple[dict[str, dict[str, str]], int]:
+    """Attributes of a format's channels by name, and how many are intermittent."""
+    regular = [dict(e.attrib) for e in layout if _local(e) == "channel"]
     extra = [
         dict(c.attrib)
-        for e in formats[0]
+        for e in layout
         if _local(e) == "intermittentChannels"
         for c in e
         if _local(c) == "channel"
     ]
-    channels = regular + extra
-    names = [channel.get("name", "") for channel in channels]
+    names = [channel.get("name", "") for channel in regular + extra]
     if "" in names or len(set(names)) != len(names):
         raise RecordingError(f"{name}:1: channels are named {names}; expected distinct names")
-    return channels, len(extra)
+    for wanted in ("X", "Y"):
+        if wanted not in names:
+            raise RecordingError(f"{name}:1: channels are {names}; expected X and Y among them")
+    return dict(zip(names, regular + extra, strict=True)), len(extra)
 
 
-def _trace(text: str, n_channels: int, intermittent: int) -> AnyArray:
+def _resolutions(elements: list[ElementTree.Element], name: str) -> dict[str, tuple[float, str]]:
+    """Counts to a unit, "" where it is the channel's own, by the channel properties among these."""
+    result: dict[str, tuple[float, str]] = {}
+    for entry in elements:
+        key = entry.get("channel", "")
+        if _local(entry) != "channelProperty" or entry.get("name") != "resolution":
+            continue
+        if key not in _KNOWN or key in result:
+            continue
+        told = entry.get("value", "")
+        try:
+            counts = float(told)
+        except ValueError:
+            counts = math.nan
+        if not (math.isfinite(counts) and counts >= 0.0):
+            raise RecordingError(
+                f"{name}:1: the resolution of {key} is {told[:40]!r}; expected a number from 0"
+            )
+        result[key] = counts, entry.get("units", "").replace(" ", "").removeprefix("1/")
+    return result
+
+
+def _points(text: str, n_channels: int, intermittent: int) -> AnyArray:
     """Points of a trace, (N, C); differences are summed up, and missing channels are NaN."""
     rows: list[list[float]] = []
     order = ["!"] * n_channels
@@ -153,43 +256,88 @@ def _words(point: str) -> list[tuple[str, float]]:
 
 
 def _assemble(
-    traces: list[AnyArray],
-    channels: list[dict[str, str]],
-    header: dict[str, Any],
-    scale: float,
-    y_down: bool,
+    traces: list[_Trace], header: dict[str, Any], scale: float, y_down: bool
 ) -> Recording:
-    table = np.concatenate(traces)
-    stroke = np.repeat(np.arange(len(traces)), [len(t) for t in traces])
-    column = {channel["name"]: (k, channel) for k, channel in enumerate(channels)}
-    up = -1.0 if _is_down(column["Y"][1], y_down) else 1.0
+    sizes = [len(trace.values) for trace in traces]
+    stroke = np.repeat(np.arange(len(traces)), sizes)
+    first = np.cumsum([0, *sizes])
+    groups: dict[int, list[int]] = {}
+    for k, trace in enumerate(traces):
+        groups.setdefault(id(trace.layout), []).append(k)
+    parts: list[tuple[AnyArray, dict[str, AnyArray]]] = []
+    for group in groups.values():
+        rows = np.concatenate([np.arange(first[k], first[k + 1]) for k in group])
+        table = np.concatenate([traces[k].values for k in group])
+        parts.append((rows, _measured(table, traces[group[0]].layout, scale, y_down)))
 
-    def values(key: str, units: dict[str, float], default: float, otherwise: float) -> AnyArray:
-        if key not in column:
-            return np.full(len(table), otherwise)
-        k, channel = column[key]
-        unit = channel.get("units")
-        if unit is not None and unit not in units and unit not in ("dev", "px", "*"):
-            raise RecordingError(f"units of {key} are {unit!r}; expected {' or '.join(units)}")
-        found = table[:, k] * (default if unit is None else units.get(unit, default))
-        missing = np.isnan(found)
-        return np.where(missing, otherwise, found) if missing.any() else found
+    def whole(key: str, otherwise: float) -> AnyArray:
+        result = np.full(len(stroke), otherwise)
+        for rows, part in parts:
+            if key in part:
+                result[rows] = np.where(np.isnan(part[key]), otherwise, part[key])
+        return result
 
-    x, y, z = (values(key, _LENGTHS, scale, 0.0) for key in "XYZ")
-    degree = _ANGLES["deg"]
-    azimuth = values("OA", _ANGLES, degree, DEFAULT_LEAN * up) * up
-    altitude = values("OE", _ANGLES, degree, 0.5 * math.pi)
-    rotation = values("OR", _ANGLES, degree, 0.0)
-    if "OA" not in column:
+    def is_known(key: str) -> bool:
+        return all(key in part for _, part in parts)
+
+    pressure = whole("F", 0.0)
+    pressure[np.array([trace.is_up for trace in traces])[stroke]] = 0.0
+    if not is_known("OA"):
         header = {"azimuth": "dragged", **header}
     return join_strokes(
-        _times(table, stroke, column.get("T")),
-        np.stack([x, up * y, z], axis=1),
-        orientations_from_angles(azimuth, altitude, rotation),
-        _pressures(table, column.get("F")),
+        _times(whole("T", math.nan) if is_known("T") else None, stroke),
+        np.stack([whole(key, 0.0) for key in "XYZ"], axis=1),
+        orientations_from_angles(
+            whole("OA", DEFAULT_LEAN), whole("OE", 0.5 * math.pi), whole("OR", 0.0)
+        ),
+        pressure,
         stroke,
         header,
     )
+
+
+def _measured(table: AnyArray, layout: _Format, scale: float, y_down: bool) -> dict[str, AnyArray]:
+    """The known channels of points (N, C) in mm, rad, shares of the highest force, and ns."""
+    degree = _ANGLES["deg"]
+    up = -1.0 if _is_down(layout.channels["Y"], y_down) else 1.0
+    result: dict[str, AnyArray] = {"F": np.full(len(table), _PRESSED)}
+    for column, key in zip(table.T, layout.channels, strict=True):
+        if key in ("X", "Y", "Z"):
+            result[key] = _in_units(column, key, layout, _LENGTHS, scale)
+        elif key in ("OA", "OE", "OR"):
+            result[key] = _in_units(column, key, layout, _ANGLES, degree)
+        elif key == "F":
+            result[key] = _pressures(column, layout)
+        elif key == "T":
+            result[key] = _in_units(column, key, layout, _TIMES, _TIMES["ms"])
+    for key in ("Y", "OA"):
+        if key in result:
+            result[key] = up * result[key]
+    return result
+
+
+def _in_units(
+    values: AnyArray, key: str, layout: _Format, units: Mapping[str, float], otherwise: float
+) -> AnyArray:
+    """Values of a channel, whose unit may be any of these; `otherwise` is that of unknown ones.
+
+    Office programs tell a unit and mean counts, of which as many go to it as the resolution says.
+    A channel of decimal numbers has them in its unit, and the resolution is only the device's.
+    """
+    channel = layout.channels[key]
+    unit = channel.get("units")
+    if unit is not None and unit not in units and unit not in _COUNTS:
+        raise RecordingError(f"units of {key} are {unit!r}; expected {' or '.join(units)}")
+    counts, of = layout.resolutions.get(key, (0.0, ""))
+    of = of or unit or ""
+    kind = channel.get("type")
+    if kind is None and (np.isnan(values) | (values == np.floor(values))).all():
+        kind = "integer"
+    factor = otherwise if unit is None else units.get(unit, otherwise)
+    if counts > 0.0 and of in units and (kind == "integer" or unit not in units):
+        factor = units[of] / counts
+    with np.errstate(over="ignore", invalid="ignore"):  # what is not finite is refused
+        return values * factor
 
 
 def _is_down(channel: dict[str, str], y_down: bool) -> bool:
@@ -197,14 +345,11 @@ def _is_down(channel: dict[str, str], y_down: bool) -> bool:
     return y_down if orientation is None else orientation != "-ve"
 
 
-def _pressures(table: AnyArray, found: tuple[int, dict[str, str]] | None) -> AnyArray | None:
+def _pressures(column: AnyArray, layout: _Format) -> AnyArray:
     """Pressures from F: newtons over 7.9 N, or the channel's own range, or 0 to 1."""
-    if found is None:
-        return None
-    k, channel = found
-    force = np.nan_to_num(table[:, k], nan=0.0)
+    channel = layout.channels["F"]
     if channel.get("units") == "N":
-        return force / MAX_FORCE_N
+        return _in_units(column, "F", layout, {"N": 1.0}, 1.0) / MAX_FORCE_N
     try:
         low, high = float(channel.get("min", "0")), float(channel.get("max", "1"))
     except ValueError:
@@ -214,20 +359,14 @@ def _pressures(table: AnyArray, found: tuple[int, dict[str, str]] | None) -> Any
     if not (math.isfinite(high - low) and low < high):
         raise RecordingError(f"F runs from {low:g} to {high:g}; expected a rising range")
     with np.errstate(over="ignore"):  # what is beyond 1 is refused
-        return (force - low) / (high - low)
+        return (column - low) / (high - low)
 
 
-def _times(table: AnyArray, stroke: AnyArray, found: tuple[int, dict[str, str]] | None) -> AnyArray:
-    """Times from T, or 100 points a second with 0.1 s between strokes."""
-    n = len(table)
-    if found is None:
-        result: AnyArray = np.arange(n) * _DEFAULT_STEP_NS + stroke * _PEN_UP_NS
+def _times(raw: AnyArray | None, stroke: AnyArray) -> AnyArray:
+    """Times from T in ns, or 100 points a second with 0.1 s between strokes."""
+    if raw is None:
+        result: AnyArray = np.arange(len(stroke)) * _DEFAULT_STEP_NS + stroke * _PEN_UP_NS
         return result
-    k, channel = found
-    unit = channel.get("units", "ms")
-    if unit not in _TIMES:
-        raise RecordingError(f"units of T are {unit!r}; expected {' or '.join(_TIMES)}")
-    raw = table[:, k] * _TIMES[unit]
     if not (np.abs(raw) < 2.0**62).all():
         raise RecordingError("T is missing or too large; expected times of at most 146 years")
     times = np.round(raw).astype(np.int64)
@@ -237,9 +376,9 @@ def _times(table: AnyArray, stroke: AnyArray, found: tuple[int, dict[str, str]] 
         times = times + shift[stroke]  # T counts from the start of each trace
     late = np.flatnonzero(np.diff(times) < 0)
     if len(late):
+        now, before = (raw[late[0] + k] / _TIMES["ms"] for k in (1, 0))
         raise RecordingError(
-            f"point {late[0] + 2}: T is {table[late[0] + 1, k]:.15g}; "
-            f"expected at least {table[late[0], k]:.15g}"
+            f"point {late[0] + 2}: T is {now:.15g}; expected at least {before:.15g} ms"
         )
     return spread_ties(times)[0]
 

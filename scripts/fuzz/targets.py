@@ -85,7 +85,17 @@ def _inkml_seeds() -> list[tuple[str, bytes]]:
         b"</intermittentChannels></traceFormat>"
         b"<trace>1 2 3 4, 2 3 4 5,'1'2\"3!4</trace><trace>5 6 7</trace></ink>"
     )
-    return [made, (".inkml", plain)]
+    office = (
+        b'<ink><definitions><inkSource xml:id="s"><traceFormat><channel name="X" type="integer" '
+        b'units="cm"/><channel name="Y" units="dev"/></traceFormat><channelProperties>'
+        b'<channelProperty channel="X" name="resolution" value="1000" units="1/cm"/>'
+        b'<channelProperty channel="Y" name="resolution" value="500" units="1/in"/>'
+        b'</channelProperties></inkSource><context xml:id="a" inkSourceRef="#s"/>'
+        b'<context xml:id="b" contextRef="#a"/></definitions><traceGroup contextRef="#b">'
+        b'<trace>1 2, 30 4</trace><trace type="penUp" contextRef="#a">5 6</trace></traceGroup>'
+        b"</ink>"
+    )
+    return [made, (".inkml", plain), (".inkml", office)]
 
 
 def _check_recording(suffix: str, content: bytes) -> None:

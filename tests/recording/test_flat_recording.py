@@ -165,6 +165,116 @@ def test_faults_in_inkml_are_named(tmp_path, text, words):
     assert words in str(caught.value)
 
 
+OFFICE = """<inkml:ink xmlns:inkml="http://www.w3.org/2003/InkML"><inkml:definitions>
+<inkml:context xml:id="ctx0"><inkml:inkSource xml:id="is0"><inkml:traceFormat>
+<inkml:channel name="X" {xy}/><inkml:channel name="Y" {xy}/>
+<inkml:channel name="F" type="integer" max="1000" units="dev"/>
+<inkml:channel name="T" type="integer" units="dev"/></inkml:traceFormat>
+<inkml:channelProperties>
+<inkml:channelProperty channel="X" name="resolution" {resolution}/>
+<inkml:channelProperty channel="Y" name="resolution" {resolution}/>
+<inkml:channelProperty channel="F" name="resolution" value="0" units="1/dev"/>
+<inkml:channelProperty channel="T" name="resolution" value="1" units="1/dev"/>
+</inkml:channelProperties></inkml:inkSource></inkml:context>
+</inkml:definitions><inkml:trace contextRef="#ctx0">{points}</inkml:trace></inkml:ink>"""
+
+
+@pytest.mark.parametrize(
+    ("xy", "resolution", "count"),
+    [
+        ('type="integer" units="cm"', 'value="1000" units="1/cm"', 0.01),
+        ('type="integer" units="in"', 'value="500" units="1/in"', 25.4 / 500),
+        ('type="integer" units="mm"', 'value="100" units="1/mm"', 0.01),
+        ('type="integer" units="himetric"', 'value="1" units="1/himetric"', 0.01),
+        ('units="himetric"', 'value="0" units="1/himetric"', 0.01),
+        ('type="integer" units="cm"', 'value="1000" units="1/in"', 0.0254),  # as resolved
+        ('units="cm"', 'value="1000"', 0.01),  # a unit of the resolution is missing
+        ('units="dev"', 'value="2540" units="1/in"', 0.01),
+        ("", 'value="40" units="1/mm"', 0.025),
+        ('units="dev"', 'value="7" units="1/dev"', 2.0),  # nobody knows: the scale asked for
+        ('type="decimal" units="mm"', 'value="100" units="1/mm"', 1.0),
+    ],
+)
+def test_counts_of_office_programs_are_lengths_by_their_resolution(tmp_path, xy, resolution, count):
+    text = OFFICE.format(xy=xy, resolution=resolution, points="1000 2000 500 0, 1100 2000 1000 8")
+    recording = load_recording(table(tmp_path, text, "a.inkml"), scale=2.0)
+    wanted = np.array([[1000.0, -2000.0], [1100.0, -2000.0]]) * count
+    assert recording.position[:, :2] == pytest.approx(wanted)
+    assert recording.pressure.tolist() == [0.5, 1.0]
+    assert recording.time_ns.tolist() == [0, 8_000_000]
+
+
+def test_fractions_of_a_unit_are_no_counts(tmp_path):
+    """The resolution is then what the device can tell apart."""
+    told = {"xy": 'units="mm"', "resolution": 'value="100" units="1/mm"'}
+    text = OFFICE.format(**told, points="10.25 20 500 0, 11 20 500 8")
+    recording = load_recording(table(tmp_path, text, "a.inkml"))
+    assert recording.position[0, 0] == 10.25
+
+
+@pytest.mark.parametrize("value", ["many", "-1", "nan", ""])
+def test_a_resolution_that_is_no_number_is_named(tmp_path, value):
+    told = {"xy": 'units="cm"', "resolution": f'value="{value}" units="1/cm"'}
+    with pytest.raises(RecordingError, match=r"a\.inkml:1: the resolution of X is"):
+        load_recording(table(tmp_path, OFFICE.format(**told, points="1 2 3 4"), "a.inkml"))
+
+
+def test_angles_and_times_have_resolutions_too(tmp_path):
+    text = """<ink><inkSource><traceFormat><channel name="X" units="mm"/>
+    <channel name="Y" units="mm"/><channel name="OE" type="integer" units="deg"/>
+    <channel name="T" type="integer" units="s"/></traceFormat><channelProperties>
+    <channelProperty channel="OE" name="resolution" value="10" units="1/deg"/>
+    <channelProperty channel="T" name="resolution" value="1000" units="1/s"/>
+    </channelProperties></inkSource><trace>1 2 600 5, 2 2 600 12</trace></ink>"""
+    recording = load_recording(table(tmp_path, text, "a.inkml"))
+    axes = matrices_from_quaternions(recording.orientation)[:, :, 2]
+    assert axes[:, 2] == pytest.approx(math.sin(math.radians(60)))
+    assert np.diff(recording.time_ns).tolist() == [7_000_000]
+
+
+def test_every_trace_has_the_format_of_its_context(tmp_path):
+    def source(key, unit, count, more=""):
+        channels = "".join(f'<channel name="{c}" type="integer" units="{unit}"/>' for c in "XY")
+        properties = "".join(
+            f'<channelProperty channel="{c}" name="resolution" value="{count}" units="1/{unit}"/>'
+            for c in "XY"
+        )
+        return (
+            f'<inkSource xml:id="{key}"><traceFormat>{channels}{more}</traceFormat>'
+            f"<channelProperties>{properties}</channelProperties></inkSource>"
+        )
+
+    pressed = '<channel name="F" type="integer" max="1000"/>'
+    text = f"""<ink><definitions>{source("fine", "mm", 100, pressed)}
+    <context xml:id="a">{source("coarse", "cm", 10)}</context>
+    <context xml:id="b" inkSourceRef="#fine"/><context xml:id="c" contextRef="#b"/></definitions>
+    <trace contextRef="#a">1 2, 3 4</trace><traceGroup contextRef="#c"><trace>500 600 250</trace>
+    <trace contextRef="#b">700 800 1000</trace></traceGroup><trace>900 0 750</trace></ink>"""
+    recording = load_recording(table(tmp_path, text, "a.inkml"))
+    down = recording.pressure > 0
+    assert recording.pressure[down].tolist() == [0.5, 0.5, 0.25, 1.0, 0.75]
+    assert recording.position[down, :2] == pytest.approx(
+        np.array([[1, -2], [3, -4], [5, -6], [7, -8], [9, 0]])
+    )
+
+
+@pytest.mark.parametrize("force", ["", '<channel name="F"/>'])
+def test_a_pen_that_is_up_paints_nothing(tmp_path, force):
+    f = " .5" if force else ""
+    text = f"""<ink><traceFormat><channel name="X" units="mm"/><channel name="Y" units="mm"/>{force}
+    </traceFormat><trace type="penDown">0 0{f}, 1 1{f}</trace>
+    <trace type="penUp">1 1{f}, 9 9{f}, 20 20{f}</trace><trace>20 20{f}, 21 21{f}</trace></ink>"""
+    recording = load_recording(table(tmp_path, text, "a.inkml"))
+    down = recording.pressure > 0
+    assert recording.position[down, 0].tolist() == [0, 1, 20, 21]
+    assert 9.0 in recording.position[~down, 0]  # the way through the air is kept
+    starts = np.flatnonzero(np.diff(np.concatenate([[False], down]).astype(int)) == 1)
+    assert len(starts) == 2
+    save_recording(recording, tmp_path / "b.inkml")
+    again = load_recording(tmp_path / "b.inkml")
+    assert again.position[again.pressure > 0, 0].tolist() == [0, 1, 20, 21]
+
+
 @needs_shared
 def test_inkml_keeps_a_tablet_recording(tmp_path):
     recording = load_recording(SHARED / "wacom_ink.csv")
