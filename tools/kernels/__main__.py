@@ -51,7 +51,7 @@ def main() -> int:
         build(processors, options.into, _show if sys.stderr.isatty() else lambda done, of: None)
         sys.stderr.write(f"kernels: compiled in {time.monotonic() - start:.0f} s\n")
     except (BuildError, TableError, ImportError) as error:
-        sys.stderr.write(f"kernels: not compiled ahead, but when first used: {error}\n")
+        sys.stderr.write(f"kernels: not compiled: {error}\n")
         return 1
     return 0
 

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 import platform
 import shutil
 import subprocess
@@ -211,7 +210,6 @@ def _compile(part: Part, processors: list[str], place: Path, say: Callable[[], N
             subprocess.Popen(
                 [sys.executable, "-m", "tools.kernels", *words],
                 cwd=ROOT,
-                env={**os.environ, "PYTHONPATH": os.fspath(ROOT)},
                 stdout=subprocess.PIPE,
                 stderr=errors,
             ) as run,
