@@ -46,9 +46,7 @@ def test_without_gcc_there_is_no_wheel_and_it_says_what_to_do(sources: Path, tmp
     assert not list(tmp_path.glob("dist/*.whl"))
 
 
-def test_a_pure_wheel_is_built_where_it_is_asked_for_and_needs_numba(
-    sources: Path, tmp_path: Path
-):
+def test_a_pure_wheel_is_built_where_it_is_asked_for_and_needs_numba(sources: Path, tmp_path: Path):
     done = build(sources, tmp_path, PATH=os.fspath(tmp_path), **{FOR: "pure"})
     assert done.returncode == 0, done.stderr
     (wheel,) = tmp_path.glob("*.whl")

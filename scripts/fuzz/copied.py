@@ -180,6 +180,7 @@ def _font(*, quadratic: bool, variable: bool = False, flavor: str | None = None)
     font, out = builder.font, io.BytesIO()
     font["head"].created = font["head"].modified = 3_600_000_000  # s since 1904
     font.recalcTimestamp = False
+    font.cfg["fontTools.ttLib.tables.otBase:USE_HARFBUZZ_REPACKER"] = False  # older ones warn of it
     font.flavor = flavor
     font.save(out)
     return out.getvalue()

@@ -101,8 +101,8 @@ def _oriented(points: NDArray[np.float64], normals: NDArray[np.float64]) -> NDAr
     from scipy.spatial import cKDTree
 
     n = len(points)
-    near = cKDTree(points).query(points, min(NEIGHBOURS, n))[1]
-    ends = np.repeat(np.arange(n), near.shape[1]), near.ravel()
+    near = cKDTree(points).query(points, min(NEIGHBOURS, n))[1].astype(np.int32)
+    ends = np.repeat(np.arange(n, dtype=np.int32), near.shape[1]), near.ravel()
     alike = np.abs(np.einsum("ij,ij->i", normals[ends[0]], normals[ends[1]]))
     # the sum of equal pairs would be their weight; a weight of 0 would be no edge
     tree = spanning_tree(coo_array((1.01 - alike, ends), shape=(n, n)).tocsr())
