@@ -92,7 +92,7 @@ _EVEN = np.linspace(0.0, 1.0, _POINTS)
 _SHARES = 0.35 * _EVEN + 0.65 * np.sin(0.5 * np.pi * _EVEN)
 _SHARES.setflags(write=False)
 MOST_POINTS = 8  # of a curve
-# Rows of the table: settings, and inputs of each; their names are in `brush.dynamics`.
+# Rows of the table: settings, and inputs of each; their names are in `brush.spec`.
 STIFFNESS, SPREAD, LOAD, WETNESS = 0, 1, 2, 3
 N_SETTINGS = 4
 PRESSURE, TILT, SPEED, INK_LEFT, CURVATURE = 0, 1, 2, 3, 4

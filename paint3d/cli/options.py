@@ -77,7 +77,7 @@ MATERIALS = (  # known before NumPy is
     "porcelain", "bisque", "xuan", "plaster", "terracotta", "sized xuan", "tinted xuan", "silk",
 )  # fmt: skip
 _UP_AXES = ("x", "y", "z", "-x", "-y", "-z")  # as `mesh.upright`, known here before NumPy is
-_MOST_HAIRS = 10_000  # as `brush.bristle_spec.MOST_HAIRS`, known here before NumPy is loaded
+_MOST_HAIRS = 10_000  # as `brush.spec.MOST_HAIRS`, known here before NumPy is loaded
 DIPS = "auto"  # of texts
 TIP_REACH = 0.35  # as in the studio
 _FINEST_MM, _COARSEST_MM = 0.005, 1e6  # that `PaintedSurface` takes, known here before NumPy is

@@ -1,7 +1,7 @@
 """What operating systems do each in their own way, and what is done where one cannot do it.
 
 All that the program needs of a system beyond Python's common ground is here, but for the priority
-of a servo (`haptics.realtime`) and the right to open a device (`device.permission`). Tried on Linux
+of a servo (`haptics.realtime`) and the right to open a device (`device.hid_link`). Tried on Linux
 alone; what stands in elsewhere is tried there, with Linux's own hidden.
 """
 

@@ -330,7 +330,7 @@ def move_stroke(
     turn_deg: float = 0.0,
     to: ArrayLike | None = None,
 ) -> Score:
-    """Carry a stroke along the surface; see `score_moves.carried`.
+    """Carry a stroke along the surface; see `carried`.
 
     Parameters
     ----------

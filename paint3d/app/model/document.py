@@ -61,7 +61,7 @@ class Document(BrushCommands, StrokeCommands, LayerCommands, SealCommands, EditC
     """One painting, with everything that can be done to it.
 
     Make it with `Document.new` or `Document.open`. What can be done to it is in `brush_commands`,
-    `stroke_commands`, `layer_commands`, `seals`, `history_commands` and `edit_commands`.
+    `stroke_commands`, `layer_commands`, `seals` and `history_commands`.
 
     Attributes
     ----------

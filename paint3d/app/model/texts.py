@@ -1,4 +1,7 @@
-"""Everything the interface says, in English and Chinese, from one table (data/texts.json)."""
+"""What model and window say, in English and Chinese (data/texts.json); errors and notes in Chinese.
+
+What only the window says stands in `app.window.wording`.
+"""
 
 from __future__ import annotations
 

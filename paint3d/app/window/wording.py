@@ -1,7 +1,7 @@
 """What the window says, in the language that was chosen.
 
-Most texts are the studio model's, by key. What only the window says is written here in English,
-which is its key, and in Chinese beside it (`chinese`).
+Texts that the studio's model knows too are looked up by key (`app.model.texts`). What only the
+window says is written in English where it is said, which is its key in `CHINESE` below.
 """
 
 from __future__ import annotations

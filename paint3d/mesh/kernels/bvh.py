@@ -548,7 +548,7 @@ def order_by_halving(centres, n_leaves, leaf_size, order):
 # ---- Closest points and rays ---------------------------------------------------------------------
 # Closest points and first hits of rays on the triangles of a mesh, front and back alike.
 #
-# The tree is that of `mesh.kernels.bvh` in the order of `mesh.kernels.median_split`, with fewer
+# The tree is the one above in the order of `order_by_halving`, with fewer
 # triangles to a leaf. A tie is won by the triangle that comes first in the mesh: an answer depends
 # on the mesh and the question alone.
 

@@ -436,7 +436,7 @@ INPUT_RANGES = {
     "ink_left": (0.0, 1.0),
     "curvature": (0.0, 0.5),
 }
-"""Between what a hand's inputs lie mostly: shares, degrees, mm/s, 1/mm (`brush.dynamics`)."""
+"""Between what a hand's inputs lie mostly: shares, degrees, mm/s, 1/mm (`brush.spec`)."""
 
 Points = tuple[tuple[float, float], ...]
 
