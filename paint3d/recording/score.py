@@ -103,6 +103,8 @@ def check_command(line: Mapping[str, Any]) -> None:
 def _check(line: Mapping[str, Any], kind: str) -> None:
     try:
         _validator(kind)(line)
+        if kind != "sample":  # whose numbers have been read or measured, and are finite
+            json.dumps(line, allow_nan=False)
     except JsonSchemaValueException as fault:
         where = ": ".join([kind, *filter(None, [" ".join(fault.path[1:])])])
         rule = fault.definition if isinstance(fault.definition, dict) else {}
@@ -118,6 +120,8 @@ def _check(line: Mapping[str, Any], kind: str) -> None:
         raise RecordingError(
             f"{where} is {fault.value!r:.60}; expected {_in_words(rule)}"
         ) from None
+    except ValueError:
+        raise RecordingError(f"{kind} has a number that is not finite; expected none") from None
 
 
 @lru_cache

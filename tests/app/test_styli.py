@@ -232,8 +232,7 @@ def test_a_stroke_ends_with_the_stylus_that_paints_it(felt, how) -> None:
         window.both_hands.calibrate(210.0, 148.0)
     else:
         assert window.opening.open_path("plane", 2.0, "porcelain", asked=True)
-    live(0.1)
-    assert not window.both_hands.in_stroke
+    wait_for(lambda: not window.both_hands.in_stroke)
     if how == "it fails":
         assert "pushes no longer: its cable is off" in window.status.told.text()
     if how == "it is gone":

@@ -22,7 +22,7 @@ import pytest
 from paint3d import __main__
 from paint3d.bench import registry
 from paint3d.bench.result import Check, Result
-from paint3d.cli import bench, devices, first_run, main, options, progress, replay, report, versions
+from paint3d.cli import bench, devices, main, options, progress, replay, report
 from paint3d.colour.materials import material_names
 from paint3d.core import kernel as compiled_kernels
 from paint3d.core.ending import AskedToEnd, Ends
@@ -424,16 +424,16 @@ def test_it_is_said_that_loops_are_compiled_where_they_are_not(
     compiled: bool, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(compiled_kernels, "is_compiled", lambda kernel: compiled)
-    first_run.say_if_compiling(quiet=True)
+    progress.say_if_compiling(quiet=True)
     assert capsys.readouterr().err == ""
-    first_run.say_if_compiling(quiet=False)
+    progress.say_if_compiling(quiet=False)
     said = capsys.readouterr().err
     assert said.startswith("compiling the brush (once, about ") is not compiled
     assert bool(said) is not compiled
 
 
 def test_versions_name_what_decides_the_result() -> None:
-    found = versions.find_versions()
+    found = report.find_versions()
     assert {"paint3d", "python", "numpy", "numba"} <= set(found)
     assert all(found.values())
 

@@ -169,8 +169,8 @@ import sys
 sys.path.insert(0, {root!r})
 from paint3d.brush_engine.stroke_loop import paint_samples
 from paint3d.mesh.kernels.topology import link_radial
-from paint3d.mesh.kernels.topology import weld_positions
-kernels = (paint_samples, link_radial, weld_positions)
+from paint3d.colour.kernels.kubelka_munk import single_colours
+kernels = (paint_samples, link_radial, single_colours)
 print(*(type(kernel).__name__ for kernel in kernels), "numba" in sys.modules)
 """
 
@@ -198,7 +198,7 @@ def test_a_kernel_is_not_taken_where_a_source_that_it_was_made_from_has_changed(
     assert kinds(copy) == [ahead, ahead, ahead, "False"]
     for changed, expected in (
         ("mesh/kernels/topology.py", [ahead, by_numba, ahead]),
-        ("mesh/kernels/mesh_arrays.py", [by_numba, ahead, ahead]),  # called by paint_samples
+        ("brush_engine/coverage.py", [by_numba, ahead, ahead]),  # called by paint_samples
         ("mesh/kernels/mesh_arrays.py", [by_numba, ahead, ahead]),  # a tuple that it takes
         ("core/kernel.py", [by_numba] * 3),  # the decorators
     ):

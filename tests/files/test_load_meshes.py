@@ -23,7 +23,7 @@ from paint3d.core.machine import make_memory_file
 from paint3d.errors import MeshError, UnknownNameError
 from paint3d.files.export import export
 from paint3d.files.load import load_mesh
-from paint3d.files.sandbox import isolation, patience
+from paint3d.files.sandbox import isolation
 from paint3d.files.sandbox.handover import receive, send
 from paint3d.files.sandbox.reading import Wanted, read_surface
 from paint3d.files.writers.write_glb import write_glb
@@ -512,7 +512,7 @@ def test_whoever_was_stopped_himself_refuses_no_good_file(tmp_path, monkeypatch)
         stopped[0] += next(stops, 0.0)
         return now() + stopped[0]
 
-    monkeypatch.setattr(patience, "time", SimpleNamespace(monotonic=clock))
+    monkeypatch.setattr(isolation, "time", SimpleNamespace(monotonic=clock))
     assert isolation.read_apart(path, Wanted(), idle_seconds=60).mesh.n_faces == 1
     assert stopped == [3600.0]
 

@@ -283,7 +283,7 @@ def test_every_vertex_is_found_in_its_cell(shape):
 def test_running_out_of_room_leaves_the_mesh_whole(shape, piece, monkeypatch):
     roomy = PaintMesh.build(MESHES[shape](), EDGE)
     roomy.refine_all()
-    monkeypatch.setattr(paint_mesh, "_ROOM", 0)
+    monkeypatch.setattr(paint_mesh, "_GROWTH", 0)
     tight = PaintMesh.build(MESHES[shape](), EDGE)
     base = length_by_use(tight.arrays.key, tight.vertices, tight.base_faces)
     stops = 0
@@ -299,7 +299,7 @@ def test_running_out_of_room_leaves_the_mesh_whole(shape, piece, monkeypatch):
 
 
 def test_room_does_run_out(monkeypatch):
-    monkeypatch.setattr(paint_mesh, "_ROOM", 0)
+    monkeypatch.setattr(paint_mesh, "_GROWTH", 0)
     mesh = PaintMesh.build(cube(), 0.4)
     results = [activate_cell(mesh.arrays, cell) for cell in range(mesh.n_cells)]
     assert -1 in results

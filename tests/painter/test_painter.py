@@ -260,7 +260,7 @@ def test_growing_changes_nothing(monkeypatch):
 
     roomy = Painter(surface(0.4))
     roomy.replay(stroke(LANDING))
-    monkeypatch.setattr(paint_mesh, "_ROOM", 100)
+    monkeypatch.setattr(paint_mesh, "_GROWTH", 100)
     tight = Painter(surface(0.4))
     start = tight.surface.paint_mesh.capacity
     tight.replay(stroke(LANDING))

@@ -212,8 +212,11 @@ def test_a_shift_takes_from_the_pause() -> None:
     [
         (lambda s: delete_stroke(s, 8), "bamboo.score.jsonl: stroke 8; expected 1 to 7"),
         (lambda s: delete_stroke(s, 0), "stroke 0; expected 1 to 7"),
-        (lambda s: change_ink(s, 2, {}), "stroke 2: begin_stroke: ink is empty"),
-        (lambda s: change_brush(s, 2, {"length_mm": 3}), "stroke 2: .* has no 'name'"),
+        (lambda s: change_ink(s, 2, {}), "stroke 2: begin_stroke: ink is {}; expected a text"),
+        (
+            lambda s: change_brush(s, 2, {"length_mm": 3}),
+            "stroke 2: begin_stroke: brush is .* expected a text",
+        ),
         (lambda s: retime_stroke(s, 2, 0.0), "stroke 2 would take 0 times its time"),
         (lambda s: delete_stroke(Score({}, ()), 1), "expected none: it has no strokes"),
     ],
