@@ -153,12 +153,12 @@ def test_kernels_are_compiled_while_packages_are_loaded(tmp_path: Path) -> None:
     chosen = f"{tmp_path}/venv/chosen.txt"
     assert choose.startswith("uv pip compile")
     assert choose.endswith(f"pyproject.toml --extra test --output-file {chosen}")
-    assert compiler.endswith(f"--constraints {chosen} numba numpy")
+    assert compiler.endswith(f"--constraints {chosen} numba numpy scipy lazy-loader")
     assert all_of.endswith(f"--constraints {chosen} -e .[test]")
     assert asked.count("kernels") == 1
 
 
-@pytest.mark.parametrize("step", ["pip compile", "numba numpy", "-e .[test]"])
+@pytest.mark.parametrize("step", ["pip compile", "numba numpy scipy lazy-loader", "-e .[test]"])
 def test_where_uv_fails_pip_installs_and_kernels_are_compiled_last(tmp_path: Path, step) -> None:
     asked = Machine(tmp_path).install_packages(fails=step)
     assert asked[-2] == "pip --quiet --disable-pip-version-check -e .[test]"
