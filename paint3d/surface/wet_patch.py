@@ -21,10 +21,11 @@ __all__ = ["FIRST_PACE", "WetPatch"]
 _KEPT = ("water", "inside", "soaked", "pigment", "fine")
 _OF_PLACES = ("written", "share")
 _OF_NODES = (
-    *_KEPT, "changed", "residual", "strength", "sieve", "held", "entry", "dry_entry", "ways",
+    *_KEPT, "changed", "residual", "strength", "sieve", "catch", "held", "entry", "dry_entry", "ways",
     "place", "bare_held", "bare_ways",
 )  # fmt: skip
-_OF_PORES = ("residual", "strength", "sieve", "bare_held", "bare_ways")
+_OF_PORES = ("residual", "strength", "sieve", "catch", "bare_held", "bare_ways")
+_RUNS = 0.5  # fraction of the liquid of undiluted ink that runs: glue holds the rest of its water
 FIRST_PACE = 1.0 / 30.0  # s: the time step of a block after ink arrived
 
 
@@ -43,6 +44,8 @@ class WetPatch:
         Of `surface.kernels.diffusion`, varied by the grain.
     sieve : (N,) float64
         Potential above which the pores let all pigment pass.
+    catch : (N,) float64
+        Fraction of the fine pigment arriving through its pores that a node holds back.
     bare_held, bare_ways : (N,) float64
         `held` and `ways` (factors on the conductance) as they would be without glue.
     held : (N,) float64
@@ -52,7 +55,7 @@ class WetPatch:
     pigment : (N, P) float64
         Coats times the covered fraction.
     fine : (N, P) float64
-        The part of it that no pore holds back.
+        The part of it that goes with the water, until pores catch it on the way.
     mobility : (P,) float64
         Mobility of each pigment's coarse grains in the pores, relative to soot.
     inside : (N,) float32
@@ -72,6 +75,7 @@ class WetPatch:
     residual: NDArray[np.float64]
     strength: NDArray[np.float64]
     sieve: NDArray[np.float64]
+    catch: NDArray[np.float64]
     mobility: NDArray[np.float64]
     entry: NDArray[np.float64]
     dry_entry: NDArray[np.float64]
@@ -151,8 +155,8 @@ class WetPatch:
         graph = self.graph
         return WetFields(
             graph.first, graph.last, graph.links, self.weights, graph.area, graph.block,
-            graph.closed, self.place, self.residual, self.strength, self.sieve, self.held,
-            self.entry, self.water, self.pigment, self.fine, self.mobility, self.soaked,
+            graph.closed, self.place, self.residual, self.strength, self.sieve, self.catch,
+            self.held, self.entry, self.water, self.pigment, self.fine, self.mobility, self.soaked,
             self.changed, self.owed, due, mobile, moved,
         )  # fmt: skip
 
@@ -195,7 +199,8 @@ class WetPatch:
         now = self._store.ink.amounts[graph.vertices[at]]
         change = (now - self.written[at]).astype(np.float64)
         node, share = graph.node_of[at], self.share[at]
-        came = np.maximum(change, 0.0).sum(axis=1)
+        runs = np.array([1.0 if p is WATER else _RUNS for p in self._store.pigments])
+        came = np.maximum(change, 0.0) @ runs
         went = np.maximum(-change, 0.0).sum(axis=1)
         before = self.written[at].sum(axis=1, dtype=np.float64)
         kept = 1.0 - share * np.divide(went, before, out=np.zeros_like(went), where=before > 0)
@@ -340,6 +345,7 @@ class WetPatch:
             spacing = float(self._store.paint_mesh.arrays.resolution)
             pores = find_pores(graph.points[nodes], self.material, spacing)
             self.residual[nodes], self.strength[nodes], self.sieve[nodes] = pores[:3]
+            self.catch[nodes] = 1.0 - np.exp(-np.sqrt(graph.area[nodes]) / pores.catch)
             self.bare_held[nodes], self.bare_ways[nodes] = pores.held, pores.ways
             self._close_pores(np.arange(nodes.start, nodes.stop))
             # Each vertex has the fraction of its node's area that is its own.

@@ -49,11 +49,12 @@ class WetFields(NamedTuple):
     residual: NDArray  # (N,) float64, these carry the grain: see `surface.kernels.diffusion`
     strength: NDArray  # (N,) float64, c D (1 - r) / 3
     sieve: NDArray  # (N,) float64, potential from which on pores let all pigment pass
+    catch: NDArray  # (N,) float64, share of the fine pigment coming through its pores that it keeps
     held: NDArray  # (N,) float64, depth to which a dry node fills before water goes on, mm
     entry: NDArray  # (N,) float64, potential that it takes to get in: 0 where it is wet already
     water: NDArray  # (N,) float64, depth, mm
     pigment: NDArray  # (N, P) float64, coats
-    fine: NDArray  # (N, P) float64, of these, what goes wherever the water goes
+    fine: NDArray  # (N, P) float64, of these, what goes with the water until a pore catches it
     mobility: NDArray  # (P,) float64, what pores let pass of the others, over that of soot
     soaked: NDArray  # (N,) float32, greatest share that was under water since it was dry
     changed: NDArray  # (N,) bool, set where anything moved
@@ -343,7 +344,10 @@ def _carry(f, rows, n_rows, n_ids, work):
             for p in range(n_pigments):
                 drawn = _drawn(f.mobility[p], carried, afloat)
                 coming[k, 1 + 2 * p] += drawn * coming[r, 1 + 2 * p]
-                coming[k, 2 + 2 * p] += flux * coming[r, 2 + 2 * p]
+                fine = flux * coming[r, 2 + 2 * p]
+                caught = f.catch[rows.ids[k]] * (1.0 - afloat / flux) * fine
+                coming[k, 1 + 2 * p] += caught
+                coming[k, 2 + 2 * p] += fine - caught
             waits[k] -= 1
             if waits[k] == 0:
                 turns[n_turns] = k
