@@ -49,7 +49,7 @@ __all__ = [
 BANDS_NM = np.arange(400.0, 701.0, 10.0)
 """(31,) wavelengths of K and S, nm."""
 BANDS_NM.flags.writeable = False
-USUAL_FINE = 0.4
+USUAL_FINE = 0.12
 """Default of `Pigment.fine`: the fraction that goes with the water until pores catch it."""
 COARSEST_UM = 1000.0
 """Largest diameter of a pigment's grains, um."""
@@ -266,8 +266,8 @@ def load_pigments_csv(path: str | Path) -> Mapping[str, Pigment]:
         or ``R_<nm>``, the reflectance of a masstone (see `masstone_strengths`), for rising
         wavelengths that cover 400 to 700 nm (others than every 10 nm are interpolated linearly);
         optionally ``chinese``, ``source``, ``basis``, ``licence``, ``saunderson`` (yes|no),
-        ``gloss`` (0 to 1), ``fine`` (0 to 1; .4), what goes with the water until pores catch it, and ``grain_um`` (0
-        to 1000; 0), the diameter of the other grains, um.
+        ``gloss`` (0 to 1), ``fine`` (0 to 1; .12), what goes with the water until pores catch
+        it, and ``grain_um`` (0 to 1000; 0), the diameter of the other grains, um.
         Or measured masstones as `illuminants` reads them: IES TM-27 (.spdx), and .txt of two
         columns or of X-Rite.
 

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.colour.materials import WET_COAT_MM
+from paint3d.colour.materials import WET_COAT_MM, WET_INK_MM
 from paint3d.colour.pigments import WATER
 from paint3d.core.arrays import AnyArray
 from paint3d.surface.flow_graph import with_room
@@ -21,11 +21,11 @@ __all__ = ["FIRST_PACE", "WetPatch"]
 _KEPT = ("water", "inside", "soaked", "pigment", "fine")
 _OF_PLACES = ("written", "share")
 _OF_NODES = (
-    *_KEPT, "changed", "residual", "strength", "sieve", "catch", "held", "entry", "dry_entry", "ways",
-    "place", "bare_held", "bare_ways",
+    *_KEPT, "changed", "residual", "strength", "sieve", "catch", "held", "entry", "dry_entry",
+    "ways", "place", "bare_held", "bare_ways",
 )  # fmt: skip
 _OF_PORES = ("residual", "strength", "sieve", "catch", "bare_held", "bare_ways")
-_RUNS = 0.5  # fraction of the liquid of undiluted ink that runs: glue holds the rest of its water
+_PARTICLES = 0.75  # what is not fine of a pigment that has no more of a dye than soot has
 FIRST_PACE = 1.0 / 30.0  # s: the time step of a block after ink arrived
 
 
@@ -58,6 +58,8 @@ class WetPatch:
         The part of it that goes with the water, until pores catch it on the way.
     mobility : (P,) float64
         Mobility of each pigment's coarse grains in the pores, relative to soot.
+    sticks : (P,) float64
+        How far its fine part is caught in pores: as soot's, 1; a dye's is not.
     inside : (N,) float32
         See `kernels.diffusion.solve_edges`.
     soaked : (N,) float32
@@ -77,6 +79,7 @@ class WetPatch:
     sieve: NDArray[np.float64]
     catch: NDArray[np.float64]
     mobility: NDArray[np.float64]
+    sticks: NDArray[np.float64]
     entry: NDArray[np.float64]
     dry_entry: NDArray[np.float64]
     held: NDArray[np.float64]
@@ -156,7 +159,7 @@ class WetPatch:
         return WetFields(
             graph.first, graph.last, graph.links, self.weights, graph.area, graph.block,
             graph.closed, self.place, self.residual, self.strength, self.sieve, self.catch,
-            self.held, self.entry, self.water, self.pigment, self.fine, self.mobility, self.soaked,
+            self.held, self.entry, self.water, self.pigment, self.fine, self.mobility, self.sticks, self.soaked,
             self.changed, self.owed, due, mobile, moved,
         )  # fmt: skip
 
@@ -199,13 +202,13 @@ class WetPatch:
         now = self._store.ink.amounts[graph.vertices[at]]
         change = (now - self.written[at]).astype(np.float64)
         node, share = graph.node_of[at], self.share[at]
-        runs = np.array([1.0 if p is WATER else _RUNS for p in self._store.pigments])
-        came = np.maximum(change, 0.0) @ runs
+        depths = [WET_COAT_MM if p is WATER else WET_INK_MM for p in self._store.pigments]
+        came = np.maximum(change, 0.0) @ np.array(depths)
         went = np.maximum(-change, 0.0).sum(axis=1)
         before = self.written[at].sum(axis=1, dtype=np.float64)
         kept = 1.0 - share * np.divide(went, before, out=np.zeros_like(went), where=before > 0)
         np.multiply.at(self.water, node, kept)
-        np.add.at(self.water, node, WET_COAT_MM * share * came)
+        np.add.at(self.water, node, share * came)
         self._add_pigment(node, share[:, None] * change)
         self.written[at] = now
         for column, pigment in enumerate(self._store.pigments):
@@ -243,6 +246,8 @@ class WetPatch:
     def _find_mobility(self) -> None:
         grains = np.array([pigment.grain_um for pigment in self._store.pigments], float)
         self.mobility = mobility_of(self.material, grains)
+        fine = np.array([pigment.fine for pigment in self._store.pigments], float)
+        self.sticks = np.minimum(1.0, (1.0 - fine) / _PARTICLES)
 
     def hand_back(self) -> None:
         """Write pigment that moved back to the vertices; ink that came since stays there."""
