@@ -20,11 +20,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.core.kernel import kernel, uncounted
-from paint3d.mesh.kernels.refine import mix
+from paint3d.mesh.kernels.mesh_arrays import mix
 
 __all__ = [
     "BUNDLE_MM",
     "DryContact",
+    "bundle_at",
     "bundle_noise",
     "contact_noise",
     "dry_contact",
@@ -321,6 +322,18 @@ def _extent_across(contact, values):
 def _signed_byte(number):
     """What the uppermost byte of the lower half of a number says."""
     return np.float32(np.int32(number) >> _DOWN)
+
+
+@uncounted(error_model="numpy")
+def bundle_at(across, along, table):
+    """The noise of bundles at one place, in bundles across and along; of deviation 1."""
+    x, y = _STEPS * across, _STEPS * along
+    p, q = np.floor(x), np.floor(y)
+    t, s = x - p, y - q
+    four = table[((np.int64(p) & _MASK) << _SHIFT) | (np.int64(q) & _MASK)]
+    near = (1.0 - t) * _signed_byte(four << _UP[0]) + t * _signed_byte(four << _UP[1])
+    far = (1.0 - t) * _signed_byte(four << _UP[2]) + t * _signed_byte(four)
+    return ((1.0 - s) * near + s * far) / _LEVELS
 
 
 @uncounted(error_model="numpy")

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.brush_engine.coverage import weigh_block, weighed_area
-from paint3d.brush_engine.dry_contact import BUNDLE_MM, dry_contact, thin_contact
+from paint3d.brush_engine.dry_contact import BUNDLE_MM, bundle_at, dry_contact, thin_contact
 from paint3d.brush_engine.footprint import PROFILE_CELLS, Sweep, ink_way, outline_motion
 from paint3d.brush_engine.vertex_query import (
     INSIDE,
@@ -62,8 +62,10 @@ __all__ = [
 LINES = 64  # along the way, side by side, that a footprint is cut into
 _RUNS_DRY = (0.15, 0.3)  # contact level below which a tuft has no film, and from which it has one
 _MOST = 6.0  # times a share that a line gets
-_ON_GLAZE, _ON_GRAIN = 1.15, 0.65  # power of a line's length that what it gets falls with
+_ON_GLAZE, _ON_GRAIN = 1.15, 0.8  # power of a line's length that what it gets falls with
 _LEAST_WAY = 1e-9  # mm
+_STREAKED = 0.12  # deviation of what bundles of hairs bring on paper, over their mean
+_BUNDLE_WAY = 9.0  # mm: how far along the way they bring alike
 
 
 @uncounted(error_model="numpy")
@@ -150,6 +152,17 @@ def _fill_gains(lines, strength, power):
 
 
 @uncounted(error_model="numpy")
+def _streak_gains(gains, first, apart, way, strength, table):
+    """Let bundles of hairs, side by side, bring more or less to each line: they show while wet."""
+    if strength <= 0.0:
+        return
+    along = way / _BUNDLE_WAY
+    for line in range(LINES):
+        across = (first + (line + 0.5) * apart) / BUNDLE_MM
+        gains[line] *= max(0.0, 1.0 + strength * bundle_at(across, along, table))
+
+
+@uncounted(error_model="numpy")
 def _give_by_line(values, way, first, apart, gains, field, found, n):
     """Multiply the shares of vertices by what the lines on which they lie get."""
     ids, share = found.ids, found.share
@@ -168,7 +181,7 @@ def _give_by_line(values, way, first, apart, gains, field, found, n):
 
 
 @uncounted(error_model="numpy")
-def level_shares(before, after, level, grain, field, n, scratch):
+def level_shares(before, after, level, grain, field, ink, n, scratch):
     """Let what a sweep leaves lie as an even film across the way, as far as the tuft is wet.
 
     Parameters
@@ -178,7 +191,7 @@ def level_shares(before, after, level, grain, field, n, scratch):
         See `ink_transfer.contact_level`.
     grain : float
         Of the surface's material, 0 to 1.
-    field : SurfaceField
+    field, ink : SurfaceField, InkField
     n : int
         Vertices in `scratch.found`; their shares are changed.
     scratch : Scratch
@@ -199,6 +212,8 @@ def level_shares(before, after, level, grain, field, n, scratch):
     first, apart = _fill_lines(after, way, lines)
     power = _ON_GLAZE + grain * (_ON_GRAIN - _ON_GLAZE)
     _fill_gains(lines, wet * carried, power)
+    streaks = wet * carried * _STREAKED * min(1.0, 2.0 * grain)
+    _streak_gains(lines[2], first, apart, values.way, streaks, ink.bundles[1])
     _give_by_line(values, way, first, apart, lines[2], field, scratch.found, n)
     return True
 
@@ -554,7 +569,7 @@ def sweep_deposit(before, after, tuft, field, ink, scratch):
     scratch.taken[:] = 0.0
     if ink.transfer[0].pickup > 0.0:
         take_up_ink(before, after, released, found, n, field, ink, scratch.taken)
-    if level_shares(before, after, level, ink.transfer[0].grain, field, n, scratch):
+    if level_shares(before, after, level, ink.transfer[0].grain, field, ink, n, scratch):
         weighed = weighed_area(field, found.ids, found.share, n)
     if ink.reservoirs.shape[0] > 1:
         deposit = Deposit(released, landing, weighed)

@@ -18,6 +18,7 @@ from paint3d.brush_engine.footprint import PROFILE_CELLS, fill_between, fill_swe
 from paint3d.brush_engine.placement import start_sheet
 from paint3d.core.kernel import uncounted
 from paint3d.mesh.kernels.mesh_arrays import BLOCK_VERTICES, flood_patch
+from paint3d.mesh.kernels.paper import MOST_ASIDE_MM
 from paint3d.mesh.kernels.refine import activate_cell
 
 __all__ = [
@@ -138,7 +139,7 @@ def _lay_cells(values, field, patch, query):
     sheet_place, pack, origin, size = (
         field.sheet_place, field.sheet_pack, field.origin, field.cell_size
     )  # fmt: skip
-    half_diagonal = 0.5 * np.sqrt(3.0) * size
+    half_diagonal = 0.5 * np.sqrt(3.0) * size + MOST_ASIDE_MM * field.paper
     margin = 0.5 / values.scale
     fx, fy, fz = values.normal[0], values.normal[1], values.normal[2]
     n = 0
@@ -279,7 +280,7 @@ def _add_run(runs, n, first, end, fate):
 
 
 class _Vertices(NamedTuple):
-    """Where N vertices are, and which way they face: float32 arrays (N,)."""
+    """Where outlines meet N vertices, which way they face, what they take: float32 arrays (N,)."""
 
     px: NDArray  # mm
     py: NDArray
@@ -287,12 +288,13 @@ class _Vertices(NamedTuple):
     nx: NDArray  # of the unit normal
     ny: NDArray
     nz: NDArray
+    take: NDArray  # times its share of the ink that it takes
 
 
 @uncounted
 def vertices_of(field):
     """The vertices of a `SurfaceField`."""
-    return _Vertices(field.px, field.py, field.pz, field.nx, field.ny, field.nz)
+    return _Vertices(field.mx, field.my, field.mz, field.nx, field.ny, field.nz, field.take)
 
 
 @uncounted
@@ -338,6 +340,7 @@ def _project_run(vertices, first, n, sweep, rows, at):
     last = first + n
     px, py, pz = vertices.px[first:last], vertices.py[first:last], vertices.pz[first:last]
     nx, ny, nz = vertices.nx[first:last], vertices.ny[first:last], vertices.nz[first:last]
+    take = vertices.take[first:last]
     xs, ys, stretch = rows[0][at : at + n], rows[1][at : at + n], rows[2][at : at + n]
     for k in range(n):
         dx, dy, dz = px[k] - ox, py[k] - oy, pz[k] - oz
@@ -361,7 +364,7 @@ def _project_run(vertices, first, n, sweep, rows, at):
         refused = (cosine < least) | (reach > r2) | (t * t > farthest2) | beside
         xs[k] = away if refused else x
         ys[k] = qx * cx + qy * cy + qz * cz
-        stretch[k] = inverse * inverse
+        stretch[k] = inverse * inverse * take[k]
 
 
 @uncounted(error_model="numpy")
@@ -391,6 +394,7 @@ def take_run(vertices, first, last, sweep, found, at):
     n = last - first
     px, py, pz = vertices.px[first:last], vertices.py[first:last], vertices.pz[first:last]
     nx, ny, nz = vertices.nx[first:last], vertices.ny[first:last], vertices.nz[first:last]
+    take = vertices.take[first:last]
     ids = found.ids[at : at + n]
     share = found.share[at : at + n]
     cover = found.cover[at : at + n]
@@ -410,7 +414,7 @@ def take_run(vertices, first, last, sweep, found, at):
         bad = (cosine < least) | (height * height > r2) | (t * t > farthest2) | beside
         refused += np.int32(bad)
         ids[k] = first + k
-        share[k] = inverse * inverse
+        share[k] = inverse * inverse * take[k]
         cover[k] = -one if bad else one
     if refused == 0:
         return at + n
@@ -503,7 +507,9 @@ def next_block(n_runs, n_cells, without_inside, sweep, field, scratch):
     end = _list_from_cells(n_cells, start, field, scratch)
     n = end - start
     packed = block.packed
-    scattered = _Vertices(packed[0], packed[1], packed[2], packed[3], packed[4], packed[5])
+    scattered = _Vertices(
+        packed[0], packed[1], packed[2], packed[3], packed[4], packed[5], packed[6]
+    )
     _fetch(n, block.ids[start:end], vertices, scattered)
     _project_run(scattered, 0, n, sweep, block.rows, start)
     return end
@@ -570,9 +576,9 @@ def _list_from_cells(n_cells, filled, field, scratch):
 
 @uncounted(error_model="numpy")
 def _fetch(n, ids, vertices, out):
-    """Places and normals of scattered vertices, side by side."""
-    px, py, pz, nx, ny, nz = vertices
-    x, y, z, u, v, w = out
+    """Copy scattered vertices side by side."""
+    px, py, pz, nx, ny, nz, take = vertices
+    x, y, z, u, v, w, t = out
     for k in range(n):
         i = np.uint32(ids[k])
         x[k] = px[i]
@@ -581,3 +587,4 @@ def _fetch(n, ids, vertices, out):
         u[k] = nx[i]
         v[k] = ny[i]
         w[k] = nz[i]
+        t[k] = take[i]

@@ -40,6 +40,7 @@ from paint3d.calligraphy.page.laying import PlacedPiece, lay_page
 from paint3d.calligraphy.page.page import Composer, Page
 from paint3d.calligraphy.planning import PlanSettings, on_paper, plan_glyph
 from paint3d.calligraphy.timing import Motion, Tempo, time_courses
+from paint3d.calligraphy.variation import vary_motion
 from paint3d.core.arrays import AnyArray, as_number
 from paint3d.core.ending import holding_interrupts
 from paint3d.core.machine import blocking_interrupts, end_with_parent, ignore_interrupts
@@ -180,6 +181,7 @@ def _packed(answer: _Answer) -> memoryview | bytes:
 
 
 LEAST_EM_MM, MOST_EM_MM = 2.0, 1000.0
+MOST_VARIATION = 3.0
 
 _WIDEST = 0.2  # ems: the last footprint of the table
 _NODES_PER_EM = 24.0
@@ -201,12 +203,18 @@ class Pen:
         Side of the em squares, mm.
     settings : PlanSettings
     tempo : Tempo
+    variation : float
+        0: every character as the copybook has it; 1: as a practised hand varies; at most 3.
+    seed : int
+        Of that variation: the same seed, text and pen give the same motion.
     """
 
     brush: BrushSpec
     em_mm: float
     settings: PlanSettings = field(default_factory=PlanSettings)
     tempo: Tempo = field(default_factory=Tempo)
+    variation: float = 0.0
+    seed: int = 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -354,13 +362,18 @@ def _write(
             motions[key] = motion
             if progress is not None:
                 progress(glyph.text, len(motions) / len(glyphs))
-    laid = [_laid(surface, piece, motions[id(piece.glyph)], tuft, pen) for piece in placed]
+    as_number(pen.variation, "variation", 0.0, MOST_VARIATION)
+    laid = [
+        _laid(surface, piece, _varied(motions[id(piece.glyph)], piece, k, pen), tuft, pen)
+        for k, piece in enumerate(placed)
+    ]
     told = [_described(piece) for piece in placed]
     entries = {
         "brush": pen.brush.name,
         "object": surface.mesh.name,
         "licence": header["licence"],
         "azimuth": pen.settings.azimuth,
+        **({"variation": pen.variation, "seed": pen.seed} if pen.variation else {}),
         **header,
         "characters": told,
     }
@@ -450,6 +463,11 @@ def _plan_all(
 def _planned(glyph: Glyph, footprints: FootprintTable, pen: Pen, threads: int = 1) -> Motion:
     courses = plan_glyph(glyph, pen.em_mm, footprints, pen.settings, threads)
     return time_courses([courses], pen.em_mm, pen.tempo)
+
+
+def _varied(motion: Motion, piece: PlacedPiece, k: int, pen: Pen) -> Motion:
+    middle = on_paper(np.array(piece.glyph.middle), pen.em_mm)
+    return vary_motion(motion, middle, pen.em_mm, pen.variation, [abs(pen.seed), k])
 
 
 # -- laying -------------------------------------------------------------------------------------

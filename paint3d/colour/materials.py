@@ -29,6 +29,7 @@ from paint3d.errors import PigmentError
 __all__ = [
     "WAVE_RANGE_MM",
     "WET_COAT_MM",
+    "WET_INK_MM",
     "Material",
     "glazed_roughness",
     "load_material",
@@ -66,6 +67,8 @@ WAVE_RANGE_MM = (0.1, 20.0)
 """Least and greatest spacing of bumps that is felt and seen, mm."""
 WET_COAT_MM = 0.03
 """Depth of the liquid in one wet coat, mm: a full stroke brushed on. Chosen by eye."""
+WET_INK_MM = 0.015
+"""Depth of what runs of it where it is undiluted: glue holds the rest. Chosen by eye."""
 
 
 def glazed_roughness(roughness: float, coat: float) -> float:

@@ -50,7 +50,7 @@ BANDS_NM = np.arange(400.0, 701.0, 10.0)
 """(31,) wavelengths of K and S, nm."""
 BANDS_NM.flags.writeable = False
 USUAL_FINE = 0.12
-"""Default of `Pigment.fine`: the fraction that goes wherever the water goes."""
+"""Default of `Pigment.fine`: the fraction that goes with the water until pores catch it."""
 COARSEST_UM = 1000.0
 """Largest diameter of a pigment's grains, um."""
 _STRONGEST = 1e6  # K and S of a coat; measured inks stay below 100
@@ -266,8 +266,8 @@ def load_pigments_csv(path: str | Path) -> Mapping[str, Pigment]:
         or ``R_<nm>``, the reflectance of a masstone (see `masstone_strengths`), for rising
         wavelengths that cover 400 to 700 nm (others than every 10 nm are interpolated linearly);
         optionally ``chinese``, ``source``, ``basis``, ``licence``, ``saunderson`` (yes|no),
-        ``gloss`` (0 to 1), ``fine`` (0 to 1; .12), what no pore holds back, and ``grain_um`` (0
-        to 1000; 0), the diameter of the other grains, um.
+        ``gloss`` (0 to 1), ``fine`` (0 to 1; .12), what goes with the water until pores catch
+        it, and ``grain_um`` (0 to 1000; 0), the diameter of the other grains, um.
         Or measured masstones as `illuminants` reads them: IES TM-27 (.spdx), and .txt of two
         columns or of X-Rite.
 

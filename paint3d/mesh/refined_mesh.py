@@ -28,6 +28,7 @@ from paint3d.mesh.kernels.cell_components import (
     split_sheets,
 )
 from paint3d.mesh.kernels.mesh_arrays import BLOCK_VERTICES, Cells, SurfaceField, build_table
+from paint3d.mesh.kernels.paper import MOST_ASIDE_MM, lay_paper
 from paint3d.mesh.kernels.refine import (
     BAD_LOG,
     MOST_AROUND_EDGE,
@@ -56,8 +57,8 @@ _MOST_PAIRS = 2**26  # of cells and the triangles in them: a gigabyte
 _PAIRS_PER_FACE, _PAIRS_PER_CELL, _LINKS_PER_PAIR = 4, 2.0, 5  # capacity, nearly always enough
 _CRACK_MM = 0.1  # widest gap that paint goes over: no hair fits in
 _PER_VERTEX = (
-    "px", "py", "pz", "nx", "ny", "nz", "key", "parents", "vertex_sheet", "area_units",
-    "next_in_cell",
+    "px", "py", "pz", "nx", "ny", "nz", "mx", "my", "mz", "take", "key", "parents",
+    "vertex_sheet", "area_units", "next_in_cell",
 )  # fmt: skip
 _GROWTH = 1 << 15  # least number of vertices to reserve
 
@@ -157,6 +158,9 @@ class PaintMesh:
             area_unit=float(unit / 2.0**shift),
             **{f"p{a}": np.ascontiguousarray(points[:, i]) for i, a in enumerate("xyz")},
             **{f"n{a}": np.ascontiguousarray(normals[:, i]) for i, a in enumerate("xyz")},
+            **{f"m{a}": np.ascontiguousarray(points[:, i]) for i, a in enumerate("xyz")},
+            take=np.ones(n, np.float32),
+            paper=0.0,
             key=_position_keys(points),
             parents=np.full((n, 2), -1, np.int32),
             vertex_sheet=lattice.vertex_sheets,
@@ -176,6 +180,19 @@ class PaintMesh:
         if self.refines:
             longest_edges(self.arrays, self.arrays.longest)
             self.reserve()
+
+    def lay_paper(self, amount: float) -> None:
+        """Make edge and film of the ink uneven, as fibres do (`mesh.kernels.paper`).
+
+        Parameters
+        ----------
+        amount : float
+            0 for a glaze, 1 for raw xuan. To be called before anything is refined.
+        """
+        balls = self.arrays.block_balls.copy()
+        balls[:, 3] += np.float32(MOST_ASIDE_MM * amount)
+        self.arrays = self.arrays._replace(paper=float(amount), block_balls=balls)
+        lay_paper(self.arrays, 0, self.n_base_vertices)
 
     # -- refinement -------------------------------------------------------------------------
 

@@ -5,6 +5,7 @@ Water (`surface.flow`) and layers (`surface.layer_stack`) build on this, which k
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable
 from functools import cached_property
 
@@ -73,6 +74,7 @@ class InkStore:
         alike = None if original is None else build_like(mesh, resolution, original)
         self.original = None if alike is None else original
         self.paint_mesh = PaintMesh.build(mesh, resolution) if alike is None else alike
+        self.paint_mesh.lay_paper(math.sqrt(2.0 * material.grain))
         self.pigments: list[Pigment] = []
         self.dry_layers = DryLayers()
         self._colours: ColourModel | None = None

@@ -98,6 +98,9 @@ _SHEET_UM, _BODY_UM = 12.0, 6.0  # width of the pores of a sheet, and of clay or
 _SHOWN = (0.7, 1.2)  # spacing of the vertices, mm, at which fibres start to fade, and are gone
 _SIEVE = 2.8  # saturation at which pores let all soot pass, per unit of 1 - `passing`
 _FIBRES_OF_SIEVE = 0.5  # log of the drop of that potential along fibres, whose pores are wide
+_RAW_MM = 0.06  # depth of the pores of raw paper
+_CATCH_MM = 0.8  # in such: way through pores after which a part 1 / e of the fine pigment is still afloat
+_FIBRES_OF_CATCH, _FLOCS_OF_CATCH = 1.2, 1.0  # log of that way along fibres, and lost in flocs
 _GLUE = 0.25  # coats of dried ink that close half of what can be closed
 _GLUE_OF_WAYS = 0.9  # greatest fraction of the conductance that glue takes
 _GLUE_OF_ENTRY = 0.85  # of the range from the advance saturation to full pores, at most
@@ -137,6 +140,7 @@ class Pores(NamedTuple):
     residual: NDArray[np.float64]
     strength: NDArray[np.float64]
     sieve: NDArray[np.float64]
+    catch: NDArray[np.float64]
     held: NDArray[np.float64]
     ways: NDArray[np.float64]
 
@@ -158,7 +162,11 @@ def find_pores(points: AnyArray, drink: Material, spacing: float) -> Pores:
     if fibres is not None:
         sieve *= np.exp(-_FIBRES_OF_SIEVE * drink.grain * fibres)
         ways *= np.exp(_FIBRES_OF_WAYS * drink.grain * fibres - _FLOCS_OF_WAYS * relief)
-    return Pores(residual, strength, sieve, held, ways)
+    tight = min(1.0, drink.pores_mm / _RAW_MM) if drink.pores_mm else 1.0  # sized: narrower pores
+    catch = np.full(len(points), _CATCH_MM * tight)
+    if fibres is not None:
+        catch *= np.exp(_FIBRES_OF_CATCH * drink.grain * fibres - _FLOCS_OF_CATCH * relief)
+    return Pores(residual, strength, sieve, catch, held, ways)
 
 
 def close_pores(

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.colour.materials import WET_COAT_MM
+from paint3d.colour.materials import WET_COAT_MM, WET_INK_MM
 from paint3d.colour.pigments import WATER
 from paint3d.core.arrays import AnyArray
 from paint3d.surface.flow_graph import with_room
@@ -21,10 +21,11 @@ __all__ = ["FIRST_PACE", "WetPatch"]
 _KEPT = ("water", "inside", "soaked", "pigment", "fine")
 _OF_PLACES = ("written", "share")
 _OF_NODES = (
-    *_KEPT, "changed", "residual", "strength", "sieve", "held", "entry", "dry_entry", "ways",
-    "place", "bare_held", "bare_ways",
+    *_KEPT, "changed", "residual", "strength", "sieve", "catch", "held", "entry", "dry_entry",
+    "ways", "place", "bare_held", "bare_ways",
 )  # fmt: skip
-_OF_PORES = ("residual", "strength", "sieve", "bare_held", "bare_ways")
+_OF_PORES = ("residual", "strength", "sieve", "catch", "bare_held", "bare_ways")
+_PARTICLES = 0.75  # what is not fine of a pigment that has no more of a dye than soot has
 FIRST_PACE = 1.0 / 30.0  # s: the time step of a block after ink arrived
 
 
@@ -43,6 +44,8 @@ class WetPatch:
         Of `surface.kernels.diffusion`, varied by the grain.
     sieve : (N,) float64
         Potential above which the pores let all pigment pass.
+    catch : (N,) float64
+        Fraction of the fine pigment arriving through its pores that a node holds back.
     bare_held, bare_ways : (N,) float64
         `held` and `ways` (factors on the conductance) as they would be without glue.
     held : (N,) float64
@@ -52,9 +55,11 @@ class WetPatch:
     pigment : (N, P) float64
         Coats times the covered fraction.
     fine : (N, P) float64
-        The part of it that no pore holds back.
+        The part of it that goes with the water, until pores catch it on the way.
     mobility : (P,) float64
         Mobility of each pigment's coarse grains in the pores, relative to soot.
+    sticks : (P,) float64
+        How far its fine part is caught in pores: as soot's, 1; a dye's is not.
     inside : (N,) float32
         See `kernels.diffusion.solve_edges`.
     soaked : (N,) float32
@@ -72,7 +77,9 @@ class WetPatch:
     residual: NDArray[np.float64]
     strength: NDArray[np.float64]
     sieve: NDArray[np.float64]
+    catch: NDArray[np.float64]
     mobility: NDArray[np.float64]
+    sticks: NDArray[np.float64]
     entry: NDArray[np.float64]
     dry_entry: NDArray[np.float64]
     held: NDArray[np.float64]
@@ -151,8 +158,8 @@ class WetPatch:
         graph = self.graph
         return WetFields(
             graph.first, graph.last, graph.links, self.weights, graph.area, graph.block,
-            graph.closed, self.place, self.residual, self.strength, self.sieve, self.held,
-            self.entry, self.water, self.pigment, self.fine, self.mobility, self.soaked,
+            graph.closed, self.place, self.residual, self.strength, self.sieve, self.catch,
+            self.held, self.entry, self.water, self.pigment, self.fine, self.mobility, self.sticks, self.soaked,
             self.changed, self.owed, due, mobile, moved,
         )  # fmt: skip
 
@@ -195,12 +202,13 @@ class WetPatch:
         now = self._store.ink.amounts[graph.vertices[at]]
         change = (now - self.written[at]).astype(np.float64)
         node, share = graph.node_of[at], self.share[at]
-        came = np.maximum(change, 0.0).sum(axis=1)
+        depths = [WET_COAT_MM if p is WATER else WET_INK_MM for p in self._store.pigments]
+        came = np.maximum(change, 0.0) @ np.array(depths)
         went = np.maximum(-change, 0.0).sum(axis=1)
         before = self.written[at].sum(axis=1, dtype=np.float64)
         kept = 1.0 - share * np.divide(went, before, out=np.zeros_like(went), where=before > 0)
         np.multiply.at(self.water, node, kept)
-        np.add.at(self.water, node, WET_COAT_MM * share * came)
+        np.add.at(self.water, node, share * came)
         self._add_pigment(node, share[:, None] * change)
         self.written[at] = now
         for column, pigment in enumerate(self._store.pigments):
@@ -238,6 +246,8 @@ class WetPatch:
     def _find_mobility(self) -> None:
         grains = np.array([pigment.grain_um for pigment in self._store.pigments], float)
         self.mobility = mobility_of(self.material, grains)
+        fine = np.array([pigment.fine for pigment in self._store.pigments], float)
+        self.sticks = np.minimum(1.0, (1.0 - fine) / _PARTICLES)
 
     def hand_back(self) -> None:
         """Write pigment that moved back to the vertices; ink that came since stays there."""
@@ -340,6 +350,7 @@ class WetPatch:
             spacing = float(self._store.paint_mesh.arrays.resolution)
             pores = find_pores(graph.points[nodes], self.material, spacing)
             self.residual[nodes], self.strength[nodes], self.sieve[nodes] = pores[:3]
+            self.catch[nodes] = 1.0 - np.exp(-np.sqrt(graph.area[nodes]) / pores.catch)
             self.bare_held[nodes], self.bare_ways[nodes] = pores.held, pores.ways
             self._close_pores(np.arange(nodes.start, nodes.stop))
             # Each vertex has the fraction of its node's area that is its own.

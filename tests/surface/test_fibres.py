@@ -55,12 +55,12 @@ def test_a_sheet_has_the_same_flocs_however_far_apart_its_vertices_lie(material)
 
 def outline_turns():
     """How much the outline of a drop's soot goes in and out from one 30th to the next, mm."""
-    surface = drop(PaintedSurface(grid(16.0, 0.2), None, "xuan"), 2.0)
-    surface.diffuse(20.0)
+    surface = drop(PaintedSurface(grid(16.0, 0.2), None, "xuan"), 1.0)
+    drop(surface, 2.0, ink="water").diffuse(20.0)
     points = surface.paint_mesh.vertices
     away, angle = np.linalg.norm(points[:, :2], axis=1), np.arctan2(points[:, 1], points[:, 0])
     ink = everything(surface)
-    inked = ink > 0.5 * np.median(ink[away < 1.5])
+    inked = ink > 0.03 * np.median(ink[away < 1.5])
     cell = ((angle + np.pi) / (2 * np.pi) * 30).astype(int) % 30  # some .8 mm: four vertices
     rim = [away[inked & (cell == k)].max(initial=0.0) for k in range(30)]
     return np.abs(np.diff(rim, n=2)).mean()
@@ -68,6 +68,6 @@ def outline_turns():
 
 def test_ink_feathers_in_fine_points_along_fibres(monkeypatch):
     feathered = outline_turns()
-    for name in ("_FIBRES_OF_WAYS", "_FIBRES_OF_SIEVE"):
+    for name in ("_FIBRES_OF_WAYS", "_FIBRES_OF_SIEVE", "_FIBRES_OF_CATCH"):
         monkeypatch.setattr(pores, name, 0.0)
     assert feathered > 1.8 * outline_turns()

@@ -585,7 +585,7 @@ def sweep_hairs(before, after, ready, hairs, field, ink, scratch):
     scratch.taken[:] = 0.0
     if ink.transfer[0].pickup > 0.0:
         take_up_ink(before, after, ready * scale, found, n, field, ink, scratch.taken)
-    level_shares(before, after, level, ink.transfer[0].grain, field, n, scratch)
+    level_shares(before, after, level, ink.transfer[0].grain, field, ink, n, scratch)
     _take_from_hairs(hairs.load, hairs.hair_contacts, scale, hairs.whole_sums, hairs.released)
     if ink.reservoirs.shape[0] > 1:
         _leave_along(before, after, lands, n, hairs, field, ink, scratch)

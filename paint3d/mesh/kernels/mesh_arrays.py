@@ -20,10 +20,22 @@ __all__ = [
     "flood_patch",
     "lookup",
     "make_patch",
+    "mix",
     "sheet_of",
 ]
 
 BLOCK_VERTICES = 32  # base vertices to a block: neighbours, looked at together
+
+
+@uncounted
+def mix(x):
+    """Scramble 64 bits (splitmix64's finaliser)."""
+    x ^= x >> np.uint64(30)
+    x *= np.uint64(0xBF58476D1CE4E5B9)
+    x ^= x >> np.uint64(27)
+    x *= np.uint64(0x94D049BB133111EB)
+    x ^= x >> np.uint64(31)
+    return x
 
 
 class Patch(NamedTuple):
@@ -75,12 +87,17 @@ class SurfaceField(NamedTuple):
     cell_size: float  # mm
     soft_edge: float  # width of a footprint's edge, mm
     area_unit: float  # mm2, of `area_units`
+    paper: float  # how uneven fibres make edge and film: 0 on a glaze, 1 on raw xuan
     px: NDArray  # (cap,) float32 positions, mm
     py: NDArray
     pz: NDArray
     nx: NDArray  # (cap,) float32 unit normals
     ny: NDArray
     nz: NDArray
+    mx: NDArray  # (cap,) float32, where a footprint's outline meets the vertex, mm: see `paper`
+    my: NDArray
+    mz: NDArray
+    take: NDArray  # (cap,) float32, times its share of the ink that a vertex takes
     key: NDArray  # (cap,) uint64, the same for the same vertex whatever the order of refinement
     parents: NDArray  # (cap, 2) int32, ends of the edge a vertex halved; -1 for base vertices
     vertex_sheet: NDArray  # (cap,) int32

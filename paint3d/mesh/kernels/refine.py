@@ -12,7 +12,8 @@ from __future__ import annotations
 import numpy as np
 
 from paint3d.core.kernel import kernel, uncounted
-from paint3d.mesh.kernels.mesh_arrays import find_cell, find_pair
+from paint3d.mesh.kernels.mesh_arrays import find_cell, find_pair, mix
+from paint3d.mesh.kernels.paper import lay_paper_at
 
 __all__ = [
     "BAD_LOG",
@@ -21,7 +22,6 @@ __all__ = [
     "activate_cell",
     "edge_key",
     "longest_edges",
-    "mix",
     "repeat_splits",
 ]
 
@@ -29,17 +29,6 @@ NO_ROOM, BAD_LOG = -1, -2
 MOST_AROUND_EDGE = 256  # triangles on one edge
 _INFLATION = 1e-3  # of a cell's size
 _OPPOSED = np.float32(1e-3)  # length of the sum of two unit normals
-
-
-@uncounted
-def mix(x):
-    """Scramble 64 bits (splitmix64's finaliser)."""
-    x ^= x >> np.uint64(30)
-    x *= np.uint64(0xBF58476D1CE4E5B9)
-    x ^= x >> np.uint64(27)
-    x *= np.uint64(0x94D049BB133111EB)
-    x ^= x >> np.uint64(31)
-    return x
 
 
 @uncounted
@@ -124,6 +113,7 @@ def _add_midpoint(field, a, b, root):
     field.parents[v, 0] = min(a, b)
     field.parents[v, 1] = max(a, b)
     field.area_units[v] = 0
+    lay_paper_at(field, v)
     cell = find_cell(field, field.px[v], field.py[v], field.pz[v])
     if cell < 0:  # rounded out of the lattice, far from the origin
         cell = field.sheet_cell[field.vertex_sheet[first]]

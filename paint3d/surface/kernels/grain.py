@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from paint3d.core.kernel import uncounted
-from paint3d.mesh.kernels.refine import mix
+from paint3d.mesh.kernels.mesh_arrays import mix
 
 __all__ = ["fill_grain"]
 

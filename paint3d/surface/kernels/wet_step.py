@@ -49,12 +49,14 @@ class WetFields(NamedTuple):
     residual: NDArray  # (N,) float64, these carry the grain: see `surface.kernels.diffusion`
     strength: NDArray  # (N,) float64, c D (1 - r) / 3
     sieve: NDArray  # (N,) float64, potential from which on pores let all pigment pass
+    catch: NDArray  # (N,) float64, share of the fine pigment coming through its pores that it keeps
     held: NDArray  # (N,) float64, depth to which a dry node fills before water goes on, mm
     entry: NDArray  # (N,) float64, potential that it takes to get in: 0 where it is wet already
     water: NDArray  # (N,) float64, depth, mm
     pigment: NDArray  # (N, P) float64, coats
-    fine: NDArray  # (N, P) float64, of these, what goes wherever the water goes
+    fine: NDArray  # (N, P) float64, of these, what goes with the water until a pore catches it
     mobility: NDArray  # (P,) float64, what pores let pass of the others, over that of soot
+    sticks: NDArray  # (P,) float64, to pores, 0 to 1: soot does, a dye does not
     soaked: NDArray  # (N,) float32, greatest share that was under water since it was dry
     changed: NDArray  # (N,) bool, set where anything moved
     owed: NDArray  # (B,) float32, time since each block's last step, s
@@ -340,10 +342,14 @@ def _carry(f, rows, n_rows, n_ids, work):
             flux = rows.x[e] * scale
             carried, afloat = rows.ran[0, e] * scale, rows.ran[1, e] * scale
             coming[k, 0] += flux
+            within = 1.0 - rows.ran[1, e] / rows.x[e]  # of the flow, through pores
             for p in range(n_pigments):
                 drawn = _drawn(f.mobility[p], carried, afloat)
                 coming[k, 1 + 2 * p] += drawn * coming[r, 1 + 2 * p]
-                coming[k, 2 + 2 * p] += flux * coming[r, 2 + 2 * p]
+                fine = flux * coming[r, 2 + 2 * p]
+                caught = f.sticks[p] * f.catch[rows.ids[k]] * within * fine
+                coming[k, 1 + 2 * p] += caught
+                coming[k, 2 + 2 * p] += fine - caught
             waits[k] -= 1
             if waits[k] == 0:
                 turns[n_turns] = k
