@@ -17,7 +17,7 @@ from pathlib import Path
 
 import pytest
 
-from paint3d.app.model.persistence.shortcuts import SHORTCUTS
+from paint3d.app.model.commands import SHORTCUTS
 from paint3d.bench.registry import BENCHMARKS
 from paint3d.cli import main
 from paint3d.cli.options import UsageError

@@ -169,8 +169,9 @@ def test_strokes_of_an_edited_brush_are_undone_kept_and_painted_again_from_the_s
 
 def test_a_command_carries_a_brush_with_its_own_table() -> None:
     brush = dataclasses.replace(load_brush("feibai"), name="mine", bristles=BristleSpec(30, TABLE))
-    name, (again,), options = decode_command(encode_command("set_brush", [brush], {}))
-    assert (name, again, options) == ("set_brush", brush, {})
+    document = Document.new("plane", 5.0)
+    line = json.loads(json.dumps(encode_command(document, "set_brush", [brush], {})))
+    assert decode_command(line, document.surface) == ("set_brush", [], {"brush": brush})
 
 
 def test_a_brush_is_the_same_in_the_words_of_json() -> None:

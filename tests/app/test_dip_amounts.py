@@ -195,8 +195,9 @@ def test_a_dip_that_is_refused_changes_nothing() -> None:
 
 
 def test_the_journal_knows_an_amount() -> None:
-    note = json.loads(json.dumps(encode_command("dip", ("cinnabar",), {"amount": LITTLE})))
     document = small_plane(5.0)
+    line = encode_command(document, "dip", ("cinnabar",), {"amount": LITTLE})
+    note = json.loads(json.dumps(line))
     do_again(document, note)
     assert in_hand(document) == of_amount(document, DipAmount(**LITTLE))
 

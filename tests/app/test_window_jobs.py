@@ -17,10 +17,10 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
 from PySide6 import QtCore, QtTest, QtWidgets
 
+from paint3d.app.model.commands import COMMANDS
 from paint3d.app.model.document import Document
 from paint3d.app.model.persistence.sitting import Sitting, Unfinished, recoverable
 from paint3d.app.window import start, studio
-from paint3d.app.window.commands import ALWAYS, CHECKABLE
 from paint3d.app.window.jobs import job as jobs
 from paint3d.app.window.jobs import opening
 from paint3d.app.window.jobs.job import is_waiting, run_beside
@@ -484,10 +484,10 @@ def test_a_first_opening_that_is_stopped_leaves_an_empty_window_that_works(
     wait_for(empty.begin_page.isVisible)
     assert [button.text() for button in empty.begin_page.buttons][:2] == ["New painting…", "Open…"]
     for name, action in empty.workspace.actions.items():
-        assert action.isEnabled() == (name in ALWAYS), name
-        if name not in ALWAYS:
+        assert action.isEnabled() == COMMANDS[name].always, name
+        if not COMMANDS[name].always:
             action.trigger()
-            assert not action.isChecked() or name not in CHECKABLE, name
+            assert not action.isChecked() or not COMMANDS[name].checkable, name
     for key in "DRXIMKFWS":
         type_key(empty.canvas, getattr(QtCore.Qt.Key, f"Key_{key}"))
     for name in ("smoothing", "brush", "panels", "dark"):

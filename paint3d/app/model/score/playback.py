@@ -8,8 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from paint3d.app.model.commands import arguments_of
 from paint3d.app.model.score.playing import Step
-from paint3d.app.model.score.words import Inks, asked_by
+from paint3d.app.model.score.words import Inks, Vocabulary
 from paint3d.device.sample import DeviceSample
 from paint3d.errors import Paint3DError, RecordingError
 from paint3d.recording.recording import HandTime, Recording
@@ -88,7 +89,8 @@ def cues_of(score: Score, surface: PaintedSurface) -> Iterator[Cue]:
     RecordingError
         ``file:line: what is wrong`` for a brush or an ink that is not known, and the like.
     """
-    clock, inks = HandTime(), Inks(dict(score.header.get("pigments", {})))
+    clock = HandTime()
+    vocabulary = Vocabulary(surface, Inks(dict(score.header.get("pigments", {}))))
     for k, event in enumerate(score.events):
         if isinstance(event, Recording):
             for when, sample in zip(
@@ -97,7 +99,7 @@ def cues_of(score: Score, surface: PaintedSurface) -> Iterator[Cue]:
                 yield Cue(float(when), [sample])
             continue
         try:
-            asked = asked_by(event, surface, inks)
+            asked = arguments_of(event, vocabulary)
         except Paint3DError as cause:
             if event.get("refused"):  # as it was then
                 continue

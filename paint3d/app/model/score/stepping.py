@@ -6,7 +6,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from paint3d.app.model.score.words import Inks, asked_by
+from paint3d.app.model.commands import COMMANDS, arguments_of
+from paint3d.app.model.score.words import Inks, Vocabulary
 from paint3d.device.sample import DeviceSample
 from paint3d.errors import Paint3DError, RecordingError
 from paint3d.recording.recording import Recording
@@ -16,8 +17,6 @@ from paint3d.surface.painted_surface import PaintedSurface
 __all__ = ["Step", "play"]
 
 _AT_ONCE = 256  # samples between two looks at whether it goes on
-_COSTS = {"follow_time": 10.0, "let_time_pass": 50.0, "undo": 50.0, "redo": 50.0}
-"""Of commands, in samples painted, roughly."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,7 +54,7 @@ def _steps_of(score: Score, surface: PaintedSurface, first: int) -> Iterator[Ste
     RecordingError
         ``file:line: what is wrong`` for a brush or an ink that is not known, and the like.
     """
-    inks = Inks(dict(score.header.get("pigments", {})))
+    vocabulary = Vocabulary(surface, Inks(dict(score.header.get("pigments", {}))))
     whole = sum(map(_cost, score.events[first:])) or 1.0
     done = 0.0
     for k, event in enumerate(score.events[first:], first):
@@ -67,7 +66,7 @@ def _steps_of(score: Score, surface: PaintedSurface, first: int) -> Iterator[Ste
                 yield Step(k, part, "", {}, False, done / whole)
             continue
         try:
-            asked = asked_by(event, surface, inks)
+            asked = arguments_of(event, vocabulary)
         except Paint3DError as cause:
             if event.get("refused"):  # as it was then
                 continue
@@ -84,7 +83,7 @@ def _steps_of(score: Score, surface: PaintedSurface, first: int) -> Iterator[Ste
 def _cost(event: Any) -> float:
     if isinstance(event, Recording):
         return float(len(event))
-    return float(_COSTS.get(event["do"], 1.0) * event.get("times", 1))
+    return float(COMMANDS[event["do"]].cost * event.get("times", 1))
 
 
 def play(document: Any, score: Score, first: int = 0) -> Iterator[Step]:

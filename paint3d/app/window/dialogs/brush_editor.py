@@ -10,7 +10,6 @@ from typing import Any, NamedTuple
 
 from PySide6 import QtCore, QtGui, QtWidgets
 
-from paint3d.app.model.brush_commands import Ink
 from paint3d.app.model.brush_size import resized, size_limits
 from paint3d.app.window.panels.brush_panel import pixmap_of, plain_name
 from paint3d.app.window.previews import sorted_parts
@@ -36,6 +35,7 @@ from paint3d.brush.spec import (
 from paint3d.brush_engine.tuft import MOST_POINTS
 from paint3d.core.arrays import AnyArray
 from paint3d.errors import BrushError, Paint3DError
+from paint3d.painter.painter import Ink
 from paint3d.view.brush_shape import draw_footprints, draw_stroke
 
 __all__ = [

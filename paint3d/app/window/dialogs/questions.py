@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from PySide6 import QtCore, QtWidgets
 
+from paint3d.app.model.commands import COMMANDS, GROUPS, SHORTCUTS, Shortcut
 from paint3d.app.model.persistence.saved_settings import chosen_material
 from paint3d.app.model.persistence.settings import Settings
-from paint3d.app.model.persistence.shortcuts import GROUPS, SHORTCUTS, Shortcut
 from paint3d.app.model.texts import load_texts
-from paint3d.app.window.commands import text_of
 from paint3d.app.window.dialogs.forms import FormDialog
 from paint3d.app.window.dialogs.material_box import MaterialBox
 from paint3d.app.window.wording import say
@@ -202,7 +201,7 @@ def _key_table(group: str) -> QtWidgets.QWidget:
     for k, ((action, gesture), keys) in enumerate(rows.items(), 1):
         shown = QtWidgets.QLabel(("  " if gesture == "press" else "\n").join(keys))
         shown.setObjectName("title")
-        meaning = QtWidgets.QLabel(say(text_of(action)).rstrip("…"))
+        meaning = QtWidgets.QLabel(say(COMMANDS[action].label).rstrip("…"))
         grid.addWidget(shown, k, 0, top)
         grid.addWidget(meaning, k, 1, top)
     return box

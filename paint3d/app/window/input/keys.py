@@ -12,7 +12,7 @@ from typing import Any
 
 from PySide6 import QtCore, QtGui, QtWidgets
 
-from paint3d.app.model.persistence.shortcuts import SHORTCUTS
+from paint3d.app.model.commands import SHORTCUTS
 from paint3d.app.window.input.canvas import WRITING
 from paint3d.app.window.input.hand import CanvasHand
 from paint3d.app.window.jobs.job import is_waiting

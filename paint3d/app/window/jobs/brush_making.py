@@ -6,7 +6,6 @@ from pathlib import Path
 
 from PySide6 import QtWidgets
 
-from paint3d.app.model.brush_commands import Ink
 from paint3d.app.model.persistence.own_brushes import keep_brush, own_brush_folder, own_brushes
 from paint3d.app.window.dialogs.brush_editor import BrushEditor
 from paint3d.app.window.panels.side_panels import Panels
@@ -15,6 +14,7 @@ from paint3d.app.window.workspace import Workspace
 from paint3d.brush.presets import load_presets, read_brush
 from paint3d.brush.spec import BrushSpec
 from paint3d.errors import Paint3DError
+from paint3d.painter.painter import Ink
 
 __all__ = ["BrushMaking"]
 

@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 from PySide6 import QtCore, QtGui, QtWidgets
 
-from paint3d.app.model.brush_commands import Ink
 from paint3d.app.model.brush_size import resized, size_limits
 from paint3d.app.window.jobs.job import is_waiting
 from paint3d.app.window.previews import stroke_preview
@@ -20,6 +19,7 @@ from paint3d.brush.presets import brush_names, load_brush
 from paint3d.brush.spec import BrushSpec
 from paint3d.core.arrays import AnyArray
 from paint3d.errors import Paint3DError
+from paint3d.painter.painter import Ink
 
 __all__ = ["BrushPanel", "pixmap_of", "plain_icon", "plain_name"]
 

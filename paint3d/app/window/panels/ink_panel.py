@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 from PySide6 import QtCore, QtGui, QtWidgets
 
-from paint3d.app.model.brush_commands import Ink
 from paint3d.app.model.persistence.own_pigments import check_unlike_palette
 from paint3d.app.window.previews import ink_coat, ink_swatch, sorted_parts
 from paint3d.app.window.theme import Theme
@@ -17,6 +16,7 @@ from paint3d.app.window.wording import language, say
 from paint3d.brush.spec import DipAmount
 from paint3d.colour.inks import TONES
 from paint3d.colour.pigments import WATER, Pigment, load_palette, load_pigment
+from paint3d.painter.painter import Ink
 
 __all__ = ["DishGrid", "InkPanel", "ToneRow", "in_tone", "ink_label", "paint_dish"]
 

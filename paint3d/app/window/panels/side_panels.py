@@ -7,7 +7,6 @@ from typing import Protocol
 
 from PySide6 import QtCore, QtWidgets
 
-from paint3d.app.model.brush_commands import Ink
 from paint3d.app.model.frame import Frame
 from paint3d.app.model.input.pressure_curve import PressureCurve
 from paint3d.app.window.panels.brush_panel import BrushPanel
@@ -22,6 +21,7 @@ from paint3d.app.window.theme import Theme
 from paint3d.app.window.wording import say
 from paint3d.app.window.workspace import Workspace
 from paint3d.brush.spec import BrushSpec
+from paint3d.painter.painter import Ink
 
 __all__ = ["Panels"]
 
