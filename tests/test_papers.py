@@ -179,7 +179,7 @@ def words_of_the_window() -> Iterator[set[str]]:
     from PySide6 import QtGui, QtWidgets
 
     from paint3d.app.model.persistence.settings import Settings
-    from paint3d.app.window.dialogs.questions import PreferencesDialog
+    from paint3d.app.window.questions import PreferencesDialog
     from paint3d.app.window.start import make_program
     from paint3d.app.window.studio import StudioWindow
     from paint3d.app.window.wording import say

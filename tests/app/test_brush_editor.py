@@ -26,8 +26,8 @@ from paint3d.app.model.persistence.own_brushes import (
 from paint3d.app.model.persistence.saved_settings import chosen_brush, in_hand
 from paint3d.app.model.persistence.settings import Settings
 from paint3d.app.model.score.playing import painted
-from paint3d.app.window.dialogs import brush_editor
-from paint3d.app.window.dialogs.brush_editor import changed, range_of, value_of
+from paint3d.app.window.brush import brush_editor
+from paint3d.app.window.brush.brush_editor import changed, range_of, value_of
 from paint3d.app.window.wording import CHINESE, choose_language, say_brush
 from paint3d.brush.presets import load_brush
 from paint3d.brush.spec import BristleSpec, shape_rows

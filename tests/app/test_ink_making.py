@@ -13,8 +13,7 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 from PySide6 import QtCore, QtGui, QtTest, QtWidgets
 
 from paint3d.app.model.score.playing import painted
-from paint3d.app.window.dialogs import colour_dialog
-from paint3d.app.window.panels import ink_panel
+from paint3d.app.window.ink import colour_dialog, ink_panel
 from paint3d.app.window.wording import CHINESE
 from paint3d.colour.inks import TONES
 from paint3d.colour.pigments import WATER, load_palette

@@ -711,8 +711,10 @@ def test_a_journal_of_before_commands_were_lines_is_read(name, arguments, option
 
 def test_what_no_document_does_is_refused():
     document = small_plane()
-    for note in ({}, {"do": "save"}, {"do": "set_mask", "regions": 3}, {"do": ["dip"]}, {"do": "dip", "with": 3},
-                 {"do": "dip", "with": [{"@": "x"}]}):  # fmt: skip
+    for note in (
+        {}, {"do": "save"}, {"do": "set_mask", "regions": 3}, {"do": ["dip"]},
+        {"do": "dip", "with": 3}, {"do": "dip", "with": [{"@": "x"}]},
+    ):  # fmt: skip
         with pytest.raises(SessionError, match="journal"):
             do_again(document, note)
     with pytest.raises(RecordingError, match="nothing that a recording can say"):

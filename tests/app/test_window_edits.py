@@ -12,7 +12,7 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 from PySide6 import QtCore, QtGui, QtTest, QtWidgets
 
 from paint3d.app.model import document as documents
-from paint3d.app.window.jobs.stroke_editing import MoveDialog, TimeDialog
+from paint3d.app.window.history.stroke_editing import MoveDialog, TimeDialog
 from tests.support.app.gestures import (
     BUTTON,
     KIND,

@@ -20,11 +20,11 @@ from PySide6 import QtCore, QtTest, QtWidgets
 from paint3d.app.model.commands import COMMANDS
 from paint3d.app.model.document import Document
 from paint3d.app.model.persistence.sitting import Sitting, Unfinished, recoverable
+from paint3d.app.window import job as jobs
 from paint3d.app.window import start, studio
-from paint3d.app.window.jobs import job as jobs
-from paint3d.app.window.jobs import opening
-from paint3d.app.window.jobs.job import is_waiting, run_beside
-from paint3d.app.window.jobs.pictures import Film
+from paint3d.app.window.files import opening
+from paint3d.app.window.job import is_waiting, run_beside
+from paint3d.app.window.playing.pictures import Film
 from paint3d.app.window.studio import StudioWindow
 from paint3d.app.window.wording import choose_language
 from paint3d.core.machine import is_locked
@@ -514,7 +514,8 @@ def test_toggles_of_one_painting_are_not_lit_in_the_next(window) -> None:
 
 
 def test_every_name_of_a_format_is_there_in_chinese() -> None:
-    from paint3d.app.window.jobs import exporting, pictures, recordings
+    from paint3d.app.window.files import exporting
+    from paint3d.app.window.playing import pictures, recordings
     from paint3d.app.window.wording import CHINESE
 
     for names in (exporting.FORMATS, recordings.FORMATS, pictures.PICTURES, pictures.FILMS):

@@ -42,7 +42,7 @@ from paint3d.app.model.repainting import Repainter, dips_of, names_of
 from paint3d.app.model.score.keeping import ScoreKeeper, recorded
 from paint3d.app.model.score.stepping import play
 from paint3d.app.model.score.words import Inks, Vocabulary, brush_named
-from paint3d.app.model.seals.seal_press import PASTE, SealPress
+from paint3d.app.model.seal_press import PASTE, SealPress
 from paint3d.app.model.stroke_log import (
     Stroke,
     StrokeLog,

@@ -8,7 +8,7 @@ from PySide6 import QtCore, QtWidgets
 
 from paint3d.app.model.commands import COMMANDS
 from paint3d.app.model.frame import Frame
-from paint3d.app.window.jobs.player import Player
+from paint3d.app.window.playing.player import Player
 from paint3d.app.window.theme import STATES, Theme
 from paint3d.app.window.wording import say
 from paint3d.app.window.workspace import Workspace
