@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 import paint3d
-from paint3d.app.model.brush_size import resized
+from paint3d.app.model.brush_in_hand import resized
 from paint3d.app.model.commands import (
     GESTURES,
     GROUPS,

@@ -10,8 +10,8 @@ import pytest
 
 from paint3d.app.model.commands import do_again, encode_command
 from paint3d.app.model.document import Document
-from paint3d.app.model.score.playback import cues_of
 from paint3d.app.model.score.playing import painted, score_of_strokes
+from paint3d.app.model.score.stepping import cues_of
 from paint3d.app.model.stroke_log import Stroke
 from paint3d.brush.spec import DipAmount
 from paint3d.cli.main import main

@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from paint3d.app.model.brush_size import scaled
+from paint3d.app.model.brush_in_hand import scaled
 from paint3d.app.model.commands import decode_command, encode_command
 from paint3d.app.model.document import Document
 from paint3d.app.model.easel import Easel

@@ -9,9 +9,9 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
 from PySide6 import QtCore, QtGui, QtWidgets
 
-from paint3d.app.model.brush_size import resized
+from paint3d.app.model.brush_in_hand import resized
 from paint3d.app.model.commands import TOOLS
-from paint3d.app.model.held_ink import held_ink, ink_srgb
+from paint3d.app.model.frame import held_ink, ink_srgb
 from paint3d.app.window.brush.brush_panel import BrushPanel
 from paint3d.app.window.hud import PLATE_ALPHA
 from paint3d.app.window.theme import DARK_THEME, LIGHT_THEME

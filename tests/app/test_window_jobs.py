@@ -518,7 +518,7 @@ def test_every_name_of_a_format_is_there_in_chinese() -> None:
     from paint3d.app.window.playing import pictures, recordings
     from paint3d.app.window.wording import CHINESE
 
-    for names in (exporting.FORMATS, recordings.FORMATS, pictures.PICTURES, pictures.FILMS):
+    for names in (exporting.FORMAT_NAMES, recordings.FORMATS, pictures.PICTURES, pictures.FILMS):
         assert set(names.values()) <= set(CHINESE)
 
 

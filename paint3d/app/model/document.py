@@ -15,8 +15,7 @@ from typing import Any
 
 from numpy.typing import ArrayLike
 
-from paint3d.app.model.brush_lease import BrushLease
-from paint3d.app.model.brush_size import resized, scaled, stepped
+from paint3d.app.model.brush_in_hand import BrushLease, resized, scaled, stepped
 from paint3d.app.model.commands import COMMANDS, arguments_of
 from paint3d.app.model.edit_history import (
     EditHistory,

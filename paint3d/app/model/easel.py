@@ -26,7 +26,7 @@ from dataclasses import dataclass, field, replace
 from queue import SimpleQueue
 from typing import Any
 
-from paint3d.app.model.brush_asked import BRUSH_COMMANDS, brush_after
+from paint3d.app.model.brush_in_hand import BRUSH_COMMANDS, brush_after
 from paint3d.app.model.commands import COMMANDS, encode_command
 from paint3d.app.model.document import Document
 from paint3d.app.model.frame import Frame, view_brush

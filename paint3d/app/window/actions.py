@@ -8,8 +8,7 @@ from functools import partial
 from PySide6 import QtCore, QtGui, QtWidgets
 
 from paint3d.app.model.commands import COMMANDS, MENUS, TOOLS, Command
-from paint3d.app.window.icons import make_icon
-from paint3d.app.window.theme import Theme
+from paint3d.app.window.theme import Theme, make_icon
 from paint3d.app.window.wording import say
 from paint3d.app.window.workspace import Workspace
 

@@ -7,8 +7,7 @@ from typing import Any
 
 from PySide6 import QtCore, QtWidgets
 
-from paint3d.app.window.icons import make_icon
-from paint3d.app.window.theme import Theme
+from paint3d.app.window.theme import Theme, make_icon
 from paint3d.app.window.wording import say, say_layer
 from paint3d.surface.layer_stack import Layer
 

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from paint3d.app.model.document import Document
 from paint3d.app.model.input.symmetry import MirrorPlane, RadialSymmetry, Symmetry
 from paint3d.app.model.mask import AngleMask, Mask, RegionPick, face_at, nearest_vertex
-from paint3d.app.window.history.recalling import Recalling
+from paint3d.app.window.history.stroke_editing import Recalling
 from paint3d.app.window.job import Progress, result_of
 from paint3d.app.window.panels import Panels
 from paint3d.app.window.playing.player import Player

@@ -23,7 +23,7 @@ from paint3d.app.window.brush.brush_making import BrushMaking
 from paint3d.app.window.copybook.copybook_guide import CopybookGuide
 from paint3d.app.window.files.begin_page import BeginPage
 from paint3d.app.window.files.exporting import Exporting
-from paint3d.app.window.files.opened import Opened
+from paint3d.app.window.files.opened import Opened, described
 from paint3d.app.window.files.opening import Opening
 from paint3d.app.window.files.recovery import Recovery
 from paint3d.app.window.files.saving import RecentFiles, Saving
@@ -31,12 +31,10 @@ from paint3d.app.window.files.target_dialog import Targets
 from paint3d.app.window.hand.device_input import DeviceInput
 from paint3d.app.window.hand.keys import HeldKeys
 from paint3d.app.window.hand.steering import Steering
-from paint3d.app.window.history.recalling import Recalling
-from paint3d.app.window.history.stroke_editing import StrokeEditing
+from paint3d.app.window.history.stroke_editing import Recalling, StrokeEditing
 from paint3d.app.window.history.stroke_mark import StrokeMark
 from paint3d.app.window.hud import Hud
 from paint3d.app.window.ink.ink_making import InkMaking
-from paint3d.app.window.named import described
 from paint3d.app.window.object.standing import Standing
 from paint3d.app.window.paint_actions import PaintActions
 from paint3d.app.window.panels import Panels

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from paint3d.app.model.brush_size import resized
+from paint3d.app.model.brush_in_hand import resized
 from paint3d.app.model.input.symmetry import MirrorPlane, RadialSymmetry, Symmetry
 from paint3d.app.model.mask import AngleMask, Mask, RegionPick
 from paint3d.app.model.persistence.brush_words import brush_from_words, brush_words

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 from PySide6 import QtCore, QtGui, QtWidgets
 
-from paint3d.app.model.brush_size import resized, size_limits
+from paint3d.app.model.brush_in_hand import resized, size_limits
 from paint3d.app.window.brush.brush_panel import pixmap_of, plain_name
 from paint3d.app.window.previews import sorted_parts
 from paint3d.app.window.theme import Theme

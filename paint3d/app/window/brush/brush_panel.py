@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from PySide6 import QtCore, QtGui, QtWidgets
 
-from paint3d.app.model.brush_size import resized, size_limits
+from paint3d.app.model.brush_in_hand import resized, size_limits
 from paint3d.app.window.job import is_waiting
 from paint3d.app.window.previews import stroke_preview
 from paint3d.app.window.theme import Theme

@@ -9,10 +9,10 @@ from pathlib import Path
 from PySide6 import QtCore, QtWidgets
 
 from paint3d.app.model.persistence.sitting import recoverable
+from paint3d.app.window.files.opened import named
 from paint3d.app.window.files.opening import Opening
 from paint3d.app.window.files.recovery import Recovery
 from paint3d.app.window.files.saving import RecentFiles
-from paint3d.app.window.named import named
 from paint3d.app.window.wording import say
 from paint3d.app.window.workspace import Workspace
 

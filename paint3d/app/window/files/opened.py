@@ -1,4 +1,4 @@
-"""A painting that is about to be shown, with what has to be found out about its object before."""
+"""A painting that is about to be shown: its name, and what has to be found out before."""
 
 from __future__ import annotations
 
@@ -10,12 +10,35 @@ from numpy.typing import NDArray
 
 from paint3d.app.model.document import Document
 from paint3d.app.window.job import Progress
+from paint3d.app.window.wording import say, say_length, say_material
 from paint3d.core.arrays import AnyArray
+from paint3d.files.load import BUILT_IN_OBJECTS
 from paint3d.files.progress import part_of
 from paint3d.mesh.bvh import ClosestPoints
 from paint3d.view.live_object import LiveObject, PatchUpload
 
-__all__ = ["Opened", "open_with_progress", "some_points"]
+__all__ = [
+    "Opened",
+    "described",
+    "named",
+    "open_with_progress",
+    "some_points",
+]
+
+
+def named(name: str) -> str:
+    """An object's name in words: a built-in one's in the language that is spoken."""
+    return say(f"object.{name}") if name in BUILT_IN_OBJECTS else name
+
+
+def described(document: Document) -> str:
+    """What is painted on, in words: the object, its material and its size."""
+    surface = document.surface
+    sides = sorted(np.ptp(surface.source.vertices, axis=0), reverse=True)
+    told = [say_length(side) for side in sides if side > 0.05 * sides[0]]
+    size = " × ".join([*(length.split()[0] for length in told[:-1]), told[-1]])
+    return f"{named(surface.source.name)}, {say_material(surface.material)}, {size}"
+
 
 _MOST_POINTS = 60_000  # to place a camera by; more show no object any better
 _N_WAYS = 200  # and the outermost of all vertices so many ways

@@ -14,11 +14,10 @@ from PySide6 import QtWidgets
 from paint3d.app.model.document import Document
 from paint3d.app.model.input.hand import Hand, PointerInput
 from paint3d.app.model.persistence.saved_settings import chosen_brush, chosen_inks, chosen_material
-from paint3d.app.window.files.opened import Opened, open_with_progress
+from paint3d.app.window.files.opened import Opened, named, open_with_progress
 from paint3d.app.window.files.recovery import open_elsewhere
 from paint3d.app.window.files.saving import RecentFiles, Saving
 from paint3d.app.window.job import Progress
-from paint3d.app.window.named import named
 from paint3d.app.window.object.standing import Standing
 from paint3d.app.window.questions import NewDialog
 from paint3d.app.window.wording import say

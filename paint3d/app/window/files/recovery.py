@@ -13,9 +13,8 @@ from paint3d.app.model.persistence.sitting import (
     is_open_elsewhere,
     recoverable,
 )
-from paint3d.app.window.files.opened import open_with_progress
+from paint3d.app.window.files.opened import named, open_with_progress
 from paint3d.app.window.job import Progress
-from paint3d.app.window.named import named
 from paint3d.app.window.questions import Answer, ask
 from paint3d.app.window.wording import say, say_error
 from paint3d.app.window.workspace import Workspace

@@ -7,9 +7,9 @@ from pathlib import Path
 
 from PySide6 import QtCore, QtWidgets
 
+from paint3d.app.window.files.opened import named
 from paint3d.app.window.files.target_dialog import Targets
 from paint3d.app.window.job import Progress, result_of
-from paint3d.app.window.named import named
 from paint3d.app.window.questions import Answer, ask
 from paint3d.app.window.wording import say
 from paint3d.app.window.workspace import Workspace

@@ -12,8 +12,7 @@ from paint3d.app.model.input import navigation
 from paint3d.app.model.input.fingers import Meaning
 from paint3d.app.window.hand.canvas import Canvas, Drag
 from paint3d.app.window.hand.canvas_hand import CanvasHand
-from paint3d.app.window.icons import make_icon
-from paint3d.app.window.theme import Theme
+from paint3d.app.window.theme import Theme, make_icon
 from paint3d.app.window.wording import say
 from paint3d.view.camera import Camera
 

@@ -13,8 +13,8 @@ from PIL import Image
 from PySide6 import QtWidgets
 
 from paint3d.app.model.input.navigation import orbit
-from paint3d.app.model.score.playback import in_pieces, pass_step, seconds_of
 from paint3d.app.model.score.playing import begun, play, score_of_strokes
+from paint3d.app.model.score.stepping import in_pieces, pass_step, seconds_of
 from paint3d.app.window.files.target_dialog import Targets
 from paint3d.app.window.forms import FormDialog, SizeBoxes, kept_number
 from paint3d.app.window.job import Progress

@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 from PySide6 import QtCore
 
-from paint3d.app.model.brush_asked import BRUSH_COMMANDS
+from paint3d.app.model.brush_in_hand import BRUSH_COMMANDS
 from paint3d.app.model.easel import Easel
-from paint3d.app.model.score.playback import Cue
+from paint3d.app.model.score.stepping import Cue
 from paint3d.app.window.wording import say
 from paint3d.app.window.workspace import Workspace
 from paint3d.device.sample import DeviceSample

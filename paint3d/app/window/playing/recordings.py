@@ -9,8 +9,8 @@ from pathlib import Path
 from PySide6 import QtWidgets
 
 from paint3d.app.model.pad_in_view import lay_in_view
-from paint3d.app.model.score.playback import Cue, cues_of
 from paint3d.app.model.score.playing import begun, painted, score_of_strokes
+from paint3d.app.model.score.stepping import Cue, cues_of
 from paint3d.app.window.files.opened import Opened, open_with_progress
 from paint3d.app.window.files.target_dialog import Targets
 from paint3d.app.window.job import Progress
