@@ -17,7 +17,7 @@ from pathlib import Path
 
 import pytest
 
-from paint3d.app.model.persistence.shortcuts import SHORTCUTS
+from paint3d.app.model.commands import SHORTCUTS
 from paint3d.bench.registry import BENCHMARKS
 from paint3d.cli import main
 from paint3d.cli.options import UsageError
@@ -179,7 +179,7 @@ def words_of_the_window() -> Iterator[set[str]]:
     from PySide6 import QtGui, QtWidgets
 
     from paint3d.app.model.persistence.settings import Settings
-    from paint3d.app.window.dialogs.questions import PreferencesDialog
+    from paint3d.app.window.questions import PreferencesDialog
     from paint3d.app.window.start import make_program
     from paint3d.app.window.studio import StudioWindow
     from paint3d.app.window.wording import say

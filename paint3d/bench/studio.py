@@ -19,7 +19,7 @@ import numpy as np
 from paint3d.app.model.document import Document
 from paint3d.app.model.easel import Easel
 from paint3d.app.model.input.navigation import orbit
-from paint3d.app.window.jobs.opened import Opened
+from paint3d.app.window.files.opened import Opened
 from paint3d.app.window.stage import Stage
 from paint3d.bench.result import Check, Result
 from paint3d.core.arrays import AnyArray

@@ -63,8 +63,8 @@ def replay_score(options: argparse.Namespace, film: FilmWanted | None = None) ->
 def _painted(
     score: Score, options: argparse.Namespace, film: FilmWanted | None
 ) -> tuple[Document, Painting, Watch | None]:
-    from paint3d.app.model.score.playback import seconds_of
     from paint3d.app.model.score.playing import begun, play
+    from paint3d.app.model.score.stepping import seconds_of
     from paint3d.colour.materials import load_material
     from paint3d.files.load import load_mesh
 
@@ -89,8 +89,8 @@ def _painted(
 
 def _watched(document: Document, score: Score, watch: Watch) -> Iterator[Step]:
     """Play a score sample by sample for a film."""
-    from paint3d.app.model.score.playback import in_pieces, pass_step
     from paint3d.app.model.score.playing import play
+    from paint3d.app.model.score.stepping import in_pieces, pass_step
     from paint3d.recording.recording import HandTime
 
     clock = HandTime()

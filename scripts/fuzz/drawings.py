@@ -94,8 +94,8 @@ def _damage_score(data: bytes, chance: random.Random, others: Sequence[bytes]) -
 
 def _check_played(suffix: str, content: bytes) -> None:
     """Play it on a small plane, at a resolution of our own."""
-    from paint3d.app.model.score.playback import seconds_of
     from paint3d.app.model.score.playing import begun, play
+    from paint3d.app.model.score.stepping import seconds_of
     from paint3d.mesh.triangle_mesh import TriangleMesh
     from paint3d.recording.score import load_score
 

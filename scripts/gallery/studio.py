@@ -18,7 +18,7 @@ from PIL import Image
 from PySide6 import QtCore, QtGui, QtWidgets
 
 from paint3d.app.model.input.navigation import dolly, orbit, pan
-from paint3d.app.window.dialogs.strokes_dialog import StrokesDialog
+from paint3d.app.window.copybook.strokes_dialog import StrokesDialog
 from paint3d.app.window.start import make_program
 from paint3d.app.window.studio import StudioWindow
 from paint3d.app.window.wording import choose_language

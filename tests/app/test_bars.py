@@ -14,10 +14,10 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 from PySide6 import QtWidgets
 
 from paint3d.app.model.persistence.sitting import Sitting, recoverable
-from paint3d.app.window.jobs import job as jobs
-from paint3d.app.window.jobs import opening
-from paint3d.app.window.jobs.job import run_beside
-from paint3d.app.window.jobs.pictures import Film
+from paint3d.app.window import job as jobs
+from paint3d.app.window.files import opening
+from paint3d.app.window.job import run_beside
+from paint3d.app.window.playing.pictures import Film
 from tests.support.app.gestures import answer_bar, drag, wait_for
 from tests.support.app.windows import faults, opened, settled
 

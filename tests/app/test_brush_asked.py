@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from paint3d.app.model.brush_asked import BRUSH_COMMANDS, brush_after
+from paint3d.app.model.brush_in_hand import BRUSH_COMMANDS, brush_after
 from paint3d.app.model.easel import Easel
 from paint3d.app.model.input.hand import Hand, PointerInput
 from paint3d.brush.presets import load_brush

@@ -26,8 +26,8 @@ from paint3d.app.model.persistence.own_brushes import (
 from paint3d.app.model.persistence.saved_settings import chosen_brush, in_hand
 from paint3d.app.model.persistence.settings import Settings
 from paint3d.app.model.score.playing import painted
-from paint3d.app.window.dialogs import brush_editor
-from paint3d.app.window.dialogs.brush_editor import changed, range_of, value_of
+from paint3d.app.window.brush import brush_editor
+from paint3d.app.window.brush.brush_editor import changed, range_of, value_of
 from paint3d.app.window.wording import CHINESE, choose_language, say_brush
 from paint3d.brush.presets import load_brush
 from paint3d.brush.spec import BristleSpec, shape_rows
@@ -169,8 +169,9 @@ def test_strokes_of_an_edited_brush_are_undone_kept_and_painted_again_from_the_s
 
 def test_a_command_carries_a_brush_with_its_own_table() -> None:
     brush = dataclasses.replace(load_brush("feibai"), name="mine", bristles=BristleSpec(30, TABLE))
-    name, (again,), options = decode_command(encode_command("set_brush", [brush], {}))
-    assert (name, again, options) == ("set_brush", brush, {})
+    document = Document.new("plane", 5.0)
+    line = json.loads(json.dumps(encode_command(document, "set_brush", [brush], {})))
+    assert decode_command(line, document.surface) == ("set_brush", [], {"brush": brush})
 
 
 def test_a_brush_is_the_same_in_the_words_of_json() -> None:

@@ -11,7 +11,7 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
 from PySide6 import QtCore, QtTest, QtWidgets
 
-from paint3d.app.window.jobs.job import run_beside
+from paint3d.app.window.job import run_beside
 from paint3d.brush.presets import load_brush
 from tests.support.app.gestures import (
     BUTTON,

@@ -10,17 +10,17 @@ from pathlib import Path
 import pytest
 
 import paint3d
-from paint3d.app.model.brush_size import resized
-from paint3d.app.model.document import Document
-from paint3d.app.model.persistence.places import config_folder, recovery_folder
-from paint3d.app.model.persistence.saved_settings import chosen_brush, chosen_inks, in_hand
-from paint3d.app.model.persistence.settings import Settings, load_settings, save_settings
-from paint3d.app.model.persistence.shortcuts import (
+from paint3d.app.model.brush_in_hand import resized
+from paint3d.app.model.commands import (
     GESTURES,
     GROUPS,
     SHORTCUTS,
     find_shortcuts,
 )
+from paint3d.app.model.document import Document
+from paint3d.app.model.persistence.places import config_folder, recovery_folder
+from paint3d.app.model.persistence.saved_settings import chosen_brush, chosen_inks, in_hand
+from paint3d.app.model.persistence.settings import Settings, load_settings, save_settings
 from paint3d.app.model.persistence.sitting import Unfinished
 from paint3d.app.model.texts import LANGUAGES, Texts, in_chinese, load_texts, system_language
 from paint3d.brush.presets import load_brush

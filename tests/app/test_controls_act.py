@@ -11,7 +11,7 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 from PySide6 import QtCore, QtTest, QtWidgets
 
 from paint3d.app.model.persistence.settings import Settings
-from paint3d.app.window.dialogs.material_box import MaterialBox
+from paint3d.app.window.object.material_box import MaterialBox
 from paint3d.app.window.studio import StudioWindow
 from tests.support.app.gestures import answer, drag, live, wait_for
 from tests.support.app.windows import close_unasked, settled

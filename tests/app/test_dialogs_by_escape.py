@@ -15,8 +15,8 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
 from PySide6 import QtCore, QtTest, QtWidgets
 
-from paint3d.app.window.dialogs.export_dialog import ExportDialog
-from paint3d.app.window.jobs.pictures import Film, FilmDialog
+from paint3d.app.window.files.exporting import ExportDialog
+from paint3d.app.window.playing.pictures import Film, FilmDialog
 from tests.support.app.gestures import answer, drag, live, wait_for
 from tests.support.app.windows import faults, opened, settled
 

@@ -10,8 +10,8 @@ import pytest
 
 from paint3d.app.model.commands import do_again, encode_command
 from paint3d.app.model.document import Document
-from paint3d.app.model.score.playback import cues_of
 from paint3d.app.model.score.playing import painted, score_of_strokes
+from paint3d.app.model.score.stepping import cues_of
 from paint3d.app.model.stroke_log import Stroke
 from paint3d.brush.spec import DipAmount
 from paint3d.cli.main import main
@@ -195,8 +195,9 @@ def test_a_dip_that_is_refused_changes_nothing() -> None:
 
 
 def test_the_journal_knows_an_amount() -> None:
-    note = json.loads(json.dumps(encode_command("dip", ("cinnabar",), {"amount": LITTLE})))
     document = small_plane(5.0)
+    line = encode_command(document, "dip", ("cinnabar",), {"amount": LITTLE})
+    note = json.loads(json.dumps(line))
     do_again(document, note)
     assert in_hand(document) == of_amount(document, DipAmount(**LITTLE))
 

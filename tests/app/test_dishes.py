@@ -8,7 +8,7 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
 from PySide6 import QtCore, QtGui, QtWidgets
 
-from paint3d.app.window.panels.ink_panel import DishGrid
+from paint3d.app.window.ink.ink_panel import DishGrid
 from paint3d.app.window.theme import LIGHT_THEME
 from tests.support.app.gestures import BUTTON, KIND, NO_KEY, wait_for
 

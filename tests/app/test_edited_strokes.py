@@ -253,7 +253,9 @@ def test_an_edit_that_is_stopped_or_fails_leaves_everything() -> None:
 def test_a_journal_does_an_edit_again() -> None:
     documents = [sitting(), sitting()]
     edit = {"do": "ink", "ink": {OWN: 1.0, "cinnabar": 2.0}}
-    name, given, options = decode_command(encode_command("edit_stroke", (2, edit), {}))
+    name, given, options = decode_command(
+        encode_command(documents[0], "edit_stroke", (2, edit), {}), documents[1].surface
+    )
     documents[0].edit_stroke(2, edit)
     getattr(documents[1], name)(*given, **options)
     same(snap(documents[0]), snap(documents[1]))

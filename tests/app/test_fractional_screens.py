@@ -11,7 +11,7 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
 from PySide6 import QtCore, QtGui
 
-from paint3d.app.window.input.canvas import Canvas
+from paint3d.app.window.hand.canvas import Canvas
 from tests.support.cases import long_but
 
 NOTHING = (1, 2, 3)  # codes that no picture has here

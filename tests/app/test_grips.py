@@ -8,8 +8,8 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
 from PySide6 import QtCore, QtGui
 
-from paint3d.app.window.input import steering as module
-from paint3d.app.window.input.steering import GRIPS, Grips
+from paint3d.app.window.hand import steering as module
+from paint3d.app.window.hand.steering import GRIPS, Grips
 from paint3d.app.window.theme import DARK_THEME, LIGHT_THEME
 
 AREA = QtCore.QRect(0, 0, 320, 260)

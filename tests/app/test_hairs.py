@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from paint3d.app.model.brush_size import scaled
+from paint3d.app.model.brush_in_hand import scaled
 from paint3d.app.model.commands import decode_command, encode_command
 from paint3d.app.model.document import Document
 from paint3d.app.model.easel import Easel
@@ -156,8 +156,9 @@ def test_a_kill_gives_every_hair_back(tmp_path):
 def test_a_hairy_brush_is_scaled_and_written_down():
     large = scaled(HAIRY, 1.5)
     assert large.bristles == HAIRY.bristles
-    assert decode_command(encode_command("set_brush", [large], {}))[1] == [large]
     document = small_plane()
+    line = encode_command(document, "set_brush", [large], {})
+    assert decode_command(line, document.surface)[2] == {"brush": large}
     document.set_brush(dataclasses.asdict(large))
     assert document.painter.brush == large
     with pytest.raises(BrushError, match="no brush"):

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from paint3d.app.model.brush_size import resized, scaled, stepped
+from paint3d.app.model.brush_in_hand import resized, scaled, stepped
 from paint3d.app.model.input.hand import Hand, HandSettings, PointerInput
 from paint3d.app.model.input.pressure_curve import PressureCurve
 from paint3d.app.model.input.symmetry import MirrorPlane, RadialSymmetry, Symmetry, transformed

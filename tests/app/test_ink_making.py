@@ -13,8 +13,7 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 from PySide6 import QtCore, QtGui, QtTest, QtWidgets
 
 from paint3d.app.model.score.playing import painted
-from paint3d.app.window.dialogs import colour_dialog
-from paint3d.app.window.panels import ink_panel
+from paint3d.app.window.ink import ink_making, ink_panel
 from paint3d.app.window.wording import CHINESE
 from paint3d.colour.inks import TONES
 from paint3d.colour.pigments import WATER, load_palette
@@ -186,7 +185,7 @@ def test_the_tip_is_dipped_as_far_as_it_is_asked(window) -> None:
 
 def test_all_that_is_said_of_inks_is_said_in_chinese() -> None:
     texts = set()
-    for module in (colour_dialog, ink_panel):
+    for module in (ink_making, ink_panel):
         source = Path(module.__file__).read_text(encoding="utf-8")
         texts |= set(re.findall(r'say\("([^"]+)"', source))
         texts |= set(re.findall(r'_button\("([^"]+)"', source))

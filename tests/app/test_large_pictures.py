@@ -13,7 +13,7 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 from PIL import Image
 from PySide6 import QtWidgets
 
-from paint3d.app.window.jobs.pictures import Film
+from paint3d.app.window.playing.pictures import Film
 from tests.support.app.gestures import drag, wait_for
 from tests.support.app.windows import opened, settled
 

@@ -9,7 +9,7 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 from PySide6 import QtCore, QtTest
 
 from paint3d.app.model.persistence.settings import Settings
-from paint3d.app.window.dialogs.material_box import MaterialBox
+from paint3d.app.window.object.material_box import MaterialBox
 from paint3d.app.window.studio import StudioWindow
 from paint3d.app.window.wording import choose_language
 from paint3d.colour.materials import load_materials, material_names

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
-from paint3d.app.window.input import canvas as canvases
+from paint3d.app.window.hand import canvas as canvases
 from paint3d.app.window.studio import StudioWindow
 from paint3d.cli.sources import lay_on
 from paint3d.files.load import load_mesh

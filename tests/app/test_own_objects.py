@@ -14,8 +14,8 @@ from PIL import Image
 from PySide6 import QtCore, QtGui, QtTest, QtWidgets
 
 from paint3d.app.model.own_object import first_choice, likely_unit, sensible_resolution
-from paint3d.app.window.dialogs.object_dialog import ObjectDialog, told
-from paint3d.app.window.dialogs.questions import NewDialog
+from paint3d.app.window.object.standing import ObjectDialog, told
+from paint3d.app.window.questions import NewDialog
 from paint3d.app.window.start import open_first
 from paint3d.app.window.studio import StudioWindow
 from paint3d.app.window.wording import CHINESE, choose_language

@@ -13,7 +13,7 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 from PySide6 import QtCore, QtTest
 
 from paint3d.app.model.persistence.settings import load_settings
-from paint3d.app.window.dialogs.questions import NewDialog, PreferencesDialog
+from paint3d.app.window.questions import NewDialog, PreferencesDialog
 from paint3d.core.quaternion import matrices_from_quaternions
 from tests.support.app.gestures import (
     BUTTON,

@@ -17,8 +17,8 @@ from PySide6 import QtTest
 from paint3d.app.model.document import Document
 from paint3d.app.model.score.playing import painted
 from paint3d.app.model.stroke_log import weights_of
-from paint3d.app.window.jobs import pictures
-from paint3d.app.window.jobs.pictures import Film, FilmDialog
+from paint3d.app.window.playing import pictures
+from paint3d.app.window.playing.pictures import Film, FilmDialog
 from paint3d.app.window.wording import say
 from paint3d.brush.spec import DipAmount
 from paint3d.cli.main import main

@@ -6,7 +6,7 @@ import pytest
 
 pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
-from paint3d.app.window.panels import brush_panel
+from paint3d.app.window.brush import brush_panel
 from paint3d.app.window.previews import sorted_parts, stroke_preview
 from paint3d.app.window.studio import StudioWindow
 from paint3d.brush.presets import brush_names, load_brush

@@ -11,7 +11,7 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 from PySide6 import QtCore, QtTest, QtWidgets
 
 import paint3d
-from paint3d.app.window.dialogs.questions import Answer, ask
+from paint3d.app.window.questions import Answer, ask
 from tests.support.app.gestures import answer
 
 THREE = {"accept": "button.save", "destroy": "button.discard"}

@@ -13,12 +13,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from paint3d.app.model.commands import COMMANDS
+from paint3d.app.model.commands import COMMANDS, arguments_of, line_of
 from paint3d.app.model.document import Document
 from paint3d.app.model.input.symmetry import MirrorPlane, RadialSymmetry, Symmetry
 from paint3d.app.model.mask import AngleMask, Mask, RegionPick
 from paint3d.app.model.score.playing import painted, score_of_strokes
-from paint3d.app.model.score.words import Inks, asked_by, line_of
+from paint3d.app.model.score.words import Inks, Vocabulary
 from paint3d.app.model.stroke_log import recording_of
 from paint3d.brush.presets import load_brush
 from paint3d.colour.pigments import Pigment
@@ -194,23 +194,23 @@ def test_what_is_written_down_as_a_dip_is_dipped_in(tmp_path, command) -> None:
     inverted=st.booleans(),
 )
 def test_a_mask_is_said_and_heard(face, up_to, degrees, leaning, inverted) -> None:
-    surface, inks = bowl(), Inks({})
+    vocabulary = Vocabulary(bowl(), Inks({}))
     angle = AngleMask((0.0, 0.6, 0.8), leaning)
     mask = Mask(angle, (RegionPick(face, up_to, degrees), RegionPick(7)), inverted)
-    line = line_of("set_mask", {"mask": mask}, surface, inks)
+    line = line_of("set_mask", {"mask": mask}, vocabulary)
     check_command(json.loads(json.dumps(line)))
-    assert asked_by(line, surface, inks)["mask"] == mask
+    assert arguments_of(line, vocabulary)["mask"] == mask
 
 
 @settings(deadline=None, max_examples=25)
 @given(point=st.tuples(*[st.floats(-50, 50)] * 3), count=st.integers(2, 12))
 def test_a_symmetry_is_said_and_heard(point, count) -> None:
-    surface, inks = bowl(), Inks({})
+    vocabulary = Vocabulary(bowl(), Inks({}))
     axis = (0.0, 0.6, 0.8)
     symmetry = Symmetry((MirrorPlane(point, axis),), RadialSymmetry(count, point, axis))
-    line = line_of("set_symmetry", {"symmetry": symmetry}, surface, inks)
+    line = line_of("set_symmetry", {"symmetry": symmetry}, vocabulary)
     check_command(json.loads(json.dumps(line)))
-    assert asked_by(line, surface, inks)["symmetry"] == symmetry
+    assert arguments_of(line, vocabulary)["symmetry"] == symmetry
 
 
 @cache
@@ -290,8 +290,10 @@ def test_strokes_alone_keep_their_brushes_inks_and_layers(tmp_path) -> None:
     assert [layer.name for layer in again.layers] == [layer.name for layer in document.layers]
 
 
-def test_every_command_of_a_journal_is_one_of_a_score() -> None:
-    assert set(command_names()) == COMMANDS - {"edit_stroke", "pick_colour", "swap_inks"}
+def test_the_registry_the_document_and_recordings_know_the_same_commands() -> None:
+    changing = {name for name, one in COMMANDS.items() if one.codec is not None}
+    assert set(command_names()) == changing - {"edit_stroke", "pick_colour", "swap_inks"}
+    assert all(callable(getattr(Document, name)) for name in changing)
 
 
 def test_a_score_on_another_object_is_told_where_it_does_not_fit() -> None:

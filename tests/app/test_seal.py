@@ -84,7 +84,7 @@ def test_a_score_repeats_it_to_the_bit(document: Document, tmp_path) -> None:
 
 def test_a_journal_repeats_it(document: Document) -> None:
     other = Document.new(small_plane().surface.source, 0.5, "xuan")
-    note = encode_command("press_seal", [RINGS, HERE, UP], {"seed": 3})
+    note = encode_command(other, "press_seal", [RINGS, HERE, UP], {"seed": 3})
     do_again(other, note)
     assert other.steps.done == ["seal"]
     assert other.surface.painted.any()

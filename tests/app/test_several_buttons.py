@@ -12,9 +12,9 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 from PySide6 import QtCore, QtGui, QtWidgets
 
 from paint3d.app.model.input.event_clock import EventClock
-from paint3d.app.window.dialogs.brush_editor import FactorCurve
-from paint3d.app.window.dialogs.picture_view import PictureView
-from paint3d.app.window.panels.hand_panel import CurveEditor
+from paint3d.app.window.brush.brush_editor import FactorCurve
+from paint3d.app.window.copybook.picture_view import PictureView
+from paint3d.app.window.hand.hand_panel import CurveEditor
 from paint3d.app.window.theme import LIGHT_THEME
 from tests.support.app.gestures import BUTTON, HAND, KIND, NO_KEY, live, mouse
 from tests.support.app.pointers import Touching, pen, pen_drag

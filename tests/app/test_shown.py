@@ -9,11 +9,11 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
 from PySide6 import QtCore, QtGui, QtWidgets
 
-from paint3d.app.model.brush_size import resized
-from paint3d.app.model.held_ink import held_ink, ink_srgb
-from paint3d.app.window.commands import TOOLS
+from paint3d.app.model.brush_in_hand import resized
+from paint3d.app.model.commands import TOOLS
+from paint3d.app.model.frame import held_ink, ink_srgb
+from paint3d.app.window.brush.brush_panel import BrushPanel
 from paint3d.app.window.hud import PLATE_ALPHA
-from paint3d.app.window.panels.brush_panel import BrushPanel
 from paint3d.app.window.theme import DARK_THEME, LIGHT_THEME
 from paint3d.app.window.wording import choose_language, say_length
 from paint3d.brush.presets import brush_names
@@ -429,7 +429,7 @@ def test_the_whole_object_stays_in_sight_until_somebody_looks_elsewhere(window) 
 
 
 def test_the_first_start_is_told_once(window, monkeypatch) -> None:
-    from paint3d.app.window.jobs import opening
+    from paint3d.app.window.files import opening
 
     assert not opening.is_first_start()  # this very test has compiled
     assert opening.say_warming() == "Preparing the brush…"
@@ -439,7 +439,7 @@ def test_the_first_start_is_told_once(window, monkeypatch) -> None:
 
 @pytest.mark.parametrize("ahead", [True, False])
 def test_kernels_that_were_compiled_ahead_are_not_warmed(program, monkeypatch, ahead) -> None:
-    from paint3d.app.window.jobs import opening
+    from paint3d.app.window.files import opening
 
     warmed: list[bool] = []
     monkeypatch.setattr(opening, "is_ahead", lambda kernel: ahead)
@@ -450,7 +450,7 @@ def test_kernels_that_were_compiled_ahead_are_not_warmed(program, monkeypatch, a
 
 def test_what_spreads_a_picture_of_fewer_pixels_is_warmed_too(monkeypatch) -> None:
     """Compiled at the first such picture it would hold up the window's thread."""
-    from paint3d.app.window.jobs import opening
+    from paint3d.app.window.files import opening
     from paint3d.view import live_layers
 
     spread: list[tuple[str, int]] = []

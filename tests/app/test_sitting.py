@@ -1,6 +1,8 @@
 """Nothing is lost: what was painted comes back after any end of the program."""
 
+import dataclasses
 import errno
+import inspect
 import json
 import os
 import shutil
@@ -14,7 +16,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from paint3d.app.model.commands import COMMANDS, decode_command, encode_command
+from paint3d.app.model.commands import decode_command, do_again, encode_command
 from paint3d.app.model.document import Document
 from paint3d.app.model.easel import Easel
 from paint3d.app.model.input.symmetry import MirrorPlane, RadialSymmetry, Symmetry
@@ -29,7 +31,7 @@ from paint3d.app.model.persistence.sitting import (
 from paint3d.brush.presets import load_brush
 from paint3d.colour.pigments import load_pigment
 from paint3d.core.machine import is_locked, lock
-from paint3d.errors import ExportError, InputError, SessionError
+from paint3d.errors import ExportError, InputError, RecordingError, SessionError
 from paint3d.files.project.journal import Journal, read_events
 from scripts import kill_sitting
 from tests.support.app.hands import line, same_vertices, small_plane
@@ -168,7 +170,7 @@ def test_what_a_killed_sitting_waited_for_is_told_from_what_was_seen_since_the_l
 def test_a_sitting_is_offered_only_if_something_was_done(tmp_path, done):
     sitting = Sitting(small_plane(), tmp_path)
     if done:
-        sitting.note(encode_command("dip", ["cinnabar"], {}))
+        sitting.note(encode_command(small_plane(), "dip", ["cinnabar"], {}))
     left = tmp_path / "left"
     shutil.copytree(sitting.folder, left)  # as a kill leaves it
     sitting.close()
@@ -252,7 +254,7 @@ def test_a_sitting_without_its_first_base_is_not_offered(tmp_path, monkeypatch, 
 def test_what_is_being_brought_back_is_nobody_elses(tmp_path):
     """Two windows may ask about the same one at the same time, and bring it back or delete it."""
     sitting = Sitting(small_plane(), tmp_path)
-    sitting.note(encode_command("add_layer", [], {}))
+    sitting.note(encode_command(small_plane(), "add_layer", [], {}))
     sitting.close(keep=True)
     (one,) = recoverable(tmp_path)
     with open(one.folder / "lock", "ab") as theirs:
@@ -284,7 +286,7 @@ def test_what_this_program_brings_back_is_not_open_elsewhere(tmp_path):
     document = small_plane()
     document.save(tmp_path / "a.p3d")
     sitting = Sitting(document, tmp_path / "sittings")
-    sitting.note(encode_command("add_layer", [], {}))
+    sitting.note(encode_command(small_plane(), "add_layer", [], {}))
     sitting.close(keep=True)
     (one,) = recoverable(tmp_path / "sittings")
     with one.held():
@@ -298,7 +300,7 @@ def test_what_this_program_brings_back_is_not_open_elsewhere(tmp_path):
 def test_what_can_only_be_read_is_brought_back_all_the_same(tmp_path):
     """Nobody can delete it meanwhile: no lock is needed, nor can be had."""
     sitting = Sitting(small_plane(), tmp_path)
-    sitting.note(encode_command("add_layer", [], {}))
+    sitting.note(encode_command(small_plane(), "add_layer", [], {}))
     sitting.close(keep=True)
     (sitting.folder / "lock").unlink()
     (sitting.folder / "lock").mkdir()  # it cannot be opened, whoever asks
@@ -661,28 +663,64 @@ def test_what_is_no_sitting_is_passed_over(tmp_path):
     ],
 )
 def test_commands_are_written_down_and_read_back(name, arguments, options):
-    note = json.loads(json.dumps(encode_command(name, arguments, options)))
-    found, given, more = decode_command(note)
-    assert (found, more) == (name, options)
-    assert [repr(a) for a in given] == [
-        repr(getattr(a, "tolist", lambda a=a: a)()) for a in arguments
-    ]
+    document = small_plane()
+    note = json.loads(json.dumps(encode_command(document, name, arguments, options)))
+    found, given, more = decode_command(note, document.surface)
+    assert (found, given) == (name, [])
+    parameters = inspect.signature(getattr(Document, name)).bind(None, *arguments, **options)
+    asked = {k: v for k, v in parameters.arguments.items() if k != "self"}
+    asked |= asked.pop("tags", {})
+    assert more == asked
 
 
-def test_an_ink_of_ones_own_is_written_down():
-    note = json.loads(json.dumps(encode_command("dip", [{load_pigment("cinnabar"): 1.0}], {})))
-    ((ink, weight),) = decode_command(note)[1][0].items()
-    assert (ink.name, weight) == ("cinnabar", 1.0)
-    np.testing.assert_array_equal(ink.K, load_pigment("cinnabar").K)
+def test_inks_of_ones_own_are_written_down_also_two_of_one_name():
+    document, cinnabar = small_plane(), load_pigment("cinnabar")
+    own = dataclasses.replace(cinnabar, K=2.0 * cinnabar.K)
+    darker = dataclasses.replace(own, K=3.0 * cinnabar.K)
+    line = encode_command(document, "dip", [{cinnabar: 1.0, own: 2.0, darker: 3.0}], {})
+    _, _, asked = decode_command(json.loads(json.dumps(line)), document.surface)
+    palettes, *inks = asked["ink"].items()
+    assert palettes == ("cinnabar", 1.0)
+    for (ink, weight), (pigment, parts) in zip(inks, [(own, 2.0), (darker, 3.0)], strict=True):
+        assert (ink.name, weight) == ("cinnabar", parts)
+        assert ink.is_like(pigment)
+
+
+@pytest.mark.parametrize(
+    ("name", "arguments", "options"),
+    [
+        ("dip", [{"@": "pairs", "pairs": [["cinnabar", 0.5], ["water", 1.0]]}], {"reach": 0.25}),
+        ("set_mask", [{"@": "Mask", "angle": {"@": "AngleMask", "direction": [0.0, 0.0, 1.0],
+                                              "degrees": 40.0}, "regions": [], "inverted": True}],
+         {}),
+        ("add_layer", [], {"name": "二"}),
+        ("rename_layer", [0, "一"], {}),
+    ],
+)  # fmt: skip
+def test_a_journal_of_before_commands_were_lines_is_read(name, arguments, options):
+    """A crash of an older version may have left one; it gave arguments by their places."""
+    document, other = small_plane(), small_plane()
+    do_again(document, {"do": name, "with": arguments, "options": options})
+    _, given, more = decode_command({"do": name, "with": arguments, "options": options},
+                                    document.surface)  # fmt: skip
+    line = json.loads(json.dumps(encode_command(other, name, given, more)))
+    do_again(other, line)
+    assert document.score.events == other.score.events
+    assert document.mask == other.mask
 
 
 def test_what_no_document_does_is_refused():
-    for note in ({}, {"do": "save"}, {"do": "dip", "with": 3}, {"do": "dip", "with": [{"@": "x"}]}):
+    document = small_plane()
+    for note in (
+        {}, {"do": "save"}, {"do": "set_mask", "regions": 3}, {"do": ["dip"]},
+        {"do": "dip", "with": 3}, {"do": "dip", "with": [{"@": "x"}]},
+    ):  # fmt: skip
         with pytest.raises(SessionError, match="journal"):
-            decode_command(note)
-    with pytest.raises(SessionError, match="written down"):
-        encode_command("dip", [object()], {})
-    assert all(hasattr(Document, name) for name in COMMANDS)
+            do_again(document, note)
+    with pytest.raises(RecordingError, match="nothing that a recording can say"):
+        encode_command(document, "wipe", [object()], {})
+    with pytest.raises(SessionError, match="cannot be called so"):
+        encode_command(document, "wipe", [0.5, 0.6], {})
 
 
 def test_notes_lie_between_samples_and_time_may_start_over(tmp_path):

@@ -64,7 +64,7 @@ class Steps:
 
     def ask(self, name: str, *arguments: object) -> None:
         self.done.append(name)
-        self.sitting.note(encode_command(name, list(arguments), {}))
+        self.sitting.note(encode_command(self.document, name, list(arguments), {}))
         try:
             getattr(self.document, name)(*arguments)
         except Paint3DError as error:

@@ -11,7 +11,7 @@ import pytest
 from numpy.typing import NDArray
 
 from paint3d.app.model.document import Document
-from paint3d.app.window.jobs.opened import Opened
+from paint3d.app.window.files.opened import Opened
 from paint3d.app.window.stage import Stage
 from paint3d.device.sample import DeviceSample
 from paint3d.view import live_picture, live_scene

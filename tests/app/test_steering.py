@@ -564,7 +564,7 @@ def test_events_of_all_the_program_are_looked_at_only_while_the_window_is_active
 ) -> None:
     """To hand one to Python costs more than most of them do."""
     seen = SEEN
-    monkeypatch.setattr("paint3d.app.window.input.keys._Everywhere.eventFilter", note)
+    monkeypatch.setattr("paint3d.app.window.hand.keys._Everywhere.eventFilter", note)
     with opened(program, "plane", 4.0) as other:
         wait_for(other.isActiveWindow)
         type_key(other.canvas, KEY.Key_F24)

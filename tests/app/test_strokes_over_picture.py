@@ -18,9 +18,9 @@ from PySide6 import QtCore, QtGui, QtTest, QtWidgets
 
 from paint3d.app.model.copybook import Copybook
 from paint3d.app.model.texts import in_chinese
-from paint3d.app.window import copybook_guide
-from paint3d.app.window.dialogs.questions import Answer
-from paint3d.app.window.dialogs.strokes_dialog import StrokesDialog, Taken
+from paint3d.app.window.copybook import copybook_guide
+from paint3d.app.window.copybook.strokes_dialog import StrokesDialog, Taken
+from paint3d.app.window.questions import Answer
 from paint3d.calligraphy.glyphs import Glyph, GlyphStroke
 from paint3d.calligraphy.page.correcting import CorrectedPage
 from paint3d.calligraphy.page.opening import opened_page

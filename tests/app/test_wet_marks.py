@@ -13,7 +13,7 @@ from PySide6 import QtTest
 
 from paint3d.app.model import easel as easels
 from paint3d.app.model.input.event_clock import EventClock
-from paint3d.app.window.input import canvas as canvases
+from paint3d.app.window.hand import canvas as canvases
 from paint3d.painter.ink_time import PIECE_NS
 from tests.support.app.event_player import (
     PAUSE_MS,

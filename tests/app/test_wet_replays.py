@@ -12,7 +12,7 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
 from paint3d.app.model import easel as easels
 from paint3d.app.model.easel import LATE_S
-from paint3d.app.window.jobs import player as players
+from paint3d.app.window.playing import player as players
 from paint3d.cli.main import main
 from paint3d.files.project.session import load_session
 from paint3d.painter.ink_time import PIECE_S

@@ -19,8 +19,8 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 import paint3d
 from paint3d.app.model.input.devices import Feeling
 from paint3d.app.model.persistence.sitting import recoverable
-from paint3d.app.window.input.device_input import DeviceInput, carried_camera
-from paint3d.app.window.jobs.pictures import Film
+from paint3d.app.window.hand.device_input import DeviceInput, carried_camera
+from paint3d.app.window.playing.pictures import Film
 from paint3d.app.window.studio import StudioWindow
 from paint3d.app.window.wording import choose_language
 from paint3d.core.quaternion import rotate

@@ -11,8 +11,8 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
 from PySide6 import QtCore, QtGui, QtTest, QtWidgets
 
-from paint3d.app.model import history_commands
-from paint3d.app.window.jobs.stroke_editing import MoveDialog, TimeDialog
+from paint3d.app.model import document as documents
+from paint3d.app.window.history.stroke_editing import MoveDialog, TimeDialog
 from tests.support.app.gestures import (
     BUTTON,
     KIND,
@@ -224,7 +224,7 @@ def test_what_cannot_be_is_told_and_cancel_leaves_everything(window, monkeypatch
     assert "stroke 5 is undone" in str(window.workspace.error)
     window.workspace.post("redo")
     settled(window)
-    play, cancelled = history_commands.play, threading.Event()
+    play, cancelled = documents.play, threading.Event()
 
     def slowly(*given):
         for step in play(*given):
@@ -237,7 +237,7 @@ def test_what_cannot_be_is_told_and_cancel_leaves_everything(window, monkeypatch
         bar.findChild(QtWidgets.QPushButton).click()
         cancelled.set()
 
-    monkeypatch.setattr(history_commands, "play", slowly)
+    monkeypatch.setattr(documents, "play", slowly)
     answer_bar(cancel)
     choose(window, 0, "delete")
     wait_for(lambda: not window.workspace.is_waiting)

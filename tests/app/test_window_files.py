@@ -20,10 +20,10 @@ from PySide6 import QtCore, QtTest, QtWidgets
 
 from paint3d.app.model import easel
 from paint3d.app.model.persistence.sitting import recoverable
-from paint3d.app.window.dialogs.export_dialog import ExportDialog
-from paint3d.app.window.dialogs.target_dialog import TargetDialog
-from paint3d.app.window.jobs.pictures import Film, FilmDialog
-from paint3d.app.window.named import named
+from paint3d.app.window.files.exporting import ExportDialog
+from paint3d.app.window.files.opened import named
+from paint3d.app.window.files.target_dialog import TargetDialog
+from paint3d.app.window.playing.pictures import Film, FilmDialog
 from paint3d.app.window.wording import say
 from paint3d.errors import ExportError
 from paint3d.files.load import load_mesh

@@ -17,14 +17,14 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
 from PySide6 import QtCore, QtTest, QtWidgets
 
+from paint3d.app.model.commands import COMMANDS
 from paint3d.app.model.document import Document
 from paint3d.app.model.persistence.sitting import Sitting, Unfinished, recoverable
+from paint3d.app.window import job as jobs
 from paint3d.app.window import start, studio
-from paint3d.app.window.commands import ALWAYS, CHECKABLE
-from paint3d.app.window.jobs import job as jobs
-from paint3d.app.window.jobs import opening
-from paint3d.app.window.jobs.job import is_waiting, run_beside
-from paint3d.app.window.jobs.pictures import Film
+from paint3d.app.window.files import opening
+from paint3d.app.window.job import is_waiting, run_beside
+from paint3d.app.window.playing.pictures import Film
 from paint3d.app.window.studio import StudioWindow
 from paint3d.app.window.wording import choose_language
 from paint3d.core.machine import is_locked
@@ -484,10 +484,10 @@ def test_a_first_opening_that_is_stopped_leaves_an_empty_window_that_works(
     wait_for(empty.begin_page.isVisible)
     assert [button.text() for button in empty.begin_page.buttons][:2] == ["New painting…", "Open…"]
     for name, action in empty.workspace.actions.items():
-        assert action.isEnabled() == (name in ALWAYS), name
-        if name not in ALWAYS:
+        assert action.isEnabled() == COMMANDS[name].always, name
+        if not COMMANDS[name].always:
             action.trigger()
-            assert not action.isChecked() or name not in CHECKABLE, name
+            assert not action.isChecked() or not COMMANDS[name].checkable, name
     for key in "DRXIMKFWS":
         type_key(empty.canvas, getattr(QtCore.Qt.Key, f"Key_{key}"))
     for name in ("smoothing", "brush", "panels", "dark"):
@@ -514,10 +514,11 @@ def test_toggles_of_one_painting_are_not_lit_in_the_next(window) -> None:
 
 
 def test_every_name_of_a_format_is_there_in_chinese() -> None:
-    from paint3d.app.window.jobs import exporting, pictures, recordings
+    from paint3d.app.window.files import exporting
+    from paint3d.app.window.playing import pictures, recordings
     from paint3d.app.window.wording import CHINESE
 
-    for names in (exporting.FORMATS, recordings.FORMATS, pictures.PICTURES, pictures.FILMS):
+    for names in (exporting.FORMAT_NAMES, recordings.FORMATS, pictures.PICTURES, pictures.FILMS):
         assert set(names.values()) <= set(CHINESE)
 
 

@@ -10,7 +10,7 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
 from paint3d.app.model.persistence.places import config_folder
 from paint3d.app.model.persistence.settings import Settings, load_settings
-from paint3d.app.window.dialogs.questions import PreferencesDialog
+from paint3d.app.window.questions import PreferencesDialog
 from paint3d.app.window.studio import StudioWindow
 from paint3d.app.window.wording import choose_unit, say_length
 from tests.support.app.gestures import answer, live

@@ -7,16 +7,28 @@ these in a thread of its own.
 from __future__ import annotations
 
 import os
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from itertools import count
 from pathlib import Path
 from typing import Any
 
-from paint3d.app.model.brush_commands import BrushCommands, Ink
-from paint3d.app.model.history_commands import EditCommands
-from paint3d.app.model.image_painter import ImagePainter
+from numpy.typing import ArrayLike
+
+from paint3d.app.model.brush_in_hand import BrushLease, resized, scaled, stepped
+from paint3d.app.model.commands import COMMANDS, arguments_of
+from paint3d.app.model.edit_history import (
+    EditHistory,
+    Turned,
+    Version,
+    first_difference,
+    places_of,
+    without_refusals,
+)
+from paint3d.app.model.image_painter import StrokePainter
 from paint3d.app.model.input.symmetry import Symmetry
-from paint3d.app.model.layer_commands import LayerCommands
 from paint3d.app.model.mask import Mask, Stencil
-from paint3d.app.model.persistence.brush_words import brush_words, hair_words
+from paint3d.app.model.persistence.brush_words import brush_from_words, brush_words, hair_words
 from paint3d.app.model.persistence.saved_history import MOST_BYTES, restore_history, saved_history
 from paint3d.app.model.persistence.saved_settings import (
     DEFAULT_BRUSH,
@@ -25,14 +37,27 @@ from paint3d.app.model.persistence.saved_settings import (
     saved_painter,
     saved_unit,
 )
-from paint3d.app.model.score.keeping import ScoreKeeper, keeps_score
-from paint3d.app.model.seals.seal_commands import SealCommands
-from paint3d.app.model.stroke_commands import StrokeCommands
-from paint3d.app.model.stroke_log import StrokeLog, names_apart, strokes_of, weights_of
-from paint3d.brush.spec import BrushSpec
+from paint3d.app.model.repainting import Repainter, dips_of, names_of
+from paint3d.app.model.score.keeping import ScoreKeeper, recorded
+from paint3d.app.model.score.stepping import play
+from paint3d.app.model.score.words import Inks, Vocabulary, brush_named
+from paint3d.app.model.seal_press import PASTE, SealPress
+from paint3d.app.model.stroke_log import (
+    Stroke,
+    StrokeLog,
+    checked_pairs,
+    names_apart,
+    parts_of,
+    strokes_of,
+    weights_of,
+)
+from paint3d.brush.presets import load_brush
+from paint3d.brush.spec import BrushSpec, DipAmount
 from paint3d.colour.materials import Material
-from paint3d.core.arrays import AnyArray
-from paint3d.errors import ExportError, Paint3DError, SessionError
+from paint3d.core.arrays import AnyArray, as_number
+from paint3d.device.recorded import Recording
+from paint3d.device.sample import DeviceSample
+from paint3d.errors import ExportError, InputError, LayerError, Paint3DError, SessionError
 from paint3d.files.export import (
     PreparedExport,
     check_export_path,
@@ -43,25 +68,33 @@ from paint3d.files.load import load_mesh
 from paint3d.files.progress import Progress, part_of
 from paint3d.files.project.session import Session, is_session_path, load_session, save_session
 from paint3d.mesh.triangle_mesh import TriangleMesh
-from paint3d.painter.painter import Painter
+from paint3d.painter.ink_time import LOOKAHEAD
+from paint3d.painter.painter import Ink, Painter
+from paint3d.painter.recorded_tools import LEAST_INK
 from paint3d.recording.score import Score
+from paint3d.recording.score_edits import edit_stroke
 from paint3d.surface.ink_store import union
+from paint3d.surface.layer_stack import Layer, LayerStack
 from paint3d.surface.painted_surface import PaintedSurface
 from paint3d.surface.undo import MEMORY_BUDGET, UndoHistory
 from paint3d.view.pressed_tuft import TuftFollower
 
 __all__ = ["Document", "FileState"]
 
+_MOST_PICKUP = 1000.0  # 1/mm, as in recordings
+_EDIT_STEP = COMMANDS["edit_stroke"].step
+# Label of a step of an edit that no stroke begins: it is taken back with the step before it, and
+# done again with the one after it.
+
 FileState = tuple[int, int, int]
 """What becomes another one when somebody writes a file: its number, time (ns) and bytes."""
 
 
-@keeps_score
-class Document(BrushCommands, StrokeCommands, LayerCommands, SealCommands, EditCommands):
+class Document:
     """One painting, with everything that can be done to it.
 
-    Make it with `Document.new` or `Document.open`. What can be done to it is in `brush_commands`,
-    `stroke_commands`, `layer_commands`, `seals` and `history_commands`.
+    Make it with `Document.new` or `Document.open`. Methods that change the painting are `recorded`;
+    `paint3d.app.model.commands` says what else belongs to them.
 
     Attributes
     ----------
@@ -73,10 +106,6 @@ class Document(BrushCommands, StrokeCommands, LayerCommands, SealCommands, EditC
         Of lengths as they are shown: "mm", "cm", "m" or "in".
     inks : list of two inks
         The one the brush is dipped in, and the one that `swap_inks` takes.
-    symmetry : Symmetry
-        Images of every stroke; see `set_symmetry`.
-    mask : Mask
-        Where paint is taken; see `set_mask`.
     settings : dict
         Anything else that is to be kept with the painting, as JSON holds it.
     tuft_follower : TuftFollower
@@ -87,6 +116,9 @@ class Document(BrushCommands, StrokeCommands, LayerCommands, SealCommands, EditC
         Whether some steps found no room in the file when it was saved last.
     keeper : ScoreKeeper or None
         Writes down what is asked, to be played again; None where how it began is not known.
+    progress : callable or None
+        Called with the fraction that is done while strokes are painted again; what it raises stops
+        that, and everything is as it was.
     refused_history : str
         Why the steps that were saved with it could not be used; empty where they could.
     """
@@ -108,6 +140,7 @@ class Document(BrushCommands, StrokeCommands, LayerCommands, SealCommands, EditC
         self.settings: dict[str, Any] = dict(saved.settings if saved else {})
         at_hand = saved_inks(surface, self.settings)
         self.inks: list[Ink] = list(at_hand or (painter.dipped, DEFAULT_INKS[1]))
+        self.progress: Callable[[float], None] | None = None
         self.modified = False
         self._saved_at: int | None = 0
         self.left_out = False
@@ -116,15 +149,16 @@ class Document(BrushCommands, StrokeCommands, LayerCommands, SealCommands, EditC
         surface.use_layers()
         self._dipped = self.settings.get("fresh", True) is not False
         self._undo = UndoHistory(surface, undo_bytes, self._keep, self._restore)
-        self._edits, self._unedits = [], []
+        self._strokes = StrokePainter(painter, self._undo)
+        self._lease: BrushLease | None = None
+        self._refused = False  # the stroke whose samples come
+        self._press = SealPress(painter, self._undo)
+        self._edits = EditHistory(self._undo)
+        self._is_anew = False  # strokes are painted anew
+        self._passing = self._looking = False  # strokes were undone to look at what was before
         self.keeper = self._keeper(saved)
         self.refused_history = self._take_history(saved)
         self._saved_at = self._undo.next_undo
-        self.symmetry = Symmetry()
-        self.mask = Mask()
-        self._stencil: Stencil | None = None
-        self._images: list[ImagePainter] = []
-        self._refused = False
         surface.keeps_up = self.settings.pop("behind", False) is not True
         self._pending: list[AnyArray] = []
         self.tuft_follower = TuftFollower()
@@ -350,6 +384,955 @@ class Document(BrushCommands, StrokeCommands, LayerCommands, SealCommands, EditC
         """
         self._gather()
         return prepare_export(self.surface, path, options, progress)
+
+    # -- brush and inks ---------------------------------------------------------------------
+
+    @recorded
+    def set_brush(self, brush: str | BrushSpec | Mapping[str, Any]) -> None:
+        """Take another brush, dipped in the same ink.
+
+        Raises
+        ------
+        InputError
+            If a stroke is going on, or there is no such brush.
+        """
+        self._refuse_in_stroke("another brush")
+        if isinstance(brush, Mapping):
+            brush = brush_from_words(brush)
+        elif isinstance(brush, str):  # it may be that of a session, which names no file
+            brush = load_brush(brush, own_files=False)
+        self.painter.change_brush(brush)
+        self._dipped = True
+
+    @recorded
+    def scale_brush(self, factor: float) -> None:
+        """Take the brush so many times as large; see `brush_size.scaled`."""
+        self.set_brush(scaled(self.painter.brush, factor))
+
+    @recorded
+    def resize_brush(self, length_mm: float) -> None:
+        """Take the brush with a tuft of this length."""
+        self.set_brush(resized(self.painter.brush, length_mm))
+
+    @recorded
+    def step_brush(self, steps: int) -> None:
+        """Take the brush larger or smaller by some presses of ] or [, as far as it goes."""
+        self.set_brush(stepped(self.painter.brush, steps))
+
+    @recorded
+    def set_azimuth(self, azimuth: str) -> None:
+        """Let the pose's roll turn the tuft ("commanded"), or the surface pull it ("dragged").
+
+        Raises
+        ------
+        InputError
+            If it is neither, or a stroke is going on.
+        """
+        self._refuse_in_stroke("another azimuth")
+        if azimuth not in ("commanded", "dragged"):
+            raise InputError(f"azimuth is {azimuth!r}; expected 'commanded' or 'dragged'")
+        self.painter.azimuth = azimuth
+
+    @recorded
+    def set_pickup(self, pickup: float) -> None:
+        """Let the brush take up wet ink: so large a share per mm of way at full pressure.
+
+        Raises
+        ------
+        InputError
+            If it is below 0 or over 1000, or a stroke is going on.
+        """
+        self._refuse_in_stroke("another pick-up")
+        share = as_number(pickup, "pickup (1/mm)", 0.0, _MOST_PICKUP)
+        self.surface.ink.transfer["pickup"] = share
+
+    @property
+    def pickup(self) -> float:
+        """Share of the wet ink under the brush that it takes up per mm of way at full pressure."""
+        return float(self.surface.ink.transfer["pickup"].item())
+
+    @recorded
+    def dip(
+        self,
+        ink: Ink | None = None,
+        reach: float | None = None,
+        amount: Mapping[str, float] | None = None,
+    ) -> None:
+        """Dip the brush; see `Painter.dip`. During a stroke it is dipped where it is.
+
+        `amount` is what `DipAmount.words` gives.
+        """
+        self.painter.dip(ink, reach, None if amount is None else DipAmount.of(amount))
+        self._dipped = True
+        if ink is not None:
+            self.inks[0] = ink
+
+    @recorded
+    def rinse(self) -> None:
+        """Wash the brush out."""
+        self.painter.rinse()
+
+    @recorded
+    def wipe(self, share: float = 0.5) -> None:
+        """Wipe a share of the ink off the brush, 0 to 1."""
+        self.painter.wipe(share)
+
+    @recorded
+    def swap_inks(self) -> None:
+        """Dip the brush in the other ink."""
+        self._refuse_in_stroke("another ink")
+        self.inks.reverse()
+        self.dip(self.inks[0])
+
+    @recorded
+    def pick_colour(self, vertex_id: int) -> dict[str, float] | None:
+        """Dip the brush in what is on a vertex, as it is mixed there; what that is.
+
+        Returns
+        -------
+        dict or None
+            Parts of the inks by name, of sum 1; None where there is no paint, and nothing is
+            done.
+
+        Raises
+        ------
+        InputError
+            If there is no such vertex.
+        """
+        surface = self.surface
+        if not 0 <= vertex_id < surface.n_vertices:
+            raise InputError(f"vertex {vertex_id}; expected 0 to {surface.n_vertices - 1}")
+        parts = surface.parts_at(vertex_id)
+        if not parts.any():
+            return None
+        parts /= parts.sum()
+        found = {p: float(w) for p, w in zip(surface.pigments, parts, strict=True) if w > 1e-3}
+        self.dip(found)
+        return {pigment.name: part for pigment, part in found.items()}
+
+    # -- strokes ----------------------------------------------------------------------------
+
+    @property
+    def in_stroke(self) -> bool:
+        """Whether a stroke is going on."""
+        return self._log.current is not None
+
+    @property
+    def unpainted(self) -> tuple[list[DeviceSample], bool]:
+        """The last samples of the stroke that is going on: those that still wait to be painted.
+
+        Before them the one where the painter's stamp stands, and then True; else the stroke's first
+        samples, none of which is painted yet, and False.
+        """
+        stroke = self._log.current
+        if stroke is None:
+            return [], False
+        return stroke.samples[-LOOKAHEAD - 1 :], len(stroke.samples) > LOOKAHEAD + 1
+
+    @property
+    def strokes(self) -> Sequence[Stroke]:
+        """What was painted by hand and is there, in order; those of earlier sittings first."""
+        return self._log.strokes
+
+    @property
+    def current_stroke(self) -> Stroke | None:
+        """The stroke that is going on."""
+        return self._log.current
+
+    @recorded
+    def begin_stroke(
+        self,
+        time_s: float | None = None,
+        brush: BrushSpec | None = None,
+        ink: Ink | None = None,
+        loads: Sequence[tuple[int, float]] = (),
+        strengths: Sequence[tuple[int, float]] = (),
+    ) -> None:
+        """Start a stroke: a step that can be undone.
+
+        Parameters
+        ----------
+        time_s : float, optional
+            When it began, s since 1970; now by default.
+        brush, ink : optional
+            Of this stroke alone: another brush, dipped in the ink or in the same as the one in
+            hand; without a brush, as much of the ink as the brush holds. What is in hand comes back
+            with the stroke's end.
+        loads : sequence of (int, float)
+            How much the brush comes to hold at samples of the stroke, counted from 0: a share, 0 to
+            1, of what a dip gives.
+        strengths : sequence of (int, float)
+            The same for what share of the ink it then is, the rest being water, until the next dip.
+
+        Raises
+        ------
+        InputError
+            If one is going on, the layer is locked or hidden, or loads or strengths are no such
+            pairs. In that case samples are passed over until `end_stroke` or `cancel_stroke`: they
+            belong to the stroke that was refused.
+        """
+        self._refuse_in_stroke("a stroke")
+        self._come_back()
+        self._refused = True
+        loads = checked_pairs("loads", loads)
+        strengths = checked_pairs("strengths", strengths, LEAST_INK)
+        layer = self._paintable()
+        painter = self.painter
+        stroke = self._log.begin(
+            painter.brush, painter.dipped, layer.name, self._dipped, time_s, painter.amount
+        )
+        stroke.loads, stroke.strengths = loads, strengths
+        self._undo.begin(stroke)
+        if brush is not None or ink is not None:
+            self._borrow(stroke, brush, ink)
+        self._refused = self._dipped = False
+        self._strokes.begin(loads, strengths)
+
+    def _borrow(
+        self,
+        stroke: Stroke,
+        brush: BrushSpec | None,
+        ink: Ink | None,
+    ) -> None:
+        """Take a brush or an ink for the stroke that begins; where that fails, none begins."""
+        painter = self.painter
+        try:
+            self._lease = BrushLease(painter, brush, ink)
+        except BaseException:
+            self._log.cancel()
+            self._note(self._undo.revert())
+            raise
+        stroke.brush, stroke.ink = painter.brush, parts_of(painter.dipped)
+        stroke.dipped = True
+
+    def feed(self, samples: Sequence[DeviceSample]) -> None:
+        """Paint samples of both hands, in the order of time; the last two wait for more.
+
+        Raises
+        ------
+        InputError
+            If no stroke was begun, or the samples cannot follow those before; none of them is
+            painted then, and the stroke goes on.
+        """
+        if self._refused:
+            return
+        if not self.in_stroke:
+            raise InputError("samples came without a stroke; expected begin_stroke first")
+        if not samples:
+            return
+        self._log.check(samples)
+        self._log.append(samples)
+        self._strokes.advance(samples)
+        self.modified = True
+        if self.keeper is not None and not self.keeper.is_within:
+            self.keeper.feed(samples)
+
+    @recorded
+    def lift(self) -> None:
+        """Paint what still waits of a stroke that goes on elsewhere: the pen is up meanwhile."""
+        if self.in_stroke:
+            self._strokes.lift()
+
+    @recorded
+    def end_stroke(self) -> Stroke | None:
+        """Paint what still waits, and lift the brush.
+
+        Returns
+        -------
+        Stroke or None
+            None where it was refused, has ended already, or had no sample.
+        """
+        self._refused = False
+        if not self.in_stroke:
+            return None
+        self._strokes.finish()
+        if self._lease is not None:
+            self._lease.end()
+            self._lease = None
+        stroke = self._log.end()
+        if stroke is None:
+            self._note(self._undo.revert())
+            self.compare_with_saved()
+        return stroke
+
+    def break_off(self) -> None:
+        """End the stroke that is going on now; what its hand still sends is passed over."""
+        if self.in_stroke:
+            self.end_stroke()
+            self._refused = True
+
+    @recorded
+    def cancel_stroke(self) -> None:
+        """Take the stroke that is going on back, as if it had never begun."""
+        self._refused = False
+        if not self.in_stroke:
+            return
+        self._strokes.abandon()
+        self._lease = None  # what was in hand comes back with the step
+        self._log.cancel()
+        self._note(self._undo.revert())
+        self.compare_with_saved()
+
+    @recorded
+    def set_symmetry(self, symmetry: Symmetry) -> None:
+        """Paint every stroke's images as well, from now on.
+
+        Raises
+        ------
+        InputError
+            If a stroke is going on.
+        """
+        self._refuse_in_stroke("another symmetry")
+        self._strokes.symmetry = symmetry
+
+    @recorded
+    def set_mask(self, mask: Mask) -> None:
+        """Take paint only where the mask allows, from now on.
+
+        Raises
+        ------
+        InputError
+            If it names a face that is not there, or a stroke is going on.
+        """
+        self._refuse_in_stroke("another mask")
+        self._strokes.set_mask(mask)
+
+    @property
+    def symmetry(self) -> Symmetry:
+        """Images of every stroke; see `set_symmetry`."""
+        return self._strokes.symmetry
+
+    @property
+    def mask(self) -> Mask:
+        """Where paint is taken; see `set_mask`."""
+        return self._strokes.mask
+
+    @property
+    def stencil(self) -> Stencil | None:
+        """The mask as it lies on the surface; None where paint is taken everywhere."""
+        return self._strokes.stencil
+
+    @property
+    def tags(self) -> dict[str, object]:
+        """What every stroke from now on says as well; see `set_tags`."""
+        return dict(self._log.tags)
+
+    @recorded
+    def set_tags(self, /, **tags: object) -> None:
+        """Have every stroke from now on say this as well, as JSON holds it; none: no more."""
+        self._log.tags = dict(tags)
+
+    def _refuse_in_stroke(self, what: str) -> None:
+        if self.in_stroke:
+            raise InputError(f"{what} was asked for during a stroke; expected its end first")
+
+    def rest(self) -> None:
+        """Get ready for the next stroke while nobody paints; nothing that is painted changes."""
+        if not self.in_stroke:
+            self.surface.grow_ahead()
+
+    @recorded
+    def follow_time(self, seconds: float) -> bool:
+        """Let wet ink spread and dry, if it keeps up; see `PaintedSurface.follow_time`."""
+        keeps_up = self.surface.follow_time(seconds)
+        self._seal_what_ran()
+        return keeps_up
+
+    @recorded
+    def let_time_pass(self, seconds: float) -> bool:
+        """Let wet ink spread and dry; whether it keeps up: see `PaintedSurface.follow_flow`."""
+        keeps_up = self.surface.follow_flow(seconds)
+        self._seal_what_ran()
+        return keeps_up
+
+    def _seal_what_ran(self) -> None:
+        """What runs by itself is not the stencil's."""
+        if self.stencil is not None and self.in_stroke:
+            self._undo.seal()
+
+    @recorded
+    def dry(self) -> None:
+        """Let all wet paint dry at once: a step that can be undone."""
+        self._refuse_in_stroke("drying")
+        self._come_back()
+        self._paintable()
+        self._undo.begin(COMMANDS["dry"].step)
+        self.surface.dry()
+        self.modified = True
+
+    # -- layers -----------------------------------------------------------------------------
+
+    @property
+    def layers(self) -> tuple[Layer, ...]:
+        """What is said of each layer, the lowest first."""
+        return self.surface.use_layers().layers
+
+    @property
+    def active_layer(self) -> int:
+        """Place of the layer that is painted on, from 0 for the lowest."""
+        return self.surface.use_layers().active
+
+    @recorded
+    def select_layer(self, place: int) -> None:
+        """Paint on another layer from now on.
+
+        Raises
+        ------
+        InputError
+            If there is none at that place, or a stroke is going on.
+        """
+        self._restack("", lambda stack: stack.activate(place))
+
+    @recorded
+    def add_layer(self, name: str | None = None, place: int | None = None) -> None:
+        """Put an empty layer above the one that is painted on, or at a place, and paint on it.
+
+        Raises
+        ------
+        InputError
+            If the name or the place is none, or there are too many.
+        """
+        names = {layer.name for layer in self.layers}
+        name = name or next(str(n) for n in count(1) if str(n) not in names)
+        place = self.active_layer + 1 if place is None else place
+        self._restack(COMMANDS["add_layer"].step, lambda stack: stack.add(name, place))
+
+    @recorded
+    def remove_layer(self, place: int) -> None:
+        """Take a layer away with what is on it: a step that can be undone.
+
+        Raises
+        ------
+        InputError
+            If there is none at that place, it is the only one, or a stroke is going on.
+        """
+        self._restack(COMMANDS["remove_layer"].step, lambda stack: stack.remove(place))
+
+    @recorded
+    def move_layer(self, place: int, to: int) -> None:
+        """Put a layer at another place: a step that can be undone.
+
+        Raises
+        ------
+        InputError
+            If there is no such place, or a stroke is going on.
+        """
+        self._restack(COMMANDS["move_layer"].step, lambda stack: stack.move(place, to))
+
+    @recorded
+    def rename_layer(self, place: int, name: str) -> None:
+        """Name a layer."""
+        self.surface.use_layers().describe(place, name=name)
+        self.differ_from_saved()
+
+    @recorded
+    def set_visible(self, place: int, visible: bool = True) -> None:
+        """Show or hide a layer.
+
+        Raises
+        ------
+        InputError
+            If there is none at that place, or a stroke is going on.
+        """
+        self._refuse_in_stroke("showing or hiding a layer")
+        self.surface.use_layers().describe(place, visible=bool(visible))
+        self.surface.touch(self.surface.use_layers().painted_ids())
+        self.differ_from_saved()
+
+    @recorded
+    def set_locked(self, place: int, locked: bool = True) -> None:
+        """Refuse painting on a layer, or allow it again."""
+        self.surface.use_layers().describe(place, locked=bool(locked))
+        self.differ_from_saved()
+
+    def _restack(self, step: str, action: Callable[[LayerStack], None]) -> None:
+        """Change which layers there are; ink that goes or comes with them is no longer loaded."""
+        self._refuse_in_stroke("another order of layers")
+        if step and self._passing:
+            raise InputError(f"{step} was asked for during a replay; expected its end first")
+        surface, painter = self.surface, self.painter
+        stack = surface.use_layers()
+        self._gather()
+        if step:
+            self._undo.begin(step)
+        before, shown = surface.wet_ink() + surface.dry_ink(), stack.painted_ids()
+        self._undo.change(stack.state, lambda: action(stack))
+        painter.loaded += surface.wet_ink() + surface.dry_ink() - before
+        if step:
+            surface.touch(union([shown, stack.painted_ids()], surface.paint_mesh.capacity))
+            self.modified = True
+        else:
+            self.differ_from_saved()
+
+    def _paintable(self) -> Layer:
+        """The layer that is painted on."""
+        layer = self.layers[self.active_layer]
+        for state, why in ((layer.locked, "locked"), (not layer.visible, "hidden")):
+            if state:
+                raise LayerError(layer.name, why)
+        return layer
+
+    # -- seals ------------------------------------------------------------------------------
+
+    @recorded
+    def press_seal(
+        self,
+        rings: Sequence[ArrayLike],
+        at: ArrayLike,
+        up: ArrayLike = (0.0, 0.0, 1.0),
+        ink: Ink = PASTE,
+        coats: float = 1.3,
+        pad_mm: float = 3.0,
+        wear: float = 1.0,
+        seed: int = 1,
+    ) -> float:
+        """Press a seal onto the layer that is painted on: a step that can be undone.
+
+        What is wet under the paste dries first; the paste lies on it and does not run.
+
+        Parameters
+        ----------
+        rings : sequence of (N, 2) array_like
+            What of the stone takes paste, mm from its middle, y upwards, by the even-odd rule.
+        at : (3,) array_like
+            Where the middle of the stone goes: the surface's closest point to it, mm.
+        up : (3,) array_like
+            What is up on the stone; not along the surface's normal.
+        ink : ink or mixture
+            The paste.
+        coats, pad_mm, wear, seed
+            See `calligraphy.seal.impression.Pressing`.
+
+        Returns
+        -------
+        float
+            How much of the stone's ink met the surface, 0 to 1.
+
+        Raises
+        ------
+        InputError
+            If a stroke is going on, the layer is locked or hidden, the rings are none, or the
+            surface falls away from the stone.
+        MeshError
+            If the surface ends within the stone.
+        """
+        self._refuse_in_stroke("a seal")
+        seal = self._press.check(rings, coats, pad_mm, wear, seed)
+        self._come_back()
+        self._paintable()
+        touched = self._press.press(seal, at, up, ink, self.stencil)
+        self.modified = True
+        return touched
+
+    # -- history ----------------------------------------------------------------------------
+
+    @property
+    def steps(self) -> UndoHistory:
+        """What can be undone, step by step."""
+        return self._undo
+
+    @property
+    def can_undo(self) -> bool:
+        """Whether there is something to undo."""
+        return bool(self._undo.done) or self.earliest_stroke < self.oldest_stroke
+
+    @property
+    def can_redo(self) -> bool:
+        """Whether there is something to do again."""
+        return bool(self._undo.undone) or self._can_edit_again
+
+    @property
+    def looks_back(self) -> bool:
+        """Whether strokes were undone by `replay_history` and not done again since."""
+        return self._looking
+
+    @recorded
+    def undo(self) -> AnyArray:
+        """Take back the last step or edit; the brush stays the one that was chosen last.
+
+        Where a stroke is the last that was done and no step takes it back, all are painted again
+        first; see `recall_strokes`.
+
+        Returns
+        -------
+        (N,) int32
+            Vertices whose colours may have changed.
+        """
+        self.break_off()
+        if not self._is_anew and self._edits.ends_here:
+            return self._exchange_edit(self._edits.take_back)
+        return self._step_back()
+
+    def _step_back(self) -> AnyArray:
+        self._passing = self._looking = False
+        if not self._undo.done and self.can_undo:
+            self.recall_strokes()
+        painter, steps = self.painter, self._undo
+        brush, dipped, amount = painter.brush, painter.dipped, painter.amount
+        touched = []
+        while steps.done and steps.done[-1] == _EDIT_STEP:
+            touched.append(steps.undo())
+        touched.append(steps.undo())
+        held = painter.brush, weights_of(painter.dipped), painter.amount
+        if held != (brush, weights_of(dipped), amount):
+            painter.change_brush(brush)
+            painter.dip(dipped, amount=amount)
+            self._dipped = True
+        return self._stepped(union(touched, self.surface.paint_mesh.capacity))
+
+    @recorded
+    def redo(self) -> AnyArray:
+        """Do again what was undone last; returns as `undo`."""
+        self.break_off()
+        if self._can_edit_again:
+            return self._exchange_edit(self._edits.do_again)
+        return self._step_forth()
+
+    def _step_forth(self) -> AnyArray:
+        self._passing = self._looking = False
+        steps = self._undo
+        touched = [steps.redo()]
+        while steps.undone and steps.done[-1] == _EDIT_STEP:
+            touched.append(steps.redo())
+        return self._stepped(union(touched, self.surface.paint_mesh.capacity))
+
+    def _follow_log(self) -> None:
+        """Have the strokes of the steps that are done."""
+        self._log.follow([label for label in self._undo.done if isinstance(label, Stroke)])
+
+    def _stepped(self, touched: AnyArray) -> AnyArray:
+        self._follow_log()
+        self.compare_with_saved()
+        self._note(touched)
+        return touched
+
+    def compare_with_saved(self) -> None:
+        """See whether the steps that are done are those with which it was saved."""
+        self.modified = self._undo.next_undo != self._saved_at
+
+    @property
+    def undone_strokes(self) -> list[Stroke]:
+        """Strokes that were taken back and can be done again, the next one first."""
+        return [label for label in reversed(self._undo.undone) if isinstance(label, Stroke)]
+
+    @recorded
+    def replay_history(self, upto: int, passing: bool = False) -> AnyArray:
+        """Show the painting as it was before the next stroke began, by undo and redo.
+
+        Strokes that no step takes back are painted again where that is needed; see
+        `recall_strokes`.
+
+        Parameters
+        ----------
+        upto : int
+            After how many strokes: from `earliest_stroke` to as many as there are with those that
+            were undone.
+        passing : bool
+            Only to look at: what is painted next comes after all strokes, not in their stead.
+
+        Returns
+        -------
+        (N,) int32
+            Vertices whose colours may have changed.
+
+        Raises
+        ------
+        InputError
+            If there are not so many, or they lie over a recording.
+        """
+        self.break_off()
+        most = len(self.strokes) + len(self.undone_strokes)
+        if not self.earliest_stroke <= upto <= most:
+            raise InputError(
+                f"stroke {upto} of the history; expected {self.earliest_stroke} to {most}"
+            )
+        touched: list[AnyArray] = []
+        if upto < self.oldest_stroke:
+            touched.append(self.recall_strokes())
+        while len(self.strokes) > upto:
+            touched.append(self._step_back())
+        while len(self.strokes) < upto or self._next_is_no_stroke():
+            touched.append(self._step_forth())
+        self._passing, self._looking = passing, upto < most
+        return union(touched, self.surface.paint_mesh.capacity)
+
+    def _come_back(self) -> None:
+        """Do all again that was undone only to look at what was before."""
+        if self._passing:
+            self.replay_history(len(self.strokes) + len(self.undone_strokes))
+
+    def _next_is_no_stroke(self) -> bool:
+        """Whether what can be done again next is drying, or a change of the layers."""
+        undone = self._undo.undone
+        return bool(undone) and not isinstance(undone[-1], Stroke)
+
+    def recording(self, first: int = 0) -> Recording | None:
+        """The strokes from number `first` on as one recording in the object's frame, with dips.
+
+        None if there are none.
+        """
+        return self._log.recording(self.surface.source.name, first)
+
+    # -- strokes that no step takes back ----------------------------------------------------
+
+    @property
+    def oldest_stroke(self) -> int:
+        """How many strokes no step takes back; `recall_strokes` gives them steps."""
+        return self._log.n_before
+
+    @property
+    def earliest_stroke(self) -> int:
+        """To how few strokes the painting can be brought back, by steps or by painting again.
+
+        What a recording painted is no stroke: strokes over it cannot be painted again by
+        themselves.
+        """
+        return self.oldest_stroke if self._recordings else 0
+
+    def recall_strokes(self) -> AnyArray:
+        """Paint the strokes that no step takes back once more, so that all can be taken back.
+
+        The painting stays as it is, to the bit. Layers are those of the strokes' names in the order
+        in which they come; what was dried, moved, mirrored, masked, or let run meanwhile is not
+        repeated.
+
+        Returns
+        -------
+        (N,) int32
+            Vertices whose colours may have changed meanwhile.
+
+        Raises
+        ------
+        InputError
+            If a stroke is going on, or there is a recording under the strokes.
+        """
+        self._refuse_in_stroke("going back")
+        count = self.oldest_stroke
+        if not count:
+            return union([], self.surface.paint_mesh.capacity)
+        if self.earliest_stroke:
+            raise InputError(
+                f"the first {count} strokes lie over a recording, which no stroke repeats; "
+                f"expected a stroke from {count} on"
+            )
+        self._gather()
+        painter = self.painter
+        brush, since_dip = painter.brush, self._dipped
+        amount, dips = painter.amount, dips_of(painter)
+        n_done = len(self._undo.done)
+        touched = [self._undo.undo() for _ in range(n_done)]
+        touched.append(self.surface.use_layers().painted_ids())
+        strokes = self.strokes[:count]
+        try:
+            again = Repainter(painter, self._undo, self.progress)
+            self._undo.prepend(lambda: again.make_bare(strokes[0]), lambda: again.repeat(strokes))
+            self._log.hold(len(self.strokes))
+            if self._saved_at == 0:  # before all steps that there were
+                self._saved_at = self._undo.next_undo
+        finally:
+            touched += [self._undo.redo() for _ in range(n_done)]
+            held = painter.brush, names_of(dips_of(painter)), painter.amount
+            if held != (brush, names_of(dips), amount):
+                painter.change_brush(brush)
+                for ink, reach in dips:  # the belly, and then the tip
+                    painter.dip(ink, reach, amount if reach is None else None)
+            self._dipped = since_dip
+            found = union(touched, self.surface.paint_mesh.capacity)
+            self.surface.touch(found)
+            self._note(found)
+        self.keeper = None  # what is painted again is not what was
+        return found
+
+    # -- edits of strokes -------------------------------------------------------------------
+
+    def edit_stroke(self, number: int, edit: Mapping[str, Any]) -> AnyArray:
+        """Edit a stroke, and paint everything after it anew: a step that can be undone.
+
+        Strokes that were undone to look at what was before come back first.
+
+        Parameters
+        ----------
+        number : int
+            Place of the stroke, from 0, among `strokes` and, after them, `undone_strokes`.
+        edit : mapping
+            See `score_edits.edit_stroke`; the ink may be one in hand, the brush a `BrushSpec`.
+
+        Returns
+        -------
+        (N,) int32
+            Vertices whose colours may have changed.
+
+        Raises
+        ------
+        InputError, RecordingError
+            If there is no such stroke, it is not known from the beginning what was painted, or the
+            edit cannot be done; everything is as it was then.
+        """
+        self.break_off()
+        if self.keeper is None:
+            raise InputError(
+                "of this painting only the strokes are known, not what was between them; expected "
+                "one whose score is kept: save the strokes as a whole painting and replay it"
+            )
+        if self._looking:
+            self.replay_history(len(self.strokes) + len(self.undone_strokes))
+        score = self.score
+        assert score is not None, "it is kept"
+        places = places_of(score, len(self.strokes), len(self.undone_strokes))
+        self._check_number(number, len(self.strokes))
+        words = self._in_words(edit, score)
+        edited = edit_stroke(score, places[number][0], words, self.surface.source)
+        first = first_difference(score, edited)
+        back = max((k for k, (_, begin) in enumerate(places) if begin <= first), default=0)
+        back = min(back, number)
+        self._check_number(back, len(self.strokes))
+        return self._paint_anew(edited, back, min(places[back][1], first))
+
+    def _check_number(self, number: int, count: int) -> None:
+        if not 0 <= number < count:
+            gone = count <= number < count + len(self.undone_strokes)
+            why = "is undone" if gone else "is none of them"
+            raise InputError(f"stroke {number + 1} {why}; expected 1 to {count}")
+        if number < self.oldest_stroke:
+            raise InputError(
+                f"no step leads back to stroke {number + 1}; expected one from "
+                f"{self.oldest_stroke + 1} on: save the strokes as a whole painting and replay it"
+            )
+
+    def _in_words(self, edit: Mapping[str, Any], score: Score) -> Mapping[str, Any]:
+        """An edit as it can be done to a score."""
+        if edit.get("do") == "ink" and "ink" in edit:
+            inks = Inks(dict(score.header.get("pigments", {})))
+            return {**edit, "ink": inks.words(edit["ink"]), "pigments": inks.table}
+        if isinstance(edit.get("brush"), BrushSpec):
+            return {**edit, "brush": brush_named(edit["brush"])}
+        return edit
+
+    def _paint_anew(self, edited: Score, back: int, begin: int) -> AnyArray:
+        """Go back to before a stroke, and play the edited score from its beginning on."""
+        keeper, steps = self.keeper, self._undo
+        assert keeper is not None, "it was looked at"
+        self._gather()
+        before, there, n_done = self._in_hand(), steps.next_undo, len(steps.done)
+        layers = self.surface.use_layers().layers
+        since, ids = steps.lay_aside_since()
+        touched = [ids]
+        while len(self.strokes) > back:
+            touched.append(steps.undo())
+            self._follow_log()
+        depth = len(steps.done)
+        aside = steps.exchange_undone(())
+        version = Version(depth, aside, n_done - depth, since, keeper, there, there, 0)
+        try:
+            with keeper.within(), self._as_it_was(edited, begin):
+                self._play(edited, begin)
+        except BaseException:
+            with keeper.within():
+                self.cancel_stroke()
+            touched += self._edits.exchange(version)
+            self.keeper = keeper
+            self._follow_log()
+            raise
+        else:
+            self._edits.add(version)
+            self.keeper = ScoreKeeper(edited.header, edited.events)
+            self.compare_with_saved()
+        finally:
+            self._describe(layers)
+            self._hold(before)
+            found = union(touched, self.surface.paint_mesh.capacity)
+            self.surface.touch(found)
+            self._note(found)
+        return found
+
+    def _play(self, edited: Score, begin: int) -> None:
+        """Play a score from an event on; the first step of it must be one by itself."""
+        first = edited.events[begin] if begin < len(edited.events) else {"do": ""}
+        if isinstance(first, Recording) or first["do"] != "begin_stroke":
+            self._undo.begin(_EDIT_STEP)
+        for step in play(self, without_refusals(edited, begin), begin):
+            if self.progress is not None:
+                self.progress(min(step.share, 0.999))
+        if self._log.current is not None:
+            self.end_stroke()
+
+    @contextmanager
+    def _as_it_was(self, score: Score, begin: int) -> Iterator[None]:
+        """Within: symmetry, mask and the like as they were then, all layers seen and open."""
+        stack, saved_at = self.surface.use_layers(), self._saved_at
+        strokes, tags, azimuth = self._strokes, dict(self._log.tags), self.painter.azimuth
+        now = strokes.symmetry, strokes.mask, strokes.stencil
+        inks = list(self.inks)
+        self._is_anew = True
+        self._set_up(score, begin)
+        for place in range(len(stack.layers)):
+            stack.describe(place, visible=True, locked=False)
+        try:
+            yield
+        finally:
+            strokes.symmetry, strokes.mask, strokes.stencil = now
+            self._log.tags, self.painter.azimuth = tags, azimuth
+            self.inks, self._saved_at, self._is_anew = inks, saved_at, False
+
+    def _describe(self, layers: Sequence[Layer]) -> None:
+        """Have layers seen, locked and called as they were."""
+        stack = self.surface.use_layers()
+        if len(stack.layers) == len(layers):
+            for place, layer in enumerate(layers):
+                stack.describe(place, name=layer.name, visible=layer.visible, locked=layer.locked)
+
+    def _set_up(self, score: Score, begin: int) -> None:
+        """Have the symmetry, the mask and the like that the score had at an event."""
+        vocabulary = Vocabulary(self.surface, Inks(dict(score.header.get("pigments", {}))))
+        asked: dict[str, Mapping[str, Any]] = {
+            "set_symmetry": {"symmetry": Symmetry()}, "set_mask": {"mask": Mask()},
+            "set_tags": {}, "set_azimuth": {"azimuth": score.header.get("azimuth", "commanded")},
+        }  # fmt: skip
+        for event in score.events[:begin]:
+            if isinstance(event, Recording) or event.get("refused"):
+                continue
+            if event["do"] in asked:
+                asked[event["do"]] = arguments_of(event, vocabulary)
+        for name, settings in asked.items():
+            getattr(self, name)(**settings)
+
+    @property
+    def n_edits(self) -> int:
+        """How many edits undo can take back."""
+        return self._edits.n_done
+
+    @property
+    def has_edits(self) -> bool:
+        """Whether undo or redo may lead over an edit, which no file keeps."""
+        return self._edits.has_any
+
+    @property
+    def _can_edit_again(self) -> bool:
+        return not self._is_anew and self._edits.continues_here
+
+    def _exchange_edit(self, turn: Callable[[ScoreKeeper | None], Turned]) -> AnyArray:
+        """Exchange the painting for the other version of the last edit."""
+        before = self._in_hand()
+        touched, self.keeper = turn(self.keeper)
+        self._follow_log()
+        self._hold(before)
+        self._passing = self._looking = False
+        found = union(touched, self.surface.paint_mesh.capacity)
+        self.compare_with_saved()
+        self._note(found)
+        return found
+
+    def _in_hand(self) -> tuple[BrushSpec, Any, DipAmount]:
+        return self.painter.brush, self.painter.dipped, self.painter.amount
+
+    def _hold(self, in_hand: tuple[BrushSpec, Any, DipAmount]) -> None:
+        """Have the brush, the ink and so much of it as were chosen last."""
+        brush, dipped, amount = in_hand
+        if self.painter.brush != brush:
+            self.set_brush(brush)
+        held = weights_of(self.painter.dipped), self.painter.amount
+        if held != (weights_of(dipped), amount):
+            self.dip(dipped, amount=amount.words())
 
     # -- what is shown --------------------------------------------------------------------
 

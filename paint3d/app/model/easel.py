@@ -26,14 +26,14 @@ from dataclasses import dataclass, field, replace
 from queue import SimpleQueue
 from typing import Any
 
-from paint3d.app.model.brush_asked import BRUSH_COMMANDS, brush_after
+from paint3d.app.model.brush_in_hand import BRUSH_COMMANDS, brush_after
 from paint3d.app.model.commands import COMMANDS, encode_command
 from paint3d.app.model.document import Document
 from paint3d.app.model.frame import Frame, view_brush
 from paint3d.app.model.persistence.sitting import Sitting, refusal
 from paint3d.brush.spec import BrushSpec
 from paint3d.device.sample import DeviceSample
-from paint3d.errors import Paint3DError
+from paint3d.errors import Paint3DError, RecordingError, SessionError
 from paint3d.painter.ink_time import LOOKAHEAD, PIECE_NS, PIECE_S, is_lifted, pieces_until
 
 __all__ = ["LATE_S", "Easel", "Event", "InkClock", "Pace"]
@@ -739,7 +739,7 @@ class _JournalWriter:
 
     def put(self, job: _Job) -> None:
         """Write a job down, if it is one that changes the painting."""
-        if job.command is None or job.command in COMMANDS:
+        if job.command is None or (isinstance(job.command, str) and _changes(job.command)):
             self.n_put += 1
             self._queue.put(job)
 
@@ -818,4 +818,15 @@ class _JournalWriter:
         elif isinstance(item, _Job) and item.command is None:
             self.sitting.append(item.samples)
         elif isinstance(item, _Job) and isinstance(item.command, str):
-            self.sitting.note(encode_command(item.command, item.arguments, item.options))
+            try:
+                line = encode_command(self._document, item.command, item.arguments, item.options)
+            except (RecordingError, SessionError):
+                raise
+            except Paint3DError:  # the document refuses it for the same reason
+                return
+            self.sitting.note(line)
+
+
+def _changes(name: str) -> bool:
+    """Whether a command changes the painting."""
+    return name in COMMANDS and COMMANDS[name].codec is not None

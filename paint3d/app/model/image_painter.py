@@ -1,4 +1,4 @@
-"""A brush that paints the image of a stroke, with ink of its own."""
+"""Strokes with their mirror and radial images, painted where the mask lets paint be taken."""
 
 from __future__ import annotations
 
@@ -8,12 +8,14 @@ from contextlib import contextmanager
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.app.model.input.symmetry import transformed
+from paint3d.app.model.input.symmetry import Symmetry, transformed
+from paint3d.app.model.mask import Mask, Stencil
 from paint3d.core.arrays import AnyArray
 from paint3d.device.sample import DeviceSample
 from paint3d.painter.painter import Painter
+from paint3d.surface.undo import UndoHistory
 
-__all__ = ["ImagePainter"]
+__all__ = ["ImagePainter", "StrokePainter"]
 
 
 class ImagePainter:
@@ -96,3 +98,82 @@ class ImagePainter:
         missing = len(surface.pigments) - len(load)
         surface.ink.load[:] = np.pad(load, (0, missing))
         surface.ink = surface.ink._replace(reservoirs=np.pad(reservoirs, ((0, 0), (0, missing))))
+
+
+class StrokePainter:
+    """Paints a stroke and its images, and wipes off what the mask keeps free.
+
+    Parameters
+    ----------
+    painter : Painter
+    undo : UndoHistory
+        Knows what was under a stroke.
+
+    Attributes
+    ----------
+    symmetry : Symmetry
+        Images of every stroke that begins from now on.
+    mask : Mask
+    stencil : Stencil or None
+        The mask as it lies on the surface; None where paint is taken everywhere.
+    """
+
+    def __init__(self, painter: Painter, undo: UndoHistory) -> None:
+        self._painter, self._undo = painter, undo
+        self.symmetry = Symmetry()
+        self.mask = Mask()
+        self.stencil: Stencil | None = None
+        self._images: list[ImagePainter] = []
+
+    def set_mask(self, mask: Mask) -> None:
+        """Take paint only where a mask allows.
+
+        Raises
+        ------
+        InputError
+            If it names a face that is not there.
+        """
+        self.stencil = None if mask.is_open else Stencil(self._painter.surface, mask)
+        self.mask = mask
+
+    def begin(
+        self, loads: Sequence[tuple[int, float]], strengths: Sequence[tuple[int, float]]
+    ) -> None:
+        """Begin a stroke with what it is known to hold; see `Painter.expect`."""
+        self._images = [ImagePainter(self._painter, image) for image in self.symmetry.images()]
+        self._painter.expect(loads, strengths)
+        for image in self._images:
+            image.expect(loads, strengths)
+
+    def advance(self, samples: Sequence[DeviceSample]) -> None:
+        """Paint samples, in the order of time."""
+        alone = self.stencil is None and not self._images  # else who comes first would matter
+        for batch in [samples] if alone else [[sample] for sample in samples]:
+            self._painter.advance(batch)
+            self._wipe()
+            for image in self._images:
+                image.advance(batch, self._wipe)
+
+    def lift(self) -> None:
+        """Paint what still waits, though the stroke goes on elsewhere."""
+        self._painter.lift()
+        self._wipe()
+        for image in self._images:
+            image.lift(self._wipe)
+
+    def finish(self) -> None:
+        """Paint what still waits, and end the stroke."""
+        self._painter.finish()
+        self._wipe()
+        for image in self._images:
+            image.finish(self._wipe)
+        self._images = []
+
+    def abandon(self) -> None:
+        """Forget the stroke; undo takes back what is painted of it."""
+        self._painter.abandon()
+        self._images = []
+
+    def _wipe(self) -> None:
+        if self.stencil is not None:
+            self.stencil.wipe(self._undo.before)

@@ -3,21 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from functools import partial
 
 from PySide6 import QtCore, QtGui, QtWidgets
 
-from paint3d.app.window.commands import (
-    ALWAYS,
-    CHECKABLE,
-    ICONS_OF,
-    MENUS,
-    ON_PICTURE,
-    TOOLS,
-    keys_of,
-    text_of,
-)
-from paint3d.app.window.icons import make_icon
-from paint3d.app.window.theme import Theme
+from paint3d.app.model.commands import COMMANDS, MENUS, TOOLS, Command
+from paint3d.app.window.theme import Theme, make_icon
 from paint3d.app.window.wording import say
 from paint3d.app.window.workspace import Workspace
 
@@ -66,17 +57,18 @@ class Actions:
 
     def _make(self, name: str) -> QtGui.QAction:
         workspace = self._workspace
-        text, keys = say(text_of(name)), keys_of(name)
+        command = COMMANDS[name]
+        text, keys = say(command.label), command.keys
         action = QtGui.QAction(text, workspace.window)
         if name not in self._tapped:
             action.setShortcuts([QtGui.QKeySequence(key) for key in keys])
-        if name in ON_PICTURE:
+        if command.on_picture:
             action.setShortcutContext(QtCore.Qt.ShortcutContext.WidgetShortcut)
             workspace.canvas.addAction(action)
         action.setToolTip(text.rstrip("…") + (f"  ({keys[0]})" if keys else ""))
-        action.setCheckable(name in CHECKABLE)
-        if name in ICONS_OF:
-            action.setIcon(make_icon(ICONS_OF[name], workspace.theme))
+        action.setCheckable(command.checkable)
+        if command.icon:
+            action.setIcon(make_icon(command.icon, workspace.theme))
         workspace.actions[name] = action
         return action
 
@@ -94,20 +86,26 @@ class Actions:
         return bar
 
     def bind(self, doers: Iterable[object]) -> None:
-        """Have each action done by the one of the doers that has a ``do_<action>``.
+        """Have each command done by the one of the doers that has a ``do_<name>``.
 
+        One that only changes the painting, and needs no argument, is posted to the painting thread.
         Undo and redo look as the last frame says. Their keys and taps are heard whatever it says:
         what was asked for since may have brought something to undo or redo.
         """
         doers = tuple(doers)
         for name, action in self._workspace.actions.items():
-            do = next(getattr(d, f"do_{name}") for d in doers if hasattr(d, f"do_{name}"))
-            if name in CHECKABLE:
+            own = [getattr(d, f"do_{name}") for d in doers if hasattr(d, f"do_{name}")]
+            do = own[0] if own else partial(self._post, COMMANDS[name])
+            if COMMANDS[name].checkable:
                 action.toggled.connect(do)
             else:
                 action.triggered.connect(_without_state(do))
             if name in _NEVER_LOST:
                 self._hear_always(name, do)
+
+    def _post(self, command: Command) -> None:
+        assert command.codec is not None, "what does not change the painting has its do_<name>"
+        self._workspace.post(command.name)
 
     def _hear_always(self, name: str, do: Callable[[], object]) -> None:
         """Do what an action does by its keys while it is disabled, and so swallows them."""
@@ -129,8 +127,9 @@ class Actions:
     def set_open(self, is_open: bool) -> None:
         """Let what needs a painting be asked for, or not; what was lit for another one goes out."""
         for name, action in self._workspace.actions.items():
-            action.setEnabled((is_open and name not in ("undo", "redo")) or name in ALWAYS)
-            if name in CHECKABLE and name not in ALWAYS:
+            command = COMMANDS[name]
+            action.setEnabled((is_open and name not in _NEVER_LOST) or command.always)
+            if command.checkable and not command.always:
                 self.check(name, False)
 
     def check(self, name: str, on: bool) -> None:
@@ -169,8 +168,9 @@ class Actions:
         return layout
 
     def _set_theme(self, theme: Theme) -> None:
-        for name, icon in ICONS_OF.items():
-            self._workspace.actions[name].setIcon(make_icon(icon, theme))
+        for name, action in self._workspace.actions.items():
+            if COMMANDS[name].icon:
+                action.setIcon(make_icon(COMMANDS[name].icon, theme))
 
 
 def _without_state(do: Callable[[], object]) -> Callable[..., object]:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from PySide6 import QtCore, QtGui
 
-from paint3d.app.model.held_ink import HeldInk, held_ink
-from paint3d.app.window.panels.brush_panel import plain_name
-from paint3d.app.window.panels.ink_panel import ink_label
+from paint3d.app.model.frame import HeldInk, held_ink
+from paint3d.app.window.brush.brush_panel import plain_name
+from paint3d.app.window.ink.ink_panel import ink_label
 from paint3d.app.window.wording import say, say_brush, say_length
 from paint3d.app.window.workspace import Workspace
 

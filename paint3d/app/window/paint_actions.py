@@ -7,10 +7,10 @@ from collections.abc import Callable
 from paint3d.app.model.document import Document
 from paint3d.app.model.input.symmetry import MirrorPlane, RadialSymmetry, Symmetry
 from paint3d.app.model.mask import AngleMask, Mask, RegionPick, face_at, nearest_vertex
-from paint3d.app.window.jobs.job import Progress, result_of
-from paint3d.app.window.jobs.player import Player
-from paint3d.app.window.jobs.recalling import Recalling
-from paint3d.app.window.panels.side_panels import Panels
+from paint3d.app.window.history.stroke_editing import Recalling
+from paint3d.app.window.job import Progress, result_of
+from paint3d.app.window.panels import Panels
+from paint3d.app.window.playing.player import Player
 from paint3d.app.window.wording import say
 from paint3d.app.window.workspace import Workspace
 from paint3d.brush.presets import brush_names
@@ -53,10 +53,6 @@ class PaintActions:
         self._player.take_back()
         self._recalling.undo()
 
-    def do_redo(self) -> None:
-        """Do it again."""
-        self._post("redo")
-
     def do_cancel_stroke(self) -> None:
         """Take the stroke that is going on back, or stop a replay; the keys are the picture's.
 
@@ -96,18 +92,6 @@ class PaintActions:
         """Load its tip again."""
         self._workspace.dip(None, _TIP_REACH)
 
-    def do_rinse(self) -> None:
-        """Wash the brush out."""
-        self._post("rinse")
-
-    def do_wipe(self) -> None:
-        """Wipe half of the ink off."""
-        self._post("wipe")
-
-    def do_swap_inks(self) -> None:
-        """Take the other ink."""
-        self._post("swap_inks")
-
     def do_pick_colour(self) -> None:
         """Take the ink that lies under the pointer."""
         found = self._look_up(nearest_vertex)
@@ -119,10 +103,6 @@ class PaintActions:
         self._workspace.keep(wet=on)
         if self._workspace.stage.easel is not None:
             self._workspace.stage.easel.wet = on
-
-    def do_dry(self) -> None:
-        """Let everything dry at once."""
-        self._post("dry")
 
     # -- stroke -----------------------------------------------------------------------------
 
@@ -206,10 +186,6 @@ class PaintActions:
             workspace.tell(say("status.vertices", count=count), state="good")
 
     # -- layers -----------------------------------------------------------------------------
-
-    def do_add_layer(self) -> None:
-        """Put a layer above the one that is painted on."""
-        self._post("add_layer")
 
     def do_remove_layer(self) -> None:
         """Take the layer away that is painted on."""

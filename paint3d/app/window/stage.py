@@ -19,7 +19,7 @@ from paint3d.app.model.easel import Easel
 from paint3d.app.model.frame import BrushView, Frame, view_brush
 from paint3d.app.model.mask import Stencil
 from paint3d.app.model.persistence.sitting import Sitting
-from paint3d.app.window.jobs.opened import Opened
+from paint3d.app.window.files.opened import Opened
 from paint3d.brush.spec import BrushSpec
 from paint3d.core.arrays import AnyArray
 from paint3d.core.quaternion import matrices_from_quaternions

@@ -6,9 +6,9 @@ import time
 
 from PySide6 import QtCore, QtWidgets
 
+from paint3d.app.model.commands import COMMANDS
 from paint3d.app.model.frame import Frame
-from paint3d.app.window.commands import keys_of
-from paint3d.app.window.jobs.player import Player
+from paint3d.app.window.playing.player import Player
 from paint3d.app.window.theme import STATES, Theme
 from paint3d.app.window.wording import say
 from paint3d.app.window.workspace import Workspace
@@ -166,7 +166,7 @@ class ReplayBar(QtWidgets.QWidget):
         self.hold.toggled.connect(player.pause)
         self.button = QtWidgets.QPushButton(say("button.stop"))
         self.button.setObjectName("low")
-        self.button.setToolTip(f"{say('button.stop')}  ({keys_of('cancel_stroke')[0]})")
+        self.button.setToolTip(f"{say('button.stop')}  ({COMMANDS['cancel_stroke'].keys[0]})")
         self.button.clicked.connect(player.do_stop)
         row = QtWidgets.QHBoxLayout(self)
         row.setContentsMargins(0, 0, 0, 0)

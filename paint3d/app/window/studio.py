@@ -19,31 +19,29 @@ from paint3d.app.model.input.devices import Feeling, Plugged
 from paint3d.app.model.persistence.settings import Settings
 from paint3d.app.model.persistence.sitting import Sitting
 from paint3d.app.window.actions import Actions
-from paint3d.app.window.begin_page import BeginPage
-from paint3d.app.window.copybook_guide import CopybookGuide
-from paint3d.app.window.dialogs.target_dialog import Targets
+from paint3d.app.window.brush.brush_making import BrushMaking
+from paint3d.app.window.copybook.copybook_guide import CopybookGuide
+from paint3d.app.window.files.begin_page import BeginPage
+from paint3d.app.window.files.exporting import Exporting
+from paint3d.app.window.files.opened import Opened, described
+from paint3d.app.window.files.opening import Opening
+from paint3d.app.window.files.recovery import Recovery
+from paint3d.app.window.files.saving import RecentFiles, Saving
+from paint3d.app.window.files.target_dialog import Targets
+from paint3d.app.window.hand.device_input import DeviceInput
+from paint3d.app.window.hand.keys import HeldKeys
+from paint3d.app.window.hand.steering import Steering
+from paint3d.app.window.history.stroke_editing import Recalling, StrokeEditing
+from paint3d.app.window.history.stroke_mark import StrokeMark
 from paint3d.app.window.hud import Hud
-from paint3d.app.window.input.device_input import DeviceInput
-from paint3d.app.window.input.keys import HeldKeys
-from paint3d.app.window.input.steering import Steering
-from paint3d.app.window.input.stroke_mark import StrokeMark
-from paint3d.app.window.jobs.brush_making import BrushMaking
-from paint3d.app.window.jobs.exporting import Exporting
-from paint3d.app.window.jobs.ink_making import InkMaking
-from paint3d.app.window.jobs.opened import Opened
-from paint3d.app.window.jobs.opening import Opening
-from paint3d.app.window.jobs.pictures import Pictures
-from paint3d.app.window.jobs.player import Player
-from paint3d.app.window.jobs.recalling import Recalling
-from paint3d.app.window.jobs.recordings import Recordings
-from paint3d.app.window.jobs.recovery import Recovery
-from paint3d.app.window.jobs.saving import RecentFiles, Saving
-from paint3d.app.window.jobs.sealing import Sealing
-from paint3d.app.window.jobs.standing import Standing
-from paint3d.app.window.jobs.stroke_editing import StrokeEditing
-from paint3d.app.window.named import described
+from paint3d.app.window.ink.ink_making import InkMaking
+from paint3d.app.window.object.standing import Standing
 from paint3d.app.window.paint_actions import PaintActions
-from paint3d.app.window.panels.side_panels import Panels
+from paint3d.app.window.panels import Panels
+from paint3d.app.window.playing.pictures import Pictures
+from paint3d.app.window.playing.player import Player
+from paint3d.app.window.playing.recordings import Recordings
+from paint3d.app.window.seal import Sealing
 from paint3d.app.window.status_line import ReplayBar, StatusLine
 from paint3d.app.window.theme import DARK_THEME
 from paint3d.app.window.view_actions import ViewActions

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from PySide6 import QtCore, QtWidgets
 
-from paint3d.app.window.dialogs.questions import KeysDialog, PreferencesDialog
-from paint3d.app.window.input.steering import STEPS, Steering
-from paint3d.app.window.panels.side_panels import Panels
+from paint3d.app.window.hand.steering import STEPS, Steering
+from paint3d.app.window.panels import Panels
+from paint3d.app.window.questions import KeysDialog, PreferencesDialog
 from paint3d.app.window.wording import choose_unit, say
 from paint3d.app.window.workspace import Workspace
 

@@ -13,10 +13,10 @@ from paint3d.app.model.document import Document
 from paint3d.app.model.easel import Easel
 from paint3d.app.model.persistence.saved_settings import in_hand
 from paint3d.app.model.persistence.settings import Settings, save_settings
-from paint3d.app.window.input.canvas import Canvas
-from paint3d.app.window.input.hand import CanvasHand
-from paint3d.app.window.jobs.job import Progress, is_waiting, run_beside
-from paint3d.app.window.jobs.opened import Opened
+from paint3d.app.window.files.opened import Opened
+from paint3d.app.window.hand.canvas import Canvas
+from paint3d.app.window.hand.canvas_hand import CanvasHand
+from paint3d.app.window.job import Progress, is_waiting, run_beside
 from paint3d.app.window.stage import Stage
 from paint3d.app.window.theme import DARK_THEME, LIGHT_THEME, apply_theme, is_system_dark
 from paint3d.app.window.wording import choose_unit, say, say_error

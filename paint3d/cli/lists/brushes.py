@@ -123,7 +123,7 @@ def _fit(options: argparse.Namespace) -> None:
     """Write the brush that fits what was measured, and say how well."""
     import dataclasses
 
-    from paint3d.app.model.brush_size import resized
+    from paint3d.app.model.brush_in_hand import resized
     from paint3d.brush.fitting import (
         fit_presses,
         is_table_of_shapes,

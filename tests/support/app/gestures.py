@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from PySide6 import QtCore, QtGui, QtTest, QtWidgets
 
-from paint3d.app.window.input.canvas import Canvas
+from paint3d.app.window.hand.canvas import Canvas
 
 BUTTON, KIND = QtCore.Qt.MouseButton, QtCore.QEvent.Type
 NO_KEY, ALT = QtCore.Qt.KeyboardModifier.NoModifier, QtCore.Qt.KeyboardModifier.AltModifier

@@ -20,9 +20,9 @@ import numpy as np
 from numpy.random import Generator
 from PySide6 import QtCore, QtGui, QtTest, QtWidgets
 
+from paint3d.app.model.commands import SHORTCUTS
 from paint3d.app.model.document import Document
 from paint3d.app.model.easel import Easel
-from paint3d.app.model.persistence.shortcuts import SHORTCUTS
 from paint3d.app.window.studio import StudioWindow
 from paint3d.errors import Paint3DError
 from tests.support.app.event_player import DeviceEvent, EventPlayer

@@ -9,7 +9,7 @@ from PySide6 import QtCore, QtGui, QtWidgets
 
 from paint3d.app.model.input.navigation import ray_at
 from paint3d.app.model.persistence import settings
-from paint3d.app.window.input.steering import GRIPS
+from paint3d.app.window.hand.steering import GRIPS
 from paint3d.app.window.start import make_program
 from paint3d.mesh.bvh import ClosestPoints
 from tests.support.app.gestures import live, pen_stroke, wait_for

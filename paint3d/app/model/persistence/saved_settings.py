@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from itertools import zip_longest
 from typing import Any, TypedDict
 
-from paint3d.app.model.brush_size import resized
+from paint3d.app.model.brush_in_hand import resized
 from paint3d.app.model.persistence.brush_words import brush_from_words, restore_hairs
 from paint3d.app.model.persistence.own_brushes import own_brushes
 from paint3d.app.model.persistence.own_pigments import own_pigments

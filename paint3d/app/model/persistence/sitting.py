@@ -21,7 +21,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import BinaryIO
 
-from paint3d.app.model.commands import do_again, encode_command
+from paint3d.app.model.commands import COMMANDS, do_again, encode_command
 from paint3d.app.model.document import Document, FileState
 from paint3d.app.model.persistence.places import make_private, make_private_folder, recovery_folder
 from paint3d.core.machine import is_locked, lock
@@ -36,8 +36,6 @@ _ABOUT, _LOCK = "about.json", "lock"
 _BEGINS_S = 3600.0  # in which a sitting has surely locked its folder and told what it is about
 _OPENED = 0.2  # of recovering is opening the base
 _AT_ONCE = 256  # samples between two reports of progress
-_COSTS = {"follow_time": 50.0, "let_time_pass": 50.0, "undo": 50.0, "redo": 50.0}
-"""Of commands, in samples painted."""
 
 _REFUSED = "refused"  # of a note in a journal
 _HELD: dict[Path, tuple[int, BinaryIO | None]] = {}
@@ -129,9 +127,9 @@ class Sitting:
         self._lay_out_page()
         fresh = self._next
         assert fresh is not None, "it was laid out"
-        fresh.note(encode_command("set_symmetry", [document.symmetry], {}))
-        fresh.note(encode_command("set_mask", [document.mask], {}))
-        fresh.note(encode_command("set_tags", [], document.tags))
+        fresh.note(encode_command(document, "set_symmetry", [document.symmetry], {}))
+        fresh.note(encode_command(document, "set_mask", [document.mask], {}))
+        fresh.note(encode_command(document, "set_tags", [], document.tags))
         self._opening_bytes = _bytes_of(fresh.path)
         old, self._journal, self._next = self._journal, fresh, None
         self._number += 1
@@ -463,7 +461,10 @@ def _pieces(event: Recording | Mapping[str, object]) -> list[_Piece]:
 
 def _cost(piece: _Piece) -> float:
     """What doing it again takes, roughly, in samples."""
-    return float(len(piece)) if isinstance(piece, list) else _COSTS.get(str(piece.get("do")), 1.0)
+    if isinstance(piece, list):
+        return float(len(piece))
+    command = COMMANDS.get(str(piece.get("do")))
+    return 1.0 if command is None else command.cost
 
 
 def _done_again(document: Document, piece: _Piece) -> list[str]:

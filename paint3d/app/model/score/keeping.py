@@ -6,24 +6,42 @@ import inspect
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import wraps
-from typing import Any, TypeVar
+from typing import Any, Concatenate, ParamSpec, Protocol, TypeVar
 
-from paint3d.app.model.score.words import Inks, header_of, line_of
+from paint3d.app.model.commands import COMMANDS, Command, line_of
+from paint3d.app.model.score.words import Inks, Vocabulary, header_of
 from paint3d.app.model.stroke_log import recording_of
 from paint3d.brush.spec import DipAmount
 from paint3d.device.sample import DeviceSample
 from paint3d.errors import Paint3DError
 from paint3d.painter.painter import Painter
 from paint3d.recording.recording import Recording
-from paint3d.recording.score import Score, check_command, command_names
+from paint3d.recording.score import Score, check_command
 from paint3d.surface.painted_surface import PaintedSurface
 
-__all__ = ["ScoreKeeper", "keeps_score"]
+__all__ = ["ScoreKeeper", "recorded"]
 
-_Document = TypeVar("_Document", bound=type)
+
+class _Recorded(Protocol):
+    """What a document has for its methods to be recorded."""
+
+    keeper: ScoreKeeper | None
+
+    @property
+    def surface(self) -> PaintedSurface: ...
+
+    @property
+    def painter(self) -> Painter: ...
+
+    @property
+    def current_stroke(self) -> Any: ...
+
+
+_P = ParamSpec("_P")
+_Result = TypeVar("_Result")
+_Document = TypeVar("_Document", bound=_Recorded)
+
 _GOES = frozenset({"undo", "redo", "replay_history", "begin_stroke", "dry"})
-_OTHERWISE = frozenset({"pick_colour", "swap_inks"})
-"""Commands that are written down as the dip that they lead to."""
 
 
 class _Fed(list[DeviceSample]):
@@ -116,7 +134,7 @@ class ScoreKeeper:
         RecordingError
             If a score cannot say it.
         """
-        line = line_of(name, asked, surface, self._inks)
+        line = line_of(name, asked, Vocabulary(surface, self._inks))
         check_command(line)
         last = self._events[-1] if self._events else None
         if name == "follow_time" and isinstance(last, dict) and {**last, "times": 1} == {
@@ -131,8 +149,9 @@ class ScoreKeeper:
 
     def refused(self, name: str, asked: Mapping[str, Any], surface: PaintedSurface) -> None:
         """Write down what was refused: it may have changed something before it was."""
+        vocabulary = Vocabulary(surface, self._inks)
         try:
-            line = {**line_of(name, asked, surface, self._inks), "refused": True}
+            line = {**line_of(name, asked, vocabulary), "refused": True}
             check_command(line)
         except Paint3DError:
             return
@@ -147,82 +166,56 @@ class ScoreKeeper:
         return Score({**self._header, "object": object_name, **own}, tuple(events))
 
 
-def keeps_score(kind: _Document) -> _Document:
-    """Let a class of documents write down what is asked of it, in its `keeper` (None: nothing)."""
-    for name in (*command_names(), *sorted(_OTHERWISE)):
-        setattr(kind, name, _kept(name, getattr(kind, name)))
-    kind.feed = _fed(kind.feed)  # type: ignore[attr-defined]
-    kind.recall_strokes = _recalled(kind.recall_strokes)  # type: ignore[attr-defined]
-    return kind
+# ---- Methods that are recorded -------------------------------------------------------------------
 
 
-def _kept(name: str, method: Callable[..., Any]) -> Callable[..., Any]:
+def recorded(
+    method: Callable[Concatenate[_Document, _P], _Result],
+) -> Callable[Concatenate[_Document, _P], _Result]:
+    """Let a method of `Document` write down what it is asked for in the document's `keeper`.
+
+    Its command stands in `app.model.commands`. What a method asks of the document meanwhile belongs
+    to it, and is not written down by itself.
+    """
+    command = COMMANDS[method.__name__]
     signature = inspect.signature(method)
 
     @wraps(method)
-    def kept(document: Any, *arguments: Any, **options: Any) -> Any:
+    def kept(document: _Document, /, *arguments: _P.args, **options: _P.kwargs) -> _Result:
         keeper = document.keeper
         if keeper is None or keeper.is_within:
             return method(document, *arguments, **options)
+
+        def asked() -> dict[str, Any]:
+            given = dict(signature.bind(document, *arguments, **options).arguments)
+            given.pop("self")
+            return given
+
         try:
             with keeper.within():
                 done = method(document, *arguments, **options)
         except Paint3DError:
             if document.keeper is keeper:
-                asked = _asked(signature, document, arguments, options)
-                keeper.refused(name, asked, document.surface)
+                keeper.refused(command.name, asked(), document.surface)
             raise
         if document.keeper is keeper:
-            _write(document, name, _asked(signature, document, arguments, options), done)
+            _write(document, command, asked(), done)
         return done
 
     return kept
 
 
-def _asked(
-    signature: inspect.Signature,
-    document: Any,
-    arguments: Sequence[Any],
-    options: Mapping[str, Any],
-) -> dict[str, Any]:
-    asked = dict(signature.bind(document, *arguments, **options).arguments)
-    asked.pop("self")
-    return asked
-
-
-def _write(document: Any, name: str, asked: dict[str, Any], done: Any) -> None:
+def _write(document: _Recorded, command: Command, asked: dict[str, Any], done: object) -> None:
     """Write down what was done; a score that cannot say it is a score no longer."""
+    name = command.written_as or command.name
     if name == "begin_stroke":
         asked["time_s"] = document.current_stroke.time_s
-    if name == "pick_colour" and done is None:
+    if command.name == "pick_colour" and done is None:
         return
-    if name in _OTHERWISE:
-        name, asked = "dip", {"ink": document.painter.dipped}
+    if command.written_as:
+        asked = {"ink": document.painter.dipped}
+    assert document.keeper is not None, "it has been asked"
     try:
         document.keeper.command(name, asked, document.surface)
     except Paint3DError:
         document.keeper = None
-
-
-def _fed(feed: Callable[..., None]) -> Callable[..., None]:
-    @wraps(feed)
-    def kept(document: Any, samples: Sequence[DeviceSample]) -> None:
-        is_painted = document.in_stroke and samples
-        feed(document, samples)
-        keeper = document.keeper
-        if keeper is not None and is_painted and not keeper.is_within:
-            keeper.feed(samples)
-
-    return kept
-
-
-def _recalled(recall: Callable[..., Any]) -> Callable[..., Any]:
-    @wraps(recall)
-    def kept(document: Any) -> Any:
-        repeats = document.oldest_stroke > 0
-        done = recall(document)
-        if repeats:  # what is painted again then is not what was
-            document.keeper = None
-        return done
-
-    return kept

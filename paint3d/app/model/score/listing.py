@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from paint3d.app.model.brush_asked import BRUSH_COMMANDS, brush_after
+from paint3d.app.model.brush_in_hand import BRUSH_COMMANDS, brush_after
 from paint3d.app.model.persistence.saved_settings import DEFAULT_BRUSH, DEFAULT_INKS
 from paint3d.app.model.score.words import brush_in
 from paint3d.errors import Paint3DError, RecordingError

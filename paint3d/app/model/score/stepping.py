@@ -1,23 +1,35 @@
-"""A score step by step: what a document is asked for, in order."""
+"""A score step by step: what a document is asked for, in order and in time."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from typing import Any
 
-from paint3d.app.model.score.words import Inks, asked_by
+import numpy as np
+
+from paint3d.app.model.commands import COMMANDS, arguments_of
+from paint3d.app.model.score.words import Inks, Vocabulary
 from paint3d.device.sample import DeviceSample
 from paint3d.errors import Paint3DError, RecordingError
-from paint3d.recording.recording import Recording
+from paint3d.recording.recording import HandTime, Recording
 from paint3d.recording.score import Score
 from paint3d.surface.painted_surface import PaintedSurface
 
-__all__ = ["Step", "play"]
+__all__ = [
+    "Cue",
+    "Step",
+    "cues_of",
+    "in_pieces",
+    "pass_step",
+    "play",
+    "seconds_of",
+]
+
+# ---- In order ------------------------------------------------------------------------------------
+
 
 _AT_ONCE = 256  # samples between two looks at whether it goes on
-_COSTS = {"follow_time": 10.0, "let_time_pass": 50.0, "undo": 50.0, "redo": 50.0}
-"""Of commands, in samples painted, roughly."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,7 +67,7 @@ def _steps_of(score: Score, surface: PaintedSurface, first: int) -> Iterator[Ste
     RecordingError
         ``file:line: what is wrong`` for a brush or an ink that is not known, and the like.
     """
-    inks = Inks(dict(score.header.get("pigments", {})))
+    vocabulary = Vocabulary(surface, Inks(dict(score.header.get("pigments", {}))))
     whole = sum(map(_cost, score.events[first:])) or 1.0
     done = 0.0
     for k, event in enumerate(score.events[first:], first):
@@ -67,7 +79,7 @@ def _steps_of(score: Score, surface: PaintedSurface, first: int) -> Iterator[Ste
                 yield Step(k, part, "", {}, False, done / whole)
             continue
         try:
-            asked = asked_by(event, surface, inks)
+            asked = arguments_of(event, vocabulary)
         except Paint3DError as cause:
             if event.get("refused"):  # as it was then
                 continue
@@ -84,7 +96,7 @@ def _steps_of(score: Score, surface: PaintedSurface, first: int) -> Iterator[Ste
 def _cost(event: Any) -> float:
     if isinstance(event, Recording):
         return float(len(event))
-    return float(_COSTS.get(event["do"], 1.0) * event.get("times", 1))
+    return float(COMMANDS[event["do"]].cost * event.get("times", 1))
 
 
 def play(document: Any, score: Score, first: int = 0) -> Iterator[Step]:
@@ -115,3 +127,108 @@ def play(document: Any, score: Score, first: int = 0) -> Iterator[Step]:
                 what = step.command or "a sample"
                 raise RecordingError(f"{score.where(step.event)}: {what}: {cause}") from None
         yield step
+
+
+# ---- In time -------------------------------------------------------------------------------------
+
+
+_OF_INK = frozenset({"follow_time", "let_time_pass"})
+
+
+@dataclass(frozen=True, eq=False)
+class Cue:
+    """Something to be done at a time: samples of the stroke that goes on, or a command.
+
+    Attributes
+    ----------
+    when : float
+        s since the score began, by the hand's time.
+    samples : list of DeviceSample
+    command : str
+        Name of a method of `Document`; empty for samples.
+    options : dict
+        What it is called with.
+    """
+
+    when: float
+    samples: list[DeviceSample] = field(default_factory=list)
+    command: str = ""
+    options: dict[str, Any] = field(default_factory=dict)
+
+
+def seconds_of(score: Score) -> float:
+    """How long a score takes at the hand's own speed, s."""
+    clock = HandTime()
+    for event in score.events:
+        if isinstance(event, Recording):
+            clock.pass_samples(event.time_ns)
+        else:
+            _pass_command(clock, event["do"], event, event.get("times", 1))
+    return clock.seconds
+
+
+def in_pieces(score: Score, n: int = 1) -> Score:
+    """The same score with at most n samples between two events: what it paints is the same."""
+    events: list[Any] = []
+    lines: list[int] = []
+    for k, event in enumerate(score.events):
+        cut = [event]
+        if isinstance(event, Recording):
+            cut = [event.part(at, at + n) for at in range(0, len(event), n)]
+        events += cut
+        lines += score.lines[k : k + 1] * len(cut)
+    return replace(score, events=tuple(events), lines=tuple(lines))
+
+
+def pass_step(clock: HandTime, step: Step) -> None:
+    """Count a step that has been done."""
+    if step.samples:
+        clock.pass_samples(_times(step.samples))
+    else:
+        _pass_command(clock, step.command, step.options, 1)
+
+
+def cues_of(score: Score, surface: PaintedSurface) -> Iterator[Cue]:
+    """What is to be done, and when; samples one by one.
+
+    Parameters
+    ----------
+    score : Score
+    surface : PaintedSurface
+        Of the painting that it is played on.
+
+    Raises
+    ------
+    RecordingError
+        ``file:line: what is wrong`` for a brush or an ink that is not known, and the like.
+    """
+    clock = HandTime()
+    vocabulary = Vocabulary(surface, Inks(dict(score.header.get("pigments", {}))))
+    for k, event in enumerate(score.events):
+        if isinstance(event, Recording):
+            for when, sample in zip(
+                clock.pass_samples(event.time_ns), event.samples(), strict=True
+            ):
+                yield Cue(float(when), [sample])
+            continue
+        try:
+            asked = arguments_of(event, vocabulary)
+        except Paint3DError as cause:
+            if event.get("refused"):  # as it was then
+                continue
+            raise RecordingError(f"{score.where(k)}: {event['do']}: {cause}") from None
+        if event["do"] == "begin_stroke":
+            asked.setdefault("time_s", 0.0)
+        for _ in range(event.get("times", 1)):
+            _pass_command(clock, event["do"], event, 1)
+            yield Cue(clock.seconds, [], event["do"], asked)
+
+
+def _pass_command(clock: HandTime, name: str, options: Mapping[str, Any], times: int) -> None:
+    """Count what was asked for; it takes time only where ink is left to spread."""
+    if name in _OF_INK:
+        clock.pass_ink(float(options["seconds"]) * times)
+
+
+def _times(samples: list[DeviceSample]) -> Any:
+    return np.array([sample.time_ns for sample in samples], np.int64)

@@ -1,20 +1,21 @@
-"""What is asked of a document, as a line of a score says it, and back again.
+"""Codecs of commands: their arguments as the words of a line, and back again.
 
-A score knows no numbers of vertices and faces and no files of one machine: so it can be played on
-the same object from elsewhere, or on one that was meshed anew. A colour that was picked is the dip
-that it led to, a region of a mask a place in it, an ink of one's own table its spectrum.
+A recording names no vertices, no faces and no files of one machine: so it can be played on the same
+object from elsewhere, or on one that was meshed anew. A region of a mask is a point in it, an ink
+of one's own table its spectrum. Which command has which codec is in `paint3d.app.model.commands`.
 """
 
 from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable, Mapping
-from dataclasses import fields
+from dataclasses import dataclass, fields
+from itertools import count
 from typing import Any
 
 import numpy as np
 
-from paint3d.app.model.brush_size import resized
+from paint3d.app.model.brush_in_hand import resized
 from paint3d.app.model.input.symmetry import MirrorPlane, RadialSymmetry, Symmetry
 from paint3d.app.model.mask import AngleMask, Mask, RegionPick
 from paint3d.app.model.persistence.brush_words import brush_from_words, brush_words
@@ -29,7 +30,24 @@ from paint3d.mesh.likeness import digest_of
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.surface.painted_surface import PaintedSurface
 
-__all__ = ["Inks", "asked_by", "brush_in", "brush_named", "header_of", "line_of", "material_in"]
+__all__ = [
+    "BRUSH",
+    "DIP",
+    "EDIT",
+    "MASK",
+    "PLAIN",
+    "SEAL",
+    "STROKE",
+    "SYMMETRY",
+    "TAGS",
+    "Codec",
+    "Inks",
+    "Vocabulary",
+    "brush_in",
+    "brush_named",
+    "header_of",
+    "material_in",
+]
 
 Words = dict[str, Any]
 _REST = (0.0, 0.0, 0.0)
@@ -44,10 +62,12 @@ class Inks:
     table : dict
         Of the score's header: properties of pigments that are no palette's, by name; what is
         named comes into it.
+    apart : bool
+        Whether a second ink of the same name is told from the first by a number.
     """
 
-    def __init__(self, table: dict[str, Any]) -> None:
-        self.table = table
+    def __init__(self, table: dict[str, Any], *, apart: bool = False) -> None:
+        self.table, self._apart = table, apart
         self._own: dict[str, Pigment] = {}
 
     def words(self, ink: str | Pigment | Mapping[Any, float]) -> str | dict[str, float]:
@@ -56,7 +76,7 @@ class Inks:
         Raises
         ------
         RecordingError
-            If there are two inks of one name.
+            If there are two inks of one name, and they are not told apart.
         Paint3DError
             If an ink is not known.
         """
@@ -72,13 +92,18 @@ class Inks:
         if isinstance(ink, str) and table_of(ink) is None:
             return ink
         pigment = load_pigment(ink) if isinstance(ink, str) else ink
-        known = self._known(pigment.name)
-        if known is None:
-            self._own[pigment.name] = pigment
-            self.table[pigment.name] = _pigment_words(pigment)
-        elif not known.is_like(pigment):
-            raise RecordingError(f"there are two inks named {pigment.name!r}; expected one")
-        return pigment.name
+        names = (pigment.name if k == 1 else f"{pigment.name} ({k})" for k in count(1))
+        for name in names if self._apart else (pigment.name,):
+            known = self._known(name)
+            if known is None:
+                self._own[name] = pigment
+                self.table[name] = _pigment_words(pigment)
+                if name != pigment.name:
+                    self.table[name]["name"] = pigment.name
+                return name
+            if known.is_like(pigment):
+                return name
+        raise RecordingError(f"there are two inks named {pigment.name!r}; expected one")
 
     def _known(self, name: str) -> Pigment | None:
         try:
@@ -104,7 +129,7 @@ class Inks:
 
     def _pigment(self, name: str) -> Pigment:
         if name in self.table and name not in self._own:
-            self._own[name] = Pigment(name, **{"chinese": "", **self.table[name]})
+            self._own[name] = Pigment(**{"name": name, "chinese": "", **self.table[name]})
         return self._own.get(name) or load_pigment(name, own_tables=False)
 
 
@@ -191,33 +216,46 @@ def material_in(header: Mapping[str, Any]) -> Material:
         raise PigmentError(f"this describes no material: {cause}") from None
 
 
-# -- a command as a line --------------------------------------------------------------------
+# ---- Codecs --------------------------------------------------------------------------------------
 
 
-def line_of(name: str, asked: Mapping[str, Any], surface: PaintedSurface, inks: Inks) -> Words:
-    """A command as a score says it.
+@dataclass(frozen=True)
+class Vocabulary:
+    """What the words of a line refer to.
 
-    Parameters
+    Attributes
     ----------
-    name : str
-        Of a method of `Document`.
-    asked : mapping
-        What it was called with, by the names of its parameters.
     surface : PaintedSurface
+        Of the painting that is asked.
     inks : Inks
-
-    Raises
-    ------
-    RecordingError
-        If it is nothing that a score can say.
+    exact : bool
+        Whether the line is only for this painting, so that it may name faces by their numbers.
     """
-    say = _SAID.get(name, _plainly)
-    given = {key: value for key, value in asked.items() if value is not None and value != ""}
-    return {"do": name, **say(given, surface, inks)}
+
+    surface: PaintedSurface
+    inks: Inks
+    exact: bool = False
 
 
-def _plainly(asked: Mapping[str, Any], _: PaintedSurface, __: Inks) -> Words:
-    return {key: _plain(value) for key, value in asked.items()}
+_Coder = Callable[[Mapping[str, Any], Vocabulary], Words]
+
+
+@dataclass(frozen=True)
+class Codec:
+    """How the arguments of a command are written down and read.
+
+    Attributes
+    ----------
+    encode : callable
+        From arguments by name to the words of a line. Raises RecordingError for a value that no
+        line can say, another Paint3DError for one that the document refuses.
+    decode : callable
+        And back. Raises Paint3DError where a brush or an ink is not known, or a value is out of its
+        range.
+    """
+
+    encode: _Coder
+    decode: _Coder
 
 
 def _plain(value: Any) -> Any:
@@ -232,32 +270,74 @@ def _plain(value: Any) -> Any:
     raise RecordingError(f"{type(value).__name__} is nothing that a recording can say")
 
 
-def _brush_said(asked: Mapping[str, Any], _: PaintedSurface, __: Inks) -> Words:
+def _say_plainly(asked: Mapping[str, Any], _: Vocabulary) -> Words:
+    return {key: _plain(value) for key, value in asked.items()}
+
+
+PLAIN = Codec(_say_plainly, lambda said, _: dict(said))
+"""Numbers, texts, lists and mappings of them, as they are."""
+
+TAGS = Codec(
+    lambda asked, _: {"tags": _plain(asked.get("tags", {}))}, lambda said, _: dict(said["tags"])
+)
+"""Of a method that takes whatever it is given by name."""
+
+
+def _say_brush(asked: Mapping[str, Any], _: Vocabulary) -> Words:
     brush = asked["brush"]
     if isinstance(brush, Mapping):
         brush = brush_from_words(brush)
     return {"brush": brush_named(brush) if isinstance(brush, BrushSpec) else brush}
 
 
-def _dip_said(asked: Mapping[str, Any], _: PaintedSurface, inks: Inks) -> Words:
-    said = {"ink": inks.words(asked["ink"])} if "ink" in asked else {}
-    said |= {"amount": _plain(asked["amount"])} if "amount" in asked else {}
-    return said | ({"reach": float(asked["reach"])} if "reach" in asked else {})
+BRUSH = Codec(_say_brush, lambda said, _: {"brush": brush_in(said, "")})
+"""A brush, by its name or by all its parameters."""
 
 
-def _stroke_said(asked: Mapping[str, Any], surface: PaintedSurface, inks: Inks) -> Words:
-    said: Words = {"time_s": asked["time_s"]} if "time_s" in asked else {}
-    own = _brush_said(asked, surface, inks) if "brush" in asked else {}
-    own |= {name: _plain(asked[name]) for name in ("loads", "strengths") if asked.get(name)}
-    return said | own | ({"ink": inks.words(asked["ink"])} if "ink" in asked else {})
+def _say_ink(asked: Mapping[str, Any], vocabulary: Vocabulary) -> Words:
+    inks = vocabulary.inks
+    return {k: inks.words(v) if k == "ink" else _plain(v) for k, v in asked.items()}
 
 
-def _seal_said(asked: Mapping[str, Any], _: PaintedSurface, inks: Inks) -> Words:
-    said: Words = _plain({key: value for key, value in asked.items() if key != "ink"})
-    return said | ({"ink": inks.words(asked["ink"])} if "ink" in asked else {})
+def _hear_ink(said: Mapping[str, Any], vocabulary: Vocabulary) -> Words:
+    return {**said} | ({"ink": vocabulary.inks.mixture(said["ink"])} if "ink" in said else {})
 
 
-def _symmetry_said(asked: Mapping[str, Any], _: PaintedSurface, __: Inks) -> Words:
+DIP = SEAL = Codec(_say_ink, _hear_ink)
+"""An ink, and plain values."""
+
+
+def _say_stroke(asked: Mapping[str, Any], vocabulary: Vocabulary) -> Words:
+    empty = {key for key in ("loads", "strengths") if key in asked and not len(asked[key])}
+    own = _say_brush(asked, vocabulary) if "brush" in asked else {}
+    rest = {key: value for key, value in asked.items() if key not in empty | {"brush"}}
+    return _say_ink(rest, vocabulary) | own
+
+
+def _hear_stroke(said: Mapping[str, Any], vocabulary: Vocabulary) -> Words:
+    own = {"brush": brush_in(said, "")} if "brush" in said else {}
+    return _hear_ink(said, vocabulary) | own
+
+
+STROKE = Codec(_say_stroke, _hear_stroke)
+"""What a stroke begins with."""
+
+
+def _say_edit(asked: Mapping[str, Any], vocabulary: Vocabulary) -> Words:
+    edit = dict(asked["edit"])
+    if isinstance(edit.get("brush"), BrushSpec):
+        edit["brush"] = brush_named(edit["brush"])
+    return {"number": _plain(asked["number"]), "edit": _say_ink(edit, vocabulary)}
+
+
+EDIT = Codec(
+    _say_edit,
+    lambda said, vocabulary: {**said, "edit": _hear_ink(said["edit"], vocabulary)},
+)
+"""An edit of a stroke, as `recording.score_edits.edit_stroke` takes it."""
+
+
+def _say_symmetry(asked: Mapping[str, Any], _: Vocabulary) -> Words:
     symmetry = asked["symmetry"]
     said: Words = {}
     if symmetry.planes:
@@ -272,15 +352,36 @@ def _symmetry_said(asked: Mapping[str, Any], _: PaintedSurface, __: Inks) -> Wor
     return said
 
 
-def _mask_said(asked: Mapping[str, Any], surface: PaintedSurface, _: Inks) -> Words:
-    mask, said = asked["mask"], dict[str, Any]()
+def _hear_symmetry(said: Mapping[str, Any], _: Vocabulary) -> Words:
+    planes = tuple(
+        MirrorPlane(tuple(plane["point"]), tuple(plane["normal"]))
+        for plane in said.get("planes", ())
+    )
+    radial = said.get("radial")
+    turns = None
+    if radial is not None:
+        point, axis = tuple(radial.get("point", _REST)), tuple(radial.get("axis", _UP))
+        turns = RadialSymmetry(radial["count"], point, axis)
+    return {"symmetry": Symmetry(planes, turns)}
+
+
+SYMMETRY = Codec(_say_symmetry, _hear_symmetry)
+
+
+def _say_mask(asked: Mapping[str, Any], vocabulary: Vocabulary) -> Words:
+    mask, said = asked["mask"], Words()
     if mask.angle is not None:
         said["angle"] = {"direction": _plain(mask.angle.direction), "degrees": mask.angle.degrees}
     if mask.regions:
         said["regions"] = [
-            {"at": _middle_of(surface, pick.face), "up_to": pick.up_to, "degrees": pick.degrees}
+            {
+                **({"face": int(pick.face)} if vocabulary.exact
+                   else {"at": _middle_of(vocabulary.surface, pick.face)}),
+                "up_to": pick.up_to,
+                "degrees": pick.degrees,
+            }
             for pick in mask.regions
-        ]
+        ]  # fmt: skip
     return said | ({"inverted": True} if mask.inverted else {})
 
 
@@ -293,93 +394,20 @@ def _middle_of(surface: PaintedSurface, face: int) -> list[float]:
     return middle
 
 
-_SAID: Mapping[str, Callable[[Mapping[str, Any], PaintedSurface, Inks], Words]] = {
-    "begin_stroke": _stroke_said,
-    "set_brush": _brush_said,
-    "dip": _dip_said,
-    "press_seal": _seal_said,
-    "set_symmetry": _symmetry_said,
-    "set_mask": _mask_said,
-    "set_tags": lambda asked, _, __: {"tags": _plain(asked.get("tags", {}))},
-}
-
-
-# -- a line as a command --------------------------------------------------------------------
-
-
-def asked_by(line: Mapping[str, Any], surface: PaintedSurface, inks: Inks) -> Words:
-    """What a document's method of the line's name is to be called with.
-
-    Raises
-    ------
-    Paint3DError
-        If a brush or an ink is not known, or a value is out of its range.
-    """
-    name = line["do"]
-    given = {key: value for key, value in line.items() if key not in ("do", "refused", "times")}
-    if name in _ASKED:
-        return _ASKED[name](given, surface, inks)
-    return given
-
-
-def _symmetry_asked(given: Mapping[str, Any], _: PaintedSurface, __: Inks) -> Words:
-    planes = tuple(
-        MirrorPlane(tuple(plane["point"]), tuple(plane["normal"]))
-        for plane in given.get("planes", ())
-    )
-    radial = given.get("radial")
-    turns = None
-    if radial is not None:
-        point, axis = tuple(radial.get("point", _REST)), tuple(radial.get("axis", _UP))
-        turns = RadialSymmetry(radial["count"], point, axis)
-    return {"symmetry": Symmetry(planes, turns)}
-
-
-def _mask_asked(given: Mapping[str, Any], surface: PaintedSurface, _: Inks) -> Words:
-    angle = given.get("angle")
-    regions = given.get("regions", ())
-    faces = _faces_at(surface, [region["at"] for region in regions]) if regions else []
+def _hear_mask(said: Mapping[str, Any], vocabulary: Vocabulary) -> Words:
+    angle, regions = said.get("angle"), said.get("regions", ())
+    faces = [region.get("face") for region in regions]
+    if None in faces:
+        mesh = vocabulary.surface.paint_mesh
+        bare = TriangleMesh(mesh.vertices[: mesh.n_base_vertices], mesh.base_faces)
+        points = np.array([region["at"] for region in regions])
+        faces = ClosestPoints(bare).find(points).faces.tolist()
     picks = tuple(
         RegionPick(face, region.get("up_to", "crease"), region.get("degrees", 30.0))
         for face, region in zip(faces, regions, strict=True)
     )
     leaning = None if angle is None else AngleMask(tuple(angle["direction"]), angle["degrees"])
-    return {"mask": Mask(leaning, picks, given.get("inverted", False))}
+    return {"mask": Mask(leaning, picks, said.get("inverted", False))}
 
 
-def _faces_at(surface: PaintedSurface, places: list[list[float]]) -> list[int]:
-    mesh = surface.paint_mesh
-    bare = TriangleMesh(mesh.vertices[: mesh.n_base_vertices], mesh.base_faces)
-    found: list[int] = ClosestPoints(bare).find(np.array(places)).faces.tolist()
-    return found
-
-
-def _stroke_asked(given: Mapping[str, Any], _: PaintedSurface, inks: Inks) -> Words:
-    own = dict(given)
-    if "brush" in given:
-        own["brush"] = brush_in(given, "")
-    if "ink" in given:
-        own["ink"] = inks.mixture(given["ink"])
-    return own
-
-
-def _dip_asked(given: Mapping[str, Any], _: PaintedSurface, inks: Inks) -> Words:
-    own = {"ink": inks.mixture(given["ink"])} if "ink" in given else {}
-    own |= {"amount": given["amount"]} if "amount" in given else {}
-    return own | ({"reach": given["reach"]} if "reach" in given else {})
-
-
-def _seal_asked(given: Mapping[str, Any], _: PaintedSurface, inks: Inks) -> Words:
-    own = {"ink": inks.mixture(given["ink"])} if "ink" in given else {}
-    return {**given, **own}
-
-
-_ASKED: Mapping[str, Callable[[Mapping[str, Any], PaintedSurface, Inks], Words]] = {
-    "begin_stroke": _stroke_asked,
-    "set_brush": lambda given, _, __: {"brush": brush_in(given, "")},
-    "dip": _dip_asked,
-    "press_seal": _seal_asked,
-    "set_symmetry": _symmetry_asked,
-    "set_mask": _mask_asked,
-    "set_tags": lambda given, _, __: dict(given["tags"]),
-}
+MASK = Codec(_say_mask, _hear_mask)

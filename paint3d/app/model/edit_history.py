@@ -1,0 +1,185 @@
+"""Undo of edits of strokes: the painting as it was before an edit, and as it is after.
+
+An edit goes back to where its stroke began, by undo, and plays the edited score from there. Steps
+that there were are kept aside, so that undo of the edit brings the painting back as it was, to
+the bit, in one step; and redo the edited one.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from paint3d.app.model.score.keeping import ScoreKeeper
+from paint3d.core.arrays import AnyArray
+from paint3d.device.recorded import Recording
+from paint3d.errors import InputError
+from paint3d.recording.score import Score
+from paint3d.recording.score_steps import follow_steps
+from paint3d.surface.undo import Step, UndoHistory
+
+__all__ = [
+    "EditHistory",
+    "Turned",
+    "Version",
+    "first_difference",
+    "places_of",
+    "without_refusals",
+]
+
+
+Turned = tuple[list[AnyArray], ScoreKeeper | None]
+"""Vertices (N,) int32 whose colours may have changed, and the keeper of the painting as it is."""
+
+
+@dataclass(eq=False)
+class Version:
+    """The painting as it is without an edit, or with it: what takes it there.
+
+    Attributes
+    ----------
+    depth : int
+        Steps that both have.
+    aside : list of Step
+        Those to do again after them, the next one last.
+    count : int
+        How many of them are to be done.
+    since : Step
+        What came since an undo, to do again after them.
+    keeper : ScoreKeeper or None
+    here : int
+        Number of the last step of the version that is there now.
+    there : int
+        And of the other one.
+    newest : int
+        Number of the newest step when the versions were exchanged.
+    """
+
+    depth: int
+    aside: list[Step]
+    count: int
+    since: Step
+    keeper: ScoreKeeper | None
+    here: int
+    there: int
+    newest: int
+
+
+class EditHistory:
+    """The edits that undo takes back, and those that redo does again.
+
+    Parameters
+    ----------
+    steps : UndoHistory
+        Of the painting.
+    """
+
+    def __init__(self, steps: UndoHistory) -> None:
+        self._steps = steps
+        self._done: list[Version] = []
+        self._undone: list[Version] = []
+
+    @property
+    def n_done(self) -> int:
+        """How many edits undo can take back."""
+        return len(self._done)
+
+    @property
+    def has_any(self) -> bool:
+        """Whether undo or redo may lead over an edit, which no file keeps."""
+        return bool(self._done or self._undone)
+
+    @property
+    def ends_here(self) -> bool:
+        """Whether the last thing that was done is an edit."""
+        return bool(self._done) and self._done[-1].here == self._steps.next_undo
+
+    @property
+    def continues_here(self) -> bool:
+        """Whether the next thing to do again is an edit."""
+        last = self._undone[-1] if self._undone else None
+        if last is None:
+            return False
+        return last.here == self._steps.next_undo and last.newest == self._steps.newest
+
+    def add(self, version: Version) -> None:
+        """Have another edit, which has just been done; the version is the painting without it."""
+        version.here = self._steps.next_undo
+        self._done.append(version)
+        self._undone.clear()
+
+    def take_back(self, keeper: ScoreKeeper | None) -> Turned:
+        """Take the last edit back.
+
+        Parameters
+        ----------
+        keeper : ScoreKeeper or None
+            Of the painting as it is.
+
+        Returns
+        -------
+        Turned
+        """
+        return self._turn(self._done, self._undone, keeper)
+
+    def do_again(self, keeper: ScoreKeeper | None) -> Turned:
+        """Do the next edit again; see `take_back`."""
+        return self._turn(self._undone, self._done, keeper)
+
+    def _turn(self, one: list[Version], other: list[Version], keeper: ScoreKeeper | None) -> Turned:
+        version = one.pop()
+        touched = self.exchange(version)
+        version.newest = self._steps.newest
+        other.append(version)
+        back, version.keeper = version.keeper, keeper
+        return touched, back
+
+    def exchange(self, version: Version) -> list[AnyArray]:
+        """Undo to where the versions part, and redo in the other one; see `take_back`."""
+        steps = self._steps
+        since, ids = steps.lay_aside_since()
+        count = len(steps.done) - version.depth
+        touched = [ids, *(steps.undo() for _ in range(count))]
+        aside = steps.exchange_undone(version.aside)
+        touched += [steps.redo() for _ in range(version.count)]
+        touched.append(steps.resume_since(version.since))
+        version.aside, version.count, version.since = aside, count, since
+        version.here, version.there = version.there, version.here
+        return touched
+
+
+def places_of(score: Score, there: int, undone: int) -> list[tuple[int, int]]:
+    """Of the strokes that are there and those that were undone: number in the score, and event.
+
+    Raises
+    ------
+    InputError
+        If they are others than the score's.
+    """
+    steps = follow_steps(score)
+    if (len(steps.done), len(steps.undone)) != (there, undone):
+        raise InputError(
+            f"the score has {len(steps.done)} strokes there and {len(steps.undone)} undone; "
+            f"expected {there} and {undone}, as in the painting"
+        )
+    return [(stroke.number, stroke.begin) for stroke in (*steps.done, *steps.undone)]
+
+
+def first_difference(one: Score, other: Score) -> int:
+    """The first event in which two scores differ."""
+    for k, (a, b) in enumerate(zip(one.events, other.events, strict=False)):
+        if a is not b and (isinstance(a, Recording) or isinstance(b, Recording) or a != b):
+            return k
+    return min(len(one.events), len(other.events))
+
+
+def without_refusals(score: Score, first: int) -> Score:
+    """A score without the strokes and drying that were refused, from an event on.
+
+    They were for layers that were locked or hidden, which none is meanwhile.
+    """
+    events = [
+        {"do": "end_stroke"} if not isinstance(event, Recording) and event.get("refused")
+        and event["do"] in ("begin_stroke", "dry") and k >= first else event
+        for k, event in enumerate(score.events)
+    ]  # fmt: skip
+    return Score(score.header, tuple(events), score.lines, score.name)

@@ -1,0 +1,96 @@
+"""Strokes painted again, for those that no undo step takes back.
+
+Files from before kept strokes and no steps, and a file has no room for the steps of very many. The
+strokes are painted again on layers of their own; that these make way for the painting as it is
+belongs to the last one's step. So undo leads from the painting to what was painted again, stroke by
+stroke to the bare object, and redo back to the painting to the bit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from paint3d.app.model.stroke_log import Stroke, weights_of
+from paint3d.colour.pigments import Pigment
+from paint3d.painter.painter import Ink, Painter
+from paint3d.surface.undo import UndoHistory
+
+__all__ = ["Repainter", "dips_of", "names_of"]
+
+_Dip = tuple[Ink, float | None]
+_CHUNK = 1000  # samples between two calls of `progress`
+
+
+class Repainter:
+    """Paints strokes of a log once more.
+
+    Parameters
+    ----------
+    painter : Painter
+    undo : UndoHistory
+        Which gets a step for each.
+    progress : callable or None
+        Called with the fraction that is done; what it raises stops it.
+    """
+
+    def __init__(
+        self, painter: Painter, undo: UndoHistory, progress: Callable[[float], None] | None
+    ) -> None:
+        self._painter, self._undo, self._progress = painter, undo, progress
+
+    def make_bare(self, first: Stroke) -> None:
+        """Begin as a new painting would: a brush that was dipped for the first stroke."""
+        painter, surface = self._painter, self._painter.surface
+        surface.use_layers().describe(0, name=first.layer)
+        painter.change_brush(first.brush)
+        painter.rinse()
+        surface.ink.off_surface[:] = 0.0
+        painter.loaded = 0.0
+        painter.dip(self._ink_of(first), amount=first.amount)
+
+    def repeat(self, strokes: Sequence[Stroke]) -> None:
+        """Paint strokes on the layers of their names, each a step."""
+        painter = self._painter
+        total, before = sum(len(stroke.samples) for stroke in strokes), 0
+        for stroke in strokes:
+            self._undo.begin(stroke)
+            self._make_ready(stroke)
+            samples = stroke.samples
+            try:
+                for at in range(0, len(samples), _CHUNK):
+                    painter.advance(samples[at : at + _CHUNK])
+                    if self._progress is not None:
+                        self._progress((before + at) / total)
+            except BaseException:
+                painter.abandon()
+                raise
+            painter.finish()
+            before += len(samples)
+
+    def _make_ready(self, stroke: Stroke) -> None:
+        """Take the layer, the brush and the ink of a stroke."""
+        stack, painter = self._painter.surface.use_layers(), self._painter
+        names = [layer.name for layer in stack.layers]
+        if stroke.layer not in names:
+            self._undo.change(stack.state, lambda: stack.add(stroke.layer, len(names)))
+        elif names.index(stroke.layer) != stack.active:
+            self._undo.change(stack.state, lambda: stack.activate(names.index(stroke.layer)))
+        if stroke.brush != painter.brush:
+            painter.change_brush(stroke.brush)
+            painter.dip(self._ink_of(stroke), amount=stroke.amount)
+        elif stroke.dipped:
+            painter.dip(self._ink_of(stroke), amount=stroke.amount)
+
+    def _ink_of(self, stroke: Stroke) -> dict[str | Pigment, float]:
+        known = {pigment.name: pigment for pigment in self._painter.surface.pigments}
+        return {known.get(name, name): part for name, part in stroke.ink.items()}
+
+
+def dips_of(painter: Painter) -> Sequence[_Dip]:
+    """What the brush came to its ink by: the belly's dip, and then the tip's."""
+    return painter.dips or ((painter.dipped, None),)
+
+
+def names_of(dips: Sequence[_Dip]) -> list[tuple[dict[str, float], float | None]]:
+    """Dips by the names of their inks, to be compared."""
+    return [(weights_of(ink), reach) for ink, reach in dips]

@@ -1,1 +1,0 @@
-"""Seals on a document, as a step of its history."""

@@ -1,0 +1,1 @@
+"""Brushes: the panel, the editor, files of one's own."""

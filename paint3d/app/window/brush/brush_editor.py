@@ -1,0 +1,798 @@
+"""The brush editor: every parameter with its unit and range, its footprints and its stroke."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Callable
+from concurrent.futures import Future, ThreadPoolExecutor
+from typing import Any, NamedTuple
+
+from PySide6 import QtCore, QtGui, QtWidgets
+
+from paint3d.app.model.brush_in_hand import resized, size_limits
+from paint3d.app.window.brush.brush_panel import pixmap_of, plain_name
+from paint3d.app.window.previews import sorted_parts
+from paint3d.app.window.theme import Theme
+from paint3d.app.window.wording import say, say_error
+from paint3d.brush.presets import (
+    brush_names,
+    check_brush_name,
+    check_unlike_presets,
+    load_presets,
+    meaning_of,
+)
+from paint3d.brush.spec import (
+    HAIRS,
+    INPUTS,
+    SETTINGS,
+    TABLES,
+    BristleSpec,
+    BrushSpec,
+    hair_ranges,
+    parameter_ranges,
+)
+from paint3d.brush_engine.tuft import MOST_POINTS
+from paint3d.core.arrays import AnyArray
+from paint3d.errors import BrushError, Paint3DError
+from paint3d.painter.painter import Ink
+from paint3d.view.brush_shape import draw_footprints, draw_stroke
+
+__all__ = [
+    "FORCE",
+    "INPUT_RANGES",
+    "OF_HAIRS",
+    "PRESSES",
+    "TUFT",
+    "BrushDrawing",
+    "BrushEditor",
+    "Drawn",
+    "FactorCurve",
+    "NumberRow",
+    "Points",
+    "changed",
+    "points_of",
+    "range_of",
+    "value_of",
+    "with_curve",
+    "with_hairs",
+]
+
+# ---- Pictures of the brush -----------------------------------------------------------------------
+# Pictures of a brush that is being changed, drawn beside the window: always of the newest.
+
+
+_LOOK_MS = 30
+PRESSES = (0.25, 0.6, 1.0)
+"""Pressures whose footprints are shown."""
+
+
+class Drawn(NamedTuple):
+    """Pictures (H, W, 3) uint8 of a brush, or what is wrong with it."""
+
+    brush: BrushSpec
+    footprints: AnyArray | None
+    stroke: AnyArray | None
+    error: BaseException | None
+
+
+class BrushDrawing(QtCore.QObject):
+    """One thread that draws; what was asked for while it was busy is drawn when it has time.
+
+    Parameters
+    ----------
+    side, columns : int
+        Pixels: of the footprints' picture along a side, of the stroke's from left to right.
+
+    Signals
+    -------
+    drawn : Drawn
+    """
+
+    drawn = QtCore.Signal(object)
+
+    def __init__(self, parent: QtCore.QObject, side: int, columns: int) -> None:
+        super().__init__(parent)
+        self._size = side, columns
+        self._worker = ThreadPoolExecutor(1, thread_name_prefix="paint3d-brush")
+        self._next: tuple[BrushSpec, Ink] | None = None
+        self._coming: Future[Drawn] | None = None
+        self._timer = QtCore.QTimer(self, interval=_LOOK_MS)
+        self._timer.timeout.connect(self._look)
+
+    @property
+    def is_busy(self) -> bool:
+        """Whether something is still to be drawn."""
+        return self._next is not None or self._coming is not None
+
+    def ask(self, brush: BrushSpec, ink: Ink) -> None:
+        """Draw this brush instead of any that waits."""
+        self._next = brush, ink
+        self._look()
+        self._timer.start()
+
+    def close_down(self) -> None:
+        """Draw nothing more."""
+        self._timer.stop()
+        self._next = None
+        self._worker.shutdown(wait=False, cancel_futures=True)
+
+    def _look(self) -> None:
+        if self._coming is not None:
+            if not self._coming.done():
+                return
+            drawn, self._coming = self._coming.result(), None
+            self.drawn.emit(drawn)
+        if self._next is not None:
+            (brush, ink), self._next = self._next, None
+            self._coming = self._worker.submit(_draw, brush, ink, *self._size)
+        else:
+            self._timer.stop()
+
+
+def _draw(brush: BrushSpec, ink: Ink, side: int, columns: int) -> Drawn:
+    try:
+        parts: Any = dict(sorted_parts(ink))
+        footprints = draw_footprints(brush, side, PRESSES)
+        return Drawn(brush, footprints, draw_stroke(brush, parts, columns=columns), None)
+    except Exception as error:  # told in the window: what went wrong in a thread nobody sees
+        return Drawn(brush, None, None, error)
+
+
+# --------------------------------------------------------------------------------------------------
+
+
+# ---- Curves --------------------------------------------------------------------------------------
+# A curve to drag, by which an input of the hand drives a setting of the brush.
+
+
+_GRIP, _NEAR = 5.5, 12.0
+_LEAST, _MOST = 0.05, 20.0
+_MARGIN = QtCore.QMarginsF(34, 12, 14, 22)
+_APART = 0.01  # of the width: points lie at least so far from each other
+
+
+class FactorCurve(QtWidgets.QWidget):
+    """Points (input, factor) joined by straight lines; outside the first and last these hold.
+
+    Signals
+    -------
+    changed : tuple of (float, float)
+        All points, when one was added, moved or taken away.
+    """
+
+    changed = QtCore.Signal(object)
+
+    def __init__(self, theme: Theme) -> None:
+        super().__init__()
+        self.theme = theme
+        self.points: Points = ()
+        self._low, self._high, self._unit = 0.0, 1.0, ""
+        self._held = -1
+        self.setMinimumSize(250, 150)
+        self.setToolTip(say("Drag points; click to add one, right button to take one away"))
+
+    def show_points(self, points: Points, low: float, high: float, unit: str) -> None:
+        """Show other points, over inputs from low to high, and tell nothing."""
+        self.points, self._low, self._high, self._unit = points, low, high, unit
+        self._held = self._held if self._held < len(points) else -1
+        self.update()
+
+    def place(self, x: float, y: float) -> QtCore.QPointF:
+        """Where an input and a factor lie in the widget."""
+        area = QtCore.QRectF(self.rect()).marginsRemoved(_MARGIN)
+        along = (x - self._low) / (self._high - self._low)
+        up = math.log(y / _LEAST) / math.log(_MOST / _LEAST)
+        return QtCore.QPointF(
+            area.left() + min(max(along, 0.0), 1.0) * area.width(),
+            area.bottom() - min(max(up, 0.0), 1.0) * area.height(),
+        )
+
+    def _value(self, place: QtCore.QPointF) -> tuple[float, float]:
+        area = QtCore.QRectF(self.rect()).marginsRemoved(_MARGIN)
+        along = min(max((place.x() - area.left()) / area.width(), 0.0), 1.0)
+        up = min(max((area.bottom() - place.y()) / area.height(), 0.0), 1.0)
+        x = self._low + along * (self._high - self._low)
+        return float(f"{x:.3g}"), float(f"{_LEAST * (_MOST / _LEAST) ** up:.3g}")
+
+    def paintEvent(self, event: QtGui.QPaintEvent) -> None:
+        """Draw axes, curve and points."""
+        painter, theme = QtGui.QPainter(self), self.theme
+        painter.setRenderHint(QtGui.QPainter.RenderHint.Antialiasing)
+        area = QtCore.QRectF(self.rect()).marginsRemoved(_MARGIN)
+        painter.setPen(QtGui.QPen(QtGui.QColor(theme.line), 1))
+        painter.setBrush(QtGui.QColor(theme.field))
+        painter.drawRoundedRect(area.adjusted(-5, -5, 5, 5), 6, 6)
+        small = painter.font()
+        small.setPointSizeF(small.pointSizeF() - 1.5)
+        painter.setFont(small)
+        for factor in (0.1, 0.3, 1.0, 3.0, 10.0):
+            y = self.place(self._low, factor).y()
+            painter.setPen(QtGui.QPen(QtGui.QColor(theme.line), 2.0 if factor == 1.0 else 1.0))
+            painter.drawLine(QtCore.QPointF(area.left(), y), QtCore.QPointF(area.right(), y))
+            painter.setPen(QtGui.QColor(theme.faint))
+            box = QtCore.QRectF(0, y - 8, area.left() - 8, 16)
+            painter.drawText(box, QtCore.Qt.AlignmentFlag.AlignRight, f"×{factor:g}")
+        below = QtCore.QRectF(area.left(), area.bottom() + 5, area.width(), 16)
+        painter.drawText(below, QtCore.Qt.AlignmentFlag.AlignLeft, f"{self._low:g}")
+        most = f"{self._high:g} {self._unit}".rstrip()
+        painter.drawText(below, QtCore.Qt.AlignmentFlag.AlignRight, most)
+        if self.points:
+            self._draw_curve(painter, area)
+        painter.end()
+
+    def _draw_curve(self, painter: QtGui.QPainter, area: QtCore.QRectF) -> None:
+        places = [self.place(x, y) for x, y in self.points]
+        ends = (
+            QtCore.QPointF(area.left(), places[0].y()), QtCore.QPointF(area.right(), places[-1].y())
+        )  # fmt: skip
+        painter.setBrush(QtCore.Qt.BrushStyle.NoBrush)
+        painter.setPen(QtGui.QPen(QtGui.QColor(self.theme.accent), 2.2))
+        painter.drawPolyline([ends[0], *places, ends[1]])
+        painter.setBrush(QtGui.QColor(self.theme.raised))
+        for place in places:
+            painter.drawEllipse(place, _GRIP, _GRIP)
+
+    def _point_at(self, place: QtCore.QPointF) -> int:
+        near = [
+            ((self.place(*point) - place).manhattanLength(), k)
+            for k, point in enumerate(self.points)
+        ]
+        distance, k = min(near, default=(math.inf, -1))
+        return k if distance < _NEAR else -1
+
+    def mousePressEvent(self, event: QtGui.QMouseEvent) -> None:
+        """Hold a point, make one, or take one away."""
+        left = QtCore.Qt.MouseButton.LeftButton
+        if event.button() != left and event.buttons() & left:
+            return  # beside the button that holds one
+        place = event.position()
+        at = self._point_at(place)
+        if event.button() == QtCore.Qt.MouseButton.RightButton:
+            if at >= 0:
+                self._tell(self.points[:at] + self.points[at + 1 :])
+            return
+        if at < 0 and len(self.points) < MOST_POINTS:
+            x, y = self._value(place)
+            at = sum(point[0] < x for point in self.points)
+            if self._fits(x, at, at):
+                self._tell((*self.points[:at], (x, y), *self.points[at:]))
+            else:
+                at = -1
+        self._held = at
+
+    def mouseMoveEvent(self, event: QtGui.QMouseEvent) -> None:
+        """Drag the point that is held, between its neighbours."""
+        at = self._held
+        if at < 0:
+            return
+        x, y = self._value(event.position())
+        x = x if self._fits(x, at, at + 1) else self.points[at][0]
+        self._tell((*self.points[:at], (x, y), *self.points[at + 1 :]))
+
+    def mouseReleaseEvent(self, event: QtGui.QMouseEvent) -> None:
+        """Let go of it with the button that holds it."""
+        if not event.buttons() & QtCore.Qt.MouseButton.LeftButton:
+            self._held = -1
+
+    def _fits(self, x: float, at: int, after: int) -> bool:
+        """Whether an input lies between the points before a place and from another on."""
+        apart = _APART * (self._high - self._low)
+        before = self.points[at - 1][0] if at > 0 else -math.inf
+        behind = self.points[after][0] if after < len(self.points) else math.inf
+        return before + apart <= x <= behind - apart
+
+    def _tell(self, points: Points) -> None:
+        self.points = points
+        self.update()
+        self.changed.emit(points)
+
+
+# --------------------------------------------------------------------------------------------------
+
+
+# ---- Numbers -------------------------------------------------------------------------------------
+# A number to be chosen: what it is, a slider, a box with its unit, and between what it may lie.
+
+
+_STEPS = 1000
+_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+_DIGITS = 3  # significant, of the narrower end of a range
+
+
+class NumberRow(QtCore.QObject):
+    """One row of a grid.
+
+    Parameters
+    ----------
+    grid : QGridLayout
+        Where it is put, below what is there.
+    name : str
+        Which number; said with a change.
+    label : (str, str)
+        What it is called, and what its tool tip says.
+    unit : str
+    whole : bool
+        Whether only whole numbers can be chosen.
+    even : bool
+        Whether the slider goes in even steps; if not, in even ratios.
+
+    Signals
+    -------
+    changed : (str, float)
+        Chosen by hand.
+    """
+
+    changed = QtCore.Signal(str, float)
+
+    def __init__(
+        self,
+        grid: QtWidgets.QGridLayout,
+        name: str,
+        label: tuple[str, str],
+        unit: str = "",
+        *,
+        whole: bool = False,
+        even: bool = True,
+    ) -> None:
+        super().__init__(grid)
+        self.name, self._whole, self._even = name, whole, even
+        self._low, self._high, self._shown = 0.0, 1.0, 0.0
+        self.label = QtWidgets.QLabel(say(label[0]))
+        self.slider = QtWidgets.QSlider(QtCore.Qt.Orientation.Horizontal)
+        self.slider.setRange(0, _STEPS)
+        self.slider.setMinimumWidth(90)
+        self.box = _PlainBox()
+        self.box.setObjectName(name)
+        self.box.setKeyboardTracking(False)
+        self.box.setSuffix(f" {unit}" if unit else "")
+        self.box.setMinimumWidth(96)
+        self.range = QtWidgets.QLabel()
+        self.range.setObjectName("faint")
+        for widget in (self.label, self.slider, self.box):
+            widget.setToolTip(label[1])
+        self.slider.setAccessibleName(say(label[0]))
+        self.box.setAccessibleName(say(label[0]))
+        row = grid.rowCount()
+        for column, one in enumerate((self.label, self.slider, self.box, self.range)):
+            grid.addWidget(one, row, column)
+        self.slider.valueChanged.connect(self._slid)
+        self.box.valueChanged.connect(self._typed)
+
+    def show_value(self, value: float, low: float, high: float) -> None:
+        """Show a value and between what it may lie, and tell nothing."""
+        self._low, self._high, self._shown = low, high, value
+        digits = 0 if self._whole else _digits_for(low, high, self._even)
+        with QtCore.QSignalBlocker(self.slider), QtCore.QSignalBlocker(self.box):
+            self.box.setDecimals(digits)
+            self.box.setRange(low, high)
+            self.box.setSingleStep(1.0 if self._whole else 10.0 ** (1 - digits))
+            self.box.setValue(value)
+            self.slider.setValue(round(_STEPS * self._share(value)))
+        self.range.setText(f"{_told(low)} – {_told(high)}")
+
+    def enable(self, on: bool) -> None:
+        """Let it be chosen, or not."""
+        for widget in (self.label, self.slider, self.box, self.range):
+            widget.setEnabled(on)
+
+    def _share(self, value: float) -> float:
+        low, high = self._low, self._high
+        if self._even:
+            return (value - low) / (high - low)
+        return math.log(value / low) / math.log(high / low)
+
+    def _slid(self, step: int) -> None:
+        share = step / _STEPS
+        low, high = self._low, self._high
+        value = low + share * (high - low) if self._even else low * (high / low) ** share
+        self._say(min(max(float(f"{value:.4g}"), low), high))
+
+    def _typed(self, value: float) -> None:
+        self._say(min(max(value, self._low), self._high))
+
+    def _say(self, value: float) -> None:
+        value = float(round(value)) if self._whole else value
+        if value != self._shown:
+            self.changed.emit(self.name, value)
+
+
+class _PlainBox(QtWidgets.QDoubleSpinBox):
+    """Shows no zeros behind the last digit that says something."""
+
+    def textFromValue(self, value: float) -> str:
+        """The number as it is shown."""
+        text = super().textFromValue(value)
+        point = self.locale().decimalPoint()
+        return text.rstrip("0").removesuffix(point) if point in text else text
+
+
+def _told(number: float) -> str:
+    """An end of a range: three digits; powers of ten below a thousandth and from a million on."""
+    if number != 0.0 and not 1e-3 <= abs(number) < 1e6:
+        digits, power = f"{number:.2e}".split("e")
+        digits = digits.rstrip("0").rstrip(".")
+        return f"{'' if digits == '1' else digits + '·'}10{str(int(power)).translate(_RAISED)}"
+    return f"{number:.3g}" if abs(number) < 1e3 else f"{number:.0f}"
+
+
+def _digits_for(low: float, high: float, even: bool) -> int:
+    """How many decimals tell values of a range apart."""
+    span = high - low if even else low
+    return min(max(_DIGITS - 1 - math.floor(math.log10(max(span, 1e-9))), 0), 7)
+
+
+# --------------------------------------------------------------------------------------------------
+
+
+# ---- Drafts --------------------------------------------------------------------------------------
+# A brush while its parameters are turned: one change at a time, each within its range.
+
+
+INPUT_RANGES = {
+    "pressure": (0.0, 1.0),
+    "tilt": (30.0, 90.0),
+    "speed": (0.0, 600.0),
+    "ink_left": (0.0, 1.0),
+    "curvature": (0.0, 0.5),
+}
+"""Between what a hand's inputs lie mostly: shares, degrees, mm/s, 1/mm (`brush.spec`)."""
+
+Points = tuple[tuple[float, float], ...]
+
+
+def _of_hairs(parameter: str) -> bool:
+    return parameter in hair_ranges()
+
+
+def value_of(brush: BrushSpec, parameter: str) -> float:
+    """A number of a brush or of its hairs; those that a solid tuft would have, where it is one."""
+    owner = (brush.bristles or BristleSpec()) if _of_hairs(parameter) else brush
+    return float(getattr(owner, parameter))
+
+
+def range_of(brush: BrushSpec, parameter: str) -> tuple[float, float]:
+    """Least and greatest value of a number, for a tuft as long as this."""
+    if _of_hairs(parameter):
+        return hair_ranges()[parameter]
+    if parameter == "length_mm":
+        return size_limits(brush)
+    return parameter_ranges(brush.length_mm)[parameter]
+
+
+def changed(brush: BrushSpec, parameter: str, value: Any) -> BrushSpec:
+    """The brush with another value; with another length, all that is a length goes along.
+
+    Raises
+    ------
+    BrushError
+        If it is out of its range.
+    """
+    if _of_hairs(parameter) or parameter == "table":
+        hairs = dataclasses.replace(brush.bristles or BristleSpec(), **{parameter: value})
+        return dataclasses.replace(brush, bristles=hairs)
+    if parameter == "length_mm":
+        return dataclasses.replace(resized(brush, value), name=brush.name)
+    return dataclasses.replace(brush, **{parameter: value})
+
+
+def with_hairs(brush: BrushSpec, hairs: BristleSpec | None) -> BrushSpec:
+    """The brush with these single hairs; None: a solid tuft."""
+    return dataclasses.replace(brush, bristles=hairs)
+
+
+def points_of(brush: BrushSpec, setting: str, name: str) -> Points:
+    """The points (input, factor) by which an input drives a setting; empty where it does not."""
+    return dict(dict(brush.inputs).get(setting, ())).get(name, ())
+
+
+def with_curve(brush: BrushSpec, setting: str, name: str, points: Points) -> BrushSpec:
+    """The brush with another such curve; without points the input drives nothing.
+
+    Raises
+    ------
+    BrushError
+        If they are no curve.
+    """
+    curves = {s: {i: points_of(brush, s, i) for i in INPUTS} for s in SETTINGS}
+    curves[setting][name] = points
+    kept = {s: {i: p for i, p in by_input.items() if p} for s, by_input in curves.items()}
+    inputs: Any = {s: by_input for s, by_input in kept.items() if by_input}
+    return dataclasses.replace(brush, inputs=inputs)
+
+
+# --------------------------------------------------------------------------------------------------
+
+
+_SIDE, _COLUMNS = 208, 440  # pixels of the pictures
+_SHARPER = 2  # times as many are drawn
+_EVEN, _RATIO, _WHOLE, _COUNT = range(4)  # how a slider goes
+
+TUFT = (
+    ("length_mm", "Length L", "mm", _RATIO), ("root_diameter_mm", "Root", "mm", _EVEN),
+    ("taper", "Taper", "", _EVEN), ("point_mm", "Point", "mm", _EVEN),
+    ("n_segments", "Segments n", "", _WHOLE), ("tip_segment_mm", "Tip segment l1", "mm", _EVEN),
+    ("stiffness_exponent", "Stiffness exponent q", "", _EVEN),
+)  # fmt: skip
+FORCE = (
+    ("hardness", "Hardness H", "", _EVEN), ("full_press_mm", "Full press", "mm", _EVEN),
+    ("max_force", "Greatest force", "N", _RATIO), ("friction", "Friction μ", "", _EVEN),
+    ("spread_by_pressure", "Spread by pressure b", "", _EVEN),
+    ("spread_by_friction", "Spread by friction c", "", _EVEN),
+    ("drag_fraction", "Drag", "", _EVEN), ("plasticity", "Bend that stays", "", _EVEN),
+    ("load", "Ink in a full tuft", "mm²", _RATIO),
+    ("transfer_per_mm", "Ink given per mm", "", _RATIO),
+)  # fmt: skip
+OF_HAIRS = (
+    ("n_hairs", "Number of hairs", "", _COUNT), ("hair_mm", "Thickness of a hair", "mm", _RATIO),
+    ("threshold_mm", "Leaves ink within", "mm", _EVEN), ("film", "Film of ink", "", _EVEN),
+    ("unevenness", "Uneven lengths", "", _EVEN), ("parting", "Parting", "", _EVEN),
+    ("splay", "Splay", "", _EVEN), ("appetite", "Uneven giving", "", _EVEN),
+    ("levelling_mm", "Levelling", "mm", _RATIO), ("set_share", "Pressed out over", "", _EVEN),
+)  # fmt: skip
+_SETTINGS = {
+    "stiffness": "Stiffness", "spread": "Spread", "load": "Ink given", "wetness": "Wetness"
+}  # fmt: skip
+_INPUTS = {
+    "pressure": "pressure", "tilt": "tilt", "speed": "speed", "ink_left": "ink left",
+    "curvature": "curvature",
+}  # fmt: skip
+_TABLES = {"energy": "Bent by least energy", "measured": "Bent as FastBrush measured"}
+_UNITS = {"tilt": "°", "speed": "mm/s", "curvature": "1/mm"}
+
+Rows = tuple[tuple[str, str, str, int], ...]
+
+
+class BrushEditor(QtWidgets.QDialog):
+    """Change a brush and see what it does; painting goes on beside it.
+
+    Parameters
+    ----------
+    parent : QWidget
+    theme : Theme
+    brush : BrushSpec
+        What it begins with.
+    ink : Ink
+        Of the stroke that is shown.
+
+    Signals
+    -------
+    taken : BrushSpec
+        To be painted with.
+    kept : BrushSpec
+        To be kept as one's own.
+    """
+
+    taken = QtCore.Signal(object)
+    kept = QtCore.Signal(object)
+
+    def __init__(self, parent: QtWidgets.QWidget, theme: Theme, brush: BrushSpec, ink: Ink) -> None:
+        super().__init__(parent)
+        self.setWindowTitle(say("Brush editor"))
+        self.setObjectName("brush_editor")
+        self._theme, self._ink = theme, ink
+        self.begun = self.brush = dataclasses.replace(brush, name=plain_name(brush))
+        self._hairs = brush.bristles or BristleSpec()
+        self.rows: dict[str, NumberRow] = {}
+        self.drawing = BrushDrawing(self, _SHARPER * _SIDE, _SHARPER * _COLUMNS)
+        self.drawing.drawn.connect(self._show_drawn)
+        self.tabs = QtWidgets.QTabWidget()
+        self.tabs.addTab(self._tuft_page(), say("Tuft"))
+        self.tabs.addTab(self._page(FORCE), say("Force, spread, ink"))
+        self.tabs.addTab(self._hair_page(), say("Hairs"))
+        self.tabs.addTab(self._dynamics_page(), say("Dynamics"))
+        across = QtWidgets.QHBoxLayout()
+        across.addWidget(self.tabs, 1)
+        across.addLayout(self._make_pictures())
+        whole = QtWidgets.QVBoxLayout(self)
+        whole.addLayout(across, 1)
+        whole.addLayout(self._make_foot())
+        self._show()
+
+    # -- making it --------------------------------------------------------------------------
+
+    def _page(self, rows: Rows, *above: QtWidgets.QWidget) -> QtWidgets.QWidget:
+        page = QtWidgets.QWidget()
+        column = QtWidgets.QVBoxLayout(page)
+        for widget in above:
+            column.addWidget(widget)
+        grid = QtWidgets.QGridLayout()
+        grid.setColumnStretch(1, 1)
+        column.addLayout(grid)
+        column.addStretch(1)
+        for name, label, unit, way in rows:
+            whole, even = way in (_WHOLE, _COUNT), way in (_EVEN, _WHOLE)
+            row = NumberRow(grid, name, (label, meaning_of(name)), unit, whole=whole, even=even)
+            row.changed.connect(self._change)
+            self.rows[name] = row
+        return page
+
+    def _tuft_page(self) -> QtWidgets.QWidget:
+        self.hair = QtWidgets.QComboBox()
+        for name in HAIRS:
+            self.hair.addItem(say(f"brush.hair_{name}"), name)
+        self.hair.activated.connect(lambda _: self._change("hair", self.hair.currentData()))
+        return self._page(TUFT, self.hair)
+
+    def _hair_page(self) -> QtWidgets.QWidget:
+        self.single = QtWidgets.QCheckBox(say("Paint with single hairs"))
+        self.single.toggled.connect(self._choose_single)
+        self.table = QtWidgets.QComboBox()
+        self.table.setToolTip(meaning_of("table"))
+        self.table.activated.connect(lambda _: self._change("table", self.table.currentData()))
+        return self._page(OF_HAIRS, self.single, self.table)
+
+    def _dynamics_page(self) -> QtWidgets.QWidget:
+        page = QtWidgets.QWidget()
+        column = QtWidgets.QVBoxLayout(page)
+        row = QtWidgets.QHBoxLayout()
+        self.setting, self.input = QtWidgets.QComboBox(), QtWidgets.QComboBox()
+        for box, names in ((self.setting, _SETTINGS), (self.input, _INPUTS)):
+            for name, text in names.items():
+                box.addItem(say(text), name)
+            box.activated.connect(lambda _: self._show())
+        row.addWidget(self.setting, 1)
+        row.addWidget(QtWidgets.QLabel(say("by")))
+        row.addWidget(self.input, 1)
+        column.addLayout(row)
+        self.curve = FactorCurve(self._theme)
+        self.curve.changed.connect(self._change_curve)
+        column.addWidget(self.curve, 1)
+        self.curves = QtWidgets.QLabel()
+        self.curves.setObjectName("faint")
+        self.curves.setWordWrap(True)
+        column.addWidget(self.curves)
+        return page
+
+    def _make_pictures(self) -> QtWidgets.QVBoxLayout:
+        column = QtWidgets.QVBoxLayout()
+        self.footprints, self.stroke = QtWidgets.QLabel(), QtWidgets.QLabel()
+        self.footprints.setFixedSize(_SIDE, _SIDE)
+        self.stroke.setFixedSize(_COLUMNS, round(_COLUMNS * 84 / 264))
+        presses = ", ".join(f"{100 * press:.0f} %" for press in PRESSES)
+        for text, picture in (
+            (say("Footprints at {presses} of the force", presses=presses), self.footprints),
+            (say("A stroke on xuan"), self.stroke),
+        ):
+            label = QtWidgets.QLabel(text)
+            label.setObjectName("faint")
+            column.addWidget(label)
+            column.addWidget(picture)
+        column.addStretch(1)
+        return column
+
+    def _make_foot(self) -> QtWidgets.QVBoxLayout:
+        self.told = QtWidgets.QLabel()
+        self.told.setObjectName("heading")
+        self.told.setWordWrap(True)
+        row = QtWidgets.QHBoxLayout()
+        row.addWidget(QtWidgets.QLabel(say("Name")))
+        self.name_box = QtWidgets.QLineEdit(self._first_name())
+        self.name_box.setMaxLength(60)
+        self.name_box.textChanged.connect(lambda _: self.told.clear())
+        row.addWidget(self.name_box, 1)
+        self.take, self.keep = self._button("Paint with it"), self._button("Save as mine")
+        self.again, self.leave = self._button("Begin anew"), self._button("Close")
+        for button in (self.again, self.keep, self.take, self.leave):
+            row.addWidget(button)
+        self.take.clicked.connect(lambda: self._give(self.taken))
+        self.keep.clicked.connect(lambda: self._give(self.kept))
+        self.again.clicked.connect(self._begin_anew)
+        self.leave.clicked.connect(self.close)
+        column = QtWidgets.QVBoxLayout()
+        column.addWidget(self.told)
+        column.addLayout(row)
+        return column
+
+    def _button(self, text: str) -> QtWidgets.QPushButton:
+        button = QtWidgets.QPushButton(say(text))
+        button.setAutoDefault(False)
+        return button
+
+    def _first_name(self) -> str:
+        name = plain_name(self.brush)
+        return f"my {name}" if name in brush_names() else name
+
+    # -- changing ---------------------------------------------------------------------------
+
+    def _change(self, parameter: str, value: object) -> None:
+        self._try(lambda brush: changed(brush, parameter, value))
+
+    def _change_curve(self, points: tuple[tuple[float, float], ...]) -> None:
+        setting, name = self.setting.currentData(), self.input.currentData()
+        self._try(lambda brush: with_curve(brush, setting, name, points))
+
+    def _choose_single(self, on: bool) -> None:
+        if not on and self.brush.bristles is not None:
+            self._hairs = self.brush.bristles
+        self._try(lambda brush: with_hairs(brush, self._hairs if on else None))
+
+    def _try(self, change: Callable[[BrushSpec], BrushSpec]) -> None:
+        """Change the brush, or tell why not."""
+        try:
+            self.brush = change(self.brush)
+            self.told.clear()
+        except BrushError as error:
+            self.told.setText(say_error(error))
+        self._show()
+
+    def _begin_anew(self) -> None:
+        self._try(lambda _: self.begun)
+
+    def _give(self, signal: QtCore.SignalInstance) -> None:
+        """Hand the brush on under its name, or tell why it cannot be called so."""
+        name = self.name_box.text().strip()
+        try:
+            check_brush_name(name)
+            if dataclasses.replace(self.brush, name=name) != load_presets().get(name):
+                check_unlike_presets(name, load_presets())
+        except BrushError as error:
+            self.tell(error)
+            return
+        self.told.clear()
+        signal.emit(dataclasses.replace(self.brush, name=name))
+
+    def tell(self, what: str | Paint3DError) -> None:
+        """Say how it went."""
+        self.told.setText(what if isinstance(what, str) else say_error(what))
+
+    # -- showing ----------------------------------------------------------------------------
+
+    def set_ink(self, ink: Ink) -> None:
+        """Draw the stroke in another ink."""
+        self._ink = ink
+        self.drawing.ask(self.brush, ink)
+
+    def _show(self) -> None:
+        brush = self.brush
+        for name, row in self.rows.items():
+            row.show_value(value_of(brush, name), *range_of(brush, name))
+        single = brush.bristles is not None
+        for name, *_ in OF_HAIRS:
+            self.rows[name].enable(single)
+        with QtCore.QSignalBlocker(self.single):
+            self.single.setChecked(single)
+        self.hair.setCurrentIndex(HAIRS.index(brush.hair))
+        self._show_table(single)
+        self._show_curve()
+        self.again.setEnabled(brush != self.begun)
+        self.drawing.ask(brush, self._ink)
+
+    def _show_table(self, single: bool) -> None:
+        own = [h.table for h in (self._hairs, self.begun.bristles, self.brush.bristles) if h]
+        tables = [*TABLES, *(t for t in dict.fromkeys(own) if not isinstance(t, str))]
+        self.table.clear()
+        for table in tables:
+            text = _TABLES[table] if isinstance(table, str) else "Bent as measured, own table"
+            self.table.addItem(say(text), table)
+        hairs = self.brush.bristles or self._hairs
+        self.table.setCurrentIndex(tables.index(hairs.table))
+        self.table.setEnabled(single)
+
+    def _show_curve(self) -> None:
+        setting, name = self.setting.currentData(), self.input.currentData()
+        points = points_of(self.brush, setting, name)
+        low, high = INPUT_RANGES[name]
+        low, high = min([low, *(x for x, _ in points)]), max([high, *(x for x, _ in points)])
+        self.curve.show_points(points, low, high, _UNITS.get(name, ""))
+        told = [
+            f"{say(_SETTINGS[s])} {say('by')} {say(_INPUTS[i])}: "
+            + ", ".join(f"{x:g} → ×{y:g}" for x, y in line)
+            for s, by_input in self.brush.inputs
+            for i, line in by_input
+        ]
+        self.curves.setText("\n".join(told) or say("Nothing drives this brush"))
+
+    def _show_drawn(self, drawn: Drawn) -> None:
+        if drawn.error is not None or drawn.footprints is None or drawn.stroke is None:
+            self.tell(say_error(drawn.error or ""))
+            return
+        for label, pixels in ((self.footprints, drawn.footprints), (self.stroke, drawn.stroke)):
+            pixmap = pixmap_of(pixels, label.size() * _SHARPER)
+            pixmap.setDevicePixelRatio(float(_SHARPER))
+            label.setPixmap(pixmap)
+
+    def done(self, result: int) -> None:
+        """Draw nothing more once it is closed."""
+        self.drawing.close_down()
+        super().done(result)

@@ -1,0 +1,109 @@
+"""Brushes of one's own in the studio: the editor, files, and the list of those that are kept."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from PySide6 import QtWidgets
+
+from paint3d.app.model.persistence.own_brushes import keep_brush, own_brush_folder, own_brushes
+from paint3d.app.window.brush.brush_editor import BrushEditor
+from paint3d.app.window.panels import Panels
+from paint3d.app.window.wording import say, say_error
+from paint3d.app.window.workspace import Workspace
+from paint3d.brush.presets import load_presets, read_brush
+from paint3d.brush.spec import BrushSpec
+from paint3d.errors import Paint3DError
+from paint3d.painter.painter import Ink
+
+__all__ = ["BrushMaking"]
+
+
+class BrushMaking:
+    """For one window; ``do_<action>`` for each.
+
+    Attributes
+    ----------
+    editor : BrushEditor or None
+        That was opened last.
+    """
+
+    def __init__(self, workspace: Workspace, panels: Panels) -> None:
+        self._workspace, self._panels = workspace, panels
+        self.editor: BrushEditor | None = None
+        panels.brushes.edit.connect(self.do_edit_brush)
+        panels.brushes.open_file.connect(self.do_open_brush)
+        panels.brushes.inked.connect(self._follow_ink)
+        self._list()
+
+    def _list(self) -> None:
+        """List the brushes that are kept; what cannot be used is told."""
+        own, problems = own_brushes()
+        self._panels.brushes.show_own(own)
+        for problem in problems[:1]:
+            self._workspace.tell_first(say_error(problem))
+
+    # -- the editor -------------------------------------------------------------------------
+
+    def do_edit_brush(self) -> None:
+        """Open the editor on the brush in hand."""
+        self.close_down()
+        workspace, panels = self._workspace, self._panels
+        editor = self.editor = BrushEditor(
+            workspace.window, workspace.theme, panels.brushes.brush, panels.inks.ink
+        )
+        editor.taken.connect(self._take)
+        editor.kept.connect(self._keep)
+        editor.show()
+
+    def close_down(self) -> None:
+        """Close the editor, if it is open."""
+        if self.editor is not None:
+            self.editor.close()
+            self.editor.deleteLater()
+            self.editor = None
+
+    def _follow_ink(self, ink: Ink) -> None:
+        if self.editor is not None and self.editor.isVisible():
+            self.editor.set_ink(ink)
+
+    def _take(self, brush: BrushSpec) -> None:
+        self._panels.brushes.add_own(brush)
+        self._panels.brushes.chosen.emit(brush)
+
+    def _keep(self, brush: BrushSpec) -> None:
+        try:
+            path = keep_brush(brush)
+        except Paint3DError as error:
+            if self.editor is not None:
+                self.editor.tell(error)
+            return
+        self._take(brush)
+        told = say("{name} is kept in {path}", name=brush.name, path=path)
+        self._workspace.tell(told, state="good")
+        if self.editor is not None:
+            self.editor.tell(told)
+
+    # -- files ------------------------------------------------------------------------------
+
+    def do_open_brush(self) -> None:
+        """Ask for a brush file, and paint with it."""
+        folder = own_brush_folder()
+        path, _ = QtWidgets.QFileDialog.getOpenFileName(
+            self._workspace.window,
+            say("Open a brush…").rstrip("…"),
+            str(folder) if folder.is_dir() else "",
+            f"{say('Brushes')} (*.toml *.json);;{say('All files')} (*)",
+        )
+        if path:
+            self.open_file(path)
+
+    def open_file(self, path: str | Path) -> bool:
+        """Paint with the brush of a file; what is wrong with it is told in one line."""
+        try:
+            brush = read_brush(path, load_presets())
+        except Paint3DError as error:
+            self._workspace.tell(say_error(error), state="bad", stays=True)
+            return False
+        self._take(brush)
+        return True

@@ -1,0 +1,320 @@
+"""The brushes, each shown by a stroke of its own in the ink that is in use."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+from concurrent.futures import Future, ThreadPoolExecutor
+from typing import Any
+
+import numpy as np
+from PySide6 import QtCore, QtGui, QtWidgets
+
+from paint3d.app.model.brush_in_hand import resized, size_limits
+from paint3d.app.window.job import is_waiting
+from paint3d.app.window.previews import stroke_preview
+from paint3d.app.window.theme import Theme
+from paint3d.app.window.wording import say, say_brush, say_length
+from paint3d.brush.presets import brush_names, load_brush
+from paint3d.brush.spec import BrushSpec
+from paint3d.core.arrays import AnyArray
+from paint3d.errors import Paint3DError
+from paint3d.painter.painter import Ink
+
+__all__ = ["BrushPanel", "pixmap_of", "plain_icon", "plain_name"]
+
+_ICON = QtCore.QSize(132, 42)
+_SHORTEST_MM, _LONGEST_MM = 5.0, 200.0  # the slider's ends
+_SETTLE_MS = 160  # a new size is taken when the slider has stood so long
+
+
+def pixmap_of(pixels: AnyArray, size: QtCore.QSize | None = None) -> QtGui.QPixmap:
+    """A pixmap of (H, W, 3) uint8 pixels, the first row on top."""
+    height, width = pixels.shape[:2]
+    data = np.ascontiguousarray(pixels)
+    image = QtGui.QImage(data.data, width, height, 3 * width, QtGui.QImage.Format.Format_RGB888)
+    pixmap = QtGui.QPixmap.fromImage(image.copy())
+    if size is None:
+        return pixmap
+    return pixmap.scaled(
+        size,
+        QtCore.Qt.AspectRatioMode.IgnoreAspectRatio,
+        QtCore.Qt.TransformationMode.SmoothTransformation,
+    )
+
+
+class BrushPanel(QtWidgets.QWidget):
+    """Choose a brush and its size.
+
+    Signals
+    -------
+    chosen : BrushSpec
+    failed : str
+        A preview could not be painted; told once for each reason.
+    inked : Ink
+        What strokes are shown in from now on.
+    edit, open_file : ()
+        The brush in hand is to be changed, or one is to be taken from a file.
+    """
+
+    chosen = QtCore.Signal(object)
+    failed = QtCore.Signal(str)
+    inked = QtCore.Signal(object)
+    edit = QtCore.Signal()
+    open_file = QtCore.Signal()
+
+    def __init__(self, theme: Theme) -> None:
+        super().__init__()
+        self._theme = theme
+        self._ink: Ink = "pine soot"
+        self._painter = ThreadPoolExecutor(1, thread_name_prefix="paint3d-preview")
+        self._coming: dict[str, Future[Any]] = {}
+        self._is_due = False
+        self._failures: set[str] = set()
+        self._brushes = {name: load_brush(name) for name in brush_names()}
+        self.brush = next(iter(self._brushes.values()))
+        self._list = self._make_list()
+        self._size = QtWidgets.QSlider(QtCore.Qt.Orientation.Horizontal)
+        self._size.setRange(0, 1000)
+        self.told = QtWidgets.QLabel()
+        self._keep_room()
+        self.told.setAlignment(QtCore.Qt.AlignmentFlag.AlignRight)
+        row = QtWidgets.QHBoxLayout()
+        row.addWidget(QtWidgets.QLabel(say("Tuft")))
+        row.addWidget(self._size, 1)
+        row.addWidget(self.told)
+        layout = QtWidgets.QVBoxLayout(self)
+        layout.setContentsMargins(8, 6, 8, 8)
+        layout.addWidget(self._list, 1)
+        layout.addLayout(row)
+        layout.addLayout(self._make_buttons())
+        self._size.valueChanged.connect(self._size_moved)
+        self._timer = QtCore.QTimer(self)
+        self._timer.setInterval(120)
+        self._timer.timeout.connect(self._take_previews)
+        self._wanted = self.brush.length_mm
+        self._settle = QtCore.QTimer(self)
+        self._settle.setSingleShot(True)
+        self._settle.setInterval(_SETTLE_MS)
+        self._settle.timeout.connect(self._size_settled)
+        self.show_brush(self.brush)
+        self.set_ink(self._ink)
+
+    def _make_list(self) -> QtWidgets.QListWidget:
+        view = QtWidgets.QListWidget()
+        view.setObjectName("brushes")
+        view.setIconSize(_ICON)
+        view.setUniformItemSizes(True)
+        view.setHorizontalScrollBarPolicy(QtCore.Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        for brush in self._brushes.values():
+            view.addItem(_list_item(brush))
+        view.itemClicked.connect(self._item_chosen)
+        view.itemActivated.connect(self._item_chosen)
+        return view
+
+    def _make_buttons(self) -> QtWidgets.QHBoxLayout:
+        row = QtWidgets.QHBoxLayout()
+        for text, name, asked in (
+            ("Edit…", "edit_brush", self.edit), ("Open…", "open_brush", self.open_file)
+        ):  # fmt: skip
+            button = QtWidgets.QPushButton(say(text))
+            button.setObjectName(name)
+            button.clicked.connect(lambda _=False, asked=asked: asked.emit())
+            row.addWidget(button)
+        return row
+
+    # -- brushes of one's own ---------------------------------------------------------------
+
+    def show_own(self, brushes: Mapping[str, BrushSpec]) -> None:
+        """List brushes of one's own by name, behind those that come with the program."""
+        for brush in brushes.values():
+            self.add_own(brush)
+
+    def add_own(self, brush: BrushSpec) -> None:
+        """List one more; it takes the place of one of the same name."""
+        name = plain_name(brush)
+        if name in brush_names():
+            return
+        known, self._brushes[name] = name in self._brushes, dataclasses.replace(brush, name=name)
+        item = _list_item(self._brushes[name])
+        row = list(self._brushes).index(name)
+        if known:
+            self._coming.pop(name, None)
+            self._list.takeItem(row)
+        self._list.insertItem(row, item)
+        self.set_ink(self._ink)
+
+    # -- what is chosen ---------------------------------------------------------------------
+
+    def show_brush(self, brush: BrushSpec) -> None:
+        """Show which brush is in use."""
+        self.brush = brush
+        names = list(self._brushes)
+        name = plain_name(brush)
+        self._list.setCurrentRow(names.index(name) if name in names else -1)
+        self._wanted = brush.length_mm
+        with QtCore.QSignalBlocker(self._size):
+            self._size.setValue(_step_of(brush.length_mm))
+        self.told.setText(say_length(brush.length_mm))
+
+    def show_unit(self) -> None:
+        """Tell lengths in the unit that is chosen now."""
+        for row in range(self._list.count()):
+            brush = self._brushes[self._name(row)]
+            self._list.item(row).setText(_told(brush))
+        self.told.setText(say_length(self._wanted))
+        self._keep_room()
+
+    def _keep_room(self) -> None:
+        """Leave room for any length, so that the panel never grows, nor the picture moves."""
+        texts = [say_length(mm) for mm in (_SHORTEST_MM, 45.25, 88.88, _LONGEST_MM)]
+        self.told.setMinimumWidth(max(map(self.fontMetrics().horizontalAdvance, texts)) + 2)
+
+    def set_ink(self, ink: Ink) -> None:
+        """Paint the previews in this ink, soon: a name, or parts by name."""
+        self._ink = ink
+        self._is_due = True
+        self._timer.start()
+        self.inked.emit(ink)
+
+    def set_theme(self, theme: Theme) -> None:
+        """Use other colours."""
+        self._theme = theme
+        self.set_ink(self._ink)
+
+    @property
+    def is_busy(self) -> bool:
+        """Whether previews are still to be painted."""
+        return self._is_due or bool(self._coming)
+
+    @property
+    def is_settling(self) -> bool:
+        """Whether a size has been chosen that is not yet taken."""
+        return self._settle.isActive()
+
+    def resize_brush(self, factor: float) -> None:
+        """Choose a brush so many times as large, soon."""
+        self._want(self._wanted * factor)
+        with QtCore.QSignalBlocker(self._size):
+            self._size.setValue(_step_of(self._wanted))
+
+    def close_down(self) -> None:
+        """Paint no more previews; the one that is being painted is waited for by nobody."""
+        self._timer.stop()
+        self._painter.shutdown(wait=False, cancel_futures=True)
+
+    def _name(self, row: int) -> str:
+        result: str = self._list.item(row).data(QtCore.Qt.ItemDataRole.UserRole)
+        return result
+
+    def _item_chosen(self, item: QtWidgets.QListWidgetItem) -> None:
+        self.chosen.emit(self._brushes[item.data(QtCore.Qt.ItemDataRole.UserRole)])
+
+    def _size_moved(self, value: int) -> None:
+        self._want(_SHORTEST_MM * (_LONGEST_MM / _SHORTEST_MM) ** (value / 1000))
+
+    def _want(self, length: float) -> None:
+        least, most = size_limits(self.brush)
+        self._wanted = min(max(length, 1.0001 * least), 0.9999 * most)
+        self.told.setText(say_length(self._wanted))
+        self._settle.start()
+
+    def _size_settled(self) -> None:
+        self.chosen.emit(resized(self.brush, self._wanted))
+
+    def _take_previews(self) -> None:
+        """Begin what is due, unless the window waits for something itself; show what is there."""
+        if self._is_due and not is_waiting(self.window()):
+            self._is_due = False
+            for row in range(self._list.count()):
+                name = self._name(row)
+                brush = self._brushes[name]
+                self._coming[name] = self._painter.submit(stroke_preview, brush, self._ink)
+        for row in range(self._list.count()):
+            coming = self._coming.get(self._name(row))
+            if coming is None or not coming.done():
+                continue
+            del self._coming[self._name(row)]
+            if coming.cancelled():
+                continue
+            error = coming.exception()
+            if error is not None:
+                self._failed(error)
+                continue
+            icon = plain_icon(_framed(coming.result(), self._theme))
+            self._list.item(row).setIcon(icon)
+        if not self.is_busy:
+            self._timer.stop()
+
+    def _failed(self, error: BaseException) -> None:
+        """Tell that a preview cannot be shown: a painting goes on without, so only once."""
+        reason = (
+            str(error) if isinstance(error, Paint3DError) else f"{type(error).__name__}: {error}"
+        )
+        if reason not in self._failures:
+            self._failures.add(reason)
+            self.failed.emit(reason)
+
+
+def plain_name(brush: BrushSpec) -> str:
+    """Of the brush that it is a size of."""
+    return brush.name.split(" @")[0]
+
+
+def _told(brush: BrushSpec) -> str:
+    return f"{say_brush(brush.name)}\n{say_length(brush.length_mm)}"
+
+
+def _list_item(brush: BrushSpec) -> QtWidgets.QListWidgetItem:
+    item = QtWidgets.QListWidgetItem(_told(brush))
+    item.setData(QtCore.Qt.ItemDataRole.UserRole, brush.name)
+    item.setToolTip(
+        say(
+            "{hair}, {length:g} mm long, {width:g} mm thick",
+            hair=say(f"brush.hair_{brush.hair}"),
+            length=brush.length_mm,
+            width=brush.root_diameter_mm,
+        )
+    )
+    item.setIcon(plain_icon(_blank()))  # rows are as high as they will be
+    return item
+
+
+def plain_icon(pixmap: QtGui.QPixmap) -> QtGui.QIcon:
+    """An icon that looks the same when it is chosen."""
+    icon = QtGui.QIcon(pixmap)
+    icon.addPixmap(pixmap, QtGui.QIcon.Mode.Selected)
+    return icon
+
+
+def _blank() -> QtGui.QPixmap:
+    """What stands where a stroke has not been painted yet."""
+    pixmap = QtGui.QPixmap(_ICON * 2)
+    pixmap.fill(QtCore.Qt.GlobalColor.transparent)
+    pixmap.setDevicePixelRatio(2.0)
+    return pixmap
+
+
+def _step_of(length: float) -> int:
+    """Where the slider stands for a length."""
+    result: int = round(1000 * np.log(length / _SHORTEST_MM) / np.log(_LONGEST_MM / _SHORTEST_MM))
+    return result
+
+
+def _framed(pixels: AnyArray, theme: Theme) -> QtGui.QPixmap:
+    """The stroke as a slip of paper with rounded corners, twice as fine as it is shown."""
+    size = _ICON * 2
+    whole = QtGui.QPixmap(size)
+    whole.fill(QtCore.Qt.GlobalColor.transparent)
+    painter = QtGui.QPainter(whole)
+    painter.setRenderHint(QtGui.QPainter.RenderHint.Antialiasing)
+    path = QtGui.QPainterPath()
+    path.addRoundedRect(QtCore.QRectF(1, 1, size.width() - 2, size.height() - 2), 10, 10)
+    painter.setClipPath(path)
+    painter.drawPixmap(0, 0, pixmap_of(pixels, size))
+    painter.setClipping(False)
+    painter.setPen(QtGui.QPen(QtGui.QColor(theme.line), 2))
+    painter.drawPath(path)
+    painter.end()
+    whole.setDevicePixelRatio(2.0)
+    return whole

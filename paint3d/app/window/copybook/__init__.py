@@ -1,0 +1,1 @@
+"""Copybooks: the panel, ghosts on the object, strokes found in pictures."""

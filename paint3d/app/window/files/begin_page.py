@@ -1,0 +1,90 @@
+"""What is seen while nothing is open: ways to begin."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+
+from PySide6 import QtCore, QtWidgets
+
+from paint3d.app.model.persistence.sitting import recoverable
+from paint3d.app.window.files.opened import named
+from paint3d.app.window.files.opening import Opening
+from paint3d.app.window.files.recovery import Recovery
+from paint3d.app.window.files.saving import RecentFiles
+from paint3d.app.window.wording import say
+from paint3d.app.window.workspace import Workspace
+
+__all__ = ["BeginPage"]
+
+_WIDTH = 380
+_MOST_RECENT = 5
+
+
+class BeginPage(QtWidgets.QFrame):
+    """In the middle of the canvas: a new painting, a file, what was open last."""
+
+    def __init__(
+        self, workspace: Workspace, opening: Opening, recovery: Recovery, recent: RecentFiles
+    ) -> None:
+        super().__init__(workspace.canvas)
+        self._workspace, self._recovery = workspace, recovery
+        self._opening, self._recent = opening, recent
+        self.setObjectName("card")
+        self.setCursor(QtCore.Qt.CursorShape.ArrowCursor)
+        self.setFixedWidth(_WIDTH)
+        self._rows = QtWidgets.QVBoxLayout(self)
+        self._rows.setContentsMargins(22, 18, 22, 20)
+        self._rows.setSpacing(8)
+        self.buttons: list[QtWidgets.QPushButton] = []
+        self.hide()
+
+    def show_page(self, shown: bool) -> None:
+        """Show it, with what is there now, or hide it."""
+        if shown == self.isVisible():
+            return
+        if shown:
+            self._fill()
+            self.place()
+        self.setVisible(shown)
+
+    def place(self) -> None:
+        """Stand in the middle of the canvas."""
+        self.adjustSize()
+        self.move(self._workspace.canvas.rect().center() - self.rect().center())
+
+    def _fill(self) -> None:
+        while self._rows.count():
+            item = self._rows.takeAt(0)
+            row = None if item is None else item.widget()
+            if row is not None:
+                row.deleteLater()
+        self.buttons = []
+        head = QtWidgets.QLabel(say("Open an object, or drop a file here"))
+        head.setObjectName("title")
+        head.setAlignment(QtCore.Qt.AlignmentFlag.AlignCenter)
+        self._rows.addWidget(head)
+        actions = self._workspace.actions
+        for name in ("new", "open"):
+            self._add(actions[name].text(), actions[name].trigger)
+        left = recoverable()
+        if left:
+            name = left[0].path.name if left[0].path else named(left[0].object_name)
+            told = say("Bring back what was not saved: {name}", name=name)
+            self._add(told, lambda: self._recovery.recover(left[0]))
+        recent = self._recent.paths()[:_MOST_RECENT]
+        if recent:
+            below = QtWidgets.QLabel(say("menu.recent"))
+            below.setObjectName("faint")
+            self._rows.addWidget(below)
+        for path in recent:
+            opened = self._add(Path(path).name, partial(self._opening.open_path, path))
+            opened.setToolTip(path)
+
+    def _add(self, text: str, do: Callable[[], object]) -> QtWidgets.QPushButton:
+        button = QtWidgets.QPushButton(text)
+        button.clicked.connect(lambda _=False: do())
+        self._rows.addWidget(button)
+        self.buttons.append(button)
+        return button

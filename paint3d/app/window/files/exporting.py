@@ -1,0 +1,333 @@
+"""Exporting the painting in the formats of other programs: what a format knows can be chosen."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+from PySide6 import QtWidgets
+
+from paint3d.app.window.files.target_dialog import Targets
+from paint3d.app.window.forms import FormDialog, SizeBoxes, kept_number
+from paint3d.app.window.job import Progress, result_of
+from paint3d.app.window.playing.pictures import Pictures
+from paint3d.app.window.wording import say
+from paint3d.app.window.workspace import Workspace
+from paint3d.colour.viewing import GAMUTS, Viewing
+from paint3d.files.export import EXPORT_SUFFIXES, FORMATS
+from paint3d.files.export_options import MOST_FILAMENTS, UP_AXES, ExportOptions
+from paint3d.files.load import UNITS_MM
+from paint3d.files.progress import part_of
+from paint3d.files.project.session import SESSION_SUFFIX
+
+__all__ = [
+    "FORMAT_NAMES",
+    "ExportDialog",
+    "Exporting",
+    "kept_options",
+]
+
+# ---- The dialog ----------------------------------------------------------------------------------
+
+
+_PICTURES = (".png", ".jpg")
+_STUDIO_SIZE = (1600, 1200)
+_TEXTURES = (1024, 2048, 4096, 8192)
+_QUALITY = 92
+_FILAMENTS = 6
+
+
+def kept_options(kept: Mapping[str, object], suffix: str) -> Mapping[str, object]:
+    """What was chosen last for a format, of all that was kept."""
+    own = kept.get(suffix)
+    return own if isinstance(own, Mapping) else {}
+
+
+class ExportDialog(FormDialog):
+    """Ask how a format is to be written.
+
+    Parameters
+    ----------
+    parent : QWidget
+    suffix : str
+        Of the format: one of `FORMATS`, or ".jpg".
+    kept : mapping
+        What `chosen` returned the last time.
+    screen : (int, int)
+        Width and height of the picture on the screen, pixels.
+    """
+
+    def __init__(
+        self,
+        parent: QtWidgets.QWidget,
+        suffix: str,
+        kept: Mapping[str, object],
+        screen: tuple[int, int],
+    ) -> None:
+        super().__init__(parent, f"{say('action.export').rstrip('…')}  {suffix}")
+        self.suffix, self._kept, self._screen = suffix, kept, screen
+        self._takes = FORMATS[suffix].takes if suffix in FORMATS else frozenset()
+        self.choices: dict[str, QtWidgets.QComboBox] = {}
+        self.checks: dict[str, QtWidgets.QCheckBox] = {}
+        self.numbers: dict[str, QtWidgets.QDoubleSpinBox] = {}
+        self.size_boxes: SizeBoxes | None = None
+        if suffix in _PICTURES:
+            self._add_picture()
+        else:
+            self._add_mesh()
+        self._add_gamut()
+        self._add_filaments()
+        self.finish("button.save")
+        self._follow()
+
+    # -- rows -------------------------------------------------------------------------------
+
+    def _add_picture(self) -> None:
+        views = {"screen": say("As on the screen")}
+        if self.suffix in FORMATS:
+            views["studio"] = say("The painted side, in the studio's light")
+        view = self.add_box(say("menu.view"), views, self._kept.get("view"))
+        self.choices["view"] = view
+        self.size_boxes = SizeBoxes(self._kept_size(self._screen), self._screen)
+        self.form.addRow(say("Size in pixels"), self.size_boxes)
+        if self.suffix == ".jpg":
+            quality = kept_number(self._kept, "quality", _QUALITY)
+            self.numbers["quality"] = self.add_number(say("Quality"), 1, 100, quality, "%")
+        view.currentIndexChanged.connect(self._view_chosen)
+
+    def _kept_size(self, default: tuple[int, int]) -> tuple[int, int]:
+        match self._kept.get("size"):
+            case [int(width), int(height)]:
+                return width, height
+        return default
+
+    def _view_chosen(self) -> None:
+        """Begin with the size that is usual for a view."""
+        boxes = self._sizes()
+        boxes.kept.setChecked(self.is_of_screen)
+        width, height = self._screen if self.is_of_screen else _STUDIO_SIZE
+        boxes.width_box.setValue(width)
+        boxes.height_box.setValue(height)
+        self._follow()
+
+    def _add_mesh(self) -> None:
+        if "unit" in self._takes:
+            own = say("As the format has it")
+            units = {None: own} | {unit: say(f"unit.{unit}") for unit in UNITS_MM}
+            self.choices["unit"] = self.add_box(say("Unit"), units, self._kept.get("unit"))
+            axes = {None: own} | {axis: axis.upper() for axis in UP_AXES}
+            self.choices["up_axis"] = self.add_box(say("Up"), axes, self._kept.get("up_axis"))
+        if "texture" in self._takes:
+            ways: dict[bool | int, str] = {False: say("At the vertices"), True: say("As a texture")}
+            ways |= {n: say("As a texture of {n} pixels", n=n) for n in _TEXTURES}
+            kept = self._kept.get("texture", False)
+            self.choices["texture"] = self.add_box(say("Colours"), ways, kept)
+            self.choices["texture"].currentIndexChanged.connect(self._follow)
+        tolerance = kept_number(self._kept, "tolerance", 1.0)
+        self.numbers["tolerance"] = self.add_number(
+            say("Colours may miss by"), 0.0, 20.0, tolerance, "ΔE", 1
+        )
+        self._add_kept_check("exact", say("Every vertex, none left out"))
+        self.checks["exact"].toggled.connect(self._follow)
+        if "unlit" in self._takes:
+            self._add_kept_check("unlit", say("Colours as they are, without light"))
+        if "packed_normals" in self._takes:
+            self._add_kept_check("packed_normals", say("Normals in one number"))
+
+    def _add_kept_check(self, name: str, text: str) -> None:
+        self.checks[name] = self.add_check(text, self._kept.get(name) is True)
+
+    def _add_gamut(self) -> None:
+        if "gamut" in self._takes:
+            screens = {name: gamut.title for name, gamut in GAMUTS.items()}
+            kept = self._kept.get("gamut", "srgb")
+            self.choices["gamut"] = self.add_box(say("Colours of a screen"), screens, kept)
+
+    def _add_filaments(self) -> None:
+        if "filaments" not in self._takes:
+            return
+        kept = self._kept.get("filaments")
+        count = kept if isinstance(kept, int) and 1 <= kept <= MOST_FILAMENTS else None
+        on = self.add_check(say("Few colours, one for each triangle"), count is not None)
+        number = self.add_number(say("How many"), 1, MOST_FILAMENTS, count or _FILAMENTS)
+        self.checks["few"], self.numbers["filaments"] = on, number
+        on.toggled.connect(self._follow)
+
+    def _follow(self, _: object = None) -> None:
+        """Let only that be chosen which has an effect beside the rest."""
+        few = self._is_on("few")
+        if "few" in self.checks:
+            possible = not self.is_of_screen and not self._has_texture()
+            self.checks["few"].setEnabled(possible)
+            self.numbers["filaments"].setEnabled(possible and few)
+        if "texture" in self.choices:
+            self.choices["texture"].setEnabled(not few)
+        if "gamut" in self.choices:
+            self.choices["gamut"].setEnabled(not self.is_of_screen)
+        if "tolerance" in self.numbers:
+            whole = self._is_on("exact") or self._has_texture()
+            self.numbers["tolerance"].setEnabled(not whole and not few)
+            self.checks["exact"].setEnabled(not self._has_texture())
+
+    def _is_on(self, name: str) -> bool:
+        return name in self.checks and self.checks[name].isChecked()
+
+    def _has_texture(self) -> bool:
+        box = self.choices.get("texture")
+        return box is not None and box.currentData() is not False
+
+    # -- what was chosen --------------------------------------------------------------------
+
+    @property
+    def is_of_screen(self) -> bool:
+        """Whether the picture is the one on the screen."""
+        return "view" in self.choices and self.choices["view"].currentData() == "screen"
+
+    def picture_size(self) -> tuple[int, int]:
+        """Of a picture, pixels."""
+        return self._sizes().size_in_pixels()
+
+    def _sizes(self) -> SizeBoxes:
+        assert self.size_boxes is not None, "a picture has a size"
+        return self.size_boxes
+
+    def quality(self) -> int:
+        """Of a JPEG, 1 to 100."""
+        return round(self.numbers["quality"].value()) if "quality" in self.numbers else _QUALITY
+
+    def options(self) -> dict[str, object]:
+        """What `ExportOptions` takes."""
+        options = self._plain_options()
+        if "gamut" in self.choices and not self.is_of_screen:
+            options["viewing"] = Viewing(gamut=self.choices["gamut"].currentData())
+        return options
+
+    def _plain_options(self) -> dict[str, object]:
+        if self.suffix in _PICTURES:
+            options: dict[str, object] = {"size": self.picture_size()}
+        else:
+            options = {"exact": self._is_on("exact")}
+            options["tolerance"] = self.numbers["tolerance"].value()
+        for name in ("unit", "up_axis", "texture"):
+            if name in self.choices:
+                options[name] = self.choices[name].currentData()
+        for name in ("unlit", "packed_normals"):
+            if name in self.checks:
+                options[name] = self._is_on(name)
+        if self._is_on("few") and self.checks["few"].isEnabled():
+            options["filaments"] = round(self.numbers["filaments"].value())
+        return options
+
+    def chosen(self) -> dict[str, object]:
+        """Everything, as JSON can hold it, to begin with the next time."""
+        gamut = {n: box.currentData() for n, box in self.choices.items() if n == "gamut"}
+        if self.suffix not in _PICTURES:
+            return self._plain_options() | gamut
+        kept: dict[str, object] = {
+            "view": self.choices["view"].currentData(), "size": list(self.picture_size()), **gamut
+        }  # fmt: skip
+        if "quality" in self.numbers:
+            kept["quality"] = self.quality()
+        return kept
+
+
+# ---- The work ------------------------------------------------------------------------------------
+
+
+# What a file may be, by its ending, and how the dialog says it:
+FORMAT_NAMES = {
+    ".glb": "glTF, for the web and most programs",
+    ".ply": "PLY",
+    ".obj": "Wavefront OBJ",
+    ".3mf": "3MF, for printers",
+    ".usdz": "USDZ, for Apple's devices",
+    ".wrl": "VRML, for colour printers",
+    ".html": "Page that shows the object",
+    ".png": "Picture, PNG",
+    ".jpg": "Picture, JPEG",
+    ".p3d.txt": "Records of the vertices",
+    SESSION_SUFFIX: "Copy of the painting",
+}
+_TAKEN = 0.5  # of an export's time, about, until the painting may go on
+
+
+class Exporting:
+    """For one window."""
+
+    def __init__(self, workspace: Workspace, targets: Targets, pictures: Pictures) -> None:
+        self._workspace, self._targets, self._pictures = workspace, targets, pictures
+
+    def do_export(self) -> None:
+        """Ask for a name and a format, then for what can be chosen in that format; write it."""
+        workspace = self._workspace
+        kept = workspace.settings.exports
+        path = self._targets.ask(say("action.export"), FORMAT_NAMES, str(kept.get("format", "")))
+        if path is None:
+            return
+        name = path.name.lower()
+        suffix = max((s for s in FORMAT_NAMES if name.endswith(s)), key=len)
+        if suffix == SESSION_SUFFIX:
+            self.export_to(path)
+            return
+        dialog = ExportDialog(
+            workspace.window, suffix, kept_options(kept, suffix), workspace.canvas.pixel_size
+        )
+        if not dialog.exec():
+            return
+        workspace.keep(exports={**kept, "format": suffix, suffix: dialog.chosen()})
+        if dialog.is_of_screen:
+            self._pictures.picture_to(path, dialog.picture_size(), dialog.quality())
+        else:
+            self.export_to(path, **dialog.options())
+
+    def export_to(self, path: Path, **options: Any) -> bool:
+        """Write the painting in another format; say whether that went well.
+
+        Parameters
+        ----------
+        path : Path
+            Its suffix says the format.
+        **options
+            See `ExportOptions`.
+        """
+        workspace, clipped = self._workspace, list[int]()
+        if path.name.lower().endswith(EXPORT_SUFFIXES) and path.suffix.lower() != SESSION_SUFFIX:
+            work = self._beside(path, options, clipped)
+        else:
+            work = self._by_the_easel(path)
+        if not workspace.went_well(workspace.run(say("Writing {name}…", name=path.name), work)):
+            return False
+        told = say("status.exported", name=path.name)
+        if sum(clipped):
+            n = f"{sum(clipped):,}"
+            told += " " + say("{n} colours do not fit in and are the nearest that do.", n=n)
+        workspace.tell(told, state="good")
+        return True
+
+    def _by_the_easel(self, path: Path) -> Callable[[Progress], None]:
+        """Write it while nothing is painted."""
+        easel = self._workspace.easel
+
+        def work(progress: Progress) -> None:
+            result_of(easel.post("export", path, progress=progress), progress)
+
+        return work
+
+    def _beside(
+        self, path: Path, options: Mapping[str, Any], clipped: list[int]
+    ) -> Callable[[Progress], None]:
+        """Take what is needed from the painting, then write it while that may go on.
+
+        How many colours did not fit in, is added to `clipped`.
+        """
+        easel = self._workspace.easel
+
+        def work(progress: Progress) -> None:
+            taken = part_of(progress, 0.0, _TAKEN)
+            asked = easel.post("prepare_export", path, ExportOptions(**options), taken)
+            prepared = result_of(asked, progress)
+            clipped.append(prepared.painting.n_clipped)
+            prepared.write(part_of(progress, _TAKEN, 1.0))
+
+        return work

@@ -1,0 +1,108 @@
+"""A painting that is about to be shown: its name, and what has to be found out before."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.app.model.document import Document
+from paint3d.app.window.job import Progress
+from paint3d.app.window.wording import say, say_length, say_material
+from paint3d.core.arrays import AnyArray
+from paint3d.files.load import BUILT_IN_OBJECTS
+from paint3d.files.progress import part_of
+from paint3d.mesh.bvh import ClosestPoints
+from paint3d.view.live_object import LiveObject, PatchUpload
+
+__all__ = [
+    "Opened",
+    "described",
+    "named",
+    "open_with_progress",
+    "some_points",
+]
+
+
+def named(name: str) -> str:
+    """An object's name in words: a built-in one's in the language that is spoken."""
+    return say(f"object.{name}") if name in BUILT_IN_OBJECTS else name
+
+
+def described(document: Document) -> str:
+    """What is painted on, in words: the object, its material and its size."""
+    surface = document.surface
+    sides = sorted(np.ptp(surface.source.vertices, axis=0), reverse=True)
+    told = [say_length(side) for side in sides if side > 0.05 * sides[0]]
+    size = " × ".join([*(length.split()[0] for length in told[:-1]), told[-1]])
+    return f"{named(surface.source.name)}, {say_material(surface.material)}, {size}"
+
+
+_MOST_POINTS = 60_000  # to place a camera by; more show no object any better
+_N_WAYS = 200  # and the outermost of all vertices so many ways
+
+
+@dataclass(frozen=True, eq=False)
+class Opened:
+    """What takes seconds with millions of triangles, and so is made beside the window.
+
+    Make it with `Opened.of`, outside the window's thread.
+
+    Attributes
+    ----------
+    document : Document
+    shown : LiveObject
+    uploads : list of PatchUpload
+        All that is to be drawn at first.
+    surface : ClosestPoints
+        Of the object's own triangles.
+    points : (N, 3) float32
+        Enough of the object's vertices to place a camera by, mm.
+    """
+
+    document: Document
+    shown: LiveObject
+    uploads: list[PatchUpload]
+    surface: ClosestPoints
+    points: NDArray[np.float32]
+
+    @classmethod
+    def of(cls, document: Document, progress: Callable[[float], None] = lambda _: None) -> Opened:
+        """Find it out.
+
+        Parameters
+        ----------
+        document : Document
+            Nobody else may change it meanwhile.
+        progress : callable
+            Called with the share done between the steps; what it raises ends them.
+        """
+        shown = LiveObject(document.surface)
+        progress(0.4)
+        uploads = shown.uploads(document.refresh())
+        progress(0.6)
+        surface = ClosestPoints(document.surface.source)
+        progress(0.9)
+        return cls(document, shown, uploads, surface, some_points(document.surface.source.vertices))
+
+
+def open_with_progress(document: Document, progress: Progress, share: float) -> Opened:
+    """Make a painting ready to be shown; the share of the work that is done before."""
+    progress(share)
+    return Opened.of(document, part_of(progress, share, 0.98))
+
+
+def some_points(points: AnyArray) -> AnyArray:
+    """Some of (N, 3) points, spread evenly over the list, and those that lie outermost."""
+    step = -(-len(points) // _MOST_POINTS)
+    if step == 1:
+        return points
+    turn = np.arange(_N_WAYS) * np.pi * (3.0 - np.sqrt(5.0))  # a Fibonacci lattice on the sphere
+    up = 1.0 - 2.0 * (np.arange(_N_WAYS) + 0.5) / _N_WAYS
+    across = np.sqrt(1.0 - up * up)
+    ways = np.stack([across * np.cos(turn), across * np.sin(turn), up], axis=1)
+    ways = np.concatenate([ways, np.eye(3), -np.eye(3)]).astype(np.float32)
+    outermost = np.unique([int((points @ way).argmax()) for way in ways])
+    return np.concatenate([points[::step], points[outermost]])

@@ -1,0 +1,301 @@
+"""Opening objects and paintings."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from concurrent.futures import Future
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from PySide6 import QtWidgets
+
+from paint3d.app.model.document import Document
+from paint3d.app.model.input.hand import Hand, PointerInput
+from paint3d.app.model.persistence.saved_settings import chosen_brush, chosen_inks, chosen_material
+from paint3d.app.window.files.opened import Opened, named, open_with_progress
+from paint3d.app.window.files.recovery import open_elsewhere
+from paint3d.app.window.files.saving import RecentFiles, Saving
+from paint3d.app.window.job import Progress
+from paint3d.app.window.object.standing import Standing
+from paint3d.app.window.questions import NewDialog
+from paint3d.app.window.wording import say
+from paint3d.app.window.workspace import Workspace
+from paint3d.brush_engine.stroke_loop import paint_samples
+from paint3d.core.kernel import is_ahead, is_compiled
+from paint3d.device.sample import DeviceSample
+from paint3d.files.load import BUILT_IN_OBJECTS, MESH_SUFFIXES, read_mesh
+from paint3d.files.progress import part_of
+from paint3d.files.project.session import SESSION_SUFFIX, is_session_path
+from paint3d.files.sandbox.reading import Reading
+from paint3d.mesh.bvh import ClosestPoints
+from paint3d.pose.brush_pose import object_poses
+from paint3d.surface.sheen import PLAIN_SHINE
+from paint3d.view.brush_shape import BrushStand, tuft_rings
+from paint3d.view.kernels.chunks import cone_of
+from paint3d.view.kernels.drape import drape_points
+from paint3d.view.kernels.enlarge import enlarge
+from paint3d.view.kernels.shine import add_shine
+from paint3d.view.live_layers import Enlarger
+from paint3d.view.live_object import LiveObject
+
+__all__ = ["Opening", "is_first_start", "is_warm", "say_warming", "warm_up"]
+
+# ---- Warming up ----------------------------------------------------------------------------------
+# Compiling, ahead of the first stroke, what the window's own thread will run.
+
+
+_MS = 1_000_000
+_LOOK_S = 0.1
+_warm: list[bool] = []
+_one_at_a_time = threading.Lock()
+
+
+def is_first_start() -> bool:
+    """Whether the kernels have never been compiled here, so that it takes a minute."""
+    return not is_compiled(paint_samples)
+
+
+def is_warm() -> bool:
+    """Whether nothing is to be got ready: kernels were compiled ahead, and not changed since."""
+    return all(map(is_ahead, (paint_samples, drape_points, cone_of, add_shine, enlarge)))
+
+
+def warm_up(progress: Callable[[float], None] = lambda _: None) -> None:
+    """Paint a stroke that nobody sees; once, some tenths of a second, a minute the first time.
+
+    Parameters
+    ----------
+    progress : callable
+        Called with the share done between the steps; what it raises stops them.
+    """
+    while not _one_at_a_time.acquire(timeout=_LOOK_S):  # one that was given up goes on for a while
+        progress(0.0)
+    try:
+        if not _warm:
+            _paint_unseen(progress)
+            _warm.append(True)
+    finally:
+        _one_at_a_time.release()
+
+
+def _paint_unseen(progress: Callable[[float], None]) -> None:
+    document = Document.new("plane", 4.0, "xuan")
+    hand, brush = Hand(ClosestPoints(document.surface.source)), document.painter.brush
+    shown = LiveObject(document.surface)
+    for upload in shown.uploads(document.refresh()):
+        cone_of(upload.points, upload.faces, np.zeros(4))
+    progress(0.2)
+    document.begin_stroke()
+    samples = hand.begin(_over(0), brush)
+    assert samples is not None, "the pen is over the sheet"
+    for k in range(1, 6):
+        samples += hand.move(_over(k), brush)
+    document.feed(samples)
+    progress(0.7)
+    document.end_stroke()
+    document.let_time_pass(0.05)
+    progress(0.9)
+    shown.uploads(document.refresh())
+    _turn(shown)
+    _stand(document, samples[-1])
+    progress(0.98)
+    document.undo()
+
+
+def _over(k: int) -> PointerInput:
+    """A pen over the sheet."""
+    place, down = (2.0 * k, 0.0, 90.0), (0.0, 0.0, -1.0)
+    return PointerInput(10 * _MS * (k + 1), origin=place, direction=down, pressure=0.5)
+
+
+def _turn(shown: LiveObject) -> None:
+    """Make ready what is drawn while the view moves."""
+    coarse = shown.coarse_for(1.0, 1000)
+    assert coarse is not None, "it is asked for the first time"
+    lamps, lobes, out = np.zeros((1, 6)), np.ones((3, 2)), coarse.colours.copy()
+    add_shine(
+        coarse.points, coarse.normals, coarse.colours, np.zeros(3), lamps, lobes, PLAIN_SHINE, out
+    )
+    Enlarger((1, 1), (2, 2)).enlarge(np.zeros((1, 1, 4), np.uint8), np.zeros((2, 2, 4), np.uint8))
+
+
+def _stand(document: Document, sample: DeviceSample) -> None:
+    """Find how the brush stands, as for drawing it."""
+    painter, tree = document.painter, document.surface.contact_tree
+    pressed = document.tuft_follower.follow(painter, object_poses([sample]))
+    stand = BrushStand.of(painter.tuft, sample.position, np.eye(3), pressed)
+    rings, _ = tuft_rings(painter.tuft, stand)
+    points = np.ascontiguousarray(rings[:, 0])
+    out, landed = np.zeros((len(points), 6)), np.zeros(len(points), np.uint8)
+    drape_points(tree, points, np.array([0.0, 0.0, -1.0]), 50.0, out, landed)
+    stand.outline()
+
+
+# --------------------------------------------------------------------------------------------------
+
+
+class Opening:
+    """For one window.
+
+    Attributes
+    ----------
+    up : str or None
+        The axis of mesh files that points up, where that was said; see `load_mesh`.
+    """
+
+    def __init__(
+        self, workspace: Workspace, saving: Saving, standing: Standing, recent: RecentFiles
+    ) -> None:
+        self._workspace, self._saving = workspace, saving
+        self._standing, self._recent = standing, recent
+        self.up: str | None = None
+
+    # -- asking -----------------------------------------------------------------------------
+
+    def do_new(self) -> None:
+        """Ask for an object, a material and a fineness, and begin."""
+        dialog = NewDialog(self._workspace.window, self._workspace.settings)
+        if not dialog.exec() or not self._saving.may_leave():
+            return
+        name, material, resolution = dialog.chosen()
+        self._workspace.keep(material=material, resolution_mm=resolution)
+        if name:
+            self.open_path(name, resolution, material, asked=True)
+        else:
+            self.do_open(resolution, material, asked=True)
+
+    def do_open(
+        self, resolution: float | None = None, material: str | None = None, *, asked: bool = False
+    ) -> None:
+        """Ask for a file, and open it; see `open_path`."""
+        meshes = " ".join(f"*{suffix}" for suffix in (SESSION_SUFFIX, *MESH_SUFFIXES))
+        kinds = f"{say('Objects and paintings')} ({meshes});;{say('All files')} (*)"
+        path, _ = QtWidgets.QFileDialog.getOpenFileName(
+            self._workspace.window, say("action.open").rstrip("…"), "", kinds
+        )
+        if path:
+            self.open_path(path, resolution, material, asked=asked)
+
+    # -- opening ----------------------------------------------------------------------------
+
+    def open_path(
+        self,
+        path: str,
+        resolution: float | None = None,
+        material: str | None = None,
+        *,
+        asked: bool = False,
+    ) -> bool:
+        """Open a painting, a mesh or a built-in object; say whether that went well.
+
+        If it is stopped or fails, the painting that is open stays as it is.
+
+        Parameters
+        ----------
+        path : str
+        resolution : float, optional
+            mm; of a mesh. By default what was chosen last.
+        material : str, optional
+            Of a mesh. By default what was chosen last.
+        asked : bool
+            Whether it was asked already what becomes of the painting that is open.
+        """
+        if self._workspace.is_waiting:
+            return False
+        if not asked and self._workspace.stage.easel is not None and not self._saving.may_leave():
+            return False
+        self._workspace.error = None
+        if not self._is_ready():
+            return False
+        title = say("status.opening", name=named(Path(path).name))
+        if is_session_path(path):
+            done: Future[Any] | None = self._open_session(path, title)
+        else:
+            done = self._open_mesh(path, title, resolution, material)
+        if done is None or not self._workspace.went_well(done):
+            return False
+        if not self._workspace.show(done.result()):
+            return False
+        self._standing.tell()
+        if path not in BUILT_IN_OBJECTS:
+            self._recent.add(path)
+        for told in open_elsewhere(self._workspace):
+            self._workspace.tell(told, state="bad", stays=True)
+        return True
+
+    def _is_ready(self) -> bool:
+        """Whether a stroke could be painted at once; gets kernels ready that are compiled late."""
+        return is_warm() or self._workspace.went_well(self._workspace.run(say_warming(), _warm_up))
+
+    def _open_session(self, path: str, title: str) -> Future[Any]:
+        undo_bytes = self._undo_bytes()
+
+        def work(progress: Progress) -> Opened:
+            told = part_of(progress, 0.0, 0.9)
+            document = Document.open(path, undo_bytes=undo_bytes, progress=told)
+            return open_with_progress(document, progress, 0.9)
+
+        return self._workspace.run(title, work)
+
+    def _open_mesh(
+        self, path: str, title: str, resolution: float | None, material: str | None
+    ) -> Future[Any] | None:
+        settings = self._workspace.settings
+        resolution = settings.resolution_mm if resolution is None else resolution
+        material = chosen_material(settings) if material is None else material
+
+        def read(progress: Progress) -> Reading:
+            found = read_mesh(path, texture=True, up=self.up, progress=_before_one(progress))
+            _ = found.likely_up, found.mesh.face_normals, found.mesh.bounds  # found here, not in
+            # the window's thread
+            return found
+
+        loaded = self._workspace.run(title, read)
+        if not self._workspace.went_well(loaded):
+            return None
+        reading = loaded.result()
+        choice = self._standing.choose(
+            path, reading, material, resolution, ask=not self._workspace.quiet
+        )
+        if choice is None:
+            return None
+        self._workspace.keep_in_hand()
+        settings = self._workspace.settings
+        brush, inks = chosen_brush(settings), chosen_inks(settings)
+        undo_bytes = self._undo_bytes()
+
+        def make(progress: Progress) -> Opened:
+            found = reading.mesh
+            if not choice.coloured:  # as it was before it was refined for its picture
+                found = read_mesh(path, up=self.up, progress=part_of(progress, 0.0, 0.4)).mesh
+            progress(0.0 if choice.coloured else 0.4)
+            document = Document.new(
+                choice.apply(found),
+                choice.resolution,
+                choice.material,
+                brush=brush,
+                ink=inks[0],
+                undo_bytes=undo_bytes,
+            )
+            document.inks[1] = inks[1]
+            return open_with_progress(document, progress, 0.7)
+
+        return self._workspace.run(title, make)
+
+    def _undo_bytes(self) -> int:
+        return int(self._workspace.settings.undo_megabytes * (1 << 20))
+
+
+def say_warming() -> str:
+    """What is said while the kernels are got ready."""
+    return say("status.compiling" if is_first_start() else "status.warming")
+
+
+def _warm_up(progress: Progress) -> None:
+    warm_up(_before_one(progress))
+
+
+def _before_one(progress: Progress) -> Callable[[float], None]:
+    return part_of(progress, 0.0, 0.98)

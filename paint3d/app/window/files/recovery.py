@@ -1,0 +1,145 @@
+"""Bringing back paintings that a crash left."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import ExitStack, suppress
+
+from PySide6 import QtCore, QtWidgets
+
+from paint3d.app.model.persistence.sitting import (
+    Recovered,
+    Unfinished,
+    is_open_elsewhere,
+    recoverable,
+)
+from paint3d.app.window.files.opened import named, open_with_progress
+from paint3d.app.window.job import Progress
+from paint3d.app.window.questions import Answer, ask
+from paint3d.app.window.wording import say, say_error
+from paint3d.app.window.workspace import Workspace
+from paint3d.errors import SessionError
+from paint3d.files.progress import part_of
+
+__all__ = ["Recovery", "open_elsewhere"]
+
+
+class Recovery:
+    """For one window.
+
+    Parameters
+    ----------
+    workspace : Workspace
+    menu : QMenu
+        Of what can be brought back; filled when it is about to be shown.
+    may_leave : callable
+        Asks what becomes of the painting that is open.
+    """
+
+    def __init__(
+        self, workspace: Workspace, menu: QtWidgets.QMenu, may_leave: Callable[[], bool]
+    ) -> None:
+        self._workspace, self._menu, self._may_leave = workspace, menu, may_leave
+
+    def offer(self) -> bool:
+        """Ask about a painting that was never saved, the newest; True if it was brought back."""
+        left = recoverable()
+        return bool(left) and self._is_wanted(left[0]) and self.recover(left[0])
+
+    def _ask_and_recover(self, one: Unfinished) -> bool:
+        """Ask about one, and what becomes of the painting that is open."""
+        return self._is_wanted(one) and self._may_leave() and self.recover(one)
+
+    def _asker(self, one: Unfinished) -> Callable[[], bool]:
+        return lambda: self._ask_and_recover(one)
+
+    def _is_wanted(self, one: Unfinished) -> bool:
+        """Whether to go on with it; if not, it is deleted or stays for later."""
+        answer = ask(
+            self._workspace.window,
+            say("ask.recover", name=_name_of(one), time=_time_of(one)),
+            accept="button.recover",
+            destroy="button.delete",
+            leave="button.later",
+        )
+        if answer is Answer.DestructiveRole:
+            one.discard()
+        return answer is Answer.AcceptRole
+
+    def tell_unsaved(self) -> None:
+        """Say where what was put off can be found, if there is any."""
+        if recoverable():
+            where = f"{say('menu.file')}, {say('Bring back what was not saved')}"
+            told = say("What was not saved stays in the menu: {where}", where=where)
+            self._workspace.tell(told)
+
+    def fill_menu(self) -> None:
+        """List the paintings that can be brought back, as they are left by now."""
+        self._menu.clear()
+        for one in recoverable():
+            text = f"{_name_of(one)}  ({_time_of(one)})"
+            self._menu.addAction(text, self._asker(one))
+        self._menu.setEnabled(bool(self._menu.actions()))
+
+    def recover(self, one: Unfinished) -> bool:
+        """Bring a painting back; what it was kept in is deleted once it is kept anew.
+
+        If it is stopped, it stays where it is and is offered again.
+        """
+        with ExitStack() as held:  # until it is kept anew: no other window is to bring it back, too
+            with suppress(SessionError):  # who brings it back tells
+                held.enter_context(one.held())
+            return self._recover(one)
+
+    def _recover(self, one: Unfinished) -> bool:
+        workspace = self._workspace
+        workspace.error = None
+
+        def work(progress: Progress) -> object:
+            recovered = one.recover(part_of(progress, 0.0, 0.9))
+            return recovered, open_with_progress(recovered.document, progress, 0.9)
+
+        done = workspace.run(say("status.opening", name=_name_of(one)), work)
+        if not workspace.went_well(done):
+            return False
+        recovered, opened = done.result()
+        if not workspace.show(opened):
+            return False
+        is_kept = workspace.easel.sitting is not None
+        if is_kept:
+            one.discard()
+        lost = _lost_of(recovered)
+        if lost or is_kept:  # if not, it is said, and what the crash left is all that there is
+            bad = lost + open_elsewhere(workspace)
+            told = say("; ").join([say("Brought back; save it to keep it"), *bad])
+            workspace.tell(told, state="bad" if bad else "good", stays=bool(bad))
+        return True
+
+
+def open_elsewhere(workspace: Workspace) -> list[str]:
+    """That another window paints on the same file, if so; who saves second will be asked."""
+    path, sitting = workspace.document.path, workspace.easel.sitting
+    own = None if sitting is None else sitting.folder
+    if path is None or not is_open_elsewhere(path, own):
+        return []
+    return [say("{name} is open in another window, too", name=path.name)]
+
+
+def _lost_of(recovered: Recovered) -> list[str]:
+    """What did not come back, in words."""
+    said = []
+    if recovered.n_lost:
+        said.append(say("problem.lost", count=recovered.n_lost))
+    if recovered.refused:
+        told = say("problem.refused", count=len(recovered.refused))
+        said.append(f"{told} ({say_error(recovered.refused[0])})")
+    return said
+
+
+def _name_of(one: Unfinished) -> str:
+    return one.path.name if one.path else named(one.object_name)
+
+
+def _time_of(one: Unfinished) -> str:
+    when = QtCore.QDateTime.fromSecsSinceEpoch(int(one.time_s))
+    return when.toString("yyyy-MM-dd hh:mm:ss")

@@ -1,0 +1,125 @@
+"""Saving paintings, and what becomes of unsaved work."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from PySide6 import QtCore, QtWidgets
+
+from paint3d.app.window.files.opened import named
+from paint3d.app.window.files.target_dialog import Targets
+from paint3d.app.window.job import Progress, result_of
+from paint3d.app.window.questions import Answer, ask
+from paint3d.app.window.wording import say
+from paint3d.app.window.workspace import Workspace
+from paint3d.files.project.session import SESSION_SUFFIX
+
+__all__ = ["RecentFiles", "Saving"]
+
+# ---- Recent files --------------------------------------------------------------------------------
+# The files that were opened or saved last, and their menu.
+
+
+class RecentFiles(QtCore.QObject):
+    """For one window.
+
+    Signals
+    -------
+    chosen : str
+        The path of one that is to be opened.
+    """
+
+    chosen = QtCore.Signal(str)
+
+    def __init__(self, workspace: Workspace, menu: QtWidgets.QMenu) -> None:
+        super().__init__(workspace)
+        self._workspace, self._menu = workspace, menu
+
+    def add(self, path: str) -> None:
+        """Put a file first."""
+        self._workspace.keep(recent=self._workspace.settings.with_recent(path).recent)
+        self.show()
+
+    def show(self) -> None:
+        """Fill the menu."""
+        self._menu.clear()
+        for path in self.paths():
+            self._menu.addAction(Path(path).name, self._chooser(path))
+        self._menu.setEnabled(bool(self._menu.actions()))
+
+    def _chooser(self, path: str) -> Callable[[], None]:
+        return lambda: self.chosen.emit(path)
+
+    def paths(self) -> list[str]:
+        """Those that are still there, the last opened first."""
+        return [path for path in self._workspace.settings.recent if Path(path).exists()]
+
+
+# --------------------------------------------------------------------------------------------------
+
+
+class Saving:
+    """For one window."""
+
+    def __init__(self, workspace: Workspace, targets: Targets, recent: RecentFiles) -> None:
+        self._workspace, self._targets, self._recent = workspace, targets, recent
+
+    def may_leave(self) -> bool:
+        """Ask what is to become of unsaved work; False if it is to stay."""
+        easel = self._workspace.stage.easel
+        if easel is None:
+            return True
+        document = self._workspace.document
+        if not (easel.is_behind or document.modified):  # what is still to be done will change it
+            return True
+        name = document.path.name if document.path else named(document.surface.source.name)
+        words = say("ask.save_changes", name=name)
+        window = self._workspace.window
+        answer = ask(window, words, accept="button.save", destroy="button.discard")
+        if answer is Answer.AcceptRole:
+            return self.do_save()
+        return answer is Answer.DestructiveRole
+
+    def do_save(self) -> bool:
+        """Save where it was saved before, or ask where; say whether that went well."""
+        document = self._workspace.document
+        if document.path is None:
+            return self.do_save_as()
+        if document.is_written_by_others:
+            return self._save_beside_others(document.path)
+        return self.save_to(document.path)
+
+    def _save_beside_others(self, path: Path) -> bool:
+        """Ask before what somebody else has saved in the same file is replaced."""
+        words = "{name} was saved by another window or program since it was opened here."
+        answer = ask(
+            self._workspace.window,
+            say(words, name=path.name),
+            accept="action.save_as",
+            destroy="Replace",
+            warns=True,
+        )
+        if answer is Answer.AcceptRole:
+            return self.do_save_as()
+        return answer is Answer.DestructiveRole and self.save_to(path)
+
+    def do_save_as(self) -> bool:
+        """Ask where to save; say whether that went well."""
+        path = self._targets.ask(say("action.save_as"), {SESSION_SUFFIX: "Paintings"})
+        return path is not None and self.save_to(path)
+
+    def save_to(self, path: Path) -> bool:
+        """Save to a session; say whether that went well."""
+        workspace = self._workspace
+        easel = workspace.easel
+
+        def work(progress: Progress) -> None:
+            result_of(easel.post("save", path, progress=progress), progress)
+
+        if not workspace.went_well(workspace.run(say("Writing {name}…", name=path.name), work)):
+            return False
+        workspace.saved.emit()
+        workspace.tell(say("status.saved", name=path.name), state="good")
+        self._recent.add(str(path))
+        return True

@@ -1,0 +1,192 @@
+"""Asking where to write: formats by name, and one question before a file is replaced."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from itertools import count
+from pathlib import Path
+from typing import NamedTuple
+
+from PySide6 import QtWidgets
+
+from paint3d.app.window.files.opened import named
+from paint3d.app.window.questions import Answer, ask
+from paint3d.app.window.wording import say
+from paint3d.app.window.workspace import Workspace
+
+__all__ = ["Kind", "TargetDialog", "Targets", "ask_target"]
+
+
+class Kind(NamedTuple):
+    """A format: its name in words, and the suffix that a file of it has."""
+
+    name: str
+    suffix: str
+
+    @property
+    def filter(self) -> str:
+        """As the dialog lists it."""
+        return f"{self.name} (*{self.suffix})"
+
+
+class TargetDialog(QtWidgets.QFileDialog):
+    """Ask for a file to write.
+
+    Qt's own dialog on every desktop: the name that is typed gets its suffix before it is asked
+    whether a file of that name is to be replaced, which a desktop's dialog does not know of.
+
+    Parameters
+    ----------
+    parent : QWidget
+    title : str
+    start : Path
+        The folder to look into, and a name to begin with.
+    kinds : sequence of Kind
+    preferred : str
+        The suffix of the kind that is chosen at first.
+
+    Attributes
+    ----------
+    target : Path or None
+        What was chosen, with its suffix.
+    """
+
+    def __init__(
+        self,
+        parent: QtWidgets.QWidget,
+        title: str,
+        start: Path,
+        kinds: Sequence[Kind],
+        preferred: str,
+    ) -> None:
+        super().__init__(parent, title)
+        self.target: Path | None = None
+        self._kinds = list(kinds)
+        self._first = next((k for k in kinds if k.suffix == preferred), kinds[0])
+        self.setAcceptMode(QtWidgets.QFileDialog.AcceptMode.AcceptSave)
+        self.setFileMode(QtWidgets.QFileDialog.FileMode.AnyFile)
+        self.setOption(QtWidgets.QFileDialog.Option.DontUseNativeDialog)
+        self.setOption(QtWidgets.QFileDialog.Option.DontConfirmOverwrite)
+        filters = [kind.filter for kind in kinds]
+        if len(filters) > 1:
+            every = " ".join(f"*{kind.suffix}" for kind in kinds)
+            filters.append(f"{say('Everything')} ({every})")
+        self.setNameFilters(filters)
+        self.selectNameFilter(self._first.filter)
+        label = QtWidgets.QFileDialog.DialogLabel
+        for place, text in (
+            (label.LookIn, "Folder"), (label.FileName, "File name"), (label.FileType, "Format"),
+            (label.Accept, "button.save"), (label.Reject, "button.cancel"),
+        ):  # fmt: skip
+            self.setLabelText(place, say(text))
+        folder = start.parent if start.parent.is_dir() else Path.cwd()
+        self.setDirectory(os.path.abspath(folder))
+        self.selectFile(start.name)
+        self.filterSelected.connect(self._rename)
+
+    def _rename(self, chosen: str) -> None:
+        """Give the name that stands there the suffix of the kind that was chosen."""
+        kind = next((k for k in self._kinds if k.filter == chosen), None)
+        named = self.selectedFiles()
+        if kind is not None and named and not Path(named[0]).is_dir():
+            self.selectFile(_without(Path(named[0]).name, self._kinds) + kind.suffix)
+
+    def _with_suffix(self, path: Path) -> Path:
+        """The file that is meant by a name; a known suffix that was typed says the format."""
+        if _suffix(path.name, self._kinds) is not None:
+            return path
+        chosen = self.selectedNameFilter()
+        kind = next((k for k in self._kinds if k.filter == chosen), self._first)
+        return path.with_name(path.name + kind.suffix)
+
+    def accept(self) -> None:
+        """Ask whether a file that is there is to be replaced; stay if not."""
+        named = self.selectedFiles()
+        if not named or Path(named[0]).is_dir():
+            super().accept()
+            return
+        target = self._with_suffix(Path(named[0]))
+        if os.path.lexists(target) and not target.is_dir() and not _may_replace(self, target):
+            return
+        self.target = target
+        super().accept()
+
+
+def _suffix(name: str, kinds: Sequence[Kind]) -> str | None:
+    """The longest known suffix of a name."""
+    found = [k.suffix for k in kinds if name.lower().endswith(k.suffix)]
+    return max(found, key=len, default=None)
+
+
+def _without(name: str, kinds: Sequence[Kind]) -> str:
+    suffix = _suffix(name, kinds)
+    return name if suffix is None else name[: -len(suffix)]
+
+
+def _may_replace(parent: QtWidgets.QWidget, path: Path) -> bool:
+    """Ask whether a file is to be replaced; of a link, also where it leads."""
+    name = f"{path.name} → {os.path.realpath(path)}" if path.is_symlink() else path.name
+    answer = ask(parent, say("ask.replace", name=name), destroy="Replace", warns=True)
+    return answer is Answer.DestructiveRole
+
+
+def ask_target(
+    parent: QtWidgets.QWidget, title: str, start: Path, kinds: Sequence[Kind], preferred: str = ""
+) -> Path | None:
+    """Ask where to write; None: nowhere. What it returns may be replaced; see `TargetDialog`."""
+    dialog = TargetDialog(parent, title, start, kinds, preferred)
+    accepted = dialog.exec()
+    dialog.deleteLater()
+    return dialog.target if accepted else None
+
+
+# ---- Where ---------------------------------------------------------------------------------------
+# Where something is to be written: asked under the painting's name, where was written last.
+
+
+class Targets:
+    """For one window.
+
+    Attributes
+    ----------
+    folder : Path or None
+        Where was written last.
+    """
+
+    def __init__(self, workspace: Workspace) -> None:
+        self._workspace = workspace
+        self.folder: Path | None = None
+
+    def ask(self, title: str, names: Mapping[str, str], preferred: str = "") -> Path | None:
+        """Ask where to write; None if nowhere.
+
+        A painting without a file of its own is proposed under a name that is free.
+
+        Parameters
+        ----------
+        title : str
+        names : mapping
+            What a format is called, by its suffix.
+        preferred : str
+            The suffix that is chosen at first.
+        """
+        document = self._workspace.document
+        stem = document.path.stem if document.path else named(document.surface.source.name)
+        beside = document.path.parent if document.path else Path.cwd()
+        suffix = preferred if preferred in names else next(iter(names))
+        start = (self.folder or beside) / f"{stem}{suffix}"
+        if document.path is None:
+            start = _free(start, suffix)
+        kinds = [Kind(say(name), suffix) for suffix, name in names.items()]
+        path = ask_target(self._workspace.window, title.rstrip("…"), start, kinds, suffix)
+        if path is not None:
+            self.folder = path.parent
+        return path
+
+
+def _free(path: Path, suffix: str) -> Path:
+    """That path, or the first with a number behind its name that no file has."""
+    names = (f"{path.name.removesuffix(suffix)} {k}{suffix}" for k in count(2))
+    paths = (path.with_name(name) for name in names)
+    return path if not os.path.lexists(path) else next(p for p in paths if not os.path.lexists(p))

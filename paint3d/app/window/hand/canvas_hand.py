@@ -1,0 +1,311 @@
+"""The hand over the canvas: it paints, hovers, steers the view, sizes the brush."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from PySide6 import QtCore
+
+from paint3d.app.model.input import navigation
+from paint3d.app.model.input.hand import Hand, HandSettings, PointerInput
+from paint3d.app.window.hand.canvas import Canvas, Touch
+from paint3d.app.window.stage import Stage
+from paint3d.core.arrays import AnyArray
+from paint3d.device.sample import DeviceSample
+from paint3d.mesh.bvh import ClosestPoints
+from paint3d.view.camera import Camera, View, fit_camera, is_flat, picture_axes, studio_axes
+
+__all__ = ["CanvasHand"]
+
+_SIZE_A_PIXEL = 1.006  # growth of the brush a pixel of a drag with F
+_FORCE_A_PIXEL = 0.02  # N a pixel of a drag with Shift+F
+_FIRST_VIEW = View((0.12, -1.0, 0.62))
+_FLAT_VIEW = np.array([0.0, -0.45, 1.0])  # in the sheet's own axes
+_BENDS_PX = 6.0  # a motion that tells whither the tuft is to bend
+_CLOSE = 0.75  # tuft lengths that are seen all round of what is under the pointer
+_STAYS_PX = 6.0  # that a pointer moves which stays where it was
+
+
+class CanvasHand(QtCore.QObject):
+    """Joins the canvas's events to the easel.
+
+    Signals
+    -------
+    sized : float
+        The brush is to be so many times as large.
+    began : ()
+        Of a stroke, before the easel hears of it.
+    ended : Future
+        Of `end_stroke`, by which the easel ends it.
+    """
+
+    sized = QtCore.Signal(float)
+    began = QtCore.Signal()
+    ended = QtCore.Signal(object)
+
+    def __init__(self, canvas: Canvas, stage: Stage) -> None:
+        super().__init__(canvas)
+        self._canvas, self._stage = canvas, stage
+        self.camera: Camera | None = None
+        self._whole: Camera | None = None
+        self.hand: Hand | None = None
+        self.settings = HandSettings()
+        self.first_force = 1.5  # N, of a mouse
+        self.in_stroke = False
+        self.held: set[str] = set()
+        self.adjusted = False
+        self._surface: ClosestPoints | None = None
+        self._place: Touch | None = None
+        self._spent = False  # a stroke was taken back whose pen is still down
+        self._notches = 0.0
+        self._under: tuple[float, float] | None = None  # where the brush is in a stroke, pixels
+        self._bends_from: tuple[float, float] | None = None  # and since the mouse turns its bend
+        self._bend: AnyArray | None = None  # whither its tip was told to point, object's frame
+        self._aside = (0.0, 0.0)  # pixels from the pointer to the brush that turned in place
+        self._near: tuple[Camera, Touch, float] | None = None  # what `show_place` did last
+        canvas.touched.connect(self.touch)
+        canvas.taken_back.connect(self._take_back)
+        canvas.resized.connect(self._resized)
+        canvas.left.connect(self.leave)
+
+    @property
+    def open_camera(self) -> Camera:
+        """`camera`, while something is open."""
+        assert self.camera is not None, "something is open"
+        return self.camera
+
+    @property
+    def surface(self) -> ClosestPoints:
+        """The object's, while something is open."""
+        assert self._surface is not None, "something is open"
+        return self._surface
+
+    @property
+    def _open_hand(self) -> Hand:
+        assert self.hand is not None, "something is open"
+        return self.hand
+
+    # -- the view ---------------------------------------------------------------------------
+
+    def open(self, surface: ClosestPoints) -> None:
+        """Take another object in hand, the one on stage."""
+        self._surface = surface
+        force = self.hand.force if self.hand is not None else self.first_force
+        self.hand = Hand(surface, self.settings, force)
+        self.in_stroke = self._spent = False
+        self._place = None
+        self._canvas.setCursor(QtCore.Qt.CursorShape.CrossCursor)
+        self.show_all()
+
+    def set_settings(self, **changes: Any) -> None:
+        """Read the hand otherwise; see `HandSettings`."""
+        self.settings = dataclasses.replace(self.settings, **changes)
+        if self.hand is not None:
+            self.hand.settings = self.settings
+
+    def show_all(self) -> None:
+        """See the whole object, from where it is painted best."""
+        points = self._stage.points
+        view = _FIRST_VIEW
+        if is_flat(points):
+            axes = studio_axes(points, View((0.0, -0.6, 1.0)))
+            view = View(axes.T @ _FLAT_VIEW, axes[1])
+        self.look(fit_camera(points, view, self._aspect()))
+        self._whole = self.camera
+
+    def _resized(self) -> None:
+        """Go on showing the whole object, where nobody has painted or looked elsewhere since."""
+        if self.camera is not None and self.camera is self._whole:
+            self.show_all()
+
+    def show_place(self) -> None:
+        """See what is under the pointer from near; asked again where it stays, do nothing."""
+        found, touch = self.place(), self._place
+        if found is None or touch is None:
+            return
+        radius = _CLOSE * self._stage.open_easel.brush.length_mm
+        if self._near is not None:
+            camera, at, seen = self._near
+            moved = math.hypot(touch.x - at.x, touch.y - at.y)
+            if (self.camera, radius) == (camera, seen) and moved <= _STAYS_PX:
+                return  # by now something else is under the pointer
+        self.look(navigation.approach(self.open_camera, found, radius, self._aspect()))
+        self._near = self.open_camera, touch, radius
+
+    def look_from(self, side: str) -> None:
+        """See the whole object from one of `navigation.SIDES`."""
+        view = View(*navigation.SIDES[side])
+        self.look(fit_camera(self._stage.points, view, self._aspect()))
+
+    def look(self, camera: Camera) -> None:
+        """Look from there."""
+        self.camera = camera
+        self._stage.set_camera(camera)
+
+    def _aspect(self) -> float:
+        return self._canvas.width() / max(1, self._canvas.height())
+
+    def _size(self) -> tuple[int, int]:
+        return self._canvas.width(), self._canvas.height()
+
+    def take_wheel(self, notches: float) -> bool:
+        """Press by the wheel, during a stroke; False where there is none."""
+        if self.in_stroke:
+            self._notches += notches
+        return self.in_stroke
+
+    def meets(self, places: AnyArray) -> NDArray[np.bool_]:
+        """(N,) bool: whether the object is seen at places (N, 2) of the picture, pixels."""
+        assert self._surface is not None, "something is open"
+        rays = [navigation.ray_at(self.open_camera, x, y, self._size()) for x, y in places]
+        origins = np.array([ray.origin for ray in rays])
+        return self._surface.cast(origins, np.array([ray.direction for ray in rays])).hit
+
+    def place(self) -> AnyArray | None:
+        """(3,) the place on the object under the pointer, or None."""
+        return None if self._place is None else self.place_at(self._place.x, self._place.y)
+
+    def place_at(self, x: float, y: float) -> AnyArray | None:
+        """(3,) the place on the object at a place in the picture (pixels, y down), or None."""
+        if self._surface is None:
+            return None
+        ray = navigation.ray_at(self.open_camera, x, y, self._size())
+        hits = self._surface.cast(ray.origin[None], ray.direction[None])
+        return hits.points[0] if hits.hit[0] else None
+
+    # -- the brush --------------------------------------------------------------------------
+
+    def touch(self, touch: Touch) -> None:
+        """Follow the pen or mouse: paint while it is down, else show where it would."""
+        easel = self._stage.easel
+        if easel is None or self.camera is None:
+            return
+        before, self._place = self._place, touch
+        self._spent = self._spent and touch.down
+        if self._spent:
+            return
+        if before is not None and self.held & {"size", "force"} and not self.in_stroke:
+            self._adjust(touch.x - before.x)
+            return
+        event, brush = self._input(self._bent(touch)), easel.brush
+        if self.in_stroke and touch.down:
+            easel.feed(self._open_hand.move(event, brush))
+        elif self.in_stroke:
+            self.lift(event)
+        elif touch.down and not touch.eraser:
+            self._begin(event)
+        else:
+            sample = self._open_hand.hover(event, brush)
+            if sample is None:
+                self._stage.hide_brush()
+            else:
+                easel.hover(sample)
+        if touch.eraser and touch.down and (before is None or not before.down):
+            easel.post("rinse")
+
+    def _bent(self, touch: Touch) -> Touch:
+        """The touch under the brush: with Shift the mouse turns the bend, and the brush stays.
+
+        The way that the pointer went meanwhile stays between them until the stroke ends.
+        """
+        if not self.in_stroke:
+            self._under, self._bends_from, self._bend, self._aside = None, None, None, (0.0, 0.0)
+            if not touch.down:
+                return touch
+        x, y = touch.x + self._aside[0], touch.y + self._aside[1]
+        stays = self._under or (x, y)
+        if touch.bends and touch.down:
+            start = self._bends_from = self._bends_from or stays
+            across, down = x - start[0], y - start[1]
+            if math.hypot(across, down) >= _BENDS_PX:
+                right, up, _ = picture_axes(self.open_camera)
+                self._bend = across * right - down * up
+            x, y = stays
+        elif self._bends_from is not None:
+            if touch.down:
+                self._bends_from = self._bend = None
+            self._aside = (stays[0] - touch.x, stays[1] - touch.y)
+            x, y = stays
+        self._under = (x, y)
+        return replace(touch, x=x, y=y)
+
+    def _adjust(self, pixels: float) -> None:
+        """Change what a held key says by a drag."""
+        self.adjusted = True
+        if "size" in self.held:
+            self.sized.emit(_SIZE_A_PIXEL**pixels)
+        else:
+            hand = self._open_hand
+            hand.force = min(7.9, max(0.0, hand.force + _FORCE_A_PIXEL * pixels))
+
+    def _input(self, touch: Touch) -> PointerInput:
+        ray = navigation.ray_at(self.open_camera, touch.x, touch.y, self._size())
+        right, up, _ = picture_axes(self.open_camera)
+        notches, self._notches = self._notches, 0.0
+        return PointerInput(
+            touch.time_ns,
+            origin=ray.origin,
+            direction=ray.direction,
+            right=right,
+            up=up,
+            pressure=touch.pressure,
+            x_tilt=math.degrees(touch.tilt_x),
+            y_tilt=math.degrees(touch.tilt_y),
+            rotation=math.degrees(touch.twist) if touch.twist else None,
+            wheel=notches,
+            harder="harder" in self.held,
+            softer="softer" in self.held,
+            bend=self._bend,
+        )
+
+    def _begin(self, event: PointerInput) -> None:
+        easel = self._stage.open_easel
+        samples = self._open_hand.begin(event, easel.brush)
+        if samples is None:
+            return
+        self.in_stroke, self._whole = True, None
+        self.began.emit()
+        easel.post("begin_stroke")
+        easel.feed(samples)
+
+    def lift(self, event: PointerInput | None = None) -> None:
+        """End the stroke that is going on, where the pen was lifted if it says."""
+        if not self.in_stroke:
+            return
+        self.in_stroke = False
+        easel = self._stage.open_easel
+        easel.feed(self._end_in_hand(event))
+        self.ended.emit(easel.post("end_stroke"))
+
+    def _end_in_hand(self, event: PointerInput | None = None) -> list[DeviceSample]:
+        """Let the hand end the stroke where the pointer was last; what is still to be painted."""
+        assert self._place is not None, "a stroke goes on"
+        return self._open_hand.end(self._place.time_ns, self._stage.open_easel.brush, event)
+
+    def interrupt(self) -> None:
+        """End the stroke that is going on where it is; a pen that stays down begins none."""
+        if self.in_stroke:
+            self.lift()
+            self._spent = True
+
+    def cancel(self) -> None:
+        """Take the stroke that is going on back."""
+        if self.in_stroke:
+            self.in_stroke, self._spent = False, True
+            self._end_in_hand()
+            self._stage.open_easel.post("cancel_stroke")
+
+    def _take_back(self) -> None:
+        """Take back what a finger began that now does something else: the next paints again."""
+        self.cancel()
+        self._spent = False
+
+    def leave(self) -> None:
+        """Let the brush leave the picture until the pointer moves over it again."""
+        if not self.in_stroke and self._stage.easel is not None:
+            self._stage.hide_brush()

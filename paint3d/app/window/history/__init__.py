@@ -1,0 +1,1 @@
+"""The strokes of a painting: the panel, going back, edits."""

@@ -1,0 +1,328 @@
+"""The strokes of a painting: a list, a slider to go back and forth in, their replay."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from PySide6 import QtCore, QtGui, QtWidgets
+
+from paint3d.app.model.document import Document
+from paint3d.app.model.frame import Frame
+from paint3d.app.window.brush.brush_panel import plain_icon, plain_name
+from paint3d.app.window.ink.ink_panel import ink_label, paint_dish
+from paint3d.app.window.theme import Theme
+from paint3d.app.window.wording import say, say_brush
+
+__all__ = ["HistoryPanel"]
+
+_ICON = 22
+_SPEEDS = (("¼ x", 0.25), ("½ x", 0.5), ("1 x", 1.0), ("4 x", 4.0), ("16 x", 16.0), ("max", None))
+_EDITS = (
+    ("pick", "Choose one on the object"),
+    ("drag", "Move it on the object"), ("move", "Move it by numbers…"),
+    ("ink", "Paint it in the ink in hand"), ("brush", "Paint it with the brush in hand"),
+    ("time", "Its time…"), ("delete", "Delete it"),
+)  # fmt: skip
+"""What can be done with a stroke, and how the menu says it."""
+_LEAST_MS = 40  # a stroke is shown at least so long
+
+
+class _StrokeList(QtWidgets.QListWidget):
+    """Rows that the right button does not choose: it opens a menu for one."""
+
+    def mousePressEvent(self, event: QtGui.QMouseEvent) -> None:
+        """Choose a row, but with the right button."""
+        if event.button() == QtCore.Qt.MouseButton.RightButton:
+            event.accept()
+        else:
+            super().mousePressEvent(event)
+
+
+class HistoryPanel(QtWidgets.QWidget):
+    """What was painted, stroke by stroke.
+
+    Signals
+    -------
+    asked : (int, bool)
+        The painting is to be shown as it was after so many strokes; only to look at, or to go on.
+    chosen : (object)
+        The stroke of a row, from 0, is to be marked; None: none is any more.
+    edited : (str, int)
+        What is to be done with a stroke, and its row; see `StrokeEditing.ask`.
+    exported : ()
+        The strokes are to be saved as a recording.
+    told : (str)
+        Something to say.
+    """
+
+    asked = QtCore.Signal(int, bool)
+    chosen = QtCore.Signal(object)
+    edited = QtCore.Signal(str, int)
+    exported = QtCore.Signal()
+    told = QtCore.Signal(str)
+
+    def __init__(self, theme: Theme) -> None:
+        super().__init__()
+        self._theme = theme
+        self._shown: tuple[int, int] = (-1, -1)
+        self._strokes: list[Any] = []
+        self._wanted: int | None = None  # what was asked for and is not there yet
+        self._is_playing = False
+        self._marked: int | None = None
+        self.list = _StrokeList()
+        self.list.setObjectName("strokes")
+        self.list.setIconSize(QtCore.QSize(_ICON, _ICON))
+        self.list.itemClicked.connect(lambda item: self._choose_row(self.list.row(item)))
+        self.list.currentRowChanged.connect(self._choose_row)
+        self.list.setContextMenuPolicy(QtCore.Qt.ContextMenuPolicy.CustomContextMenu)
+        self.list.customContextMenuRequested.connect(self._show_menu)
+        self.slider = QtWidgets.QSlider(QtCore.Qt.Orientation.Horizontal)
+        self.slider.setPageStep(1)
+        self.slider.valueChanged.connect(self._slide)
+        self.count = QtWidgets.QLabel()
+        self.count.setObjectName("faint")
+        policy = QtWidgets.QSizePolicy.Policy  # numbers grow, and the picture is not to move
+        self.count.setSizePolicy(policy.Ignored, policy.Preferred)
+        self.pace = QtWidgets.QComboBox()
+        for text, speed in _SPEEDS:
+            self.pace.addItem(text, speed)
+        self.pace.setCurrentIndex(2)
+        self.pace.setToolTip(say("history.speed"))
+        self.play = QtWidgets.QPushButton(say("action.replay"))
+        self.edit = QtWidgets.QPushButton(say("Edit"))
+        self.edit.setToolTip(say("Edit the stroke that is chosen; also by the right button"))
+        self.edit.setMenu(self._menu_for(self.edit, self._row_to_edit))
+        export = QtWidgets.QPushButton(say("Export…"))
+        self.play.clicked.connect(self._play)
+        export.clicked.connect(self.exported)
+        layout = QtWidgets.QVBoxLayout(self)
+        layout.setContentsMargins(8, 6, 8, 8)
+        layout.addWidget(self.list, 1)
+        layout.addWidget(self.slider)
+        layout.addWidget(self.count)
+        row = QtWidgets.QHBoxLayout()
+        row.addWidget(self.edit)
+        row.addStretch(1)
+        row.addWidget(self.pace)
+        row.addWidget(self.play)
+        row.addWidget(export)
+        layout.addLayout(row)
+        self._player = QtCore.QTimer(self)
+        self._player.setSingleShot(True)
+        self._player.timeout.connect(self._step)
+
+    # -- editing ----------------------------------------------------------------------------
+
+    def _menu_for(self, parent: QtWidgets.QWidget, row: Callable[[], int]) -> QtWidgets.QMenu:
+        """A menu of what can be done with the stroke of a row."""
+        menu = QtWidgets.QMenu(parent)
+        menu.aboutToShow.connect(lambda: self._mark_row(row()))
+        for name, text in _EDITS:
+            if name in ("drag", "delete"):
+                menu.addSeparator()
+            action = menu.addAction(say(text))
+            action.setObjectName(name)
+            action.triggered.connect(lambda _=False, name=name: self._edit(name, row()))
+        return menu
+
+    def _show_menu(self, place: QtCore.QPoint) -> None:
+        item = self.list.itemAt(place)
+        if item is None:
+            return
+        row = self.list.row(item)
+        menu = self._menu_for(self.list, lambda: row)
+        menu.setAttribute(QtCore.Qt.WidgetAttribute.WA_DeleteOnClose)
+        menu.popup(self.list.viewport().mapToGlobal(place))
+
+    def _edit(self, what: str, row: int) -> None:
+        """Ask for an edit of the stroke of a row."""
+        self.stop()
+        if 0 <= row < len(self._strokes):
+            self.edited.emit(what, row)
+        else:
+            self.told.emit(say("There is no stroke to edit"))
+
+    def _row_to_edit(self) -> int:
+        """The stroke that is marked, or else the one that is shown last."""
+        return self.list.currentRow() if self._marked is None else self._marked
+
+    def _mark_row(self, row: int) -> None:
+        """Have the stroke of a row marked in the picture, if there is one."""
+        if 0 <= row < len(self._strokes):
+            self.chosen.emit(row)
+
+    def mark(self, row: int | None) -> None:
+        """Show that this stroke is marked in the picture, or none."""
+        self._marked = row
+        self._show_marked()
+
+    def _show_marked(self) -> None:
+        for k in range(self.list.count()):
+            item = self.list.item(k)
+            font = item.font()
+            if font.bold() != (k == self._marked):
+                font.setBold(k == self._marked)
+                item.setFont(font)
+
+    # -- showing ----------------------------------------------------------------------------
+
+    def open(self, document: Document) -> None:
+        """Show the strokes of another painting."""
+        self.stop()
+        self._wanted = None
+        self._shown = (-1, -1)
+        self.show_strokes(document.strokes, document.undone_strokes, document.earliest_stroke)
+
+    def follow(self, document: Document, frame: Frame) -> None:
+        """Show what a frame says."""
+        strokes = list(document.strokes)
+        if len(strokes) != frame.n_strokes:  # they are about to change again
+            return
+        if frame.n_strokes == self._wanted or not frame.queue_length:
+            self._wanted = None
+        self.show_strokes(strokes, document.undone_strokes, document.earliest_stroke)
+
+    def show_strokes(self, strokes: Sequence[Any], undone: Sequence[Any], earliest: int) -> None:
+        """Show the strokes that are there; those that were undone come after them, fainter.
+
+        Parameters
+        ----------
+        strokes, undone : sequence of Stroke
+        earliest : int
+            So many always stay.
+        """
+        there, every = len(strokes), [*strokes, *undone]
+        if every != self._strokes or (there, earliest) != self._shown:
+            self._shown = (there, earliest)
+            self._strokes = every
+            self._fill(there)
+            seconds = sum(stroke.duration_s for stroke in strokes)
+            self.count.setText(say("Strokes: {n}, {seconds:.1f} s", n=there, seconds=seconds))
+        if self._wanted is None:
+            self._choose(there, earliest)
+        if self._is_playing and self._wanted is None and not self._player.isActive():
+            self._wait(there)
+
+    def _fill(self, there: int) -> None:
+        with QtCore.QSignalBlocker(self.list):
+            self.list.clear()
+            for k, stroke in enumerate(self._strokes):
+                ink = " + ".join(ink_label(name) for name in stroke.ink)
+                brush = say_brush(plain_name(stroke.brush))
+                text = f"{k + 1}   {brush}, {ink}   {stroke.duration_s:.2f} s"
+                item = QtWidgets.QListWidgetItem(_dish_icon(stroke.ink, self._theme), text)
+                if k >= there:
+                    item.setForeground(QtGui.QColor(self._theme.faint))
+                    item.setToolTip(say("undone"))
+                self.list.addItem(item)
+            self.list.setCurrentRow(there - 1)
+            if there:
+                self.list.scrollToItem(self.list.item(there - 1))
+            self._show_marked()
+
+    def _choose(self, there: int, earliest: int) -> None:
+        """Let row and slider stand where the painting is."""
+        if self.list.currentRow() != there - 1:
+            with QtCore.QSignalBlocker(self.list):
+                self.list.setCurrentRow(there - 1)
+        with QtCore.QSignalBlocker(self.slider):
+            self.slider.setRange(earliest, len(self._strokes))
+            self.slider.setValue(there)
+
+    def set_theme(self, theme: Theme) -> None:
+        """Use other colours."""
+        self._theme = theme
+        self._shown = (-1, -1)
+
+    # -- being told -------------------------------------------------------------------------
+
+    def _choose_row(self, row: int) -> None:
+        if row >= 0:
+            self._go(row + 1)
+            self.chosen.emit(row)
+
+    def _slide(self, upto: int) -> None:
+        self.chosen.emit(None)
+        self._go(upto)
+
+    def _go(self, upto: int) -> None:
+        """Ask for the painting after so many strokes, once."""
+        if upto in (self._wanted, self._shown[0] if self._wanted is None else None):
+            return
+        self.stop()
+        self._ask(upto)
+
+    def _ask(self, upto: int) -> None:
+        self._wanted = upto
+        self.asked.emit(upto, self._is_playing)
+
+    def refuse(self) -> None:
+        """What was asked for does not come: stand again where the painting is."""
+        self.stop()
+        self._wanted = None
+        self._choose(*self._shown)
+
+    # -- replaying --------------------------------------------------------------------------
+
+    def speed(self) -> float | None:
+        """How fast things are replayed, of their own time; None for as fast as it goes."""
+        result: float | None = self.pace.currentData()
+        return result
+
+    @property
+    def is_playing(self) -> bool:
+        """Whether strokes are shown one after the other."""
+        return self._is_playing
+
+    def _play(self) -> None:
+        """Show the strokes one after the other, from the first, each for as long as it took."""
+        if self._is_playing:
+            self.stop()
+            return
+        if self._shown[1] >= len(self._strokes):
+            self.told.emit(say("There is no stroke to replay"))
+            return
+        self._is_playing = True
+        self.chosen.emit(None)
+        self.play.setText(say("Stop"))
+        self._last: int | None = None
+        if self._shown[0] == self._shown[1]:
+            self._wait(self._shown[0])
+        else:
+            self._ask(self._shown[1])
+
+    def stop(self) -> None:
+        """Stay at the stroke that is shown."""
+        self._is_playing = False
+        self._player.stop()
+        self.play.setText(say("action.replay"))
+
+    def give_way(self) -> None:
+        """Stop for a stroke by hand, which the next that is shown would break off."""
+        if self._is_playing:
+            self.stop()
+            self.told.emit(say("The replay was stopped by your stroke"))
+
+    def _wait(self, there: int) -> None:
+        """Wait as long as the next stroke took."""
+        expected = self._last is None or there == self._last + 1
+        if there >= len(self._strokes) or not expected:
+            self.stop()
+            return
+        self._last = there
+        seconds = self._strokes[there].duration_s / self.speed() if self.speed() else 0.0
+        self._player.start(max(_LEAST_MS, round(1e3 * seconds)))
+
+    def _step(self) -> None:
+        self._ask(0 if self._last is None else self._last + 1)
+
+
+def _dish_icon(parts: dict[str, float], theme: Theme) -> QtGui.QIcon:
+    pixels = QtGui.QPixmap(2 * _ICON, 2 * _ICON)
+    pixels.fill(QtCore.Qt.GlobalColor.transparent)
+    painter = QtGui.QPainter(pixels)
+    painter.setRenderHint(QtGui.QPainter.RenderHint.Antialiasing)
+    paint_dish(painter, QtCore.QRectF(2, 2, 2 * _ICON - 4, 2 * _ICON - 4), parts, theme)
+    painter.end()
+    return plain_icon(pixels)

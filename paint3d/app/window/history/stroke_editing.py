@@ -1,0 +1,242 @@
+"""Going back in the history of strokes, and edits of one: what has to be is painted again."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from PySide6 import QtWidgets
+
+from paint3d.app.window.forms import FormDialog
+from paint3d.app.window.history.stroke_mark import StrokeDrag, StrokeMark
+from paint3d.app.window.job import Progress
+from paint3d.app.window.wording import say
+from paint3d.app.window.workspace import Workspace
+
+__all__ = [
+    "MoveDialog",
+    "Recalling",
+    "StrokeEditing",
+    "TimeDialog",
+]
+
+
+class Recalling:
+    """For one window.
+
+    Parameters
+    ----------
+    workspace : Workspace
+    refused : callable
+        Told when it was stopped, or failed.
+    """
+
+    def __init__(self, workspace: Workspace, refused: Callable[[], None]) -> None:
+        self._workspace, self._refused = workspace, refused
+
+    def go_to(self, upto: int, passing: bool = False) -> None:
+        """Show the painting as it was after so many strokes.
+
+        Parameters
+        ----------
+        upto : int
+        passing : bool
+            Only to look at; see `Document.replay_history`.
+        """
+        workspace = self._workspace
+        easel, document = workspace.easel, workspace.document
+        if upto >= document.oldest_stroke or upto < document.earliest_stroke:
+            workspace.post("replay_history", upto, passing)
+            return
+
+        def work(progress: Progress) -> None:
+            document.progress = progress
+            try:
+                easel.post("replay_history", upto, passing).result()
+            finally:
+                document.progress = None
+
+        count = document.oldest_stroke
+        title = say("Painting {n} strokes again, to go back to them…", n=count)
+        if workspace.went_well(workspace.run(title, work)):
+            workspace.tell(
+                say("{n} strokes were painted again; drying between them is not repeated", n=count)
+            )
+        else:
+            self._refused()
+
+    def undo(self) -> None:
+        """Take the last step back; where no step does, the strokes are painted again first."""
+        document, easel = self._workspace.document, self._workspace.easel
+        if easel.is_behind or document.steps.done or not document.can_undo:
+            self._workspace.post("undo")
+        else:
+            self.go_to(len(document.strokes) - 1)
+
+
+# ---- Questions -----------------------------------------------------------------------------------
+# By how much a stroke is moved, and how long it is to take: two small questions.
+
+
+_FARTHEST_MM, _LATEST_S = 2000.0, 600.0
+_SHORTEST_S, _LONGEST = 0.01, 100.0  # s, and times as long
+
+
+class MoveDialog(FormDialog):
+    """Ask how far along the surface, and how far about its normal.
+
+    Parameters
+    ----------
+    parent : QWidget
+    number : int
+        Of the stroke, from 1.
+    """
+
+    def __init__(self, parent: QtWidgets.QWidget, number: int) -> None:
+        super().__init__(parent, say("Move stroke {n}", n=number))
+        far = _FARTHEST_MM
+        self.right = self.add_number(say("To the right (x)"), -far, far, 0.0, "mm", 2)
+        self.up = self.add_number(say("Upwards (y)"), -far, far, 0.0, "mm", 2)
+        self.turn = self.add_number(say("Turn to the left"), -360.0, 360.0, 0.0, "°", 1)
+        self.finish("Move")
+
+    @property
+    def edit(self) -> dict[str, Any]:
+        """What was chosen, as `score_edits.edit_stroke` takes it."""
+        along = [self.right.value(), self.up.value()]
+        return {"do": "move", "along": along, "turn_deg": self.turn.value()}
+
+
+class TimeDialog(FormDialog):
+    """Ask how long a stroke is to take, and how much later it is to begin.
+
+    Parameters
+    ----------
+    parent : QWidget
+    number : int
+        Of the stroke, from 1.
+    seconds : float
+        That it takes now.
+    """
+
+    def __init__(self, parent: QtWidgets.QWidget, number: int, seconds: float) -> None:
+        super().__init__(parent, say("Time of stroke {n}", n=number))
+        self._was = seconds
+        least, longest = min(_SHORTEST_S, seconds), max(1.0, _LONGEST * seconds)
+        self.seconds = self.add_number(say("It takes"), least, longest, seconds, "s", 2)
+        late = _LATEST_S
+        self.shift = self.add_number(say("It begins later by"), -late, late, 0.0, "s", 2)
+        self.finish("Change")
+
+    @property
+    def edit(self) -> dict[str, Any]:
+        """What was chosen, as `score_edits.edit_stroke` takes it."""
+        words: dict[str, Any] = {"do": "time", "shift_s": self.shift.value()}
+        if abs(self.seconds.value() - self._was) > 0.005:  # of what the box shows
+            words["seconds"] = self.seconds.value()
+        return words
+
+
+# --------------------------------------------------------------------------------------------------
+
+
+class StrokeEditing:
+    """For one window.
+
+    Parameters
+    ----------
+    workspace : Workspace
+    mark : StrokeMark
+        Shows the stroke that is edited.
+
+    Attributes
+    ----------
+    drag : StrokeDrag
+        Of the next stroke that is to be moved so.
+    """
+
+    def __init__(self, workspace: Workspace, mark: StrokeMark) -> None:
+        self._workspace, self._mark = workspace, mark
+        drag = self.drag = StrokeDrag(workspace, workspace.canvas, mark.stroke_at)
+        drag.chosen.connect(mark.choose)
+        drag.dragged.connect(
+            lambda number, ends: self.edit(number, {"do": "move", "to": [e.tolist() for e in ends]})
+        )
+
+    def ask(self, what: str, number: int) -> None:
+        """Do what was chosen for a stroke.
+
+        Parameters
+        ----------
+        what : {"pick", "delete", "drag", "move", "ink", "brush", "time"}
+            "pick": one is to be chosen on the object, whatever the number.
+        number : int
+            Place of the stroke in the history, from 0.
+        """
+        workspace, document = self._workspace, self._workspace.document
+        if what == "pick":
+            self._mark.choose(None)
+            self.drag.begin()
+            return
+        strokes = [*document.strokes, *document.undone_strokes]
+        if not 0 <= number < len(strokes):
+            return
+        self.drag.end()
+        self._mark.choose(number)
+        if what == "drag":
+            self.drag.begin(number)
+            return
+        edit: Mapping[str, Any] | None = {"do": what}
+        if what == "ink":
+            edit = {"do": "ink", "ink": document.painter.dipped}
+        elif what == "brush":
+            edit = {"do": "brush", "brush": workspace.easel.brush}
+        elif what == "move":
+            edit = _answer(MoveDialog(workspace.window, number + 1))
+        elif what == "time":
+            edit = _answer(TimeDialog(workspace.window, number + 1, strokes[number].duration_s))
+        if edit is not None:
+            self.edit(number, edit)
+
+    def edit(self, number: int, edit: Mapping[str, Any]) -> bool:
+        """Edit a stroke; say whether that went well.
+
+        Parameters
+        ----------
+        number : int
+            Place of the stroke in the history, from 0.
+        edit : mapping
+            See `Document.edit_stroke`.
+        """
+        workspace = self._workspace
+        easel, document = workspace.easel, workspace.document
+
+        def work(progress: Progress) -> None:
+            document.progress = progress
+            try:
+                easel.post("edit_stroke", number, edit).result()
+            finally:
+                document.progress = None
+
+        began = time.perf_counter()
+        after = len(document.strokes) + len(document.undone_strokes) - number - 1
+        title = say("Painting what comes after stroke {n} again…", n=number + 1)
+        if not workspace.went_well(workspace.run(title, work)):
+            return False
+        seconds = time.perf_counter() - began
+        workspace.tell(
+            say("Stroke {n}: done; {after} after it painted again in {seconds:.1f} s; "
+                "undo takes it back until the painting is closed",
+                n=number + 1, after=after, seconds=seconds),
+            state="good",
+        )  # fmt: skip
+        self._mark.choose(None)
+        if edit["do"] != "delete":
+            self._mark.choose(number)
+        return True
+
+
+def _answer(dialog: MoveDialog | TimeDialog) -> Mapping[str, Any] | None:
+    accepted = dialog.exec() == QtWidgets.QDialog.DialogCode.Accepted
+    return dialog.edit if accepted else None

@@ -1,0 +1,337 @@
+"""The stroke that is chosen, marked in the picture: a band along its way on the object."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from PySide6 import QtCore, QtGui
+
+from paint3d.app.model.stroke_log import Stroke
+from paint3d.app.window.hand.canvas import Canvas, Touch
+from paint3d.app.window.wording import say
+from paint3d.app.window.workspace import Workspace
+from paint3d.core.arrays import AnyArray
+from paint3d.mesh.bvh import ClosestPoints
+from paint3d.recording.score_edits import pressed_places
+
+__all__ = ["StrokeDrag", "StrokeMark", "ways_of"]
+
+_STEP_MM = 0.4  # between the points of a way
+_MOST = 4000  # points of a piece
+_LIFT_MM = 0.1  # of each band above the one below
+_DOT_MM, _ROUND = 0.8, 24  # the ring around a stroke that went nowhere, and its points
+_LEAST_REACH_MM = 1.0  # from its way that a place belongs to a stroke, however thin the brush
+_BANDS = (("chosen glow", 13.0, 80), ("chosen rim", 7.0, 235), ("chosen way", 3.0, 255))
+"""What is drawn, the lowest first: name, width in pixels, how dense."""
+_OTHER_SCALE = 1.5  # a picture so many times as near has the bands drawn anew
+
+
+def ways_of(stroke: Stroke, ground: ClosestPoints) -> list[AnyArray]:
+    """The pieces (K, 3) of a stroke in which its brush pressed, on the surface, mm.
+
+    Parameters
+    ----------
+    stroke : Stroke
+    ground : ClosestPoints
+        Of the object.
+    """
+    places, pressed = pressed_places(stroke.recording())
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], pressed, [False]]).astype(np.int8)))
+    return [_piece(places[a:b], ground) for a, b in edges.reshape(-1, 2)]
+
+
+def _piece(places: AnyArray, ground: ClosestPoints) -> AnyArray:
+    """A line through places, on the surface; a ring where they are one."""
+    steps = np.linalg.norm(np.diff(places, axis=0), axis=1)
+    along = np.concatenate([[0.0], np.cumsum(steps)])
+    if along[-1] < 0.5 * _DOT_MM:
+        return _ring(places[0], ground)
+    n = int(np.clip(np.ceil(along[-1] / _STEP_MM), 1, _MOST)) + 1
+    at = np.linspace(0.0, along[-1], n)
+    line = np.stack([np.interp(at, along, places[:, k]) for k in range(3)], axis=1)
+    return ground.find(line).points
+
+
+def _ring(place: AnyArray, ground: ClosestPoints) -> AnyArray:
+    found = ground.find(place[None])
+    normal = found.normals[0]
+    first = np.cross(normal, np.eye(3)[int(np.argmin(np.abs(normal)))])
+    first /= np.linalg.norm(first)
+    angle = np.linspace(0.0, 2.0 * np.pi, _ROUND + 1)[:, None]
+    ring = np.cos(angle) * first + np.sin(angle) * np.cross(normal, first)
+    return ground.find(found.points[0] + _DOT_MM * ring).points
+
+
+def _bands(
+    lines: Sequence[AnyArray], ground: ClosestPoints, width_mm: float, lift_mm: float
+) -> tuple[AnyArray, AnyArray]:
+    """Bands along lines (K, 3) that lie on the surface: points (N, 3), mm, and faces (L, 3)."""
+    points, faces, first = [], [], 0
+    for line in lines:
+        found = ground.find(line)
+        ahead = np.gradient(line, axis=0)
+        side = np.cross(found.normals, ahead)
+        side *= 0.5 * width_mm / np.maximum(np.linalg.norm(side, axis=1), 1e-9)[:, None]
+        for edge in (side, -side):
+            there = ground.find(found.points + edge)
+            points.append(there.points + lift_mm * there.normals)
+        k = first + np.arange(len(line) - 1)
+        n = len(line)
+        faces += [np.stack([k, k + 1, k + n], axis=1), np.stack([k + 1, k + n + 1, k + n], axis=1)]
+        first += 2 * n
+    if not points:
+        return np.empty((0, 3)), np.empty((0, 3), np.int32)
+    return np.concatenate(points), np.concatenate(faces).astype(np.int32)
+
+
+class StrokeMark(QtCore.QObject):
+    """Marks one stroke or none.
+
+    Signals
+    -------
+    changed : (object)
+        The number of the stroke that is marked, from 0, or None.
+    """
+
+    changed = QtCore.Signal(object)
+
+    def __init__(self, workspace: Workspace) -> None:
+        super().__init__(workspace)
+        self._workspace = workspace
+        self._stroke: Stroke | None = None
+        self._was_there = False
+        self._pixel_mm = 0.0  # for which it was drawn
+        self.number: int | None = None
+        workspace.opened.connect(lambda _: self.choose(None))
+        workspace.hand.began.connect(lambda: self.choose(None))
+        workspace.theme_changed.connect(lambda _: self._draw())
+
+    def choose(self, number: int | None) -> None:
+        """Mark this stroke of the history, from 0, those that were undone among them; or none."""
+        strokes = [] if number is None else self._strokes()
+        stroke = strokes[number] if number is not None and 0 <= number < len(strokes) else None
+        if stroke is self._stroke:
+            return
+        self._stroke, self.number = stroke, None if stroke is None else number
+        self._was_there = False
+        self._draw()
+        self.changed.emit(self.number)
+
+    def follow(self) -> None:
+        """Let the mark go with its stroke: when that is undone, deleted, or painted anew."""
+        if self._stroke is None:
+            return
+        scale = self._workspace.stage.scene.nearest_mm() / self._pixel_mm
+        if not 1.0 / _OTHER_SCALE < scale < _OTHER_SCALE:
+            self._draw()
+        is_there = any(one is self._stroke for one in self._workspace.document.strokes)
+        if is_there:
+            self._was_there = True
+        elif self._was_there or all(one is not self._stroke for one in self._strokes()):
+            self.choose(None)
+
+    def stroke_at(self, place: AnyArray) -> int | None:
+        """The number of the stroke whose way comes nearest to a place (3,), if it lies on it."""
+        best, found = np.inf, None
+        for number, stroke in enumerate(self._workspace.document.strokes):
+            near = _distance(ways_of(stroke, self._workspace.hand.surface), place)
+            reach = max(_LEAST_REACH_MM, 0.5 * stroke.brush.root_diameter_mm)
+            if near <= min(best, reach):  # of two that are as near the upper one
+                best, found = near, number
+        return found
+
+    def _strokes(self) -> Sequence[Stroke]:
+        document = self._workspace.document
+        return [*document.strokes, *document.undone_strokes]
+
+    def _draw(self) -> None:
+        stage, theme = self._workspace.stage, self._workspace.theme
+        if stage.easel is None:
+            return
+        ground, lines = self._workspace.hand.surface, []
+        if self._stroke is not None:
+            lines = ways_of(self._stroke, ground)
+        pixel = self._pixel_mm = stage.scene.nearest_mm()
+        inner, rim = QtGui.QColor(theme.accent), QtGui.QColor("#ffffff")
+        colours = (inner, rim, inner)
+        for k, ((name, width, dense), colour) in enumerate(zip(_BANDS, colours, strict=True)):
+            points, faces = _bands(lines, ground, width * pixel, (1 + k) * _LIFT_MM)
+            srgb = colour.red(), colour.green(), colour.blue()
+            stage.show_faces(name, points, faces, (*srgb, dense))
+
+
+def _distance(ways: Sequence[AnyArray], place: AnyArray) -> float:
+    """From a place (3,) to the nearest point of lines, mm."""
+    return min((float(np.linalg.norm(way - place, axis=1).min()) for way in ways), default=np.inf)
+
+
+# ---- Dragging ------------------------------------------------------------------------------------
+# A stroke that is dragged to another place: where it is taken hold of, and where let go.
+
+
+_KIND = QtCore.QEvent.Type
+_KEYS = (_KIND.ShortcutOverride, _KIND.KeyPress)
+_RADIUS, _WIDTH = 6.0, 2.0  # of what is drawn, pixels
+_CLICK = 5.0  # pixels that a pen goes at most while it only chooses
+
+
+class StrokeDrag(QtCore.QObject):
+    """Waits for one drag over the picture by mouse, pen or finger, which does not paint.
+
+    Parameters
+    ----------
+    workspace : Workspace
+    canvas : Canvas
+    stroke_at : callable
+        The number of the stroke that lies at a place (3,) of the object, from 0, or None.
+
+    Signals
+    -------
+    chosen : int
+        The stroke that was taken hold of, where none was named.
+    dragged : (int, object)
+        The stroke, and two places (2, 3) on the object: where it began and where it ended.
+    """
+
+    chosen = QtCore.Signal(int)
+    dragged = QtCore.Signal(int, object)
+
+    def __init__(
+        self,
+        workspace: Workspace,
+        canvas: Canvas,
+        stroke_at: Callable[[AnyArray], int | None],
+    ) -> None:
+        super().__init__(canvas)
+        self._workspace, self._canvas, self._stroke_at = workspace, canvas, stroke_at
+        self._named: int | None = None  # the stroke that is to be moved
+        self._number: int | None = None  # the one that is held
+        self._from: tuple[QtCore.QPointF, AnyArray] | None = None
+        self._now = QtCore.QPointF()
+        self._is_down = False
+        self._mode_at: Callable[..., str | None] = canvas.mode_at
+        canvas.overlays.append(self._paint)
+        canvas.taken_back.connect(self._drop)
+        workspace.opened.connect(lambda _: self.end())
+
+    @property
+    def is_waiting(self) -> bool:
+        """Whether the next drag moves a stroke."""
+        return self._canvas.tool == self._take
+
+    def begin(self, number: int | None = None) -> None:
+        """Let the next drag move this stroke, or the one at which it begins."""
+        self.end()
+        self._named = number
+        self._is_down = False
+        self._canvas.take_up(self._take, self.end)
+        self._mode_at, self._canvas.mode_at = self._canvas.mode_at, self._mode
+        self._canvas.installEventFilter(self)
+        self._canvas.setCursor(QtCore.Qt.CursorShape.OpenHandCursor)
+        self._canvas.setFocus()
+        told = (
+            say("Click a stroke on the object, or drag it to where it is to lie; Esc leaves it")
+            if number is None
+            else say("Drag stroke {n} to where it is to lie; Esc leaves it", n=number + 1)
+        )
+        self._workspace.tell(told, stays=True)
+
+    def end(self) -> None:
+        """Paint again with the next drag."""
+        if not self.is_waiting:
+            return
+        self._named = self._number = self._from = None
+        self._canvas.lay_down(self._take)
+        self._canvas.mode_at = self._mode_at
+        self._canvas.removeEventFilter(self)
+        self._canvas.setCursor(QtCore.Qt.CursorShape.CrossCursor)
+        self._canvas.update()
+        self._workspace.tell(say("status.ready"))
+
+    # -- what the hand does -----------------------------------------------------------------
+
+    def eventFilter(self, watched: QtCore.QObject, event: QtCore.QEvent) -> bool:
+        """Leave it by Esc."""
+        if not self.is_waiting or event.type() not in _KEYS:
+            return False
+        if not isinstance(event, QtGui.QKeyEvent):
+            return False
+        if event.key() != QtCore.Qt.Key.Key_Escape:
+            return False
+        event.accept()
+        if event.type() == _KIND.KeyPress:
+            self.end()
+        return True
+
+    def _mode(self, x: float, y: float, keys: QtCore.Qt.KeyboardModifier) -> str | None:
+        """How a drag that begins here steers: by grips and with Space; beside the object not."""
+        steers = self._canvas.grip_at(x, y) or "steer" in self._workspace.hand.held
+        return self._mode_at(x, y, keys) if steers or not self.is_waiting else None
+
+    def _take(self, touch: Touch) -> bool:
+        """Follow a mouse, a pen or a finger; False while it is only over the picture."""
+        was_down, self._is_down = self._is_down, touch.down
+        if not (was_down or touch.down):
+            return False
+        self._now = QtCore.QPointF(touch.x, touch.y)
+        if not was_down:
+            self._take_hold()
+        elif not touch.down:
+            self._let_go()
+        self._canvas.update()
+        return True
+
+    def _drop(self) -> None:
+        """Hold nothing: what a finger began was the beginning of a gesture of several."""
+        self._is_down = False
+        if self.is_waiting:
+            self._hold_nothing()
+            self._canvas.update()
+
+    def _hold_nothing(self) -> None:
+        self._number = self._from = None
+        self._canvas.setCursor(QtCore.Qt.CursorShape.OpenHandCursor)
+
+    def _place(self) -> AnyArray | None:
+        return self._workspace.hand.place_at(self._now.x(), self._now.y())
+
+    def _take_hold(self) -> None:
+        place = self._place()
+        if place is None:
+            self._workspace.tell(say("There is nothing of the object there"), state="bad")
+            return
+        self._number = self._stroke_at(place) if self._named is None else self._named
+        if self._number is None:
+            self._workspace.tell(say("No stroke lies there"), state="bad")
+            return
+        if self._named is None:
+            self.chosen.emit(self._number)
+        self._from = self._now, place
+        self._canvas.setCursor(QtCore.Qt.CursorShape.ClosedHandCursor)
+
+    def _let_go(self) -> None:
+        held, place, number = self._from, self._place(), self._number
+        if held is None or number is None:
+            return
+        way = self._now - held[0]
+        if self._named is None and abs(way.x()) + abs(way.y()) < _CLICK:
+            self._hold_nothing()
+        elif place is None:
+            self._hold_nothing()
+            self._workspace.tell(say("There is nothing of the object there"), state="bad")
+        else:
+            self.end()
+            self.dragged.emit(number, (held[1], place))
+
+    def _paint(self, painter: QtGui.QPainter, _: QtCore.QRect) -> None:
+        """Draw how far it is dragged."""
+        if self._from is None:
+            return
+        theme = self._workspace.theme
+        painter.setPen(QtGui.QPen(QtGui.QColor(theme.accent), _WIDTH))
+        painter.setBrush(QtCore.Qt.BrushStyle.NoBrush)
+        painter.drawEllipse(self._from[0], _RADIUS, _RADIUS)
+        painter.drawLine(self._from[0], self._now)
+        painter.setBrush(QtGui.QColor(theme.accent))
+        painter.drawEllipse(self._now, 0.5 * _RADIUS, 0.5 * _RADIUS)

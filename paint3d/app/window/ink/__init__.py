@@ -1,0 +1,1 @@
+"""Inks: the panel, mixing a colour, tables of one's own."""

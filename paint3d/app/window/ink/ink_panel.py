@@ -1,0 +1,714 @@
+"""The inks as dishes: dip in one, stir several in the mixing dish, add water, rinse."""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from PySide6 import QtCore, QtGui, QtWidgets
+
+from paint3d.app.model.persistence.own_pigments import check_unlike_palette
+from paint3d.app.window.previews import ink_coat, ink_swatch, sorted_parts
+from paint3d.app.window.theme import Theme
+from paint3d.app.window.wording import language, say
+from paint3d.brush.spec import DipAmount
+from paint3d.colour.inks import TONES
+from paint3d.colour.pigments import WATER, Pigment, load_palette, load_pigment
+from paint3d.painter.painter import Ink
+
+__all__ = ["DishGrid", "InkPanel", "ToneRow", "in_tone", "ink_label", "paint_dish"]
+
+# ---- Tones ---------------------------------------------------------------------------------------
+# The five tones of one ink as buttons: burnt, thick, heavy, light, clear.
+
+
+_ICON = QtCore.QSize(26, 18)
+
+
+def in_tone(parts: Mapping[str | Pigment, float], share: float) -> dict[str | Pigment, float]:
+    """A mixture with so much of it ink, 0 to 1, and the rest water; the inks keep their ratio."""
+    inked = {k: part for k, part in parts.items() if k is not WATER and k != WATER.name}
+    total = sum(inked.values())
+    if not total:
+        return {}
+    toned = {ink: share * part / total for ink, part in inked.items()}
+    return {**toned, WATER.name: 1.0 - share} if share < 1.0 else toned
+
+
+class ToneRow(QtWidgets.QWidget):
+    """Five buttons that show a coat of the ink on xuan.
+
+    Signals
+    -------
+    chosen : float
+        How much of the tone is ink.
+    """
+
+    chosen = QtCore.Signal(float)
+
+    def __init__(self, theme: Theme) -> None:
+        super().__init__()
+        self._theme = theme
+        self.buttons: dict[str, QtWidgets.QToolButton] = {}
+        row = QtWidgets.QHBoxLayout(self)
+        row.setContentsMargins(0, 0, 0, 0)
+        row.setSpacing(2)
+        for name, tone in TONES.items():
+            button = QtWidgets.QToolButton()
+            button.setObjectName(f"tone_{name}")
+            button.setIconSize(_ICON)
+            called = tone.chinese if language() == "zh" else say(name.capitalize())
+            told = say("{tone}: {share:.0f} % ink, the rest water", tone=called,
+                       share=100.0 * tone.share)  # fmt: skip
+            button.setToolTip(told)
+            button.setAccessibleName(called)
+            button.setText(called)
+            button.setToolButtonStyle(QtCore.Qt.ToolButtonStyle.ToolButtonTextUnderIcon)
+            button.setSizePolicy(
+                QtWidgets.QSizePolicy.Policy.Expanding, QtWidgets.QSizePolicy.Policy.Fixed
+            )
+            button.clicked.connect(lambda _=False, share=tone.share: self.chosen.emit(share))
+            row.addWidget(button)
+            self.buttons[name] = button
+
+    def show_ink(self, parts: Mapping[str | Pigment, float], theme: Theme) -> None:
+        """Show the tones of this mixture; none where it is only water."""
+        self._theme = theme
+        for name, tone in TONES.items():
+            toned = in_tone(parts, tone.share)
+            self.buttons[name].setEnabled(bool(toned))
+            self.buttons[name].setIcon(QtGui.QIcon(self._coat(toned)))
+
+    def _coat(self, parts: Mapping[str | Pigment, float]) -> QtGui.QPixmap:
+        pixmap = QtGui.QPixmap(_ICON * 2)
+        pixmap.fill(QtCore.Qt.GlobalColor.transparent)
+        painter = QtGui.QPainter(pixmap)
+        painter.setRenderHint(QtGui.QPainter.RenderHint.Antialiasing)
+        painter.setPen(QtGui.QPen(QtGui.QColor(self._theme.line), 2))
+        painter.setBrush(QtGui.QColor(*ink_coat(parts)))
+        painter.drawRoundedRect(QtCore.QRectF(pixmap.rect()).adjusted(1, 1, -1, -1), 8, 8)
+        painter.end()
+        pixmap.setDevicePixelRatio(2.0)
+        return pixmap
+
+
+# --------------------------------------------------------------------------------------------------
+
+
+_DISH, _GAP, _LABEL = 56, 8, 18
+_TIP_REACH = 0.35  # of the tuft's length
+_MOST_WATER = 95  # parts in a hundred
+_LONG_MS = 500  # that a dish is pressed to stir
+_KEY = QtCore.Qt.Key
+
+
+def _parts(ink: Ink) -> dict[str, float]:
+    """Parts of an ink by name."""
+    stirred: Mapping[Any, float] = ink if isinstance(ink, Mapping) else {ink: 1.0}
+    return {key if isinstance(key, str) else key.name: part for key, part in stirred.items()}
+
+
+def ink_label(ink: str | Pigment) -> str:
+    """The name of an ink, or of one by its name, in the language that is spoken."""
+    pigment = load_pigment(ink) if isinstance(ink, str) else ink
+    return pigment.chinese if language() == "zh" and pigment.chinese else pigment.name
+
+
+def paint_dish(
+    painter: QtGui.QPainter,
+    box: QtCore.QRectF,
+    parts: Mapping[Any, float],
+    theme: Theme,
+) -> None:
+    """A porcelain dish with ink in it: deep in the middle, a wash toward the rim."""
+    painter.setPen(QtGui.QPen(QtGui.QColor(theme.line), 1.2))
+    rim = QtGui.QRadialGradient(box.center(), box.width() / 2)
+    rim.setColorAt(0.0, QtGui.QColor("#f7f5f1"))
+    rim.setColorAt(0.86, QtGui.QColor("#f3f0ea"))
+    rim.setColorAt(1.0, QtGui.QColor("#d9d4cb"))
+    painter.setBrush(rim)
+    painter.drawEllipse(box)
+    pigments = {ink: part for ink, part in parts.items() if part > 0.0}
+    if not pigments:
+        return
+    inner = box.adjusted(*(box.width() * 0.11 * np.array([1, 1, -1, -1])))
+    shades = ink_swatch(sorted_parts(pigments))
+    fill = QtGui.QRadialGradient(inner.center() + QtCore.QPointF(0, 2), inner.width() / 2)
+    for k, share in enumerate(np.linspace(0.0, 1.0, 9)):
+        shade = shades[int((1.0 - share**3) * (len(shades) - 1))]
+        fill.setColorAt(float(share), QtGui.QColor(*(int(c) for c in shade)))
+        del k
+    painter.setPen(QtCore.Qt.PenStyle.NoPen)
+    painter.setBrush(fill)
+    painter.drawEllipse(inner)
+    shine = QtCore.QRectF(inner.left() + 0.24 * inner.width(), inner.top() + 0.14 * inner.height(),
+                          0.30 * inner.width(), 0.13 * inner.height())  # fmt: skip
+    painter.setBrush(QtGui.QColor(255, 255, 255, 66))
+    painter.drawEllipse(shine)
+
+
+def _percents(low: float, high: float, hint: str) -> QtWidgets.QDoubleSpinBox:
+    """A box for a share in percent."""
+    box = QtWidgets.QDoubleSpinBox()
+    box.setRange(low, high)
+    box.setDecimals(1)
+    box.setSingleStep(5.0)
+    box.setSuffix(" %")
+    box.setKeyboardTracking(False)
+    box.setToolTip(say(hint))
+    return box
+
+
+def _percent(part: float) -> str:
+    """A share in percent: whole ones, and more digits below one."""
+    return f"{100 * part:.0f}" if part >= 0.01 else f"{100 * part:.2g}"
+
+
+def _paint_plus(painter: QtGui.QPainter, middle: QtCore.QPointF, theme: Theme) -> None:
+    """Say that a dish has been pressed long enough to stir."""
+    painter.setPen(QtCore.Qt.PenStyle.NoPen)
+    painter.setBrush(QtGui.QColor(theme.accent))
+    painter.drawEllipse(middle, 9.0, 9.0)
+    painter.setPen(QtGui.QPen(QtGui.QColor(theme.chosen), 2.0))
+    for arm in (QtCore.QPointF(5.0, 0.0), QtCore.QPointF(0.0, 5.0)):
+        painter.drawLine(middle - arm, middle + arm)
+
+
+class DishGrid(QtWidgets.QWidget):
+    """Dishes in rows, one for each ink.
+
+    Signals
+    -------
+    taken : str
+        A dish was clicked.
+    stirred : str
+        It was clicked with the other button, with Ctrl, or pressed long: one part into the mixing
+        dish. With the keys: "+".
+    taken_out : str
+        "-" was pressed: one part out of the mixing dish again.
+    """
+
+    taken = QtCore.Signal(str)
+    stirred = QtCore.Signal(str)
+    taken_out = QtCore.Signal(str)
+
+    def __init__(self, names: Sequence[str], theme: Theme) -> None:
+        super().__init__()
+        self.names, self.theme, self.chosen = list(names), theme, ""
+        self.pigments = {name: load_pigment(name) for name in names}
+        self.setMouseTracking(True)
+        self.setFocusPolicy(QtCore.Qt.FocusPolicy.StrongFocus)
+        self.setAccessibleName(say("panel.inks"))
+        self._at = -1
+        self._pressed, self._pressed_ms = -1, 0
+        # The plus shows that it is long enough: never before the events say so.
+        self._long = QtCore.QTimer(self, singleShot=True, interval=_LONG_MS + 1)
+        self._long.setTimerType(QtCore.Qt.TimerType.PreciseTimer)
+        self._long.timeout.connect(self.update)
+        policy = self.sizePolicy()
+        policy.setHeightForWidth(True)
+        self.setSizePolicy(policy)
+
+    @property
+    def marked(self) -> str:
+        """The ink of the dish that keys mean, or the pointer is at; empty for none."""
+        return self.names[self._at] if self._at >= 0 else ""
+
+    def add(self, pigment: Pigment) -> None:
+        """Put a dish of another ink behind the others, or in the place of one of its name."""
+        if pigment.name not in self.pigments:
+            self.names.append(pigment.name)
+        self.pigments[pigment.name] = pigment
+        self._fit()
+
+    def put_away_own(self) -> None:
+        """Leave only the dishes of the palette."""
+        self.names = list(load_palette())
+        self.pigments = {name: self.pigments[name] for name in self.names}
+        self._at = -1
+        self._fit()
+
+    def _fit(self) -> None:
+        """Take the height that the dishes need now."""
+        self.setMinimumHeight(self.heightForWidth(self.width()))
+        self.updateGeometry()
+        self.update()
+
+    def columns(self, width: int) -> int:
+        """How many dishes fit beside each other."""
+        return max(1, (width - _GAP) // (_DISH + _GAP))
+
+    def heightForWidth(self, width: int) -> int:
+        """What its rows need."""
+        rows = -(-len(self.names) // self.columns(width))
+        return rows * (_DISH + _LABEL + _GAP) + _GAP
+
+    def sizeHint(self) -> QtCore.QSize:
+        """As wide as it is."""
+        return QtCore.QSize(280, self.heightForWidth(max(self.width(), 200)))
+
+    def box(self, index: int) -> QtCore.QRectF:
+        """Where a dish stands."""
+        columns = self.columns(self.width())
+        step = (self.width() - _GAP) / columns
+        x = _GAP / 2 + (index % columns) * step + (step - _DISH) / 2
+        y = _GAP + (index // columns) * (_DISH + _LABEL + _GAP)
+        return QtCore.QRectF(x, y, _DISH, _DISH)
+
+    def resizeEvent(self, event: QtGui.QResizeEvent) -> None:
+        """Take the height that the rows need."""
+        super().resizeEvent(event)
+        self.setMinimumHeight(self.heightForWidth(self.width()))
+
+    def paintEvent(self, event: QtGui.QPaintEvent) -> None:
+        """Draw the dishes."""
+        painter = QtGui.QPainter(self)
+        painter.setRenderHint(QtGui.QPainter.RenderHint.Antialiasing)
+        small = painter.font()
+        small.setPointSizeF(small.pointSizeF() - 1.5)
+        painter.setFont(small)
+        for k, name in enumerate(self.names):
+            box = self.box(k)
+            if name == self.chosen:
+                painter.setPen(QtGui.QPen(QtGui.QColor(self.theme.accent), 2.4))
+                painter.setBrush(QtGui.QColor(self.theme.chosen))
+                painter.drawRoundedRect(box.adjusted(-4, -4, 4, _LABEL + 3), 9, 9)
+            elif k == self._at:
+                strong = self.theme.accent if self.hasFocus() else self.theme.line
+                painter.setPen(QtGui.QPen(QtGui.QColor(strong), 1.4))
+                painter.setBrush(QtCore.Qt.BrushStyle.NoBrush)
+                painter.drawRoundedRect(box.adjusted(-4, -4, 4, _LABEL + 3), 9, 9)
+            ink = self.pigments[name]
+            paint_dish(painter, box, {ink: 1.0} if ink is not WATER else {}, self.theme)
+            if k == self._pressed and not self._long.isActive():
+                _paint_plus(painter, box.center(), self.theme)
+            painter.setPen(QtGui.QColor(self.theme.text))
+            label = QtCore.QRectF(box.left() - 8, box.bottom() + 1, box.width() + 16, _LABEL)
+            text = painter.fontMetrics().elidedText(
+                ink_label(ink), QtCore.Qt.TextElideMode.ElideRight, int(label.width())
+            )
+            painter.drawText(label, QtCore.Qt.AlignmentFlag.AlignCenter, text)
+        painter.end()
+
+    def _index(self, place: QtCore.QPointF) -> int:
+        for k in range(len(self.names)):
+            if self.box(k).adjusted(-4, -4, 4, _LABEL).contains(place):
+                return k
+        return -1
+
+    def mouseMoveEvent(self, event: QtGui.QMouseEvent) -> None:
+        """Mark the dish under the pointer, and say what it is."""
+        at = self._index(event.position())
+        if at != self._at:
+            self._at = at
+            self.setToolTip(_tool_tip(self.pigments[self.names[at]]) if at >= 0 else "")
+            self.update()
+
+    def leaveEvent(self, event: QtCore.QEvent) -> None:
+        """Mark none."""
+        self._at = -1
+        self.update()
+
+    def mousePressEvent(self, event: QtGui.QMouseEvent) -> None:
+        """Stir with the other button or Ctrl; else see how long it is pressed."""
+        at, left = self._index(event.position()), QtCore.Qt.MouseButton.LeftButton
+        if at < 0 or (event.button() != left and event.buttons() & left):
+            return
+        stirs = event.button() == QtCore.Qt.MouseButton.RightButton or (
+            event.modifiers() & QtCore.Qt.KeyboardModifier.ControlModifier
+        )
+        if stirs:
+            self.stirred.emit(self.names[at])
+        else:
+            self._pressed, self._pressed_ms = at, event.timestamp()
+            self._long.start()
+
+    def mouseReleaseEvent(self, event: QtGui.QMouseEvent) -> None:
+        """Dip where it was pressed, or stir if that was long.
+
+        How long, the events' own times tell: a busy window hears late that a short press is over.
+        """
+        if event.buttons() & QtCore.Qt.MouseButton.LeftButton:
+            return  # another button was let go of
+        pressed, self._pressed = self._pressed, -1
+        self._long.stop()
+        self.update()
+        if pressed >= 0 and self._index(event.position()) == pressed:
+            is_long = event.timestamp() - self._pressed_ms >= _LONG_MS
+            (self.stirred if is_long else self.taken).emit(self.names[pressed])
+
+    def focusInEvent(self, event: QtGui.QFocusEvent) -> None:
+        """Mark the dish that keys mean."""
+        super().focusInEvent(event)
+        if self._at < 0:
+            self._point(self.names.index(self.chosen) if self.chosen in self.names else 0)
+
+    def keyPressEvent(self, event: QtGui.QKeyEvent) -> None:
+        """Go from dish to dish, dip with Enter or Space, stir with +, take out with -."""
+        key, at = event.key(), max(self._at, 0)
+        ways: dict[int, int] = {
+            _KEY.Key_Left: -1, _KEY.Key_Right: 1,
+            _KEY.Key_Up: -self.columns(self.width()), _KEY.Key_Down: self.columns(self.width()),
+        }  # fmt: skip
+        if key in ways:
+            if 0 <= at + ways[key] < len(self.names):
+                self._point(at + ways[key])
+        elif key in (_KEY.Key_Return, _KEY.Key_Enter, _KEY.Key_Space):
+            self.taken.emit(self.names[at])
+        elif key in (_KEY.Key_Plus, _KEY.Key_Equal):
+            self.stirred.emit(self.names[at])
+        elif key == _KEY.Key_Minus:
+            self.taken_out.emit(self.names[at])
+        else:
+            super().keyPressEvent(event)
+
+    def event(self, event: QtCore.QEvent) -> bool:
+        """Have + and - before the view does, while the dishes have the focus."""
+        asked = event.type() == QtCore.QEvent.Type.ShortcutOverride
+        if asked and isinstance(event, QtGui.QKeyEvent) and event.key() in (
+            _KEY.Key_Plus, _KEY.Key_Equal, _KEY.Key_Minus,
+        ):  # fmt: skip
+            event.accept()
+            return True
+        return super().event(event)
+
+    def _point(self, at: int) -> None:
+        """Mark a dish, and let it be seen."""
+        self._at = at
+        self.setToolTip(_tool_tip(self.pigments[self.names[at]]))
+        self.update()
+        parent = self.parentWidget()
+        area = None if parent is None else parent.parentWidget()
+        if isinstance(area, QtWidgets.QScrollArea):
+            middle = self.box(at).center().toPoint()
+            area.ensureVisible(middle.x(), middle.y(), _DISH, _DISH)
+
+
+def _tool_tip(pigment: Pigment) -> str:
+    names = " ".join(filter(None, (pigment.name, pigment.chinese)))
+    return f"{names}\n{say('inks.dish_hint')}"
+
+
+class _MixingDish(QtWidgets.QWidget):
+    """A large dish that shows what has been stirred together."""
+
+    def __init__(self, theme: Theme) -> None:
+        super().__init__()
+        self.theme = theme
+        self.parts: dict[str | Pigment, float] = {}
+        self.setFixedSize(74, 74)
+
+    def paintEvent(self, event: QtGui.QPaintEvent) -> None:
+        """Draw it."""
+        painter = QtGui.QPainter(self)
+        painter.setRenderHint(QtGui.QPainter.RenderHint.Antialiasing)
+        paint_dish(painter, QtCore.QRectF(3, 3, 68, 68), self.parts, self.theme)
+        painter.end()
+
+
+class InkPanel(QtWidgets.QWidget):
+    """Dishes, mixing dish, and what the brush can do over them.
+
+    Signals
+    -------
+    dipped : (ink, reach)
+        A name or parts by name; reach None for the whole tuft.
+    rinsed : ()
+    pickup_chosen : float
+        The share of wet ink that the brush takes up, 1/mm.
+    amount_chosen : dict of str to float, or None
+        How much the next dip takes up, as `DipAmount.words` says it; None: as the dip before.
+    by_itself_chosen : bool
+        Whether the brush is dipped before a stroke for which little is left.
+    colour_asked, table_asked : ()
+        Any colour is to be mixed, or a table of pigments to be opened.
+    """
+
+    dipped = QtCore.Signal(object, object)
+    rinsed = QtCore.Signal()
+    pickup_chosen = QtCore.Signal(float)
+    amount_chosen = QtCore.Signal(object)
+    by_itself_chosen = QtCore.Signal(bool)
+    colour_asked = QtCore.Signal()
+    table_asked = QtCore.Signal()
+
+    def __init__(self, theme: Theme) -> None:
+        super().__init__()
+        self.ink: Ink = "pine soot"
+        self._stirred: dict[str, float] = {}
+        self._own_mixture: dict[str, float] = {}  # as it was found, until something is stirred in
+        self.dishes = DishGrid(list(load_palette()), theme)
+        self._mixing = _MixingDish(theme)
+        self.told = QtWidgets.QLabel()
+        self.told.setWordWrap(True)
+        self.told.setObjectName("faint")
+        self.told.setTextInteractionFlags(
+            QtCore.Qt.TextInteractionFlag.LinksAccessibleByMouse
+            | QtCore.Qt.TextInteractionFlag.LinksAccessibleByKeyboard
+        )
+        self.told.linkActivated.connect(self._link)
+        self.water = QtWidgets.QSlider(QtCore.Qt.Orientation.Horizontal)
+        self.water.setRange(0, _MOST_WATER)
+        self.tip_only = QtWidgets.QCheckBox(say("Only the tip"))
+        self.reach = QtWidgets.QSpinBox()
+        self.reach.setRange(5, 95)
+        self.reach.setSuffix(" %")
+        self.reach.setValue(round(100 * _TIP_REACH))
+        self.reach.setToolTip(say("How much of the tuft is dipped, from the tip"))
+        self.reach.setAccessibleName(say("Only the tip"))
+        self._amount = DipAmount()  # of the dip before
+        self.wetted = _percents(0.1, 100.0, "How much of the tuft a dip wets, from the tip")
+        self.fullness = _percents(5.0, 300.0, "How full that part becomes; 100 % as it is made")
+        self.by_itself = QtWidgets.QCheckBox(say("Dip by itself when under a quarter is left"))
+        self.tones = ToneRow(theme)
+        layout = QtWidgets.QVBoxLayout(self)
+        layout.setContentsMargins(8, 6, 8, 8)
+        scroll = QtWidgets.QScrollArea()
+        scroll.setWidgetResizable(True)
+        scroll.setWidget(self.dishes)
+        scroll.setMinimumHeight(_DISH + _LABEL + 3 * _GAP)
+        layout.addWidget(scroll, 1)
+        layout.addWidget(self.tones)
+        layout.addWidget(self._make_mixing_card())
+        layout.addLayout(self._make_ways())
+        self.tones.chosen.connect(self._dip_tone)
+        self.dishes.taken.connect(lambda name: self._dip(next(iter(self._of_dishes({name: 1.0})))))
+        self.dishes.stirred.connect(self.stir)
+        self.dishes.taken_out.connect(self.take_out)
+        self.water.valueChanged.connect(lambda _: self._water_moved())
+        self.show_inks([self.ink])
+        self._show_mixture()
+
+    def _make_mixing_card(self) -> QtWidgets.QFrame:
+        card = QtWidgets.QFrame()
+        card.setObjectName("card")
+        grid = QtWidgets.QGridLayout(card)
+        grid.setContentsMargins(8, 6, 8, 8)
+        grid.addWidget(self._mixing, 0, 0, 2, 1)
+        grid.addWidget(self.told, 0, 1, 1, 3)
+        row = QtWidgets.QHBoxLayout()
+        row.addWidget(QtWidgets.QLabel(say("Water")))
+        row.addWidget(self.water, 1)
+        grid.addLayout(row, 1, 1, 1, 3)
+        self._dip_button = QtWidgets.QPushButton(say("Dip"))
+        empty, rinse = QtWidgets.QPushButton(say("Empty")), QtWidgets.QPushButton(say("Rinse"))
+        tip = QtWidgets.QHBoxLayout()
+        tip.addWidget(self.tip_only)
+        tip.addWidget(self.reach)
+        tip.addStretch(1)
+        grid.addLayout(tip, 2, 0, 1, 4)
+        row = QtWidgets.QHBoxLayout()
+        for text, box in (("Tuft wet", self.wetted), ("Full", self.fullness)):
+            row.addWidget(QtWidgets.QLabel(say(text)))
+            row.addWidget(box)
+            box.setAccessibleName(say(text))
+            box.setValue(100.0)
+            self.tip_only.toggled.connect(box.setDisabled)  # a tip takes up what it needs
+            box.valueChanged.connect(lambda _: self.amount_chosen.emit(self.amount().words()))
+        row.addStretch(1)
+        grid.addLayout(row, 4, 0, 1, 4)
+        grid.addWidget(self.by_itself, 5, 0, 1, 4)
+        self.by_itself.toggled.connect(self.by_itself_chosen)
+        row = QtWidgets.QHBoxLayout()
+        for button in (self._dip_button, empty, rinse):
+            row.addWidget(button, 1)
+        grid.addLayout(row, 3, 0, 1, 4)
+        self._dip_button.clicked.connect(self.dip_mixture)
+        empty.clicked.connect(self.empty)
+        rinse.clicked.connect(self.rinsed)
+        return card
+
+    def _make_ways(self) -> QtWidgets.QHBoxLayout:
+        row = QtWidgets.QHBoxLayout()
+        self.pickup = QtWidgets.QDoubleSpinBox()
+        self.pickup.setRange(0.0, 1.0)
+        self.pickup.setDecimals(3)
+        self.pickup.setSingleStep(0.01)
+        self.pickup.setKeyboardTracking(False)
+        self.pickup.setButtonSymbols(QtWidgets.QAbstractSpinBox.ButtonSymbols.NoButtons)
+        self.pickup.setMaximumWidth(62)
+        label = QtWidgets.QLabel(say("Pick-up"))
+        for widget in (label, self.pickup):
+            widget.setToolTip(say("inks.pickup_hint"))
+        self.pickup.setAccessibleName(say("Pick-up"))
+        self.pickup.valueChanged.connect(self.pickup_chosen)
+        row.addWidget(label)
+        row.addWidget(self.pickup)
+        for text, name, asked in (
+            ("Colour", "choose_colour", self.colour_asked),
+            ("Pigments", "open_pigments", self.table_asked),
+        ):
+            button = QtWidgets.QPushButton(say(text))
+            button.setObjectName(name)
+            button.clicked.connect(lambda _=False, asked=asked: asked.emit())
+            row.addWidget(button, 1)
+        return row
+
+    def show_pickup(self, share: float) -> None:
+        """Show how much wet ink the brush takes up, 1/mm, and tell nothing."""
+        if not self.pickup.hasFocus() and abs(self.pickup.value() - share) > 1e-9:
+            with QtCore.QSignalBlocker(self.pickup):
+                self.pickup.setRange(0.0, max(1.0, share))
+                self.pickup.setValue(share)
+
+    def amount(self) -> DipAmount:
+        """How much the next dip takes up."""
+        return DipAmount(0.01 * self.wetted.value(), 0.01 * self.fullness.value())
+
+    def show_amount(self, amount: DipAmount, *, anew: bool = False) -> None:
+        """Show how much the last dip took up: if that is other than before, or of another brush."""
+        if amount == self._amount and not anew:
+            return
+        self._amount = amount
+        for box, share in ((self.wetted, amount.wetted), (self.fullness, amount.fullness)):
+            with QtCore.QSignalBlocker(box):
+                box.setValue(100.0 * share)
+        self.amount_chosen.emit(None)
+
+    def show_by_itself(self, on: bool) -> None:
+        """Show whether the brush is dipped by itself, and tell nothing."""
+        with QtCore.QSignalBlocker(self.by_itself):
+            self.by_itself.setChecked(on)
+
+    def add_pigments(self, pigments: Iterable[Pigment], source: str) -> None:
+        """Put pigments of one's own among the dishes.
+
+        Raises
+        ------
+        PigmentError
+            If one is called like one of the palette; then none is added.
+        """
+        pigments = list(pigments)
+        check_unlike_palette(pigments, source)
+        for pigment in pigments:
+            self.dishes.add(pigment)
+
+    def put_away_own(self) -> None:
+        """Take the dishes of one's own pigments away, and what is stirred of them."""
+        if {*self._stirred, *self._own_mixture} - {*load_palette(), WATER.name}:
+            self.empty()
+        self.dishes.put_away_own()
+
+    # -- stirring ---------------------------------------------------------------------------
+
+    def stir(self, name: str) -> None:
+        """Put one more part of an ink into the mixing dish."""
+        self._own_mixture = {}
+        self._stirred[name] = self._stirred.get(name, 0.0) + 1.0
+        self._show_mixture()
+
+    def take_out(self, name: str) -> None:
+        """Take one part of an ink out of the mixing dish again."""
+        self._own_mixture = {}
+        left = self._stirred.get(name, 0.0) - 1.0
+        if left > 0.0:
+            self._stirred[name] = left
+        else:
+            self._stirred.pop(name, None)
+        self._show_mixture()
+
+    def _link(self, link: str) -> None:
+        sign, name = link[0], link[1:]
+        (self.stir if sign == "+" else self.take_out)(name)
+
+    def empty(self) -> None:
+        """Wash the mixing dish."""
+        self._stirred, self._own_mixture = {}, {}
+        self.water.setValue(0)
+        self._show_mixture()
+
+    def mixture(self) -> dict[str, float]:
+        """What is in the mixing dish: parts by name, of sum 1, water among them."""
+        if self._own_mixture:
+            return dict(self._own_mixture)
+        total = sum(self._stirred.values())
+        share = self.water.value() / 100.0
+        if not total:
+            return {}
+        parts = {name: part / total * (1.0 - share) for name, part in self._stirred.items()}
+        return {**parts, WATER.name: share} if share else parts
+
+    def show_mixture(self, parts: Mapping[Pigment, float]) -> None:
+        """Put a whole mixture into the dish instead of what is there."""
+        shares = {ink.name: part for ink, part in parts.items()}
+        inked = {name: part for name, part in shares.items() if name != WATER.name}
+        if not inked:
+            return
+        least = min(inked.values())
+        with QtCore.QSignalBlocker(self.water):
+            self.water.setValue(min(round(100.0 * shares.get(WATER.name, 0.0)), _MOST_WATER))
+        self._stirred = {name: part / least for name, part in inked.items()}
+        self._own_mixture = shares
+        self._show_mixture()
+
+    def _water_moved(self) -> None:
+        self._own_mixture = {}
+        self._show_mixture()
+
+    def _of_dishes(self, parts: Mapping[str, float]) -> dict[Any, float]:
+        """Parts by name with the pigments of one's own in the place of their names."""
+        own = {n: p for n, p in self.dishes.pigments.items() if n not in load_palette()}
+        return {own.get(name, name): part for name, part in parts.items()}
+
+    def _show_mixture(self) -> None:
+        parts = self.mixture()
+        self._mixing.parts = self._of_dishes(parts)
+        self._mixing.update()
+        self._dip_button.setEnabled(bool(parts))
+        if not parts:
+            self.told.setText(say("inks.mixing_hint"))
+            return
+        self.told.setText("<br>".join(self._line(name, part) for name, part in parts.items()))
+
+    def _line(self, name: str, part: float) -> str:
+        """An ink of the mixing dish, with signs to put a part in and to take one out."""
+        pigment = self.dishes.pigments.get(name, name)
+        told = f"{html.escape(ink_label(pigment))} {_percent(part)} %"
+        if name == WATER.name and name not in self._stirred:
+            return told
+        style = f"color:{self.dishes.theme.accent}; text-decoration:none"
+        signs = (
+            f'<a href="{sign}{html.escape(name)}" style="{style}">&nbsp;<b>{shown}</b>&nbsp;</a>'
+            for sign, shown in (("-", "−"), ("+", "+"))
+        )
+        return f"{next(signs)} {told} {next(signs)}"
+
+    # -- the brush --------------------------------------------------------------------------
+
+    def dip_mixture(self) -> None:
+        """Dip in what is in the mixing dish."""
+        self._dip(self._of_dishes(self.mixture()))
+
+    def _dip_tone(self, share: float) -> None:
+        """Dip in the ink that the brush was dipped in, in one of its tones."""
+        self._dip(in_tone(self.ink if isinstance(self.ink, Mapping) else {self.ink: 1.0}, share))
+
+    def _dip(self, ink: Ink) -> None:
+        if not ink:
+            return
+        reach = self.reach.value() / 100.0 if self.tip_only.isChecked() else None
+        self.show_inks([ink])
+        self.dipped.emit(ink, reach)
+
+    def show_inks(self, inks: Sequence[Ink]) -> None:
+        """Show what the brush is dipped in."""
+        self.ink = inks[0]
+        parts = _parts(self.ink)
+        self.dishes.chosen = next(iter(parts)) if len(parts) == 1 else ""
+        self.dishes.update()
+        shown = self.ink if isinstance(self.ink, Mapping) else {self.ink: 1.0}
+        self.tones.show_ink(shown, self.dishes.theme)
+
+    def ink_name(self) -> str:
+        """What the brush is dipped in, in words."""
+        inks: Iterable[Any] = self.ink if isinstance(self.ink, Mapping) else (self.ink,)
+        return " + ".join(ink_label(ink) for ink in inks)
+
+    def set_theme(self, theme: Theme) -> None:
+        """Use other colours."""
+        self.dishes.theme = self._mixing.theme = theme
+        self._show_mixture()
+        self.show_inks([self.ink])
+        self.update()

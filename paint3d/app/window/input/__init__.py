@@ -1,1 +1,0 @@
-"""What the hand does over the picture."""

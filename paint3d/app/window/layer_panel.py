@@ -1,0 +1,154 @@
+"""The layers: which are seen, which are locked, and which one is painted on."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from PySide6 import QtCore, QtWidgets
+
+from paint3d.app.window.theme import Theme, make_icon
+from paint3d.app.window.wording import say, say_layer
+from paint3d.surface.layer_stack import Layer
+
+__all__ = ["LayerPanel"]
+
+_ROW = 34
+
+
+class LayerPanel(QtWidgets.QWidget):
+    """A list of layers, the uppermost on top.
+
+    Signals
+    -------
+    asked : (str, ...)
+        A method of the document, and its arguments.
+    """
+
+    asked = QtCore.Signal(str, object, object)
+
+    def __init__(self, theme: Theme) -> None:
+        super().__init__()
+        self._theme = theme
+        self._shown: tuple[Any, ...] = ()
+        self._active = 0
+        self.list = QtWidgets.QListWidget()
+        self.list.setObjectName("layers")
+        self.list.setHorizontalScrollBarPolicy(QtCore.Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self.list.itemClicked.connect(self._select)
+        layout = QtWidgets.QVBoxLayout(self)
+        layout.setContentsMargins(8, 6, 8, 8)
+        layout.addWidget(self.list, 1)
+        row = QtWidgets.QHBoxLayout()
+        self.buttons = {
+            "plus": self._button(
+                "plus", "New layer", lambda: self.asked.emit("add_layer", None, None)
+            ),
+            "minus": self._button("minus", "Remove layer", self._remove),
+            "up": self._button("up", "Move up", lambda: self._move(1)),
+            "down": self._button("down", "Move down", lambda: self._move(-1)),
+        }
+        for button in self.buttons.values():
+            row.addWidget(button)
+        row.addStretch(1)
+        layout.addLayout(row)
+
+    def _button(self, icon: str, text: str, do: Callable[[], object]) -> QtWidgets.QToolButton:
+        button = QtWidgets.QToolButton()
+        button.setIcon(make_icon(icon, self._theme))
+        button.setToolTip(say(text))
+        button.setAccessibleName(say(text))
+        button.clicked.connect(do)
+        return button
+
+    # -- showing ----------------------------------------------------------------------------
+
+    def show_layers(self, layers: Sequence[Layer], active: int) -> None:
+        """Show these layers, the lowest first, and which is painted on."""
+        told = (tuple((x.name, x.visible, x.locked) for x in layers), active)
+        if told == self._shown:
+            return
+        self._shown, self._active = told, active
+        self.list.clear()
+        for place in reversed(range(len(layers))):
+            item = QtWidgets.QListWidgetItem()
+            item.setData(QtCore.Qt.ItemDataRole.UserRole, place)
+            item.setSizeHint(QtCore.QSize(100, _ROW))
+            self.list.addItem(item)
+            self.list.setItemWidget(item, self._row(place, layers[place]))
+            if place == active:
+                self.list.setCurrentItem(item)
+        self.buttons["minus"].setEnabled(len(layers) > 1)
+        self.buttons["up"].setEnabled(active < len(layers) - 1)
+        self.buttons["down"].setEnabled(active > 0)
+
+    def _row(self, place: int, layer: Layer) -> QtWidgets.QWidget:
+        row = QtWidgets.QWidget()
+        row.setAttribute(QtCore.Qt.WidgetAttribute.WA_StyledBackground)
+        layout = QtWidgets.QHBoxLayout(row)
+        layout.setContentsMargins(4, 0, 4, 0)
+        layout.setSpacing(2)
+        eye = self._button(
+            "eye" if layer.visible else "hidden",
+            "Hide" if layer.visible else "Show",
+            lambda: self.asked.emit("set_visible", place, not layer.visible),
+        )
+        lock = self._button(
+            "lock" if layer.locked else "unlocked",
+            "Unlock" if layer.locked else "Lock",
+            lambda: self.asked.emit("set_locked", place, not layer.locked),
+        )
+        name = QtWidgets.QLineEdit(say_layer(layer.name))
+        name.setFrame(False)
+        name.setStyleSheet("QLineEdit { background: transparent; border: none; }")
+        name.setReadOnly(True)
+        name.installEventFilter(self)
+        name.setProperty("place", place)
+        name.editingFinished.connect(lambda: self._renamed(place, name))
+        layout.addWidget(eye)
+        layout.addWidget(name, 1)
+        layout.addWidget(lock)
+        return row
+
+    def set_theme(self, theme: Theme) -> None:
+        """Use other colours."""
+        self._theme = theme
+        for icon, button in self.buttons.items():
+            button.setIcon(make_icon(icon, theme))
+        self._shown = ()
+
+    # -- being told -------------------------------------------------------------------------
+
+    def eventFilter(self, watched: QtCore.QObject, event: QtCore.QEvent) -> bool:
+        """A click on a name chooses the layer, a double click lets it be written anew."""
+        kind = QtCore.QEvent.Type
+        if isinstance(watched, QtWidgets.QLineEdit):
+            if event.type() == kind.MouseButtonDblClick:
+                watched.setReadOnly(False)
+                watched.selectAll()
+            elif event.type() == kind.MouseButtonPress and watched.isReadOnly():
+                self.asked.emit("select_layer", watched.property("place"), None)
+        return super().eventFilter(watched, event)
+
+    def _renamed(self, place: int, name: QtWidgets.QLineEdit) -> None:
+        if not name.isReadOnly() and name.text().strip():
+            name.setReadOnly(True)
+            self.asked.emit("rename_layer", place, name.text().strip())
+
+    def rename(self) -> None:
+        """Let the name of the layer that is painted on be written."""
+        row = self.list.itemWidget(self.list.currentItem())
+        name = row.findChild(QtWidgets.QLineEdit)
+        assert name is not None, "every row has one"
+        name.setReadOnly(False)
+        name.setFocus()
+        name.selectAll()
+
+    def _select(self, item: QtWidgets.QListWidgetItem) -> None:
+        self.asked.emit("select_layer", item.data(QtCore.Qt.ItemDataRole.UserRole), None)
+
+    def _remove(self) -> None:
+        self.asked.emit("remove_layer", self._active, None)
+
+    def _move(self, by: int) -> None:
+        self.asked.emit("move_layer", self._active, self._active + by)

@@ -1,0 +1,1 @@
+"""The object that is painted on: how it stands, and what it is made of."""

@@ -1,0 +1,488 @@
+"""How an object of one's own stands, how large it is and of what: when it is opened, and later."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from PySide6 import QtCore, QtGui, QtWidgets
+
+from paint3d.app.model.document import Document
+from paint3d.app.model.own_object import (
+    ObjectChoice,
+    first_choice,
+    is_implausible,
+    longest_side,
+    sensible_resolution,
+)
+from paint3d.app.model.texts import note_in_chinese
+from paint3d.app.window.files.opened import Opened, open_with_progress
+from paint3d.app.window.job import Progress
+from paint3d.app.window.object.material_box import MaterialBox
+from paint3d.app.window.questions import Answer, ask
+from paint3d.app.window.wording import language, say
+from paint3d.app.window.workspace import Workspace
+from paint3d.colour.materials import Material
+from paint3d.files.load import BUILT_IN_OBJECTS, UNITS_MM
+from paint3d.files.sandbox.reading import Reading
+from paint3d.mesh.triangle_mesh import TriangleMesh
+from paint3d.mesh.upright import UP_AXES, stand_on, turn_up
+from paint3d.view.preview import Preview
+
+__all__ = [
+    "ObjectDialog",
+    "Standing",
+    "told",
+    "told_size",
+]
+
+# ---- The dialog ----------------------------------------------------------------------------------
+
+
+_PICTURE, _SMALL = 300, 84  # pixels
+_QUARTERS = {
+    "x": np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]]),
+    "y": np.array([[0.0, 0, 1], [0, 1, 0], [-1, 0, 0]]),
+    "z": np.array([[0.0, -1, 0], [1, 0, 0], [0, 0, 1]]),
+}
+
+
+def told_size(size_mm: float) -> str:
+    """A length in words, in a unit that suits it."""
+    for unit, mm in (("m", 1000.0), ("cm", 10.0)):
+        if size_mm >= mm * 1.5:
+            return f"{size_mm / mm:.3g} {unit}"
+    return f"{size_mm:.3g} mm"
+
+
+class ObjectDialog(QtWidgets.QDialog):
+    """Ask how an object should stand, how large it is, and what it is made of.
+
+    Parameters
+    ----------
+    parent : QWidget
+    reading : Reading
+        The object, and what its file says.
+    material : str or Material
+        Of its surface.
+    resolution : float
+        mm.
+    title, accept : str
+        Words for the window and the button that agrees.
+    is_open : bool
+        Whether it is open already: its unit is known, and how it stands.
+    """
+
+    def __init__(
+        self,
+        parent: QtWidgets.QWidget,
+        reading: Reading,
+        material: str | Material,
+        resolution: float,
+        *,
+        title: str,
+        accept: str,
+        is_open: bool = False,
+    ) -> None:
+        super().__init__(parent)
+        self.setWindowTitle(title)
+        self._mesh, self._unit_mm = reading.mesh, reading.unit_mm
+        self._wanted = resolution
+        self._turned = turn_up(reading.up)  # by who read it
+        self._guess = reading.likely_up
+        start = first_choice(reading, self._guess, material, resolution)
+        self._turn, self._scale = start.turn, start.scale
+        self._seen = Preview(reading.mesh, _PICTURE)
+        self._plain = self._seen.plain()
+        self.unit = QtWidgets.QComboBox()
+        self.length = QtWidgets.QDoubleSpinBox()
+        self.material = MaterialBox(material)
+        self.resolution = QtWidgets.QDoubleSpinBox()
+        self.colours = QtWidgets.QCheckBox(say("Keep its own colours and pictures"))
+        self._resolution_chosen = False
+        self._lay_out(reading, start, accept, is_open)
+        self._show()
+
+    def chosen(self) -> ObjectChoice:
+        """What is chosen now."""
+        coloured = self.colours.isChecked() or self._mesh.colours is None
+        return ObjectChoice(
+            self._turn, self._scale, self.material.material(), self.resolution.value(), coloured
+        )
+
+    # -- making it --------------------------------------------------------------------------
+
+    def _lay_out(self, reading: Reading, start: ObjectChoice, accept: str, is_open: bool) -> None:
+        both = QtWidgets.QHBoxLayout(self)
+        both.setContentsMargins(18, 16, 18, 14)
+        both.setSpacing(18)
+        left, right = QtWidgets.QVBoxLayout(), QtWidgets.QVBoxLayout()
+        both.addLayout(left)
+        both.addLayout(right, 1)
+        self.picture = _Picture()
+        self.picture.clicked.connect(self.stand_at)
+        self.picture.setToolTip(say("Click the side that it should stand on"))
+        left.addWidget(self.picture)
+        row = QtWidgets.QHBoxLayout()
+        self.quarters: dict[str, QtWidgets.QPushButton] = {}
+        for axis, word in (("z", "Turn round"), ("x", "Tip forward"), ("y", "Tip aside")):
+            button = QtWidgets.QPushButton(say(word))
+            button.setToolTip(say("A quarter turn about {axis}", axis=axis))
+            button.setAutoDefault(False)
+            button.clicked.connect(lambda _=False, axis=axis: self.turn_quarter(axis))
+            self.quarters[axis] = button
+            row.addWidget(button)
+        left.addLayout(row)
+        hint = QtWidgets.QLabel(say("Click the side that it should stand on"))
+        hint.setEnabled(False)
+        left.addWidget(hint)
+        left.addStretch(1)
+        right.addWidget(self._heading(is_open))
+        right.addLayout(self._ways())
+        right.addLayout(self._form(start, not is_open))
+        right.addWidget(self._notes(reading))
+        right.addStretch(1)
+        agree = self._agree(accept)
+        right.addWidget(agree)
+        agree.button(QtWidgets.QDialogButtonBox.StandardButton.Ok).setFocus()
+
+    def _heading(self, is_open: bool) -> QtWidgets.QLabel:
+        guess = self._guess
+        if is_open:
+            text = say("This is how it stands now")
+        elif guess is None:
+            text = say("The file says which way is up")
+        elif guess.sure:
+            text = say("It would stand like this. Is that right?")
+        else:
+            text = say("Which way is up? The file does not say")
+        head = QtWidgets.QLabel(text)
+        head.setObjectName("title")
+        return head
+
+    def _ways(self) -> QtWidgets.QGridLayout:
+        """A button with a picture for each axis that may point up."""
+        grid = QtWidgets.QGridLayout()
+        grid.setSpacing(6)
+        preview = self._seen.smaller(_SMALL)
+        self.ways: dict[str, QtWidgets.QToolButton] = {}
+        for k, up in enumerate(UP_AXES):
+            button = QtWidgets.QToolButton()
+            button.setCheckable(True)
+            button.setIcon(QtGui.QIcon(_pixmap(preview.draw(self._turn_for(up)))))
+            button.setIconSize(QtCore.QSize(_SMALL, _SMALL))
+            button.setToolButtonStyle(QtCore.Qt.ToolButtonStyle.ToolButtonTextUnderIcon)
+            likely = self._guess is not None and self._guess.up == up
+            text = say("{axis} up", axis=up)
+            button.setText(f"{text} ({say('likely')})" if likely else text)
+            button.clicked.connect(lambda _=False, up=up: self.stand_up(up))
+            self.ways[up] = button
+            grid.addWidget(button, k // 3, k % 3)
+        return grid
+
+    def _form(self, start: ObjectChoice, has_unit: bool) -> QtWidgets.QFormLayout:
+        form = QtWidgets.QFormLayout()
+        form.setVerticalSpacing(8)
+        self.length.setRange(0.01, 1e6)
+        self.length.setDecimals(2)
+        self.length.setSuffix(" mm")
+        self.length.setKeyboardTracking(False)
+        self.length.valueChanged.connect(self._length_changed)
+        if has_unit:
+            for unit, mm in UNITS_MM.items():
+                self.unit.addItem("", unit)
+                size = longest_side(self._mesh) * mm / self._unit_mm
+                self.unit.setItemText(
+                    self.unit.count() - 1, f"{say('unit.' + unit)}   ({told_size(size)})"
+                )
+            now = self._unit_mm * start.scale
+            at = [k for k, mm in enumerate(UNITS_MM.values()) if math.isclose(mm, now)]
+            self.unit.setCurrentIndex(at[0] if at else -1)
+            self.unit.activated.connect(self._unit_changed)
+            form.addRow(say("One unit of the file"), self.unit)
+        form.addRow(say("Longest side"), self.length)
+        self.material.failed.connect(lambda why: ask(self, why, accept="button.ok", leave=""))
+        form.addRow(say("surface.material"), self.material)
+        self.resolution.setRange(0.05, 50.0)
+        self.resolution.setSingleStep(0.05)
+        self.resolution.setSuffix(" mm")
+        self.resolution.setValue(start.resolution)
+        self.resolution.valueChanged.connect(self._resolution_changed)
+        form.addRow(say("surface.resolution"), self.resolution)
+        if self._mesh.colours is not None:
+            self.colours.setChecked(True)
+            self.colours.toggled.connect(self._show)
+            form.addRow("", self.colours)
+        return form
+
+    def _notes(self, reading: Reading) -> QtWidgets.QLabel:
+        notes = QtWidgets.QLabel("\n".join(told(note) for note in reading.notes))
+        notes.setWordWrap(True)
+        notes.setVisible(bool(reading.notes))
+        self.notes = notes
+        return notes
+
+    def _agree(self, accept: str) -> QtWidgets.QDialogButtonBox:
+        standard = QtWidgets.QDialogButtonBox.StandardButton
+        buttons = QtWidgets.QDialogButtonBox(standard.Ok | standard.Cancel)
+        buttons.button(standard.Ok).setText(accept)
+        buttons.button(standard.Ok).setDefault(True)
+        buttons.button(standard.Cancel).setText(say("button.cancel"))
+        buttons.accepted.connect(self.accept)
+        buttons.rejected.connect(self.reject)
+        return buttons
+
+    # -- what is done in it -----------------------------------------------------------------
+
+    def stand_up(self, up: str) -> None:
+        """Stand it with an axis of its own up."""
+        self._turn = self._turn_for(up)
+        self._show()
+
+    def _turn_for(self, up: str) -> NDArray[np.float64]:
+        """What brings an axis of the file up, after what its reader turned."""
+        return turn_up(up) @ self._turned.T
+
+    def turn_quarter(self, axis: str) -> None:
+        """Turn it by 90 degrees about an axis of the room."""
+        self._turn = _QUARTERS[axis] @ self._turn
+        self._show()
+
+    def stand_at(self, across: float, down: float) -> None:
+        """Stand it on the side that is seen at a place of the picture, 0 to 1 each."""
+        side = self._preview().side_at(self._turn, across, down)
+        if side is not None:
+            self._turn = _tidied(stand_on(self._turn @ side) @ self._turn)
+            self._show()
+
+    def _preview(self) -> Preview:
+        return self._seen if self.colours.isChecked() else self._plain
+
+    def _show(self, *_: object) -> None:
+        """Show what is chosen."""
+        self.picture.setPixmap(_pixmap(self._preview().draw(self._turn)))
+        for up, button in self.ways.items():
+            button.setChecked(np.array_equal(self._turn_for(up)[2], self._turn[2]))
+        with QtCore.QSignalBlocker(self.length):
+            self.length.setValue(longest_side(self._mesh) * self._scale)
+        if not self._resolution_chosen:
+            area = self._mesh.area * self._scale**2
+            with QtCore.QSignalBlocker(self.resolution):
+                self.resolution.setValue(sensible_resolution(area, self._wanted))
+
+    def _unit_changed(self, _: int) -> None:
+        self._scale = UNITS_MM[self.unit.currentData()] / self._unit_mm
+        self._show()
+
+    def _length_changed(self, length: float) -> None:
+        self._scale = length / longest_side(self._mesh)
+        self.unit.setCurrentIndex(-1)
+        self._show()
+
+    def _resolution_changed(self, _: float) -> None:
+        self._resolution_chosen = True
+
+
+class _Picture(QtWidgets.QLabel):
+    """A picture that says where it was clicked."""
+
+    clicked = QtCore.Signal(float, float)
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.setFixedSize(_PICTURE, _PICTURE)
+        self.setCursor(QtCore.Qt.CursorShape.PointingHandCursor)
+
+    def mousePressEvent(self, event: QtGui.QMouseEvent) -> None:
+        """Say where."""
+        place = event.position()
+        self.clicked.emit(place.x() / self.width(), place.y() / self.height())
+
+
+def _pixmap(pixels: NDArray[np.uint8]) -> QtGui.QPixmap:
+    height, width = pixels.shape[:2]
+    form = QtGui.QImage.Format.Format_RGB888
+    return QtGui.QPixmap.fromImage(QtGui.QImage(pixels.data, width, height, 3 * width, form))
+
+
+def _tidied(turn: NDArray[np.float64]) -> NDArray[np.float64]:
+    """A rotation without the rounding of those it was made of."""
+    u, _, v = np.linalg.svd(turn)
+    tidy = u @ v
+    whole = np.rint(tidy)
+    result: NDArray[np.float64] = whole if np.abs(tidy - whole).max() < 1e-9 else tidy
+    return result
+
+
+def told(note: str) -> str:
+    """A reader's note in the language that is spoken."""
+    chinese = note_in_chinese(note) if language() == "zh" else None
+    if chinese is not None:
+        return chinese
+    begin, found, rest = note.partition("left out: ")
+    if begin or not found:
+        return note[:1].upper() + note[1:]
+    what = say(", ").join(say(word) for word in rest.split(", "))
+    return say("Left out: {what}", what=what)
+
+
+# ---- The work ------------------------------------------------------------------------------------
+
+
+_TURNED = (
+    "There is paint on it. Turned, it is begun anew without the paint; what is open can be saved "
+    "first."
+)
+
+
+def _is_bare(document: Document) -> bool:
+    return not document.strokes and not document.surface.painted.any()
+
+
+class Standing:
+    """Asks how objects are to stand, for one window.
+
+    Parameters
+    ----------
+    workspace : Workspace
+    may_leave : callable
+        Asks what becomes of the painting that is open.
+    """
+
+    def __init__(self, workspace: Workspace, may_leave: Callable[[], bool]) -> None:
+        self._workspace, self._may_leave = workspace, may_leave
+        self._said = ""
+
+    def choose(
+        self, path: str, reading: Reading, material: str, resolution: float, *, ask: bool = True
+    ) -> ObjectChoice | None:
+        """How an object that was read is to stand; None: it is not to be opened.
+
+        Parameters
+        ----------
+        path : str
+        reading : Reading
+        material : str
+            What is proposed for the surface.
+        resolution : float
+            What is wanted, mm.
+        ask : bool
+            Whether it is asked. If not, what is likely is taken and told, and it is asked only
+            where the unit cannot be right.
+        """
+        self._said = ""
+        if path in BUILT_IN_OBJECTS:
+            return ObjectChoice(np.eye(3), 1.0, material, resolution)
+        if not ask and not is_implausible(longest_side(reading.mesh)):
+            return self._likely(reading, material, resolution)
+        name = Path(path).name
+        dialog = ObjectDialog(
+            self._workspace.window,
+            reading,
+            material,
+            resolution,
+            title=name,
+            accept=say("action.open").rstrip("…"),
+        )
+        return self._answer(dialog)
+
+    def tell(self) -> None:
+        """Say what was taken without having been asked."""
+        if self._said:
+            self._workspace.tell(self._said)
+
+    def _likely(self, reading: Reading, material: str, resolution: float) -> ObjectChoice:
+        guess = reading.likely_up
+        said = [told(note) for note in reading.notes]
+        if guess is not None and not guess.sure:
+            said.append(
+                say("Which way is up is not sure; Edit ▸ Turn and scale the object changes it")
+            )
+        elif guess is not None and guess.up != "z":
+            words = "{axis} was taken for up; Edit ▸ Turn and scale the object changes it"
+            said.append(say(words, axis=guess.up))
+        self._said = "   ".join(said)
+        return first_choice(reading, guess, material, resolution)._replace(resolution=resolution)
+
+    def _answer(self, dialog: ObjectDialog) -> ObjectChoice | None:
+        accepted = dialog.exec()
+        choice = dialog.chosen() if accepted else None
+        if choice is not None:
+            self._keep(choice.material)
+        dialog.deleteLater()
+        return choice
+
+    def _keep(self, material: str | Material) -> None:
+        """Begin with this material the next time, if it has a name by which it is found."""
+        if isinstance(material, str):
+            self._workspace.keep(material=material)
+
+    # -- turning what is open ---------------------------------------------------------------
+
+    def do_stand(self) -> None:
+        """Ask how the object that is open should stand, and begin anew on it."""
+        workspace = self._workspace
+        if workspace.stage.easel is None:
+            return
+        with workspace.easel.paused() as document:
+            assert document is not None, "it was waited for"
+            surface, material = document.surface, document.surface.material
+            resolution = surface.resolution or workspace.settings.resolution_mm
+            is_bare = _is_bare(document)
+        if not is_bare and not self._may_begin_anew():
+            return
+        reading = Reading(surface.source, knows_up=True)
+        dialog = ObjectDialog(
+            workspace.window, reading, material, resolution,
+            title=say("Turn and scale the object…").rstrip("…"),
+            accept=say("button.ok") if is_bare else say("Begin anew"), is_open=True,
+        )  # fmt: skip
+        choice = self._answer(dialog)
+        if choice is not None and (is_bare or self._may_leave()):
+            self._begin_anew(surface.source, choice)
+
+    def take_material(self, material: str | Material) -> bool:
+        """Let the object that is open be of another material, and begin anew on it; say whether."""
+        workspace = self._workspace
+        if workspace.stage.easel is None:
+            return False
+        with workspace.easel.paused() as document:
+            assert document is not None, "it was waited for"
+            surface, is_bare = document.surface, _is_bare(document)
+            resolution = surface.resolution or workspace.settings.resolution_mm
+        words = (
+            "There is paint on it. Of another material it is begun anew without the paint; what "
+            "is open can be saved first."
+        )
+        if not is_bare and not (self._may_begin_anew(words) and self._may_leave()):
+            return False
+        choice = ObjectChoice(np.eye(3), 1.0, material, resolution)
+        if not self._begin_anew(surface.source, choice):
+            return False
+        self._keep(material)
+        return True
+
+    def _begin_anew(self, source: TriangleMesh, choice: ObjectChoice) -> bool:
+        """Put an object as it was chosen in the place of what is open, in the same hand."""
+        workspace = self._workspace
+        with workspace.easel.paused() as document:
+            assert document is not None, "it was waited for"
+            brush, inks = document.painter.brush, list(document.inks)
+
+        def make(progress: Progress) -> Opened:
+            document = Document.new(
+                choice.apply(source), choice.resolution, choice.material, brush=brush, ink=inks[0],
+                undo_bytes=int(workspace.settings.undo_megabytes * (1 << 20)),
+            )  # fmt: skip
+            document.inks[1] = inks[1]
+            return open_with_progress(document, progress, 0.6)
+
+        done = workspace.run(say("status.opening", name=source.name), make)
+        return bool(workspace.went_well(done) and workspace.show(done.result()))
+
+    def _may_begin_anew(self, words: str = _TURNED) -> bool:
+        answer = ask(self._workspace.window, say(words), accept="Begin anew")
+        return answer is Answer.AcceptRole

@@ -1,0 +1,226 @@
+"""The panels beside the canvas, and what goes on between them and the painting."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Protocol
+
+from PySide6 import QtCore, QtWidgets
+
+from paint3d.app.model.frame import Frame
+from paint3d.app.model.input.pressure_curve import PressureCurve
+from paint3d.app.window.brush.brush_panel import BrushPanel
+from paint3d.app.window.copybook.copybook_panel import CopybookPanel
+from paint3d.app.window.hand.device_panel import DevicePanel
+from paint3d.app.window.hand.hand_panel import HandPanel
+from paint3d.app.window.history.history_panel import HistoryPanel
+from paint3d.app.window.ink.ink_panel import InkPanel
+from paint3d.app.window.layer_panel import LayerPanel
+from paint3d.app.window.object.surface_panel import SurfacePanel
+from paint3d.app.window.theme import Theme
+from paint3d.app.window.wording import say
+from paint3d.app.window.workspace import Workspace
+from paint3d.brush.spec import BrushSpec
+from paint3d.painter.painter import Ink
+
+__all__ = ["Panels"]
+
+_WIDTH = 316
+_RIGHT = QtCore.Qt.DockWidgetArea.RightDockWidgetArea
+
+
+class _Themed(Protocol):
+    def set_theme(self, theme: Theme) -> None: ...
+
+
+class Panels:
+    """All panels of one window.
+
+    Parameters
+    ----------
+    workspace : Workspace
+    menu : QMenu
+        Where each can be hidden and shown.
+    """
+
+    def __init__(self, workspace: Workspace, menu: QtWidgets.QMenu) -> None:
+        self._workspace = workspace
+        window, theme, actions = workspace.window, workspace.theme, workspace.actions
+        self.brushes, self.inks = BrushPanel(theme), InkPanel(theme)
+        self.layers, self.history = LayerPanel(theme), HistoryPanel(theme)
+        self.hand, self.copybook = HandPanel(theme), CopybookPanel(theme)
+        self.devices = DevicePanel(theme)
+        self.surface = SurfacePanel(actions[name] for name in ("wet", "dry", "refine"))
+        self.docks: dict[str, QtWidgets.QDockWidget] = {}
+        self._tall = (self.inks, self.hand, self.copybook, self.devices, self.surface)
+        upper = [
+            self._dock("brushes", "panel.brushes", self.brushes),
+            self._dock("inks", "panel.inks", self.inks),
+            self._dock("hand", "Hand", self.hand),
+            self._dock("surface", "panel.surface", self.surface),
+        ]
+        lower = [
+            self._dock("layers", "panel.layers", self.layers),
+            self._dock("history", "panel.history", self.history),
+            self._dock("copybook", "panel.copybook", self.copybook),
+            self._dock("devices", "panel.devices", self.devices),
+        ]
+        for group in (upper, lower):
+            for dock in group[1:]:
+                window.tabifyDockWidget(group[0], dock)
+            group[0].raise_()
+        window.setTabPosition(_RIGHT, QtWidgets.QTabWidget.TabPosition.North)
+        window.resizeDocks([upper[0], lower[0]], [440, 260], QtCore.Qt.Orientation.Vertical)
+        window.resizeDocks([upper[0]], [_WIDTH], QtCore.Qt.Orientation.Horizontal)
+        for dock in self.docks.values():
+            menu.addAction(dock.toggleViewAction())
+        self._connect()
+        workspace.theme_changed.connect(self._set_theme)
+
+    def _dock(self, name: str, title: str, panel: QtWidgets.QWidget) -> QtWidgets.QDockWidget:
+        dock = QtWidgets.QDockWidget(say(title), self._workspace.window)
+        dock.setObjectName(f"dock-{name}")
+        dock.setWidget(_scrolled(panel) if panel in self._tall else panel)
+        dock.setTitleBarWidget(QtWidgets.QWidget())  # the tab says it
+        dock.setMinimumWidth(_WIDTH)
+        self._workspace.window.addDockWidget(_RIGHT, dock)
+        self.docks[name] = dock
+        return dock
+
+    def _connect(self) -> None:
+        post = self._workspace.post
+        self.brushes.chosen.connect(self._take_brush)
+        self.brushes.failed.connect(lambda why: self._workspace.tell(why, state="bad"))
+        self._workspace.hand.sized.connect(self.brushes.resize_brush)
+        self.surface.failed.connect(lambda why: self._workspace.tell(why, state="bad"))
+        self.inks.dipped.connect(self._dip)
+        self.inks.rinsed.connect(lambda: post("rinse"))
+        self.layers.asked.connect(
+            lambda what, *told: post(what, *(x for x in told if x is not None))
+        )
+        self.history.told.connect(self._workspace.tell)
+        self.hand.read.connect(lambda changes: self._workspace.hand.set_settings(**changes))
+        self.hand.curve.changed.connect(self._keep_curve)
+
+    def _keep_curve(self, curve: PressureCurve) -> None:
+        self._workspace.settings = dataclasses.replace(
+            self._workspace.settings, pressure_curve=curve.points
+        )
+
+    def set_open(self, is_open: bool) -> None:
+        """Let what needs a painting be used, or not."""
+        for panel in (self.brushes, self.inks, self.surface, self.layers, self.history):
+            panel.setEnabled(is_open)
+        self.copybook.setEnabled(is_open)
+
+    # -- following the painting -------------------------------------------------------------
+
+    def open(self) -> None:
+        """Show another document."""
+        document = self._workspace.document
+        self.brushes.show_brush(document.painter.brush)
+        self.inks.show_inks(document.inks)
+        self.brushes.set_ink(document.inks[0])
+        self.inks.show_pickup(document.pickup)
+        self.inks.show_amount(document.painter.amount, anew=True)
+        self.layers.show_layers(document.layers, document.active_layer)
+        self.copybook.show_copybook(None)
+        self.history.open(document)
+        if document.refused_history:
+            why = document.refused_history
+            self._workspace.tell(say("Its undo steps cannot be used: {why}", why=why), state="bad")
+
+    def follow(self, frame: Frame) -> None:
+        """Show what a frame says."""
+        document = self._workspace.document
+        self.surface.show_surface(document.surface)
+        self.layers.show_layers(document.layers, document.active_layer)
+        self.history.follow(document, frame)
+        self.inks.show_pickup(document.pickup)
+        self.inks.show_amount(document.painter.amount)
+        if document.inks[0] != self.inks.ink:
+            self.inks.show_inks(document.inks)
+            self.brushes.set_ink(document.inks[0])
+
+    def show_brush_asked(self, brush: BrushSpec) -> bool:
+        """Show the brush that was asked for last; whether another one was shown before."""
+        if brush == self.brushes.brush or self.brushes.is_settling:
+            return False
+        self.brushes.show_brush(brush)
+        return True
+
+    def show_unit(self) -> None:
+        """Tell lengths in the unit that was chosen."""
+        self.brushes.show_unit()
+        self.surface.show_unit()
+        if self._workspace.stage.easel is not None:
+            self.surface.show_surface(self._workspace.document.surface)
+
+    def ink_name(self) -> str:
+        """What the brush is dipped in, in words."""
+        return self.inks.ink_name()
+
+    def _set_theme(self, theme: Theme) -> None:
+        """Change the colours of what is painted by hand."""
+        for panel in self._all():
+            panel.set_theme(theme)
+        frame = self._workspace.stage.frame
+        if frame is not None:
+            self.follow(frame)  # rows have icons in these colours
+
+    def _all(self) -> tuple[_Themed, ...]:
+        upper = self.brushes, self.inks, self.hand
+        lower = self.layers, self.history, self.copybook, self.devices
+        return *upper, self.surface, *lower
+
+    def toggle(self) -> None:
+        """Hide all, or show them again."""
+        shown = [dock for dock in self.docks.values() if dock.isVisible()]
+        for dock in self.docks.values():
+            dock.setVisible(not shown)
+
+    def step(self, by: int) -> None:
+        """Bring the focus to the next panel (by 1), or the one before (-1), or to the picture."""
+        names = list(self.docks)
+        focus = self._workspace.window.focusWidget()
+        inside = [n for n in names if focus is not None and self.docks[n].isAncestorOf(focus)]
+        at = names.index(inside[0]) if inside else (-1 if by > 0 else len(names))
+        for name in names[at + 1 :] if by > 0 else names[:at][::-1]:
+            first = next(
+                filter(_takes_keys, self.docks[name].findChildren(QtWidgets.QWidget)), None
+            )
+            if first is not None:
+                self.docks[name].show()
+                self.docks[name].raise_()
+                first.setFocus(QtCore.Qt.FocusReason.TabFocusReason)
+                return
+        self._workspace.canvas.setFocus(QtCore.Qt.FocusReason.OtherFocusReason)
+
+    def close_down(self) -> None:
+        """Stop what goes on beside."""
+        self.brushes.close_down()
+
+    def _take_brush(self, brush: BrushSpec) -> None:
+        self.brushes.show_brush(brush)
+        self._workspace.post("set_brush", brush)
+
+    def _dip(self, ink: Ink, reach: float | None) -> None:
+        self._workspace.dip(ink, reach)
+        self.brushes.set_ink(ink)
+
+
+def _takes_keys(widget: QtWidgets.QWidget) -> bool:
+    """Whether keys can do something with a widget, besides scrolling it."""
+    tab = bool(widget.focusPolicy() & QtCore.Qt.FocusPolicy.TabFocus)
+    return tab and widget.isEnabled() and not isinstance(widget, QtWidgets.QScrollArea)
+
+
+def _scrolled(panel: QtWidgets.QWidget) -> QtWidgets.QScrollArea:
+    """A panel that scrolls where the window is too low for it."""
+    area = QtWidgets.QScrollArea()
+    area.setObjectName("plain")
+    area.setWidgetResizable(True)
+    area.setHorizontalScrollBarPolicy(QtCore.Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+    area.setFocusPolicy(QtCore.Qt.FocusPolicy.NoFocus)
+    area.setWidget(panel)
+    return area

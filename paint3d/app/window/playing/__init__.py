@@ -1,0 +1,1 @@
+"""Recordings that are played, pictures and films."""

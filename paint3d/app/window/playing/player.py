@@ -1,0 +1,396 @@
+"""Plays a recording on the object as if a hand painted it, at any speed."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Sequence
+from concurrent.futures import Future
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from PySide6 import QtCore
+
+from paint3d.app.model.brush_in_hand import BRUSH_COMMANDS
+from paint3d.app.model.easel import Easel
+from paint3d.app.model.score.stepping import Cue
+from paint3d.app.window.wording import say
+from paint3d.app.window.workspace import Workspace
+from paint3d.device.sample import DeviceSample
+from paint3d.painter.ink_time import PIECE_NS
+from paint3d.recording.recording import HandTime
+
+__all__ = ["Asked", "Player", "Tools"]
+
+_BATCH = 64  # samples handed on at once where no time is kept
+_MOST_BATCHES = 16  # in one tick: the window lives on
+_MOST_CUES = 1024
+_AHEAD = 64  # batches that wait: painting is not to wait for the next tick
+
+Asked = tuple[str, tuple[Any, ...]]
+"""A command of a document, and what it is called with."""
+
+
+@dataclass(frozen=True)
+class Tools:
+    """What is asked for before a recording is played, and after it, for the hand to go on.
+
+    And how much ink the brush comes to hold at its samples, and how strong it is; see
+    `Document.begin_stroke`.
+    """
+
+    before: Sequence[Asked] = ()
+    after: Sequence[Asked] = ()
+    loads: Sequence[tuple[int, float]] = ()
+    strengths: Sequence[tuple[int, float]] = ()
+
+
+class _Clock:
+    """The time that is played: so many times as fast as the clock's, or as fast as it goes."""
+
+    def __init__(self, speed: float | None) -> None:
+        self._speed, self._is_still = speed, False
+        self._at, self._since = 0.0, time.perf_counter()
+
+    @property
+    def seconds(self) -> float:
+        """What has come by now, s of the hand's time; infinite for as fast as it goes."""
+        if self._is_still:
+            return self._at
+        if self._speed is None:
+            return math.inf
+        return self._at + (time.perf_counter() - self._since) * self._speed
+
+    def change(self, reached: float, speed: float | None, is_still: bool) -> None:
+        """Go on from what has been reached, at this speed or not at all."""
+        at = self.seconds
+        self._at = at if math.isfinite(at) else reached
+        self._since, self._speed, self._is_still = time.perf_counter(), speed, is_still
+
+    @property
+    def speed(self) -> float | None:
+        """How many times as fast as the hand; None: as fast as it goes."""
+        return self._speed
+
+
+@dataclass(eq=False)
+class _Strokes:
+    """A recording of version 1 that is being played: one stroke.
+
+    Attributes
+    ----------
+    samples : sequence of DeviceSample
+    when : list of float
+        Of each, s since the first.
+    tools : Tools
+    began : Future
+        Of the command that begins the stroke.
+    later_ns : int
+        From the samples' clock to the hand's.
+    next : int
+        The first that is still to be handed on.
+    before : int
+        How many samples had been painted when the first was.
+    ended : Future or None
+        Of the command that ends the stroke.
+    """
+
+    samples: Sequence[DeviceSample]
+    when: list[float]
+    tools: Tools
+    began: Future[Any]
+    later_ns: int
+    next: int = 0
+    before: int = 0
+    ended: Future[Any] | None = None
+
+    @classmethod
+    def begun(cls, easel: Easel, samples: Sequence[DeviceSample], tools: Tools) -> _Strokes:
+        """Begin the stroke."""
+        # by the hand's clock, and by whole pieces of the ink's time: as it was painted
+        since = time.perf_counter_ns() - samples[0].time_ns
+        later_ns = since // PIECE_NS * PIECE_NS
+        times = np.array([sample.time_ns for sample in samples], np.int64)
+        when = HandTime(in_full=easel.wet).pass_samples(times).tolist()
+        _ask(easel, tools.before)
+        told = {"loads": tuple(tools.loads), "strengths": tuple(tools.strengths)}
+        began = easel.post("begin_stroke", **{name: pairs for name, pairs in told.items() if pairs})
+        playing = cls(samples, when, tools, began, later_ns, before=easel.n_painted)
+        began.add_done_callback(lambda _: playing.count_from(easel.n_painted))
+        return playing
+
+    def count_from(self, n_painted: int) -> None:
+        """Know how many samples had been painted when the stroke began."""
+        self.before = n_painted
+
+    @property
+    def reached(self) -> float:
+        """How far it has been handed on, s."""
+        return self.when[min(self.next, len(self.when) - 1)]
+
+    def share(self, easel: Easel) -> float:
+        """How much of it is painted, 0 to 1."""
+        if not self.began.done():
+            return 0.0
+        return (easel.n_painted - self.before) / len(self.samples)
+
+    @property
+    def is_refused(self) -> bool:
+        """Whether its stroke could not begin."""
+        began = self.began
+        return began.done() and (began.cancelled() or began.exception() is not None)
+
+    @property
+    def is_over(self) -> bool:
+        """Whether all of it is painted."""
+        return self.ended is not None and self.ended.done()
+
+    @property
+    def is_handed_on(self) -> bool:
+        """Whether nothing of it is still to be asked for."""
+        return self.ended is not None
+
+    def hand_on(self, easel: Easel, seconds: float) -> None:
+        """Ask for what is due by then."""
+        due = self.next
+        while due < len(self.when) and self.when[due] <= seconds:
+            due += 1
+        for _ in range(_MOST_BATCHES):
+            if self.next == due or easel.queue_length > _AHEAD:
+                break
+            samples = self.samples[self.next : min(self.next + _BATCH, due)]
+            moved = [replace(s, time_ns=s.time_ns + self.later_ns) for s in samples]
+            easel.feed(moved, all_time=True)
+            self.next += len(samples)
+        if self.next == len(self.samples):
+            self._end(easel)
+
+    def _end(self, easel: Easel) -> None:
+        self.ended = easel.post("end_stroke")
+        _ask(easel, self.tools.after)
+
+    def stop(self, easel: Easel) -> None:
+        """Lift the brush where it is; what waits is not painted."""
+        easel.leave_out_samples(self.began, self.ended)
+        if self.ended is None:
+            self._end(easel)
+
+
+@dataclass(eq=False)
+class _Score:
+    """A whole painting that is being played, on an object of its own.
+
+    Attributes
+    ----------
+    cues : sequence of Cue
+    wants_wet : callable
+        Whether ink is to spread beside the hand again, afterwards; meanwhile the score says when.
+    next : int
+        The first that is still to be asked for.
+    last : Future or None
+        Of the last command.
+    in_stroke : bool
+    """
+
+    cues: Sequence[Cue]
+    wants_wet: Callable[[], bool]
+    next: int = 0
+    last: Future[Any] | None = None
+    in_stroke: bool = field(default=False)
+
+    is_refused = False
+
+    @property
+    def reached(self) -> float:
+        """How far it has been handed on, s."""
+        return self.cues[min(self.next, len(self.cues) - 1)].when
+
+    def share(self, _: Easel) -> float:
+        """How much of it has been asked for, 0 to 1."""
+        return self.next / len(self.cues)
+
+    @property
+    def is_over(self) -> bool:
+        """Whether all of it is painted."""
+        return self.last is not None and self.last.done()
+
+    @property
+    def is_handed_on(self) -> bool:
+        """Whether nothing of it is still to be asked for."""
+        return self.last is not None
+
+    def hand_on(self, easel: Easel, seconds: float) -> None:
+        """Ask for what is due by then."""
+        for _ in range(_MOST_CUES):
+            if self.next == len(self.cues) or easel.queue_length > _AHEAD:
+                break
+            cue = self.cues[self.next]
+            if cue.when > seconds:
+                break
+            self.next += 1
+            if cue.samples:
+                easel.feed(cue.samples)
+                continue
+            _ask_cue(easel, cue)
+            ends = cue.command in ("end_stroke", "cancel_stroke")
+            self.in_stroke = cue.command == "begin_stroke" or (self.in_stroke and not ends)
+        if self.next == len(self.cues):
+            self._end(easel)
+
+    def _end(self, easel: Easel) -> None:
+        if self.in_stroke:
+            easel.post("end_stroke")
+        self.last = easel.post(_done)
+        easel.wet = self.wants_wet()
+
+    def stop(self, easel: Easel) -> None:
+        """Lift the brush where it is."""
+        if self.last is None:
+            self._end(easel)
+
+
+def _done(_: object) -> None:
+    """All that was asked for before is done."""
+
+
+def _ask(easel: Easel, commands: Sequence[Asked]) -> None:
+    for command, arguments in commands:
+        easel.post(command, *arguments)
+
+
+def _ask_cue(easel: Easel, cue: Cue) -> None:
+    if cue.command in BRUSH_COMMANDS:  # by their places: the easel looks which brush it will be
+        easel.post(cue.command, *cue.options.values())
+    else:
+        easel.post(cue.command, **cue.options)
+
+
+class Player(QtCore.QObject):
+    """For one window; `tick` hands on what is due.
+
+    Signals
+    -------
+    moved : float
+        The share that is painted, 0 to 1; below 0 where nothing is played any more.
+    """
+
+    moved = QtCore.Signal(float)
+
+    def __init__(self, workspace: Workspace) -> None:
+        super().__init__(workspace)
+        self._workspace = workspace
+        self._replay: _Strokes | _Score | None = None
+        self._clock = _Clock(None)
+        self._is_paused = self._refused = False
+        workspace.said.connect(self._hear)
+
+    @property
+    def is_playing(self) -> bool:
+        """Whether there is something still to be painted."""
+        return self._replay is not None
+
+    @property
+    def speed(self) -> float | None:
+        """How many times the hand's own; None: as fast as it goes."""
+        return self._clock.speed
+
+    @property
+    def is_paused(self) -> bool:
+        """Whether it stands still until it is to go on."""
+        return self._is_paused
+
+    def play(
+        self, samples: Sequence[DeviceSample], speed: float | None, tools: Tools | None = None
+    ) -> None:
+        """Paint samples at so many times their own speed; None: as fast as it goes.
+
+        Rests count as `HandTime` does, in full where ink spreads meanwhile.
+        """
+        self.stop()
+        if samples:
+            self._workspace.easel.let_samples_tell(True)
+            playing = _Strokes.begun(self._workspace.easel, samples, tools or Tools())
+            self._begin(playing, speed)
+
+    def play_score(self, cues: Sequence[Cue], speed: float | None) -> None:
+        """Paint a whole painting on the object, which is as the score began."""
+        self.stop()
+        if cues:
+            easel = self._workspace.easel
+            playing = _Score(cues, self._workspace.actions["wet"].isChecked)
+            easel.wet = False
+            self._begin(playing, speed)
+
+    def _begin(self, playing: _Strokes | _Score, speed: float | None) -> None:
+        self._replay, self._clock = playing, _Clock(speed)
+        self._is_paused = self._refused = False
+        self._workspace.tell(say("Replaying; Esc stops it"))
+        self.moved.emit(0.0)
+        self.tick()
+
+    def set_speed(self, speed: float | None) -> None:
+        """Play on at so many times the hand's own speed."""
+        if self._replay is not None:
+            self._clock.change(self._replay.reached, speed, self._is_paused)
+
+    def pause(self, on: bool) -> None:
+        """Stand still where it is, or go on from there."""
+        if self._replay is not None:
+            self._is_paused = on
+            self._clock.change(self._replay.reached, self._clock.speed, on)
+
+    def tick(self) -> None:
+        """Hand on what is due by now, and see how much is painted."""
+        replay, easel = self._replay, self._workspace.stage.easel
+        if replay is None or easel is None:
+            return
+        if replay.is_refused:
+            self.stop()  # it is told why
+            return
+        self.moved.emit(replay.share(easel))
+        if not replay.is_handed_on:
+            if not self._is_paused:
+                replay.hand_on(easel, self._clock.seconds)
+        elif replay.is_over:
+            self._forget()
+            if not self._refused:
+                self._workspace.tell(say("status.ready"))
+
+    def stop(self) -> None:
+        """Lift the brush where it is, if something is playing; what waits is not painted."""
+        replay = self._replay
+        if replay is not None:
+            replay.stop(self._workspace.easel)
+            self._forget()
+
+    def do_stop(self) -> None:
+        """Stop because it is asked for, and say what that leaves."""
+        if self.is_playing:
+            is_score = isinstance(self._replay, _Score)
+            self.stop()
+            told = "The replay was stopped; undo takes back what it painted"
+            self._workspace.tell(say("The replay was stopped" if is_score else told))
+
+    def take_back(self) -> None:
+        """Stop because what was painted is about to be undone, and say so."""
+        if self.is_playing:
+            self.stop()
+            self._workspace.tell(say("The replay was stopped and taken back"))
+
+    def give_way(self) -> None:
+        """Stop for a stroke by hand, which would be one with that of the recording."""
+        if self._replay is not None and not self._replay.is_handed_on:
+            self.stop()
+            self._workspace.tell(say("The replay was stopped by your stroke"))
+
+    def _forget(self) -> None:
+        if isinstance(self._replay, _Strokes):
+            self._workspace.easel.let_samples_tell(False)
+        self._replay = None
+        self.moved.emit(-1.0)
+
+    def _hear(self, _: str, state: str, __: bool) -> None:
+        """Leave what went wrong on the status line."""
+        if self._replay is not None and state == "bad":
+            self._refused = True

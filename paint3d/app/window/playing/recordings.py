@@ -1,0 +1,223 @@
+"""Recordings of strokes: saved from a sitting, and painted again."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+from PySide6 import QtWidgets
+
+from paint3d.app.model.pad_in_view import lay_in_view
+from paint3d.app.model.score.playing import begun, painted, score_of_strokes
+from paint3d.app.model.score.stepping import Cue, cues_of
+from paint3d.app.window.files.opened import Opened, open_with_progress
+from paint3d.app.window.files.target_dialog import Targets
+from paint3d.app.window.job import Progress
+from paint3d.app.window.playing.player import Asked, Player, Tools
+from paint3d.app.window.wording import say
+from paint3d.app.window.workspace import Workspace
+from paint3d.brush.spec import BrushSpec
+from paint3d.device.sample import DeviceSample
+from paint3d.files.progress import part_of
+from paint3d.painter.painter import Painter
+from paint3d.painter.recorded_tools import (
+    recorded_amount,
+    recorded_brush,
+    recorded_ink,
+    recorded_tip,
+    told_at,
+)
+from paint3d.recording.recording import Recording, load_recording, save_recording
+from paint3d.recording.score import Score, is_score, load_score, save_score
+
+__all__ = ["FORMATS", "Recordings"]
+
+# What a file may be, by its ending, and how the dialog says it:
+FORMATS = {
+    ".jsonl": "Recording, JSON Lines",
+    ".jsonl.gz": "Recording, JSON Lines, packed",
+    ".inkml": "Recording, InkML",
+    ".score.jsonl": "Whole painting, JSON Lines",
+    ".score.jsonl.gz": "Whole painting, JSON Lines, packed",
+}
+_READ = 0.6  # of the time that a recording takes to be made ready
+_AT_ONCE = 1000  # samples between two looks at whether it is still wanted
+
+
+class Recordings:
+    """For one window.
+
+    Parameters
+    ----------
+    workspace : Workspace
+    targets : Targets
+    player : Player
+    speed : callable
+        How many times its own speed a recording is to be played at; None: as fast as it goes.
+    may_leave : callable
+        Asks whether what is open may be left; see `Saving.may_leave`.
+    """
+
+    def __init__(
+        self,
+        workspace: Workspace,
+        targets: Targets,
+        player: Player,
+        speed: Callable[[], float | None],
+        may_leave: Callable[[], bool],
+    ) -> None:
+        self._workspace, self._targets, self._may_leave = workspace, targets, may_leave
+        self._player, self._speed = player, speed
+        self._recorded_from = 0
+
+    def do_record(self, on: bool) -> None:
+        """Remember where the recording begins; when it ends, ask where to save it."""
+        workspace = self._workspace
+        strokes = len(workspace.document.strokes)
+        if on:
+            self._recorded_from = strokes
+            workspace.tell(say("status.recording"), state="good", stays=True)
+            return
+        workspace.tell(say("hint.turn"))
+        if strokes > self._recorded_from:
+            self.do_save_recording(self._recorded_from)
+
+    def do_save_recording(self, first: int = 0) -> None:
+        """Ask where, and save the strokes of this sitting from number `first` on."""
+        workspace = self._workspace
+        with workspace.easel.paused() as document:
+            assert document is not None, "it was waited for"
+            recording = document.recording(first)
+            score = None if first else document.score
+            if score is None:
+                score = score_of_strokes(document.strokes[first:], document.surface)
+        if recording is None or score is None:
+            told = say("Strokes: {n}, {seconds:.1f} s", n=0, seconds=0.0)
+            workspace.tell(told, state="bad")
+            return
+        path = self._targets.ask(say("Save the strokes as a recording…"), FORMATS)
+        if path is None:
+            return
+        title = say("Writing {name}…", name=path.name)
+        done = workspace.run(title, lambda progress: _write(recording, score, path, progress))
+        if workspace.went_well(done):
+            workspace.tell(say("status.exported", name=path.name), state="good")
+
+    def do_replay(self) -> None:
+        """Ask for a recording, and paint it on what is here."""
+        kinds = f"{say('Recordings')} (*.jsonl *.jsonl.gz *.inkml *.csv);;{say('All files')} (*)"
+        path, _ = QtWidgets.QFileDialog.getOpenFileName(
+            self._workspace.window, say("action.replay"), "", kinds
+        )
+        if path:
+            self.replay_file(path, self._speed())
+
+    def replay_file(self, path: str, speed: float | None = None) -> bool:
+        """Paint a recording on what is here, as if by hand; say whether that began.
+
+        It is painted with its own brush, ink and azimuth, as `paint3d replay` does; the hand gets
+        its own back. A pad's, which knows nothing of the object, is laid on it as it is seen; see
+        `lay_in_view`. A whole painting is begun anew on the object.
+
+        Parameters
+        ----------
+        path : str
+        speed : float, optional
+            Of the recording's own time; by default as fast as it goes.
+        """
+        workspace = self._workspace
+        title = say("status.opening", name=Path(path).name)
+        if is_score(path):
+            return self._play_score(path, title, speed)
+        surface, camera = workspace.hand.surface, workspace.hand.open_camera
+
+        def read(progress: Progress) -> tuple[list[DeviceSample], Tools]:
+            recording = load_recording(path, progress=part_of(progress, 0.0, _READ))
+            if recording.is_pad:
+                recording = lay_in_view(recording, surface, camera)
+            tools = Tools(_tools_of(recording), (), *_told_of(recording))
+            return _samples(recording, progress), tools
+
+        loaded = workspace.run(title, read)
+        if not workspace.went_well(loaded):
+            return False
+        samples, tools = loaded.result()
+        after = _tools_in_hand(workspace.document.painter, workspace.easel.brush)
+        self._player.play(samples, speed, replace(tools, after=after))
+        return True
+
+    def _play_score(self, path: str, title: str, speed: float | None) -> bool:
+        """Begin anew on the object that is here, and paint a whole painting on it.
+
+        As fast as it goes it is painted beside the window, and shown when it is done.
+        """
+        workspace = self._workspace
+        with workspace.easel.paused() as document:
+            assert document is not None, "it was waited for"
+            mesh = document.surface.source
+            is_bare = not document.strokes and not document.surface.painted.any()
+        if not is_bare and not self._may_leave():
+            return False
+
+        def make(progress: Progress) -> tuple[Opened, list[Cue]]:
+            score = load_score(path, part_of(progress, 0.0, 0.1))
+            cues: list[Cue] = []
+            if speed is None:
+                document = painted(score, mesh, progress=part_of(progress, 0.1, 0.9))
+            else:
+                document = begun(score, mesh)
+                cues = list(cues_of(score, document.surface))
+            return open_with_progress(document, progress, 0.9), cues
+
+        done = workspace.run(title, make)
+        if not workspace.went_well(done):
+            return False
+        opened, cues = done.result()
+        if not workspace.show(opened):
+            return False
+        self._player.play_score(cues, speed)
+        return True
+
+
+def _tools_of(recording: Recording) -> list[Asked]:
+    """What a recording of version 1 is painted with, freshly dipped; what it does not say stays."""
+    brush, ink = recorded_brush(recording.header), recorded_ink(recording.header)
+    tip = recorded_tip(recording.header)
+    asked: list[Asked] = [("set_azimuth", (recording.header["azimuth"],))]
+    if brush is not None:
+        asked.append(("set_brush", (brush,)))
+    asked.append(("dip", (ink, None, recorded_amount(recording.header).words())))
+    if tip is not None:
+        asked.append(("dip", tip))
+    return asked
+
+
+def _told_of(recording: Recording) -> tuple[list[tuple[int, float]], list[tuple[int, float]]]:
+    """What the brush comes to hold at samples; one that is told again holds the last."""
+    loads, strengths = told_at(recording.header, recording.time_ns)
+    return list(dict(loads).items()), list(dict(strengths).items())
+
+
+def _tools_in_hand(painter: Painter, brush: BrushSpec) -> list[Asked]:
+    """What gives the hand back what it holds, freshly dipped."""
+    asked: list[Asked] = [("set_azimuth", (painter.azimuth,)), ("set_brush", (brush,))]
+    amount = painter.amount.words()
+    dips = painter.dips or ((painter.dipped, None),)
+    return asked + [("dip", (ink, reach, amount if reach is None else None)) for ink, reach in dips]
+
+
+def _samples(recording: Recording, progress: Progress) -> list[DeviceSample]:
+    samples = []
+    for k, sample in enumerate(recording.samples()):
+        samples.append(sample)
+        if k % _AT_ONCE == 0:
+            progress(_READ + (0.99 - _READ) * k / len(recording))
+    return samples
+
+
+def _write(recording: Recording, score: Score, path: Path, progress: Progress) -> None:
+    if path.name.lower().endswith((".score.jsonl", ".score.jsonl.gz")):
+        save_score(score, path, progress)
+        return
+    save_recording(recording, path, progress)
