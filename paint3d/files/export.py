@@ -56,9 +56,8 @@ def export(
 
     .ply binary PLY (mm, sRGB bytes); .glb glTF 2.0 (metres, y up, linear colours); .obj (mm, sRGB
     after the position); .3mf (mm, sRGB at each corner, for printers); .usdz (metres, y up, linear
-    displayColor); .wrl VRML97 (metres, y up, sRGB, for colour printers); .p3d.txt the paper's
-    records; .html a page that shows the object, by itself; .png a picture; .p3d a
-    session, to which no option applies.
+    displayColor); .p3d.txt the paper's records; .html a page that shows the object, by itself;
+    .png a picture; .p3d a session, to which no option applies.
 
     Parameters
     ----------
@@ -264,12 +263,6 @@ def _write_usdz(path: Path, painting: Painting, options: ExportOptions, unit: st
     )
 
 
-def _write_wrl(path: Path, painting: Painting, options: ExportOptions, unit: str) -> None:
-    from paint3d.files.writers.write_wrl import write_wrl
-
-    write_wrl(path, *painting[:4], name=painting.material, unit=unit)
-
-
 def _write_records(path: Path, painting: Painting, options: ExportOptions, unit: str) -> None:
     from paint3d.files.project.records import standing_place, write_records
 
@@ -334,7 +327,6 @@ FORMATS: dict[str, Format] = {
     ".obj": Format(_write_obj),
     ".3mf": Format(_write_3mf),
     ".usdz": Format(_write_usdz, "m", "y", ANY_MESH | {"gamut"}),
-    ".wrl": Format(_write_wrl, "m", "y"),
     ".p3d.txt": Format(_write_records, takes=frozenset({"packed_normals"})),
     ".html": Format(_write_html, takes=frozenset({"filaments"})),
     ".png": Format(_write_png, takes=frozenset({"filaments", "size", "gamut"})),

@@ -125,7 +125,7 @@ def test_glb_meets_the_specification(painted, tmp_path):
 
 
 def test_the_same_painting_gives_the_same_bytes(painted, tmp_path):
-    for suffix in (".ply", ".glb", ".obj", ".3mf", ".usdz", ".wrl", ".p3d.txt"):
+    for suffix in (".ply", ".glb", ".obj", ".3mf", ".usdz", ".p3d.txt"):
         export(painted, tmp_path / f"a{suffix}")
         export(painted, tmp_path / f"b{suffix}")
         assert (tmp_path / f"a{suffix}").read_bytes() == (tmp_path / f"b{suffix}").read_bytes()
@@ -144,7 +144,7 @@ def test_unknown_suffix_and_folder(painted, tmp_path):
     with pytest.raises(ExportError, match="is a folder; expected a file name"):
         export(painted, tmp_path / "b.ply")
     assert os.listdir(tmp_path) == ["b.ply"]
-    known = {".ply", ".glb", ".obj", ".3mf", ".usdz", ".wrl", ".html", ".p3d.txt", ".png", ".p3d"}
+    known = {".ply", ".glb", ".obj", ".3mf", ".usdz", ".html", ".p3d.txt", ".png", ".p3d"}
     assert set(EXPORT_SUFFIXES) == known
 
 

@@ -138,7 +138,7 @@ CHINESE = {
     "glTF, for the web and most programs": "glTF，适合网页与多数软件", "PLY": "PLY 网格",
     "Wavefront OBJ": "OBJ 网格", "3MF, for printers": "3MF，适合打印",
     "USDZ, for Apple's devices": "USDZ，适合苹果设备",
-    "VRML, for colour printers": "VRML，适合彩色打印", "Page that shows the object": "展示用网页",
+    "Page that shows the object": "展示用网页",
     "Picture, PNG": "图片，PNG", "Picture, JPEG": "图片，JPEG",
     "Records of the vertices": "顶点记录",
     "Copy of the painting": "作品副本", "Recording, JSON Lines": "录制，JSON Lines",

@@ -26,17 +26,19 @@ __all__ = ["MESH_SUFFIXES", "UNITS_MM", "Reading", "Wanted", "read_surface", "ta
 
 UNITS_MM = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4}
 READERS = {".ply": "ply", ".obj": "obj", ".stl": "stl", ".off": "off", ".3mf": "3mf"}
-READERS |= {".glb": "gltf", ".gltf": "gltf", ".p3d.txt": "records"}
+READERS |= {".glb": "gltf", ".gltf": "gltf", ".p3d.txt": "records", ".xyz": "xyz"}
+READERS |= {".dae": "collada", ".zae": "collada"}
 UNREAD = {  # what other programs read, and ours does not
     **dict.fromkeys((".usd", ".usda", ".usdc", ".usdz"), "USD"),
     **dict.fromkeys((".wrl", ".vrml", ".x3d"), "VRML"),
     **{".fbx": "FBX", ".blend": "a .blend file"},
+    **{".xaml": "XAML", ".ctm": "OpenCTM", ".3ds": "3DS"},
 }
+DRAWINGS = {".svg": "SVG", ".dxf": "DXF"}
 RECORDS = ".p3d.txt"  # a suffix of two words, of which .txt alone is none
 BESIDE = ("gltf", "obj", "ply")  # readers of files that refer to others in their folder
-FOREIGN_SUFFIXES = (".dae", ".zae", ".xaml", ".ctm", ".xyz", ".dxf", ".svg")
-"""What trimesh reads, `readers.read_foreign`."""
-MESH_SUFFIXES = (*READERS, *FOREIGN_SUFFIXES)
+TEXTURED = ("3mf", "collada")  # readers that are told whether colours are wanted
+MESH_SUFFIXES = tuple(READERS)
 WIDE = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
 
 # What damaged structure makes a reader stumble over; the careful messages come before these.
@@ -134,11 +136,9 @@ def read_raw(path: Path, texture: bool = False) -> RawMesh:
     data = read_contents(path)
     if data.startswith(WIDE):
         data = plain_text(data)
-    if kind in FOREIGN_SUFFIXES:
-        return read(data, kind, texture)
     if kind in BESIDE:
         return read(data, path.parent, texture)
-    return read(data, texture) if kind == "3mf" else read(data)
+    return read(data, texture) if kind in TEXTURED else read(data)
 
 
 def _in_words(cause: Exception) -> str:
@@ -163,13 +163,14 @@ def _reader(path: Path) -> tuple[str, Callable[..., RawMesh]]:
     suffix = inner.suffix.lower()
     if inner.name.lower().endswith(RECORDS):
         suffix = RECORDS
-    if suffix in FOREIGN_SUFFIXES:
-        return suffix, import_module("paint3d.files.readers.read_foreign").read_foreign
     if suffix not in READERS:
         wanted = " ".join(MESH_SUFFIXES)
         shown = f"the suffix {suffix!r} is not known" if suffix else "it has no suffix"
         if suffix in UNREAD:
             shown = f"{UNREAD[suffix]} is not read (Blender saves it as .glb)"
+        elif suffix in DRAWINGS:
+            shown = f"{DRAWINGS[suffix]} is a flat drawing, which is no surface to paint on"
+            shown += " (write --svg paints it)" if suffix == ".svg" else ""
         raise MeshError(f"{shown}; expected one of {wanted}")
     kind = READERS[suffix]
     return kind, getattr(import_module(f"paint3d.files.readers.read_{kind}"), f"read_{kind}")
