@@ -15,8 +15,8 @@ from paint3d.files.export_options import ExportOptions
 from paint3d.files.progress import Progress, part_of
 from paint3d.files.project.painting import Exportable, Painting, Untextured, read_painting
 from paint3d.files.project.session import SESSION_SUFFIX, Session, save_session
-from paint3d.files.readers.contents import plain_name
-from paint3d.files.writers.finish import Finish
+from paint3d.files.contents import plain_name
+from paint3d.files.finish import Finish
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.surface.painted_surface import PaintedSurface
 
@@ -208,13 +208,13 @@ def _formats_by_wish() -> dict[str, str]:
 
 
 def _write_ply(path: Path, painting: Painting, options: ExportOptions, unit: str) -> None:
-    from paint3d.files.writers.write_ply import write_ply
+    from paint3d.files.formats.write_ply import write_ply
 
     write_ply(path, painting.vertices, painting.faces, painting.normals, painting.srgb)
 
 
 def _write_glb(path: Path, painting: Painting, options: ExportOptions, unit: str) -> None:
-    from paint3d.files.writers.write_glb import write_glb, write_textured_glb
+    from paint3d.files.formats.write_glb import write_glb, write_textured_glb
 
     finish, unlit, steps = _finish(painting), options.unlit, painting.steps
     if painting.texture is None:
@@ -224,13 +224,13 @@ def _write_glb(path: Path, painting: Painting, options: ExportOptions, unit: str
 
 
 def _write_obj(path: Path, painting: Painting, options: ExportOptions, unit: str) -> None:
-    from paint3d.files.writers.write_obj import write_obj
+    from paint3d.files.formats.write_obj import write_obj
 
     write_obj(path, *painting[:4], name=painting.material, unit=unit)
 
 
 def _write_3mf(path: Path, painting: Painting, options: ExportOptions, unit: str) -> None:
-    from paint3d.files.writers.write_3mf import write_3mf
+    from paint3d.files.formats.write_3mf import write_3mf
 
     write_3mf(
         path,
@@ -247,7 +247,7 @@ def _write_3mf(path: Path, painting: Painting, options: ExportOptions, unit: str
 def _write_usdz(path: Path, painting: Painting, options: ExportOptions, unit: str) -> None:
     from paint3d.colour.spectra import decode_srgb
     from paint3d.colour.viewing import linear_srgb_of
-    from paint3d.files.writers.write_usdz import write_usdz
+    from paint3d.files.formats.usdz import write_usdz
 
     colours: AnyArray = painting.shown_srgb
     if painting.gamut != "srgb":  # USD's colours are linear, and may be outside of sRGB
@@ -264,7 +264,7 @@ def _write_usdz(path: Path, painting: Painting, options: ExportOptions, unit: st
 
 
 def _write_records(path: Path, painting: Painting, options: ExportOptions, unit: str) -> None:
-    from paint3d.files.project.records import standing_place, write_records
+    from paint3d.files.formats.records import standing_place, write_records
 
     arrays = painting.vertices, painting.normals, painting.srgb
     write_records(
@@ -279,7 +279,7 @@ def _write_records(path: Path, painting: Painting, options: ExportOptions, unit:
 def _write_png(path: Path, painting: Painting, options: ExportOptions, unit: str) -> None:
     from PIL import Image
 
-    from paint3d.files.writers.colour_tags import picture_tags
+    from paint3d.files.colour_tags import picture_tags
     from paint3d.view.picture import draw_picture  # brings VTK: only where a picture is asked
 
     look: dict[str, Any] = {} if options.size is None else {"size": options.size}
@@ -296,7 +296,7 @@ def _finish(painting: Painting) -> Finish:
 
 
 def _write_html(path: Path, painting: Painting, options: ExportOptions, unit: str) -> None:
-    from paint3d.files.writers.write_html import write_html
+    from paint3d.files.formats.html import write_html
 
     write_html(path, *painting[:4], title=painting.title)
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from paint3d.errors import InputError, MeshError
 from paint3d.files.progress import Progress
-from paint3d.files.readers.read_photograph import PHOTOGRAPH_SUFFIXES
+from paint3d.files.read_photograph import PHOTOGRAPH_SUFFIXES
 from paint3d.files.sandbox.isolation import read_photograph_apart
 
 __all__ = ["PHOTOGRAPH_SUFFIXES", "load_photograph"]

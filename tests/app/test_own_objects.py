@@ -22,8 +22,8 @@ from paint3d.app.window.wording import CHINESE, choose_language
 from paint3d.files.export import export
 from paint3d.files.load import load_mesh, read_mesh
 from paint3d.files.project.session import load_session
-from paint3d.files.readers import read_3mf, read_gltf, read_obj
-from paint3d.files.sandbox.reading import Reading
+from paint3d.files.formats import threemf, read_gltf, read_obj
+from paint3d.files.reading import Reading
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.mesh.upright import turn_mesh, turn_up
 from paint3d.view.preview import Preview

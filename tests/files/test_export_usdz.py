@@ -9,7 +9,7 @@ import trimesh
 from paint3d.colour.spectra import decode_srgb, srgb_from_linear
 from paint3d.files.export import export
 from paint3d.files.export_options import ExportOptions
-from paint3d.files.writers.usd_crate import Spec, SpecType, Type, Value, write_crate
+from paint3d.files.formats.usd_crate import Spec, SpecType, Type, Value, write_crate
 from paint3d.mesh.triangle_mesh import TriangleMesh
 
 Usd = pytest.importorskip("pxr.Usd")

@@ -11,7 +11,7 @@ from paint3d.colour.difference import delta_e, lab_from_srgb
 from paint3d.files.export import export
 from paint3d.files.export_options import ExportOptions
 from paint3d.files.load import load_mesh
-from paint3d.files.writers.filaments import (
+from paint3d.files.filaments import (
     choose_filaments,
     choose_for_triangles,
     split_by_filament,

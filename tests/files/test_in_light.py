@@ -19,7 +19,7 @@ from paint3d.files.export_options import ExportOptions
 from paint3d.files.load import load_mesh
 from paint3d.files.pictures import Turning, write_picture
 from paint3d.files.project.session import Session, save_session
-from paint3d.files.writers.colour_tags import icc_profile
+from paint3d.files.colour_tags import icc_profile
 from paint3d.surface.painted_surface import PaintedSurface
 from paint3d.view.shot import Shot
 

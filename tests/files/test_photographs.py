@@ -14,7 +14,7 @@ from PIL import Image
 
 from paint3d.errors import InputError
 from paint3d.files.photographs import load_photograph
-from paint3d.files.readers.read_photograph import read_photograph
+from paint3d.files.read_photograph import read_photograph
 
 
 def halves(width: int = 120, height: int = 80) -> Image.Image:

@@ -188,7 +188,7 @@ def _reason(english: str) -> str:
 
 
 # ---- Notes ---------------------------------------------------------------------------------------
-# What a reader tells of a mesh, in the user's language; see `files.readers.raw_mesh.RawMesh`.
+# What a reader tells of a mesh, in the user's language; see `files.raw_mesh.RawMesh`.
 
 
 _WHOSE = {"vertex colours": "顶点颜色", "colours of faces": "面颜色"}

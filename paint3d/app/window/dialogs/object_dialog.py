@@ -20,7 +20,7 @@ from paint3d.app.window.dialogs.questions import ask
 from paint3d.app.window.wording import language, say
 from paint3d.colour.materials import Material
 from paint3d.files.load import UNITS_MM
-from paint3d.files.sandbox.reading import Reading
+from paint3d.files.reading import Reading
 from paint3d.mesh.upright import UP_AXES, stand_on, turn_up
 from paint3d.view.preview import Preview
 

@@ -17,7 +17,7 @@ from paint3d.app.window.wording import say
 from paint3d.app.window.workspace import Workspace
 from paint3d.colour.materials import Material
 from paint3d.files.load import BUILT_IN_OBJECTS
-from paint3d.files.sandbox.reading import Reading
+from paint3d.files.reading import Reading
 from paint3d.mesh.triangle_mesh import TriangleMesh
 
 __all__ = ["Standing"]

@@ -16,8 +16,8 @@ from xml.etree import ElementTree
 
 from paint3d.core.foreign_xml import XmlFault, parse_xml
 from paint3d.errors import MeshError
-from paint3d.files.readers.package_meshes import read_trimesh
-from paint3d.files.readers.raw_mesh import RawMesh
+from paint3d.files.package_meshes import read_trimesh
+from paint3d.files.raw_mesh import RawMesh
 
 __all__ = ["read_collada"]
 

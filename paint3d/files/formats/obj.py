@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.errors import MeshError
-from paint3d.files.readers.contents import plain_text, read_beside
-from paint3d.files.readers.raw_mesh import RawMesh, index_array, left_out, parse_numbers
-from paint3d.files.readers.textures import REPEAT, Look, linear_from_srgb, open_picture
-from paint3d.files.readers.vertex_colours import colour_codes
+from paint3d.files.contents import plain_text, read_beside
+from paint3d.files.raw_mesh import RawMesh, index_array, left_out, parse_numbers
+from paint3d.files.colours import REPEAT, Look, linear_from_srgb, open_picture
+from paint3d.files.vertex_colours import colour_codes
 
 __all__ = ["ObjLooks", "names_materials", "obj_looks", "read_obj"]
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from paint3d.core.arrays import AnyArray
 from paint3d.errors import MeshError
-from paint3d.files.readers.raw_mesh import RawMesh, check_count, parse_numbers
+from paint3d.files.raw_mesh import RawMesh, check_count, parse_numbers
 
 __all__ = ["read_stl"]
 

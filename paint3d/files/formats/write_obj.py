@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.files.writers.text_rows import UNIT_NAMES, text_rows
+from paint3d.files.formats.text_rows import UNIT_NAMES, text_rows
 
 __all__ = ["write_obj"]
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from paint3d.files.project.records import parse_records
-from paint3d.files.readers.raw_mesh import RawMesh
+from paint3d.files.formats.records import parse_records
+from paint3d.files.raw_mesh import RawMesh
 
 __all__ = ["read_records"]
 

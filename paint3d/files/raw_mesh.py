@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from paint3d.core.arrays import AnyArray
 from paint3d.errors import MeshError
-from paint3d.files.readers.textures import Look
+from paint3d.files.colours import Look
 
 __all__ = ["RawMesh", "check_count", "index_array", "left_out", "parse_numbers"]
 

@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 
 from paint3d.core.arrays import AnyArray
 from paint3d.errors import MeshError
-from paint3d.files.gltf_buffers import GENERATOR, GltfFile
-from paint3d.files.project.position_steps import METRE_MM, STEPS, take_steps
-from paint3d.files.readers.raw_mesh import RawMesh, left_out
-from paint3d.files.readers.textures import REPEAT, Look, open_picture, srgb_from_linear
-from paint3d.files.readers.vertex_colours import colour_shares
+from paint3d.files.formats.gltf_buffers import GENERATOR, GltfFile
+from paint3d.files.formats.position_steps import METRE_MM, STEPS, take_steps
+from paint3d.files.raw_mesh import RawMesh, left_out
+from paint3d.files.colours import REPEAT, Look, open_picture, srgb_from_linear
+from paint3d.files.vertex_colours import colour_shares
 
 __all__ = ["GltfPaint", "read_gltf"]
 

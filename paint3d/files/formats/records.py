@@ -23,8 +23,8 @@ from numpy.typing import NDArray
 
 from paint3d.core.arrays import AnyArray, as_array
 from paint3d.errors import MeshError
-from paint3d.files.readers.contents import plain_text, read_contents
-from paint3d.files.readers.raw_mesh import parse_numbers
+from paint3d.files.contents import plain_text, read_contents
+from paint3d.files.raw_mesh import parse_numbers
 
 __all__ = [
     "Records",

@@ -10,7 +10,7 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.files.writers.text_rows import text_rows
+from paint3d.files.formats.text_rows import text_rows
 
 __all__ = ["write_3mf"]
 

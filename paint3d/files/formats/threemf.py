@@ -16,9 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.errors import MeshError
-from paint3d.files.readers.contents import parse_xml
-from paint3d.files.readers.raw_mesh import RawMesh, left_out
-from paint3d.files.readers.textures import Look, open_picture
+from paint3d.files.contents import parse_xml
+from paint3d.files.raw_mesh import RawMesh, left_out
+from paint3d.files.colours import Look, open_picture
 
 __all__ = ["CORE", "Paint3mf", "Seen", "read_3mf"]
 

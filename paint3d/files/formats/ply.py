@@ -13,16 +13,16 @@ from numpy.typing import NDArray
 
 from paint3d.core.arrays import AnyArray
 from paint3d.errors import MeshError
-from paint3d.files.readers.contents import read_beside
-from paint3d.files.readers.raw_mesh import (
+from paint3d.files.contents import read_beside
+from paint3d.files.raw_mesh import (
     RawMesh,
     check_count,
     index_array,
     left_out,
     parse_numbers,
 )
-from paint3d.files.readers.textures import Look, open_picture
-from paint3d.files.readers.vertex_colours import COLOUR_NAMES, colour_codes
+from paint3d.files.colours import Look, open_picture
+from paint3d.files.vertex_colours import COLOUR_NAMES, colour_codes
 
 __all__ = [
     "Element",

@@ -13,15 +13,15 @@ from numpy.typing import NDArray
 
 from paint3d.colour.spectra import decode_srgb
 from paint3d.core.arrays import AnyArray
-from paint3d.files.gltf_buffers import (
+from paint3d.files.formats.gltf_buffers import (
     INDEX_DATA,
     VERTEX_DATA,
     material,
     vertex_accessor,
     write_container,
 )
-from paint3d.files.project.position_steps import STEPS
-from paint3d.files.writers.finish import Finish, Texture
+from paint3d.files.formats.position_steps import STEPS
+from paint3d.files.finish import Finish, Texture
 
 __all__ = ["write_glb", "write_textured_glb"]
 
@@ -63,7 +63,7 @@ def write_glb(
     unlit : bool
         Show the colours without light (KHR_materials_unlit).
     steps : (V,) float32, optional
-        From `paint3d.files.project.position_steps`.
+        From `paint3d.files.formats.position_steps`.
 
     Raises
     ------

@@ -6,8 +6,8 @@ import codecs
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from importlib import import_module
 from pathlib import Path
+from pkgutil import resolve_name
 from typing import NamedTuple
 
 import numpy as np
@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 
 from paint3d.errors import MeshError
 from paint3d.files.detail import Draped, show_pictures
-from paint3d.files.readers.contents import PACKED, plain_text, read_contents
-from paint3d.files.readers.package_meshes import package_class, read_object
-from paint3d.files.readers.raw_mesh import RawMesh
+from paint3d.files.contents import PACKED, plain_text, read_contents
+from paint3d.files.package_meshes import package_class, read_object
+from paint3d.files.raw_mesh import RawMesh
 from paint3d.mesh.polygons import triangulate
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.mesh.upright import Upright, guess_up, turn_rows, turn_up
@@ -25,9 +25,19 @@ from paint3d.mesh.upright import Upright, guess_up, turn_rows, turn_up
 __all__ = ["MESH_SUFFIXES", "UNITS_MM", "Reading", "Wanted", "read_surface", "take_object"]
 
 UNITS_MM = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4}
-READERS = {".ply": "ply", ".obj": "obj", ".stl": "stl", ".off": "off", ".3mf": "3mf"}
-READERS |= {".glb": "gltf", ".gltf": "gltf", ".p3d.txt": "records", ".xyz": "xyz"}
-READERS |= {".dae": "collada", ".zae": "collada"}
+READERS = {  # modules of `paint3d.files.formats`, and what reads there
+    ".ply": "ply:read_ply",
+    ".obj": "obj:read_obj",
+    ".stl": "stl:read_stl",
+    ".off": "off:read_off",
+    ".3mf": "threemf:read_3mf",
+    ".glb": "gltf:read_gltf",
+    ".gltf": "gltf:read_gltf",
+    ".p3d.txt": "records:read_records_mesh",
+    ".xyz": "xyz:read_xyz",
+    ".dae": "collada:read_collada",
+    ".zae": "collada:read_collada",
+}
 UNREAD = {  # what other programs read, and ours does not
     **dict.fromkeys((".usd", ".usda", ".usdc", ".usdz"), "USD"),
     **dict.fromkeys((".wrl", ".vrml", ".x3d"), "VRML"),
@@ -36,8 +46,8 @@ UNREAD = {  # what other programs read, and ours does not
 }
 DRAWINGS = {".svg": "SVG", ".dxf": "DXF"}
 RECORDS = ".p3d.txt"  # a suffix of two words, of which .txt alone is none
-BESIDE = ("gltf", "obj", "ply")  # readers of files that refer to others in their folder
-TEXTURED = ("3mf", "collada")  # readers that are told whether colours are wanted
+BESIDE = (".gltf", ".glb", ".obj", ".ply")  # may refer to others in their folder
+TEXTURED = (".3mf", ".dae", ".zae")  # say themselves all that there is of colours
 MESH_SUFFIXES = tuple(READERS)
 WIDE = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
 
@@ -132,13 +142,14 @@ def read_raw(path: Path, texture: bool = False) -> RawMesh:
     MeshError
         If the suffix is not known or the reader refuses the file; the file is not named.
     """
-    kind, read = _reader(path)
+    suffix = _known_suffix(path)
+    read: Callable[..., RawMesh] = resolve_name(f"paint3d.files.formats.{READERS[suffix]}")
     data = read_contents(path)
     if data.startswith(WIDE):
         data = plain_text(data)
-    if kind in BESIDE:
+    if suffix in BESIDE:
         return read(data, path.parent, texture)
-    return read(data, texture) if kind in TEXTURED else read(data)
+    return read(data, texture) if suffix in TEXTURED else read(data)
 
 
 def _in_words(cause: Exception) -> str:
@@ -158,22 +169,18 @@ def _one_line(cause: BaseException) -> str:
     return " ".join(str(cause).split())
 
 
-def _reader(path: Path) -> tuple[str, Callable[..., RawMesh]]:
+def _known_suffix(path: Path) -> str:
     inner = Path(path.stem) if path.suffix.lower() in PACKED else path
-    suffix = inner.suffix.lower()
-    if inner.name.lower().endswith(RECORDS):
-        suffix = RECORDS
-    if suffix not in READERS:
-        wanted = " ".join(MESH_SUFFIXES)
-        shown = f"the suffix {suffix!r} is not known" if suffix else "it has no suffix"
-        if suffix in UNREAD:
-            shown = f"{UNREAD[suffix]} is not read (Blender saves it as .glb)"
-        elif suffix in DRAWINGS:
-            shown = f"{DRAWINGS[suffix]} is a flat drawing, which is no surface to paint on"
-            shown += " (write --svg paints it)" if suffix == ".svg" else ""
-        raise MeshError(f"{shown}; expected one of {wanted}")
-    kind = READERS[suffix]
-    return kind, getattr(import_module(f"paint3d.files.readers.read_{kind}"), f"read_{kind}")
+    suffix = RECORDS if inner.name.lower().endswith(RECORDS) else inner.suffix.lower()
+    if suffix in READERS:
+        return suffix
+    shown = f"the suffix {suffix!r} is not known" if suffix else "it has no suffix"
+    if suffix in UNREAD:
+        shown = f"{UNREAD[suffix]} is not read (Blender saves it as .glb)"
+    elif suffix in DRAWINGS:
+        shown = f"{DRAWINGS[suffix]} is a flat drawing, which is no surface to paint on"
+        shown += " (write --svg paints it)" if suffix == ".svg" else ""
+    raise MeshError(f"{shown}; expected one of {' '.join(MESH_SUFFIXES)}")
 
 
 def _finish(raw: RawMesh, name: str, wanted: Wanted) -> Reading:
@@ -241,7 +248,7 @@ def _without_faces(
         )
     if from_points is False:
         raise MeshError(f"it has {len(vertices):,} points but no triangles; expected a surface")
-    from paint3d.files.readers.points import surface_through
+    from paint3d.files.points import surface_through
 
     faces = surface_through(vertices, raw.normals)
     note = f"it is a point cloud: built {len(faces):,} triangles through {len(vertices):,} points"

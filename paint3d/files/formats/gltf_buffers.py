@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 
 from paint3d.core.arrays import AnyArray
 from paint3d.errors import ExportError, MeshError
-from paint3d.files.readers.contents import parse_json, read_beside
-from paint3d.files.readers.raw_mesh import check_count
-from paint3d.files.writers.finish import Finish
+from paint3d.files.contents import parse_json, read_beside
+from paint3d.files.raw_mesh import check_count
+from paint3d.files.finish import Finish
 
 __all__ = [
     "GENERATOR",
