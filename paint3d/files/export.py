@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from paint3d.core.arrays import AnyArray
 from paint3d.core.atomic import write_atomically
 from paint3d.errors import ExportError, UnknownNameError
+from paint3d.files.contents import plain_name
 from paint3d.files.export_options import ExportOptions
+from paint3d.files.finish import Finish
 from paint3d.files.progress import Progress, part_of
 from paint3d.files.project.painting import Exportable, Painting, Untextured, read_painting
 from paint3d.files.project.session import SESSION_SUFFIX, Session, save_session
-from paint3d.files.contents import plain_name
-from paint3d.files.finish import Finish
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.surface.painted_surface import PaintedSurface
 
@@ -208,13 +208,13 @@ def _formats_by_wish() -> dict[str, str]:
 
 
 def _write_ply(path: Path, painting: Painting, options: ExportOptions, unit: str) -> None:
-    from paint3d.files.formats.write_ply import write_ply
+    from paint3d.files.formats.ply import write_ply
 
     write_ply(path, painting.vertices, painting.faces, painting.normals, painting.srgb)
 
 
 def _write_glb(path: Path, painting: Painting, options: ExportOptions, unit: str) -> None:
-    from paint3d.files.formats.write_glb import write_glb, write_textured_glb
+    from paint3d.files.formats.gltf import write_glb, write_textured_glb
 
     finish, unlit, steps = _finish(painting), options.unlit, painting.steps
     if painting.texture is None:
@@ -224,13 +224,13 @@ def _write_glb(path: Path, painting: Painting, options: ExportOptions, unit: str
 
 
 def _write_obj(path: Path, painting: Painting, options: ExportOptions, unit: str) -> None:
-    from paint3d.files.formats.write_obj import write_obj
+    from paint3d.files.formats.obj import write_obj
 
     write_obj(path, *painting[:4], name=painting.material, unit=unit)
 
 
 def _write_3mf(path: Path, painting: Painting, options: ExportOptions, unit: str) -> None:
-    from paint3d.files.formats.write_3mf import write_3mf
+    from paint3d.files.formats.threemf import write_3mf
 
     write_3mf(
         path,

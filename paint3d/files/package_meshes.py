@@ -16,9 +16,8 @@ from numpy.typing import NDArray
 
 from paint3d.core.arrays import AnyArray
 from paint3d.errors import MeshError
+from paint3d.files.colours import MAX_PIXELS, Look, colour_codes, linear_from_srgb
 from paint3d.files.raw_mesh import RawMesh, left_out
-from paint3d.files.colours import MAX_PIXELS, Look, linear_from_srgb
-from paint3d.files.vertex_colours import colour_codes
 
 __all__ = ["package_class", "read_object", "read_trimesh"]
 

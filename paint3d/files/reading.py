@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.errors import MeshError
-from paint3d.files.detail import Draped, show_pictures
 from paint3d.files.contents import PACKED, plain_text, read_contents
+from paint3d.files.detail import Draped, show_pictures
 from paint3d.files.package_meshes import package_class, read_object
 from paint3d.files.raw_mesh import RawMesh
 from paint3d.mesh.polygons import triangulate

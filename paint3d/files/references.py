@@ -11,8 +11,8 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from paint3d.errors import MeshError
-from paint3d.files.formats.gltf_buffers import GltfFile
 from paint3d.files.contents import path_beside, plain_text, read_contents
+from paint3d.files.formats.gltf import GltfFile
 from paint3d.files.formats.obj import MAX_LIBRARY
 
 __all__ = ["may_refer_to", "refers_to"]

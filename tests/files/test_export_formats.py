@@ -12,7 +12,7 @@ from PIL import Image
 
 from paint3d.core.atomic import write_atomically
 from paint3d.errors import ExportError, MeshError
-from paint3d.files import gltf_buffers
+from paint3d.files.formats import gltf
 from paint3d.files.export import EXPORT_SUFFIXES, check_export_path, export
 from paint3d.files.export_options import ExportOptions
 from paint3d.files.load import load_mesh
@@ -182,7 +182,7 @@ def test_arrays_that_make_no_object(tmp_path, suffix, vertices, faces, message):
 
 
 def test_a_glb_too_large_for_its_header_is_refused(painted, tmp_path, monkeypatch):
-    monkeypatch.setattr(gltf_buffers, "LARGEST", 10_000)
+    monkeypatch.setattr(gltf, "LARGEST", 10_000)
     with pytest.raises(ExportError, match="holds 4 GiB at most"):
         export(painted, tmp_path / "a.glb")
     assert os.listdir(tmp_path) == []

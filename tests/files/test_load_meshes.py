@@ -22,12 +22,12 @@ from PIL import Image
 from paint3d.core.machine import make_memory_file
 from paint3d.errors import MeshError, UnknownNameError
 from paint3d.files.export import export
+from paint3d.files.formats.gltf import write_glb
+from paint3d.files.formats.ply import write_ply
 from paint3d.files.load import load_mesh
+from paint3d.files.reading import Wanted, read_surface
 from paint3d.files.sandbox import isolation
 from paint3d.files.sandbox.handover import receive, send
-from paint3d.files.reading import Wanted, read_surface
-from paint3d.files.formats.write_glb import write_glb
-from paint3d.files.formats.write_ply import write_ply
 from scripts.solids import make_plane
 
 BOX = trimesh.creation.box((10.0, 20.0, 30.0))

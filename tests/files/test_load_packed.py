@@ -16,10 +16,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from paint3d.errors import MeshError
-from paint3d.files.formats.gltf_buffers import unpack_meshopt
-from paint3d.files.load import load_mesh, read_mesh
 from paint3d.files.formats.collada import read_collada
-from paint3d.files.formats.gltf import read_gltf
+from paint3d.files.formats.gltf import read_gltf, unpack_meshopt
+from paint3d.files.load import load_mesh, read_mesh
 from paint3d.files.reading import read_surface
 
 CUBE = trimesh.creation.box((1.0, 2.0, 3.0))  # of whatever unit the format has

@@ -1,4 +1,4 @@
-"""Wavefront OBJ: polygons, relative indices, colours after the position, continued lines."""
+"""Wavefront OBJ: polygons, relative indices, colours after the position, materials."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.errors import MeshError
+from paint3d.files.colours import REPEAT, Look, colour_codes, linear_from_srgb, open_picture
 from paint3d.files.contents import plain_text, read_beside
+from paint3d.files.formats.text_rows import UNIT_NAMES, text_rows
 from paint3d.files.raw_mesh import RawMesh, index_array, left_out, parse_numbers
-from paint3d.files.colours import REPEAT, Look, linear_from_srgb, open_picture
-from paint3d.files.vertex_colours import colour_codes
 
-__all__ = ["ObjLooks", "names_materials", "obj_looks", "read_obj"]
+__all__ = ["ObjLooks", "names_materials", "obj_looks", "read_obj", "write_obj"]
 
 # ---- Materials -----------------------------------------------------------------------------------
 # Diffuse colours and pictures of OBJ materials (.mtl), face by face.
@@ -329,3 +329,50 @@ def _vertices_before_faces(lines: Sequence[bytes]) -> NDArray[np.int64]:
     kind = np.array([1 if line[:2] == b"v " else 2 if line[:2] == b"f " else 0 for line in lines])
     result: NDArray[np.int64] = np.cumsum(kind == 1)[kind == 2]
     return result
+
+
+# ---- Writing -------------------------------------------------------------------------------------
+
+
+def write_obj(
+    path: Path,
+    vertices: NDArray[np.float32],
+    faces: NDArray[np.int32],
+    normals: NDArray[np.float32],
+    srgb: NDArray[np.uint8],
+    *,
+    name: str = "painting",
+    unit: str = "mm",
+) -> None:
+    """Write ``v x y z r g b`` (sRGB 0 to 1), ``vn`` and ``f v//vn`` lines.
+
+    Parameters
+    ----------
+    path : Path
+    vertices : (V, 3) float32
+    faces : (F, 3) int32
+    normals : (V, 3) float32, unit
+    srgb : (V, 3) uint8
+    name : str
+        Of the object.
+    unit : {"mm", "cm", "m", "in"}
+        What the vertices are in, for the comment on top; the format itself has no unit.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be written.
+    """
+    points = np.concatenate([vertices, np.divide(srgb, 255, dtype=np.float32)], axis=1)
+    with open(path, "wb") as file:
+        head = f"# paint3d: {UNIT_NAMES[unit]}, vertex colours sRGB 0 to 1\no {_word(name)}\n"
+        file.write(head.encode("ascii"))
+        file.writelines(text_rows("v {f0} {f1} {f2} {f3} {f4} {f5}\n", points))
+        file.writelines(text_rows("vn {f0} {f1} {f2}\n", normals))
+        corners = "f {i0}//{i0} {i1}//{i1} {i2}//{i2}\n"
+        file.writelines(text_rows(corners, integers=faces + np.int32(1)))
+
+
+def _word(name: str) -> str:
+    """Return a name as one printable ASCII word."""
+    return "".join(c if c.isascii() and c.isalnum() else "_" for c in name) or "painting"

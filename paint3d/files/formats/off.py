@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.errors import MeshError
+from paint3d.files.colours import colour_codes
 from paint3d.files.contents import plain_text
 from paint3d.files.raw_mesh import RawMesh, check_count, index_array, parse_numbers
-from paint3d.files.vertex_colours import colour_codes
 
 __all__ = ["read_off"]
 

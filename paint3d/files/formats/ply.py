@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from paint3d.core.arrays import AnyArray
 from paint3d.errors import MeshError
+from paint3d.files.colours import COLOUR_NAMES, Look, colour_codes, open_picture
 from paint3d.files.contents import read_beside
 from paint3d.files.raw_mesh import (
     RawMesh,
@@ -21,8 +22,6 @@ from paint3d.files.raw_mesh import (
     left_out,
     parse_numbers,
 )
-from paint3d.files.colours import Look, open_picture
-from paint3d.files.vertex_colours import COLOUR_NAMES, colour_codes
 
 __all__ = [
     "Element",
@@ -34,6 +33,7 @@ __all__ = [
     "ply_looks",
     "read_ply",
     "read_tables",
+    "write_ply",
 ]
 
 # ---- Pictures and colours of faces ---------------------------------------------------------------
@@ -551,3 +551,54 @@ def _normals(vertex: Element) -> NDArray[np.float64] | None:
     if not {"nx", "ny", "nz"} <= set(vertex.values):
         return None
     return np.stack([vertex.values[k].astype(np.float64) for k in ("nx", "ny", "nz")], axis=1)
+
+
+# ---- Writing -------------------------------------------------------------------------------------
+
+
+def write_ply(
+    path: Path,
+    vertices: NDArray[np.float32],
+    faces: NDArray[np.int32],
+    normals: NDArray[np.float32] | None = None,
+    srgb: NDArray[np.uint8] | None = None,
+) -> None:
+    """Write a little-endian binary PLY: float x y z, nx ny nz, uchar red green blue, triangles.
+
+    Classic type names and byte colours are used because other names and float colours are
+    misread by several programs. The output depends on the arrays alone.
+
+    Parameters
+    ----------
+    path : Path
+    vertices : (V, 3) float32, mm
+    faces : (F, 3) int32
+    normals : (V, 3) float32, optional
+    srgb : (V, 3) uint8, optional
+
+    Raises
+    ------
+    OSError
+        If the file cannot be written.
+    """
+    columns: list[tuple[str, str, str, AnyArray]] = [("x y z", "float", "<f4", vertices)]
+    if normals is not None:
+        columns.append(("nx ny nz", "float", "<f4", normals))
+    if srgb is not None:
+        columns.append(("red green blue", "uchar", "u1", srgb))
+    header = ["ply", "format binary_little_endian 1.0", f"element vertex {len(vertices)}"]
+    record = []
+    for names, kind, dtype, _ in columns:
+        header += [f"property {kind} {name}" for name in names.split()]
+        record.append((names, dtype, 3))
+    header += [f"element face {len(faces)}", "property list uchar int vertex_indices"]
+    body = np.empty(len(vertices), record)
+    for names, _, _, array in columns:
+        body[names] = array
+    triangles = np.empty(len(faces), [("corners", "u1"), ("vertex_ids", "<i4", 3)])
+    triangles["corners"] = 3
+    triangles["vertex_ids"] = faces
+    with open(path, "wb") as file:
+        file.write(("\n".join([*header, "end_header"]) + "\n").encode("ascii"))
+        file.write(memoryview(body.data).cast("B"))
+        file.write(memoryview(triangles.data).cast("B"))

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from paint3d.colour.spectra import decode_srgb
 from paint3d.core.arrays import AnyArray
-from paint3d.files.load import UNITS_MM
 from paint3d.files.finish import Finish
 from paint3d.files.formats.usd_crate import ListOp, Spec, SpecType, Type, Value, write_crate
+from paint3d.files.load import UNITS_MM
 
 __all__ = ["write_usdz"]
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from paint3d.errors import MeshError
+from paint3d.files.colours import colour_codes
 from paint3d.files.contents import plain_text
 from paint3d.files.raw_mesh import RawMesh, parse_numbers
-from paint3d.files.vertex_colours import colour_codes
 
 __all__ = ["read_xyz"]
 

@@ -38,7 +38,7 @@ def main() -> None:
 
 
 def _photograph(path: Path, wanted: list[Any]) -> tuple[dict[str, AnyArray], dict[str, object]]:
-    from paint3d.files.read_photograph import read_photograph
+    from paint3d.files.photographs import read_photograph
 
     pixels, full = read_photograph(path, *wanted)
     facts: dict[str, object] = {"size": pixels.shape[:2], "full": full}

@@ -25,8 +25,8 @@ from paint3d.core.arrays import AnyArray
 from paint3d.core.machine import handed_to_child, make_memory_file
 from paint3d.errors import MeshError
 from paint3d.files.progress import Progress
-from paint3d.files.sandbox.handover import receive
 from paint3d.files.reading import Reading, Wanted
+from paint3d.files.sandbox.handover import receive
 from paint3d.mesh.triangle_mesh import TriangleMesh
 
 __all__ = [
