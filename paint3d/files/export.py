@@ -183,7 +183,7 @@ def check_export_path(path: str | os.PathLike[str]) -> str:
     Raises
     ------
     ExportError
-        If the suffix is not known, or the folder is missing.
+        If the suffix is not known, the folder is missing, or a package that writes the format is.
     """
     path = Path(path)
     name = path.name.lower()
@@ -194,6 +194,10 @@ def check_export_path(path: str | os.PathLike[str]) -> str:
         raise ExportError(f"{path}: {shown}; expected one of {known}")
     if not path.parent.is_dir():
         raise ExportError(f"{path}: the folder {path.parent} does not exist")
+    if suffix == ".usdz":
+        from paint3d.files.formats.usdz import check_usd
+
+        check_usd()
     return suffix
 
 

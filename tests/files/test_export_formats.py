@@ -12,9 +12,9 @@ from PIL import Image
 
 from paint3d.core.atomic import write_atomically
 from paint3d.errors import ExportError, MeshError
-from paint3d.files.formats import gltf
 from paint3d.files.export import EXPORT_SUFFIXES, check_export_path, export
 from paint3d.files.export_options import ExportOptions
+from paint3d.files.formats import gltf
 from paint3d.files.load import load_mesh
 from paint3d.surface.painted_surface import PaintedSurface
 from tests.support.full_disk import full_disk

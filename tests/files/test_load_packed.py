@@ -19,6 +19,7 @@ from paint3d.errors import MeshError
 from paint3d.files.formats.collada import read_collada
 from paint3d.files.formats.gltf import read_gltf, unpack_meshopt
 from paint3d.files.load import load_mesh, read_mesh
+from paint3d.files.points import surface_through
 from paint3d.files.reading import read_surface
 
 CUBE = trimesh.creation.box((1.0, 2.0, 3.0))  # of whatever unit the format has
@@ -50,6 +51,7 @@ def test_packed_collada(tmp_path):
 
 
 def test_points_become_a_surface(tmp_path):
+    pytest.importorskip("open3d", exc_type=ImportError)
     ball = trimesh.creation.icosphere(3, 20.0).vertices
     np.savetxt(tmp_path / "a.xyz", ball, fmt="%.5f")
     reading = read_mesh(tmp_path / "a.xyz")
@@ -59,12 +61,19 @@ def test_points_become_a_surface(tmp_path):
 
 def test_points_have_colours_and_commas(tmp_path):
     ball = trimesh.creation.icosphere(3, 20.0).vertices
+    pytest.importorskip("open3d", exc_type=ImportError)
     red = np.tile([200, 30, 40], (len(ball), 1))
     np.savetxt(tmp_path / "a.xyz", np.hstack([ball, red]), fmt="%.5f", delimiter=", ")
     assert read_surface(tmp_path / "a.xyz").mesh.colours.tolist() == red.tolist()
     (tmp_path / "b.xyz").write_text("0 0 0\n1 1\n")
     with pytest.raises(MeshError, match="point 1 is '1 1'; expected 3 numbers, as in the first"):
         load_mesh(tmp_path / "b.xyz")
+
+
+def test_without_open3d_points_are_refused_and_it_is_named(monkeypatch):
+    monkeypatch.setitem(sys.modules, "open3d", None)
+    with pytest.raises(MeshError, match=r"point cloud.*pip install 'paint3d\[open3d\]'"):
+        surface_through(np.eye(3).repeat(20, axis=0))
 
 
 def test_what_is_missing_is_named_with_how_to_get_it(monkeypatch):

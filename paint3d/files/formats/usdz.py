@@ -1,22 +1,22 @@
-"""USDZ for phones, tablets and film: one painted mesh in an uncompressed package."""
+"""USDZ, for Apple's devices: binary USD with its colours, written by Pixar's own library."""
 
 from __future__ import annotations
 
-import io
+import importlib.util
+import tempfile
 import zipfile
-from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.colour.spectra import decode_srgb
-from paint3d.core.arrays import AnyArray
+from paint3d.errors import ExportError
 from paint3d.files.finish import Finish
-from paint3d.files.formats.usd_crate import ListOp, Spec, SpecType, Type, Value, write_crate
 from paint3d.files.load import UNITS_MM
 
-__all__ = ["write_usdz"]
+__all__ = ["check_usd", "write_usdz"]
 
 ALIGNMENT = 64  # of the data of every file in the package, by the USDZ specification
 LOCAL_HEADER, EXTRA_HEADER = 30, 4
@@ -24,8 +24,15 @@ PADDING_TAG = 0x1986  # what Pixar's own packages mark the padding with
 EARLIEST = (1980, 1, 1, 0, 0, 0)
 SCENE, MESH, MATERIAL = "/Painting", "/Painting/Mesh", "/Painting/Material"
 PLAIN = Finish()
-SURFACE, COLOUR = f"{MATERIAL}/Surface", f"{MATERIAL}/Colour"
-ROUGHNESS = f"{MATERIAL}/Roughness"
+
+
+def check_usd() -> None:
+    """Raise ExportError where Pixar's library is not installed; it is not imported."""
+    if importlib.util.find_spec("pxr") is None:
+        raise ExportError(
+            "USDZ is written by usd-core, which is not installed; expected "
+            "pip install 'paint3d[usd]', or another format, such as .glb"
+        )
 
 
 def write_usdz(
@@ -60,143 +67,102 @@ def write_usdz(
 
     Raises
     ------
+    ExportError
+        If usd-core is not installed.
     OSError
         If the file cannot be written.
     """
+    check_usd()
+    from pxr import Tf, Usd, UsdGeom, UsdShade
+
+    with tempfile.TemporaryDirectory() as folder:
+        crate = Path(folder) / "painting.usdc"
+        stage = Usd.Stage.CreateNew(str(crate))
+        stage.GetRootLayer().documentation = f"{finish.name}, painted with paint3d"
+        UsdGeom.SetStageMetersPerUnit(stage, UNITS_MM[unit] / 1000.0)
+        UsdGeom.SetStageUpAxis(stage, up_axis.upper())
+        scene = UsdGeom.Xform.Define(stage, SCENE).GetPrim()
+        Usd.ModelAPI(scene).SetKind("component")
+        stage.SetDefaultPrim(scene)
+        mesh = _add_mesh(stage, vertices, faces, normals, colours, finish.each)
+        UsdShade.MaterialBindingAPI.Apply(mesh).Bind(_add_material(stage, finish))
+        try:
+            stage.GetRootLayer().Save()
+        except Tf.ErrorException as cause:
+            raise OSError(f"usd-core says: {_last_words(cause)}") from None
+        _pack(path, crate.read_bytes())
+
+
+def _add_mesh(
+    stage: Any,
+    vertices: NDArray[np.float32],
+    faces: NDArray[np.int32],
+    normals: NDArray[np.float32],
+    colours: NDArray[np.uint8] | NDArray[np.float32],
+    roughness: NDArray[np.float32] | None,
+) -> Any:
+    from pxr import Sdf, UsdGeom, Vt
+
     linear = decode_srgb(np.arange(256, dtype=np.uint8)).astype("<f4")
-    told = linear[colours] if colours.dtype == np.uint8 else colours
-    specs = [
-        _root(finish.name, unit, up_axis),
-        _prim(SCENE, "Xform", children=["Mesh", "Material"], kind=Value(Type.TOKEN, "component")),
-        *_mesh(vertices, faces, normals, told, finish.each),
-        *_material(finish.roughness, finish.each is not None),
-    ]
-    scene = io.BytesIO()
-    write_crate(scene, specs)
+    shown = linear[colours] if colours.dtype == np.uint8 else colours
+
+    def vectors(array: NDArray[np.float32]) -> Any:
+        return Vt.Vec3fArray.FromNumpy(np.ascontiguousarray(array, "<f4"))
+
+    mesh = UsdGeom.Mesh.Define(stage, MESH)
+    mesh.CreatePointsAttr(vectors(vertices))
+    mesh.CreateExtentAttr(vectors(np.stack([vertices.min(axis=0), vertices.max(axis=0)])))
+    mesh.CreateFaceVertexCountsAttr(Vt.IntArray.FromNumpy(np.full(len(faces), 3, "<i4")))
+    mesh.CreateFaceVertexIndicesAttr(Vt.IntArray.FromNumpy(faces.ravel().astype("<i4")))
+    mesh.CreateNormalsAttr(vectors(normals))
+    mesh.SetNormalsInterpolation(UsdGeom.Tokens.vertex)
+    mesh.CreateDoubleSidedAttr(True)
+    mesh.CreateSubdivisionSchemeAttr(UsdGeom.Tokens.none)
+    primvars, kinds = UsdGeom.PrimvarsAPI(mesh), Sdf.ValueTypeNames
+    colour = primvars.CreatePrimvar("displayColor", kinds.Color3fArray, UsdGeom.Tokens.vertex)
+    colour.Set(vectors(shown))
+    if roughness is not None:
+        rough = primvars.CreatePrimvar("roughness", kinds.FloatArray, UsdGeom.Tokens.vertex)
+        rough.Set(Vt.FloatArray.FromNumpy(np.ascontiguousarray(roughness, "<f4")))
+    return mesh.GetPrim()
+
+
+def _add_material(stage: Any, finish: Finish) -> Any:
+    from pxr import Sdf, UsdShade
+
+    kinds = Sdf.ValueTypeNames
+    material = UsdShade.Material.Define(stage, MATERIAL)
+    surface = UsdShade.Shader.Define(stage, f"{MATERIAL}/Surface")
+    surface.CreateIdAttr("UsdPreviewSurface")
+    surface.CreateInput("metallic", kinds.Float).Set(0.0)
+    material.CreateSurfaceOutput().ConnectToSource(surface.CreateOutput("surface", kinds.Token))
+
+    def read(part: str, kind: str, primvar: str) -> Any:
+        reader = UsdShade.Shader.Define(stage, f"{MATERIAL}/{part}")
+        reader.CreateIdAttr(f"UsdPrimvarReader_{kind}")
+        reader.CreateInput("varname", kinds.String).Set(primvar)
+        return reader.CreateOutput("result", kinds.Float3 if kind == "float3" else kinds.Float)
+
+    diffuse = surface.CreateInput("diffuseColor", kinds.Color3f)
+    diffuse.ConnectToSource(read("Colour", "float3", "displayColor"))
+    rough = surface.CreateInput("roughness", kinds.Float)
+    if finish.each is None:
+        rough.Set(finish.roughness)
+    else:
+        rough.ConnectToSource(read("Roughness", "float", "roughness"))
+    return material
+
+
+def _last_words(cause: Exception) -> str:
+    """Return what went wrong without where in the library's sources."""
+    return str(cause).strip().split("\n")[0].rpartition(" : ")[2].strip("' ")
+
+
+def _pack(path: Path, crate: bytes) -> None:
+    """Write the package: one file, stored, its data aligned and its date fixed."""
     entry = zipfile.ZipInfo("painting.usdc", EARLIEST)
     header = LOCAL_HEADER + len(entry.filename) + EXTRA_HEADER
     padding = -header % ALIGNMENT
     entry.extra = PADDING_TAG.to_bytes(2, "little") + padding.to_bytes(2, "little") + bytes(padding)
     with zipfile.ZipFile(path, "w", zipfile.ZIP_STORED) as package:
-        package.writestr(entry, scene.getbuffer())
-
-
-def _root(name: str, unit: str, up_axis: str) -> Spec:
-    fields = {
-        "defaultPrim": Value(Type.TOKEN, SCENE[1:]),
-        "documentation": Value(Type.STRING, f"{name}, painted with paint3d"),
-        "metersPerUnit": Value(Type.DOUBLE, UNITS_MM[unit] / 1000.0),
-        "upAxis": Value(Type.TOKEN, up_axis.upper()),
-        "primChildren": Value(Type.TOKEN_VECTOR, [SCENE[1:]]),
-    }
-    return Spec("/", SpecType.ROOT, fields)
-
-
-def _prim(
-    path: str,
-    type_name: str,
-    properties: Sequence[str] = (),
-    children: Sequence[str] = (),
-    **others: Value,
-) -> Spec:
-    fields = {"specifier": Value(Type.SPECIFIER, 0), "typeName": Value(Type.TOKEN, type_name)}
-    fields |= others
-    for field, names in (("properties", properties), ("primChildren", children)):
-        if names:
-            fields[field] = Value(Type.TOKEN_VECTOR, names)
-    return Spec(path, SpecType.PRIM, fields)
-
-
-def _attribute(path: str, type_name: str, value: Value | None, **others: Value) -> Spec:
-    fields = {"typeName": Value(Type.TOKEN, type_name)} | others
-    if value is not None:
-        fields["default"] = value
-    return Spec(path, SpecType.ATTRIBUTE, fields)
-
-
-def _mesh(
-    vertices: AnyArray,
-    faces: AnyArray,
-    normals: AnyArray,
-    colours: AnyArray,
-    roughness: AnyArray | None,
-) -> list[Spec]:
-    limits = np.stack([vertices.min(axis=0), vertices.max(axis=0)]).astype("<f4")
-    each_vertex = {"interpolation": Value(Type.TOKEN, "vertex")}
-    uniform = {"variability": Value(Type.VARIABILITY, 1)}
-    floats = {
-        "extent": ("float3[]", limits, {}),
-        "normals": ("normal3f[]", normals, each_vertex),
-        "points": ("point3f[]", vertices, {}),
-        "primvars:displayColor": ("color3f[]", colours, each_vertex),
-    }
-    counts = np.full(len(faces), 3, "<i4")
-    attributes = [
-        _attribute(f"{MESH}.doubleSided", "bool", Value(Type.BOOL, True), **uniform),
-        _attribute(f"{MESH}.faceVertexCounts", "int[]", Value(Type.INT, counts)),
-        _attribute(
-            f"{MESH}.faceVertexIndices", "int[]", Value(Type.INT, faces.reshape(-1).astype("<i4"))
-        ),
-        Spec(
-            f"{MESH}.material:binding",
-            SpecType.RELATIONSHIP,
-            {"targetPaths": Value(Type.PATH_LIST_OP, ListOp([MATERIAL])), **uniform},
-        ),
-        *(
-            _attribute(
-                f"{MESH}.{name}", kind, Value(Type.VEC3F, np.ascontiguousarray(data, "<f4")), **more
-            )
-            for name, (kind, data, more) in floats.items()
-        ),
-        *(
-            _attribute(
-                f"{MESH}.primvars:roughness",
-                "float[]",
-                Value(Type.FLOAT, np.ascontiguousarray(each, "<f4")),
-                **each_vertex,
-            )
-            for each in ([] if roughness is None else [roughness])
-        ),
-        _attribute(f"{MESH}.subdivisionScheme", "token", Value(Type.TOKEN, "none"), **uniform),
-    ]
-    properties = [spec.path.partition(".")[2] for spec in attributes]
-    schemas = Value(Type.TOKEN_LIST_OP, ListOp(["MaterialBindingAPI"], explicit=False))
-    return [_prim(MESH, "Mesh", properties, apiSchemas=schemas), *attributes]
-
-
-def _material(roughness: float, is_uneven: bool) -> list[Spec]:
-    uniform = {"variability": Value(Type.VARIABILITY, 1)}
-
-    def connected(path: str, type_name: str, source: str) -> Spec:
-        link = Value(Type.PATH_LIST_OP, ListOp([source]))
-        return _attribute(path, type_name, None, connectionPaths=link)
-
-    def identity(path: str, shader: str) -> Spec:
-        return _attribute(f"{path}.info:id", "token", Value(Type.TOKEN, shader), **uniform)
-
-    def reader(path: str, kind: str, primvar: str) -> list[Spec]:
-        return [
-            _prim(path, "Shader", ["info:id", "inputs:varname", "outputs:result"]),
-            identity(path, f"UsdPrimvarReader_{kind}"),
-            _attribute(f"{path}.inputs:varname", "string", Value(Type.STRING, primvar)),
-            _attribute(f"{path}.outputs:result", kind, None),
-        ]
-
-    rough, parts = f"{SURFACE}.inputs:roughness", ["Surface", "Colour"]
-    roughly = _attribute(rough, "float", Value(Type.FLOAT, roughness))
-    if is_uneven:
-        roughly = connected(rough, "float", f"{ROUGHNESS}.outputs:result")
-        parts.append("Roughness")
-    inputs = ["info:id", "inputs:diffuseColor", "inputs:metallic", "inputs:roughness"]
-    return [
-        _prim(MATERIAL, "Material", ["outputs:surface"], parts),
-        connected(f"{MATERIAL}.outputs:surface", "token", f"{SURFACE}.outputs:surface"),
-        _prim(SURFACE, "Shader", [*inputs, "outputs:surface"]),
-        identity(SURFACE, "UsdPreviewSurface"),
-        connected(f"{SURFACE}.inputs:diffuseColor", "color3f", f"{COLOUR}.outputs:result"),
-        _attribute(f"{SURFACE}.inputs:metallic", "float", Value(Type.FLOAT, 0.0)),
-        roughly,
-        _attribute(f"{SURFACE}.outputs:surface", "token", None),
-        *reader(COLOUR, "float3", "displayColor"),
-        *(reader(ROUGHNESS, "float", "roughness") if is_uneven else []),
-    ]
+        package.writestr(entry, crate)
