@@ -29,7 +29,11 @@ __all__ = [
 # ---- Codes ---------------------------------------------------------------------------------------
 
 
-COLOUR_NAMES = (("red", "green", "blue"), ("diffuse_red", "diffuse_green", "diffuse_blue"))
+COLOUR_NAMES = (
+    ("red", "green", "blue"),
+    ("diffuse_red", "diffuse_green", "diffuse_blue"),
+    ("r", "g", "b"),
+)
 """Of the columns in which a PLY has colours, the first that it has are taken."""
 
 ROUNDING = 1e-6  # above 1

@@ -47,7 +47,7 @@ UNREAD = {  # what other programs read, and ours does not
 DRAWINGS = {".svg": "SVG", ".dxf": "DXF"}
 RECORDS = ".p3d.txt"  # a suffix of two words, of which .txt alone is none
 BESIDE = (".gltf", ".glb", ".obj", ".ply")  # may refer to others in their folder
-TEXTURED = (".3mf", ".dae", ".zae")  # say themselves all that there is of colours
+TEXTURED = (".3mf", ".dae", ".zae", ".stl", ".off")  # say themselves all that there is of colours
 MESH_SUFFIXES = tuple(READERS)
 WIDE = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
 
@@ -212,14 +212,14 @@ def _checked_mesh(
     if not distinct.all() and distinct.any():
         notes += (f"left out {(~distinct).sum():,} faces that name a vertex twice",)
         faces, corners = faces[distinct], corners[distinct]
-    normals = _unit_normals(raw.normals)
+    normals = _unit_normals(raw.normals, vertices, faces)
     if raw.uv is None or raw.look_of is None or not pictured:
         return Reading(TriangleMesh(vertices, faces, raw.colours, name, normals), notes)
     polygon = np.repeat(np.arange(len(raw.sizes)), raw.sizes)
     draped = Draped(raw.uv[corners], raw.look_of[polygon[corners[:, 0]]], raw.looks)
     of_corners = None if raw.corner_colours is None else raw.corner_colours[corners]
     shown = show_pictures(vertices, faces, draped, raw.colours, normals, corner_colours=of_corners)
-    normals = _unit_normals(shown.normals)
+    normals = _unit_normals(shown.normals, shown[0], shown[1])
     return Reading(TriangleMesh(*shown[:3], name, normals), notes)
 
 
@@ -252,13 +252,31 @@ def _without_faces(
 
     faces = surface_through(vertices, raw.normals)
     note = f"it is a point cloud: built {len(faces):,} triangles through {len(vertices):,} points"
-    mesh = TriangleMesh(vertices, faces, raw.colours, name, _unit_normals(raw.normals))
+    mesh = TriangleMesh(
+        vertices, faces, raw.colours, name, _unit_normals(raw.normals, vertices, faces)
+    )
     return Reading(mesh, (*raw.notes, note))
 
 
-def _unit_normals(normals: NDArray[np.float64] | None) -> NDArray[np.float64] | None:
-    """Return normals of length 1, or None where the file's are not usable as such."""
-    if normals is None or not np.isfinite(normals).all():
+def _unit_normals(
+    normals: NDArray[np.float64] | None, vertices: NDArray[np.float64], faces: NDArray[np.int64]
+) -> NDArray[np.float64] | None:
+    """Return normals of length 1; None where the file has none that can be used.
+
+    Those of no length, or that are no numbers, are worked out from the faces.
+    """
+    if normals is None:
         return None
-    length = np.linalg.norm(normals, axis=1, keepdims=True)
-    return normals / length if (length > 1e-6).all() else None
+    length = np.linalg.norm(normals, axis=1)
+    sound = np.isfinite(length) & (length > 1e-6)
+    if not sound.any():
+        return None
+    unit = normals / np.where(sound, length, 1.0)[:, None]
+    if not sound.all():
+        a, b, c = (vertices[faces[:, k]] for k in range(3))
+        doubled = np.repeat(np.cross(b - a, c - a), 3, axis=0)  # weighted by area
+        sums = [np.bincount(faces.ravel(), doubled[:, k], len(vertices)) for k in range(3)]
+        own = np.stack(sums, axis=1)[~sound]
+        own[~own.any(axis=1)] = (0.0, 0.0, 1.0)  # of no triangle
+        unit[~sound] = own / np.linalg.norm(own, axis=1, keepdims=True)
+    return unit

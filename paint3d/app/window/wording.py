@@ -81,6 +81,8 @@ CHINESE = {
     "morph targets": "变形目标", "lines": "线条", "points": "点", "lights": "灯光",
     "cameras": "相机", "curves": "曲线", "free-form surfaces": "自由曲面",
     "beam lattices": "梁格", "colours of faces": "面颜色",
+    "colours painted in a slicer": "切片软件中涂的颜色", "numbers of colours": "颜色编号",
+    "hidden parts": "隐藏的部分",
     "Show the brush": "显示毛笔", "Save the strokes as a recording…": "将笔画存为录制…",
     "Refine the whole surface now": "立即细分整个表面", "Dark theme": "深色界面", "Tools": "工具",
     "Hand": "手", "Absorbency": "吸水", "Grain": "粗糙", "Glaze": "釉",

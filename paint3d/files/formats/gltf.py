@@ -137,6 +137,7 @@ def vertex_accessor(
 # and buffer views by meshopt (EXT_meshopt_compression, unpacked by meshoptimizer).
 
 
+DRACO, MESHOPT = "KHR_draco_mesh_compression", "EXT_meshopt_compression"
 _HOW = "pip install 'paint3d[meshes]', or expected an uncompressed file"
 
 
@@ -258,11 +259,11 @@ PARTS: dict[str, dict[str, type]] = {  # what is read of the entries of each lis
     "images": {"uri": str},
     "materials": {"pbrMetallicRoughness": dict, "extensions": dict},
     "meshes": {"primitives": list},
-    "nodes": {"children": list, "matrix": list, "rotation": list, "scale": list,
+    "nodes": {"extensions": dict, "children": list, "matrix": list, "rotation": list, "scale": list,
               "translation": list},
     "samplers": {},
     "scenes": {"nodes": list},
-    "textures": {},
+    "textures": {"extensions": dict},
 }  # fmt: skip
 PRIMITIVE = {"attributes": dict, "extensions": dict}
 SURFACE = {"baseColorTexture": dict, "baseColorFactor": list}
@@ -276,7 +277,7 @@ def check_kinds(document: Mapping[str, Any]) -> None:
     MeshError
         Naming the part, what it is, and what was expected.
     """
-    _check(document, {"asset": dict}, "")
+    _check(document, {"asset": dict, "extensionsRequired": list}, "")
     version = str(document.get("asset", {}).get("version", "2.0"))
     if not version.startswith("2."):
         raise MeshError(f"it is glTF version {version:.20}; expected 2")
@@ -438,7 +439,7 @@ class GltfFile:
         size = dtype.itemsize * width
         stride = view.get("byteStride") or size
         begin, length = view.get("byteOffset", 0), view["byteLength"]
-        packed = view.get("extensions", {}).get("EXT_meshopt_compression")
+        packed = view.get("extensions", {}).get(MESHOPT)
         if packed is None:
             data = self._buffer(view["buffer"])
         else:
@@ -585,6 +586,8 @@ LEFT_OUT = {  # what of a material is left out, by its key
 }
 OWN_SHINE = "how its ink shines"  # of a painting: what it is painted on anew says how it shines
 TURNED = "KHR_texture_transform"
+GLOSSY = "KHR_materials_pbrSpecularGlossiness"
+WEBP = "EXT_texture_webp"
 
 
 class GltfPaint:
@@ -636,9 +639,13 @@ class GltfPaint:
         return number, _placed(uv, turned)
 
     def _read(self, surface: dict[str, Any], wanted: bool) -> tuple[int, dict[str, Any]]:
+        extensions = surface.get("extensions", {})
         colours = surface.get("pbrMetallicRoughness", {})
-        factor = np.array(colours.get("baseColorFactor", WHITE), np.float64)
-        texture = colours.get("baseColorTexture")
+        factor, texture = colours.get("baseColorFactor", WHITE), colours.get("baseColorTexture")
+        glossy = extensions.get(GLOSSY)
+        if glossy is not None:  # says it all anew, for those who know it
+            factor, texture = glossy.get("diffuseFactor", WHITE), glossy.get("diffuseTexture")
+        factor = np.array(factor, np.float64)
         if not wanted:
             if texture is not None or (factor[:3] < 1.0).any():
                 self.dropped.add("its colours and pictures")
@@ -646,11 +653,13 @@ class GltfPaint:
         self.dropped |= {what for key, what in LEFT_OUT.items() if key in surface}
         if any(part > 0.0 for part in surface.get("emissiveFactor", ())):
             self.dropped.add(LEFT_OUT["emissiveTexture"])
-        if "metallicRoughnessTexture" in colours:
+        if "specularGlossinessTexture" in (glossy or {}):
+            self.dropped.add("metal and gloss from a picture")
+        elif glossy is None and "metallicRoughnessTexture" in colours:
             self.dropped.add(OWN_SHINE if self._is_own else "metal and gloss from a picture")
         if surface.get("alphaMode", "OPAQUE") != "OPAQUE":
             self.dropped.add("transparency")
-        if any(key != TURNED for key in surface.get("extensions", {})):
+        if extensions.keys() - {TURNED, GLOSSY}:
             self.dropped.add("extensions of its materials")
         picture = None if texture is None else self._picture(texture["index"])
         wrap = REPEAT if picture is None else self._wrap(texture["index"])
@@ -667,7 +676,7 @@ class GltfPaint:
     def _picture(self, index: int) -> NDArray[np.uint8] | None:
         if index not in self._pictures:
             try:
-                image = self._file.item("images", self._file.item("textures", index).get("source"))
+                image = self._file.item("images", _source(self._file.item("textures", index)))
                 if "uri" in image:
                     data = self._file.resource(image["uri"])
                 else:
@@ -677,6 +686,14 @@ class GltfPaint:
                 self.notes.append(f"a texture is left out: {cause}")
                 self._pictures[index] = None
         return self._pictures[index]
+
+
+def _source(texture: dict[str, Any]) -> object:
+    """Return which image a texture has: its own, or that which an extension names."""
+    packed = texture.get("extensions", {})
+    if "source" not in texture and packed and WEBP not in packed:
+        raise MeshError(f"it is packed by {min(packed)}, which is not read")
+    return texture.get("source", packed.get(WEBP, {}).get("source"))
 
 
 def _placed(uv: NDArray[np.float64], turned: dict[str, Any]) -> NDArray[np.float64]:
@@ -694,6 +711,14 @@ def _placed(uv: NDArray[np.float64], turned: dict[str, Any]) -> NDArray[np.float
 TRIANGLES, STRIP, FAN = 4, 5, 6
 THIN = {0: "points"} | dict.fromkeys((1, 2, 3), "lines")  # modes of what has no surface
 LIGHTS = "KHR_lights_punctual"
+HIDDEN, INSTANCES = "KHR_node_visibility", "EXT_mesh_gpu_instancing"
+MOST_INSTANCES = 1 << 17
+KNOWN = {  # extensions that a file may require: read, or what they say is noted as left out
+    *(DRACO, MESHOPT, "KHR_mesh_quantization"),
+    *(HIDDEN, INSTANCES, LIGHTS, TURNED, WEBP, "KHR_texture_basisu", "EXT_texture_avif"),
+    *("KHR_animation_pointer", "KHR_xmp_json_ld"),
+}
+MATERIALS = "KHR_materials_"  # with which names of others begin
 
 
 def read_gltf(data: bytes, folder: Path, texture: bool = False) -> RawMesh:
@@ -717,6 +742,12 @@ def read_gltf(data: bytes, folder: Path, texture: bool = False) -> RawMesh:
         If the file is broken, or compressed by an extension.
     """
     file = GltfFile(data, folder)
+    for name in file.document.get("extensionsRequired", ()):
+        if name not in KNOWN and not str(name).startswith(MATERIALS):
+            raise MeshError(
+                f"it requires the extension {str(name)!r:.60}, which is not read; expected a file "
+                "that does without (Blender saves one)"
+            )
     paint = GltfPaint(file)
     parts = []
     for matrix, mesh in _placed_meshes(file):
@@ -734,6 +765,8 @@ def _dropped(file: GltfFile) -> set[str]:
     dropped = {kind for kind in ("animations", "skins", "cameras") if file.document.get(kind)}
     if LIGHTS in file.document.get("extensions", {}):
         dropped.add("lights")
+    if any(_is_hidden(node) for node in file.document.get("nodes", [])):
+        dropped.add("hidden parts")
     for mesh in file.document.get("meshes", []):
         for primitive in mesh.get("primitives", []):
             dropped |= {"morph targets"} if "targets" in primitive else set()
@@ -755,10 +788,30 @@ def _placed_meshes(file: GltfFile) -> Iterator[tuple[NDArray[np.float64], dict[s
         if index in seen:
             raise MeshError(f"node {index} is reached twice; expected a tree of nodes")
         seen.add(index)
+        if _is_hidden(node):
+            continue
         world_from_node = world_from_parent @ _local(node)
         if "mesh" in node:
-            yield world_from_node, file.item("meshes", node["mesh"])
+            mesh, instances = file.item("meshes", node["mesh"]), _instances(file, node)
+            yield from ((world_from_node @ node_from_mesh, mesh) for node_from_mesh in instances)
         stack += [(child, world_from_node) for child in reversed(node.get("children", []))]
+
+
+def _is_hidden(node: dict[str, Any]) -> bool:
+    return node.get("extensions", {}).get(HIDDEN, {}).get("visible") is False
+
+
+def _instances(file: GltfFile, node: dict[str, Any]) -> list[NDArray[np.float64]]:
+    """Return where a node's mesh stands in the node: matrices (4, 4), one unless it is repeated."""
+    repeated = node.get("extensions", {}).get(INSTANCES)
+    if repeated is None:
+        return [np.eye(4)]
+    parts = {key: file.numbers(k).astype(np.float64) for key, k in repeated["attributes"].items()
+             if key in ("TRANSLATION", "ROTATION", "SCALE")}  # fmt: skip
+    n = min((len(values) for values in parts.values()), default=0)
+    if n > MOST_INSTANCES:
+        raise MeshError(f"a mesh is repeated {n:,} times; expected {MOST_INSTANCES:,} at most")
+    return [_local({key.lower(): values[k] for key, values in parts.items()}) for k in range(n)]
 
 
 def _local(node: dict[str, Any]) -> NDArray[np.float64]:
@@ -785,7 +838,7 @@ def _primitive(
     mode = primitive.get("mode", TRIANGLES)
     if mode not in (TRIANGLES, STRIP, FAN):
         return None
-    packed = primitive.get("extensions", {}).get("KHR_draco_mesh_compression")
+    packed = primitive.get("extensions", {}).get(DRACO)
     if packed is not None:
         file.unpack(primitive, packed)
     attributes = primitive["attributes"]

@@ -35,7 +35,9 @@ CORE, MATERIAL = f"{{{CORE_SCHEMA}}}", f"{{{MATERIAL_SCHEMA}}}"
 LEFT_OUT = {
     f"{MATERIAL}compositematerials": "mixtures of materials",
     f"{MATERIAL}multiproperties": "mixtures of materials",
+    "painted": "colours painted in a slicer",
 }
+PAINTED = ("paint_color", "mmu_segmentation")  # of triangles, by slicers: pieces of each
 TILED = {"wrap": "repeat", "mirror": "mirror", "clamp": "clamp", "none": "clamp"}
 
 
@@ -105,6 +107,9 @@ class Paint3mf:
         MeshError
             If one refers to a colour or a place on a picture that its group does not have.
         """
+        keys = {key for triangle in triangles for key in triangle.keys()}  # noqa: SIM118
+        if any(key.endswith(PAINTED) for key in keys):
+            self.dropped.add(LEFT_OUT["painted"])
         groups = self._of_part(part, model)
         colours = np.full((len(triangles), 3, 3), 255.0)
         coloured = np.zeros(len(triangles), np.bool_)
