@@ -9,7 +9,7 @@ from __future__ import annotations
 import hashlib
 from pathlib import Path
 
-from paint3d.files.writers.write_ply import write_ply
+from paint3d.files.formats.ply import write_ply
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from scripts.solids import make_bowl, make_plane, make_plate, make_sphere, make_vase
 

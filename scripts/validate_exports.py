@@ -4,7 +4,7 @@
 
 Paints the demo on the bowl, writes it in every format and variant, and runs what is installed of:
 Khronos' gltf-validator (node, ``npm install -g gltf-validator``), lib3mf in its strict mode, the
-validators of USD, VTK on VRML, trimesh and Open3D on PLY and OBJ, the viewer's tests in Chromium,
+validators of USD, trimesh and Open3D on PLY and OBJ, the viewer's tests in Chromium,
 and the independent checker of ``../shared``, where it lies beside the checkout. Exit status 1 if
 one finds something.
 """
@@ -44,7 +44,6 @@ VARIANTS = {
     "filaments.3mf": {"filaments": 3},
     "painting.usdz": {},
     "inches.usdz": {"unit": "in", "up_axis": "z"},
-    "painting.wrl": {},
 }
 
 
@@ -123,22 +122,6 @@ def usd(folder: Path) -> list[str]:
     return found
 
 
-def vrml(folder: Path) -> list[str]:
-    """Whether VTK reads as many points and triangles as there are."""
-    from vtkmodules.vtkIOImport import vtkVRMLImporter
-
-    importer = vtkVRMLImporter()
-    importer.SetFileName(str(folder / "painting.wrl"))
-    importer.Update()
-    actors = importer.GetRenderer().GetActors()
-    actors.InitTraversal()
-    solid = actors.GetNextActor().GetMapper().GetInput()
-    expected = np.load(folder / "expected.npz")
-    counts = solid.GetNumberOfPoints(), solid.GetNumberOfPolys()
-    wanted = len(expected["vertices"]), len(expected["faces"])
-    return [] if counts == wanted else [f"{counts} points and triangles; expected {wanted}"]
-
-
 def readers(folder: Path) -> list[str]:
     """Whether trimesh and Open3D read the colours to the code."""
     import open3d
@@ -192,7 +175,6 @@ CHECKS: dict[str, Callable[[Path], list[str]]] = {
     "gltf-validator": gltf_validator,
     "lib3mf": lib3mf,
     "usd": usd,
-    "vrml": vrml,
     "readers": readers,
     "checker": checker,
     "chromium": chromium,

@@ -15,7 +15,7 @@ from paint3d.cli.progress import ProgressBar
 from paint3d.cli.report import find_versions
 from paint3d.core.atomic import write_atomically
 from paint3d.errors import ExportError, RecordingError
-from paint3d.files.readers.contents import json_text
+from paint3d.files.contents import json_text
 
 if TYPE_CHECKING:
     from paint3d.brush.spec import BrushSpec
@@ -184,7 +184,7 @@ def export_outlines(
         If the recording leans or lets the surface turn the tuft.
     """
     from paint3d.calligraphy.stroke_sides import stroke_outlines
-    from paint3d.files.writers.write_svg import write_svg
+    from paint3d.files.formats.svg import write_svg
 
     outlines = stroke_outlines(recording, brush)
     low, high = mesh.bounds
@@ -218,7 +218,7 @@ def export_recordings(strokes: Sequence[tuple[Recording, BrushSpec]], file: Path
     import numpy as np
 
     from paint3d.calligraphy.stroke_sides import stroke_outlines
-    from paint3d.files.writers.write_svg import write_svg
+    from paint3d.files.formats.svg import write_svg
 
     groups = []
     for recording, brush in strokes:

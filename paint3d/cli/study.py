@@ -25,7 +25,7 @@ from paint3d.cli.options import (
 from paint3d.cli.progress import ProgressBar
 from paint3d.cli.report import find_versions
 from paint3d.core.atomic import write_atomically
-from paint3d.files.readers.contents import json_text
+from paint3d.files.contents import json_text
 
 if TYPE_CHECKING:
     from paint3d.app.model.studies.plan import StudyPlan

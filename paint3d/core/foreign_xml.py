@@ -1,9 +1,11 @@
-"""Parsing of untrusted XML: no entities, and a limited depth of nesting."""
+"""Parsing of untrusted XML: no entities (defusedxml), and a limited depth of nesting."""
 
 from __future__ import annotations
 
 from xml.etree import ElementTree
-from xml.parsers import expat
+
+from defusedxml import DefusedXmlException, DTDForbidden
+from defusedxml.ElementTree import XMLParser
 
 __all__ = ["XmlFault", "parse_xml"]
 
@@ -23,6 +25,26 @@ class XmlFault(Exception):
         self.line, self.what = line, what
 
 
+class _TooDeepError(Exception):
+    """Elements are nested deeper than allowed."""
+
+
+class _ShallowBuilder(ElementTree.TreeBuilder):
+    def __init__(self, most_depth: int) -> None:
+        super().__init__()
+        self._left = most_depth
+
+    def start(self, tag: str, attributes: dict[str, str]) -> ElementTree.Element:  # type: ignore[override]
+        self._left -= 1
+        if self._left < 0:
+            raise _TooDeepError
+        return super().start(tag, attributes)
+
+    def end(self, tag: str) -> ElementTree.Element:
+        self._left += 1
+        return super().end(tag)
+
+
 def parse_xml(data: bytes, most_depth: int, *, doctypes: bool) -> ElementTree.Element:
     """Parse an XML document; return its root, with names as ElementTree has them.
 
@@ -39,45 +61,19 @@ def parse_xml(data: bytes, most_depth: int, *, doctypes: bool) -> ElementTree.El
     XmlFault
         If it has a forbidden declaration, is nested too deep, or is not well-formed.
     """
-    builder = ElementTree.TreeBuilder()
-    parser = expat.ParserCreate(namespace_separator="}")
-    depth = 0
-
-    def fault(what: str) -> XmlFault:
-        return XmlFault(parser.CurrentLineNumber, what)
-
-    def start(tag: str, attributes: dict[str, str]) -> None:
-        nonlocal depth
-        depth += 1
-        if depth > most_depth:
-            raise fault(f"elements are nested over {most_depth} deep")
-        builder.start(_named(tag), {_named(key): value for key, value in attributes.items()})
-
-    def end(tag: str) -> None:
-        nonlocal depth
-        depth -= 1
-        builder.end(_named(tag))
-
-    def refuse_doctype(*_: object) -> None:
-        raise fault("there is a document type")
-
-    def refuse_entity(*_: object) -> None:
-        raise fault("entities are declared")
-
-    parser.buffer_text = True
-    parser.StartElementHandler, parser.EndElementHandler = start, end
-    parser.CharacterDataHandler = builder.data
-    parser.EntityDeclHandler = refuse_entity
-    if not doctypes:
-        parser.StartDoctypeDeclHandler = refuse_doctype
+    parser = XMLParser(target=_ShallowBuilder(most_depth), forbid_dtd=not doctypes)
+    line = 1
     try:
-        parser.Parse(data, True)
-        return builder.close()
-    except (expat.ExpatError, LookupError, ValueError, AssertionError) as cause:
-        line = getattr(cause, "lineno", 1)
+        parser.feed(data)
+        root: ElementTree.Element = parser.close()
+        return root
+    except _TooDeepError:
+        what = f"elements are nested over {most_depth} deep"
+    except DTDForbidden:
+        what = "there is a document type"
+    except DefusedXmlException:
+        what = "entities are declared"
+    except (ElementTree.ParseError, LookupError, ValueError, AssertionError) as cause:
+        line = getattr(cause, "position", (1, 0))[0]
         raise XmlFault(line, f"not well-formed XML ({cause})") from None
-
-
-def _named(tag: str) -> str:
-    """Return a name of expat's, ``uri}tag``, as ElementTree writes it: ``{uri}tag``."""
-    return "{" + tag if "}" in tag else tag
+    raise XmlFault(parser.parser.CurrentLineNumber, what)

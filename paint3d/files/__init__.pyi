@@ -1,11 +1,11 @@
 from .export import FORMATS as FORMATS
 from .export import prepare_export as prepare_export
 from .export_options import ExportOptions as ExportOptions
+from .formats.records import read_records as read_records
 from .load import load_mesh as load_mesh
 from .load import read_mesh as read_mesh
 from .project.journal import Journal as Journal
 from .project.journal import read_journal as read_journal
-from .project.records import read_records as read_records
 from .project.session import Session as Session
 from .project.session import load_session as load_session
 from .project.session import save_session as save_session

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.core.arrays import AnyArray
-from paint3d.files.readers.textures import Look, linear_from_srgb, srgb_from_linear
+from paint3d.files.colours import Look, linear_from_srgb, srgb_from_linear
 
 __all__ = ["MOST_VERTICES", "Draped", "Pictured", "show_pictures"]
 

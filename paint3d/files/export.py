@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from paint3d.core.arrays import AnyArray
 from paint3d.core.atomic import write_atomically
 from paint3d.errors import ExportError, UnknownNameError
+from paint3d.files.contents import plain_name
 from paint3d.files.export_options import ExportOptions
+from paint3d.files.finish import Finish
 from paint3d.files.progress import Progress, part_of
 from paint3d.files.project.painting import Exportable, Painting, Untextured, read_painting
 from paint3d.files.project.session import SESSION_SUFFIX, Session, save_session
-from paint3d.files.readers.contents import plain_name
-from paint3d.files.writers.finish import Finish
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.surface.painted_surface import PaintedSurface
 
@@ -56,9 +56,8 @@ def export(
 
     .ply binary PLY (mm, sRGB bytes); .glb glTF 2.0 (metres, y up, linear colours); .obj (mm, sRGB
     after the position); .3mf (mm, sRGB at each corner, for printers); .usdz (metres, y up, linear
-    displayColor); .wrl VRML97 (metres, y up, sRGB, for colour printers); .p3d.txt the paper's
-    records; .html a page that shows the object, by itself; .png a picture; .p3d a
-    session, to which no option applies.
+    displayColor); .p3d.txt the paper's records; .html a page that shows the object, by itself;
+    .png a picture; .p3d a session, to which no option applies.
 
     Parameters
     ----------
@@ -184,7 +183,7 @@ def check_export_path(path: str | os.PathLike[str]) -> str:
     Raises
     ------
     ExportError
-        If the suffix is not known, or the folder is missing.
+        If the suffix is not known, the folder is missing, or a package that writes the format is.
     """
     path = Path(path)
     name = path.name.lower()
@@ -195,6 +194,10 @@ def check_export_path(path: str | os.PathLike[str]) -> str:
         raise ExportError(f"{path}: {shown}; expected one of {known}")
     if not path.parent.is_dir():
         raise ExportError(f"{path}: the folder {path.parent} does not exist")
+    if suffix == ".usdz":
+        from paint3d.files.formats.usdz import check_usd
+
+        check_usd()
     return suffix
 
 
@@ -209,13 +212,13 @@ def _formats_by_wish() -> dict[str, str]:
 
 
 def _write_ply(path: Path, painting: Painting, options: ExportOptions, unit: str) -> None:
-    from paint3d.files.writers.write_ply import write_ply
+    from paint3d.files.formats.ply import write_ply
 
     write_ply(path, painting.vertices, painting.faces, painting.normals, painting.srgb)
 
 
 def _write_glb(path: Path, painting: Painting, options: ExportOptions, unit: str) -> None:
-    from paint3d.files.writers.write_glb import write_glb, write_textured_glb
+    from paint3d.files.formats.gltf import write_glb, write_textured_glb
 
     finish, unlit, steps = _finish(painting), options.unlit, painting.steps
     if painting.texture is None:
@@ -225,13 +228,13 @@ def _write_glb(path: Path, painting: Painting, options: ExportOptions, unit: str
 
 
 def _write_obj(path: Path, painting: Painting, options: ExportOptions, unit: str) -> None:
-    from paint3d.files.writers.write_obj import write_obj
+    from paint3d.files.formats.obj import write_obj
 
     write_obj(path, *painting[:4], name=painting.material, unit=unit)
 
 
 def _write_3mf(path: Path, painting: Painting, options: ExportOptions, unit: str) -> None:
-    from paint3d.files.writers.write_3mf import write_3mf
+    from paint3d.files.formats.threemf import write_3mf
 
     write_3mf(
         path,
@@ -248,7 +251,7 @@ def _write_3mf(path: Path, painting: Painting, options: ExportOptions, unit: str
 def _write_usdz(path: Path, painting: Painting, options: ExportOptions, unit: str) -> None:
     from paint3d.colour.spectra import decode_srgb
     from paint3d.colour.viewing import linear_srgb_of
-    from paint3d.files.writers.write_usdz import write_usdz
+    from paint3d.files.formats.usdz import write_usdz
 
     colours: AnyArray = painting.shown_srgb
     if painting.gamut != "srgb":  # USD's colours are linear, and may be outside of sRGB
@@ -264,14 +267,8 @@ def _write_usdz(path: Path, painting: Painting, options: ExportOptions, unit: st
     )
 
 
-def _write_wrl(path: Path, painting: Painting, options: ExportOptions, unit: str) -> None:
-    from paint3d.files.writers.write_wrl import write_wrl
-
-    write_wrl(path, *painting[:4], name=painting.material, unit=unit)
-
-
 def _write_records(path: Path, painting: Painting, options: ExportOptions, unit: str) -> None:
-    from paint3d.files.project.records import standing_place, write_records
+    from paint3d.files.formats.records import standing_place, write_records
 
     arrays = painting.vertices, painting.normals, painting.srgb
     write_records(
@@ -286,7 +283,7 @@ def _write_records(path: Path, painting: Painting, options: ExportOptions, unit:
 def _write_png(path: Path, painting: Painting, options: ExportOptions, unit: str) -> None:
     from PIL import Image
 
-    from paint3d.files.writers.colour_tags import picture_tags
+    from paint3d.files.colour_tags import picture_tags
     from paint3d.view.picture import draw_picture  # brings VTK: only where a picture is asked
 
     look: dict[str, Any] = {} if options.size is None else {"size": options.size}
@@ -303,7 +300,7 @@ def _finish(painting: Painting) -> Finish:
 
 
 def _write_html(path: Path, painting: Painting, options: ExportOptions, unit: str) -> None:
-    from paint3d.files.writers.write_html import write_html
+    from paint3d.files.formats.html import write_html
 
     write_html(path, *painting[:4], title=painting.title)
 
@@ -334,7 +331,6 @@ FORMATS: dict[str, Format] = {
     ".obj": Format(_write_obj),
     ".3mf": Format(_write_3mf),
     ".usdz": Format(_write_usdz, "m", "y", ANY_MESH | {"gamut"}),
-    ".wrl": Format(_write_wrl, "m", "y"),
     ".p3d.txt": Format(_write_records, takes=frozenset({"packed_normals"})),
     ".html": Format(_write_html, takes=frozenset({"filaments"})),
     ".png": Format(_write_png, takes=frozenset({"filaments", "size", "gamut"})),

@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 from paint3d.errors import MeshError, UnknownNameError
+from paint3d.files.package_meshes import package_class
 from paint3d.files.progress import Progress
-from paint3d.files.readers.package_meshes import package_class
-from paint3d.files.sandbox.reading import (
+from paint3d.files.reading import (
     MESH_SUFFIXES,
     UNITS_MM,
     Reading,

@@ -1,18 +1,172 @@
-"""Loading a photograph, read apart from this process as every stranger's file."""
+"""Photographs: read in a child process, upright, as sRGB codes."""
 
 from __future__ import annotations
 
+import importlib.util
+import io
+import warnings
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.errors import InputError, MeshError
+from paint3d.errors import InputError
+
+if TYPE_CHECKING:
+    from PIL.Image import Image
+from paint3d.errors import MeshError
 from paint3d.files.progress import Progress
-from paint3d.files.readers.read_photograph import PHOTOGRAPH_SUFFIXES
 from paint3d.files.sandbox.isolation import read_photograph_apart
 
-__all__ = ["PHOTOGRAPH_SUFFIXES", "load_photograph"]
+__all__ = ["HEIF_SUFFIXES", "PHOTOGRAPH_SUFFIXES", "load_photograph", "read_photograph"]
+
+HEIF_SUFFIXES = (".heic", ".heif")
+PHOTOGRAPH_SUFFIXES = (
+    ".jpg", ".jpeg", ".png", ".tif", ".tiff", ".webp", ".bmp", ".gif", ".ppm", ".pgm",
+    *HEIF_SUFFIXES,
+)  # fmt: skip
+_KINDS = ("JPEG", "MPO", "PNG", "TIFF", "WEBP", "BMP", "GIF", "PPM", "HEIF")
+_MOST_BYTES = 400_000_000
+_MOST_PIXELS = 1 << 27
+_FEWEST = 64  # pixels of a side: less shows no writing
+_HEIF_HEADS = (b"ftypheic", b"ftypheix", b"ftypmif1", b"ftyphevc", b"ftypmsf1", b"ftyphevx")
+
+
+def read_photograph(path: Path, longest: int) -> tuple[NDArray[np.uint8], tuple[int, int]]:
+    """Read a photograph; this process may run out of memory or crash over it.
+
+    It stands upright as its EXIF says; another colour space is carried to sRGB by its profile; 16
+    bits become 8; what is transparent is white paper; of several pictures it is the first.
+
+    Parameters
+    ----------
+    path : Path
+    longest : int
+        Pixels of its longer side, at the most: larger ones are made smaller.
+
+    Returns
+    -------
+    (H, W, 3) uint8
+        sRGB codes.
+    (int, int)
+        Its own height and width, upright.
+
+    Raises
+    ------
+    InputError
+        If it is no picture that can be read, or a huge one.
+    """
+    try:
+        if path.stat().st_size > _MOST_BYTES:
+            raise InputError(f"{path}: larger than {_MOST_BYTES:,} bytes; expected a photograph")
+        data = path.read_bytes()
+    except OSError as cause:
+        raise InputError(f"{path}: {cause.strerror or cause}") from None
+    _prepare_heif(path, data)
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            return _read(path, data, longest)
+    except InputError:
+        raise
+    except MemoryError:
+        raise InputError(f"{path}: it does not fit into memory; expected a photograph") from None
+    except Exception as cause:  # what a decoder raises over a damaged picture is anybody's guess
+        told = " ".join(str(cause).split())[:200] or type(cause).__name__
+        raise InputError(f"{path}: no picture that can be read ({told})") from None
+
+
+def _prepare_heif(path: Path, data: bytes) -> None:
+    """Let Pillow read HEIC where the package for it is there."""
+    if data[4:12] not in _HEIF_HEADS:
+        return
+    if importlib.util.find_spec("pillow_heif") is None:
+        raise InputError(
+            f"{path}: a HEIC picture, and the package pillow-heif is not installed; expected it "
+            "(pip install pillow-heif), or the picture saved as JPEG"
+        )
+    heif: Any = importlib.import_module("pillow_heif")
+    heif.register_heif_opener()
+
+
+def _read(path: Path, data: bytes, longest: int) -> tuple[NDArray[np.uint8], tuple[int, int]]:
+    from PIL import Image, ImageOps, UnidentifiedImageError
+
+    Image.MAX_IMAGE_PIXELS = None  # ours is less, and refuses
+    try:
+        opened = Image.open(io.BytesIO(data), formats=_known(Image))
+    except UnidentifiedImageError:  # which names an object in memory
+        raise InputError(f"{path}: no picture that can be read (of no known kind)") from None
+    with opened as picture:
+        width, height = picture.size
+        if width * height > _MOST_PIXELS:
+            raise InputError(
+                f"{path}: {width:,} x {height:,} pixels; expected {_MOST_PIXELS:,} at the most: "
+                "make it smaller"
+            )
+        if min(width, height) < _FEWEST:
+            raise InputError(
+                f"{path}: {width} x {height} pixels; expected {_FEWEST} or more a side"
+            )
+        orientation = picture.getexif().get(0x0112, 1)
+        full = (width, height) if orientation in (5, 6, 7, 8) else (height, width)
+        picture.draft("RGB", (longest, longest))  # JPEG is decoded at a half or a quarter
+        picture.load()
+        shrink = max(1, max(picture.size) // longest)
+        small = picture.reduce(shrink) if shrink > 1 and picture.mode in _REDUCED else picture
+        rgb = ImageOps.exif_transpose(_in_srgb(small, picture.info))
+        if max(rgb.size) > longest:
+            rgb.thumbnail((longest, longest), Image.Resampling.LANCZOS)
+        return np.asarray(rgb), full
+
+
+_REDUCED = ("RGB", "RGBA", "L", "LA", "CMYK", "YCbCr")
+
+
+def _known(image: Any) -> list[str]:
+    """The kinds of pictures that are read, of those that Pillow knows here."""
+    image.init()
+    return [kind for kind in _KINDS if kind in image.OPEN]
+
+
+def _in_srgb(picture: Image, info: dict[Any, Any]) -> Image:
+    """A picture as opaque sRGB."""
+    from PIL import Image
+
+    exif = picture.getexif()
+    if picture.mode.startswith(("I", "F")):  # 16 bits or more of grey
+        values = np.nan_to_num(np.asarray(picture, np.float64))
+        greatest = float(values.max())
+        shares = picture.mode.startswith("F") and greatest <= 1.0
+        most = 1.0 if shares else max(greatest, 65535.0 if greatest > 255.0 else 255.0)
+        codes = np.clip(np.round(255.0 * values / most), 0.0, 255.0).astype(np.uint8)
+        picture = Image.fromarray(codes)
+    if picture.mode in ("RGBA", "LA", "PA", "La", "RGBa") or "transparency" in info:
+        rgba = picture.convert("RGBA")
+        paper = Image.new("RGBA", rgba.size, (255, 255, 255, 255))
+        picture = Image.alpha_composite(paper, rgba).convert("RGB")
+    converted = _by_profile(picture, info.get("icc_profile"))
+    result = converted if converted is not None else picture.convert("RGB")
+    result.getexif().update(exif)
+    return result
+
+
+def _by_profile(picture: Image, profile: bytes | None) -> Image | None:
+    """A picture carried to sRGB by the profile in its file, where that suits its mode."""
+    if not profile or picture.mode not in ("RGB", "CMYK", "L"):
+        return None
+    from PIL import ImageCms
+
+    try:
+        found = ImageCms.ImageCmsProfile(io.BytesIO(profile))
+        carried = ImageCms.profileToProfile(
+            picture, found, ImageCms.createProfile("sRGB"), outputMode="RGB"
+        )
+    except (ImageCms.PyCMSError, OSError, ValueError, TypeError):
+        return None  # a profile that is damaged, or of other pictures
+    return carried
+
 
 _LONGEST = 3200  # pixels of the longer side: what writing needs of a sheet of many characters
 

@@ -14,11 +14,11 @@ from paint3d.colour.materials import Material
 from paint3d.colour.viewing import Viewing
 from paint3d.core.atomic import write_atomically
 from paint3d.errors import ExportError, InputError
+from paint3d.files.colour_tags import picture_tags
 from paint3d.files.export import gloss_of
 from paint3d.files.export_options import ExportOptions
 from paint3d.files.progress import Progress
 from paint3d.files.project.painting import Exportable, Painting, read_painting
-from paint3d.files.writers.colour_tags import picture_tags
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.view.film import FILMS, MOST_PIXELS, Growth, film_form, is_held_whole, write_film
 from paint3d.view.shot import Moment, Shot, take_film, take_shot, take_turning

@@ -106,7 +106,7 @@ def _damage_photograph(data: bytes, chance: random.Random, others: Sequence[byte
 
 
 def _check_photograph(suffix: str, content: bytes) -> None:
-    from paint3d.files.readers.read_photograph import read_photograph
+    from paint3d.files.photographs import read_photograph
 
     pixels, full = read_photograph(file_of(suffix, content), _LONGEST)
     assert pixels.dtype == np.uint8

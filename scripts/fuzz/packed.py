@@ -1,4 +1,4 @@
-"""Meshes that others' packages unpack or read: packed glTF, COLLADA, DXF and the like."""
+"""Meshes that others' packages unpack or read: packed glTF and COLLADA."""
 
 from __future__ import annotations
 
@@ -25,8 +25,8 @@ _IN_TEXT = b"data:;base64,"
 
 def check_mesh(suffix: str, content: bytes) -> None:
     """Read a mesh as the child process does; what comes out must be a mesh."""
-    from paint3d.files.readers.references import refers_to
-    from paint3d.files.sandbox.reading import Wanted, read_surface
+    from paint3d.files.reading import Wanted, read_surface
+    from paint3d.files.references import refers_to
 
     wanted = Wanted(from_points=False, texture=True)
     path = file_of(suffix, content)
@@ -178,27 +178,6 @@ def _packed_seeds() -> list[tuple[str, bytes]]:
 
 # -- what trimesh reads -------------------------------------------------------------------------
 
-_XAML = (
-    b'<Viewport3D xmlns="http://schemas.microsoft.com/winfx/2006/xaml/presentation">'
-    b"<ModelVisual3D><ModelVisual3D.Content><GeometryModel3D><GeometryModel3D.Geometry>"
-    b'<MeshGeometry3D Positions="0,0,0 9,0,0 9,9,0 0,9,4" Normals="0,0,1 0,0,1 0,0,1 0,0,1" '
-    b'TriangleIndices="0,1,2,0,2,3"/></GeometryModel3D.Geometry></GeometryModel3D>'
-    b"</ModelVisual3D.Content></ModelVisual3D></Viewport3D>"
-)
-_DXF = b"\n".join(
-    line.strip()
-    for line in b"""0\nSECTION\n2\nHEADER\n9\n$INSUNITS\n70\n4\n0\nENDSEC\n0\nSECTION\n2\nENTITIES
-0\nLWPOLYLINE\n8\n0\n90\n4\n70\n1\n10\n0.0\n20\n0.0\n10\n40.0\n20\n0.0\n42\n0.5\n10\n40.0\n20\n30.0
-10\n0.0\n20\n30.0\n0\nCIRCLE\n8\n0\n10\n15.0\n20\n12.0\n40\n5.0\n0\nLINE\n8\n0\n10\n1.0\n20\n1.0
-11\n5.0\n21\n6.0\n0\nARC\n8\n0\n10\n9.0\n20\n9.0\n40\n3.0\n50\n10.0\n51\n200.0\n0\nENDSEC\n0\nEOF
-""".splitlines()
-)
-_PLATE = (
-    b'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 40 30"><path d="M0 0 H40 V30 H0 Z M10 '
-    b'10 C 20 5 25 20 12 20 Z"/><g transform="scale(2) rotate(10)"><rect x="1" y="1" width="9" '
-    b'height="4"/><circle cx="5" cy="9" r="3"/></g></svg>'
-)
-
 
 def _collada() -> bytes:
     import trimesh
@@ -224,9 +203,6 @@ def _foreign_seeds() -> list[tuple[str, bytes]]:
     return [
         (".dae", dae),
         (".zae", package.getvalue()),
-        (".xaml", _XAML),
-        (".dxf", _DXF),
-        (".svg", _PLATE),
     ]
 
 

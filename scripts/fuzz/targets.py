@@ -261,7 +261,7 @@ def _damage_mesh(data: bytes, chance: random.Random, others: Sequence[bytes]) ->
 
 
 def _record_seeds() -> list[tuple[str, bytes]]:
-    from paint3d.files.project.records import write_records
+    from paint3d.files.formats.records import write_records
 
     up, codes = np.tile([0.0, 0.0, 1.0], (8, 1)), np.arange(24).reshape(8, 3)
     return [
@@ -271,7 +271,7 @@ def _record_seeds() -> list[tuple[str, bytes]]:
 
 
 def _check_records(suffix: str, content: bytes) -> None:
-    from paint3d.files.project.records import read_records_here
+    from paint3d.files.formats.records import read_records_here
 
     records = read_records_here(file_of(suffix, content))
     assert np.isfinite(records.vertices).all()

@@ -78,7 +78,7 @@ def test_an_object_is_examined_beside_the_window(
 
     for kind in LONG:
         monkeypatch.setattr(kind, "__init__", watched(kind.__init__, kind.__name__))
-    reading = sys.modules["paint3d.files.sandbox.reading"]
+    reading = sys.modules["paint3d.files.reading"]
     monkeypatch.setattr(reading, "guess_up", watched(guess_up, guess_up.__name__))
     is_solid = watched(TriangleMesh.is_solid.func, "is_solid")
     monkeypatch.setattr(TriangleMesh, "is_solid", property(is_solid))

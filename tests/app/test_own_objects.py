@@ -20,10 +20,10 @@ from paint3d.app.window.start import open_first
 from paint3d.app.window.studio import StudioWindow
 from paint3d.app.window.wording import CHINESE, choose_language
 from paint3d.files.export import export
+from paint3d.files.formats import gltf, obj, threemf
 from paint3d.files.load import load_mesh, read_mesh
 from paint3d.files.project.session import load_session
-from paint3d.files.readers import read_3mf, read_gltf, read_obj
-from paint3d.files.sandbox.reading import Reading
+from paint3d.files.reading import Reading
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.mesh.upright import turn_mesh, turn_up
 from paint3d.view.preview import Preview
@@ -449,8 +449,8 @@ def test_notes_are_told_in_english() -> None:
 
 
 def test_all_that_readers_leave_out_has_chinese_words() -> None:
-    lists = (read_gltf.LEFT_OUT, read_obj.LEFT_OUT, read_3mf.LEFT_OUT,
-             read_obj.PASSED_OVER, read_gltf.THIN)  # fmt: skip
+    lists = (gltf.LEFT_OUT, obj.LEFT_OUT, threemf.LEFT_OUT,
+             obj.PASSED_OVER, gltf.THIN)  # fmt: skip
     words = {word for one in lists for word in one.values()}
     assert words <= set(CHINESE)
 

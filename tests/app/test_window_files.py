@@ -26,10 +26,10 @@ from paint3d.app.window.files.target_dialog import TargetDialog
 from paint3d.app.window.playing.pictures import Film, FilmDialog
 from paint3d.app.window.wording import say
 from paint3d.errors import ExportError
+from paint3d.files.colour_tags import icc_profile
 from paint3d.files.load import load_mesh
 from paint3d.files.project import painting
 from paint3d.files.project.session import load_session
-from paint3d.files.writers.colour_tags import icc_profile
 from tests.support.app.gestures import answer, drag, live, wait_for, when
 from tests.support.app.windows import opened, settled
 from tests.support.full_disk import full_disk

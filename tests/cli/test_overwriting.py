@@ -19,7 +19,7 @@ from paint3d.cli import main
 from paint3d.cli.batches.table import read_table
 from paint3d.files.load import load_mesh
 from paint3d.files.project.session import Session, save_session
-from paint3d.files.readers.references import refers_to
+from paint3d.files.references import refers_to
 from paint3d.surface.painted_surface import PaintedSurface
 
 SQUARE = "v -30 -30 0\nv 30 -30 0\nv 30 30 0\nv -30 30 0\nf 1 2 3 4\n"

@@ -18,8 +18,8 @@ from paint3d.files.export import FORMATS, prepare_export
 from paint3d.files.export_options import ExportOptions
 from paint3d.files.load import load_mesh
 from paint3d.files.project.session import load_session
+from paint3d.files.reading import Wanted
 from paint3d.files.sandbox.isolation import read_apart
-from paint3d.files.sandbox.reading import Wanted
 from paint3d.mesh.refined_mesh import PaintMesh
 from tests.support.app.hands import paint, small_plane
 

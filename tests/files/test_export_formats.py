@@ -12,9 +12,9 @@ from PIL import Image
 
 from paint3d.core.atomic import write_atomically
 from paint3d.errors import ExportError, MeshError
-from paint3d.files import gltf_buffers
 from paint3d.files.export import EXPORT_SUFFIXES, check_export_path, export
 from paint3d.files.export_options import ExportOptions
+from paint3d.files.formats import gltf
 from paint3d.files.load import load_mesh
 from paint3d.surface.painted_surface import PaintedSurface
 from tests.support.full_disk import full_disk
@@ -125,7 +125,7 @@ def test_glb_meets_the_specification(painted, tmp_path):
 
 
 def test_the_same_painting_gives_the_same_bytes(painted, tmp_path):
-    for suffix in (".ply", ".glb", ".obj", ".3mf", ".usdz", ".wrl", ".p3d.txt"):
+    for suffix in (".ply", ".glb", ".obj", ".3mf", ".usdz", ".p3d.txt"):
         export(painted, tmp_path / f"a{suffix}")
         export(painted, tmp_path / f"b{suffix}")
         assert (tmp_path / f"a{suffix}").read_bytes() == (tmp_path / f"b{suffix}").read_bytes()
@@ -144,7 +144,7 @@ def test_unknown_suffix_and_folder(painted, tmp_path):
     with pytest.raises(ExportError, match="is a folder; expected a file name"):
         export(painted, tmp_path / "b.ply")
     assert os.listdir(tmp_path) == ["b.ply"]
-    known = {".ply", ".glb", ".obj", ".3mf", ".usdz", ".wrl", ".html", ".p3d.txt", ".png", ".p3d"}
+    known = {".ply", ".glb", ".obj", ".3mf", ".usdz", ".html", ".p3d.txt", ".png", ".p3d"}
     assert set(EXPORT_SUFFIXES) == known
 
 
@@ -182,7 +182,7 @@ def test_arrays_that_make_no_object(tmp_path, suffix, vertices, faces, message):
 
 
 def test_a_glb_too_large_for_its_header_is_refused(painted, tmp_path, monkeypatch):
-    monkeypatch.setattr(gltf_buffers, "LARGEST", 10_000)
+    monkeypatch.setattr(gltf, "LARGEST", 10_000)
     with pytest.raises(ExportError, match="holds 4 GiB at most"):
         export(painted, tmp_path / "a.glb")
     assert os.listdir(tmp_path) == []

@@ -18,11 +18,10 @@ from paint3d.colour.pigments import load_pigment
 from paint3d.errors import ExportError, InputError, UnknownNameError
 from paint3d.files.export import FORMATS, export, prepare_export
 from paint3d.files.export_options import ExportOptions
+from paint3d.files.formats.gltf import read_gltf, write_glb
+from paint3d.files.formats.records import read_records
 from paint3d.files.load import load_mesh
 from paint3d.files.project.painting import Painting
-from paint3d.files.project.records import read_records
-from paint3d.files.readers.read_gltf import read_gltf
-from paint3d.files.writers.write_glb import write_glb
 from paint3d.mesh.triangle_mesh import TriangleMesh
 
 CORE = "{http://schemas.microsoft.com/3dmanufacturing/core/2015/02}"

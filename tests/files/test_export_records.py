@@ -14,8 +14,8 @@ from paint3d.cli import main
 from paint3d.errors import InputError, MeshError
 from paint3d.files.export import export
 from paint3d.files.export_options import ExportOptions
+from paint3d.files.formats.records import pack_normals, read_records, unpack_normals, write_records
 from paint3d.files.load import load_mesh, read_mesh
-from paint3d.files.project.records import pack_normals, read_records, unpack_normals, write_records
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.surface.painted_surface import PaintedSurface
 

@@ -10,12 +10,12 @@ import trimesh
 from paint3d.colour.difference import delta_e, lab_from_srgb
 from paint3d.files.export import export
 from paint3d.files.export_options import ExportOptions
-from paint3d.files.load import load_mesh
-from paint3d.files.writers.filaments import (
+from paint3d.files.filaments import (
     choose_filaments,
     choose_for_triangles,
     split_by_filament,
 )
+from paint3d.files.load import load_mesh
 from paint3d.mesh.triangle_mesh import TriangleMesh
 
 CORE = {"c": "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"}

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from paint3d.errors import MeshError
-from paint3d.files.project.records import read_records
+from paint3d.files.formats.records import read_records
 from paint3d.recording.recording import RecordingError, load_recording
 from scripts.fuzz.campaign import Campaign, make_case, try_case
 from scripts.fuzz.mutation import damage_json

@@ -14,12 +14,12 @@ from paint3d.colour.pigments import load_pigment
 from paint3d.colour.spectra import WAVELENGTHS, decode_srgb, srgb_from_linear, srgb_from_reflectance
 from paint3d.colour.viewing import Viewing, linear_srgb_of
 from paint3d.errors import ExportError, InputError
+from paint3d.files.colour_tags import icc_profile
 from paint3d.files.export import export
 from paint3d.files.export_options import ExportOptions
 from paint3d.files.load import load_mesh
 from paint3d.files.pictures import Turning, write_picture
 from paint3d.files.project.session import Session, save_session
-from paint3d.files.writers.colour_tags import icc_profile
 from paint3d.surface.painted_surface import PaintedSurface
 from paint3d.view.shot import Shot
 

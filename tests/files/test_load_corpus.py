@@ -8,7 +8,7 @@ import pytest
 
 from paint3d.errors import MeshError
 from paint3d.files.load import load_mesh
-from paint3d.files.sandbox.reading import read_surface
+from paint3d.files.reading import read_surface
 from paint3d.surface.painted_surface import PaintedSurface
 
 CORPUS = Path(__file__).parents[2] / "../shared/corpus"

@@ -22,12 +22,12 @@ from PIL import Image
 from paint3d.core.machine import make_memory_file
 from paint3d.errors import MeshError, UnknownNameError
 from paint3d.files.export import export
+from paint3d.files.formats.gltf import write_glb
+from paint3d.files.formats.ply import write_ply
 from paint3d.files.load import load_mesh
+from paint3d.files.reading import Wanted, read_surface
 from paint3d.files.sandbox import isolation
 from paint3d.files.sandbox.handover import receive, send
-from paint3d.files.sandbox.reading import Wanted, read_surface
-from paint3d.files.writers.write_glb import write_glb
-from paint3d.files.writers.write_ply import write_ply
 from scripts.solids import make_plane
 
 BOX = trimesh.creation.box((10.0, 20.0, 30.0))
@@ -446,7 +446,7 @@ def in_child(monkeypatch, code):
     monkeypatch.setattr(isolation, "START", start)
 
 
-LIMITED = "import paint3d.files.sandbox.reading as r, paint3d.files.sandbox.child as c\n"
+LIMITED = "import paint3d.files.reading as r, paint3d.files.sandbox.child as c\n"
 
 
 @pytest.mark.parametrize(
@@ -568,8 +568,8 @@ def test_what_a_child_hands_over_arrives():
 
 
 def test_the_child_needs_no_heavy_package():
-    code = "import sys, paint3d.files.readers.read_gltf\n"
-    code += "import paint3d.files.sandbox.child, paint3d.files.sandbox.reading\n"
+    code = "import sys, paint3d.files.formats.gltf\n"
+    code += "import paint3d.files.sandbox.child, paint3d.files.reading\n"
     code += "print({'numba', 'open3d', 'scipy', 'PIL', 'vtk'} & set(sys.modules))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "set()"

@@ -11,7 +11,7 @@ import trimesh
 
 from paint3d.errors import MeshError
 from paint3d.files.load import read_mesh
-from paint3d.files.sandbox.reading import Wanted, read_surface
+from paint3d.files.reading import Wanted, read_surface
 
 POINTS = "property float x\nproperty float y\nproperty float z\n"
 QUAD = "v 0 0 0 {}\nv 1 0 0 {}\nv 1 1 0 {}\nv 0 1 0 {}\nf 1 2 3 4\n"
@@ -403,7 +403,7 @@ def test_what_a_reader_stumbles_over_is_told_in_words(tmp_path, monkeypatch, kin
     def stumble(*_):
         raise kind("'str' object has no attribute 'get'")
 
-    monkeypatch.setattr("paint3d.files.readers.read_off.read_off", stumble)
+    monkeypatch.setattr("paint3d.files.formats.off.read_off", stumble)
     with pytest.raises(MeshError, match="its structure is damaged: ") as caught:
         read_surface(written(tmp_path, "a.off", "OFF"))
     assert ("attribute" in str(caught.value)) == (kind is KeyError)

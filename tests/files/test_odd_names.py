@@ -46,7 +46,7 @@ def test_any_material_in_any_format(tmp_path, suffix, material) -> None:
     path = tmp_path / f"{NO_UTF8}{suffix}"
     export(named(material), path)
     data = path.read_bytes()
-    if suffix in (".obj", ".wrl", ".html", ".p3d.txt"):
+    if suffix in (".obj", ".html", ".p3d.txt"):
         text = data.decode("utf-8")
         assert not any(c < " " and c not in "\n\r\t" for c in text)
     if suffix == ".3mf":

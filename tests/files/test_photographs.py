@@ -13,8 +13,7 @@ import pytest
 from PIL import Image
 
 from paint3d.errors import InputError
-from paint3d.files.photographs import load_photograph
-from paint3d.files.readers.read_photograph import read_photograph
+from paint3d.files.photographs import load_photograph, read_photograph
 
 
 def halves(width: int = 120, height: int = 80) -> Image.Image:

@@ -13,11 +13,11 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from paint3d.files.colours import Look, linear_from_srgb, sample_picture
 from paint3d.files.detail import MOST_VERTICES, Draped, show_pictures
 from paint3d.files.export import export
 from paint3d.files.load import load_mesh
-from paint3d.files.readers.textures import Look, linear_from_srgb, sample_picture
-from paint3d.files.sandbox.reading import Wanted, read_surface
+from paint3d.files.reading import Wanted, read_surface
 from paint3d.surface.painted_surface import PaintedSurface
 
 CORPUS = Path(__file__).parents[2] / "../shared/corpus"

@@ -11,7 +11,7 @@ from PIL import Image
 
 from paint3d.errors import MeshError
 from paint3d.files.load import load_mesh
-from paint3d.files.sandbox.reading import Wanted, read_surface
+from paint3d.files.reading import Wanted, read_surface
 
 CODES = np.array([[255, 0, 0], [0, 255, 0], [0, 0, 255], [40, 80, 120]], np.uint8)
 UV = [[0.25, 0.25], [0.75, 0.25], [0.25, 0.75], [0.75, 0.75]]  # the middles, from the upper left

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from paint3d.files.writers.text_rows import CHUNK, text_rows
+from paint3d.files.formats.text_rows import CHUNK, text_rows
 
 floats = st.floats(-(2.0**49), 2.0**49, width=32)
 

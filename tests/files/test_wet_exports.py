@@ -21,8 +21,8 @@ from paint3d.files.export import export, gloss_of
 from paint3d.files.export_options import ExportOptions
 from paint3d.files.pictures import write_picture
 from paint3d.files.project.painting import read_painting
+from paint3d.files.reading import Wanted
 from paint3d.files.sandbox.isolation import read_apart
-from paint3d.files.sandbox.reading import Wanted
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.surface.painted_surface import PaintedSurface
 from paint3d.view.shot import Shot

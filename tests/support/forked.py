@@ -13,16 +13,16 @@ import tempfile
 from multiprocessing.context import ForkServerContext
 from pathlib import Path
 
-from paint3d.files.sandbox.reading import READERS
+from paint3d.files.reading import READERS
 
 __all__ = ["COMMANDS", "LIMIT_S", "forkserver", "run_forked"]
 
 COMMANDS = {"replay", "export", "inks", "report"}  # commands that start no processes themselves
 _PRELOADED = [__name__, "paint3d.cli.main", "paint3d.files.export", "tests.support.warm"]
 _PRELOADED += ["tests.support.forked_reading"]
-_PRELOADED += [f"paint3d.files.readers.read_{kind}" for kind in (*set(READERS.values()), "foreign")]
+_PRELOADED += [f"paint3d.files.formats.{name.partition(':')[0]}" for name in set(READERS.values())]
 _PRELOADED += ["PIL.ImageCms", "scipy.sparse.csgraph", "scipy.spatial", "shapely", "lxml.etree"]
-_PRELOADED += ["trimesh", "collada", "svg.path"]  # what is not there is passed over
+_PRELOADED += ["trimesh", "collada"]  # what is not there is passed over
 LIMIT_S = 600.0
 
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from paint3d.colour.materials import Material
 from paint3d.files.load import UNITS_MM
-from paint3d.files.sandbox.reading import Reading
+from paint3d.files.reading import Reading
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.mesh.upright import Upright, turn_mesh, turn_up
 

@@ -188,7 +188,7 @@ def _reason(english: str) -> str:
 
 
 # ---- Notes ---------------------------------------------------------------------------------------
-# What a reader tells of a mesh, in the user's language; see `files.readers.raw_mesh.RawMesh`.
+# What a reader tells of a mesh, in the user's language; see `files.raw_mesh.RawMesh`.
 
 
 _WHOSE = {"vertex colours": "顶点颜色", "colours of faces": "面颜色"}
@@ -208,6 +208,9 @@ _NOTES: tuple[tuple[str, str], ...] = (
      "brought to the nearest that is", "{m} 处{w}中有 {n} 处不在 0 到 {end} 之间，已取最近的值"),
     (r"it is a point cloud: built (?P<n>[\d,]+) triangles through (?P<m>[\d,]+) points",
      "这是点云：由 {m} 个点构成 {n} 个三角形"),
+    (r"its Gaussian splats are taken as points", "高斯泼溅按点读取"),
+    (r"left out: its polypaint, of (?P<n>[\d,]+) vertices instead of (?P<m>[\d,]+)",
+     "未采用：顶点绘色（有 {n} 个顶点，网格有 {m} 个）"),
     (r"its header's line (?P<a>.*) is passed over", "文件头中的 {a} 一行未采用"),
 )  # fmt: skip
 """English, as a pattern, and the Chinese that says the same; c is a cause, w whose colours."""

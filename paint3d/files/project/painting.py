@@ -16,16 +16,16 @@ from paint3d.colour.wet_look import WetLook
 from paint3d.core.arrays import AnyArray, as_array
 from paint3d.errors import ExportError, MeshError
 from paint3d.files.export_options import ExportOptions
-from paint3d.files.load import UNITS_MM
-from paint3d.files.progress import Progress, part_of
-from paint3d.files.project.position_steps import find_steps
-from paint3d.files.writers.filaments import (
+from paint3d.files.filaments import (
     choose_filaments,
     choose_for_triangles,
     split_by_filament,
 )
-from paint3d.files.writers.finish import Texture
-from paint3d.files.writers.texture import Detail, bake_detail
+from paint3d.files.finish import Texture
+from paint3d.files.formats.gltf import find_steps
+from paint3d.files.load import UNITS_MM
+from paint3d.files.progress import Progress, part_of
+from paint3d.files.texture import Detail, bake_detail
 from paint3d.mesh.triangle_mesh import MAX_COORDINATE_MM, TriangleMesh
 
 __all__ = [
@@ -215,7 +215,7 @@ class Painting(NamedTuple):
 
     `finish` is how rough the material is and how strong its glaze, None where it does not say it.
     `steps` (V,) lead from metres back to millimetres where float32 has lost them; see
-    `paint3d.files.project.position_steps`. `gamut` is what the codes mean. `look` is how wet and
+    `paint3d.files.formats.gltf`. `gamut` is what the codes mean. `look` is how wet and
     glossy vertices are, None where all are as the material; `srgb` is of the dry painting.
     `n_clipped` vertices have colours outside the gamut.
     """

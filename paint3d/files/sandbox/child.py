@@ -38,7 +38,7 @@ def main() -> None:
 
 
 def _photograph(path: Path, wanted: list[Any]) -> tuple[dict[str, AnyArray], dict[str, object]]:
-    from paint3d.files.readers.read_photograph import read_photograph
+    from paint3d.files.photographs import read_photograph
 
     pixels, full = read_photograph(path, *wanted)
     facts: dict[str, object] = {"size": pixels.shape[:2], "full": full}
@@ -46,7 +46,7 @@ def _photograph(path: Path, wanted: list[Any]) -> tuple[dict[str, AnyArray], dic
 
 
 def _mesh(path: Path, wanted: list[Any]) -> tuple[dict[str, AnyArray], dict[str, object]]:
-    from paint3d.files.sandbox.reading import Wanted, read_surface
+    from paint3d.files.reading import Wanted, read_surface
 
     reading = read_surface(path, Wanted(*wanted))
     mesh = reading.mesh
@@ -59,13 +59,13 @@ def _mesh(path: Path, wanted: list[Any]) -> tuple[dict[str, AnyArray], dict[str,
 
 
 def _references(path: Path, wanted: list[Any]) -> tuple[dict[str, AnyArray], dict[str, object]]:
-    from paint3d.files.readers.references import refers_to
+    from paint3d.files.references import refers_to
 
     return {}, {"refers": refers_to(path, Path(os.fsdecode(bytes.fromhex(wanted[0]))))}
 
 
 def _records(path: Path, wanted: list[Any]) -> tuple[dict[str, AnyArray], dict[str, object]]:
-    from paint3d.files.project.records import read_records_here
+    from paint3d.files.formats.records import read_records_here
 
     records = read_records_here(path)
     arrays: dict[str, AnyArray] = {"positions": records.vertices, "directions": records.normals}

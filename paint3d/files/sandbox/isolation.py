@@ -25,8 +25,8 @@ from paint3d.core.arrays import AnyArray
 from paint3d.core.machine import handed_to_child, make_memory_file
 from paint3d.errors import MeshError
 from paint3d.files.progress import Progress
+from paint3d.files.reading import Reading, Wanted
 from paint3d.files.sandbox.handover import receive
-from paint3d.files.sandbox.reading import Reading, Wanted
 from paint3d.mesh.triangle_mesh import TriangleMesh
 
 __all__ = [
@@ -200,7 +200,7 @@ def refers_to_apart(mesh: Path, file: Path) -> bool:
     Nothing is started where the names tell that it cannot. A mesh that reaches the limits speaks
     of nothing: whoever reads it says what is wrong with it.
     """
-    from paint3d.files.readers.references import may_refer_to  # few commands ask for it
+    from paint3d.files.references import may_refer_to  # few commands ask for it
 
     if not may_refer_to(mesh, file):
         return False

@@ -24,7 +24,7 @@ from paint3d.core.atomic import write_atomically
 from paint3d.device.button_actions import DEFAULT_ACTIONS, checked_actions
 from paint3d.device.recorded import MAX_FORCE_N
 from paint3d.errors import DeviceError, ExportError, InputError, Paint3DError
-from paint3d.files.readers.contents import json_text
+from paint3d.files.contents import json_text
 from paint3d.haptics.settings import Feel
 from paint3d.haptics.stylus_choice import check_stylus
 from paint3d.pose.calibration import DeviceCalibration, load_calibration, save_calibration

@@ -12,7 +12,7 @@ import numpy as np
 from paint3d.core.arrays import as_number
 from paint3d.core.atomic import write_atomically
 from paint3d.errors import InputError, UnknownNameError
-from paint3d.files.readers.contents import json_text
+from paint3d.files.contents import json_text
 
 __all__ = [
     "ANSWERS_NAME",

@@ -242,7 +242,6 @@ FORMAT_NAMES = {
     ".obj": "Wavefront OBJ",
     ".3mf": "3MF, for printers",
     ".usdz": "USDZ, for Apple's devices",
-    ".wrl": "VRML, for colour printers",
     ".html": "Page that shows the object",
     ".png": "Picture, PNG",
     ".jpg": "Picture, JPEG",

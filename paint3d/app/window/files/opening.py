@@ -28,7 +28,7 @@ from paint3d.device.sample import DeviceSample
 from paint3d.files.load import BUILT_IN_OBJECTS, MESH_SUFFIXES, read_mesh
 from paint3d.files.progress import part_of
 from paint3d.files.project.session import SESSION_SUFFIX, is_session_path
-from paint3d.files.sandbox.reading import Reading
+from paint3d.files.reading import Reading
 from paint3d.mesh.bvh import ClosestPoints
 from paint3d.pose.brush_pose import object_poses
 from paint3d.surface.sheen import PLAIN_SHINE

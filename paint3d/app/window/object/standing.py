@@ -27,7 +27,7 @@ from paint3d.app.window.wording import language, say
 from paint3d.app.window.workspace import Workspace
 from paint3d.colour.materials import Material
 from paint3d.files.load import BUILT_IN_OBJECTS, UNITS_MM
-from paint3d.files.sandbox.reading import Reading
+from paint3d.files.reading import Reading
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.mesh.upright import UP_AXES, stand_on, turn_up
 from paint3d.view.preview import Preview

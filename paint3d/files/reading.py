@@ -6,18 +6,18 @@ import codecs
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from importlib import import_module
 from pathlib import Path
+from pkgutil import resolve_name
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.errors import MeshError
+from paint3d.files.contents import PACKED, plain_text, read_contents
 from paint3d.files.detail import Draped, show_pictures
-from paint3d.files.readers.contents import PACKED, plain_text, read_contents
-from paint3d.files.readers.package_meshes import package_class, read_object
-from paint3d.files.readers.raw_mesh import RawMesh
+from paint3d.files.package_meshes import package_class, read_object
+from paint3d.files.raw_mesh import RawMesh
 from paint3d.mesh.polygons import triangulate
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.mesh.upright import Upright, guess_up, turn_rows, turn_up
@@ -25,18 +25,30 @@ from paint3d.mesh.upright import Upright, guess_up, turn_rows, turn_up
 __all__ = ["MESH_SUFFIXES", "UNITS_MM", "Reading", "Wanted", "read_surface", "take_object"]
 
 UNITS_MM = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4}
-READERS = {".ply": "ply", ".obj": "obj", ".stl": "stl", ".off": "off", ".3mf": "3mf"}
-READERS |= {".glb": "gltf", ".gltf": "gltf", ".p3d.txt": "records"}
+READERS = {  # modules of `paint3d.files.formats`, and what reads there
+    ".ply": "ply:read_ply",
+    ".obj": "obj:read_obj",
+    ".stl": "stl:read_stl",
+    ".off": "off:read_off",
+    ".3mf": "threemf:read_3mf",
+    ".glb": "gltf:read_gltf",
+    ".gltf": "gltf:read_gltf",
+    ".p3d.txt": "records:read_records_mesh",
+    ".xyz": "xyz:read_xyz",
+    ".dae": "collada:read_collada",
+    ".zae": "collada:read_collada",
+}
 UNREAD = {  # what other programs read, and ours does not
     **dict.fromkeys((".usd", ".usda", ".usdc", ".usdz"), "USD"),
     **dict.fromkeys((".wrl", ".vrml", ".x3d"), "VRML"),
     **{".fbx": "FBX", ".blend": "a .blend file"},
+    **{".xaml": "XAML", ".ctm": "OpenCTM", ".3ds": "3DS"},
 }
+DRAWINGS = {".svg": "SVG", ".dxf": "DXF"}
 RECORDS = ".p3d.txt"  # a suffix of two words, of which .txt alone is none
-BESIDE = ("gltf", "obj", "ply")  # readers of files that refer to others in their folder
-FOREIGN_SUFFIXES = (".dae", ".zae", ".xaml", ".ctm", ".xyz", ".dxf", ".svg")
-"""What trimesh reads, `readers.read_foreign`."""
-MESH_SUFFIXES = (*READERS, *FOREIGN_SUFFIXES)
+BESIDE = (".gltf", ".glb", ".obj", ".ply")  # may refer to others in their folder
+TEXTURED = (".3mf", ".dae", ".zae", ".stl", ".off")  # say themselves all that there is of colours
+MESH_SUFFIXES = tuple(READERS)
 WIDE = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
 
 # What damaged structure makes a reader stumble over; the careful messages come before these.
@@ -130,15 +142,14 @@ def read_raw(path: Path, texture: bool = False) -> RawMesh:
     MeshError
         If the suffix is not known or the reader refuses the file; the file is not named.
     """
-    kind, read = _reader(path)
+    suffix = _known_suffix(path)
+    read: Callable[..., RawMesh] = resolve_name(f"paint3d.files.formats.{READERS[suffix]}")
     data = read_contents(path)
     if data.startswith(WIDE):
         data = plain_text(data)
-    if kind in FOREIGN_SUFFIXES:
-        return read(data, kind, texture)
-    if kind in BESIDE:
+    if suffix in BESIDE:
         return read(data, path.parent, texture)
-    return read(data, texture) if kind == "3mf" else read(data)
+    return read(data, texture) if suffix in TEXTURED else read(data)
 
 
 def _in_words(cause: Exception) -> str:
@@ -158,21 +169,18 @@ def _one_line(cause: BaseException) -> str:
     return " ".join(str(cause).split())
 
 
-def _reader(path: Path) -> tuple[str, Callable[..., RawMesh]]:
+def _known_suffix(path: Path) -> str:
     inner = Path(path.stem) if path.suffix.lower() in PACKED else path
-    suffix = inner.suffix.lower()
-    if inner.name.lower().endswith(RECORDS):
-        suffix = RECORDS
-    if suffix in FOREIGN_SUFFIXES:
-        return suffix, import_module("paint3d.files.readers.read_foreign").read_foreign
-    if suffix not in READERS:
-        wanted = " ".join(MESH_SUFFIXES)
-        shown = f"the suffix {suffix!r} is not known" if suffix else "it has no suffix"
-        if suffix in UNREAD:
-            shown = f"{UNREAD[suffix]} is not read (Blender saves it as .glb)"
-        raise MeshError(f"{shown}; expected one of {wanted}")
-    kind = READERS[suffix]
-    return kind, getattr(import_module(f"paint3d.files.readers.read_{kind}"), f"read_{kind}")
+    suffix = RECORDS if inner.name.lower().endswith(RECORDS) else inner.suffix.lower()
+    if suffix in READERS:
+        return suffix
+    shown = f"the suffix {suffix!r} is not known" if suffix else "it has no suffix"
+    if suffix in UNREAD:
+        shown = f"{UNREAD[suffix]} is not read (Blender saves it as .glb)"
+    elif suffix in DRAWINGS:
+        shown = f"{DRAWINGS[suffix]} is a flat drawing, which is no surface to paint on"
+        shown += " (write --svg paints it)" if suffix == ".svg" else ""
+    raise MeshError(f"{shown}; expected one of {' '.join(MESH_SUFFIXES)}")
 
 
 def _finish(raw: RawMesh, name: str, wanted: Wanted) -> Reading:
@@ -204,14 +212,14 @@ def _checked_mesh(
     if not distinct.all() and distinct.any():
         notes += (f"left out {(~distinct).sum():,} faces that name a vertex twice",)
         faces, corners = faces[distinct], corners[distinct]
-    normals = _unit_normals(raw.normals)
+    normals = _unit_normals(raw.normals, vertices, faces)
     if raw.uv is None or raw.look_of is None or not pictured:
         return Reading(TriangleMesh(vertices, faces, raw.colours, name, normals), notes)
     polygon = np.repeat(np.arange(len(raw.sizes)), raw.sizes)
     draped = Draped(raw.uv[corners], raw.look_of[polygon[corners[:, 0]]], raw.looks)
     of_corners = None if raw.corner_colours is None else raw.corner_colours[corners]
     shown = show_pictures(vertices, faces, draped, raw.colours, normals, corner_colours=of_corners)
-    normals = _unit_normals(shown.normals)
+    normals = _unit_normals(shown.normals, shown[0], shown[1])
     return Reading(TriangleMesh(*shown[:3], name, normals), notes)
 
 
@@ -240,17 +248,35 @@ def _without_faces(
         )
     if from_points is False:
         raise MeshError(f"it has {len(vertices):,} points but no triangles; expected a surface")
-    from paint3d.files.readers.points import surface_through
+    from paint3d.files.points import surface_through
 
     faces = surface_through(vertices, raw.normals)
     note = f"it is a point cloud: built {len(faces):,} triangles through {len(vertices):,} points"
-    mesh = TriangleMesh(vertices, faces, raw.colours, name, _unit_normals(raw.normals))
+    mesh = TriangleMesh(
+        vertices, faces, raw.colours, name, _unit_normals(raw.normals, vertices, faces)
+    )
     return Reading(mesh, (*raw.notes, note))
 
 
-def _unit_normals(normals: NDArray[np.float64] | None) -> NDArray[np.float64] | None:
-    """Return normals of length 1, or None where the file's are not usable as such."""
-    if normals is None or not np.isfinite(normals).all():
+def _unit_normals(
+    normals: NDArray[np.float64] | None, vertices: NDArray[np.float64], faces: NDArray[np.int64]
+) -> NDArray[np.float64] | None:
+    """Return normals of length 1; None where the file has none that can be used.
+
+    Those of no length, or that are no numbers, are worked out from the faces.
+    """
+    if normals is None:
         return None
-    length = np.linalg.norm(normals, axis=1, keepdims=True)
-    return normals / length if (length > 1e-6).all() else None
+    length = np.linalg.norm(normals, axis=1)
+    sound = np.isfinite(length) & (length > 1e-6)
+    if not sound.any():
+        return None
+    unit = normals / np.where(sound, length, 1.0)[:, None]
+    if not sound.all():
+        a, b, c = (vertices[faces[:, k]] for k in range(3))
+        doubled = np.repeat(np.cross(b - a, c - a), 3, axis=0)  # weighted by area
+        sums = [np.bincount(faces.ravel(), doubled[:, k], len(vertices)) for k in range(3)]
+        own = np.stack(sums, axis=1)[~sound]
+        own[~own.any(axis=1)] = (0.0, 0.0, 1.0)  # of no triangle
+        unit[~sound] = own / np.linalg.norm(own, axis=1, keepdims=True)
+    return unit

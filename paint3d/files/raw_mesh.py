@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -13,9 +13,17 @@ from numpy.typing import NDArray
 
 from paint3d.core.arrays import AnyArray
 from paint3d.errors import MeshError
-from paint3d.files.readers.textures import Look
+from paint3d.files.colours import Look
 
-__all__ = ["RawMesh", "check_count", "index_array", "left_out", "parse_numbers"]
+__all__ = [
+    "FACE_COLOURS",
+    "RawMesh",
+    "check_count",
+    "index_array",
+    "left_out",
+    "parse_numbers",
+    "with_face_colours",
+]
 
 
 @dataclass(frozen=True)
@@ -72,6 +80,25 @@ class RawMesh:
         """Return a raw mesh with (F, 3) triangles."""
         faces = np.asarray(faces, np.int64).reshape(-1, 3)
         return cls(vertices, faces.ravel(), np.full(len(faces), 3), **others)
+
+
+FACE_COLOURS = "colours of faces"
+
+
+def with_face_colours(raw: RawMesh, codes: NDArray[np.uint8], wanted: bool) -> RawMesh:
+    """Return a mesh whose polygons have the colours `codes` (P, 3), sRGB.
+
+    Where they are not wanted, a note says that they are left out.
+    """
+    if not wanted:
+        return replace(raw, notes=(*raw.notes, *left_out([FACE_COLOURS])))
+    return replace(
+        raw,
+        looks=(Look(),),
+        look_of=np.zeros(len(raw.sizes), np.int64),
+        uv=np.full((len(raw.corners), 2), np.nan),
+        corner_colours=np.repeat(codes, raw.sizes, axis=0),
+    )
 
 
 def left_out(what: Iterable[str]) -> tuple[str, ...]:

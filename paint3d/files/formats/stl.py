@@ -1,4 +1,4 @@
-"""STL, binary and ASCII. The format repeats every corner; equal positions become one vertex."""
+"""STL, binary and ASCII: every corner is repeated, and equal positions become one vertex."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from paint3d.core.arrays import AnyArray
 from paint3d.errors import MeshError
-from paint3d.files.readers.raw_mesh import RawMesh, check_count, parse_numbers
+from paint3d.files.raw_mesh import RawMesh, check_count, parse_numbers, with_face_colours
 
 __all__ = ["read_stl"]
 
@@ -20,7 +20,7 @@ FACETS = re.compile(rb"^\s*facet\b", re.IGNORECASE | re.MULTILINE)
 ENDS = re.compile(rb"^\s*endfacet\b", re.IGNORECASE | re.MULTILINE)
 
 
-def read_stl(data: bytes) -> RawMesh:
+def read_stl(data: bytes, texture: bool = False) -> RawMesh:
     """Read an STL file.
 
     A file whose length fits the triangle count at byte 80 is binary, whatever its header says:
@@ -30,6 +30,8 @@ def read_stl(data: bytes) -> RawMesh:
     ----------
     data : bytes
         The whole file.
+    texture : bool
+        Whether colours of facets are wanted, which binary files may have.
 
     Raises
     ------
@@ -38,22 +40,43 @@ def read_stl(data: bytes) -> RawMesh:
     """
     binary = len(data) >= HEADER and len(data) == HEADER + FACET.itemsize * _count(data)
     if not binary and data[:512].lstrip().lower().startswith(b"solid") and FACETS.search(data):
-        corners: AnyArray = _read_ascii(data)
-    else:
-        corners = _read_binary(data)
-    vertices, faces = _merge(corners)
-    return RawMesh.of_triangles(vertices, faces)
+        return RawMesh.of_triangles(*_merge(_read_ascii(data)))
+    facets = _read_binary(data)
+    raw = RawMesh.of_triangles(*_merge(facets["corners"].reshape(-1, 3)))
+    codes = _facet_colours(data[: HEADER - 4], facets["attribute"])
+    return raw if codes is None else with_face_colours(raw, codes, texture)
+
+
+def _facet_colours(header: bytes, attribute: NDArray[np.uint16]) -> NDArray[np.uint8] | None:
+    """Return the colours (F, 3) that two programs put into the attributes of facets.
+
+    Both have five bits a channel. Materialise Magics says the colour of the whole in the header,
+    after "COLOR=", and a set 15th bit means that a facet has that; red is lowest. In VisCAM and
+    SolidView a set 15th bit means that a facet has a colour of its own; blue is lowest. The others
+    are white.
+    """
+    own = attribute >> 15 == 1
+    at = header.find(b"COLOR=")
+    default = np.full(3, 255, np.uint8)
+    shifts = (10, 5, 0)
+    if at >= 0 and len(header) >= at + 10:
+        default = np.frombuffer(header, np.uint8, 3, at + 6)
+        own, shifts = ~own, (0, 5, 10)
+    if not own.any() and at < 0:
+        return None
+    bits = np.stack([(attribute >> shift) & 31 for shift in shifts], axis=1)
+    return np.where(own[:, None], bits * 255 // 31, default).astype(np.uint8)
 
 
 def _count(data: bytes) -> int:
     return int.from_bytes(data[80:HEADER], "little")
 
 
-def _read_binary(data: bytes) -> NDArray[np.float32]:
+def _read_binary(data: bytes) -> AnyArray:
     if len(data) < HEADER:
         raise MeshError(f"it has {len(data)} bytes; a binary STL has at least {HEADER}")
     check_count(_count(data), FACET.itemsize, len(data) - HEADER, "triangles")
-    return np.frombuffer(data, FACET, _count(data), HEADER)["corners"].reshape(-1, 3)
+    return np.frombuffer(data, FACET, _count(data), HEADER)
 
 
 def _read_ascii(data: bytes) -> NDArray[np.float64]:

@@ -11,9 +11,9 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from paint3d.errors import MeshError
-from paint3d.files.gltf_buffers import GltfFile
-from paint3d.files.readers.contents import path_beside, plain_text, read_contents
-from paint3d.files.readers.read_obj import MAX_LIBRARY
+from paint3d.files.contents import path_beside, plain_text, read_contents
+from paint3d.files.formats.gltf import GltfFile
+from paint3d.files.formats.obj import MAX_LIBRARY
 
 __all__ = ["may_refer_to", "refers_to"]
 

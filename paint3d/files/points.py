@@ -79,7 +79,10 @@ def _open3d() -> ModuleType:
     try:
         import open3d
     except ImportError as cause:
-        raise MeshError(f"a surface through points needs open3d, which fails: {cause}") from None
+        raise MeshError(
+            f"it is a point cloud, and a surface through points is built by Open3D: {cause}; "
+            "expected it installed (pip install 'paint3d[open3d]'), or a file with triangles"
+        ) from None
     return open3d
 
 

@@ -13,16 +13,15 @@ from numpy.typing import NDArray
 
 from paint3d.core.arrays import AnyArray
 from paint3d.errors import MeshError
-from paint3d.files.readers.contents import read_beside
-from paint3d.files.readers.raw_mesh import (
+from paint3d.files.colours import COLOUR_NAMES, Look, colour_codes, open_picture
+from paint3d.files.contents import read_beside
+from paint3d.files.raw_mesh import (
     RawMesh,
     check_count,
     index_array,
     left_out,
     parse_numbers,
 )
-from paint3d.files.readers.textures import Look, open_picture
-from paint3d.files.readers.vertex_colours import COLOUR_NAMES, colour_codes
 
 __all__ = [
     "Element",
@@ -34,6 +33,7 @@ __all__ = [
     "ply_looks",
     "read_ply",
     "read_tables",
+    "write_ply",
 ]
 
 # ---- Pictures and colours of faces ---------------------------------------------------------------
@@ -64,7 +64,7 @@ def picture_names(tables: Tables) -> list[str]:
 
 def has_face_colours(tables: Tables) -> bool:
     """Whether the faces have colours of their own."""
-    return any(_colour_names(element) for element in tables.elements if element.name == "face")
+    return any(_colour_table(e) is not None for e in tables.elements if e.name == "face")
 
 
 def ply_looks(
@@ -144,16 +144,11 @@ def _numbers(faces: Sequence[Element], n: int) -> NDArray[np.int64]:
     return which
 
 
-def _colour_names(element: Element) -> tuple[str, ...] | None:
-    scalars = set(element.values) - set(element.list_sizes)
-    return next((names for names in COLOUR_NAMES if set(names) <= scalars), None)
-
-
 def _face_colours(faces: Sequence[Element], sizes: NDArray[np.int64]) -> PlyLooks:
-    names = _colour_names(faces[0]) if len(faces) == 1 else None
-    if names is None:
+    table = _colour_table(faces[0]) if len(faces) == 1 else None
+    if table is None:
         return PlyLooks()
-    codes, notes = colour_codes(np.stack([faces[0].values[k] for k in names], axis=1))
+    codes, notes = colour_codes(table)
     notes = tuple(note.replace("vertex colours", "colours of faces") for note in notes)
     if codes is None:
         return PlyLooks(notes=notes)
@@ -444,6 +439,9 @@ def _cast(column: AnyArray, p: Property) -> AnyArray:
 WANTED = ("vertex", "face", "tristrips")
 INDEX_NAMES = ("vertex_indices", "vertex_index")
 STRIP_END = -1
+LISTS_OF_COLOURS = ("rgb", "rgba", "color", "colors", "colour", "colours")
+SPLATS = ("f_dc_0", "f_dc_1", "f_dc_2")  # of Gaussian splatting: spherical harmonics of degree 0
+SH_0 = 0.28209479177387814  # 1 / (2 sqrt(pi))
 
 
 def read_ply(data: bytes, folder: Path, texture: bool = False) -> RawMesh:
@@ -541,13 +539,81 @@ def _strips(ids: NDArray[np.int64], sizes: NDArray[np.int64]) -> NDArray[np.int6
 
 
 def _colours(vertex: Element) -> tuple[NDArray[np.uint8] | None, tuple[str, ...]]:
-    for names in COLOUR_NAMES:
-        if set(names) <= set(vertex.values):
-            return colour_codes(np.stack([vertex.values[k] for k in names], axis=1))
+    table = _colour_table(vertex)
+    if table is not None:
+        return colour_codes(table)
+    if set(SPLATS) <= set(vertex.values):
+        shares = SH_0 * np.stack([vertex.values[k].astype(np.float64) for k in SPLATS], axis=1)
+        codes, notes = colour_codes(np.clip(0.5 + shares, 0.0, 1.0))
+        return codes, ("its Gaussian splats are taken as points", *notes)
     return None, ()
+
+
+def _colour_table(element: Element) -> AnyArray | None:
+    """Return an element's colours (N, 3) of any type: three columns, or one of lists of 3 or 4."""
+    scalars = set(element.values) - set(element.list_sizes)
+    for names in COLOUR_NAMES:
+        if set(names) <= scalars:
+            return np.stack([element.values[k] for k in names], axis=1)
+    for name in LISTS_OF_COLOURS:
+        sizes = element.list_sizes.get(name)
+        if sizes is not None and len(sizes) and sizes[0] in (3, 4) and (sizes == sizes[0]).all():
+            return element.values[name].reshape(-1, int(sizes[0]))[:, :3]
+    return None
 
 
 def _normals(vertex: Element) -> NDArray[np.float64] | None:
     if not {"nx", "ny", "nz"} <= set(vertex.values):
         return None
     return np.stack([vertex.values[k].astype(np.float64) for k in ("nx", "ny", "nz")], axis=1)
+
+
+# ---- Writing -------------------------------------------------------------------------------------
+
+
+def write_ply(
+    path: Path,
+    vertices: NDArray[np.float32],
+    faces: NDArray[np.int32],
+    normals: NDArray[np.float32] | None = None,
+    srgb: NDArray[np.uint8] | None = None,
+) -> None:
+    """Write a little-endian binary PLY: float x y z, nx ny nz, uchar red green blue, triangles.
+
+    Classic type names and byte colours are used because other names and float colours are
+    misread by several programs. The output depends on the arrays alone.
+
+    Parameters
+    ----------
+    path : Path
+    vertices : (V, 3) float32, mm
+    faces : (F, 3) int32
+    normals : (V, 3) float32, optional
+    srgb : (V, 3) uint8, optional
+
+    Raises
+    ------
+    OSError
+        If the file cannot be written.
+    """
+    columns: list[tuple[str, str, str, AnyArray]] = [("x y z", "float", "<f4", vertices)]
+    if normals is not None:
+        columns.append(("nx ny nz", "float", "<f4", normals))
+    if srgb is not None:
+        columns.append(("red green blue", "uchar", "u1", srgb))
+    header = ["ply", "format binary_little_endian 1.0", f"element vertex {len(vertices)}"]
+    record = []
+    for names, kind, dtype, _ in columns:
+        header += [f"property {kind} {name}" for name in names.split()]
+        record.append((names, dtype, 3))
+    header += [f"element face {len(faces)}", "property list uchar int vertex_indices"]
+    body = np.empty(len(vertices), record)
+    for names, _, _, array in columns:
+        body[names] = array
+    triangles = np.empty(len(faces), [("corners", "u1"), ("vertex_ids", "<i4", 3)])
+    triangles["corners"] = 3
+    triangles["vertex_ids"] = faces
+    with open(path, "wb") as file:
+        file.write(("\n".join([*header, "end_header"]) + "\n").encode("ascii"))
+        file.write(memoryview(body.data).cast("B"))
+        file.write(memoryview(triangles.data).cast("B"))

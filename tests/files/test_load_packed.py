@@ -1,4 +1,4 @@
-"""Formats that trimesh reads for us, in the child process, with our checks after it."""
+"""COLLADA, lists of points, and glTF that is packed by Draco and meshopt."""
 
 import base64
 import contextlib
@@ -16,12 +16,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from paint3d.errors import MeshError
-from paint3d.files.gltf_buffers import unpack_meshopt
-from paint3d.files.load import MESH_SUFFIXES, load_mesh, read_mesh
-from paint3d.files.readers import read_foreign
-from paint3d.files.readers.read_foreign import FOREIGN
-from paint3d.files.readers.read_gltf import read_gltf
-from paint3d.files.sandbox.reading import FOREIGN_SUFFIXES
+from paint3d.files.formats.collada import read_collada
+from paint3d.files.formats.gltf import read_gltf, unpack_meshopt
+from paint3d.files.load import load_mesh, read_mesh
+from paint3d.files.points import surface_through
+from paint3d.files.reading import read_surface
 
 CUBE = trimesh.creation.box((1.0, 2.0, 3.0))  # of whatever unit the format has
 
@@ -51,34 +50,8 @@ def test_packed_collada(tmp_path):
     assert load_mesh(tmp_path / "a.zae").n_faces == 12
 
 
-def test_openctm(tmp_path):
-    pytest.importorskip("openctm")
-    head = b"OCTM" + struct.pack("<I", 5) + b"RAW\0"
-    head += struct.pack("<IIIII", len(CUBE.vertices), len(CUBE.faces), 0, 0, 0)
-    body = struct.pack("<I", 0) + b"INDX" + CUBE.faces.astype("<u4").tobytes()
-    body += b"VERT" + CUBE.vertices.astype("<f4").tobytes()
-    (tmp_path / "a.ctm").write_bytes(head + body)
-    assert load_mesh(tmp_path / "a.ctm").n_faces == 12
-
-
-XAML = """<Viewport3D xmlns="http://schemas.microsoft.com/winfx/2006/xaml/presentation">
-<ModelVisual3D><ModelVisual3D.Content><Model3DGroup><GeometryModel3D>
-<GeometryModel3D.Geometry><MeshGeometry3D Positions="0,0,0 1,0,0 0,1,0 0,0,1"
- Normals="0,0,1 0,0,1 0,0,1 0,0,1" TriangleIndices="0,2,1 0,1,3 0,3,2 1,2,3"/>
-</GeometryModel3D.Geometry>
-<GeometryModel3D.Material><MaterialGroup><DiffuseMaterial><DiffuseMaterial.Brush>
-<SolidColorBrush Color="#FF0000" Opacity="1"/></DiffuseMaterial.Brush></DiffuseMaterial>
-</MaterialGroup></GeometryModel3D.Material>
-</GeometryModel3D></Model3DGroup></ModelVisual3D.Content></ModelVisual3D></Viewport3D>
-"""
-
-
-def test_xaml(tmp_path):
-    (tmp_path / "a.xaml").write_text(XAML)
-    assert load_mesh(tmp_path / "a.xaml").n_faces == 4
-
-
 def test_points_become_a_surface(tmp_path):
+    pytest.importorskip("open3d", exc_type=ImportError)
     ball = trimesh.creation.icosphere(3, 20.0).vertices
     np.savetxt(tmp_path / "a.xyz", ball, fmt="%.5f")
     reading = read_mesh(tmp_path / "a.xyz")
@@ -86,61 +59,30 @@ def test_points_become_a_surface(tmp_path):
     assert reading.mesh.n_vertices == len(ball)
 
 
-def test_a_drawing_is_a_plate_with_its_holes(tmp_path):
-    square = np.array([(0, 0), (40, 0), (40, 40), (0, 40), (0, 0)], float)
-    paths = [trimesh.load_path(square), trimesh.load_path(square * 0.5 + 10.0)]
-    (tmp_path / "a.dxf").write_text(trimesh.path.util.concatenate(paths).export(file_type="dxf"))
-    mesh = load_mesh(tmp_path / "a.dxf", unit="mm")
-    assert mesh.double_areas.sum() / 2 == pytest.approx(1200.0)
-    assert (mesh.face_normals[:, 2] > 0.99).all()
-    assert np.ptp(mesh.vertices, axis=0).tolist() == pytest.approx([40.0, 40.0, 0.0])
+def test_points_have_colours_and_commas(tmp_path):
+    ball = trimesh.creation.icosphere(3, 20.0).vertices
+    pytest.importorskip("open3d", exc_type=ImportError)
+    red = np.tile([200, 30, 40], (len(ball), 1))
+    np.savetxt(tmp_path / "a.xyz", np.hstack([ball, red]), fmt="%.5f", delimiter=", ")
+    assert read_surface(tmp_path / "a.xyz").mesh.colours.tolist() == red.tolist()
+    (tmp_path / "b.xyz").write_text("0 0 0\n1 1\n")
+    with pytest.raises(MeshError, match="point 1 is '1 1'; expected 3 numbers, as in the first"):
+        load_mesh(tmp_path / "b.xyz")
 
 
-@pytest.mark.parametrize(
-    ("header", "mm"),
-    [
-        ("9\n$INSUNITS\n70\n1\n", 25.4),
-        ("9\n$INSUNITS\n70\n6\n", 1000.0),
-        ("9\n$LUNITS\n70\n2\n", 1.0),  # decimal numbers, of no unit
-        ("9\n$LUNITS\n70\n2\n9\n$INSUNITS\n70\n4\n", 1.0),
-        ("9\n$LUNITS\n70\n2\n9\n$INSUNITS\n70\n0\n", 1.0),
-    ],
-)
-def test_a_plate_has_the_unit_of_its_drawing(tmp_path, header, mm):
-    path = trimesh.load_path(np.array([(0, 0), (2, 0), (2, 1), (0, 1), (0, 0)], float))
-    text = path.export(file_type="dxf")
-    entities = text[text.index("ENTITIES") :]
-    (tmp_path / "a.dxf").write_text(
-        f"0\nSECTION\n2\nHEADER\n{header}0\nENDSEC\n0\nSECTION\n2\n{entities}"
-    )
-    reading = read_mesh(tmp_path / "a.dxf")
-    assert np.ptp(reading.mesh.vertices, axis=0).tolist() == pytest.approx([2 * mm, mm, 0.0])
-
-
-def test_a_drawing_in_svg(tmp_path):
-    pytest.importorskip("svg.path")
-    shape = "M0 0 H40 V40 H0 Z"
-    (tmp_path / "a.svg").write_text(
-        f'<svg xmlns="http://www.w3.org/2000/svg"><path d="{shape}"/></svg>'
-    )
-    assert load_mesh(tmp_path / "a.svg").double_areas.sum() / 2 == pytest.approx(1600.0)
+def test_without_open3d_points_are_refused_and_it_is_named(monkeypatch):
+    monkeypatch.setitem(sys.modules, "open3d", None)
+    with pytest.raises(MeshError, match=r"point cloud.*pip install 'paint3d\[open3d\]'"):
+        surface_through(np.eye(3).repeat(20, axis=0))
 
 
 def test_what_is_missing_is_named_with_how_to_get_it(monkeypatch):
-    def missing(name):
-        raise ImportError(name)
-
-    monkeypatch.setattr(read_foreign, "import_module", missing)
-    with pytest.raises(MeshError, match=r'trimesh is missing; .* pip install "paint3d\[meshes\]"'):
-        read_foreign.read_foreign(b"", ".ctm")
-    monkeypatch.setattr(
-        read_foreign, "import_module", lambda name: trimesh if name == "trimesh" else missing(name)
-    )
-    with pytest.raises(MeshError, match=r"COLLADA .* collada is missing; .*paint3d\[meshes\]"):
-        read_foreign.read_foreign(b"", ".dae")
+    monkeypatch.setitem(sys.modules, "collada", None)
+    with pytest.raises(MeshError, match=r'collada is missing; .* pip install "paint3d\[meshes\]"'):
+        read_collada(b"<a/>")
 
 
-@pytest.mark.parametrize("suffix", sorted(FOREIGN))
+@pytest.mark.parametrize("suffix", [".dae", ".zae", ".xyz"])
 def test_rubbish_ends_in_one_line(tmp_path, suffix):
     path = tmp_path / f"a{suffix}"
     path.write_bytes(b"\x00rubbish \xff 1 2 3\n" * 3)
@@ -164,27 +106,12 @@ def test_a_damaged_package_ends_in_one_line(tmp_path, packing):
         load_mesh(tmp_path / "a.zae")
 
 
-def test_what_trimesh_finds_out_late_is_told_too(tmp_path):
-    """It asserts when its colours are asked for, long after it has read the file."""
-    path = tmp_path / "a.xaml"
-    path.write_text(
-        '<Viewport3D xmlns="http://schemas.microsoft.com/winfx/2006/xaml/presentation">'
-        "<ModelVisual3D><ModelVisual3D.Content><GeometryModel3D><GeometryModel3D.Geometry>"
-        '<MeshGeometry3D Positions="0,0,0 9,0,0 9,9,nan 0,9,4" '
-        'Normals="0,0,1 0,0,1 0,0,1 0,0,1" TriangleIndices="0,1,2,0,2,3"/>'
-        "</GeometryModel3D.Geometry></GeometryModel3D></ModelVisual3D.Content></ModelVisual3D>"
-        "</Viewport3D>"
-    )
-    with pytest.raises(MeshError, match="XAML is read by trimesh, which says: AssertionError"):
-        load_mesh(path, texture=True)
-
-
 def test_entities_are_refused(tmp_path):
-    bomb = '<!DOCTYPE a [<!ENTITY b SYSTEM "file:///etc/passwd">]>' + XAML
-    (tmp_path / "a.xaml").write_text(bomb)
-    with pytest.raises(MeshError, match=r"document type|entities"):
-        load_mesh(tmp_path / "a.xaml")
     pytest.importorskip("collada")
+    bomb = '<!DOCTYPE a [<!ENTITY b SYSTEM "file:///etc/passwd">]><a>&b;</a>'
+    (tmp_path / "a.dae").write_text(bomb)
+    with pytest.raises(MeshError, match=r"document type|entities"):
+        load_mesh(tmp_path / "a.dae")
     packed = io.BytesIO()
     with zipfile.ZipFile(packed, "w") as package:
         package.writestr("a.dae", bomb)
@@ -193,9 +120,11 @@ def test_entities_are_refused(tmp_path):
         load_mesh(tmp_path / "a.zae")
 
 
-def test_the_suffixes_are_known_everywhere():
-    assert tuple(FOREIGN) == FOREIGN_SUFFIXES
-    assert set(FOREIGN_SUFFIXES) <= set(MESH_SUFFIXES)
+@pytest.mark.parametrize("suffix", [".xaml", ".ctm", ".dxf", ".svg"])
+def test_what_is_no_longer_asked_for_is_told_from_what_is_unknown(tmp_path, suffix):
+    (tmp_path / f"a{suffix}").write_text("<a/>")
+    with pytest.raises(MeshError, match=r"(is not read \(Blender|is a flat drawing).*expected one"):
+        load_mesh(tmp_path / f"a{suffix}")
 
 
 def packed_by_draco(**changes) -> bytes:

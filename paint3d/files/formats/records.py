@@ -23,8 +23,8 @@ from numpy.typing import NDArray
 
 from paint3d.core.arrays import AnyArray, as_array
 from paint3d.errors import MeshError
-from paint3d.files.readers.contents import plain_text, read_contents
-from paint3d.files.readers.raw_mesh import parse_numbers
+from paint3d.files.contents import plain_text, read_contents
+from paint3d.files.raw_mesh import RawMesh, parse_numbers
 
 __all__ = [
     "Records",
@@ -32,6 +32,7 @@ __all__ = [
     "parse_records",
     "read_records",
     "read_records_here",
+    "read_records_mesh",
     "standing_place",
     "unpack_normals",
     "write_records",
@@ -272,3 +273,28 @@ def unpack_normals(codes: AnyArray) -> NDArray[np.float64]:
     normals = np.concatenate([unfolded, height[:, None]], axis=1)
     result: NDArray[np.float64] = normals / np.linalg.norm(normals, axis=1, keepdims=True)
     return result
+
+
+def read_records_mesh(data: bytes) -> RawMesh:
+    """Read the paper's records as a mesh: positions, normals, and the colours as its ground.
+
+    Without faces, as in the paper, it is a cloud of points with normals, and a surface is built
+    through them.
+
+    Raises
+    ------
+    MeshError
+        With the number of the line that is not as expected.
+    """
+    records = parse_records(data)
+    faces = np.empty((0, 3), np.int64) if records.faces is None else records.faces
+    announces = "" if records.faces is None else "faces"
+    return RawMesh.of_triangles(
+        records.vertices,
+        faces,
+        colours=records.srgb,
+        normals=records.normals,
+        unit_mm=1.0,
+        up="z",
+        announces=announces,
+    )

@@ -3,14 +3,23 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.errors import MeshError
-from paint3d.files.readers.contents import plain_text
-from paint3d.files.readers.raw_mesh import RawMesh, check_count, index_array, parse_numbers
-from paint3d.files.readers.vertex_colours import colour_codes
+from paint3d.files.colours import colour_codes
+from paint3d.files.contents import plain_text
+from paint3d.files.raw_mesh import (
+    FACE_COLOURS,
+    RawMesh,
+    check_count,
+    index_array,
+    left_out,
+    parse_numbers,
+    with_face_colours,
+)
 
 __all__ = ["read_off"]
 
@@ -18,10 +27,11 @@ KIND = re.compile(rb"(?i:(?P<kind>(ST)?C?N?OFF))(?=[\s\d]|$)")
 WITH_DIMENSION = re.compile(rb"(?i:(ST)?C?N?(4n?|n)OFF)\b")
 ROWS = {b"OFF": (3,), b"COFF": (7, 6), b"NOFF": (6,), b"CNOFF": (10, 9)}  # numbers of a vertex
 LEAST_VERTEX_BYTES, LEAST_FACE_BYTES = 6, 2
+GREY = 170  # two thirds: of faces without a colour among others with one
 
 
-def read_off(data: bytes) -> RawMesh:
-    """Read an OFF file; colours of faces are passed over.
+def read_off(data: bytes, texture: bool = False) -> RawMesh:
+    """Read an OFF file.
 
     The word OFF may be missing, as the format allows, and a face may go on in the next line.
 
@@ -29,6 +39,8 @@ def read_off(data: bytes) -> RawMesh:
     ----------
     data : bytes
         The whole file.
+    texture : bool
+        Whether colours of faces are wanted.
 
     Raises
     ------
@@ -45,7 +57,10 @@ def read_off(data: bytes) -> RawMesh:
         table, rest = _over_lines(rows, kind, n_vertices, n_faces)
     corners, sizes = _faces(rest)
     colours, notes = _colours(table) if kind == b"COFF" else (None, ())
-    return RawMesh(_columns(table, slice(0, 3)), corners, sizes, colours, notes=notes)
+    raw = RawMesh(_columns(table, slice(0, 3)), corners, sizes, colours, notes=notes)
+    codes, told = _face_colours(rest)
+    raw = replace(raw, notes=raw.notes + told)
+    return raw if codes is None else with_face_colours(raw, codes, texture)
 
 
 def _kind(lines: list[bytes]) -> tuple[bytes, list[bytes]]:
@@ -129,6 +144,34 @@ def _colours(table: list[list[bytes]]) -> tuple[NDArray[np.uint8] | None, tuple[
     rgb = _columns(table, slice(3, 6))
     whole = all(word.isdigit() for words in table for word in words[3:6])
     return colour_codes(rgb, 255 if whole else 1)
+
+
+def _face_colours(
+    table: list[list[bytes]],
+) -> tuple[NDArray[np.uint8] | None, tuple[str, ...]]:
+    """Return colours (P, 3) after the corners of faces: whole numbers to 255, or fractions to 1.
+
+    Faces without one are grey, as the format says, where others have some. A single number is a
+    place in a table that the viewer has; it is left out.
+    """
+    after = [row[1 + int(row[0]) :] for row in table]
+    coloured = np.array([len(words) >= 3 for words in after], np.bool_)
+    numbered = any(len(words) == 1 for words in after)
+    notes = left_out(["numbers of colours"]) if numbered else ()
+    if not coloured.any():
+        return None, notes
+    words = [word for row in after if len(row) >= 3 for word in row[:3]]
+    try:
+        rgb = parse_numbers(b" ".join(words), "a face").reshape(-1, 3)
+    except MeshError:  # words of no colour, after faces of somebody's dialect
+        return None, left_out([FACE_COLOURS])
+    codes, told = colour_codes(rgb, 255 if all(word.isdigit() for word in words) else 1)
+    notes += tuple(note.replace("vertex colours", FACE_COLOURS) for note in told)
+    if codes is None:
+        return None, notes
+    every = np.full((len(table), 3), GREY, np.uint8)
+    every[coloured] = codes
+    return every, notes
 
 
 def _faces(table: list[list[bytes]]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

@@ -1,4 +1,4 @@
-"""Wavefront OBJ: polygons, relative indices, colours after the position, continued lines."""
+"""Wavefront OBJ: polygons, relative indices, colours after the position, materials."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.errors import MeshError
-from paint3d.files.readers.contents import plain_text, read_beside
-from paint3d.files.readers.raw_mesh import RawMesh, index_array, left_out, parse_numbers
-from paint3d.files.readers.textures import REPEAT, Look, linear_from_srgb, open_picture
-from paint3d.files.readers.vertex_colours import colour_codes
+from paint3d.files.colours import REPEAT, Look, colour_codes, linear_from_srgb, open_picture
+from paint3d.files.contents import plain_text, read_beside
+from paint3d.files.formats.text_rows import UNIT_NAMES, text_rows
+from paint3d.files.raw_mesh import RawMesh, index_array, left_out, parse_numbers
 
-__all__ = ["ObjLooks", "names_materials", "obj_looks", "read_obj"]
+__all__ = ["ObjLooks", "names_materials", "obj_looks", "read_obj", "write_obj"]
 
 # ---- Materials -----------------------------------------------------------------------------------
 # Diffuse colours and pictures of OBJ materials (.mtl), face by face.
@@ -24,6 +24,7 @@ __all__ = ["ObjLooks", "names_materials", "obj_looks", "read_obj"]
 
 MAX_LIBRARY = 1 << 26
 OPTIONS = {"-s": 3, "-o": 3, "-t": 3, "-mm": 2, "-bm": 1, "-texres": 1, "-clamp": 1, "-boost": 1}
+NUMBERED = ("-s", "-o", "-t")
 OPTIONS |= {"-blendu": 1, "-blendv": 1, "-cc": 1, "-imfchan": 1, "-type": 1}  # and their words
 
 
@@ -45,6 +46,8 @@ class Material:
     diffuse: tuple[float, float, float] = (1.0, 1.0, 1.0)
     picture: NDArray[np.uint8] | None = None
     clamped: bool = False
+    scale: tuple[float, float] = (1.0, 1.0)
+    offset: tuple[float, float] = (0.0, 0.0)
 
     def look(self) -> Look:
         """What is seen of it."""
@@ -100,8 +103,11 @@ def obj_looks(lines: Sequence[bytes], sizes: NDArray[np.int64], folder: Path) ->
     written = [line[3:].split()[:2] for line in lines if line[:3] == b"vt "]
     table = [[*map(float, words), 0.0, 0.0][:2] for words in written]
     known = np.array([*table, [np.nan, np.nan]], np.float64)
-    known = known * (1.0, -1.0) + (0.0, 1.0)  # OBJ counts from the lower left
     uv = known[np.where(places < len(table), places, -1)]
+    of_corner = np.repeat(look_of, sizes)
+    for k, material in enumerate(materials.values()):
+        uv[of_corner == k] = uv[of_corner == k] * material.scale + material.offset
+    uv = uv * (1.0, -1.0) + (0.0, 1.0)  # OBJ counts from the lower left
     looks = tuple(material.look() for material in materials.values())
     return ObjLooks(looks, look_of, uv, *told)
 
@@ -161,20 +167,24 @@ def _read_library(
     material = Material()
     for line in text.split(b"\n"):
         words = line.split()
-        if words[:1] == [b"newmtl"]:
+        kind = words[0].lower() if words else b""
+        if kind == b"newmtl":
             material = materials.setdefault(line.strip()[6:].strip(), Material())
-        elif words[:1] == [b"Kd"] and len(words) >= 4:
+        elif kind == b"kd" and len(words) >= 4:
             material.diffuse = _diffuse(words[1:4], material.diffuse)
-        elif words[:1] == [b"map_Kd"]:
+        elif kind == b"map_kd":
             try:
-                picture = open_picture(read_beside(folder, _picture_name(words[1:], line)))
-                material.picture = picture
-                material.clamped = b"-clamp on" in line
+                name, options = _picture_name(words[1:], line)
+                material.picture = open_picture(read_beside(folder, name))
             except MeshError as cause:
                 notes.append(f"a texture is left out: {cause}")
-        elif words and words[0].lower() in LEFT_OUT:
-            dropped.add(LEFT_OUT[words[0].lower()])
-        elif words[:1] == [b"d"] and _part(words[1:2]) < 1.0:
+                continue
+            material.clamped = options.get("-clamp", [b"off"])[:1] == [b"on"]
+            material.scale = _pair(options.get("-s", []), 1.0)
+            material.offset = _pair(options.get("-o", []), 0.0)
+        elif kind in LEFT_OUT:
+            dropped.add(LEFT_OUT[kind])
+        elif kind == b"d" and _part(words[1:2]) < 1.0:
             dropped.add("transparency")
 
 
@@ -195,20 +205,44 @@ def _diffuse(
     return (red, green, blue) if np.isfinite((red, green, blue)).all() else otherwise
 
 
-def _picture_name(words: list[bytes], line: bytes) -> str:
-    """Return the file name after a map's options; it may hold spaces."""
-    at = 0
-    while at < len(words) and words[at].decode("ascii", "replace") in OPTIONS:
-        at += 1 + OPTIONS[words[at].decode("ascii")]
+def _picture_name(words: list[bytes], line: bytes) -> tuple[str, dict[str, list[bytes]]]:
+    """Return the file name after a map's options, which may hold spaces, and the options."""
+    at, options = 0, dict[str, list[bytes]]()
+    while at < len(words) and (option := words[at].decode("ascii", "replace").lower()) in OPTIONS:
+        at += 1
+        first = at
+        if option in NUMBERED:  # one to three numbers: many programs leave out the last
+            while at < min(len(words) - 1, first + OPTIONS[option]) and _is_number(words[at]):
+                at += 1
+        else:
+            at += OPTIONS[option]
+        options[option] = words[first:at]
     if at >= len(words):
         raise MeshError(f"it names no picture in {line[:60]!r}")
-    return _name(line[line.find(words[at], len(b"map_Kd")) :])
+    return _name(line.split(None, 1 + at)[1 + at]), options
+
+
+def _is_number(word: bytes) -> bool:
+    try:
+        float(word)
+    except ValueError:
+        return False
+    return True
+
+
+def _pair(words: list[bytes], default: float) -> tuple[float, float]:
+    """Return the numbers along width and height; `default` where they are not said."""
+    found = [float(word) for word in words[:2]]
+    u, v = [x if np.isfinite(x) else default for x in [*found, default, default][:2]]
+    return u, v
 
 
 # --------------------------------------------------------------------------------------------------
 
 
-COLOUR_COLUMN = {6: 3, 7: 4}  # numbers in a vertex line: where red stands (7: after a weight)
+COLOURED = (6, 7, 8)  # numbers of a vertex line with a colour
+OPAQUE = (1.0, 255.0)
+POLYPAINT = re.compile(rb"^[ \t]*#MRGB[ \t]+([0-9a-fA-F]+)", re.MULTILINE)
 NO_POINTS = {
     b"l": "lines",
     b"curv": "curves, which are not read",
@@ -243,6 +277,9 @@ def read_obj(data: bytes, folder: Path, texture: bool = False) -> RawMesh:
     vertex_lines = [line[2:] for line in lines if line[:2] == b"v "]
     face_lines = [line[2:] for line in lines if line[:2] == b"f "]
     vertices, colours, notes = _vertices(vertex_lines)
+    if colours is None:
+        colours, told = _polypaint(data, len(vertices))
+        notes += told
     sizes = np.array([len(line.split()) for line in face_lines], np.int64)
     corners = index_array(
         parse_numbers(ATTRIBUTES.sub(b"", b"\n".join(face_lines)), "a face"), "a face"
@@ -290,10 +327,12 @@ def _vertices(
     first = np.cumsum(widths) - widths
     vertices = numbers[first[:, None] + np.arange(3)]
     rgb = np.empty((len(lines), 3))
-    for width, column in COLOUR_COLUMN.items():
+    for width in COLOURED:
         rows = np.flatnonzero(widths == width)
-        rgb[rows] = numbers[first[rows, None] + column + np.arange(3)]
-    coloured = np.isin(widths, list(COLOUR_COLUMN))
+        table = numbers[first[rows, None] + np.arange(width)]
+        column = _colour_column(table)
+        rgb[rows] = table[:, column : column + 3]
+    coloured = np.isin(widths, COLOURED)
     if not coloured.any():
         return vertices, None, ()
     codes, notes = colour_codes(rgb[coloured])
@@ -302,6 +341,31 @@ def _vertices(
     colours = np.full((len(lines), 3), 255, np.uint8)
     colours[coloured] = codes
     return vertices, colours, notes
+
+
+def _colour_column(table: NDArray[np.float64]) -> int:
+    """Return where red stands in vertex lines of 6, 7 or 8 numbers.
+
+    Eight are a weight, a colour and its opacity after the position. Seven may be a colour with an
+    opacity, which is then the same everywhere, or a colour after a weight of 1.
+    """
+    width = table.shape[1]
+    if width != 7 or not len(table):
+        return 4 if width == 8 else 3
+    is_opaque = table[0, 6] in OPAQUE and (table[:, 6] == table[0, 6]).all()
+    is_weighted = bool((table[:, 3] == 1.0).all())
+    return 4 if is_weighted and not is_opaque else 3
+
+
+def _polypaint(data: bytes, n: int) -> tuple[NDArray[np.uint8] | None, tuple[str, ...]]:
+    """Return the colours (n, 3) that ZBrush writes as comments: MMRRGGBB for each vertex."""
+    digits = b"".join(POLYPAINT.findall(plain_text(data))) if b"#MRGB" in data else b""
+    if not digits:
+        return None, ()
+    if len(digits) != 8 * n:
+        return None, left_out([f"its polypaint, of {len(digits) // 8:,} vertices instead of {n:,}"])
+    codes = np.frombuffer(bytes.fromhex(digits.decode("ascii")), np.uint8).reshape(n, 4)
+    return codes[:, 1:].copy(), ()
 
 
 def _passed_over(lines: Sequence[bytes]) -> set[str]:
@@ -329,3 +393,50 @@ def _vertices_before_faces(lines: Sequence[bytes]) -> NDArray[np.int64]:
     kind = np.array([1 if line[:2] == b"v " else 2 if line[:2] == b"f " else 0 for line in lines])
     result: NDArray[np.int64] = np.cumsum(kind == 1)[kind == 2]
     return result
+
+
+# ---- Writing -------------------------------------------------------------------------------------
+
+
+def write_obj(
+    path: Path,
+    vertices: NDArray[np.float32],
+    faces: NDArray[np.int32],
+    normals: NDArray[np.float32],
+    srgb: NDArray[np.uint8],
+    *,
+    name: str = "painting",
+    unit: str = "mm",
+) -> None:
+    """Write ``v x y z r g b`` (sRGB 0 to 1), ``vn`` and ``f v//vn`` lines.
+
+    Parameters
+    ----------
+    path : Path
+    vertices : (V, 3) float32
+    faces : (F, 3) int32
+    normals : (V, 3) float32, unit
+    srgb : (V, 3) uint8
+    name : str
+        Of the object.
+    unit : {"mm", "cm", "m", "in"}
+        What the vertices are in, for the comment on top; the format itself has no unit.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be written.
+    """
+    points = np.concatenate([vertices, np.divide(srgb, 255, dtype=np.float32)], axis=1)
+    with open(path, "wb") as file:
+        head = f"# paint3d: {UNIT_NAMES[unit]}, vertex colours sRGB 0 to 1\no {_word(name)}\n"
+        file.write(head.encode("ascii"))
+        file.writelines(text_rows("v {f0} {f1} {f2} {f3} {f4} {f5}\n", points))
+        file.writelines(text_rows("vn {f0} {f1} {f2}\n", normals))
+        corners = "f {i0}//{i0} {i1}//{i1} {i2}//{i2}\n"
+        file.writelines(text_rows(corners, integers=faces + np.int32(1)))
+
+
+def _word(name: str) -> str:
+    """Return a name as one printable ASCII word."""
+    return "".join(c if c.isascii() and c.isalnum() else "_" for c in name) or "painting"

@@ -16,15 +16,13 @@ from numpy.typing import NDArray
 
 from paint3d.core.arrays import AnyArray
 from paint3d.errors import MeshError
-from paint3d.files.readers.raw_mesh import RawMesh, left_out
-from paint3d.files.readers.textures import MAX_PIXELS, Look, linear_from_srgb
-from paint3d.files.readers.vertex_colours import colour_codes
+from paint3d.files.colours import MAX_PIXELS, Look, colour_codes, linear_from_srgb
+from paint3d.files.raw_mesh import RawMesh, left_out, with_face_colours
 
 __all__ = ["package_class", "read_object", "read_trimesh"]
 
 _COLOURS = ("srgb", "RGB", "RGBA", "rgb", "rgba", "colors", "Colors")  # arrays of a PolyData
 _PICTURES = "its colours and pictures"
-_FACE_COLOURS = "colours of its faces"
 
 
 def package_class(found: object) -> str | None:
@@ -90,7 +88,7 @@ def _one_trimesh(mesh: Any, texture: bool) -> RawMesh:
     if kind == "vertex":
         return replace(raw, colours=_codes(look.vertex_colors))
     if kind == "face":
-        return _with_faces_coloured(raw, _codes(look.face_colors), texture)
+        return with_face_colours(raw, _codes(look.face_colors), texture)
     if kind != "texture":
         return raw
     if not texture:
@@ -180,7 +178,7 @@ def _read_open3d_tensor(found: Any, texture: bool) -> RawMesh:
         return replace(raw, colours=colours, notes=(*notes, *told))
     if "colors" in of_faces:
         codes, told = colour_codes(of_faces["colors"])
-        raw = raw if codes is None else _with_faces_coloured(raw, codes, texture)
+        raw = raw if codes is None else with_face_colours(raw, codes, texture)
         return replace(raw, notes=(*raw.notes, *notes, *told))
     return replace(raw, notes=notes)
 
@@ -207,7 +205,7 @@ def _read_polydata(found: Any, texture: bool) -> RawMesh:
         return raw
     first = int(mesh.n_verts + mesh.n_lines)  # a PolyData counts points, lines, then polygons
     codes = _codes(of_faces)[first : first + len(sizes)]
-    return _with_faces_coloured(raw, codes, texture)
+    return with_face_colours(raw, codes, texture)
 
 
 def _polygons_of(padded: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
@@ -242,19 +240,6 @@ def _array_of_colours(data: Any) -> AnyArray | None:
 def _codes(colours: Any) -> NDArray[np.uint8]:
     """Codes (N, 3) of uint8 colours with or without a share that is seen through."""
     return np.ascontiguousarray(np.asarray(colours)[:, :3], np.uint8)
-
-
-def _with_faces_coloured(raw: RawMesh, codes: NDArray[np.uint8], texture: bool) -> RawMesh:
-    """Give polygons colours (P, 3), where colours of faces are wanted."""
-    if not texture:
-        return replace(raw, notes=(*raw.notes, *left_out([_FACE_COLOURS])))
-    return replace(
-        raw,
-        looks=(Look(),),
-        look_of=np.zeros(len(raw.sizes), np.int64),
-        uv=np.full((len(raw.corners), 2), np.nan),
-        corner_colours=np.repeat(codes, raw.sizes, axis=0),
-    )
 
 
 def _joined(raws: Sequence[RawMesh]) -> RawMesh:

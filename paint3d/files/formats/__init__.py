@@ -1,0 +1,1 @@
+"""The formats of files: each reads and writes, and shares its tables."""

@@ -1,0 +1,99 @@
+"""COLLADA (.dae, and .zae, a ZIP of it), read by trimesh and pycollada.
+
+They are imported here, in the child process, and given bytes: a file that refers to others gets
+none of them.
+"""
+
+from __future__ import annotations
+
+import io
+import zipfile
+from collections.abc import Iterator
+from dataclasses import replace
+from importlib import import_module
+from typing import Any
+from xml.etree import ElementTree
+
+from paint3d.core.foreign_xml import XmlFault, parse_xml
+from paint3d.errors import MeshError
+from paint3d.files.package_meshes import read_trimesh
+from paint3d.files.raw_mesh import RawMesh
+
+__all__ = ["read_collada"]
+
+DEEPEST = 512  # elements nested in one another
+MOST_BYTES = 1 << 28  # of an unpacked archive
+UP = {"X_UP": "x", "Y_UP": "y", "Z_UP": "z"}
+
+
+def read_collada(data: bytes, texture: bool = False) -> RawMesh:
+    """Read a COLLADA document, plain or packed, with its unit and the axis that is up.
+
+    Parameters
+    ----------
+    data : bytes
+        The whole file; what begins with "PK" is a ZIP.
+    texture : bool
+        Whether to take colours of materials; pictures beside the file are left out.
+
+    Raises
+    ------
+    MeshError
+        If pycollada is missing, the XML declares entities, or there is nothing to paint on.
+    """
+    trimesh = _package("trimesh")
+    _package("collada")
+    packed = data[:2] == b"PK"
+    up = None
+    for root in _packed_documents(data) if packed else (_document(data),):
+        up = up or _up_of(root)
+    try:
+        found = trimesh.load_scene(io.BytesIO(data), file_type="zae" if packed else "dae")
+        raw = read_trimesh(found, texture)  # looks at what was only noted down until now
+    except MeshError:
+        raise
+    except Exception as cause:  # of any kind: its readers trust what they read
+        words = " ".join(str(cause).split()) or type(cause).__name__
+        raise MeshError(f"COLLADA is read by trimesh, which says: {words:.200}") from None
+    return replace(raw, up=up or "y")  # as COLLADA says where a file does not
+
+
+def _package(module: str) -> Any:
+    try:
+        return import_module(module)
+    except ImportError:
+        raise MeshError(
+            f"COLLADA is read by trimesh, and {module} is missing; expected it installed: "
+            'pip install "paint3d[meshes]" (or the object in a format that needs nothing, '
+            "such as .glb)"
+        ) from None
+
+
+def _document(data: bytes) -> ElementTree.Element:
+    try:
+        return parse_xml(data, DEEPEST, doctypes=False)
+    except XmlFault as fault:
+        raise MeshError(f"it is not COLLADA that is read: {fault}") from None
+
+
+def _packed_documents(data: bytes) -> Iterator[ElementTree.Element]:
+    """Yield every XML in an archive, after a look that it declares no entities."""
+    try:
+        with zipfile.ZipFile(io.BytesIO(data)) as package:
+            if sum(entry.file_size for entry in package.infolist()) > MOST_BYTES:
+                raise MeshError(f"it unpacks to more than {MOST_BYTES:,} bytes; expected less")
+            for entry in package.infolist():
+                content = package.read(entry)
+                if content.lstrip(b"\xef\xbb\xbf \t\r\n")[:1] == b"<":
+                    yield _document(content)
+    except MeshError:
+        raise
+    except Exception as cause:  # of any kind: every packing has its own
+        raise MeshError(f"packed COLLADA is a ZIP, which cannot be unpacked: {cause}") from None
+
+
+def _up_of(root: ElementTree.Element) -> str | None:
+    for element in root.iter():
+        if element.tag.rpartition("}")[2] == "up_axis":
+            return UP.get((element.text or "").strip())
+    return None

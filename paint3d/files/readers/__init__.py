@@ -1,1 +1,0 @@
-"""Reading meshes and their looks, format by format."""

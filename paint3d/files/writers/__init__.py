@@ -1,1 +1,0 @@
-"""Writing painted objects, format by format."""

@@ -1,0 +1,350 @@
+"""Colours as other programs write them: each is read, or a note says that it is left out."""
+
+import base64
+import io
+import json
+import struct
+import zipfile
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from paint3d.errors import MeshError
+from paint3d.files.reading import Wanted, read_surface
+
+RED, BLUE = (200, 30, 30), (30, 30, 200)
+SQUARE = np.array([(0, 0, 0), (9, 0, 0), (9, 9, 0), (0, 9, 0)], float)
+HALVES = np.array([(0, 1, 2), (0, 2, 3)])
+FACES = "left out: colours of faces"
+
+
+def read(tmp_path, name, content, texture=True):
+    path = tmp_path / name
+    path.write_bytes(content if isinstance(content, bytes) else content.encode())
+    return read_surface(path, Wanted(texture=texture))
+
+
+def codes(reading):
+    """The distinct colours of a mesh."""
+    return {tuple(row) for row in reading.mesh.colours.tolist()}
+
+
+# -- OBJ -----------------------------------------------------------------------------------------
+
+
+def obj(tails, comments=""):
+    lines = [f"v {x:g} {y:g} {z:g} {tail}" for (x, y, z), tail in zip(SQUARE, tails, strict=True)]
+    return "\n".join([*lines, comments, "f 1 2 3", "f 1 3 4"]) + "\n"
+
+
+@pytest.mark.parametrize(
+    "tail",
+    [
+        "1 0 0",
+        "255 0 0",
+        "1 0 0 1",  # with an opacity
+        "255 0 0 255",
+        "1 1 0 0",  # after a weight
+        "1 1 0 0 1",  # both
+    ],
+)
+def test_vertex_lines_of_any_length_have_their_colour(tmp_path, tail):
+    reading = read(tmp_path, "a.obj", obj([tail] * 4), texture=False)
+    assert codes(reading) == {(255, 0, 0)}
+
+
+def test_weights_are_told_from_opacities_by_what_stays_the_same(tmp_path):
+    opaque = obj(["1 0 0 1", "0 1 0 1", "1 0 0 1", "0 1 0 1"])
+    assert codes(read(tmp_path, "a.obj", opaque)) == {(255, 0, 0), (0, 255, 0)}
+    weighted = obj(["1 1 0 0", "1 0 0 1", "1 1 0 0", "1 0 0 1"])
+    assert codes(read(tmp_path, "b.obj", weighted)) == {(255, 0, 0), (0, 0, 255)}
+
+
+def test_polypaint_is_read_over_several_lines(tmp_path):
+    paint = "#MRGB ffc81e1eff1e1ec8\r\n #MRGB FFC81E1EFF1E1EC8"
+    assert codes(read(tmp_path, "a.obj", obj([""] * 4, paint), texture=False)) == {RED, BLUE}
+
+
+def test_polypaint_of_another_mesh_is_told(tmp_path):
+    reading = read(tmp_path, "a.obj", obj([""] * 4, "#MRGB ffc81e1e"))
+    assert reading.mesh.colours is None
+    assert reading.notes == ("left out: its polypaint, of 1 vertices instead of 4",)
+
+
+def picture():
+    """Red at the left, blue at the right."""
+    file = io.BytesIO()
+    image = np.array([[RED] * 8 + [BLUE] * 8] * 16, np.uint8)
+    Image.fromarray(image).save(file, "PNG")
+    return file.getvalue()
+
+
+@pytest.mark.parametrize(
+    ("options", "left_to_right"),
+    [
+        ("", [RED, RED, BLUE, BLUE]),
+        ("-s 2 1 1", [RED, BLUE, RED, BLUE]),
+        ("-s 2", [RED, BLUE, RED, BLUE]),  # a third or second number may be missing
+        ("-o 0.5 0", [BLUE, BLUE, RED, RED]),
+        ("-O 0.5 0 0 -clamp off", [BLUE, BLUE, RED, RED]),
+        ("-clamp on -o 0.5 0 0", [BLUE, BLUE, BLUE, BLUE]),
+        ("-bm 1 -s 2 1 1 -mm 0 1", [RED, BLUE, RED, BLUE]),
+    ],
+)
+@pytest.mark.parametrize("key", ["map_Kd", "map_kd"])
+def test_a_map_is_scaled_moved_and_clamped(tmp_path, options, left_to_right, key):
+    (tmp_path / "a picture.png").write_bytes(picture())
+    (tmp_path / "a.mtl").write_text(f"newmtl a\n{key} {options} a picture.png\n")
+    text = "mtllib a.mtl\nusemtl a\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n"
+    text += "".join(f"v {10 * x:g} {10 * y:g} 0\n" for x, y, _ in SQUARE)
+    reading = read(tmp_path, "a.obj", text + "f 1/1 2/2 3/3 4/4\n")
+    x = reading.mesh.vertices[:, 0]
+    for k, wanted in enumerate(left_to_right):
+        inside = np.abs(x - 90.0 * (k + 0.5) / 4) < 8.0
+        if not inside.any():  # of one colour all over: not made finer
+            inside = np.ones(len(x), np.bool_)
+        np.testing.assert_allclose(np.median(reading.mesh.colours[inside], axis=0), wanted, atol=4)
+
+
+def test_one_normal_of_no_length_drops_no_others(tmp_path):
+    text = "ply\nformat ascii 1.0\nelement vertex 4\n"
+    text += "".join(f"property float {name}\n" for name in ("x", "y", "z", "nx", "ny", "nz"))
+    text += "element face 2\nproperty list uchar int vertex_indices\nend_header\n"
+    for k, (x, y, z) in enumerate(SQUARE):
+        text += f"{x} {y} {z} " + ("0 0 0\n" if k == 1 else "0.6 0 0.8\n")
+    reading = read(tmp_path, "a.ply", text + "3 0 1 2\n3 0 2 3\n")
+    wanted = [(0.6, 0, 0.8), (0, 0, 1), (0.6, 0, 0.8), (0.6, 0, 0.8)]
+    np.testing.assert_allclose(reading.mesh.normals, wanted, atol=1e-6)
+
+
+# -- PLY -----------------------------------------------------------------------------------------
+
+
+def ply(properties, rows):
+    head = f"ply\nformat ascii 1.0\nelement vertex 4\n{properties}element face 2\n"
+    head += "property list uchar int vertex_indices\nend_header\n"
+    table = "".join(
+        f"{x:g} {y:g} {z:g} {row}\n" for (x, y, z), row in zip(SQUARE, rows, strict=True)
+    )
+    return head + table + "3 0 1 2\n3 0 2 3\n"
+
+
+XYZ = "property float x\nproperty float y\nproperty float z\n"
+
+
+@pytest.mark.parametrize(
+    ("properties", "row"),
+    [
+        ("".join(f"property uchar {c}\n" for c in "rgb"), "200 30 30"),
+        ("".join(f"property uchar {c}\n" for c in "rgba"), "200 30 30 255"),
+        ("".join(f"property uint {c}\n" for c in ("red", "green", "blue")), "200 30 30"),
+        ("".join(f"property ushort {c}\n" for c in ("red", "green", "blue")), "200 30 30"),
+        ("property list uchar uchar rgb\n", "3 200 30 30"),
+        ("property list uchar uchar colors\n", "4 200 30 30 255"),
+    ],
+)
+def test_columns_and_lists_of_colours(tmp_path, properties, row):
+    assert codes(read(tmp_path, "a.ply", ply(XYZ + properties, [row] * 4))) == {RED}
+
+
+def test_lists_of_colours_of_faces(tmp_path):
+    text = ply(XYZ, [""] * 4).replace(
+        "vertex_indices\n", "vertex_indices\nproperty list uchar uchar rgba\n"
+    )
+    text = text.replace("3 0 1 2\n3 0 2 3\n", "3 0 1 2 4 200 30 30 255\n3 0 2 3 4 30 30 200 255\n")
+    assert {RED, BLUE} <= codes(read(tmp_path, "a.ply", text))
+    assert read(tmp_path, "a.ply", text, texture=False).notes == (FACES,)
+
+
+def test_gaussian_splats_have_their_first_harmonic_for_a_colour(tmp_path):
+    names = "".join(f"property float f_dc_{k}\n" for k in range(3))
+    rows = ["1.0 -0.5 100"] * 4
+    reading = read(tmp_path, "a.ply", ply(XYZ + names, rows))
+    assert codes(reading) == {(199, 92, 255)}  # 0.5 + 0.2821 f_dc, limited to 1
+    assert reading.notes == ("its Gaussian splats are taken as points",)
+
+
+# -- STL and OFF ---------------------------------------------------------------------------------
+
+
+def stl(attributes, header=b""):
+    body = b"".join(
+        struct.pack("<12fH", 0, 0, 1, *SQUARE[corners].ravel(), attribute)
+        for corners, attribute in zip(HALVES, attributes, strict=True)
+    )
+    return header.ljust(80, b" ") + struct.pack("<I", len(HALVES)) + body
+
+
+def five_bits(low, middle, high):
+    return low | middle << 5 | high << 10
+
+
+@pytest.mark.parametrize(
+    ("header", "attributes", "wanted"),
+    [
+        (b"", [0x8000 | five_bits(0, 0, 31)] * 2, {(255, 0, 0)}),  # VisCAM: blue is lowest
+        (b"", [0x8000 | five_bits(31, 0, 0), 0], {(0, 0, 255), (255, 255, 255)}),
+        (b"COLOR=\xc8\x1e\x1e\xff", [0x8000] * 2, {RED}),  # Magics: all as the whole
+        (b"x COLOR=\xc8\x1e\x1e\xff", [five_bits(31, 0, 0)] * 2, {(255, 0, 0)}),  # red is lowest
+        (b"COLOR=\xc8\x1e\x1e\xff", [five_bits(0, 0, 31), 0x8000], {(0, 0, 255), RED}),
+    ],
+)
+def test_both_kinds_of_facet_colours(tmp_path, header, attributes, wanted):
+    assert wanted <= codes(read(tmp_path, "a.stl", stl(attributes, header)))
+    plain = read(tmp_path, "a.stl", stl(attributes, header), texture=False)
+    assert plain.mesh.colours is None
+    assert plain.notes == (FACES,)
+
+
+def test_attributes_that_say_no_colour_say_nothing(tmp_path):
+    reading = read(tmp_path, "a.stl", stl([0, 0x7FFF]))
+    assert reading.mesh.colours is None
+    assert reading.notes == ()
+
+
+@pytest.mark.parametrize(
+    ("tails", "wanted"),
+    [
+        (["200 30 30", "30 30 200"], {RED, BLUE}),
+        (["200 30 30 255", "30 30 200 255"], {RED, BLUE}),
+        (["1.0 0.0 0.0", "0.0 0.0 1.0 0.5"], {(255, 0, 0), (0, 0, 255)}),
+        (["200 30 30", ""], {RED, (170, 170, 170)}),
+    ],
+)
+def test_colours_of_off_faces(tmp_path, tails, wanted):
+    text = "OFF\n4 2 0\n" + "".join(f"{x:g} {y:g} {z:g}\n" for x, y, z in SQUARE)
+    text += "".join(
+        f"3 {a} {b} {c} {tail}\n" for (a, b, c), tail in zip(HALVES, tails, strict=True)
+    )
+    assert wanted <= codes(read(tmp_path, "a.off", text))
+    assert read(tmp_path, "a.off", text, texture=False).notes == (FACES,)
+
+
+def test_numbers_of_colours_and_words_of_a_dialect_are_told(tmp_path):
+    text = "OFF\n4 2 0\n" + "".join(f"{x:g} {y:g} {z:g}\n" for x, y, z in SQUARE)
+    reading = read(tmp_path, "a.off", text + "3 0 1 2 7\n3 0 2 3 8\n")
+    assert reading.notes == ("left out: numbers of colours",)
+    reading = read(tmp_path, "a.off", text + "3 0 1 2 a b c\n3 0 2 3 a b c\n")
+    assert reading.notes == (FACES,)
+
+
+# -- 3MF -----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("attribute", ["paint_color", "slic3rpe:mmu_segmentation"])
+def test_what_was_painted_in_a_slicer_is_told(tmp_path, attribute):
+    core = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
+    points = "".join(f'<vertex x="{x}" y="{y}" z="{z}"/>' for x, y, z in SQUARE)
+    faces = "".join(f'<triangle v1="{a}" v2="{b}" v3="{c}" {attribute}="8"/>' for a, b, c in HALVES)
+    model = (
+        f'<model xmlns="{core}" xmlns:slic3rpe="http://schemas.slic3r.org/3mf/2017/06"><resources>'
+        f'<object id="1"><mesh><vertices>{points}</vertices><triangles>{faces}</triangles></mesh>'
+        '</object></resources><build><item objectid="1"/></build></model>'
+    )
+    kind = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"
+    relations = f'<Relationships><Relationship Type="{kind}" Target="/a.model"/></Relationships>'
+    file = io.BytesIO()
+    with zipfile.ZipFile(file, "w") as package:
+        package.writestr("_rels/.rels", relations)
+        package.writestr("a.model", model)
+    reading = read(tmp_path, "a.3mf", file.getvalue(), texture=False)
+    assert reading.notes == ("left out: colours painted in a slicer",)
+
+
+# -- glTF ----------------------------------------------------------------------------------------
+
+
+def gltf(nodes=None, required=(), **more):
+    places = np.array([(0, 0, 0), (1, 0, 0), (0, 0, 1)], "<f4")
+    moves = np.array([(0, 0, 0), (5, 0, 0)], "<f4")
+    turns = np.array([(0, 0, 0, 1), (0, np.sqrt(0.5), 0, np.sqrt(0.5))], "<f4")
+    uv = np.array([(0.1, 0.5)] * 3, "<f4")
+    arrays = [places, moves, turns, uv]
+    starts = np.cumsum([0, *(a.nbytes for a in arrays)])
+    data = b"".join(a.tobytes() for a in arrays)
+    document = {
+        "asset": {"version": "2.0"},
+        "extensionsRequired": list(required),
+        "scenes": [{"nodes": list(range(len(nodes or [0])))}],
+        "nodes": nodes or [{"mesh": 0}],
+        "meshes": [
+            {"primitives": [{"attributes": {"POSITION": 0, "TEXCOORD_0": 3}, "material": 0}]}
+        ],
+        "materials": [{}],
+        "buffers": [
+            {"byteLength": len(data), "uri": "data:;base64," + base64.b64encode(data).decode()}
+        ],
+        "bufferViews": [
+            {"buffer": 0, "byteOffset": int(at), "byteLength": a.nbytes}
+            for at, a in zip(starts, arrays, strict=False)
+        ],
+        "accessors": [
+            {"bufferView": k, "componentType": 5126, "count": len(a), "type": f"VEC{a.shape[1]}"}
+            for k, a in enumerate(arrays)
+        ],
+        **more,
+    }
+    return json.dumps(document)
+
+
+@pytest.mark.parametrize("name", ["EXT_who_knows", "KHR_gaussian_splatting", "MSFT_lod"])
+def test_an_extension_that_is_required_and_unknown_is_refused_by_name(tmp_path, name):
+    with pytest.raises(MeshError, match=f"it requires the extension '{name}', which is not read"):
+        read(tmp_path, "a.gltf", gltf(required=[name]))
+
+
+def test_extensions_that_are_known_or_of_materials_alone_may_be_required(tmp_path):
+    names = ["KHR_mesh_quantization", "KHR_materials_unlit", "KHR_texture_transform"]
+    assert read(tmp_path, "a.gltf", gltf(required=names)).mesh.n_faces == 1
+
+
+def test_a_mesh_that_is_repeated_stands_in_every_place(tmp_path):
+    name = "EXT_mesh_gpu_instancing"
+    repeated = {name: {"attributes": {"TRANSLATION": 1, "ROTATION": 2}}}
+    nodes = [{"mesh": 0, "translation": [0, 2, 0], "extensions": repeated}]
+    mesh = read(tmp_path, "a.gltf", gltf(nodes, [name])).mesh
+    assert mesh.n_faces == 2
+    once = [(0, 0, 2000), (1000, 0, 2000), (0, -1000, 2000)]  # z is up: (x, -z, y), mm
+    turned = [(5000, 0, 2000), (5000, 1000, 2000), (6000, 0, 2000)]
+    np.testing.assert_allclose(mesh.vertices, once + turned, atol=1e-3)
+
+
+def test_hidden_parts_are_left_out_with_what_hangs_on_them(tmp_path):
+    hidden = {"KHR_node_visibility": {"visible": False}}
+    nodes = [{"mesh": 0}, {"extensions": hidden, "mesh": 0, "children": [2]}, {"mesh": 0}]
+    document = gltf(nodes, scenes=[{"nodes": [0, 1]}])
+    reading = read(tmp_path, "a.gltf", document)
+    assert reading.mesh.n_faces == 1
+    assert reading.notes == ("left out: hidden parts",)
+
+
+def test_specular_materials_have_their_diffuse_colour(tmp_path):
+    glossy = {"KHR_materials_pbrSpecularGlossiness": {"diffuseFactor": [1, 0, 0, 1]}}
+    document = gltf(materials=[{"extensions": glossy}])
+    reading = read(tmp_path, "a.gltf", document)
+    assert codes(reading) == {(255, 0, 0)}
+    assert reading.notes == ()
+    glossy["KHR_materials_pbrSpecularGlossiness"]["specularGlossinessTexture"] = {"index": 0}
+    reading = read(tmp_path, "a.gltf", gltf(materials=[{"extensions": glossy}]))
+    assert reading.notes == ("left out: metal and gloss from a picture",)
+
+
+def textured(texture):
+    file = io.BytesIO()
+    Image.fromarray(np.full((4, 4, 3), RED, np.uint8)).save(file, "WEBP", lossless=True)
+    uri = "data:image/webp;base64," + base64.b64encode(file.getvalue()).decode()
+    surface = {"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}
+    return gltf(materials=[surface], textures=[texture], images=[{"uri": uri}])
+
+
+def test_webp_pictures_are_read(tmp_path):
+    texture = {"extensions": {"EXT_texture_webp": {"source": 0}}}
+    assert codes(read(tmp_path, "a.gltf", textured(texture))) == {RED}
+
+
+def test_pictures_in_another_packing_are_told(tmp_path):
+    texture = {"extensions": {"KHR_texture_basisu": {"source": 0}}}
+    reading = read(tmp_path, "a.gltf", textured(texture))
+    why = "it is packed by KHR_texture_basisu, which is not read"
+    assert reading.notes == (f"a texture is left out: {why}",)
