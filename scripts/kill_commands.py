@@ -68,10 +68,10 @@ COMMANDS = {
     ),
     "film": Case(
         ("replay", "r.jsonl.gz", "--on", "plane", "--film", "film.webp", "--out", "film.ply",
-         "--film-size", "160x120", "--fps", "4", "--force"), ("film.webp", "film.ply"), ("record",),
+         "--pixels", "160x120", "--fps", "4", "--force"), ("film.webp", "film.ply"), ("record",),
     ),
     "mp4": Case(
-        ("picture", "record.p3d", "--turn", "2", "--size", "160x120", "--out", "film.mp4",
+        ("picture", "record.p3d", "--turn", "2", "--pixels", "160x120", "--out", "film.mp4",
          "--force"), ("film.mp4",), ("record",),
     ),
     "picture": Case(

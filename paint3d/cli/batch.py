@@ -19,9 +19,12 @@ if TYPE_CHECKING:
     from paint3d.cli.batches.record import FinishedRows
     from paint3d.cli.batches.rows import Outcome, Row
 
-__all__ = ["HELP", "add_arguments", "run"]
+__all__ = ["EXAMPLES", "add_arguments", "run"]
 
-HELP = "one painting a row of a table"
+EXAMPLES = """
+paint3d batch orders.csv
+paint3d batch orders.csv --processes 4 --again
+"""
 
 _SHOWN_LINES = 20
 

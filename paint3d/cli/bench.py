@@ -17,9 +17,12 @@ from paint3d.errors import UnknownNameError
 if TYPE_CHECKING:
     from paint3d.bench.result import Result
 
-__all__ = ["HELP", "add_arguments", "format_result", "run"]
+__all__ = ["EXAMPLES", "add_arguments", "format_result", "run"]
 
-HELP = "speed on this machine, as tables and ratios"
+EXAMPLES = """
+paint3d bench --list
+paint3d bench replay dab --json speed.json
+"""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

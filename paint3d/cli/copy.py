@@ -17,10 +17,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from paint3d.cli.options import check_output_file
+from paint3d.cli.options import FILES, check_output_file, group_of
+from paint3d.cli.painting import PaintingOptions
 from paint3d.cli.progress import ProgressBar
-from paint3d.cli.replay import PaintOptions
-from paint3d.cli.sources import TRIALS, add_trials_option
+from paint3d.cli.sources import TRIALS, add_rehearsals_option
 from paint3d.cli.write import add_task_options, carry_out, check_files
 from paint3d.errors import InputError
 
@@ -30,9 +30,12 @@ if TYPE_CHECKING:
     from paint3d.calligraphy.writing import Written
     from paint3d.cli.results import Painting
 
-__all__ = ["HELP", "add_arguments", "run", "show_beside"]
+__all__ = ["EXAMPLES", "add_arguments", "run", "show_beside"]
 
-HELP = "copy writing from a photograph: find its strokes, then write them"
+EXAMPLES = """
+paint3d copy sheet.jpg --on bowl --size 40 --out copy.glb
+paint3d copy scan.png --whole --text 永和九年 --on vase --out vase.p3d --beside beside.png
+"""
 
 _LOG = logging.getLogger("paint3d")
 _MATERIAL = "xuan"  # a brush that runs dry shows on its grain
@@ -48,7 +51,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=Path,
         help="a photograph or a scan: .jpg, .png, .tif, .webp, .heic and others",
     )
-    where = parser.add_mutually_exclusive_group()
+    photograph = group_of(parser, "the photograph")
+    where = photograph.add_mutually_exclusive_group()
     where.add_argument(
         "--corners",
         metavar="X,Y",
@@ -60,38 +64,39 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     where.add_argument(
         "--whole", action="store_true", help="the picture is the sheet, as from a scanner"
     )
-    parser.add_argument(
+    photograph.add_argument(
         "--invert", action="store_true", help="a rubbing: the strokes are white on black"
     )
-    parser.add_argument(
+    photograph.add_argument(
         "--text",
         metavar="TEXT",
         help="the characters on the sheet, a line break after each column or row: their strokes' "
         "order and direction are known then",
     )
-    parser.add_argument(
+    photograph.add_argument(
         "--dryness",
         choices=("photo", "none"),
         default="photo",
         help="paint as dry as the photograph shows, on a material with grain, or with a full brush "
         "(default: photo)",
     )
-    add_trials_option(parser)
-    parser.add_argument(
+    add_rehearsals_option(photograph)
+    files = group_of(parser, FILES)
+    files.add_argument(
         "--beside",
         metavar="FILE",
         type=Path,
         help="also show the painting beside the photograph (.png), and say how alike they are",
     )
-    parser.add_argument(
+    files.add_argument(
         "--save-strokes",
         metavar="FILE",
         type=Path,
         help="also keep the strokes in a plain file (.strokes.json) to correct, for `paint3d "
         "write --strokes`",
     )
-    add_task_options(parser)
-    parser.set_defaults(size=_SIZE_MM, material=_MATERIAL)
+    add_task_options(parser, material=_MATERIAL)
+    parser.set_defaults(size=_SIZE_MM)
 
 
 def _parse_pixel(text: str) -> tuple[float, float]:
@@ -116,22 +121,23 @@ def run(options: argparse.Namespace) -> None:
     from paint3d.calligraphy.photo.copying import check_widths
     from paint3d.calligraphy.writing import write_page
 
-    check_files(options, (options.photo, options.glyphs), (options.beside,))
+    wanted = PaintingOptions.of(options, material=_MATERIAL)
+    check_files(options, wanted, (options.photo,), (options.beside,))
     if options.beside is not None:
         check_output_file(options.beside, _PICTURES)
-    PaintOptions.of(options).check()
+    wanted.check()
     sheet = _copied(options)
     brush = load_brush(options.brush or choose_brush(options.size))
-    check_widths(sheet.page, brush, options.size, options.resolution)
+    check_widths(sheet.page, brush, options.size, wanted.resolution)
     page = sheet.page if options.dryness == "photo" else sheet.wet_page
-    trials = TRIALS if options.trials is None else options.trials
-    written, painting = carry_out(
-        options, partial(write_page, text=page), {}, "always", trials, replace(sheet, page=page)
-    )
+    trials = TRIALS if options.rehearsals is None else options.rehearsals
+    sheet = replace(sheet, page=page)
+    write = partial(write_page, text=page)
+    written, painting = carry_out(options, wanted, write, {}, "always", trials, sheet)
     if written.dryness is not None and not painting.surface.material.grain > 0.0:
         _LOG.warning(
             "%s has no grain, so no stroke stays bare in places; --material xuan has",
-            options.material,
+            painting.surface.material.name,
         )
     if options.beside is not None:
         show_beside(sheet, written, painting, options)

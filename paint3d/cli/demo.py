@@ -15,18 +15,18 @@ from paint3d.cli.options import (
     MATERIALS,
     add_dip_option,
     add_quiet_option,
-    add_spread_option,
     check_output_folder,
-    parse_hairs,
 )
+from paint3d.cli.painting import PaintingOptions, paint, prepare
 from paint3d.cli.progress import ProgressBar
-from paint3d.cli.replay import PaintOptions, paint, prepare
 from paint3d.cli.results import timed, write_report, write_results
 from paint3d.errors import ExportError
 
-__all__ = ["HELP", "add_arguments", "run"]
+__all__ = ["EXAMPLES", "add_arguments", "run"]
 
-HELP = "paint the shipped recording on the bowl: PLY, GLB, text records, PNG, session, report.json"
+EXAMPLES = """
+paint3d demo --out demo
+"""
 
 _FILES = ("bowl.ply", "bowl.glb", "bowl.p3d.txt", "bowl.png", "bowl.p3d")
 _PICTURE = "bowl.png"
@@ -46,18 +46,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--no-view", action="store_true", help="do not open the picture when it is written"
     )
-    parser.add_argument(
-        "--hairs", metavar="N", type=parse_hairs, help="paint with so many single hairs, 1 to 10000"
-    )
-    parser.add_argument(
-        "--material",
-        metavar="NAME|FILE",
-        default=MATERIALS[0],
-        help=f"of the bowl: {', '.join(MATERIALS)}, or a file of your own "
-        f"(default: {MATERIALS[0]})",
-    )
+    PaintingOptions.add_to(parser, "material", "hairs", "spread")
     add_dip_option(parser)
-    add_spread_option(parser)
     add_quiet_option(parser)
 
 
@@ -71,7 +61,7 @@ def run(options: argparse.Namespace) -> None:
     InputError
         If the material is not known or cannot be read.
     """
-    if options.material not in MATERIALS:
+    if options.material not in (None, *MATERIALS):
         from paint3d.colour.materials import load_material
 
         load_material(options.material)  # what is wrong with it is said before anything is made
@@ -90,13 +80,7 @@ def run(options: argparse.Namespace) -> None:
     ):
         recording = load_recording(path, progress=progress)
         mesh = load_mesh("bowl")
-    wanted = PaintOptions(
-        resolution_mm=_RESOLUTION_MM,
-        quiet=options.quiet,
-        spread_s=options.spread,
-        hairs=options.hairs,
-        material=options.material,
-    )
+    wanted = PaintingOptions.of(options, resolution=_RESOLUTION_MM)
     brush = load_brush(str(recording.header["brush"]))
     recording = dipped_as(recording, brush, options.dip or DIPS)
     seconds: dict[str, float] = {}

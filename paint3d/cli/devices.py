@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from paint3d.app.model.persistence.settings import kept_calibration, load_settings
 from paint3d.cli.options import (
+    add_actions,
     add_force_option,
     add_stylus_option,
     check_output_file,
@@ -40,7 +41,7 @@ if TYPE_CHECKING:
     from paint3d.pose.two_hands import TwoHands
 
 __all__ = [
-    "HELP",
+    "EXAMPLES",
     "OpenedDevices",
     "add_arguments",
     "add_calibrate",
@@ -474,7 +475,10 @@ def _show(mouse: Mapping[str, Any], buttons: Mapping[int, str], feel: Mapping[st
 # --------------------------------------------------------------------------------------------------
 
 
-HELP = "what is plugged in, live values, rate and latency, a recording, calibration, settings"
+EXAMPLES = """
+paint3d devices list
+paint3d devices record strokes.jsonl.gz
+"""
 _KINDS = {"mouse": "6-DOF mouse", "stylus": "haptic stylus", "pen": "pen tablet"}
 _LINES_HZ = 10.0
 _TAKE_S = 0.02
@@ -489,11 +493,27 @@ def _parse_seconds(text: str) -> float:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the deeds and their options."""
-    deeds = parser.add_subparsers(metavar="DEED", required=True, dest="deed")
-    listed = deeds.add_parser("list", help="what is plugged in; where it cannot be opened, why")
-    watch = deeds.add_parser("watch", help="live values, until Ctrl-C")
-    check = deeds.add_parser("check", help="rate, gaps, latency")
-    record = deeds.add_parser("record", help="write a recording of both hands, until Ctrl-C")
+    add = add_actions(parser, "deed")
+    listed = add(
+        "list",
+        "what is plugged in; where it cannot be opened, why, and the rule that allows it",
+        "paint3d devices list",
+    )
+    watch = add(
+        "watch",
+        "what devices say, live, until Ctrl-C",
+        "paint3d devices watch --seconds 10",
+    )
+    check = add(
+        "check",
+        "how steadily they report: rate, gaps, how late reports are read, what was refused",
+        "paint3d devices check --seconds 5",
+    )
+    record = add(
+        "record",
+        "write a recording of both hands, until Ctrl-C",
+        "paint3d devices record strokes.jsonl.gz --smooth",
+    )
     record.add_argument("file", metavar="FILE", type=Path, help="recording, by suffix")
     record.add_argument("--raw", metavar="LOG", type=Path, help="also keep every report, as sent")
     record.add_argument(
@@ -509,9 +529,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     for deed in (listed, watch, check, record):
         add_stylus_option(deed, " (default: the first there is)")
     add_calibrate(
-        deeds.add_parser("calibrate", help="touch known points, to say where the stylus stands")
+        add(
+            "calibrate",
+            "touch known points, to say where the stylus stands",
+            "paint3d devices calibrate --sheet 210x148",
+        )
     )
-    add_set(deeds.add_parser("set", help="how mouse and stylus are read, in the studio too"))
+    add_set(
+        add(
+            "set",
+            "how mouse and stylus are read, in the studio too",
+            "paint3d devices set --mouse-speed 200 --stylus-limit 3",
+        )
+    )
     for deed, default in ((watch, None), (check, 5.0), (record, None)):
         deed.add_argument(
             "--seconds",

@@ -7,45 +7,52 @@ import sys
 from pathlib import Path
 
 from paint3d.cli.options import (
+    BUILT_IN_OBJECTS,
     UNITS,
     add_force_option,
     add_quiet_option,
+    check_input_file,
     check_output_file,
     check_overwriting,
+    group_of,
 )
 from paint3d.cli.picture import add_light_options, viewing_of
 from paint3d.cli.progress import ProgressBar
 from paint3d.cli.results import add_painting_argument, open_painting
 
-__all__ = ["HELP", "add_arguments", "run"]
+__all__ = ["EXAMPLES", "add_arguments", "run"]
 
-HELP = "a saved painting to any format, by suffix"
+EXAMPLES = """
+paint3d export vase.p3d vase.html
+paint3d export vase.p3d vase.3mf --filaments 4
+"""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add this command's options."""
-    add_painting_argument(parser, "--from-unit")
+    add_painting_argument(parser)
     parser.add_argument("file", metavar="FILE", type=Path, help="where to write it")
-    parser.add_argument(
+    form = group_of(parser, "the file written")
+    form.add_argument(
         "--tolerance",
         metavar="DE",
         type=float,
         default=1.0,
         help="dE00 by which a colour may be missed where vertices are left out (default: 1)",
     )
-    parser.add_argument("--exact", action="store_true", help="leave no vertex out")
-    parser.add_argument(
-        "--unit",
+    form.add_argument("--exact", action="store_true", help="leave no vertex out")
+    form.add_argument(
+        "--out-unit",
         choices=UNITS,
         help="length of one unit in the file written (default: the format's own)",
     )
-    parser.add_argument(
+    form.add_argument(
         "--up-axis", choices=("y", "z"), help="axis that points up (default: the format's own)"
     )
-    parser.add_argument(
+    form.add_argument(
         "--unlit", action="store_true", help="glTF: show the colours as they are, without light"
     )
-    parser.add_argument(
+    form.add_argument(
         "--texture",
         metavar="PIXELS",
         nargs="?",
@@ -54,13 +61,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default=False,
         help="glTF: bake the colours into a texture, so many pixels long (default: as needed)",
     )
-    parser.add_argument(
+    form.add_argument(
         "--filaments",
         metavar="K",
         type=_parse_filaments,
         help="reduce to so many colours, or to the nearest of these, as #rrggbb,#rrggbb",
     )
-    parser.add_argument(
+    form.add_argument(
         "--packed-normals",
         action="store_true",
         help=".p3d.txt: seven numbers a vertex, as the paper prints them, instead of nine",
@@ -89,6 +96,7 @@ def run(options: argparse.Namespace) -> None:
 
     check_output_file(options.file, EXPORT_SUFFIXES)
     check_overwriting((options.file,), (options.painting,), force=options.force)
+    check_input_file(options.painting, "a painting (.p3d), a mesh", BUILT_IN_OBJECTS)
     viewing = viewing_of(options)
     painting = open_painting(options)
     with ProgressBar("writing", enabled=not options.quiet) as progress:
@@ -103,7 +111,7 @@ def run(options: argparse.Namespace) -> None:
             wishes = ExportOptions(
                 tolerance=options.tolerance,
                 exact=options.exact,
-                unit=options.unit,
+                unit=options.out_unit,
                 up_axis=options.up_axis,
                 unlit=options.unlit,
                 texture=options.texture,

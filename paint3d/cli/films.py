@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import paint3d.cli.picture as pictures
-from paint3d.cli.options import check_output_file, parse_number
+from paint3d.cli.options import FILM, add_fps_option, check_output_file, group_of, parse_number
 from paint3d.cli.progress import ProgressBar
 from paint3d.errors import InputError
 
@@ -28,24 +28,20 @@ _LONGEST_S = 20.0  # that a film lasts where no speed is told
 _RATES = {".mp4": 24.0}
 _RATE = 12.0
 _MOST_PICTURES = 20_000
-_OF_FILMS = ("fps", "speed", "turn", "view", "light", "zoom", "film_size")
+_OF_FILMS = ("fps", "speed", "turn", "view", "light", "zoom", "pixels")
 
 
 def add_film_options(parser: argparse.ArgumentParser) -> None:
     """Add ``--film`` and how it is to be."""
-    film = parser.add_argument_group("film", "the painting as it grows, in the hand's own time")
+    film = group_of(parser, FILM)
     film.add_argument(
         "--film",
         metavar="FILE",
         type=Path,
-        help=".mp4 (with FFmpeg: pip install 'paint3d[film]'), .gif or .webp",
+        help="the painting as it grows, in the hand's own time: .mp4 (with FFmpeg: "
+        "pip install 'paint3d[film]'), .gif or .webp",
     )
-    film.add_argument(
-        "--fps",
-        metavar="N",
-        type=lambda text: parse_number(text, "a rate", "1 to 60", lambda n: 1.0 <= n <= 60.0),
-        help="pictures a second (default: 24 for .mp4, else 12)",
-    )
+    add_fps_option(film)
     film.add_argument(
         "--speed",
         metavar="X",
@@ -62,7 +58,7 @@ def add_film_options(parser: argparse.ArgumentParser) -> None:
         help="let the object turn: once in so many seconds (8), or by so many degrees in all "
         "(360deg)",
     )
-    pictures.add_view_options(film, size="--film-size", size_of="640x480")
+    pictures.add_view_options(film, "640x480")
 
 
 def _parse_turn(text: str) -> tuple[float, bool]:
@@ -228,7 +224,7 @@ def film_of(options: argparse.Namespace) -> FilmWanted | None:
     film_form(options.film)
     shot = Shot(
         options.view or "auto",
-        options.film_size or pictures.FILM_SIZE,
+        options.pixels or pictures.FILM_SIZE,
         options.light or "studio",
         zoom=1.0 if options.zoom is None else options.zoom,
     )

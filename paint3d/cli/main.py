@@ -30,27 +30,51 @@ from paint3d.errors import Paint3DError
 __all__ = ["COMMANDS", "main", "make_parser"]
 
 COMMANDS = {  # each by its module, which is imported when the command is asked for
-    "demo": "paint3d.cli.demo",
-    "replay": "paint3d.cli.replay",
-    "write": "paint3d.cli.write",
-    "copy": "paint3d.cli.copy",
-    "seal": "paint3d.cli.seal",
-    "paint": "paint3d.cli.paint",
-    "score": "paint3d.cli.score",
-    "export": "paint3d.cli.export",
-    "picture": "paint3d.cli.picture",
-    "batch": "paint3d.cli.batch",
-    "devices": "paint3d.cli.devices",
-    "inks": "paint3d.cli.lists.inks",
-    "brushes": "paint3d.cli.lists.brushes",
-    "materials": "paint3d.cli.lists.materials",
-    "fonts": "paint3d.cli.lists.fonts",
-    "study": "paint3d.cli.study",
-    "bench": "paint3d.cli.bench",
-    "report": "paint3d.cli.report",
+    "demo": (
+        "paint3d.cli.demo",
+        "paint the shipped recording on the bowl: pictures, meshes, a session, a report",
+    ),
+    "replay": ("paint3d.cli.replay", "paint a recording"),
+    "write": ("paint3d.cli.write", "write a text or a drawing: plan the strokes, then replay them"),
+    "copy": (
+        "paint3d.cli.copy",
+        "copy writing from a photograph: find its strokes, then write them",
+    ),
+    "seal": ("paint3d.cli.seal", "press a seal, of text or a drawing"),
+    "paint": ("paint3d.cli.paint", "the desktop studio"),
+    "score": (
+        "paint3d.cli.score",
+        "a whole painting's strokes: list, delete, move, re-ink, re-time",
+    ),
+    "export": ("paint3d.cli.export", "a saved painting to any format, by suffix"),
+    "picture": ("paint3d.cli.picture", "a picture of a painting, or a film of it turning"),
+    "batch": ("paint3d.cli.batch", "one painting a row of a table"),
+    "devices": (
+        "paint3d.cli.devices",
+        "6-DOF mice and styli: what is plugged in, live values, a recording, settings",
+    ),
+    "inks": ("paint3d.cli.lists.inks", "the palette with sources and swatches"),
+    "brushes": (
+        "paint3d.cli.lists.brushes",
+        "the brushes with parameters and pictures; a file to start your own from",
+    ),
+    "materials": (
+        "paint3d.cli.lists.materials",
+        "what surfaces are made of, with numbers and sources; a file to start your own from",
+    ),
+    "fonts": ("paint3d.cli.lists.fonts", "list the fonts that can be written with"),
+    "study": ("paint3d.cli.study", "the papers' timing experiment"),
+    "bench": ("paint3d.cli.bench", "speed on this machine, as tables and ratios"),
+    "report": ("paint3d.cli.report", "versions, renderer, devices: to paste into a bug report"),
+    "completion": ("paint3d.cli.completion", "let a shell complete commands and options"),
 }
 # Linear algebra in threads of its own gains nothing here: they would only wait, at full load.
 _ONE_THREAD = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+_EXAMPLES = """
+paint3d demo --out demo
+paint3d write 永和九年 --on vase --size 60 --out vase.glb
+paint3d COMMAND --help
+"""
 _BY_ITSELF = "paint"  # ends at once when asked to: what was painted is kept, and offered again
 _FAILED = 2
 _INTERRUPTED = 130
@@ -67,25 +91,28 @@ class _Version(argparse.Action):
         parser.exit()
 
 
-def make_parser(asked: str | None = None) -> argparse.ArgumentParser:
+def make_parser(asked: str | None = None) -> Parser:
     """The parser of the command line.
 
     Parameters
     ----------
     asked : str, optional
-        The command that will be run: if there is such a one, no other is loaded.
+        The command that will be run: no other is loaded. By default all are.
     """
     parser = Parser(
         prog="paint3d",
         description="Paint calligraphy and brushwork on 3-D objects.",
-        allow_abbrev=False,
+        examples=_EXAMPLES,
     )
     parser.add_argument("--version", action=_Version, nargs=0, help="print the version")
     commands = parser.add_subparsers(metavar="COMMAND", required=True, dest="command")
-    for name in [asked] if asked in COMMANDS else COMMANDS:
-        module = import_module(COMMANDS[name])
+    for name, (home, about) in COMMANDS.items():
+        if asked is not None and asked != name:
+            commands.add_parser(name, help=about)  # to be listed, and for what is mistyped
+            continue
+        module = import_module(home)
         command = commands.add_parser(
-            name, help=module.HELP, description=module.__doc__, allow_abbrev=False
+            name, help=about, description=module.__doc__, examples=module.EXAMPLES
         )
         module.add_arguments(command)
         command.set_defaults(run=module.run)
@@ -121,7 +148,7 @@ def _describe_os_error(error: OSError) -> str:
 
 def _run(words: Sequence[str]) -> int:
     try:
-        options = make_parser(*words[:1]).parse_args(words)
+        options = make_parser(words[0] if words else "").parse_args(words)
         _tell_warnings(quiet=getattr(options, "quiet", False))
         options.run(options)
         sys.stdout.flush()

@@ -1,85 +1,243 @@
-"""Options that several commands share, and the checks made before the work starts."""
+"""The parser, options that several commands share, and checks made before the work starts."""
 
 from __future__ import annotations
 
 import argparse
+import difflib
 import math
 import os
-from collections.abc import Callable, Iterable
+import re
+import shutil
+import sys
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Never
+from typing import Any, Never
 
-from paint3d.cli.progress import ProgressBar
-from paint3d.errors import ExportError
-
-if TYPE_CHECKING:
-    from paint3d.mesh.triangle_mesh import TriangleMesh
+from paint3d.errors import ExportError, InputError
 
 __all__ = [
+    "BRUSH",
+    "BUILT_IN_OBJECTS",
     "DIPS",
+    "FILES",
+    "FILM",
+    "LIGHT",
+    "MATERIALS",
+    "OBJECTS",
+    "PLACE",
+    "UNITS",
+    "UNIT_HELP",
     "Parser",
     "UsageError",
+    "add_actions",
     "add_dip_option",
     "add_force_option",
-    "add_ink_options",
-    "add_on_and_out",
-    "add_painting_options",
+    "add_fps_option",
+    "add_pixels_option",
     "add_quiet_option",
-    "add_spread_option",
+    "add_report_option",
+    "add_seed_option",
     "add_stylus_option",
-    "add_surface_options",
+    "add_unit_option",
     "add_up_option",
+    "check_input_file",
     "check_output_file",
     "check_output_folder",
     "check_overwriting",
-    "load_object",
+    "group_of",
+    "hint",
     "own_file",
     "parse_count",
     "parse_hairs",
     "parse_length_mm",
     "parse_number",
     "parse_place",
+    "parse_rate",
     "parse_resolution_mm",
     "parse_seconds",
     "parse_share",
 ]
 
 # ---- Parsing -------------------------------------------------------------------------------------
-# An argument parser that raises instead of printing its usage over several lines.
 
 
 class UsageError(Exception):
     """A command line that argparse refused."""
 
 
+class _Help(argparse.HelpFormatter):
+    """Fills paragraphs to the terminal's width; what is indented keeps its lines."""
+
+    def __init__(self, prog: str) -> None:
+        super().__init__(prog, max_help_position=26, width=min(_terminal_columns() - 2, 100))
+
+    def _fill_text(self, text: str, width: int, indent: str) -> str:
+        paragraphs = text.strip("\n").split("\n\n")
+        return "\n\n".join(
+            part if re.search(r"^ ", part, re.MULTILINE) else super(_Help, self)._fill_text(
+                part, width, indent
+            )
+            for part in paragraphs
+        )  # fmt: skip
+
+
+def _terminal_columns() -> int:
+    return shutil.get_terminal_size((100, 24)).columns
+
+
 class Parser(argparse.ArgumentParser):
-    """Raises `UsageError` with one line."""
+    """An argument parser that raises `UsageError` with one line instead of printing its usage.
+
+    Options are spelt out. What is mistyped is answered with what is spelt most like it.
+
+    Parameters
+    ----------
+    examples : str
+        Command lines that stand at the foot of the help, one a line.
+    """
+
+    def __init__(self, *, examples: str = "", **given: Any) -> None:
+        if examples:
+            lines = [line.strip() for line in examples.strip().splitlines()]
+            title = "examples:" if len(lines) > 1 else "example:"
+            given["epilog"] = "\n".join([title, *(f"  {line}" for line in lines)])
+        super().__init__(formatter_class=_Help, allow_abbrev=False, **given)
+        self.examples = examples
+        self._words: Sequence[str] = ()
+
+    def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
+        """Parse, remembering the words, in which an error looks for what is mistyped."""
+        self._words = sys.argv[1:] if args is None else list(args)
+        return super().parse_known_args(args, namespace)
 
     def parse_args(self, args: Any = None, namespace: Any = None) -> Any:
-        """As argparse's, but that what is not known is told with the command that it stands at."""
+        """Parse; words that nothing takes are an error, told with the command they stand at."""
         found, unknown = self.parse_known_args(args, namespace)
         if unknown:
-            at = getattr(found, "command", None)
-            prog = f"{self.prog} {at}" if at else self.prog
-            raise UsageError(f"unrecognized arguments: {' '.join(unknown)} (see {prog} --help)")
+            parser = self._chosen(found)
+            parser.error(f"unrecognized arguments: {' '.join(unknown)}{parser._meant(unknown)}")
         return found
 
     def error(self, message: str) -> Never:
         """Refuse the command line."""
+        if message.startswith("the following arguments are required"):
+            message += self._meant(self._words)  # a mistyped option is why one is missing
         raise UsageError(f"{message} (see {self.prog} --help)")
 
+    def format_help(self) -> str:
+        """Return the help: a short usage, groups of options in one order for all commands."""
+        self._action_groups.sort(
+            key=lambda group: _ORDER.index(group.title) if group.title in _ORDER else -1
+        )
+        if self.usage is None and len(self._actions) > _MANY_OPTIONS:
+            needed = [action for action in self.option_actions() if action.required]
+            words = [self.prog, *(f"{a.option_strings[-1]} {a.metavar}" for a in needed)]
+            for action in self._actions:
+                if not action.option_strings:
+                    name = str(action.metavar or action.dest)
+                    words.insert(1, f"[{name}]" if action.nargs == "?" else name)
+            self.usage = " ".join([*words, "[options]"]).replace("%", "%%")
+        return super().format_help()
 
-# --------------------------------------------------------------------------------------------------
+    def actions(self) -> dict[str, Parser]:
+        """Return the parsers of commands or actions by name; empty where there are none."""
+        for action in self._actions:
+            if isinstance(action, argparse._SubParsersAction):
+                return {
+                    name: one for name, one in action.choices.items() if isinstance(one, Parser)
+                }
+        return {}
 
+    def option_actions(self) -> list[argparse.Action]:
+        """Return the options, without positional arguments."""
+        return [action for action in self._actions if action.option_strings]
+
+    def _chosen(self, found: argparse.Namespace) -> Parser:
+        """The parser of the command, or of its action, that was asked for."""
+        parser: Parser = self
+        for dest in ("command", "action", "deed"):
+            parser = parser.actions().get(str(getattr(found, dest, None)), parser)
+        return parser
+
+    def _meant(self, words: Sequence[str]) -> str:
+        """What options that are not known may have been meant to be."""
+        known = self._option_string_actions
+        for word in words:
+            name = word.partition("=")[0]
+            if word == "--":
+                break
+            if name.startswith("--") and name not in known:
+                return hint(name, known)
+        return ""
+
+    def _check_value(self, action: argparse.Action, value: Any) -> None:
+        choices = action.choices
+        if choices is None or value in choices:
+            return
+        if isinstance(action, argparse._SubParsersAction):
+            raise UsageError(
+                f"there is no {(action.metavar or 'command').lower()} {value!r}"  # type: ignore[union-attr]
+                f"{hint(str(value), choices)} (see {self.prog} --help)"
+            )
+        listed = ", ".join(map(str, choices))
+        raise argparse.ArgumentError(
+            action, f"{value!r} is none of {listed}{hint(str(value), map(str, choices))}"
+        )
+
+
+def hint(word: str, known: Iterable[str]) -> str:
+    """Return "; did you mean ...?", or nothing where nothing is spelt like it."""
+    near = difflib.get_close_matches(word, list(known), n=1)
+    return f"; did you mean {near[0]}?" if near else ""
+
+
+def group_of(parser: argparse._ActionsContainer, title: str) -> argparse._ActionsContainer:
+    """Return the group of options with a title, made where it is missing."""
+    for group in getattr(parser, "_action_groups", ()):
+        if group.title == title:
+            return group  # type: ignore[no-any-return]
+    return parser.add_argument_group(title)
+
+
+def add_actions(
+    parser: argparse.ArgumentParser, dest: str = "action", *, required: bool = True
+) -> Callable[..., Parser]:
+    """Give a command actions; return what adds one: `add(name, help, examples, description)`."""
+    actions = parser.add_subparsers(
+        title="actions", metavar=dest.upper(), required=required, dest=dest
+    )
+
+    def add(name: str, what: str, examples: str, description: str | None = None) -> Parser:
+        sentence = f"{what[0].upper()}{what[1:]}."
+        made: Parser = actions.add_parser(
+            name, help=what, description=description or sentence, examples=examples
+        )
+        return made
+
+    return add
+
+
+# ---- Groups of options ---------------------------------------------------------------------------
+
+_MANY_OPTIONS = 12  # that a usage does not spell out
+OBJECTS, BRUSH, PLACE, FILES, FILM, LIGHT = (
+    "the object", "brush and ink", "where", "files", "film", "light and screen",
+)  # fmt: skip
+_ORDER = (
+    "options", "what is seen", "what is written", "the photograph", OBJECTS, PLACE, BRUSH,
+    FILM, LIGHT, "the file written", FILES,
+)  # fmt: skip
 
 UNITS = ("mm", "cm", "m", "in")
+UNIT_HELP = "length of one unit in the mesh file (default: as the file says, else mm)"
 MATERIALS = (  # known before NumPy is
     "porcelain", "bisque", "xuan", "plaster", "terracotta", "sized xuan", "tinted xuan", "silk",
 )  # fmt: skip
+BUILT_IN_OBJECTS = ("bowl", "plate", "vase", "sphere", "plane")  # as `files.load`, without NumPy
 _UP_AXES = ("x", "y", "z", "-x", "-y", "-z")  # as `mesh.upright`, known here before NumPy is
+_MOST_SEED = 1_000_000
 _MOST_HAIRS = 10_000  # as `brush.spec.MOST_HAIRS`, known here before NumPy is loaded
 DIPS = "auto"  # of texts
-TIP_REACH = 0.35  # as in the studio
 _FINEST_MM, _COARSEST_MM = 0.005, 1e6  # that `PaintedSurface` takes, known here before NumPy is
 
 
@@ -150,7 +308,7 @@ def _parse_dips(text: str) -> str | int:
     return int(count)
 
 
-def _parse_rate(text: str) -> float:
+def parse_rate(text: str) -> float:
     """A rate from the command line, 1/mm, 0 or more."""
     return parse_number(text, "a rate", "1/mm, 0 or more", lambda n: 0.0 <= n < math.inf)
 
@@ -170,7 +328,7 @@ def parse_place(text: str) -> tuple[float, float]:
 
 def add_quiet_option(parser: argparse.ArgumentParser) -> None:
     """Add ``--quiet``."""
-    parser.add_argument("--quiet", action="store_true", help="print errors only")
+    group_of(parser, FILES).add_argument("--quiet", action="store_true", help="print errors only")
 
 
 def own_file(name: str | None) -> str | None:
@@ -180,127 +338,16 @@ def own_file(name: str | None) -> str | None:
 
 def add_force_option(parser: argparse.ArgumentParser) -> None:
     """Add ``--force``."""
-    parser.add_argument(
+    group_of(parser, FILES).add_argument(
         "--force",
         action="store_true",
         help="write even over a file that is read from, or that the object's file refers to",
     )
 
 
-def add_on_and_out(parser: argparse.ArgumentParser, *, needs_out: bool = True) -> None:
-    """Add what is painted on, and where the painting goes."""
-    parser.add_argument(
-        "--on",
-        metavar="MESH",
-        required=True,
-        help="a mesh file, or bowl, plate, vase, sphere, plane",
-    )
-    parser.add_argument(
-        "--out", metavar="FILE", type=Path, required=needs_out, help="where to write the painting"
-    )
-
-
-def add_surface_options(parser: argparse.ArgumentParser) -> None:
-    """Add what a surface is made of, and how fine."""
-    parser.add_argument(
-        "--material",
-        metavar="NAME|FILE",
-        default=MATERIALS[0],
-        help=f"of the surface: {', '.join(MATERIALS)}, or a file of your own, mine.toml or "
-        f"mine.json (default: {MATERIALS[0]})",
-    )
-    parser.add_argument(
-        "--resolution",
-        metavar="MM",
-        type=parse_resolution_mm,
-        default=0.4,
-        help="vertex spacing wanted where paint is (default: 0.4)",
-    )
-
-
-def add_painting_options(
-    parser: argparse.ArgumentParser,
-    brush: str = "the recording's",
-    ink: str = "the recording's",
-) -> None:
-    """Add what describes brush, ink and surface; `brush` and `ink` say what None stands for."""
-    parser.add_argument(
-        "--brush",
-        metavar="NAME|FILE",
-        help="brush: a name of `paint3d brushes`, or a file of your own, mine.toml or mine.json "
-        f"(default: {brush})",
-    )
-    parser.add_argument(
-        "--hairs",
-        metavar="N",
-        type=parse_hairs,
-        help="paint with so many single hairs, 1 to 10000; 0: a solid tuft (default: the brush's)",
-    )
-    add_ink_options(parser, ink)
-    add_surface_options(parser)
-    parser.add_argument(
-        "--unit",
-        choices=UNITS,
-        help="length of one unit in the mesh file (default: as the file says, else mm)",
-    )
-    parser.add_argument(
-        "--from-points",
-        action="store_true",
-        default=None,
-        help="build a surface through the points of a mesh file that holds no triangles, even if "
-        "it is not a point cloud",
-    )
-    parser.add_argument(
-        "--texture",
-        action="store_true",
-        help="show the materials and pictures of the object's file, on a mesh that is refined "
-        "until they can be seen",
-    )
-    add_up_option(parser)
-
-
-def add_ink_options(parser: argparse.ArgumentParser, ink: str) -> None:
-    """Add what the brush is dipped in, and what the ink does; `ink` says what None stands for."""
-    parser.add_argument(
-        "--ink",
-        metavar="INK",
-        help="NAME, FILE.csv:NAME or several with their parts, such as 'pine soot:0.2,water:0.8'; "
-        f"burnt, thick, heavy, light or clear, alone or before a name (default: {ink})",
-    )
-    parser.add_argument(
-        "--tip", metavar="INK", help="dip the tip in this ink afterwards (default: all in one)"
-    )
-    parser.add_argument(
-        "--reach",
-        metavar="SHARE",
-        type=parse_share,
-        default=TIP_REACH,
-        help=f"of the tuft's length that --tip dips (default: {TIP_REACH:g})",
-    )
-    parser.add_argument(
-        "--pickup",
-        metavar="RATE",
-        type=_parse_rate,
-        default=0.0,
-        help="share of the wet ink below it that the brush takes up per mm of travel; .05 is a "
-        "thirsty brush (default: 0, it stays clean)",
-    )
-    add_spread_option(parser)
-
-
-def add_spread_option(parser: argparse.ArgumentParser) -> None:
-    """Add ``--spread``."""
-    parser.add_argument(
-        "--spread",
-        metavar="S",
-        type=parse_seconds,
-        help="let the ink spread and dry while it is painted, and S seconds more",
-    )
-
-
 def add_dip_option(parser: argparse.ArgumentParser, default: str = DIPS) -> None:
     """Add ``--dip``; `default` says what None stands for."""
-    parser.add_argument(
+    group_of(parser, BRUSH).add_argument(
         "--dip",
         metavar="'every N'|auto|always",
         type=_parse_dips,
@@ -310,17 +357,104 @@ def add_dip_option(parser: argparse.ArgumentParser, default: str = DIPS) -> None
     )
 
 
+def add_unit_option(parser: argparse.ArgumentParser) -> None:
+    """Add ``--unit``, the length of one unit in a mesh file that is read."""
+    group_of(parser, OBJECTS).add_argument("--unit", choices=UNITS, help=UNIT_HELP)
+
+
+def add_report_option(parser: argparse.ArgumentParser) -> None:
+    """Add ``--report``, the account of what a command painted."""
+    group_of(parser, FILES).add_argument(
+        "--report", metavar="FILE", type=Path, help="write versions, counts and times as JSON"
+    )
+
+
+def add_seed_option(parser: argparse._ActionsContainer, what: str) -> None:
+    """Add ``--seed``: a number that picks one of many chances, always the same one; None."""
+    parser.add_argument(
+        "--seed",
+        metavar="N",
+        type=_parse_seed,
+        help=f"another number, another chance: {what} (default: 1)",
+    )
+
+
+def _parse_seed(text: str) -> int:
+    return int(
+        parse_number(
+            text, "a seed", f"a whole number, 0 to {_MOST_SEED:,}",
+            lambda n: 0 <= n <= _MOST_SEED and n == int(n),
+        )
+    )  # fmt: skip
+
+
+def add_fps_option(parser: argparse._ActionsContainer) -> None:
+    """Add ``--fps``, pictures a second of a film; None."""
+    parser.add_argument(
+        "--fps",
+        metavar="N",
+        type=lambda text: parse_number(text, "a rate", "1 to 60", lambda n: 1.0 <= n <= 60.0),
+        help="pictures a second (default: 24 for an .mp4 of a painting that grows, else 12)",
+    )
+
+
+def add_pixels_option(parser: argparse._ActionsContainer, default: str) -> None:
+    """Add ``--pixels``, how large a picture is; None, which `default` says the meaning of."""
+    parser.add_argument(
+        "--pixels",
+        metavar="WxH",
+        type=_parse_pixels,
+        help=f"how wide and high a picture is (default: {default})",
+    )
+
+
+def _parse_pixels(text: str) -> tuple[int, int]:
+    found = re.fullmatch(r"(\d{1,5})x(\d{1,5})", text.lower())
+    width, height = (int(n) for n in found.groups()) if found else (0, 0)
+    if not (16 <= width <= 4096 and 16 <= height <= 4096):
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is not a size; expected WxH such as 1600x1200, each 16 to 4096"
+        )
+    return width, height
+
+
 def add_up_option(
     parser: argparse.ArgumentParser, otherwise: str = "as the format says, else z"
 ) -> None:
     """Add ``--up``; `otherwise` says what is up without it."""
-    parser.add_argument(
+    group_of(parser, OBJECTS).add_argument(
         "--up",
         metavar="AXIS",
         choices=(*_UP_AXES, "auto"),
         help="axis of the mesh file that points up: x, y, z, or --up=-x and so on; auto: guess it "
         f"where the format does not say and it is sure (default: {otherwise})",
     )
+
+
+def check_input_file(name: str | Path | None, what: str, known: Sequence[str] = ()) -> None:
+    """Refuse a file that is not there, before anything heavy is imported to read it.
+
+    Parameters
+    ----------
+    name : str or Path, optional
+    what : str
+        What was expected, such as "a recording".
+    known : sequence of str
+        Names that are no files.
+
+    Raises
+    ------
+    InputError
+        If there is no such file, or it is a folder.
+    """
+    if name is None or os.fspath(name) in known or os.path.isfile(name):
+        return
+    expected = f"{what}, or {', '.join(known)}" if known else what
+    near = hint(os.fspath(name), known)
+    if os.path.isdir(name):
+        raise InputError(f"{name} is a folder; expected {expected}")
+    if not os.path.exists(name):
+        raise InputError(f"{name}: there is no such file; expected {expected}{near}")
 
 
 def check_output_folder(folder: Path) -> None:
@@ -421,47 +555,6 @@ def _same_file(one: str | Path, other: str | Path) -> bool:
         return False
 
 
-# ---- The object ----------------------------------------------------------------------------------
-# The object that a command paints on: read once for all the rows of a batch that name it.
-
-
-_last: dict[tuple[Any, ...], TriangleMesh] = {}  # the one that was read last
-
-
-def load_object(options: argparse.Namespace) -> TriangleMesh:
-    """Load the mesh that ``--on`` names, as the other options say.
-
-    Raises
-    ------
-    MeshError
-        If the file cannot be read or holds no usable surface.
-    """
-    path = os.path.abspath(options.on)  # a name means another file in another folder
-    how = (options.unit, options.from_points, options.texture, options.up)
-    key = (options.on, path, _state(path), *how)
-    if key not in _last:
-        from paint3d.files.load import load_mesh
-
-        unit, from_points, texture, up = how
-        with ProgressBar("reading", enabled=not options.quiet) as progress:
-            mesh = load_mesh(
-                options.on, unit, from_points=from_points, texture=texture, up=up,
-                progress=progress,
-            )  # fmt: skip
-        _last.clear()
-        _last[key] = mesh
-    return _last[key]
-
-
-def _state(path: str) -> tuple[int, int] | None:
-    """What tells a file's versions apart; None where there is no file, but a name."""
-    try:
-        found = os.stat(path)
-    except (OSError, ValueError):
-        return None
-    return found.st_size, found.st_mtime_ns
-
-
 # ---- Devices -------------------------------------------------------------------------------------
 # Options about the hands' devices.
 
@@ -478,7 +571,6 @@ def add_stylus_option(parser: argparse.ArgumentParser, default: str) -> None:
 
 
 def _parse_stylus(text: str) -> str:
-    from paint3d.errors import InputError
     from paint3d.haptics.stylus_choice import check_stylus
 
     try:

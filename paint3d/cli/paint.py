@@ -5,18 +5,24 @@ from __future__ import annotations
 import argparse
 import os
 from importlib import import_module
-from pathlib import Path
 
 from paint3d.cli.options import (
+    BUILT_IN_OBJECTS,
     add_quiet_option,
     add_stylus_option,
-    add_surface_options,
     add_up_option,
+    check_input_file,
 )
+from paint3d.cli.painting import PaintingOptions
 from paint3d.cli.progress import say_if_compiling
-from paint3d.errors import InputError, MeshError
+from paint3d.errors import InputError
 
-HELP = "the desktop studio"
+__all__ = ["EXAMPLES", "add_arguments", "run"]
+
+EXAMPLES = """
+paint3d paint bowl
+paint3d paint vase.p3d --stylus openhaptics
+"""
 
 _LANGUAGES = ("en", "zh")
 # Once Qt is there it reads the source of every module that is imported, for a word: 70 ms of them.
@@ -32,9 +38,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="what to paint on: a mesh file, a saved painting, or bowl, plate, vase, sphere, "
         "plane (default: what a crash left, or a bowl)",
     )
-    add_surface_options(parser)
+    chosen = {"material": "as chosen last", "resolution": "as chosen last"}
+    PaintingOptions.add_to(parser, "material", "resolution", unsaid=chosen)
     add_up_option(parser, "auto")
-    parser.set_defaults(material=None, resolution=None)  # as was chosen last in the window
     add_stylus_option(parser, " (default: as chosen)")
     parser.add_argument("--language", choices=_LANGUAGES, help="of the window (default: as chosen)")
     add_quiet_option(parser)
@@ -50,15 +56,12 @@ def run(options: argparse.Namespace) -> None:
     Paint3DError
         If the target cannot be opened.
     """
-    from paint3d.colour.materials import load_material
-    from paint3d.files.load import BUILT_IN_OBJECTS
-
+    if options.target is not None:
+        check_input_file(options.target, "a mesh, a painting (.p3d)", BUILT_IN_OBJECTS)
     if options.material is not None:
+        from paint3d.colour.materials import load_material
+
         load_material(options.material)
-    target = options.target
-    if target is not None and target not in BUILT_IN_OBJECTS and not Path(target).is_file():
-        known = ", ".join(BUILT_IN_OBJECTS)
-        raise MeshError(f"{target}: there is no such file; expected a mesh, a .p3d or {known}")
     say_if_compiling(quiet=options.quiet)
     os.environ.setdefault("QT_LOGGING_RULES", "qt.qpa.*=false")
     try:
@@ -71,7 +74,7 @@ def run(options: argparse.Namespace) -> None:
             "expected pip install 'paint3d[studio]'"
         ) from None
     run_studio(
-        target,
+        options.target,
         resolution=options.resolution,
         material=options.material,
         language=options.language,

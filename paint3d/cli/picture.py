@@ -4,17 +4,24 @@ from __future__ import annotations
 
 import argparse
 import math
-import re
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from paint3d.cli.options import (
+    BUILT_IN_OBJECTS,
+    FILES,
+    FILM,
+    LIGHT,
     MATERIALS,
     add_force_option,
+    add_fps_option,
+    add_pixels_option,
     add_quiet_option,
+    check_input_file,
     check_output_file,
     check_overwriting,
+    group_of,
     own_file,
     parse_number,
 )
@@ -26,8 +33,8 @@ if TYPE_CHECKING:
     from paint3d.colour.viewing import Viewing
 
 __all__ = [
+    "EXAMPLES",
     "FILM_SIZE",
-    "HELP",
     "LIGHTS",
     "VIEWS",
     "add_arguments",
@@ -46,14 +53,15 @@ _ADAPTATIONS, _GAMUTS = ("cat16", "bradford", "none"), ("srgb", "p3", "rec2020")
 
 def add_light_options(parser: argparse.ArgumentParser) -> None:
     """Add --illuminant, --observer, --adaptation and --gamut."""
-    parser.add_argument(
+    light = group_of(parser, LIGHT)
+    light.add_argument(
         "--illuminant",
         metavar="LIGHT",
         default="D65",
         help="the light it is seen in: A, D50, D65, F2, F11, LED-B3 and others of the CIE, a "
         "temperature such as 2700K, or a spectrum's FILE.spd, .csv or .spdx (default: D65)",
     )
-    parser.add_argument(
+    light.add_argument(
         "--observer",
         metavar="DEGREES",
         type=int,
@@ -61,13 +69,13 @@ def add_light_options(parser: argparse.ArgumentParser) -> None:
         default=2,
         help="2 or 10: the CIE's standard observer of 1931 or of 1964 (default: 2)",
     )
-    parser.add_argument(
+    light.add_argument(
         "--adaptation",
         choices=_ADAPTATIONS,
         default="cat16",
         help="of the eye to the light; none: white has the colour of the light (default: cat16)",
     )
-    parser.add_argument(
+    light.add_argument(
         "--gamut",
         choices=_GAMUTS,
         default="srgb",
@@ -93,20 +101,23 @@ def viewing_of(options: argparse.Namespace) -> Viewing | None:
 # --------------------------------------------------------------------------------------------------
 
 
-HELP = "a picture of a painting, or a film of it turning"
+EXAMPLES = """
+paint3d picture bowl.p3d --out bowl.png --view 30,20 --pixels 800x600
+paint3d picture bowl.glb --out turning.gif --turn 6
+"""
 
 _SUFFIXES = (".png", ".webp", ".gif", ".mp4", ".svg")
 _ALWAYS_FILMS = (".gif", ".mp4")
 VIEWS = ("auto", "front", "right", "back", "left", "above", "top", "bottom", "flat")
 LIGHTS = ("studio", "soft", "raking", "none")  # as `view.studio`, known here before NumPy is
 FILM_SIZE = (640, 480)
-_SIZE = re.compile(r"(\d{1,5})x(\d{1,5})")
+_TURN_S, _FPS = 4.0, 12.0
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add this command's options."""
     add_painting_argument(parser)
-    parser.add_argument(
+    group_of(parser, FILES).add_argument(
         "--out",
         metavar="FILE",
         type=Path,
@@ -114,44 +125,42 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help=".png or .webp; .mp4 or .gif, or .webp with --turn, a film; .svg the outlines of the "
         "strokes that a recording, or the recordings of a session, leave on the plane",
     )
-    add_view_options(parser, "--size", "1600x1200, films 640x480, flat: the shape of the object")
+    view = group_of(parser, "what is seen")
+    add_view_options(view, "1600x1200, films 640x480, flat: the shape of the object")
     parser.set_defaults(view="auto", light="studio", zoom=1.0)
-    parser.add_argument(
+    view.add_argument(
         "--transparent", action="store_true", help="leave out the ground and what is behind"
     )
-    parser.add_argument(
+    view.add_argument(
         "--material",
         metavar="NAME|FILE",
         help=f"whose gloss is shown: {', '.join(MATERIALS)}, or a file of your own (default: the "
         "painting's own; of a mesh porcelain)",
     )
-    parser.add_argument(
+    film = group_of(parser, FILM)
+    film.add_argument(
         "--turn",
         metavar="SECONDS",
         type=_parse_turn,
         nargs="?",
-        const=4.0,
+        const=_TURN_S,
         help="a film in which the object turns once in so many seconds (default: 4; .gif and .mp4 "
         "always)",
     )
-    parser.add_argument(
-        "--rate", metavar="N", type=float, default=12.0, help="pictures a second (default: 12)"
-    )
+    add_fps_option(film)
     add_light_options(parser)
     add_force_option(parser)
     add_quiet_option(parser)
 
 
-def add_view_options(group: argparse._ActionsContainer, size: str, size_of: str) -> None:
+def add_view_options(group: argparse._ActionsContainer, pixels: str) -> None:
     """Add from where, how large and in which light, all None where they are not given.
 
     Parameters
     ----------
     group : parser or group of options
-    size : str
-        What the option for the size is called.
-    size_of : str
-        What it is where it is not given.
+    pixels : str
+        What ``--pixels`` is where it is not given.
     """
     group.add_argument(
         "--view",
@@ -160,12 +169,7 @@ def add_view_options(group: argparse._ActionsContainer, size: str, size_of: str)
         help=f"{', '.join(VIEWS)}, or azimuth and height in degrees, such as 30,20. front is -y; "
         "flat: from above, to scale, without light or border (default: auto, onto the paint)",
     )
-    group.add_argument(
-        size,
-        metavar="WxH",
-        type=_parse_size,
-        help=f"pixels (default: {size_of})",
-    )
+    add_pixels_option(group, pixels)
     group.add_argument("--zoom", metavar="X", type=float, help="0.1 to 20 (default: 1)")
     group.add_argument(
         "--light",
@@ -188,16 +192,6 @@ def _parse_view(text: str) -> str | tuple[float, float]:
             "360) and height (-90 to 90) in degrees, such as 30,20"
         )
     return azimuth, height
-
-
-def _parse_size(text: str) -> tuple[int, int]:
-    found = _SIZE.fullmatch(text.lower())
-    width, height = (int(n) for n in found.groups()) if found else (0, 0)
-    if not (16 <= width <= 4096 and 16 <= height <= 4096):
-        raise argparse.ArgumentTypeError(
-            f"{text!r} is not a size; expected WxH such as 1600x1200, each 16 to 4096"
-        )
-    return width, height
 
 
 def _parse_turn(text: str) -> float:
@@ -231,6 +225,7 @@ def _draw_outlines(options: argparse.Namespace) -> None:
     from paint3d.recording.recording import load_recording
 
     if is_recording(options.painting):
+        check_input_file(options.painting, "a recording")
         recording = load_recording(options.painting)
         strokes = [(recording, brush_of(recording))]
     else:
@@ -255,8 +250,8 @@ def _take_picture(options: argparse.Namespace) -> None:
             f"{options.painting} is a recording; expected a painting, or --out FILE.svg "
             "(paint3d replay paints it)"
         )
+    check_input_file(options.painting, "a painting (.p3d), a mesh", BUILT_IN_OBJECTS)
     from paint3d.colour.materials import load_material
-    from paint3d.core.arrays import as_number
     from paint3d.files.pictures import Turning, write_picture
     from paint3d.files.project.session import Session
     from paint3d.view.shot import Shot
@@ -264,9 +259,8 @@ def _take_picture(options: argparse.Namespace) -> None:
     material = None if options.material is None else load_material(options.material)
     turning = None
     if options.turn is not None or options.out.suffix.lower() in _ALWAYS_FILMS:
-        rate = as_number(options.rate, "pictures a second", 1.0, 50.0)
-        turning = Turning(options.turn or 4.0, rate)
-    size = options.size or (FILM_SIZE if turning is not None else None)
+        turning = Turning(options.turn or _TURN_S, options.fps or _FPS)
+    size = options.pixels or (FILM_SIZE if turning is not None else None)
     shot = Shot(options.view, size, options.light, options.transparent, options.zoom)
     viewing = viewing_of(options)
     painting = open_painting(options)

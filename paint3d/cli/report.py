@@ -11,7 +11,7 @@ from functools import cache
 from paint3d.cli.progress import ProgressBar
 from paint3d.core.machine import usable_cores
 
-__all__ = ["HELP", "add_arguments", "ask_python", "find_versions", "run"]
+__all__ = ["EXAMPLES", "add_arguments", "ask_python", "find_versions", "run"]
 
 # ---- Versions ------------------------------------------------------------------------------------
 # Versions of the program, of Python and of the packages that decide what is painted.
@@ -53,7 +53,9 @@ def _version(package: str) -> str:
 # --------------------------------------------------------------------------------------------------
 
 
-HELP = "versions, renderer, devices: to paste into a bug report"
+EXAMPLES = """
+paint3d report > report.txt
+"""
 
 # Asked in processes of their own: a broken driver then costs one line, not the report.
 _ASK_RENDERER = "import pyvista; i = pyvista.GPUInfo(); print(f'{i.renderer}, OpenGL {i.version}')"

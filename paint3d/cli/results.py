@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import logging
 import time
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
@@ -10,7 +11,14 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from paint3d.cli.options import UNITS, add_up_option
+from paint3d.cli.options import (
+    BUILT_IN_OBJECTS,
+    PLACE,
+    add_unit_option,
+    add_up_option,
+    check_input_file,
+    group_of,
+)
 from paint3d.cli.progress import ProgressBar
 from paint3d.cli.report import find_versions
 from paint3d.core.atomic import write_atomically
@@ -18,7 +26,9 @@ from paint3d.errors import ExportError, RecordingError
 from paint3d.files.contents import json_text
 
 if TYPE_CHECKING:
+    from paint3d.app.model.document import Document
     from paint3d.brush.spec import BrushSpec
+    from paint3d.cli.films import Watch
     from paint3d.colour.pigments import Pigment
     from paint3d.files.project.session import Session
     from paint3d.mesh.triangle_mesh import TriangleMesh
@@ -28,11 +38,13 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Painting",
+    "add_layer_option",
     "add_painting_argument",
     "brush_of",
     "check_is_plane",
     "export_outlines",
     "export_recordings",
+    "finish",
     "is_recording",
     "open_painting",
     "refuse_untouched",
@@ -43,16 +55,23 @@ __all__ = [
     "write_results",
 ]
 
+_LOG = logging.getLogger("paint3d")
+_MUCH_OVER = 0.02  # of what was painted: less is a touch
+
 
 @dataclass(frozen=True)
 class Painting:
-    """A painted surface, what painting it took, what made it, and the seconds of each step."""
+    """A painted surface, what painting it took, what made it, and the seconds of each step.
+
+    With a `document` it is that one's painting, which has a history of its own.
+    """
 
     surface: PaintedSurface
     counts: dict[str, Any]
     seconds: dict[str, float]
     recordings: tuple[Recording | LaidPad, ...] = ()
     settings: dict[str, Any] = field(default_factory=dict)
+    document: Document | None = None
 
     def whole_recordings(self) -> tuple[Recording, ...]:
         """The recordings in the world; a pad's is laid down as a whole."""
@@ -104,7 +123,9 @@ def write_result(painting: Painting, file: Path, *, quiet: bool = False) -> None
     from paint3d.files.project.session import Session, is_session_path, save_session
 
     with ProgressBar("writing", enabled=not quiet) as progress:
-        if is_session_path(file):
+        if painting.document is not None:
+            painting.document.export(file, progress=progress)
+        elif is_session_path(file):
             session = Session(painting.surface, painting.whole_recordings(), painting.settings)
             save_session(session, file, progress)
         else:
@@ -134,6 +155,35 @@ def write_results(painting: Painting, files: Iterable[Path], *, quiet: bool = Fa
                 told = part_of(progress, 0.0, 0.6)
                 prepared = prepare_export(painting.surface, file, ExportOptions(), told)
             prepared.into(file).write(part_of(progress, 0.6, 1.0))
+
+
+def add_layer_option(parser: argparse.ArgumentParser) -> None:
+    """Add ``--layer``."""
+    group_of(parser, PLACE).add_argument(
+        "--layer", metavar="NAME", help="paint on a layer of this name (default: the one in use)"
+    )
+
+
+def finish(painting: Painting, options: argparse.Namespace, watch: Watch | None = None) -> None:
+    """Write the painting, its film and its report where options name files for them.
+
+    Raises
+    ------
+    Paint3DError
+        If one cannot be written.
+    """
+    if painting.counts.get("over_paint", 0.0) > _MUCH_OVER:
+        _LOG.warning(
+            "%.0f %% of it lies over what was painted before",
+            100.0 * painting.counts["over_paint"],
+        )
+    with timed(painting.seconds, "export"):
+        if options.out is not None:
+            write_result(painting, options.out, quiet=options.quiet)
+        if watch is not None:
+            watch.write()
+    if options.report is not None:
+        write_report(options.report, painting)
 
 
 def write_report(file: Path, painting: Painting) -> None:
@@ -258,20 +308,15 @@ def _colour_of(ink: str, *, own_tables: bool = True) -> str:
 _RECORDINGS = (".jsonl", ".inkml", ".csv", ".json")
 
 
-def add_painting_argument(parser: argparse.ArgumentParser, unit: str = "--unit") -> None:
-    """Add PAINTING, and how a mesh is to be read; `unit` names the option for its unit."""
+def add_painting_argument(parser: argparse.ArgumentParser) -> None:
+    """Add PAINTING, and how a mesh is to be read."""
     parser.add_argument(
         "painting",
         metavar="PAINTING",
         help="a session (.p3d), any mesh that is read, with its colours and pictures, or bowl, "
         "plate, vase, sphere, plane",
     )
-    parser.add_argument(
-        unit,
-        dest="mesh_unit",
-        choices=UNITS,
-        help="length of one unit in a mesh file (default: as the file says, else mm)",
-    )
+    add_unit_option(parser)
     add_up_option(parser)
 
 
@@ -289,6 +334,7 @@ def open_painting(options: argparse.Namespace) -> Session | TriangleMesh:
     SessionError, MeshError
         If it cannot be read.
     """
+    check_input_file(options.painting, "a painting (.p3d), a mesh", BUILT_IN_OBJECTS)
     from paint3d.files.load import load_mesh
     from paint3d.files.project.session import is_session_path, load_session
 
@@ -296,7 +342,7 @@ def open_painting(options: argparse.Namespace) -> Session | TriangleMesh:
         if is_session_path(options.painting):
             return load_session(Path(options.painting), progress)
         return load_mesh(
-            options.painting, options.mesh_unit, texture=True, up=options.up, progress=progress
+            options.painting, options.unit, texture=True, up=options.up, progress=progress
         )
 
 
@@ -308,7 +354,9 @@ _PART = 1 << 16  # samples that are laid on the object at once
 _MOST = 20_000  # samples whose distances are looked at
 
 
-def refuse_untouched(painting: Painting, mesh: TriangleMesh, name: str) -> None:
+def refuse_untouched(
+    painting: Painting, recording: Recording | LaidPad, mesh: TriangleMesh, name: str
+) -> None:
     """Refuse a painting of one recording that left no footprint.
 
     Raises
@@ -318,10 +366,18 @@ def refuse_untouched(painting: Painting, mesh: TriangleMesh, name: str) -> None:
     """
     if painting.counts["footprints"]:
         return
-    recording, brush = painting.recordings[0], painting.settings["brush"]
+    if painting.document is not None:
+        brush = painting.document.painter.brush
+        what, length_mm = brush.name, brush.length_mm
+    else:
+        held = painting.settings["brush"]
+        what, length_mm = held["name"], held["length_mm"]
+    made_on = recording.header.get("object")
+    elsewhere = made_on not in (None, mesh.name)
     raise RecordingError(
         f"{name}: the brush never touches {mesh.name}: "
-        f"{_reason(recording, mesh, brush['name'], brush['length_mm'])}"
+        f"{_reason(recording, mesh, what, length_mm)}"
+        + (f"; it was recorded on {made_on}: --at U,V lays it on {mesh.name}" if elsewhere else "")
     )
 
 

@@ -17,9 +17,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from paint3d.cli.options import (
-    UNITS,
     add_force_option,
     add_quiet_option,
+    add_unit_option,
+    check_input_file,
     check_output_file,
     check_overwriting,
 )
@@ -30,9 +31,12 @@ if TYPE_CHECKING:
     from paint3d.mesh.bvh import ClosestPoints
     from paint3d.recording.score import Score
 
-__all__ = ["HELP", "add_arguments", "run"]
+__all__ = ["EXAMPLES", "add_arguments", "run"]
 
-HELP = "a whole painting's strokes: list, delete, move, re-ink, re-time"
+EXAMPLES = """
+paint3d score flower.score.jsonl --list
+paint3d score flower.score.jsonl --move 3:5,0 --ink 4:cinnabar --out again.score.jsonl
+"""
 
 _MOST = 100_000  # numbers in a row
 
@@ -91,7 +95,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="the object that strokes are moved on (default: the one that the score names, where "
         "it is a built-in one)",
     )
-    parser.add_argument("--unit", choices=UNITS, help="of a mesh that does not say its own")
+    add_unit_option(parser)
     parser.add_argument("--out", metavar="FILE", type=Path, help="where the edited score goes")
     add_force_option(parser)
     add_quiet_option(parser)
@@ -106,8 +110,6 @@ def run(options: argparse.Namespace) -> None:
     Paint3DError
         If anything handed in cannot be used, or the result cannot be written.
     """
-    from paint3d.recording.score import is_score, load_score, save_score
-
     edits: list[_Edit] = options.edits or []
     if not edits and not options.list:
         raise InputError("nothing is asked for; expected --list or an edit, such as --delete 3")
@@ -118,7 +120,10 @@ def run(options: argparse.Namespace) -> None:
             raise InputError("--out is given without an edit; expected one, such as --delete 3")
         check_output_file(options.out, (".jsonl", ".json", ".jsonl.gz", ".json.gz"))
         check_overwriting((options.out,), (options.score,), force=options.force)
-    if options.score.is_file() and not is_score(options.score):
+    check_input_file(options.score, "a whole painting (.score.jsonl)")
+    from paint3d.recording.score import is_score, load_score, save_score
+
+    if not is_score(options.score):
         raise RecordingError(
             f"{options.score}: this is no recording of version 2; expected a whole painting, as "
             "the studio saves one under Whole painting"

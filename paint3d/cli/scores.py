@@ -5,10 +5,9 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Iterator
-from pathlib import Path
 from typing import TYPE_CHECKING
 
-from paint3d.cli.options import load_object
+from paint3d.cli.painting import PaintingOptions, load_object
 from paint3d.cli.progress import ProgressBar, say_if_compiling
 from paint3d.cli.results import Painting, timed, write_report, write_result
 from paint3d.errors import InputError, RecordingError
@@ -21,8 +20,7 @@ if TYPE_CHECKING:
 
 __all__ = ["replay_score"]
 
-_OWN = ("brush", "ink", "tip", "pickup", "hairs", "at", "size", "spread")  # what a score says
-_UNSAID = {"pickup": 0.0}  # options that are not None where they are not given
+_OWN = ("brush", "ink", "tip", "reach", "pickup", "hairs", "at", "size", "spread", "layer")
 
 
 def replay_score(options: argparse.Namespace, film: FilmWanted | None = None) -> None:
@@ -33,16 +31,22 @@ def replay_score(options: argparse.Namespace, film: FilmWanted | None = None) ->
     Paint3DError
         If anything handed in cannot be used, or the result cannot be written.
     """
+    from paint3d.files.project.session import is_session_path
     from paint3d.recording.score import load_score
 
     for name in _OWN:
-        if getattr(options, name) != _UNSAID.get(name):
+        if getattr(options, name) is not None:
             raise InputError(
                 f"--{name} is given, and {options.recording} is a whole painting with brushes, "
                 f"inks, places and time of its own; expected no --{name}"
             )
     with ProgressBar("reading", enabled=not options.quiet) as progress:
         score = load_score(options.recording, progress)
+    if is_session_path(options.on):
+        raise InputError(
+            f"{options.recording} is a whole painting, which begins on a bare object; expected "
+            f"--on MESH, not {options.on}"
+        )
     document, painting, watch = _painted(score, options, film)
     if not painting.counts["footprints"]:
         raise RecordingError(
@@ -51,7 +55,7 @@ def replay_score(options: argparse.Namespace, film: FilmWanted | None = None) ->
         )
     with timed(painting.seconds, "export"):
         if options.out is not None:
-            _write(document, painting, options.out, quiet=options.quiet)
+            write_result(painting, options.out, quiet=options.quiet)
         if watch is not None:
             watch.write()
     if options.report is not None:
@@ -69,7 +73,7 @@ def _painted(
     from paint3d.files.load import load_mesh
 
     material = None if options.material is None else load_material(options.material)
-    mesh = load_object(options)
+    mesh = load_object(PaintingOptions.of(options))
     seconds: dict[str, float] = {}
     say_if_compiling(quiet=options.quiet)
     with timed(seconds, "prepare"), ProgressBar("preparing", enabled=not options.quiet):
@@ -84,7 +88,7 @@ def _painted(
         if document.in_stroke:
             document.end_stroke()
         counts = document.painter.report()
-    return document, Painting(document.surface, counts, seconds), watch
+    return document, Painting(document.surface, counts, seconds, document=document), watch
 
 
 def _watched(document: Document, score: Score, watch: Watch) -> Iterator[Step]:
@@ -98,13 +102,3 @@ def _watched(document: Document, score: Score, watch: Watch) -> Iterator[Step]:
         pass_step(clock, step)
         watch.at(clock.seconds)
         yield step
-
-
-def _write(document: Document, painting: Painting, file: Path, *, quiet: bool) -> None:
-    from paint3d.files.project.session import is_session_path
-
-    if not is_session_path(file):
-        write_result(painting, file, quiet=quiet)
-        return
-    with ProgressBar("writing", enabled=not quiet) as progress:
-        document.save_copy(file, progress)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import logging
 import math
 import sys
 from collections.abc import Iterator
@@ -10,41 +11,46 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from paint3d.cli.options import (
-    MATERIALS,
-    UNITS,
+    PLACE,
     add_force_option,
-    add_on_and_out,
     add_quiet_option,
-    add_surface_options,
-    add_up_option,
+    add_seed_option,
+    check_input_file,
     check_output_file,
     check_overwriting,
-    load_object,
+    group_of,
     parse_length_mm,
     parse_number,
     parse_place,
 )
+from paint3d.cli.painting import (
+    PaintingOptions,
+    add_out_option,
+    new_document,
+    open_document,
+    take_layer,
+)
 from paint3d.cli.progress import ProgressBar
-from paint3d.cli.results import result_suffixes
-from paint3d.cli.sources import add_drawing_options, parse_face
-from paint3d.errors import InputError, MeshError, Paint3DError
+from paint3d.cli.results import add_layer_option, result_suffixes
+from paint3d.cli.sources import WHAT, add_drawing_options, parse_face
+from paint3d.errors import InputError, MeshError
 
 if TYPE_CHECKING:
     from paint3d.app.model.document import Document
-    from paint3d.calligraphy.seal.stone import Seal
-    from paint3d.colour.pigments import Pigment
     from paint3d.mesh.chart import SurfaceFrame
-    from paint3d.mesh.triangle_mesh import TriangleMesh
 
-__all__ = ["HELP", "add_arguments", "run"]
+__all__ = ["EXAMPLES", "add_arguments", "add_seal_options", "check_seal", "press", "run"]
 
-HELP = "press a seal, of text or a drawing"
+EXAMPLES = """
+paint3d seal 浩然 --on poem.p3d --at 0.3,0.3 --size 13 --layer seal --out sealed.p3d
+paint3d seal --svg logo.svg --on vase --size 20 --out vase.glb
+"""
 
+_LOG = logging.getLogger("paint3d")
 _STYLES = ("zhuwen", "baiwen")
 _SIDES = ("outside", "inside", "top", "bottom")
 _RESOLUTION_MM = 0.1
 _MOST_PLACES = 12
-_MOST_SEED = 1_000_000
 _COARSE = 2.5  # vertices across a line below which a note says that it is coarse
 
 
@@ -56,21 +62,25 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         nargs="?",
         help="1 to 4 characters, in columns from the right; with --font any text",
     )
-    add_drawing_options(parser, "cut a drawing instead of a text")
-    add_on_and_out(parser)
-    _add_stone_options(parser)
-    _add_place_options(parser)
-    add_surface_options(parser)
-    parser.set_defaults(material=None, resolution=None)  # a painting has its own
-    parser.add_argument(
-        "--unit", choices=UNITS, help="length of one unit in a mesh file (default: as it says)"
-    )
-    add_up_option(parser)
+    PaintingOptions.add_to(
+        parser, "on", "material", "resolution", "unit", "up",
+        unsaid={"resolution": f"{_RESOLUTION_MM:g}"},
+    )  # fmt: skip
+    add_seal_options(parser)
+    add_layer_option(parser)
+    add_out_option(parser)
     add_force_option(parser)
     add_quiet_option(parser)
 
 
-def _add_stone_options(parser: argparse.ArgumentParser) -> None:
+def add_seal_options(parser: argparse.ArgumentParser) -> None:
+    """Add what is cut, and where and how it is pressed: what `press` asks."""
+    add_drawing_options(group_of(parser, WHAT), "cut a drawing instead of a text")
+    _add_stone_options(group_of(parser, WHAT))
+    _add_place_options(group_of(parser, PLACE))
+
+
+def _add_stone_options(parser: argparse._ActionsContainer) -> None:
     add = parser.add_argument
     add(
         "--style",
@@ -112,24 +122,10 @@ def _add_stone_options(parser: argparse.ArgumentParser) -> None:
         type=lambda text: parse_number(text, "a wear", "0 to 3", lambda n: 0 <= n <= 3),
         help="how worn the stone is: 0 as it was cut, up to 3 (default: 1)",
     )
-    add(
-        "--seed",
-        metavar="N",
-        type=_parse_seed,
-        help="another one leaves other spots bare and other chips (default: 1)",
-    )
+    add_seed_option(parser, "other spots stay bare, and other chips")
 
 
-def _parse_seed(text: str) -> int:
-    return int(
-        parse_number(
-            text, "a seed", f"a whole number, 0 to {_MOST_SEED:,}",
-            lambda n: 0 <= n <= _MOST_SEED and n == int(n),
-        )
-    )  # fmt: skip
-
-
-def _add_place_options(parser: argparse.ArgumentParser) -> None:
+def _add_place_options(parser: argparse._ActionsContainer) -> None:
     parser.add_argument(
         "--at", metavar="U,V", type=parse_place, help="where its middle goes (see the guide)"
     )
@@ -137,14 +133,11 @@ def _add_place_options(parser: argparse.ArgumentParser) -> None:
         "--side", choices=_SIDES, help="from where the object is looked at (default: by its shape)"
     )
     parser.add_argument(
-        "--turn",
+        "--rotate",
         metavar="DEG",
         type=lambda text: parse_number(text, "an angle", "-360 to 360", lambda n: abs(n) <= 360),
         default=0.0,
         help="turn it anticlockwise (default: 0)",
-    )
-    parser.add_argument(
-        "--layer", metavar="NAME", help="press it onto a layer of its own (default: the one used)"
     )
 
 
@@ -156,38 +149,34 @@ def run(options: argparse.Namespace) -> None:
     Paint3DError
         If anything handed in cannot be used, or the result cannot be written.
     """
-    from paint3d.calligraphy.seal.stone import cut_seal
-    from paint3d.colour.inks import load_ink
+    wanted = PaintingOptions.of(options, resolution=_RESOLUTION_MM)
+    check_seal(options)
+    check_output_file(options.out, result_suffixes())
+    wanted.check_object()
+    check_input_file(options.svg, "a drawing (.svg)")
+    check_overwriting((options.out,), (options.on, options.font, options.svg), force=options.force)
     from paint3d.files.project.session import is_session_path
 
-    _check(options)
-    paste = None if options.ink is None else load_ink(options.ink)
-    seal = cut_seal(
-        options.text,
-        options.svg,
-        options.style,
-        options.size,
-        ids=options.ids or (),
-        font=options.font,
-        font_number=options.font_number or 0,
-        glyphs=options.glyphs,
-    )
-    document = _opened(options, is_session=is_session_path(options.on))
-    if options.layer is not None:
-        _take_layer(document, options.layer)
-    with ProgressBar("pressing", enabled=not options.quiet):
-        touched = _press(document, seal, paste, options)
+    if is_session_path(options.on):
+        document = open_document(wanted, options)
+    else:
+        document = new_document(wanted)
+    take_layer(document, options.layer)
+    told = press(document, options)
     with ProgressBar("writing", enabled=not options.quiet) as progress:
         document.export(options.out, progress=progress)
     if not options.quiet:
-        _tell_coarse(document, seal)
-        sys.stdout.write(
-            f"{options.out}: {seal.text}, {seal.style}, {seal.width_mm:.1f} x "
-            f"{seal.height_mm:.1f} mm, {100.0 * touched:.0f} % touched\n"
-        )
+        sys.stdout.write(f"{options.out}: {told}\n")
 
 
-def _check(options: argparse.Namespace) -> None:
+def check_seal(options: argparse.Namespace) -> None:
+    """Refuse options that do not go together, before any work.
+
+    Raises
+    ------
+    InputError
+        Which ones, and what was expected.
+    """
     if (options.text is None) == (options.svg is None):
         got = "nothing to cut" if options.text is None else "a text and --svg"
         raise InputError(f"got {got}; expected one of TEXT and --svg FILE")
@@ -200,54 +189,62 @@ def _check(options: argparse.Namespace) -> None:
         raise InputError("--font and --glyphs are given; expected one of them")
     if options.font_number is not None and options.font is None:
         raise InputError("--font-number is given without a font; expected --font FONT")
-    check_output_file(options.out, result_suffixes())
-    check_overwriting((options.out,), (options.on, options.font, options.svg), force=options.force)
 
 
-def _opened(options: argparse.Namespace, *, is_session: bool) -> Document:
-    """The painting that is there, or a bare object."""
-    from paint3d.app.model.document import Document
+def press(document: Document, options: argparse.Namespace) -> str:
+    """Cut a seal and press it where it is asked for, or at the first place that has room.
 
-    if not is_session:
-        material = options.material or MATERIALS[0]
-        return Document.new(_mesh(options), options.resolution or _RESOLUTION_MM, material)
-    for name in ("material", "resolution", "unit", "up"):
-        if getattr(options, name) is not None:
-            raise InputError(f"--{name} is given, and {options.on} is a painting with its own")
-    with ProgressBar("opening", enabled=not options.quiet) as progress:
-        return Document.open(options.on, progress=progress)
+    Returns
+    -------
+    str
+        What was pressed, for people.
 
+    Raises
+    ------
+    Paint3DError
+        If it cannot be cut, or there is no place for it.
+    """
+    from paint3d.calligraphy.seal.stone import cut_seal
+    from paint3d.colour.inks import load_ink
 
-def _mesh(options: argparse.Namespace) -> TriangleMesh:
-    options.from_points, options.texture = None, False
-    return load_object(options)
-
-
-def _take_layer(document: Document, name: str) -> None:
-    names = [layer.name for layer in document.layers]
-    if name in names:
-        document.select_layer(names.index(name))
-    else:
-        document.add_layer(name, len(names))
-
-
-def _press(
-    document: Document, seal: Seal, paste: dict[Pigment, float] | None, options: argparse.Namespace
-) -> float:
-    """Press it where it is asked for, or at the first place that has room."""
+    paste = None if options.ink is None else load_ink(options.ink)
+    seal = cut_seal(
+        options.text,
+        options.svg,
+        options.style,
+        options.size,
+        ids=options.ids or (),
+        font=options.font,
+        font_number=options.font_number or 0,
+        glyphs=options.glyphs,
+    )
     given = {"coats": options.coats, "pad_mm": options.pad, "wear": options.wear,
              "seed": options.seed, "ink": paste}  # fmt: skip
     given = {name: value for name, value in given.items() if value is not None}
-    fault: Paint3DError | None = None
-    for frame in _frames(document, options):
-        angle = math.radians(options.turn)
-        up = math.cos(angle) * frame.y_axis - math.sin(angle) * frame.x_axis
-        rings = [ring.tolist() for ring in seal.rings]
-        try:
-            return document.press_seal(rings, frame.origin.tolist(), up.tolist(), **given)
-        except (MeshError, InputError) as cause:
-            fault = fault or cause
-    raise fault or MeshError(f"{options.on}: there is no place for a seal; expected a surface")
+    rings = [ring.tolist() for ring in seal.rings]
+    angle, fault = math.radians(options.rotate), None
+    with ProgressBar("pressing", enabled=not options.quiet):
+        for frame in _frames(document, options):
+            up = math.cos(angle) * frame.y_axis - math.sin(angle) * frame.x_axis
+            try:
+                touched = document.press_seal(rings, frame.origin.tolist(), up.tolist(), **given)
+                break
+            except (MeshError, InputError) as cause:
+                fault = fault or cause
+        else:
+            name = document.surface.source.name
+            raise fault or MeshError(f"{name}: there is no place for a seal; expected a surface")
+    resolution = document.surface.resolution
+    if resolution is not None and seal.line_mm < _COARSE * resolution:
+        _LOG.warning(
+            "its lines are %.2f mm wide, and vertices %g mm apart: paint with a --resolution of "
+            "%.2g, or press a larger seal",
+            seal.line_mm, resolution, seal.line_mm / _COARSE,
+        )  # fmt: skip
+    return (
+        f"{seal.text}, {seal.style}, {seal.width_mm:.1f} x {seal.height_mm:.1f} mm, "
+        f"{100.0 * touched:.0f} % touched"
+    )
 
 
 def _frames(document: Document, options: argparse.Namespace) -> Iterator[SurfaceFrame]:
@@ -262,13 +259,3 @@ def _frames(document: Document, options: argparse.Namespace) -> Iterator[Surface
         yield place(closest, options.at, side=options.side)
         return
     yield from islice(frames_to_try(closest, options.side), _MOST_PLACES)
-
-
-def _tell_coarse(document: Document, seal: Seal) -> None:
-    resolution = document.surface.resolution
-    if resolution is not None and seal.line_mm < _COARSE * resolution:
-        sys.stderr.write(
-            f"paint3d: note: its lines are {seal.line_mm:.2f} mm wide, and vertices "
-            f"{resolution:g} mm apart: paint with a --resolution of "
-            f"{seal.line_mm / _COARSE:.2g}, or press a larger seal\n"
-        )

@@ -7,6 +7,7 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from paint3d.cli.options import FILES, group_of
 from paint3d.errors import InputError
 
 if TYPE_CHECKING:
@@ -20,9 +21,10 @@ if TYPE_CHECKING:
 __all__ = [
     "STROKES_FILE",
     "TRIALS",
+    "WHAT",
     "add_drawing_options",
+    "add_rehearsals_option",
     "add_source_options",
-    "add_trials_option",
     "check_source",
     "lay_on",
     "open_page",
@@ -30,6 +32,7 @@ __all__ = [
     "save_written",
 ]
 
+WHAT = "what is written"
 STROKES_FILE = (".strokes.json",)
 TRIALS = 2
 _MOST_TRIALS = 9
@@ -39,41 +42,42 @@ _OF_A_FONT = ("font_number", "features", "variation", "direction", "language")
 
 def add_source_options(parser: argparse.ArgumentParser) -> None:
     """Add what is written instead of a text, and the file that its strokes are kept in."""
-    _add_font_options(parser)
-    add_drawing_options(parser, "write a drawing instead of a text")
-    parser.add_argument(
+    source = group_of(parser, WHAT)
+    _add_font_options(source)
+    add_drawing_options(source, "write a drawing instead of a text")
+    source.add_argument(
         "--strokes",
         metavar="FILE",
         type=Path,
         help="write what --save-strokes kept (.strokes.json), as it may have been corrected",
     )
-    parser.add_argument(
+    group_of(parser, FILES).add_argument(
         "--save-strokes",
         metavar="FILE",
         type=Path,
         help="also keep the strokes of a font's text or a drawing in a plain file (.strokes.json)",
     )
-    add_trials_option(parser, "of --strokes that say how dry or how pale they are: ")
+    add_rehearsals_option(source, "of --strokes that say how dry or how pale they are: ")
 
 
-def add_trials_option(parser: argparse.ArgumentParser, which: str = "") -> None:
-    """Add ``--trials``, of which things said first; None where it is not given."""
+def add_rehearsals_option(parser: argparse._ActionsContainer, which: str = "") -> None:
+    """Add ``--rehearsals``, of which things said first; None where it is not given."""
     parser.add_argument(
-        "--trials",
+        "--rehearsals",
         metavar="N",
-        type=_parse_trials,
+        type=_parse_rehearsals,
         help=f"{which}paint it so often beforehand, to see how dry and how pale it comes out and "
         f"correct that (default: {TRIALS})",
     )
 
 
-def _parse_trials(text: str) -> int:
+def _parse_rehearsals(text: str) -> int:
     if not (text.isascii() and text.isdigit() and int(text) <= _MOST_TRIALS):
         raise argparse.ArgumentTypeError(f"{text!r}; expected 0 to {_MOST_TRIALS}")
     return int(text)
 
 
-def add_drawing_options(parser: argparse.ArgumentParser, what: str) -> None:
+def add_drawing_options(parser: argparse._ActionsContainer, what: str) -> None:
     """Add ``--svg``, which `what` says the meaning of, and ``--ids``."""
     parser.add_argument("--svg", metavar="FILE", type=Path, help=what)
     parser.add_argument(
@@ -84,7 +88,7 @@ def add_drawing_options(parser: argparse.ArgumentParser, what: str) -> None:
     )
 
 
-def _add_font_options(parser: argparse.ArgumentParser) -> None:
+def _add_font_options(parser: argparse._ActionsContainer) -> None:
     parser.add_argument(
         "--font",
         metavar="FONT",
@@ -178,8 +182,8 @@ def check_source(options: argparse.Namespace) -> None:
     if len(given) != 1:
         got = " and ".join(given) or "nothing to write"
         raise InputError(f"got {got}; expected one of TEXT, --svg FILE and --strokes FILE")
-    if options.trials is not None and options.strokes is None:
-        raise InputError("--trials is given without strokes; expected --strokes FILE")
+    if options.rehearsals is not None and options.strokes is None:
+        raise InputError("--rehearsals is given without strokes; expected --strokes FILE")
     if options.ids is not None and options.svg is None:
         raise InputError("--ids is given without a drawing; expected --svg FILE")
     if options.font is not None and options.text is None:

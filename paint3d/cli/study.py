@@ -15,8 +15,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from paint3d.cli.options import (
+    add_actions,
     add_force_option,
     add_quiet_option,
+    add_seed_option,
     check_output_file,
     check_output_folder,
     check_overwriting,
@@ -31,15 +33,22 @@ if TYPE_CHECKING:
     from paint3d.app.model.studies.plan import StudyPlan
     from paint3d.app.model.studies.study import StudyTable, Summary
 
-__all__ = ["HELP", "add_arguments", "plan_lines", "run", "table_lines"]
+__all__ = ["EXAMPLES", "add_arguments", "plan_lines", "run", "table_lines"]
 
-HELP = "the papers' timing experiment"
+EXAMPLES = """
+paint3d study plan study --participants 6
+paint3d study table study
+"""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add this command's options."""
-    actions = parser.add_subparsers(metavar="ACTION", required=True, dest="action")
-    plan = actions.add_parser("plan", help="set a study up in a folder", allow_abbrev=False)
+    add = add_actions(parser)
+    plan = add(
+        "plan",
+        "set a study up in a folder, and say who paints what in which order under which name",
+        "paint3d study plan study --participants 6 --devices I,II",
+    )
     plan.add_argument("folder", metavar="FOLDER", type=Path)
     plan.add_argument("--participants", metavar="N", type=int, default=6, help="(default: 6)")
     plan.add_argument(
@@ -59,9 +68,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="side of the character's square (default: 30)",
     )
     plan.add_argument("--trials", metavar="N", type=int, default=1, help="of each (default: 1)")
-    plan.add_argument("--seed", metavar="N", type=int, default=0, help="deals out the orders")
-    answer = actions.add_parser(
-        "answer", help="write down which devices a participant prefers", allow_abbrev=False
+    add_seed_option(plan, "another deal of the orders")
+    answer = add(
+        "answer",
+        "write down which devices a participant prefers",
+        "paint3d study answer study P01 --prefers II",
     )
     answer.add_argument("folder", metavar="FOLDER", type=Path)
     answer.add_argument("participant", metavar="NAME", help="as in the plan, such as P01")
@@ -69,11 +80,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--prefers", metavar="DEVICES", required=True, help="a device set of the plan, or none"
     )
     answer.add_argument("--comment", metavar="TEXT", default="", help="what they say of it")
-    table = actions.add_parser("table", help="measure what was painted", allow_abbrev=False)
+    table = add(
+        "table",
+        "measure what was painted: time, likeness to the copybook, and a paired test",
+        "paint3d study table study --json study.json",
+    )
     _add_measuring(table)
-    table.add_argument("--report", metavar="FILE", type=Path, help="write everything as JSON")
-    page = actions.add_parser(
-        "report", help="measure it, and write one page with box plots", allow_abbrev=False
+    table.add_argument("--json", metavar="FILE", type=Path, help="also write the results as JSON")
+    page = add(
+        "report",
+        "measure it, and write one page with box plots",
+        "paint3d study report study --out study.html",
     )
     _add_measuring(page)
     page.add_argument("--out", metavar="FILE", type=Path, required=True, help="a page, .html")
@@ -111,7 +128,7 @@ def _plan(options: argparse.Namespace) -> None:
         options.on,
         options.size,
         options.trials,
-        options.seed,
+        0 if options.seed is None else options.seed,
     )
     check_output_folder(options.folder)
     save_plan(plan, options.folder)
@@ -150,11 +167,11 @@ def _measured(options: argparse.Namespace, written: Path | None, suffix: str) ->
 
 
 def _table(options: argparse.Namespace) -> None:
-    table = _measured(options, options.report, ".json")
-    if options.report is not None:
+    table = _measured(options, options.json, ".json")
+    if options.json is not None:
         report = {"versions": find_versions(), **table.to_json()}
         text = json_text(report, indent=2, allow_nan=False)
-        with write_atomically(options.report) as part:
+        with write_atomically(options.json) as part:
             part.write_text(text + "\n", encoding="utf-8")
     sys.stdout.write("\n".join(table_lines(table)) + "\n")
 

@@ -1,4 +1,7 @@
-"""Write a text or a drawing on an object: plan the strokes, replay them, export the painting."""
+"""Write a text or a drawing on an object: plan the strokes, replay them, export the painting.
+
+With a painting (.p3d) as --on, it goes on with that; --layer keeps what is written by itself.
+"""
 
 from __future__ import annotations
 
@@ -12,30 +15,43 @@ from typing import TYPE_CHECKING
 
 from paint3d.cli.films import add_film_options, film_of
 from paint3d.cli.options import (
+    BRUSH,
     DIPS,
+    FILES,
+    PLACE,
     add_dip_option,
     add_force_option,
-    add_on_and_out,
-    add_painting_options,
     add_quiet_option,
+    add_report_option,
+    check_input_file,
     check_output_file,
     check_overwriting,
-    load_object,
-    own_file,
+    group_of,
     parse_count,
     parse_length_mm,
     parse_place,
 )
+from paint3d.cli.painting import (
+    DEFAULT_INK,
+    PaintingOptions,
+    add_out_option,
+    load_object,
+    open_document,
+    paint,
+    paint_onto,
+    prepare,
+    take_layer,
+)
 from paint3d.cli.progress import ProgressBar
-from paint3d.cli.replay import DEFAULT_INK, PaintOptions, paint, prepare, read_for_ink
 from paint3d.cli.results import (
     Painting,
+    add_layer_option,
     check_is_plane,
     export_outlines,
+    finish,
     result_suffixes,
     timed,
     write_report,
-    write_result,
 )
 from paint3d.cli.sources import (
     STROKES_FILE,
@@ -51,12 +67,23 @@ from paint3d.errors import InputError
 if TYPE_CHECKING:
     from paint3d.calligraphy.photo.flat_page import FlatPage
     from paint3d.calligraphy.writing import Pen, Written
-    from paint3d.mesh.triangle_mesh import TriangleMesh
+    from paint3d.recording.recording import Recording
     from paint3d.surface.painted_surface import PaintedSurface
 
-__all__ = ["HELP", "add_arguments", "add_task_options", "carry_out", "check_files", "run"]
+__all__ = [
+    "EXAMPLES",
+    "add_arguments",
+    "add_task_options",
+    "carry_out",
+    "check_files",
+    "run",
+]
 
-HELP = "write a text or a drawing: plan the strokes, then replay them"
+EXAMPLES = """
+paint3d write 永和九年 --on vase --size 60 --out vase.glb
+paint3d write Hello --font "DejaVu Sans" --on mug.glb --at 0.5,0.5 --size 25 --out hello.glb
+paint3d write --svg logo.svg --on hello.p3d --size 40 --out both.p3d
+"""
 
 _RECORDINGS = (".jsonl", ".csv", ".jsonl.gz", ".csv.gz")
 _TECHNIQUES = ("zhongfeng", "cefeng", "pianfeng")
@@ -76,18 +103,22 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_dip_option(parser, f"{DIPS}; of drawings always")
 
 
-def add_task_options(parser: argparse.ArgumentParser) -> None:
-    """Add where strokes are written, with what, and which files are made: what `carry_out` asks."""
-    add_on_and_out(parser)
+def add_task_options(parser: argparse.ArgumentParser, **unsaid: str) -> None:
+    """Add where strokes are written, with what, and which files are made: what `carry_out` asks.
+
+    `unsaid` tells what stands for options that are not given, where a command differs.
+    """
+    unsaid = {"brush": "one that suits the size", "ink": DEFAULT_INK, **unsaid}
+    PaintingOptions.add_to(parser, unsaid=unsaid)
     _add_writing_options(parser)
-    add_painting_options(parser, brush="one that suits the size", ink=DEFAULT_INK)
-    parser.add_argument(
+    add_layer_option(parser)
+    add_out_option(parser)
+    files = group_of(parser, FILES)
+    files.add_argument(
         "--recording", metavar="FILE", type=Path, help="also write the way of the hand"
     )
-    parser.add_argument(
-        "--report", metavar="FILE", type=Path, help="write frames, counts and times as JSON"
-    )
-    parser.add_argument(
+    add_report_option(parser)
+    files.add_argument(
         "--processes",
         metavar="N",
         type=parse_count,
@@ -99,42 +130,43 @@ def add_task_options(parser: argparse.ArgumentParser) -> None:
 
 
 def _add_writing_options(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
+    place, brush = group_of(parser, PLACE), group_of(parser, BRUSH)
+    place.add_argument(
         "--glyphs",
         metavar="DIR",
         type=Path,
         help="a folder of hanzi-writer-data (default: the lines of the package kanjivg)",
     )
-    parser.add_argument(
+    place.add_argument(
         "--size",
         metavar="MM",
         type=parse_length_mm,
         default=20.0,
-        help="side of a character's square, longer side of a drawing (default: 20)",
+        help="side of a character's square, longer side of a drawing (default: %(default)g)",
     )
-    parser.add_argument(
+    place.add_argument(
         "--layout",
         choices=("columns", "row"),
         help="columns from right to left, or rows (default: columns; with --font as its script is "
         "written)",
     )
-    where = parser.add_mutually_exclusive_group()
+    where = place.add_mutually_exclusive_group()
     where.add_argument(
         "--at", metavar="U,V", type=parse_place, help="where the text's middle goes (see the guide)"
     )
     where.add_argument(
         "--around", action="store_true", help="spread the text evenly around the body"
     )
-    parser.add_argument(
+    place.add_argument(
         "--side", choices=_SIDES, help="from where the object is looked at (default: by its shape)"
     )
-    parser.add_argument(
+    brush.add_argument(
         "--azimuth",
         choices=("commanded", "dragged"),
         default="commanded",
         help="who turns the tuft: the handle, or the surface that drags it (default: commanded)",
     )
-    parser.add_argument(
+    brush.add_argument(
         "--technique", choices=_TECHNIQUES, help="how the tip is held (default: as the shape asks)"
     )
 
@@ -147,19 +179,21 @@ def run(options: argparse.Namespace) -> None:
     Paint3DError
         If anything handed in cannot be used, or a result cannot be written.
     """
-    check_files(options, (options.font, options.svg, options.strokes))
-    PaintOptions.of(options).check()
     check_source(options)
+    wanted = PaintingOptions.of(options)
+    check_files(options, wanted, (options.font, options.svg, options.strokes))
+    wanted.check()
     dips = options.dip or (DIPS if options.text is not None else "always")
-    write, source = _prepared(options)
+    write, source = planner(options)
     trials = 0
     if options.strokes is not None:
-        trials = TRIALS if options.trials is None else options.trials
-    carry_out(options, write, source, dips, trials)
+        trials = TRIALS if options.rehearsals is None else options.rehearsals
+    carry_out(options, wanted, write, source, dips, trials)
 
 
 def carry_out(
     options: argparse.Namespace,
+    wanted: PaintingOptions,
     write: Callable[..., Written],
     source: dict[str, str],
     dips: str | int,
@@ -171,6 +205,7 @@ def carry_out(
     Parameters
     ----------
     options : Namespace
+    wanted : PaintingOptions
     write : callable
         `write_page` or `write_text`, with what is written.
     source : dict
@@ -187,83 +222,93 @@ def carry_out(
     Paint3DError
         If it does not fit, cannot be planned, or a file cannot be written.
     """
-    from paint3d.calligraphy.dips import dipped_as
-    from paint3d.calligraphy.flying_white import inked_as
+    from paint3d.files.project.session import is_session_path
 
-    wanted = PaintOptions.of(options)
-    film, pen = film_of(options), _pen(options)
+    film = film_of(options)
     as_outlines = options.out.name.lower().endswith(".svg")
     if as_outlines and options.azimuth != "commanded":
         raise InputError("--azimuth dragged turns the tuft; outlines (.svg) need a commanded one")
+    pen = pen_of(options)
     seconds: dict[str, float] = {}
-    mesh, surface = _made_ready(options, wanted, pen, seconds, flat=as_outlines)
-    with timed(seconds, "plan"):
-        written = _plan(options, mesh, write, pen, source)
-        written = replace(written, recording=dipped_as(written.recording, pen.brush, dips))
+    document = open_document(wanted, options) if is_session_path(wanted.on) else None
+    if document is None:
+        surface = _made_ready(wanted, pen, seconds, flat=as_outlines)
+    else:
+        surface = document.surface
+        if as_outlines:
+            check_is_plane(surface.source)
+    take_layer(document or surface, options.layer)
+    written = plan(options, surface, write, pen, source, dips, seconds)
     if trials:
-        written = _rehearsed(written, mesh, wanted, seconds, trials, sheet)
-    recording = inked_as(written.recording, written.dryness, written.strength, surface.material)
-    watch = None if film is None else film.of_recording(surface, recording, wanted.spread_s)
-    painting = paint(surface, recording, wanted, seconds, watch)
+        written = _rehearsed(written, surface, wanted, seconds, trials, sheet)
+    recording = inked(written, surface)
+    watch = None if film is None else film.of_recording(surface, recording, wanted.spread)
+    if document is None:
+        painting = paint(surface, recording, wanted, seconds, watch)
+    else:
+        painting = paint_onto(document, recording, wanted, seconds, watch)
     header, written = recording.header, replace(written, recording=recording)
     told = {key: header[key] for key in ("glyphs", "source") if key in header}
     painting.counts.update(told, characters=written.characters)
-    with timed(painting.seconds, "export"):
-        if as_outlines:
+    if as_outlines:
+        with timed(painting.seconds, "export"):
             with ProgressBar("writing", enabled=not options.quiet):
-                export_outlines(mesh, recording, pen.brush, options.ink or DEFAULT_INK, options.out)
-        else:
-            write_result(painting, options.out, quiet=options.quiet)
-        if watch is not None:
-            watch.write()
-    _write_beside(options, written, painting)
+                ink = options.ink or DEFAULT_INK
+                export_outlines(surface.source, recording, pen.brush, ink, options.out)
+            if watch is not None:
+                watch.write()
+        if options.report is not None:
+            write_report(options.report, painting)
+    else:
+        finish(painting, options, watch)
+    _write_beside(options, written)
+    if not options.quiet:
+        sys.stdout.write(f"{options.out}: {painting.summarize()}\n")
     return written, painting
 
 
+def inked(written: Written, surface: PaintedSurface) -> Recording:
+    """The recording of a plan, as dry and as pale as it asks for on this surface."""
+    from paint3d.calligraphy.flying_white import inked_as
+
+    return inked_as(written.recording, written.dryness, written.strength, surface.material)
+
+
 def _made_ready(
-    options: argparse.Namespace,
-    wanted: PaintOptions,
-    pen: Pen,
-    seconds: dict[str, float],
-    *,
-    flat: bool,
-) -> tuple[TriangleMesh, PaintedSurface]:
-    """The object and its surface; what the brush's bent shapes are looked up in is made beside."""
+    wanted: PaintingOptions, pen: Pen, seconds: dict[str, float], *, flat: bool
+) -> PaintedSurface:
+    """The object's surface; what the brush's bent shapes are looked up in is made beside."""
     from paint3d.brush.bending import build_tuft
     from paint3d.core.ahead import beside
 
     with beside(partial(build_tuft, pen.brush)):
-        mesh = load_object(options)
+        mesh = load_object(wanted)
         if flat:
             check_is_plane(mesh)
-        return mesh, prepare(mesh, wanted, seconds)
+        return prepare(mesh, wanted, seconds)
 
 
 def _rehearsed(
     written: Written,
-    mesh: TriangleMesh,
-    wanted: PaintOptions,
+    surface: PaintedSurface,
+    wanted: PaintingOptions,
     seconds: dict[str, float],
     trials: int,
     sheet: FlatPage | None,
 ) -> Written:
     """A plan, corrected by what comes of it on fresh surfaces."""
-    from paint3d.calligraphy.flying_white import inked_as
     from paint3d.calligraphy.photo.rehearsal import rehearsed
-    from paint3d.colour.materials import load_material
-
-    material = load_material(wanted.material)
+    from paint3d.surface.painted_surface import PaintedSurface
 
     def on_trial(plan: Written) -> PaintedSurface:
-        surface = prepare(mesh, wanted, seconds)
-        recording = inked_as(plan.recording, plan.dryness, plan.strength, material)
-        return paint(surface, recording, wanted, seconds).surface
+        fresh = PaintedSurface(surface.source, surface.resolution, surface.material)
+        return paint(fresh, inked(plan, fresh), wanted, seconds).surface
 
-    return rehearsed(written, on_trial, material, trials, sheet)
+    return rehearsed(written, on_trial, surface.material, trials, sheet)
 
 
-def _write_beside(options: argparse.Namespace, written: Written, painting: Painting) -> None:
-    """Write the recording, the strokes and the report where they are asked for; tell the result."""
+def _write_beside(options: argparse.Namespace, written: Written) -> None:
+    """Write the recording and the strokes where they are asked for."""
     from paint3d.recording.recording import save_recording
 
     if options.recording is not None:
@@ -271,14 +316,11 @@ def _write_beside(options: argparse.Namespace, written: Written, painting: Paint
             save_recording(written.recording, options.recording, progress)
     if options.save_strokes is not None:
         save_written(written, options.save_strokes)
-    if options.report is not None:
-        write_report(options.report, painting)
-    if not options.quiet:
-        sys.stdout.write(f"{options.out}: {painting.summarize()}\n")
 
 
 def check_files(
     options: argparse.Namespace,
+    wanted: PaintingOptions,
     sources: Iterable[str | Path | None],
     also: Iterable[Path | None] = (),
 ) -> None:
@@ -301,18 +343,16 @@ def check_files(
             check_output_file(file, suffixes)
     check_overwriting(
         (options.out, options.film, options.report, options.recording, options.save_strokes, *also),
-        (
-            options.on,
-            *read_for_ink(options),
-            own_file(options.brush),
-            own_file(options.material),
-            *sources,
-        ),
+        (*wanted.files(), *sources),
         force=options.force,
     )
+    wanted.check_object()
+    for source in sources:
+        if isinstance(source, Path):  # a font may be a name
+            check_input_file(source, "a file to read")
 
 
-def _prepared(options: argparse.Namespace) -> tuple[Callable[..., Written], dict[str, str]]:
+def planner(options: argparse.Namespace) -> tuple[Callable[..., Written], dict[str, str]]:
     """What plans a page, or a text in characters that are known, and where these are from."""
     from paint3d.calligraphy.glyph_sources import missing_glyphs, open_glyphs
     from paint3d.calligraphy.writing import write_page, write_text
@@ -329,14 +369,17 @@ def _prepared(options: argparse.Namespace) -> tuple[Callable[..., Written], dict
     return partial(write_text, text=options.text, source=source), {"glyphs": source.name}
 
 
-def _plan(
+def plan(
     options: argparse.Namespace,
-    mesh: TriangleMesh,
+    surface: PaintedSurface,
     write: Callable[..., Written],
     pen: Pen,
     source: dict[str, str],
+    dips: str | int,
+    seconds: dict[str, float],
 ) -> Written:
-    """Plan what is written, telling the progress."""
+    """Plan what is written on a surface, dips included, telling the progress; see `carry_out`."""
+    from paint3d.calligraphy.dips import dipped_as
     from paint3d.calligraphy.layout import Layout
     from paint3d.colour.inks import describe_ink, load_ink
 
@@ -347,24 +390,26 @@ def _plan(
     }
     if options.tip is not None:
         header |= {"tip": describe_ink(load_ink(options.tip)), "reach": options.reach}
-    with ProgressBar("planning", enabled=not options.quiet) as bar:
+    with timed(seconds, "plan"), ProgressBar("planning", enabled=not options.quiet) as bar:
 
         def tell(character: str, fraction: float) -> None:
             if not options.quiet:
                 bar.note(f"planned {character}")
             bar(fraction)
 
-        return write(
-            mesh,
+        written = write(
+            surface.source,
             pen=pen,
             layout=layout,
             header=header,
             processes=options.processes or usable_cores(),
             progress=tell,
         )
+        return replace(written, recording=dipped_as(written.recording, pen.brush, dips))
 
 
-def _pen(options: argparse.Namespace) -> Pen:
+def pen_of(options: argparse.Namespace) -> Pen:
+    """The brush that is asked for, or that suits the size, and how it is held."""
     from paint3d.brush.presets import choose_brush, load_brush
     from paint3d.calligraphy.planning import PlanSettings
     from paint3d.calligraphy.writing import Pen

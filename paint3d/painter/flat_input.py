@@ -8,14 +8,20 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.core.arrays import AnyArray
+from paint3d.core.arrays import AnyArray, dots_of
 from paint3d.core.quaternion import multiply_quaternions, quaternions_from_matrices
 from paint3d.device.recorded import Recording
 from paint3d.device.sample import DIP
 from paint3d.errors import InputError, RecordingError
-from paint3d.mesh.chart import SurfaceChart
+from paint3d.mesh.bvh import ClosestPoints
+from paint3d.mesh.chart import SurfaceChart, frame_at, make_chart
+from paint3d.mesh.placement import upwards
+from paint3d.pose.brush_pose import brush_poses
 
-__all__ = ["LaidPad", "dipped", "lay", "size_of"]
+__all__ = ["LaidPad", "dipped", "lay", "lift_off", "size_of"]
+
+_ROOM = 1.4  # times the strokes' reach: half the side of the sheet
+_MOST_OFF_MM = 0.5  # of a foot from the sheet's surface
 
 
 def lay(recording: Recording, chart: SurfaceChart) -> Recording:
@@ -150,6 +156,55 @@ def size_of(
         scale = width_mm / (high[0] - low[0])
     middle = 0.5 * (low + high)
     return middle, np.maximum(middle - low, high - middle) * scale, scale
+
+
+def lift_off(recording: Recording, surface: ClosestPoints) -> Recording:
+    """Turn a recording on an object into a pad's, to be laid on another: the inverse of `lay`.
+
+    The chart is around the middle of all places where the brush presses.
+
+    Parameters
+    ----------
+    recording : Recording
+        In world space.
+    surface : ClosestPoints
+        Of the object that it was made on.
+
+    Raises
+    ------
+    RecordingError
+        If the strokes reach so far around the object that no sheet holds them.
+    """
+    path = brush_poses(recording)
+    pressed = np.ones(len(recording), np.bool_)
+    if recording.pressure is not None and recording.pressure.any():
+        pressed = recording.pressure > 0.0
+    feet = surface.find(path.way).points
+    middle = feet[pressed].mean(axis=0)
+    frame = frame_at(surface, middle, upwards(surface.find(middle[None]).normals[0]))
+    half = _ROOM * float(np.linalg.norm(feet[pressed] - frame.origin, axis=1).max()) + 1.0
+    try:
+        chart = make_chart(surface, frame, half, half)
+        xy = chart.coordinates(feet, most_off=_MOST_OFF_MM)
+    except InputError as cause:
+        raise RecordingError(f"no sheet holds its strokes: {cause}") from None
+    known = np.isfinite(xy[:, 0])
+    if not known[pressed].all():
+        raise RecordingError("no sheet holds its strokes: they reach too far around the object")
+    index = np.arange(len(xy))
+    for column in xy.T:  # between strokes the hand may be anywhere
+        column[~known] = np.interp(index[~known], index[known], column[known])
+    frames = chart.tangents(xy)
+    height = dots_of(path.position - chart.points(xy), np.ascontiguousarray(frames[..., 2]))
+    turned = quaternions_from_matrices(frames) * (1.0, -1.0, -1.0, -1.0)
+    return Recording(
+        recording.time_ns,
+        np.column_stack([xy, height]),
+        multiply_quaternions(turned, path.orientation),
+        recording.pressure,
+        path.buttons,
+        header={**recording.header, "space": "pad"},
+    )
 
 
 def dipped(recording: Recording) -> Recording:

@@ -46,7 +46,7 @@ def _check_drawn_seal(suffix: str, content: bytes) -> None:
 
 def _seal_seeds() -> list[tuple[str, bytes]]:
     lines = (
-        "seal 永 --on bowl --out o.ply --size 16 --coats 1.3 --wear .5 --seed 3 --turn 5 --at 0,1",
+        "seal 永 --on bowl --out o.ply --size 9 --coats 1 --wear .5 --seed 3 --rotate 5 --at 0,1",
         "seal 永和九年 --style baiwen --on plane --out o.glb --pad 2 --size 24 --wear 3",
         "seal 一 --style zhuwen --on plane --out o.ply --size 4 --coats 10 --ink indigo --wear 0",
         "seal 之印三 --on plane --out o.ply --size 30 --seed 1000000",
@@ -155,7 +155,7 @@ def _check_letters(_: str, content: bytes) -> None:
 def _film_seeds() -> list[tuple[str, bytes]]:
     lines = (
         "write 永 --on bowl --out o.glb --film f.webp --fps 30 --speed 4 --turn 360deg --view 3,20",
-        "replay a.jsonl --on plane --film f.gif --turn 8 --film-size 64x48 --zoom 1.5 --light none",
+        "replay a.jsonl --on plane --film f.gif --turn 8 --pixels 64x48 --zoom 1.5 --light none",
         "replay a.csv --on bowl --out o.ply --film f.mp4 --turn 90deg --speed .5 --view front",
     )
     return [("", line.replace(" ", "\n").encode()) for line in lines]

@@ -381,11 +381,11 @@ def _command_seeds() -> list[tuple[str, bytes]]:
         "devices record r.jsonl --seconds 2",
         "bench write --json b.json",
         "write 永 --on bowl --out o.glb --film f.mp4 --fps 30 --speed 4 --turn 360deg --view 30,20",
-        "replay a.jsonl --on plane --film f.gif --turn 8 --film-size 64x48 --zoom 1.5 --light none",
-        "picture bowl --out p.webp --turn 4 --rate 9 --size 64x64 --illuminant 2700K --observer 10",
-        "copy p.jpg --on plane --out o.ply --corners 1,2 90,3 80,99 2,88 --trials 0 --beside b.png",
+        "replay a.jsonl --on plane --film f.gif --turn 8 --pixels 64x48 --zoom 1.5 --light none",
+        "picture bowl --out p.webp --turn 4 --fps 9 --pixels 64x64 --illuminant 2700K --observer 2",
+        "copy p.jpg --on bowl --out o.ply --corners 1,2 90,3 80,99 2,8 --rehearsals 0 --beside b",
         "score a.jsonl --move 3-5:1,2,30 --ink 2:cinnabar --time 1:2s --shift 4:-1 --out b.jsonl",
-        "seal 永 --on bowl --out o.ply --size 16 --coats 1.3 --wear .5 --seed 3 --turn 5 --at 0,1",
+        "seal 永 --on bowl --out o.ply --size 9 --coats 1 --wear .5 --seed 3 --rotate 5 --at 0,1",
     )
     return [("", line.replace(" ", "\n").encode()) for line in lines]
 
@@ -395,8 +395,8 @@ def _check_command(_: str, content: bytes) -> None:
     from paint3d.cli.films import film_of
     from paint3d.cli.main import make_parser
     from paint3d.cli.options import UsageError
+    from paint3d.cli.painting import PaintingOptions
     from paint3d.cli.picture import viewing_of
-    from paint3d.cli.replay import PaintOptions
     from paint3d.errors import InputError
 
     words = content.decode("utf-8", "surrogateescape").split("\n")
@@ -407,7 +407,7 @@ def _check_command(_: str, content: bytes) -> None:
     except UsageError as cause:
         raise InputError(" ".join(str(cause).split())) from None
     if "spread" in chosen:
-        PaintOptions.of(chosen).check()
+        PaintingOptions.of(chosen).check()
     try:
         film = film_of(chosen) if "film" in chosen else None
     except OSError as cause:  # a name that no file can have: `main` says it in one line, too

@@ -2,7 +2,7 @@
 
 import os
 import shutil
-from argparse import Namespace
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -13,7 +13,7 @@ from paint3d.cli.batches import table as batch_table
 from paint3d.cli.batches.record import FinishedRows
 from paint3d.cli.batches.rows import Row, fingerprint, placed, run_row
 from paint3d.cli.batches.table import read_table
-from paint3d.cli.options import load_object
+from paint3d.cli.painting import PaintingOptions, load_object
 from paint3d.errors import ExportError, InputError, MeshError
 
 
@@ -105,10 +105,13 @@ def test_rows_that_are_refused(tmp_path, text, words):
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (("replay", "--on=plane", "--out=a.ply", "--", "none.jsonl"), "none.jsonl: cannot be read"),
+        (
+            ("replay", "--on=plane", "--out=a.ply", "--", "none.jsonl"),
+            "none.jsonl: there is no such file",
+        ),
         (("replay", "--on=plane", "--out=a.ply", "--resolution=fine", "--", "a"), "not a length"),
         (("replay", "--out=a.ply", "--", "a"), "arguments are required: --on"),
-        (("replay", "--on=plane", "--out=a.ply", "--", "no\nne"), "no ne: cannot be read"),
+        (("replay", "--on=plane", "--out=a.ply", "--", "no\nne"), "no ne: there is no such file"),
         (("fly",), "unexpected KeyError: 'fly'"),
     ],
 )
@@ -193,12 +196,10 @@ def test_an_object_is_read_once_until_its_file_changes(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     corners = "v 0 0 0\nv 9 0 0\nv 0 9 0\nv 9 9 0\n"
     Path("jug.obj").write_text(corners + "f 1 2 3\n")
-    options = Namespace(
-        on="jug.obj", unit=None, from_points=None, texture=False, up=None, quiet=True
-    )
+    options = PaintingOptions(on="jug.obj", quiet=True)
     mesh = load_object(options)
     assert load_object(options) is mesh
-    assert load_object(Namespace(**{**vars(options), "unit": "cm"})).area == 100.0 * mesh.area
+    assert load_object(replace(options, unit="cm")).area == 100.0 * mesh.area
     assert load_object(options).area == mesh.area
     Path("jug.obj").write_text(corners + "f 1 2 3\nf 2 4 3\n")
     assert load_object(options).area == 2.0 * mesh.area

@@ -94,7 +94,7 @@ def test_what_cannot_be_copied_is_said_in_one_line(
 def test_ink_that_is_in_no_stroke_is_told(tmp_path: Path, capsys) -> None:
     assert not copy(
         hairs_below_a_stroke(tmp_path), "--whole", "--on", "plane", "--size", 120,
-        "--resolution", 1, "--out", tmp_path / "a.ply", "--trials", 0, "--processes", 1,
+        "--resolution", 1, "--out", tmp_path / "a.ply", "--rehearsals", 0, "--processes", 1,
     )  # fmt: skip
     assert "some of the ink is in no stroke: character 1 (" in capsys.readouterr().err
 
@@ -111,14 +111,14 @@ def test_a_file_that_is_missing_is_named(tmp_path: Path, capsys) -> None:
 
 
 def test_strokes_that_were_kept_are_painted_on_trial_too(tmp_path: Path) -> None:
-    """Which corrects how dry they are; with `--trials 0` nothing does."""
+    """Which corrects how dry they are; with `--rehearsals 0` nothing does."""
     ring = [[0, 440], [900, 440], [900, 580], [0, 580]]
     stroke = {"order": 1, "line": [[0, 510], [900, 510]], "rings": [ring], "dryness": [0.1, 0.7]}
     piece = {"text": "a", "at": [0, 0], "box": [0, 0, 1000, 1000], "strokes": [stroke]}
     page = {"format": "paint3d strokes 1", "source": "s", "licence": "l", "pieces": [piece]}
     strokes, loads = tmp_path / "a.strokes.json", []
     strokes.write_text(json.dumps(page))
-    for trials in (["--trials", "0"], []):
+    for trials in (["--rehearsals", "0"], []):
         way = tmp_path / f"{len(trials)}.jsonl"
         asked = ["--strokes", strokes, "--on", "plane", "--material", "xuan", "--resolution", 0.5]
         asked += ["--out", tmp_path / "a.ply", "--recording", way, "--quiet", "--force"]
@@ -129,5 +129,5 @@ def test_strokes_that_were_kept_are_painted_on_trial_too(tmp_path: Path) -> None
 
 def test_trials_are_of_strokes_alone(tmp_path: Path, capsys) -> None:
     out = str(tmp_path / "a.ply")
-    assert main(["write", "永", "--on", "plane", "--out", out, "--trials", "2"]) == 2
-    assert "--trials is given without strokes" in capsys.readouterr().err
+    assert main(["write", "永", "--on", "plane", "--out", out, "--rehearsals", "2"]) == 2
+    assert "--rehearsals is given without strokes" in capsys.readouterr().err

@@ -27,7 +27,7 @@ from tests.support.surface_cases import poses
 from tests.view.test_view_picture import needs_opengl
 
 SCORE = Path(__file__).parents[2] / "examples" / "bamboo.score.jsonl"
-FLAT = ("--view", "flat", "--film-size", "120x120", "--quiet")
+FLAT = ("--view", "flat", "--pixels", "120x120", "--quiet")
 N_HELD_S = 1.0
 
 
@@ -82,7 +82,7 @@ def test_an_mp4_begins_bare_grows_and_ends_as_the_finished_painting(recording, t
     assert " 20 fps" in told
     bare = frames[0]
     assert np.ptp(bare.reshape(-1, 3), axis=0).max() <= 4
-    still = ("--view", "flat", "--size", "120x120", "--quiet")
+    still = ("--view", "flat", "--pixels", "120x120", "--quiet")
     assert run("picture", painting, "--out", picture, *still) == 0
     with Image.open(picture) as image:
         finished = np.array(image).astype(int)
@@ -149,7 +149,7 @@ def test_an_object_turns_by_as_many_degrees_as_are_asked_while_it_grows(tmp_path
     held = replace(held, header={"brush": "slender", "ink": "pine soot"})
     file, film = tmp_path / "ball.jsonl", tmp_path / "ball.gif"
     save_recording(held, file)
-    words = ("--fps", 20, "--light", "none", "--film-size", "64x64", "--quiet")
+    words = ("--fps", 20, "--light", "none", "--pixels", "64x64", "--quiet")
     told = ("--film", film, "--turn", "180deg", "--view", "front", *words)
     assert run("replay", file, "--on", "sphere", "--resolution", "2", *told) == 0
     with Image.open(film) as image:
@@ -177,7 +177,7 @@ def test_what_cannot_be_filmed_is_said_in_one_line(
     assert "--fps is of a film" in refused(capsys, *on, "--out", tmp_path / "a.ply", "--fps", 9)
     assert "a.avi" in refused(capsys, *on, "--film", tmp_path / "a.avi")
     assert "expected seconds" in refused(capsys, *on, *film, "--turn", "quick")
-    told = refused(capsys, *on, *film, "--speed", "0.01", "--film-size", "1600x1200", "--quiet")
+    told = refused(capsys, *on, *film, "--speed", "0.01", "--pixels", "1600x1200", "--quiet")
     assert "too many; expected a shorter or smaller film, or .mp4" in told
     monkeypatch.setattr(Painter, "replay", None)  # it is said before anything is painted
     for view in ("top", "flat", "20,90"):

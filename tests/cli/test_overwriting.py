@@ -240,7 +240,7 @@ def test_an_export_does_not_replace_its_session(square, tmp_path, capsys) -> Non
 
 def test_a_study_does_not_replace_its_plan(tmp_path, capsys) -> None:
     save_plan(make_plan(2, ("I", "II"), "目", "bowl", 30.0, 1, 0), tmp_path)
-    said = refused(capsys, "study", "table", tmp_path, "--report", tmp_path / "study.json")
+    said = refused(capsys, "study", "table", tmp_path, "--json", tmp_path / "study.json")
     assert "would be replaced" in said
 
 

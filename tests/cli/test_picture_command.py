@@ -55,7 +55,7 @@ def test_the_choices_are_those_of_the_view() -> None:
 @pytest.mark.parametrize(("name", "size"), [("a.p3d", None), ("a.ply", (400, 200))])
 def test_a_flat_picture_of_a_session_or_a_mesh(saved: Path, tmp_path: Path, name, size) -> None:
     out = tmp_path / "flat.png"
-    asked = () if size is None else ("--size", "x".join(map(str, size)))
+    asked = () if size is None else ("--pixels", "x".join(map(str, size)))
     assert run(saved / name, "--out", out, "--view", "flat", *asked) == 0
     with Image.open(out) as image:
         assert image.size == (size or (1600, 800))
@@ -67,14 +67,14 @@ def test_a_flat_picture_of_a_session_or_a_mesh(saved: Path, tmp_path: Path, name
 @needs_opengl
 def test_a_film_and_a_picture_on_nothing(saved: Path, tmp_path: Path) -> None:
     film, still = tmp_path / "a.webp", tmp_path / "b.webp"
-    words = ("--light", "none", "--size", "48x32")
-    assert run(saved / "a.ply", "--out", film, "--turn", "1", "--rate", "5", *words) == 0
+    words = ("--light", "none", "--pixels", "48x32")
+    assert run(saved / "a.ply", "--out", film, "--turn", "1", "--fps", "5", *words) == 0
     with Image.open(film) as image:
         assert (image.n_frames, image.size) == (5, (48, 32))
     assert run(saved / "a.ply", "--out", still, "--transparent", "--view", "30,40", *words) == 0
     with Image.open(still) as image:
         assert (getattr(image, "n_frames", 1), image.mode) == (1, "RGBA")
-    assert run(saved / "a.ply", "--out", tmp_path / "a.gif", "--rate", "1", *words) == 0
+    assert run(saved / "a.ply", "--out", tmp_path / "a.gif", "--fps", "1", *words) == 0
     with Image.open(tmp_path / "a.gif") as image:
         assert image.n_frames == 4
 
@@ -111,13 +111,13 @@ def test_outlines_of_strokes_by_hand_are_of_the_brush_that_painted_them(tmp_path
         (("a.jsonl", "--out", "a.png"), "a.jsonl is a recording; expected a painting, or --out"),
         (("a.ply", "--out", "a.svg"), "a.ply holds no strokes; expected a recording, or a session"),
         (("a.ply", "--out", "a.png", "--view", "5"), "'5' is not a view; expected one of auto"),
-        (("a.ply", "--out", "a.png", "--size", "9x9"), "'9x9' is not a size; expected WxH"),
+        (("a.ply", "--out", "a.png", "--pixels", "9x9"), "'9x9' is not a size; expected WxH"),
         (("a.ply", "--out", "a.png", "--zoom", "0"), "zoom is 0; expected 0.1 to 20"),
         (("a.ply", "--out", "a.png", "--turn", "3"), "a film is wanted"),
         (("a.ply", "--out", "a.gif", "--turn", "9999"), "is not a time; expected 0.1 to 120"),
-        (("a.ply", "--out", "a.gif", "--rate", "0"), "pictures a second is 0; expected 1 to 50"),
+        (("a.ply", "--out", "a.gif", "--fps", "0"), "'0' is not a rate; expected 1 to 60"),
         (("a.ply", "--out", "a.gif", "--transparent"), "a .gif has no soft edges to nothing"),
-        (("a.ply", "--out", "a.webp", "--turn", "100", "--rate", "50", "--size", "999x999"),
+        (("a.ply", "--out", "a.webp", "--turn", "100", "--fps", "50", "--pixels", "999x999"),
          "5000 pictures of 999 x 999 pixels are too many"),
         (("a.ply", "--out", "a.ply"), "unknown kind of file"),
     ],

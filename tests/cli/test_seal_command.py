@@ -36,7 +36,7 @@ def run(*arguments: object) -> int:
 def test_a_seal_on_a_painting_is_a_step_on_a_layer_of_its_own(painting: str, capsys) -> None:
     pytest.importorskip("svgelements")
     done = run("--svg", "bar.svg", "--on", painting, "--size", 12, "--layer", "seal",
-               "--at", "0.5,0.5", "--turn", 90, "--out", "sealed.p3d")  # fmt: skip
+               "--at", "0.5,0.5", "--rotate", 90, "--out", "sealed.p3d")  # fmt: skip
     told = capsys.readouterr()
     assert done == 0
     assert "12.0 x 6.6 mm" in told.out
@@ -112,7 +112,7 @@ def test_a_seal_is_turned_anticlockwise(folder: Path) -> None:
     (folder / "t.svg").write_text(head, encoding="utf-8")
     middles = {}
     for turn in (0, 90):
-        assert run("--svg", "t.svg", "--on", "plane", "--at", "0.5,0.5", "--turn", turn,
+        assert run("--svg", "t.svg", "--on", "plane", "--at", "0.5,0.5", "--rotate", turn,
                    "--resolution", "0.4", "--out", f"{turn}.p3d", "--quiet") == 0  # fmt: skip
         surface = Document.open(f"{turn}.p3d").surface
         share = surface.share_painted()

@@ -106,7 +106,7 @@ def test_what_is_wished_is_checked_before_any_work(
     monkeypatch.setattr(write, "load_object", load)
     monkeypatch.setattr(replay, "load_object", load)
     monkeypatch.setattr("paint3d.recording.recording.load_recording", load)
-    chosen = {"text": "none.jsonl"} if command == "replay" else {"text": "一", "glyphs": glyphs}
+    chosen = {"text": __file__} if command == "replay" else {"text": "一", "glyphs": glyphs}
     chosen |= {"on": "plane", "out": "a.ply", **wish}
     text = chosen.pop("text")
     assert main.main([command, text, *(f"--{k}={v}" for k, v in chosen.items())]) == 2
@@ -169,8 +169,8 @@ def test_no_help_sends_a_painter_to_npm(command: str, capsys) -> None:
         (["一", "--direction", "rtl"], "--direction is given without a font"),
         (["一", "--save-strokes", "a.strokes.json"], "without a font or a drawing"),
         (["一", "--font", "a.ttf"], "a.ttf: no such file"),
-        (["--svg", "a.svg"], "a.svg: No such file"),
-        (["--strokes", "a.json"], "a.json: No such file"),
+        (["--svg", "a.svg"], "a.svg: there is no such file"),
+        (["--strokes", "a.json"], "a.json: there is no such file"),
         (["一", "--font", "a", "--features", "lig=x"], "expected a feature such as liga=0"),
         (["一", "--font", "a", "--variation", "wght"], "expected an axis such as wght=700"),
     ],

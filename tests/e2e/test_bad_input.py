@@ -115,7 +115,7 @@ def test_a_polygon_with_a_million_corners(refuse, recording: Path, tmp_path: Pat
         (("--material", "porcelan"), "did you mean 'porcelain'?"),
         (("--resolution", "0"), "argument --resolution: '0' is not a length"),
         (("--resolution", "0.001"), "expected at least"),
-        (("--unit", "ell"), "argument --unit: invalid choice: 'ell'"),
+        (("--unit", "ell"), "argument --unit: 'ell' is none of mm, cm, m, in"),
     ],
 )
 def test_bad_options(refuse, recording: Path, options: tuple[str, ...], words: str) -> None:

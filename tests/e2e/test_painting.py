@@ -116,8 +116,7 @@ def test_demo(paint3d, tmp_path: Path) -> None:
 @pytest.mark.usefixtures("small_pictures")
 def test_a_coarse_demo(tmp_path: Path, capsys, monkeypatch: pytest.MonkeyPatch) -> None:
     """The same in this process, with fewer vertices, lights and pixels."""
-    whole = demo.PaintOptions
-    monkeypatch.setattr(demo, "PaintOptions", lambda **o: whole(**{**o, "resolution_mm": 0.6}))
+    monkeypatch.setattr(demo, "_RESOLUTION_MM", 0.6)
     out = tmp_path / "new" / "demo"
     assert main(["demo", "--out", str(out), "--no-view"]) == 0
     check_demo(out, capsys.readouterr().out, 500)

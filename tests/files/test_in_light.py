@@ -190,7 +190,7 @@ def test_commands_take_the_light(tmp_path, capsys):
     save_session(Session(painted()), tmp_path / "a.p3d")
     saved, out = str(tmp_path / "a.p3d"), tmp_path / "a.png"
     options = ["--illuminant", "A", "--observer", "10", "--gamut", "p3"]
-    flat = ["--view", "flat", "--size", "32x32"]
+    flat = ["--view", "flat", "--pixels", "32x32"]
     assert main.main(["picture", saved, "--out", str(out), *flat, *options]) == 0
     assert "have colours outside Display P3" in capsys.readouterr().err
     assert out.is_file()

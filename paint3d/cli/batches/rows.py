@@ -43,7 +43,7 @@ class Outcome(NamedTuple):
 
 def command_parser(command: str) -> Parser:
     """Return the parser of ``write`` or ``replay``."""
-    parser = Parser(prog=f"paint3d {command}", allow_abbrev=False)
+    parser = Parser(prog=f"paint3d {command}")
     COMMANDS[command].add_arguments(parser)
     return parser
 

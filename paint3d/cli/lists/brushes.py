@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from paint3d.cli.lists.columns import columns_of, padded_line
 from paint3d.cli.options import (
+    add_actions,
     add_force_option,
     add_quiet_option,
     check_output_folder,
@@ -21,9 +22,12 @@ from paint3d.errors import ExportError
 if TYPE_CHECKING:
     from paint3d.brush.spec import BristleSpec, BrushSpec
 
-__all__ = ["HELP", "add_arguments", "brush_lines", "run"]
+__all__ = ["EXAMPLES", "add_arguments", "brush_lines", "run"]
 
-HELP = "the brushes with parameters and pictures; a file to start your own from"
+EXAMPLES = """
+paint3d brushes
+paint3d brushes show full > mine.toml
+"""
 
 _COLUMNS = (
     ("H", "hardness"), ("l1", "tip_segment_mm"), ("n", "n_segments"), ("mu", "friction"),
@@ -43,24 +47,21 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "and a stroke; the folder is made where missing",
     )
     add_quiet_option(parser)
-    actions = parser.add_subparsers(metavar="ACTION", dest="action")
-    show = actions.add_parser(
+    add = add_actions(parser, required=False)
+    show = add(
         "show",
-        help="print a brush as a file: paint3d brushes show full > mine.toml",
-        allow_abbrev=False,
+        "print a brush as a file to start your own from, or check one",
+        "paint3d brushes show full > mine.toml",
     )
     show.add_argument("brush", metavar="NAME|FILE", help="a brush of the list, or a file to check")
-    _add_fit(actions)
-
-
-def _add_fit(actions: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
-    fit = actions.add_parser(
+    fit = add(
         "fit",
-        help="make a brush file of what was measured on a real brush: presses, or bent hairs",
-        description="TABLE has the columns depth_mm, width_mm, offset_mm, drag_mm (footprints of "
-        "an upright brush), or angle, height, offset, imprint, upper, lower, spread (bent hairs, "
-        "in hair lengths), or angle, x0, z0 ... x3, z3 (their Bezier points, mm); docs/brushes.md.",
-        allow_abbrev=False,
+        "make a brush file of what was measured on a real brush: presses, or bent hairs",
+        "paint3d brushes fit presses.csv --out mine.toml",
+        "Make a brush file of what was measured on a real brush. TABLE has the columns depth_mm, "
+        "width_mm, offset_mm, drag_mm (footprints of an upright brush), or angle, height, offset, "
+        "imprint, upper, lower, spread (bent hairs, in hair lengths), or angle, x0, z0 ... x3, z3 "
+        "(their Bezier points, mm); docs/brushes.md.",
     )
     fit.add_argument("table", metavar="TABLE.csv", type=Path, help="what was measured")
     fit.add_argument("--out", metavar="FILE.toml", type=Path, required=True, help="the brush file")

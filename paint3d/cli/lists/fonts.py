@@ -5,9 +5,12 @@ from __future__ import annotations
 import argparse
 import sys
 
-__all__ = ["HELP", "add_arguments", "run"]
+__all__ = ["EXAMPLES", "add_arguments", "run"]
 
-HELP = "list the fonts that can be written with"
+EXAMPLES = """
+paint3d fonts
+paint3d fonts سلام --files
+"""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

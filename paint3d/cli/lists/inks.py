@@ -16,7 +16,10 @@ if TYPE_CHECKING:
     from paint3d.colour.pigments import Pigment
     from paint3d.core.arrays import AnyArray
 
-HELP = "the palette with sources and swatches"
+EXAMPLES = """
+paint3d inks
+paint3d inks --compare azurite "indigo:0.6,lapis lazuli:0.4"
+"""
 
 _WASH, _FULL = 0.1, 1.0
 

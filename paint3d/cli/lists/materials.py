@@ -8,14 +8,17 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 from paint3d.cli.lists.columns import block, columns_of, hexadecimal, padded_line
-from paint3d.cli.options import add_quiet_option
+from paint3d.cli.options import add_actions, add_quiet_option
 
 if TYPE_CHECKING:
     from paint3d.colour.materials import Material
 
-__all__ = ["HELP", "add_arguments", "material_lines", "run"]
+__all__ = ["EXAMPLES", "add_arguments", "material_lines", "run"]
 
-HELP = "what surfaces are made of, with numbers and sources; a file to start your own from"
+EXAMPLES = """
+paint3d materials
+paint3d materials show silk > mine.toml
+"""
 
 _COLUMNS = (
     ("rough", "roughness"), ("glaze", "coat"), ("drinks", "absorbency"), ("grain", "grain"),
@@ -28,11 +31,11 @@ _COLUMNS = (
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add this command's options."""
     add_quiet_option(parser)
-    actions = parser.add_subparsers(metavar="ACTION", dest="action")
-    show = actions.add_parser(
+    add = add_actions(parser, required=False)
+    show = add(
         "show",
-        help="print a material as a file: paint3d materials show silk > mine.toml",
-        allow_abbrev=False,
+        "print a material as a file to start your own from, or check one",
+        "paint3d materials show silk > mine.toml",
     )
     show.add_argument(
         "material", metavar="NAME|FILE", help="a material of the list, or a file to check"

@@ -1,0 +1,541 @@
+"""Painting with what the options ask for: one dataclass of them, the object, brush and ink."""
+
+from __future__ import annotations
+
+import argparse
+import os
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import Field, asdict, dataclass, field, fields, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from paint3d.cli.options import (
+    BRUSH,
+    BUILT_IN_OBJECTS,
+    FILES,
+    MATERIALS,
+    OBJECTS,
+    UNIT_HELP,
+    UNITS,
+    add_up_option,
+    check_input_file,
+    group_of,
+    own_file,
+    parse_hairs,
+    parse_rate,
+    parse_resolution_mm,
+    parse_seconds,
+    parse_share,
+)
+from paint3d.cli.progress import ProgressBar, say_if_compiling
+from paint3d.cli.results import Painting, timed
+from paint3d.errors import InputError, RecordingError
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from paint3d.app.model.document import Document
+    from paint3d.brush.spec import BrushSpec
+    from paint3d.cli.films import Watch
+    from paint3d.colour.pigments import Pigment
+    from paint3d.mesh.triangle_mesh import TriangleMesh
+    from paint3d.painter.flat_input import LaidPad
+    from paint3d.painter.painter import Painter
+    from paint3d.recording.recording import Recording
+    from paint3d.surface.painted_surface import PaintedSurface
+
+__all__ = [
+    "DEFAULT_INK",
+    "PaintingOptions",
+    "add_out_option",
+    "load_object",
+    "new_document",
+    "open_document",
+    "paint",
+    "paint_onto",
+    "prepare",
+    "take_layer",
+]
+
+DEFAULT_BRUSH, DEFAULT_INK = "full", "pine soot"
+
+
+def _option(default: Any, group: str, help: str, unsaid: str = "", **how: Any) -> Any:
+    """A field that is an option of its name; `unsaid` tells what stands for it if not given."""
+    metadata = {"group": group, "help": help, "unsaid": unsaid, "how": how}
+    return field(default=default, metadata=metadata)
+
+
+@dataclass(frozen=True)
+class PaintingOptions:
+    """What a command that paints is asked for.
+
+    Each field but `quiet` is an option of the same name, in the namespace None where it was not
+    given; brush and ink None stand for the recording's own.
+    """
+
+    on: str = _option(
+        "bowl", OBJECTS, "a mesh file, a painting to go on with (.p3d), or bowl, plate, vase, "
+        "sphere, plane", metavar="MESH",
+    )  # fmt: skip
+    material: str = _option(
+        "porcelain", OBJECTS,
+        f"of the surface: {', '.join(MATERIALS)}, or a file of your own, mine.toml or mine.json",
+        metavar="NAME|FILE",
+    )  # fmt: skip
+    resolution: float = _option(
+        0.4, OBJECTS, "vertex spacing wanted where paint is, mm", metavar="MM",
+        type=parse_resolution_mm,
+    )  # fmt: skip
+    unit: str | None = _option(None, OBJECTS, UNIT_HELP, choices=UNITS)
+    up: str | None = _option(None, OBJECTS, "")
+    from_points: bool | None = _option(
+        None, OBJECTS, "build a surface through the points of a mesh file that holds no triangles, "
+        "even if it is not a point cloud", action="store_true",
+    )  # fmt: skip
+    texture: bool = _option(
+        False, OBJECTS, "show the materials and pictures of the object's file, on a mesh that is "
+        "refined until they can be seen", action="store_true",
+    )  # fmt: skip
+    brush: str | None = _option(
+        None, BRUSH, "a name of `paint3d brushes`, or a file of your own, mine.toml or mine.json",
+        unsaid="the recording's", metavar="NAME|FILE",
+    )  # fmt: skip
+    hairs: int | None = _option(
+        None, BRUSH, "paint with so many single hairs, 1 to 10000; 0: a solid tuft",
+        unsaid="the brush's", metavar="N", type=parse_hairs,
+    )  # fmt: skip
+    ink: str | None = _option(
+        None, BRUSH, "NAME, FILE.csv:NAME or several with their parts, such as "
+        "'pine soot:0.2,water:0.8'; burnt, thick, heavy, light or clear, alone or before a name",
+        unsaid="the recording's", metavar="INK",
+    )  # fmt: skip
+    tip: str | None = _option(
+        None, BRUSH, "dip the tip in this ink afterwards", unsaid="all in one", metavar="INK"
+    )
+    reach: float = _option(
+        0.35, BRUSH, "of the tuft's length that --tip dips", metavar="SHARE", type=parse_share
+    )
+    pickup: float = _option(
+        0.0, BRUSH, "share of the wet ink below it that the brush takes up per mm of travel; .05 "
+        "is a thirsty brush", unsaid="0, it stays clean", metavar="RATE", type=parse_rate,
+    )  # fmt: skip
+    spread: float | None = _option(
+        None, BRUSH, "let the ink spread and dry while it is painted, and S seconds more",
+        metavar="S", type=parse_seconds,
+    )  # fmt: skip
+    quiet: bool = False
+
+    @classmethod
+    def add_to(
+        cls,
+        parser: argparse.ArgumentParser,
+        *names: str,
+        unsaid: Mapping[str, str] | None = None,
+    ) -> None:
+        """Add options in their groups, by default all.
+
+        Parameters
+        ----------
+        parser : ArgumentParser
+        names : str
+            Only these.
+        unsaid : mapping
+            What the help says of one that is not given, where a command differs.
+        """
+        for one in cls._declared(names):
+            group = group_of(parser, one.metadata["group"])
+            if one.name == "up":
+                add_up_option(parser)
+                continue
+            said = (unsaid or {}).get(one.name) or one.metadata["unsaid"] or one.default
+            how, help = dict(one.metadata["how"]), one.metadata["help"]
+            if "action" not in how and said is not None and one.name not in ("on", "unit"):
+                help += (
+                    f" (default: {said:g})" if isinstance(said, float) else f" (default: {said})"
+                )
+            group.add_argument(
+                f"--{one.name.replace('_', '-')}", default=None, required=one.name == "on",
+                help=help, **how,
+            )  # fmt: skip
+
+    @classmethod
+    def _declared(cls, names: Sequence[str]) -> list[Field[Any]]:
+        return [one for one in fields(cls) if one.metadata and (not names or one.name in names)]
+
+    @classmethod
+    def of(cls, options: argparse.Namespace, **otherwise: Any) -> PaintingOptions:
+        """What the options say; `otherwise` gives what a command takes for one that is not said."""
+        said = {one.name: getattr(options, one.name, None) for one in fields(cls)}
+        return cls(**{**otherwise, **{k: value for k, value in said.items() if value is not None}})
+
+    def check(self) -> None:
+        """Look up everything that is named, before any work.
+
+        Raises
+        ------
+        InputError
+            If the object, the brush, the ink or the material is not known or cannot be read.
+        """
+        from paint3d.brush.presets import load_brush
+        from paint3d.colour.inks import load_ink
+        from paint3d.colour.materials import load_material
+
+        load_material(self.material)
+        if self.brush is not None:
+            load_brush(self.brush)
+        for ink in (self.ink, self.tip):
+            if ink is not None:
+                load_ink(ink)
+
+    def check_object(self) -> None:
+        """Refuse an object whose file is not there, before anything heavy is imported."""
+        check_input_file(self.on, "a mesh, a painting (.p3d)", BUILT_IN_OBJECTS)
+
+    def files(self) -> list[str | None]:
+        """Return the files that are read: the object, own brushes and materials, tables of inks."""
+        from paint3d.colour.ink_text import tables_in
+
+        tables = (*tables_in(self.ink), *tables_in(self.tip))
+        return [self.on, own_file(self.brush), own_file(self.material), *tables]
+
+
+def add_out_option(parser: argparse.ArgumentParser, *, required: bool = True) -> None:
+    """Add ``--out``."""
+    group_of(parser, FILES).add_argument(
+        "--out",
+        metavar="FILE",
+        type=Path,
+        required=required,
+        help="where to write the painting, in the format of the suffix",
+    )
+
+
+# ---- The object ----------------------------------------------------------------------------------
+
+_last: dict[tuple[Any, ...], TriangleMesh] = {}  # the one that was read last: rows may share it
+
+
+def load_object(wanted: PaintingOptions) -> TriangleMesh:
+    """Load the mesh that ``--on`` names, as the other options say.
+
+    Raises
+    ------
+    MeshError
+        If the file cannot be read or holds no usable surface.
+    """
+    path = os.path.abspath(wanted.on)  # a name means another file in another folder
+    how = (wanted.unit, wanted.from_points, wanted.texture, wanted.up)
+    key = (wanted.on, path, _state(path), *how)
+    if key not in _last:
+        from paint3d.files.load import load_mesh
+
+        with ProgressBar("reading", enabled=not wanted.quiet) as progress:
+            mesh = load_mesh(
+                wanted.on, wanted.unit, from_points=wanted.from_points, texture=wanted.texture,
+                up=wanted.up, progress=progress,
+            )  # fmt: skip
+        _last.clear()
+        _last[key] = mesh
+    return _last[key]
+
+
+def _state(path: str) -> tuple[int, int] | None:
+    """What tells a file's versions apart; None where there is no file, but a name."""
+    try:
+        found = os.stat(path)
+    except (OSError, ValueError):
+        return None
+    return found.st_size, found.st_mtime_ns
+
+
+def prepare(
+    mesh: TriangleMesh, wanted: PaintingOptions, seconds: dict[str, float]
+) -> PaintedSurface:
+    """Make a mesh ready for painting, adding the time that takes to `seconds`.
+
+    Raises
+    ------
+    InputError
+        If the material is not known, or the mesh cannot be painted on at this resolution.
+    """
+    from paint3d.colour.materials import load_material
+    from paint3d.surface.painted_surface import PaintedSurface
+
+    material = load_material(wanted.material)
+    say_if_compiling(quiet=wanted.quiet)
+    with timed(seconds, "prepare"), ProgressBar("preparing", enabled=not wanted.quiet):
+        return PaintedSurface(mesh, resolution=wanted.resolution, material=material)
+
+
+def paint(
+    surface: PaintedSurface,
+    recording: Recording | LaidPad,
+    wanted: PaintingOptions,
+    seconds: dict[str, float],
+    watch: Watch | None = None,
+) -> Painting:
+    """Paint a recording on a surface of `prepare`, showing a progress bar on a terminal.
+
+    A `watch` sees how it grows, for a film.
+
+    Raises
+    ------
+    InputError
+        If the brush, the ink or a sample cannot be used.
+    """
+    from paint3d.painter.painter import Painter
+    from paint3d.painter.recorded_tools import recorded_amount
+
+    brush = _brush(recording, wanted.brush)
+    ink = _ink(recording, wanted.ink)
+    with timed(seconds, "prepare"), ProgressBar("preparing", enabled=not wanted.quiet):
+        azimuth = recording.header["azimuth"]
+        painter = Painter(
+            surface,
+            brush,
+            ink,
+            azimuth,
+            wanted.pickup,
+            wanted.hairs,
+            recorded_amount(recording.header),
+        )
+        tip, reach = _tip(recording, wanted)
+        if tip is not None:
+            painter.dip(tip, reach)
+    is_shown, rest_s = not wanted.quiet, wanted.spread
+    with timed(seconds, "paint"):
+        with ProgressBar("painting", enabled=is_shown) as progress:
+            told = progress if watch is None else watch.over(recording, rest_s, progress)
+            rate = None if watch is None else 1.0 / watch.step_s
+            painter.replay(recording, told, rate, rest_s is not None)
+        if rest_s is not None:
+            with ProgressBar("spreading", enabled=is_shown) as progress:
+                told = progress if watch is None else watch.resting(progress)
+                painter.rest(int(recording.time_ns[-1]), rest_s, told)
+        counts = painter.report()
+    settings = _in_hand(painter, brush, ink, tip)
+    return Painting(surface, counts, seconds, (recording,), settings)
+
+
+def _in_hand(
+    painter: Painter, brush: BrushSpec, ink: dict[Pigment, float], tip: dict[Pigment, float] | None
+) -> dict[str, Any]:
+    """What a session says of the hand: its brush as it was painted with, and what it holds."""
+    from paint3d.brush.spec import DipAmount
+
+    own = None if painter.hairs is None else painter.hairs.spec
+    held = replace(brush, bristles=own)
+    settings: dict[str, Any] = {
+        "brush": asdict(held), "ink": painter.ink.name, "azimuth": painter.azimuth
+    }  # fmt: skip
+    last = ink if tip is None else tip
+    if tip is not None or len(ink) > 1:
+        settings["dipped"] = {pigment.name: parts for pigment, parts in last.items()}
+    if tip is not None:  # or the next dip would be a whole one in the tip's ink
+        from paint3d.app.model.stroke_log import weights_of
+
+        settings["dips"] = [[weights_of(dipped), share] for dipped, share in painter.dips]
+    if painter.hairs is not None:
+        from paint3d.app.model.persistence.brush_words import hair_words
+
+        settings["hairs"] = hair_words(painter)
+    if painter.amount != DipAmount():
+        settings["amount"] = painter.amount.words()
+    return settings
+
+
+def _brush(recording: Recording | LaidPad, wished: str | None) -> BrushSpec:
+    """The brush that the user wants, or the recording's own, which names no file here."""
+    from paint3d.brush.presets import load_brush
+    from paint3d.painter.recorded_tools import recorded_brush
+
+    if wished:
+        return load_brush(wished)
+    try:
+        return recorded_brush(recording.header) or load_brush(DEFAULT_BRUSH)
+    except RecordingError as cause:
+        raise RecordingError(f"{cause}, or --brush") from None
+
+
+def _ink(recording: Recording | LaidPad, wished: str | None) -> dict[Pigment, float]:
+    """The ink that the user wants, or the recording's own."""
+    from paint3d.colour.inks import load_ink
+    from paint3d.painter.recorded_tools import recorded_ink
+
+    if wished:
+        return load_ink(wished)
+    try:
+        return recorded_ink(recording.header) or load_ink(DEFAULT_INK)
+    except RecordingError as cause:
+        raise RecordingError(f"{cause}, or --ink") from None
+
+
+def _tip(
+    recording: Recording | LaidPad, wanted: PaintingOptions
+) -> tuple[dict[Pigment, float] | None, float]:
+    """What the tip is dipped in afterwards, and how far: as the user wants, or the recording."""
+    from paint3d.colour.inks import load_ink
+    from paint3d.painter.recorded_tools import recorded_tip
+
+    if wanted.tip is not None:
+        return load_ink(wanted.tip), wanted.reach
+    try:
+        own = None if wanted.ink is not None else recorded_tip(recording.header)
+    except RecordingError as cause:
+        raise RecordingError(f"{cause}, or --ink") from None
+    return own or (None, wanted.reach)
+
+
+# ---- Going on with a painting --------------------------------------------------------------------
+
+_AT_ONCE = 2000  # samples between two calls of the progress
+_LONGEST_S = 1e9  # longer than any ink stays wet
+
+
+def open_document(wanted: PaintingOptions, options: argparse.Namespace) -> Document:
+    """Open the painting that ``--on`` names, to go on with.
+
+    Raises
+    ------
+    InputError
+        If an option says how to make an object ready that is ready.
+    SessionError
+        If it cannot be read.
+    """
+    from paint3d.app.model.document import Document
+
+    for name in ("material", "resolution", "unit", "up", "from_points", "texture"):
+        if getattr(options, name, None) is not None:
+            option = name.replace("_", "-")
+            raise InputError(f"--{option} is given, and {wanted.on} is a painting with its own")
+    say_if_compiling(quiet=wanted.quiet)
+    with ProgressBar("opening", enabled=not wanted.quiet) as progress:
+        return Document.open(wanted.on, progress=progress)
+
+
+def new_document(wanted: PaintingOptions) -> Document:
+    """Begin a painting with a history on the object that ``--on`` names.
+
+    Raises
+    ------
+    Paint3DError
+        If the object cannot be read or painted on.
+    """
+    from paint3d.app.model.document import Document
+
+    mesh = load_object(wanted)
+    say_if_compiling(quiet=wanted.quiet)
+    with ProgressBar("preparing", enabled=not wanted.quiet):
+        return Document.new(mesh, wanted.resolution, wanted.material)
+
+
+def take_layer(painted: Document | PaintedSurface, name: str | None) -> None:
+    """Paint on the layer of this name from now on; it is added above the others if missing."""
+    from paint3d.surface.painted_surface import PaintedSurface
+
+    if name is None:
+        return
+    if isinstance(painted, PaintedSurface):
+        painted.use_layers().describe(0, name=name)
+        return
+    names = [layer.name for layer in painted.layers]
+    if name in names:
+        painted.select_layer(names.index(name))
+    else:
+        painted.add_layer(name, len(names))
+
+
+def paint_onto(
+    document: Document,
+    recording: Recording | LaidPad,
+    wanted: PaintingOptions,
+    seconds: dict[str, float],
+    watch: Watch | None = None,
+) -> Painting:
+    """Paint a recording on a painting, as a step that can be undone; see `paint`.
+
+    Raises
+    ------
+    InputError
+        If the brush, the ink or a sample cannot be used, or the layer is locked or hidden.
+    """
+    import numpy as np
+
+    from paint3d.painter.flat_input import LaidPad
+    from paint3d.painter.ink_time import PIECE_NS, PIECE_S
+    from paint3d.painter.recorded_tools import recorded_amount, told_at
+
+    if isinstance(recording, LaidPad):
+        recording = recording.whole()
+    brush, ink = _brush(recording, wanted.brush), _ink(recording, wanted.ink)
+    tip, reach = _tip(recording, wanted)
+    document.set_azimuth(recording.header["azimuth"])
+    document.set_brush(_with_hairs(brush, wanted.hairs))
+    document.dip(ink, None, recorded_amount(recording.header).words())
+    if tip is not None:
+        document.dip(tip, reach)
+    document.set_pickup(wanted.pickup)
+    document.refresh()  # what changes from here on is what the recording paints
+    before = document.surface.painted
+    n, time_ns, is_wet = len(recording), recording.time_ns, wanted.spread is not None
+    loads, strengths = told_at(recording.header, time_ns)
+    if is_wet or watch is not None:  # time passes between these
+        step_ns = PIECE_NS if is_wet else round(1e9 * watch.step_s)  # type: ignore[union-attr]
+        ends = np.flatnonzero(np.diff(time_ns // step_ns)) + 1
+    else:
+        ends = np.arange(_AT_ONCE, n, _AT_ONCE)
+    with timed(seconds, "paint"), ProgressBar("painting", enabled=not wanted.quiet) as progress:
+        told = progress if watch is None else watch.over(recording, wanted.spread, progress)
+        document.begin_stroke(
+            loads=list(dict(loads).items()), strengths=list(dict(strengths).items())
+        )
+        first = 0
+        for end in (*ends.tolist(), n):
+            document.feed(list(recording.part(first, end).samples()))
+            if is_wet and end < n:
+                pieces = int(time_ns[end] // PIECE_NS - time_ns[end - 1] // PIECE_NS)
+                _let_pass(document, pieces, lambda _: None)
+            told(end / n)
+            first = end
+        document.end_stroke()
+        if wanted.spread is not None:
+            resting = progress if watch is None else watch.resting(progress)
+            _let_pass(document, round(min(wanted.spread, _LONGEST_S) / PIECE_S), resting)
+        over = _fraction_over(
+            document, before
+        )  # before the report, which brings colours up to date
+        counts = document.painter.report()
+    counts["over_paint"] = round(over, 4)
+    return Painting(document.surface, counts, seconds, document=document)
+
+
+def _with_hairs(brush: BrushSpec, hairs: int | None) -> BrushSpec:
+    """The brush with so many single hairs; 0: a solid tuft, None: as it is."""
+    from paint3d.brush.spec import BristleSpec
+
+    if hairs is None:
+        return brush
+    own = replace(brush.bristles or BristleSpec(), n_hairs=hairs) if hairs else None
+    return replace(brush, bristles=own)
+
+
+def _let_pass(document: Document, pieces: int, told: Callable[[float], None]) -> None:
+    """Let the ink spread for so many steps of its time, or until it is dry."""
+    from paint3d.painter.ink_time import PIECE_S
+
+    for k in range(pieces):
+        document.follow_time(PIECE_S)
+        told((k + 1) / pieces)
+        if document.surface.flow.is_dry:
+            return
+
+
+def _fraction_over(document: Document, before: NDArray[np.bool_]) -> float:
+    """Fraction, by area, of what has changed that lies over vertices (V,) painted before."""
+    changed = document.refresh()
+    areas = document.surface.vertex_areas
+    known = changed[changed < len(before)]
+    over, painted = float(areas[known[before[known]]].sum()), float(areas[changed].sum())
+    return over / painted if painted > 0.0 else 0.0
