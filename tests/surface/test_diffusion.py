@@ -389,7 +389,8 @@ def test_work_grows_with_the_root_of_the_time():
             np.zeros(n, np.uint8), np.zeros(n, np.int32), residual, np.full(n, 0.17),
             np.full(n, 0.02), np.full(n, 0.3), np.full(n, 0.02), np.zeros(n), water,
             water[:, None].copy(),
-            water[:, None].copy(), np.ones(1), np.ones(1), np.ones(n, np.float32), np.zeros(n, bool),
+            water[:, None].copy(), np.ones(1), np.ones(1), np.ones(n, np.float32),
+            np.zeros(n, bool),
             np.array([step], np.float32), np.ones(1, bool), np.zeros(1, bool), np.zeros((1, 3)),
         )  # fmt: skip
         given = (fields, nodes, nodes[:0], Drink(0.06, 10.0, 0.8), step, np.zeros(1), ROOM)
