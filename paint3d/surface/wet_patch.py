@@ -159,8 +159,8 @@ class WetPatch:
         return WetFields(
             graph.first, graph.last, graph.links, self.weights, graph.area, graph.block,
             graph.closed, self.place, self.residual, self.strength, self.sieve, self.catch,
-            self.held, self.entry, self.water, self.pigment, self.fine, self.mobility, self.sticks, self.soaked,
-            self.changed, self.owed, due, mobile, moved,
+            self.held, self.entry, self.water, self.pigment, self.fine, self.mobility,
+            self.sticks, self.soaked, self.changed, self.owed, due, mobile, moved,
         )  # fmt: skip
 
     def is_wet(self) -> bool:
