@@ -72,6 +72,7 @@ GEOMETRY = np.dtype(
         ("held", *_VECTOR),  # where the paper holds a dragged tuft's tip, mm
         ("aside", "f8"),  # angle at M_d from the bend to there, rad
         ("short", "f8"),  # and how much nearer to M_d than the footprint is long that is, mm
+        ("speed", "f8"),  # of the hand, mm/s
         ("centred", "f8"),  # 1 where the middle of the outline lies at that place, else 0
     ],
     align=True,

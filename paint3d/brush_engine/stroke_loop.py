@@ -365,6 +365,11 @@ def place_at(samples, i, share, brush, canvas, before, after, scratch):
     _interpolate(samples, i, share, pose)
     tuft = drive(samples, i, share, pose, before, brush.tuft, canvas.ink, brush.curves)
     place_stamp(pose, brush.dragged, before, after, tuft, canvas.tree, canvas.field, scratch)
+    speed2 = 0.0
+    for axis in range(3):
+        a, b = samples.velocity[i, axis], samples.velocity[i + 1, axis]
+        speed2 += (a + share * (b - a)) ** 2
+    after.values[0].speed = np.sqrt(speed2)
     return tuft
 
 

@@ -56,6 +56,7 @@ __all__ = [
     "parse_resolution_mm",
     "parse_seconds",
     "parse_share",
+    "parse_variation",
 ]
 
 # ---- Parsing -------------------------------------------------------------------------------------
@@ -306,6 +307,12 @@ def _parse_dips(text: str) -> str | int:
             "3 or 'every 3'"
         )
     return int(count)
+
+
+def parse_variation(text: str) -> float:
+    """Parse how much strokes vary, 0 to 3."""
+    expected = "a number from 0, as the copybook, to 3"
+    return parse_number(text, "variation", expected, lambda value: 0.0 <= value <= 3.0)
 
 
 def parse_rate(text: str) -> float:

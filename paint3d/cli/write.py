@@ -30,9 +30,10 @@ from paint3d.cli.options import (
     parse_count,
     parse_length_mm,
     parse_place,
+    parse_variation,
 )
 from paint3d.cli.painting import (
-    DEFAULT_INK,
+    WRITING_INK,
     PaintingOptions,
     add_out_option,
     load_object,
@@ -101,6 +102,22 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_source_options(parser)
     add_task_options(parser)
     add_dip_option(parser, f"{DIPS}; of drawings always")
+    brush = group_of(parser, BRUSH)
+    brush.add_argument(
+        "--variation",
+        type=parse_variation,
+        default=1.0,
+        metavar="V",
+        help="how much strokes differ as a hand's do: 0 as the copybook has them, at most 3 "
+        "(default: 1)",
+    )
+    brush.add_argument(
+        "--seed",
+        type=int,
+        default=0,
+        metavar="N",
+        help="another number varies them otherwise, the same in the same way (default: 0)",
+    )
 
 
 def add_task_options(parser: argparse.ArgumentParser, **unsaid: str) -> None:
@@ -108,7 +125,7 @@ def add_task_options(parser: argparse.ArgumentParser, **unsaid: str) -> None:
 
     `unsaid` tells what stands for options that are not given, where a command differs.
     """
-    unsaid = {"brush": "one that suits the size", "ink": DEFAULT_INK, **unsaid}
+    unsaid = {"brush": "one that suits the size", "ink": WRITING_INK, **unsaid}
     PaintingOptions.add_to(parser, unsaid=unsaid)
     _add_writing_options(parser)
     add_layer_option(parser)
@@ -253,7 +270,7 @@ def carry_out(
     if as_outlines:
         with timed(painting.seconds, "export"):
             with ProgressBar("writing", enabled=not options.quiet):
-                ink = options.ink or DEFAULT_INK
+                ink = options.ink or WRITING_INK
                 export_outlines(surface.source, recording, pen.brush, ink, options.out)
             if watch is not None:
                 watch.write()
@@ -385,7 +402,7 @@ def plan(
 
     layout = Layout(options.layout or "columns", options.at, options.around, options.side)
     header: dict[str, object] = {
-        "ink": describe_ink(load_ink(options.ink or DEFAULT_INK)),
+        "ink": describe_ink(load_ink(options.ink or WRITING_INK)),
         **source,
     }
     if options.tip is not None:
@@ -416,4 +433,10 @@ def pen_of(options: argparse.Namespace) -> Pen:
 
     brush = load_brush(options.brush or choose_brush(options.size))
     settings = PlanSettings(technique=options.technique, azimuth=options.azimuth)
-    return Pen(brush, options.size, settings)
+    return Pen(
+        brush,
+        options.size,
+        settings,
+        variation=options.variation,
+        seed=options.seed,
+    )

@@ -21,8 +21,8 @@ from paint3d.mesh.kernels.mesh_arrays import mix
 
 __all__ = ["MOST_ASIDE_MM", "lay_paper", "lay_paper_at"]
 
-# h_k, half a wavelength, and a_k along each axis: mm. Set so that edges of wet strokes on xuan are as
-# rough as those of ink on raw practice paper in each octave of .13 to 2.1 mm.
+# h_k, half a wavelength, and a_k along each axis: mm. Set so that edges of wet strokes on xuan are
+# as rough as those of ink on raw practice paper in each octave of .13 to 2.1 mm.
 _EDGE = ((0.09, 0.007), (0.19, 0.013), (0.38, 0.022), (0.75, 0.034), (1.7, 0.042))
 # An edge is smooth here and ragged there: h, deviation of the log, and the h up to which it is so.
 _RAGGED_MM, _RAGGED, _SMOOTH_MM = 2.2, 0.45, 1.0
