@@ -19,6 +19,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.brush_engine.footprint import outline_motion
 from paint3d.core.kernel import kernel, uncounted
 from paint3d.mesh.kernels.mesh_arrays import mix
 
@@ -30,6 +31,7 @@ __all__ = [
     "contact_noise",
     "dry_contact",
     "fill_noise",
+    "note_way",
     "thin_contact",
 ]
 
@@ -63,6 +65,7 @@ _SOFT = 0.2  # standard deviation of the softness: contact comes about over .7
 _GAIN, _OFFSET = 2.4, 0.1  # of the contact level
 _FLOODED, _FLOOD = 0.8, 1.5  # level from which the tuft begins to flood the rest, and by how much
 _LEAST = np.float32(0.02)  # share below which nothing is touched
+_CURVES_MM, _SHARPEST = 3.0, 0.2  # mm over which the way's curve is told; 1/mm, at most
 _SEEN = 1.6  # wavelength of bumps over their length
 
 
@@ -73,6 +76,7 @@ class DryContact(NamedTuple):
     per_soft: float
     ahead_x: float  # direction of the way in the stamp's frame, along the bend and across
     ahead_y: float
+    curve: float  # of the way to the left, 1/mm
     way: float  # mm that the tuft has gone
     per_broad: float  # steps of the noise to the mm across the way, for broad bundles
     per_narrow: float
@@ -175,6 +179,37 @@ def _find_way(before, after):
 
 
 @uncounted(error_model="numpy")
+def note_way(before, after):
+    """Note how far the outline has gone, where its way leads, and how it curves."""
+    a, b = before.values[0], after.values[0]
+    b.way = a.way * a.touches + outline_motion(before, after)
+    dx, dy, dz = (
+        b.origin[0] - a.origin[0],
+        b.origin[1] - a.origin[1],
+        b.origin[2] - a.origin[2],
+    )
+    step = np.sqrt(dx * dx + dy * dy + dz * dz)
+    if a.touches <= 0.0:
+        b.heading[0] = b.heading[1] = b.heading[2] = b.curve = 0.0
+        return
+    if step <= 1e-6:
+        b.heading[0], b.heading[1], b.heading[2] = a.heading[0], a.heading[1], a.heading[2]
+        b.curve = a.curve
+        return
+    dx, dy, dz = dx / step, dy / step, dz / step
+    hx, hy, hz = a.heading[0], a.heading[1], a.heading[2]
+    left = (
+        b.normal[0] * (hy * dz - hz * dy)
+        + b.normal[1] * (hz * dx - hx * dz)
+        + b.normal[2] * (hx * dy - hy * dx)
+    )
+    keep = np.exp(-step / _CURVES_MM)
+    b.curve = keep * a.curve + (1.0 - keep) * left / step
+    b.curve = min(_SHARPEST, max(-_SHARPEST, b.curve))
+    b.heading[0], b.heading[1], b.heading[2] = dx, dy, dz
+
+
+@uncounted(error_model="numpy")
 def dry_contact(level, before, after, bundles, field, ink):
     """What the vertices of a sweep share; docs/model.md, equation (13).
 
@@ -214,6 +249,7 @@ def dry_contact(level, before, after, bundles, field, ink):
         0.5 / (np.sqrt(3.0) * np.sqrt(_SOFT * _SOFT + unseen2)),
         ahead_x,
         ahead_y,
+        a.curve,
         a.way,
         _STEPS * per_width / broad_mm,
         _STEPS * per_width / bundle,
@@ -299,11 +335,13 @@ def _place_on_tuft(n, contact, values, block):
         np.float32(values.origin[1]),
         np.float32(values.origin[2]),
     )
-    way = np.float32(contact.way)
+    way, bow = np.float32(contact.way), np.float32(0.5 * contact.curve)
     for k in range(n):
         dx, dy, dz = xs[k] - ox, ys[k] - oy, zs[k] - oz
-        across[k] = aside_0 * dx + aside_1 * dy + aside_2 * dz
-        along[k] = way + ahead_0 * dx + ahead_1 * dy + ahead_2 * dz
+        ahead = ahead_0 * dx + ahead_1 * dy + ahead_2 * dz
+        # hairs lie along the way, also where it curves: streaks go round a bend with them
+        across[k] = aside_0 * dx + aside_1 * dy + aside_2 * dz - bow * ahead * ahead
+        along[k] = way + ahead
 
 
 @uncounted(error_model="numpy")

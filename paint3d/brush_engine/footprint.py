@@ -72,6 +72,8 @@ GEOMETRY = np.dtype(
         ("held", *_VECTOR),  # where the paper holds a dragged tuft's tip, mm
         ("aside", "f8"),  # angle at M_d from the bend to there, rad
         ("short", "f8"),  # and how much nearer to M_d than the footprint is long that is, mm
+        ("heading", *_VECTOR),  # where the way leads, 0 until it does
+        ("curve", "f8"),  # of the way to the left, over some mm, 1/mm
         ("speed", "f8"),  # of the hand, mm/s
         ("centred", "f8"),  # 1 where the middle of the outline lies at that place, else 0
     ],

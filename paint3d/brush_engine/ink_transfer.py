@@ -18,7 +18,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.brush_engine.coverage import weigh_block, weighed_area
-from paint3d.brush_engine.dry_contact import BUNDLE_MM, bundle_at, dry_contact, thin_contact
+from paint3d.brush_engine.dry_contact import (
+    BUNDLE_MM,
+    bundle_at,
+    dry_contact,
+    note_way,
+    thin_contact,
+)
 from paint3d.brush_engine.footprint import PROFILE_CELLS, Sweep, ink_way, outline_motion
 from paint3d.brush_engine.vertex_query import (
     INSIDE,
@@ -46,6 +52,7 @@ __all__ = [
     "note_covered",
     "sweep_deposit",
     "take_up_ink",
+    "wet_at_once",
 ]
 
 # ---- The even film -------------------------------------------------------------------------------
@@ -64,7 +71,7 @@ _RUNS_DRY = (0.15, 0.3)  # contact level below which a tuft has no film, and fro
 _MOST = 6.0  # times a share that a line gets
 _ON_GLAZE, _ON_GRAIN = 1.15, 0.8  # power of a line's length that what it gets falls with
 _LEAST_WAY = 1e-9  # mm
-_STREAKED = 0.12  # deviation of what bundles of hairs bring on paper, over their mean
+_STREAKED = 0.07  # deviation of what bundles of hairs bring on paper, over their mean
 _BUNDLE_WAY = 9.0  # mm: how far along the way they bring alike
 
 
@@ -260,6 +267,7 @@ class InkField(NamedTuple):
 _DRY_AT = 0.8  # share of a full load below which a light brush on grain 1 begins to skip
 _DRY_PRESSED = 0.4  # less of it at full pressure
 _FLOWS_MM_S = 350.0  # speed of a hand at which it takes twice the load for the same contact
+_WETS_MM = 2.5  # of the way: what a wet tuft leaves at once where it comes first
 _SCRAPES, _LAST = (
     0.3,
     0.04,
@@ -303,6 +311,24 @@ def contact_level(before, after, ink):
     haste = after.values[0].speed / _FLOWS_MM_S
     level = held_ink(ink) / (transfer.capacity * begins * (1.0 + haste * haste))
     return min(1.0, max(level, min(_SCRAPES, held_ink(ink) / (transfer.capacity * _LAST))))
+
+
+@uncounted(error_model="numpy")
+def wet_at_once(before, after, level, found, n, ink):
+    """Let what the tuft touches first take a film at once, on paper; return whether any did.
+
+    By the time under the tuft alone, heads and what is passed on the way down would stay pale. So
+    a vertex counts as if it had been under the outline for `_WETS_MM` of the way more, once, for
+    what is newly covered of it; what was wet before gets no more.
+    """
+    moved, grain = outline_motion(before, after), ink.transfer[0].grain
+    if moved <= 1e-6 or grain <= 0.0:
+        return False
+    ids, share, cover, coverage = found.ids, found.share, found.cover, ink.coverage
+    per_cover = np.float32(_WETS_MM * min(1.0, 2.0 * grain) * level / moved)
+    for k in range(n):
+        share[k] += per_cover * max(np.float32(0.0), cover[k] - coverage[ids[k]])
+    return True
 
 
 @uncounted(error_model="numpy")
@@ -563,7 +589,7 @@ def sweep_deposit(before, after, tuft, field, ink, scratch):
         released = 0.0  # a touch finer than the vertices leaves nothing yet
     landing = released * landing_share(area, width, weighed, n)
     level = contact_level(before, after, ink)
-    b.way = a.way * a.touches + outline_motion(before, after)
+    note_way(before, after)
     if level < 1.0 and weighed > 0.0:  # a brush that runs dry gives less, and only to the heights
         bundles = (tuft.diameters[-1], BUNDLE_MM, 1.0, 0.0)
         contact = dry_contact(level, before, after, bundles, field, ink)
@@ -578,7 +604,9 @@ def sweep_deposit(before, after, tuft, field, ink, scratch):
     scratch.taken[:] = 0.0
     if ink.transfer[0].pickup > 0.0:
         take_up_ink(before, after, released, found, n, field, ink, scratch.taken)
-    if level_shares(before, after, level, ink.transfer[0].grain, field, ink, n, scratch):
+    wetted = wet_at_once(before, after, level, found, n, ink)
+    levelled = level_shares(before, after, level, ink.transfer[0].grain, field, ink, n, scratch)
+    if wetted or levelled:
         weighed = weighed_area(field, found.ids, found.share, n)
     if ink.reservoirs.shape[0] > 1:
         deposit = Deposit(released, landing, weighed)

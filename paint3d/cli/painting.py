@@ -60,7 +60,7 @@ __all__ = [
 ]
 
 DEFAULT_BRUSH, DEFAULT_INK = "full", "pine soot"
-WRITING_INK = "pine soot:0.3,water:0.7"  # as a writer grinds it: tones show within a stroke
+WRITING_INK = "pine soot:0.4,water:0.6"  # as a writer grinds it: tones show within a stroke
 
 
 def _option(default: Any, group: str, help: str, unsaid: str = "", **how: Any) -> Any:

@@ -31,7 +31,7 @@ from paint3d.brush_engine.bristles.contact import (
 )
 from paint3d.brush_engine.bristles.imprint import CELLS, LANES, PER_CELL, STATIONS, TIP
 from paint3d.brush_engine.coverage import AREA_STEPS, weigh_passing, weighed_area
-from paint3d.brush_engine.dry_contact import dry_contact, thin_contact
+from paint3d.brush_engine.dry_contact import dry_contact, note_way, thin_contact
 from paint3d.brush_engine.footprint import Sweep, outline_motion
 from paint3d.brush_engine.ink_transfer import (
     PAINTED,
@@ -42,6 +42,7 @@ from paint3d.brush_engine.ink_transfer import (
     level_shares,
     note_covered,
     take_up_ink,
+    wet_at_once,
 )
 from paint3d.brush_engine.scratch import Found
 from paint3d.brush_engine.vertex_query import VISITED, find_candidates, next_block
@@ -572,7 +573,7 @@ def sweep_hairs(before, after, ready, hairs, field, ink, scratch):
     bare = n == 0 and within > 0  # no hair lies over the vertices that the outline covers
     scale = 0.0 if bare or (area < width * width and within == 0) else 1.0
     lands = landing_share(area, width, weighed, within)
-    after.values[0].way = come_from.way * come_from.touches + outline_motion(before, after)
+    note_way(before, after)
     if level < 1.0 and n > 0:  # hairs that run dry give less, and only to the heights
         whole = weighed_area(field, found.ids, found.share, n)
         bristles = hairs.bristles
@@ -585,6 +586,7 @@ def sweep_hairs(before, after, ready, hairs, field, ink, scratch):
     scratch.taken[:] = 0.0
     if ink.transfer[0].pickup > 0.0:
         take_up_ink(before, after, ready * scale, found, n, field, ink, scratch.taken)
+    wet_at_once(before, after, level, found, n, ink)
     level_shares(before, after, level, ink.transfer[0].grain, field, ink, n, scratch)
     _take_from_hairs(hairs.load, hairs.hair_contacts, scale, hairs.whole_sums, hairs.released)
     if ink.reservoirs.shape[0] > 1:

@@ -23,9 +23,9 @@ __all__ = ["MOST_ASIDE_MM", "lay_paper", "lay_paper_at"]
 
 # h_k, half a wavelength, and a_k along each axis: mm. Set so that edges of wet strokes on xuan are
 # as rough as those of ink on raw practice paper in each octave of .13 to 2.1 mm.
-_EDGE = ((0.09, 0.007), (0.19, 0.013), (0.38, 0.022), (0.75, 0.034), (1.7, 0.042))
-# An edge is smooth here and ragged there: h, deviation of the log, and the h up to which it is so.
-_RAGGED_MM, _RAGGED, _SMOOTH_MM = 2.2, 0.45, 1.0
+_EDGE = ((0.09, 0.0042), (0.19, 0.0078), (0.38, 0.0135), (0.75, 0.022), (1.7, 0.055))
+# An edge is clean here and torn there: h, deviation of the log, up to which h, and the most of it.
+_RAGGED_MM, _RAGGED, _SMOOTH_MM, _MOST_RAGGED = 3.5, 0.85, 1.0, 3.5
 MOST_ASIDE_MM = 0.6  # how far aside an outline may be met, whatever the noise on raw xuan
 _TAKE = ((0.25, 0.06), (0.7, 0.08), (2.5, 0.12))  # h_k, mm, and s_k: set by eye
 # Pores that take little: h, from which deviation on, and how much less by the square beyond it.
@@ -92,6 +92,7 @@ def lay_paper_at(field, v):
     c = _TURN[2][0] * x + _TURN[2][1] * y + _TURN[2][2] * z
     wx, wy, wz, take = 0.0, 0.0, 0.0, 0.0
     ragged = np.exp(_RAGGED * _noise3(a / _RAGGED_MM, b / _RAGGED_MM, c / _RAGGED_MM, 11)[0])
+    ragged = min(ragged, _MOST_RAGGED)
     for n in range(len(_EDGE)):
         length, shift = _EDGE[n]
         shift *= amount * _shown(length, apart) * (ragged if length < _SMOOTH_MM else 1.0)
@@ -109,6 +110,10 @@ def lay_paper_at(field, v):
     if shown > 0.0:
         deep = max(0.0, _noise3(c / _VOID_MM, a / _VOID_MM, b / _VOID_MM, 57)[0] - _VOID_AT)
         take -= _VOID * amount * shown * deep * deep
+    far = np.sqrt(wx * wx + wy * wy + wz * wz)
+    if far > MOST_ASIDE_MM * amount:
+        less = MOST_ASIDE_MM * amount / far
+        wx, wy, wz = less * wx, less * wy, less * wz
     nx, ny, nz = np.float64(field.nx[v]), np.float64(field.ny[v]), np.float64(field.nz[v])
     up = wx * nx + wy * ny + wz * nz  # the edge moves in the surface
     field.mx[v] = np.float32(x + wx - up * nx)

@@ -1,0 +1,110 @@
+"""Where outlines meet vertices on paper, and how much of the ink they take."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from paint3d.files.load import load_mesh
+from paint3d.mesh.kernels.paper import MOST_ASIDE_MM
+from paint3d.mesh.refined_mesh import PaintMesh
+from paint3d.painter.painter import Painter
+from paint3d.recording.recording import Recording
+from paint3d.surface.painted_surface import PaintedSurface
+from tests.support.surface_cases import flat, sheet
+
+
+def met(mesh: PaintMesh) -> NDArray[np.float64]:
+    """(V, 3) mm, how far from each vertex an outline meets it."""
+    n, field = mesh.n_vertices, mesh.arrays
+    places = np.stack([field.mx[:n], field.my[:n], field.mz[:n]], axis=1)
+    return places.astype(float) - mesh.vertices
+
+
+def on(name: str, material: str, resolution: float) -> PaintMesh:
+    surface = PaintedSurface(load_mesh(name), resolution, material)
+    surface.refine_all()
+    return surface.paint_mesh
+
+
+def test_a_glaze_meets_outlines_where_it_is_and_takes_alike() -> None:
+    mesh = on("bowl", "porcelain", 2.0)
+    assert not met(mesh).any()
+    assert (mesh.arrays.take[: mesh.n_vertices] == 1.0).all()
+
+
+@pytest.mark.parametrize(("name", "resolution"), [("bowl", 1.5), ("plane", 2.0)])
+def test_outlines_are_met_in_the_surface_and_not_far_off(name: str, resolution: float) -> None:
+    mesh = on(name, "xuan", resolution)
+    aside = met(mesh)
+    assert np.linalg.norm(aside, axis=1).max() < MOST_ASIDE_MM
+    assert np.abs((aside * mesh.normals).sum(axis=1)).max() < 2e-5  # float32 coordinates
+    assert aside.std() > 0.02
+
+
+def test_a_place_has_the_same_paper_whoever_comes_there_first() -> None:
+    """Vertices that were there and those that refinement adds; cells in any order."""
+    fine = PaintedSurface(sheet(flat, (8.0, 8.0), 0.5), None, "xuan").paint_mesh
+    coarse = PaintedSurface(sheet(flat, (8.0, 8.0), 4.0), 0.71, "xuan")
+    coarse.refine_all()
+    added = coarse.paint_mesh
+    of = {tuple(place): k for k, place in enumerate(np.round(fine.vertices, 4))}
+    pairs = [(k, of[p]) for k, p in enumerate(map(tuple, np.round(added.vertices, 4))) if p in of]
+    own, other = np.array(pairs).T
+    assert len(own) > 200
+    longest = fine.arrays.soft_edge / added.arrays.soft_edge
+    assert longest == pytest.approx(0.5 / 0.71, rel=0.5)
+    shown = np.corrcoef(met(added)[own, 0], met(fine)[other, 0])[0, 1]
+    assert shown > 0.9  # octaves that only the finer ones show are missing
+
+
+def test_the_sheet_takes_its_share_on_the_whole() -> None:
+    mesh = on("plane", "xuan", 1.0)
+    take = mesh.arrays.take[: mesh.n_vertices]
+    assert take.mean() == pytest.approx(1.0, abs=0.05)
+    assert 0.08 < take.std() < 0.25
+
+
+def stroke(speed: float = 60.0) -> Recording:
+    """24 mm along x."""
+    n = 80
+    at = np.column_stack([np.linspace(-12.0, 12.0, n), np.zeros(n), np.full(n, 30.0)])
+    pressure = np.where((np.arange(n) > 0) & (np.arange(n) < n - 1), 0.3, 0.0)
+    times = np.round(np.arange(n) * 24.0 / n / speed * 1e9).astype(np.int64)
+    return Recording(times, at, np.tile((1.0, 0.0, 0.0, 0.0), (n, 1)), pressure)
+
+
+def test_what_is_painted_twice_has_one_edge() -> None:
+    surface = PaintedSurface(load_mesh("plane"), 0.3, "xuan")
+    Painter(surface, "full", "pine soot").replay(stroke())
+    once = surface.coverage.copy()
+    Painter(surface, "full", "pine soot").replay(stroke())
+    np.testing.assert_array_equal(surface.coverage[: len(once)], once)
+
+
+def test_an_edge_strays_on_paper_by_some_hundredths_of_a_millimetre() -> None:
+    covered = []
+    for material in ("porcelain", "xuan"):
+        surface = PaintedSurface(load_mesh("plane"), 0.15, material)
+        surface.refine_all()
+        Painter(surface, "full", "pine soot").replay(stroke())
+        covered.append(surface.coverage.astype(float))
+    strayed = np.abs(covered[1] - covered[0]) @ surface.vertex_areas / (2.0 * 24.0)
+    assert 0.015 < strayed < 0.1
+    assert covered[1].sum() == pytest.approx(covered[0].sum(), rel=0.03)
+
+
+def inked(speed: float, load: float = 1.0) -> float:
+    """mm2 under paint."""
+    surface = PaintedSurface(load_mesh("plane"), 0.2, "xuan")
+    painter = Painter(surface, "full", "pine soot")
+    painter.wipe(1.0 - load)
+    painter.replay(stroke(speed))
+    return float(surface.coverage @ surface.vertex_areas)
+
+
+def test_a_fast_brush_flies_white_and_the_last_of_its_ink_still_marks() -> None:
+    slow = inked(60.0)
+    assert inked(600.0) < 0.9 * slow
+    assert inked(300.0, 0.125) > 0.1 * slow
