@@ -115,7 +115,7 @@ def _over_the_sheet(seconds: float) -> Way:
 
 def _around_the_bowl(stage: Stage) -> Way:
     """To and fro on the side that is seen, and down."""
-    surface = ClosestPoints(_easel(stage).document.surface.source)
+    surface = ClosestPoints(_easel(stage).painting.source)
 
     def way(share: float) -> tuple[AnyArray, AnyArray]:
         turn = 0.7 * math.sin(14.0 * share) - 0.5 * math.pi
@@ -280,7 +280,7 @@ def measure(share: float = 1.0) -> Result:
         stage.close()
     stage, camera = _stand(_sheet(share), _SHEET_VIEW)
     try:
-        vertices = _easel(stage).document.surface.n_vertices
+        vertices = _easel(stage).painting.n_vertices
         for pace, pace_s in _PACES:
             got = _paint(stage, _over_the_sheet(seconds), pace_s, seconds)
             tell("sheet", "painting" + f", {pace}" * (pace_s > 0.0), got, pace_s == 0.0)

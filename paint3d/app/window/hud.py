@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from PySide6 import QtCore, QtGui
 
-from paint3d.app.model.frame import HeldInk, held_ink
+from paint3d.app.model.frame import HeldInk
 from paint3d.app.window.brush.brush_panel import plain_name
 from paint3d.app.window.ink.ink_panel import ink_label
 from paint3d.app.window.wording import say, say_brush, say_length
@@ -38,7 +38,7 @@ class Hud:
         clip = painter.clipBoundingRect()
         if self._plate.isValid() and not (clip.isEmpty() or clip.intersects(self._plate)):
             return
-        theme, held = workspace.theme, held_ink(workspace.document.painter)
+        theme, held = workspace.theme, workspace.painting.held
         name, told = self._words(held)
         self._painted = _looks(name, told, held)
         wide = max(painter.fontMetrics().horizontalAdvance(text) for text in (name, told))
@@ -73,7 +73,7 @@ class Hud:
         """Have it drawn again if the brush in use is another than it shows."""
         if self._workspace.stage.easel is None:
             return
-        held = held_ink(self._workspace.document.painter)
+        held = self._workspace.painting.held
         if _looks(*self._words(held), held) != self._painted:
             self.refresh()
 

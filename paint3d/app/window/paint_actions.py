@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from paint3d.app.model.document import Document
+from paint3d.app.model.frame import Snapshot
 from paint3d.app.model.input.symmetry import MirrorPlane, RadialSymmetry, Symmetry
 from paint3d.app.model.mask import AngleMask, Mask, RegionPick, face_at, nearest_vertex
 from paint3d.app.window.history.stroke_editing import Recalling
@@ -41,8 +41,8 @@ class PaintActions:
         self._workspace.post(command, *arguments)
 
     @property
-    def _document(self) -> Document:
-        return self._workspace.document
+    def _painting(self) -> Snapshot:
+        return self._workspace.painting
 
     # -- edit -------------------------------------------------------------------------------
 
@@ -137,7 +137,7 @@ class PaintActions:
         if on:
             back = picture_axes(self._workspace.hand.open_camera)[2]
             angle = AngleMask((float(back[0]), float(back[1]), float(back[2])), self._mask_degrees)
-        mask = self._document.mask
+        mask = self._painting.mask
         self._post("set_mask", Mask(angle, mask.regions, mask.inverted))
 
     def set_mask_degrees(self, degrees: float) -> None:
@@ -151,7 +151,7 @@ class PaintActions:
         face = self._look_up(lambda mesh, place: face_at(mesh, nearest_vertex(mesh, place)))
         if face is None:
             return
-        mask = self._document.mask
+        mask = self._painting.mask
         regions = (*mask.regions, RegionPick(face))
         self._post("set_mask", Mask(mask.angle, regions, mask.inverted))
         self._workspace.tell(say("Regions that take paint: {n}", n=len(regions)))
@@ -182,14 +182,14 @@ class PaintActions:
             result_of(easel.post(lambda document: document.surface.refine_all(progress)), progress)
 
         if workspace.went_well(workspace.run(say("Refining the surface…"), work)):
-            count = self._document.surface.n_vertices
+            count = self._painting.n_vertices
             workspace.tell(say("status.vertices", count=count), state="good")
 
     # -- layers -----------------------------------------------------------------------------
 
     def do_remove_layer(self) -> None:
         """Take the layer away that is painted on."""
-        self._post("remove_layer", self._document.active_layer)
+        self._post("remove_layer", self._painting.active_layer)
 
     def do_rename_layer(self) -> None:
         """Let its name be written."""
@@ -204,8 +204,8 @@ class PaintActions:
         self._select(-1)
 
     def _select(self, by: int) -> None:
-        place = self._document.active_layer + by
-        if 0 <= place < len(self._document.layers):
+        place = self._painting.active_layer + by
+        if 0 <= place < len(self._painting.layers):
             self._post("select_layer", place)
 
     def do_raise_layer(self) -> None:
@@ -217,19 +217,19 @@ class PaintActions:
         self._move(-1)
 
     def _move(self, by: int) -> None:
-        place = self._document.active_layer
-        if 0 <= place + by < len(self._document.layers):
+        place = self._painting.active_layer
+        if 0 <= place + by < len(self._painting.layers):
             self._post("move_layer", place, place + by)
 
     def do_hide_layer(self) -> None:
         """Show or hide it."""
-        place = self._document.active_layer
-        self._post("set_visible", place, not self._document.layers[place].visible)
+        place = self._painting.active_layer
+        self._post("set_visible", place, not self._painting.layers[place].visible)
 
     def do_lock_layer(self) -> None:
         """Lock or unlock it."""
-        place = self._document.active_layer
-        self._post("set_locked", place, not self._document.layers[place].locked)
+        place = self._painting.active_layer
+        self._post("set_locked", place, not self._painting.layers[place].locked)
 
 
 for _k in range(1, 1 + len(brush_names())):

@@ -274,7 +274,7 @@ class Stage:
 
     def _take_mask(self) -> None:
         """Hatch the object where another mask than before covers it."""
-        stencil = self.open_easel.document.stencil if self.shows_mask else None
+        stencil = self.open_easel.painting.stencil if self.shows_mask else None
         if stencil is self._stencil:
             return
         self._stencil = stencil
@@ -370,8 +370,8 @@ class Stage:
 
     def _show_brush(self, seen: BrushView | None) -> None:
         """Draw the brush where it is now, if it is anywhere else or otherwise than before."""
-        painter = self.open_easel.document.painter
-        stood: tuple[Any, ...] = (painter.brush, self.shows_brush)
+        painting = self.open_easel.painting
+        stood: tuple[Any, ...] = (painting.brush, self.shows_brush)
         if seen is not None:
             held = (seen.pressure, seen.load, *seen.srgb, seen.painting)
             stood += (*seen.position, *seen.orientation, *held)
@@ -379,22 +379,28 @@ class Stage:
         if stood == self._stood:
             return
         self._stood = stood
-        if self._brush is None or self._brush_spec != painter.brush:
+        if self._brush is None or self._brush_spec != painting.brush:
             if self._brush is not None:
                 self._drawn.touch_front(self.brush_box)
                 self._brush.remove()
-            bristles = None if painter.hairs is None else painter.hairs.bristles
-            self._brush = LiveBrush(self.scene, painter.tuft, painter.brush.hair, bristles)
-            self._brush_spec = painter.brush
+            self._brush = LiveBrush(
+                self.scene, painting.tuft, painting.brush.hair, painting.bristles
+            )
+            self._brush_spec = painting.brush
         self._drawn.touch_front(self._brush.screen_box())
         if seen is None or not self.shows_brush:
             self._brush.hide()
             return
         axes = matrices_from_quaternions(seen.orientation[None])[0]
-        stand = BrushStand.of(painter.tuft, seen.position, axes, seen.pressed)
-        tree = self.open_easel.document.surface.contact_tree
+        stand = BrushStand.of(painting.tuft, seen.position, axes, seen.pressed)
         red, green, blue = (int(code) for code in seen.srgb)
-        self._brush.show(stand, tree, self._open_object.light.axes, (red, green, blue), seen.load)
+        self._brush.show(
+            stand,
+            painting.contact_tree,
+            self._open_object.light.axes,
+            (red, green, blue),
+            seen.load,
+        )
         self._drawn.touch_front(self._brush.screen_box())
 
     def hide_brush(self) -> None:

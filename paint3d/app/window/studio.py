@@ -350,14 +350,17 @@ class StudioWindow(QtWidgets.QMainWindow):
     def _take_material(self, material: str | Material) -> None:
         """Let the object be of another material; where it is not to be, show what it is."""
         if not self.standing.take_material(material):
-            self.panels.surface.show_surface(self.document.surface)
+            self.panels.surface.show_surface(self.workspace.painting)
 
     # -- the document -----------------------------------------------------------------------
 
     @property
     def document(self) -> Document:
-        """What is being painted; only for reading, and what is posted changes it."""
-        return self.workspace.document
+        """What is being painted, for scripts and tests that look on: the window reads `painting`.
+
+        The step that is going on has ended, if it does so within a second.
+        """
+        return self.workspace.easel.look(1.0)
 
     def _show_document(self, opened: Opened) -> None:
         """Paint on this from now on, and let go of what was painted on before."""
@@ -373,7 +376,7 @@ class StudioWindow(QtWidgets.QMainWindow):
         self._show_open(True)
         self.commands.check("wet", wet)
         self.hand.open(opened.surface)
-        self.both_hands.open(document)
+        self.both_hands.open()
         self.panels.open()
         self._draw_first()
         self._show_title()
@@ -401,10 +404,12 @@ class StudioWindow(QtWidgets.QMainWindow):
 
     def _show_title(self) -> None:
         """Name the painting, and say whether something is unsaved."""
-        document = self.document
-        name = document.path.name if document.path else described(document)
+        painting = self.workspace.painting
+        name = (
+            painting.path.name if painting.path else described(painting.source, painting.material)
+        )
         self.setWindowTitle(f"{name}[*] – paint3d")
-        self.setWindowModified(document.modified)
+        self.setWindowModified(painting.modified)
 
     # -- frame by frame ---------------------------------------------------------------------
 
@@ -459,10 +464,10 @@ class StudioWindow(QtWidgets.QMainWindow):
 
     def _show_state(self, frame: Frame) -> None:
         workspace = self.workspace
-        workspace.actions["undo"].setEnabled(frame.can_undo or self.player.is_playing)
-        workspace.actions["redo"].setEnabled(frame.can_redo)
-        if self.isWindowModified() != self.document.modified:
-            self.setWindowModified(self.document.modified)
+        workspace.actions["undo"].setEnabled(frame.painting.can_undo or self.player.is_playing)
+        workspace.actions["redo"].setEnabled(frame.painting.can_redo)
+        if self.isWindowModified() != frame.painting.modified:
+            self.setWindowModified(frame.painting.modified)
         picture_s = None
         if self.stage.picture_s > 0.0:  # something has been drawn
             picture_s = max(1e-3 * _TICK_MS, (1.0 + _REST) * self.stage.picture_s)

@@ -114,7 +114,7 @@ class ViewActions:
         if easel is not None:
             easel.keep_every(workspace.settings.autosave_s)
         if chosen["wet"] != before.wet and easel is not None:
-            wet = workspace.settings.wants_wet(workspace.document.surface.material)
+            wet = workspace.settings.wants_wet(workspace.painting.material)
             with QtCore.QSignalBlocker(workspace.actions["wet"]):
                 workspace.actions["wet"].setChecked(wet)
             easel.wet = wet

@@ -9,8 +9,8 @@ from typing import Any
 
 from PySide6 import QtCore, QtGui, QtWidgets
 
-from paint3d.app.model.document import Document
 from paint3d.app.model.easel import Easel
+from paint3d.app.model.frame import Snapshot
 from paint3d.app.model.persistence.saved_settings import in_hand
 from paint3d.app.model.persistence.settings import Settings, save_settings
 from paint3d.app.window.files.opened import Opened
@@ -108,9 +108,9 @@ class Workspace(QtCore.QObject):
         return self.stage.open_easel
 
     @property
-    def document(self) -> Document:
-        """What is being painted; only for reading, and what is posted changes it."""
-        return self.easel.document
+    def painting(self) -> Snapshot:
+        """What is being painted, as it was after the last step."""
+        return self.easel.painting
 
     def show(self, opened: Opened) -> bool:
         """Paint on this from now on; False if it was stopped: see `may_let_go`."""
@@ -196,7 +196,7 @@ class Workspace(QtCore.QObject):
         """Remember the brush, the inks and the force for the next painting."""
         if self.stage.easel is None:
             return
-        chosen = in_hand(self.easel.brush, list[Any](self.document.inks))
+        chosen = in_hand(self.easel.brush, list[Any](self.painting.inks))
         force = self.hand.hand.force if self.hand.hand is not None else self.settings.force_n
         self.settings = dataclasses.replace(self.settings, **chosen, force_n=force)
 

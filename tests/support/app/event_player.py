@@ -486,7 +486,7 @@ def pixel_of(
 
 def surface_of(window: StudioWindow) -> ClosestPoints:
     """The object that is open, to be asked where rays meet it; made once for each."""
-    mesh = window.stage.easel.document.surface.source
+    mesh = window.workspace.painting.source
     if not _surfaces or _surfaces[0][0] is not mesh:
         _surfaces[:] = [(mesh, ClosestPoints(mesh))]
     return _surfaces[0][1]

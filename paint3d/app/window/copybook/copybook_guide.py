@@ -135,7 +135,7 @@ class CopybookGuide:
 
     def _lay(self, compose: Callable[[], str | Composer], laid: _Laid) -> bool:
         workspace = self._workspace
-        mesh = workspace.document.surface.source
+        mesh = workspace.painting.source
 
         def make(_: object) -> Copybook:
             copybook = Copybook(mesh, compose(), laid.em_mm, laid.layout)

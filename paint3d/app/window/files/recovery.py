@@ -118,7 +118,7 @@ class Recovery:
 
 def open_elsewhere(workspace: Workspace) -> list[str]:
     """That another window paints on the same file, if so; who saves second will be asked."""
-    path, sitting = workspace.document.path, workspace.easel.sitting
+    path, sitting = workspace.painting.path, workspace.easel.sitting
     own = None if sitting is None else sitting.folder
     if path is None or not is_open_elsewhere(path, own):
         return []

@@ -70,10 +70,10 @@ class Saving:
         easel = self._workspace.stage.easel
         if easel is None:
             return True
-        document = self._workspace.document
-        if not (easel.is_behind or document.modified):  # what is still to be done will change it
+        painting = self._workspace.painting
+        if not (easel.is_behind or painting.modified):  # what is still to be done will change it
             return True
-        name = document.path.name if document.path else named(document.surface.source.name)
+        name = painting.path.name if painting.path else named(painting.source.name)
         words = say("ask.save_changes", name=name)
         window = self._workspace.window
         answer = ask(window, words, accept="button.save", destroy="button.discard")
@@ -83,12 +83,12 @@ class Saving:
 
     def do_save(self) -> bool:
         """Save where it was saved before, or ask where; say whether that went well."""
-        document = self._workspace.document
-        if document.path is None:
+        with self._workspace.easel.paused() as document:
+            assert document is not None, "it was waited for"
+            path, is_written = document.path, document.is_written_by_others
+        if path is None:
             return self.do_save_as()
-        if document.is_written_by_others:
-            return self._save_beside_others(document.path)
-        return self.save_to(document.path)
+        return self._save_beside_others(path) if is_written else self.save_to(path)
 
     def _save_beside_others(self, path: Path) -> bool:
         """Ask before what somebody else has saved in the same file is replaced."""

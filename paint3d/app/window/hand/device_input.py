@@ -185,6 +185,7 @@ class Calibrating:
 # --------------------------------------------------------------------------------------------------
 
 
+_PATIENCE_S = 0.02  # that the window waits for a step of the painting
 _SHOWN_EVERY = 12  # ticks between two looks at the panel
 _CONJUGATE = np.array([1.0, -1.0, -1.0, -1.0])
 
@@ -269,15 +270,15 @@ class DeviceInput:
         """Whether a stylus paints now."""
         return self._cutter.is_down
 
-    def open(self, document: Document) -> None:
+    def open(self) -> None:
         """Let the haptic stylus feel another object, which stands as its picture shows it."""
         if self.desk is not None:
             self.desk.hands.set_object_pose(ObjectPose())
         self._pose = ObjectPose()
         self._cutter.end()  # what was begun on another document ended with it
-        self._start_feeling(document)
+        self._start_feeling()
 
-    def _start_feeling(self, document: Document) -> None:
+    def _start_feeling(self) -> None:
         """Feel with the stylus that the settings ask for; the object stays where it is."""
         self.calibrating.stop()
         self._leave_object()
@@ -286,7 +287,9 @@ class DeviceInput:
             self._feeling = None
         if self._feel is not None:
             try:
-                self._feeling = self._feel(document, self._workspace.settings)
+                with self._workspace.easel.paused() as document:
+                    assert document is not None, "it was waited for"
+                    self._feeling = self._feel(document, self._workspace.settings)
             except Paint3DError as error:
                 self._workspace.tell(say_error(error), state="bad", stays=True)
         if self._feeling is not None or self.desk is not None:
@@ -318,7 +321,7 @@ class DeviceInput:
         if kept.partition("=")[0] != stylus:  # the place of a library or a service stays
             self._workspace.keep(stylus=stylus)
         if self._workspace.stage.easel is not None:
-            self._start_feeling(self._workspace.document)
+            self._start_feeling()
             if self._feeling is not None:
                 self._workspace.tell(self._feeling.name, state="good")
 
@@ -376,7 +379,7 @@ class DeviceInput:
     def _use_frame(self, told: str | None) -> None:
         """Feel by the frame that was found, if one was."""
         if told is not None and self._feeling is not None:
-            self._start_feeling(self._workspace.document)
+            self._start_feeling()
             self._panel.stylus.show_calibrating(told, False)
 
     # -- tick by tick -----------------------------------------------------------------------
@@ -392,7 +395,7 @@ class DeviceInput:
             feel = Feel.from_words(self._workspace.settings.feel)
             if self.calibrating.is_on:
                 feel = replace(feel, limit_n=0.0)  # the object pushes no hand off the sheet
-            material = self._workspace.document.surface.material
+            material = self._workspace.painting.material
             self._feeling.follow(self._workspace.easel.brush, feel, material)
         if self._ticks % _SHOWN_EVERY == 0 and self._panel.isVisible():
             frame = self._workspace.stage.frame
@@ -463,13 +466,19 @@ class DeviceInput:
         self._panel.show_object(axes)
 
     def _is_touching(self, sample: DeviceSample) -> bool:
-        """Whether the brush touches: by its force, or by where it is."""
+        """Whether the brush touches: by its force, or by where it is.
+
+        While the painting has no time to say where the surface is, it goes on as it did.
+        """
         if sample.pressure is not None:
             return sample.pressure > 0.0
         back = sample.object_orientation * _CONJUGATE
         place = rotate(back, sample.position - sample.object_position)
         orientation = multiply_quaternions(back, sample.orientation)
-        found = self._workspace.document.painter.contact(place, orientation)
+        with self._workspace.easel.paused(_PATIENCE_S) as document:
+            if document is None:
+                return self._cutter.is_down
+            found = document.painter.contact(place, orientation)
         return found is not None and found.area > 0.0
 
     def close(self) -> None:

@@ -45,19 +45,16 @@ class Recalling:
             Only to look at; see `Document.replay_history`.
         """
         workspace = self._workspace
-        easel, document = workspace.easel, workspace.document
-        if upto >= document.oldest_stroke or upto < document.earliest_stroke:
+        easel, painting = workspace.easel, workspace.painting
+        if upto >= painting.oldest_stroke or upto < painting.earliest_stroke:
             workspace.post("replay_history", upto, passing)
             return
 
         def work(progress: Progress) -> None:
-            document.progress = progress
-            try:
+            with easel.reporting(progress):
                 easel.post("replay_history", upto, passing).result()
-            finally:
-                document.progress = None
 
-        count = document.oldest_stroke
+        count = painting.oldest_stroke
         title = say("Painting {n} strokes again, to go back to them…", n=count)
         if workspace.went_well(workspace.run(title, work)):
             workspace.tell(
@@ -68,11 +65,11 @@ class Recalling:
 
     def undo(self) -> None:
         """Take the last step back; where no step does, the strokes are painted again first."""
-        document, easel = self._workspace.document, self._workspace.easel
-        if easel.is_behind or document.steps.done or not document.can_undo:
+        painting, easel = self._workspace.painting, self._workspace.easel
+        if easel.is_behind or painting.has_steps or not painting.can_undo:
             self._workspace.post("undo")
         else:
-            self.go_to(len(document.strokes) - 1)
+            self.go_to(len(painting.strokes) - 1)
 
 
 # ---- Questions -----------------------------------------------------------------------------------
@@ -174,12 +171,12 @@ class StrokeEditing:
         number : int
             Place of the stroke in the history, from 0.
         """
-        workspace, document = self._workspace, self._workspace.document
+        workspace, painting = self._workspace, self._workspace.painting
         if what == "pick":
             self._mark.choose(None)
             self.drag.begin()
             return
-        strokes = [*document.strokes, *document.undone_strokes]
+        strokes = [*painting.strokes, *painting.undone_strokes]
         if not 0 <= number < len(strokes):
             return
         self.drag.end()
@@ -189,7 +186,7 @@ class StrokeEditing:
             return
         edit: Mapping[str, Any] | None = {"do": what}
         if what == "ink":
-            edit = {"do": "ink", "ink": document.painter.dipped}
+            edit = {"do": "ink", "ink": painting.dipped}
         elif what == "brush":
             edit = {"do": "brush", "brush": workspace.easel.brush}
         elif what == "move":
@@ -210,17 +207,14 @@ class StrokeEditing:
             See `Document.edit_stroke`.
         """
         workspace = self._workspace
-        easel, document = workspace.easel, workspace.document
+        easel, painting = workspace.easel, workspace.painting
 
         def work(progress: Progress) -> None:
-            document.progress = progress
-            try:
+            with easel.reporting(progress):
                 easel.post("edit_stroke", number, edit).result()
-            finally:
-                document.progress = None
 
         began = time.perf_counter()
-        after = len(document.strokes) + len(document.undone_strokes) - number - 1
+        after = len(painting.strokes) + len(painting.undone_strokes) - number - 1
         title = say("Painting what comes after stroke {n} again…", n=number + 1)
         if not workspace.went_well(workspace.run(title, work)):
             return False

@@ -125,7 +125,7 @@ class StrokeMark(QtCore.QObject):
         scale = self._workspace.stage.scene.nearest_mm() / self._pixel_mm
         if not 1.0 / _OTHER_SCALE < scale < _OTHER_SCALE:
             self._draw()
-        is_there = any(one is self._stroke for one in self._workspace.document.strokes)
+        is_there = any(one is self._stroke for one in self._workspace.painting.strokes)
         if is_there:
             self._was_there = True
         elif self._was_there or all(one is not self._stroke for one in self._strokes()):
@@ -134,7 +134,7 @@ class StrokeMark(QtCore.QObject):
     def stroke_at(self, place: AnyArray) -> int | None:
         """The number of the stroke whose way comes nearest to a place (3,), if it lies on it."""
         best, found = np.inf, None
-        for number, stroke in enumerate(self._workspace.document.strokes):
+        for number, stroke in enumerate(self._workspace.painting.strokes):
             near = _distance(ways_of(stroke, self._workspace.hand.surface), place)
             reach = max(_LEAST_REACH_MM, 0.5 * stroke.brush.root_diameter_mm)
             if near <= min(best, reach):  # of two that are as near the upper one
@@ -142,8 +142,8 @@ class StrokeMark(QtCore.QObject):
         return found
 
     def _strokes(self) -> Sequence[Stroke]:
-        document = self._workspace.document
-        return [*document.strokes, *document.undone_strokes]
+        painting = self._workspace.painting
+        return [*painting.strokes, *painting.undone_strokes]
 
     def _draw(self) -> None:
         stage, theme = self._workspace.stage, self._workspace.theme

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from PySide6 import QtWidgets
 
+from paint3d.app.model.frame import Snapshot
 from paint3d.app.model.pad_in_view import lay_in_view
 from paint3d.app.model.score.playing import begun, painted, score_of_strokes
 from paint3d.app.model.score.stepping import Cue, cues_of
@@ -20,7 +21,6 @@ from paint3d.app.window.workspace import Workspace
 from paint3d.brush.spec import BrushSpec
 from paint3d.device.sample import DeviceSample
 from paint3d.files.progress import part_of
-from paint3d.painter.painter import Painter
 from paint3d.painter.recorded_tools import (
     recorded_amount,
     recorded_brush,
@@ -74,7 +74,7 @@ class Recordings:
     def do_record(self, on: bool) -> None:
         """Remember where the recording begins; when it ends, ask where to save it."""
         workspace = self._workspace
-        strokes = len(workspace.document.strokes)
+        strokes = len(workspace.painting.strokes)
         if on:
             self._recorded_from = strokes
             workspace.tell(say("status.recording"), state="good", stays=True)
@@ -143,7 +143,7 @@ class Recordings:
         if not workspace.went_well(loaded):
             return False
         samples, tools = loaded.result()
-        after = _tools_in_hand(workspace.document.painter, workspace.easel.brush)
+        after = _tools_in_hand(workspace.painting, workspace.easel.brush)
         self._player.play(samples, speed, replace(tools, after=after))
         return True
 
@@ -199,11 +199,11 @@ def _told_of(recording: Recording) -> tuple[list[tuple[int, float]], list[tuple[
     return list(dict(loads).items()), list(dict(strengths).items())
 
 
-def _tools_in_hand(painter: Painter, brush: BrushSpec) -> list[Asked]:
+def _tools_in_hand(painting: Snapshot, brush: BrushSpec) -> list[Asked]:
     """What gives the hand back what it holds, freshly dipped."""
-    asked: list[Asked] = [("set_azimuth", (painter.azimuth,)), ("set_brush", (brush,))]
-    amount = painter.amount.words()
-    dips = painter.dips or ((painter.dipped, None),)
+    asked: list[Asked] = [("set_azimuth", (painting.azimuth,)), ("set_brush", (brush,))]
+    amount = painting.amount.words()
+    dips = painting.dips or ((painting.dipped, None),)
     return asked + [("dip", (ink, reach, amount if reach is None else None)) for ink, reach in dips]
 
 
