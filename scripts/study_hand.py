@@ -115,7 +115,7 @@ def main() -> int:
                     f"{np.percentile(off, 95):.2f} {off.max():.2f} {jump.max():.2f} "
                     f"{away.max():.2f} {in_air.sum():.1f}", flush=True,
                 )  # fmt: skip
-        with window.stage.easel.paused() as document:
+        with window.stage.paint_thread.paused() as document:
             document.modified = False
         window.close()
     return 1 if lost else 0

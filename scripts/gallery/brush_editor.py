@@ -77,7 +77,7 @@ def main() -> None:
             live(0.1)
         editor(window, options.out / "brush_editor.png")
         colour(window, options.out / "colour.png")
-        with window.stage.easel.paused() as document:
+        with window.stage.paint_thread.paused() as document:
             document.modified = False
         window.close()
 

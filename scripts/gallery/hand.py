@@ -126,7 +126,7 @@ def main() -> None:
             image.save(options.out / f"hand_{name}.png", optimize=True)
             print(options.out / f"hand_{name}.png", image.size, flush=True)
         QtCore.QCoreApplication.processEvents()
-        with window.stage.easel.paused() as document:
+        with window.stage.paint_thread.paused() as document:
             document.modified = False
         window.close()
 

@@ -89,7 +89,7 @@ def state(window: StudioWindow) -> tuple[object, ...]:
     """All that brush and surface are, and what lies on it."""
     wait_for(lambda: not window.panels.brushes.is_settling)
     settled(window)
-    with window.stage.easel.paused() as document:
+    with window.stage.paint_thread.paused() as document:
         assert document is not None
         surface, painter = document.surface, document.painter
         return (
@@ -121,7 +121,7 @@ def turn_all(window: StudioWindow, name: str) -> list[str]:
             continue
         assert widget.isEnabled(), f"{words(widget)} of {name} cannot be turned"
         if isinstance(widget, MaterialBox):
-            with window.stage.easel.paused() as document:
+            with window.stage.paint_thread.paused() as document:
                 document.modified = False
             answer(lambda box: next(b for b in box.buttons() if "anew" in b.text()).click())
         before = state(window)

@@ -117,7 +117,7 @@ def test_paint_is_not_lost_unasked(window) -> None:
     assert made_of(window) == "silk"
     assert box.material() == "silk"
     assert "begun anew without the paint" in asked[0]
-    with window.stage.easel.paused() as document:
+    with window.stage.paint_thread.paused() as document:
         document.modified = False
     box.setFocus()
     answer(lambda box: next(b for b in box.buttons() if b.text() == "Begin anew").click())

@@ -48,7 +48,7 @@ def window(program):
 def nothing_to_lose(window):
     """The next test is not asked what becomes of what this one has painted."""
     yield
-    with window.stage.easel.paused() as document:
+    with window.stage.paint_thread.paused() as document:
         document.modified = False
 
 
@@ -216,7 +216,7 @@ def test_a_picture_comes_in_and_is_painted_over(window, tmp_path: Path) -> None:
     assert 0.05 < reds < 0.5
     drag(window.canvas, (0.42, 0.5), (0.58, 0.5))
     wait_for(lambda: painted_count(window) > 20)
-    with window.stage.easel.paused() as document:
+    with window.stage.paint_thread.paused() as document:
         dark = document.surface.srgb[document.surface.painted].min(axis=0)
     assert (dark < 120).all()
     wait_for(lambda: red_share(window) < reds)
@@ -224,7 +224,7 @@ def test_a_picture_comes_in_and_is_painted_over(window, tmp_path: Path) -> None:
 
 def painted_count(window: StudioWindow) -> int:
     """Vertices with paint."""
-    with window.stage.easel.paused() as document:
+    with window.stage.paint_thread.paused() as document:
         return int(document.surface.painted.sum())
 
 
@@ -235,7 +235,7 @@ def red_share(window: StudioWindow) -> float:
 
 
 def test_its_own_colours_can_be_left_behind(window, tmp_path: Path) -> None:
-    with window.stage.easel.paused() as document:
+    with window.stage.paint_thread.paused() as document:
         document.modified = False
 
     def plain(dialog: ObjectDialog) -> None:
@@ -278,7 +278,7 @@ def test_turning_what_is_painted_begins_anew_or_leaves_it(window) -> None:
     window.workspace.actions["stand"].trigger()
     assert met
     assert window.document is before
-    with window.stage.easel.paused() as document:
+    with window.stage.paint_thread.paused() as document:
         document.modified = False
     foreseen(QtWidgets.QMessageBox, lambda box: box.buttons()[0].click())
     foreseen(ObjectDialog, lambda dialog: (dialog.quarters["y"].click(), dialog.accept()))

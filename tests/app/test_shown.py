@@ -491,7 +491,9 @@ def test_title_and_picture_change_together(program, monkeypatch) -> None:
 
         before = window.canvas.pixels.astype(int)
         monkeypatch.setattr(window, "setWindowTitle", told)
-        window.stage.easel.post(lambda document: setattr(document, "modified", False)).result(300)
+        window.stage.paint_thread.post(
+            lambda document: setattr(document, "modified", False)
+        ).result(300)
         assert window.opening.open_path("sphere", 6.0, "porcelain", asked=True)
         wait_for(lambda: window.stage.is_drawn)
         after = window.canvas.pixels.astype(int)

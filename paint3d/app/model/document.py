@@ -1,7 +1,7 @@
 """A painting in the studio: the object, the brush, its strokes, and the way back.
 
-No window, no thread and no clock: whoever calls says when. `paint3d.app.model.easel` runs one of
-these in a thread of its own.
+No window, no thread and no clock: whoever calls says when. `paint3d.app.model.paint_thread` runs
+one of these in a thread of its own.
 """
 
 from __future__ import annotations
@@ -534,7 +534,7 @@ class Document:
 
     @property
     def strokes(self) -> Sequence[Stroke]:
-        """What was painted by hand and is there, in order; those of earlier sittings first."""
+        """What was painted by hand and is there, in order; those of earlier sessions first."""
         return self._log.strokes
 
     @property

@@ -33,7 +33,7 @@ class Hud:
     def paint(self, painter: QtGui.QPainter, area: QtCore.QRect) -> None:
         """Draw it."""
         workspace = self._workspace
-        if workspace.stage.easel is None:
+        if workspace.stage.paint_thread is None:
             return
         clip = painter.clipBoundingRect()
         if self._plate.isValid() and not (clip.isEmpty() or clip.intersects(self._plate)):
@@ -65,13 +65,13 @@ class Hud:
 
     def _words(self, held: HeldInk) -> tuple[str, str]:
         """Its two lines."""
-        brush = self._workspace.easel.brush
+        brush = self._workspace.paint_thread.brush
         name = f"{say_brush(plain_name(brush))}  ·  {say_length(brush.length_mm)}"
         return name, self.told(held)
 
     def follow(self) -> None:
         """Have it drawn again if the brush in use is another than it shows."""
-        if self._workspace.stage.easel is None:
+        if self._workspace.stage.paint_thread is None:
             return
         held = self._workspace.painting.held
         if _looks(*self._words(held), held) != self._painted:

@@ -48,7 +48,7 @@ class PaintActions:
 
     def do_undo(self) -> None:
         """Take the last step back; that of a recording that is replayed, as far as it came."""
-        if self._workspace.stage.easel is None:
+        if self._workspace.stage.paint_thread is None:
             return
         self._player.take_back()
         self._recalling.undo()
@@ -101,8 +101,8 @@ class PaintActions:
     def do_wet(self, on: bool) -> None:
         """Let ink spread in real time, or not; kept for paintings to come."""
         self._workspace.keep(wet=on)
-        if self._workspace.stage.easel is not None:
-            self._workspace.stage.easel.wet = on
+        if self._workspace.stage.paint_thread is not None:
+            self._workspace.stage.paint_thread.wet = on
 
     # -- stroke -----------------------------------------------------------------------------
 
@@ -161,7 +161,7 @@ class PaintActions:
         place = self._workspace.hand.place()
         if place is None:
             return None
-        with self._workspace.easel.paused(_PATIENCE_S) as document:
+        with self._workspace.paint_thread.paused(_PATIENCE_S) as document:
             if document is not None:
                 return what(document.surface.paint_mesh, place)
         self._workspace.tell(say("Still painting; ask again in a moment"), state="slow")
@@ -176,10 +176,12 @@ class PaintActions:
     def do_refine(self) -> None:
         """Refine the whole surface now, with a bar; if it is stopped, it is as it was."""
         workspace = self._workspace
-        easel = workspace.easel
+        paint_thread = workspace.paint_thread
 
         def work(progress: Progress) -> None:
-            result_of(easel.post(lambda document: document.surface.refine_all(progress)), progress)
+            result_of(
+                paint_thread.post(lambda document: document.surface.refine_all(progress)), progress
+            )
 
         if workspace.went_well(workspace.run(say("Refining the surface…"), work)):
             count = self._painting.n_vertices

@@ -153,7 +153,7 @@ class Panels:
         """Tell lengths in the unit that was chosen."""
         self.brushes.show_unit()
         self.surface.show_unit()
-        if self._workspace.stage.easel is not None:
+        if self._workspace.stage.paint_thread is not None:
             self.surface.show_surface(self._workspace.painting)
 
     def ink_name(self) -> str:

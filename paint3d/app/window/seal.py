@@ -194,7 +194,7 @@ class Sealing(QtCore.QObject):
         up = picture_axes(workspace.hand.open_camera)[1]
         rings = [ring.tolist() for ring in seal.rings]
         self.let_be()
-        self._done = workspace.easel.post("press_seal", rings, place.tolist(), up.tolist())
+        self._done = workspace.paint_thread.post("press_seal", rings, place.tolist(), up.tolist())
         self._timer.start(_LOOK_MS)
 
     def _follow(self) -> None:

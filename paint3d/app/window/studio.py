@@ -13,17 +13,17 @@ from collections.abc import Callable, Mapping
 from PySide6 import QtCore, QtGui, QtWidgets
 
 from paint3d.app.model.document import Document
-from paint3d.app.model.easel import Event
 from paint3d.app.model.frame import Frame
-from paint3d.app.model.input.devices import Feeling, Plugged
+from paint3d.app.model.input.devices import Devices, Feeling
+from paint3d.app.model.paint_thread import Event
+from paint3d.app.model.persistence.recovery_folder import RecoveryFolder
 from paint3d.app.model.persistence.settings import Settings
-from paint3d.app.model.persistence.sitting import Sitting
 from paint3d.app.window.actions import Actions
 from paint3d.app.window.brush.brush_making import BrushMaking
 from paint3d.app.window.copybook.copybook_guide import CopybookGuide
 from paint3d.app.window.files.begin_page import BeginPage
 from paint3d.app.window.files.exporting import Exporting
-from paint3d.app.window.files.opened import Opened, described
+from paint3d.app.window.files.open_result import OpenResult, described
 from paint3d.app.window.files.opening import Opening
 from paint3d.app.window.files.recovery import Recovery
 from paint3d.app.window.files.saving import RecentFiles, Saving
@@ -243,7 +243,7 @@ class StudioWindow(QtWidgets.QMainWindow):
         settings: Settings | None = None,
         *,
         dark: bool | None = None,
-        plugged: Plugged | None = None,
+        plugged: Devices | None = None,
         feel: Callable[[Document, Settings], Feeling | None] | None = None,
     ) -> None:
         super().__init__()
@@ -360,9 +360,9 @@ class StudioWindow(QtWidgets.QMainWindow):
 
         The step that is going on has ended, if it does so within a second.
         """
-        return self.workspace.easel.look(1.0)
+        return self.workspace.paint_thread.look(1.0)
 
-    def _show_document(self, opened: Opened) -> None:
+    def _show_document(self, opened: OpenResult) -> None:
         """Paint on this from now on, and let go of what was painted on before."""
         document, settings = opened.document, self.workspace.settings
         self.player.stop()
@@ -371,8 +371,8 @@ class StudioWindow(QtWidgets.QMainWindow):
         self.workspace.keep_in_hand()
         self.stage.close_document()
         self._show_open(False)
-        sitting = self._sitting(document)
-        self.stage.open(opened, wet=wet, sitting=sitting, base_every_s=settings.autosave_s)
+        recovery = self._recovery_folder(document)
+        self.stage.open(opened, wet=wet, recovery=recovery, base_every_s=settings.autosave_s)
         self._show_open(True)
         self.commands.check("wet", wet)
         self.hand.open(opened.surface)
@@ -394,10 +394,10 @@ class StudioWindow(QtWidgets.QMainWindow):
         self.commands.set_open(is_open)
         self.panels.set_open(is_open)
 
-    def _sitting(self, document: Document) -> Sitting | None:
+    def _recovery_folder(self, document: Document) -> RecoveryFolder | None:
         """Where what is painted is kept; without one, painting goes on and it is said."""
         try:
-            return Sitting(document)
+            return RecoveryFolder(document)
         except Paint3DError as error:
             self.workspace.tell(say_error(error), state="bad", stays=True)
             return None
@@ -414,20 +414,22 @@ class StudioWindow(QtWidgets.QMainWindow):
     # -- frame by frame ---------------------------------------------------------------------
 
     def tick(self) -> None:
-        """Follow the easel, and draw when there is something new and time for it."""
+        """Follow the painting thread, and draw when there is something new and time for it."""
         if self._timer.interval() != _TICK_MS:
             self._timer.setInterval(_TICK_MS)
-        self.begin_page.show_page(self.stage.easel is None and not self.workspace.is_waiting)
-        if self.stage.easel is None:
+        self.begin_page.show_page(self.stage.paint_thread is None and not self.workspace.is_waiting)
+        if self.stage.paint_thread is None:
             return
-        self.stage.easel.live()
+        self.stage.paint_thread.live()
         self.both_hands.tick()
         self.player.tick()
         self.copying.follow()
         self.mark.follow()
-        if self.panels.show_brush_asked(self.stage.easel.brush):  # also while it is still to come
+        if self.panels.show_brush_asked(
+            self.stage.paint_thread.brush
+        ):  # also while it is still to come
             self.hud.refresh()
-        for event in self.stage.easel.take_events():
+        for event in self.stage.paint_thread.take_events():
             self._tell_event(event)
         if time.perf_counter() < self._next_draw:
             return
@@ -501,7 +503,7 @@ class StudioWindow(QtWidgets.QMainWindow):
 
     def event(self, event: QtCore.QEvent) -> bool:
         """End a stroke that a dialog or a bar interrupts: it will not hear of the pen's lift."""
-        if event.type() == QtCore.QEvent.Type.WindowBlocked and self.stage.easel is not None:
+        if event.type() == QtCore.QEvent.Type.WindowBlocked and self.stage.paint_thread is not None:
             self.hand.interrupt()
         return super().event(event)
 

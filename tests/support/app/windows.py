@@ -51,9 +51,9 @@ def close_unasked(window) -> None:
 
 def settled(window) -> None:
     """Wait until everything asked for is painted and shown."""
-    easel = window.stage.easel
-    easel.post(lambda document: None).result(300)
-    wait_for(lambda: easel.is_still or easel.wet)
+    paint_thread = window.stage.paint_thread
+    paint_thread.post(lambda document: None).result(300)
+    wait_for(lambda: paint_thread.is_still or paint_thread.wet)
     live(0.1)
 
 

@@ -196,7 +196,7 @@ class CopybookGuide:
             stroke = ended.result()  # it was done before; None where a layer refused it
             return None if stroke is None else copybook.note(stroke, document.surface)
 
-        self._panel.expect(self._workspace.easel.post(note))
+        self._panel.expect(self._workspace.paint_thread.post(note))
 
     def _draw(self) -> None:
         copybook, stage = self._panel.copybook, self._workspace.stage

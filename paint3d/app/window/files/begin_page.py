@@ -8,8 +8,8 @@ from pathlib import Path
 
 from PySide6 import QtCore, QtWidgets
 
-from paint3d.app.model.persistence.sitting import recoverable
-from paint3d.app.window.files.opened import named
+from paint3d.app.model.persistence.recovery_folder import recoverable
+from paint3d.app.window.files.open_result import named
 from paint3d.app.window.files.opening import Opening
 from paint3d.app.window.files.recovery import Recovery
 from paint3d.app.window.files.saving import RecentFiles

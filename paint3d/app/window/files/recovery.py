@@ -7,13 +7,13 @@ from contextlib import ExitStack, suppress
 
 from PySide6 import QtCore, QtWidgets
 
-from paint3d.app.model.persistence.sitting import (
+from paint3d.app.model.persistence.recovery_folder import (
     Recovered,
     Unfinished,
     is_open_elsewhere,
     recoverable,
 )
-from paint3d.app.window.files.opened import named, open_with_progress
+from paint3d.app.window.files.open_result import named, open_with_progress
 from paint3d.app.window.job import Progress
 from paint3d.app.window.questions import Answer, ask
 from paint3d.app.window.wording import say, say_error
@@ -105,7 +105,7 @@ class Recovery:
         recovered, opened = done.result()
         if not workspace.show(opened):
             return False
-        is_kept = workspace.easel.sitting is not None
+        is_kept = workspace.paint_thread.recovery is not None
         if is_kept:
             one.discard()
         lost = _lost_of(recovered)
@@ -118,8 +118,8 @@ class Recovery:
 
 def open_elsewhere(workspace: Workspace) -> list[str]:
     """That another window paints on the same file, if so; who saves second will be asked."""
-    path, sitting = workspace.painting.path, workspace.easel.sitting
-    own = None if sitting is None else sitting.folder
+    path, recovery = workspace.painting.path, workspace.paint_thread.recovery
+    own = None if recovery is None else recovery.folder
     if path is None or not is_open_elsewhere(path, own):
         return []
     return [say("{name} is open in another window, too", name=path.name)]

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from PySide6 import QtCore, QtWidgets
 
-from paint3d.app.window.files.opened import named
+from paint3d.app.window.files.open_result import named
 from paint3d.app.window.files.target_dialog import Targets
 from paint3d.app.window.job import Progress, result_of
 from paint3d.app.window.questions import Answer, ask
@@ -67,11 +67,13 @@ class Saving:
 
     def may_leave(self) -> bool:
         """Ask what is to become of unsaved work; False if it is to stay."""
-        easel = self._workspace.stage.easel
-        if easel is None:
+        paint_thread = self._workspace.stage.paint_thread
+        if paint_thread is None:
             return True
         painting = self._workspace.painting
-        if not (easel.is_behind or painting.modified):  # what is still to be done will change it
+        if not (
+            paint_thread.is_behind or painting.modified
+        ):  # what is still to be done will change it
             return True
         name = painting.path.name if painting.path else named(painting.source.name)
         words = say("ask.save_changes", name=name)
@@ -83,7 +85,7 @@ class Saving:
 
     def do_save(self) -> bool:
         """Save where it was saved before, or ask where; say whether that went well."""
-        with self._workspace.easel.paused() as document:
+        with self._workspace.paint_thread.paused() as document:
             assert document is not None, "it was waited for"
             path, is_written = document.path, document.is_written_by_others
         if path is None:
@@ -112,10 +114,10 @@ class Saving:
     def save_to(self, path: Path) -> bool:
         """Save to a session; say whether that went well."""
         workspace = self._workspace
-        easel = workspace.easel
+        paint_thread = workspace.paint_thread
 
         def work(progress: Progress) -> None:
-            result_of(easel.post("save", path, progress=progress), progress)
+            result_of(paint_thread.post("save", path, progress=progress), progress)
 
         if not workspace.went_well(workspace.run(say("Writing {name}…", name=path.name), work)):
             return False

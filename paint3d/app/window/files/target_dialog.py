@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from PySide6 import QtWidgets
 
-from paint3d.app.window.files.opened import named
+from paint3d.app.window.files.open_result import named
 from paint3d.app.window.questions import Answer, ask
 from paint3d.app.window.wording import say
 from paint3d.app.window.workspace import Workspace

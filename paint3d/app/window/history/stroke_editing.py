@@ -45,14 +45,14 @@ class Recalling:
             Only to look at; see `Document.replay_history`.
         """
         workspace = self._workspace
-        easel, painting = workspace.easel, workspace.painting
+        paint_thread, painting = workspace.paint_thread, workspace.painting
         if upto >= painting.oldest_stroke or upto < painting.earliest_stroke:
             workspace.post("replay_history", upto, passing)
             return
 
         def work(progress: Progress) -> None:
-            with easel.reporting(progress):
-                easel.post("replay_history", upto, passing).result()
+            with paint_thread.reporting(progress):
+                paint_thread.post("replay_history", upto, passing).result()
 
         count = painting.oldest_stroke
         title = say("Painting {n} strokes again, to go back to them…", n=count)
@@ -65,8 +65,8 @@ class Recalling:
 
     def undo(self) -> None:
         """Take the last step back; where no step does, the strokes are painted again first."""
-        painting, easel = self._workspace.painting, self._workspace.easel
-        if easel.is_behind or painting.has_steps or not painting.can_undo:
+        painting, paint_thread = self._workspace.painting, self._workspace.paint_thread
+        if paint_thread.is_behind or painting.has_steps or not painting.can_undo:
             self._workspace.post("undo")
         else:
             self.go_to(len(painting.strokes) - 1)
@@ -188,7 +188,7 @@ class StrokeEditing:
         if what == "ink":
             edit = {"do": "ink", "ink": painting.dipped}
         elif what == "brush":
-            edit = {"do": "brush", "brush": workspace.easel.brush}
+            edit = {"do": "brush", "brush": workspace.paint_thread.brush}
         elif what == "move":
             edit = _answer(MoveDialog(workspace.window, number + 1))
         elif what == "time":
@@ -207,11 +207,11 @@ class StrokeEditing:
             See `Document.edit_stroke`.
         """
         workspace = self._workspace
-        easel, painting = workspace.easel, workspace.painting
+        paint_thread, painting = workspace.paint_thread, workspace.painting
 
         def work(progress: Progress) -> None:
-            with easel.reporting(progress):
-                easel.post("edit_stroke", number, edit).result()
+            with paint_thread.reporting(progress):
+                paint_thread.post("edit_stroke", number, edit).result()
 
         began = time.perf_counter()
         after = len(painting.strokes) + len(painting.undone_strokes) - number - 1

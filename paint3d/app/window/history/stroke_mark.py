@@ -147,7 +147,7 @@ class StrokeMark(QtCore.QObject):
 
     def _draw(self) -> None:
         stage, theme = self._workspace.stage, self._workspace.theme
-        if stage.easel is None:
+        if stage.paint_thread is None:
             return
         ground, lines = self._workspace.hand.surface, []
         if self._stroke is not None:

@@ -19,7 +19,7 @@ from paint3d.app.model.own_object import (
     sensible_resolution,
 )
 from paint3d.app.model.texts import note_in_chinese
-from paint3d.app.window.files.opened import Opened, open_with_progress
+from paint3d.app.window.files.open_result import OpenResult, open_with_progress
 from paint3d.app.window.job import Progress
 from paint3d.app.window.object.material_box import MaterialBox
 from paint3d.app.window.questions import Answer, ask
@@ -425,9 +425,9 @@ class Standing:
     def do_stand(self) -> None:
         """Ask how the object that is open should stand, and begin anew on it."""
         workspace = self._workspace
-        if workspace.stage.easel is None:
+        if workspace.stage.paint_thread is None:
             return
-        with workspace.easel.paused() as document:
+        with workspace.paint_thread.paused() as document:
             assert document is not None, "it was waited for"
             surface, material = document.surface, document.surface.material
             resolution = surface.resolution or workspace.settings.resolution_mm
@@ -447,9 +447,9 @@ class Standing:
     def take_material(self, material: str | Material) -> bool:
         """Let the object that is open be of another material, and begin anew on it; say whether."""
         workspace = self._workspace
-        if workspace.stage.easel is None:
+        if workspace.stage.paint_thread is None:
             return False
-        with workspace.easel.paused() as document:
+        with workspace.paint_thread.paused() as document:
             assert document is not None, "it was waited for"
             surface, is_bare = document.surface, _is_bare(document)
             resolution = surface.resolution or workspace.settings.resolution_mm
@@ -468,11 +468,11 @@ class Standing:
     def _begin_anew(self, source: TriangleMesh, choice: ObjectChoice) -> bool:
         """Put an object as it was chosen in the place of what is open, in the same hand."""
         workspace = self._workspace
-        with workspace.easel.paused() as document:
+        with workspace.paint_thread.paused() as document:
             assert document is not None, "it was waited for"
             brush, inks = document.painter.brush, list(document.inks)
 
-        def make(progress: Progress) -> Opened:
+        def make(progress: Progress) -> OpenResult:
             document = Document.new(
                 choice.apply(source), choice.resolution, choice.material, brush=brush, ink=inks[0],
                 undo_bytes=int(workspace.settings.undo_megabytes * (1 << 20)),

@@ -2,8 +2,9 @@
 
 A view runs at whatever rate it can; the hand's samples are all painted, in order, by kernels that
 let other threads run meanwhile. Colours are computed once for every frame that is taken and not
-oftener. What goes wrong in here is told as an event, and painting goes on. With a `Sitting`, every
-sample and command is written down by another thread as it comes, before it is painted if need be.
+oftener. What goes wrong in here becomes an event, and painting goes on. With a `RecoveryFolder`,
+every sample and command is written down by another thread as it comes, before it is painted if need
+be.
 
 Ink that spreads has the hand's own time (`ink_clock`): small pieces of it pass between the samples
 that are painted, and by the wall's clock while nothing else waits. Ink that moves too much to be
@@ -31,7 +32,7 @@ from paint3d.app.model.brush_in_hand import BRUSH_COMMANDS, brush_after
 from paint3d.app.model.commands import COMMANDS, encode_command
 from paint3d.app.model.document import Document
 from paint3d.app.model.frame import Frame, Snapshot, view_brush
-from paint3d.app.model.persistence.sitting import Sitting, refusal
+from paint3d.app.model.persistence.recovery_folder import RecoveryFolder, refusal
 from paint3d.brush.spec import BrushSpec
 from paint3d.device.sample import DeviceSample
 from paint3d.errors import Paint3DError, RecordingError, SessionError
@@ -40,7 +41,7 @@ from paint3d.painter.ink_time import LOOKAHEAD, PIECE_NS, PIECE_S, is_lifted, pi
 CHECKS_ACCESS = bool(os.environ.get("PAINT3D_CHECKS"))
 """Whether it is checked that nobody but the painting thread uses the document, as tests have it."""
 
-__all__ = ["CHECKS_ACCESS", "LATE_S", "Easel", "Event", "InkClock", "Pace"]
+__all__ = ["CHECKS_ACCESS", "LATE_S", "Event", "InkClock", "Pace", "PaintThread"]
 
 # ---- The clock of ink ----------------------------------------------------------------------------
 # When the pieces of time pass for wet ink while a hand paints (`painter.ink_time` says which).
@@ -198,7 +199,7 @@ class Pace:
         return max(pieces, 1 if behind_s <= _BESIDE_S else 0)  # or ink would never run again
 
 
-class Easel:
+class PaintThread:
     """Runs a document in a thread of its own.
 
     Parameters
@@ -207,10 +208,10 @@ class Easel:
         Nobody else touches it until `stop`, except within `paused`.
     wet : bool
         Let ink spread and dry in real time.
-    sitting : Sitting, optional
+    recovery : RecoveryFolder, optional
         Where what is painted is kept until it is saved; closed by `stop`.
     base_every_s : float
-        The least time between two bases of the sitting.
+        The least time between two bases of the recovery folder.
 
     Attributes
     ----------
@@ -229,14 +230,14 @@ class Easel:
         self,
         document: Document,
         wet: bool = False,
-        sitting: Sitting | None = None,
+        recovery: RecoveryFolder | None = None,
         base_every_s: float = _BASE_EVERY_S,
     ) -> None:
         self._document = document
         self._wet = wet
         self._samples_tell = False  # alone what time it is for the ink
         self.base_every_s = base_every_s
-        self._writer = None if sitting is None else _JournalWriter(sitting, document, self.tell)
+        self._writer = None if recovery is None else _JournalWriter(recovery, document, self.tell)
         self._base_time, self._base_step = time.monotonic(), 0
         self._base_due = False
         self.n_painted = 0
@@ -259,7 +260,7 @@ class Easel:
         self._lag = 0.0
         self.ink_clock, self._pace = InkClock(time.perf_counter_ns()), Pace()
         self._seen_ns: tuple[int, int] | None = None  # the last two times that `live` was called
-        self._thread = threading.Thread(target=self._run, name="paint3d-easel", daemon=True)
+        self._thread = threading.Thread(target=self._run, name="paint3d-painting", daemon=True)
         if CHECKS_ACCESS:
             document.check_access = self._check_access
         self._thread.start()
@@ -455,12 +456,12 @@ class Easel:
             self.post(_report_to, None)
 
     @property
-    def sitting(self) -> Sitting | None:
+    def recovery(self) -> RecoveryFolder | None:
         """Where what is painted is kept."""
-        return None if self._writer is None else self._writer.sitting
+        return None if self._writer is None else self._writer.recovery
 
     def keep_every(self, seconds: float) -> None:
-        """Let the sitting have its bases no oftener than that, from now on."""
+        """Save bases for recovery no oftener than that, from now on."""
         with self._wake:
             self.base_every_s = seconds
             self._wake.notify()
@@ -487,7 +488,7 @@ class Easel:
         Parameters
         ----------
         keep : bool
-            Leave the sitting to be recovered.
+            Leave the recovery folder to be recovered.
         finish : bool
             Do what was asked for before; if not, only the step that is going on is waited for.
         """
@@ -514,7 +515,7 @@ class Easel:
 
     def _refuse_stopped(self) -> None:
         if self._stopping:
-            raise RuntimeError("the easel was stopped")
+            raise RuntimeError("the painting thread was stopped")
 
     def _with_time(self, samples: Sequence[DeviceSample], all_time: bool) -> Iterator[_Job]:
         """Samples that come now, and the time that passes between them; holds the lock."""
@@ -535,7 +536,7 @@ class Easel:
         yield _Job(now, tuple(samples[first:]))
 
     def _enqueue(self, job: _Job) -> None:
-        """Put a job into the queue and into the sitting, in one order; holds the lock."""
+        """Put a job into the queue and into the journal, in one order; holds the lock."""
         self._jobs.append(job)
         self._n_asked += job.command != _FOLLOW
         if self._writer is not None:
@@ -619,7 +620,7 @@ class Easel:
             else:
                 done = command(self._document, *job.arguments, **job.options)
             if name == "save" and self._writer is not None:
-                self._writer.sitting.name_file(self._document)
+                self._writer.recovery.name_file(self._document)
             if name not in (_FOLLOW, _LIFT):
                 self.painting = Snapshot.of(self._document)
             result.set_result(done)
@@ -699,7 +700,7 @@ class Easel:
         turned.result()
         gap = self._writer.had_gap
         try:
-            self._writer.sitting.save_base(self._document)
+            self._writer.recovery.save_base(self._document)
         except Exception:
             self._writer.has_gap = gap or self._writer.has_gap
             raise
@@ -756,7 +757,7 @@ _Item = _Job | Future[Any] | Mapping[str, object]  # for the journal writer
 
 
 class _JournalWriter:
-    """Writes what is asked for into a sitting, in a thread, so that nobody waits for the disk.
+    """Writes what is asked for into the journal, in a thread, so that nobody waits for the disk.
 
     Attributes
     ----------
@@ -768,9 +769,9 @@ class _JournalWriter:
     """
 
     def __init__(
-        self, sitting: Sitting, document: Document, tell: Callable[[str, Exception], None]
+        self, recovery: RecoveryFolder, document: Document, tell: Callable[[str, Exception], None]
     ) -> None:
-        self.sitting = sitting
+        self.recovery = recovery
         self._document = document  # read only while the painting thread waits
         self.n_put = 0
         self.has_gap = self.had_gap = False
@@ -787,7 +788,7 @@ class _JournalWriter:
             self._queue.put(job)
 
     def note(self, words: Mapping[str, object]) -> None:
-        """Write something down about what was put before; see `Sitting.note`."""
+        """Write something down about what was put before; see `RecoveryFolder.note`."""
         self._queue.put(words)
 
     def turn_page(self) -> Future[Any]:
@@ -798,11 +799,11 @@ class _JournalWriter:
         return turned
 
     def close(self, keep: bool) -> None:
-        """Write what waits, if it is to be kept, and end the sitting."""
+        """Write what waits, if it is to be kept, and close the recovery folder."""
         self._leaving = not keep
         self._queue.put(None)
         self._thread.join()
-        self.sitting.close(keep)
+        self.recovery.close(keep)
 
     def _run(self) -> None:
         broken = False
@@ -830,7 +831,7 @@ class _JournalWriter:
         """Write items down, all with one call of the system; why some could not be."""
         errors: list[Exception] = []
         try:
-            with self.sitting.together():
+            with self.recovery.together():
                 for item in items:
                     try:
                         self._write(item)
@@ -845,7 +846,7 @@ class _JournalWriter:
         for turned in items:
             assert isinstance(turned, Future), "they are asked for by `turn_page`"
             try:
-                self.sitting.turn_page(self._document)
+                self.recovery.turn_page(self._document)
             except Exception as error:
                 errors.append(error)
                 self.has_gap = True
@@ -857,9 +858,9 @@ class _JournalWriter:
 
     def _write(self, item: _Item) -> None:
         if isinstance(item, Mapping):
-            self.sitting.note(item)
+            self.recovery.note(item)
         elif isinstance(item, _Job) and item.command is None:
-            self.sitting.append(item.samples)
+            self.recovery.append(item.samples)
         elif isinstance(item, _Job) and isinstance(item.command, str):
             try:
                 line = encode_command(self._document, item.command, item.arguments, item.options)
@@ -867,7 +868,7 @@ class _JournalWriter:
                 raise
             except Paint3DError:  # the document refuses it for the same reason
                 return
-            self.sitting.note(line)
+            self.recovery.note(line)
 
 
 def _changes(name: str) -> bool:

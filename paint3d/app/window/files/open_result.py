@@ -20,7 +20,7 @@ from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.view.live_object import LiveObject, PatchUpload
 
 __all__ = [
-    "Opened",
+    "OpenResult",
     "described",
     "named",
     "open_with_progress",
@@ -46,10 +46,10 @@ _N_WAYS = 200  # and the outermost of all vertices so many ways
 
 
 @dataclass(frozen=True, eq=False)
-class Opened:
+class OpenResult:
     """What takes seconds with millions of triangles, and so is made beside the window.
 
-    Make it with `Opened.of`, outside the window's thread.
+    Make it with `OpenResult.of`, outside the window's thread.
 
     Attributes
     ----------
@@ -70,7 +70,9 @@ class Opened:
     points: NDArray[np.float32]
 
     @classmethod
-    def of(cls, document: Document, progress: Callable[[float], None] = lambda _: None) -> Opened:
+    def of(
+        cls, document: Document, progress: Callable[[float], None] = lambda _: None
+    ) -> OpenResult:
         """Find it out.
 
         Parameters
@@ -90,10 +92,10 @@ class Opened:
         return cls(document, shown, uploads, surface, some_points(document.surface.source.vertices))
 
 
-def open_with_progress(document: Document, progress: Progress, share: float) -> Opened:
+def open_with_progress(document: Document, progress: Progress, share: float) -> OpenResult:
     """Make a painting ready to be shown; the share of the work that is done before."""
     progress(share)
-    return Opened.of(document, part_of(progress, share, 0.98))
+    return OpenResult.of(document, part_of(progress, share, 0.98))
 
 
 def some_points(points: AnyArray) -> AnyArray:
