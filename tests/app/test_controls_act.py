@@ -145,6 +145,8 @@ def test_every_control_of_the_brush_editor_acts(window) -> None:
     """On the brush that it makes; that every parameter acts is held by `tests/laws`."""
     window.findChild(QtWidgets.QPushButton, "edit_brush").click()
     editor = window.brushes.editor
+    editor.activateWindow()  # or the picture's shortcuts take its keys
+    wait_for(editor.isActiveWindow)
     editor.single.click()  # hairs, or theirs could not be turned
     assert editor.brush.bristles is not None
     found = [editor.hair, editor.table, *(row.slider for row in editor.rows.values())]
