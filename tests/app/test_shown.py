@@ -330,7 +330,7 @@ def brightness_of_icon(icon: QtGui.QIcon) -> float:
 
 
 def test_good_news_of_one_painting_is_not_said_of_the_next(window) -> None:
-    window.workspace.tell("Brought back; save it to keep it", state="good")
+    window.workspace.tell("Recovered; save it to keep it", state="good")
     assert window.opening.open_path("plane", 1.5, "xuan", asked=True)
     assert "Brought back" not in window.status.told.text()
 

@@ -164,7 +164,7 @@ class PaintActions:
         with self._workspace.paint_thread.paused(_PATIENCE_S) as document:
             if document is not None:
                 return what(document.surface.paint_mesh, place)
-        self._workspace.tell(say("Still painting; ask again in a moment"), state="slow")
+        self._workspace.tell(say("Still painting; try again in a moment"), state="slow")
         return None
 
     def do_clear_mask(self) -> None:

@@ -212,8 +212,8 @@ class TellOnce:
 
 _TICK_MS = 12
 _REST = 0.25  # of a picture's time, left to hand and painting before the next one
-_UNTIMED = "This pen gives no times of its own; they are evened out"
-_MISREAD = "This pen gives pressures outside 0 to 1; they are clipped"
+_UNTIMED = "This pen reports no times; its events are spaced evenly"
+_MISREAD = "This pen reports pressures outside 0 to 1; they are clipped"
 
 
 class StudioWindow(QtWidgets.QMainWindow):
@@ -456,7 +456,7 @@ class StudioWindow(QtWidgets.QMainWindow):
 
     def _tell_event(self, event: Event) -> None:
         if event.kind == "kept":
-            self.workspace.tell(say("What is painted is kept for recovery again"), state="good")
+            self.workspace.tell(say("Recovery data is being saved again"), state="good")
             return
         refused, keeping = event.kind == "error", event.doing == "keeping"
         told = say_error((event.error if refused else None) or event.message)

@@ -146,7 +146,7 @@ class Workspace(QtCore.QObject):
             while not paint_thread.has_halted(_LOOK_S):
                 progress.check()
 
-        if self.went_well(self.run(say("Finishing the step that is going on…"), wait)):
+        if self.went_well(self.run(say("Finishing the current step…"), wait)):
             return True
         paint_thread.go_on()
         return False

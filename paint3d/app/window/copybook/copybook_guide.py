@@ -120,7 +120,7 @@ class CopybookGuide:
             laid.unused = dialog.steps  # until they lie on the object
             now = _Laid(laid.em_mm, laid.layout, laid.file, dialog.photographed)
             if not self._lay(lambda: corrected, now):
-                workspace.tell(say("The corrections are kept: look at the strokes once more"))
+                workspace.tell(say("The corrections are kept; check the strokes again"))
 
     def may_drop(self) -> bool:
         """Whether nothing is lost by another page in its place, by none, or by another painting.
@@ -129,7 +129,7 @@ class CopybookGuide:
         """
         if self._laid.unused is None:
             return True
-        told = say("Corrected strokes could not be laid out and are in no file")
+        told = say("Corrected strokes could not be laid out and are not saved")
         window = self._workspace.window
         return ask(window, told, destroy="Drop them", warns=True) is Answer.DestructiveRole
 

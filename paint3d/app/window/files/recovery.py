@@ -69,8 +69,8 @@ class Recovery:
     def tell_unsaved(self) -> None:
         """Say where what was put off can be found, if there is any."""
         if recoverable():
-            where = f"{say('menu.file')}, {say('Bring back what was not saved')}"
-            told = say("What was not saved stays in the menu: {where}", where=where)
+            where = f"{say('menu.file')}, {say('Recover unsaved work')}"
+            told = say("Unsaved paintings stay in the menu: {where}", where=where)
             self._workspace.tell(told)
 
     def fill_menu(self) -> None:
@@ -111,7 +111,7 @@ class Recovery:
         lost = _lost_of(recovered)
         if lost or is_kept:  # if not, it is said, and what the crash left is all that there is
             bad = lost + open_elsewhere(workspace)
-            told = say("; ").join([say("Brought back; save it to keep it"), *bad])
+            told = say("; ").join([say("Recovered; save it to keep it"), *bad])
             workspace.tell(told, state="bad" if bad else "good", stays=bool(bad))
         return True
 

@@ -451,7 +451,7 @@ class DeviceInput:
             self._feeling = None
             self._leave_object()
             self.calibrating.stop()
-            told = say("The stylus pushes no longer: {why}", why=desk.ended)
+            told = say("Force feedback stopped: {why}", why=desk.ended)
             self._workspace.tell(told, state="bad", stays=True)
 
     def _carry(self, pose: ObjectPose) -> None:

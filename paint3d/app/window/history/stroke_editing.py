@@ -55,10 +55,10 @@ class Recalling:
                 paint_thread.post("replay_history", upto, passing).result()
 
         count = painting.oldest_stroke
-        title = say("Painting {n} strokes again, to go back to them…", n=count)
+        title = say("Repainting {n} strokes to go back to them…", n=count)
         if workspace.went_well(workspace.run(title, work)):
             workspace.tell(
-                say("{n} strokes were painted again; drying between them is not repeated", n=count)
+                say("{n} strokes were repainted; drying between them is not repeated", n=count)
             )
         else:
             self._refused()
@@ -215,13 +215,13 @@ class StrokeEditing:
 
         began = time.perf_counter()
         after = len(painting.strokes) + len(painting.undone_strokes) - number - 1
-        title = say("Painting what comes after stroke {n} again…", n=number + 1)
+        title = say("Repainting what follows stroke {n}…", n=number + 1)
         if not workspace.went_well(workspace.run(title, work)):
             return False
         seconds = time.perf_counter() - began
         workspace.tell(
-            say("Stroke {n}: done; {after} after it painted again in {seconds:.1f} s; "
-                "undo takes it back until the painting is closed",
+            say("Stroke {n} edited; {after} after it repainted in {seconds:.1f} s; undo takes it "
+                "back until the painting is closed",
                 n=number + 1, after=after, seconds=seconds),
             state="good",
         )  # fmt: skip

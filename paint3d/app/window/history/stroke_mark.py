@@ -231,9 +231,9 @@ class StrokeDrag(QtCore.QObject):
         self._canvas.setCursor(QtCore.Qt.CursorShape.OpenHandCursor)
         self._canvas.setFocus()
         told = (
-            say("Click a stroke on the object, or drag it to where it is to lie; Esc leaves it")
+            say("Click a stroke on the object, or drag it to its new place; Esc cancels")
             if number is None
-            else say("Drag stroke {n} to where it is to lie; Esc leaves it", n=number + 1)
+            else say("Drag stroke {n} to its new place; Esc cancels", n=number + 1)
         )
         self._workspace.tell(told, stays=True)
 
@@ -299,11 +299,11 @@ class StrokeDrag(QtCore.QObject):
     def _take_hold(self) -> None:
         place = self._place()
         if place is None:
-            self._workspace.tell(say("There is nothing of the object there"), state="bad")
+            self._workspace.tell(say("That is beside the object"), state="bad")
             return
         self._number = self._stroke_at(place) if self._named is None else self._named
         if self._number is None:
-            self._workspace.tell(say("No stroke lies there"), state="bad")
+            self._workspace.tell(say("There is no stroke there"), state="bad")
             return
         if self._named is None:
             self.chosen.emit(self._number)
@@ -319,7 +319,7 @@ class StrokeDrag(QtCore.QObject):
             self._hold_nothing()
         elif place is None:
             self._hold_nothing()
-            self._workspace.tell(say("There is nothing of the object there"), state="bad")
+            self._workspace.tell(say("That is beside the object"), state="bad")
         else:
             self.end()
             self.dragged.emit(number, (held[1], place))

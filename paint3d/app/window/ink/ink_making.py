@@ -235,7 +235,7 @@ class InkMaking:
         held = workspace.painting.held
         if 0.0 < held.share < LEAST_LOAD:
             workspace.dip()
-            told = say("Dipped by itself: {percent:.0f} % was left", percent=100 * held.share)
+            told = say("Dipped automatically: {percent:.0f} % was left", percent=100 * held.share)
             workspace.tell(told)
 
     def _take_kept(self) -> None:
@@ -304,4 +304,4 @@ class InkMaking:
         self.close_down()
         self._panels.inks.put_away_own()
         self._workspace.keep(pigment_tables={})
-        self._workspace.tell(say("Pigments of your own are put away; their files stay"))
+        self._workspace.tell(say("Your own pigments are off the list; their files stay"))

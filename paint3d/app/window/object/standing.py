@@ -124,7 +124,7 @@ class ObjectDialog(QtWidgets.QDialog):
         both.addLayout(right, 1)
         self.picture = _Picture()
         self.picture.clicked.connect(self.stand_at)
-        self.picture.setToolTip(say("Click the side that it should stand on"))
+        self.picture.setToolTip(say("Click the side it should stand on"))
         left.addWidget(self.picture)
         row = QtWidgets.QHBoxLayout()
         self.quarters: dict[str, QtWidgets.QPushButton] = {}
@@ -136,7 +136,7 @@ class ObjectDialog(QtWidgets.QDialog):
             self.quarters[axis] = button
             row.addWidget(button)
         left.addLayout(row)
-        hint = QtWidgets.QLabel(say("Click the side that it should stand on"))
+        hint = QtWidgets.QLabel(say("Click the side it should stand on"))
         hint.setEnabled(False)
         left.addWidget(hint)
         left.addStretch(1)
@@ -333,7 +333,7 @@ def told(note: str) -> str:
 
 
 _TURNED = (
-    "There is paint on it. Turned, it is begun anew without the paint; what is open can be saved "
+    "Turning the object starts a new painting on it, without the paint. You can save this one "
     "first."
 )
 
@@ -399,10 +399,10 @@ class Standing:
         said = [told(note) for note in reading.notes]
         if guess is not None and not guess.sure:
             said.append(
-                say("Which way is up is not sure; Edit ▸ Turn and scale the object changes it")
+                say("Which way is up is uncertain; change it by Edit ▸ Turn and scale the object")
             )
         elif guess is not None and guess.up != "z":
-            words = "{axis} was taken for up; Edit ▸ Turn and scale the object changes it"
+            words = "{axis} was taken as up; change it by Edit ▸ Turn and scale the object"
             said.append(say(words, axis=guess.up))
         self._said = "   ".join(said)
         return first_choice(reading, guess, material, resolution)._replace(resolution=resolution)
@@ -454,8 +454,8 @@ class Standing:
             surface, is_bare = document.surface, _is_bare(document)
             resolution = surface.resolution or workspace.settings.resolution_mm
         words = (
-            "There is paint on it. Of another material it is begun anew without the paint; what "
-            "is open can be saved first."
+            "Another material starts a new painting, without the paint. You can save this one "
+            "first."
         )
         if not is_bare and not (self._may_begin_anew(words) and self._may_leave()):
             return False

@@ -382,7 +382,7 @@ class Player(QtCore.QObject):
         """Stop because what was painted is about to be undone, and say so."""
         if self.is_playing:
             self.stop()
-            self._workspace.tell(say("The replay was stopped and taken back"))
+            self._workspace.tell(say("The replay was stopped and undone"))
 
     def give_way(self) -> None:
         """Stop for a stroke by hand, which would be one with that of the recording."""
