@@ -25,6 +25,7 @@ from paint3d.app.window.wording import choose_language
 from paint3d.calligraphy.glyph_sources import open_glyphs
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
+from tests.support.app.windows import pretend_saved
 from tests.support.photographs import Camera, photograph, sheet_of
 
 KIND, BUTTON = QtCore.QEvent.Type, QtCore.Qt.MouseButton
@@ -80,8 +81,7 @@ def keep(window: StudioWindow, path: Path) -> None:
     live(1.6)  # so that the picture is drawn finely
     window.grab().save(str(path))
     Image.open(path).convert("RGB").save(path, optimize=True)
-    with window.stage.paint_thread.paused() as document:
-        document.modified = False
+    pretend_saved(window.stage.paint_thread)
     window.close()
 
 
@@ -148,8 +148,7 @@ def strokes(app: QtWidgets.QApplication, path: Path) -> None:
     QtCore.QTimer.singleShot(1000, look)
     window.panels.copybook.correct_button.click()
     Image.open(path).convert("RGB").save(path, optimize=True)
-    with window.stage.paint_thread.paused() as document:
-        document.modified = False
+    pretend_saved(window.stage.paint_thread)
     window.close()
 
 

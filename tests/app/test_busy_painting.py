@@ -24,7 +24,7 @@ from tests.support.app.gestures import (
     type_key,
     wait_for,
 )
-from tests.support.app.windows import opened, settled
+from tests.support.app.windows import opened, pretend_saved, settled
 
 
 @pytest.fixture(scope="module")
@@ -56,8 +56,7 @@ def test_what_looks_under_the_pointer_does_not_wait_for_a_long_step(window, name
 def test_leaving_asks_about_what_is_still_to_be_done(window, how: str) -> None:
     """A stroke that waits, or a step that takes long and is the last that was asked for."""
     settled(window)
-    with window.stage.paint_thread.paused() as document:
-        document.modified = False
+    pretend_saved(window.stage.paint_thread)
     gate = threading.Event()
     paint_thread = window.stage.paint_thread
     paint_thread.post(lambda document: gate.wait(300) and document.dry())
@@ -88,8 +87,8 @@ def test_leaving_does_not_ask_about_time_that_passes_for_the_ink(
     settled(window)
     asked, paint_thread = [], window.stage.paint_thread
     monkeypatch.setattr(QtWidgets.QMessageBox, "exec", lambda box: asked.append(box.text()))
-    with paint_thread.paused() as document:
-        document.modified = False
+    pretend_saved(paint_thread)
+    with paint_thread.paused():
         paint_thread.post("follow_time", 0.01)
         assert window.saving.may_leave()
     assert asked == []

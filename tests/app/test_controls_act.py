@@ -14,7 +14,7 @@ from paint3d.app.model.persistence.settings import Settings
 from paint3d.app.window.object.material_box import MaterialBox
 from paint3d.app.window.studio import StudioWindow
 from tests.support.app.gestures import answer, drag, live, wait_for
-from tests.support.app.windows import close_unasked, settled
+from tests.support.app.windows import close_unasked, pretend_saved, settled
 
 WITHOUT_EFFECT = {
     "Edit…": "opens the editor, whose controls are turned by themselves below",
@@ -121,8 +121,7 @@ def turn_all(window: StudioWindow, name: str) -> list[str]:
             continue
         assert widget.isEnabled(), f"{words(widget)} of {name} cannot be turned"
         if isinstance(widget, MaterialBox):
-            with window.stage.paint_thread.paused() as document:
-                document.modified = False
+            pretend_saved(window.stage.paint_thread)
             answer(lambda box: next(b for b in box.buttons() if "anew" in b.text()).click())
         before = state(window)
         live(0.2)

@@ -43,7 +43,7 @@ from tests.support.app.gestures import (
     pen_stroke,
     wait_for,
 )
-from tests.support.app.windows import opened, settled
+from tests.support.app.windows import opened, pretend_saved, settled
 
 ROOT = Path(__file__).parents[2]
 PAINTING = """
@@ -395,7 +395,7 @@ def test_refining_that_is_stopped_leaves_the_surface_as_it_was(window, program) 
         assert document.surface.n_vertices == before
         assert not document.surface.paint_mesh.arrays.done.any()
         assert len(document.surface.codes) == document.surface.paint_mesh.capacity
-        document.modified = False
+    pretend_saved(other.stage.paint_thread)
     other.close()
 
 

@@ -27,7 +27,7 @@ from tests.support.app.gestures import (
     type_key,
     wait_for,
 )
-from tests.support.app.windows import SMALL, close_unasked
+from tests.support.app.windows import SMALL, close_unasked, pretend_saved
 
 ROWS = (0.42, 0.47, 0.52, 0.57)
 
@@ -69,8 +69,7 @@ def painting(window, tmp_path_factory):
 @pytest.fixture
 def painted(window, painting, tmp_path):
     """The same in a file of its own."""
-    with window.stage.paint_thread.paused() as document:
-        document.modified = False
+    pretend_saved(window.stage.paint_thread)
     return Path(shutil.copy(painting[0], tmp_path)), painting[1]
 
 
@@ -230,8 +229,7 @@ def test_damaged_steps_are_dropped_and_it_is_said(window, painted):
 
 
 def test_a_replay_of_nothing_says_so(window):
-    with window.stage.paint_thread.paused() as document:
-        document.modified = False
+    pretend_saved(window.stage.paint_thread)
     assert window.opening.open_path("plane", 1.5, "xuan", asked=True)
     settled(window)
     QtTest.QTest.mouseClick(window.panels.history.play, QtCore.Qt.MouseButton.LeftButton)

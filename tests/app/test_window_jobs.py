@@ -31,7 +31,7 @@ from paint3d.core.machine import is_locked
 from paint3d.errors import ExportError
 from tests.support.app.gestures import answer, answer_bar, drag, live, type_key, wait_for
 from tests.support.app.hands import line
-from tests.support.app.windows import SMALL, close_unasked, settled
+from tests.support.app.windows import SMALL, close_unasked, pretend_saved, settled
 from tests.support.cases import long_but
 
 LIMIT_S = 300.0  # for what comes soon where the machine is not busy
@@ -463,8 +463,7 @@ def test_what_was_put_off_stays_in_the_file_menu(empty) -> None:
     back.trigger()
     assert len(boxes) == 1
     assert empty.document.surface.source.name == "sphere"
-    with empty.stage.paint_thread.paused() as document:
-        document.modified = False
+    pretend_saved(empty.stage.paint_thread)
     answer(lambda box: box.defaultButton().click(), QtWidgets.QMessageBox)
     back.trigger()
     assert empty.document.surface.source.name == "plane"

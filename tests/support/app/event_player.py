@@ -23,6 +23,7 @@ from paint3d.app.window.studio import StudioWindow
 from paint3d.mesh.bvh import ClosestPoints
 from paint3d.view.camera import Camera, picture_axes
 from tests.support.app.gestures import wait_for
+from tests.support.app.windows import pretend_saved
 
 __all__ = [
     "DeviceEvent",
@@ -225,8 +226,7 @@ def open_for(
     header = {**header, **instead}
     window.workspace.quiet = True
     if window.stage.paint_thread is not None:
-        with window.stage.paint_thread.paused() as document:
-            document.modified = False
+        pretend_saved(window.stage.paint_thread)
     opened = window.opening.open_path(
         header["object"], resolution, header.get("material", "xuan"), asked=True
     )

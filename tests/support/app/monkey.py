@@ -26,6 +26,7 @@ from paint3d.app.model.paint_thread import PaintThread
 from paint3d.app.window.studio import StudioWindow
 from paint3d.errors import Paint3DError
 from tests.support.app.event_player import DeviceEvent, EventPlayer
+from tests.support.app.windows import pretend_saved
 
 __all__ = ["Fault", "Monkey"]
 
@@ -174,8 +175,7 @@ class Monkey(QtCore.QObject):
         """Close the window; nothing is asked."""
         paint_thread = self.window.stage.paint_thread
         if paint_thread is not None:
-            with paint_thread.paused() as document:
-                document.modified = False
+            pretend_saved(paint_thread)
         self.window.close()
         self._process()
 
