@@ -31,8 +31,8 @@ from typing import NamedTuple
 import numpy as np
 
 from paint3d.app.model.document import Document
-from paint3d.app.model.easel import Easel
-from paint3d.app.model.persistence.sitting import Recovered, Sitting, recoverable
+from paint3d.app.model.paint_thread import PaintThread
+from paint3d.app.model.persistence.recovery_folder import Recovered, RecoveryFolder, recoverable
 from paint3d.brush.presets import load_brush
 from paint3d.brush.spec import BristleSpec
 from paint3d.device.sample import DeviceSample
@@ -111,7 +111,9 @@ def sit(folder: Path, teller: Teller, seed: int) -> None:
     gc.disable()
     gc.freeze()  # nor are its parent's objects looked at, whose pages would be copied by that
     document, chance = new_document(), random.Random(seed)
-    easel = Easel(document, wet=True, sitting=Sitting(document, folder), base_every_s=BASES_S)
+    paint_thread = PaintThread(
+        document, wet=True, recovery=RecoveryFolder(document, folder), base_every_s=BASES_S
+    )
     between = (
         [("add_layer",)], [("undo",), ("redo",)], [("dip", {"cinnabar": 0.4, "water": 0.6})],
         [("dry",)], [("undo",)], [("select_layer", 0)], [],
@@ -119,8 +121,8 @@ def sit(folder: Path, teller: Teller, seed: int) -> None:
 
     def ask(name: str, *arguments: object) -> None:
         number = teller.tell()
-        easel.post(name, *arguments)
-        easel.post("set_tags", event=number)
+        paint_thread.post(name, *arguments)
+        paint_thread.post("set_tags", event=number)
 
     next_ns = time.monotonic_ns()
     for stroke in itertools.count():
@@ -130,8 +132,8 @@ def sit(folder: Path, teller: Teller, seed: int) -> None:
             gc.collect(0)
             time.sleep(max(0.0, (next_ns - time.monotonic_ns()) * 1e-9))
             number = teller.tell()
-            easel.feed(batch)
-            easel.post("set_tags", event=number)
+            paint_thread.feed(batch)
+            paint_thread.post("set_tags", event=number)
         ask("end_stroke")
         for command in chance.choice(between):
             ask(*command)

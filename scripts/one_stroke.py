@@ -54,7 +54,7 @@ def main() -> None:
         QtWidgets.QApplication.sendEvent(canvas, event)
         began = time.monotonic()
         wait_for("20 ms go by", lambda began=began: time.monotonic() > began + 0.02)
-    painted = window.stage.easel.post(lambda document: int(document.surface.painted.sum()))
+    painted = window.stage.paint_thread.post(lambda document: int(document.surface.painted.sum()))
     wait_for("the stroke is painted", painted.done)
     if not painted.result():
         sys.exit("the stroke left nothing")

@@ -30,6 +30,7 @@ from tests.support.app.event_player import open_for
 from tests.support.app.marks import inked_share, largest_jump, off_the_way, stations, stray
 from tests.support.app.random_strokes import random_strokes
 from tests.support.app.trials import blind, try_strokes
+from tests.support.app.windows import pretend_saved
 
 HALF_FOOTPRINT = 2.4  # mm: of the full brush at a quarter of its pressure
 REACH = 10.0
@@ -115,8 +116,7 @@ def main() -> int:
                     f"{np.percentile(off, 95):.2f} {off.max():.2f} {jump.max():.2f} "
                     f"{away.max():.2f} {in_air.sum():.1f}", flush=True,
                 )  # fmt: skip
-        with window.stage.easel.paused() as document:
-            document.modified = False
+        pretend_saved(window.stage.paint_thread)
         window.close()
     return 1 if lost else 0
 

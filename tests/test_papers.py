@@ -58,7 +58,7 @@ VALUES: dict[str, list[str]] = {
 """A value for each option that is named."""
 RUNS = re.compile(r"\bmain(\.main)?\(|\bpaint3d\(|\bplugged\(|\brun_(path|benchmark)\(")
 """What a test does that runs a command, in its own process, a child's, or under virtual devices."""
-OPENS = re.compile(r"\b(window|StudioWindow|easel|stage|LiveScene)\b")
+OPENS = re.compile(r"\b(window|StudioWindow|paint_thread|stage|LiveScene)\b")
 """What a test has that looks into the studio: its window, or what it paints and draws with."""
 
 

@@ -17,9 +17,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from paint3d.app.model.document import Document
-from paint3d.app.model.easel import Easel
 from paint3d.app.model.input.navigation import orbit
-from paint3d.app.window.files.opened import Opened
+from paint3d.app.model.paint_thread import PaintThread
+from paint3d.app.window.files.open_result import OpenResult
 from paint3d.app.window.stage import Stage
 from paint3d.bench.result import Check, Result
 from paint3d.core.arrays import AnyArray
@@ -69,25 +69,25 @@ class _Hand:
 
     def write(self) -> None:
         """One stroke, in real time."""
-        easel = _easel(self.stage)
-        easel.post("begin_stroke")
+        paint_thread = _paint_thread(self.stage)
+        paint_thread.post("begin_stroke")
         start = time.perf_counter()
         n = int(self.seconds * _RATE_HZ)
         for k in range(n):
             time.sleep(max(0.0, start + k / _RATE_HZ - time.perf_counter()))
             sample = self._sample(k, n)
             self.fed[sample.time_ns] = time.perf_counter()
-            easel.feed([sample])
-            self.queue.append(easel.queue_length)
+            paint_thread.feed([sample])
+            self.queue.append(paint_thread.queue_length)
             if k % _MARK_EVERY == 0:
                 self._mark(k)
         self.rests = True
-        easel.post("end_stroke").result()
+        paint_thread.post("end_stroke").result()
         self.cpu_s = time.thread_time()
 
     def _mark(self, k: int) -> None:
         times = self.marks[k] = [time.perf_counter()]
-        _easel(self.stage).post(lambda document: times.append(time.perf_counter()))
+        _paint_thread(self.stage).post(lambda document: times.append(time.perf_counter()))
 
     def _sample(self, k: int, n: int) -> DeviceSample:
         """As a hand that presses and lifts a little."""
@@ -98,7 +98,7 @@ class _Hand:
 
     def age(self) -> float:
         """How long ago the hand did what it did last, s."""
-        newest = _easel(self.stage).newest
+        newest = _paint_thread(self.stage).newest
         fed = math.nan if newest is None else self.fed.get(newest.time_ns, math.nan)
         return 0.0 if math.isnan(fed) else time.perf_counter() - fed
 
@@ -115,7 +115,7 @@ def _over_the_sheet(seconds: float) -> Way:
 
 def _around_the_bowl(stage: Stage) -> Way:
     """To and fro on the side that is seen, and down."""
-    surface = ClosestPoints(_easel(stage).document.surface.source)
+    surface = ClosestPoints(_paint_thread(stage).painting.source)
 
     def way(share: float) -> tuple[AnyArray, AnyArray]:
         turn = 0.7 * math.sin(14.0 * share) - 0.5 * math.pi
@@ -128,16 +128,16 @@ def _around_the_bowl(stage: Stage) -> Way:
     return way
 
 
-def _easel(stage: Stage) -> Easel:
+def _paint_thread(stage: Stage) -> PaintThread:
     """What paints on a stage where a document is open."""
-    assert stage.easel is not None, "a document is open"
-    return stage.easel
+    assert stage.paint_thread is not None, "a document is open"
+    return stage.paint_thread
 
 
 def _stand(document: Document, view: View) -> tuple[Stage, Camera]:
     """A document on stage, lit and drawn."""
     stage = Stage(_SIZE)
-    stage.open(Opened.of(document))
+    stage.open(OpenResult.of(document))
     camera = fit_camera(stage.points, view, _SIZE[0] / _SIZE[1])
     stage.set_camera(camera)
     while not (stage.is_lit and stage.is_drawn):
@@ -156,12 +156,16 @@ def _sheet(share: float) -> Document:
 
 def _paint(stage: Stage, way: Way, pace_s: float, seconds: float) -> dict[str, float]:
     """Write while pictures are drawn at a pace; what that took."""
-    _easel(stage).post("dip").result()
+    _paint_thread(stage).post("dip").result()
     hand = _Hand(stage, way, seconds)
     thread = threading.Thread(target=hand.write)
     frames, sizes, ages, seen, drawn = [], [], [], {}, 0.0
     started = time.perf_counter()
-    painting, cpu, own = _easel(stage).post(_thread_s).result(), time.process_time(), _thread_s()
+    painting, cpu, own = (
+        _paint_thread(stage).post(_thread_s).result(),
+        time.process_time(),
+        _thread_s(),
+    )
     thread.start()
     while thread.is_alive():
         now = time.perf_counter()
@@ -172,7 +176,7 @@ def _paint(stage: Stage, way: Way, pace_s: float, seconds: float) -> dict[str, f
         there = [k for k, times in hand.marks.items() if len(times) > 1 and k not in seen]
         stage.follow()
         fetched = time.perf_counter()
-        newest_s = hand.age() if _easel(stage).newest is not None else 0.0
+        newest_s = hand.age() if _paint_thread(stage).newest is not None else 0.0
         if stage.draw() is None:
             time.sleep(0.001)
             continue
@@ -184,7 +188,7 @@ def _paint(stage: Stage, way: Way, pace_s: float, seconds: float) -> dict[str, f
         sizes.append(stage.scene.uploaded - before)
     thread.join()
     cpu, own = time.process_time() - cpu, _thread_s() - own
-    painting = _easel(stage).post(_thread_s).result() - painting
+    painting = _paint_thread(stage).post(_thread_s).result() - painting
     delays = [at - hand.marks[k][0] for k, at in seen.items()]
     half = len(hand.queue) // 2
     return {
@@ -230,7 +234,7 @@ def _thread_s(document: Document | None = None) -> float:
 
 def _uploads(stage: Stage) -> list[tuple[int, int, float]]:
     """Dirty vertices near each other, what they send, and how long that takes (s)."""
-    with _easel(stage).paused() as document:
+    with _paint_thread(stage).paused() as document:
         assert document is not None, "it is open"
         shown = LiveObject(document.surface)
         shown.uploads(np.empty(0, np.int32))
@@ -280,7 +284,7 @@ def measure(share: float = 1.0) -> Result:
         stage.close()
     stage, camera = _stand(_sheet(share), _SHEET_VIEW)
     try:
-        vertices = _easel(stage).document.surface.n_vertices
+        vertices = _paint_thread(stage).painting.n_vertices
         for pace, pace_s in _PACES:
             got = _paint(stage, _over_the_sheet(seconds), pace_s, seconds)
             tell("sheet", "painting" + f", {pace}" * (pace_s > 0.0), got, pace_s == 0.0)

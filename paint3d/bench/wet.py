@@ -1,7 +1,8 @@
 """Strokes on paper while their ink spreads: how far painting falls behind a hand that goes on.
 
 The painting thread's work is done here one piece after the other, by the rules of
-`app.model.easel`: time passes in small pieces between the samples, and whenever nothing else waits.
+`app.model.paint_thread`: time passes in small pieces between the samples, and whenever nothing else
+waits.
 The clock that the hand writes by is the CPU time of all this process's threads, so other programs
 on the machine change little, and a second core does not help.
 """
@@ -17,7 +18,7 @@ from typing import TypeVar
 import numpy as np
 
 from paint3d.app.model.document import Document
-from paint3d.app.model.easel import InkClock, Pace
+from paint3d.app.model.paint_thread import InkClock, Pace
 from paint3d.bench.result import Check, Result
 from paint3d.device.sample import DeviceSample
 from paint3d.painter.ink_time import PIECE_S

@@ -17,6 +17,7 @@ from PySide6 import QtCore, QtGui, QtWidgets
 from paint3d.app.window.start import make_program
 from paint3d.app.window.studio import StudioWindow
 from paint3d.app.window.wording import choose_language
+from tests.support.app.windows import pretend_saved
 
 
 def live(seconds: float) -> None:
@@ -77,8 +78,7 @@ def main() -> None:
             live(0.1)
         editor(window, options.out / "brush_editor.png")
         colour(window, options.out / "colour.png")
-        with window.stage.easel.paused() as document:
-            document.modified = False
+        pretend_saved(window.stage.paint_thread)
         window.close()
 
 

@@ -28,6 +28,7 @@ from tests.support.app.event_player import (
     process,
     settle,
 )
+from tests.support.app.windows import pretend_saved
 
 WINDOW = (1280, 800)  # as the recordings of shares of the picture are meant
 NAMES = (
@@ -126,8 +127,7 @@ def main() -> None:
             image.save(options.out / f"hand_{name}.png", optimize=True)
             print(options.out / f"hand_{name}.png", image.size, flush=True)
         QtCore.QCoreApplication.processEvents()
-        with window.stage.easel.paused() as document:
-            document.modified = False
+        pretend_saved(window.stage.paint_thread)
         window.close()
 
 

@@ -25,6 +25,7 @@ from paint3d.app.window.wording import choose_language
 from paint3d.calligraphy.glyph_sources import open_glyphs
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
+from tests.support.app.windows import pretend_saved
 from tests.support.photographs import Camera, photograph, sheet_of
 
 KIND, BUTTON = QtCore.QEvent.Type, QtCore.Qt.MouseButton
@@ -80,8 +81,7 @@ def keep(window: StudioWindow, path: Path) -> None:
     live(1.6)  # so that the picture is drawn finely
     window.grab().save(str(path))
     Image.open(path).convert("RGB").save(path, optimize=True)
-    with window.stage.easel.paused() as document:
-        document.modified = False
+    pretend_saved(window.stage.paint_thread)
     window.close()
 
 
@@ -92,7 +92,7 @@ def demo(app: QtWidgets.QApplication, path: Path) -> None:
     window.recordings.replay_file(str(recording))
     while window.player.is_playing:
         live(0.1)
-    window.stage.easel.post(lambda document: None).result()
+    window.stage.paint_thread.post(lambda document: None).result()
     height = window.canvas.height()
     camera = orbit(window.hand.camera, -10.0, -120.0, height)
     window.hand.look(dolly(pan(camera, 0.0, -20.0, height), 1.45))
@@ -148,8 +148,7 @@ def strokes(app: QtWidgets.QApplication, path: Path) -> None:
     QtCore.QTimer.singleShot(1000, look)
     window.panels.copybook.correct_button.click()
     Image.open(path).convert("RGB").save(path, optimize=True)
-    with window.stage.easel.paused() as document:
-        document.modified = False
+    pretend_saved(window.stage.paint_thread)
     window.close()
 
 

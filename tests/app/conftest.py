@@ -12,11 +12,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from paint3d.app.model import paint_thread
 from paint3d.app.model.persistence import settings
 from paint3d.view import live_picture, live_scene
 from paint3d.view.live_light import BakedLight, LiveLight
 from tests.support.app.screens import start_screen
 
+paint_thread.CHECKS_ACCESS = True
 _WET_AT_FIRST = settings.WET_AT_FIRST
 _FOUND: dict[bytes, BakedLight] = {}
 

@@ -13,7 +13,7 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
 from PySide6 import QtWidgets
 
-from paint3d.app.model.persistence.sitting import Sitting, recoverable
+from paint3d.app.model.persistence.recovery_folder import RecoveryFolder, recoverable
 from paint3d.app.window import job as jobs
 from paint3d.app.window.files import opening
 from paint3d.app.window.job import run_beside
@@ -84,8 +84,8 @@ class _Watched(jobs.Progress):
 
 
 def _recover(window, folder: Path) -> bool:
-    with window.stage.easel.paused() as document:
-        sitting = Sitting(document)
+    with window.stage.paint_thread.paused() as document:
+        sitting = RecoveryFolder(document)
     sitting.note({"do": "add_layer"})
     sitting.note({"do": "remove_layer", "with": [1]})
     sitting.close(keep=True)

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import paint3d
-from paint3d.app.window.files.opened import some_points
+from paint3d.app.window.files.open_result import some_points
 from paint3d.files.load import load_mesh
 from paint3d.mesh.bvh import ClosestPoints
 from paint3d.mesh.triangle_mesh import TriangleMesh

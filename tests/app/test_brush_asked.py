@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from paint3d.app.model.brush_in_hand import BRUSH_COMMANDS, brush_after
-from paint3d.app.model.easel import Easel
 from paint3d.app.model.input.hand import Hand, PointerInput
+from paint3d.app.model.paint_thread import PaintThread
 from paint3d.brush.presets import load_brush
 from paint3d.mesh.bvh import ClosestPoints
 from tests.support.app.hands import small_plane
@@ -13,19 +13,19 @@ from tests.support.app.hands import small_plane
 MS = 1_000_000
 
 
-def write(easel, hand, y, pressure=0.4):
-    """A line of 40 mm, with the brush that the easel says."""
+def write(paint_thread, hand, y, pressure=0.4):
+    """A line of 40 mm, with the brush that the painting thread says."""
     place, down = (-20.0, y, 90.0), (0.0, 0.0, -1.0)
     event = PointerInput(MS, origin=place, direction=down, pressure=pressure)
-    samples = list(hand.begin(event, easel.brush))
+    samples = list(hand.begin(event, paint_thread.brush))
     for k in range(1, 20):
         place = (-20.0 + 2.0 * k, y, 90.0)
         event = PointerInput(8 * MS * k, origin=place, direction=down, pressure=pressure)
-        samples += hand.move(event, easel.brush)
-    samples += hand.end(160 * MS, easel.brush)
-    easel.post("begin_stroke")
-    easel.feed(samples)
-    easel.post("end_stroke")
+        samples += hand.move(event, paint_thread.brush)
+    samples += hand.end(160 * MS, paint_thread.brush)
+    paint_thread.post("begin_stroke")
+    paint_thread.feed(samples)
+    paint_thread.post("end_stroke")
 
 
 @pytest.mark.parametrize(
@@ -37,21 +37,21 @@ def test_a_stroke_right_after_a_change_is_painted_as_after_waiting(change):
     shown = []
     for held in (True, False):
         document = small_plane()
-        easel = Easel(document)
+        paint_thread = PaintThread(document)
         hand = Hand(ClosestPoints(document.surface.source))
-        write(easel, hand, -20.0)
+        write(paint_thread, hand, -20.0)
         if held:
-            with easel.paused():  # the painting is behind
-                before = easel.brush
-                easel.post(*change)
-                asked = easel.brush
+            with paint_thread.paused():  # the painting is behind
+                before = paint_thread.brush
+                paint_thread.post(*change)
+                asked = paint_thread.brush
                 assert (asked != before) == (change[0] in BRUSH_COMMANDS)
-                write(easel, hand, 20.0)
+                write(paint_thread, hand, 20.0)
         else:
-            easel.post(*change).result()
-            write(easel, hand, 20.0)
-        easel.post("refresh").result()
-        easel.stop()
+            paint_thread.post(*change).result()
+            write(paint_thread, hand, 20.0)
+        paint_thread.post("refresh").result()
+        paint_thread.stop()
         assert not held or document.painter.brush == asked
         surface = document.surface
         order = np.lexsort(surface.paint_mesh.vertices.T)
@@ -67,11 +67,11 @@ def test_what_is_refused_is_not_taken():
     assert brush_after(brush, "set_brush", ["no such brush"]) == brush
     assert brush_after(brush, "scale_brush", [1000.0]) == brush
     assert brush_after(brush, "set_brush", []) == brush
-    easel = Easel(small_plane())
-    easel.post("begin_stroke")
-    with easel.paused():
-        asked = easel.post("set_brush", "gongbi")
+    paint_thread = PaintThread(small_plane())
+    paint_thread.post("begin_stroke")
+    with paint_thread.paused():
+        asked = paint_thread.post("set_brush", "gongbi")
     with pytest.raises(Exception, match="during a stroke"):
         asked.result()
-    assert easel.brush == easel.document.painter.brush == small_plane().painter.brush
-    easel.stop()
+    assert paint_thread.brush == paint_thread.painting.brush == small_plane().painter.brush
+    paint_thread.stop()

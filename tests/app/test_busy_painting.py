@@ -24,7 +24,7 @@ from tests.support.app.gestures import (
     type_key,
     wait_for,
 )
-from tests.support.app.windows import opened, settled
+from tests.support.app.windows import opened, pretend_saved, settled
 
 
 @pytest.fixture(scope="module")
@@ -39,7 +39,7 @@ def test_what_looks_under_the_pointer_does_not_wait_for_a_long_step(window, name
     settled(window)
     mouse(window.canvas, KIND.MouseMove, window.canvas.width() / 2, window.canvas.height() / 2)
     gate = threading.Event()
-    window.stage.easel.post(lambda document: gate.wait(300))
+    window.stage.paint_thread.post(lambda document: gate.wait(300))
     live(0.05)
     started = time.thread_time()  # waiting takes no time of the thread's own
     try:
@@ -56,15 +56,14 @@ def test_what_looks_under_the_pointer_does_not_wait_for_a_long_step(window, name
 def test_leaving_asks_about_what_is_still_to_be_done(window, how: str) -> None:
     """A stroke that waits, or a step that takes long and is the last that was asked for."""
     settled(window)
-    with window.stage.easel.paused() as document:
-        document.modified = False
+    pretend_saved(window.stage.paint_thread)
     gate = threading.Event()
-    easel = window.stage.easel
-    easel.post(lambda document: gate.wait(300) and document.dry())
+    paint_thread = window.stage.paint_thread
+    paint_thread.post(lambda document: gate.wait(300) and document.dry())
     if how == "waiting":
         drag(window.canvas, (0.45, 0.5), (0.55, 0.5), n=6)
     else:
-        wait_for(lambda: easel.queue_length == 0)
+        wait_for(lambda: paint_thread.queue_length == 0)
     assert not window.document.modified
     asked = []
 
@@ -86,11 +85,11 @@ def test_leaving_does_not_ask_about_time_that_passes_for_the_ink(
     window, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     settled(window)
-    asked, easel = [], window.stage.easel
+    asked, paint_thread = [], window.stage.paint_thread
     monkeypatch.setattr(QtWidgets.QMessageBox, "exec", lambda box: asked.append(box.text()))
-    with easel.paused() as document:
-        document.modified = False
-        easel.post("follow_time", 0.01)
+    pretend_saved(paint_thread)
+    with paint_thread.paused():
+        paint_thread.post("follow_time", 0.01)
         assert window.saving.may_leave()
     assert asked == []
     settled(window)
@@ -102,7 +101,7 @@ def test_another_brush_is_shown_while_the_painting_is_behind(window, how: str) -
     settled(window)
     window.panels.docks["brushes"].raise_()
     gate = threading.Event()
-    window.stage.easel.post(lambda document: gate.wait(300))
+    window.stage.paint_thread.post(lambda document: gate.wait(300))
     drag(window.canvas, (0.45, 0.5), (0.55, 0.5), n=6)
     view = window.panels.brushes.findChild(QtWidgets.QListWidget)
     try:

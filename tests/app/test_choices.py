@@ -19,9 +19,9 @@ from paint3d.app.model.commands import (
 )
 from paint3d.app.model.document import Document
 from paint3d.app.model.persistence.places import config_folder, recovery_folder
+from paint3d.app.model.persistence.recovery_folder import Unfinished
 from paint3d.app.model.persistence.saved_settings import chosen_brush, chosen_inks, in_hand
 from paint3d.app.model.persistence.settings import Settings, load_settings, save_settings
-from paint3d.app.model.persistence.sitting import Unfinished
 from paint3d.app.model.texts import LANGUAGES, Texts, in_chinese, load_texts, system_language
 from paint3d.brush.presets import load_brush
 from paint3d.colour.materials import load_material, load_materials

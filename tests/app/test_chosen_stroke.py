@@ -145,7 +145,7 @@ def test_it_costs_nothing_while_nothing_is_chosen(window, monkeypatch) -> None:
 
 
 def test_a_click_on_its_paint_chooses_a_stroke_and_a_drag_moves_it(window) -> None:
-    canvas, n_painted = window.canvas, window.stage.easel.n_painted
+    canvas, n_painted = window.canvas, window.stage.paint_thread.n_painted
     choose_in_menu(window, "pick")
     assert window.editing.drag.is_waiting
     pen_stroke(canvas, (0.48, 0.58), (0.48, 0.58), [0.5, 0.5, 0.0])
@@ -155,7 +155,7 @@ def test_a_click_on_its_paint_chooses_a_stroke_and_a_drag_moves_it(window) -> No
     pen_stroke(canvas, (0.48, 0.50), (0.48, 0.70), [0.5] * 8 + [0.0])
     settled(window)
     assert window.document.n_edits == 1
-    assert window.stage.easel.n_painted == n_painted  # neither painted
+    assert window.stage.paint_thread.n_painted == n_painted  # neither painted
     assert not window.editing.drag.is_waiting
     found = np.argwhere(accents(window))  # the mark has gone with it
     assert found[:, 0].mean() / canvas.pixels.shape[0] == pytest.approx(0.70, abs=0.03)
@@ -173,7 +173,7 @@ def test_beside_all_paint_no_stroke_is_chosen(window) -> None:
     choose_in_menu(window, "pick")
     pen_stroke(window.canvas, (0.48, 0.75), (0.48, 0.75), [0.5, 0.5, 0.0])
     assert window.mark.number is None
-    assert "No stroke lies there" in window.status.told.text()
+    assert "There is no stroke there" in window.status.told.text()
     assert window.editing.drag.is_waiting
     window.canvas.setFocus()
     type_key(window.canvas, QtCore.Qt.Key.Key_Escape)
@@ -183,7 +183,7 @@ def test_beside_all_paint_no_stroke_is_chosen(window) -> None:
 @pytest.mark.parametrize("finger", ["auto", "turn"])
 def test_a_finger_drags_a_stroke_and_does_not_paint(window, finger) -> None:
     window.canvas.finger = finger
-    before, camera = window.stage.easel.n_painted, window.hand.camera
+    before, camera = window.stage.paint_thread.n_painted, window.hand.camera
     document = window.document
     count = len(document.strokes) + len(document.undone_strokes)
     window.panels.history.edited.emit("drag", 0)
@@ -193,7 +193,7 @@ def test_a_finger_drags_a_stroke_and_does_not_paint(window, finger) -> None:
     settled(window)
     assert document.n_edits == 1
     assert len(document.strokes) == count
-    assert window.stage.easel.n_painted == before
+    assert window.stage.paint_thread.n_painted == before
     assert window.hand.camera is camera  # nor did it turn the view
     ways = [np.mean([s.contact for s in one.samples], axis=0) for one in document.strokes]
     assert ways[0][1] > ways[1][1] + 10.0

@@ -14,7 +14,7 @@ from paint3d.app.model.persistence.settings import Settings
 from paint3d.app.window.object.material_box import MaterialBox
 from paint3d.app.window.studio import StudioWindow
 from tests.support.app.gestures import answer, drag, live, wait_for
-from tests.support.app.windows import close_unasked, settled
+from tests.support.app.windows import close_unasked, pretend_saved, settled
 
 WITHOUT_EFFECT = {
     "Edit…": "opens the editor, whose controls are turned by themselves below",
@@ -89,7 +89,7 @@ def state(window: StudioWindow) -> tuple[object, ...]:
     """All that brush and surface are, and what lies on it."""
     wait_for(lambda: not window.panels.brushes.is_settling)
     settled(window)
-    with window.stage.easel.paused() as document:
+    with window.stage.paint_thread.paused() as document:
         assert document is not None
         surface, painter = document.surface, document.painter
         return (
@@ -121,8 +121,7 @@ def turn_all(window: StudioWindow, name: str) -> list[str]:
             continue
         assert widget.isEnabled(), f"{words(widget)} of {name} cannot be turned"
         if isinstance(widget, MaterialBox):
-            with window.stage.easel.paused() as document:
-                document.modified = False
+            pretend_saved(window.stage.paint_thread)
             answer(lambda box: next(b for b in box.buttons() if "anew" in b.text()).click())
         before = state(window)
         live(0.2)
@@ -145,6 +144,8 @@ def test_every_control_of_the_brush_editor_acts(window) -> None:
     """On the brush that it makes; that every parameter acts is held by `tests/laws`."""
     window.findChild(QtWidgets.QPushButton, "edit_brush").click()
     editor = window.brushes.editor
+    editor.activateWindow()  # or the picture's shortcuts take its keys
+    wait_for(editor.isActiveWindow)
     editor.single.click()  # hairs, or theirs could not be turned
     assert editor.brush.bristles is not None
     found = [editor.hair, editor.table, *(row.slider for row in editor.rows.values())]

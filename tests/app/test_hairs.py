@@ -8,10 +8,10 @@ import pytest
 from paint3d.app.model.brush_in_hand import scaled
 from paint3d.app.model.commands import decode_command, encode_command
 from paint3d.app.model.document import Document
-from paint3d.app.model.easel import Easel
 from paint3d.app.model.image_painter import ImagePainter
 from paint3d.app.model.input.symmetry import MirrorPlane, Symmetry
-from paint3d.app.model.persistence.sitting import Sitting, recoverable
+from paint3d.app.model.paint_thread import PaintThread
+from paint3d.app.model.persistence.recovery_folder import RecoveryFolder, recoverable
 from paint3d.app.model.stroke_log import recording_of
 from paint3d.brush.presets import load_brush
 from paint3d.brush.spec import BristleSpec
@@ -137,15 +137,15 @@ def test_a_session_from_before_tufts_could_split_opens(tmp_path):
 
 def test_a_kill_gives_every_hair_back(tmp_path):
     document = hairy_plane()
-    easel = Easel(document, sitting=Sitting(document, tmp_path))
+    paint_thread = PaintThread(document, recovery=RecoveryFolder(document, tmp_path))
     for y in (-10, 0, 10):
-        easel.post("begin_stroke")
-        easel.feed(line((-20, y), (20, y)))
-        easel.keep_every(0.001 if y == 0 else 600.0)
-        easel.post("end_stroke").result(timeout=300)
-        with easel.paused():  # a base is kept after the second, before the third is begun
-            easel.keep_every(600.0)
-    easel.stop(keep=True)
+        paint_thread.post("begin_stroke")
+        paint_thread.feed(line((-20, y), (20, y)))
+        paint_thread.keep_every(0.001 if y == 0 else 600.0)
+        paint_thread.post("end_stroke").result(timeout=300)
+        with paint_thread.paused():  # a base is kept after the second, before the third is begun
+            paint_thread.keep_every(600.0)
+    paint_thread.stop(keep=True)
     (unfinished,) = recoverable(tmp_path)
     assert [base.name for base in unfinished.folder.glob("base*")] == ["base-2.p3d"]
     again = unfinished.recover().document

@@ -35,7 +35,7 @@ def gate():
 def be_behind(window, gate: threading.Event) -> None:
     """Paint strokes that wait for a step that lasts."""
     settled(window)
-    window.stage.easel.post(lambda document: gate.wait(LONGEST_S))
+    window.stage.paint_thread.post(lambda document: gate.wait(LONGEST_S))
     for k in range(N_WAITING):
         y = 0.4 + 0.03 * k
         drag(window.canvas, (0.45, y), (0.55, y), n=6)
@@ -100,7 +100,7 @@ def test_what_waits_is_in_the_file_that_is_saved_first(window, gate, tmp_path) -
     """Asked what becomes of it, the hand says: save."""
     be_behind(window, gate)
     file = tmp_path / "mine.p3d"
-    with window.stage.easel.paused(0.0) as document:
+    with window.stage.paint_thread.paused(0.0) as document:
         assert document is None
     window.document.path = file
     answer_bar(lambda bar: gate.set())

@@ -14,7 +14,7 @@ from paint3d.app.window.studio import StudioWindow
 from paint3d.app.window.wording import choose_language
 from paint3d.colour.materials import load_materials, material_names
 from tests.support.app.gestures import answer, drag, live, take_file, wait_for
-from tests.support.app.windows import close_unasked, settled
+from tests.support.app.windows import close_unasked, pretend_saved, settled
 
 MINE = 'base = "xuan"\ncolour = "#e8d9b0"\nfriction = 1.5\nchinese = "旧纸"\n'
 
@@ -117,8 +117,7 @@ def test_paint_is_not_lost_unasked(window) -> None:
     assert made_of(window) == "silk"
     assert box.material() == "silk"
     assert "begun anew without the paint" in asked[0]
-    with window.stage.easel.paused() as document:
-        document.modified = False
+    pretend_saved(window.stage.paint_thread)
     box.setFocus()
     answer(lambda box: next(b for b in box.buttons() if b.text() == "Begin anew").click())
     QtTest.QTest.keyClick(box, QtCore.Qt.Key.Key_Up)

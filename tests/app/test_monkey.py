@@ -54,7 +54,7 @@ def test_the_monkey_sees_what_goes_wrong(program, work: Path, monkeypatch) -> No
 
     def break_it(rng) -> str:
         window.workspace.actions["frame_all"].trigger()
-        window.stage.easel.post(lambda document: 1 / 0)
+        window.stage.paint_thread.post(lambda document: 1 / 0)
         window.hand.in_stroke = True
         return "all of it"
 

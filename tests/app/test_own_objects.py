@@ -29,7 +29,7 @@ from paint3d.mesh.upright import turn_mesh, turn_up
 from paint3d.view.preview import Preview
 from tests.mesh.test_upright import jug
 from tests.support.app.gestures import answer, drag, live, take_file, wait_for
-from tests.support.app.windows import SMALL, close_unasked
+from tests.support.app.windows import SMALL, close_unasked, pretend_saved
 
 
 @pytest.fixture(scope="module")
@@ -48,8 +48,7 @@ def window(program):
 def nothing_to_lose(window):
     """The next test is not asked what becomes of what this one has painted."""
     yield
-    with window.stage.easel.paused() as document:
-        document.modified = False
+    pretend_saved(window.stage.paint_thread)
 
 
 def foreseen(kind: type[QtWidgets.QWidget], press) -> list:
@@ -216,7 +215,7 @@ def test_a_picture_comes_in_and_is_painted_over(window, tmp_path: Path) -> None:
     assert 0.05 < reds < 0.5
     drag(window.canvas, (0.42, 0.5), (0.58, 0.5))
     wait_for(lambda: painted_count(window) > 20)
-    with window.stage.easel.paused() as document:
+    with window.stage.paint_thread.paused() as document:
         dark = document.surface.srgb[document.surface.painted].min(axis=0)
     assert (dark < 120).all()
     wait_for(lambda: red_share(window) < reds)
@@ -224,7 +223,7 @@ def test_a_picture_comes_in_and_is_painted_over(window, tmp_path: Path) -> None:
 
 def painted_count(window: StudioWindow) -> int:
     """Vertices with paint."""
-    with window.stage.easel.paused() as document:
+    with window.stage.paint_thread.paused() as document:
         return int(document.surface.painted.sum())
 
 
@@ -235,8 +234,7 @@ def red_share(window: StudioWindow) -> float:
 
 
 def test_its_own_colours_can_be_left_behind(window, tmp_path: Path) -> None:
-    with window.stage.easel.paused() as document:
-        document.modified = False
+    pretend_saved(window.stage.paint_thread)
 
     def plain(dialog: ObjectDialog) -> None:
         dialog.colours.setChecked(False)
@@ -278,8 +276,7 @@ def test_turning_what_is_painted_begins_anew_or_leaves_it(window) -> None:
     window.workspace.actions["stand"].trigger()
     assert met
     assert window.document is before
-    with window.stage.easel.paused() as document:
-        document.modified = False
+    pretend_saved(window.stage.paint_thread)
     foreseen(QtWidgets.QMessageBox, lambda box: box.buttons()[0].click())
     foreseen(ObjectDialog, lambda dialog: (dialog.quarters["y"].click(), dialog.accept()))
     window.workspace.actions["stand"].trigger()

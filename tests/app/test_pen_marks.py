@@ -159,7 +159,7 @@ def test_the_mark_does_not_depend_on_how_events_are_handed_over(window, name: st
     open_for(window, recording.header, 2.0)
     for samples in strokes:
         window.workspace.post("begin_stroke")
-        window.stage.easel.feed(samples)
+        window.stage.paint_thread.feed(samples)
         window.workspace.post("end_stroke")
     settle(window)
     same_vertices(surfaces[0], window.document.surface)
@@ -175,7 +175,7 @@ def test_a_stroke_is_saved_whole_though_another_object_is_opened_at_once(
         assert window.saving.save_to(file)
         document, gate = window.document, threading.Event()
         if held:  # the painting stands still until the other object is being opened
-            window.stage.easel.post(lambda document, gate=gate: gate.wait(300))
+            window.stage.paint_thread.post(lambda document, gate=gate: gate.wait(300))
             monkeypatch.setattr(event_player, "settle", lambda window: None)
             threading.Timer(2.0, gate.set).start()
         player_of(window).play(band, "at once")

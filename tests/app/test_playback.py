@@ -165,11 +165,11 @@ def test_a_played_score_is_a_score_again_and_stops_where_it_is(window, tmp_path)
     by_menu(window, SCORE)
     wait_for(lambda: len(window.document.strokes) >= 1)
     assert time.perf_counter() - began > 0.15  # as long as the hand took for the stroke
-    assert not window.stage.easel.wet  # the score says when ink spreads
+    assert not window.stage.paint_thread.wet  # the score says when ink spreads
     QtTest.QTest.mouseClick(window.replay_bar.button, BUTTON.LeftButton)
     assert not window.player.is_playing
     assert "stopped" in window.status.told.text()
-    assert window.stage.easel.wet
+    assert window.stage.paint_thread.wet
     window.workspace.actions["wet"].trigger()
     settled(window)
     document = window.document

@@ -33,7 +33,7 @@ def window(program):
 def painted(window, request: pytest.FixtureRequest):
     """A window with some strokes, and codes of all colours after none, one, two... of them."""
     assert window.opening.open_path("plane", 2.5, "xuan", asked=True)
-    window.stage.easel.wet = request.param == "wet"
+    window.stage.paint_thread.wet = request.param == "wet"
     window.activateWindow()
     wait_for(window.isActiveWindow)
     window.canvas.setFocus()
@@ -46,7 +46,7 @@ def painted(window, request: pytest.FixtureRequest):
 
 
 def colours(window) -> np.ndarray:
-    with window.stage.easel.paused() as document:
+    with window.stage.paint_thread.paused() as document:
         n = document.surface.source.n_vertices
         return document.surface.srgb[:n].copy()
 
@@ -83,7 +83,7 @@ def test_any_keys_of_undo_and_redo_leave_what_they_spell(painted, seed: int) -> 
             live(chance.choice([0.0, 0.0, chance.uniform(0.0, 0.06)]))
         settled(window)
         assert (len(document.strokes), len(document.undone_strokes)) == (done, N_STROKES - done)
-        if not window.stage.easel.wet:  # on which water goes on running
+        if not window.stage.paint_thread.wet:  # on which water goes on running
             np.testing.assert_array_equal(colours(window), seen[done])
         wait_for_buttons(window, done > 0, done < N_STROKES)
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from paint3d.app.model import easel as easels
-from paint3d.app.model.easel import Easel
+from paint3d.app.model import paint_thread as paint_threads
+from paint3d.app.model.paint_thread import PaintThread
 from paint3d.device.sample import DeviceSample
 from paint3d.painter.painter import Painter
 from paint3d.surface.painted_surface import PaintedSurface
@@ -51,19 +51,19 @@ def stroke(rng: np.random.Generator, t0: int, has_place: bool) -> list[DeviceSam
 )  # fmt: skip
 def test_a_recording_paints_the_same_to_the_bit(monkeypatch, brush, seed, wet):
     rng, wall = np.random.default_rng(seed), Wall(monkeypatch)
-    monkeypatch.setattr(easels.Pace, "most", lambda pace, behind_s: 10**9)
+    monkeypatch.setattr(paint_threads.Pace, "most", lambda pace, behind_s: 10**9)
     document = small_plane(2.0, material="xuan", brush=brush)
-    easel, t0 = Easel(document, wet=wet), int(rng.integers(0, 10**15))
+    paint_thread, t0 = PaintThread(document, wet=wet), int(rng.integers(0, 10**15))
     wall.now = 1e-9 * t0
     for number in range(4):
         samples = stroke(rng, t0, bool(seed % 2))
         if number and rng.random() < 0.4:
-            easel.post("dip")
-        easel.post("begin_stroke")
-        easel.feed(samples)
-        easel.post("end_stroke")
+            paint_thread.post("dip")
+        paint_thread.post("begin_stroke")
+        paint_thread.feed(samples)
+        paint_thread.post("end_stroke")
         t0 = samples[-1].time_ns + int(rng.uniform(4e6, (3e7, 2e8, 4e9)[number % 3]))
-    easel.stop()
+    paint_thread.stop()
     surface = PaintedSurface(document.surface.source, 2.0, "xuan")
     Painter(surface, brush).replay(document.recording(), wet=wet)
     same_vertices(document.surface, surface)

@@ -12,7 +12,7 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
 from PySide6 import QtCore, QtTest
 
-from paint3d.app.model.persistence.sitting import recoverable
+from paint3d.app.model.persistence.recovery_folder import recoverable
 from paint3d.device.recorded import Recording
 from paint3d.errors import Paint3DError
 from paint3d.recording.recording import save_recording
@@ -85,18 +85,18 @@ def by_key(window) -> None:
 def test_it_is_ready_when_all_is_painted_and_a_bar_says_how_far_it_is(window, tmp_path) -> None:
     file = long_file(window, tmp_path, times=TIMES // 6)  # all of it is waited for
     shares: list[int] = []
-    easel = window.stage.easel
+    paint_thread = window.stage.paint_thread
     for k in range(5):  # what was painted before does not count
         drag(window.canvas, (0.42, 0.4 + 0.01 * k), (0.58, 0.4 + 0.01 * k), n=40)
     settled(window)
-    before, n = easel.n_painted, replay(window, file, TIMES // 6)
-    with easel.paused():  # wherever it is
+    before, n = paint_thread.n_painted, replay(window, file, TIMES // 6)
+    with paint_thread.paused():  # wherever it is
         window.player.tick()
         shares.append(window.replay_bar.bar.value())
-        of_all = 1000 * (easel.n_painted - before) / n  # the pointer may have hovered meanwhile
+        of_all = 1000 * (paint_thread.n_painted - before) / n
         assert of_all - 20 < shares[0] <= of_all + 1
     while window.player.is_playing:
-        assert window.replay_bar.bar.value() <= 1000 * (easel.n_painted - before) / n + 1
+        assert window.replay_bar.bar.value() <= 1000 * (paint_thread.n_painted - before) / n + 1
         assert "Ready" not in window.status.told.text()
         assert window.replay_bar.isVisible()
         shares.append(window.replay_bar.bar.value())
@@ -111,18 +111,18 @@ def test_it_is_ready_when_all_is_painted_and_a_bar_says_how_far_it_is(window, tm
 @pytest.mark.parametrize("stop", [by_button, pytest.param(by_key, marks=pytest.mark.long)])
 def test_it_is_stopped_at_once_and_undone_as_a_whole(window, tmp_path, stop) -> None:
     file = long_file(window, tmp_path)
-    easel = window.stage.easel
-    before, n = easel.n_painted, replay(window, file)
-    wait_for(lambda: easel.n_painted > before + 200)
+    paint_thread = window.stage.paint_thread
+    before, n = paint_thread.n_painted, replay(window, file)
+    wait_for(lambda: paint_thread.n_painted > before + 200)
     stop(window)
-    at = easel.n_painted
+    at = paint_thread.n_painted
     assert not window.player.is_playing
     assert not window.replay_bar.isVisible()
     assert "stopped" in window.status.told.text()
     settled(window)
-    assert easel.n_painted <= at + CHUNKS
+    assert paint_thread.n_painted <= at + CHUNKS
     (stroke,) = window.document.strokes
-    assert len(stroke.samples) == easel.n_painted - before < n
+    assert len(stroke.samples) == paint_thread.n_painted - before < n
     assert window.document.surface.painted.any()
     window.workspace.actions["undo"].trigger()
     settled(window)
@@ -150,10 +150,10 @@ def test_the_rest_of_a_wet_recording_is_not_waited_for(window, tmp_path) -> None
     file = long_file(window, tmp_path, REST_NS, times=60)
     window.workspace.actions["wet"].trigger()
     replay(window, file, 60)
-    easel = window.stage.easel
-    wait_for(lambda: easel.queue_length > 1000)
+    paint_thread = window.stage.paint_thread
+    wait_for(lambda: paint_thread.queue_length > 1000)
     by_key(window)
-    assert easel.queue_length < 10
+    assert paint_thread.queue_length < 10
     settled(window)
     window.workspace.actions["wet"].trigger()
     window.workspace.actions["undo"].trigger()
@@ -164,12 +164,12 @@ def test_the_rest_of_a_wet_recording_is_not_waited_for(window, tmp_path) -> None
 def test_what_was_not_painted_does_not_come_back_after_a_crash(window, tmp_path) -> None:
     file = long_file(window, tmp_path)
     replay(window, file)
-    easel = window.stage.easel
+    paint_thread = window.stage.paint_thread
     wait_for(lambda: window.document.surface.painted.any())
     by_key(window)
     settled(window)
     (stroke,) = window.document.strokes
-    easel.stop(keep=True)
+    paint_thread.stop(keep=True)
     back = recoverable()[0].recover().document
     assert [len(s.samples) for s in back.strokes] == [len(stroke.samples)]
     recoverable()[0].discard()
@@ -211,13 +211,13 @@ def test_a_pads_recording_that_does_not_fit_is_refused_in_words(window, tmp_path
 
 def test_a_stroke_by_hand_that_waits_behind_it_is_kept(window, tmp_path) -> None:
     """All is handed on and the rest waits: what is stopped is the replay alone."""
-    file, easel = long_file(window, tmp_path, times=100), window.stage.easel
-    with easel.paused() as document:
+    file, paint_thread = long_file(window, tmp_path, times=100), window.stage.paint_thread
+    with paint_thread.paused() as document:
         assert document is not None
         replay(window, file)
         waiting = -1
-        while easel.queue_length > waiting:  # until no more of it is handed on
-            waiting = easel.queue_length
+        while paint_thread.queue_length > waiting:  # until no more of it is handed on
+            waiting = paint_thread.queue_length
             live(0.1)
         drag(window.canvas, (0.45, 0.4), (0.55, 0.4), n=6)
         by_button(window)

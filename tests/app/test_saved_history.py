@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 
 from paint3d.app.model import document as document_module
 from paint3d.app.model.document import Document
-from paint3d.app.model.easel import Easel
 from paint3d.app.model.input.symmetry import MirrorPlane, Symmetry
-from paint3d.app.model.persistence.sitting import Sitting, recoverable
+from paint3d.app.model.paint_thread import PaintThread
+from paint3d.app.model.persistence.recovery_folder import RecoveryFolder, recoverable
 from paint3d.errors import InputError
 from paint3d.files.project.session import load_session, save_session
 from tests.support.app.hands import paint, same_vertices, small_plane
@@ -370,10 +370,10 @@ def test_painting_while_looking_at_what_was_before_comes_after_all(tmp_path):
 def test_strokes_that_were_undone_can_still_be_done_again_after_a_crash(tmp_path):
     document = painting_on_layers()
     document.undo()
-    easel = Easel(document, sitting=Sitting(document, tmp_path))
+    paint_thread = PaintThread(document, recovery=RecoveryFolder(document, tmp_path))
     for command in ("undo", "redo", "redo", "undo", "undo"):
-        easel.post(command).result(300)
-    easel.stop(keep=True)
+        paint_thread.post(command).result(300)
+    paint_thread.stop(keep=True)
     (left,) = recoverable(tmp_path)
     assert len(list(left.folder.glob("base-1.p3d"))) == 1  # no base was needed for that
     recovered = left.recover()

@@ -330,7 +330,7 @@ def brightness_of_icon(icon: QtGui.QIcon) -> float:
 
 
 def test_good_news_of_one_painting_is_not_said_of_the_next(window) -> None:
-    window.workspace.tell("Brought back; save it to keep it", state="good")
+    window.workspace.tell("Recovered; save it to keep it", state="good")
     assert window.opening.open_path("plane", 1.5, "xuan", asked=True)
     assert "Brought back" not in window.status.told.text()
 
@@ -491,7 +491,9 @@ def test_title_and_picture_change_together(program, monkeypatch) -> None:
 
         before = window.canvas.pixels.astype(int)
         monkeypatch.setattr(window, "setWindowTitle", told)
-        window.stage.easel.post(lambda document: setattr(document, "modified", False)).result(300)
+        window.stage.paint_thread.post(
+            lambda document: setattr(document, "modified", False)
+        ).result(300)
         assert window.opening.open_path("sphere", 6.0, "porcelain", asked=True)
         wait_for(lambda: window.stage.is_drawn)
         after = window.canvas.pixels.astype(int)

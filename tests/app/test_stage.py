@@ -11,7 +11,7 @@ import pytest
 from numpy.typing import NDArray
 
 from paint3d.app.model.document import Document
-from paint3d.app.window.files.opened import Opened
+from paint3d.app.window.files.open_result import OpenResult
 from paint3d.app.window.stage import Stage
 from paint3d.device.sample import DeviceSample
 from paint3d.view import live_picture, live_scene
@@ -30,10 +30,10 @@ def sample(k: int, x: float, y: float, z: float = 32.0, pressure: float | None =
 def standing(name: str, resolution: float, view: View, screen: str) -> Stage:
     assert screen
     stage = Stage(SIZE)
-    stage.open(Opened.of(Document.new(name, resolution, "xuan")))
+    stage.open(OpenResult.of(Document.new(name, resolution, "xuan")))
     stage.set_camera(fit_camera(stage.points, view, SIZE[0] / SIZE[1]))
     until = time.perf_counter() + 300.0
-    while not (stage.is_lit and stage.easel.is_still):
+    while not (stage.is_lit and stage.paint_thread.is_still):
         assert time.perf_counter() < until
         stage.follow()
         time.sleep(0.005)
@@ -49,7 +49,7 @@ def test_the_first_picture_comes_before_soft_light_is_looked_for(
     bake = LiveLight.bake
     monkeypatch.setattr(LiveLight, "bake", lambda light: looked.append(light) or bake(light))
     stage = Stage(SIZE)
-    stage.open(Opened.of(Document.new("plane", 3.0, "xuan")))
+    stage.open(OpenResult.of(Document.new("plane", 3.0, "xuan")))
     view = View((0.2, -0.6, 1.0), (0, 1, 0))
     stage.set_camera(fit_camera(stage.points, view, SIZE[0] / SIZE[1]))
     assert stage.draw() is not None
@@ -85,7 +85,7 @@ def stage(screen: str) -> Iterator[Stage]:
 def follow(stage: Stage) -> None:
     """Take all that the painting thread has."""
     until = time.perf_counter() + 300.0
-    while not stage.easel.is_still:
+    while not stage.paint_thread.is_still:
         assert time.perf_counter() < until
         stage.follow()
         time.sleep(0.001)
@@ -102,7 +102,7 @@ def test_a_brush_that_wanders_leaves_nothing_behind(stage: Stage) -> None:
     rng, place = np.random.default_rng(4), np.zeros(2)
     for k in range(25):
         place = np.clip(place + rng.normal(0.0, 28.0, 2), -115.0, 115.0)  # over the edge too
-        stage.easel.hover(sample(k, *place, z=float(rng.uniform(8.0, 60.0))))
+        stage.paint_thread.hover(sample(k, *place, z=float(rng.uniform(8.0, 60.0))))
         follow(stage)
         drawn = stage.draw().copy()
         assert np.array_equal(drawn, at_once(stage)), f"step {k}, brush at {place}"
@@ -111,25 +111,25 @@ def test_a_brush_that_wanders_leaves_nothing_behind(stage: Stage) -> None:
 
 
 def test_paint_is_drawn_in_its_place_to_the_bit(stage: Stage) -> None:
-    stage.easel.post("dip").result()
-    stage.easel.post("begin_stroke").result()
+    stage.paint_thread.post("dip").result()
+    stage.paint_thread.post("begin_stroke").result()
     for k in range(12):
-        stage.easel.feed([sample(k, 12.0 * k - 70.0, 9.0 * np.sin(k), 20.0, 0.4)])
+        stage.paint_thread.feed([sample(k, 12.0 * k - 70.0, 9.0 * np.sin(k), 20.0, 0.4)])
         follow(stage)
         drawn = stage.draw().copy()
         assert np.array_equal(drawn, at_once(stage)), f"step {k}"
-    stage.easel.post("end_stroke").result()
-    with stage.easel.paused() as document:
+    stage.paint_thread.post("end_stroke").result()
+    with stage.paint_thread.paused() as document:
         assert document.surface.painted.sum() > 50
 
 
 def test_the_brush_is_drawn_where_the_hand_is_while_the_painting_is_behind(stage: Stage) -> None:
-    stage.easel.hover(sample(0, -60.0, 0.0))
+    stage.paint_thread.hover(sample(0, -60.0, 0.0))
     follow(stage)
     before = stage.draw().copy()
-    with stage.easel.paused():
-        stage.easel.hover(sample(1, 60.0, 0.0))
-        assert stage.easel.newest.position[0] == 60.0
+    with stage.paint_thread.paused():
+        stage.paint_thread.hover(sample(1, 60.0, 0.0))
+        assert stage.paint_thread.newest.position[0] == 60.0
         moved = stage.draw()
         assert moved is not None
         moved = moved.copy()
@@ -211,7 +211,7 @@ def test_a_brush_before_a_view_that_moves_has_no_card_draw_all_triangles(
     monkeypatch.setattr(live_picture, "_CARD_LONG_S", 0.0)
     monkeypatch.setattr(live_picture, "_SETTLED_S", 1e9)  # the view never rests
     stage = standing("bowl", 4.0, View((0.12, -1.0, 0.62)), screen)
-    stage.easel.hover(sample(0, -20.0, 0.0, 60.0))
+    stage.paint_thread.hover(sample(0, -20.0, 0.0, 60.0))
     follow(stage)
     for k in range(8):
         view = View((0.1 * k, -1.0, 0.62))
@@ -225,7 +225,7 @@ def test_a_brush_before_a_view_that_moves_has_no_card_draw_all_triangles(
         lambda *at, coarse=False, **how: drawn.append(coarse) or draw(*at, coarse=coarse, **how),
     )
     for k in range(1, 4):
-        stage.easel.hover(sample(k, 10.0 * k - 20.0, 0.0, 60.0))
+        stage.paint_thread.hover(sample(k, 10.0 * k - 20.0, 0.0, 60.0))
         follow(stage)
         assert stage.draw() is not None
     assert drawn

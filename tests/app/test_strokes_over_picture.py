@@ -670,7 +670,7 @@ def test_corrections_that_could_not_be_laid_belong_to_their_page(window, drawing
 
     window.workspace.said.connect(lambda text, *_: told.append(text))
     fail_to_lay()
-    assert "The corrections are kept: look at the strokes once more" in told
+    assert "The corrections are kept; check the strokes again" in told
     answer(lambda box: box.reject(), QtWidgets.QMessageBox)
     assert not window.close(), "they would be lost"
     answer(lambda box: drop_button(box).click(), QtWidgets.QMessageBox)

@@ -11,7 +11,7 @@ import pytest
 
 pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
-from paint3d.app.model.input.devices import Feeling, NothingPlugged, start_feeling
+from paint3d.app.model.input.devices import Feeling, NoDevices, start_feeling
 from paint3d.app.model.persistence.settings import Settings, kept_calibration, load_settings
 from paint3d.app.window.studio import StudioWindow
 from paint3d.brush.presets import load_brush
@@ -61,7 +61,7 @@ def window(program, stylus):
 
 def done(window) -> None:
     """Wait until what was asked for is painted: a stylus that is held is never still."""
-    window.stage.easel.post(lambda document: None).result(300)
+    window.stage.paint_thread.post(lambda document: None).result(300)
     live(0.1)
 
 
@@ -100,7 +100,7 @@ def test_it_paints_under_its_place_and_is_felt_as_the_brush_in_the_hand(window, 
     wait_for(lambda: not stylus.force().any())
 
 
-class Law(NothingPlugged):
+class Law(NoDevices):
     """Stands in for a servo: tells the force of its settings, 6 mm deep in the tree's surface."""
 
     last_force = np.zeros(3)
@@ -320,7 +320,7 @@ def test_what_is_missing_is_said(window) -> None:
     assert "No stylus" in form.told.text()
 
 
-class Caps(NothingPlugged):
+class Caps(NoDevices):
     """Notes how caps are to be read."""
 
     read = None
@@ -367,7 +367,7 @@ def test_the_panel_sets_the_mouse_and_what_it_says_is_kept(program, tmp_path, mo
     close_unasked(again)
 
 
-class Buttons(NothingPlugged):
+class Buttons(NoDevices):
     """A 6-DOF mouse whose buttons are pressed one by one."""
 
     def __init__(self) -> None:
@@ -433,7 +433,7 @@ def main():
     window.show()
     assert window.opening.open_path("plane", 1.5, "porcelain", asked=True)
     wait_for(lambda: len(window.document.strokes) == 1, 120.0)
-    window.stage.easel.post(lambda document: None).result(120)
+    window.stage.paint_thread.post(lambda document: None).result(120)
     surface = window.document.surface
     places = surface.paint_mesh.vertices[np.flatnonzero(surface.painted)]
     print(json.dumps({"y": float(np.median(places[:, 1])), "wide": float(np.ptp(places[:, 0])),

@@ -12,9 +12,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from paint3d.app.model import easel as easels
-from paint3d.app.model.easel import LATE_S, Easel, InkClock, Pace
-from paint3d.app.model.persistence.sitting import Sitting, recoverable
+from paint3d.app.model import paint_thread as paint_threads
+from paint3d.app.model.paint_thread import LATE_S, InkClock, Pace, PaintThread
+from paint3d.app.model.persistence.recovery_folder import RecoveryFolder, recoverable
 from paint3d.painter import painter as engine
 from paint3d.painter.ink_time import PIECE_NS, PIECE_S
 from paint3d.painter.painter import Painter
@@ -55,7 +55,7 @@ class Wall:
         clock = SimpleNamespace(
             perf_counter=lambda: self.now, perf_counter_ns=lambda: round(1e9 * self.now), **names
         )
-        monkeypatch.setattr(easels, "time", clock)
+        monkeypatch.setattr(paint_threads, "time", clock)
 
 
 @pytest.fixture
@@ -66,7 +66,7 @@ def wall(monkeypatch):
 @pytest.fixture
 def quick_wall(monkeypatch, wall):
     """Beside a machine that is as fast as need be."""
-    monkeypatch.setattr(easels.Pace, "most", lambda pace, behind_s: 1000)
+    monkeypatch.setattr(paint_threads.Pace, "most", lambda pace, behind_s: 1000)
     return wall
 
 
@@ -75,12 +75,12 @@ def clockwork(wall):
     document = wet_plane()
     clockwork = Clockwork(document)
     clockwork.held.clear()
-    clockwork.easel = Easel(document, wet=True)
+    clockwork.paint_thread = PaintThread(document, wet=True)
     wall.now += LATE_S + 1.1 * PIECE_S
     assert clockwork.entered.wait(LIMIT_S)
     yield clockwork
     clockwork.held.set()
-    clockwork.easel.stop()
+    clockwork.paint_thread.stop()
 
 
 def wait_for(condition):
@@ -107,12 +107,12 @@ def test_painting_stays_near_the_hand_however_long_the_ink_takes(piece_s, behind
 
 
 def test_whatever_is_asked_for_overtakes_the_ink(clockwork, wall):
-    easel, done = clockwork.easel, clockwork.done
+    paint_thread, done = clockwork.paint_thread, clockwork.done
     for _ in range(3):
-        easel.post(lambda document: done.append("asked"))
+        paint_thread.post(lambda document: done.append("asked"))
     wall.now += 6 * PIECE_S
-    assert easel.queue_length == 3  # no time waits behind what was asked for
-    last = easel.post(lambda document: done.append("last"))
+    assert paint_thread.queue_length == 3  # no time waits behind what was asked for
+    last = paint_thread.post(lambda document: done.append("last"))
     clockwork.held.set()
     last.result(timeout=LIMIT_S)
     assert done[1:5] == ["asked", "asked", "asked", "last"]
@@ -120,34 +120,34 @@ def test_whatever_is_asked_for_overtakes_the_ink(clockwork, wall):
 
 def test_ink_that_moves_by_itself_is_nothing_that_was_asked_for(clockwork):
     """A hand that rests is never told that painting is behind."""
-    easel = clockwork.easel
-    easel.take_frame()
+    paint_thread = clockwork.paint_thread
+    paint_thread.take_frame()
     for _ in range(3):
-        easel.post("follow_time", PIECE_S)
+        paint_thread.post("follow_time", PIECE_S)
     clockwork.held.set()
     frames = []
-    wait_for(lambda: frames.append(easel.take_frame()) or frames[-1] is not None)
+    wait_for(lambda: frames.append(paint_thread.take_frame()) or frames[-1] is not None)
     assert frames[-1].queue_length == 0
 
 
 def test_no_ink_moves_once_it_is_switched_off(clockwork, wall):
-    easel = clockwork.easel
-    easel.wet = False
+    paint_thread = clockwork.paint_thread
+    paint_thread.wet = False
     clockwork.held.set()
     for _ in range(3):
-        easel.post(lambda document: None).result(timeout=LIMIT_S)
+        paint_thread.post(lambda document: None).result(timeout=LIMIT_S)
         wall.now += 2 * PIECE_S
     assert len(clockwork.done) == 1  # the piece that was being done
 
 
 def test_switching_on_wakes_whoever_sleeps():
     document = wet_plane()
-    easel = Easel(document)
-    easel.post(lambda document: None).result(timeout=LIMIT_S)
+    paint_thread = PaintThread(document)
+    paint_thread.post(lambda document: None).result(timeout=LIMIT_S)
     time.sleep(0.05)  # it sleeps until something is asked for
-    easel.wet = True
+    paint_thread.wet = True
     wait_for(lambda: document.surface.flow.steps > 0)
-    easel.stop()
+    paint_thread.stop()
 
 
 def test_while_ink_cannot_be_followed_no_time_passes_for_it(monkeypatch):
@@ -167,10 +167,10 @@ def test_while_ink_cannot_be_followed_no_time_passes_for_it(monkeypatch):
 def test_time_is_left_out_where_a_piece_takes_long(clockwork, wall):
     wall.now += 10 * PIECE_S
     clockwork.held.set()
-    wait_for(lambda: clockwork.easel.ink_clock.left_out > 0)
+    wait_for(lambda: clockwork.paint_thread.ink_clock.left_out > 0)
     for _ in range(3):
-        clockwork.easel.post(lambda document: None).result(timeout=LIMIT_S)
-    with clockwork.easel.paused():
+        clockwork.paint_thread.post(lambda document: None).result(timeout=LIMIT_S)
+    with clockwork.paint_thread.paused():
         assert len(clockwork.done) <= 4  # of the ten that went by
 
 
@@ -193,25 +193,25 @@ def strokes():
 def handed_over(wall, late_s, waits=False):
     """A painting of a hand whose samples come in bursts, none later than that."""
     document, began = small_plane(1.0, material="xuan"), wall.now
-    easel = Easel(document, wet=True)
+    paint_thread = PaintThread(document, wet=True)
     for number, stroke in enumerate(strokes()):
         burst = []
-        easel.post("begin_stroke")
+        paint_thread.post("begin_stroke")
         for sample in stroke:
             burst.append(sample)
             came = began + 1e-9 * sample.time_ns
             if sample is stroke[-1] or came >= began + 1e-9 * burst[0].time_ns + late_s:
                 wall.now = max(wall.now, came)
-                easel.feed(burst)
+                paint_thread.feed(burst)
                 burst = []
-        easel.post("end_stroke")
+        paint_thread.post("end_stroke")
         if waits and number < 2:
-            easel.post(lambda document: None).result(timeout=LIMIT_S)
+            paint_thread.post(lambda document: None).result(timeout=LIMIT_S)
             wall.now += PAUSES_S[number] - 0.05
             done = document.surface.flow.steps
             wait_for(lambda done=done: document.surface.flow.steps > done)
-    easel.wet = False
-    easel.stop()
+    paint_thread.wet = False
+    paint_thread.stop()
     return document
 
 
@@ -286,12 +286,12 @@ def test_a_clock_that_starts_anew_and_one_that_stood_still_do_no_harm():
 
 def test_nothing_is_written_down_where_all_is_dry(tmp_path):
     document = small_plane(material="xuan")
-    sitting = Sitting(document, tmp_path)
+    sitting = RecoveryFolder(document, tmp_path)
     noted = []
     sitting.note = noted.append
-    easel = Easel(document, wet=True, sitting=sitting)
+    paint_thread = PaintThread(document, wet=True, recovery=sitting)
     time.sleep(0.3)
-    easel.stop()
+    paint_thread.stop()
     assert noted == []
 
 
@@ -305,18 +305,18 @@ def base_every_s():
 def wet_sitting(quick_wall, tmp_path, base_every_s):
     """Strokes that run into one another, while time goes on; left to be recovered."""
     document = small_plane(1.0, material="xuan")
-    easel = Easel(document, True, Sitting(document, tmp_path), base_every_s)
+    paint_thread = PaintThread(document, True, RecoveryFolder(document, tmp_path), base_every_s)
     for k in range(4):
-        easel.post("begin_stroke")
+        paint_thread.post("begin_stroke")
         for sample in line((-20, 6 * k), (20, 6 * k - 10), n=40):
             quick_wall.now += 0.002
-            easel.feed([sample])
-        easel.post("end_stroke")
-    easel.post("undo").result(timeout=LIMIT_S)
+            paint_thread.feed([sample])
+        paint_thread.post("end_stroke")
+    paint_thread.post("undo").result(timeout=LIMIT_S)
     done = document.surface.flow.steps
     quick_wall.now += LATE_S + 4.1 * PIECE_S
     wait_for(lambda: document.surface.flow.steps > done)
-    easel.stop(keep=True)
+    paint_thread.stop(keep=True)
     return document
 
 

@@ -11,7 +11,7 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
 from PySide6 import QtTest
 
-from paint3d.app.model import easel as easels
+from paint3d.app.model import paint_thread as paint_threads
 from paint3d.app.model.input.event_clock import EventClock
 from paint3d.app.window.hand import canvas as canvases
 from paint3d.painter.ink_time import PIECE_NS
@@ -45,9 +45,11 @@ class Wall:
             perf_counter=lambda: 1e-3 * self.ms, perf_counter_ns=lambda: 1_000_000 * self.ms,
             **names,
         )  # fmt: skip
-        for module in (easels, canvases):
+        for module in (paint_threads, canvases):
             monkeypatch.setattr(module, "time", clock)
-        monkeypatch.setattr(easels.Pace, "most", lambda pace, behind_s: 1000)  # it is followed
+        monkeypatch.setattr(
+            paint_threads.Pace, "most", lambda pace, behind_s: 1000
+        )  # it is followed
 
 
 @pytest.fixture(scope="module")
@@ -67,7 +69,7 @@ def play(window, recording: EventRecording, wall: Wall, how: str, pace: float) -
         wall.ms = begin_ms + batch[-1].time_ms
         if how == "burst":  # something holds the window up, longer than between two strokes
             for _ in range(5):
-                window.stage.easel.post(lambda document: None).result(60)
+                window.stage.paint_thread.post(lambda document: None).result(60)
                 time.sleep(_STALL_S)
         for event in batch:
             player.send(event, begin_ms)

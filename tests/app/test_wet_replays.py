@@ -10,8 +10,8 @@ import pytest
 
 pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
-from paint3d.app.model import easel as easels
-from paint3d.app.model.easel import LATE_S
+from paint3d.app.model import paint_thread as paint_threads
+from paint3d.app.model.paint_thread import LATE_S
 from paint3d.app.window.playing import player as players
 from paint3d.cli.main import main
 from paint3d.files.project.session import load_session
@@ -81,8 +81,8 @@ def replayed(recording: Path, rest_s: float) -> PaintedSurface:
 def rest(window, wall: Wall, seconds: float) -> None:
     """Let time pass on the wall while nobody paints, and what it is worth to the ink."""
     wall.ms += round(1000.0 * (seconds + LATE_S))
-    easel = window.stage.easel
-    while easel.ink_clock.patience(wall.ms * 1_000_000) == 0.0:
+    paint_thread = window.stage.paint_thread
+    while paint_thread.ink_clock.patience(wall.ms * 1_000_000) == 0.0:
         settle(window)
     settle(window)
 
@@ -114,7 +114,7 @@ def test_the_window_replays_it_to_the_bit_too(window, wall, monkeypatch, tmp_pat
     save_recording(window, monkeypatch, file)
     open_for(window, header, RESOLUTION)
     wall.ms += 13  # the hand's clock stands anywhere
-    monkeypatch.setattr(players, "time", easels.time)
+    monkeypatch.setattr(players, "time", paint_threads.time)
     assert window.recordings.replay_file(str(file))
     wait_for(lambda: not window.player.is_playing)
     same_ink(window.document.surface, replayed(file, 0.0))
@@ -134,7 +134,7 @@ def test_a_recording_of_another_day_lets_no_more_time_pass_first(
     monkeypatch.setattr(
         PaintedSurface, "follow_time", lambda *given: pieces.append(1) or follow(*given)
     )
-    monkeypatch.setattr(players, "time", easels.time)
+    monkeypatch.setattr(players, "time", paint_threads.time)
     assert window.recordings.replay_file(str(file))
     wait_for(lambda: not window.player.is_playing)
     assert 0 < len(pieces) < 2.0 * recording.duration_s / PIECE_S + 10

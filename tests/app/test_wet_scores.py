@@ -123,7 +123,7 @@ def pieces_after(document) -> int:
 
 def time_goes_on(window) -> bool:
     """Whether time passes for the ink by the wall's clock after what was played."""
-    with window.workspace.easel.paused() as document:
+    with window.workspace.paint_thread.paused() as document:
         return pieces_after(document) > 0
 
 

@@ -18,7 +18,7 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
 import paint3d
 from paint3d.app.model.input.devices import Feeling
-from paint3d.app.model.persistence.sitting import recoverable
+from paint3d.app.model.persistence.recovery_folder import recoverable
 from paint3d.app.window.hand.device_input import DeviceInput, carried_camera
 from paint3d.app.window.playing.pictures import Film
 from paint3d.app.window.studio import StudioWindow
@@ -43,7 +43,7 @@ from tests.support.app.gestures import (
     pen_stroke,
     wait_for,
 )
-from tests.support.app.windows import opened, settled
+from tests.support.app.windows import opened, pretend_saved, settled
 
 ROOT = Path(__file__).parents[2]
 PAINTING = """
@@ -56,7 +56,7 @@ from tests.support.app.windows import SMALL, light_by_few
 
 def kept():
     n, found = 0, 0  # strokes, and samples of the last; between these time passes for the ink
-    (journal,) = window.stage.easel.sitting.folder.glob("journal-1.*")
+    (journal,) = window.stage.paint_thread.recovery.folder.glob("journal-1.*")
     for event in read_events(journal)[1]:
         if not isinstance(event, dict):
             found += len(event)
@@ -121,7 +121,7 @@ def choose(window, name: str) -> None:
 
 def painted(window) -> int:
     """How many vertices have paint."""
-    with window.stage.easel.paused() as document:
+    with window.stage.paint_thread.paused() as document:
         return int(document.surface.painted.sum())
 
 
@@ -253,14 +253,14 @@ def test_a_stroke_by_hand_ends_a_replay_and_is_one_of_its_own(painted_once, by: 
     """It would be painted into the stroke of the recording, and the rest of that be refused."""
     window = painted_once
     stroke = window.document.strokes[0]
-    there, before = len(window.document.strokes), window.stage.easel.n_painted
+    there, before = len(window.document.strokes), window.stage.paint_thread.n_painted
     window.player.play(stroke.samples, 0.1)
-    wait_for(lambda: window.stage.easel.n_painted > before + 2)
+    wait_for(lambda: window.stage.paint_thread.n_painted > before + 2)
     if by == "mouse":
         drag(window.canvas, (0.4, 0.6), (0.6, 0.6), n=6)
     else:
         readings = readings_along_a_line()
-        window.both_hands = DeviceInput(window.workspace, window.panels.devices, Plugged(readings))
+        window.both_hands = DeviceInput(window.workspace, window.panels.devices, Devices(readings))
         wait_for(lambda: len(window.document.strokes) == there + 2)
         window.both_hands.close()
         window.both_hands = DeviceInput(window.workspace, window.panels.devices)
@@ -276,7 +276,7 @@ def test_a_stroke_by_hand_ends_a_replay_and_is_one_of_its_own(painted_once, by: 
     choose(window, "undo")
 
 
-class Plugged:
+class Devices:
     """A stylus that is read again and again; no other device."""
 
     failures: ClassVar[dict[str, str]] = {}
@@ -300,7 +300,7 @@ class Plugged:
         self.readings = []
 
 
-class Felt(Plugged):
+class Felt(Devices):
     """A haptic stylus that pushes back with 2 N."""
 
     last_force = np.array([0.0, 0.0, 2.0])
@@ -339,11 +339,11 @@ def test_a_stylus_paints_through_the_desk(painted_once, haptic: bool) -> None:
     if haptic:
         felt = Felt(readings)
         window.both_hands = DeviceInput(
-            workspace, panel, Plugged([]), lambda document, settings: Feeling(felt)
+            workspace, panel, Devices([]), lambda document, settings: Feeling(felt)
         )
-        window.both_hands.open(window.document)
+        window.both_hands.open()
     else:
-        window.both_hands = DeviceInput(workspace, panel, Plugged(readings))
+        window.both_hands = DeviceInput(workspace, panel, Devices(readings))
     wait_for(lambda: len(window.document.strokes) == there + 1)
     settled(window)
     assert painted(window) >= n > 0
@@ -386,16 +386,16 @@ def test_refining_that_is_stopped_leaves_the_surface_as_it_was(window, program) 
     other.show()
     other.workspace.quiet = True
     assert other.opening.open_path("sphere", 0.3, asked=True)
-    with other.stage.easel.paused() as document:
+    with other.stage.paint_thread.paused() as document:
         before = document.surface.n_vertices
     answer_bar(lambda bar: bar.canceled.emit())
     other.painting.do_refine()
     assert isinstance(other.workspace.error, CancelledError)
-    with other.stage.easel.paused() as document:
+    with other.stage.paint_thread.paused() as document:
         assert document.surface.n_vertices == before
         assert not document.surface.paint_mesh.arrays.done.any()
         assert len(document.surface.codes) == document.surface.paint_mesh.capacity
-        document.modified = False
+    pretend_saved(other.stage.paint_thread)
     other.close()
 
 
@@ -416,10 +416,10 @@ def test_an_implausible_object_is_asked_for_its_unit(window, tmp_path: Path) -> 
 
 
 def test_the_whole_surface_is_refined_on_demand(window) -> None:
-    with window.stage.easel.paused() as document:
+    with window.stage.paint_thread.paused() as document:
         before = document.surface.n_vertices
     window.painting.do_refine()
-    with window.stage.easel.paused() as document:
+    with window.stage.paint_thread.paused() as document:
         assert document.surface.n_vertices > 1.5 * before
 
 

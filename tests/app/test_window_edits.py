@@ -59,7 +59,7 @@ def as_it_was(window):
 
 def state(window) -> list[np.ndarray]:
     """What lies on every vertex: ink in all, how much of it is covered, and the colour."""
-    with window.stage.easel.paused() as document:
+    with window.stage.paint_thread.paused() as document:
         document.refresh()
         surface = document.surface
         return [surface.amounts.sum(axis=1), surface.coverage.copy(), surface.srgb.astype(int)]
@@ -73,7 +73,7 @@ def same(window, before: list[np.ndarray]) -> None:
 
 
 def inked(window) -> np.ndarray:
-    with window.stage.easel.paused() as document:
+    with window.stage.paint_thread.paused() as document:
         surface = document.surface
         return surface.paint_mesh.vertices[surface.coverage > 0.0].copy()
 
@@ -121,13 +121,13 @@ def test_a_stroke_in_the_middle_is_deleted_and_undone_and_done_again(window) -> 
 
 def test_a_stroke_is_dragged_on_the_object(window) -> None:
     canvas, before = window.canvas, inked(window)
-    n_samples = window.stage.easel.n_painted
+    n_samples = window.stage.paint_thread.n_painted
     choose(window, 0, "drag")
     assert "Drag stroke 1" in window.status.told.text()
     drag(canvas, (0.48, 0.40), (0.48, 0.30))
     settled(window)
     assert len(window.document.strokes) == 5
-    assert window.stage.easel.n_painted == n_samples  # the drag did not paint
+    assert window.stage.paint_thread.n_painted == n_samples  # the drag did not paint
     after = inked(window)
     assert after[:, 1].max() > before[:, 1].max() + 3.0
     assert not window.editing.drag.is_waiting

@@ -18,10 +18,10 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
 from PySide6 import QtCore, QtTest, QtWidgets
 
-from paint3d.app.model import easel
-from paint3d.app.model.persistence.sitting import recoverable
+from paint3d.app.model import paint_thread
+from paint3d.app.model.persistence.recovery_folder import recoverable
 from paint3d.app.window.files.exporting import ExportDialog
-from paint3d.app.window.files.opened import named
+from paint3d.app.window.files.open_result import named
 from paint3d.app.window.files.target_dialog import TargetDialog
 from paint3d.app.window.playing.pictures import Film, FilmDialog
 from paint3d.app.window.wording import say
@@ -249,7 +249,7 @@ def test_what_is_chosen_for_a_format_is_in_the_file_and_chosen_again(
     mesh = load_mesh(tmp_path / "inches.ply")
     width = float(mesh.vertices[:, 0].max() - mesh.vertices[:, 0].min())
     assert width == pytest.approx(200.0 / 25.4, rel=1e-3)
-    with window.stage.easel.paused() as document:
+    with window.stage.paint_thread.paused() as document:
         assert mesh.n_vertices == document.surface.n_vertices
     seen: list[object] = []
 
@@ -491,9 +491,9 @@ def test_a_painting_that_is_reopened_is_not_said_to_be_open_elsewhere(window, tm
 def test_whole_copies_are_kept_as_often_as_was_chosen_however_much_is_painted(program) -> None:
     """On a large wet sheet every 3 s of the painting's work wrote 155 MB."""
     with opened(program, resolution=2.0) as window:
-        paints = window.stage.easel
+        paints = window.stage.paint_thread
         paints.keep_every(1e9)
-        first = paints.sitting.number
+        first = paints.recovery.number
 
         def work(document: object) -> None:
             until = time.thread_time() + 3.2
@@ -504,10 +504,10 @@ def test_whole_copies_are_kept_as_often_as_was_chosen_however_much_is_painted(pr
         for y in (0.45, 0.55):
             drag(window.canvas, (0.4, y), (0.6, y), n=8)
             settled(window)
-        assert paints.sitting.number == first
+        assert paints.recovery.number == first
         paints.keep_every(0.1)
         drag(window.canvas, (0.4, 0.65), (0.6, 0.65), n=8)
-        wait_for(lambda: paints.sitting.number > first)
+        wait_for(lambda: paints.recovery.number > first)
 
 
 @pytest.mark.skipif(os.name == "nt", reason="rights are others there")
@@ -524,12 +524,12 @@ def test_what_is_kept_is_the_users_alone_whatever_the_umask(
         if umask == 0o022:
             (state / "sittings").mkdir(parents=True)
         with opened(program, resolution=2.0) as window:
-            paints = window.stage.easel
+            paints = window.stage.paint_thread
             drag(window.canvas, (0.4, 0.45), (0.6, 0.5), n=8)
             settled(window)
             paints.keep_every(0.1)
             drag(window.canvas, (0.4, 0.55), (0.6, 0.55), n=8)
-            wait_for(lambda: paints.sitting.number > 1)
+            wait_for(lambda: paints.recovery.number > 1)
             paints.keep_every(1e9)
             settled(window)
             window.workspace.keep(theme="light")
@@ -552,8 +552,8 @@ def test_what_a_full_disk_could_not_keep_is_kept_as_soon_as_there_is_room(
 ) -> None:
     """Said in the status line; a stroke that the journal missed is in the next base."""
     with opened(program, resolution=2.0) as window:
-        sitting = window.stage.easel.sitting
-        window.stage.easel.keep_every(1e9)
+        sitting = window.stage.paint_thread.recovery
+        window.stage.paint_thread.keep_every(1e9)
 
         def full(*_: object) -> None:
             raise ExportError("a.p3dj: cannot write: No space left on device")
@@ -564,12 +564,12 @@ def test_what_a_full_disk_could_not_keep_is_kept_as_soon_as_there_is_room(
             drag(window.canvas, (0.4, 0.45), (0.6, 0.5), n=8)
             settled(window)
             wait_for(lambda: "cannot be kept for recovery" in window.status.told.text())
-        monkeypatch.setattr(easel, "_AGAIN_S", 0.0)
+        monkeypatch.setattr(paint_thread, "_AGAIN_S", 0.0)
         drag(window.canvas, (0.4, 0.55), (0.6, 0.6), n=8)
         settled(window)
         wait_for(lambda: "kept for recovery again" in window.status.told.text())
         shutil.copytree(sitting.folder, tmp_path / "left")  # as a crash would leave it
-        with window.stage.easel.paused() as document:
+        with window.stage.paint_thread.paused() as document:
             painted = document.surface.srgb.copy()
     (left,) = recoverable(tmp_path)
     again = left.recover().document

@@ -14,7 +14,7 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
 from PySide6 import QtCore, QtTest
 
-from paint3d.app.model.persistence.sitting import Sitting, recoverable
+from paint3d.app.model.persistence.recovery_folder import RecoveryFolder, recoverable
 from paint3d.app.window.studio import StudioWindow
 from paint3d.files.project.session import load_session, save_session
 from tests.support.app.gestures import (
@@ -27,7 +27,7 @@ from tests.support.app.gestures import (
     type_key,
     wait_for,
 )
-from tests.support.app.windows import SMALL, close_unasked
+from tests.support.app.windows import SMALL, close_unasked, pretend_saved
 
 ROWS = (0.42, 0.47, 0.52, 0.57)
 
@@ -61,7 +61,7 @@ def painting(window, tmp_path_factory):
         settled(window)
         states.append(state(window))
     path = tmp_path_factory.mktemp("painting") / "painting.p3d"
-    with window.stage.easel.paused() as document:
+    with window.stage.paint_thread.paused() as document:
         document.save(path)
     return path, states
 
@@ -69,15 +69,14 @@ def painting(window, tmp_path_factory):
 @pytest.fixture
 def painted(window, painting, tmp_path):
     """The same in a file of its own."""
-    with window.stage.easel.paused() as document:
-        document.modified = False
+    pretend_saved(window.stage.paint_thread)
     return Path(shutil.copy(painting[0], tmp_path)), painting[1]
 
 
 def settled(window) -> None:
     """Wait until everything asked for is painted and seen."""
-    window.stage.easel.post(lambda document: None).result(300)
-    wait_for(lambda: window.stage.easel.is_still)
+    window.stage.paint_thread.post(lambda document: None).result(300)
+    wait_for(lambda: window.stage.paint_thread.is_still)
     live(0.05)
 
 
@@ -96,7 +95,7 @@ def press(window, *keys) -> None:
 
 def state(window):
     """How many strokes there are, and the colour of every vertex."""
-    with window.stage.easel.paused() as document:
+    with window.stage.paint_thread.paused() as document:
         return len(document.strokes), document.surface.srgb.copy()
 
 
@@ -147,7 +146,7 @@ def test_a_click_shows_the_painting_as_it_was_after_a_stroke(window, painted):
         looks(window, states[upto])
         assert window.panels.history.list.currentRow() == upto - 1
         assert window.panels.history.slider.value() == upto
-    with window.stage.easel.paused() as document:
+    with window.stage.paint_thread.paused() as document:
         document.save()
     assert window.opening.open_path(str(path), asked=True)  # undone when it was saved
     settled(window)
@@ -230,8 +229,7 @@ def test_damaged_steps_are_dropped_and_it_is_said(window, painted):
 
 
 def test_a_replay_of_nothing_says_so(window):
-    with window.stage.easel.paused() as document:
-        document.modified = False
+    pretend_saved(window.stage.paint_thread)
     assert window.opening.open_path("plane", 1.5, "xuan", asked=True)
     settled(window)
     QtTest.QTest.mouseClick(window.panels.history.play, QtCore.Qt.MouseButton.LeftButton)
@@ -244,7 +242,7 @@ def test_a_painting_brought_back_after_a_crash_has_its_history(window, painted, 
     settled(window)
     press(window, Z, CTRL)
     press(window, Z, CTRL)
-    sitting = Sitting(window.document, tmp_path / "left")  # a base, as a crash leaves it
+    sitting = RecoveryFolder(window.document, tmp_path / "left")  # a base, as a crash leaves it
     sitting.note({"do": "redo"})
     sitting.close(keep=True)
     (left,) = recoverable(tmp_path / "left")
@@ -290,11 +288,11 @@ def test_what_was_only_looked_at_in_the_history_is_as_saved(window, painted):
 def test_a_stroke_that_is_cancelled_leaves_the_painting_as_saved(window, painted):
     path, _ = painted
     assert window.opening.open_path(str(path), asked=True)
-    easel = window.stage.easel
+    paint_thread = window.stage.paint_thread
     drag(window.canvas, (0.42, 0.62), (0.55, 0.62), release=False)
     wait_for(lambda: window.isWindowModified())
     window.workspace.actions["cancel_stroke"].trigger()
-    easel.post(lambda document: None).result(300)
+    paint_thread.post(lambda document: None).result(300)
     wait_for(lambda: not window.isWindowModified())
     x, y = 0.55 * window.canvas.width(), 0.62 * window.canvas.height()
     mouse(window.canvas, KIND.MouseButtonRelease, x, y, BUTTON.LeftButton)

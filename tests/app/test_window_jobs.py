@@ -19,7 +19,7 @@ from PySide6 import QtCore, QtTest, QtWidgets
 
 from paint3d.app.model.commands import COMMANDS
 from paint3d.app.model.document import Document
-from paint3d.app.model.persistence.sitting import Sitting, Unfinished, recoverable
+from paint3d.app.model.persistence.recovery_folder import RecoveryFolder, Unfinished, recoverable
 from paint3d.app.window import job as jobs
 from paint3d.app.window import start, studio
 from paint3d.app.window.files import opening
@@ -31,7 +31,7 @@ from paint3d.core.machine import is_locked
 from paint3d.errors import ExportError
 from tests.support.app.gestures import answer, answer_bar, drag, live, type_key, wait_for
 from tests.support.app.hands import line
-from tests.support.app.windows import SMALL, close_unasked, settled
+from tests.support.app.windows import SMALL, close_unasked, pretend_saved, settled
 from tests.support.cases import long_but
 
 LIMIT_S = 300.0  # for what comes soon where the machine is not busy
@@ -59,7 +59,7 @@ def empty(program):
 
 def leave_a_sitting() -> None:
     """Leave a painting with a second layer behind, as a crash does."""
-    sitting = Sitting(Document.new("plane", 4.0))
+    sitting = RecoveryFolder(Document.new("plane", 4.0))
     sitting.note({"do": "add_layer"})
     sitting.close(keep=True)
 
@@ -172,7 +172,7 @@ def test_an_export_that_is_stopped_leaves_no_file_and_a_painting_that_goes_on(
 
 
 def test_what_waits_in_the_queue_is_not_begun_after_cancel(window, gate: threading.Event) -> None:
-    window.stage.easel.post(lambda document: gate.wait(LIMIT_S))
+    window.stage.paint_thread.post(lambda document: gate.wait(LIMIT_S))
     answer_bar(cancel)
     before = window.document.surface.n_vertices
     window.painting.do_refine()
@@ -281,7 +281,7 @@ def test_a_recovery_that_is_stopped_stays_and_is_offered_in_the_empty_window(
     assert not empty.recovery.recover(recoverable()[0])
     gate.set()
     live(0.3)
-    assert empty.stage.easel is None
+    assert empty.stage.paint_thread is None
     assert len(recoverable()) == 1
     monkeypatch.undo()
     wait_for(empty.begin_page.isVisible)
@@ -306,7 +306,7 @@ def test_a_recovery_that_is_stopped_at_the_start_opens_nothing_instead(
     start.open_first(empty, None, 3.0, None)
     gate.set()
     monkeypatch.undo()
-    assert empty.stage.easel is None
+    assert empty.stage.paint_thread is None
     wait_for(empty.begin_page.isVisible)
     assert any(b.text().startswith("Bring back") for b in empty.begin_page.buttons)
     for left in recoverable():
@@ -318,11 +318,11 @@ def test_what_is_brought_back_and_cannot_be_kept_anew_stays(
 ) -> None:
     """Where the disk is full, what the crash left is all that there is until it is saved."""
 
-    def full(document: Document) -> Sitting:
+    def full(document: Document) -> RecoveryFolder:
         raise ExportError("the disk is full")
 
     leave_a_sitting()
-    monkeypatch.setattr(studio, "Sitting", full)
+    monkeypatch.setattr(studio, "RecoveryFolder", full)
     assert empty.recovery.recover(recoverable()[0])
     assert len(empty.document.layers) == 2
     assert "the disk is full" in empty.status.told.text()
@@ -353,8 +353,8 @@ def test_what_is_brought_back_says_that_its_file_is_open_elsewhere(empty, tmp_pa
     """Whoever saves second is asked; here it is known before."""
     document = Document.new("plane", 4.0)
     document.save(tmp_path / "both.p3d")
-    theirs = Sitting(document)
-    killed = Sitting(document)
+    theirs = RecoveryFolder(document)
+    killed = RecoveryFolder(document)
     killed.note({"do": "add_layer"})
     killed.close(keep=True)
     try:
@@ -368,7 +368,7 @@ def test_what_is_brought_back_says_that_its_file_is_open_elsewhere(empty, tmp_pa
 
 @pytest.mark.parametrize("tongue", ["en", "zh"])
 def test_what_a_damaged_journal_lost_is_told(empty, tongue: str) -> None:
-    sitting = Sitting(Document.new("plane", 4.0))
+    sitting = RecoveryFolder(Document.new("plane", 4.0))
     sitting.note({"do": "add_layer"})
     sitting.note({"do": "remove_layer", "with": [7]})  # there is none, and nobody was told then
     sitting.note({"do": "begin_stroke"})
@@ -395,7 +395,7 @@ def test_nothing_is_said_of_what_was_refused_before_the_crash(window) -> None:
     settled(window)
     drag(window.canvas, (0.4, 0.5), (0.55, 0.5), n=6)
     settled(window)
-    window.stage.easel.stop(keep=True)
+    window.stage.paint_thread.stop(keep=True)
     (left,) = recoverable()
     recovered = left.recover()
     assert recovered.refused == ()
@@ -410,7 +410,7 @@ def test_saving_what_was_brought_back_asks_if_others_saved_there(
     """Since the lost window knew the file last, not since it was brought back."""
     path = tmp_path / "mine.p3d"
     document = Document.new("plane", 4.0)
-    sitting = Sitting(document)
+    sitting = RecoveryFolder(document)
     document.save(path)
     sitting.name_file(document)
     sitting.note({"do": "add_layer"})
@@ -435,7 +435,7 @@ def test_what_was_put_off_stays_in_the_file_menu(empty) -> None:
     def later(box: QtWidgets.QMessageBox) -> None:
         next(button for button in box.buttons() if button.text() == "Later").click()
 
-    sitting = Sitting(Document.new("plane", 4.0))
+    sitting = RecoveryFolder(Document.new("plane", 4.0))
     sitting.note({"do": "add_layer"})
     sitting.close(keep=True)
     answer(later, QtWidgets.QMessageBox)
@@ -448,7 +448,7 @@ def test_what_was_put_off_stays_in_the_file_menu(empty) -> None:
     assert empty.commands.unsaved.isEnabled()
     assert back.text().startswith("Plane")
     empty.workspace.post("add_layer")
-    empty.stage.easel.post(lambda document: None).result(LIMIT_S)
+    empty.stage.paint_thread.post(lambda document: None).result(LIMIT_S)
     boxes: list[str] = []
 
     def stay(box: QtWidgets.QMessageBox) -> None:  # what is open is asked about, too
@@ -463,8 +463,7 @@ def test_what_was_put_off_stays_in_the_file_menu(empty) -> None:
     back.trigger()
     assert len(boxes) == 1
     assert empty.document.surface.source.name == "sphere"
-    with empty.stage.easel.paused() as document:
-        document.modified = False
+    pretend_saved(empty.stage.paint_thread)
     answer(lambda box: box.defaultButton().click(), QtWidgets.QMessageBox)
     back.trigger()
     assert empty.document.surface.source.name == "plane"

@@ -58,7 +58,7 @@ def test_brush_inks_and_force_lie_in_the_hand_again(start) -> None:
     window = start(resolution=3.0)
     assert window.document.painter.brush.name == "full"
     assert window.hand.hand.force == Settings().force_n
-    window.stage.easel.post("set_brush", "zhongkai")
+    window.stage.paint_thread.post("set_brush", "zhongkai")
     window.workspace.actions["larger"].trigger()
     window.panels.inks.dipped.emit({"indigo": 0.75, "water": 0.25}, None)
     window.workspace.actions["swap_inks"].trigger()
@@ -70,7 +70,7 @@ def test_brush_inks_and_force_lie_in_the_hand_again(start) -> None:
     assert window.document.painter.brush == brush
     assert [window.document.inks[k] for k in (0, 1)] == inks
     assert window.hand.hand.force == 3.25
-    window.stage.easel.post("set_brush", "gongbi")
+    window.stage.paint_thread.post("set_brush", "gongbi")
     settled(window)
     assert window.opening.open_path("sphere", 3.0, asked=True)  # not only when it is closed
     assert window.document.painter.brush.name == "gongbi"
@@ -80,16 +80,16 @@ def test_brush_inks_and_force_lie_in_the_hand_again(start) -> None:
 def test_ink_spreads_as_was_chosen_and_else_as_the_material_asks(start) -> None:
     window = start(resolution=4.0, material="xuan")
     assert window.workspace.actions["wet"].isChecked()
-    assert window.stage.easel.wet
+    assert window.stage.paint_thread.wet
     window.opening.open_path("plane", 4.0, "porcelain", asked=True)
     assert not window.workspace.actions["wet"].isChecked()
-    assert not window.stage.easel.wet
+    assert not window.stage.paint_thread.wet
     assert load_settings()[0].wet is None  # nobody has chosen
     window.opening.open_path("plane", 4.0, "xuan", asked=True)
     window.workspace.actions["wet"].trigger()
     assert load_settings()[0].wet is False
     window = start(resolution=4.0, material="xuan")
-    assert not window.stage.easel.wet
+    assert not window.stage.paint_thread.wet
     assert not window.workspace.actions["wet"].isChecked()
 
 
@@ -152,12 +152,12 @@ def test_preferences_have_an_effect_now_and_with_the_next_start(start) -> None:
     assert window.panels.brushes.told.text() == "3.5 cm"
     assert say_length(120.0) == "12 cm"
     assert window.workspace.actions["wet"].isChecked()
-    assert window.stage.easel.wet
-    assert window.stage.easel.base_every_s == 45.0
+    assert window.stage.paint_thread.wet
+    assert window.stage.paint_thread.base_every_s == 45.0
     window = start(resolution=4.0)
     assert window.panels.brushes.told.text() == "3.5 cm"
-    assert window.stage.easel.base_every_s == 45.0
-    assert window.stage.easel.wet
+    assert window.stage.paint_thread.base_every_s == 45.0
+    assert window.stage.paint_thread.wet
     assert window.document.steps.memory_budget == 64 << 20
 
 

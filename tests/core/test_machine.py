@@ -110,12 +110,12 @@ def test_a_stranger_s_file_is_read_and_a_sitting_is_kept_without_them(tmp_path: 
 from pathlib import Path
 import paint3d
 from paint3d.app.model.document import Document
-from paint3d.app.model.persistence.sitting import Sitting, recoverable
+from paint3d.app.model.persistence.recovery_folder import RecoveryFolder, recoverable
 
 if __name__ == "__main__":
     assert paint3d.load_mesh("a.obj").n_faces == 1
     document = Document.new("a.obj", 5.0)
-    sitting = Sitting(document, Path("sittings"))
+    sitting = RecoveryFolder(document, Path("sittings"))
     document.modified = True
     sitting.save_base(document)
     sitting.close(keep=True)

@@ -238,7 +238,7 @@ _TABLE: tuple[_Row, ...] = (
         _PART,
         Command("choose_colour", text="Mix a colour…"),
         Command("open_pigments", text="Open a table of pigments…"),
-        Command("forget_pigments", text="Put own pigments away"),
+        Command("forget_pigments", text="Remove own pigments"),
         _PART,
         Command("wet", text="surface.wet", icon="water", checkable=True),
         Command("dry", ["Shift+W"], icon="dry", codec=PLAIN, step="dry"),

@@ -1,7 +1,7 @@
 """A painting in the studio: the object, the brush, its strokes, and the way back.
 
-No window, no thread and no clock: whoever calls says when. `paint3d.app.model.easel` runs one of
-these in a thread of its own.
+No window, no thread and no clock: whoever calls says when. `paint3d.app.model.paint_thread` runs
+one of these in a thread of its own.
 """
 
 from __future__ import annotations
@@ -116,6 +116,8 @@ class Document:
         Whether some steps found no room in the file when it was saved last.
     keeper : ScoreKeeper or None
         Writes down what is asked, to be played again; None where how it began is not known.
+    check_access : callable
+        Raises RuntimeError where the thread that calls a method may not use the document.
     progress : callable or None
         Called with the fraction that is done while strokes are painted again; what it raises stops
         that, and everything is as it was.
@@ -141,6 +143,7 @@ class Document:
         at_hand = saved_inks(surface, self.settings)
         self.inks: list[Ink] = list(at_hand or (painter.dipped, DEFAULT_INKS[1]))
         self.progress: Callable[[float], None] | None = None
+        self.check_access: Callable[[], None] = lambda: None
         self.modified = False
         self._saved_at: int | None = 0
         self.left_out = False
@@ -531,7 +534,7 @@ class Document:
 
     @property
     def strokes(self) -> Sequence[Stroke]:
-        """What was painted by hand and is there, in order; those of earlier sittings first."""
+        """What was painted by hand and is there, in order; those of earlier sessions first."""
         return self._log.strokes
 
     @property
@@ -614,6 +617,7 @@ class Document:
             If no stroke was begun, or the samples cannot follow those before; none of them is
             painted then, and the stroke goes on.
         """
+        self.check_access()
         if self._refused:
             return
         if not self.in_stroke:
@@ -1338,6 +1342,7 @@ class Document:
 
     def refresh(self) -> AnyArray:
         """Bring the colours up to date; (N,) int32 vertices that changed since the last call."""
+        self.check_access()
         self._gather()
         pending, self._pending = self._pending, []
         if len(pending) == 1:

@@ -5,18 +5,28 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.app.model.document import Document
+from paint3d.app.model.mask import Mask, Stencil
+from paint3d.app.model.stroke_log import Stroke
+from paint3d.brush.spec import BrushSpec, DipAmount
+from paint3d.brush_engine.bristles.bend import Bristles
+from paint3d.brush_engine.tuft import Tuft
 from paint3d.colour.layers import mixture_reflectance
+from paint3d.colour.materials import Material
 from paint3d.colour.pigments import WATER, Pigment
 from paint3d.colour.spectra import srgb_from_reflectance
 from paint3d.core.arrays import AnyArray
 from paint3d.device.sample import DeviceSample
-from paint3d.painter.painter import Painter
+from paint3d.mesh.kernels.bvh import ContactTree
+from paint3d.mesh.triangle_mesh import TriangleMesh
+from paint3d.painter.painter import Ink, Painter
 from paint3d.pose.brush_pose import object_poses
+from paint3d.surface.layer_stack import Layer
 from paint3d.view.pressed_tuft import PressedTuft
 
 __all__ = [
@@ -25,6 +35,7 @@ __all__ = [
     "BrushView",
     "Frame",
     "HeldInk",
+    "Snapshot",
     "held_ink",
     "ink_srgb",
     "view_brush",
@@ -132,6 +143,123 @@ class BrushView:
 
 
 @dataclass(frozen=True, eq=False)
+class Snapshot:
+    """The painting after a step, for whoever may not touch the document: nothing in it changes.
+
+    Attributes
+    ----------
+    source : TriangleMesh
+        What is painted on.
+    contact_tree : ContactTree
+        Of its triangles.
+    material : Material
+    resolution : float or None
+        mm.
+    n_vertices : int
+    path : Path or None
+        The session's file, once there is one.
+    modified : bool
+        Whether it is otherwise than it was saved.
+    refused_history : str
+        Why the steps that were saved with it could not be used; empty where they could.
+    brush : BrushSpec
+        In hand; `tuft` and `bristles` are its shape.
+    tuft : Tuft
+    bristles : Bristles or None
+    azimuth : str
+    pickup : float
+        See `Document.pickup`.
+    dipped : ink
+        What the brush was dipped in last; `amount` is how much of it, `dips` what it came by it.
+    amount : DipAmount
+    dips : sequence of (ink, float or None)
+    held : HeldInk
+        What is left of it.
+    inks : tuple of two inks
+    layers : tuple of Layer
+        The lowest first.
+    active_layer : int
+        Position of the one that is painted on.
+    mask : Mask
+    stencil : Stencil or None
+        The mask as it lies on the surface.
+    strokes, undone_strokes : tuple of Stroke
+        There; and to be done again, the next one first.
+    oldest_stroke, earliest_stroke : int
+        See `Document`.
+    has_steps : bool
+        Whether there is a step that undo takes back at once.
+    can_undo, can_redo : bool
+    """
+
+    source: TriangleMesh
+    contact_tree: ContactTree
+    material: Material
+    resolution: float | None
+    n_vertices: int
+    path: Path | None
+    modified: bool
+    refused_history: str
+    brush: BrushSpec
+    tuft: Tuft
+    bristles: Bristles | None
+    azimuth: str
+    pickup: float
+    dipped: Ink
+    amount: DipAmount
+    dips: Sequence[tuple[Ink, float | None]]
+    held: HeldInk
+    inks: tuple[Ink, ...]
+    layers: tuple[Layer, ...]
+    active_layer: int
+    mask: Mask
+    stencil: Stencil | None
+    strokes: tuple[Stroke, ...]
+    undone_strokes: tuple[Stroke, ...]
+    oldest_stroke: int
+    earliest_stroke: int
+    has_steps: bool
+    can_undo: bool
+    can_redo: bool
+
+    @classmethod
+    def of(cls, document: Document) -> Snapshot:
+        """The painting as it is now; nobody changes it meanwhile."""
+        surface, painter = document.surface, document.painter
+        return cls(
+            source=surface.source,
+            contact_tree=surface.contact_tree,
+            material=surface.material,
+            resolution=surface.resolution,
+            n_vertices=surface.n_vertices,
+            path=document.path,
+            modified=document.modified,
+            refused_history=document.refused_history,
+            brush=painter.brush,
+            tuft=painter.tuft,
+            bristles=None if painter.hairs is None else painter.hairs.bristles,
+            azimuth=painter.azimuth,
+            pickup=document.pickup,
+            dipped=painter.dipped,
+            amount=painter.amount,
+            dips=tuple(painter.dips),
+            held=held_ink(painter),
+            inks=tuple(document.inks),
+            layers=document.layers,
+            active_layer=document.active_layer,
+            mask=document.mask,
+            stencil=document.stencil,
+            strokes=tuple(document.strokes),
+            undone_strokes=tuple(document.undone_strokes),
+            oldest_stroke=document.oldest_stroke,
+            earliest_stroke=document.earliest_stroke,
+            has_steps=bool(document.steps.done),
+            can_undo=document.can_undo,
+            can_redo=document.can_redo,
+        )
+
+
+@dataclass(frozen=True, eq=False)
 class Frame:
     """One state of the painting, as far as it differs from the frame before.
 
@@ -148,8 +276,7 @@ class Frame:
         show yet; time for the ink is none of them.
     lag_s : float
         How long what was painted last had waited, s.
-    can_undo, can_redo : bool
-    n_strokes : int
+    painting : Snapshot
     """
 
     vertex_ids: NDArray[np.int32]
@@ -157,9 +284,7 @@ class Frame:
     brush: BrushView | None
     queue_length: int
     lag_s: float
-    can_undo: bool
-    can_redo: bool
-    n_strokes: int
+    painting: Snapshot
 
 
 def view_brush(document: Document, sample: DeviceSample) -> BrushView:

@@ -1,4 +1,4 @@
-"""The strokes of a sitting: what was done, with what, when, and how long it took."""
+"""The strokes of a painting: what was done, with what, when, and how long it took."""
 
 from __future__ import annotations
 
@@ -120,7 +120,7 @@ class StrokeLog:
     Parameters
     ----------
     before : sequence of Recording
-        Strokes of earlier sittings.
+        Strokes of earlier sessions.
     brushes : mapping
         What the brushes that their headers name were, as `BrushSpec` takes it.
 
@@ -144,7 +144,7 @@ class StrokeLog:
 
     @property
     def n_before(self) -> int:
-        """Strokes of earlier sittings that no step takes back."""
+        """Strokes of earlier sessions that no step takes back."""
         return len(self._before)
 
     def hold(self, count: int) -> None:

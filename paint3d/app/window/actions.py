@@ -50,7 +50,7 @@ class Actions:
                 menu.addAction(self._make(action))
                 if action == "open":
                     self.recent = menu.addMenu(say("menu.recent"))
-                    self.unsaved = menu.addMenu(say("Bring back what was not saved"))
+                    self.unsaved = menu.addMenu(say("Recover unsaved work"))
         self.tools = self._make_tools()
         self._heights: dict[int, int] = {}  # of the tools, by how close together they are
         workspace.theme_changed.connect(self._set_theme)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from PySide6 import QtCore, QtGui
 
-from paint3d.app.model.frame import HeldInk, held_ink
+from paint3d.app.model.frame import HeldInk
 from paint3d.app.window.brush.brush_panel import plain_name
 from paint3d.app.window.ink.ink_panel import ink_label
 from paint3d.app.window.wording import say, say_brush, say_length
@@ -33,12 +33,12 @@ class Hud:
     def paint(self, painter: QtGui.QPainter, area: QtCore.QRect) -> None:
         """Draw it."""
         workspace = self._workspace
-        if workspace.stage.easel is None:
+        if workspace.stage.paint_thread is None:
             return
         clip = painter.clipBoundingRect()
         if self._plate.isValid() and not (clip.isEmpty() or clip.intersects(self._plate)):
             return
-        theme, held = workspace.theme, held_ink(workspace.document.painter)
+        theme, held = workspace.theme, workspace.painting.held
         name, told = self._words(held)
         self._painted = _looks(name, told, held)
         wide = max(painter.fontMetrics().horizontalAdvance(text) for text in (name, told))
@@ -65,15 +65,15 @@ class Hud:
 
     def _words(self, held: HeldInk) -> tuple[str, str]:
         """Its two lines."""
-        brush = self._workspace.easel.brush
+        brush = self._workspace.paint_thread.brush
         name = f"{say_brush(plain_name(brush))}  ·  {say_length(brush.length_mm)}"
         return name, self.told(held)
 
     def follow(self) -> None:
         """Have it drawn again if the brush in use is another than it shows."""
-        if self._workspace.stage.easel is None:
+        if self._workspace.stage.paint_thread is None:
             return
-        held = held_ink(self._workspace.document.painter)
+        held = self._workspace.painting.held
         if _looks(*self._words(held), held) != self._painted:
             self.refresh()
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from paint3d.app.model.document import Document
+from paint3d.app.model.frame import Snapshot
 from paint3d.app.model.input.symmetry import MirrorPlane, RadialSymmetry, Symmetry
 from paint3d.app.model.mask import AngleMask, Mask, RegionPick, face_at, nearest_vertex
 from paint3d.app.window.history.stroke_editing import Recalling
@@ -41,14 +41,14 @@ class PaintActions:
         self._workspace.post(command, *arguments)
 
     @property
-    def _document(self) -> Document:
-        return self._workspace.document
+    def _painting(self) -> Snapshot:
+        return self._workspace.painting
 
     # -- edit -------------------------------------------------------------------------------
 
     def do_undo(self) -> None:
         """Take the last step back; that of a recording that is replayed, as far as it came."""
-        if self._workspace.stage.easel is None:
+        if self._workspace.stage.paint_thread is None:
             return
         self._player.take_back()
         self._recalling.undo()
@@ -101,8 +101,8 @@ class PaintActions:
     def do_wet(self, on: bool) -> None:
         """Let ink spread in real time, or not; kept for paintings to come."""
         self._workspace.keep(wet=on)
-        if self._workspace.stage.easel is not None:
-            self._workspace.stage.easel.wet = on
+        if self._workspace.stage.paint_thread is not None:
+            self._workspace.stage.paint_thread.wet = on
 
     # -- stroke -----------------------------------------------------------------------------
 
@@ -137,7 +137,7 @@ class PaintActions:
         if on:
             back = picture_axes(self._workspace.hand.open_camera)[2]
             angle = AngleMask((float(back[0]), float(back[1]), float(back[2])), self._mask_degrees)
-        mask = self._document.mask
+        mask = self._painting.mask
         self._post("set_mask", Mask(angle, mask.regions, mask.inverted))
 
     def set_mask_degrees(self, degrees: float) -> None:
@@ -151,7 +151,7 @@ class PaintActions:
         face = self._look_up(lambda mesh, place: face_at(mesh, nearest_vertex(mesh, place)))
         if face is None:
             return
-        mask = self._document.mask
+        mask = self._painting.mask
         regions = (*mask.regions, RegionPick(face))
         self._post("set_mask", Mask(mask.angle, regions, mask.inverted))
         self._workspace.tell(say("Regions that take paint: {n}", n=len(regions)))
@@ -161,10 +161,10 @@ class PaintActions:
         place = self._workspace.hand.place()
         if place is None:
             return None
-        with self._workspace.easel.paused(_PATIENCE_S) as document:
+        with self._workspace.paint_thread.paused(_PATIENCE_S) as document:
             if document is not None:
                 return what(document.surface.paint_mesh, place)
-        self._workspace.tell(say("Still painting; ask again in a moment"), state="slow")
+        self._workspace.tell(say("Still painting; try again in a moment"), state="slow")
         return None
 
     def do_clear_mask(self) -> None:
@@ -176,20 +176,22 @@ class PaintActions:
     def do_refine(self) -> None:
         """Refine the whole surface now, with a bar; if it is stopped, it is as it was."""
         workspace = self._workspace
-        easel = workspace.easel
+        paint_thread = workspace.paint_thread
 
         def work(progress: Progress) -> None:
-            result_of(easel.post(lambda document: document.surface.refine_all(progress)), progress)
+            result_of(
+                paint_thread.post(lambda document: document.surface.refine_all(progress)), progress
+            )
 
         if workspace.went_well(workspace.run(say("Refining the surface…"), work)):
-            count = self._document.surface.n_vertices
+            count = self._painting.n_vertices
             workspace.tell(say("status.vertices", count=count), state="good")
 
     # -- layers -----------------------------------------------------------------------------
 
     def do_remove_layer(self) -> None:
         """Take the layer away that is painted on."""
-        self._post("remove_layer", self._document.active_layer)
+        self._post("remove_layer", self._painting.active_layer)
 
     def do_rename_layer(self) -> None:
         """Let its name be written."""
@@ -204,8 +206,8 @@ class PaintActions:
         self._select(-1)
 
     def _select(self, by: int) -> None:
-        place = self._document.active_layer + by
-        if 0 <= place < len(self._document.layers):
+        place = self._painting.active_layer + by
+        if 0 <= place < len(self._painting.layers):
             self._post("select_layer", place)
 
     def do_raise_layer(self) -> None:
@@ -217,19 +219,19 @@ class PaintActions:
         self._move(-1)
 
     def _move(self, by: int) -> None:
-        place = self._document.active_layer
-        if 0 <= place + by < len(self._document.layers):
+        place = self._painting.active_layer
+        if 0 <= place + by < len(self._painting.layers):
             self._post("move_layer", place, place + by)
 
     def do_hide_layer(self) -> None:
         """Show or hide it."""
-        place = self._document.active_layer
-        self._post("set_visible", place, not self._document.layers[place].visible)
+        place = self._painting.active_layer
+        self._post("set_visible", place, not self._painting.layers[place].visible)
 
     def do_lock_layer(self) -> None:
         """Lock or unlock it."""
-        place = self._document.active_layer
-        self._post("set_locked", place, not self._document.layers[place].locked)
+        place = self._painting.active_layer
+        self._post("set_locked", place, not self._painting.layers[place].locked)
 
 
 for _k in range(1, 1 + len(brush_names())):

@@ -117,30 +117,30 @@ class Panels:
 
     def open(self) -> None:
         """Show another document."""
-        document = self._workspace.document
-        self.brushes.show_brush(document.painter.brush)
-        self.inks.show_inks(document.inks)
-        self.brushes.set_ink(document.inks[0])
-        self.inks.show_pickup(document.pickup)
-        self.inks.show_amount(document.painter.amount, anew=True)
-        self.layers.show_layers(document.layers, document.active_layer)
+        painting = self._workspace.painting
+        self.brushes.show_brush(painting.brush)
+        self.inks.show_inks(painting.inks)
+        self.brushes.set_ink(painting.inks[0])
+        self.inks.show_pickup(painting.pickup)
+        self.inks.show_amount(painting.amount, anew=True)
+        self.layers.show_layers(painting.layers, painting.active_layer)
         self.copybook.show_copybook(None)
-        self.history.open(document)
-        if document.refused_history:
-            why = document.refused_history
+        self.history.open(painting)
+        if painting.refused_history:
+            why = painting.refused_history
             self._workspace.tell(say("Its undo steps cannot be used: {why}", why=why), state="bad")
 
     def follow(self, frame: Frame) -> None:
         """Show what a frame says."""
-        document = self._workspace.document
-        self.surface.show_surface(document.surface)
-        self.layers.show_layers(document.layers, document.active_layer)
-        self.history.follow(document, frame)
-        self.inks.show_pickup(document.pickup)
-        self.inks.show_amount(document.painter.amount)
-        if document.inks[0] != self.inks.ink:
-            self.inks.show_inks(document.inks)
-            self.brushes.set_ink(document.inks[0])
+        painting = frame.painting
+        self.surface.show_surface(painting)
+        self.layers.show_layers(painting.layers, painting.active_layer)
+        self.history.follow(frame)
+        self.inks.show_pickup(painting.pickup)
+        self.inks.show_amount(painting.amount)
+        if painting.inks[0] != self.inks.ink:
+            self.inks.show_inks(painting.inks)
+            self.brushes.set_ink(painting.inks[0])
 
     def show_brush_asked(self, brush: BrushSpec) -> bool:
         """Show the brush that was asked for last; whether another one was shown before."""
@@ -153,8 +153,8 @@ class Panels:
         """Tell lengths in the unit that was chosen."""
         self.brushes.show_unit()
         self.surface.show_unit()
-        if self._workspace.stage.easel is not None:
-            self.surface.show_surface(self._workspace.document.surface)
+        if self._workspace.stage.paint_thread is not None:
+            self.surface.show_surface(self._workspace.painting)
 
     def ink_name(self) -> str:
         """What the brush is dipped in, in words."""

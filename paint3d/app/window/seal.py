@@ -150,7 +150,7 @@ class Sealing(QtCore.QObject):
             self.seal, self._is_down = done.result(), False
             workspace.canvas.setCursor(QtCore.Qt.CursorShape.PointingHandCursor)
             workspace.canvas.setFocus()
-            workspace.tell(say("Click where the seal goes; Esc lets it be"), stays=True)
+            workspace.tell(say("Click where to press the seal; Esc cancels"), stays=True)
 
     def let_be(self) -> None:
         """Press nothing."""
@@ -178,7 +178,7 @@ class Sealing(QtCore.QObject):
         if was_down and not touch.down:
             place = self._workspace.hand.place_at(touch.x, touch.y)
             if place is None:
-                self._workspace.tell(say("There is nothing of the object there"), state="bad")
+                self._workspace.tell(say("That is beside the object"), state="bad")
             else:
                 self._press(place)
         return was_down or touch.down
@@ -194,7 +194,7 @@ class Sealing(QtCore.QObject):
         up = picture_axes(workspace.hand.open_camera)[1]
         rings = [ring.tolist() for ring in seal.rings]
         self.let_be()
-        self._done = workspace.easel.post("press_seal", rings, place.tolist(), up.tolist())
+        self._done = workspace.paint_thread.post("press_seal", rings, place.tolist(), up.tolist())
         self._timer.start(_LOOK_MS)
 
     def _follow(self) -> None:
@@ -205,5 +205,5 @@ class Sealing(QtCore.QObject):
         done, self._done = self._done, None
         if not done.cancelled() and done.exception() is None:
             percent = 100.0 * done.result()
-            told = say("The seal is pressed; {percent:.0f} % of it touches", percent=percent)
+            told = say("Seal pressed; {percent:.0f} % of it touched the surface", percent=percent)
             self._workspace.tell(told, state="good")

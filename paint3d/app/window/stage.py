@@ -1,4 +1,4 @@
-"""What is on stage: the painted object, the brush and the camera, kept up with the easel.
+"""What is on stage: the painted object, the brush and the camera, kept up with the paint_thread.
 
 The only place where the painting thread's document and the renderer meet: between two of its steps
 the document is held still while what has changed is copied, patch by patch; then it paints on while
@@ -15,11 +15,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.app.model.easel import Easel
 from paint3d.app.model.frame import BrushView, Frame, view_brush
 from paint3d.app.model.mask import Stencil
-from paint3d.app.model.persistence.sitting import Sitting
-from paint3d.app.window.files.opened import Opened
+from paint3d.app.model.paint_thread import PaintThread
+from paint3d.app.model.persistence.recovery_folder import RecoveryFolder
+from paint3d.app.window.files.open_result import OpenResult
 from paint3d.brush.spec import BrushSpec
 from paint3d.core.arrays import AnyArray
 from paint3d.core.quaternion import matrices_from_quaternions
@@ -54,7 +54,7 @@ class Stage:
 
     Attributes
     ----------
-    easel : Easel or None
+    paint_thread : PaintThread or None
     frame : Frame or None
         The last one.
     points : (N, 3) float32
@@ -63,7 +63,7 @@ class Stage:
 
     def __init__(self, size: tuple[int, int], mood: Background = LIGHT) -> None:
         self.scene = LiveScene(size, mood)
-        self.easel: Easel | None = None
+        self.paint_thread: PaintThread | None = None
         self.frame: Frame | None = None
         self.points: AnyArray = np.empty((0, 3), np.float32)
         self.shows_brush = self.shows_mask = True
@@ -86,23 +86,23 @@ class Stage:
 
     def open(
         self,
-        opened: Opened,
+        opened: OpenResult,
         *,
         wet: bool = False,
-        sitting: Sitting | None = None,
+        recovery: RecoveryFolder | None = None,
         base_every_s: float = 120.0,
     ) -> None:
         """Put another document on stage, and let go of the one before.
 
         Parameters
         ----------
-        opened : Opened
+        opened : OpenResult
         wet : bool
             Let ink spread and dry in real time.
-        sitting : Sitting, optional
+        recovery : RecoveryFolder, optional
             Where what is painted is kept until it is saved.
         base_every_s : float
-            See `Easel`.
+            See `PaintThread`.
         """
         self.close_document()
         self.points = opened.points
@@ -113,18 +113,18 @@ class Stage:
         self.scene.clear(shown.centre, shown.radius, gloss, solid=shown.is_solid)
         self.scene.apply(opened.uploads)
         self._unlit = shown.light
-        self.easel = Easel(opened.document, wet, sitting, base_every_s)
+        self.paint_thread = PaintThread(opened.document, wet, recovery, base_every_s)
         self.touch()
 
     def close_document(self) -> None:
         """Leave the stage empty; what still waits to be painted is not painted any more."""
-        if self.easel is not None:
-            self.easel.stop(finish=False)
+        if self.paint_thread is not None:
+            self.paint_thread.stop(finish=False)
         if self._brush is not None:
             self._brush.remove()
         for name in list(self._lines):
             self.show_lines(name, (), (0, 0, 0, 0))
-        self.easel = self.frame = self._object = self._brush = None
+        self.paint_thread = self.frame = self._object = self._brush = None
         self._brush_spec, self._stood, self._pending = None, (), []
         self._stencil = self._unlit = None
         self._seen = self._seen_at = None
@@ -137,10 +137,10 @@ class Stage:
         self.scene.close()
 
     @property
-    def open_easel(self) -> Easel:
-        """`easel`, while something is open."""
-        assert self.easel is not None, "something is open"
-        return self.easel
+    def open_paint_thread(self) -> PaintThread:
+        """`paint_thread`, while something is open."""
+        assert self.paint_thread is not None, "something is open"
+        return self.paint_thread
 
     @property
     def _open_object(self) -> LiveObject:
@@ -175,12 +175,12 @@ class Stage:
         self._drawn.touch()
 
     def follow(self) -> Frame | None:
-        """Take what the easel has done since the last time; None if nothing."""
-        if self.easel is None:
+        """Take what the painting thread has done since the last time; None if nothing."""
+        if self.paint_thread is None:
             return None
         self._take_light()
         self._take_mask()
-        frame = self.easel.take_frame()
+        frame = self.paint_thread.take_frame()
         if frame is None:
             if self._pending:
                 self._take()
@@ -233,7 +233,7 @@ class Stage:
 
     def _take(self) -> None:
         """Copy what has changed; later, where a step of the painting lasts too long."""
-        with self.open_easel.paused(_PATIENCE_S) as document:
+        with self.open_paint_thread.paused(_PATIENCE_S) as document:
             if document is None:
                 return
             ids = np.concatenate([*self._pending, document.refresh()])
@@ -252,7 +252,7 @@ class Stage:
         pixel_mm = self.scene.nearest_mm()
         if self._open_object.coarse_fits(pixel_mm, n_triangles):
             return True
-        with self.open_easel.paused(_PATIENCE_S) as document:
+        with self.open_paint_thread.paused(_PATIENCE_S) as document:
             if document is None or self._pending:
                 return self.scene.has_coarse
             coarse = self._open_object.coarse_for(pixel_mm, n_triangles)
@@ -274,7 +274,7 @@ class Stage:
 
     def _take_mask(self) -> None:
         """Hatch the object where another mask than before covers it."""
-        stencil = self.open_easel.document.stencil if self.shows_mask else None
+        stencil = self.open_paint_thread.painting.stencil if self.shows_mask else None
         if stencil is self._stencil:
             return
         self._stencil = stencil
@@ -351,7 +351,7 @@ class Stage:
 
     def _brush_now(self, frame: Frame) -> BrushView | None:
         """The brush where the hand was last; how it stands there, if that can be found at once."""
-        seen, newest = frame.brush, self.open_easel.newest
+        seen, newest = frame.brush, self.open_paint_thread.newest
         if newest is self._left_at:
             return None
         if seen is None or newest is None:
@@ -361,7 +361,7 @@ class Stage:
         if not shift.any() and np.array_equal(pose.orientation[0], seen.orientation):
             return seen
         if newest is not self._seen_at:
-            with self.open_easel.paused(0.0) as document:
+            with self.open_paint_thread.paused(0.0) as document:
                 self._seen = (
                     _moved(seen, shift) if document is None else view_brush(document, newest)
                 )
@@ -370,8 +370,8 @@ class Stage:
 
     def _show_brush(self, seen: BrushView | None) -> None:
         """Draw the brush where it is now, if it is anywhere else or otherwise than before."""
-        painter = self.open_easel.document.painter
-        stood: tuple[Any, ...] = (painter.brush, self.shows_brush)
+        painting = self.open_paint_thread.painting
+        stood: tuple[Any, ...] = (painting.brush, self.shows_brush)
         if seen is not None:
             held = (seen.pressure, seen.load, *seen.srgb, seen.painting)
             stood += (*seen.position, *seen.orientation, *held)
@@ -379,28 +379,34 @@ class Stage:
         if stood == self._stood:
             return
         self._stood = stood
-        if self._brush is None or self._brush_spec != painter.brush:
+        if self._brush is None or self._brush_spec != painting.brush:
             if self._brush is not None:
                 self._drawn.touch_front(self.brush_box)
                 self._brush.remove()
-            bristles = None if painter.hairs is None else painter.hairs.bristles
-            self._brush = LiveBrush(self.scene, painter.tuft, painter.brush.hair, bristles)
-            self._brush_spec = painter.brush
+            self._brush = LiveBrush(
+                self.scene, painting.tuft, painting.brush.hair, painting.bristles
+            )
+            self._brush_spec = painting.brush
         self._drawn.touch_front(self._brush.screen_box())
         if seen is None or not self.shows_brush:
             self._brush.hide()
             return
         axes = matrices_from_quaternions(seen.orientation[None])[0]
-        stand = BrushStand.of(painter.tuft, seen.position, axes, seen.pressed)
-        tree = self.open_easel.document.surface.contact_tree
+        stand = BrushStand.of(painting.tuft, seen.position, axes, seen.pressed)
         red, green, blue = (int(code) for code in seen.srgb)
-        self._brush.show(stand, tree, self._open_object.light.axes, (red, green, blue), seen.load)
+        self._brush.show(
+            stand,
+            painting.contact_tree,
+            self._open_object.light.axes,
+            (red, green, blue),
+            seen.load,
+        )
         self._drawn.touch_front(self._brush.screen_box())
 
     def hide_brush(self) -> None:
         """Let the brush leave the picture, as the pointer did, until the hand moves again."""
-        if self.easel is not None:
-            self._left_at = self.easel.newest
+        if self.paint_thread is not None:
+            self._left_at = self.paint_thread.newest
 
 
 def _moved(seen: BrushView, shift: AnyArray) -> BrushView:

@@ -112,7 +112,10 @@ def run_studio(
     if problem is not None:
         window.workspace.tell(problem, state="bad", stays=True)
     elif (kept := stand_in()) is not None:
-        told = say("No home to write to: all is kept in {folder}", folder=kept)
+        told = say(
+            "The home folder cannot be written: settings and recovery data are kept in {folder}",
+            folder=kept,
+        )
         window.workspace.tell(told, state="bad", stays=True)
     _tell_painted(window)
     window.show()

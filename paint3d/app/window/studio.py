@@ -13,17 +13,17 @@ from collections.abc import Callable, Mapping
 from PySide6 import QtCore, QtGui, QtWidgets
 
 from paint3d.app.model.document import Document
-from paint3d.app.model.easel import Event
 from paint3d.app.model.frame import Frame
-from paint3d.app.model.input.devices import Feeling, Plugged
+from paint3d.app.model.input.devices import Devices, Feeling
+from paint3d.app.model.paint_thread import Event
+from paint3d.app.model.persistence.recovery_folder import RecoveryFolder
 from paint3d.app.model.persistence.settings import Settings
-from paint3d.app.model.persistence.sitting import Sitting
 from paint3d.app.window.actions import Actions
 from paint3d.app.window.brush.brush_making import BrushMaking
 from paint3d.app.window.copybook.copybook_guide import CopybookGuide
 from paint3d.app.window.files.begin_page import BeginPage
 from paint3d.app.window.files.exporting import Exporting
-from paint3d.app.window.files.opened import Opened, described
+from paint3d.app.window.files.open_result import OpenResult, described
 from paint3d.app.window.files.opening import Opening
 from paint3d.app.window.files.recovery import Recovery
 from paint3d.app.window.files.saving import RecentFiles, Saving
@@ -212,8 +212,8 @@ class TellOnce:
 
 _TICK_MS = 12
 _REST = 0.25  # of a picture's time, left to hand and painting before the next one
-_UNTIMED = "This pen gives no times of its own; they are evened out"
-_MISREAD = "This pen gives pressures outside 0 to 1; they are clipped"
+_UNTIMED = "This pen reports no times; its events are spaced evenly"
+_MISREAD = "This pen reports pressures outside 0 to 1; they are clipped"
 
 
 class StudioWindow(QtWidgets.QMainWindow):
@@ -243,7 +243,7 @@ class StudioWindow(QtWidgets.QMainWindow):
         settings: Settings | None = None,
         *,
         dark: bool | None = None,
-        plugged: Plugged | None = None,
+        plugged: Devices | None = None,
         feel: Callable[[Document, Settings], Feeling | None] | None = None,
     ) -> None:
         super().__init__()
@@ -350,16 +350,19 @@ class StudioWindow(QtWidgets.QMainWindow):
     def _take_material(self, material: str | Material) -> None:
         """Let the object be of another material; where it is not to be, show what it is."""
         if not self.standing.take_material(material):
-            self.panels.surface.show_surface(self.document.surface)
+            self.panels.surface.show_surface(self.workspace.painting)
 
     # -- the document -----------------------------------------------------------------------
 
     @property
     def document(self) -> Document:
-        """What is being painted; only for reading, and what is posted changes it."""
-        return self.workspace.document
+        """What is being painted, for scripts and tests that look on: the window reads `painting`.
 
-    def _show_document(self, opened: Opened) -> None:
+        The step that is going on has ended, if it does so within a second.
+        """
+        return self.workspace.paint_thread.look(1.0)
+
+    def _show_document(self, opened: OpenResult) -> None:
         """Paint on this from now on, and let go of what was painted on before."""
         document, settings = opened.document, self.workspace.settings
         self.player.stop()
@@ -368,12 +371,12 @@ class StudioWindow(QtWidgets.QMainWindow):
         self.workspace.keep_in_hand()
         self.stage.close_document()
         self._show_open(False)
-        sitting = self._sitting(document)
-        self.stage.open(opened, wet=wet, sitting=sitting, base_every_s=settings.autosave_s)
+        recovery = self._recovery_folder(document)
+        self.stage.open(opened, wet=wet, recovery=recovery, base_every_s=settings.autosave_s)
         self._show_open(True)
         self.commands.check("wet", wet)
         self.hand.open(opened.surface)
-        self.both_hands.open(document)
+        self.both_hands.open()
         self.panels.open()
         self._draw_first()
         self._show_title()
@@ -391,38 +394,42 @@ class StudioWindow(QtWidgets.QMainWindow):
         self.commands.set_open(is_open)
         self.panels.set_open(is_open)
 
-    def _sitting(self, document: Document) -> Sitting | None:
+    def _recovery_folder(self, document: Document) -> RecoveryFolder | None:
         """Where what is painted is kept; without one, painting goes on and it is said."""
         try:
-            return Sitting(document)
+            return RecoveryFolder(document)
         except Paint3DError as error:
             self.workspace.tell(say_error(error), state="bad", stays=True)
             return None
 
     def _show_title(self) -> None:
         """Name the painting, and say whether something is unsaved."""
-        document = self.document
-        name = document.path.name if document.path else described(document)
+        painting = self.workspace.painting
+        name = (
+            painting.path.name if painting.path else described(painting.source, painting.material)
+        )
         self.setWindowTitle(f"{name}[*] – paint3d")
-        self.setWindowModified(document.modified)
+        self.setWindowModified(painting.modified)
 
     # -- frame by frame ---------------------------------------------------------------------
 
     def tick(self) -> None:
-        """Follow the easel, and draw when there is something new and time for it."""
+        """Follow the painting thread, and draw when there is something new and time for it."""
         if self._timer.interval() != _TICK_MS:
             self._timer.setInterval(_TICK_MS)
-        self.begin_page.show_page(self.stage.easel is None and not self.workspace.is_waiting)
-        if self.stage.easel is None:
+        self.begin_page.show_page(self.stage.paint_thread is None and not self.workspace.is_waiting)
+        if self.stage.paint_thread is None:
             return
-        self.stage.easel.live()
+        self.stage.paint_thread.live()
         self.both_hands.tick()
         self.player.tick()
         self.copying.follow()
         self.mark.follow()
-        if self.panels.show_brush_asked(self.stage.easel.brush):  # also while it is still to come
+        if self.panels.show_brush_asked(
+            self.stage.paint_thread.brush
+        ):  # also while it is still to come
             self.hud.refresh()
-        for event in self.stage.easel.take_events():
+        for event in self.stage.paint_thread.take_events():
             self._tell_event(event)
         if time.perf_counter() < self._next_draw:
             return
@@ -449,7 +456,7 @@ class StudioWindow(QtWidgets.QMainWindow):
 
     def _tell_event(self, event: Event) -> None:
         if event.kind == "kept":
-            self.workspace.tell(say("What is painted is kept for recovery again"), state="good")
+            self.workspace.tell(say("Recovery data is being saved again"), state="good")
             return
         refused, keeping = event.kind == "error", event.doing == "keeping"
         told = say_error((event.error if refused else None) or event.message)
@@ -459,10 +466,10 @@ class StudioWindow(QtWidgets.QMainWindow):
 
     def _show_state(self, frame: Frame) -> None:
         workspace = self.workspace
-        workspace.actions["undo"].setEnabled(frame.can_undo or self.player.is_playing)
-        workspace.actions["redo"].setEnabled(frame.can_redo)
-        if self.isWindowModified() != self.document.modified:
-            self.setWindowModified(self.document.modified)
+        workspace.actions["undo"].setEnabled(frame.painting.can_undo or self.player.is_playing)
+        workspace.actions["redo"].setEnabled(frame.painting.can_redo)
+        if self.isWindowModified() != frame.painting.modified:
+            self.setWindowModified(frame.painting.modified)
         picture_s = None
         if self.stage.picture_s > 0.0:  # something has been drawn
             picture_s = max(1e-3 * _TICK_MS, (1.0 + _REST) * self.stage.picture_s)
@@ -496,7 +503,7 @@ class StudioWindow(QtWidgets.QMainWindow):
 
     def event(self, event: QtCore.QEvent) -> bool:
         """End a stroke that a dialog or a bar interrupts: it will not hear of the pen's lift."""
-        if event.type() == QtCore.QEvent.Type.WindowBlocked and self.stage.easel is not None:
+        if event.type() == QtCore.QEvent.Type.WindowBlocked and self.stage.paint_thread is not None:
             self.hand.interrupt()
         return super().event(event)
 

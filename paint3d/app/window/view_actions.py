@@ -110,14 +110,14 @@ class ViewActions:
         choose_unit(workspace.settings.unit)
         self._panels.show_unit()
         workspace.canvas.update()
-        easel = workspace.stage.easel
-        if easel is not None:
-            easel.keep_every(workspace.settings.autosave_s)
-        if chosen["wet"] != before.wet and easel is not None:
-            wet = workspace.settings.wants_wet(workspace.document.surface.material)
+        paint_thread = workspace.stage.paint_thread
+        if paint_thread is not None:
+            paint_thread.keep_every(workspace.settings.autosave_s)
+        if chosen["wet"] != before.wet and paint_thread is not None:
+            wet = workspace.settings.wants_wet(workspace.painting.material)
             with QtCore.QSignalBlocker(workspace.actions["wet"]):
                 workspace.actions["wet"].setChecked(wet)
-            easel.wet = wet
+            paint_thread.wet = wet
         if chosen["theme"] != before.theme:
             workspace.actions["dark"].setChecked(workspace.wants_dark())
         if chosen["language"] != before.language:

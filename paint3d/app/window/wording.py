@@ -32,7 +32,8 @@ __all__ = [
 
 
 CHINESE = {
-    "No home to write to: all is kept in {folder}": "没有可写的主目录：一切暂存于 {folder}",
+    "The home folder cannot be written: settings and recovery data are kept in {folder}":
+        "没有可写的主目录：设置与恢复数据暂存于 {folder}",
     "Characters of the copybook": "字帖字形",
     "{characters} taken from the font {font}": "“{characters}”取自字体 {font}",
     "No form of {characters} is known: install a font that has one, such as Noto Serif CJK, or "
@@ -44,13 +45,13 @@ CHINESE = {
     "A drawing instead of the text": "以图代文", "A drawing": "图样",
     "Red lines (zhuwen)": "朱文", "White lines (baiwen)": "白文", "Style": "印文",
     "Longer side": "长边", "OK": "确定", "Cutting the seal…": "正在刻印…",
-    "Click where the seal goes; Esc lets it be": "单击钤印之处；按 Esc 作罢",
+    "Click where to press the seal; Esc cancels": "单击钤印之处；按 Esc 作罢",
     "No seal was pressed": "未钤印",
-    "The seal is pressed; {percent:.0f} % of it touches": "已钤印，着印 {percent:.0f}%",
+    "Seal pressed; {percent:.0f} % of it touched the surface": "已钤印，着印 {percent:.0f}%",
     "Turn and scale the object…": "转动、缩放器物…", "Begin anew": "重新开始",
     "Keep its own colours and pictures": "保留自带的颜色与贴图", "Turn round": "转身",
     "Tip forward": "前翻", "Tip aside": "侧翻", "likely": "可能", "{axis} up": "{axis} 朝上",
-    "Click the side that it should stand on": "单击要着地的一面",
+    "Click the side it should stand on": "单击要着地的一面",
     "A quarter turn about {axis}": "绕 {axis} 轴转四分之一圈",
     "The file says which way is up": "文件注明了哪边朝上",
     "This is how it stands now": "现在是这样放着",
@@ -58,18 +59,17 @@ CHINESE = {
     "Which way is up? The file does not say": "哪边朝上？文件没有注明",
     "One unit of the file": "文件的一个单位", "Longest side": "最长边",
     "Left out: {what}": "未采用：{what}", ", ": "、", "; ": "；",
-    "There is paint on it. Turned, it is begun anew without the paint; what is open can be "
-    "saved first.":
+    "Turning the object starts a new painting on it, without the paint. You can save this one "
+    "first.":
         "上面已有墨迹。转动后将重新开始，不带墨迹；可先保存现有作品。",
-    "There is paint on it. Of another material it is begun anew without the paint; what is open "
-    "can be saved first.":
+    "Another material starts a new painting, without the paint. You can save this one first.":
         "上面已有墨迹。换材质后将重新开始，不带墨迹；可先保存现有作品。",
     "From a file…": "从文件……", "Materials": "材质", "Friction": "摩擦",
-    "What the surface is made of; a file of your own describes others":
+    "What the surface is made of; files of your own can describe others":
         "表面的材质；可用自己的文件描述其他材质",
-    "{axis} was taken for up; Edit ▸ Turn and scale the object changes it":
+    "{axis} was taken as up; change it by Edit ▸ Turn and scale the object":
         "已取 {axis} 朝上；可用“编辑 ▸ 转动、缩放器物”更改",
-    "Which way is up is not sure; Edit ▸ Turn and scale the object changes it":
+    "Which way is up is uncertain; change it by Edit ▸ Turn and scale the object":
         "哪边朝上未能确定；可用“编辑 ▸ 转动、缩放器物”更改",
     "its pictures": "贴图", "mixtures of materials": "混合材质",
     "its colours and pictures": "颜色与贴图", "relief (a normal map)": "凹凸（法线贴图）",
@@ -88,7 +88,7 @@ CHINESE = {
     "Hand": "手", "Absorbency": "吸水", "Grain": "粗糙", "Glaze": "釉",
     "Tuft": "笔头", "Water": "水", "Dip": "蘸墨", "Empty": "倒空", "Rinse": "洗笔",
     "Only the tip": "只蘸笔尖", "Export…": "导出…",
-    "Drag points; click to add one, right button to take one away":
+    "Drag points; click to add one, right-click to remove one":
         "拖动各点；单击添一点，右键去一点",
     "New layer": "新图层", "Remove layer": "删除图层", "Move up": "上移", "Move down": "下移",
     "Hide": "隐藏", "Show": "显示", "Lock": "锁定", "Unlock": "解锁", "undone": "已撤销",
@@ -100,12 +100,12 @@ CHINESE = {
     "zhongbaiyun": "中白云", "dabaiyun": "大白云",
     "Paint with the left button or a pen; turn with Alt or the middle button":
         "左键或压感笔作画；按 Alt 或中键转动",
-    "This pen gives no times of its own; they are evened out": "这支笔不报时间，已按间隔均匀处理",
-    "This pen gives pressures outside 0 to 1; they are clipped":
+    "This pen reports no times; its events are spaced evenly": "这支笔不报时间，已按间隔均匀处理",
+    "This pen reports pressures outside 0 to 1; they are clipped":
         "这支笔报告的压力超出 0 到 1，已截取到此范围",
     "feibai": "飞白", "langhao": "狼毫", "yanghao": "羊毫", "jianhao": "兼毫",
     "Grips on the picture": "画面上的握柄", "Show the mask": "显示遮罩",
-    "Still painting; ask again in a moment": "仍在作画，请稍后再试",
+    "Still painting; try again in a moment": "仍在作画，请稍后再试",
     "Open an object, or drop a file here": "打开一件器物，或把文件拖到这里",
     "ink {share:.0f} %": "含墨 {share:.0f}%", "behind by {ms:.0f} ms": "落后 {ms:.0f} 毫秒",
     "keeps up, {ms:.1f} ms": "跟手，{ms:.1f} 毫秒", "Painting": "作画", "has caught up": "已跟上",
@@ -114,17 +114,17 @@ CHINESE = {
     "The replay was stopped; undo takes back what it painted": "重放已停止；撤销可去掉所画的部分",
     "Film of the painting growing…": "作画过程影片…",
     "The replay was stopped": "重放已停止", "Pause": "暂停",
-    "The replay was stopped and taken back": "重放已停止并撤销",
+    "The replay was stopped and undone": "重放已停止并撤销",
     "Replaying; Esc stops it": "正在重放；按 Esc 停止",
     "The language changes with the next start": "下次启动时换用此语言",
     "Please wait": "请稍候", "Writing {name}…": "正在写出 {name}…",
-    "Finishing the step that is going on…": "正在完成当前这一步…",
+    "Finishing the current step…": "正在完成当前这一步…",
     "Drawing the film…": "正在绘制影片…", "Refining the surface…": "正在细分表面…",
     "Regions that take paint: {n}": "着墨的区域：{n} 个", "Paint is taken everywhere": "处处着墨",
     "Object": "器物", "A mesh file…": "网格文件…", "Begin": "开始",
     "Objects and paintings": "器物与作品", "Recordings": "录制", "All files": "所有文件",
     "Paintings": "作品", "Picture": "图片", "Film": "影片",
-    "Brought back; save it to keep it": "已找回；请保存", "Everything": "所有格式",
+    "Recovered; save it to keep it": "已找回；请保存", "Everything": "所有格式",
     "Folder": "文件夹", "File name": "文件名", "Format": "格式",
     "Replace": "替换", "Quality": "质量", "Unit": "单位", "Up": "朝上的轴", "Colours": "颜色",
     "In proportion": "锁定比例", "As on the screen": "与屏幕所见相同", "Size in pixels": "像素尺寸",
@@ -151,18 +151,18 @@ CHINESE = {
     "Length": "时长",
     "Pictures a second": "每秒帧数", "{n} pictures": "共 {n} 帧",
     "{n} pictures: too many of this size": "共 {n} 帧：按此尺寸太多",
-    "Bring back what was not saved": "找回未保存的画",
-    "What was not saved stays in the menu: {where}": "未保存的画仍在菜单中：{where}",
-    "Bring back what was not saved: {name}": "找回未保存的：{name}",
+    "Recover unsaved work": "找回未保存的画",
+    "Unsaved paintings stay in the menu: {where}": "未保存的画仍在菜单中：{where}",
+    "Recover unsaved work: {name}": "找回未保存的：{name}",
     "Lengths are shown in": "长度单位", "As the material asks for": "随材质而定",
     "Always": "总是", "Never": "从不",
     "Keep a whole copy for recovery every": "每隔多久留存完整副本",
     "Memory for undo, from the next painting on": "撤销所用内存（下一作品起）",
     "There is no stroke to replay": "没有可重放的笔画", "Stop": "停止",
-    "Painting {n} strokes again, to go back to them…": "正在重画 {n} 笔，以便退回…",
-    "{n} strokes were painted again; drying between them is not repeated":
+    "Repainting {n} strokes to go back to them…": "正在重画 {n} 笔，以便退回…",
+    "{n} strokes were repainted; drying between them is not repeated":
         "已重画 {n} 笔；其间的变干不再重现",
-    "What is painted is kept for recovery again": "恢复数据已重新开始保留",
+    "Recovery data is being saved again": "恢复数据已重新开始保留",
     "{name} is open in another window, too": "{name} 也在另一个窗口中打开着",
     "{name} was saved by another window or program since it was opened here.":
         "{name} 在此打开之后，已被另一个窗口或程序保存过。",
@@ -182,7 +182,7 @@ CHINESE = {
     "near left": "左下", "near right": "右下", "far right": "右上", "far left": "左上",
     "Calibrated: {mm:.2f} mm off": "已校准：误差 {mm:.2f} 毫米",
     "No stylus is there to calibrate": "没有可校准的笔",
-    "The stylus pushes no longer: {why}": "笔不再有力反馈：{why}",
+    "Force feedback stopped: {why}": "笔不再有力反馈：{why}",
     "6-DOF mouse": "六自由度鼠标", "The cap is": "握帽即", "the object": "器物",
     "the viewer": "观者", "Moves": "移动", "Turns": "转动", "Dead zone": "死区",
     "Finer near rest": "近静止处更细", "It moves": "可移动", "It turns": "可转动",
@@ -194,9 +194,9 @@ CHINESE = {
     "Button": "按钮", "does": "作用", "Nothing": "无作用", "Recentre": "回中",
     "Lock turning": "锁定转动", "Lock moving": "锁定移动", "Object or viewer": "器物或观者",
     "The cap rests here": "以此为静止",
-    "Drag stroke {n} to where it is to lie; Esc leaves it":
+    "Drag stroke {n} to its new place; Esc cancels":
         "把第 {n} 笔拖到要放的地方；按 Esc 放弃",
-    "There is nothing of the object there": "那里没有器物",
+    "That is beside the object": "那里没有器物",
     "Move it on the object": "在器物上移动", "Move it by numbers…": "按数值移动…",
     "Paint it in the ink in hand": "改用手中的墨色",
     "Paint it with the brush in hand": "改用手中的笔",
@@ -206,9 +206,9 @@ CHINESE = {
     "Move stroke {n}": "移动第 {n} 笔", "To the right (x)": "向右（x）", "Upwards (y)": "向上（y）",
     "Turn to the left": "向左转", "Move": "移动", "Time of stroke {n}": "第 {n} 笔的时间",
     "It takes": "历时", "It begins later by": "推迟", "Change": "更改",
-    "Painting what comes after stroke {n} again…": "正在重画第 {n} 笔之后的笔画…",
-    "Stroke {n}: done; {after} after it painted again in {seconds:.1f} s; "
-    "undo takes it back until the painting is closed":
+    "Repainting what follows stroke {n}…": "正在重画第 {n} 笔之后的笔画…",
+    "Stroke {n} edited; {after} after it repainted in {seconds:.1f} s; undo takes it back until "
+    "the painting is closed":
         "第 {n} 笔：已改；其后 {after} 笔已重画，用时 {seconds:.1f} 秒；关闭此画之前可以撤销",
     "Mix a colour…": "调一种颜色…", "Open a table of pigments…": "打开颜料表…",
     "Tables of pigments": "颜料表", "Pigments": "颜料", "Pick-up": "沾回",
@@ -240,22 +240,22 @@ CHINESE = {
     "Footprints at {presses} of the force": "力为 {presses} 时的笔痕",
     "A stroke on xuan": "宣纸上的一笔",
     "Paint with it": "就用它画", "Save as mine": "存为我的笔",
-    "{name} is kept in {path}": "{name} 已存入 {path}",
+    "{name} is saved in {path}": "{name} 已存入 {path}",
     "Choose one on the object": "在器物上选一笔",
-    "Click a stroke on the object, or drag it to where it is to lie; Esc leaves it":
+    "Click a stroke on the object, or drag it to its new place; Esc cancels":
         "单击器物上的一笔，或把它拖到要放的地方；按 Esc 作罢",
-    "No stroke lies there": "那里没有笔画",
-    "Put own pigments away": "收起自备颜料",
-    "Pigments of your own are put away; their files stay": "自备颜料已收起；文件仍在",
+    "There is no stroke there": "那里没有笔画",
+    "Remove own pigments": "收起自备颜料",
+    "Your own pigments are off the list; their files stay": "自备颜料已收起；文件仍在",
     "It touches": "已触到",
     "For a stylus without a button, by the other hand": "用于没有按钮的笔，由另一只手来按",
     "Tuft wet": "蘸湿", "Full": "饱满",
     "How much of the tuft a dip wets, from the tip": "一蘸从笔尖起湿多少",
     "How full that part becomes; 100 % as it is made": "蘸湿部分多饱满；100 % 为常态",
-    "Dip by itself when under a quarter is left": "余墨不足四分之一时自动蘸笔",
-    "Dipped by itself: {percent:.0f} % was left": "已自动蘸笔：只剩 {percent:.0f} %",
+    "Dip automatically when less than a quarter is left": "余墨不足四分之一时自动蘸笔",
+    "Dipped automatically: {percent:.0f} % was left": "已自动蘸笔：只剩 {percent:.0f} %",
     "Strokes over the picture…": "图上笔画…",
-    "The corrections are kept: look at the strokes once more": "改动仍在：请再看一次图上笔画",
+    "The corrections are kept; check the strokes again": "改动仍在：请再看一次图上笔画",
     "The strokes lie over their ink: {why}": "笔画衬以墨迹：{why}",
     "The strokes lie over the photograph {file}": "笔画衬以照片 {file}",
     "Order, direction and shape of the strokes of a font, a drawing or a photograph":
@@ -286,7 +286,7 @@ CHINESE = {
     "Drag the corners of the sheet, or move one by the arrows (1 to 4 choose it). "
     "Return finds the strokes anew, Esc leaves them.":
         "拖动纸的四角，或用方向键移动一角（按 1 到 4 选择）。回车重新寻找笔画，Esc 作罢。",
-    "Corrected strokes could not be laid out and are in no file": "更正的笔画未能放上，也未保存",
+    "Corrected strokes could not be laid out and are not saved": "更正的笔画未能放上，也未保存",
     "The corrections are not used and not saved": "更正尚未使用，也未保存",
     "Drop them": "放弃更正",
 }  # fmt: skip

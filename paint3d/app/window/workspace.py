@@ -9,11 +9,11 @@ from typing import Any
 
 from PySide6 import QtCore, QtGui, QtWidgets
 
-from paint3d.app.model.document import Document
-from paint3d.app.model.easel import Easel
+from paint3d.app.model.frame import Snapshot
+from paint3d.app.model.paint_thread import PaintThread
 from paint3d.app.model.persistence.saved_settings import in_hand
 from paint3d.app.model.persistence.settings import Settings, save_settings
-from paint3d.app.window.files.opened import Opened
+from paint3d.app.window.files.open_result import OpenResult
 from paint3d.app.window.hand.canvas import Canvas
 from paint3d.app.window.hand.canvas_hand import CanvasHand
 from paint3d.app.window.job import Progress, is_waiting, run_beside
@@ -61,7 +61,7 @@ class Workspace(QtCore.QObject):
     -------
     said : str, str, bool
         Something for the status line; see `tell`.
-    opened : Opened
+    opened : OpenResult
         A painting to go on with instead of the one that is open.
     saved : ()
         The painting has another name, or nothing unsaved any more.
@@ -103,16 +103,16 @@ class Workspace(QtCore.QObject):
     # -- the painting -----------------------------------------------------------------------
 
     @property
-    def easel(self) -> Easel:
-        """What paints, while something is open; `stage.easel` says whether anything is."""
-        return self.stage.open_easel
+    def paint_thread(self) -> PaintThread:
+        """What paints, while something is open; `stage.paint_thread` says whether anything is."""
+        return self.stage.open_paint_thread
 
     @property
-    def document(self) -> Document:
-        """What is being painted; only for reading, and what is posted changes it."""
-        return self.easel.document
+    def painting(self) -> Snapshot:
+        """What is being painted, as it was after the last step."""
+        return self.paint_thread.painting
 
-    def show(self, opened: Opened) -> bool:
+    def show(self, opened: OpenResult) -> bool:
         """Paint on this from now on; False if it was stopped: see `may_let_go`."""
         if not self.may_let_go():
             return False
@@ -133,28 +133,28 @@ class Workspace(QtCore.QObject):
             False if the waiting was stopped, or something is not to be dropped: then the painting
             goes on, with all that waits.
         """
-        easel = self.stage.easel
-        if easel is None:
+        paint_thread = self.stage.paint_thread
+        if paint_thread is None:
             return True
         if not self.may_drop():
             return False
-        easel.halt()
-        if easel.has_halted(0.0):
+        paint_thread.halt()
+        if paint_thread.has_halted(0.0):
             return True
 
         def wait(progress: Progress) -> None:
-            while not easel.has_halted(_LOOK_S):
+            while not paint_thread.has_halted(_LOOK_S):
                 progress.check()
 
-        if self.went_well(self.run(say("Finishing the step that is going on…"), wait)):
+        if self.went_well(self.run(say("Finishing the current step…"), wait)):
             return True
-        easel.go_on()
+        paint_thread.go_on()
         return False
 
     def post(self, command: str, *arguments: object) -> None:
-        """Have the easel do something; what goes wrong is told. Nothing, while nothing is open."""
-        if self.stage.easel is not None:
-            self.stage.easel.post(command, *arguments)
+        """Post a command to the painting thread; its errors are shown. Nothing, if none is open."""
+        if self.stage.paint_thread is not None:
+            self.stage.paint_thread.post(command, *arguments)
 
     def dip(self, ink: Any = None, reach: float | None = None) -> None:
         """Have the brush dipped, in the same again or an ink, in as much of it as was chosen."""
@@ -194,9 +194,9 @@ class Workspace(QtCore.QObject):
 
     def keep_in_hand(self) -> None:
         """Remember the brush, the inks and the force for the next painting."""
-        if self.stage.easel is None:
+        if self.stage.paint_thread is None:
             return
-        chosen = in_hand(self.easel.brush, list[Any](self.document.inks))
+        chosen = in_hand(self.paint_thread.brush, list[Any](self.painting.inks))
         force = self.hand.hand.force if self.hand.hand is not None else self.settings.force_n
         self.settings = dataclasses.replace(self.settings, **chosen, force_n=force)
 

@@ -23,6 +23,7 @@ from paint3d.app.window.studio import StudioWindow
 from paint3d.mesh.bvh import ClosestPoints
 from paint3d.view.camera import Camera, picture_axes
 from tests.support.app.gestures import wait_for
+from tests.support.app.windows import pretend_saved
 
 __all__ = [
     "DeviceEvent",
@@ -224,9 +225,8 @@ def open_for(
     """
     header = {**header, **instead}
     window.workspace.quiet = True
-    if window.stage.easel is not None:
-        with window.stage.easel.paused() as document:
-            document.modified = False
+    if window.stage.paint_thread is not None:
+        pretend_saved(window.stage.paint_thread)
     opened = window.opening.open_path(
         header["object"], resolution, header.get("material", "xuan"), asked=True
     )
@@ -253,7 +253,7 @@ def look(window: StudioWindow, view: str | dict) -> None:
 
 def settle(window: StudioWindow, seconds: float = 600.0) -> None:
     """Wait until everything asked for is painted."""
-    done = window.stage.easel.post(lambda document: None)
+    done = window.stage.paint_thread.post(lambda document: None)
     until = time.monotonic() + seconds
     while not done.done():
         assert time.monotonic() < until, "the painting stands still"
@@ -443,7 +443,7 @@ class EventPlayer(QtCore.QObject):
         """Hold the painting where it is, as something that lasts does."""
         self._go_on()
         self._held = contextlib.ExitStack()
-        self._held.enter_context(self._window.stage.easel.paused())
+        self._held.enter_context(self._window.stage.paint_thread.paused())
 
     def _go_on(self) -> None:
         if self._held is not None:
@@ -486,7 +486,7 @@ def pixel_of(
 
 def surface_of(window: StudioWindow) -> ClosestPoints:
     """The object that is open, to be asked where rays meet it; made once for each."""
-    mesh = window.stage.easel.document.surface.source
+    mesh = window.workspace.painting.source
     if not _surfaces or _surfaces[0][0] is not mesh:
         _surfaces[:] = [(mesh, ClosestPoints(mesh))]
     return _surfaces[0][1]

@@ -22,10 +22,11 @@ from PySide6 import QtCore, QtGui, QtTest, QtWidgets
 
 from paint3d.app.model.commands import SHORTCUTS
 from paint3d.app.model.document import Document
-from paint3d.app.model.easel import Easel
+from paint3d.app.model.paint_thread import PaintThread
 from paint3d.app.window.studio import StudioWindow
 from paint3d.errors import Paint3DError
 from tests.support.app.event_player import DeviceEvent, EventPlayer
+from tests.support.app.windows import pretend_saved
 
 __all__ = ["Fault", "Monkey"]
 
@@ -172,10 +173,9 @@ class Monkey(QtCore.QObject):
 
     def close(self) -> None:
         """Close the window; nothing is asked."""
-        easel = self.window.stage.easel
-        if easel is not None:
-            with easel.paused() as document:
-                document.modified = False
+        paint_thread = self.window.stage.paint_thread
+        if paint_thread is not None:
+            pretend_saved(paint_thread)
         self.window.close()
         self._process()
 
@@ -360,11 +360,11 @@ class Monkey(QtCore.QObject):
 
     def switch_while_behind(self, rng: Generator) -> str:
         """Have the painting busy with something else, change the brush, and paint on at once."""
-        easel = self.window.stage.easel
-        if easel is None or self._is_blocked():
+        paint_thread = self.window.stage.paint_thread
+        if paint_thread is None or self._is_blocked():
             return "nothing is open"
         seconds = float(rng.uniform(0.1, 0.6))
-        easel.post(lambda document: time.sleep(seconds))
+        paint_thread.post(lambda document: time.sleep(seconds))
         self._tap(str(rng.integers(1, 10)))
         return f"{seconds:.2f} s, {self.stroke(rng)}"
 
@@ -392,9 +392,9 @@ class Monkey(QtCore.QObject):
         """Let the program end without closing, and start it again."""
         if self._is_blocked() or self._depth > 1:
             return "blocked"
-        easel = self.window.stage.easel
-        if easel is not None:
-            easel.stop(keep=True)
+        paint_thread = self.window.stage.paint_thread
+        if paint_thread is not None:
+            paint_thread.stop(keep=True)
         self.window.workspace.held.emit(True)  # it draws no more
         self.window.both_hands.close()
         self.window.panels.close_down()
@@ -595,12 +595,12 @@ class Monkey(QtCore.QObject):
 
     def _settle(self) -> None:
         """Wait until everything is painted."""
-        easel = self.window.stage.easel
-        done = easel.post(lambda document: None)
+        paint_thread = self.window.stage.paint_thread
+        done = paint_thread.post(lambda document: None)
         until = time.monotonic() + SETTLE_S
         while not done.done():
             if time.monotonic() > until:
-                self._fault("stuck", f"{easel.queue_length} jobs are left")
+                self._fault("stuck", f"{paint_thread.queue_length} jobs are left")
                 return
             self._process()
 
@@ -610,11 +610,11 @@ class Monkey(QtCore.QObject):
         while (dialog := self._app.activeModalWidget()) is not None:
             dialog.close()
             self._process()
-        if self.window.stage.easel is None:
+        if self.window.stage.paint_thread is None:
             self.window.opening.open_path("plane", 4.0, "xuan", asked=True)
         self._settle()
         path = self.folder / "end.p3d"
-        with self.window.stage.easel.paused() as document:
+        with self.window.stage.paint_thread.paused() as document:
             if document.in_stroke:
                 self._fault("state", "the painting is in a stroke though nothing touches")
                 document.end_stroke()
@@ -632,22 +632,22 @@ class Monkey(QtCore.QObject):
         hooks.thread_hook, threading.excepthook = threading.excepthook, self._raised_beside
         hooks.unraisable, sys.unraisablehook = sys.unraisablehook, self._raised_beside
         hooks.messages = QtCore.qInstallMessageHandler(self._message)
-        hooks.tell = Easel.tell
+        hooks.tell = PaintThread.tell
         found = self._fault
 
-        def tell(easel: Easel, doing: str, error: Exception) -> None:
-            hooks.tell(easel, doing, error)
+        def tell(paint_thread: PaintThread, doing: str, error: Exception) -> None:
+            hooks.tell(paint_thread, doing, error)
             if not isinstance(error, Paint3DError):
                 found("internal", "".join(traceback.format_exception(error)))
 
-        Easel.tell = tell
+        PaintThread.tell = tell
 
     def _unhook(self) -> None:
         hooks = self._hooks
         sys.excepthook, threading.excepthook = hooks.excepthook, hooks.thread_hook
         sys.unraisablehook = hooks.unraisable
         QtCore.qInstallMessageHandler(hooks.messages)
-        Easel.tell = hooks.tell
+        PaintThread.tell = hooks.tell
 
     def _raised(self, kind, error, trace) -> None:
         self._fault("traceback", "".join(traceback.format_exception(kind, error, trace)))

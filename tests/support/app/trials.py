@@ -94,7 +94,7 @@ def blind_window(program: QtWidgets.QApplication) -> Iterator[StudioWindow]:
 
 def mark_now(window: StudioWindow) -> Mark:
     """What is painted by now."""
-    with window.stage.easel.paused() as document:
+    with window.stage.paint_thread.paused() as document:
         return take_mark(document.surface)
 
 

@@ -6,6 +6,8 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+from paint3d.app.model.document import Document
+from paint3d.app.model.paint_thread import PaintThread
 from paint3d.app.window.studio import StudioWindow
 from paint3d.view import live_light
 from paint3d.view.studio import light_samples
@@ -51,9 +53,9 @@ def close_unasked(window) -> None:
 
 def settled(window) -> None:
     """Wait until everything asked for is painted and shown."""
-    easel = window.stage.easel
-    easel.post(lambda document: None).result(300)
-    wait_for(lambda: easel.is_still or easel.wet)
+    paint_thread = window.stage.paint_thread
+    paint_thread.post(lambda document: None).result(300)
+    wait_for(lambda: paint_thread.is_still or paint_thread.wet)
     live(0.1)
 
 
@@ -67,3 +69,12 @@ def faults() -> Iterator[list[str]]:
         yield found
     finally:
         sys.excepthook = before
+
+
+def pretend_saved(paint_thread: PaintThread) -> None:
+    """Let nothing be unsaved, as who leaves a painting is asked otherwise."""
+    paint_thread.post(_forget_changes).result(300)
+
+
+def _forget_changes(document: Document) -> None:
+    document.modified = False

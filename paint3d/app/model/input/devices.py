@@ -39,7 +39,7 @@ __all__ = [
     "DeviceHub",
     "DeviceView",
     "Feeling",
-    "NothingPlugged",
+    "NoDevices",
     "StrokeCutter",
     "Taken",
     "plug_in_mice",
@@ -58,7 +58,7 @@ _LEFT = ("mouse",)
 log = logging.getLogger("paint3d")
 
 
-class Plugged(Protocol):
+class Devices(Protocol):
     """What `device.hot_plug.PluggedDevices` offers."""
 
     failures: dict[str, str]
@@ -85,8 +85,8 @@ class Plugged(Protocol):
         """Close everything."""
 
 
-class NothingPlugged:
-    """Stands where HID devices cannot be read: see `Plugged`."""
+class NoDevices:
+    """Stands where HID devices cannot be read: see `Devices`."""
 
     def __init__(self) -> None:
         self.failures: dict[str, str] = {}
@@ -230,7 +230,7 @@ class DeviceHub:
 
     def __init__(
         self,
-        plugged: Plugged,
+        plugged: Devices,
         hands: TwoHands | None = None,
         actions: Mapping[int, str] = DEFAULT_ACTIONS,
         clock: Callable[[], int] = time.monotonic_ns,

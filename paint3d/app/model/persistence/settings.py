@@ -1,4 +1,4 @@
-"""What a user has chosen, kept between sittings as JSON in the user's config folder."""
+"""What a user has chosen, kept as JSON in the user's config folder."""
 
 from __future__ import annotations
 
@@ -95,7 +95,7 @@ class Settings:
     dips_by_itself : bool
         Whether the brush is dipped before a stroke where under a quarter of a dip is left.
     autosave_s : float
-        The least time between two bases of a sitting.
+        The least time between two bases of a recovery folder.
     undo_megabytes : float
         Of undo steps in memory; more go to the disk.
     recent : tuple of str

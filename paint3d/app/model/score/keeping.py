@@ -26,6 +26,7 @@ class _Recorded(Protocol):
     """What a document has for its methods to be recorded."""
 
     keeper: ScoreKeeper | None
+    check_access: Callable[[], None]
 
     @property
     def surface(self) -> PaintedSurface: ...
@@ -182,6 +183,7 @@ def recorded(
 
     @wraps(method)
     def kept(document: _Document, /, *arguments: _P.args, **options: _P.kwargs) -> _Result:
+        document.check_access()
         keeper = document.keeper
         if keeper is None or keeper.is_within:
             return method(document, *arguments, **options)

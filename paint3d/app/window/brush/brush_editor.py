@@ -170,7 +170,7 @@ class FactorCurve(QtWidgets.QWidget):
         self._low, self._high, self._unit = 0.0, 1.0, ""
         self._held = -1
         self.setMinimumSize(250, 150)
-        self.setToolTip(say("Drag points; click to add one, right button to take one away"))
+        self.setToolTip(say("Drag points; click to add one, right-click to remove one"))
 
     def show_points(self, points: Points, low: float, high: float, unit: str) -> None:
         """Show other points, over inputs from low to high, and tell nothing."""

@@ -79,7 +79,7 @@ class BrushMaking:
                 self.editor.tell(error)
             return
         self._take(brush)
-        told = say("{name} is kept in {path}", name=brush.name, path=path)
+        told = say("{name} is saved in {path}", name=brush.name, path=path)
         self._workspace.tell(told, state="good")
         if self.editor is not None:
             self.editor.tell(told)

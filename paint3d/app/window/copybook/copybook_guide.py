@@ -120,7 +120,7 @@ class CopybookGuide:
             laid.unused = dialog.steps  # until they lie on the object
             now = _Laid(laid.em_mm, laid.layout, laid.file, dialog.photographed)
             if not self._lay(lambda: corrected, now):
-                workspace.tell(say("The corrections are kept: look at the strokes once more"))
+                workspace.tell(say("The corrections are kept; check the strokes again"))
 
     def may_drop(self) -> bool:
         """Whether nothing is lost by another page in its place, by none, or by another painting.
@@ -129,13 +129,13 @@ class CopybookGuide:
         """
         if self._laid.unused is None:
             return True
-        told = say("Corrected strokes could not be laid out and are in no file")
+        told = say("Corrected strokes could not be laid out and are not saved")
         window = self._workspace.window
         return ask(window, told, destroy="Drop them", warns=True) is Answer.DestructiveRole
 
     def _lay(self, compose: Callable[[], str | Composer], laid: _Laid) -> bool:
         workspace = self._workspace
-        mesh = workspace.document.surface.source
+        mesh = workspace.painting.source
 
         def make(_: object) -> Copybook:
             copybook = Copybook(mesh, compose(), laid.em_mm, laid.layout)
@@ -196,7 +196,7 @@ class CopybookGuide:
             stroke = ended.result()  # it was done before; None where a layer refused it
             return None if stroke is None else copybook.note(stroke, document.surface)
 
-        self._panel.expect(self._workspace.easel.post(note))
+        self._panel.expect(self._workspace.paint_thread.post(note))
 
     def _draw(self) -> None:
         copybook, stage = self._panel.copybook, self._workspace.stage

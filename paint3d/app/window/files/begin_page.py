@@ -8,8 +8,8 @@ from pathlib import Path
 
 from PySide6 import QtCore, QtWidgets
 
-from paint3d.app.model.persistence.sitting import recoverable
-from paint3d.app.window.files.opened import named
+from paint3d.app.model.persistence.recovery_folder import recoverable
+from paint3d.app.window.files.open_result import named
 from paint3d.app.window.files.opening import Opening
 from paint3d.app.window.files.recovery import Recovery
 from paint3d.app.window.files.saving import RecentFiles
@@ -71,7 +71,7 @@ class BeginPage(QtWidgets.QFrame):
         left = recoverable()
         if left:
             name = left[0].path.name if left[0].path else named(left[0].object_name)
-            told = say("Bring back what was not saved: {name}", name=name)
+            told = say("Recover unsaved work: {name}", name=name)
             self._add(told, lambda: self._recovery.recover(left[0]))
         recent = self._recent.paths()[:_MOST_RECENT]
         if recent:

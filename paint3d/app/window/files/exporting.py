@@ -294,7 +294,7 @@ class Exporting:
         if path.name.lower().endswith(EXPORT_SUFFIXES) and path.suffix.lower() != SESSION_SUFFIX:
             work = self._beside(path, options, clipped)
         else:
-            work = self._by_the_easel(path)
+            work = self._in_paint_thread(path)
         if not workspace.went_well(workspace.run(say("Writing {name}…", name=path.name), work)):
             return False
         told = say("status.exported", name=path.name)
@@ -304,12 +304,12 @@ class Exporting:
         workspace.tell(told, state="good")
         return True
 
-    def _by_the_easel(self, path: Path) -> Callable[[Progress], None]:
+    def _in_paint_thread(self, path: Path) -> Callable[[Progress], None]:
         """Write it while nothing is painted."""
-        easel = self._workspace.easel
+        paint_thread = self._workspace.paint_thread
 
         def work(progress: Progress) -> None:
-            result_of(easel.post("export", path, progress=progress), progress)
+            result_of(paint_thread.post("export", path, progress=progress), progress)
 
         return work
 
@@ -320,11 +320,11 @@ class Exporting:
 
         How many colours did not fit in, is added to `clipped`.
         """
-        easel = self._workspace.easel
+        paint_thread = self._workspace.paint_thread
 
         def work(progress: Progress) -> None:
             taken = part_of(progress, 0.0, _TAKEN)
-            asked = easel.post("prepare_export", path, ExportOptions(**options), taken)
+            asked = paint_thread.post("prepare_export", path, ExportOptions(**options), taken)
             prepared = result_of(asked, progress)
             clipped.append(prepared.painting.n_clipped)
             prepared.write(part_of(progress, _TAKEN, 1.0))

@@ -14,7 +14,7 @@ from PySide6 import QtWidgets
 from paint3d.app.model.document import Document
 from paint3d.app.model.input.hand import Hand, PointerInput
 from paint3d.app.model.persistence.saved_settings import chosen_brush, chosen_inks, chosen_material
-from paint3d.app.window.files.opened import Opened, named, open_with_progress
+from paint3d.app.window.files.open_result import OpenResult, named, open_with_progress
 from paint3d.app.window.files.recovery import open_elsewhere
 from paint3d.app.window.files.saving import RecentFiles, Saving
 from paint3d.app.window.job import Progress
@@ -204,7 +204,11 @@ class Opening:
         """
         if self._workspace.is_waiting:
             return False
-        if not asked and self._workspace.stage.easel is not None and not self._saving.may_leave():
+        if (
+            not asked
+            and self._workspace.stage.paint_thread is not None
+            and not self._saving.may_leave()
+        ):
             return False
         self._workspace.error = None
         if not self._is_ready():
@@ -232,7 +236,7 @@ class Opening:
     def _open_session(self, path: str, title: str) -> Future[Any]:
         undo_bytes = self._undo_bytes()
 
-        def work(progress: Progress) -> Opened:
+        def work(progress: Progress) -> OpenResult:
             told = part_of(progress, 0.0, 0.9)
             document = Document.open(path, undo_bytes=undo_bytes, progress=told)
             return open_with_progress(document, progress, 0.9)
@@ -266,7 +270,7 @@ class Opening:
         brush, inks = chosen_brush(settings), chosen_inks(settings)
         undo_bytes = self._undo_bytes()
 
-        def make(progress: Progress) -> Opened:
+        def make(progress: Progress) -> OpenResult:
             found = reading.mesh
             if not choice.coloured:  # as it was before it was refined for its picture
                 found = read_mesh(path, up=self.up, progress=part_of(progress, 0.0, 0.4)).mesh

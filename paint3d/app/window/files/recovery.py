@@ -7,13 +7,13 @@ from contextlib import ExitStack, suppress
 
 from PySide6 import QtCore, QtWidgets
 
-from paint3d.app.model.persistence.sitting import (
+from paint3d.app.model.persistence.recovery_folder import (
     Recovered,
     Unfinished,
     is_open_elsewhere,
     recoverable,
 )
-from paint3d.app.window.files.opened import named, open_with_progress
+from paint3d.app.window.files.open_result import named, open_with_progress
 from paint3d.app.window.job import Progress
 from paint3d.app.window.questions import Answer, ask
 from paint3d.app.window.wording import say, say_error
@@ -69,8 +69,8 @@ class Recovery:
     def tell_unsaved(self) -> None:
         """Say where what was put off can be found, if there is any."""
         if recoverable():
-            where = f"{say('menu.file')}, {say('Bring back what was not saved')}"
-            told = say("What was not saved stays in the menu: {where}", where=where)
+            where = f"{say('menu.file')}, {say('Recover unsaved work')}"
+            told = say("Unsaved paintings stay in the menu: {where}", where=where)
             self._workspace.tell(told)
 
     def fill_menu(self) -> None:
@@ -105,21 +105,21 @@ class Recovery:
         recovered, opened = done.result()
         if not workspace.show(opened):
             return False
-        is_kept = workspace.easel.sitting is not None
+        is_kept = workspace.paint_thread.recovery is not None
         if is_kept:
             one.discard()
         lost = _lost_of(recovered)
         if lost or is_kept:  # if not, it is said, and what the crash left is all that there is
             bad = lost + open_elsewhere(workspace)
-            told = say("; ").join([say("Brought back; save it to keep it"), *bad])
+            told = say("; ").join([say("Recovered; save it to keep it"), *bad])
             workspace.tell(told, state="bad" if bad else "good", stays=bool(bad))
         return True
 
 
 def open_elsewhere(workspace: Workspace) -> list[str]:
     """That another window paints on the same file, if so; who saves second will be asked."""
-    path, sitting = workspace.document.path, workspace.easel.sitting
-    own = None if sitting is None else sitting.folder
+    path, recovery = workspace.painting.path, workspace.paint_thread.recovery
+    own = None if recovery is None else recovery.folder
     if path is None or not is_open_elsewhere(path, own):
         return []
     return [say("{name} is open in another window, too", name=path.name)]

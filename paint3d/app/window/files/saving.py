@@ -7,7 +7,7 @@ from pathlib import Path
 
 from PySide6 import QtCore, QtWidgets
 
-from paint3d.app.window.files.opened import named
+from paint3d.app.window.files.open_result import named
 from paint3d.app.window.files.target_dialog import Targets
 from paint3d.app.window.job import Progress, result_of
 from paint3d.app.window.questions import Answer, ask
@@ -67,13 +67,15 @@ class Saving:
 
     def may_leave(self) -> bool:
         """Ask what is to become of unsaved work; False if it is to stay."""
-        easel = self._workspace.stage.easel
-        if easel is None:
+        paint_thread = self._workspace.stage.paint_thread
+        if paint_thread is None:
             return True
-        document = self._workspace.document
-        if not (easel.is_behind or document.modified):  # what is still to be done will change it
+        painting = self._workspace.painting
+        if not (
+            paint_thread.is_behind or painting.modified
+        ):  # what is still to be done will change it
             return True
-        name = document.path.name if document.path else named(document.surface.source.name)
+        name = painting.path.name if painting.path else named(painting.source.name)
         words = say("ask.save_changes", name=name)
         window = self._workspace.window
         answer = ask(window, words, accept="button.save", destroy="button.discard")
@@ -83,12 +85,12 @@ class Saving:
 
     def do_save(self) -> bool:
         """Save where it was saved before, or ask where; say whether that went well."""
-        document = self._workspace.document
-        if document.path is None:
+        with self._workspace.paint_thread.paused() as document:
+            assert document is not None, "it was waited for"
+            path, is_written = document.path, document.is_written_by_others
+        if path is None:
             return self.do_save_as()
-        if document.is_written_by_others:
-            return self._save_beside_others(document.path)
-        return self.save_to(document.path)
+        return self._save_beside_others(path) if is_written else self.save_to(path)
 
     def _save_beside_others(self, path: Path) -> bool:
         """Ask before what somebody else has saved in the same file is replaced."""
@@ -112,10 +114,10 @@ class Saving:
     def save_to(self, path: Path) -> bool:
         """Save to a session; say whether that went well."""
         workspace = self._workspace
-        easel = workspace.easel
+        paint_thread = workspace.paint_thread
 
         def work(progress: Progress) -> None:
-            result_of(easel.post("save", path, progress=progress), progress)
+            result_of(paint_thread.post("save", path, progress=progress), progress)
 
         if not workspace.went_well(workspace.run(say("Writing {name}…", name=path.name), work)):
             return False

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from PySide6 import QtWidgets
 
-from paint3d.app.window.files.opened import named
+from paint3d.app.window.files.open_result import named
 from paint3d.app.window.questions import Answer, ask
 from paint3d.app.window.wording import say
 from paint3d.app.window.workspace import Workspace
@@ -171,12 +171,12 @@ class Targets:
         preferred : str
             The suffix that is chosen at first.
         """
-        document = self._workspace.document
-        stem = document.path.stem if document.path else named(document.surface.source.name)
-        beside = document.path.parent if document.path else Path.cwd()
+        painting = self._workspace.painting
+        stem = painting.path.stem if painting.path else named(painting.source.name)
+        beside = painting.path.parent if painting.path else Path.cwd()
         suffix = preferred if preferred in names else next(iter(names))
         start = (self.folder or beside) / f"{stem}{suffix}"
-        if document.path is None:
+        if painting.path is None:
             start = _free(start, suffix)
         kinds = [Kind(say(name), suffix) for suffix, name in names.items()]
         path = ask_target(self._workspace.window, title.rstrip("…"), start, kinds, suffix)

@@ -32,16 +32,16 @@ _STAYS_PX = 6.0  # that a pointer moves which stays where it was
 
 
 class CanvasHand(QtCore.QObject):
-    """Joins the canvas's events to the easel.
+    """Joins the canvas's events to the paint_thread.
 
     Signals
     -------
     sized : float
         The brush is to be so many times as large.
     began : ()
-        Of a stroke, before the easel hears of it.
+        Of a stroke, before the painting thread hears of it.
     ended : Future
-        Of `end_stroke`, by which the easel ends it.
+        Of `end_stroke`, by which the painting thread ends it.
     """
 
     sized = QtCore.Signal(float)
@@ -128,7 +128,7 @@ class CanvasHand(QtCore.QObject):
         found, touch = self.place(), self._place
         if found is None or touch is None:
             return
-        radius = _CLOSE * self._stage.open_easel.brush.length_mm
+        radius = _CLOSE * self._stage.open_paint_thread.brush.length_mm
         if self._near is not None:
             camera, at, seen = self._near
             moved = math.hypot(touch.x - at.x, touch.y - at.y)
@@ -182,8 +182,8 @@ class CanvasHand(QtCore.QObject):
 
     def touch(self, touch: Touch) -> None:
         """Follow the pen or mouse: paint while it is down, else show where it would."""
-        easel = self._stage.easel
-        if easel is None or self.camera is None:
+        paint_thread = self._stage.paint_thread
+        if paint_thread is None or self.camera is None:
             return
         before, self._place = self._place, touch
         self._spent = self._spent and touch.down
@@ -192,9 +192,9 @@ class CanvasHand(QtCore.QObject):
         if before is not None and self.held & {"size", "force"} and not self.in_stroke:
             self._adjust(touch.x - before.x)
             return
-        event, brush = self._input(self._bent(touch)), easel.brush
+        event, brush = self._input(self._bent(touch)), paint_thread.brush
         if self.in_stroke and touch.down:
-            easel.feed(self._open_hand.move(event, brush))
+            paint_thread.feed(self._open_hand.move(event, brush))
         elif self.in_stroke:
             self.lift(event)
         elif touch.down and not touch.eraser:
@@ -204,9 +204,9 @@ class CanvasHand(QtCore.QObject):
             if sample is None:
                 self._stage.hide_brush()
             else:
-                easel.hover(sample)
+                paint_thread.hover(sample)
         if touch.eraser and touch.down and (before is None or not before.down):
-            easel.post("rinse")
+            paint_thread.post("rinse")
 
     def _bent(self, touch: Touch) -> Touch:
         """The touch under the brush: with Shift the mouse turns the bend, and the brush stays.
@@ -264,28 +264,28 @@ class CanvasHand(QtCore.QObject):
         )
 
     def _begin(self, event: PointerInput) -> None:
-        easel = self._stage.open_easel
-        samples = self._open_hand.begin(event, easel.brush)
+        paint_thread = self._stage.open_paint_thread
+        samples = self._open_hand.begin(event, paint_thread.brush)
         if samples is None:
             return
         self.in_stroke, self._whole = True, None
         self.began.emit()
-        easel.post("begin_stroke")
-        easel.feed(samples)
+        paint_thread.post("begin_stroke")
+        paint_thread.feed(samples)
 
     def lift(self, event: PointerInput | None = None) -> None:
         """End the stroke that is going on, where the pen was lifted if it says."""
         if not self.in_stroke:
             return
         self.in_stroke = False
-        easel = self._stage.open_easel
-        easel.feed(self._end_in_hand(event))
-        self.ended.emit(easel.post("end_stroke"))
+        paint_thread = self._stage.open_paint_thread
+        paint_thread.feed(self._end_in_hand(event))
+        self.ended.emit(paint_thread.post("end_stroke"))
 
     def _end_in_hand(self, event: PointerInput | None = None) -> list[DeviceSample]:
         """Let the hand end the stroke where the pointer was last; what is still to be painted."""
         assert self._place is not None, "a stroke goes on"
-        return self._open_hand.end(self._place.time_ns, self._stage.open_easel.brush, event)
+        return self._open_hand.end(self._place.time_ns, self._stage.open_paint_thread.brush, event)
 
     def interrupt(self) -> None:
         """End the stroke that is going on where it is; a pen that stays down begins none."""
@@ -298,7 +298,7 @@ class CanvasHand(QtCore.QObject):
         if self.in_stroke:
             self.in_stroke, self._spent = False, True
             self._end_in_hand()
-            self._stage.open_easel.post("cancel_stroke")
+            self._stage.open_paint_thread.post("cancel_stroke")
 
     def _take_back(self) -> None:
         """Take back what a finger began that now does something else: the next paints again."""
@@ -307,5 +307,5 @@ class CanvasHand(QtCore.QObject):
 
     def leave(self) -> None:
         """Let the brush leave the picture until the pointer moves over it again."""
-        if not self.in_stroke and self._stage.easel is not None:
+        if not self.in_stroke and self._stage.paint_thread is not None:
             self._stage.hide_brush()

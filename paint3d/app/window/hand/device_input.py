@@ -10,7 +10,7 @@ import numpy as np
 
 from paint3d.app.model.input.devices import (
     DeviceHub,
-    NothingPlugged,
+    NoDevices,
     StrokeCutter,
     plug_in_pens,
     went_down,
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
     from paint3d.app.model.document import Document
-    from paint3d.app.model.input.devices import Feeling, Plugged
+    from paint3d.app.model.input.devices import Devices, Feeling
     from paint3d.app.model.persistence.settings import Settings
     from paint3d.app.window.hand.canvas import Canvas, Touch
     from paint3d.app.window.hand.device_panel import StylusForm
@@ -73,11 +73,11 @@ class Calibrating:
         self,
         form: StylusForm,
         canvas: Canvas,
-        find_pens: Callable[[], Plugged | None] = plug_in_pens,
+        find_pens: Callable[[], Devices | None] = plug_in_pens,
     ) -> None:
         self._form, self._canvas, self.find_pens = form, canvas, find_pens
         self._touches: Touches | None = None
-        self._pens: Plugged | None = None
+        self._pens: Devices | None = None
         self._key = ""
 
     @property
@@ -185,6 +185,7 @@ class Calibrating:
 # --------------------------------------------------------------------------------------------------
 
 
+_PATIENCE_S = 0.02  # that the window waits for a step of the painting
 _SHOWN_EVERY = 12  # ticks between two looks at the panel
 _CONJUGATE = np.array([1.0, -1.0, -1.0, -1.0])
 
@@ -223,7 +224,7 @@ class DeviceInput:
         self,
         workspace: Workspace,
         panel: DevicePanel,
-        plugged: Plugged | None = None,
+        plugged: Devices | None = None,
         feel: Callable[[Document, Settings], Feeling | None] | None = None,
     ) -> None:
         self._workspace, self._panel = workspace, panel
@@ -269,15 +270,15 @@ class DeviceInput:
         """Whether a stylus paints now."""
         return self._cutter.is_down
 
-    def open(self, document: Document) -> None:
+    def open(self) -> None:
         """Let the haptic stylus feel another object, which stands as its picture shows it."""
         if self.desk is not None:
             self.desk.hands.set_object_pose(ObjectPose())
         self._pose = ObjectPose()
         self._cutter.end()  # what was begun on another document ended with it
-        self._start_feeling(document)
+        self._start_feeling()
 
-    def _start_feeling(self, document: Document) -> None:
+    def _start_feeling(self) -> None:
         """Feel with the stylus that the settings ask for; the object stays where it is."""
         self.calibrating.stop()
         self._leave_object()
@@ -286,7 +287,9 @@ class DeviceInput:
             self._feeling = None
         if self._feel is not None:
             try:
-                self._feeling = self._feel(document, self._workspace.settings)
+                with self._workspace.paint_thread.paused() as document:
+                    assert document is not None, "it was waited for"
+                    self._feeling = self._feel(document, self._workspace.settings)
             except Paint3DError as error:
                 self._workspace.tell(say_error(error), state="bad", stays=True)
         if self._feeling is not None or self.desk is not None:
@@ -300,7 +303,7 @@ class DeviceInput:
             return None
         feeling = self._feeling
         desk = DeviceHub(
-            self._plugged or NothingPlugged(),
+            self._plugged or NoDevices(),
             None if before is None else before.hands,
             actions=settings.buttons,
             feedback=None if feeling is None else feeling.feedback,
@@ -317,8 +320,8 @@ class DeviceInput:
         kept = self._workspace.settings.stylus
         if kept.partition("=")[0] != stylus:  # the place of a library or a service stays
             self._workspace.keep(stylus=stylus)
-        if self._workspace.stage.easel is not None:
-            self._start_feeling(self._workspace.document)
+        if self._workspace.stage.paint_thread is not None:
+            self._start_feeling()
             if self._feeling is not None:
                 self._workspace.tell(self._feeling.name, state="good")
 
@@ -376,7 +379,7 @@ class DeviceInput:
     def _use_frame(self, told: str | None) -> None:
         """Feel by the frame that was found, if one was."""
         if told is not None and self._feeling is not None:
-            self._start_feeling(self._workspace.document)
+            self._start_feeling()
             self._panel.stylus.show_calibrating(told, False)
 
     # -- tick by tick -----------------------------------------------------------------------
@@ -392,8 +395,8 @@ class DeviceInput:
             feel = Feel.from_words(self._workspace.settings.feel)
             if self.calibrating.is_on:
                 feel = replace(feel, limit_n=0.0)  # the object pushes no hand off the sheet
-            material = self._workspace.document.surface.material
-            self._feeling.follow(self._workspace.easel.brush, feel, material)
+            material = self._workspace.painting.material
+            self._feeling.follow(self._workspace.paint_thread.brush, feel, material)
         if self._ticks % _SHOWN_EVERY == 0 and self._panel.isVisible():
             frame = self._workspace.stage.frame
             self._panel.show_desk(self.desk, frame)
@@ -403,13 +406,13 @@ class DeviceInput:
                 self._panel.show_brush(matrices_from_quaternions(q)[0][:, 2], force)
 
     def _take(self, desk: DeviceHub) -> None:
-        taken, easel = desk.take(), self._workspace.easel
+        taken, paint_thread = desk.take(), self._workspace.paint_thread
         self._panel.mouse.show_locks(desk.hands.steering)
         for command in taken.commands:
             if command == "dip":
                 self._workspace.dip()
             else:
-                easel.post(command)
+                paint_thread.post(command)
         for failure in taken.failures:
             self._workspace.tell(say_error(failure), state="bad")
         self._carry(taken.object_pose)
@@ -425,13 +428,13 @@ class DeviceInput:
             if isinstance(part, str):
                 if part == "begin_stroke":
                     self._workspace.hand.began.emit()
-                    easel.post(part)
+                    paint_thread.post(part)
                 else:
                     self._end_stroke()
             else:
-                easel.feed(part)
+                paint_thread.feed(part)
         if taken.samples and not self._cutter.is_down:
-            easel.hover(taken.samples[-1])
+            paint_thread.hover(taken.samples[-1])
 
     def _leave_object(self) -> None:
         """End a stroke whose stylus is not heard any more."""
@@ -439,7 +442,7 @@ class DeviceInput:
             self._end_stroke()
 
     def _end_stroke(self) -> None:
-        self._workspace.hand.ended.emit(self._workspace.easel.post("end_stroke"))
+        self._workspace.hand.ended.emit(self._workspace.paint_thread.post("end_stroke"))
 
     def _tell_end(self, desk: DeviceHub) -> None:
         """Say why the force feedback has ended, once."""
@@ -448,7 +451,7 @@ class DeviceInput:
             self._feeling = None
             self._leave_object()
             self.calibrating.stop()
-            told = say("The stylus pushes no longer: {why}", why=desk.ended)
+            told = say("Force feedback stopped: {why}", why=desk.ended)
             self._workspace.tell(told, state="bad", stays=True)
 
     def _carry(self, pose: ObjectPose) -> None:
@@ -463,13 +466,19 @@ class DeviceInput:
         self._panel.show_object(axes)
 
     def _is_touching(self, sample: DeviceSample) -> bool:
-        """Whether the brush touches: by its force, or by where it is."""
+        """Whether the brush touches: by its force, or by where it is.
+
+        While the painting has no time to say where the surface is, it goes on as it did.
+        """
         if sample.pressure is not None:
             return sample.pressure > 0.0
         back = sample.object_orientation * _CONJUGATE
         place = rotate(back, sample.position - sample.object_position)
         orientation = multiply_quaternions(back, sample.orientation)
-        found = self._workspace.document.painter.contact(place, orientation)
+        with self._workspace.paint_thread.paused(_PATIENCE_S) as document:
+            if document is None:
+                return self._cutter.is_down
+            found = document.painter.contact(place, orientation)
         return found is not None and found.area > 0.0
 
     def close(self) -> None:

@@ -34,7 +34,7 @@ class CurveEditor(QtWidgets.QWidget):
         self.pressure: float | None = None
         self._held = -1
         self.setMinimumHeight(112)
-        self.setToolTip(say("Drag points; click to add one, right button to take one away"))
+        self.setToolTip(say("Drag points; click to add one, right-click to remove one"))
 
     def _area(self) -> QtCore.QRectF:
         return QtCore.QRectF(self.rect()).adjusted(10, 10, -10, -10)

@@ -7,8 +7,7 @@ from typing import Any
 
 from PySide6 import QtCore, QtGui, QtWidgets
 
-from paint3d.app.model.document import Document
-from paint3d.app.model.frame import Frame
+from paint3d.app.model.frame import Frame, Snapshot
 from paint3d.app.window.brush.brush_panel import plain_icon, plain_name
 from paint3d.app.window.ink.ink_panel import ink_label, paint_dish
 from paint3d.app.window.theme import Theme
@@ -167,21 +166,19 @@ class HistoryPanel(QtWidgets.QWidget):
 
     # -- showing ----------------------------------------------------------------------------
 
-    def open(self, document: Document) -> None:
+    def open(self, painting: Snapshot) -> None:
         """Show the strokes of another painting."""
         self.stop()
         self._wanted = None
         self._shown = (-1, -1)
-        self.show_strokes(document.strokes, document.undone_strokes, document.earliest_stroke)
+        self.show_strokes(painting.strokes, painting.undone_strokes, painting.earliest_stroke)
 
-    def follow(self, document: Document, frame: Frame) -> None:
+    def follow(self, frame: Frame) -> None:
         """Show what a frame says."""
-        strokes = list(document.strokes)
-        if len(strokes) != frame.n_strokes:  # they are about to change again
-            return
-        if frame.n_strokes == self._wanted or not frame.queue_length:
+        painting = frame.painting
+        if len(painting.strokes) == self._wanted or not frame.queue_length:
             self._wanted = None
-        self.show_strokes(strokes, document.undone_strokes, document.earliest_stroke)
+        self.show_strokes(painting.strokes, painting.undone_strokes, painting.earliest_stroke)
 
     def show_strokes(self, strokes: Sequence[Any], undone: Sequence[Any], earliest: int) -> None:
         """Show the strokes that are there; those that were undone come after them, fainter.

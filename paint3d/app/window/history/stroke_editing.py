@@ -45,34 +45,31 @@ class Recalling:
             Only to look at; see `Document.replay_history`.
         """
         workspace = self._workspace
-        easel, document = workspace.easel, workspace.document
-        if upto >= document.oldest_stroke or upto < document.earliest_stroke:
+        paint_thread, painting = workspace.paint_thread, workspace.painting
+        if upto >= painting.oldest_stroke or upto < painting.earliest_stroke:
             workspace.post("replay_history", upto, passing)
             return
 
         def work(progress: Progress) -> None:
-            document.progress = progress
-            try:
-                easel.post("replay_history", upto, passing).result()
-            finally:
-                document.progress = None
+            with paint_thread.reporting(progress):
+                paint_thread.post("replay_history", upto, passing).result()
 
-        count = document.oldest_stroke
-        title = say("Painting {n} strokes again, to go back to them…", n=count)
+        count = painting.oldest_stroke
+        title = say("Repainting {n} strokes to go back to them…", n=count)
         if workspace.went_well(workspace.run(title, work)):
             workspace.tell(
-                say("{n} strokes were painted again; drying between them is not repeated", n=count)
+                say("{n} strokes were repainted; drying between them is not repeated", n=count)
             )
         else:
             self._refused()
 
     def undo(self) -> None:
         """Take the last step back; where no step does, the strokes are painted again first."""
-        document, easel = self._workspace.document, self._workspace.easel
-        if easel.is_behind or document.steps.done or not document.can_undo:
+        painting, paint_thread = self._workspace.painting, self._workspace.paint_thread
+        if paint_thread.is_behind or painting.has_steps or not painting.can_undo:
             self._workspace.post("undo")
         else:
-            self.go_to(len(document.strokes) - 1)
+            self.go_to(len(painting.strokes) - 1)
 
 
 # ---- Questions -----------------------------------------------------------------------------------
@@ -174,12 +171,12 @@ class StrokeEditing:
         number : int
             Place of the stroke in the history, from 0.
         """
-        workspace, document = self._workspace, self._workspace.document
+        workspace, painting = self._workspace, self._workspace.painting
         if what == "pick":
             self._mark.choose(None)
             self.drag.begin()
             return
-        strokes = [*document.strokes, *document.undone_strokes]
+        strokes = [*painting.strokes, *painting.undone_strokes]
         if not 0 <= number < len(strokes):
             return
         self.drag.end()
@@ -189,9 +186,9 @@ class StrokeEditing:
             return
         edit: Mapping[str, Any] | None = {"do": what}
         if what == "ink":
-            edit = {"do": "ink", "ink": document.painter.dipped}
+            edit = {"do": "ink", "ink": painting.dipped}
         elif what == "brush":
-            edit = {"do": "brush", "brush": workspace.easel.brush}
+            edit = {"do": "brush", "brush": workspace.paint_thread.brush}
         elif what == "move":
             edit = _answer(MoveDialog(workspace.window, number + 1))
         elif what == "time":
@@ -210,24 +207,21 @@ class StrokeEditing:
             See `Document.edit_stroke`.
         """
         workspace = self._workspace
-        easel, document = workspace.easel, workspace.document
+        paint_thread, painting = workspace.paint_thread, workspace.painting
 
         def work(progress: Progress) -> None:
-            document.progress = progress
-            try:
-                easel.post("edit_stroke", number, edit).result()
-            finally:
-                document.progress = None
+            with paint_thread.reporting(progress):
+                paint_thread.post("edit_stroke", number, edit).result()
 
         began = time.perf_counter()
-        after = len(document.strokes) + len(document.undone_strokes) - number - 1
-        title = say("Painting what comes after stroke {n} again…", n=number + 1)
+        after = len(painting.strokes) + len(painting.undone_strokes) - number - 1
+        title = say("Repainting what follows stroke {n}…", n=number + 1)
         if not workspace.went_well(workspace.run(title, work)):
             return False
         seconds = time.perf_counter() - began
         workspace.tell(
-            say("Stroke {n}: done; {after} after it painted again in {seconds:.1f} s; "
-                "undo takes it back until the painting is closed",
+            say("Stroke {n} edited; {after} after it repainted in {seconds:.1f} s; undo takes it "
+                "back until the painting is closed",
                 n=number + 1, after=after, seconds=seconds),
             state="good",
         )  # fmt: skip

@@ -125,7 +125,7 @@ class StrokeMark(QtCore.QObject):
         scale = self._workspace.stage.scene.nearest_mm() / self._pixel_mm
         if not 1.0 / _OTHER_SCALE < scale < _OTHER_SCALE:
             self._draw()
-        is_there = any(one is self._stroke for one in self._workspace.document.strokes)
+        is_there = any(one is self._stroke for one in self._workspace.painting.strokes)
         if is_there:
             self._was_there = True
         elif self._was_there or all(one is not self._stroke for one in self._strokes()):
@@ -134,7 +134,7 @@ class StrokeMark(QtCore.QObject):
     def stroke_at(self, place: AnyArray) -> int | None:
         """The number of the stroke whose way comes nearest to a place (3,), if it lies on it."""
         best, found = np.inf, None
-        for number, stroke in enumerate(self._workspace.document.strokes):
+        for number, stroke in enumerate(self._workspace.painting.strokes):
             near = _distance(ways_of(stroke, self._workspace.hand.surface), place)
             reach = max(_LEAST_REACH_MM, 0.5 * stroke.brush.root_diameter_mm)
             if near <= min(best, reach):  # of two that are as near the upper one
@@ -142,12 +142,12 @@ class StrokeMark(QtCore.QObject):
         return found
 
     def _strokes(self) -> Sequence[Stroke]:
-        document = self._workspace.document
-        return [*document.strokes, *document.undone_strokes]
+        painting = self._workspace.painting
+        return [*painting.strokes, *painting.undone_strokes]
 
     def _draw(self) -> None:
         stage, theme = self._workspace.stage, self._workspace.theme
-        if stage.easel is None:
+        if stage.paint_thread is None:
             return
         ground, lines = self._workspace.hand.surface, []
         if self._stroke is not None:
@@ -231,9 +231,9 @@ class StrokeDrag(QtCore.QObject):
         self._canvas.setCursor(QtCore.Qt.CursorShape.OpenHandCursor)
         self._canvas.setFocus()
         told = (
-            say("Click a stroke on the object, or drag it to where it is to lie; Esc leaves it")
+            say("Click a stroke on the object, or drag it to its new place; Esc cancels")
             if number is None
-            else say("Drag stroke {n} to where it is to lie; Esc leaves it", n=number + 1)
+            else say("Drag stroke {n} to its new place; Esc cancels", n=number + 1)
         )
         self._workspace.tell(told, stays=True)
 
@@ -299,11 +299,11 @@ class StrokeDrag(QtCore.QObject):
     def _take_hold(self) -> None:
         place = self._place()
         if place is None:
-            self._workspace.tell(say("There is nothing of the object there"), state="bad")
+            self._workspace.tell(say("That is beside the object"), state="bad")
             return
         self._number = self._stroke_at(place) if self._named is None else self._named
         if self._number is None:
-            self._workspace.tell(say("No stroke lies there"), state="bad")
+            self._workspace.tell(say("There is no stroke there"), state="bad")
             return
         if self._named is None:
             self.chosen.emit(self._number)
@@ -319,7 +319,7 @@ class StrokeDrag(QtCore.QObject):
             self._hold_nothing()
         elif place is None:
             self._hold_nothing()
-            self._workspace.tell(say("There is nothing of the object there"), state="bad")
+            self._workspace.tell(say("That is beside the object"), state="bad")
         else:
             self.end()
             self.dragged.emit(number, (held[1], place))

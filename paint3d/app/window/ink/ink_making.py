@@ -9,7 +9,6 @@ from pathlib import Path
 
 from PySide6 import QtCore, QtGui, QtWidgets
 
-from paint3d.app.model.frame import held_ink
 from paint3d.app.model.persistence.own_pigments import fingerprint_of, own_pigments
 from paint3d.app.window.ink.ink_panel import ink_label
 from paint3d.app.window.panels import Panels
@@ -233,10 +232,10 @@ class InkMaking:
         workspace = self._workspace
         if not workspace.settings.dips_by_itself:
             return
-        held = held_ink(workspace.document.painter)
+        held = workspace.painting.held
         if 0.0 < held.share < LEAST_LOAD:
             workspace.dip()
-            told = say("Dipped by itself: {percent:.0f} % was left", percent=100 * held.share)
+            told = say("Dipped automatically: {percent:.0f} % was left", percent=100 * held.share)
             workspace.tell(told)
 
     def _take_kept(self) -> None:
@@ -255,7 +254,7 @@ class InkMaking:
         """Let a colour be chosen, and mix what comes nearest."""
         self.close_down()
         workspace, inks = self._workspace, self._panels.inks
-        ground = workspace.document.surface.material.reflectance
+        ground = workspace.painting.material.reflectance
         dialog = self.dialog = ColourDialog(
             workspace.window, workspace.theme, ground, tuple(inks.dishes.pigments.values())
         )
@@ -305,4 +304,4 @@ class InkMaking:
         self.close_down()
         self._panels.inks.put_away_own()
         self._workspace.keep(pigment_tables={})
-        self._workspace.tell(say("Pigments of your own are put away; their files stay"))
+        self._workspace.tell(say("Your own pigments are off the list; their files stay"))

@@ -461,7 +461,9 @@ class InkPanel(QtWidgets.QWidget):
         self._amount = DipAmount()  # of the dip before
         self.wetted = _percents(0.1, 100.0, "How much of the tuft a dip wets, from the tip")
         self.fullness = _percents(5.0, 300.0, "How full that part becomes; 100 % as it is made")
-        self.by_itself = QtWidgets.QCheckBox(say("Dip by itself when under a quarter is left"))
+        self.by_itself = QtWidgets.QCheckBox(
+            say("Dip automatically when less than a quarter is left")
+        )
         self.tones = ToneRow(theme)
         layout = QtWidgets.QVBoxLayout(self)
         layout.setContentsMargins(8, 6, 8, 8)

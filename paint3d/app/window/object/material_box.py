@@ -27,7 +27,7 @@ class MaterialBox(QtWidgets.QComboBox):
 
     def __init__(self, material: str | Material) -> None:
         super().__init__()
-        self.setToolTip(say("What the surface is made of; a file of your own describes others"))
+        self.setToolTip(say("What the surface is made of; files of your own can describe others"))
         self._before = 0
         for name, known in load_materials().items():
             self.addItem(say_material(known), name)

@@ -19,7 +19,7 @@ from paint3d.app.model.own_object import (
     sensible_resolution,
 )
 from paint3d.app.model.texts import note_in_chinese
-from paint3d.app.window.files.opened import Opened, open_with_progress
+from paint3d.app.window.files.open_result import OpenResult, open_with_progress
 from paint3d.app.window.job import Progress
 from paint3d.app.window.object.material_box import MaterialBox
 from paint3d.app.window.questions import Answer, ask
@@ -124,7 +124,7 @@ class ObjectDialog(QtWidgets.QDialog):
         both.addLayout(right, 1)
         self.picture = _Picture()
         self.picture.clicked.connect(self.stand_at)
-        self.picture.setToolTip(say("Click the side that it should stand on"))
+        self.picture.setToolTip(say("Click the side it should stand on"))
         left.addWidget(self.picture)
         row = QtWidgets.QHBoxLayout()
         self.quarters: dict[str, QtWidgets.QPushButton] = {}
@@ -136,7 +136,7 @@ class ObjectDialog(QtWidgets.QDialog):
             self.quarters[axis] = button
             row.addWidget(button)
         left.addLayout(row)
-        hint = QtWidgets.QLabel(say("Click the side that it should stand on"))
+        hint = QtWidgets.QLabel(say("Click the side it should stand on"))
         hint.setEnabled(False)
         left.addWidget(hint)
         left.addStretch(1)
@@ -333,7 +333,7 @@ def told(note: str) -> str:
 
 
 _TURNED = (
-    "There is paint on it. Turned, it is begun anew without the paint; what is open can be saved "
+    "Turning the object starts a new painting on it, without the paint. You can save this one "
     "first."
 )
 
@@ -399,10 +399,10 @@ class Standing:
         said = [told(note) for note in reading.notes]
         if guess is not None and not guess.sure:
             said.append(
-                say("Which way is up is not sure; Edit ▸ Turn and scale the object changes it")
+                say("Which way is up is uncertain; change it by Edit ▸ Turn and scale the object")
             )
         elif guess is not None and guess.up != "z":
-            words = "{axis} was taken for up; Edit ▸ Turn and scale the object changes it"
+            words = "{axis} was taken as up; change it by Edit ▸ Turn and scale the object"
             said.append(say(words, axis=guess.up))
         self._said = "   ".join(said)
         return first_choice(reading, guess, material, resolution)._replace(resolution=resolution)
@@ -425,9 +425,9 @@ class Standing:
     def do_stand(self) -> None:
         """Ask how the object that is open should stand, and begin anew on it."""
         workspace = self._workspace
-        if workspace.stage.easel is None:
+        if workspace.stage.paint_thread is None:
             return
-        with workspace.easel.paused() as document:
+        with workspace.paint_thread.paused() as document:
             assert document is not None, "it was waited for"
             surface, material = document.surface, document.surface.material
             resolution = surface.resolution or workspace.settings.resolution_mm
@@ -447,15 +447,15 @@ class Standing:
     def take_material(self, material: str | Material) -> bool:
         """Let the object that is open be of another material, and begin anew on it; say whether."""
         workspace = self._workspace
-        if workspace.stage.easel is None:
+        if workspace.stage.paint_thread is None:
             return False
-        with workspace.easel.paused() as document:
+        with workspace.paint_thread.paused() as document:
             assert document is not None, "it was waited for"
             surface, is_bare = document.surface, _is_bare(document)
             resolution = surface.resolution or workspace.settings.resolution_mm
         words = (
-            "There is paint on it. Of another material it is begun anew without the paint; what "
-            "is open can be saved first."
+            "Another material starts a new painting, without the paint. You can save this one "
+            "first."
         )
         if not is_bare and not (self._may_begin_anew(words) and self._may_leave()):
             return False
@@ -468,11 +468,11 @@ class Standing:
     def _begin_anew(self, source: TriangleMesh, choice: ObjectChoice) -> bool:
         """Put an object as it was chosen in the place of what is open, in the same hand."""
         workspace = self._workspace
-        with workspace.easel.paused() as document:
+        with workspace.paint_thread.paused() as document:
             assert document is not None, "it was waited for"
             brush, inks = document.painter.brush, list(document.inks)
 
-        def make(progress: Progress) -> Opened:
+        def make(progress: Progress) -> OpenResult:
             document = Document.new(
                 choice.apply(source), choice.resolution, choice.material, brush=brush, ink=inks[0],
                 undo_bytes=int(workspace.settings.undo_megabytes * (1 << 20)),

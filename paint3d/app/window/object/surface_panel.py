@@ -7,12 +7,12 @@ from typing import Any
 
 from PySide6 import QtCore, QtGui, QtWidgets
 
+from paint3d.app.model.frame import Snapshot
 from paint3d.app.window.object.material_box import MaterialBox
 from paint3d.app.window.theme import Theme
 from paint3d.app.window.wording import say, say_length, say_material
 from paint3d.colour.materials import Material, load_materials
 from paint3d.colour.spectra import srgb_from_reflectance
-from paint3d.surface.painted_surface import PaintedSurface
 
 __all__ = ["SurfacePanel"]
 
@@ -80,7 +80,7 @@ class SurfacePanel(QtWidgets.QWidget):
             layout.addWidget(button)
         layout.addStretch(1)
 
-    def show_surface(self, surface: PaintedSurface) -> None:
+    def show_surface(self, surface: Snapshot) -> None:
         """Show what this surface is."""
         told = surface.material, surface.resolution, surface.n_vertices
         if told == self._shown:

@@ -243,7 +243,7 @@ def write_growth_film(workspace: Workspace, path: Path, film: Film) -> Future[An
         If nothing has been painted.
     """
     film_form(path)
-    with workspace.easel.paused() as document:
+    with workspace.paint_thread.paused() as document:
         assert document is not None, "it was waited for"
         score, mesh = document.score, document.surface.source
         original = document.surface.original

@@ -13,7 +13,7 @@ import numpy as np
 from PySide6 import QtCore
 
 from paint3d.app.model.brush_in_hand import BRUSH_COMMANDS
-from paint3d.app.model.easel import Easel
+from paint3d.app.model.paint_thread import PaintThread
 from paint3d.app.model.score.stepping import Cue
 from paint3d.app.window.wording import say
 from paint3d.app.window.workspace import Workspace
@@ -106,18 +106,22 @@ class _Strokes:
     ended: Future[Any] | None = None
 
     @classmethod
-    def begun(cls, easel: Easel, samples: Sequence[DeviceSample], tools: Tools) -> _Strokes:
+    def begun(
+        cls, paint_thread: PaintThread, samples: Sequence[DeviceSample], tools: Tools
+    ) -> _Strokes:
         """Begin the stroke."""
         # by the hand's clock, and by whole pieces of the ink's time: as it was painted
         since = time.perf_counter_ns() - samples[0].time_ns
         later_ns = since // PIECE_NS * PIECE_NS
         times = np.array([sample.time_ns for sample in samples], np.int64)
-        when = HandTime(in_full=easel.wet).pass_samples(times).tolist()
-        _ask(easel, tools.before)
+        when = HandTime(in_full=paint_thread.wet).pass_samples(times).tolist()
+        _ask(paint_thread, tools.before)
         told = {"loads": tuple(tools.loads), "strengths": tuple(tools.strengths)}
-        began = easel.post("begin_stroke", **{name: pairs for name, pairs in told.items() if pairs})
-        playing = cls(samples, when, tools, began, later_ns, before=easel.n_painted)
-        began.add_done_callback(lambda _: playing.count_from(easel.n_painted))
+        began = paint_thread.post(
+            "begin_stroke", **{name: pairs for name, pairs in told.items() if pairs}
+        )
+        playing = cls(samples, when, tools, began, later_ns, before=paint_thread.n_painted)
+        began.add_done_callback(lambda _: playing.count_from(paint_thread.n_painted))
         return playing
 
     def count_from(self, n_painted: int) -> None:
@@ -129,11 +133,11 @@ class _Strokes:
         """How far it has been handed on, s."""
         return self.when[min(self.next, len(self.when) - 1)]
 
-    def share(self, easel: Easel) -> float:
+    def share(self, paint_thread: PaintThread) -> float:
         """How much of it is painted, 0 to 1."""
         if not self.began.done():
             return 0.0
-        return (easel.n_painted - self.before) / len(self.samples)
+        return (paint_thread.n_painted - self.before) / len(self.samples)
 
     @property
     def is_refused(self) -> bool:
@@ -151,30 +155,30 @@ class _Strokes:
         """Whether nothing of it is still to be asked for."""
         return self.ended is not None
 
-    def hand_on(self, easel: Easel, seconds: float) -> None:
+    def hand_on(self, paint_thread: PaintThread, seconds: float) -> None:
         """Ask for what is due by then."""
         due = self.next
         while due < len(self.when) and self.when[due] <= seconds:
             due += 1
         for _ in range(_MOST_BATCHES):
-            if self.next == due or easel.queue_length > _AHEAD:
+            if self.next == due or paint_thread.queue_length > _AHEAD:
                 break
             samples = self.samples[self.next : min(self.next + _BATCH, due)]
             moved = [replace(s, time_ns=s.time_ns + self.later_ns) for s in samples]
-            easel.feed(moved, all_time=True)
+            paint_thread.feed(moved, all_time=True)
             self.next += len(samples)
         if self.next == len(self.samples):
-            self._end(easel)
+            self._end(paint_thread)
 
-    def _end(self, easel: Easel) -> None:
-        self.ended = easel.post("end_stroke")
-        _ask(easel, self.tools.after)
+    def _end(self, paint_thread: PaintThread) -> None:
+        self.ended = paint_thread.post("end_stroke")
+        _ask(paint_thread, self.tools.after)
 
-    def stop(self, easel: Easel) -> None:
+    def stop(self, paint_thread: PaintThread) -> None:
         """Lift the brush where it is; what waits is not painted."""
-        easel.leave_out_samples(self.began, self.ended)
+        paint_thread.leave_out_samples(self.began, self.ended)
         if self.ended is None:
-            self._end(easel)
+            self._end(paint_thread)
 
 
 @dataclass(eq=False)
@@ -206,7 +210,7 @@ class _Score:
         """How far it has been handed on, s."""
         return self.cues[min(self.next, len(self.cues) - 1)].when
 
-    def share(self, _: Easel) -> float:
+    def share(self, _: PaintThread) -> float:
         """How much of it has been asked for, 0 to 1."""
         return self.next / len(self.cues)
 
@@ -220,50 +224,52 @@ class _Score:
         """Whether nothing of it is still to be asked for."""
         return self.last is not None
 
-    def hand_on(self, easel: Easel, seconds: float) -> None:
+    def hand_on(self, paint_thread: PaintThread, seconds: float) -> None:
         """Ask for what is due by then."""
         for _ in range(_MOST_CUES):
-            if self.next == len(self.cues) or easel.queue_length > _AHEAD:
+            if self.next == len(self.cues) or paint_thread.queue_length > _AHEAD:
                 break
             cue = self.cues[self.next]
             if cue.when > seconds:
                 break
             self.next += 1
             if cue.samples:
-                easel.feed(cue.samples)
+                paint_thread.feed(cue.samples)
                 continue
-            _ask_cue(easel, cue)
+            _ask_cue(paint_thread, cue)
             ends = cue.command in ("end_stroke", "cancel_stroke")
             self.in_stroke = cue.command == "begin_stroke" or (self.in_stroke and not ends)
         if self.next == len(self.cues):
-            self._end(easel)
+            self._end(paint_thread)
 
-    def _end(self, easel: Easel) -> None:
+    def _end(self, paint_thread: PaintThread) -> None:
         if self.in_stroke:
-            easel.post("end_stroke")
-        self.last = easel.post(_done)
-        easel.wet = self.wants_wet()
+            paint_thread.post("end_stroke")
+        self.last = paint_thread.post(_done)
+        paint_thread.wet = self.wants_wet()
 
-    def stop(self, easel: Easel) -> None:
+    def stop(self, paint_thread: PaintThread) -> None:
         """Lift the brush where it is."""
         if self.last is None:
-            self._end(easel)
+            self._end(paint_thread)
 
 
 def _done(_: object) -> None:
     """All that was asked for before is done."""
 
 
-def _ask(easel: Easel, commands: Sequence[Asked]) -> None:
+def _ask(paint_thread: PaintThread, commands: Sequence[Asked]) -> None:
     for command, arguments in commands:
-        easel.post(command, *arguments)
+        paint_thread.post(command, *arguments)
 
 
-def _ask_cue(easel: Easel, cue: Cue) -> None:
-    if cue.command in BRUSH_COMMANDS:  # by their places: the easel looks which brush it will be
-        easel.post(cue.command, *cue.options.values())
+def _ask_cue(paint_thread: PaintThread, cue: Cue) -> None:
+    if (
+        cue.command in BRUSH_COMMANDS
+    ):  # by their places: the painting thread looks which brush it will be
+        paint_thread.post(cue.command, *cue.options.values())
     else:
-        easel.post(cue.command, **cue.options)
+        paint_thread.post(cue.command, **cue.options)
 
 
 class Player(QtCore.QObject):
@@ -309,17 +315,17 @@ class Player(QtCore.QObject):
         """
         self.stop()
         if samples:
-            self._workspace.easel.let_samples_tell(True)
-            playing = _Strokes.begun(self._workspace.easel, samples, tools or Tools())
+            self._workspace.paint_thread.let_samples_tell(True)
+            playing = _Strokes.begun(self._workspace.paint_thread, samples, tools or Tools())
             self._begin(playing, speed)
 
     def play_score(self, cues: Sequence[Cue], speed: float | None) -> None:
         """Paint a whole painting on the object, which is as the score began."""
         self.stop()
         if cues:
-            easel = self._workspace.easel
+            paint_thread = self._workspace.paint_thread
             playing = _Score(cues, self._workspace.actions["wet"].isChecked)
-            easel.wet = False
+            paint_thread.wet = False
             self._begin(playing, speed)
 
     def _begin(self, playing: _Strokes | _Score, speed: float | None) -> None:
@@ -342,16 +348,16 @@ class Player(QtCore.QObject):
 
     def tick(self) -> None:
         """Hand on what is due by now, and see how much is painted."""
-        replay, easel = self._replay, self._workspace.stage.easel
-        if replay is None or easel is None:
+        replay, paint_thread = self._replay, self._workspace.stage.paint_thread
+        if replay is None or paint_thread is None:
             return
         if replay.is_refused:
             self.stop()  # it is told why
             return
-        self.moved.emit(replay.share(easel))
+        self.moved.emit(replay.share(paint_thread))
         if not replay.is_handed_on:
             if not self._is_paused:
-                replay.hand_on(easel, self._clock.seconds)
+                replay.hand_on(paint_thread, self._clock.seconds)
         elif replay.is_over:
             self._forget()
             if not self._refused:
@@ -361,7 +367,7 @@ class Player(QtCore.QObject):
         """Lift the brush where it is, if something is playing; what waits is not painted."""
         replay = self._replay
         if replay is not None:
-            replay.stop(self._workspace.easel)
+            replay.stop(self._workspace.paint_thread)
             self._forget()
 
     def do_stop(self) -> None:
@@ -376,7 +382,7 @@ class Player(QtCore.QObject):
         """Stop because what was painted is about to be undone, and say so."""
         if self.is_playing:
             self.stop()
-            self._workspace.tell(say("The replay was stopped and taken back"))
+            self._workspace.tell(say("The replay was stopped and undone"))
 
     def give_way(self) -> None:
         """Stop for a stroke by hand, which would be one with that of the recording."""
@@ -386,7 +392,7 @@ class Player(QtCore.QObject):
 
     def _forget(self) -> None:
         if isinstance(self._replay, _Strokes):
-            self._workspace.easel.let_samples_tell(False)
+            self._workspace.paint_thread.let_samples_tell(False)
         self._replay = None
         self.moved.emit(-1.0)
 

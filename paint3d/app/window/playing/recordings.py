@@ -1,4 +1,4 @@
-"""Recordings of strokes: saved from a sitting, and painted again."""
+"""Recordings of strokes: of what was painted here, and played again."""
 
 from __future__ import annotations
 
@@ -8,10 +8,11 @@ from pathlib import Path
 
 from PySide6 import QtWidgets
 
+from paint3d.app.model.frame import Snapshot
 from paint3d.app.model.pad_in_view import lay_in_view
 from paint3d.app.model.score.playing import begun, painted, score_of_strokes
 from paint3d.app.model.score.stepping import Cue, cues_of
-from paint3d.app.window.files.opened import Opened, open_with_progress
+from paint3d.app.window.files.open_result import OpenResult, open_with_progress
 from paint3d.app.window.files.target_dialog import Targets
 from paint3d.app.window.job import Progress
 from paint3d.app.window.playing.player import Asked, Player, Tools
@@ -20,7 +21,6 @@ from paint3d.app.window.workspace import Workspace
 from paint3d.brush.spec import BrushSpec
 from paint3d.device.sample import DeviceSample
 from paint3d.files.progress import part_of
-from paint3d.painter.painter import Painter
 from paint3d.painter.recorded_tools import (
     recorded_amount,
     recorded_brush,
@@ -74,7 +74,7 @@ class Recordings:
     def do_record(self, on: bool) -> None:
         """Remember where the recording begins; when it ends, ask where to save it."""
         workspace = self._workspace
-        strokes = len(workspace.document.strokes)
+        strokes = len(workspace.painting.strokes)
         if on:
             self._recorded_from = strokes
             workspace.tell(say("status.recording"), state="good", stays=True)
@@ -84,9 +84,9 @@ class Recordings:
             self.do_save_recording(self._recorded_from)
 
     def do_save_recording(self, first: int = 0) -> None:
-        """Ask where, and save the strokes of this sitting from number `first` on."""
+        """Ask where, and save the strokes that were painted here from number `first` on."""
         workspace = self._workspace
-        with workspace.easel.paused() as document:
+        with workspace.paint_thread.paused() as document:
             assert document is not None, "it was waited for"
             recording = document.recording(first)
             score = None if first else document.score
@@ -143,7 +143,7 @@ class Recordings:
         if not workspace.went_well(loaded):
             return False
         samples, tools = loaded.result()
-        after = _tools_in_hand(workspace.document.painter, workspace.easel.brush)
+        after = _tools_in_hand(workspace.painting, workspace.paint_thread.brush)
         self._player.play(samples, speed, replace(tools, after=after))
         return True
 
@@ -153,14 +153,14 @@ class Recordings:
         As fast as it goes it is painted beside the window, and shown when it is done.
         """
         workspace = self._workspace
-        with workspace.easel.paused() as document:
+        with workspace.paint_thread.paused() as document:
             assert document is not None, "it was waited for"
             mesh = document.surface.source
             is_bare = not document.strokes and not document.surface.painted.any()
         if not is_bare and not self._may_leave():
             return False
 
-        def make(progress: Progress) -> tuple[Opened, list[Cue]]:
+        def make(progress: Progress) -> tuple[OpenResult, list[Cue]]:
             score = load_score(path, part_of(progress, 0.0, 0.1))
             cues: list[Cue] = []
             if speed is None:
@@ -199,11 +199,11 @@ def _told_of(recording: Recording) -> tuple[list[tuple[int, float]], list[tuple[
     return list(dict(loads).items()), list(dict(strengths).items())
 
 
-def _tools_in_hand(painter: Painter, brush: BrushSpec) -> list[Asked]:
+def _tools_in_hand(painting: Snapshot, brush: BrushSpec) -> list[Asked]:
     """What gives the hand back what it holds, freshly dipped."""
-    asked: list[Asked] = [("set_azimuth", (painter.azimuth,)), ("set_brush", (brush,))]
-    amount = painter.amount.words()
-    dips = painter.dips or ((painter.dipped, None),)
+    asked: list[Asked] = [("set_azimuth", (painting.azimuth,)), ("set_brush", (brush,))]
+    amount = painting.amount.words()
+    dips = painting.dips or ((painting.dipped, None),)
     return asked + [("dip", (ink, reach, amount if reach is None else None)) for ink, reach in dips]
 
 

@@ -14,7 +14,7 @@ import pytest
 
 from paint3d.app.model.commands import encode_command
 from paint3d.app.model.document import Document
-from paint3d.app.model.persistence.sitting import Sitting, recoverable, refusal
+from paint3d.app.model.persistence.recovery_folder import RecoveryFolder, recoverable, refusal
 from paint3d.errors import ExportError, Paint3DError
 from tests.support.app.hands import line
 
@@ -38,7 +38,7 @@ class Steps:
     def __init__(self, folder: Path, seed: int) -> None:
         self.chance, self.folder, self.done = random.Random(seed), folder, ["begun"]
         self.document = Document.new("plane", 3.0, "xuan")
-        self.sitting = Sitting(self.document, folder / "live")
+        self.recovery = RecoveryFolder(self.document, folder / "live")
         self.clock_ns = 1 << 60
 
     def check(self) -> None:
@@ -64,11 +64,11 @@ class Steps:
 
     def ask(self, name: str, *arguments: object) -> None:
         self.done.append(name)
-        self.sitting.note(encode_command(self.document, name, list(arguments), {}))
+        self.recovery.note(encode_command(self.document, name, list(arguments), {}))
         try:
             getattr(self.document, name)(*arguments)
         except Paint3DError as error:
-            self.sitting.note(refusal(error))
+            self.recovery.note(refusal(error))
 
     def command(self) -> None:
         name, *arguments = self.chance.choice(COMMANDS)
@@ -80,18 +80,18 @@ class Steps:
         samples = line((-20, y), (20, y + 5), n=24, t0=self.clock_ns)
         self.clock_ns = samples[-1].time_ns + 1_000_000_000
         for part in samples[:12], samples[12:]:
-            self.sitting.append(part)
+            self.recovery.append(part)
             self.document.feed(part)
         self.ask("end_stroke")
 
     def save(self) -> None:
         self.document.save(self.folder / "own.p3d")
-        self.sitting.name_file(self.document)
+        self.recovery.name_file(self.document)
 
     def keep(self) -> None:
-        self.sitting.turn_page(self.document)
+        self.recovery.turn_page(self.document)
         self.check()
-        self.sitting.save_base(self.document)
+        self.recovery.save_base(self.document)
 
     def keep_on_a_full_disk(self) -> None:
         def full(path: Path) -> None:
@@ -99,8 +99,8 @@ class Steps:
 
         with pytest.MonkeyPatch.context() as patch, suppress(ExportError):
             patch.setattr(self.document, "save_copy", full)
-            self.sitting.turn_page(self.document)
-            self.sitting.save_base(self.document)
+            self.recovery.turn_page(self.document)
+            self.recovery.save_base(self.document)
 
     def set_the_clock_back(self) -> None:
         self.clock_ns -= 3_600_000_000_000 * self.chance.randrange(1, 99)
@@ -116,4 +116,4 @@ def test_a_kill_after_any_step_loses_nothing(tmp_path: Path, seed: int) -> None:
             steps.take()
             steps.check()
     finally:
-        steps.sitting.close()
+        steps.recovery.close()

@@ -2,8 +2,9 @@
 
 A view runs at whatever rate it can; the hand's samples are all painted, in order, by kernels that
 let other threads run meanwhile. Colours are computed once for every frame that is taken and not
-oftener. What goes wrong in here is told as an event, and painting goes on. With a `Sitting`, every
-sample and command is written down by another thread as it comes, before it is painted if need be.
+oftener. What goes wrong in here becomes an event, and painting goes on. With a `RecoveryFolder`,
+every sample and command is written down by another thread as it comes, before it is painted if need
+be.
 
 Ink that spreads has the hand's own time (`ink_clock`): small pieces of it pass between the samples
 that are painted, and by the wall's clock while nothing else waits. Ink that moves too much to be
@@ -15,6 +16,7 @@ from __future__ import annotations
 
 import itertools
 import math
+import os
 import sys
 import threading
 import time
@@ -29,14 +31,17 @@ from typing import Any
 from paint3d.app.model.brush_in_hand import BRUSH_COMMANDS, brush_after
 from paint3d.app.model.commands import COMMANDS, encode_command
 from paint3d.app.model.document import Document
-from paint3d.app.model.frame import Frame, view_brush
-from paint3d.app.model.persistence.sitting import Sitting, refusal
+from paint3d.app.model.frame import Frame, Snapshot, view_brush
+from paint3d.app.model.persistence.recovery_folder import RecoveryFolder, refusal
 from paint3d.brush.spec import BrushSpec
 from paint3d.device.sample import DeviceSample
 from paint3d.errors import Paint3DError, RecordingError, SessionError
 from paint3d.painter.ink_time import LOOKAHEAD, PIECE_NS, PIECE_S, is_lifted, pieces_until
 
-__all__ = ["LATE_S", "Easel", "Event", "InkClock", "Pace"]
+CHECKS_ACCESS = bool(os.environ.get("PAINT3D_CHECKS"))
+"""Whether it is checked that nobody but the painting thread uses the document, as tests have it."""
+
+__all__ = ["CHECKS_ACCESS", "LATE_S", "Event", "InkClock", "Pace", "PaintThread"]
 
 # ---- The clock of ink ----------------------------------------------------------------------------
 # When the pieces of time pass for wet ink while a hand paints (`painter.ink_time` says which).
@@ -138,7 +143,7 @@ _BASE_EVERY_S = 120.0
 _AGAIN_S = 10.0  # after which a base is tried again that is to make up for a gap in the journal
 _LIVE_S = 0.002  # between two looks whether the window has said that it lives
 
-Command = str | Callable[[Document], object]
+Command = str | Callable[..., object]
 
 
 @dataclass(frozen=True)
@@ -194,7 +199,7 @@ class Pace:
         return max(pieces, 1 if behind_s <= _BESIDE_S else 0)  # or ink would never run again
 
 
-class Easel:
+class PaintThread:
     """Runs a document in a thread of its own.
 
     Parameters
@@ -203,14 +208,15 @@ class Easel:
         Nobody else touches it until `stop`, except within `paused`.
     wet : bool
         Let ink spread and dry in real time.
-    sitting : Sitting, optional
+    recovery : RecoveryFolder, optional
         Where what is painted is kept until it is saved; closed by `stop`.
     base_every_s : float
-        The least time between two bases of the sitting.
+        The least time between two bases of the recovery folder.
 
     Attributes
     ----------
-    document : Document
+    painting : Snapshot
+        The painting after the last command or frame: who may not touch the document reads this.
     newest : DeviceSample or None
         What the hand did last, whether it is painted yet or not.
     ink_clock : InkClock
@@ -224,14 +230,14 @@ class Easel:
         self,
         document: Document,
         wet: bool = False,
-        sitting: Sitting | None = None,
+        recovery: RecoveryFolder | None = None,
         base_every_s: float = _BASE_EVERY_S,
     ) -> None:
-        self.document = document
+        self._document = document
         self._wet = wet
         self._samples_tell = False  # alone what time it is for the ink
         self.base_every_s = base_every_s
-        self._writer = None if sitting is None else _JournalWriter(sitting, document, self.tell)
+        self._writer = None if recovery is None else _JournalWriter(recovery, document, self.tell)
         self._base_time, self._base_step = time.monotonic(), 0
         self._base_due = False
         self.n_painted = 0
@@ -244,6 +250,8 @@ class Easel:
         self._n_asked = self._n_done = 0  # jobs; time for the ink is none of them
         self._events: deque[Event] = deque()
         self._counts = document.surface.paint_mesh.arrays.counts.copy()  # in the last frame
+        self.painting = Snapshot.of(document)
+        self._holder: int | None = None  # the thread that has the document by `paused`
         self._hovering: DeviceSample | None = None
         self._fed: deque[DeviceSample] = deque(maxlen=LOOKAHEAD)  # last of this stroke, if wet
         self.newest: DeviceSample | None = None
@@ -252,7 +260,9 @@ class Easel:
         self._lag = 0.0
         self.ink_clock, self._pace = InkClock(time.perf_counter_ns()), Pace()
         self._seen_ns: tuple[int, int] | None = None  # the last two times that `live` was called
-        self._thread = threading.Thread(target=self._run, name="paint3d-easel", daemon=True)
+        self._thread = threading.Thread(target=self._run, name="paint3d-painting", daemon=True)
+        if CHECKS_ACCESS:
+            document.check_access = self._check_access
         self._thread.start()
 
     # -- for everybody ----------------------------------------------------------------------
@@ -290,7 +300,7 @@ class Easel:
         try:
             return self._brushes[-1]
         except IndexError:
-            return self.document.painter.brush
+            return self.painting.brush
 
     def feed(self, samples: Sequence[DeviceSample], *, all_time: bool = False) -> None:
         """Paint samples of both hands, of the stroke that was begun by `post("begin_stroke")`.
@@ -417,21 +427,41 @@ class Easel:
         with self._wake:
             self._wanting += 1
         held = self._busy.acquire(timeout=seconds)
+        if held:
+            self._holder = threading.get_ident()
         try:
-            yield self.document if held else None
+            yield self._document if held else None
         finally:
             if held:
+                self._holder = None
                 self._busy.release()
             with self._wake:
                 self._wanting -= 1
 
+    def look(self, seconds: float) -> Document:
+        """The document after the step that is going on, or after so long: for who only looks on."""
+        with self.paused(seconds):
+            return self._document
+
+    @contextmanager
+    def reporting(self, progress: Callable[[float], None]) -> Iterator[None]:
+        """Have the fraction of strokes that are painted again reported for what is posted within.
+
+        What `progress` raises stops that, and everything is as it was.
+        """
+        self.post(_report_to, progress)
+        try:
+            yield
+        finally:
+            self.post(_report_to, None)
+
     @property
-    def sitting(self) -> Sitting | None:
+    def recovery(self) -> RecoveryFolder | None:
         """Where what is painted is kept."""
-        return None if self._writer is None else self._writer.sitting
+        return None if self._writer is None else self._writer.recovery
 
     def keep_every(self, seconds: float) -> None:
-        """Let the sitting have its bases no oftener than that, from now on."""
+        """Save bases for recovery no oftener than that, from now on."""
         with self._wake:
             self.base_every_s = seconds
             self._wake.notify()
@@ -458,7 +488,7 @@ class Easel:
         Parameters
         ----------
         keep : bool
-            Leave the sitting to be recovered.
+            Leave the recovery folder to be recovered.
         finish : bool
             Do what was asked for before; if not, only the step that is going on is waited for.
         """
@@ -474,9 +504,18 @@ class Easel:
 
     # -- in the thread ----------------------------------------------------------------------
 
+    def _check_access(self) -> None:
+        """Refuse to let the document be used by whoever does not have it."""
+        own = threading.get_ident()
+        if own not in (self._thread.ident, self._holder) and self._thread.is_alive():
+            raise RuntimeError(
+                f"{threading.current_thread().name} uses the document that the painting thread "
+                "has; expected `post`, or `paused` around it"
+            )
+
     def _refuse_stopped(self) -> None:
         if self._stopping:
-            raise RuntimeError("the easel was stopped")
+            raise RuntimeError("the painting thread was stopped")
 
     def _with_time(self, samples: Sequence[DeviceSample], all_time: bool) -> Iterator[_Job]:
         """Samples that come now, and the time that passes between them; holds the lock."""
@@ -497,7 +536,7 @@ class Easel:
         yield _Job(now, tuple(samples[first:]))
 
     def _enqueue(self, job: _Job) -> None:
-        """Put a job into the queue and into the sitting, in one order; holds the lock."""
+        """Put a job into the queue and into the journal, in one order; holds the lock."""
         self._jobs.append(job)
         self._n_asked += job.command != _FOLLOW
         if self._writer is not None:
@@ -557,7 +596,7 @@ class Easel:
             self._guarded("showing", self._publish)
         if not self._jobs:
             self._guarded("keeping", self._keep_base)
-            self._guarded("resting", self.document.rest)
+            self._guarded("resting", self._document.rest)
 
     def _do(self, job: _Job) -> None:
         self._stale = True
@@ -577,11 +616,13 @@ class Easel:
         try:
             self._watch_steps(name)
             if isinstance(command, str):
-                done = getattr(self.document, name)(*job.arguments, **job.options)
+                done = getattr(self._document, name)(*job.arguments, **job.options)
             else:
-                done = command(self.document, *job.arguments, **job.options)
+                done = command(self._document, *job.arguments, **job.options)
             if name == "save" and self._writer is not None:
-                self._writer.sitting.name_file(self.document)
+                self._writer.recovery.name_file(self._document)
+            if name not in (_FOLLOW, _LIFT):
+                self.painting = Snapshot.of(self._document)
             result.set_result(done)
         except CancelledError as stopped:  # as who asked for it wished
             self._base_due = True  # the journal says that it was done
@@ -601,13 +642,13 @@ class Easel:
                 self._jobs.appendleft(_Job(job.came, rest))
                 self._n_asked += 1
         self._hovering = chunk[-1]
-        self.document.feed(chunk)
+        self._document.feed(chunk)
         self.n_painted += len(chunk)
         self._lag = time.perf_counter() - job.came
 
     def _wait_for_the_hand(self) -> None:
         """Let time pass for the ink while nothing is heard."""
-        is_dry = self.document.surface.flow_patience == math.inf
+        is_dry = self._document.surface.flow_patience == math.inf
         with self._wake:
             if self._jobs or self._stopping or not self._wet or self._samples_tell:
                 return
@@ -631,18 +672,18 @@ class Easel:
 
         Bases hold the steps themselves, as far as there is room.
         """
-        if name in ("undo", "redo") and self.document.has_edits:
+        if name in ("undo", "redo") and self._document.has_edits:
             self._base_due = True  # no base knows the way over an edit
-        if not self.document.left_out:
+        if not self._document.left_out:
             return
-        steps = self.document.steps
+        steps = self._document.steps
         number = {"undo": steps.next_undo, "redo": steps.next_redo}.get(name, steps.newest + 1)
         if name == "replay_history" or 0 < number <= self._base_step:
             self._base_due = True
 
     def _keep_base(self) -> None:
         """Save a new base where it is due and the hand rests; nothing is lost meanwhile."""
-        if self._writer is None or self.document.in_stroke:
+        if self._writer is None or self._document.in_stroke:
             return
         passed_s = time.monotonic() - self._base_time
         late = passed_s > self.base_every_s
@@ -655,11 +696,11 @@ class Easel:
             turned = self._writer.turn_page()  # what comes from now on is in the next journal
             self._base_due = False
         self._base_time = time.monotonic()
-        self._base_step = self.document.steps.newest
+        self._base_step = self._document.steps.newest
         turned.result()
         gap = self._writer.had_gap
         try:
-            self._writer.sitting.save_base(self.document)
+            self._writer.recovery.save_base(self._document)
         except Exception:
             self._writer.has_gap = gap or self._writer.has_gap
             raise
@@ -667,22 +708,21 @@ class Easel:
             self._events.append(Event("kept", "keeping", "all that is painted is kept again", None))
 
     def _publish(self) -> None:
-        document = self.document
+        document = self._document
         self._stale = False
         ids = document.refresh()
         counts = document.surface.paint_mesh.arrays.counts.copy()
         has_grown = bool((counts != self._counts).any())
         self._counts = counts
         sample = self._hovering
+        self.painting = Snapshot.of(document)
         frame = Frame(
             ids,
             has_grown,
             None if sample is None else view_brush(document, sample),
             0,  # as it is when it is taken
             self._lag,
-            document.can_undo,
-            document.can_redo,
-            len(document.strokes),
+            self.painting,
         )
         with self._wake:
             self._slot = frame, self._n_done
@@ -700,6 +740,10 @@ class Easel:
         self._events.append(Event("error" if known else "internal", doing, message, error))
 
 
+def _report_to(document: Document, progress: Callable[[float], None] | None) -> None:
+    document.progress = progress
+
+
 def _piece(came: float) -> _Job:
     """A piece of time for the ink."""
     return _asked(came, _FOLLOW, PIECE_S)
@@ -713,7 +757,7 @@ _Item = _Job | Future[Any] | Mapping[str, object]  # for the journal writer
 
 
 class _JournalWriter:
-    """Writes what is asked for into a sitting, in a thread, so that nobody waits for the disk.
+    """Writes what is asked for into the journal, in a thread, so that nobody waits for the disk.
 
     Attributes
     ----------
@@ -725,9 +769,9 @@ class _JournalWriter:
     """
 
     def __init__(
-        self, sitting: Sitting, document: Document, tell: Callable[[str, Exception], None]
+        self, recovery: RecoveryFolder, document: Document, tell: Callable[[str, Exception], None]
     ) -> None:
-        self.sitting = sitting
+        self.recovery = recovery
         self._document = document  # read only while the painting thread waits
         self.n_put = 0
         self.has_gap = self.had_gap = False
@@ -744,7 +788,7 @@ class _JournalWriter:
             self._queue.put(job)
 
     def note(self, words: Mapping[str, object]) -> None:
-        """Write something down about what was put before; see `Sitting.note`."""
+        """Write something down about what was put before; see `RecoveryFolder.note`."""
         self._queue.put(words)
 
     def turn_page(self) -> Future[Any]:
@@ -755,11 +799,11 @@ class _JournalWriter:
         return turned
 
     def close(self, keep: bool) -> None:
-        """Write what waits, if it is to be kept, and end the sitting."""
+        """Write what waits, if it is to be kept, and close the recovery folder."""
         self._leaving = not keep
         self._queue.put(None)
         self._thread.join()
-        self.sitting.close(keep)
+        self.recovery.close(keep)
 
     def _run(self) -> None:
         broken = False
@@ -787,7 +831,7 @@ class _JournalWriter:
         """Write items down, all with one call of the system; why some could not be."""
         errors: list[Exception] = []
         try:
-            with self.sitting.together():
+            with self.recovery.together():
                 for item in items:
                     try:
                         self._write(item)
@@ -802,7 +846,7 @@ class _JournalWriter:
         for turned in items:
             assert isinstance(turned, Future), "they are asked for by `turn_page`"
             try:
-                self.sitting.turn_page(self._document)
+                self.recovery.turn_page(self._document)
             except Exception as error:
                 errors.append(error)
                 self.has_gap = True
@@ -814,9 +858,9 @@ class _JournalWriter:
 
     def _write(self, item: _Item) -> None:
         if isinstance(item, Mapping):
-            self.sitting.note(item)
+            self.recovery.note(item)
         elif isinstance(item, _Job) and item.command is None:
-            self.sitting.append(item.samples)
+            self.recovery.append(item.samples)
         elif isinstance(item, _Job) and isinstance(item.command, str):
             try:
                 line = encode_command(self._document, item.command, item.arguments, item.options)
@@ -824,7 +868,7 @@ class _JournalWriter:
                 raise
             except Paint3DError:  # the document refuses it for the same reason
                 return
-            self.sitting.note(line)
+            self.recovery.note(line)
 
 
 def _changes(name: str) -> bool:

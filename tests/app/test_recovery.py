@@ -18,12 +18,12 @@ import pytest
 
 from paint3d.app.model.commands import decode_command, do_again, encode_command
 from paint3d.app.model.document import Document
-from paint3d.app.model.easel import Easel
 from paint3d.app.model.input.symmetry import MirrorPlane, RadialSymmetry, Symmetry
 from paint3d.app.model.mask import AngleMask, Mask, RegionPick
-from paint3d.app.model.persistence import sitting as sittings
-from paint3d.app.model.persistence.sitting import (
-    Sitting,
+from paint3d.app.model.paint_thread import PaintThread
+from paint3d.app.model.persistence import recovery_folder as sittings
+from paint3d.app.model.persistence.recovery_folder import (
+    RecoveryFolder,
     is_open_elsewhere,
     recoverable,
     refusal,
@@ -39,17 +39,17 @@ from tests.support.app.hands import line, same_vertices, small_plane
 MIRROR = Symmetry((MirrorPlane((0, 0, 0), (0, 1, 0)),))
 
 
-def stroke(easel, start, end, **options):
-    easel.post("begin_stroke")
+def stroke(paint_thread, start, end, **options):
+    paint_thread.post("begin_stroke")
     samples = line(start, end, **options)
     for k in range(0, len(samples), 6):
-        easel.feed(samples[k : k + 6])
-    easel.post("end_stroke")
+        paint_thread.feed(samples[k : k + 6])
+    paint_thread.post("end_stroke")
 
 
-def rested(easel):
+def rested(paint_thread):
     """Wait until everything is done."""
-    easel.post(lambda document: None).result(timeout=300)
+    paint_thread.post(lambda document: None).result(timeout=300)
 
 
 def wait_until(condition):
@@ -66,43 +66,43 @@ def n_written(folder):
     return events.count({"do": "end_stroke"})
 
 
-def keep_a_base(easel):
+def keep_a_base(paint_thread):
     """Have one base, now that the hand rests, and no other soon."""
-    easel.keep_every(0.001)
-    rested(easel)
-    with easel.paused():  # once it has been kept
-        easel.keep_every(600.0)
+    paint_thread.keep_every(0.001)
+    rested(paint_thread)
+    with paint_thread.paused():  # once it has been kept
+        paint_thread.keep_every(600.0)
 
 
-def paint_all_sorts(easel):
-    easel.post("dip", {"pine soot": 0.3, "water": 0.5})
-    stroke(easel, (-20, -10), (20, -10))
-    easel.post("set_symmetry", MIRROR)
-    easel.post("set_mask", Mask(AngleMask((0, 0, 1), 30.0)))
-    easel.post("step_brush", -2)
-    easel.post("let_time_pass", 0.4)
-    easel.post("add_layer", "二")
-    stroke(easel, (-20, 5), (20, 15))
-    easel.post("undo")
-    easel.post("redo")
-    easel.post("dip")
-    easel.post("remove_layer", 7)  # there is none: refused, then and again
-    stroke(easel, (-10, -30), (20, 15))
-    rested(easel)
+def paint_all_sorts(paint_thread):
+    paint_thread.post("dip", {"pine soot": 0.3, "water": 0.5})
+    stroke(paint_thread, (-20, -10), (20, -10))
+    paint_thread.post("set_symmetry", MIRROR)
+    paint_thread.post("set_mask", Mask(AngleMask((0, 0, 1), 30.0)))
+    paint_thread.post("step_brush", -2)
+    paint_thread.post("let_time_pass", 0.4)
+    paint_thread.post("add_layer", "二")
+    stroke(paint_thread, (-20, 5), (20, 15))
+    paint_thread.post("undo")
+    paint_thread.post("redo")
+    paint_thread.post("dip")
+    paint_thread.post("remove_layer", 7)  # there is none: refused, then and again
+    stroke(paint_thread, (-10, -30), (20, 15))
+    rested(paint_thread)
 
 
 @pytest.mark.parametrize("new_base", [False, True])
 def test_everything_comes_back_to_the_bit(tmp_path, new_base):
     document = small_plane(material="xuan")
-    easel = Easel(document, sitting=Sitting(document, tmp_path))
-    paint_all_sorts(easel)
+    paint_thread = PaintThread(document, recovery=RecoveryFolder(document, tmp_path))
+    paint_all_sorts(paint_thread)
     if new_base:
-        keep_a_base(easel)
-        easel.post("dip")
-        stroke(easel, (0, -30), (0, 30))
-        rested(easel)
+        keep_a_base(paint_thread)
+        paint_thread.post("dip")
+        stroke(paint_thread, (0, -30), (0, 30))
+        rested(paint_thread)
     assert recoverable(tmp_path) == []  # it goes on
-    easel.stop(keep=True)
+    paint_thread.stop(keep=True)
     (unfinished,) = recoverable(tmp_path)
     assert unfinished.object_name == "plane"
     assert sorted(f.name for f in unfinished.folder.glob("base*")) == [f"base-{1 + new_base}.p3d"]
@@ -121,13 +121,13 @@ def test_everything_comes_back_to_the_bit(tmp_path, new_base):
 
 def test_ink_that_ran_by_the_clock_comes_back_to_the_bit(tmp_path):
     document = small_plane(material="xuan")
-    easel = Easel(document, wet=True, sitting=Sitting(document, tmp_path))
+    paint_thread = PaintThread(document, wet=True, recovery=RecoveryFolder(document, tmp_path))
     for y in (-10, 10):
         steps = document.surface.flow.steps
-        stroke(easel, (-20, y), (20, y))
+        stroke(paint_thread, (-20, y), (20, y))
         wait_until(lambda steps=steps: document.surface.flow.steps > steps + 2)
-    rested(easel)
-    easel.stop(keep=True)
+    rested(paint_thread)
+    paint_thread.stop(keep=True)
     again = recoverable(tmp_path)[0].recover().document
     same_vertices(again.surface, document.surface)
     assert again.surface.flow.water == document.surface.flow.water > 0.0
@@ -135,23 +135,23 @@ def test_ink_that_ran_by_the_clock_comes_back_to_the_bit(tmp_path):
 
 def test_undo_past_the_base_makes_a_new_one(tmp_path):
     document = small_plane()
-    easel = Easel(document, sitting=Sitting(document, tmp_path))
-    stroke(easel, (-20, 0), (20, 0))
-    rested(easel)
-    keep_a_base(easel)
-    easel.post("undo")
-    rested(easel)
-    rested(easel)
-    easel.stop(keep=True)
+    paint_thread = PaintThread(document, recovery=RecoveryFolder(document, tmp_path))
+    stroke(paint_thread, (-20, 0), (20, 0))
+    rested(paint_thread)
+    keep_a_base(paint_thread)
+    paint_thread.post("undo")
+    rested(paint_thread)
+    rested(paint_thread)
+    paint_thread.stop(keep=True)
     recovered = recoverable(tmp_path)[0].recover()
     assert not recovered.document.surface.painted.any()
 
 
 def test_a_sitting_that_was_closed_leaves_nothing(tmp_path):
     document = small_plane()
-    easel = Easel(document, sitting=Sitting(document, tmp_path))
-    stroke(easel, (-20, 0), (20, 0))
-    easel.stop()
+    paint_thread = PaintThread(document, recovery=RecoveryFolder(document, tmp_path))
+    stroke(paint_thread, (-20, 0), (20, 0))
+    paint_thread.stop()
     assert list(tmp_path.iterdir()) == []
 
 
@@ -168,7 +168,7 @@ def test_what_a_killed_sitting_waited_for_is_told_from_what_was_seen_since_the_l
 
 @pytest.mark.parametrize("done", [False, True])
 def test_a_sitting_is_offered_only_if_something_was_done(tmp_path, done):
-    sitting = Sitting(small_plane(), tmp_path)
+    sitting = RecoveryFolder(small_plane(), tmp_path)
     if done:
         sitting.note(encode_command(small_plane(), "dip", ["cinnabar"], {}))
     left = tmp_path / "left"
@@ -182,17 +182,17 @@ def test_a_sitting_is_offered_only_if_something_was_done(tmp_path, done):
 def test_what_was_undone_before_a_copy_was_kept_comes_back_to_be_done_again(tmp_path, done):
     """However much shorter what is done since: the journal of the stroke is gone with its base."""
     document = small_plane()
-    easel = Easel(document, sitting=Sitting(document, tmp_path))
-    stroke(easel, (-20, 0), (20, 0), n=200)
-    easel.post("undo")
-    keep_a_base(easel)
+    paint_thread = PaintThread(document, recovery=RecoveryFolder(document, tmp_path))
+    stroke(paint_thread, (-20, 0), (20, 0), n=200)
+    paint_thread.post("undo")
+    keep_a_base(paint_thread)
     if done:
-        stroke(easel, (-20, 5), (20, 5), n=6)
-        rested(easel)
+        stroke(paint_thread, (-20, 5), (20, 5), n=6)
+        rested(paint_thread)
     (folder,) = tmp_path.iterdir()
     if done:
         wait_until(lambda: n_written(folder) == 1)  # by a thread of its own
-    with easel.paused() as painted:
+    with paint_thread.paused() as painted:
         assert painted.modified == done
         left = tmp_path / "left"
         shutil.copytree(folder, left)  # as a kill leaves it
@@ -201,16 +201,16 @@ def test_what_was_undone_before_a_copy_was_kept_comes_back_to_be_done_again(tmp_
     again = found.recover().document
     if not done:
         again.redo()
-        easel.post("redo")
-        rested(easel)
-    easel.stop()
+        paint_thread.post("redo")
+        rested(paint_thread)
+    paint_thread.stop()
     assert len(again.strokes) == len(document.strokes) == 1
     assert again.surface.amounts.tobytes() == document.surface.amounts.tobytes()
 
 
 def test_what_was_undone_and_is_in_a_file_is_not_offered(tmp_path):
     document = small_plane()
-    sitting = Sitting(document, tmp_path / "sittings")
+    sitting = RecoveryFolder(document, tmp_path / "sittings")
     document.begin_stroke()
     document.feed(line((-20, 0), (20, 0)))
     document.end_stroke()
@@ -222,7 +222,7 @@ def test_what_was_undone_and_is_in_a_file_is_not_offered(tmp_path):
             sitting.turn_page(opened)
             sitting.save_base(opened)
         else:
-            sitting = Sitting(opened, tmp_path / "sittings")
+            sitting = RecoveryFolder(opened, tmp_path / "sittings")
         assert opened.can_redo
         left = tmp_path / "left"
         shutil.copytree(sitting.folder, left / "one")
@@ -244,7 +244,7 @@ def test_a_sitting_without_its_first_base_is_not_offered(tmp_path, monkeypatch, 
 
     monkeypatch.setattr(document, "save_copy", full)
     with pytest.raises(ExportError, match="full"):
-        Sitting(document, tmp_path)
+        RecoveryFolder(document, tmp_path)
     assert list(tmp_path.iterdir()) == [left]
     if not killed:
         shutil.rmtree(left)
@@ -253,7 +253,7 @@ def test_a_sitting_without_its_first_base_is_not_offered(tmp_path, monkeypatch, 
 
 def test_what_is_being_brought_back_is_nobody_elses(tmp_path):
     """Two windows may ask about the same one at the same time, and bring it back or delete it."""
-    sitting = Sitting(small_plane(), tmp_path)
+    sitting = RecoveryFolder(small_plane(), tmp_path)
     sitting.note(encode_command(small_plane(), "add_layer", [], {}))
     sitting.close(keep=True)
     (one,) = recoverable(tmp_path)
@@ -285,7 +285,7 @@ def test_what_this_program_brings_back_is_not_open_elsewhere(tmp_path):
     """What was stopped goes on for a while; its file may be opened here meanwhile."""
     document = small_plane()
     document.save(tmp_path / "a.p3d")
-    sitting = Sitting(document, tmp_path / "sittings")
+    sitting = RecoveryFolder(document, tmp_path / "sittings")
     sitting.note(encode_command(small_plane(), "add_layer", [], {}))
     sitting.close(keep=True)
     (one,) = recoverable(tmp_path / "sittings")
@@ -299,7 +299,7 @@ def test_what_this_program_brings_back_is_not_open_elsewhere(tmp_path):
 
 def test_what_can_only_be_read_is_brought_back_all_the_same(tmp_path):
     """Nobody can delete it meanwhile: no lock is needed, nor can be had."""
-    sitting = Sitting(small_plane(), tmp_path)
+    sitting = RecoveryFolder(small_plane(), tmp_path)
     sitting.note(encode_command(small_plane(), "add_layer", [], {}))
     sitting.close(keep=True)
     (sitting.folder / "lock").unlink()
@@ -320,7 +320,7 @@ def test_a_sitting_that_begins_while_one_looks_goes_on(tmp_path, monkeypatch):
         if not began:
             monkeypatch.setattr(time, "time_ns", lambda: 1)
             folder.rmdir()
-            began.append(Sitting(small_plane(), tmp_path))
+            began.append(RecoveryFolder(small_plane(), tmp_path))
         return found
 
     monkeypatch.setattr(sittings, "is_locked", looked)
@@ -359,7 +359,7 @@ def test_a_sitting_that_was_killed_while_it_began_is_cleared_away_in_time(tmp_pa
 
 def test_a_page_is_turned_before_its_base_is_there(tmp_path):
     document = small_plane()
-    sitting = Sitting(document, tmp_path)
+    sitting = RecoveryFolder(document, tmp_path)
     document.begin_stroke()
     sitting.note({"do": "begin_stroke"})
     samples = line((-20, 0), (20, 0))
@@ -378,7 +378,7 @@ def test_a_page_is_turned_before_its_base_is_there(tmp_path):
 def test_turning_the_page_waits_for_no_disk(tmp_path, monkeypatch):
     """What is asked for while the last page is brought to a slow disk is written down at once."""
     document = small_plane()
-    sitting = Sitting(document, tmp_path)
+    sitting = RecoveryFolder(document, tmp_path)
     may_go_on = threading.Event()
     monkeypatch.setattr(
         "paint3d.files.project.journal.flush_file", lambda file: may_go_on.wait(300.0)
@@ -408,26 +408,26 @@ def _refuse(*asked: object) -> int:
 def test_what_cannot_be_kept_is_told_and_painting_goes_on(tmp_path, monkeypatch):
     (tmp_path / "file").write_text("")
     with pytest.raises(ExportError, match="cannot keep"):
-        Sitting(small_plane(), tmp_path / "file")
+        RecoveryFolder(small_plane(), tmp_path / "file")
     document = small_plane()
-    sitting = Sitting(document, tmp_path / "sittings")
-    easel = Easel(document, sitting=sitting)
+    sitting = RecoveryFolder(document, tmp_path / "sittings")
+    paint_thread = PaintThread(document, recovery=sitting)
 
     def full(samples):
         raise ExportError("the disk is full")
 
     monkeypatch.setattr(sitting, "append", full)
-    stroke(easel, (-20, 0), (20, 0))
-    rested(easel)
-    easel.stop()
-    assert [e.doing for e in easel.take_events()] == ["keeping"]
+    stroke(paint_thread, (-20, 0), (20, 0))
+    rested(paint_thread)
+    paint_thread.stop()
+    assert [e.doing for e in paint_thread.take_events()] == ["keeping"]
     assert document.surface.painted.any()
 
 
 def test_all_that_waits_is_written_by_one_call(tmp_path, monkeypatch):
     """Each call lets the painting thread go first, for 5 ms where it computes in Python."""
     document = small_plane()
-    sitting = Sitting(document, tmp_path)
+    sitting = RecoveryFolder(document, tmp_path)
     write, appended, calls = os.write, threading.Event(), []
 
     def slowly(file: int, data: memoryview) -> int:
@@ -435,18 +435,18 @@ def test_all_that_waits_is_written_by_one_call(tmp_path, monkeypatch):
         assert len(calls) > 1 or appended.wait(300.0)  # the first one; all others wait for it
         return write(file, data)
 
-    easel = Easel(document, sitting=sitting)
+    paint_thread = PaintThread(document, recovery=sitting)
     monkeypatch.setattr("paint3d.files.project.journal.os.write", slowly)
-    easel.post("begin_stroke")
+    paint_thread.post("begin_stroke")
     wait_until(lambda: calls)
     samples = line((-20, 0), (20, 0), n=400)
     for k in range(0, 400, 2):
-        easel.feed(samples[k : k + 2])
-        easel.post("set_tags", event=k)
+        paint_thread.feed(samples[k : k + 2])
+        paint_thread.post("set_tags", event=k)
     appended.set()
-    easel.post("end_stroke")
-    rested(easel)
-    easel.stop(keep=True)
+    paint_thread.post("end_stroke")
+    rested(paint_thread)
+    paint_thread.stop(keep=True)
     assert len(calls) <= 6  # with the last command, and the marks of two journals' ends
     (unfinished,) = recoverable(tmp_path)
     recovered = unfinished.recover()
@@ -456,7 +456,7 @@ def test_all_that_waits_is_written_by_one_call(tmp_path, monkeypatch):
 
 def test_it_ends_with_what_still_waits_to_be_written(tmp_path, monkeypatch):
     document = small_plane()
-    easel = Easel(document, sitting=Sitting(document, tmp_path))
+    paint_thread = PaintThread(document, recovery=RecoveryFolder(document, tmp_path))
     write, begun, go_on = os.write, threading.Event(), threading.Event()
 
     def slowly(file: int, data: memoryview) -> int:
@@ -465,11 +465,11 @@ def test_it_ends_with_what_still_waits_to_be_written(tmp_path, monkeypatch):
         return write(file, data)
 
     monkeypatch.setattr("paint3d.files.project.journal.os.write", slowly)
-    easel.post("set_tags", event=0)
+    paint_thread.post("set_tags", event=0)
     wait_until(begun.is_set)
-    easel.post("set_tags", event=1)
-    rested(easel)
-    ends = threading.Thread(target=easel.stop, kwargs={"keep": True}, daemon=True)
+    paint_thread.post("set_tags", event=1)
+    rested(paint_thread)
+    ends = threading.Thread(target=paint_thread.stop, kwargs={"keep": True}, daemon=True)
     ends.start()
     ends.join(0.1)  # the end waits in the queue, behind the last command
     go_on.set()
@@ -480,10 +480,10 @@ def test_it_ends_with_what_still_waits_to_be_written(tmp_path, monkeypatch):
 
 
 def test_what_could_not_be_written_together_is_in_the_next_base(tmp_path, monkeypatch):
-    monkeypatch.setattr("paint3d.app.model.easel._AGAIN_S", 0.0)
+    monkeypatch.setattr("paint3d.app.model.paint_thread._AGAIN_S", 0.0)
     document = small_plane()
-    sitting = Sitting(document, tmp_path)
-    easel = Easel(document, sitting=sitting)
+    sitting = RecoveryFolder(document, tmp_path)
+    paint_thread = PaintThread(document, recovery=sitting)
     write, refused = os.write, []
 
     def once(file: int, data: memoryview) -> int:
@@ -493,17 +493,17 @@ def test_what_could_not_be_written_together_is_in_the_next_base(tmp_path, monkey
         return write(file, data)
 
     monkeypatch.setattr("paint3d.files.project.journal.os.write", once)
-    stroke(easel, (-20, 0), (20, 0))
-    rested(easel)
+    stroke(paint_thread, (-20, 0), (20, 0))
+    rested(paint_thread)
     told = []
 
     def is_kept_again():
-        told.extend(event.kind for event in easel.take_events())
+        told.extend(event.kind for event in paint_thread.take_events())
         return "kept" in told
 
     wait_until(is_kept_again)
     assert told == ["error", "kept"]
-    easel.stop(keep=True)
+    paint_thread.stop(keep=True)
     (unfinished,) = recoverable(tmp_path)
     same_vertices(unfinished.recover().document.surface, document.surface)
 
@@ -512,11 +512,11 @@ PROGRAM = """
 import sys, threading, time
 from contextlib import contextmanager
 from pathlib import Path
-from paint3d.app.model.easel import Easel
-from paint3d.app.model.persistence.sitting import Sitting
+from paint3d.app.model.paint_thread import PaintThread
+from paint3d.app.model.persistence.recovery_folder import RecoveryFolder
 from tests.support.app.hands import line, small_plane
 
-class Told(Sitting):
+class Told(RecoveryFolder):
     count = 0
 
     def append(self, samples):
@@ -530,12 +530,12 @@ class Told(Sitting):
         print(self.count, flush=True)
 
 document = small_plane()
-easel = Easel(document, sitting=Told(document, Path(sys.argv[1])))
-easel.post("begin_stroke")
-easel.post(lambda document: threading.Event().wait())  # so far behind is the painting
+paint_thread = PaintThread(document, recovery=Told(document, Path(sys.argv[1])))
+paint_thread.post("begin_stroke")
+paint_thread.post(lambda document: threading.Event().wait())  # so far behind is the painting
 samples = line((-60, 0), (60, 0), n=2000)
 for k in range(0, 2000, 5):
-    easel.feed(samples[k : k + 5])
+    paint_thread.feed(samples[k : k + 5])
     time.sleep(0.001)
 threading.Event().wait()
 """
@@ -572,7 +572,7 @@ def test_a_kill_in_the_middle_of_a_stroke_costs_nothing_however_far_painting_is_
 @pytest.mark.parametrize("cut", [1, 40, 500])
 def test_a_cut_journal_gives_all_up_to_the_cut(tmp_path, cut):
     document = small_plane()
-    sitting = Sitting(document, tmp_path)
+    sitting = RecoveryFolder(document, tmp_path)
     sitting.note({"do": "begin_stroke"})
     for k in range(0, 20, 4):
         sitting.append(line((-20, 0), (20, 0))[k : k + 4])
@@ -588,7 +588,7 @@ def test_a_cut_journal_gives_all_up_to_the_cut(tmp_path, cut):
 def test_what_lies_behind_a_damage_is_counted(tmp_path, damage):
     """Of journals that come after it, too: what they say does not fit any more."""
     document = small_plane()
-    sitting = Sitting(document, tmp_path)
+    sitting = RecoveryFolder(document, tmp_path)
     sitting.note({"do": "begin_stroke"})
     sitting.append(line((-20, 0), (20, 0)))
     sitting.turn_page(document)  # the base that was to follow did not come
@@ -610,7 +610,7 @@ def test_what_lies_behind_a_damage_is_counted(tmp_path, damage):
 def test_a_sitting_ends_when_all_its_journals_have(tmp_path, monkeypatch):
     before = set(threading.enumerate())
     document = small_plane()
-    sitting = Sitting(document, tmp_path)
+    sitting = RecoveryFolder(document, tmp_path)
     (turned,) = sitting.folder.glob("journal-1.*")  # this page ends last
     which = turned.stat().st_ino
     monkeypatch.setattr(
@@ -624,7 +624,7 @@ def test_a_sitting_ends_when_all_its_journals_have(tmp_path, monkeypatch):
 
 def test_what_is_refused_only_when_it_is_done_again_is_told(tmp_path):
     document = small_plane()
-    sitting = Sitting(document, tmp_path)
+    sitting = RecoveryFolder(document, tmp_path)
     sitting.note({"do": "remove_layer", "with": [7]})
     sitting.note({"do": "remove_layer", "with": [8]})
     sitting.note(refusal(InputError(_reason(document, 8))))

@@ -1,10 +1,10 @@
 """What a crash would lose, kept while painting: a base to start from, and a journal of all since.
 
-A sitting is a folder. ``base-K.p3d`` is the painting at a moment, ``journal-K.p3dj`` all samples
-and commands since, in order; doing them again on the base gives the same painting to the bit.
-Saving a new base starts a new journal first, so at every moment some base and the journals after it
-hold everything. A lock that dies with the program tells whether a sitting is going on. Folder and
-files are the user's alone.
+A recovery folder belongs to one painting. ``base-K.p3d`` is the painting at a moment,
+``journal-K.p3dj`` all samples and commands since, in order; doing them again on the base gives the
+same painting to the bit. Saving a new base starts a new journal first, so at every moment some base
+and the journals after it hold everything. A lock that dies with the program tells whether its
+painting is still open. Folder and files are the user's alone.
 """
 
 from __future__ import annotations
@@ -30,30 +30,39 @@ from paint3d.device.sample import DeviceSample
 from paint3d.errors import ExportError, Paint3DError, SessionError
 from paint3d.files.project.journal import SAMPLE, Journal, Loss, read_events
 
-__all__ = ["Recovered", "Sitting", "Unfinished", "is_open_elsewhere", "recoverable", "refusal"]
+__all__ = [
+    "Recovered",
+    "RecoveryFolder",
+    "Unfinished",
+    "is_open_elsewhere",
+    "recoverable",
+    "refusal",
+]
 
 _ABOUT, _LOCK = "about.json", "lock"
-_BEGINS_S = 3600.0  # in which a sitting has surely locked its folder and told what it is about
+_BEGINS_S = (
+    3600.0  # within which a studio has surely locked its folder and written what it is about
+)
 _OPENED = 0.2  # of recovering is opening the base
 _AT_ONCE = 256  # samples between two reports of progress
 
 _REFUSED = "refused"  # of a note in a journal
 _HELD: dict[Path, tuple[int, BinaryIO | None]] = {}
-"""Sittings that this program brings back or deletes now: how often, and their locks. One that was
-stopped may go on beside the window for a while."""
+"""Recovery folders that this program brings back or deletes now: how often, and their locks. One
+that was stopped may go on beside the window for a while."""
 _holding = threading.Lock()
 _Event = Recording | dict[str, object]
 _Piece = list[DeviceSample] | Mapping[str, object]  # of a journal
 
 
-class Sitting:
-    """Keeps one document; see `paint3d.app.model.easel`.
+class RecoveryFolder:
+    """Keeps one document; see `paint3d.app.model.paint_thread`.
 
     Parameters
     ----------
     document : Document
     folder : Path, optional
-        Where sittings lie; by default `recovery_folder`.
+        Where recovery folders lie; by default `recovery_folder`.
 
     Raises
     ------
@@ -232,7 +241,7 @@ class Recovered:
 
 @dataclass(frozen=True)
 class Unfinished:
-    """A sitting that ended without being closed.
+    """A recovery folder whose studio ended without closing it.
 
     Attributes
     ----------
@@ -243,7 +252,7 @@ class Unfinished:
     time_s : float
         When something was written last, s since 1970.
     file : FileState or None
-        What the session's file was when the sitting knew it last; None: not known.
+        What the session's file was when it was seen last; None: not known.
     """
 
     folder: Path
@@ -259,7 +268,7 @@ class Unfinished:
         ----------
         progress : callable, optional
             Called with the share of the work that is done, 0 to 1, several times a second. What
-            it raises (CancelledError, say) ends the work; the sitting stays as it was.
+            it raises (CancelledError, say) ends the work; the folder stays as it was.
 
         Raises
         ------
@@ -340,7 +349,7 @@ class Unfinished:
 
 
 def recoverable(folder: Path | None = None) -> list[Unfinished]:
-    """Sittings that ended without being closed, the newest first.
+    """Recovery folders that ended without being closed, the newest first.
 
     Those that go on are left out; those in which nothing was done are deleted, and those that
     ended long ago while they began.
@@ -360,15 +369,15 @@ def recoverable(folder: Path | None = None) -> list[Unfinished]:
 
 
 def is_open_elsewhere(path: Path, own: Path | None, folder: Path | None = None) -> bool:
-    """Whether a sitting that goes on has this session's file, besides what this program has.
+    """Whether a studio that is running has this session's file, besides what this program has.
 
     Parameters
     ----------
     path : Path
     own : Path or None
-        The folder of one's own sitting.
+        The recovery folder of one's own painting.
     folder : Path, optional
-        Where sittings lie; by default `recovery_folder`.
+        Where recovery folders lie; by default `recovery_folder`.
     """
     root = recovery_folder() if folder is None else folder
     there = str(path.resolve())
@@ -433,7 +442,7 @@ def _unfinished(folder: Path) -> list[Unfinished]:
 
 
 def _never_began(folder: Path) -> bool:
-    """Whether it is a sitting that ended before it said what it is about: it holds no painting."""
+    """Whether its studio ended before it wrote what it is about: it holds no painting."""
     process, _, began = folder.name.partition("-")
     with suppress(OSError):
         is_old = time.time() - folder.stat().st_mtime > _BEGINS_S

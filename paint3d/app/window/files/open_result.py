@@ -11,14 +11,16 @@ from numpy.typing import NDArray
 from paint3d.app.model.document import Document
 from paint3d.app.window.job import Progress
 from paint3d.app.window.wording import say, say_length, say_material
+from paint3d.colour.materials import Material
 from paint3d.core.arrays import AnyArray
 from paint3d.files.load import BUILT_IN_OBJECTS
 from paint3d.files.progress import part_of
 from paint3d.mesh.bvh import ClosestPoints
+from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.view.live_object import LiveObject, PatchUpload
 
 __all__ = [
-    "Opened",
+    "OpenResult",
     "described",
     "named",
     "open_with_progress",
@@ -31,13 +33,12 @@ def named(name: str) -> str:
     return say(f"object.{name}") if name in BUILT_IN_OBJECTS else name
 
 
-def described(document: Document) -> str:
+def described(source: TriangleMesh, material: Material) -> str:
     """What is painted on, in words: the object, its material and its size."""
-    surface = document.surface
-    sides = sorted(np.ptp(surface.source.vertices, axis=0), reverse=True)
+    sides = sorted(np.ptp(source.vertices, axis=0), reverse=True)
     told = [say_length(side) for side in sides if side > 0.05 * sides[0]]
     size = " × ".join([*(length.split()[0] for length in told[:-1]), told[-1]])
-    return f"{named(surface.source.name)}, {say_material(surface.material)}, {size}"
+    return f"{named(source.name)}, {say_material(material)}, {size}"
 
 
 _MOST_POINTS = 60_000  # to place a camera by; more show no object any better
@@ -45,10 +46,10 @@ _N_WAYS = 200  # and the outermost of all vertices so many ways
 
 
 @dataclass(frozen=True, eq=False)
-class Opened:
+class OpenResult:
     """What takes seconds with millions of triangles, and so is made beside the window.
 
-    Make it with `Opened.of`, outside the window's thread.
+    Make it with `OpenResult.of`, outside the window's thread.
 
     Attributes
     ----------
@@ -69,7 +70,9 @@ class Opened:
     points: NDArray[np.float32]
 
     @classmethod
-    def of(cls, document: Document, progress: Callable[[float], None] = lambda _: None) -> Opened:
+    def of(
+        cls, document: Document, progress: Callable[[float], None] = lambda _: None
+    ) -> OpenResult:
         """Find it out.
 
         Parameters
@@ -84,14 +87,15 @@ class Opened:
         uploads = shown.uploads(document.refresh())
         progress(0.6)
         surface = ClosestPoints(document.surface.source)
+        _ = document.surface.contact_tree  # built here, beside the window
         progress(0.9)
         return cls(document, shown, uploads, surface, some_points(document.surface.source.vertices))
 
 
-def open_with_progress(document: Document, progress: Progress, share: float) -> Opened:
+def open_with_progress(document: Document, progress: Progress, share: float) -> OpenResult:
     """Make a painting ready to be shown; the share of the work that is done before."""
     progress(share)
-    return Opened.of(document, part_of(progress, share, 0.98))
+    return OpenResult.of(document, part_of(progress, share, 0.98))
 
 
 def some_points(points: AnyArray) -> AnyArray:
