@@ -4,9 +4,9 @@ The names in ``__init__.pyi`` are loaded when they are first used, so that ``imp
 is quick and loads none of the heavy packages.
 
 >>> import paint3d
->>> surface = paint3d.PaintedSurface(paint3d.load_mesh("bowl"), resolution=0.4)
+>>> surface = paint3d.PaintedSurface(paint3d.load_mesh("bowl"), resolution=0.8)
 >>> painter = paint3d.Painter(surface, brush="full", ink="pine soot")
->>> painter.replay(paint3d.load_recording("strokes.jsonl"))
+>>> stroke = painter.stroke([(0.4, 0.6), (0.6, 0.6)], pressure=(0.1, 0.6, 0.2))
 >>> paint3d.export(surface, "bowl.glb")
 """
 

@@ -1,4 +1,10 @@
-"""Make one painting for each row of a table: text or recording, object, brush, ink, output."""
+"""Make one painting for each row of a table: text or recording, object, brush, ink, output.
+
+Columns are named as the options of `paint3d write` and `paint3d replay`, without dashes. With
+--group COLUMN, rows with the same cell in that column are pieces of one painting, as `paint3d
+compose` takes them. What is finished is noted beside the table, so that the same command goes on
+after an interruption.
+"""
 
 from __future__ import annotations
 
@@ -10,10 +16,21 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from paint3d.cli.options import add_quiet_option, parse_count
+from paint3d.cli.options import (
+    add_quiet_option,
+    add_report_option,
+    check_input_file,
+    check_output_file,
+    check_overwriting,
+    parse_count,
+    parse_number,
+)
 from paint3d.cli.progress import ProgressBar
+from paint3d.cli.report import find_versions
+from paint3d.core.atomic import write_atomically
 from paint3d.core.machine import usable_cores
 from paint3d.errors import InputError
+from paint3d.files.readers.contents import json_text
 
 if TYPE_CHECKING:
     from paint3d.cli.batches.record import FinishedRows
@@ -23,7 +40,7 @@ __all__ = ["EXAMPLES", "add_arguments", "run"]
 
 EXAMPLES = """
 paint3d batch orders.csv
-paint3d batch orders.csv --processes 4 --again
+paint3d batch mugs.csv --group output --processes 4
 """
 
 _SHOWN_LINES = 20
@@ -37,6 +54,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=Path,
         help="columns text or recording, object, output; brush, ink and other options by name",
     )
+    parser.add_argument(
+        "--group",
+        metavar="COLUMN",
+        help="rows with the same cell in this column are pieces of one painting: its columns are "
+        "text, svg, strokes or seal, object, output, at, size and so on",
+    )
     where = parser.add_mutually_exclusive_group()
     where.add_argument(
         "--processes",
@@ -48,11 +71,20 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--scheduler", metavar="ADDRESS", help="paint on the Dask cluster of this scheduler"
     )
     where.add_argument(
-        "--row",
-        metavar="N",
-        type=parse_count,
-        help="paint the row in line N of the table only, as a job of an array does",
+        "--rows",
+        metavar="N[-M]",
+        type=_parse_lines,
+        help="paint only the rows in lines N to M of the table, here and one after the other, as "
+        "a job of an array does",
     )
+    parser.add_argument(
+        "--retries",
+        metavar="N",
+        type=_parse_retries,
+        default=1,
+        help="how often a row is tried again whose process was killed (default: 1)",
+    )
+    add_report_option(parser)
     parser.add_argument(
         "--folder",
         metavar="DIR",
@@ -73,6 +105,10 @@ def run(options: argparse.Namespace) -> None:
     InputError
         If the table cannot be used, or, at the end, if rows have failed.
     """
+    check_input_file(options.table, "a table (.csv)")
+    if options.report is not None:
+        check_output_file(options.report, (".json",))
+        check_overwriting((options.report,), (options.table,), force=False)
     from paint3d.cli.batches.record import FinishedRows
     from paint3d.cli.batches.table import read_table
 
@@ -80,39 +116,85 @@ def run(options: argparse.Namespace) -> None:
     folder = os.path.abspath(options.folder or os.curdir)
     if not os.path.isdir(folder):
         raise InputError(f"{options.folder}: there is no such folder; expected the files' own")
-    rows, refused = read_table(options.table)
-    if options.row is not None:
-        rows, refused = _only(options.row, rows), _only(options.row, refused)
+    rows, refused = read_table(options.table, options.group)
+    if options.rows is not None:
+        rows, refused = _only(options.rows, rows), _only(options.rows, refused)
         if not rows and not refused:
-            raise InputError(f"{options.table}: there is no row in line {options.row}")
+            first, last = options.rows[0], options.rows[-1]
+            lines = f"line {first}" if first == last else f"lines {first} to {last}"
+            raise InputError(f"{options.table}: there is no row in {lines}")
     finished = FinishedRows(options.table.with_name(options.table.name + ".finished"), folder)
     left = [row for row in rows if options.again or not finished.has(row)]
     by_line = {row.line: row for row in left}
-    failed = []
+    failed, outcomes = [], list(refused)
     for outcome in refused:
         failed.append(outcome.line)
         _tell_failure(options.table, outcome)
     with ProgressBar("painting rows", enabled=not options.quiet) as progress:
         for done, outcome in enumerate(_outcomes(left, folder, options), 1):
+            outcomes.append(outcome)
             if outcome.message:
                 failed.append(outcome.line)
                 _tell_failure(options.table, outcome)
             else:
                 _finish(by_line[outcome.line], outcome, finished, quiet=options.quiet)
             progress(done / len(left))
+    if options.report is not None:
+        _write_report(options.report, outcomes, rows)
     if not options.quiet:
-        painted = len(left) - len(failed) + len(refused)
-        seconds = time.perf_counter() - started
-        sys.stdout.write(
-            f"{options.table}: {painted} painted in {seconds:.1f} s, {len(rows) - len(left)} "
-            f"finished before, {len(failed)} failed\n"
-        )
+        n_before = len(rows) - len(left)
+        sys.stdout.write(_summary(options.table, outcomes, n_before, time.perf_counter() - started))
     _refuse(options.table, failed, len(rows) + len(refused))
 
 
-def _only(line: int, rows: list[Any]) -> list[Any]:
-    """The row of a line, or its refusal."""
-    return [row for row in rows if row.line == line]
+def _parse_lines(text: str) -> range:
+    """Lines of a table, N or N-M."""
+    first, dash, last = text.partition("-")
+    lines = range(parse_count(first), parse_count(last if dash else first) + 1)
+    if not lines:
+        raise argparse.ArgumentTypeError(f"{text!r} are no lines; expected N or N-M, such as 2-50")
+    return lines
+
+
+def _parse_retries(text: str) -> int:
+    return int(
+        parse_number(text, "a count", "0 to 9", lambda n: 0 <= n <= 9 and n == int(n)),
+    )
+
+
+def _only(lines: range, rows: list[Any]) -> list[Any]:
+    """The rows of these lines, or their refusals."""
+    return [row for row in rows if row.line in lines]
+
+
+def _summary(table: Path, outcomes: list[Outcome], n_before: int, seconds: float) -> str:
+    """How it went, for people: how many, how long, which took longest."""
+    painted = [outcome for outcome in outcomes if not outcome.message]
+    lines = [
+        f"{table}: {len(painted)} painted in {seconds:.1f} s, {n_before} finished before, "
+        f"{len(outcomes) - len(painted)} failed"
+    ]
+    if len(painted) > 1:
+        longest = max(painted, key=lambda outcome: outcome.seconds)
+        mean = sum(outcome.seconds for outcome in painted) / len(painted)
+        lines.append(
+            f"a painting took {mean:.1f} s in the mean, the one of line {longest.line} longest: "
+            f"{longest.seconds:.1f} s"
+        )
+    return "\n".join(lines) + "\n"
+
+
+def _write_report(file: Path, outcomes: list[Outcome], rows: list[Row]) -> None:
+    """Write how each row went as JSON, by line."""
+    outputs = {row.line: row.output for row in rows}
+    told = [
+        {"line": one.line, "output": outputs.get(one.line), "seconds": round(one.seconds, 3),
+         "failure": one.message or None}
+        for one in sorted(outcomes)
+    ]  # fmt: skip
+    text = json_text({"versions": find_versions(), "rows": told}, indent=2, allow_nan=False)
+    with write_atomically(file) as part:
+        part.write_text(text + "\n", encoding="utf-8")
 
 
 def _refuse(table: Path, failed: list[int], total: int) -> None:
@@ -137,10 +219,10 @@ def _outcomes(rows: list[Row], folder: str, options: argparse.Namespace) -> Iter
     from paint3d.cli.progress import say_if_compiling
 
     say_if_compiling(quiet=options.quiet)
-    if options.row is not None:
+    if options.rows is not None:
         return map(run_row, rows)
     processes = options.processes or usable_cores()
-    return run_here(rows, processes)
+    return run_here(rows, processes, options.retries)
 
 
 def _finish(row: Row, outcome: Outcome, finished: FinishedRows, *, quiet: bool) -> None:

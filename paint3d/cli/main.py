@@ -48,6 +48,7 @@ COMMANDS = {  # each by its module, which is imported when the command is asked 
     ),
     "export": ("paint3d.cli.export", "a saved painting to any format, by suffix"),
     "picture": ("paint3d.cli.picture", "a picture of a painting, or a film of it turning"),
+    "compose": ("paint3d.cli.compose", "several texts, drawings and seals on one object"),
     "batch": ("paint3d.cli.batch", "one painting a row of a table"),
     "devices": (
         "paint3d.cli.devices",

@@ -11,7 +11,7 @@ import shutil
 import sys
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
-from typing import Any, Never
+from typing import Any, Never, cast
 
 from paint3d.errors import ExportError, InputError
 
@@ -210,10 +210,10 @@ def add_actions(
 
     def add(name: str, what: str, examples: str, description: str | None = None) -> Parser:
         sentence = f"{what[0].upper()}{what[1:]}."
-        made: Parser = actions.add_parser(
+        made = actions.add_parser(
             name, help=what, description=description or sentence, examples=examples
         )
-        return made
+        return cast(Parser, made)
 
     return add
 

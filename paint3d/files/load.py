@@ -31,7 +31,7 @@ BUILT_IN_OBJECTS = ("bowl", "plate", "vase", "sphere", "plane")
 log = logging.getLogger("paint3d")
 
 Foreign: TypeAlias = Any
-"""A mesh of trimesh, Open3D or PyVista, none of which has to be there."""
+"""Arrays, or a mesh of trimesh, Open3D or PyVista, none of which has to be there."""
 
 
 def load_mesh(
@@ -52,12 +52,12 @@ def load_mesh(
 
     Parameters
     ----------
-    path : str, path-like, or mesh of another package
+    path : str, path-like, (vertices, faces), or mesh of another package
         A file whose suffix is one of `MESH_SUFFIXES`, also packed as .gz or .bz2, or the name of
         a built-in object: bowl, plate, vase, sphere, plane. An existing file wins over a name.
-        Or a trimesh.Trimesh or Scene, an open3d.geometry.TriangleMesh or
-        open3d.t.geometry.TriangleMesh, or a pyvista.PolyData: its arrays are copied and checked
-        as a file's are, in this process.
+        Or arrays (vertices, faces) of triangles, a trimesh.Trimesh or Scene, an
+        open3d.geometry.TriangleMesh or open3d.t.geometry.TriangleMesh, or a pyvista.PolyData: its
+        arrays are copied and checked as a file's are, in this process.
     unit : {"mm", "cm", "m", "in"}, optional
         Length of one unit in the file. By default what the format says (glTF: metres, 3MF: as
         the file states), and millimetres for formats that say nothing.
@@ -92,7 +92,8 @@ def load_mesh(
         path, unit, from_points=from_points, texture=texture, up=up, progress=progress
     )
     for note in reading.notes:
-        log.warning("%s: %s", package_class(path) or path, note)
+        name = path if isinstance(path, str | os.PathLike) else package_class(path) or "mesh"
+        log.warning("%s: %s", name, note)
     return reading.mesh
 
 

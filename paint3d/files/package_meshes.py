@@ -18,6 +18,7 @@ from paint3d.core.arrays import AnyArray
 from paint3d.errors import MeshError
 from paint3d.files.colours import MAX_PIXELS, Look, colour_codes, linear_from_srgb
 from paint3d.files.raw_mesh import RawMesh, left_out, with_face_colours
+from paint3d.mesh.foreign import arrays_of
 
 __all__ = ["package_class", "read_object", "read_trimesh"]
 
@@ -42,7 +43,7 @@ def read_object(found: object, texture: bool = False) -> RawMesh:
 
     Parameters
     ----------
-    found : trimesh.Trimesh, trimesh.Scene, open3d.geometry.TriangleMesh,
+    found : (vertices, faces), trimesh.Trimesh, trimesh.Scene, open3d.geometry.TriangleMesh,
             open3d.t.geometry.TriangleMesh or pyvista.PolyData
         It is not changed.
     texture : bool
@@ -54,10 +55,12 @@ def read_object(found: object, texture: bool = False) -> RawMesh:
         If it is none of these, or its arrays do not fit together.
     """
     kind = package_class(found)
+    if isinstance(found, tuple | list):
+        return RawMesh.of_triangles(*arrays_of(found))
     if kind is None:
         raise MeshError(
             f"a mesh is a {type(found).__module__}.{type(found).__qualname__}; expected a file, "
-            f"the name of an object, or one of {', '.join(_READERS)}"
+            f"the name of an object, (vertices, faces), or one of {', '.join(_READERS)}"
         )
     return _READERS[kind](found, texture)
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 import dataclasses
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from functools import partial
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -43,6 +43,7 @@ from paint3d.core.ahead import ahead
 from paint3d.core.arrays import AnyArray, as_number, dots_of
 from paint3d.device.sample import DIP, DeviceSample
 from paint3d.errors import InputError
+from paint3d.mesh.bvh import ClosestPoints
 from paint3d.painter.flat_input import LaidPad
 from paint3d.painter.ink_time import LOOKAHEAD, PIECE_S, Pauses, pieces_until
 from paint3d.painter.recorded_tools import LEAST_INK, told_at
@@ -71,6 +72,7 @@ class Painter:
     ----------
     surface : PaintedSurface
     brush : str or BrushSpec
+        A name of the presets, or a brush file of one's own (.toml, .json).
     ink : str, Pigment, mapping or None
         What the brush is dipped in; see `dip`. None: it holds the load stored with the surface, as
         after opening a session.
@@ -445,6 +447,71 @@ class Painter:
         )  # fmt: skip
 
     # -- painting ---------------------------------------------------------------------------
+
+    def stroke(
+        self,
+        points: ArrayLike,
+        pressure: ArrayLike = 0.5,
+        tilt: ArrayLike = 0.0,
+        *,
+        speed: float = 60.0,
+        side: str | None = None,
+        wet: bool = False,
+    ) -> Recording:
+        """Paint a line along points on the surface.
+
+        Parameters
+        ----------
+        points : (N, 3) or (N, 2) array_like
+            mm, carried to the surface's closest points, or places U,V from 0 to 1 as ``--at`` of
+            the command line has them. They are joined by straight lines that lie on the surface.
+        pressure : float or (M,) array_like
+            0 to 1; several spread evenly along the line.
+        tilt : float or (M,) array_like
+            The handle's lean off the surface's normal, degrees, up to 60 in the direction of the
+            line and down to -60 against it.
+        speed : float
+            mm/s.
+        side : {"outside", "inside", "top", "bottom"}, optional
+            From where U,V are seen; by default by the object's shape.
+        wet : bool
+            Let ink spread and dry meanwhile.
+
+        Returns
+        -------
+        Recording
+            What a hand would have done, to be saved or replayed.
+
+        Raises
+        ------
+        InputError
+            If there are fewer than two points, or a number is out of range.
+        MeshError
+            If there is no surface at a place U,V.
+
+        Examples
+        --------
+        >>> import paint3d
+        >>> surface = paint3d.PaintedSurface(paint3d.load_mesh("plane"), resolution=1.0)
+        >>> painter = paint3d.Painter(surface, ink="cinnabar")
+        >>> stroke = painter.stroke([(-30, 0, 0), (0, 8, 0), (30, 0, 0)], pressure=(0.1, 0.6, 0.2))
+        >>> stroke.duration_s > 1.0
+        True
+        """
+        from paint3d.painter.line import record_line
+
+        recording = record_line(
+            self._closest, points, pressure, tilt, length_mm=self.brush.length_mm, speed=speed,
+            side=side,
+            header={"brush": self.brush.name, "ink": self.ink.name, "azimuth": self.azimuth},
+        )  # fmt: skip
+        self.replay(recording, wet=wet)
+        return recording
+
+    @cached_property
+    def _closest(self) -> ClosestPoints:
+        """The object's closest points, found when they are first asked for."""
+        return ClosestPoints(self.surface.source)
 
     def replay(
         self,

@@ -15,6 +15,7 @@ from paint3d.colour.wet_look import WetLook
 from paint3d.core.arrays import AnyArray, as_array, as_number
 from paint3d.errors import InputError
 from paint3d.mesh.bvh import build_contact_tree
+from paint3d.mesh.foreign import as_mesh
 from paint3d.mesh.kernels.bvh import ContactTree
 from paint3d.mesh.likeness import Original
 from paint3d.mesh.simplify import coarse_faces
@@ -47,8 +48,8 @@ class PaintedSurface(InkStore):
 
     Parameters
     ----------
-    mesh : TriangleMesh
-        mm.
+    mesh : TriangleMesh, (vertices, faces), or a mesh of trimesh, Open3D or PyVista
+        mm, z up; `load_mesh` takes colours and units of the latter, too.
     resolution : float or None
         Longest edge wanted where there is paint, mm; None keeps the mesh's own vertices.
     material : str or Material
@@ -70,13 +71,12 @@ class PaintedSurface(InkStore):
 
     def __init__(
         self,
-        mesh: TriangleMesh,
+        mesh: TriangleMesh | Any,
         resolution: float | None = 0.4,
         material: str | Material = "porcelain",
         original: Original | None = None,
     ) -> None:
-        if not isinstance(mesh, TriangleMesh):
-            raise InputError(f"mesh is {type(mesh).__name__}; expected a TriangleMesh")
+        mesh = as_mesh(mesh)
         if resolution is not None:
             resolution = as_number(resolution, "resolution (mm)", _FINEST, _COARSEST)
         made_of = load_material(material) if isinstance(material, str) else material

@@ -376,7 +376,7 @@ def _command_seeds() -> list[tuple[str, bytes]]:
         "write 永和 --on vase --out o.glb --size 20 --layout row --around --processes 2 --hairs 40",
         "write 一 --on plane --out o.svg --brush xiaokai --ink cinnabar --resolution .3 --unit cm",
         "export a.p3d b.3mf --tolerance 0.5 --filaments #102030,#aabbcc --texture 512 --unlit",
-        "batch t.csv --row 3 --folder . --again --quiet",
+        "batch t.csv --rows 3-9 --folder . --again --quiet",
         "study plan f --participants 6 --devices I,II --character 目 --size 30 --seed 1",
         "devices record r.jsonl --seconds 2",
         "bench write --json b.json",

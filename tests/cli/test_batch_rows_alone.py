@@ -8,7 +8,6 @@ from pathlib import Path
 import pytest
 
 from paint3d.cli import main
-from paint3d.cli.batches import rows as batch_rows
 from paint3d.cli.batches.rows import Outcome
 
 TABLE = "text,object,output\n永,bowl,a.ply\n\n永,bowl,b.ply\n永,bowl,c.ply\n"
@@ -34,10 +33,10 @@ def test_a_row_is_painted_alone_and_counts_as_finished(table, tmp_path, monkeypa
         done.append(os.path.abspath(options.out))
         options.out.write_text("painted")
 
-    monkeypatch.setattr(batch_rows.COMMANDS["write"], "run", run)
+    monkeypatch.setattr("paint3d.cli.write.run", run)
     (tmp_path / "b.ply").write_text("another, in the working folder")
     monkeypatch.chdir(tmp_path)
-    command = ["batch", str(folder / table), "--folder", str(folder), "--row"]
+    command = ["batch", str(folder / table), "--folder", str(folder), "--rows"]
     assert main.main([*command, "4"]) == 0
     assert done == [str(folder / "b.ply")]
     assert Path.cwd() == tmp_path
@@ -62,6 +61,6 @@ def test_a_row_that_fails_ends_its_job_with_an_error(table, monkeypatch, capsys)
     monkeypatch.setattr(
         "paint3d.cli.batches.rows.run_row", lambda row: Outcome(row.line, "no ink", 0.0, "")
     )
-    assert main.main(["batch", str(table), "--row", "5"]) == 2
+    assert main.main(["batch", str(table), "--rows", "5"]) == 2
     told = capsys.readouterr().err.splitlines()
     assert told == ["t.csv:5: no ink", "paint3d: error: t.csv: 1 of 1 rows failed, in line 5"]

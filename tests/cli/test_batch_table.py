@@ -134,7 +134,7 @@ def test_what_the_machine_lacks_costs_the_row_only(monkeypatch, fault, words):
     def run(options):
         raise fault
 
-    monkeypatch.setattr(batch_rows.COMMANDS["replay"], "run", run)
+    monkeypatch.setattr("paint3d.cli.replay.run", run)
     row = Row(7, "a.ply", ("replay", "--on=plane", "--out=a.ply", "--", "a"))
     assert run_row(row)[:2] == (7, words)
 

@@ -7,12 +7,14 @@ import json
 import os
 import time
 from collections.abc import Iterator
-from functools import partial
+from functools import cache, partial
+from importlib import import_module
 from pathlib import Path
+from types import ModuleType
 from typing import NamedTuple
 
-from paint3d.cli import replay, write
-from paint3d.cli.options import Parser, UsageError, own_file
+from paint3d.cli.options import BUILT_IN_OBJECTS, Parser, UsageError, own_file
+from paint3d.cli.painting import keep_bare_surfaces
 from paint3d.cli.report import find_versions
 from paint3d.colour.ink_text import tables_in, with_tables
 from paint3d.errors import Paint3DError
@@ -21,7 +23,7 @@ __all__ = ["Outcome", "Row", "command_parser", "fingerprint", "run_row"]
 
 _INKS = ("--ink", "--tip")
 _PARAMETERS = ("--brush", "--material")
-COMMANDS = {"write": write, "replay": replay}
+COMMANDS = ("write", "replay")  # what a row of a table asks for by itself
 
 
 class Row(NamedTuple):
@@ -42,40 +44,60 @@ class Outcome(NamedTuple):
 
 
 def command_parser(command: str) -> Parser:
-    """Return the parser of ``write`` or ``replay``."""
+    """Return the parser of a command that rows ask for, or pieces of one."""
     parser = Parser(prog=f"paint3d {command}")
-    COMMANDS[command].add_arguments(parser)
+    _module(command).add_arguments(parser)
     return parser
+
+
+def _module(command: str) -> ModuleType:
+    return import_module(f"paint3d.cli.{command}")
 
 
 def placed(row: Row, folder: str) -> Row:
     """The row with the files that it names counted from a folder, wherever it is run."""
-    from paint3d.files.load import BUILT_IN_OBJECTS
-
-    command, *options, subject = row.arguments
-    of_files = {
-        option
-        for action in command_parser(command)._actions
-        for option in action.option_strings
-        if action.type is Path
-    }
-    words = []
-    for word in options:
-        option, equals, value = word.partition("=")
-        if option in of_files:
-            value = os.path.join(folder, value)
-        elif option == "--on":
-            there = os.path.join(folder, value)
-            if value not in BUILT_IN_OBJECTS or os.path.isfile(there):
-                value = there
-        elif option in _INKS:
-            value = with_tables(value, partial(os.path.join, folder))
-        elif option in _PARAMETERS and own_file(value) is not None:
-            value = os.path.join(folder, value)
-        words.append(option + equals + value)
+    command, *words = row.arguments
+    if command == "compose":
+        counted = [_placed_word(command, word, folder) for word in words]
+        return row._replace(arguments=(command, *counted))
+    *options, subject = words
+    counted = [_placed_word(command, word, folder) for word in options]
     if command == "replay":
         subject = os.path.join(folder, subject)
-    return row._replace(arguments=(command, *words, subject))
+    return row._replace(arguments=(command, *counted, subject))
+
+
+@cache
+def _file_options(command: str) -> frozenset[str]:
+    """The options of a command that name files."""
+    return frozenset(
+        option
+        for action in command_parser(command).option_actions()
+        for option in action.option_strings
+        if action.type is Path
+    )
+
+
+def _placed_word(command: str, word: str, folder: str) -> str:
+    """An option with the file that it names, if it does, counted from a folder."""
+    option, equals, value = word.partition("=")
+    if option in _file_options(command):
+        value = os.path.join(folder, value)
+    elif option == "--on":
+        there = os.path.join(folder, value)
+        if value not in BUILT_IN_OBJECTS or os.path.isfile(there):
+            value = there
+    elif option in _INKS:
+        value = with_tables(value, partial(os.path.join, folder))
+    elif option in _PARAMETERS and own_file(value) is not None:
+        value = os.path.join(folder, value)
+    elif option == "--piece":
+        piece = json.loads(value)
+        of = "seal" if "seal" in piece else "write"
+        for name, cell in piece.items():
+            piece[name] = _placed_word(of, f"--{name}={cell}", folder).partition("=")[2]
+        value = json.dumps(piece, ensure_ascii=False)
+    return option + equals + value
 
 
 def run_row(row: Row) -> Outcome:
@@ -83,7 +105,8 @@ def run_row(row: Row) -> Outcome:
     started = time.perf_counter()
     try:
         command, *arguments = row.arguments
-        COMMANDS[command].run(command_parser(command).parse_args(arguments))
+        keep_bare_surfaces()
+        _module(command).run(command_parser(command).parse_args(arguments))
         message = ""
     except (UsageError, Paint3DError) as cause:
         message = str(cause)
@@ -103,6 +126,10 @@ def _read(arguments: tuple[str, ...]) -> Iterator[str]:
         option, _, value = word.partition("=")
         if option in _INKS:
             yield from tables_in(value)
+        if option == "--piece":
+            piece = json.loads(value)
+            yield from _read(tuple(f"--{name}={cell}" for name, cell in piece.items()))
+            continue
         yield value if word.startswith("--") else word
 
 

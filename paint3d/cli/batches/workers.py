@@ -6,6 +6,7 @@ import multiprocessing
 import signal
 import sys
 import warnings
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from multiprocessing.connection import Connection, wait
@@ -22,11 +23,13 @@ __all__ = ["run_here"]
 _WARM = "paint3d.cli.batches.warm"
 
 
-def run_here(rows: Sequence[Row], processes: int) -> Iterator[Outcome]:
+def run_here(rows: Sequence[Row], processes: int, retries: int = 0) -> Iterator[Outcome]:
     """Run rows in so many processes; yield each outcome as it comes.
 
-    A process that dies costs the row it was at, and another takes its place.
+    Where a process dies another takes its place, and the row it was at is tried again after the
+    others, so many times.
     """
+    tries: Counter[Row] = Counter()
     left = list(reversed(rows))
     workers = [_Worker() for _ in range(min(processes, len(rows)))]
     try:
@@ -35,7 +38,16 @@ def run_here(rows: Sequence[Row], processes: int) -> Iterator[Outcome]:
         while busy := [worker for worker in workers if worker.row is not None]:
             ready = wait([worker.connection for worker in busy])
             for worker in [worker for worker in busy if worker.connection in ready]:
-                yield worker.outcome()
+                row = worker.row
+                outcome = worker.outcome()
+                if outcome is not None:
+                    yield outcome
+                elif row is not None and tries[row] < retries:
+                    tries[row] += 1
+                    left.insert(0, row)
+                elif row is not None:
+                    again = f", {tries[row] + 1} times" if tries[row] else ""
+                    yield Outcome(row.line, f"its process died ({worker.death}){again}", 0.0, "")
                 if left:
                     worker.start(left.pop())
     finally:
@@ -61,6 +73,7 @@ class _Worker:
 
     def __init__(self) -> None:
         self.row: Row | None = None
+        self.death = ""  # how the last process died
         self.connection: Connection[Any, Any]  # from the first start on
         self._process: BaseProcess | None = None
 
@@ -76,20 +89,19 @@ class _Worker:
         with suppress(OSError):  # it has died: `outcome` will find out
             self.connection.send(tuple(row))
 
-    def outcome(self) -> Outcome:
-        """Return how the row went, when the connection is ready."""
-        row, self.row, process = self.row, None, self._process
-        assert row is not None, "nothing was started"
+    def outcome(self) -> Outcome | None:
+        """Return how the row went, when the connection is ready; None where its process died."""
+        process, self.row = self._process, None
         assert process is not None, "nothing was started"
         try:
             return Outcome(*self.connection.recv())
         except (EOFError, ConnectionError):
             process.join()
             code = process.exitcode or 0
-            how = signal.Signals(-code).name if code < 0 else f"exit status {code}"
+            self.death = signal.Signals(-code).name if code < 0 else f"exit status {code}"
             self.connection.close()
             self._process = None
-            return Outcome(row.line, f"its process died ({how})", 0.0, "")
+            return None
 
     def stop(self) -> None:
         if self._process is not None:

@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from paint3d.cli.lists.columns import columns_of, padded_line
+from paint3d.cli.lists.columns import table_lines, terminal_columns
 from paint3d.cli.options import (
     add_actions,
     add_force_option,
@@ -108,7 +108,7 @@ def run(options: argparse.Namespace) -> None:
         notes = {name: brush_note(name) for name in presets}
         own, problems = own_brushes()
         notes |= {name: f"your own: --brush {own_brush_path(name)}" for name in own}
-        lines = brush_lines([*presets.values(), *own.values()], notes)
+        lines = brush_lines([*presets.values(), *own.values()], notes, terminal_columns())
         sys.stdout.write("\n".join(lines) + "\n")
         sys.stderr.writelines(f"paint3d: note: {problem}\n" for problem in problems)
 
@@ -184,7 +184,9 @@ def _hairs(base: BrushSpec, count: int | None) -> BristleSpec:
     return hairs if count is None else dataclasses.replace(hairs, n_hairs=count)
 
 
-def brush_lines(brushes: Iterable[BrushSpec], notes: dict[str, str]) -> list[str]:
+def brush_lines(
+    brushes: Iterable[BrushSpec], notes: dict[str, str], columns: int | None = None
+) -> list[str]:
     """Lines of a table of brushes: a head, then one brush a line, lengths in mm.
 
     Parameters
@@ -192,14 +194,15 @@ def brush_lines(brushes: Iterable[BrushSpec], notes: dict[str, str]) -> list[str
     brushes : iterable of BrushSpec
     notes : dict
         What each is for, by name.
+    columns : int, optional
+        How wide it may be; see `table_lines`.
     """
     rows = [("name", "hair", *(head for head, _ in _COLUMNS), "hairs", "for")]
     for brush in brushes:
         numbers = [f"{getattr(brush, field):g}" for _, field in _COLUMNS]
         hairs = "solid" if brush.bristles is None else str(brush.bristles.n_hairs)
         rows.append((brush.name, brush.hair, *numbers, hairs, notes.get(brush.name, "")))
-    widths = [max(map(columns_of, column)) for column in zip(*rows, strict=True)]
-    return [padded_line(row, widths) for row in rows]
+    return table_lines(rows, columns)
 
 
 def _draw(brushes: Iterable[BrushSpec], folder: Path, *, quiet: bool) -> None:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from paint3d.cli.lists.columns import block, columns_of, hexadecimal, padded_line
+from paint3d.cli.lists.columns import hexadecimal, swatch_cell, table_lines, terminal_columns
 from paint3d.cli.options import MATERIALS
 from paint3d.errors import InputError
 
@@ -94,7 +94,7 @@ def run(options: argparse.Namespace) -> None:
     from paint3d.colour.pigments import load_palette, load_pigments_csv
 
     pigments = load_palette() if options.table is None else load_pigments_csv(options.table)
-    lines = swatches_table(pigments.values(), colour=sys.stdout.isatty())
+    lines = swatches_table(pigments.values(), sys.stdout.isatty(), terminal_columns())
     sys.stdout.write("\n".join(lines) + "\n")
 
 
@@ -129,7 +129,9 @@ def _csv_word(text: str) -> str:
     return '"' + text.replace('"', '""') + '"' if set(text) & set(',"\n') else text
 
 
-def swatches_table(pigments: Iterable[Pigment], colour: bool = False) -> list[str]:
+def swatches_table(
+    pigments: Iterable[Pigment], colour: bool = False, columns: int | None = None
+) -> list[str]:
     """Lines of a table of pigments: a head, then one pigment a line.
 
     Parameters
@@ -137,6 +139,8 @@ def swatches_table(pigments: Iterable[Pigment], colour: bool = False) -> list[st
     pigments : iterable of Pigment
     colour : bool
         Put a block in 24-bit ANSI colour before each hexadecimal colour, for a terminal.
+    columns : int, optional
+        How wide it may be; see `table_lines`.
 
     Returns
     -------
@@ -144,22 +148,12 @@ def swatches_table(pigments: Iterable[Pigment], colour: bool = False) -> list[st
         Name, Chinese name, colour of a wash (0.1 coats) and of a full coat on porcelain, basis,
         licence and source, in aligned columns.
     """
-    head = ("name", "", "wash", "full coat", "basis", "licence", "source")
-    rows = [
-        (p.name, p.chinese, _swatch(p, _WASH), _swatch(p, _FULL), p.basis, p.licence, p.source)
-        for p in pigments
-    ]
-    widths = [max(map(columns_of, column)) for column in zip(head, *rows, strict=True)]
-    lines = [padded_line(head, widths)]
-    for row in rows:
-        line = padded_line(row, widths)
-        for swatch in dict.fromkeys(row[2:4]) if colour else ():
-            line = line.replace(swatch, block(swatch) + swatch)
-        lines.append(line)
-    if colour:
-        padded = [*head[:2], *("   " + title for title in head[2:4]), *head[4:]]
-        lines[0] = padded_line(padded, [*widths[:2], *(w + 3 for w in widths[2:4]), *widths[4:]])
-    return lines
+    wash, full = (swatch_cell(title, colour) for title in ("wash", "full coat"))
+    rows: list[Sequence[str]] = [("name", "", wash, full, "basis", "licence", "source")]
+    for one in pigments:
+        shown = [swatch_cell(_swatch(one, coats), colour) for coats in (_WASH, _FULL)]
+        rows.append((one.name, one.chinese, *shown, one.basis, one.licence, one.source))
+    return table_lines(rows, columns, colour)
 
 
 def _swatch(pigment: Pigment, coats: float) -> str:

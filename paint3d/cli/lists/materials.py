@@ -7,7 +7,7 @@ import sys
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
-from paint3d.cli.lists.columns import block, columns_of, hexadecimal, padded_line
+from paint3d.cli.lists.columns import hexadecimal, swatch_cell, table_lines, terminal_columns
 from paint3d.cli.options import add_actions, add_quiet_option
 
 if TYPE_CHECKING:
@@ -57,11 +57,13 @@ def run(options: argparse.Namespace) -> None:
 
         sys.stdout.write(material_text(load_material(options.material)))
     elif not options.quiet:
-        lines = material_lines(load_materials().values(), colour=sys.stdout.isatty())
+        lines = material_lines(load_materials().values(), sys.stdout.isatty(), terminal_columns())
         sys.stdout.write("\n".join(lines) + "\n")
 
 
-def material_lines(materials: Iterable[Material], colour: bool = False) -> list[str]:
+def material_lines(
+    materials: Iterable[Material], colour: bool = False, columns: int | None = None
+) -> list[str]:
     """Lines of a table of materials: a head, then one a line; lengths in mm, drying in mm/s.
 
     Parameters
@@ -69,27 +71,26 @@ def material_lines(materials: Iterable[Material], colour: bool = False) -> list[
     materials : iterable of Material
     colour : bool
         Put a block in 24-bit ANSI colour before each hexadecimal colour, for a terminal.
+    columns : int, optional
+        How wide it may be; see `table_lines`.
     """
     from paint3d.colour.spectra import srgb_from_reflectance
 
     materials = list(materials)
-    rows = [("name", "", "colour", *(head for head, _ in _COLUMNS), "reflectance", "numbers")]
+    rows = [
+        (
+            "name",
+            "",
+            swatch_cell("colour", colour),
+            *(head for head, _ in _COLUMNS),
+            "reflectance",
+            "numbers",
+        )
+    ]
     for material in materials:
-        shown = hexadecimal(srgb_from_reflectance(material.reflectance))
+        shown = swatch_cell(hexadecimal(srgb_from_reflectance(material.reflectance)), colour)
         numbers = (f"{getattr(material, field):g}" for _, field in _COLUMNS)
         from_where = f"{material.basis} ({material.source})" if material.source else material.basis
         names = material.name, material.chinese
         rows.append((*names, shown, *numbers, from_where, material.note))
-    if colour:
-        rows = [
-            (*row[:2], ("   " if k == 0 else "xx ") + row[2], *row[3:])
-            for k, row in enumerate(rows)
-        ]
-    widths = [max(map(columns_of, column)) for column in zip(*rows, strict=True)]
-    lines = [padded_line(row, widths) for row in rows]
-    if not colour:
-        return lines
-    return [
-        line.replace(row[2], block(row[2][3:]) + row[2][3:]) if k else line
-        for k, (row, line) in enumerate(zip(rows, lines, strict=True))
-    ]
+    return table_lines(rows, columns, colour)

@@ -1,0 +1,1 @@
+from .painter import Painter as Painter

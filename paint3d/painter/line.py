@@ -1,0 +1,138 @@
+"""A line on a surface as a recording: what a hand would have done."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from paint3d.core.arrays import AnyArray, as_array, as_number, dots_of
+from paint3d.core.quaternion import quaternions_from_matrices
+from paint3d.device.recorded import Recording
+from paint3d.errors import InputError
+from paint3d.mesh.bvh import ClosestPoints
+from paint3d.mesh.placement import place, upwards
+
+__all__ = ["record_line"]
+
+_RATE_HZ = 250.0
+_STEP_MM = 0.5  # between two samples, at most
+_FINE_STEPS = 16  # between two places given as U,V
+_MOST_SAMPLES = 10_000_000
+_MOST_TILT_DEG = 60.0
+
+
+def record_line(
+    surface: ClosestPoints,
+    points: ArrayLike,
+    pressure: ArrayLike = 0.5,
+    tilt: ArrayLike = 0.0,
+    *,
+    length_mm: float,
+    speed: float = 60.0,
+    side: str | None = None,
+    header: Mapping[str, object] | None = None,
+) -> Recording:
+    """Record a line that is drawn on a surface.
+
+    Parameters
+    ----------
+    surface : ClosestPoints
+    points : (N, 3) or (N, 2) array_like
+        mm, carried to the surface's closest points, or places U,V as `place` takes them. Two
+        points at least, joined by straight lines that lie down on the surface.
+    pressure, tilt : float or (M,) array_like
+        Pressure, 0 to 1, and the handle's lean, degrees off the surface's normal in the direction
+        of the line (below 0: against it), up to 60; several spread evenly along the line.
+    length_mm : float
+        Of the tuft: how far its root is from the surface.
+    speed : float
+        mm/s.
+    side : str, optional
+        Of places U,V; see `place`.
+    header : mapping, optional
+        More entries for the recording's header.
+
+    Raises
+    ------
+    InputError
+        If there are fewer than two points apart from each other, or a number is out of range.
+    MeshError
+        If there is no surface at a place U,V.
+    """
+    corners = _corners(surface, points, side)
+    speed = as_number(speed, "speed (mm/s)", 1e-3, 1e5)
+    steps = np.linalg.norm(np.diff(corners, axis=0), axis=1)
+    reach = np.concatenate([[0.0], np.cumsum(steps)])
+    apart = np.concatenate([[True], steps > 0.0])
+    corners, reach = corners[apart], reach[apart]
+    if len(corners) < 2:
+        raise InputError(f"{len(corners)} points that are apart; expected two for a line at least")
+    n = 1 + math.ceil(reach[-1] / min(_STEP_MM, speed / _RATE_HZ))
+    if n > _MOST_SAMPLES:
+        raise InputError(f"a line of {reach[-1]:.0f} mm has {n:,} samples; expected fewer")
+    n = max(n, 4)
+    along = np.linspace(0.0, reach[-1], n)
+    chords = np.column_stack([np.interp(along, reach, axis) for axis in corners.T])
+    found = surface.find(chords)
+    feet, normals = found.points, found.normals
+    lean = np.radians(_spread(tilt, "tilt (degrees)", n, -_MOST_TILT_DEG, _MOST_TILT_DEG))
+    way = _directions(feet, normals)
+    up = np.cos(lean)[:, None] * normals + np.sin(lean)[:, None] * way
+    bend = -way + dots_of(way, up)[:, None] * up  # the tip trails behind
+    bend /= np.linalg.norm(bend, axis=1)[:, None]
+    frames = np.stack([bend, np.cross(up, bend), up], axis=-1)
+    return Recording(
+        np.round(1e9 * along / speed).astype(np.int64),
+        feet + length_mm * up,
+        quaternions_from_matrices(frames),
+        _spread(pressure, "pressure", n, 0.0, 1.0),
+        contact=feet,
+        header={"object": surface.mesh.name, **(header or {})},
+    )
+
+
+def _corners(surface: ClosestPoints, points: ArrayLike, side: str | None) -> AnyArray:
+    """The line's corners (N, 3), mm."""
+    try:
+        given = np.asarray(points, np.float64)
+    except (TypeError, ValueError):
+        given = np.empty(0)
+    if given.ndim == 2 and given.shape[1] == 3:
+        return as_array(given, "points", (None, 3))
+    if given.ndim != 2 or given.shape[1] != 2:
+        raise InputError(f"points have shape {given.shape}; expected (N, 3) in mm or (N, 2) of U,V")
+    places = as_array(given, "points", (None, 2))
+    at = np.linspace(0, len(places) - 1, max(1, (len(places) - 1) * _FINE_STEPS + 1))
+    index = np.arange(len(places))
+    fine = np.column_stack([np.interp(at, index, column) for column in places.T])
+    return np.array([place(surface, one, side).origin for one in fine])
+
+
+def _spread(values: ArrayLike, what: str, n: int, least: float, most: float) -> NDArray[np.float64]:
+    """Return values (n,) spread evenly along the line."""
+    if np.ndim(values) == 0:
+        return np.full(n, as_number(values, what, least, most))
+    given = as_array(values, what, (None,))
+    if not len(given) or given.min() < least or given.max() > most:
+        got = f"{given.min():g} to {given.max():g}" if len(given) else "none"
+        raise InputError(f"{what} is {got}; expected {least:g} to {most:g}")
+    return np.interp(np.linspace(0.0, 1.0, n), np.linspace(0.0, 1.0, len(given)), given)
+
+
+def _directions(feet: AnyArray, normals: AnyArray) -> AnyArray:
+    """Unit directions (N, 3) of a way along a surface, in its tangent planes."""
+    way = np.gradient(feet, axis=0)
+    way -= dots_of(way, normals)[:, None] * normals
+    lengths = np.linalg.norm(way, axis=1)
+    still = lengths < 1e-9
+    if still.all():
+        return np.array([np.cross(upwards(normal), normal) for normal in normals])
+    index = np.arange(len(way))
+    for axis in way.T:  # where the way stands still it goes on as before
+        axis[still] = np.interp(index[still], index[~still], axis[~still])
+    way -= dots_of(way, normals)[:, None] * normals
+    unit: AnyArray = way / np.linalg.norm(way, axis=1)[:, None]
+    return unit
