@@ -309,10 +309,14 @@ class InkStore:
     @property
     def bare_codes(self) -> NDArray[np.uint8]:
         """(V, 3) uint8 sRGB of every vertex as if nothing had been painted."""
+        return self.bare_codes_at(np.arange(self.n_vertices))
+
+    def bare_codes_at(self, vertex_ids: AnyArray) -> NDArray[np.uint8]:
+        """Return the sRGB (N, 3) of vertices as if nothing had been painted."""
         if self._mesh_colours is None:
-            return np.tile(self._bare, (self.n_vertices, 1))
+            return np.tile(self._bare, (len(vertex_ids), 1))
         self.know_vertices()
-        return self._mesh_colours.codes(self.n_vertices)
+        return self._mesh_colours.codes(vertex_ids)
 
     @property
     def coverage(self) -> NDArray[np.float32]:
@@ -384,9 +388,9 @@ class _MeshColours:
         srgb[first:last] = np.rint(fresh * 255.0)
         self._known = last
 
-    def codes(self, n_vertices: int) -> NDArray[np.uint8]:
-        """Return the codes (n, 3) uint8 of the first n vertices, which must be known."""
-        codes: NDArray[np.uint8] = np.rint(self._encoded[:n_vertices] * 255.0).astype(np.uint8)
+    def codes(self, vertex_ids: AnyArray) -> NDArray[np.uint8]:
+        """Return the codes (N, 3) uint8 of vertices, which must be known."""
+        codes: NDArray[np.uint8] = np.rint(self._encoded[vertex_ids] * 255.0).astype(np.uint8)
         return codes
 
     def ground_of(self, ground: Ground) -> Ground:

@@ -336,12 +336,25 @@ class LayerStack:
             If there is no layer at that place.
         """
         ids = np.arange(self._store.n_vertices, dtype=np.int32)
-        key, share = self._key(place), np.zeros(len(ids), np.float32)
+        key = self._key(place)
+        return self._ink_of(key, ids), self._share_of(key, ids)
+
+    def share_at(self, vertex_ids: AnyArray) -> NDArray[np.float32]:
+        """Return the greatest fraction (N,) of vertices that paint on visible layers covers."""
+        share = np.zeros(len(vertex_ids), np.float32)
+        for key in self._keys:
+            if self._about[key].visible:
+                share = np.maximum(share, self._share_of(key, vertex_ids))
+        return share
+
+    def _share_of(self, key: int, ids: AnyArray) -> NDArray[np.float32]:
+        """Return the fraction (N,) of vertices that one layer's paint covers, wet or dry."""
+        share = np.zeros(len(ids), np.float32)
         dry, rows, wet, _, coverage = self._paint_at(key, ids)
         dried = np.flatnonzero(rows >= 0)
         share[dried] = dry.share[rows[dried]]
         share[wet] = np.maximum(share[wet], coverage)
-        return self._ink_of(key, ids), share
+        return share
 
     def coats_at(self, vertex_ids: AnyArray) -> NDArray[np.float64]:
         """Return the ink (N, P) of all visible layers on vertices (N,), wet and dry.

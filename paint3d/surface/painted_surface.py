@@ -305,6 +305,17 @@ class PaintedSurface(InkStore):
             self.layers.add_shares(share)
         return share
 
+    def share_at(self, vertex_ids: AnyArray) -> NDArray[np.float32]:
+        """Return the greatest fraction (N,) of vertices that paint on visible layers covers."""
+        if self.layers is not None:
+            return self.layers.share_at(vertex_ids)
+        share: NDArray[np.float32] = self.ink.coverage[vertex_ids]
+        if self.dry_layers.count:
+            rows = self.dry_layers.rows_of(vertex_ids)
+            dried = rows >= 0
+            share[dried] = np.maximum(share[dried], self.dry_layers.share[rows[dried]])
+        return share
+
     @property
     def wet_look(self) -> WetLook | None:
         """How wet and glossy each vertex is; None where all are as dry and rough as the material.

@@ -18,12 +18,12 @@ from paint3d.view.daylight import Ground, Occluder, light_ground, light_points
 from paint3d.view.kernels.chunks import light_of_added, shown_colours
 from paint3d.view.studio import light_samples, linear_to_srgb, srgb_to_linear
 
-__all__ = ["BakedLight", "LiveLight"]
+__all__ = ["SHOULDER", "BakedLight", "LiveLight"]
 
 _N_DOME = 48
 _WHITE = 0.72  # linear brightness of ideal white where lit best
 _LIT_BEST = 0.88  # fraction of the area that is lit no better than `_WHITE`
-_SHOULDER = 1.5  # the film curve of `picture`
+SHOULDER = 1.5  # the film curve of `picture`
 _ALBEDO = 0.8
 _CODES = 1 << 14  # steps of linear light in the table of the film curve
 _CHUNK = 200_000  # vertices lit at once
@@ -68,7 +68,7 @@ class LiveLight:
         self._linear = srgb_to_linear(np.arange(256, dtype=np.uint8))
         # sRGB codes of even steps of linear light, through the film curve of the pictures.
         x = np.linspace(0.0, 1.0, _CODES)
-        codes = np.rint(255.0 * linear_to_srgb(1.0 - (1.0 - x) ** _SHOULDER))
+        codes = np.rint(255.0 * linear_to_srgb(1.0 - (1.0 - x) ** SHOULDER))
         self._codes = codes.astype(np.uint8)
         self._light = np.empty((0, 3), np.float32)
         self._known = 0

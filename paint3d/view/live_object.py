@@ -9,10 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.colour.wet_look import darkened
-from paint3d.core.arrays import AnyArray
+from paint3d.core.arrays import AnyArray, grown
 from paint3d.surface.painted_surface import PaintedSurface
 from paint3d.surface.sheen import PLAIN_SHINE
+from paint3d.view.edges import packed
 from paint3d.view.live_coarse import CoarseObject
+from paint3d.view.live_edges import LiveEdges
 from paint3d.view.live_light import BakedLight, LiveLight
 from paint3d.view.live_patches import FACES, LivePatches
 
@@ -37,20 +39,26 @@ class PatchUpload:
     patch : int
     colours : (K, 3) or (K, 4) uint8
         The fourth is each point's shine (`surface.sheen`); without it all shine as the material.
+    shares : (K, 1) float32
+        Those of `view.edges.Edges`, `packed`.
+    bare : (K, 1) float32, or None where they have not changed
+        The colours without paint, lit and `packed`.
     points, normals : (K, 3) float32, or None where only colours have changed
     faces : (L, 3) int32, or None likewise
     """
 
     patch: int
     colours: NDArray[np.uint8]
+    shares: NDArray[np.float32]
+    bare: NDArray[np.float32] | None = None
     points: NDArray[np.float32] | None = None
     normals: NDArray[np.float32] | None = None
     faces: NDArray[np.int32] | None = None
 
     @property
     def n_bytes(self) -> int:
-        """Bytes to send to the renderer."""
-        parts = (self.colours, self.points, self.normals, self.faces)
+        """Bytes to send to the renderer, at most: shares that stay the same are not sent."""
+        parts = (self.colours, self.shares, self.bare, self.points, self.normals, self.faces)
         return sum(part.nbytes for part in parts if part is not None)
 
 
@@ -89,6 +97,8 @@ class LiveObject:
         self._changed = np.empty(0, np.int32)
         self._covers: Callable[[AnyArray], AnyArray] | None = None
         self._wet = surface.watch_wet()
+        self._edges = LiveEdges(surface)
+        self._bare = np.empty((0, 3), np.uint8)
         edge = 1.1 * float(np.sqrt(surface.vertex_areas.sum() / len(surface.source.vertices)))
         self._stripe = max(2.0 * self.radius / _STRIPES, _LEAST_EDGES * edge)
 
@@ -118,26 +128,42 @@ class LiveObject:
         """
         surface = self.surface
         srgb = surface.codes
-        if self._all:
+        everything, self._all = self._all, False
+        if everything:
             vertex_ids = np.arange(surface.n_vertices, dtype=np.int32)
-            self._all = False
+        at_edges = self._edges.follow(vertex_ids)
         by_water = self._wet.follow(vertex_ids)
-        if len(by_water):
-            vertex_ids = np.concatenate([vertex_ids, by_water])
+        if len(by_water) or len(at_edges):
+            vertex_ids = np.concatenate([vertex_ids, by_water, at_edges])
         self._changed = vertex_ids
         field = surface.paint_mesh.arrays
         uploads = []
         for change in self.patches.changes(vertex_ids):
             ids = change.vertex_ids
-            points = normals = None
+            points = normals = bare = None
+            if change.faces is not None or everything:
+                bare = self._bare_colours(ids)
             if change.faces is not None:
                 points = np.stack([field.px[ids], field.py[ids], field.pz[ids]], axis=1)
                 normals = np.stack([field.nx[ids], field.ny[ids], field.nz[ids]], axis=1)
             colours = self._shown(ids, srgb)
             if self._wet.is_plain:
                 colours = np.ascontiguousarray(colours[:, :3])
-            uploads.append(PatchUpload(change.patch, colours, points, normals, change.faces))
+            shares = packed(self._edges.shares(ids))
+            uploads.append(
+                PatchUpload(change.patch, colours, shares, bare, points, normals, change.faces)
+            )
         return uploads
+
+    def _bare_colours(self, ids: AnyArray) -> NDArray[np.float32]:
+        """Return the colours (N, 1) of vertices (N,) without paint, lit and packed."""
+        surface = self.surface
+        if len(self._bare) < surface.n_vertices:
+            self._bare = grown(self._bare, len(self._bare), surface.paint_mesh.capacity)
+        self._bare[ids] = surface.bare_codes_at(ids)
+        shown = self.light.colours(ids, self._bare)
+        self._hatch(ids, shown)
+        return packed(shown)
 
     def _shown(self, ids: AnyArray, srgb: AnyArray) -> NDArray[np.uint8]:
         """Return colour, lit, and shine (N, 4) of vertices (N,); srgb (V, 3) is their paint."""
@@ -150,15 +176,19 @@ class LiveObject:
                 is_damp = damp > 0.0
                 colours[is_damp] = darkened(colours[is_damp], damp[is_damp])
             shown[:, 3] = self._wet.shine(ids)
-        if self._covers is not None:
-            # A veil over what takes no paint, striped along the diagonal of space.
-            covered = self._covers(ids)
-            ids, field = ids[covered], self.surface.paint_mesh.arrays
-            along = (field.px[ids] + field.py[ids] + field.pz[ids]) / (3.0**0.5 * self._stripe)
-            wave = 0.5 + 0.5 * np.cos(2.0 * np.pi * along)
-            opacity = (_THIN + (_DENSE - _THIN) * wave)[:, None]
-            colours[covered] = np.rint((1.0 - opacity) * colours[covered] + opacity * _VEIL)
+        self._hatch(ids, colours)
         return shown
+
+    def _hatch(self, ids: AnyArray, colours: AnyArray) -> None:
+        """Draw a veil over those of vertices (N,) that take no paint: their colours (N, 3)."""
+        if self._covers is None:
+            return
+        covered = self._covers(ids)
+        ids, field = ids[covered], self.surface.paint_mesh.arrays
+        along = (field.px[ids] + field.py[ids] + field.pz[ids]) / (3.0**0.5 * self._stripe)
+        wave = 0.5 + 0.5 * np.cos(2.0 * np.pi * along)  # stripes along the diagonal of space
+        opacity = (_THIN + (_DENSE - _THIN) * wave)[:, None]
+        colours[covered] = np.rint((1.0 - opacity) * colours[covered] + opacity * _VEIL)
 
     # -- coarse version ---------------------------------------------------------------------
 

@@ -20,11 +20,12 @@ from paint3d.core.arrays import AnyArray
 from paint3d.errors import ExportError
 from paint3d.surface.sheen import PLAIN_SHINE
 from paint3d.view.camera import Camera, picture_axes
+from paint3d.view.edges import SHARPENED, UNPACKED
 from paint3d.view.kernels.chunks import cone_of
 from paint3d.view.kernels.shine import add_shine
 from paint3d.view.live_coarse import CoarseObject
 from paint3d.view.live_layers import Box, Enlarger, KeptPicture, LastPicture, Target
-from paint3d.view.live_light import BakedLight
+from paint3d.view.live_light import SHOULDER, BakedLight
 from paint3d.view.live_object import PatchUpload
 from paint3d.view.live_patches import turned_away
 from paint3d.view.studio import Gloss
@@ -57,9 +58,35 @@ _SHINE = """
   float share = mix(mix(specularIntensity, max(specularIntensity, FILM_SHARE), film),
                     min(specularIntensity, MATT_SHARE), matt);
   vec3 bright = step(vec3(0.0), -facing) * pow(max(vec3(1e-5), toward), vec3(power));
-  fragOutput0 = vec4(RELIEF * vertexColorVSOutput.rgb
+  fragOutput0 = vec4(RELIEF * painted
     + share * (bright.x * lightColor0 + bright.y * lightColor1 + bright.z * lightColor2), 1.0);
 """
+# Sharp edges of paint. Shares of paint and paper add in linear light, before the film curve.
+_PLAIN = """
+  vec3 painted = vertexColorVSOutput.rgb;
+"""
+_SHARP_VERTEX = """
+  bareLight = light_of(unpacked(bare));
+  inkLight = light_of(scalarColor.rgb) - bareLight;
+  sharesShown = unpacked(shares).yz;
+"""
+_SHARP = """
+  float wide = edge_width(vec2(dFdx(sharesShown.x), dFdy(sharesShown.x)));
+  float part = edge_part(sharesShown, wide);
+  if (part > 0.0) {
+    vec3 light = min(sharpened(bareLight, inkLight, sharesShown, wide), 1.0);
+    light = 1.0 - pow(1.0 - light, vec3(SHOULDER));
+    vec3 codes = mix(12.92 * light, 1.055 * pow(light, vec3(1.0 / 2.4)) - 0.055,
+                     step(0.0031308, light));
+    painted = mix(painted, codes, part);
+  }
+""".replace("SHOULDER", f"{SHOULDER:.3f}")
+_LIGHT_OF = """
+vec3 light_of(vec3 codes) {
+  vec3 light = mix(codes / 12.92, pow((codes + 0.055) / 1.055, vec3(2.4)), step(0.04045, codes));
+  return 1.0 - pow(1.0 - light, vec3(1.0 / SHOULDER));
+}
+""".replace("SHOULDER", f"{SHOULDER:.3f}")
 _FILM_POWER, _FILM_SHARE = 120.0, 0.22
 _MATT_POWER, _MATT_SHARE = 8.8, 0.02
 _LOBES = {
@@ -273,23 +300,28 @@ class LiveScene:
         for upload in uploads:
             drawn = self._patches.get(upload.patch)
             if drawn is None:
-                drawn = self._patches[upload.patch] = self._new_piece()
+                drawn = self._patches[upload.patch] = self._new_piece(sharp=True)
                 self._shown = np.empty(0, bool)
             if upload.points is not None and upload.faces is not None:
                 drawn.set_shape(upload.points, upload.faces, upload.normals)
                 self._bound(upload.patch, upload.points, upload.faces)
-            changed.append(drawn.changed_by(upload.colours))
+            attributes = {"shares": upload.shares}
+            if upload.bare is not None:
+                attributes["bare"] = upload.bare
+            changed.append(drawn.changed_by(upload.colours, **attributes))
             drawn.set_colours(upload.colours)
+            for name, values in attributes.items():
+                drawn.set_attribute(name, values)
             self.uploaded += upload.n_bytes
         return changed
 
-    def _new_piece(self) -> DrawnMesh:
-        """Add an empty mesh with the object's material to the scene."""
+    def _new_piece(self, *, sharp: bool) -> DrawnMesh:
+        """Add an empty mesh with the object's material to the scene; see `_set_shaders`."""
         drawn = DrawnMesh(PLAIN_SHINE)
         look = drawn.actor.GetProperty()
         _shine(look, self._gloss)
         look.SetBackfaceCulling(self._is_solid)
-        _set_shaders(drawn, True, self._gloss)
+        _set_shaders(drawn, True, self._gloss, sharp=sharp)
         drawn.actor.ForceOpaqueOn()  # alpha is the shine, not opacity
         self.renderer.AddActor(drawn.actor)
         return drawn
@@ -314,7 +346,7 @@ class LiveScene:
             self.renderer.RemoveActor(drawn.actor)
         self._coarse, self._coarse_object, self._coarse_order = [], coarse, []
         for piece in coarse.pieces if coarse is not None else ():
-            drawn = self._new_piece()
+            drawn = self._new_piece(sharp=False)
             drawn.set_shape(piece.points, piece.faces, piece.normals)
             drawn.show(False)
             self._coarse.append(drawn)
@@ -743,8 +775,11 @@ def _unit(vector: Iterable[float]) -> AnyArray:
     return array / np.linalg.norm(array)
 
 
-def _set_shaders(drawn: DrawnMesh, on: bool, gloss: Gloss) -> None:
-    """Turn per-pixel highlights and grain on or off."""
+def _set_shaders(drawn: DrawnMesh, on: bool, gloss: Gloss, *, sharp: bool = False) -> None:
+    """Turn per-pixel highlights and grain on or off, with `sharp` edges of paint.
+
+    These read the attributes `bare` and `shares` (see `PatchUpload`).
+    """
     shader = drawn.actor.GetShaderProperty()
     shader.ClearAllFragmentShaderReplacements()
     shader.ClearAllVertexShaderReplacements()
@@ -752,21 +787,27 @@ def _set_shaders(drawn: DrawnMesh, on: bool, gloss: Gloss) -> None:
     if not on:
         return
     declare, assign = "//VTK::PositionVC::Dec", "//VTK::PositionVC::Impl"
+    vertex, placed, fragment = [declare], [assign], [declare]
     shine = _SHINE.replace("RELIEF *", "relief() *" if gloss.grain > 0.0 else "")
     for name, value in _LOBES.items():
         shine = shine.replace(name, f"{value:.3f}")
-    shader.AddFragmentShaderReplacement("//VTK::Light::Impl", True, shine, False)
+    if sharp:
+        vertex += ["in float bare, shares;", UNPACKED]
+        vertex += ["out vec3 bareLight, inkLight; out vec2 sharesShown;", _LIGHT_OF]
+        placed += [_SHARP_VERTEX]
+        fragment += ["in vec3 bareLight, inkLight; in vec2 sharesShown;", SHARPENED]
+        shine = _SHARP + shine
+    shader.AddFragmentShaderReplacement("//VTK::Light::Impl", True, _PLAIN + shine, False)
     if gloss.grain > 0.0:
         drawn.keep_places()
         depth, turns = _DEEPEST * gloss.grain / 3.0, 2.0 * math.pi / gloss.wave_mm
         relief = _RELIEF.replace("DEPTH", f"{depth:.6f}").replace("TURNS", f"{turns:.6f}")
-        shader.AddFragmentShaderReplacement(
-            declare, True, f"{declare}\nin vec3 grainPlace;\n{relief}", False
-        )
-        shader.AddVertexShaderReplacement(declare, True, f"{declare}\nout vec3 grainPlace;", False)
-        shader.AddVertexShaderReplacement(
-            assign, True, f"{assign}\n  grainPlace = vertexMC.xyz;", False
-        )
+        vertex += ["out vec3 grainPlace;"]
+        placed += ["  grainPlace = vertexMC.xyz;"]
+        fragment += ["in vec3 grainPlace;", relief]
+    shader.AddVertexShaderReplacement(declare, True, "\n".join(vertex), False)
+    shader.AddVertexShaderReplacement(assign, True, "\n".join(placed), False)
+    shader.AddFragmentShaderReplacement(declare, True, "\n".join(fragment), False)
 
 
 def _shine(look: Any, gloss: Gloss) -> None:

@@ -59,6 +59,7 @@ class DrawnMesh:
         self._place: Any = None
         self._vtk_normals: Any = None
         self._vtk_colours: Any = None
+        self._attributes: dict[str, tuple[AnyArray, Any]] = {}
         self._shown = True
         self._strands: tuple[int, ...] = ()
         self.actor = vtkActor()
@@ -165,13 +166,44 @@ class DrawnMesh:
         four[:, :_RGB] = colours
         return four
 
-    def changed_by(self, colours: AnyArray) -> AnyArray:
-        """Return the corners (N, 3) float32 of all triangles that colours (K, C) would change."""
+    def set_attribute(self, name: str, values: AnyArray) -> None:
+        """Replace what shaders read of the points as `in float name`, (K, 1) float32."""
+        sent, held = self._attributes.get(name, (values[:0], None))
+        if len(sent) == len(values):
+            if not np.array_equal(sent, values):
+                sent[:] = values
+                held.Modified()
+            return
+        if held is None:
+            points = 0  # VTK's FIELD_ASSOCIATION_POINTS
+            self._mapper.MapDataArrayToVertexAttribute(name, name, points, -1)
+        sent = np.array(values, np.float32, order="C")
+        held = _shared(sent)
+        held.SetName(name)
+        self._data.GetPointData().AddArray(held)
+        self._attributes[name] = sent, held
+
+    def changed_by(self, colours: AnyArray, **attributes: AnyArray) -> AnyArray:
+        """Return the corners (N, 3) float32 of all triangles that new values would change.
+
+        Parameters
+        ----------
+        colours : (K, C) uint8
+        **attributes : (K, 1) float32
+            By name, as `set_attribute` takes them.
+        """
         if self._faces is None or self._vtk_colours is None:
             return self._points
         marks = np.empty(len(colours), np.uint8)
         mark_changed(self._sent, self._four(colours), self._faces, marks)
-        result: AnyArray = self._points[marks.astype(bool)]
+        changed = marks.astype(bool)
+        for name, values in attributes.items():
+            sent = self._attributes[name][0]
+            if len(sent) != len(values) or not np.array_equal(sent, values):
+                bytes_sent, bytes_now = sent.view(np.uint8), values.view(np.uint8)
+                mark_changed(bytes_sent, bytes_now, self._faces, marks)
+                changed |= marks.astype(bool)
+        result: AnyArray = self._points[changed]
         return result
 
     def keep_places(self) -> None:
