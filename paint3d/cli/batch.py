@@ -30,7 +30,7 @@ from paint3d.cli.report import find_versions
 from paint3d.core.atomic import write_atomically
 from paint3d.core.machine import usable_cores
 from paint3d.errors import InputError
-from paint3d.files.readers.contents import json_text
+from paint3d.files.contents import json_text
 
 if TYPE_CHECKING:
     from paint3d.cli.batches.record import FinishedRows
