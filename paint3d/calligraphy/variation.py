@@ -90,4 +90,6 @@ def _moved(points: AnyArray, about: AnyArray, how: AnyArray, em_mm: float) -> An
     """Turn, stretch and shift points (N, 2) about others by rows (N, 7) of `vary_motion`."""
     c, s = np.cos(how[:, 0]), np.sin(how[:, 0])
     x, y = ((points - about) * (1.0 + how[:, 1:3])).T
-    return about + np.stack([c * x - s * y, s * x + c * y], axis=1) + em_mm * how[:, 3:5]
+    turned = np.stack([c * x - s * y, s * x + c * y], axis=1)
+    moved: AnyArray = about + turned + em_mm * how[:, 3:5]
+    return moved

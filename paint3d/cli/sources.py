@@ -37,7 +37,7 @@ STROKES_FILE = (".strokes.json",)
 TRIALS = 2
 _MOST_TRIALS = 9
 
-_OF_A_FONT = ("font_number", "features", "variation", "direction", "language")
+_OF_A_FONT = ("font_number", "features", "font_axes", "direction", "language")
 
 
 def add_source_options(parser: argparse.ArgumentParser) -> None:
@@ -107,9 +107,9 @@ def _add_font_options(parser: argparse._ActionsContainer) -> None:
         help="features of the font, such as liga=0,ss01",
     )
     parser.add_argument(
-        "--variation",
+        "--font-axes",
         metavar="AXIS=V,...",
-        type=_parse_variation,
+        type=_parse_axes,
         help="of a variable font, such as wght=700",
     )
     parser.add_argument(
@@ -142,7 +142,7 @@ def _parse_features(text: str) -> dict[str, int]:
     return features
 
 
-def _parse_variation(text: str) -> dict[str, float]:
+def _parse_axes(text: str) -> dict[str, float]:
     values = {}
     for part in text.split(","):
         tag, _, number = part.strip().partition("=")
@@ -227,7 +227,7 @@ def _open_text(options: argparse.Namespace) -> FontText:
 
     known = options.glyphs is not None or find_kanjivg() is not None
     templates = open_glyphs(options.glyphs) if known else None
-    font = open_font(options.font, options.font_number or 0, options.variation)
+    font = open_font(options.font, options.font_number or 0, options.font_axes)
     style = Style(options.features or {}, options.direction, options.language)
     return set_text(options.text, font, style, templates, options.layout)
 

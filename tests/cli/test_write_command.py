@@ -172,7 +172,7 @@ def test_no_help_sends_a_painter_to_npm(command: str, capsys) -> None:
         (["--svg", "a.svg"], "a.svg: there is no such file"),
         (["--strokes", "a.json"], "a.json: there is no such file"),
         (["一", "--font", "a", "--features", "lig=x"], "expected a feature such as liga=0"),
-        (["一", "--font", "a", "--variation", "wght"], "expected an axis such as wght=700"),
+        (["一", "--font", "a", "--font-axes", "wght"], "expected an axis such as wght=700"),
     ],
 )
 def test_what_is_written_is_one_thing(tmp_path: Path, monkeypatch, capsys, given, words) -> None:
