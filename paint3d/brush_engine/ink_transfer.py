@@ -267,7 +267,7 @@ class InkField(NamedTuple):
 _DRY_AT = 0.8  # share of a full load below which a light brush on grain 1 begins to skip
 _DRY_PRESSED = 0.4  # less of it at full pressure
 _FLOWS_MM_S = 350.0  # speed of a hand at which it takes twice the load for the same contact
-_WETS_MM = 2.5  # of the way: what a wet tuft leaves at once where it comes first
+_WETS_MM = 4.0  # of the way: what a wet tuft leaves at once where it comes first
 _SCRAPES, _LAST = (
     0.3,
     0.04,
@@ -317,15 +317,19 @@ def contact_level(before, after, ink):
 def wet_at_once(before, after, level, found, n, ink):
     """Let what the tuft touches first take a film at once, on paper; return whether any did.
 
-    By the time under the tuft alone, heads and what is passed on the way down would stay pale. So
-    a vertex counts as if it had been under the outline for `_WETS_MM` of the way more, once, for
-    what is newly covered of it; what was wet before gets no more.
+    By the time under the tuft alone, heads would stay pale at their corners. So where a footprint
+    grows, turns or comes down in its place, a vertex counts as if it had been under the outline for
+    `_WETS_MM` of the way more, once, for what is newly covered of it; what was wet before gets no
+    more. One that is carried on is levelled otherwise: `level_shares`.
     """
     moved, grain = outline_motion(before, after), ink.transfer[0].grain
     if moved <= 1e-6 or grain <= 0.0:
         return False
     ids, share, cover, coverage = found.ids, found.share, found.cover, ink.coverage
-    per_cover = np.float32(_WETS_MM * min(1.0, 2.0 * grain) * level / moved)
+    still = 1.0
+    if before.values[0].touches > 0.0:
+        still -= _find_way(before, after)[0]
+    per_cover = np.float32(_WETS_MM * min(1.0, 2.0 * grain) * level * still / moved)
     for k in range(n):
         share[k] += per_cover * max(np.float32(0.0), cover[k] - coverage[ids[k]])
     return True

@@ -43,6 +43,7 @@ STROKES = (
             (12, -10.7, 0.29), (18, -10, 0))),
 )  # fmt: skip
 WAYS = ((1.0, 0), (0.2, 1_000))  # how full, and how many hairs
+INK = {"pine soot": 0.4, "water": 0.6}  # as a writer grinds it
 LIFTS = (40.0, 110.0, 250.0)  # mm/s
 LIFT_S = 0.08
 ENLARGED = 4
@@ -67,7 +68,7 @@ def timed(keys: NDArray, times: NDArray, centre: tuple[float, float]) -> Recordi
 
 def painted(surface: PaintedSurface, recording: Recording, load: float, hairs: int) -> None:
     """Paint a recording with a brush so full, dragged by the paper."""
-    painter = Painter(surface, "full", "pine soot", azimuth="dragged", hairs=hairs)
+    painter = Painter(surface, "full", INK, azimuth="dragged", hairs=hairs)
     painter.wipe(1.0 - load)
     painter.replay(recording)
 

@@ -86,7 +86,7 @@ def test_what_is_painted_twice_has_one_edge() -> None:
 def test_an_edge_strays_on_paper_by_some_hundredths_of_a_millimetre() -> None:
     covered = []
     for material in ("porcelain", "xuan"):
-        surface = PaintedSurface(load_mesh("plane"), 0.15, material)
+        surface = PaintedSurface(sheet(flat, (20.0, 8.0)), 0.2, material)
         surface.refine_all()
         Painter(surface, "full", "pine soot").replay(stroke())
         covered.append(surface.coverage.astype(float))

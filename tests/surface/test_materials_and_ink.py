@@ -37,7 +37,7 @@ def half_width(surface: PaintedSurface) -> float:
 
 def halo(material: str) -> float:
     """By how much a stroke grows to either side in half a minute, mm."""
-    surface = PaintedSurface(load_mesh("plane"), 0.3, material)
+    surface = PaintedSurface(load_mesh("plane"), 0.4, material)
     Painter(surface, "full", LIGHT).replay(stroke())
     before = half_width(surface)
     surface.diffuse(30.0)
