@@ -268,10 +268,6 @@ _DRY_AT = 0.8  # share of a full load below which a light brush on grain 1 begin
 _DRY_PRESSED = 0.4  # less of it at full pressure
 _FLOWS_MM_S = 350.0  # speed of a hand at which it takes twice the load for the same contact
 _WETS_MM = 4.0  # of the way: what a wet tuft leaves at once where it comes first
-_SCRAPES, _LAST = (
-    0.3,
-    0.04,
-)  # contact of a brush that is nearly empty, down to which share of a load
 _MOST_PASSES = 1000
 _SHARE = 0.45  # of a reservoir, the most that flows out of it on one side in one pass
 PAINTED = 3  # counter: vertices that ink was left on
@@ -301,16 +297,16 @@ def contact_level(before, after, ink):
     """How deep into the grain the wet tuft reaches: 1 everywhere, 0 nowhere.
 
     A full brush floods the grain; one that runs dry touches only what stands out (feibai), and so
-    does a fuller one that goes faster than ink can follow from the belly. The last of the ink still
-    scrapes over the heights.
+    does a fuller one that goes faster than ink can follow from the belly; what is nearly dry has
+    less to lose by it.
     """
     transfer = ink.transfer[0]
     if transfer.grain <= 0.0 or transfer.capacity <= 0.0:
         return 1.0
     begins = transfer.grain * (_DRY_AT - _DRY_PRESSED * mean_pressure(before, after))
+    level = held_ink(ink) / (transfer.capacity * begins)
     haste = after.values[0].speed / _FLOWS_MM_S
-    level = held_ink(ink) / (transfer.capacity * begins * (1.0 + haste * haste))
-    return min(1.0, max(level, min(_SCRAPES, held_ink(ink) / (transfer.capacity * _LAST))))
+    return min(1.0, level / (1.0 + haste * haste * min(1.0, level)))
 
 
 @uncounted(error_model="numpy")

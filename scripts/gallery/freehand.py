@@ -43,7 +43,7 @@ STROKES = (
             (12, -10.7, 0.29), (18, -10, 0))),
 )  # fmt: skip
 WAYS = ((1.0, 0), (0.2, 1_000))  # how full, and how many hairs
-INK = {"pine soot": 0.4, "water": 0.6}  # as a writer grinds it
+INK = {"pine soot": 0.25, "water": 0.75}  # as a writer grinds it
 LIFTS = (40.0, 110.0, 250.0)  # mm/s
 LIFT_S = 0.08
 ENLARGED = 4
