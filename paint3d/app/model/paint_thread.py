@@ -135,7 +135,7 @@ _MOST_WORK_S = 0.13  # for that time, even if painting is behind, where followin
 _KEEPS_UP = 0.8  # than so much of the time itself: then painting catches up
 _BESIDE_S = 0.05  # that painting is behind where a piece of time always passes, whatever it takes
 _SHORTEST_S = 1e-4  # that a piece of time is thought to take
-_NEWS = 0.15  # share of the last piece of time in what one is thought to take
+_NEWS = 0.15  # fraction of the last piece of time in what one is thought to take
 _FOLLOW, _LIFT = "follow_time", "lift"
 _ENDS = frozenset({"begin_stroke", "cancel_stroke", "end_stroke"})
 

@@ -475,9 +475,9 @@ class StudioWindow(QtWidgets.QMainWindow):
             picture_s = max(1e-3 * _TICK_MS, (1.0 + _REST) * self.stage.picture_s)
         self.status.show(frame, picture_s)
 
-    def _allow_undo(self, share: float) -> None:
+    def _allow_undo(self, fraction: float) -> None:
         """Let a replay that goes on be taken back."""
-        if share >= 0.0:
+        if fraction >= 0.0:
             self.workspace.actions["undo"].setEnabled(True)
 
     def _tell_fault(self, message: str) -> None:
