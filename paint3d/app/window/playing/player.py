@@ -315,7 +315,7 @@ class Player(QtCore.QObject):
         """
         self.stop()
         if samples:
-            self._workspace.paint_thread.let_samples_tell(True)
+            self._workspace.paint_thread.use_sample_time_alone(True)
             playing = _Strokes.begun(self._workspace.paint_thread, samples, tools or Tools())
             self._begin(playing, speed)
 
@@ -392,7 +392,7 @@ class Player(QtCore.QObject):
 
     def _forget(self) -> None:
         if isinstance(self._replay, _Strokes):
-            self._workspace.paint_thread.let_samples_tell(False)
+            self._workspace.paint_thread.use_sample_time_alone(False)
         self._replay = None
         self.moved.emit(-1.0)
 
