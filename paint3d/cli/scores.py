@@ -84,7 +84,7 @@ def _painted(
     watch = None if film is None else film.begun(document.surface, seconds_of(score))
     with timed(seconds, "paint"), ProgressBar("painting", enabled=not options.quiet) as progress:
         for step in play(document, score) if watch is None else _watched(document, score, watch):
-            progress(step.share)
+            progress(step.fraction)
         if document.in_stroke:
             document.end_stroke()
         counts = document.painter.report()

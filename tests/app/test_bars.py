@@ -74,12 +74,12 @@ class _Watched(jobs.Progress):
 
     def look(self) -> float:
         before = self.said[-1]
-        shown = super().share
+        shown = super().fraction
         self.seen.append((before, shown, self.said[-1]))
         return shown
 
     @property
-    def share(self) -> float:
+    def fraction(self) -> float:
         return self.look()
 
 

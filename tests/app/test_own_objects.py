@@ -14,7 +14,7 @@ from PIL import Image
 from PySide6 import QtCore, QtGui, QtTest, QtWidgets
 
 from paint3d.app.model.own_object import first_choice, likely_unit, sensible_resolution
-from paint3d.app.window.object.standing import ObjectDialog, told
+from paint3d.app.window.object.standing import ObjectDialog, note_text
 from paint3d.app.window.questions import NewDialog
 from paint3d.app.window.start import open_first
 from paint3d.app.window.studio import StudioWindow
@@ -371,7 +371,7 @@ def test_what_is_opened_without_asking_is_told(window, tmp_path: Path) -> None:
         assert window.opening.open_path(str(lying_jug(tmp_path)), 2.0, "xuan", asked=True)
     finally:
         window.workspace.quiet = False
-    assert "y was taken for up" in window.status.told.text()
+    assert "y was taken as up" in window.status.told.text()
     size = spans(window)
     assert size[2] == size.max()
     ball = tmp_path / "ball.ply"
@@ -435,14 +435,14 @@ def test_what_is_left_out_is_said_in_the_windows_language(window, tmp_path: Path
 def test_notes_are_told_in_chinese(note: str, chinese: str) -> None:
     choose_language("zh")
     try:
-        assert told(note) == chinese
+        assert note_text(note) == chinese
     finally:
         choose_language("en")
 
 
 def test_notes_are_told_in_english() -> None:
-    assert told("left out: animations") == "Left out: animations"
-    assert told("left out 3 faces") == "Left out 3 faces"
+    assert note_text("left out: animations") == "Left out: animations"
+    assert note_text("left out 3 faces") == "Left out 3 faces"
 
 
 def test_all_that_readers_leave_out_has_chinese_words() -> None:

@@ -68,7 +68,7 @@ def test_the_window_says_that_there_is_no_home_to_write_to(
     )
     told = start.run_studio(None, language="en")
     shown[0].close()
-    assert told.endswith(f"No home to write to: all is kept in {tmp_path}")
+    assert told.endswith(f"settings and recovery data are kept in {tmp_path}")
 
 
 def test_a_started_window_is_painted_and_then_hears_the_hand(screen: str, tmp_path: Path) -> None:

@@ -142,7 +142,7 @@ def test_undo_stops_it_and_takes_all_of_it_back(window, tmp_path) -> None:
     assert not window.player.is_playing
     assert not window.document.strokes
     assert not window.document.surface.painted.any()
-    assert "taken back" in window.status.told.text()
+    assert "undone" in window.status.told.text()
 
 
 def test_the_rest_of_a_wet_recording_is_not_waited_for(window, tmp_path) -> None:

@@ -58,7 +58,7 @@ def disc(window) -> np.ndarray:
 
 def test_the_ink_in_the_brush_is_shown_before_the_pointer_came(fresh) -> None:
     assert fresh.stage.frame is None or fresh.stage.frame.brush is None
-    assert held(fresh).share == pytest.approx(1.0)
+    assert held(fresh).fraction == pytest.approx(1.0)
     assert fresh.hud.told(held(fresh)) == "ink 100 %  ·  water 75 % + pine soot 25 %"
     assert disc(fresh).max() < 90
 
@@ -72,7 +72,7 @@ def test_what_keys_change_is_shown_though_no_pointer_is_over_the_picture(fresh) 
     settled(window)
 
     def watch(painter, area) -> None:
-        painted.append(held(window).share)
+        painted.append(held(window).fraction)
 
     canvas.overlays.append(watch)
     try:
@@ -332,7 +332,7 @@ def brightness_of_icon(icon: QtGui.QIcon) -> float:
 def test_good_news_of_one_painting_is_not_said_of_the_next(window) -> None:
     window.workspace.tell("Recovered; save it to keep it", state="good")
     assert window.opening.open_path("plane", 1.5, "xuan", asked=True)
-    assert "Brought back" not in window.status.told.text()
+    assert "Recovered" not in window.status.told.text()
 
 
 def test_parts_of_the_mixing_dish_can_be_taken_out_again(window) -> None:

@@ -234,7 +234,7 @@ def test_a_stroke_ends_with_the_stylus_that_paints_it(felt, how) -> None:
         assert window.opening.open_path("plane", 2.0, "porcelain", asked=True)
     wait_for(lambda: not window.both_hands.in_stroke)
     if how == "it fails":
-        assert "pushes no longer: its cable is off" in window.status.told.text()
+        assert "Force feedback stopped: its cable is off" in window.status.told.text()
     if how == "it is gone":
         laws[-1].say(0.0, LIFTED)
         done(window)

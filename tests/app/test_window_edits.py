@@ -109,7 +109,7 @@ def test_a_stroke_in_the_middle_is_deleted_and_undone_and_done_again(window) -> 
     settled(window)
     assert len(window.document.strokes) == 4
     assert window.panels.history.list.count() == 4
-    assert "Stroke 2: done; 3 after it painted again" in window.status.told.text()
+    assert "Stroke 2 edited; 3 after it repainted" in window.status.told.text()
     gone = state(window)
     assert (gone[1] != before[1]).any()
     control = QtCore.Qt.KeyboardModifier.ControlModifier
@@ -138,7 +138,7 @@ def test_a_drag_beside_the_object_waits_and_esc_leaves_it(window) -> None:
     choose(window, 0, "drag")
     drag(canvas, (0.01, 0.02), (0.02, 0.03))
     assert window.editing.drag.is_waiting
-    assert "nothing of the object" in window.status.told.text()
+    assert "beside the object" in window.status.told.text()
     press(window, QtCore.Qt.Key.Key_Escape)
     assert not window.editing.drag.is_waiting
     same(window, before)

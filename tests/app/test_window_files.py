@@ -563,11 +563,11 @@ def test_what_a_full_disk_could_not_keep_is_kept_as_soon_as_there_is_room(
             disk.setattr(sitting, "save_base", full)
             drag(window.canvas, (0.4, 0.45), (0.6, 0.5), n=8)
             settled(window)
-            wait_for(lambda: "cannot be kept for recovery" in window.status.told.text())
+            wait_for(lambda: "Recovery data cannot be saved" in window.status.told.text())
         monkeypatch.setattr(paint_thread, "_AGAIN_S", 0.0)
         drag(window.canvas, (0.4, 0.55), (0.6, 0.6), n=8)
         settled(window)
-        wait_for(lambda: "kept for recovery again" in window.status.told.text())
+        wait_for(lambda: "being saved again" in window.status.told.text())
         shutil.copytree(sitting.folder, tmp_path / "left")  # as a crash would leave it
         with window.stage.paint_thread.paused() as document:
             painted = document.surface.srgb.copy()

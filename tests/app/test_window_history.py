@@ -208,7 +208,7 @@ def test_strokes_of_an_older_file_are_painted_again_to_go_back(window, painted):
     settled(window)
     click(window, 0)
     looks(window, states[1])
-    assert "painted again" in window.status.told.text()
+    assert "repainted" in window.status.told.text()
     click(window, 3)
     looks(window, states[4])
     assert window.opening.open_path(str(path), asked=True)

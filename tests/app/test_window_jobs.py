@@ -285,7 +285,7 @@ def test_a_recovery_that_is_stopped_stays_and_is_offered_in_the_empty_window(
     assert len(recoverable()) == 1
     monkeypatch.undo()
     wait_for(empty.begin_page.isVisible)
-    back = next(b for b in empty.begin_page.buttons if b.text().startswith("Bring back"))
+    back = next(b for b in empty.begin_page.buttons if b.text().startswith("Recover"))
     back.click()
     assert len(empty.document.layers) == 2
     wait_for(lambda: not empty.begin_page.isVisible())
@@ -308,7 +308,7 @@ def test_a_recovery_that_is_stopped_at_the_start_opens_nothing_instead(
     monkeypatch.undo()
     assert empty.stage.paint_thread is None
     wait_for(empty.begin_page.isVisible)
-    assert any(b.text().startswith("Bring back") for b in empty.begin_page.buttons)
+    assert any(b.text().startswith("Recover") for b in empty.begin_page.buttons)
     for left in recoverable():
         left.discard()
 
@@ -362,7 +362,7 @@ def test_what_is_brought_back_says_that_its_file_is_open_elsewhere(empty, tmp_pa
     finally:
         theirs.close()
     told = empty.status.told.text()
-    assert "Brought back" in told
+    assert "Recovered" in told
     assert "both.p3d is open in another window" in told
 
 
@@ -383,7 +383,7 @@ def test_what_a_damaged_journal_lost_is_told(empty, tongue: str) -> None:
         assert empty.recovery.recover(recoverable()[0])
     finally:
         choose_language("en")
-    words = {"en": ("Brought back", f"about {n_lost} samples", "1 steps", "layer 7")}
+    words = {"en": ("Recovered", f"about {n_lost} samples", "1 steps", "layer 7")}
     words["zh"] = ("已找回", f"约有 {n_lost} 个", "有 1 步", "7")
     assert all(part in empty.status.told.text() for part in words[tongue])
     drag(empty.canvas, (0.4, 0.5), (0.55, 0.5), n=6)
@@ -441,7 +441,7 @@ def test_what_was_put_off_stays_in_the_file_menu(empty) -> None:
     answer(later, QtWidgets.QMessageBox)
     start.open_first(empty, "sphere", 8.0, None)
     assert empty.document.surface.source.name == "sphere"
-    assert "File, Bring back" in empty.status.told.text()
+    assert "File, Recover" in empty.status.told.text()
     menu = empty.commands.menus["file"]
     menu.aboutToShow.emit()
     (back,) = empty.commands.unsaved.actions()

@@ -46,7 +46,7 @@ def scaled(brush: BrushSpec, factor: float) -> BrushSpec:
     """A brush of the same shape and hair, so many times as large.
 
     Lengths grow with the factor, the ink that it holds with its cube, and what it leaves on an
-    area stays the same: so the share given per mm falls with the square.
+    area stays the same: so the fraction given per mm falls with the square.
 
     Raises
     ------

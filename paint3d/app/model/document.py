@@ -256,7 +256,7 @@ class Document:
         """Open a saved session (.p3d) to go on with, or a mesh to start on.
 
         Resolution, material and unit are for meshes; a session has its own. `progress` is called
-        with the share done, now and then; what it raises stops it.
+        with the fraction done, now and then; what it raises stops it.
 
         Raises
         ------
@@ -281,8 +281,8 @@ class Document:
     ) -> None:
         """Save everything to a session, by default to the one it came from.
 
-        `progress` is called with the share done, and with 1 before the file takes its place; what
-        it raises leaves everything as it was.
+        `progress` is called with the fraction done, and with 1 before the file takes its place;
+        what it raises leaves everything as it was.
 
         Raises
         ------
@@ -361,8 +361,8 @@ class Document:
     ) -> None:
         """Write the painting in the format that the suffix names; see `paint3d.export`.
 
-        `progress` is called with the share done, and with 1 before the file takes its place; what
-        it raises leaves everything as it was.
+        `progress` is called with the fraction done, and with 1 before the file takes its place;
+        what it raises leaves everything as it was.
 
         Raises
         ------
@@ -438,7 +438,7 @@ class Document:
 
     @recorded
     def set_pickup(self, pickup: float) -> None:
-        """Let the brush take up wet ink: so large a share per mm of way at full pressure.
+        """Let the brush take up wet ink: so large a fraction per mm of way at full pressure.
 
         Raises
         ------
@@ -446,8 +446,8 @@ class Document:
             If it is below 0 or over 1000, or a stroke is going on.
         """
         self._refuse_in_stroke("another pick-up")
-        share = as_number(pickup, "pickup (1/mm)", 0.0, _MOST_PICKUP)
-        self.surface.ink.transfer["pickup"] = share
+        fraction = as_number(pickup, "pickup (1/mm)", 0.0, _MOST_PICKUP)
+        self.surface.ink.transfer["pickup"] = fraction
 
     @property
     def pickup(self) -> float:
@@ -562,10 +562,11 @@ class Document:
             hand; without a brush, as much of the ink as the brush holds. What is in hand comes back
             with the stroke's end.
         loads : sequence of (int, float)
-            How much the brush comes to hold at samples of the stroke, counted from 0: a share, 0 to
-            1, of what a dip gives.
+            How much the brush comes to hold at samples of the stroke, counted from 0: a fraction, 0
+            to 1, of what a dip gives.
         strengths : sequence of (int, float)
-            The same for what share of the ink it then is, the rest being water, until the next dip.
+            The same for what fraction of the ink it then is, the rest being water, until the next
+            dip.
 
         Raises
         ------
@@ -1256,7 +1257,7 @@ class Document:
             self._undo.begin(_EDIT_STEP)
         for step in play(self, without_refusals(edited, begin), begin):
             if self.progress is not None:
-                self.progress(min(step.share, 0.999))
+                self.progress(min(step.fraction, 0.999))
         if self._log.current is not None:
             self.end_stroke()
 

@@ -61,14 +61,14 @@ class HeldInk:
     ----------
     parts : tuple of (Pigment, float)
         Shares of what it holds, of sum 1, the most first; empty for an empty brush.
-    share : float
+    fraction : float
         Of a full load, 0 to 1.
     bands : tuple of (int, int, int)
         sRGB of the ink along the tuft as in a dish, the tip's first; one where it is alike.
     """
 
     parts: tuple[tuple[Pigment, float], ...]
-    share: float
+    fraction: float
     bands: tuple[tuple[int, int, int], ...]
 
 
@@ -83,7 +83,7 @@ def held_ink(painter: Painter) -> HeldInk:
     shares = along / np.maximum(along.sum(axis=1, keepdims=True), 1e-30)
     bands = [ink_srgb(pigments, tuple(np.round(part, 3))) for part in shares]
     parts = sorted(zip(pigments, load / total, strict=False), key=lambda part: -part[1])
-    told = tuple((pigment, float(share)) for pigment, share in parts if share > _LEAST)
+    told = tuple((pigment, float(fraction)) for pigment, fraction in parts if fraction > _LEAST)
     return HeldInk(told, min(1.0, total / painter.tuft.load), tuple(dict.fromkeys(bands)))
 
 

@@ -1,15 +1,14 @@
-"""The painting thread: samples and commands in, frames and events out, nobody waits.
+"""The painting thread: a queue of samples and commands in, frames and events out; no call blocks.
 
-A view runs at whatever rate it can; the hand's samples are all painted, in order, by kernels that
-let other threads run meanwhile. Colours are computed once for every frame that is taken and not
-oftener. What goes wrong in here becomes an event, and painting goes on. With a `RecoveryFolder`,
-every sample and command is written down by another thread as it comes, before it is painted if need
-be.
+All samples are painted, in order, by kernels that release the interpreter's lock, while the view
+runs at whatever rate it can. Colours are computed once for each frame that is taken. An error
+becomes an event, and painting goes on. With a `RecoveryFolder`, another thread journals every
+sample and command as it is posted, possibly before it is painted.
 
-Ink that spreads has the hand's own time (`ink_clock`): small pieces of it pass between the samples
-that are painted, and by the wall's clock while nothing else waits. Ink that moves too much to be
-followed runs slower than time does (`Document.follow_time`), on every machine alike; where the
-machine itself cannot follow, pieces are left out, so that painting is never late.
+Wet ink runs by the hand's clock (`InkClock`): small time steps pass between the samples that are
+painted, and by the wall clock while the queue is empty. Where the flow is too large to follow, ink
+runs slower than real time (`Document.follow_time`), on every machine alike; where the machine
+itself is too slow, steps are skipped, so that painting never lags.
 """
 
 from __future__ import annotations
@@ -44,32 +43,31 @@ CHECKS_ACCESS = bool(os.environ.get("PAINT3D_CHECKS"))
 __all__ = ["CHECKS_ACCESS", "LATE_S", "Event", "InkClock", "Pace", "PaintThread"]
 
 # ---- The clock of ink ----------------------------------------------------------------------------
-# When the pieces of time pass for wet ink while a hand paints (`painter.ink_time` says which).
+# Decides when time steps of wet ink pass while a hand paints (`painter.ink_time` says which steps).
 #
-# A hand's samples say when they were made, and come late: by a picture, or many at once. The pieces
-# that pass before a sample follow from its time, however late it comes; and only while nothing is
-# heard of the hand for longer than it may be late, the wall's clock goes on for it. The same
-# samples then find the same ink, handed over in whatever way, as they do when their recording is
-# replayed.
+# Samples carry the time at which they were made and arrive late, one frame at a time or many at
+# once. The steps before a sample follow from its timestamp, however late it arrives; the wall clock
+# takes over only when the hand has been silent for longer than it may be late. So the same samples
+# meet the same ink however they are delivered, and again when their recording is replayed.
 
 
-LATE_S = 0.25  # that what a hand did may be told later than the wall's clock says
-_OTHER_S = 1.0  # that samples go back in time where another clock counts it
+LATE_S = 0.25  # by which samples may arrive late
+_OTHER_S = 1.0  # a jump back in time by more means that another clock counts
 _NS = 1_000_000_000
 
 
 class InkClock:
-    """Counts the pieces of time that have passed for the ink.
+    """Counts the time steps that have passed for the ink.
 
     Parameters
     ----------
     now_ns : int
-        By the wall's clock, which counts alone until the first sample is heard of.
+        Wall clock, which counts alone until the first sample.
 
     Attributes
     ----------
     left_out : int
-        Pieces that were left out.
+        Steps that were skipped.
     """
 
     def __init__(self, now_ns: int) -> None:
@@ -79,21 +77,21 @@ class InkClock:
         self._knows_hand = False
 
     def hear(self, sample_ns: int, now_ns: int, most: int) -> int:
-        """Hear of a sample.
+        """Advance the clock to a sample.
 
         Parameters
         ----------
         sample_ns : int
-            When it was made, ns by a clock of its own.
+            When it was made, ns by the device's clock.
         now_ns : int
-            When it came, ns by the wall's clock.
+            When it arrived, ns by the wall clock.
         most : int
-            Pieces that may pass; what is more is left out.
+            Steps that may pass; more are skipped.
 
         Returns
         -------
         int
-            Pieces of time that pass before it is painted; none before the first.
+            Time steps that pass before it is painted; none before the first sample.
         """
         self._heard, self._heard_at = sample_ns, now_ns
         ended = pieces_until(sample_ns)
@@ -106,9 +104,9 @@ class InkClock:
         return passed
 
     def wait(self, now_ns: int, most: int) -> bool:
-        """Whether one more piece has passed by the wall's clock since it heard of a sample.
+        """Whether one more step has passed by the wall clock since the last sample.
 
-        Of pieces that are due already no more than `most` are still to come; the rest is left out.
+        Of steps that are due, `most` are kept for later calls; the rest are skipped.
         """
         due = max(0, pieces_until(self._hand_ns(now_ns)) - self._passed)
         late = max(0, due - most)
@@ -117,12 +115,12 @@ class InkClock:
         return due > 0
 
     def patience(self, now_ns: int) -> float:
-        """How long it is until `wait` has another piece, s, 0 to one piece."""
+        """Seconds until `wait` has another step, 0 to one step."""
         left = (self._passed + 1) * PIECE_NS - self._hand_ns(now_ns)
         return min(max(0.0, left / _NS), PIECE_S)
 
     def _hand_ns(self, now_ns: int) -> int:
-        """Up to when all that the hand did is known, by its own clock."""
+        """Up to when all input of the hand is known, by its own clock."""
         return self._heard + now_ns - self._heard_at - round(LATE_S * _NS)
 
 
@@ -135,26 +133,26 @@ _MOST_WORK_S = 0.13  # for that time, even if painting is behind, where followin
 _KEEPS_UP = 0.8  # than so much of the time itself: then painting catches up
 _BESIDE_S = 0.05  # that painting is behind where a piece of time always passes, whatever it takes
 _SHORTEST_S = 1e-4  # that a piece of time is thought to take
-_NEWS = 0.15  # share of the last piece of time in what one is thought to take
+_NEWS = 0.15  # fraction of the last piece of time in what one is thought to take
 _FOLLOW, _LIFT = "follow_time", "lift"
 _ENDS = frozenset({"begin_stroke", "cancel_stroke", "end_stroke"})
 
 _BASE_EVERY_S = 120.0
 _AGAIN_S = 10.0  # after which a base is tried again that is to make up for a gap in the journal
-_LIVE_S = 0.002  # between two looks whether the window has said that it lives
+_LIVE_S = 0.002  # between two looks for a heartbeat
 
 Command = str | Callable[..., object]
 
 
 @dataclass(frozen=True)
 class Event:
-    """Something that the user should know.
+    """Something to show to the user.
 
     Attributes
     ----------
     kind : {"error", "internal", "kept"}
-        "error": asked for what cannot be; "internal": a fault of the program; "kept": all that is
-        painted is kept again, after some of it could not be.
+        "error": a command was refused; "internal": a bug of the program; "kept": recovery data is
+        complete again, after some of it could not be written.
     doing : str
         What was being done: a command's name, "painting", "showing", "resting", or "keeping" what
         is painted.
@@ -181,17 +179,17 @@ class _Job:
 
 
 class Pace:
-    """How long a piece of the ink's time takes to follow here, and how many may pass at once."""
+    """Measures how long a time step takes here, and says how many may pass at once."""
 
     def __init__(self) -> None:
         self._piece_s = 0.0
 
     def took(self, seconds: float) -> None:
-        """Know that a piece took so long."""
+        """Record the duration of a step, s."""
         self._piece_s += _NEWS * (seconds - self._piece_s)
 
     def most(self, behind_s: float) -> int:
-        """Pieces that may pass at once for a hand that painting is so far behind."""
+        """Steps that may pass at once when painting lags the hand by so many seconds."""
         room_s = _MOST_BEHIND_S - behind_s
         if self._piece_s <= _KEEPS_UP * PIECE_S:
             room_s = max(room_s, _MOST_WORK_S)
@@ -235,9 +233,9 @@ class PaintThread:
     ) -> None:
         self._document = document
         self._wet = wet
-        self._samples_tell = False  # alone what time it is for the ink
+        self._by_samples_alone = False  # alone what time it is for the ink
         self.base_every_s = base_every_s
-        self._writer = None if recovery is None else _JournalWriter(recovery, document, self.tell)
+        self._writer = None if recovery is None else _JournalWriter(recovery, document, self.report)
         self._base_time, self._base_step = time.monotonic(), 0
         self._base_due = False
         self.n_painted = 0
@@ -259,7 +257,7 @@ class PaintThread:
         self._stale = True
         self._lag = 0.0
         self.ink_clock, self._pace = InkClock(time.perf_counter_ns()), Pace()
-        self._seen_ns: tuple[int, int] | None = None  # the last two times that `live` was called
+        self._seen_ns: tuple[int, int] | None = None  # the last two heartbeats
         self._thread = threading.Thread(target=self._run, name="paint3d-painting", daemon=True)
         if CHECKS_ACCESS:
             document.check_access = self._check_access
@@ -268,7 +266,7 @@ class PaintThread:
     # -- for everybody ----------------------------------------------------------------------
 
     def post(self, command: Command, *arguments: object, **options: object) -> Future[Any]:
-        """Have something done after all that was asked before.
+        """Queue a command behind all that was posted before.
 
         Parameters
         ----------
@@ -280,7 +278,7 @@ class PaintThread:
         Returns
         -------
         Future
-            Its result, or its error, which is also told as an event.
+            Its result, or its error, which also becomes an event.
         """
         result: Future[Any] = Future()
         if command in BRUSH_COMMANDS:
@@ -346,11 +344,11 @@ class PaintThread:
             self._stale = True
             self._wake.notify()
 
-    def live(self) -> None:
-        """Say again and again that events of the hand are handed over as they come.
+    def heartbeat(self) -> None:
+        """Heartbeat from the window's thread: input older than the beat before has been delivered.
 
-        What came before the last call but one has been by now. While a window that says so is
-        silent, because something holds it up, the ink waits for what the hand may have done.
+        While a window that has begun to call this is silent, because something blocks it, ink waits
+        for input that may still be undelivered.
         """
         now = time.perf_counter_ns()
         with self._wake:
@@ -385,14 +383,13 @@ class PaintThread:
             self._nudged = True
             self._wake.notify()
 
-    def let_samples_tell(self, on: bool) -> None:
-        """Let no time pass for the ink but what the samples say, and not the wall's.
+    def use_sample_time_alone(self, on: bool) -> None:
+        """Drive ink time by sample timestamps alone instead of the wall clock, or by both again.
 
-        A recording is played so: slowly, with pauses or late, it finds the ink as the hand did.
-        Afterwards time goes on from then.
+        For playing recordings: slowly, with pauses or late, they meet the ink as the hand did.
         """
         with self._wake:
-            self._samples_tell = on
+            self._by_samples_alone = on
             self._fed.clear()
             self.ink_clock = InkClock(time.perf_counter_ns())
             self._nudged = True
@@ -416,7 +413,7 @@ class PaintThread:
 
     @contextmanager
     def paused(self, seconds: float = -1.0) -> Iterator[Document | None]:
-        """Hold the painting still between two steps, to read the document.
+        """Hold the thread between two steps, to read the document.
 
         Parameters
         ----------
@@ -577,7 +574,7 @@ class PaintThread:
 
     def _patience(self) -> float | None:
         """How long to sleep at most, s."""
-        if self._wet and not self._samples_tell:
+        if self._wet and not self._by_samples_alone:
             patience = self.ink_clock.patience(self._handed_over_ns())
             return patience if self._seen_ns is None else max(patience, _LIVE_S)
         if self._writer is None:
@@ -604,7 +601,7 @@ class PaintThread:
             try:
                 self._paint(job)
             except Exception as error:
-                self.tell("painting", error)
+                self.report("painting", error)
                 self._keep_refusal(error)
             return
         command, result = job.command, job.result
@@ -628,7 +625,7 @@ class PaintThread:
             self._base_due = True  # the journal says that it was done
             result.set_exception(stopped)
         except Exception as error:
-            self.tell(name, error)
+            self.report(name, error)
             self._keep_refusal(error)
             result.set_exception(error)
         if name == _FOLLOW:
@@ -650,7 +647,7 @@ class PaintThread:
         """Let time pass for the ink while nothing is heard."""
         is_dry = self._document.surface.flow_patience == math.inf
         with self._wake:
-            if self._jobs or self._stopping or not self._wet or self._samples_tell:
+            if self._jobs or self._stopping or not self._wet or self._by_samples_alone:
                 return
             passed = self.ink_clock.wait(self._handed_over_ns(), self._pace.most(0.0))
             if passed and not is_dry:
@@ -731,10 +728,10 @@ class PaintThread:
         try:
             action()
         except Exception as error:
-            self.tell(doing, error)
+            self.report(doing, error)
 
-    def tell(self, doing: str, error: Exception) -> None:
-        """Have an error among the next events."""
+    def report(self, doing: str, error: Exception) -> None:
+        """Queue an error as an event."""
         known = isinstance(error, Paint3DError)
         message = str(error) if known else f"{type(error).__name__}: {error}"
         self._events.append(Event("error" if known else "internal", doing, message, error))
@@ -769,14 +766,14 @@ class _JournalWriter:
     """
 
     def __init__(
-        self, recovery: RecoveryFolder, document: Document, tell: Callable[[str, Exception], None]
+        self, recovery: RecoveryFolder, document: Document, report: Callable[[str, Exception], None]
     ) -> None:
         self.recovery = recovery
         self._document = document  # read only while the painting thread waits
         self.n_put = 0
         self.has_gap = self.had_gap = False
         self._leaving = False  # what is written would be deleted
-        self._tell = tell
+        self._report = report
         self._queue: SimpleQueue[_Item | None] = SimpleQueue()
         self._thread = threading.Thread(target=self._run, name="paint3d-journal", daemon=True)
         self._thread.start()
@@ -814,7 +811,7 @@ class _JournalWriter:
                 errors = (self._turn_pages if turns else self._write_all)(some)
                 if errors:  # painting goes on; it is told once
                     if not broken:
-                        self._tell("keeping", errors[0])
+                        self._report("keeping", errors[0])
                     self.has_gap = True
                 broken = bool(errors)
 

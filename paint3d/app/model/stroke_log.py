@@ -60,7 +60,7 @@ class Stroke:
     loads : tuple of (int, float)
         How much the brush came to hold at samples, shares of a dip, where that was told.
     strengths : tuple of (int, float)
-        What share of the ink it was then, the rest being water, where that was told.
+        What fraction of the ink it was then, the rest being water, where that was told.
     """
 
     time_s: float
@@ -106,7 +106,7 @@ class Stroke:
         for name, pairs in (("loads", self.loads), ("strengths", self.strengths)):
             known = [one for one in pairs if one[0] < len(self.samples)]
             if known:
-                told[name] = [[self.samples[k].time_ns + shift, share] for k, share in known]
+                told[name] = [[self.samples[k].time_ns + shift, fraction] for k, fraction in known]
         return told
 
     def recording(self, brush: str = "") -> Recording:
@@ -232,11 +232,11 @@ def checked_pairs(
     Raises
     ------
     InputError
-        If they are no pairs of a sample and a share, one sample after the other.
+        If they are no pairs of a sample and a fraction, one sample after the other.
     """
-    expected = f"pairs of a sample, counted from 0, and a share from {least:g} to 1, in order"
+    expected = f"pairs of a sample, counted from 0, and a fraction from {least:g} to 1, in order"
     try:
-        pairs = [(k, as_number(share, "share", least, 1.0)) for k, share in told]
+        pairs = [(k, as_number(fraction, "fraction", least, 1.0)) for k, fraction in told]
     except (TypeError, ValueError, InputError):
         raise InputError(f"{name} are {told!r:.60}; expected {expected}") from None
     whole = all(type(k) is int and k >= 0 for k, _ in pairs)

@@ -39,9 +39,9 @@ class Hud:
         if self._plate.isValid() and not (clip.isEmpty() or clip.intersects(self._plate)):
             return
         theme, held = workspace.theme, workspace.painting.held
-        name, told = self._words(held)
-        self._painted = _looks(name, told, held)
-        wide = max(painter.fontMetrics().horizontalAdvance(text) for text in (name, told))
+        name, message = self._words(held)
+        self._painted = _looks(name, message, held)
+        wide = max(painter.fontMetrics().horizontalAdvance(text) for text in (name, message))
         width = min(max(_LEAST_WIDTH, wide + _BESIDE + 14), area.width() - 2 * _MARGIN)
         plate = QtCore.QRectF(
             area.left() + _MARGIN, area.bottom() - _MARGIN - _HEIGHT, width, _HEIGHT
@@ -60,8 +60,8 @@ class Hud:
         painter.setPen(QtGui.QColor(theme.faint))
         below = plate.adjusted(_BESIDE, _HEIGHT / 2 - 2, -8, -4)
         right = QtCore.Qt.TextElideMode.ElideRight
-        told = painter.fontMetrics().elidedText(told, right, round(below.width()))
-        painter.drawText(below, left, told)
+        message = painter.fontMetrics().elidedText(message, right, round(below.width()))
+        painter.drawText(below, left, message)
 
     def _words(self, held: HeldInk) -> tuple[str, str]:
         """Its two lines."""
@@ -85,13 +85,13 @@ class Hud:
 
     def told(self, held: HeldInk) -> str:
         """How much of which inks the brush holds, in words."""
-        share = say("ink {share:.0f} %", share=100 * held.share)
+        ink = say("ink {share:.0f} %", share=100 * held.fraction)
         if not held.parts:
-            return share
+            return ink
         if len(held.parts) == 1:
-            return f"{share}  ·  {ink_label(held.parts[0][0])}"
+            return f"{ink}  ·  {ink_label(held.parts[0][0])}"
         inks = " + ".join(f"{ink_label(ink)} {100 * part:.0f} %" for ink, part in held.parts)
-        return f"{share}  ·  {inks}"
+        return f"{ink}  ·  {inks}"
 
     def _paint_drop(self, painter: QtGui.QPainter, plate: QtCore.QRectF, held: HeldInk) -> None:
         """A dish with as much ink in it as the brush has, the tip's lowest."""
@@ -114,11 +114,11 @@ class Hud:
         painter.restore()
 
 
-def _looks(name: str, told: str, held: HeldInk) -> tuple[object, ...]:
+def _looks(name: str, message: str, held: HeldInk) -> tuple[object, ...]:
     """All that tells one plate from another."""
-    return name, told, held.bands, _level(held)
+    return name, message, held.bands, _level(held)
 
 
 def _level(held: HeldInk) -> float:
     """How high the ink is drawn in the dish, 0 to 1."""
-    return round(_LEVELS * held.share) / _LEVELS
+    return round(_LEVELS * held.fraction) / _LEVELS

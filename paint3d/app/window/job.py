@@ -39,9 +39,9 @@ class Progress:
     def __init__(self) -> None:
         self._lock = threading.Lock()
         self._stopped = self._settled = False
-        self._told = 0.0, time.monotonic()  # share done, and when that was said
+        self._told = 0.0, time.monotonic()  # fraction done, and when that was said
 
-    def __call__(self, share: float) -> None:
+    def __call__(self, fraction: float) -> None:
         """Say how far it is, 0 to 1; with 1 it is done, and cannot be stopped any more.
 
         What is done is never less than what was said before.
@@ -54,11 +54,11 @@ class Progress:
         with self._lock:
             if self._stopped:
                 raise CancelledError
-            self._settled = self._settled or share >= 1.0
-        self._told = max(self._told[0], float(share)), time.monotonic()
+            self._settled = self._settled or fraction >= 1.0
+        self._told = max(self._told[0], float(fraction)), time.monotonic()
 
     @property
-    def share(self) -> float:
+    def fraction(self) -> float:
         """How far it is to be shown, 0 to 1: what is done, and a little more as time goes by.
 
         It is at most 0.05 ahead of what was said last, so it goes back by no more than that.
@@ -216,7 +216,7 @@ class _Bar(QtCore.QObject):
             self._progress.stop()
 
     def _look(self) -> None:
-        self._dialog.setValue(round(_STEPS * min(self._progress.share, 1.0)))
+        self._dialog.setValue(round(_STEPS * min(self._progress.fraction, 1.0)))
         stopped = self._stopped_at if self._progress.is_stopped else None
         left = stopped is not None and time.monotonic() - stopped > _GRACE_S
         if self._future.done() or left:

@@ -65,10 +65,10 @@ class LayerPanel(QtWidgets.QWidget):
 
     def show_layers(self, layers: Sequence[Layer], active: int) -> None:
         """Show these layers, the lowest first, and which is painted on."""
-        told = (tuple((x.name, x.visible, x.locked) for x in layers), active)
-        if told == self._shown:
+        message = (tuple((x.name, x.visible, x.locked) for x in layers), active)
+        if message == self._shown:
             return
-        self._shown, self._active = told, active
+        self._shown, self._active = message, active
         self.list.clear()
         for place in reversed(range(len(layers))):
             item = QtWidgets.QListWidgetItem()

@@ -96,7 +96,7 @@ class Panels:
         self.inks.dipped.connect(self._dip)
         self.inks.rinsed.connect(lambda: post("rinse"))
         self.layers.asked.connect(
-            lambda what, *told: post(what, *(x for x in told if x is not None))
+            lambda what, *message: post(what, *(x for x in message if x is not None))
         )
         self.history.told.connect(self._workspace.tell)
         self.hand.read.connect(lambda changes: self._workspace.hand.set_settings(**changes))

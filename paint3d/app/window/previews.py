@@ -58,7 +58,7 @@ def ink_swatch(parts: tuple[tuple[Ink, float], ...], n: int = 24) -> NDArray[np.
     from paint3d.colour.vertex_colours import ColourModel
 
     pigments = [load_pigment(ink) if isinstance(ink, str) else ink for ink, _ in parts]
-    shares = np.array([share for _, share in parts], np.float64)
+    shares = np.array([fraction for _, fraction in parts], np.float64)
     coats = np.geomspace(0.03, 2.0, n)
     amounts = (coats[:, None] * (shares / shares.sum())).astype(np.float32)
     model = ColourModel(pigments, load_material("xuan").reflectance)
@@ -68,7 +68,9 @@ def ink_swatch(parts: tuple[tuple[Ink, float], ...], n: int = 24) -> NDArray[np.
 
 def ink_coat(parts: Mapping[Ink, float]) -> tuple[int, int, int]:
     """sRGB of a coat of a mixture on xuan, water among its parts; of the sheet without any."""
-    inked = {ink: share for ink, share in parts.items() if ink is not WATER and ink != WATER.name}
+    inked = {
+        ink: fraction for ink, fraction in parts.items() if ink is not WATER and ink != WATER.name
+    }
     sheet = load_material("xuan").reflectance
     total = sum(parts.values())
     shown = mixture_reflectance(inked, sum(inked.values()) / total, sheet) if inked else sheet

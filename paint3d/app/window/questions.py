@@ -180,8 +180,8 @@ def _keys_told(one: Shortcut) -> str:
         words.append(say(f"keys.{last.lower()}"))
     else:
         words.append(last)
-    told = "+".join(words)
-    return told if one.gesture == "press" else f"{told}  ({say('gesture.' + one.gesture)})"
+    message = "+".join(words)
+    return message if one.gesture == "press" else f"{message}  ({say('gesture.' + one.gesture)})"
 
 
 def _key_table(group: str) -> QtWidgets.QWidget:

@@ -205,5 +205,7 @@ class Sealing(QtCore.QObject):
         done, self._done = self._done, None
         if not done.cancelled() and done.exception() is None:
             percent = 100.0 * done.result()
-            told = say("Seal pressed; {percent:.0f} % of it touched the surface", percent=percent)
-            self._workspace.tell(told, state="good")
+            message = say(
+                "Seal pressed; {percent:.0f} % of it touched the surface", percent=percent
+            )
+            self._workspace.tell(message, state="good")

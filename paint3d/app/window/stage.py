@@ -227,7 +227,7 @@ class Stage:
         return self._drawn.draw_whole(fine=fine)
 
     def picture_by_parts(self, *, fine: bool = True) -> Iterator[tuple[float, AnyArray]]:
-        """The same part by part, with the share that is drawn; nothing else is drawn meanwhile."""
+        """The same part by part, with the fraction drawn; nothing else is drawn meanwhile."""
         self._place_brush()
         return self._drawn.draw_by_parts(fine=fine)
 

@@ -112,11 +112,11 @@ def run_studio(
     if problem is not None:
         window.workspace.tell(problem, state="bad", stays=True)
     elif (kept := stand_in()) is not None:
-        told = say(
+        message = say(
             "The home folder cannot be written: settings and recovery data are kept in {folder}",
             folder=kept,
         )
-        window.workspace.tell(told, state="bad", stays=True)
+        window.workspace.tell(message, state="bad", stays=True)
     _tell_painted(window)
     window.show()
     window.recent.show()

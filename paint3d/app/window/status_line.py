@@ -176,10 +176,10 @@ class ReplayBar(QtWidgets.QWidget):
         self.hide()
         player.moved.connect(self._show)
 
-    def _show(self, share: float) -> None:
-        if self.isHidden() and share >= 0.0:  # it begins
+    def _show(self, fraction: float) -> None:
+        if self.isHidden() and fraction >= 0.0:  # it begins
             self.speed.setCurrentIndex(self.speed.findData(self._player.speed))
             with QtCore.QSignalBlocker(self.hold):
                 self.hold.setChecked(False)
-        self.setVisible(share >= 0.0)
-        self.bar.setValue(round(_STEPS * min(max(share, 0.0), 1.0)))
+        self.setVisible(fraction >= 0.0)
+        self.bar.setValue(round(_STEPS * min(max(fraction, 0.0), 1.0)))

@@ -52,8 +52,8 @@ from paint3d.core.machine import give_back_memory
 from paint3d.errors import Paint3DError
 
 __all__ = [
+    "ReportOnce",
     "StudioWindow",
-    "TellOnce",
     "collect_all",
     "collect_garbage",
     "collect_here",
@@ -177,11 +177,11 @@ def _bytes(text: str) -> QtCore.QByteArray:
 
 
 # ---- Faults of timers ----------------------------------------------------------------------------
-# What a timer calls again and again must not tell the same fault again and again.
+# A timer repeats its action and must not repeat its error messages.
 
 
-class TellOnce:
-    """Runs an action; a fault of it is handed on once for each place where it arises.
+class ReportOnce:
+    """Runs an action and reports each distinct exception once, by where it was raised.
 
     Parameters
     ----------
@@ -268,7 +268,7 @@ class StudioWindow(QtWidgets.QMainWindow):
         self._letting_go = collect_later(self)
         self._timer = QtCore.QTimer(self)
         self._timer.setTimerType(QtCore.Qt.TimerType.PreciseTimer)
-        self._guarded = TellOnce(lambda: self.tick(), self._tell_fault)
+        self._guarded = ReportOnce(lambda: self.tick(), self._tell_fault)
         self._timer.timeout.connect(self._guarded)
         self._connect()
         self._timer.start(_TICK_MS)
@@ -420,7 +420,7 @@ class StudioWindow(QtWidgets.QMainWindow):
         self.begin_page.show_page(self.stage.paint_thread is None and not self.workspace.is_waiting)
         if self.stage.paint_thread is None:
             return
-        self.stage.paint_thread.live()
+        self.stage.paint_thread.heartbeat()
         self.both_hands.tick()
         self.player.tick()
         self.copying.follow()
@@ -475,9 +475,9 @@ class StudioWindow(QtWidgets.QMainWindow):
             picture_s = max(1e-3 * _TICK_MS, (1.0 + _REST) * self.stage.picture_s)
         self.status.show(frame, picture_s)
 
-    def _allow_undo(self, share: float) -> None:
+    def _allow_undo(self, fraction: float) -> None:
         """Let a replay that goes on be taken back."""
-        if share >= 0.0:
+        if fraction >= 0.0:
             self.workspace.actions["undo"].setEnabled(True)
 
     def _tell_fault(self, message: str) -> None:

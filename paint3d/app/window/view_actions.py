@@ -135,12 +135,12 @@ class ViewActions:
         """Say what this is."""
         from paint3d import __version__
 
-        told = say(
+        message = say(
             "Paint calligraphy on objects with a brush that bends, spreads and runs dry as a real "
             "one does."
         )
         QtWidgets.QMessageBox.about(
-            self._workspace.window, "paint3d", f"paint3d {__version__}\n\n{told}"
+            self._workspace.window, "paint3d", f"paint3d {__version__}\n\n{message}"
         )
 
 

@@ -118,8 +118,8 @@ class Workspace(QtCore.QObject):
             return False
         self.opened.emit(opened)
         if self._to_tell:
-            told, self._to_tell = "; ".join(self._to_tell), []
-            QtCore.QTimer.singleShot(0, self, lambda: self.tell(told, state="bad", stays=True))
+            message, self._to_tell = "; ".join(self._to_tell), []
+            QtCore.QTimer.singleShot(0, self, lambda: self.tell(message, state="bad", stays=True))
         return True
 
     def may_let_go(self) -> bool:

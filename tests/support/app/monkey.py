@@ -632,22 +632,22 @@ class Monkey(QtCore.QObject):
         hooks.thread_hook, threading.excepthook = threading.excepthook, self._raised_beside
         hooks.unraisable, sys.unraisablehook = sys.unraisablehook, self._raised_beside
         hooks.messages = QtCore.qInstallMessageHandler(self._message)
-        hooks.tell = PaintThread.tell
+        hooks.report = PaintThread.report
         found = self._fault
 
-        def tell(paint_thread: PaintThread, doing: str, error: Exception) -> None:
-            hooks.tell(paint_thread, doing, error)
+        def report(paint_thread: PaintThread, doing: str, error: Exception) -> None:
+            hooks.report(paint_thread, doing, error)
             if not isinstance(error, Paint3DError):
                 found("internal", "".join(traceback.format_exception(error)))
 
-        PaintThread.tell = tell
+        PaintThread.report = report
 
     def _unhook(self) -> None:
         hooks = self._hooks
         sys.excepthook, threading.excepthook = hooks.excepthook, hooks.thread_hook
         sys.unraisablehook = hooks.unraisable
         QtCore.qInstallMessageHandler(hooks.messages)
-        PaintThread.tell = hooks.tell
+        PaintThread.report = hooks.report
 
     def _raised(self, kind, error, trace) -> None:
         self._fault("traceback", "".join(traceback.format_exception(kind, error, trace)))

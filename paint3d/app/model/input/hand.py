@@ -115,10 +115,10 @@ def turned_with(before: AnyArray, after: AnyArray, vector: AnyArray) -> AnyArray
     vector : (3,)
     """
     both = before + after
-    share = 0.5 * float(both @ both)  # 1 + the cosine between them
-    if share < 1e-9:
+    fraction = 0.5 * float(both @ both)  # 1 + the cosine between them
+    if fraction < 1e-9:
         return vector
-    return vector - float(both @ vector) / share * both + 2.0 * float(before @ vector) * after
+    return vector - float(both @ vector) / fraction * both + 2.0 * float(before @ vector) * after
 
 
 def root_over(
@@ -498,20 +498,20 @@ class Hand:
         way = stand.point - last.point
         stands = []
         for k in range(1, n):
-            share = k / n
-            point, normal = self._on_surface(last.point + share * way)
+            fraction = k / n
+            point, normal = self._on_surface(last.point + fraction * way)
             normal = self._normal_under(point, normal, brush)
             lean = lean_of(normal, event.right, event.up, event.x_tilt, event.y_tilt)
             stands.append(
                 replace(
                     stand,
-                    time_ns=before_ns + round(share * (stand.time_ns - before_ns)),
-                    target=last.target + share * (stand.target - last.target),
+                    time_ns=before_ns + round(fraction * (stand.time_ns - before_ns)),
+                    target=last.target + fraction * (stand.target - last.target),
                     point=point,
                     normal=normal,
                     lean=lean,
                     rest=self._rest(lean, normal, event),
-                    pressure=last.pressure + share * (stand.pressure - last.pressure),
+                    pressure=last.pressure + fraction * (stand.pressure - last.pressure),
                 )
             )
         return stands

@@ -267,7 +267,7 @@ class Unfinished:
         Parameters
         ----------
         progress : callable, optional
-            Called with the share of the work that is done, 0 to 1, several times a second. What
+            Called with the fraction of the work that is done, 0 to 1, several times a second. What
             it raises (CancelledError, say) ends the work; the folder stays as it was.
 
         Raises
@@ -276,7 +276,7 @@ class Unfinished:
             If there is no base that can be opened, or another program has taken it up by now.
         """
         with self.held():
-            return self._recovered(progress or (lambda share: None))
+            return self._recovered(progress or (lambda fraction: None))
 
     @contextmanager
     def held(self) -> Iterator[None]:

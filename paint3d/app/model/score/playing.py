@@ -114,7 +114,7 @@ def painted(
     score, mesh, resolution, material, painted_on
         See `begun`.
     progress : callable, optional
-        Called with the share done; what it raises stops it.
+        Called with the fraction done; what it raises stops it.
 
     Raises
     ------
@@ -124,7 +124,7 @@ def painted(
     document = begun(score, mesh, resolution, material, painted_on)
     for step in play(document, score):
         if progress is not None:
-            progress(step.share)
+            progress(step.fraction)
     if document.in_stroke:
         document.end_stroke()
     return document

@@ -47,7 +47,7 @@ class Step:
         What it is called with.
     may_fail : bool
         Whether it was refused when it was asked for first.
-    share : float
+    fraction : float
         Of the score that is done after it, 0 to 1.
     """
 
@@ -56,7 +56,7 @@ class Step:
     command: str
     options: dict[str, Any]
     may_fail: bool
-    share: float
+    fraction: float
 
 
 def _steps_of(score: Score, surface: PaintedSurface, first: int) -> Iterator[Step]:

@@ -383,9 +383,9 @@ class NumberRow(QtCore.QObject):
         return math.log(value / low) / math.log(high / low)
 
     def _slid(self, step: int) -> None:
-        share = step / _STEPS
+        fraction = step / _STEPS
         low, high = self._low, self._high
-        value = low + share * (high - low) if self._even else low * (high / low) ** share
+        value = low + fraction * (high - low) if self._even else low * (high / low) ** fraction
         self._say(min(max(float(f"{value:.4g}"), low), high))
 
     def _typed(self, value: float) -> None:
@@ -775,13 +775,13 @@ class BrushEditor(QtWidgets.QDialog):
         low, high = INPUT_RANGES[name]
         low, high = min([low, *(x for x, _ in points)]), max([high, *(x for x, _ in points)])
         self.curve.show_points(points, low, high, _UNITS.get(name, ""))
-        told = [
+        message = [
             f"{say(_SETTINGS[s])} {say('by')} {say(_INPUTS[i])}: "
             + ", ".join(f"{x:g} → ×{y:g}" for x, y in line)
             for s, by_input in self.brush.inputs
             for i, line in by_input
         ]
-        self.curves.setText("\n".join(told) or say("Nothing drives this brush"))
+        self.curves.setText("\n".join(message) or say("Nothing drives this brush"))
 
     def _show_drawn(self, drawn: Drawn) -> None:
         if drawn.error is not None or drawn.footprints is None or drawn.stroke is None:

@@ -79,10 +79,10 @@ class BrushMaking:
                 self.editor.tell(error)
             return
         self._take(brush)
-        told = say("{name} is saved in {path}", name=brush.name, path=path)
-        self._workspace.tell(told, state="good")
+        message = say("{name} is saved in {path}", name=brush.name, path=path)
+        self._workspace.tell(message, state="good")
         if self.editor is not None:
-            self.editor.tell(told)
+            self.editor.tell(message)
 
     # -- files ------------------------------------------------------------------------------
 

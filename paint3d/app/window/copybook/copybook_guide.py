@@ -129,9 +129,9 @@ class CopybookGuide:
         """
         if self._laid.unused is None:
             return True
-        told = say("Corrected strokes could not be laid out and are not saved")
+        message = say("Corrected strokes could not be laid out and are not saved")
         window = self._workspace.window
-        return ask(window, told, destroy="Drop them", warns=True) is Answer.DestructiveRole
+        return ask(window, message, destroy="Drop them", warns=True) is Answer.DestructiveRole
 
     def _lay(self, compose: Callable[[], str | Composer], laid: _Laid) -> bool:
         workspace = self._workspace
@@ -178,8 +178,8 @@ class CopybookGuide:
             for place, ghost in enumerate(copybook.ghosts):
                 percent = panel.percent(place)
                 if percent is not None and place == self._last(copybook):
-                    told = say("copybook.match", character=ghost.text, percent=percent)
-                    self._workspace.tell(told, state="good")
+                    message = say("copybook.match", character=ghost.text, percent=percent)
+                    self._workspace.tell(message, state="good")
 
     def _last(self, copybook: Copybook) -> int:
         """Place of the character before the next one."""

@@ -202,8 +202,8 @@ class CopybookPanel(QtWidgets.QWidget):
             text = f"{ghost.text}   {n} / {len(ghost.glyph.strokes)}"
             if percent is not None:
                 mark = "✓" if percent >= _GOOD else "·"
-                told = say("copybook.match", character=ghost.text, percent=percent)
-                text = f"{mark}  {told}   {ghost.seconds:.1f} s"
+                message = say("copybook.match", character=ghost.text, percent=percent)
+                text = f"{mark}  {message}   {ghost.seconds:.1f} s"
             item = QtWidgets.QListWidgetItem(text)
             if percent is not None and percent >= _GOOD:
                 item.setForeground(QtGui.QColor(self._theme.good))

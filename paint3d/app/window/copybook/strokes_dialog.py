@@ -250,8 +250,8 @@ class StrokeView(PictureView):
         painter.setPen(_pen(QtGui.QColor("#ffffff"), 1.0))
         painter.setBrush(dark)
         places = (1.0,) if length < 60.0 else (0.5, 1.0)
-        for share in places:
-            painter.drawPolygon(_arrow(line, share * length, size))
+        for fraction in places:
+            painter.drawPolygon(_arrow(line, fraction * length, size))
 
     def _draw_number(self, painter: QtGui.QPainter, k: int, start: QtCore.QPointF) -> None:
         is_chosen = k == self.chosen
@@ -329,8 +329,8 @@ class Taken:
 def _free(line: Sequence[QtCore.QPointF], taken: Taken) -> QtCore.QPointF:
     """Where a number goes: at a line's start, or farther along it where no other one is."""
     length = sum(length_of(b - a) for a, b in pairwise(line))
-    for share in (0.0, 0.12, 0.24, 0.36, 0.5):
-        place = _point_along(line, share * length)
+    for fraction in (0.0, 0.12, 0.24, 0.36, 0.5):
+        place = _point_along(line, fraction * length)
         if taken.is_free(place):
             return place
     return line[0]
@@ -835,8 +835,8 @@ class StrokesDialog(QtWidgets.QDialog):
     def reject(self) -> None:
         """Close it; corrections that are not in a file are asked for."""
         if self.steps.now is not self._kept:
-            told = say("The corrections are not used and not saved")
-            if ask(self, told, destroy="Drop them", warns=True) is not Answer.DestructiveRole:
+            message = say("The corrections are not used and not saved")
+            if ask(self, message, destroy="Drop them", warns=True) is not Answer.DestructiveRole:
                 return
         super().reject()
 
@@ -884,8 +884,8 @@ class StrokesDialog(QtWidgets.QDialog):
         if self._mode == "corners":
             return say(_HINTS[self._mode])
         number, count = self._now.number(k)
-        told = say("{piece}: stroke {k} of {n}", piece=self._now.text(k), k=number, n=count)
-        return f"{told}\n\n{say(_HINTS[self._mode])}"
+        message = say("{piece}: stroke {k} of {n}", piece=self._now.text(k), k=number, n=count)
+        return f"{message}\n\n{say(_HINTS[self._mode])}"
 
 
 _BUTTONS = {
@@ -922,8 +922,8 @@ def _commands(event: QtGui.QKeyEvent) -> bool:
     return bool(event.modifiers() & (held.ControlModifier | held.AltModifier | held.MetaModifier))
 
 
-def _along(line: NDArray[np.float64], share: float) -> NDArray[np.float64]:
+def _along(line: NDArray[np.float64], fraction: float) -> NDArray[np.float64]:
     """The place so far along a line."""
     steps = np.linalg.norm(np.diff(line, axis=0), axis=1)
     way = np.concatenate([[0.0], np.cumsum(steps)])
-    return np.array([np.interp(share * way[-1], way, line[:, axis]) for axis in (0, 1)])
+    return np.array([np.interp(fraction * way[-1], way, line[:, axis]) for axis in (0, 1)])

@@ -71,8 +71,8 @@ class BeginPage(QtWidgets.QFrame):
         left = recoverable()
         if left:
             name = left[0].path.name if left[0].path else named(left[0].object_name)
-            told = say("Recover unsaved work: {name}", name=name)
-            self._add(told, lambda: self._recovery.recover(left[0]))
+            message = say("Recover unsaved work: {name}", name=name)
+            self._add(message, lambda: self._recovery.recover(left[0]))
         recent = self._recent.paths()[:_MOST_RECENT]
         if recent:
             below = QtWidgets.QLabel(say("menu.recent"))

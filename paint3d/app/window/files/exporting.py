@@ -297,11 +297,11 @@ class Exporting:
             work = self._in_paint_thread(path)
         if not workspace.went_well(workspace.run(say("Writing {name}…", name=path.name), work)):
             return False
-        told = say("status.exported", name=path.name)
+        message = say("status.exported", name=path.name)
         if sum(clipped):
             n = f"{sum(clipped):,}"
-            told += " " + say("{n} colours do not fit in and are the nearest that do.", n=n)
-        workspace.tell(told, state="good")
+            message += " " + say("{n} colours do not fit in and are the nearest that do.", n=n)
+        workspace.tell(message, state="good")
         return True
 
     def _in_paint_thread(self, path: Path) -> Callable[[Progress], None]:

@@ -36,8 +36,8 @@ def named(name: str) -> str:
 def described(source: TriangleMesh, material: Material) -> str:
     """What is painted on, in words: the object, its material and its size."""
     sides = sorted(np.ptp(source.vertices, axis=0), reverse=True)
-    told = [say_length(side) for side in sides if side > 0.05 * sides[0]]
-    size = " × ".join([*(length.split()[0] for length in told[:-1]), told[-1]])
+    message = [say_length(side) for side in sides if side > 0.05 * sides[0]]
+    size = " × ".join([*(length.split()[0] for length in message[:-1]), message[-1]])
     return f"{named(source.name)}, {say_material(material)}, {size}"
 
 
@@ -80,7 +80,7 @@ class OpenResult:
         document : Document
             Nobody else may change it meanwhile.
         progress : callable
-            Called with the share done between the steps; what it raises ends them.
+            Called with the fraction done between the steps; what it raises ends them.
         """
         shown = LiveObject(document.surface)
         progress(0.4)
@@ -92,10 +92,10 @@ class OpenResult:
         return cls(document, shown, uploads, surface, some_points(document.surface.source.vertices))
 
 
-def open_with_progress(document: Document, progress: Progress, share: float) -> OpenResult:
-    """Make a painting ready to be shown; the share of the work that is done before."""
-    progress(share)
-    return OpenResult.of(document, part_of(progress, share, 0.98))
+def open_with_progress(document: Document, progress: Progress, fraction: float) -> OpenResult:
+    """Make a painting ready to be shown; the fraction of the work that is done before."""
+    progress(fraction)
+    return OpenResult.of(document, part_of(progress, fraction, 0.98))
 
 
 def some_points(points: AnyArray) -> AnyArray:

@@ -68,7 +68,7 @@ def warm_up(progress: Callable[[float], None] = lambda _: None) -> None:
     Parameters
     ----------
     progress : callable
-        Called with the share done between the steps; what it raises stops them.
+        Called with the fraction done between the steps; what it raises stops them.
     """
     while not _one_at_a_time.acquire(timeout=_LOOK_S):  # one that was given up goes on for a while
         progress(0.0)
@@ -225,8 +225,8 @@ class Opening:
         self._standing.tell()
         if path not in BUILT_IN_OBJECTS:
             self._recent.add(path)
-        for told in open_elsewhere(self._workspace):
-            self._workspace.tell(told, state="bad", stays=True)
+        for message in open_elsewhere(self._workspace):
+            self._workspace.tell(message, state="bad", stays=True)
         return True
 
     def _is_ready(self) -> bool:
@@ -237,8 +237,8 @@ class Opening:
         undo_bytes = self._undo_bytes()
 
         def work(progress: Progress) -> OpenResult:
-            told = part_of(progress, 0.0, 0.9)
-            document = Document.open(path, undo_bytes=undo_bytes, progress=told)
+            message = part_of(progress, 0.0, 0.9)
+            document = Document.open(path, undo_bytes=undo_bytes, progress=message)
             return open_with_progress(document, progress, 0.9)
 
         return self._workspace.run(title, work)

@@ -70,8 +70,8 @@ class Recovery:
         """Say where what was put off can be found, if there is any."""
         if recoverable():
             where = f"{say('menu.file')}, {say('Recover unsaved work')}"
-            told = say("Unsaved paintings stay in the menu: {where}", where=where)
-            self._workspace.tell(told)
+            message = say("Unsaved paintings stay in the menu: {where}", where=where)
+            self._workspace.tell(message)
 
     def fill_menu(self) -> None:
         """List the paintings that can be brought back, as they are left by now."""
@@ -111,8 +111,8 @@ class Recovery:
         lost = _lost_of(recovered)
         if lost or is_kept:  # if not, it is said, and what the crash left is all that there is
             bad = lost + open_elsewhere(workspace)
-            told = say("; ").join([say("Recovered; save it to keep it"), *bad])
-            workspace.tell(told, state="bad" if bad else "good", stays=bool(bad))
+            message = say("; ").join([say("Recovered; save it to keep it"), *bad])
+            workspace.tell(message, state="bad" if bad else "good", stays=bool(bad))
         return True
 
 
@@ -131,8 +131,8 @@ def _lost_of(recovered: Recovered) -> list[str]:
     if recovered.n_lost:
         said.append(say("problem.lost", count=recovered.n_lost))
     if recovered.refused:
-        told = say("problem.refused", count=len(recovered.refused))
-        said.append(f"{told} ({say_error(recovered.refused[0])})")
+        message = say("problem.refused", count=len(recovered.refused))
+        said.append(f"{message} ({say_error(recovered.refused[0])})")
     return said
 
 

@@ -107,8 +107,8 @@ class Calibrating:
         nodes = [] if pens is None else pens.nodes()
         if not nodes:
             why = "" if pens is None else next(iter(pens.failures.values()), "")
-            told = say("No stylus is there to calibrate") + (f": {why}" if why else "")
-            self._form.show_calibrating(told, False)
+            message = say("No stylus is there to calibrate") + (f": {why}" if why else "")
+            self._form.show_calibrating(message, False)
             if pens is not None:
                 pens.stop()
             return None
@@ -116,7 +116,7 @@ class Calibrating:
         self._canvas.take_up(_keep_still, self.stop)
         return key_of_node(nodes[0])
 
-    def stop(self, told: str = "") -> None:
+    def stop(self, message: str = "") -> None:
         """Have no corner touched any more."""
         if self._touches is None:
             return
@@ -125,7 +125,7 @@ class Calibrating:
             self._pens.stop()
             self._pens = None
             self._canvas.lay_down(_keep_still)
-        self._form.show_calibrating(told, False)
+        self._form.show_calibrating(message, False)
 
     def hear_pens(self) -> None:
         """Follow the pen of a pad; it paints nothing meanwhile."""
@@ -164,9 +164,9 @@ class Calibrating:
         fitted = touches.fit()
         keep_calibration(self._key, fitted.calibration)
         each = ", ".join(f"{error:.2f}" for error in fitted.errors_mm)
-        told = say("Calibrated: {mm:.2f} mm off", mm=fitted.calibration.residual_mm)
-        self.stop(f"{told} ({each})")
-        return f"{told} ({each})"
+        message = say("Calibrated: {mm:.2f} mm off", mm=fitted.calibration.residual_mm)
+        self.stop(f"{message} ({each})")
+        return f"{message} ({each})"
 
     def _refuse(self, error: Paint3DError) -> None:
         """Ask again: for the corner, or for all where no frame followed of them."""
@@ -376,11 +376,11 @@ class DeviceInput:
         """Take the corner as it is touched now: the panel says so."""
         self._use_frame(self.calibrating.touch())
 
-    def _use_frame(self, told: str | None) -> None:
+    def _use_frame(self, message: str | None) -> None:
         """Feel by the frame that was found, if one was."""
-        if told is not None and self._feeling is not None:
+        if message is not None and self._feeling is not None:
             self._start_feeling()
-            self._panel.stylus.show_calibrating(told, False)
+            self._panel.stylus.show_calibrating(message, False)
 
     # -- tick by tick -----------------------------------------------------------------------
 
@@ -451,8 +451,8 @@ class DeviceInput:
             self._feeling = None
             self._leave_object()
             self.calibrating.stop()
-            told = say("Force feedback stopped: {why}", why=desk.ended)
-            self._workspace.tell(told, state="bad", stays=True)
+            message = say("Force feedback stopped: {why}", why=desk.ended)
+            self._workspace.tell(message, state="bad", stays=True)
 
     def _carry(self, pose: ObjectPose) -> None:
         """Turn the view as the left hand turns the object."""

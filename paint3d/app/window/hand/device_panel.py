@@ -163,10 +163,10 @@ class StylusForm(_Form):
             with QtCore.QSignalBlocker(box):
                 box.setValue(value)
 
-    def show_calibrating(self, told: str, going_on: bool) -> None:
+    def show_calibrating(self, message: str, going_on: bool) -> None:
         """Say what is to be touched next, or what came of it."""
         self._going_on = going_on
-        self.told.setText(told)
+        self.told.setText(message)
         self.calibrate.setText(say("button.cancel") if going_on else say("Calibrate…"))
         self.touches.setEnabled(going_on)
 
@@ -369,10 +369,10 @@ class HandsPicture(QtWidgets.QWidget):
         painter.setBrush(QtCore.Qt.BrushStyle.NoBrush)
         painter.setPen(QtGui.QPen(QtGui.QColor(self.theme.line), 5))
         painter.drawArc(arc, 0, 180 * 16)
-        share = min(1.0, self.force / MAX_FORCE_N)
+        fraction = min(1.0, self.force / MAX_FORCE_N)
         painter.setPen(QtGui.QPen(QtGui.QColor(self.theme.accent), 5))
-        painter.drawArc(arc, 180 * 16, -round(180 * 16 * share))
-        angle = math.pi * (1.0 - share)
+        painter.drawArc(arc, 180 * 16, -round(180 * 16 * fraction))
+        angle = math.pi * (1.0 - fraction)
         end = centre + QtCore.QPointF(math.cos(angle), -math.sin(angle)) * (radius - 7)
         painter.setPen(QtGui.QPen(QtGui.QColor(self.theme.text), 2))
         painter.drawLine(centre, end)
@@ -420,8 +420,8 @@ class DevicePanel(QtWidgets.QWidget):
         lines = [] if desk is None else _lines_of(desk, views)
         if not views:
             lines.append(f"{STATES['off']} {say('device.none')}")
-        state, told = keeping_up(frame)
-        lines.append(f"{STATES[state]} {say('Painting')}: {told}")
+        state, message = keeping_up(frame)
+        lines.append(f"{STATES[state]} {say('Painting')}: {message}")
         self.lines.setText("\n\n".join(lines))
 
     def set_theme(self, theme: Theme) -> None:
@@ -439,9 +439,9 @@ def _lines_of(desk: DeviceHub, views: Sequence[DeviceView]) -> list[str]:
             continue
         late, rate = desk.lateness_ms(view.hand), desk.rate_hz(view.hand)
         state = STATES["slow" if late > _LATE_MS else "good"]
-        told = f"{say('device.rate', hz=rate)}, {say('device.late', ms=late)}"
+        message = f"{say('device.rate', hz=rate)}, {say('device.late', ms=late)}"
         hand = say(f"device.{view.hand}_hand")
-        lines.append(f"{state} {view.name}\n     {hand}: {told}")
+        lines.append(f"{state} {view.name}\n     {hand}: {message}")
     if desk.lost():
         lines.append(f"{STATES['slow']} {say('device.lost', count=desk.lost())}")
     return lines

@@ -159,10 +159,10 @@ class HandPanel(QtWidgets.QWidget):
         self.angle.setValue(75)
         form.addRow(say("mask.angle"), self.angle)
 
-    def _slider(self, low: int, high: int, told: Callable[[int], object]) -> QtWidgets.QSlider:
+    def _slider(self, low: int, high: int, message: Callable[[int], object]) -> QtWidgets.QSlider:
         slider = QtWidgets.QSlider(QtCore.Qt.Orientation.Horizontal)
         slider.setRange(low, high)
-        slider.valueChanged.connect(told)
+        slider.valueChanged.connect(message)
         return slider
 
     def show_settings(self, settings: HandSettings) -> None:
@@ -173,9 +173,9 @@ class HandPanel(QtWidgets.QWidget):
         self.curve.curve = settings.curve
         self.curve.update()
 
-    def set_smoothing(self, share: float) -> None:
+    def set_smoothing(self, fraction: float) -> None:
         """Steady the stroke so much, 0 to 1."""
-        self.smoothing.setValue(round(100 * share))
+        self.smoothing.setValue(round(100 * fraction))
 
     def set_theme(self, theme: Theme) -> None:
         """Use other colours."""

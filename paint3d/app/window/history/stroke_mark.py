@@ -230,12 +230,12 @@ class StrokeDrag(QtCore.QObject):
         self._canvas.installEventFilter(self)
         self._canvas.setCursor(QtCore.Qt.CursorShape.OpenHandCursor)
         self._canvas.setFocus()
-        told = (
+        message = (
             say("Click a stroke on the object, or drag it to its new place; Esc cancels")
             if number is None
             else say("Drag stroke {n} to its new place; Esc cancels", n=number + 1)
         )
-        self._workspace.tell(told, stays=True)
+        self._workspace.tell(message, stays=True)
 
     def end(self) -> None:
         """Paint again with the next drag."""

@@ -163,7 +163,7 @@ class ColourDialog(QtWidgets.QDialog):
         found = self.nearest = coming.result()
         self._paint(self.coat, QtGui.QColor(*found.srgb))
         parts = ", ".join(
-            f"{ink_label(ink)} {100 * share:.3g} %" for ink, share in found.parts.items()
+            f"{ink_label(ink)} {100 * fraction:.3g} %" for ink, fraction in found.parts.items()
         )
         how = (
             "hardly to be seen" if found.difference < _GOOD
@@ -214,7 +214,7 @@ class InkMaking:
         workspace.opened.connect(lambda _: self.close_down())  # mixed for another ground
         panels.inks.colour_asked.connect(self.do_choose_colour)
         panels.inks.table_asked.connect(self.do_open_pigments)
-        panels.inks.pickup_chosen.connect(lambda share: workspace.post("set_pickup", share))
+        panels.inks.pickup_chosen.connect(lambda fraction: workspace.post("set_pickup", fraction))
         panels.inks.amount_chosen.connect(self._choose_amount)
         panels.inks.by_itself_chosen.connect(lambda on: workspace.keep(dips_by_itself=on))
         panels.inks.show_by_itself(workspace.settings.dips_by_itself)
@@ -233,10 +233,12 @@ class InkMaking:
         if not workspace.settings.dips_by_itself:
             return
         held = workspace.painting.held
-        if 0.0 < held.share < LEAST_LOAD:
+        if 0.0 < held.fraction < LEAST_LOAD:
             workspace.dip()
-            told = say("Dipped automatically: {percent:.0f} % was left", percent=100 * held.share)
-            workspace.tell(told)
+            message = say(
+                "Dipped automatically: {percent:.0f} % was left", percent=100 * held.fraction
+            )
+            workspace.tell(message)
 
     def _take_kept(self) -> None:
         """Put the pigments of the tables that were opened before among the dishes."""

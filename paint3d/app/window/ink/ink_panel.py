@@ -27,14 +27,14 @@ __all__ = ["DishGrid", "InkPanel", "ToneRow", "in_tone", "ink_label", "paint_dis
 _ICON = QtCore.QSize(26, 18)
 
 
-def in_tone(parts: Mapping[str | Pigment, float], share: float) -> dict[str | Pigment, float]:
+def in_tone(parts: Mapping[str | Pigment, float], fraction: float) -> dict[str | Pigment, float]:
     """A mixture with so much of it ink, 0 to 1, and the rest water; the inks keep their ratio."""
     inked = {k: part for k, part in parts.items() if k is not WATER and k != WATER.name}
     total = sum(inked.values())
     if not total:
         return {}
-    toned = {ink: share * part / total for ink, part in inked.items()}
-    return {**toned, WATER.name: 1.0 - share} if share < 1.0 else toned
+    toned = {ink: fraction * part / total for ink, part in inked.items()}
+    return {**toned, WATER.name: 1.0 - fraction} if fraction < 1.0 else toned
 
 
 class ToneRow(QtWidgets.QWidget):
@@ -60,16 +60,16 @@ class ToneRow(QtWidgets.QWidget):
             button.setObjectName(f"tone_{name}")
             button.setIconSize(_ICON)
             called = tone.chinese if language() == "zh" else say(name.capitalize())
-            told = say("{tone}: {share:.0f} % ink, the rest water", tone=called,
+            message = say("{tone}: {share:.0f} % ink, the rest water", tone=called,
                        share=100.0 * tone.share)  # fmt: skip
-            button.setToolTip(told)
+            button.setToolTip(message)
             button.setAccessibleName(called)
             button.setText(called)
             button.setToolButtonStyle(QtCore.Qt.ToolButtonStyle.ToolButtonTextUnderIcon)
             button.setSizePolicy(
                 QtWidgets.QSizePolicy.Policy.Expanding, QtWidgets.QSizePolicy.Policy.Fixed
             )
-            button.clicked.connect(lambda _=False, share=tone.share: self.chosen.emit(share))
+            button.clicked.connect(lambda _=False, fraction=tone.share: self.chosen.emit(fraction))
             row.addWidget(button)
             self.buttons[name] = button
 
@@ -136,9 +136,9 @@ def paint_dish(
     inner = box.adjusted(*(box.width() * 0.11 * np.array([1, 1, -1, -1])))
     shades = ink_swatch(sorted_parts(pigments))
     fill = QtGui.QRadialGradient(inner.center() + QtCore.QPointF(0, 2), inner.width() / 2)
-    for k, share in enumerate(np.linspace(0.0, 1.0, 9)):
-        shade = shades[int((1.0 - share**3) * (len(shades) - 1))]
-        fill.setColorAt(float(share), QtGui.QColor(*(int(c) for c in shade)))
+    for k, fraction in enumerate(np.linspace(0.0, 1.0, 9)):
+        shade = shades[int((1.0 - fraction**3) * (len(shades) - 1))]
+        fill.setColorAt(float(fraction), QtGui.QColor(*(int(c) for c in shade)))
         del k
     painter.setPen(QtCore.Qt.PenStyle.NoPen)
     painter.setBrush(fill)
@@ -150,7 +150,7 @@ def paint_dish(
 
 
 def _percents(low: float, high: float, hint: str) -> QtWidgets.QDoubleSpinBox:
-    """A box for a share in percent."""
+    """A box for a fraction in percent."""
     box = QtWidgets.QDoubleSpinBox()
     box.setRange(low, high)
     box.setDecimals(1)
@@ -162,7 +162,7 @@ def _percents(low: float, high: float, hint: str) -> QtWidgets.QDoubleSpinBox:
 
 
 def _percent(part: float) -> str:
-    """A share in percent: whole ones, and more digits below one."""
+    """A fraction in percent: whole ones, and more digits below one."""
     return f"{100 * part:.0f}" if part >= 0.01 else f"{100 * part:.2g}"
 
 
@@ -417,7 +417,7 @@ class InkPanel(QtWidgets.QWidget):
         A name or parts by name; reach None for the whole tuft.
     rinsed : ()
     pickup_chosen : float
-        The share of wet ink that the brush takes up, 1/mm.
+        The fraction of wet ink that the brush takes up, 1/mm.
     amount_chosen : dict of str to float, or None
         How much the next dip takes up, as `DipAmount.words` says it; None: as the dip before.
     by_itself_chosen : bool
@@ -548,12 +548,12 @@ class InkPanel(QtWidgets.QWidget):
             row.addWidget(button, 1)
         return row
 
-    def show_pickup(self, share: float) -> None:
+    def show_pickup(self, fraction: float) -> None:
         """Show how much wet ink the brush takes up, 1/mm, and tell nothing."""
-        if not self.pickup.hasFocus() and abs(self.pickup.value() - share) > 1e-9:
+        if not self.pickup.hasFocus() and abs(self.pickup.value() - fraction) > 1e-9:
             with QtCore.QSignalBlocker(self.pickup):
-                self.pickup.setRange(0.0, max(1.0, share))
-                self.pickup.setValue(share)
+                self.pickup.setRange(0.0, max(1.0, fraction))
+                self.pickup.setValue(fraction)
 
     def amount(self) -> DipAmount:
         """How much the next dip takes up."""
@@ -564,9 +564,9 @@ class InkPanel(QtWidgets.QWidget):
         if amount == self._amount and not anew:
             return
         self._amount = amount
-        for box, share in ((self.wetted, amount.wetted), (self.fullness, amount.fullness)):
+        for box, fraction in ((self.wetted, amount.wetted), (self.fullness, amount.fullness)):
             with QtCore.QSignalBlocker(box):
-                box.setValue(100.0 * share)
+                box.setValue(100.0 * fraction)
         self.amount_chosen.emit(None)
 
     def show_by_itself(self, on: bool) -> None:
@@ -626,11 +626,11 @@ class InkPanel(QtWidgets.QWidget):
         if self._own_mixture:
             return dict(self._own_mixture)
         total = sum(self._stirred.values())
-        share = self.water.value() / 100.0
+        fraction = self.water.value() / 100.0
         if not total:
             return {}
-        parts = {name: part / total * (1.0 - share) for name, part in self._stirred.items()}
-        return {**parts, WATER.name: share} if share else parts
+        parts = {name: part / total * (1.0 - fraction) for name, part in self._stirred.items()}
+        return {**parts, WATER.name: fraction} if fraction else parts
 
     def show_mixture(self, parts: Mapping[Pigment, float]) -> None:
         """Put a whole mixture into the dish instead of what is there."""
@@ -667,15 +667,15 @@ class InkPanel(QtWidgets.QWidget):
     def _line(self, name: str, part: float) -> str:
         """An ink of the mixing dish, with signs to put a part in and to take one out."""
         pigment = self.dishes.pigments.get(name, name)
-        told = f"{html.escape(ink_label(pigment))} {_percent(part)} %"
+        message = f"{html.escape(ink_label(pigment))} {_percent(part)} %"
         if name == WATER.name and name not in self._stirred:
-            return told
+            return message
         style = f"color:{self.dishes.theme.accent}; text-decoration:none"
         signs = (
             f'<a href="{sign}{html.escape(name)}" style="{style}">&nbsp;<b>{shown}</b>&nbsp;</a>'
             for sign, shown in (("-", "−"), ("+", "+"))
         )
-        return f"{next(signs)} {told} {next(signs)}"
+        return f"{next(signs)} {message} {next(signs)}"
 
     # -- the brush --------------------------------------------------------------------------
 
@@ -683,9 +683,9 @@ class InkPanel(QtWidgets.QWidget):
         """Dip in what is in the mixing dish."""
         self._dip(self._of_dishes(self.mixture()))
 
-    def _dip_tone(self, share: float) -> None:
+    def _dip_tone(self, fraction: float) -> None:
         """Dip in the ink that the brush was dipped in, in one of its tones."""
-        self._dip(in_tone(self.ink if isinstance(self.ink, Mapping) else {self.ink: 1.0}, share))
+        self._dip(in_tone(self.ink if isinstance(self.ink, Mapping) else {self.ink: 1.0}, fraction))
 
     def _dip(self, ink: Ink) -> None:
         if not ink:

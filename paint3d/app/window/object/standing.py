@@ -35,7 +35,7 @@ from paint3d.view.preview import Preview
 __all__ = [
     "ObjectDialog",
     "Standing",
-    "told",
+    "note_text",
     "told_size",
 ]
 
@@ -219,7 +219,7 @@ class ObjectDialog(QtWidgets.QDialog):
         return form
 
     def _notes(self, reading: Reading) -> QtWidgets.QLabel:
-        notes = QtWidgets.QLabel("\n".join(told(note) for note in reading.notes))
+        notes = QtWidgets.QLabel("\n".join(note_text(note) for note in reading.notes))
         notes.setWordWrap(True)
         notes.setVisible(bool(reading.notes))
         self.notes = notes
@@ -317,7 +317,7 @@ def _tidied(turn: NDArray[np.float64]) -> NDArray[np.float64]:
     return result
 
 
-def told(note: str) -> str:
+def note_text(note: str) -> str:
     """A reader's note in the language that is spoken."""
     chinese = note_in_chinese(note) if language() == "zh" else None
     if chinese is not None:
@@ -396,7 +396,7 @@ class Standing:
 
     def _likely(self, reading: Reading, material: str, resolution: float) -> ObjectChoice:
         guess = reading.likely_up
-        said = [told(note) for note in reading.notes]
+        said = [note_text(note) for note in reading.notes]
         if guess is not None and not guess.sure:
             said.append(
                 say("Which way is up is uncertain; change it by Edit ▸ Turn and scale the object")

@@ -82,10 +82,10 @@ class SurfacePanel(QtWidgets.QWidget):
 
     def show_surface(self, surface: Snapshot) -> None:
         """Show what this surface is."""
-        told = surface.material, surface.resolution, surface.n_vertices
-        if told == self._shown:
+        message = surface.material, surface.resolution, surface.n_vertices
+        if message == self._shown:
             return
-        self._shown = told
+        self._shown = message
         material = surface.material
         self.name.setText(say_material(material))
         self.setToolTip("\n".join(filter(None, (material.basis, material.note))))

@@ -203,8 +203,8 @@ def _parts(workspace: Workspace, turns: Sequence[float]) -> Iterator[Image.Image
     camera = workspace.hand.open_camera
     for turn in turns:
         workspace.stage.set_camera(orbit(camera, turn, 0.0, workspace.canvas.height()))
-        for share, pixels in workspace.stage.picture_by_parts():
-            done = share >= 1.0
+        for fraction, pixels in workspace.stage.picture_by_parts():
+            done = fraction >= 1.0
             yield Image.fromarray(np.array(pixels[::-1, :, :3])) if done else None
 
 
@@ -260,12 +260,12 @@ def write_growth_film(workspace: Workspace, path: Path, film: Film) -> Future[An
 
     def work(progress: Progress) -> None:
         painting = begun(known, mesh, painted_on=None if original is None else original.mesh)
-        clock, told = HandTime(), part_of(progress, 0.0, _PAINTED)
+        clock, message = HandTime(), part_of(progress, 0.0, _PAINTED)
         with Growth(painting.surface, step_s) as growth:
             for step in play(painting, known):
                 pass_step(clock, step)
                 growth.at(clock.seconds)
-                told(step.share)
+                message(step.fraction)
             if painting.in_stroke:
                 painting.end_stroke()
             growth.end(clock.seconds)

@@ -116,9 +116,9 @@ class _Strokes:
         times = np.array([sample.time_ns for sample in samples], np.int64)
         when = HandTime(in_full=paint_thread.wet).pass_samples(times).tolist()
         _ask(paint_thread, tools.before)
-        told = {"loads": tuple(tools.loads), "strengths": tuple(tools.strengths)}
+        message = {"loads": tuple(tools.loads), "strengths": tuple(tools.strengths)}
         began = paint_thread.post(
-            "begin_stroke", **{name: pairs for name, pairs in told.items() if pairs}
+            "begin_stroke", **{name: pairs for name, pairs in message.items() if pairs}
         )
         playing = cls(samples, when, tools, began, later_ns, before=paint_thread.n_painted)
         began.add_done_callback(lambda _: playing.count_from(paint_thread.n_painted))
@@ -133,7 +133,7 @@ class _Strokes:
         """How far it has been handed on, s."""
         return self.when[min(self.next, len(self.when) - 1)]
 
-    def share(self, paint_thread: PaintThread) -> float:
+    def fraction(self, paint_thread: PaintThread) -> float:
         """How much of it is painted, 0 to 1."""
         if not self.began.done():
             return 0.0
@@ -210,7 +210,7 @@ class _Score:
         """How far it has been handed on, s."""
         return self.cues[min(self.next, len(self.cues) - 1)].when
 
-    def share(self, _: PaintThread) -> float:
+    def fraction(self, _: PaintThread) -> float:
         """How much of it has been asked for, 0 to 1."""
         return self.next / len(self.cues)
 
@@ -278,7 +278,7 @@ class Player(QtCore.QObject):
     Signals
     -------
     moved : float
-        The share that is painted, 0 to 1; below 0 where nothing is played any more.
+        The fraction that is painted, 0 to 1; below 0 where nothing is played any more.
     """
 
     moved = QtCore.Signal(float)
@@ -315,7 +315,7 @@ class Player(QtCore.QObject):
         """
         self.stop()
         if samples:
-            self._workspace.paint_thread.let_samples_tell(True)
+            self._workspace.paint_thread.use_sample_time_alone(True)
             playing = _Strokes.begun(self._workspace.paint_thread, samples, tools or Tools())
             self._begin(playing, speed)
 
@@ -354,7 +354,7 @@ class Player(QtCore.QObject):
         if replay.is_refused:
             self.stop()  # it is told why
             return
-        self.moved.emit(replay.share(paint_thread))
+        self.moved.emit(replay.fraction(paint_thread))
         if not replay.is_handed_on:
             if not self._is_paused:
                 replay.hand_on(paint_thread, self._clock.seconds)
@@ -375,8 +375,8 @@ class Player(QtCore.QObject):
         if self.is_playing:
             is_score = isinstance(self._replay, _Score)
             self.stop()
-            told = "The replay was stopped; undo takes back what it painted"
-            self._workspace.tell(say("The replay was stopped" if is_score else told))
+            message = "The replay was stopped; undo takes back what it painted"
+            self._workspace.tell(say("The replay was stopped" if is_score else message))
 
     def take_back(self) -> None:
         """Stop because what was painted is about to be undone, and say so."""
@@ -392,7 +392,7 @@ class Player(QtCore.QObject):
 
     def _forget(self) -> None:
         if isinstance(self._replay, _Strokes):
-            self._workspace.paint_thread.let_samples_tell(False)
+            self._workspace.paint_thread.use_sample_time_alone(False)
         self._replay = None
         self.moved.emit(-1.0)
 

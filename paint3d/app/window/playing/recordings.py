@@ -93,8 +93,8 @@ class Recordings:
             if score is None:
                 score = score_of_strokes(document.strokes[first:], document.surface)
         if recording is None or score is None:
-            told = say("Strokes: {n}, {seconds:.1f} s", n=0, seconds=0.0)
-            workspace.tell(told, state="bad")
+            message = say("Strokes: {n}, {seconds:.1f} s", n=0, seconds=0.0)
+            workspace.tell(message, state="bad")
             return
         path = self._targets.ask(say("Save the strokes as a recording…"), FORMATS)
         if path is None:
