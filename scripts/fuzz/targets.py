@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from scripts.fuzz.copied import COPIED
 from scripts.fuzz.drawings import DRAWINGS
@@ -189,15 +190,13 @@ def _odd_meshes(rows: str) -> list[tuple[str, bytes]]:
     ]
 
 
-def _coloured_meshes(rows: str, triangles: AnyArray) -> list[tuple[str, bytes]]:
+def _coloured_meshes(rows: str, triangles: NDArray[np.void]) -> list[tuple[str, bytes]]:
     """Colours as sculptors, slicers, scanners and splats have them."""
     triangles = triangles.copy()
     triangles["attribute"] = np.arange(len(triangles)) * 2731 % 65536
     stl = b"COLOR=\1\2\3\4".ljust(80) + len(triangles).to_bytes(4, "little") + triangles.tobytes()
     faces = "3 0 1 2 255 0 0\n3 2 1 3 .5 0 1 1\n3 1 2 4 7\n"
-    vertices = [
-        f"v {row} {tail}" for row, tail in zip(rows.split("\n"), ["1 1 0 0"] * 8, strict=True)
-    ]
+    vertices = [f"v {row} 1 1 0 0" for row in rows.split("\n")]
     paint = "#MRGB ff0a0b0cff0d0e0fff0a0b0cff0d0e0f\n#MRGB ff0a0b0cff0d0e0fff0a0b0cff0d0e0f\n"
     head = "ply\nformat ascii 1.0\nelement vertex 8\n"
     place = "property float x\nproperty float y\nproperty float z\n"

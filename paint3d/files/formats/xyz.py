@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from paint3d.errors import MeshError
 from paint3d.files.colours import colour_codes
@@ -31,7 +32,8 @@ def read_xyz(data: bytes) -> RawMesh:
             shown = line.strip()[:40].decode("latin-1")
             raise MeshError(f"point {k} is {shown!r}; expected {expected}")
     table = parse_numbers(b"\n".join(lines), "a point").reshape(len(lines), width)
-    colours, notes = None, ()
+    colours: NDArray[np.uint8] | None = None
+    notes: tuple[str, ...] = ()
     if width in COLOURED:
         rgb = table[:, 3:6]
         whole = bool((rgb == np.floor(rgb)).all())
