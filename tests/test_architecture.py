@@ -59,7 +59,7 @@ FORBIDDEN = {"matplotlib", "pandas", "torch"}
 # What is reached by name: readers of kinds of files, what processes begin with.
 BY_NAME = (
     "paint3d.files.formats.",
-    "paint3d.files.sandbox.child",
+    "paint3d.files.sandbox",
     "paint3d.cli.batches.warm",
     "paint3d.app.window.first_stroke",
 )

@@ -547,7 +547,7 @@ def _refers_to(source: str | Path, file: Path) -> bool:
     """Whether a mesh that is read speaks of a file that would be replaced."""
     if not file.exists() or not os.path.isfile(source):
         return False
-    from paint3d.files.sandbox.isolation import refers_to_apart
+    from paint3d.files.references import refers_to_apart
 
     return refers_to_apart(Path(source), file)
 

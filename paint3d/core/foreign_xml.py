@@ -34,7 +34,7 @@ class _ShallowBuilder(ElementTree.TreeBuilder):
         super().__init__()
         self._left = most_depth
 
-    def start(self, tag: str, attributes: dict[str, str]) -> ElementTree.Element:  # type: ignore[override]
+    def start(self, tag: str, attributes: dict[str, str]) -> ElementTree.Element:
         self._left -= 1
         if self._left < 0:
             raise _TooDeepError

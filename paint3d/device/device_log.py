@@ -48,6 +48,9 @@ class DeviceLog:
         self._part = self._path.with_name(self._path.name + ".part")
         self._lock = Lock()
         self._devices: dict[str, int] = {}
+        if self._path.exists() and not self._path.is_file():
+            what = "a folder" if self._path.is_dir() else "a pipe or a device"
+            raise DeviceError(f"{path}: it is {what}; expected a file name")
         try:
             raw = self._part.open("wb")
         except OSError as cause:

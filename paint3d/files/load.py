@@ -17,6 +17,7 @@ from paint3d.files.reading import (
     Reading,
     Wanted,
     read_surface,
+    read_surface_apart,
     take_object,
 )
 from paint3d.mesh.triangle_mesh import TriangleMesh
@@ -123,9 +124,7 @@ def read_mesh(
     found = _find(path)
     if found is None:
         return replace(read_surface(_built_in(str(path)), wanted), knows_up=True)
-    from paint3d.files.sandbox.isolation import read_apart
-
-    reading = read_apart(found, wanted, progress=progress)
+    reading = read_surface_apart(found, wanted, progress=progress)
     return _guessed(reading) if up == AUTO and not reading.knows_up else reading
 
 

@@ -7,7 +7,6 @@ that are loaded.
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -17,7 +16,7 @@ from numpy.typing import NDArray
 from paint3d.core.arrays import AnyArray
 from paint3d.errors import MeshError
 from paint3d.files.colours import MAX_PIXELS, Look, colour_codes, linear_from_srgb
-from paint3d.files.raw_mesh import RawMesh, left_out, with_face_colours
+from paint3d.files.raw_mesh import RawMesh, join_meshes, left_out, with_face_colours
 from paint3d.mesh.foreign import arrays_of
 
 __all__ = ["package_class", "read_object", "read_trimesh"]
@@ -75,7 +74,7 @@ def read_trimesh(found: Any, texture: bool = False) -> RawMesh:
     raws = [_one_trimesh(mesh, texture) for mesh in solid]
     notes = left_out({type(mesh).__name__ for mesh in meshes} - {type(m).__name__ for m in solid})
     unit_mm, unit_notes = _unit_of_trimesh(found)
-    raw = _joined(raws)
+    raw = join_meshes(raws)
     every = tuple(dict.fromkeys((*raw.notes, *notes, *unit_notes)))
     return replace(raw, unit_mm=unit_mm, notes=every)
 
@@ -243,59 +242,6 @@ def _array_of_colours(data: Any) -> AnyArray | None:
 def _codes(colours: Any) -> NDArray[np.uint8]:
     """Codes (N, 3) of uint8 colours with or without a share that is seen through."""
     return np.ascontiguousarray(np.asarray(colours)[:, :3], np.uint8)
-
-
-def _joined(raws: Sequence[RawMesh]) -> RawMesh:
-    """Return several meshes as one: colours are white, normals none, where some have none."""
-    if len(raws) == 1:
-        return raws[0]
-    if not raws:
-        empty = np.empty(0, np.int64)
-        return RawMesh(np.empty((0, 3)), empty, empty)
-    first = np.cumsum([0, *(len(raw.vertices) for raw in raws)])
-    looks_before = np.cumsum([0, *(len(raw.looks) for raw in raws)])
-    coloured = any(raw.colours is not None for raw in raws)
-    pictured = any(raw.look_of is not None for raw in raws)
-    cornered = any(raw.corner_colours is not None for raw in raws)
-    given = all(raw.normals is not None for raw in raws)
-    return RawMesh(
-        np.concatenate([raw.vertices for raw in raws]),
-        np.concatenate([raw.corners + n for raw, n in zip(raws, first, strict=False)]),
-        np.concatenate([raw.sizes for raw in raws]),
-        np.concatenate([*_all_colours(raws)]) if coloured else None,
-        np.concatenate([raw.normals for raw in raws if raw.normals is not None]) if given else None,
-        notes=tuple(dict.fromkeys(note for raw in raws for note in raw.notes)),
-        looks=tuple(look for raw in raws for look in raw.looks),
-        look_of=np.concatenate([*_all_looks(raws, looks_before)]) if pictured else None,
-        uv=np.concatenate([*_all_places(raws)]) if pictured else None,
-        corner_colours=np.concatenate([*_all_corners(raws)]) if cornered else None,
-    )
-
-
-def _all_colours(raws: Sequence[RawMesh]) -> Iterator[AnyArray]:
-    for raw in raws:
-        yield np.full((len(raw.vertices), 3), 255, np.uint8) if raw.colours is None else raw.colours
-
-
-def _all_looks(raws: Sequence[RawMesh], before: AnyArray) -> Iterator[AnyArray]:
-    for raw, n in zip(raws, before, strict=False):
-        none = np.full(len(raw.sizes), -1, np.int64)
-        yield none if raw.look_of is None else np.where(raw.look_of < 0, -1, raw.look_of + n)
-
-
-def _all_places(raws: Sequence[RawMesh]) -> Iterator[AnyArray]:
-    for raw in raws:
-        yield np.full((len(raw.corners), 2), np.nan) if raw.uv is None else raw.uv
-
-
-def _all_corners(raws: Sequence[RawMesh]) -> Iterator[AnyArray]:
-    for raw in raws:
-        if raw.corner_colours is not None:
-            yield raw.corner_colours
-        elif raw.colours is not None:
-            yield raw.colours[raw.corners]
-        else:
-            yield np.full((len(raw.corners), 3), 255, np.uint8)
 
 
 _READERS = {

@@ -17,9 +17,15 @@ if TYPE_CHECKING:
     from PIL.Image import Image
 from paint3d.errors import MeshError
 from paint3d.files.progress import Progress
-from paint3d.files.sandbox.isolation import read_photograph_apart
+from paint3d.files.sandbox import PICTURE_SECONDS, Found, read_apart
 
-__all__ = ["HEIF_SUFFIXES", "PHOTOGRAPH_SUFFIXES", "load_photograph", "read_photograph"]
+__all__ = [
+    "HEIF_SUFFIXES",
+    "PHOTOGRAPH_SUFFIXES",
+    "child_photograph",
+    "load_photograph",
+    "read_photograph",
+]
 
 HEIF_SUFFIXES = (".heic", ".heif")
 PHOTOGRAPH_SUFFIXES = (
@@ -203,7 +209,17 @@ def load_photograph(
     except OSError as cause:  # a name too long, a folder that must not be looked into
         raise InputError(f"{path}: {cause.strerror or cause}") from None
     try:
-        pixels, full = read_photograph_apart(path, _LONGEST, progress)
+        reader = f"{__name__}:{child_photograph.__name__}"
+        arrays, facts = read_apart(path, reader, [_LONGEST], PICTURE_SECONDS, progress=progress)
     except MeshError as cause:
         raise InputError(str(cause)) from None
-    return pixels, max(full) / max(pixels.shape[:2])
+    (height, width), full = facts["size"], facts["full"]
+    pixels: NDArray[np.uint8] = arrays["pixels"].reshape(int(height), int(width), 3)
+    return pixels, max(int(full[0]), int(full[1])) / max(pixels.shape[:2])
+
+
+def child_photograph(path: Path, wanted: list[Any]) -> Found:
+    """Read a photograph in the child process, made smaller to `wanted[0]` pixels."""
+    pixels, full = read_photograph(path, *wanted)
+    facts: dict[str, object] = {"size": pixels.shape[:2], "full": full}
+    return {"pixels": pixels.reshape(-1, 3)}, facts

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -20,6 +20,7 @@ __all__ = [
     "RawMesh",
     "check_count",
     "index_array",
+    "join_meshes",
     "left_out",
     "parse_numbers",
     "with_face_colours",
@@ -80,6 +81,45 @@ class RawMesh:
         """Return a raw mesh with (F, 3) triangles."""
         faces = np.asarray(faces, np.int64).reshape(-1, 3)
         return cls(vertices, faces.ravel(), np.full(len(faces), 3), **others)
+
+
+def join_meshes(raws: Sequence[RawMesh]) -> RawMesh:
+    """Return several meshes as one, with all their looks and notes.
+
+    Where some have colours, the others are white; normals are kept where all have them.
+    """
+    if not raws:
+        empty = np.empty(0, np.int64)
+        return RawMesh(np.empty((0, 3)), empty, empty)
+    first = np.cumsum([0, *(len(raw.vertices) for raw in raws)])
+    looks_before = np.cumsum([0, *(len(raw.looks) for raw in raws)])
+    looks, places, colours, corner_colours = [], [], [], []
+    for raw, before in zip(raws, looks_before, strict=False):
+        look_of = np.full(len(raw.sizes), -1) if raw.look_of is None else raw.look_of
+        looks.append(np.where(look_of < 0, -1, look_of + before))
+        places.append(np.full((len(raw.corners), 2), np.nan) if raw.uv is None else raw.uv)
+        white = np.full((len(raw.vertices), 3), 255, np.uint8)
+        colours.append(white if raw.colours is None else raw.colours)
+        own = raw.corner_colours
+        if own is None and any(other.corner_colours is not None for other in raws):
+            inside = np.clip(raw.corners, 0, max(len(raw.vertices) - 1, 0))
+            own = colours[-1][inside] if len(raw.vertices) else np.empty((0, 3), np.uint8)
+        corner_colours.append(own)
+    pictured = any(raw.look_of is not None for raw in raws)
+    cornered = [own for own in corner_colours if own is not None]
+    normals = [raw.normals for raw in raws if raw.normals is not None]
+    return RawMesh(
+        np.concatenate([raw.vertices for raw in raws]),
+        np.concatenate([raw.corners + n for raw, n in zip(raws, first, strict=False)]),
+        np.concatenate([raw.sizes for raw in raws]),
+        np.concatenate(colours) if any(raw.colours is not None for raw in raws) else None,
+        np.concatenate(normals) if len(normals) == len(raws) else None,
+        notes=tuple(dict.fromkeys(note for raw in raws for note in raw.notes)),
+        looks=tuple(look for raw in raws for look in raw.looks),
+        look_of=np.concatenate(looks) if pictured else None,
+        uv=np.concatenate(places) if pictured else None,
+        corner_colours=np.concatenate(cornered) if cornered else None,
+    )
 
 
 FACE_COLOURS = "colours of faces"

@@ -1,4 +1,4 @@
-"""From a mesh file to checked triangles, in one process; `isolation` runs this in a child."""
+"""From a mesh file to checked triangles, in one process; `sandbox` runs this in a child."""
 
 from __future__ import annotations
 
@@ -8,21 +8,33 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from pkgutil import resolve_name
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.core.arrays import AnyArray
 from paint3d.errors import MeshError
 from paint3d.files.contents import PACKED, plain_text, read_contents
 from paint3d.files.detail import Draped, show_pictures
 from paint3d.files.package_meshes import package_class, read_object
+from paint3d.files.progress import Progress
 from paint3d.files.raw_mesh import RawMesh
+from paint3d.files.sandbox import MAX_IDLE_SECONDS, MAX_SECONDS, PICTURE_SECONDS, Found, read_apart
 from paint3d.mesh.polygons import triangulate
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.mesh.upright import Upright, guess_up, turn_rows, turn_up
 
-__all__ = ["MESH_SUFFIXES", "UNITS_MM", "Reading", "Wanted", "read_surface", "take_object"]
+__all__ = [
+    "MESH_SUFFIXES",
+    "UNITS_MM",
+    "Reading",
+    "Wanted",
+    "child_surface",
+    "read_surface",
+    "read_surface_apart",
+    "take_object",
+]
 
 UNITS_MM = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4}
 READERS = {  # modules of `paint3d.files.formats`, and what reads there
@@ -113,6 +125,52 @@ def take_object(found: object, wanted: Wanted = AS_IT_IS) -> Reading:
         raise MeshError(f"{name}: {_one_line(cause)}" if kind else str(cause)) from None
     except SURPRISES as cause:
         raise MeshError(f"{name}: its structure is damaged: {_in_words(cause)}") from None
+
+
+def read_surface_apart(
+    path: Path,
+    wanted: Wanted,
+    seconds: float | None = None,
+    progress: Progress | None = None,
+    idle_seconds: float = MAX_IDLE_SECONDS,
+) -> Reading:
+    """Read a mesh file in a child process with 2 GiB of memory and 20 s, with pictures 60 s.
+
+    The seconds are of computing; waiting for a core costs none, and of standing still, as for a
+    slow disk, there may be `idle_seconds` besides. `progress` is told a share guessed from the
+    file's size; what it raises ends the child.
+
+    Raises
+    ------
+    MeshError
+        As the reader says, or that it crashed, took too long or needed too much memory.
+    """
+    if seconds is None:
+        seconds = PICTURE_SECONDS if wanted.texture else MAX_SECONDS
+    reader = f"{__name__}:{child_surface.__name__}"
+    arrays, facts = read_apart(path, reader, list(wanted), seconds, idle_seconds, progress)
+    mesh = TriangleMesh(
+        arrays["vertices"],
+        arrays["faces"],
+        arrays.get("colours"),
+        str(facts["name"]),
+        arrays.get("normals"),
+    )
+    notes = tuple(map(str, facts["notes"]))
+    knows_up, unit_mm, up = facts["knows_up"], facts["unit_mm"], facts["up"]
+    return Reading(mesh, notes, bool(knows_up), float(unit_mm), str(up))
+
+
+def child_surface(path: Path, wanted: list[Any]) -> Found:
+    """Read a mesh file in the child process: what `read_surface_apart` makes a `Reading` of."""
+    reading = read_surface(path, Wanted(*wanted))
+    mesh = reading.mesh
+    arrays: dict[str, AnyArray] = {"vertices": mesh.vertices, "faces": mesh.faces}
+    arrays |= {} if mesh.normals is None else {"normals": mesh.normals}
+    arrays |= {} if mesh.colours is None else {"colours": mesh.colours}
+    facts: dict[str, object] = {"name": mesh.name, "notes": list(reading.notes)}
+    facts |= {"knows_up": reading.knows_up, "unit_mm": reading.unit_mm, "up": reading.up}
+    return arrays, facts
 
 
 def read_surface(path: Path, wanted: Wanted = AS_IT_IS) -> Reading:

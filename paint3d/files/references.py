@@ -1,6 +1,6 @@
 """Which other files a mesh file speaks of: its pictures, materials and buffers.
 
-The mesh is a stranger's: `refers_to` runs in a child process (`files.sandbox.isolation`).
+The mesh is a stranger's: `refers_to` runs in a child process (`files.sandbox`).
 """
 
 from __future__ import annotations
@@ -9,19 +9,42 @@ import os
 import re
 from collections.abc import Iterable, Iterator
 from pathlib import Path
+from typing import Any
 
 from paint3d.errors import MeshError
 from paint3d.files.contents import path_beside, plain_text, read_contents
 from paint3d.files.formats.gltf import GltfFile
 from paint3d.files.formats.obj import MAX_LIBRARY
+from paint3d.files.sandbox import Found, read_apart
 
-__all__ = ["may_refer_to", "refers_to"]
+__all__ = ["child_references", "may_refer_to", "refers_to", "refers_to_apart"]
 
 _LIBRARIES = re.compile(rb"^[ \t]*mtllib[ \t]+(.+)$", re.MULTILINE)
 _MAPS = re.compile(rb"^[ \t]*(?:map_\w+|bump|norm|disp|decal|refl)[ \t]+(.+)$", re.MULTILINE | re.I)
 _PLY_PICTURES = re.compile(rb"^comment[ \t]+TextureFile[ \t]+(.+)$", re.MULTILINE)
 _PLY_END = b"end_header"
 _MOST_WORDS = 40  # of a line in which names are looked for
+
+
+def refers_to_apart(mesh: Path, file: Path) -> bool:
+    """Whether a mesh file speaks of another one: asked in a child with limits.
+
+    Nothing is started where the names tell that it cannot. A mesh that reaches the limits speaks
+    of nothing: whoever reads it says what is wrong with it.
+    """
+    if not may_refer_to(mesh, file):
+        return False
+    reader = f"{__name__}:{child_references.__name__}"
+    try:
+        _, facts = read_apart(mesh, reader, [os.fsencode(file).hex()])
+    except (MeshError, OSError):
+        return False
+    return facts.get("refers") is True
+
+
+def child_references(path: Path, wanted: list[Any]) -> Found:
+    """Answer `refers_to` in the child process; `wanted[0]` is the other file, in hexadecimal."""
+    return {}, {"refers": refers_to(path, Path(os.fsdecode(bytes.fromhex(wanted[0]))))}
 
 
 def may_refer_to(mesh: Path, file: Path) -> bool:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import io
 import math
+import warnings
 from collections.abc import Callable, Iterable, Iterator
 from typing import Protocol
 
@@ -10,7 +12,6 @@ import numpy as np
 
 from paint3d.core.arrays import AnyArray
 from paint3d.errors import RecordingError
-from paint3d.recording.kernels.number_rows import read_rows
 
 __all__ = ["Lines", "NumberTable"]
 
@@ -35,8 +36,8 @@ class Lines(Protocol):
 class NumberTable:
     """A table of numbers in named columns.
 
-    Blocks of rows that are plain numbers are read by a kernel; others row by row, so that the one
-    that is wrong is named.
+    Blocks of rows that are plain numbers are read by NumPy; others row by row, so that the one that
+    is wrong is named.
 
     Parameters
     ----------
@@ -56,6 +57,8 @@ class NumberTable:
         self.names, self.name = names, name
         self._exact = np.array([column in set(exact) for column in names])
         self._may_lack = np.array([column in set(may_lack) for column in names])
+        kinds = [np.int64 if exact else np.float64 for exact in self._exact]
+        self._row = np.dtype([(str(k), kind) for k, kind in enumerate(kinds)])
         self._lines: list[range | AnyArray] = []
         self._columns = {
             column: _Column(np.int64 if exact else np.float64)
@@ -89,45 +92,67 @@ class NumberTable:
         RecordingError
             ``name:line: what is X; expected Y``.
         """
-        plain = (ord(delimiter) if delimiter else 0, ord(comment) if comment else -1)
-        values, at = np.empty((len(self.names), 0)), np.empty(0, np.int32)
         while True:
             first, data = lines.block()
             if not data:
                 break
-            shortest = 2 * len(self.names) - int(np.count_nonzero(self._may_lack))  # row, bytes
-            room = 1 + min(data.count(b"\n"), len(data) // max(1, shortest))
-            if room > len(at):
-                values, at = np.empty((len(self.names), room)), np.empty(room, np.int32)
-            whole = values.view(np.int64)
-            text = np.frombuffer(data, np.uint8)
-            n = read_rows(text, *plain, self._exact, self._may_lack, values, whole, at)
-            if n < 0:
-                n = self._read_singly(lines.cut(first, data), split, first, values, at)
-            self._lines.append(_told_briefly(first, at[:n]))
+            table, at = self._read_plain(data, delimiter, comment)
+            if table is None:
+                table, at = self._read_singly(lines.cut(first, data), split, first)
+            self._lines.append(_told_briefly(first, at))
             for k, column in enumerate(self.names):
-                self._columns[column].add((whole if self._exact[k] else values)[k, :n])
+                self._columns[column].add(table[str(k)])
+
+    def _read_plain(
+        self, data: bytes, delimiter: str | None, comment: str | None
+    ) -> tuple[AnyArray | None, AnyArray]:
+        """Return a block's rows, and which of its lines they are; None where one is not plain."""
+        none = np.empty(0, np.int32)
+        if not data.isascii() or b"\0" in data:
+            return None, none
+        if delimiter and self._may_lack.any():
+            if b"n" in data or b"N" in data:  # of nan, which stands for an empty cell below
+                return None, none
+            data = _with_nan(data, delimiter.encode("ascii"))
+        mark = comment.encode("ascii") if comment else None
+
+        def is_row(line: bytes) -> bool:
+            cells = line.strip()
+            return bool(cells) and not (mark and cells.startswith(mark))
+
+        at = np.fromiter((k for k, row in enumerate(io.BytesIO(data)) if is_row(row)), np.int32)
+        if not len(at):
+            return np.empty(0, self._row), none
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("error", DeprecationWarning)  # an integer with a point
+                table = np.loadtxt(
+                    filter(is_row, io.BytesIO(data)), self._row, comments=None,
+                    delimiter=delimiter, quotechar='"', ndmin=1,
+                )  # fmt: skip
+        except (ValueError, DeprecationWarning):
+            return None, none
+        for k, (exact, may_lack) in enumerate(zip(self._exact, self._may_lack, strict=True)):
+            values = table[str(k)]
+            sound = (values > -_LARGEST) & (values < _LARGEST)
+            if not (sound | np.isnan(values) if may_lack and not exact else sound).all():
+                return None, none
+        return table, at
 
     def _read_singly(
         self,
         lines: Iterable[tuple[int, str]],
         split: Callable[[str], list[str] | None],
         first: int,
-        values: AnyArray,
-        at: AnyArray,
-    ) -> int:
-        """Fill a block's numbers and lines row by row, so that the one that is wrong is named."""
-        whole = values.view(np.int64)
-        n = 0
+    ) -> tuple[AnyArray, AnyArray]:
+        """Return a block's rows, read one by one, so that the one that is wrong is named."""
+        table, at = [], []
         for line, text in lines:
             cells = split(text)
-            if cells is None:
-                continue
-            for k, number in enumerate(self._numbers(line, cells)):
-                (whole if self._exact[k] else values)[k, n] = number
-            at[n] = line - first
-            n += 1
-        return n
+            if cells is not None:
+                table.append(self._numbers(line, cells))
+                at.append(line - first)
+        return np.array(table, self._row), np.array(at, np.int32)
 
     def _numbers(self, line: int, cells: list[str]) -> tuple[float, ...]:
         if len(cells) != len(self.names):
@@ -186,6 +211,18 @@ class NumberTable:
                 f"expected {low:g} to {high:g}"
             )
         return values
+
+
+def _with_nan(data: bytes, delimiter: bytes) -> bytes:
+    """Return whole lines with nan in their empty cells, ten times as fast as re.sub."""
+    double, n = 2 * delimiter, b"nan"
+    for _ in range(2 if double in data else 0):  # of three in a row every second one at a time
+        data = data.replace(double, delimiter + n + delimiter)
+    for end in (b"\n", b"\r\n"):
+        data = data.replace(delimiter + end, delimiter + n + end)
+    data = data.replace(b"\n" + delimiter, b"\n" + n + delimiter)
+    data = n + data if data.startswith(delimiter) else data
+    return data + n if data.endswith(delimiter) else data
 
 
 def _told_briefly(first: int, lines: AnyArray) -> range | AnyArray:

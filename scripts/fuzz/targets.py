@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from scripts.fuzz.copied import COPIED
 from scripts.fuzz.drawings import DRAWINGS
@@ -157,6 +158,7 @@ def _mesh_seeds() -> list[tuple[str, bytes]]:
         (".obj", f"{relative}f -3/1 -2/1 -1/-1\nf 1//2 2//1 3//3\nl 1 2\n".encode()),
         (".gltf", _gltf()),
         *_odd_meshes(rows),
+        *_coloured_meshes(rows, triangles),
     ]
 
 
@@ -186,6 +188,51 @@ def _odd_meshes(rows: str) -> list[tuple[str, bytes]]:
         ),
         (".3mf", _pictured_3mf()),
     ]
+
+
+def _coloured_meshes(rows: str, triangles: NDArray[np.void]) -> list[tuple[str, bytes]]:
+    """Colours as sculptors, slicers, scanners and splats have them."""
+    triangles = triangles.copy()
+    triangles["attribute"] = np.arange(len(triangles)) * 2731 % 65536
+    stl = b"COLOR=\1\2\3\4".ljust(80) + len(triangles).to_bytes(4, "little") + triangles.tobytes()
+    faces = "3 0 1 2 255 0 0\n3 2 1 3 .5 0 1 1\n3 1 2 4 7\n"
+    vertices = [f"v {row} 1 1 0 0" for row in rows.split("\n")]
+    paint = "#MRGB ff0a0b0cff0d0e0fff0a0b0cff0d0e0f\n#MRGB ff0a0b0cff0d0e0fff0a0b0cff0d0e0f\n"
+    head = "ply\nformat ascii 1.0\nelement vertex 8\n"
+    place = "property float x\nproperty float y\nproperty float z\n"
+    listed = "property list uchar uchar rgba\n"
+    polygons = "element face 1\nproperty list uchar int vertex_indices\n"
+    splats = "".join(f"property float f_dc_{k}\n" for k in range(3))
+    told = rows.replace("\n", " 4 1 2 3 4\n") + " 4 1 2 3 4\n"
+    harmonics = rows.replace("\n", " 1 -2 .5\n") + " 1 -2 .5\n"
+    return [
+        (".stl", stl),
+        (".off", f"OFF\n8 3 0\n{rows}\n{faces}".encode()),
+        (".obj", ("\n".join(vertices) + "\nf 1 2 3\n").encode()),
+        (".obj", ("v " + rows.replace("\n", "\nv ") + f"\n{paint}f 1 2 3\n").encode()),
+        (".ply", f"{head}{place}{listed}{polygons}end_header\n{told}3 0 1 2\n".encode()),
+        (".ply", f"{head}{place}{splats}{polygons}end_header\n{harmonics}3 0 1 2\n".encode()),
+        (".gltf", _gltf_with_extensions()),
+    ]
+
+
+def _gltf_with_extensions() -> bytes:
+    document = json.loads(_gltf())
+    node = document["nodes"][0]
+    accessor = next(iter(document["meshes"][0]["primitives"][0]["attributes"].values()))
+    repeated = {"attributes": {"TRANSLATION": accessor, "SCALE": accessor}}
+    node["extensions"] = {
+        "EXT_mesh_gpu_instancing": repeated,
+        "KHR_node_visibility": {"visible": True},
+    }
+    document["extensionsRequired"] = ["EXT_mesh_gpu_instancing"]
+    glossy = {"diffuseFactor": [1, 0.5, 0, 1], "diffuseTexture": {"index": 0}}
+    document["materials"] = [{"extensions": {"KHR_materials_pbrSpecularGlossiness": glossy}}]
+    document["textures"] = [{"extensions": {"EXT_texture_webp": {"source": 0}}}]
+    document["images"] = [{"uri": "data:image/webp;base64,UklGRg=="}]
+    for primitive in document["meshes"][0]["primitives"]:
+        primitive["material"] = 0
+    return json.dumps(document).encode()
 
 
 def _pictured_3mf() -> bytes:

@@ -537,7 +537,7 @@ def _readers() -> list[int]:
     for folder in Path("/proc").iterdir() if Path("/proc/self").exists() else ():
         try:
             mine = f"PPid:\t{os.getpid()}\n" in (folder / "status").read_text()
-            if mine and b"paint3d.files.sandbox.child" in (folder / "cmdline").read_bytes():
+            if mine and b"paint3d.files.sandbox" in (folder / "cmdline").read_bytes():
                 found.append(int(folder.name))
         except (OSError, ValueError):
             continue

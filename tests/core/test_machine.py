@@ -39,7 +39,7 @@ ALLOWED = {
     "haptics/realtime.py": {"os.sched_setscheduler", "os.sched_param", "os.uname"},
     "bench/virtual_stylus.py": {"os.sched_setscheduler", "os.sched_param"},
     "device/hid_link.py": {"os.O_NONBLOCK"},
-    "files/sandbox/isolation.py": {"signal.SIGXCPU", "signal.SIGKILL"},
+    "files/sandbox.py": {"signal.SIGXCPU", "signal.SIGKILL"},
 }
 
 HIDE = f"""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gzip
 import json
+import os
 import struct
 import time
 
@@ -129,6 +130,14 @@ def test_times_that_run_back_are_refused(tmp_path) -> None:
     file.write_text("\n".join(lines))
     with pytest.raises(DeviceError, match=f"bad.jsonl:{len(lines)}: time 0"):
         read_device_log(file)
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="there are no named pipes here")
+def test_a_log_replaces_no_pipe(tmp_path) -> None:
+    os.mkfifo(tmp_path / "a.jsonl")
+    with pytest.raises(DeviceError, match="it is a pipe or a device; expected a file name"):
+        DeviceLog(tmp_path / "a.jsonl")
+    assert (tmp_path / "a.jsonl").is_fifo()
 
 
 def test_a_log_that_cannot_be_written_says_so(tmp_path) -> None:

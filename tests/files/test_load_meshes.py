@@ -21,13 +21,13 @@ from PIL import Image
 
 from paint3d.core.machine import make_memory_file
 from paint3d.errors import MeshError, UnknownNameError
+from paint3d.files import sandbox
 from paint3d.files.export import export
 from paint3d.files.formats.gltf import write_glb
 from paint3d.files.formats.ply import write_ply
 from paint3d.files.load import load_mesh
-from paint3d.files.reading import Wanted, read_surface
-from paint3d.files.sandbox import isolation
-from paint3d.files.sandbox.handover import receive, send
+from paint3d.files.reading import Wanted, read_surface, read_surface_apart
+from paint3d.files.sandbox import receive, send
 from scripts.solids import make_plane
 
 BOX = trimesh.creation.box((10.0, 20.0, 30.0))
@@ -443,10 +443,10 @@ def test_file_names_in_other_encodings(tmp_path):
 def in_child(monkeypatch, code):
     """Let the child process run this instead of a reader."""
     start = f"import sys, json, os, signal; sys.path[:] = json.loads(sys.argv.pop())\n{code}\n"
-    monkeypatch.setattr(isolation, "START", start)
+    monkeypatch.setattr(sandbox, "START", start)
 
 
-LIMITED = "import paint3d.files.reading as r, paint3d.files.sandbox.child as c\n"
+LIMITED = "import paint3d.files.reading as r, paint3d.files.sandbox as c\n"
 
 
 @pytest.mark.parametrize(
@@ -462,7 +462,7 @@ def test_a_reader_that_fails_takes_nothing_with_it(tmp_path, monkeypatch, code, 
     path = written(tmp_path, "a.obj", TRIANGLE + "f 1 2 3\n")
     in_child(monkeypatch, code)
     with pytest.raises(MeshError, match=message) as caught:
-        isolation.read_apart(path, Wanted())
+        read_surface_apart(path, Wanted())
     assert str(caught.value).startswith(f"{path}: ")
 
 
@@ -476,7 +476,7 @@ def test_a_reader_that_never_ends_is_ended(tmp_path, monkeypatch, code):
     limits = {"seconds": 0.4, "idle_seconds": 600} if "pass" in code else {"idle_seconds": 0.4}
     words = "longer than 0.4 s of computing" if "pass" in code else "stood still for 0.4 s"
     with pytest.raises(MeshError, match=words):
-        isolation.read_apart(path, Wanted(), **limits)
+        read_surface_apart(path, Wanted(), **limits)
 
 
 def test_a_child_without_a_parent_that_looks_ends_by_itself(tmp_path, monkeypatch):
@@ -484,18 +484,18 @@ def test_a_child_without_a_parent_that_looks_ends_by_itself(tmp_path, monkeypatc
     in_child(
         monkeypatch, f"{LIMITED}def spin(*_):\n while True: pass\nr.read_surface = spin\nc.main()"
     )
-    monkeypatch.setattr(isolation.Watch, "look", lambda self: None)
+    monkeypatch.setattr(sandbox.Watch, "look", lambda self: None)
     with pytest.raises(MeshError, match=r"longer than 0\.1 s of computing"):
-        isolation.read_apart(path, Wanted(), 0.1)
+        read_surface_apart(path, Wanted(), 0.1)
 
 
 def test_what_a_file_costs_is_not_what_the_clock_says(tmp_path, monkeypatch):
     path = written(tmp_path, "a.obj", TRIANGLE + "f 1 2 3\n")
     in_child(
         monkeypatch,
-        "import time; time.sleep(1.5)\nfrom paint3d.files.sandbox.child import main; main()",
+        "import time; time.sleep(1.5)\nfrom paint3d.files.sandbox import main; main()",
     )
-    assert isolation.read_apart(path, Wanted(), seconds=1).mesh.n_faces == 1
+    assert read_surface_apart(path, Wanted(), seconds=1).mesh.n_faces == 1
 
 
 def test_whoever_was_stopped_himself_refuses_no_good_file(tmp_path, monkeypatch):
@@ -503,7 +503,7 @@ def test_whoever_was_stopped_himself_refuses_no_good_file(tmp_path, monkeypatch)
     path = written(tmp_path, "a.obj", TRIANGLE + "f 1 2 3\n")
     in_child(
         monkeypatch,
-        "import time; time.sleep(0.3)\nfrom paint3d.files.sandbox.child import main; main()",
+        "import time; time.sleep(0.3)\nfrom paint3d.files.sandbox import main; main()",
     )
     stops = iter([0.0, 0.0, 3600.0])
     stopped, now = [0.0], time.monotonic
@@ -512,8 +512,8 @@ def test_whoever_was_stopped_himself_refuses_no_good_file(tmp_path, monkeypatch)
         stopped[0] += next(stops, 0.0)
         return now() + stopped[0]
 
-    monkeypatch.setattr(isolation, "time", SimpleNamespace(monotonic=clock))
-    assert isolation.read_apart(path, Wanted(), idle_seconds=60).mesh.n_faces == 1
+    monkeypatch.setattr(sandbox, "time", SimpleNamespace(monotonic=clock))
+    assert read_surface_apart(path, Wanted(), idle_seconds=60).mesh.n_faces == 1
     assert stopped == [3600.0]
 
 
@@ -524,11 +524,11 @@ def test_a_busy_machine_refuses_no_good_file(tmp_path, monkeypatch):
     core = {min(os.sched_getaffinity(0))}
     here = f"import os, time; os.sched_setaffinity(0, {core})\n"
     work = "while time.process_time() < 0.4: pass\n"
-    work += "from paint3d.files.sandbox.child import main; main()"
+    work += "from paint3d.files.sandbox import main; main()"
     in_child(monkeypatch, here + work)
     others = [subprocess.Popen([sys.executable, "-c", here + "while True: pass"]) for _ in range(3)]
     try:
-        reading = isolation.read_apart(path, Wanted(), seconds=2.0, idle_seconds=2.0)
+        reading = read_surface_apart(path, Wanted(), seconds=2.0, idle_seconds=2.0)
     finally:
         for other in others:
             other.kill()
@@ -569,7 +569,7 @@ def test_what_a_child_hands_over_arrives():
 
 def test_the_child_needs_no_heavy_package():
     code = "import sys, paint3d.files.formats.gltf\n"
-    code += "import paint3d.files.sandbox.child, paint3d.files.reading\n"
+    code += "import paint3d.files.sandbox, paint3d.files.reading\n"
     code += "print({'numba', 'open3d', 'scipy', 'PIL', 'vtk'} & set(sys.modules))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "set()"

@@ -26,6 +26,10 @@ __all__ = ["CASES", "outcome"]
 
 Outcome = Iterator[tuple[str, bytes]]
 _PICTURES = {".png", ".html"}  # drawn by a renderer, or holding what is
+_OTHERS = {
+    ".p3d",
+    ".usdz",
+}  # a session has a time in it; USDZ's bytes are those of a version of usd-core
 
 
 def _run(*words: object) -> None:
@@ -75,7 +79,7 @@ def bowl(folder: Path) -> Outcome:
     """A character that is planned for the bowl, and every format it can be exported in."""
     target = folder / "written.p3d"
     _run("write", "永", "--on", "bowl", "--size", 24, "--out", target)
-    yield from _exports(target, tuple(s for s in EXPORT_SUFFIXES if s not in _PICTURES | {".p3d"}))
+    yield from _exports(target, tuple(s for s in EXPORT_SUFFIXES if s not in _PICTURES | _OTHERS))
 
 
 def vase(folder: Path) -> Outcome:

@@ -13,7 +13,6 @@ import pytest
 
 from paint3d.errors import RecordingError
 from paint3d.recording import number_table, recording
-from paint3d.recording.kernels.number_rows import read_rows
 from paint3d.recording.number_table import NumberTable
 from paint3d.recording.recording import TextLines, load_recording
 
@@ -84,17 +83,6 @@ def test_the_line_that_is_wrong_is_named(row: str, words: str) -> None:
     assert words in str(caught.value)
 
 
-def plain(text: str, n_columns: int = 1, delimiter: str = ",") -> list[list[float]] | None:
-    """The rows that the kernel reads in a text, or None where it leaves it to others."""
-    values = np.empty((n_columns, text.count("\n") + 1))
-    lines = np.empty(values.shape[1], np.int32)
-    none = np.zeros(n_columns, bool)
-    data = np.frombuffer(text.encode(), np.uint8)
-    code = ord(delimiter) if delimiter else 0
-    n = read_rows(data, code, -1, none, none, values, values.view(np.int64), lines)
-    return None if n < 0 else values[:, :n].T.tolist()
-
-
 def some_numbers(n: int) -> list[str]:
     """Decimals of all kinds, and some half-way between two floats, or a trifle beside that."""
     rng = random.Random(11)
@@ -108,66 +96,26 @@ def some_numbers(n: int) -> list[str]:
         for trifle in (-1, 0, 1):
             found.append(f"{whole * 10 + trifle}e-1")
             found.append(f"{whole * 5**3 * 10 ** (19 - len(str(whole * 125))) + trifle}e-22")
-    return [text for text in found if len(text.split("e")[0].replace(".", "").lstrip("0")) <= 19]
+    return found
 
 
-def test_the_kernel_reads_the_nearest_float_of_every_decimal() -> None:
-    texts = some_numbers(30_000)
-    expected = [float(text) for text in texts]
-    one_by_one = plain("\n".join(texts))
-    assert one_by_one is not None
-    wrong = [
-        text
-        for text, (read,), right in zip(texts, one_by_one, expected, strict=True)
-        if read != right
-    ]
-    assert not wrong, wrong[:5]
-    assert any(len(text) > 18 for text in texts)
+def test_the_nearest_float_of_every_decimal_is_read() -> None:
+    texts = some_numbers(3_000)
+    table = read([f"{k},{text},1" for k, text in enumerate(texts)])
+    assert table.column("x")[1].tolist() == [float(text) for text in texts]
 
 
-@pytest.mark.parametrize("text", ["-0.0", "+.5", "5.", "-7e2", "1E-3", "00012.500", "0e9"])
-def test_the_kernel_reads_signs_points_and_exponents(text: str) -> None:
-    ((read,),) = plain(f"  {text} \r\n")
-    assert struct.pack("<d", read) == struct.pack("<d", float(text))
-
-
-@pytest.mark.parametrize(
-    "text",
-    [
-        "",
-        ".",
-        "-",
-        "e5",
-        "1e",
-        "1e+",
-        "1 2",
-        "1,2",
-        "nan",
-        "0x1",
-        "1_0",
-        "1e-30",
-        "4.7e18",
-        "\x00",
-        "12345678901234567890",
-        "1e1000",
-        "1.e5x",
-        "--1",
-        "²",
-        '"1"',
-        "1" + " " * 70_000,
-    ],
-)
-def test_the_kernel_leaves_what_is_not_plain_to_others(text: str) -> None:
-    assert plain(f"1\n{text}\n2") == ([[1.0], [2.0]] if not text else None)
-
-
-def test_the_kernel_keeps_to_the_columns() -> None:
-    assert plain("1,2\n\n 3 ,\t4\r\n", 2) == [[1.0, 2.0], [3.0, 4.0]]
-    assert plain("1\t 2 \n3  4", 2, "") == [[1.0, 2.0], [3.0, 4.0]]
-    assert plain("1\t 2\n3\t4", 2, "\t") == [[1.0, 2.0], [3.0, 4.0]]
-    for text in ("1\n2", "1,2,3", "1,2,", ",1", "1;2", "1.5.2,1"):
-        assert plain(text, 2) is None, text
-    assert plain("1.5.2", 2, "") is None
+@pytest.mark.usefixtures("small_blocks")
+@pytest.mark.parametrize("end", ["\n", "\r\n"])
+def test_empty_cells_and_lines_are_known_in_plain_blocks(end: str) -> None:
+    """They are read by blocks: a large recording has them in every row."""
+    rows = ["1,2,3", "", "2,-.5e1,", " ", "3, 4 ,", '"4","5",6']
+    table = NumberTable(["time_ns", "x", "z"], "a.csv", {"time_ns"}, {"z"})
+    text = TextLines(io.BytesIO(end.join(rows).encode()), "a.csv")
+    table.read(text, ",", lambda line: pytest.fail("row by row"))
+    assert table.column("time_ns")[1].tolist() == [1, 2, 3, 4]
+    np.testing.assert_array_equal(table.column("z")[1], [3.0, np.nan, np.nan, 6.0])
+    assert [table.line(k) for k in range(4)] == [1, 3, 5, 6]
 
 
 def test_a_row_of_no_numbers_takes_no_room_for_its_columns() -> None:

@@ -21,14 +21,14 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
-from paint3d.files.sandbox import child, isolation
+from paint3d.files import sandbox
 from tests.support.forked import forkserver
 
 __all__ = ["reading_by_forks"]
 
-_COMMAND = [sys.executable, "-I", "-W", "ignore", "-c", isolation.START]
-_SECONDS = {math.ceil(isolation.MAX_SECONDS), math.ceil(isolation.PICTURE_SECONDS)}
-_MEMORY = isolation.MAX_MEMORY
+_COMMAND = [sys.executable, "-I", "-W", "ignore", "-c", sandbox.START]
+_SECONDS = {math.ceil(sandbox.MAX_SECONDS), math.ceil(sandbox.PICTURE_SECONDS)}
+_MEMORY = sandbox.MAX_MEMORY
 _PACKED = re.compile(rb"KHR_draco|EXT_meshopt")  # in a glTF: unpacked by a package of its own
 
 
@@ -47,7 +47,7 @@ def _as_it_is(handed: Any) -> Any:
 
 
 def _be_the_child(request: dict[str, Any], file: Any, environment: dict[str, str], cwd: str):
-    """The child of `isolation` in a process that was forked when its modules were there."""
+    """The child of `sandbox` in a process that was forked when its modules were there."""
     nowhere = os.open(os.devnull, os.O_RDWR)
     for number in range(3):
         os.dup2(nowhere, number)
@@ -56,11 +56,11 @@ def _be_the_child(request: dict[str, Any], file: Any, environment: dict[str, str
     os.chdir(cwd)
     warnings.simplefilter("ignore")
     sys.argv = ["-c", json.dumps({**request, "file": file.detach()})]
-    child.main()
+    sandbox.main()
 
 
 class _Forked:
-    """What `isolation` asks of a `subprocess.Popen`."""
+    """What `sandbox` asks of a `subprocess.Popen`."""
 
     def __init__(self, request: dict[str, Any], environment: dict[str, str]) -> None:
         handed = _Handed(request["file"])
@@ -105,7 +105,7 @@ def _kind(request: dict[str, Any]) -> tuple[object, ...]:
     with suppress(OSError):
         packed |= set(_PACKED.findall(path.read_bytes()))
     with_pictures = request["wanted"][2:3] == [True]
-    return request["kind"], *Path(path.name.lower()).suffixes[-2:], *sorted(packed), with_pictures
+    return request["reader"], *Path(path.name.lower()).suffixes[-2:], *sorted(packed), with_pictures
 
 
 @contextmanager
@@ -123,8 +123,8 @@ def reading_by_forks() -> Iterator[None]:
             return subprocess.Popen(command, **how)
         return _Forked(request, how["env"])
 
-    before = isolation.subprocess
-    isolation.subprocess = SimpleNamespace(
+    before = sandbox.subprocess
+    sandbox.subprocess = SimpleNamespace(
         Popen=start,
         DEVNULL=subprocess.DEVNULL,
         PIPE=subprocess.PIPE,
@@ -133,4 +133,4 @@ def reading_by_forks() -> Iterator[None]:
     try:
         yield
     finally:
-        isolation.subprocess = before
+        sandbox.subprocess = before

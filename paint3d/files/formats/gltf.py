@@ -8,6 +8,7 @@ import json
 import struct
 import zlib
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +21,7 @@ from paint3d.errors import ExportError, MeshError
 from paint3d.files.colours import REPEAT, Look, colour_shares, open_picture, srgb_from_linear
 from paint3d.files.contents import parse_json, read_beside
 from paint3d.files.finish import Finish, Texture
-from paint3d.files.raw_mesh import RawMesh, check_count, left_out
+from paint3d.files.raw_mesh import RawMesh, check_count, join_meshes, left_out
 
 __all__ = [
     "GENERATOR",
@@ -757,7 +758,19 @@ def read_gltf(data: bytes, folder: Path, texture: bool = False) -> RawMesh:
                 parts.append(_transformed(part, matrix))
     if not parts:
         raise MeshError("its scene has no triangles; expected a surface")
-    return _merged(parts, paint, _dropped(file))
+    for part in parts:  # checked here: in the joined mesh, a wrong index would hit another part
+        if len(part.corners) and int(part.corners.max()) >= len(part.vertices):
+            raise MeshError(
+                f"a face refers to vertex {int(part.corners.max())}; "
+                f"expected 0 to {len(part.vertices) - 1}"
+            )
+    return replace(
+        join_meshes(parts),
+        unit_mm=METRE_MM,
+        up="y",
+        notes=(*dict.fromkeys(paint.notes), *left_out(_dropped(file) | paint.dropped)),
+        looks=tuple(paint.looks),
+    )
 
 
 def _dropped(file: GltfFile) -> set[str]:
@@ -902,43 +915,6 @@ def _transformed(part: RawMesh, matrix: NDArray[np.float64]) -> RawMesh:
     return RawMesh.of_triangles(
         vertices, faces, colours=part.colours, normals=normals, look_of=part.look_of, uv=uv
     )
-
-
-def _merged(parts: list[RawMesh], paint: GltfPaint, dropped: set[str]) -> RawMesh:
-    first = np.cumsum([0, *(len(part.vertices) for part in parts)])
-    for part in parts:  # checked here: after merging, a wrong index would hit another part
-        if len(part.corners) and int(part.corners.max()) >= len(part.vertices):
-            raise MeshError(
-                f"a face refers to vertex {int(part.corners.max())}; "
-                f"expected 0 to {len(part.vertices) - 1}"
-            )
-    corners = [part.corners + start for part, start in zip(parts, first, strict=False)]
-    colours = None
-    if any(part.colours is not None for part in parts):
-        white = [np.full((len(p.vertices), 3), 255, np.uint8) for p in parts]
-        known = [w if p.colours is None else p.colours for p, w in zip(parts, white, strict=True)]
-        colours = np.concatenate(known)
-    normals = None
-    given = [part.normals for part in parts if part.normals is not None]
-    if len(given) == len(parts):
-        normals = np.concatenate(given)
-    return RawMesh(
-        np.concatenate([part.vertices for part in parts]),
-        np.concatenate(corners),
-        np.concatenate([part.sizes for part in parts]),
-        colours,
-        normals,
-        unit_mm=METRE_MM,
-        up="y",
-        notes=(*dict.fromkeys(paint.notes), *left_out(dropped | paint.dropped)),
-        looks=tuple(paint.looks),
-        look_of=np.concatenate([part.look_of for part in parts]) if paint.looks else None,
-        uv=np.concatenate([_uv(part) for part in parts]) if paint.looks else None,
-    )
-
-
-def _uv(part: RawMesh) -> NDArray[np.float64]:
-    return np.full((len(part.corners), 2), np.nan) if part.uv is None else part.uv
 
 
 # ---- Writing -------------------------------------------------------------------------------------

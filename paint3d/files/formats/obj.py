@@ -16,7 +16,7 @@ from paint3d.files.contents import plain_text, read_beside
 from paint3d.files.formats.text_rows import UNIT_NAMES, text_rows
 from paint3d.files.raw_mesh import RawMesh, index_array, left_out, parse_numbers
 
-__all__ = ["ObjLooks", "names_materials", "obj_looks", "read_obj", "write_obj"]
+__all__ = ["ObjLooks", "obj_looks", "read_obj", "write_obj"]
 
 # ---- Materials -----------------------------------------------------------------------------------
 # Diffuse colours and pictures of OBJ materials (.mtl), face by face.
@@ -110,12 +110,6 @@ def obj_looks(lines: Sequence[bytes], sizes: NDArray[np.int64], folder: Path) ->
     uv = uv * (1.0, -1.0) + (0.0, 1.0)  # OBJ counts from the lower left
     looks = tuple(material.look() for material in materials.values())
     return ObjLooks(looks, look_of, uv, *told)
-
-
-def names_materials(lines: Sequence[bytes]) -> bool:
-    """Whether an OBJ file has colours in a material library."""
-    kinds = {line.partition(b" ")[0] for line in lines}
-    return {b"mtllib", b"usemtl"} <= kinds
 
 
 def _name(words: bytes) -> str:
@@ -287,14 +281,18 @@ def read_obj(data: bytes, folder: Path, texture: bool = False) -> RawMesh:
     if (corners == 0).any():
         raise MeshError("a face refers to vertex 0; OBJ counts from 1")
     if (corners < 0).any():
-        before = np.repeat(_vertices_before_faces(lines), sizes)
+        is_vertex = np.array([line[:2] == b"v " for line in lines])
+        is_face = np.array([line[:2] == b"f " for line in lines])
+        before = np.repeat(np.cumsum(is_vertex)[is_face], sizes)  # vertices, of each face
         corners = np.where(corners < 0, corners + before, corners - 1)
     else:
         corners = corners - 1
-    announced = "" if len(sizes) else _announced(lines)
-    dropped = _passed_over(lines)
+    kinds = {line.partition(b" ")[0] for line in lines}
+    besides = (what for kind, what in NO_POINTS.items() if kind in kinds)
+    announced = "" if len(sizes) else next(besides, "")
+    dropped = {what for kind, what in PASSED_OVER.items() if kind in kinds}
     if not texture:
-        dropped |= {"its colours and pictures"} if names_materials(lines) else set()
+        dropped |= {"its colours and pictures"} if {b"mtllib", b"usemtl"} <= kinds else set()
         notes += left_out(dropped)
         return RawMesh(vertices, corners, sizes, colours, announces=announced, notes=notes)
     found = obj_looks(lines, sizes, folder)
@@ -368,31 +366,12 @@ def _polypaint(data: bytes, n: int) -> tuple[NDArray[np.uint8] | None, tuple[str
     return codes[:, 1:].copy(), ()
 
 
-def _passed_over(lines: Sequence[bytes]) -> set[str]:
-    """What there is besides faces, and is not read."""
-    kinds = {line.partition(b" ")[0] for line in lines}
-    return {what for kind, what in PASSED_OVER.items() if kind in kinds}
-
-
-def _announced(lines: Sequence[bytes]) -> str:
-    """What there is besides points, in a file without faces."""
-    kinds = {line.partition(b" ")[0] for line in lines}
-    return next((what for kind, what in NO_POINTS.items() if kind in kinds), "")
-
-
 def _numbers(text: bytes) -> NDArray[np.float64]:
     """Parse numbers; where that fails, read exponents like 3.1+e2, which some programs write."""
     try:
         return parse_numbers(text, "a vertex")
     except MeshError:
         return parse_numbers(ODD_EXPONENT.sub(rb"e\1", text), "a vertex")
-
-
-def _vertices_before_faces(lines: Sequence[bytes]) -> NDArray[np.int64]:
-    """Return for each face line how many vertex lines come before it."""
-    kind = np.array([1 if line[:2] == b"v " else 2 if line[:2] == b"f " else 0 for line in lines])
-    result: NDArray[np.int64] = np.cumsum(kind == 1)[kind == 2]
-    return result
 
 
 # ---- Writing -------------------------------------------------------------------------------------

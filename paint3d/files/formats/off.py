@@ -53,7 +53,8 @@ def read_off(data: bytes, texture: bool = False) -> RawMesh:
     rows = [line.split() for line in lines]
     n_vertices, n_faces = _counts(rows, len(data))
     table, rest = rows[1 : 1 + n_vertices], rows[1 + n_vertices : 1 + n_vertices + n_faces]
-    if len(rest) < n_faces or not _are_faces(rest):
+    whole = all(row[0].isdigit() and len(row) > int(row[0]) for row in rest)
+    if len(rest) < n_faces or not whole:
         table, rest = _over_lines(rows, kind, n_vertices, n_faces)
     corners, sizes = _faces(rest)
     colours, notes = _colours(table) if kind == b"COFF" else (None, ())
@@ -79,11 +80,6 @@ def _kind(lines: list[bytes]) -> tuple[bytes, list[bytes]]:
         raise MeshError("it is a binary OFF file; expected OFF in text form")
     kind = found["kind"].upper().removeprefix(b"ST")
     return kind, [rest, *lines[1:]] if rest else lines[1:]
-
-
-def _are_faces(rows: list[list[bytes]]) -> bool:
-    """Whether each of the rows holds as many corners as it says."""
-    return all(row[0].isdigit() and len(row) > int(row[0]) for row in rows)
 
 
 def _over_lines(

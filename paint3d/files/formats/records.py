@@ -16,7 +16,7 @@ import os
 import re
 from collections.abc import Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,9 +25,11 @@ from paint3d.core.arrays import AnyArray, as_array
 from paint3d.errors import MeshError
 from paint3d.files.contents import plain_text, read_contents
 from paint3d.files.raw_mesh import RawMesh, parse_numbers
+from paint3d.files.sandbox import Found, read_apart
 
 __all__ = [
     "Records",
+    "child_records",
     "pack_normals",
     "parse_records",
     "read_records",
@@ -144,9 +146,20 @@ def read_records(path: str | os.PathLike[str]) -> Records:
     MeshError
         ``file: line N: what`` if a line is neither, or rows differ in kind.
     """
-    from paint3d.files.sandbox.isolation import read_records_apart
+    arrays, facts = read_apart(Path(path), f"{__name__}:{child_records.__name__}", [])
+    arrays = {name: array.copy() for name, array in arrays.items()}
+    start = np.array(facts["start"], np.float64)
+    positions, directions, colours = (arrays[k] for k in ("positions", "directions", "colours"))
+    return Records(start, positions, directions, colours, arrays.get("rows"))
 
-    return Records(*read_records_apart(Path(path)))
+
+def child_records(path: Path, wanted: list[Any]) -> Found:
+    """Read records in the child process: what `read_records` makes `Records` of."""
+    records = read_records_here(path)
+    arrays: dict[str, AnyArray] = {"positions": records.vertices, "directions": records.normals}
+    arrays |= {} if records.faces is None else {"rows": records.faces}
+    arrays["colours"] = records.srgb
+    return arrays, {"start": records.initial_position.tolist()}
 
 
 def read_records_here(path: Path) -> Records:

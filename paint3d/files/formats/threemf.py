@@ -21,7 +21,7 @@ from paint3d.errors import MeshError
 from paint3d.files.colours import Look, open_picture
 from paint3d.files.contents import parse_xml
 from paint3d.files.formats.text_rows import text_rows
-from paint3d.files.raw_mesh import RawMesh, left_out
+from paint3d.files.raw_mesh import RawMesh, join_meshes, left_out
 
 __all__ = ["CORE", "Paint3mf", "Seen", "read_3mf", "write_3mf"]
 
@@ -303,7 +303,10 @@ def _read_package(package: Package) -> RawMesh:
         _place(package, part, item.get("objectid"), _matrix(item.get("transform")), ())
     if not package.pieces:
         raise MeshError("it has no build items with triangles; expected a surface")
-    raw = _merged(package.pieces, UNITS_MM[unit], package.paint.looks)
+    raw = join_meshes(package.pieces)
+    plain = package.paint.looks or raw.colours is not None
+    looks = (*package.paint.looks, Look()) if plain else ()  # faces without one are as coloured
+    raw = replace(raw, unit_mm=UNITS_MM[unit], up="z", looks=looks)
     notes, dropped = tuple(dict.fromkeys(package.paint.notes)), package.paint.dropped
     if len(raw.sizes):
         dropped = dropped | ({"beam lattices"} if _has_beams(package) else set())
@@ -397,30 +400,6 @@ def _means(seen: Seen, faces: NDArray[np.int64], n_vertices: int) -> NDArray[np.
     total = [np.bincount(corners, codes[:, k], n_vertices) for k in range(3)]
     mean = np.where(weight > 0, np.stack(total, axis=1) / np.maximum(weight, 1), 255.0)
     return np.floor(mean + 0.5).astype(np.uint8)
-
-
-def _merged(pieces: list[RawMesh], unit_mm: float, looks: list[Look]) -> RawMesh:
-    first = np.cumsum([0, *(len(piece.vertices) for piece in pieces)])
-    coloured = any(piece.colours is not None for piece in pieces)
-    plain = bool(looks) or coloured  # faces without a picture are seen as they are coloured
-    return RawMesh(
-        np.concatenate([piece.vertices for piece in pieces]),
-        np.concatenate([p.corners + n for p, n in zip(pieces, first, strict=False)]),
-        np.concatenate([piece.sizes for piece in pieces]),
-        _all(pieces, "colours", "vertices") if coloured else None,
-        unit_mm=unit_mm,
-        up="z",
-        looks=(*looks, Look()) if plain else (),
-        look_of=np.concatenate([piece.look_of for piece in pieces]),
-        uv=np.concatenate([piece.uv for piece in pieces]),
-        corner_colours=_all(pieces, "corner_colours", "corners") if coloured else None,
-    )
-
-
-def _all(pieces: list[RawMesh], name: str, of: str) -> NDArray[np.uint8]:
-    """Colours of all pieces, white where one has none."""
-    found = [(getattr(piece, name), len(getattr(piece, of))) for piece in pieces]
-    return np.concatenate([np.full((n, 3), 255, np.uint8) if c is None else c for c, n in found])
 
 
 # ---- Writing -------------------------------------------------------------------------------------

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.colour.spectra import decode_srgb
+from paint3d.core.arrays import AnyArray
 from paint3d.errors import ExportError
 from paint3d.files.finish import Finish
 from paint3d.files.load import UNITS_MM
@@ -106,7 +107,7 @@ def _add_mesh(
     linear = decode_srgb(np.arange(256, dtype=np.uint8)).astype("<f4")
     shown = linear[colours] if colours.dtype == np.uint8 else colours
 
-    def vectors(array: NDArray[np.float32]) -> Any:
+    def vectors(array: AnyArray) -> Any:
         return Vt.Vec3fArray.FromNumpy(np.ascontiguousarray(array, "<f4"))
 
     mesh = UsdGeom.Mesh.Define(stage, MESH)

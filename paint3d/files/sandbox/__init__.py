@@ -1,1 +1,0 @@
-"""Strangers' files are read in a process of their own, with limits."""

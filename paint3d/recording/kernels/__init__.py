@@ -1,1 +1,0 @@
-"""The hot loop of reading: rows of numbers."""
