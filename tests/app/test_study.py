@@ -167,9 +167,7 @@ def test_the_command_plans_and_prints_the_table(tmp_path, capsys, folder):
     out = capsys.readouterr().out
     assert "永 on bowl" in out
     assert "P02-II-1.p3d" in out
-    assert (
-        main(["study", "table", str(folder), "--json", str(tmp_path / "r.json"), "--quiet"]) == 0
-    )
+    assert main(["study", "table", str(folder), "--json", str(tmp_path / "r.json"), "--quiet"]) == 0
     out = capsys.readouterr().out
     assert "II takes 0.51 of the time of I: paired t(2)" in out
     report = json.loads((tmp_path / "r.json").read_text())
@@ -177,6 +175,9 @@ def test_the_command_plans_and_prints_the_table(tmp_path, capsys, folder):
     assert len(report["trials"]) == 6
     assert main(["study", "table", str(tmp_path / "none")]) == 2
     assert "expected the plan of a study" in capsys.readouterr().err
+    assert main(["study", "plan", str(tmp_path / "new")]) == 0
+    assert main(["study", "table", str(tmp_path / "new")]) == 2
+    assert "there is no trial yet; expected P01-I" in capsys.readouterr().err
     assert main(["study", "plan", str(new), "--participants", "0"]) == 2
 
 
