@@ -55,6 +55,7 @@ def run(page: str, capsys: pytest.CaptureFixture[str]) -> None:
                 assert written.stat().st_size > 0, words
 
 
+@pytest.mark.timeout(1800)
 def test_the_readme_runs_in_an_empty_folder(folder: Path, capsys, monkeypatch) -> None:
     assert len(lines("README.md")) > 6
     run("README.md", capsys)
@@ -64,6 +65,8 @@ def test_the_readme_runs_in_an_empty_folder(folder: Path, capsys, monkeypatch) -
         assert (folder / name).stat().st_size > 1000
 
 
+@pytest.mark.long  # three minutes of processor time
+@pytest.mark.timeout(3600)
 @pytest.mark.usefixtures("folder")
 def test_the_page_of_commands_runs(capsys) -> None:
     assert len(lines("docs/commands.md")) > 25
