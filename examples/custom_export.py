@@ -4,7 +4,6 @@ import sys
 from pathlib import Path
 
 import numpy as np
-from _stroke import line
 
 import paint3d
 
@@ -12,7 +11,8 @@ out = Path(sys.argv[1] if len(sys.argv) > 1 else "out")
 out.mkdir(exist_ok=True)
 
 surface = paint3d.PaintedSurface(paint3d.load_mesh("plane"), resolution=1.0)
-paint3d.Painter(surface, "full", "azurite").replay(line((-30, 0), (30, 0), press=(0.2, 0.5, 0.2)))
+painter = paint3d.Painter(surface, "full", "azurite")
+painter.stroke([(-30, 0, 0), (30, 0, 0)], pressure=(0.2, 0.5, 0.2))
 vertices, faces, normals, srgb = surface.export_arrays()  # no more vertices than the colours need
 rows = np.column_stack([vertices, normals, srgb])
 np.savetxt(out / "cloud.xyz", rows, fmt=["%.4f"] * 6 + ["%d"] * 3)

@@ -4,15 +4,12 @@ import dataclasses
 import sys
 from pathlib import Path
 
-from _stroke import line
-
 import paint3d
-from paint3d.brush.presets import load_brush
 
 out = Path(sys.argv[1] if len(sys.argv) > 1 else "out")
 out.mkdir(exist_ok=True)
 
-full = load_brush("full")
+full = paint3d.load_brush("full")
 mine = dataclasses.replace(
     full,
     name="mine",
@@ -26,6 +23,6 @@ surface = paint3d.PaintedSurface(paint3d.load_mesh("plane"), resolution=0.6, mat
 for y, brush in ((15.0, full), (-15.0, mine)):
     before = surface.painted.sum()
     painter = paint3d.Painter(surface, brush, "pine soot")
-    painter.replay(line((-40, y), (40, y), press=(0.0, 0.5, 0.2, 0.5, 0.0)))
+    painter.stroke([(-40, y, 0), (40, y, 0)], pressure=(0.0, 0.5, 0.2, 0.5, 0.0))
     print(f"{brush.name:6} {surface.painted.sum() - before} vertices")
 paint3d.export(surface, out / "brushes.glb")

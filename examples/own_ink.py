@@ -4,7 +4,6 @@ import sys
 from pathlib import Path
 
 import numpy as np
-from _stroke import line
 
 import paint3d
 from paint3d.colour.pigments import BANDS_NM, Pigment
@@ -25,7 +24,7 @@ for k, share in enumerate((0.0, 0.25, 0.5, 0.75)):
     painter.dip({blue: 1.0 - share, "cinnabar": share} if share else blue)
     before = surface.painted.copy()
     y = 30.0 - 20.0 * k
-    painter.replay(line((-40, y), (40, y), press=(0.0, 0.4, 0.4, 0.0)))
+    painter.stroke([(-40, y, 0), (40, y, 0)], pressure=(0.0, 0.4, 0.4, 0.0))
     fresh = surface.painted.copy()
     fresh[: len(before)] &= ~before
     print(f"{share:4.0%} cinnabar: sRGB {surface.srgb[fresh].mean(axis=0).round().astype(int)}")

@@ -3,8 +3,6 @@
 import sys
 from pathlib import Path
 
-from _stroke import line
-
 import paint3d
 
 out = Path(sys.argv[1] if len(sys.argv) > 1 else "out")
@@ -12,7 +10,7 @@ out.mkdir(exist_ok=True)
 
 surface = paint3d.PaintedSurface(paint3d.load_mesh("plane"), resolution=0.8, material="xuan")
 painter = paint3d.Painter(surface, "full", {"pine soot": 0.12, "water": 0.88})
-painter.replay(line((-15, 0), (15, 0), press=(0.2, 0.4, 0.2)))
+painter.stroke([(-15, 0, 0), (15, 0, 0)], pressure=(0.2, 0.4, 0.2))
 for seconds in (0.0, 1.0, 4.0):
     surface.diffuse(seconds)
     area = surface.vertex_areas[surface.painted].sum()

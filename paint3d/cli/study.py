@@ -27,6 +27,7 @@ from paint3d.cli.options import (
 from paint3d.cli.progress import ProgressBar
 from paint3d.cli.report import find_versions
 from paint3d.core.atomic import write_atomically
+from paint3d.errors import InputError
 from paint3d.files.contents import json_text
 
 if TYPE_CHECKING:
@@ -147,10 +148,18 @@ def _answer(options: argparse.Namespace) -> None:
 def _measured(options: argparse.Namespace, written: Path | None, suffix: str) -> StudyTable:
     """The results, if the file that is to be written can be."""
     from paint3d.app.model.studies.plan import ANSWERS_NAME, PLAN_NAME, load_plan
+
+    plan = load_plan(options.folder)
+    there = [file.name for file in options.folder.iterdir()]
+    stems = [trial.stem for trial in plan.schedule()]
+    if not any(name.startswith(f"{stem}.") for stem in stems for name in there):
+        raise InputError(
+            f"{options.folder}: there is no trial yet; expected {stems[0]}.p3d and so on, as "
+            "`paint3d study plan` has said"
+        )
     from paint3d.app.model.studies.study import evaluate
     from paint3d.calligraphy.glyph_sources import open_glyphs
 
-    plan = load_plan(options.folder)
     if written is not None:
         check_output_file(written, (suffix,))
         read = [options.folder / name for name in (PLAN_NAME, ANSWERS_NAME)]

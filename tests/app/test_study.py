@@ -175,6 +175,9 @@ def test_the_command_plans_and_prints_the_table(tmp_path, capsys, folder):
     assert len(report["trials"]) == 6
     assert main(["study", "table", str(tmp_path / "none")]) == 2
     assert "expected the plan of a study" in capsys.readouterr().err
+    assert main(["study", "plan", str(tmp_path / "new")]) == 0
+    assert main(["study", "table", str(tmp_path / "new")]) == 2
+    assert "there is no trial yet; expected P01-I" in capsys.readouterr().err
     assert main(["study", "plan", str(new), "--participants", "0"]) == 2
 
 

@@ -62,7 +62,7 @@ def test_a_row_is_what_one_would_type(tmp_path):
         ("", "table.csv:1: there is no column object"),
         ("text,object\n", "there is no column output"),
         ("object,output\n", "there is no column text or recording"),
-        ("text,object,output,brusch\n", "unknown column 'brusch': did you mean 'brush'?"),
+        ("text,object,output,brusch\n", "unknown column 'brusch'; did you mean brush?"),
         ("text,object,output,quiet\n", "unknown column 'quiet'"),
         ("text,object,output,h\n", "unknown column 'h'"),
         ("text,text,object,output\n", "two columns have the same name"),
@@ -112,7 +112,7 @@ def test_rows_that_are_refused(tmp_path, text, words):
         (("replay", "--on=plane", "--out=a.ply", "--resolution=fine", "--", "a"), "not a length"),
         (("replay", "--out=a.ply", "--", "a"), "arguments are required: --on"),
         (("replay", "--on=plane", "--out=a.ply", "--", "no\nne"), "no ne: there is no such file"),
-        (("fly",), "unexpected KeyError: 'fly'"),
+        (("fly",), "unexpected ModuleNotFoundError"),
     ],
 )
 def test_a_row_that_fails_says_why_in_one_line(arguments, words):

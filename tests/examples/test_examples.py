@@ -13,8 +13,9 @@ from paint3d.files.load import load_mesh
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 LEAVES = {
-    "paint": ["bowl.glb"],
-    "write": ["vase.ply"],
+    "paint": ["bowl.glb", "yong.jsonl.gz"],
+    "live": ["live.png", "live.p3d"],
+    "write": ["vase.ply", "vase.p3d"],
     "replay": ["bowl.p3d.txt"],
     "own_brush": ["brushes.glb"],
     "own_ink": ["inks.glb"],
