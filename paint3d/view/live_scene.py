@@ -185,6 +185,7 @@ class LiveScene:
         self._beside: dict[DrawnMesh, float] = {}  # other meshes, and their line widths
         self._pixels: AnyArray | None = None
         self._patches: dict[int, DrawnMesh] = {}
+        self._sharp: set[int] = set()  # patches with paint: others do without their edges
         self._coarse: list[DrawnMesh] = []
         self._coarse_is_new = False
         self._coarse_object: CoarseObject | None = None
@@ -245,7 +246,7 @@ class LiveScene:
         """
         for drawn in self._patches.values():
             self.renderer.RemoveActor(drawn.actor)
-        self._patches = {}
+        self._patches, self._sharp = {}, set()
         self.set_coarse(None)
         self._bounds_of, self._cones = np.empty((0, 6)), np.empty((0, 4))
         self._counts = np.empty(0, np.int64)
@@ -277,7 +278,7 @@ class LiveScene:
         for upload in uploads:
             drawn = self._patches.get(upload.patch)
             if drawn is None:
-                drawn = self._patches[upload.patch] = self._new_piece(sharp=True)
+                drawn = self._patches[upload.patch] = self._new_piece()
                 self._shown = np.empty(0, bool)
             if upload.points is not None and upload.faces is not None:
                 drawn.set_shape(upload.points, upload.faces, upload.normals)
@@ -289,16 +290,20 @@ class LiveScene:
             drawn.set_colours(upload.colours)
             for name, values in attributes.items():
                 drawn.set_attribute(name, values)
+            if upload.patch not in self._sharp and upload.shares.any():
+                self._sharp.add(upload.patch)
+                drawn.read_attributes()
+                _set_shaders(drawn, True, self._gloss, sharp=True)
             self.uploaded += upload.n_bytes
         return changed
 
-    def _new_piece(self, *, sharp: bool) -> DrawnMesh:
-        """Add an empty mesh with the object's material to the scene; see `_set_shaders`."""
+    def _new_piece(self) -> DrawnMesh:
+        """Add an empty mesh with the object's material to the scene."""
         drawn = DrawnMesh(PLAIN_SHINE)
         look = drawn.actor.GetProperty()
         _shine(look, self._gloss)
         look.SetBackfaceCulling(self._is_solid)
-        _set_shaders(drawn, True, self._gloss, sharp=sharp)
+        _set_shaders(drawn, True, self._gloss)
         drawn.actor.ForceOpaqueOn()  # alpha is the shine, not opacity
         self.renderer.AddActor(drawn.actor)
         return drawn
@@ -323,7 +328,7 @@ class LiveScene:
             self.renderer.RemoveActor(drawn.actor)
         self._coarse, self._coarse_object, self._coarse_order = [], coarse, []
         for piece in coarse.pieces if coarse is not None else ():
-            drawn = self._new_piece(sharp=False)
+            drawn = self._new_piece()
             drawn.set_shape(piece.points, piece.faces, piece.normals)
             drawn.show(False)
             self._coarse.append(drawn)

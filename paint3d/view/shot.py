@@ -166,8 +166,8 @@ def take_shot(
         frame, size = _frame(arrays[0], axes, shot)
         return draw_flat(*arrays[:2], arrays[3], frame, size, shot.transparent, edges)
     setting = Setting(LIGHTS[shot.light], shot.transparent)
-    look = {"view": view, "gloss": gloss, "setting": setting, "edges": edges}
-    return draw_picture(*arrays, size=shot.size or SIZE, **look)
+    size = shot.size or SIZE
+    return draw_picture(*arrays, size=size, view=view, gloss=gloss, setting=setting, edges=edges)
 
 
 def take_turning(
