@@ -288,7 +288,7 @@ def _write_png(path: Path, painting: Painting, options: ExportOptions, unit: str
 
     look: dict[str, Any] = {} if options.size is None else {"size": options.size}
     arrays = *painting[:3], painting.shown_srgb
-    pixels = draw_picture(*arrays, gloss=gloss_of(painting), **look)
+    pixels = draw_picture(*arrays, gloss=gloss_of(painting), edges=painting.edges, **look)
     Image.fromarray(pixels).save(path, format="PNG", **picture_tags(painting.gamut, "PNG"))
 
 
@@ -302,7 +302,7 @@ def _finish(painting: Painting) -> Finish:
 def _write_html(path: Path, painting: Painting, options: ExportOptions, unit: str) -> None:
     from paint3d.files.formats.html import write_html
 
-    write_html(path, *painting[:4], title=painting.title)
+    write_html(path, *painting[:4], title=painting.title, edges=painting.edges)
 
 
 def gloss_of(painting: Painting, gloss: Gloss | None = None) -> Gloss | None:

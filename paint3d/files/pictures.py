@@ -99,10 +99,10 @@ def write_picture(
     arrays, how = (*read[:3], read.shown_srgb), _how(form) | picture_tags(read.gamut, form)
     with write_atomically(path, progress) as part:
         if turning is None:
-            Image.fromarray(take_shot(arrays, shot, gloss)).save(part, form, **how)
+            Image.fromarray(take_shot(arrays, shot, gloss, read.edges)).save(part, form, **how)
             return
         n = turning.n_pictures
-        pictures = map(Image.fromarray, take_turning(arrays, shot, n, gloss))
+        pictures = map(Image.fromarray, take_turning(arrays, shot, n, gloss, read.edges))
         write_film(part, _told(pictures, n, progress), n, form, turning.rate, how)
 
 

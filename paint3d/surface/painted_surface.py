@@ -316,6 +316,12 @@ class PaintedSurface(InkStore):
             share[dried] = np.maximum(share[dried], self.dry_layers.share[rows[dried]])
         return share
 
+    def share_codes(self, vertex_ids: AnyArray | None = None) -> NDArray[np.uint8]:
+        """Return `share_at` of vertices (N,), by default of all, as (N,) uint8; 255 is 1."""
+        ids = np.arange(self.n_vertices, dtype=np.int32) if vertex_ids is None else vertex_ids
+        codes: NDArray[np.uint8] = np.rint(255.0 * self.share_at(ids)).astype(np.uint8)
+        return codes
+
     @property
     def wet_look(self) -> WetLook | None:
         """How wet and glossy each vertex is; None where all are as dry and rough as the material.

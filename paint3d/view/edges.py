@@ -4,19 +4,31 @@ Vertices stand a resolution apart, and an edge drawn by interpolating their colo
 wide, with the mesh's triangles in it. But the share of a vertex's area that paint covers tells
 where between them it ends: where the interpolated share is half. A shader that knows it draws the
 edge two pixels wide at any scale, as letters are drawn from distance fields (Green, Improved
-alpha-tested magnification for vector textures and special effects, 2007).
+alpha-tested magnification for vector textures and special effects, 2007): docs/model.md,
+equations (18) and (19).
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.core.arrays import AnyArray
 
-__all__ = ["LEAST", "MIXED", "SHARPENED", "UNPACKED", "Edges", "edge_shares", "packed"]
+__all__ = [
+    "LEAST",
+    "MIXED",
+    "SRGB_CODES",
+    "SRGB_LIGHT",
+    "EdgeShaders",
+    "Edges",
+    "draw_edges",
+    "edge_shares",
+    "packed",
+    "set_edges",
+]
 
 MIXED = 0.6  # of the neighbours in a vertex's share: shares alone end within one edge's length
 LEAST = 1.5  # over the largest share around: a line thinner than the mesh is still drawn
@@ -74,30 +86,113 @@ def packed(codes: AnyArray) -> NDArray[np.float32]:
     return number[:, None]
 
 
-UNPACKED = """
-vec3 unpacked(float number) {
+# ---- Shaders -------------------------------------------------------------------------------------
+
+_WIDE = 1.5  # pixels from bare to painted
+_UNPACKED = """
+vec3 unpacked(float number) {  // of two codes the last two
   vec3 codes = floor(vec3(number / 65536.0, number / 256.0, number));
   return (codes - 256.0 * vec3(0.0, codes.xy)) / 255.0;
 }
 """
-"""GLSL: three codes, 0 to 1, from what `packed` returns; of two the last two."""
-
-_WIDE = 1.5  # pixels from bare to painted
-SHARPENED = f"""
-// How wide an edge is, in shares, where the first of them changes by `slope` a pixel.
-float edge_width(vec2 slope) {{ return {_WIDE:.1f} * length(slope); }}
-
-// The light where `bare` is that without paint and `ink` what paint adds to it, all interpolated.
-vec3 sharpened(vec3 bare, vec3 ink, vec2 shares, float wide) {{
+_VERTEX = """
+  bareLight = light_of(unpacked(bare));
+  inkLight = light_of(scalarColor.rgb) - bareLight;
+  sharesShown = unpacked(shares).yz;
+"""
+_SHARPENED = """
+// The light where `bare` is that without paint and `ink` what paint adds to it, all interpolated,
+// and an edge is `wide`, in shares.
+vec3 sharpened(vec3 bare, vec3 ink, vec2 shares, float wide) {
   float drawn = clamp((shares.x - 0.5) / clamp(wide, 0.02, 1.0) + 0.5, 0.0, 1.0);
   vec3 light = max(bare + ink * (drawn / max(shares.y, 0.08)), 0.0);
   float mean = dot(light, vec3(1.0 / 3.0)); // of dark ink the codes of its edge tell no hue
   return mix(vec3(mean), light, min(mean / 0.03, 1.0));
-}}
-
-// Which part of it is shown, the rest as interpolated: none from afar, nor where there is no edge.
-float edge_part(vec2 shares, float wide) {{
-  return shares.x > 0.002 && shares.x < 0.998 ? 1.0 - smoothstep(0.5, 1.0, wide) : 0.0;
-}}
+}
 """
-"""GLSL functions."""
+_FRAGMENT = f"""
+  painted = vertexColorVSOutput.xyz;
+  float wide = {_WIDE:.1f} * length(vec2(dFdx(sharesShown.x), dFdy(sharesShown.x)));
+  bool isEdge = sharesShown.x > 0.002 && sharesShown.x < 0.998 && wide < 1.0;
+  if (isEdge) {{
+    vec3 light = sharpened(bareLight, inkLight, sharesShown, wide);
+    painted = mix(codes_of(min(light, 1.0)), painted, smoothstep(0.5, 1.0, wide));
+  }}
+"""
+
+
+class EdgeShaders(NamedTuple):
+    """GLSL that puts the sharpened colour of a place into `painted`: declarations and code.
+
+    Vertices have the attributes `bare` and `shares`: those of `Edges`, `packed`. Shares of paint
+    and paper add in linear light, so interpolation of it takes the place of interpolated codes at
+    edges alone.
+    """
+
+    vertex_declared: str
+    vertex: str
+    declared: str
+    fragment: str
+
+    @classmethod
+    def between(cls, light_of: str, codes_of: str) -> EdgeShaders:
+        """Return them for colours whose linear light has the GLSL expressions.
+
+        Parameters
+        ----------
+        light_of : str
+            From a vec3 `codes`.
+        codes_of : str
+            From a vec3 `light`, 0 to 1.
+        """
+        light = f"vec3 light_of(vec3 codes) {{ return {light_of}; }}\n"
+        codes = f"vec3 codes_of(vec3 light) {{ return {codes_of}; }}\n"
+        passed = "vec3 bareLight, inkLight; {0} vec2 sharesShown;\n"
+        return cls(
+            "in float bare, shares;\nout " + passed.format("out") + _UNPACKED + light,
+            _VERTEX,
+            "vec3 painted;\nin " + passed.format("in") + _SHARPENED + codes,
+            _FRAGMENT,
+        )
+
+
+SRGB_LIGHT = """mix(codes / 12.92, pow((codes + 0.055) / 1.055, vec3(2.4)), step(0.04045, codes))"""
+SRGB_CODES = (
+    "mix(12.92 * light, 1.055 * pow(light, vec3(1.0 / 2.4)) - 0.055, step(0.0031308, light))"
+)
+"""GLSL expressions of sRGB."""
+
+
+def draw_edges(actor: Any, mesh: Any, colours: str, edges: Edges, shaders: EdgeShaders) -> None:
+    """Have a PyVista actor of a mesh draw the edges of paint sharp; `colours` names its array."""
+    from vtkmodules.vtkRenderingCore import vtkPolyDataMapper
+
+    mapper, shader = vtkPolyDataMapper(), actor.GetShaderProperty()
+    mapper.ShallowCopy(actor.GetMapper())  # PyVista's is a vtkDataSetMapper: it maps no arrays
+    mapper.SetInputData(mesh)
+    mapper.SetScalarModeToUsePointFieldData()
+    mapper.SelectColorArray(colours)
+    actor.SetMapper(mapper)
+    points = 0  # VTK's FIELD_ASSOCIATION_POINTS
+    for name in ("bare", "shares"):
+        mapper.MapDataArrayToVertexAttribute(name, name, points, -1)
+    set_edges(mesh, edges)
+    declare, assign, colour = (f"//VTK::{part}" for part in _MARKS)
+    for mark, text in ((declare, shaders.vertex_declared), (assign, shaders.vertex)):
+        shader.AddVertexShaderReplacement(mark, True, f"{mark}\n{text}", False)
+    shader.AddFragmentShaderReplacement(declare, True, f"{declare}\n{shaders.declared}", False)
+    shader.AddFragmentShaderReplacement(colour, True, f"{shaders.fragment}\n{colour}", False)
+    shader.AddFragmentShaderReplacement("vertexColorVSOutput.rgb", False, "painted", True)
+
+
+def set_edges(mesh: Any, edges: Edges) -> None:
+    """Set or replace the edges of a VTK mesh that `draw_edges` was called for."""
+    from vtkmodules.util.numpy_support import numpy_to_vtk
+
+    for name, values in zip(("bare", "shares"), edges, strict=True):
+        array = numpy_to_vtk(packed(values), deep=True)
+        array.SetName(name)
+        mesh.GetPointData().AddArray(array)
+
+
+_MARKS = "PositionVC::Dec", "PositionVC::Impl", "Color::Impl"

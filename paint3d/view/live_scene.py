@@ -20,7 +20,7 @@ from paint3d.core.arrays import AnyArray
 from paint3d.errors import ExportError
 from paint3d.surface.sheen import PLAIN_SHINE
 from paint3d.view.camera import Camera, picture_axes
-from paint3d.view.edges import SHARPENED, UNPACKED
+from paint3d.view.edges import SRGB_CODES, SRGB_LIGHT, EdgeShaders
 from paint3d.view.kernels.chunks import cone_of
 from paint3d.view.kernels.shine import add_shine
 from paint3d.view.live_coarse import CoarseObject
@@ -61,32 +61,9 @@ _SHINE = """
   fragOutput0 = vec4(RELIEF * painted
     + share * (bright.x * lightColor0 + bright.y * lightColor1 + bright.z * lightColor2), 1.0);
 """
-# Sharp edges of paint. Shares of paint and paper add in linear light, before the film curve.
-_PLAIN = """
-  vec3 painted = vertexColorVSOutput.rgb;
-"""
-_SHARP_VERTEX = """
-  bareLight = light_of(unpacked(bare));
-  inkLight = light_of(scalarColor.rgb) - bareLight;
-  sharesShown = unpacked(shares).yz;
-"""
-_SHARP = """
-  float wide = edge_width(vec2(dFdx(sharesShown.x), dFdy(sharesShown.x)));
-  float part = edge_part(sharesShown, wide);
-  if (part > 0.0) {
-    vec3 light = min(sharpened(bareLight, inkLight, sharesShown, wide), 1.0);
-    light = 1.0 - pow(1.0 - light, vec3(SHOULDER));
-    vec3 codes = mix(12.92 * light, 1.055 * pow(light, vec3(1.0 / 2.4)) - 0.055,
-                     step(0.0031308, light));
-    painted = mix(painted, codes, part);
-  }
-""".replace("SHOULDER", f"{SHOULDER:.3f}")
-_LIGHT_OF = """
-vec3 light_of(vec3 codes) {
-  vec3 light = mix(codes / 12.92, pow((codes + 0.055) / 1.055, vec3(2.4)), step(0.04045, codes));
-  return 1.0 - pow(1.0 - light, vec3(1.0 / SHOULDER));
-}
-""".replace("SHOULDER", f"{SHOULDER:.3f}")
+_LIGHT = f"1.0 - pow(1.0 - ({SRGB_LIGHT}), vec3(1.0 / {SHOULDER}))"  # before the film curve
+_CODES = SRGB_CODES.replace("light", f"(1.0 - pow(1.0 - light, vec3({SHOULDER})))")
+_EDGES = EdgeShaders.between(_LIGHT, _CODES)
 _FILM_POWER, _FILM_SHARE = 120.0, 0.22
 _MATT_POWER, _MATT_SHARE = 8.8, 0.02
 _LOBES = {
@@ -208,6 +185,7 @@ class LiveScene:
         self._beside: dict[DrawnMesh, float] = {}  # other meshes, and their line widths
         self._pixels: AnyArray | None = None
         self._patches: dict[int, DrawnMesh] = {}
+        self._sharp: set[int] = set()  # patches with paint: others do without their edges
         self._coarse: list[DrawnMesh] = []
         self._coarse_is_new = False
         self._coarse_object: CoarseObject | None = None
@@ -268,7 +246,7 @@ class LiveScene:
         """
         for drawn in self._patches.values():
             self.renderer.RemoveActor(drawn.actor)
-        self._patches = {}
+        self._patches, self._sharp = {}, set()
         self.set_coarse(None)
         self._bounds_of, self._cones = np.empty((0, 6)), np.empty((0, 4))
         self._counts = np.empty(0, np.int64)
@@ -300,7 +278,7 @@ class LiveScene:
         for upload in uploads:
             drawn = self._patches.get(upload.patch)
             if drawn is None:
-                drawn = self._patches[upload.patch] = self._new_piece(sharp=True)
+                drawn = self._patches[upload.patch] = self._new_piece()
                 self._shown = np.empty(0, bool)
             if upload.points is not None and upload.faces is not None:
                 drawn.set_shape(upload.points, upload.faces, upload.normals)
@@ -312,16 +290,20 @@ class LiveScene:
             drawn.set_colours(upload.colours)
             for name, values in attributes.items():
                 drawn.set_attribute(name, values)
+            if upload.patch not in self._sharp and upload.shares.any():
+                self._sharp.add(upload.patch)
+                drawn.read_attributes()
+                _set_shaders(drawn, True, self._gloss, sharp=True)
             self.uploaded += upload.n_bytes
         return changed
 
-    def _new_piece(self, *, sharp: bool) -> DrawnMesh:
-        """Add an empty mesh with the object's material to the scene; see `_set_shaders`."""
+    def _new_piece(self) -> DrawnMesh:
+        """Add an empty mesh with the object's material to the scene."""
         drawn = DrawnMesh(PLAIN_SHINE)
         look = drawn.actor.GetProperty()
         _shine(look, self._gloss)
         look.SetBackfaceCulling(self._is_solid)
-        _set_shaders(drawn, True, self._gloss, sharp=sharp)
+        _set_shaders(drawn, True, self._gloss)
         drawn.actor.ForceOpaqueOn()  # alpha is the shine, not opacity
         self.renderer.AddActor(drawn.actor)
         return drawn
@@ -346,7 +328,7 @@ class LiveScene:
             self.renderer.RemoveActor(drawn.actor)
         self._coarse, self._coarse_object, self._coarse_order = [], coarse, []
         for piece in coarse.pieces if coarse is not None else ():
-            drawn = self._new_piece(sharp=False)
+            drawn = self._new_piece()
             drawn.set_shape(piece.points, piece.faces, piece.normals)
             drawn.show(False)
             self._coarse.append(drawn)
@@ -792,12 +774,11 @@ def _set_shaders(drawn: DrawnMesh, on: bool, gloss: Gloss, *, sharp: bool = Fals
     for name, value in _LOBES.items():
         shine = shine.replace(name, f"{value:.3f}")
     if sharp:
-        vertex += ["in float bare, shares;", UNPACKED]
-        vertex += ["out vec3 bareLight, inkLight; out vec2 sharesShown;", _LIGHT_OF]
-        placed += [_SHARP_VERTEX]
-        fragment += ["in vec3 bareLight, inkLight; in vec2 sharesShown;", SHARPENED]
-        shine = _SHARP + shine
-    shader.AddFragmentShaderReplacement("//VTK::Light::Impl", True, _PLAIN + shine, False)
+        vertex += [_EDGES.vertex_declared]
+        placed += [_EDGES.vertex]
+        fragment += [_EDGES.declared]
+    found = _EDGES.fragment if sharp else "  vec3 painted = vertexColorVSOutput.rgb;"
+    shader.AddFragmentShaderReplacement("//VTK::Light::Impl", True, found + shine, False)
     if gloss.grain > 0.0:
         drawn.keep_places()
         depth, turns = _DEEPEST * gloss.grain / 3.0, 2.0 * math.pi / gloss.wave_mm

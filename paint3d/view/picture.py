@@ -20,6 +20,7 @@ from paint3d.core.atomic import write_atomically
 from paint3d.errors import InputError, MeshError
 from paint3d.view.camera import Camera, View, find_view, fit_camera, studio_axes, vertex_areas
 from paint3d.view.daylight import Ground, Occluder, light_ground, light_points
+from paint3d.view.edges import Edges
 from paint3d.view.scene import Scene, draw_scene
 from paint3d.view.studio import LIGHTS, Gloss, Studio, light_samples, linear_to_srgb, srgb_to_linear
 
@@ -117,6 +118,7 @@ def draw_picture(
     view: View | None = None,
     gloss: Gloss | None = None,
     setting: Setting | None = None,
+    edges: Edges | None = None,
 ) -> NDArray[np.uint8]:
     """Return the pixels of a picture of the painted object, (height, width, 3) sRGB codes.
 
@@ -139,6 +141,9 @@ def draw_picture(
         Default: glazed porcelain.
     setting : Setting, optional
         Default: the studio, on its floor.
+    edges : Edges, optional
+        Those of the paint (V vertices), drawn sharp; by default colours are interpolated there,
+        too.
 
     Raises
     ------
@@ -153,7 +158,7 @@ def draw_picture(
     vertices, faces, normals, srgb = _checked_arrays(vertices, faces, normals, srgb)
     if view is None:
         view = find_view(vertices, normals, srgb, vertex_areas(vertices, faces))
-    scene = set_up_scene((vertices, faces, normals, srgb), view, size, setting)
+    scene = set_up_scene((vertices, faces, normals, srgb), view, size, setting, edges)
     transparent = setting.transparent
     return develop(draw_scene(scene, gloss or Gloss.of("porcelain"), size, transparent))
 
@@ -163,6 +168,7 @@ def set_up_scene(
     view: View,
     size: tuple[int, int],
     setting: Setting,
+    edges: Edges | None = None,
 ) -> Scene:
     """Light an object and place the camera.
 
@@ -173,9 +179,10 @@ def set_up_scene(
         If the setting has a stand, only its direction counts.
     size : (int, int)
     setting : Setting
+    edges : Edges, optional
     """
     lit = light_object(arrays, view, size, setting)
-    return lit.scene(srgb_to_linear(arrays[3]))
+    return lit.scene(arrays[3], edges)
 
 
 class Lighting(NamedTuple):
@@ -195,16 +202,22 @@ class Lighting(NamedTuple):
     camera: Camera
     studio: Studio
 
-    def scene(self, albedo: AnyArray) -> Scene:
-        """Return the scene with colours `albedo`, (V, 3) linear."""
+    def scene(self, srgb: AnyArray, edges: Edges | None = None) -> Scene:
+        """Return the scene with colours `srgb`, (V, 3) uint8."""
         peak = max(float(self.light.max()), 1.0)
+        if edges is not None:
+            edges = edges._replace(bare=self._lit(edges.bare, peak))
+        return Scene(
+            self.vertices, self.faces, self.normals, self._lit(srgb, peak), peak, self.exposure,
+            self.ground, self.camera, self.studio, edges,
+        )  # fmt: skip
+
+    def _lit(self, srgb: AnyArray, peak: float) -> NDArray[np.uint8]:
+        albedo = srgb_to_linear(srgb)
         shown = np.zeros_like(albedo)
         shown[self.seen] = albedo[self.seen] * self.light / peak
-        colours = np.rint(255 * shown ** (1 / VTK_GAMMA)).astype(np.uint8)
-        return Scene(
-            self.vertices, self.faces, self.normals, colours, peak, self.exposure, self.ground,
-            self.camera, self.studio,
-        )  # fmt: skip
+        codes: NDArray[np.uint8] = np.rint(255 * shown ** (1 / VTK_GAMMA)).astype(np.uint8)
+        return codes
 
 
 def light_object(

@@ -15,6 +15,14 @@ from paint3d.core.ending import holding_interrupts
 from paint3d.errors import ExportError
 from paint3d.view.camera import Camera
 from paint3d.view.daylight import Ground
+from paint3d.view.edges import (
+    SRGB_CODES,
+    SRGB_LIGHT,
+    Edges,
+    EdgeShaders,
+    draw_edges,
+    set_edges,
+)
 from paint3d.view.studio import LIGHTS, Gloss, Studio, linear_to_srgb, make_panorama, srgb_to_linear
 
 __all__ = [
@@ -40,6 +48,8 @@ _FILM_MIRRORS = (
     "vec3(mix(max(baseF0Uniform, 0.02), baseF0Uniform, smoothstep(0.1, 0.6, roughness)))"
 )
 """GLSL: reflectance at normal incidence, for smooth surfaces at least that of water."""
+_LIT_EDGES = EdgeShaders.between("pow(codes, vec3(2.2))", "pow(light, vec3(1.0 / 2.2))")
+_FLAT_EDGES = EdgeShaders.between(SRGB_LIGHT, SRGB_CODES)
 POOL_RADIUS = 0.62  # of the ground's half-width
 
 
@@ -49,6 +59,7 @@ class Scene:
 
     `colours` (V, 3) uint8 are (light / `peak`)^(1/2.2); `exposure` converts the studio's radiance
     to linear brightness; `ground` is None in views from below and in transparent pictures.
+    `edges` are those of the paint, their bare colours like `colours`; None: interpolate.
     """
 
     vertices: NDArray[np.float32]
@@ -60,6 +71,7 @@ class Scene:
     ground: Ground | None
     camera: Camera
     studio: Studio = LIGHTS["studio"]
+    edges: Edges | None = None
 
 
 def draw_scene(
@@ -140,6 +152,8 @@ class SceneDrawing:
             mesh.GetPointData().GetTCoords().Modified()
         mesh.point_data["light"][:] = scene.colours
         mesh.GetPointData().GetScalars().Modified()
+        if scene.edges is not None:
+            set_edges(mesh, scene.edges)
         if scene.vertices is not self._scene.vertices:
             mesh.points[:] = scene.vertices
             mesh.GetPoints().Modified()
@@ -227,6 +241,8 @@ def _add_object(plotter: Any, scene: Scene, gloss: Gloss) -> Any:
         actor.GetProperty().SetORMTexture(_texture(scale, plain=True))
         shader = actor.GetShaderProperty()
         shader.AddFragmentShaderReplacement("vec3(baseF0Uniform)", False, _FILM_MIRRORS, True)
+    if scene.edges is not None:
+        draw_edges(actor, mesh, "light", scene.edges, _LIT_EDGES)
     return mesh
 
 
@@ -366,6 +382,7 @@ def draw_flat(
     frame: Frame,
     size: tuple[int, int],
     transparent: bool = False,
+    edges: Edges | None = None,
 ) -> NDArray[np.uint8]:
     """Return the pixels of a projection, (height, width, 3) on white, or 4 if transparent.
 
@@ -380,6 +397,8 @@ def draw_flat(
     size : (int, int)
         Width and height in pixels, which are square: `frame.height` spans the height.
     transparent : bool
+    edges : Edges, optional
+        Those of the paint, drawn sharp; by default codes are interpolated there, too.
 
     Raises
     ------
@@ -387,7 +406,7 @@ def draw_flat(
         If no OpenGL can be started.
     """
     with FlatDrawing(faces, frame, size, transparent) as drawing:
-        return drawing.pixels(vertices, srgb)
+        return drawing.pixels(vertices, srgb, edges)
 
 
 class FlatDrawing:
@@ -424,8 +443,13 @@ class FlatDrawing:
     def __exit__(self, *_: object) -> None:
         self._plotter.close()
 
-    def pixels(self, vertices: AnyArray, srgb: AnyArray) -> NDArray[np.uint8]:
-        """Draw and return the pixels as `draw_flat` does, of equally many vertices each time."""
+    def pixels(
+        self, vertices: AnyArray, srgb: AnyArray, edges: Edges | None = None
+    ) -> NDArray[np.uint8]:
+        """Draw and return the pixels as `draw_flat` does, of equally many vertices each time.
+
+        Edges are drawn sharp each time or never.
+        """
         import pyvista as pv
 
         seen = (vertices @ self._frame.axes.T).astype(np.float32)
@@ -434,12 +458,16 @@ class FlatDrawing:
             if self._mesh is None:
                 mesh = self._mesh = pv.PolyData.from_regular_faces(seen, self._faces)
                 mesh.point_data["srgb"] = srgb
-                plotter.add_mesh(mesh, scalars="srgb", rgb=True, lighting=False)
+                actor = plotter.add_mesh(mesh, scalars="srgb", rgb=True, lighting=False)
+                if edges is not None:
+                    draw_edges(actor, mesh, "srgb", edges, _FLAT_EDGES)
             else:
                 self._mesh.points[:] = seen
                 self._mesh.GetPoints().Modified()
                 self._mesh.point_data["srgb"][:] = srgb
                 self._mesh.GetPointData().GetScalars().Modified()
+                if edges is not None:
+                    set_edges(self._mesh, edges)
             self._place_camera(seen)
             plotter.render()
             shown = plotter.screenshot(return_img=True, transparent_background=self._transparent)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from paint3d.core.arrays import AnyArray, as_number
 from paint3d.errors import InputError, UnknownNameError
 from paint3d.view.camera import Camera, View, find_view, fit_camera, studio_axes, vertex_areas
+from paint3d.view.edges import Edges
 from paint3d.view.picture import (
     Lighting,
     Setting,
@@ -22,7 +23,7 @@ from paint3d.view.picture import (
     light_object,
 )
 from paint3d.view.scene import FlatDrawing, Frame, SceneDrawing, draw_flat
-from paint3d.view.studio import LIGHTS, Gloss, srgb_to_linear
+from paint3d.view.studio import LIGHTS, Gloss
 
 __all__ = [
     "AUTO",
@@ -138,7 +139,9 @@ class Shot:
         return View(direction, up, self.zoom)
 
 
-def take_shot(arrays: Arrays, shot: Shot, gloss: Gloss | None = None) -> NDArray[np.uint8]:
+def take_shot(
+    arrays: Arrays, shot: Shot, gloss: Gloss | None = None, edges: Edges | None = None
+) -> NDArray[np.uint8]:
     """Return the pixels of a picture, (height, width, 3) sRGB codes; four where transparent.
 
     Parameters
@@ -147,6 +150,8 @@ def take_shot(arrays: Arrays, shot: Shot, gloss: Gloss | None = None) -> NDArray
     shot : Shot
     gloss : Gloss, optional
         Default: glazed porcelain.
+    edges : Edges, optional
+        Those of the paint, drawn sharp; by default colours are interpolated there, too.
 
     Raises
     ------
@@ -159,19 +164,24 @@ def take_shot(arrays: Arrays, shot: Shot, gloss: Gloss | None = None) -> NDArray
     if not shot.is_lit:
         axes = _picture_axes(view)
         frame, size = _frame(arrays[0], axes, shot)
-        return draw_flat(*arrays[:2], arrays[3], frame, size, shot.transparent)
+        return draw_flat(*arrays[:2], arrays[3], frame, size, shot.transparent, edges)
     setting = Setting(LIGHTS[shot.light], shot.transparent)
-    return draw_picture(*arrays, size=shot.size or SIZE, view=view, gloss=gloss, setting=setting)
+    size = shot.size or SIZE
+    return draw_picture(*arrays, size=size, view=view, gloss=gloss, setting=setting, edges=edges)
 
 
 def take_turning(
-    arrays: Arrays, shot: Shot, n_pictures: int, gloss: Gloss | None = None
+    arrays: Arrays,
+    shot: Shot,
+    n_pictures: int,
+    gloss: Gloss | None = None,
+    edges: Edges | None = None,
 ) -> Iterator[NDArray[np.uint8]]:
     """Yield the pictures of an object turning once, to the left in front, under fixed light.
 
     Parameters
     ----------
-    arrays, shot, gloss
+    arrays, shot, gloss, edges
         As for `take_shot`; the view is that of the first picture.
     n_pictures : int
 
@@ -182,19 +192,22 @@ def take_turning(
     MeshError, ExportError
         As `take_shot`.
     """
-    moments = (Moment(arrays[3], 2.0 * np.pi * k / n_pictures) for k in range(n_pictures))
+    turns = (2.0 * np.pi * k / n_pictures for k in range(n_pictures))
+    moments = (Moment(arrays[3], turn, edges=edges) for turn in turns)
     return take_film(arrays, shot, moments, gloss, n_pictures)
 
 
 class Moment(NamedTuple):
     """One picture of a film: the colours (V, 3) uint8, and the object's angle of rotation, rad.
 
-    Also the roughness (V,) of each vertex, 0 to 1, if they differ; for all pictures or for none.
+    Also the roughness (V,) of each vertex, 0 to 1, if they differ, and the edges of the paint, if
+    they are to be sharp; for all pictures or for none.
     """
 
     srgb: NDArray[np.uint8]
     turn: float = 0.0
     roughness: NDArray[np.float32] | None = None
+    edges: Edges | None = None
 
 
 def take_film(
@@ -243,7 +256,7 @@ def take_film(
         with FlatDrawing(arrays[1], frame, size, shot.transparent) as drawing:
             for moment in moments:
                 vertices = _turned(arrays, moment.turn)[0] if moment.turn else arrays[0]
-                yield drawing.pixels(vertices, moment.srgb)
+                yield drawing.pixels(vertices, moment.srgb, moment.edges)
         return
     setting = Setting(LIGHTS[shot.light], shot.transparent, Stand(axes, camera))
     lights = _Lights(arrays, view, checked_size(shot.size or SIZE), setting, n_lights)
@@ -278,11 +291,11 @@ def _lit(lights: _Lights, moments: Iterable[Moment], gloss: Gloss) -> Iterator[N
     size, transparent = lights.size, lights.setting.transparent
     if first.roughness is not None:
         gloss = replace(gloss, each=first.roughness)
-    scene = lights.at(first.turn).scene(srgb_to_linear(first.srgb))
+    scene = lights.at(first.turn).scene(first.srgb, first.edges)
     with SceneDrawing(scene, gloss, size, transparent) as drawing:
         yield develop(drawing.pixels())
         for moment in moments:
-            scene = lights.at(moment.turn).scene(srgb_to_linear(moment.srgb))
+            scene = lights.at(moment.turn).scene(moment.srgb, moment.edges)
             drawing.show(scene, moment.roughness)
             yield develop(drawing.pixels())
 

@@ -167,21 +167,24 @@ class DrawnMesh:
         return four
 
     def set_attribute(self, name: str, values: AnyArray) -> None:
-        """Replace what shaders read of the points as `in float name`, (K, 1) float32."""
+        """Replace an attribute (K, 1) float32 of the points; see `read_attributes`."""
         sent, held = self._attributes.get(name, (values[:0], None))
         if len(sent) == len(values):
             if not np.array_equal(sent, values):
                 sent[:] = values
                 held.Modified()
             return
-        if held is None:
-            points = 0  # VTK's FIELD_ASSOCIATION_POINTS
-            self._mapper.MapDataArrayToVertexAttribute(name, name, points, -1)
         sent = np.array(values, np.float32, order="C")
         held = _shared(sent)
         held.SetName(name)
         self._data.GetPointData().AddArray(held)
         self._attributes[name] = sent, held
+
+    def read_attributes(self) -> None:
+        """Have shaders read the attributes set so far, each as `in float name`."""
+        points = 0  # VTK's FIELD_ASSOCIATION_POINTS
+        for name in self._attributes:
+            self._mapper.MapDataArrayToVertexAttribute(name, name, points, -1)
 
     def changed_by(self, colours: AnyArray, **attributes: AnyArray) -> AnyArray:
         """Return the corners (N, 3) float32 of all triangles that new values would change.

@@ -15,12 +15,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.core.arrays import AnyArray
+from paint3d.view.edges import Edges
 
 __all__ = ["write_html"]
 
 RESOURCES = "viewer"
 MARK = re.compile(r"\{\{(\w+)\}\}")
-VERTEX = np.dtype([("place", "<u2", 4), ("normal", "i1", 4), ("colour", "u1", 4)])
+VERTEX = np.dtype(
+    [
+        ("place", "<u2", 3),
+        ("shares", "u1", 2),
+        ("normal", "i1", 4),
+        ("colour", "u1", 4),
+        ("bare", "u1", 4),
+    ]
+)
 COMPRESSION = 4
 
 
@@ -32,6 +41,7 @@ def write_html(
     srgb: NDArray[np.uint8],
     *,
     title: str = "painting",
+    edges: Edges | None = None,
 ) -> None:
     """Write a viewer with the object, seen first from its painted side.
 
@@ -46,6 +56,8 @@ def write_html(
     normals : (V, 3) float32, unit
     srgb : (V, 3) uint8
     title : str
+    edges : Edges, optional
+        Those of the paint (V vertices), shown sharp; by default colours are interpolated there.
 
     Raises
     ------
@@ -62,9 +74,10 @@ def write_html(
         "azimuth": azimuth,
         "elevation": elevation,
     }
-    data = (
-        _interleaved(vertices, normals, srgb, low, high).tobytes() + faces.astype("<u4").tobytes()
-    )
+    if edges is None:
+        edges = Edges(srgb, np.full((len(srgb), 2), 255, np.uint8))
+    rows = _interleaved(vertices, normals, srgb, edges, low, high)
+    data = rows.tobytes() + faces.astype("<u4").tobytes()
     parts = {
         "title": html.escape(title),
         "about": json.dumps(about),
@@ -81,15 +94,21 @@ def _resource(name: str) -> str:
 
 
 def _interleaved(
-    vertices: AnyArray, normals: AnyArray, srgb: AnyArray, low: AnyArray, high: AnyArray
+    vertices: AnyArray,
+    normals: AnyArray,
+    srgb: AnyArray,
+    edges: Edges,
+    low: AnyArray,
+    high: AnyArray,
 ) -> AnyArray:
     """Return what the graphics card takes, (V,) of `VERTEX`."""
     span = np.where(high > low, high - low, 1.0)
     out = np.zeros(len(vertices), VERTEX)
-    out["place"][:, :3] = np.rint((vertices - low) / span * 65535.0)
+    out["place"] = np.rint((vertices - low) / span * 65535.0)
     out["normal"][:, :3] = np.rint(normals * 127.0)
     out["colour"][:, :3] = srgb
-    out["colour"][:, 3] = 255
+    out["bare"][:, :3] = edges.bare
+    out["shares"] = edges.shares
     return out
 
 

@@ -27,6 +27,8 @@ from paint3d.files.load import UNITS_MM
 from paint3d.files.progress import Progress, part_of
 from paint3d.files.texture import Detail, bake_detail
 from paint3d.mesh.triangle_mesh import MAX_COORDINATE_MM, TriangleMesh
+from paint3d.surface.painted_surface import PaintedSurface
+from paint3d.view.edges import Edges, edge_shares
 
 __all__ = [
     "Exportable",
@@ -217,7 +219,8 @@ class Painting(NamedTuple):
     `steps` (V,) lead from metres back to millimetres where float32 has lost them; see
     `paint3d.files.formats.gltf`. `gamut` is what the codes mean. `look` is how wet and
     glossy vertices are, None where all are as the material; `srgb` is of the dry painting.
-    `n_clipped` vertices have colours outside the gamut.
+    `n_clipped` vertices have colours outside the gamut. `edges` say where paint ends between
+    vertices, None where nobody knows.
     """
 
     vertices: NDArray[np.float32]
@@ -234,6 +237,7 @@ class Painting(NamedTuple):
     gamut: str = "srgb"
     look: WetLook | None = None
     n_clipped: int = 0
+    edges: Edges | None = None
 
     @property
     def shown_srgb(self) -> NDArray[np.uint8]:
@@ -371,8 +375,8 @@ def _read(
     if options.filaments is None:
         tolerance = None if options.exact else options.tolerance
         look = look_of(surface, roughness)
-        if look is not None:
-            return _read_wet(surface, look, tolerance, progress)
+        if look is not None or (isinstance(surface, PaintedSurface) and surface.painted.any()):
+            return _read_painted(surface, look, tolerance, progress)
         arrays = surface.export_arrays(tolerance, **_told(progress))
         return _checked(arrays, material)._replace(finish=finish)
     filaments = choose_filaments(surface.srgb, surface.vertex_areas, options.filaments)
@@ -383,16 +387,23 @@ def _read(
     return _in_filaments(painting, filaments.palette)
 
 
-def _read_wet(
-    surface: Any, look: WetLook, tolerance: float | None, progress: Progress | None
+def _read_painted(
+    surface: Any, look: WetLook | None, tolerance: float | None, progress: Progress | None
 ) -> Painting:
-    """A painting on which something is wet, or has dried with a gloss."""
+    """Read a painting that has edges, or a `look`: wet parts, or such that dried with a gloss."""
     codes, mesh = surface.srgb, surface.paint_mesh
-    ids, faces = surface.export_ids(tolerance, look.seen(codes), progress)
+    ids, faces = surface.export_ids(
+        tolerance, codes if look is None else look.seen(codes), progress
+    )
     painting = _checked(
         (mesh.vertices[ids], faces, mesh.normals[ids], codes[ids]), surface.material.name
     )
-    return painting._replace(finish=_finish_of(surface.material), look=look.at(ids))
+    edges = None
+    if isinstance(surface, PaintedSurface):  # else in another light, in which nothing is bare
+        shares = edge_shares(mesh.leaf_faces(), surface.share_codes())
+        edges = Edges(surface.bare_codes[ids], shares[ids])
+    look = None if look is None else look.at(ids)
+    return painting._replace(finish=_finish_of(surface.material), look=look, edges=edges)
 
 
 def _finish_of(material: object) -> tuple[float, float] | None:

@@ -1,37 +1,56 @@
 "use strict";
 // One mesh, seen from a turntable camera. Colours are interpolated and shown as sRGB codes, so that
-// without light every pixel inside the object is the colour painted there.
+// without light every pixel inside the object is the colour painted there; but where paint ends
+// between vertices its edge is drawn sharp, as paint3d/view/edges.py says.
 (() => {
   const FIELD_OF_VIEW = 24 * Math.PI / 180; // of the shorter side
-  const BYTES_A_VERTEX = 16; // uint16 x y z 0, int8 nx ny nz 0, uint8 r g b 255
+  // uint16 x y z, uint8 shares (where half, paint ends; painted), int8 nx ny nz 0, uint8 r g b 0,
+  // uint8 r g b 0 without paint
+  const BYTES_A_VERTEX = 20;
   const QUARTER = Math.PI / 2, TURN_A_KEY = Math.PI / 24, CLOSER_A_KEY = 1.15;
   const CLOSEST = 0.05, FARTHEST = 8; // distances, over the first one
   const FILLED = 0.86; // of the window, by the object as it is first seen
 
+  const LIGHT_OF = `
+    vec3 light_of(vec3 c) {
+      return mix(c / 12.92, pow((c + 0.055) / 1.055, vec3(2.4)), step(0.04045, c));
+    }`;
   const VERTEX = `#version 300 es
-    in vec3 place; in vec3 normal; in vec4 colour;
+    in vec3 place; in vec3 normal; in vec4 colour; in vec4 bare; in vec2 shares;
     uniform mat4 clip_from_mesh; uniform vec3 low, span;
-    out vec3 facing, painted;
+    out vec3 facing, plain, bare_light, ink_light; out vec2 covered;
+    ${LIGHT_OF}
     void main() {
-      facing = normal; painted = colour.rgb;
+      facing = normal; plain = colour.rgb; covered = shares;
+      bare_light = light_of(bare.rgb); ink_light = light_of(plain) - bare_light;
       gl_Position = clip_from_mesh * vec4(low + span * place, 1.0);
     }`;
   const FRAGMENT = `#version 300 es
     precision highp float;
-    in vec3 facing, painted;
+    in vec3 facing, plain, bare_light, ink_light; in vec2 covered;
     uniform vec3 key, sky; uniform float lit;
     out vec4 shown;
+    ${LIGHT_OF}
+    vec3 codes_of(vec3 light) {
+      return mix(light * 12.92, 1.055 * pow(light, vec3(1.0 / 2.4)) - 0.055,
+                 step(0.0031308, light));
+    }
     void main() {
+      vec3 painted = plain;
+      float wide = 1.5 * length(vec2(dFdx(covered.x), dFdy(covered.x)));
+      if (covered.x > 0.002 && covered.x < 0.998 && wide < 1.0) {
+        float drawn = clamp((covered.x - 0.5) / max(wide, 0.02) + 0.5, 0.0, 1.0);
+        vec3 light = clamp(bare_light + ink_light * drawn / max(covered.y, 0.08), 0.0, 1.0);
+        float mean = dot(light, vec3(1.0 / 3.0));
+        light = mix(vec3(mean), light, min(mean / 0.03, 1.0));
+        painted = mix(codes_of(light), plain, smoothstep(0.5, 1.0, wide));
+      }
       if (lit == 0.0) { shown = vec4(painted, 1.0); return; }
       vec3 n = normalize(facing);
       if (!gl_FrontFacing) n = -n;
       float dome = 0.5 + 0.5 * dot(n, sky), box = max(0.0, 0.25 + 0.75 * dot(n, key));
       float light = 0.42 + 0.22 * dome + 0.40 * box;
-      vec3 c = painted;
-      vec3 linear = mix(c / 12.92, pow((c + 0.055) / 1.055, vec3(2.4)), step(0.04045, c)) * light;
-      linear = clamp(linear, 0.0, 1.0);
-      shown = vec4(mix(linear * 12.92, 1.055 * pow(linear, vec3(1.0 / 2.4)) - 0.055,
-                       step(0.0031308, linear)), 1.0);
+      shown = vec4(codes_of(clamp(light_of(painted) * light, 0.0, 1.0)), 1.0);
     }`;
 
   const element = (id) => document.getElementById(id);
@@ -80,8 +99,9 @@
     gl.bufferData(gl.ARRAY_BUFFER, new Uint8Array(data, 0, vertexBytes), gl.STATIC_DRAW);
     gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, gl.createBuffer());
     gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, new Uint8Array(data, vertexBytes), gl.STATIC_DRAW);
-    const parts = [["place", 3, gl.UNSIGNED_SHORT, 0], ["normal", 3, gl.BYTE, 8],
-                   ["colour", 4, gl.UNSIGNED_BYTE, 12]];
+    const parts = [["place", 3, gl.UNSIGNED_SHORT, 0], ["shares", 2, gl.UNSIGNED_BYTE, 6],
+                   ["normal", 3, gl.BYTE, 8], ["colour", 4, gl.UNSIGNED_BYTE, 12],
+                   ["bare", 4, gl.UNSIGNED_BYTE, 16]];
     for (const [name, size, type, start] of parts) {
       const place = gl.getAttribLocation(program, name);
       if (place < 0) continue;
