@@ -84,7 +84,7 @@ def test_bad_arguments_are_named():
         Painter(surface(), "broom")
     with pytest.raises(UnknownNameError, match="mud"):
         Painter(surface(), "full", "mud")
-    with pytest.raises(InputError, match="expected .vertices, faces."):
+    with pytest.raises(InputError, match=r"expected \(vertices, faces\)"):
         PaintedSurface("bowl.ply")
     with pytest.raises(InputError, match="resolution"):
         PaintedSurface(sheet(flat, (5.0, 5.0)), 0.0)

@@ -84,5 +84,5 @@ def test_an_unknown_material_is_named():
 
 
 def test_only_meshes_can_be_painted():
-    with pytest.raises(InputError, match="expected .vertices, faces."):
+    with pytest.raises(InputError, match=r"expected \(vertices, faces\)"):
         paint3d.PaintedSurface("bowl")
