@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 from paint3d.cli.options import (
     BUILT_IN_OBJECTS,
@@ -28,7 +28,6 @@ from paint3d.files.contents import json_text
 if TYPE_CHECKING:
     from paint3d.app.model.document import Document
     from paint3d.brush.spec import BrushSpec
-    from paint3d.cli.films import Watch
     from paint3d.colour.pigments import Pigment
     from paint3d.files.project.session import Session
     from paint3d.mesh.triangle_mesh import TriangleMesh
@@ -164,7 +163,15 @@ def add_layer_option(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def finish(painting: Painting, options: argparse.Namespace, watch: Watch | None = None) -> None:
+class _Film(Protocol):
+    """A film that can be written, such as a `films.Watch`."""
+
+    def write(self) -> int:
+        """Write it; how many pictures it has."""
+        ...
+
+
+def finish(painting: Painting, options: argparse.Namespace, film: _Film | None = None) -> None:
     """Write the painting, its film and its report where options name files for them.
 
     Raises
@@ -180,8 +187,8 @@ def finish(painting: Painting, options: argparse.Namespace, watch: Watch | None 
     with timed(painting.seconds, "export"):
         if options.out is not None:
             write_result(painting, options.out, quiet=options.quiet)
-        if watch is not None:
-            watch.write()
+        if film is not None:
+            film.write()
     if options.report is not None:
         write_report(options.report, painting)
 

@@ -150,6 +150,10 @@ def _measured(options: argparse.Namespace, written: Path | None, suffix: str) ->
     from paint3d.app.model.studies.plan import ANSWERS_NAME, PLAN_NAME, load_plan
 
     plan = load_plan(options.folder)
+    if written is not None:
+        check_output_file(written, (suffix,))
+        read = [options.folder / name for name in (PLAN_NAME, ANSWERS_NAME)]
+        check_overwriting((written,), read, force=options.force)
     there = [file.name for file in options.folder.iterdir()]
     stems = [trial.stem for trial in plan.schedule()]
     if not any(name.startswith(f"{stem}.") for stem in stems for name in there):
@@ -160,10 +164,6 @@ def _measured(options: argparse.Namespace, written: Path | None, suffix: str) ->
     from paint3d.app.model.studies.study import evaluate
     from paint3d.calligraphy.glyph_sources import open_glyphs
 
-    if written is not None:
-        check_output_file(written, (suffix,))
-        read = [options.folder / name for name in (PLAN_NAME, ANSWERS_NAME)]
-        check_overwriting((written,), read, force=options.force)
     source = None if options.glyphs is None else open_glyphs(options.glyphs)
     with ProgressBar("measuring", enabled=not options.quiet) as bar:
         return evaluate(

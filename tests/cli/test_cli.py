@@ -23,6 +23,7 @@ from paint3d import __main__
 from paint3d.bench import registry
 from paint3d.bench.result import Check, Result
 from paint3d.cli import bench, devices, main, options, progress, replay, report
+from paint3d.cli.painting import PaintingOptions
 from paint3d.colour.materials import material_names
 from paint3d.core import kernel as compiled_kernels
 from paint3d.core.ending import AskedToEnd, Ends
@@ -484,7 +485,7 @@ def test_benchmarks_are_written_as_json(
 
 def test_help_names_every_material() -> None:
     parser = argparse.ArgumentParser()
-    options.add_surface_options(parser)
+    PaintingOptions.add_to(parser, "material")
     told = " ".join(parser.format_help().split())
     assert all(name in told for name in material_names())
 
