@@ -85,7 +85,8 @@ def test_it_is_kept_in_score_and_session(window, tmp_path: Path) -> None:
     dip_by_key(window)
     stroke(window, 0.4)
     again = painted(window.document.score, window.document.surface.source)
-    same_paintings(window.document, again)
+    with window.stage.paint_thread.paused() as document:
+        same_paintings(document, again)
     assert again.painter.amount == LITTLE
     assert window.saving.save_to(tmp_path / "a.p3d")
     assert Document.open(tmp_path / "a.p3d").painter.amount == LITTLE
@@ -122,7 +123,8 @@ def test_it_is_dipped_by_itself_before_a_stroke_for_which_little_is_left(window)
     assert window.document.strokes[-1].dipped
     assert in_hand(window)[1] > left
     assert window.document.painter.amount == DipAmount(wetted=0.01)
-    same_paintings(window.document, painted(window.document.score, window.document.surface.source))
+    with window.stage.paint_thread.paused() as document:
+        same_paintings(document, painted(document.score, document.surface.source))
     assert load_settings()[0].dips_by_itself
 
 

@@ -99,7 +99,7 @@ def test_a_colour_is_mixed_for_the_ground_that_is_painted_on(window) -> None:
     wait_for(lambda: not dialog.is_busy)
     other = "silk" if window.document.surface.material.name != "silk" else "xuan"
     while window.document.can_undo:
-        window.document.undo()
+        window.stage.paint_thread.post("undo").result(300)
     window.standing.take_material(other)
     settled(window)
     assert window.document.surface.material.name == other

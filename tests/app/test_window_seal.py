@@ -24,7 +24,7 @@ def window(program):
 @pytest.fixture(autouse=True)
 def bare(window) -> None:
     while window.document.can_undo:
-        window.document.undo()
+        window.stage.paint_thread.post("undo").result(300)
     settled(window)
 
 

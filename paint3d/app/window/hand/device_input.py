@@ -238,6 +238,7 @@ class DeviceInput:
         self._ticks = 0
         self._told: str | None = None
         self._held: int | None = None  # buttons of the stylus
+        self._held_still: Document | None = None  # while samples are cut into strokes
         self._closed = False
         self._show_choices()
         for signal, slot in self._heard():
@@ -421,7 +422,7 @@ class DeviceInput:
         if self.calibrating.is_on:
             self._hear_touches(taken.samples)
             return
-        parts = self._cutter.cut(taken.samples)
+        parts = self._cut(taken.samples)
         if dips and not parts:
             self._workspace.dip()  # in a stroke its samples ask for it themselves
         for part in parts:
@@ -465,6 +466,15 @@ class DeviceInput:
         axes = matrices_from_quaternions(pose.orientation[None])[0]
         self._panel.show_object(axes)
 
+    def _cut(self, samples: list[DeviceSample]) -> list[Any]:
+        """Samples cut into strokes; where they have no pressure, by the surface held still."""
+        if all(sample.pressure is not None for sample in samples):
+            return self._cutter.cut(samples)
+        with self._workspace.paint_thread.paused(_PATIENCE_S) as self._held_still:
+            parts = self._cutter.cut(samples)
+        self._held_still = None
+        return parts
+
     def _is_touching(self, sample: DeviceSample) -> bool:
         """Whether the brush touches: by its force, or by where it is.
 
@@ -475,10 +485,9 @@ class DeviceInput:
         back = sample.object_orientation * _CONJUGATE
         place = rotate(back, sample.position - sample.object_position)
         orientation = multiply_quaternions(back, sample.orientation)
-        with self._workspace.paint_thread.paused(_PATIENCE_S) as document:
-            if document is None:
-                return self._cutter.is_down
-            found = document.painter.contact(place, orientation)
+        if self._held_still is None:
+            return self._cutter.is_down
+        found = self._held_still.painter.contact(place, orientation)
         return found is not None and found.area > 0.0
 
     def close(self) -> None:
