@@ -5,7 +5,7 @@ wide, with the mesh's triangles in it. But the share of a vertex's area that pai
 where between them it ends: where the interpolated share is half. A shader that knows it draws the
 edge two pixels wide at any scale, as letters are drawn from distance fields (Green, Improved
 alpha-tested magnification for vector textures and special effects, 2007): docs/model.md,
-equations (20) and (21).
+equations (18) and (19).
 """
 
 from __future__ import annotations

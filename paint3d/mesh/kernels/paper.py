@@ -3,7 +3,7 @@
 On a material with fibres or pores a wet edge does not run where the tuft's outline does: ink is
 drawn on along a fibre and stops before the next. And dense places of a sheet take less of it than
 open ones. Both are functions of the place alone, so every sweep meets the same paper, and two
-meshings of one object have the same. docs/model.md, equations (18) and (19):
+meshings of one object have the same. docs/model.md, equations (20) and (21):
 
     W(x) = A sum_k a_k n_k(x / h_k),    T(x) = exp(A sum_k s_k m_k(x / h_k))
 
