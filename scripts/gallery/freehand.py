@@ -68,7 +68,8 @@ def timed(keys: NDArray, times: NDArray, centre: tuple[float, float]) -> Recordi
 
 def painted(surface: PaintedSurface, recording: Recording, load: float, hairs: int) -> None:
     """Paint a recording with a brush so full, dragged by the paper."""
-    painter = Painter(surface, "full", INK, azimuth="dragged", hairs=hairs)
+    ink = INK if load == 1.0 else "pine soot"  # what dries out is thick
+    painter = Painter(surface, "full", ink, azimuth="dragged", hairs=hairs)
     painter.wipe(1.0 - load)
     painter.replay(recording)
 
