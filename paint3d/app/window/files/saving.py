@@ -85,9 +85,19 @@ class Saving:
 
     def do_save(self) -> bool:
         """Save where it was saved before, or ask where; say whether that went well."""
-        with self._workspace.paint_thread.paused() as document:
-            assert document is not None, "it was waited for"
-            path, is_written = document.path, document.is_written_by_others
+        workspace, found = self._workspace, list[tuple[Path | None, bool]]()
+        paint_thread, painting = workspace.paint_thread, workspace.painting
+
+        def work(progress: Progress) -> None:  # beside a bar: a step that goes on may last
+            asked = paint_thread.post(
+                lambda document: (document.path, document.is_written_by_others)
+            )
+            found.append(result_of(asked, progress))
+
+        name = painting.path.name if painting.path else named(painting.source.name)
+        if not workspace.went_well(workspace.run(say("Writing {name}…", name=name), work)):
+            return False
+        ((path, is_written),) = found
         if path is None:
             return self.do_save_as()
         return self._save_beside_others(path) if is_written else self.save_to(path)
