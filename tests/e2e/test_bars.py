@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from paint3d.cli import options, report
+from paint3d.cli import painting, report
 from paint3d.cli.main import main
 from paint3d.cli.progress import ProgressBar
 from paint3d.recording.recording import load_recording, save_recording
@@ -85,7 +85,7 @@ def test_every_step_of_a_command_has_its_bar(
     monkeypatch.setattr(report, "ask_python", lambda code: "nothing")
     for command, labels in commands.items():
         begun.clear()
-        monkeypatch.setattr(options, "_last", {})
+        monkeypatch.setattr(painting, "_last", {})
         assert main([*command, "--quiet"]) == 0
         assert begun == labels.split(), command
     begun.clear()

@@ -36,7 +36,7 @@ def written(paint3d, glyphs, tmp_path_factory):
     done = paint3d(
         "write", "十一", "--on", "bowl", "--out", folder / "a.ply", "--size", 20,
         "--glyphs", glyphs, "--resolution", 0.5, "--report", folder / "r.json",
-        "--recording", folder / "r.jsonl.gz",
+        "--recording", folder / "r.jsonl.gz", "--variation", 0,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
     return folder, done, json.loads((folder / "r.json").read_text(encoding="utf-8"))

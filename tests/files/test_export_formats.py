@@ -240,7 +240,7 @@ def test_a_picture_is_asked_of_the_view(painted, tmp_path, monkeypatch):
 
     asked = []
 
-    def draw(vertices, faces, normals, srgb, *, gloss=None):
+    def draw(vertices, faces, normals, srgb, *, gloss=None, edges=None):
         asked.append((len(vertices), len(faces), gloss))
         return np.full((12, 16, 3), 77, np.uint8)
 

@@ -96,7 +96,7 @@ def test_mesh_recording_and_report_of_any_name(tmp_path, capsys) -> None:
     missing = str(tmp_path / f"{NO_UTF8} no.jsonl")
     told = ["replay", missing, "--on", str(mesh), "--out", str(tmp_path / "a.ply")]
     assert main.main(told) == 2
-    assert "cannot be read" in capsys.readouterr().err
+    assert "there is no such file" in capsys.readouterr().err
 
 
 def test_a_study_on_an_object_of_any_name(tmp_path) -> None:
