@@ -267,6 +267,7 @@ class InkField(NamedTuple):
 _DRY_AT = 0.8  # share of a full load below which a light brush on grain 1 begins to skip
 _DRY_PRESSED = 0.4  # less of it at full pressure
 _FLOWS_MM_S = 350.0  # speed of a hand at which it takes twice the load for the same contact
+_MOST_HASTE = 1.7
 _WETS_MM = 4.0  # of the way: what a wet tuft leaves at once where it comes first
 _MOST_PASSES = 1000
 _SHARE = 0.45  # of a reservoir, the most that flows out of it on one side in one pass
@@ -305,7 +306,7 @@ def contact_level(before, after, ink):
         return 1.0
     begins = transfer.grain * (_DRY_AT - _DRY_PRESSED * mean_pressure(before, after))
     level = held_ink(ink) / (transfer.capacity * begins)
-    haste = after.values[0].speed / _FLOWS_MM_S
+    haste = min(_MOST_HASTE, after.values[0].speed / _FLOWS_MM_S)  # clocks of devices jump
     return min(1.0, level / (1.0 + haste * haste * min(1.0, level)))
 
 

@@ -116,7 +116,7 @@ def test_paint_is_not_lost_unasked(window) -> None:
     QtTest.QTest.keyClick(box, QtCore.Qt.Key.Key_Up)
     assert made_of(window) == "silk"
     assert box.material() == "silk"
-    assert "begun anew without the paint" in asked[0]
+    assert "starts a new painting, without the paint" in asked[0]
     pretend_saved(window.stage.paint_thread)
     box.setFocus()
     answer(lambda box: next(b for b in box.buttons() if b.text() == "Begin anew").click())

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from paint3d.app.model.document import Document
+from paint3d.app.model.repainting import Repainter
 from paint3d.app.model.stroke_log import weights_of
 from paint3d.cli.main import main
 from paint3d.errors import InputError
@@ -79,7 +80,7 @@ def test_a_tip_in_hand_is_there_still_when_old_strokes_were_painted_again(
         def fail(_: object) -> None:
             raise InputError("no")
 
-        monkeypatch.setattr(document, "_repeat", fail)
+        monkeypatch.setattr(Repainter, "repeat", lambda self, strokes: fail(strokes))
     with pytest.raises(InputError) if fails else nullcontext():
         document.recall_strokes()
     ours = held(document.surface)

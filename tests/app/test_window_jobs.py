@@ -152,7 +152,7 @@ def test_an_export_that_is_stopped_leaves_no_file_and_a_painting_that_goes_on(
     old.write_bytes(b"old")
     name = "paint3d.files.project.session.write_archive"
     if form != "p3d":
-        name = f"paint3d.files.formats.{form}.write_{form}"
+        name = f"paint3d.files.formats.{'gltf' if form == 'glb' else form}.write_{form}"
     place, function = name.rsplit(".", 1)
     module = import_module(place)
     whole = getattr(module, function)

@@ -72,7 +72,7 @@ def test_a_seal_is_pressed_where_one_clicks_and_is_one_step(window) -> None:
     np.testing.assert_allclose(middle, window.hand.place(), atol=1.0)
     assert np.ptp(where[:, 0]) == pytest.approx(16.0, abs=1.2)
     assert len(window.document.strokes) == 0  # the click painted nothing
-    wait_for(lambda: "The seal is pressed" in window.status.told.text())
+    wait_for(lambda: "Seal pressed" in window.status.told.text())
     type_key(window.canvas, QtCore.Qt.Key.Key_Z, QtCore.Qt.KeyboardModifier.ControlModifier)
     wait_for(lambda: not window.document.surface.painted.any())
 

@@ -127,7 +127,7 @@ class Settings:
     material: str = "porcelain"
     brush: str = "full"
     brush_mm: float | None = None
-    inks: tuple[str | Mapping[str, float], ...] = ({"pine soot": 0.25, "water": 0.75}, "cinnabar")
+    inks: tuple[str | Mapping[str, float], ...] = ("pine soot", "cinnabar")
     resolution_mm: float = 0.4
     pressure_curve: tuple[tuple[float, float], ...] = ((0.0, 0.0), (1.0, 1.0))
     pressure_by: str = "keys"
