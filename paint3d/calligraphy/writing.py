@@ -206,7 +206,7 @@ class Pen:
     variation : float
         0: every character as the copybook has it; 1: as a practised hand varies; at most 3.
     seed : int
-        Of that variation: the same seed, text and pen give the same motion.
+        Of that variation, 0 or more: the same seed, text and pen give the same motion.
     """
 
     brush: BrushSpec
@@ -352,6 +352,8 @@ def _write(
     progress: Callable[[str, float], None] | None,
 ) -> Written:
     """Plan every glyph once, lay it wherever it stands, and join the ways."""
+    as_number(pen.variation, "variation", 0.0, MOST_VARIATION)
+    as_number(pen.seed, "seed", 0)
     tuft = build_tuft(pen.brush)
     footprints = tabulate_footprints(tuft, _WIDEST * pen.em_mm)
     pen = replace(pen, tempo=pen.tempo.slower(_root_stretch(placed, tuft)))
@@ -362,11 +364,13 @@ def _write(
             motions[key] = motion
             if progress is not None:
                 progress(glyph.text, len(motions) / len(glyphs))
-    as_number(pen.variation, "variation", 0.0, MOST_VARIATION)
-    laid = [
-        _laid(surface, piece, _varied(motions[id(piece.glyph)], piece, k, pen), tuft, pen)
-        for k, piece in enumerate(placed)
-    ]
+    laid = []
+    for k, piece in enumerate(placed):
+        middle = on_paper(np.array(piece.glyph.middle), pen.em_mm)
+        motion = vary_motion(
+            motions[id(piece.glyph)], middle, pen.em_mm, pen.variation, [pen.seed, k]
+        )
+        laid.append(_laid(surface, piece, motion, tuft, pen))
     told = [_described(piece) for piece in placed]
     entries = {
         "brush": pen.brush.name,
@@ -463,11 +467,6 @@ def _plan_all(
 def _planned(glyph: Glyph, footprints: FootprintTable, pen: Pen, threads: int = 1) -> Motion:
     courses = plan_glyph(glyph, pen.em_mm, footprints, pen.settings, threads)
     return time_courses([courses], pen.em_mm, pen.tempo)
-
-
-def _varied(motion: Motion, piece: PlacedPiece, k: int, pen: Pen) -> Motion:
-    middle = on_paper(np.array(piece.glyph.middle), pen.em_mm)
-    return vary_motion(motion, middle, pen.em_mm, pen.variation, [abs(pen.seed), k])
 
 
 # -- laying -------------------------------------------------------------------------------------

@@ -23,6 +23,7 @@ from paint3d.cli.options import (
     add_force_option,
     add_quiet_option,
     add_report_option,
+    add_seed_option,
     check_input_file,
     check_output_file,
     check_overwriting,
@@ -111,13 +112,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="how much strokes differ as a hand's do: 0 as the copybook has them, at most 3 "
         "(default: 1)",
     )
-    brush.add_argument(
-        "--seed",
-        type=int,
-        default=0,
-        metavar="N",
-        help="another number varies them otherwise, the same in the same way (default: 0)",
-    )
+    add_seed_option(brush, "how strokes vary")
 
 
 def add_task_options(parser: argparse.ArgumentParser, **unsaid: str) -> None:
@@ -438,5 +433,5 @@ def pen_of(options: argparse.Namespace) -> Pen:
         options.size,
         settings,
         variation=options.variation,
-        seed=options.seed,
+        seed=1 if options.seed is None else options.seed,
     )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ from numpy.typing import ArrayLike
 from paint3d.app.model.commands import COMMANDS
 from paint3d.app.model.mask import Stencil
 from paint3d.calligraphy.seal.impression import Pressing, find_impression
+from paint3d.calligraphy.seal.paste import lay_paste
 from paint3d.colour.ink_text import table_of
 from paint3d.colour.pigments import load_pigment
 from paint3d.core.arrays import AnyArray, as_array, as_number
@@ -87,18 +89,17 @@ class SealPress:
             self._closest = ClosestPoints(surface.source)
         frame = frame_at(self._closest, at, up)
         left = find_impression(surface, self._closest, frame, *seal)
-        ids, coats, coverage = left.vertex_ids, left.coats, left.share
         if stencil is not None:
-            free = ~stencil.covers(ids)
-            ids, coats, coverage = ids[free], coats[free], coverage[free]
+            free = ~stencil.covers(left.vertex_ids)
+            left = replace(
+                left,
+                vertex_ids=left.vertex_ids[free],
+                coats=left.coats[free],
+                share=left.share[free],
+            )
         parts = _parts(surface, ink)
         self._undo.begin(COMMANDS["press_seal"].step)
-        before = surface.wet_ink() + surface.dry_ink()
-        surface.settle(ids)
-        surface.ink.amounts[ids] = coats[:, None] * parts
-        surface.ink.coverage[ids] = coverage
-        surface.settle(ids)
-        self._painter.loaded += surface.wet_ink() + surface.dry_ink() - before
+        self._painter.loaded += lay_paste(surface, left, parts)
         if left.touched < _PALE:
             _LOG.warning(
                 "the seal touches %.0f %% of what it is to print: the surface falls away from it",
