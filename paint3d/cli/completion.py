@@ -134,7 +134,7 @@ def _zsh(commands: list[_Command]) -> str:
             about = _quoted(option.about).replace("[", "(").replace("]", ")").replace(":", " ")
             value = f":value:({' '.join(option.choices)})" if option.choices else ":value:_files"
             if option.choices and option.is_file:
-                value = f""":value:{{_alternative "names:name:({' '.join(option.choices)})" """
+                value = f""":value:{{_alternative "names:name:({" ".join(option.choices)})" """
                 value += '"files:file:_files"}'
             lines.append(f"'{option.name}[{about}]{value if option.takes_value else ''}'")
         if one.actions:

@@ -8,6 +8,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, TypeAlias
 
+from paint3d.colour.materials import load_material
+from paint3d.colour.spectra import srgb_from_reflectance
 from paint3d.errors import MeshError, UnknownNameError
 from paint3d.files.package_meshes import package_class
 from paint3d.files.progress import Progress
@@ -20,7 +22,7 @@ from paint3d.files.reading import (
     read_surface_apart,
     take_object,
 )
-from paint3d.mesh.sheet_mesh import make_sheet
+from paint3d.mesh.sheet_mesh import make_sheet, with_paper
 from paint3d.mesh.sheets import FORMS, is_sheet, parse_sheet
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.mesh.upright import UP_AXES, turn_mesh, turn_up
@@ -141,7 +143,9 @@ def read_mesh(
         return _guessed(taken) if up == AUTO and not taken.knows_up else taken
     found = _find(path)
     if found is None and is_sheet(str(path)):
-        return Reading(make_sheet(parse_sheet(str(path))), knows_up=True)
+        sheet = parse_sheet(str(path))
+        paper = srgb_from_reflectance(load_material(sheet.usual.material).reflectance)
+        return Reading(with_paper(make_sheet(sheet), paper), knows_up=True)
     if found is None:
         return replace(read_surface(_built_in(str(path)), wanted), knows_up=True)
     reading = read_surface_apart(found, wanted, progress=progress)

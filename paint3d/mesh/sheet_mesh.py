@@ -47,10 +47,10 @@ def make_sheet(sheet: Sheet) -> TriangleMesh:
     parts: list[_Part] = []
     for x in middles:
         points, faces = _paper(sheet, 0.0)
-        parts.append((points + [x, 0.0, 0.0], faces, _PAPER))
+        parts.append((_beside(points, x), faces, _PAPER))
     if sheet.mounted:
         for x in middles:
-            parts += [(p + [x, 0.0, 0.0], f, colour) for p, f, colour in _mount(sheet)]
+            parts += [(_beside(p, x), f, colour) for p, f, colour in _mount(sheet)]
     starts = np.cumsum([0, *(len(points) for points, _, _ in parts)])
     points = np.concatenate([points for points, _, _ in parts])
     faces = np.concatenate([f + n for (_, f, _), n in zip(parts, starts, strict=False)])
@@ -94,15 +94,15 @@ class WritingArea(NamedTuple):
 
 
 @lru_cache(maxsize=8)
-def writing_areas(mesh: TriangleMesh) -> tuple[WritingArea, ...]:
-    """A sheet's panels within their margins, from the right; any other mesh itself."""
+def writing_areas(mesh: TriangleMesh, within_margins: bool = True) -> tuple[WritingArea, ...]:
+    """A sheet's panels, within their margins or whole, from the right; any other mesh itself."""
     sheet = sheet_of(mesh)
     if sheet is None:
         return (WritingArea(mesh),)
-    points, faces = _paper(sheet, sheet.margin_mm)
+    points, faces = _paper(sheet, sheet.margin_mm if within_margins else 0.0)
     apex = np.array([0.0, _fan(sheet)[2], 0.0]) if sheet.usual.shape == "sector" else None
     return tuple(
-        WritingArea(TriangleMesh(points + [x, 0.0, 0.0], faces, None, mesh.name), apex)
+        WritingArea(TriangleMesh(_beside(points, x), faces, None, mesh.name), apex)
         for x in reversed(_middles(sheet))
     )
 
@@ -111,6 +111,11 @@ def _middles(sheet: Sheet) -> list[float]:
     """The x of the middle of each panel, from the left."""
     step, n = sheet.width_mm + _BETWEEN_MM, sheet.usual.panels
     return [step * (k - 0.5 * (n - 1)) for k in range(n)]
+
+
+def _beside(points: AnyArray, x: float) -> AnyArray:
+    moved: AnyArray = points + np.array([x, 0.0, 0.0])
+    return moved
 
 
 def _fan(sheet: Sheet) -> tuple[float, float, float]:
@@ -280,7 +285,7 @@ def _rod(left: float, right: float, y: float, radius: float) -> tuple[AnyArray, 
     on = (k + 1) % _AROUND
     faces = []
     for j in range(n_x):
-        a, b, c, d = j * _AROUND + k, j * _AROUND + on, (j + 1) * _AROUND + on, (j + 1) * _AROUND + k
+        a, b, c, d = (_AROUND * j + part for part in (k, on, _AROUND + on, _AROUND + k))
         faces.append(np.stack([a, b, c, a, c, d], axis=1).reshape(-1, 3))
     n, last = len(points), n_x * _AROUND
     faces.append(np.stack([np.full(_AROUND, n), on, k], axis=1))

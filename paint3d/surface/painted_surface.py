@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from paint3d.colour.difference import delta_e, lab_from_srgb
 from paint3d.colour.materials import Material, load_material
-from paint3d.colour.wet_look import WetLook
 from paint3d.colour.spectra import srgb_from_reflectance
+from paint3d.colour.wet_look import WetLook
 from paint3d.core.arrays import AnyArray, as_array, as_number
 from paint3d.errors import InputError
 from paint3d.mesh.bvh import build_contact_tree
