@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING
 
 from paint3d.cli.films import add_film_options, film_of
 from paint3d.cli.options import (
-    BUILT_IN_OBJECTS,
     PLACE,
     add_force_option,
     add_quiet_option,
@@ -172,11 +171,11 @@ def _for_this(recording: Recording, mesh: TriangleMesh, options: argparse.Namesp
                 options.recording, made_on, mesh.name,
             )  # fmt: skip
         return recording
-    from paint3d.files.load import load_mesh
+    from paint3d.files.load import is_built_in, load_mesh
     from paint3d.mesh.bvh import ClosestPoints
     from paint3d.painter.flat_input import lift_off
 
-    if options.painted_on is None and made_on not in BUILT_IN_OBJECTS:
+    if options.painted_on is None and not is_built_in(made_on):
         raise InputError(
             f"{options.recording} was recorded on {made_on}; expected --painted-on MESH, that "
             "object's file, for it to be laid elsewhere"

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
 from paint3d.cli.options import (
+    BUILT_IN_HELP,
     BUILT_IN_OBJECTS,
     PLACE,
     add_unit_option,
@@ -320,8 +321,8 @@ def add_painting_argument(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "painting",
         metavar="PAINTING",
-        help="a session (.p3d), any mesh that is read, with its colours and pictures, or bowl, "
-        "plate, vase, sphere, plane",
+        help="a session (.p3d), any mesh that is read, with its colours and pictures, "
+        f"{BUILT_IN_HELP}",
     )
     add_unit_option(parser)
     add_up_option(parser)
