@@ -126,8 +126,9 @@ def run(options: argparse.Namespace) -> None:
         return
     if options.painted_on is not None and options.at is None:
         raise InputError(
-            f"--painted-on is given, and {options.recording} is no whole painting; expected one of "
-            "version 2, or --at U,V, where its strokes are laid"
+            "--painted-on is given, and {recording} is no whole painting; expected one of version "
+            "2, or --at U,V, where its strokes are laid",
+            recording=options.recording,
         )
     wanted.check()
     with ProgressBar("reading", enabled=not options.quiet) as progress:
@@ -177,7 +178,9 @@ def _for_this(recording: Recording, mesh: TriangleMesh, options: argparse.Namesp
 
     if options.painted_on is None and not is_built_in(made_on):
         raise InputError(
-            f"{options.recording} was recorded on {made_on}; expected --painted-on MESH, that "
-            "object's file, for it to be laid elsewhere"
+            "{recording} was recorded on {made_on}; expected --painted-on MESH, that object's "
+            "file, for it to be laid elsewhere",
+            recording=options.recording,
+            made_on=made_on,
         )
     return lift_off(recording, ClosestPoints(load_mesh(options.painted_on or made_on)))

@@ -62,7 +62,11 @@ def begun(
         ink = Inks(dict(header.get("pigments", {}))).mixture(header.get("ink", DEFAULT_INKS[0]))
         made_of = material_in(header) if material is None else material
     except Paint3DError as cause:
-        raise RecordingError(f"{score.name or 'the recording'}: its header: {cause}") from None
+        raise RecordingError(
+            "{score}: its header: {cause}",
+            score=score.name or "the recording",
+            cause=cause,
+        ) from None
     if resolution is None:
         resolution = header.get("resolution_mm", _RESOLUTION_MM)
     surface = PaintedSurface(mesh, resolution, made_of, _original(header, mesh, painted_on))
