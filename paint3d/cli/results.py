@@ -308,7 +308,8 @@ def _colour_of(ink: str, *, own_tables: bool = True) -> str:
 
     stirred: dict[str | Pigment, float] = dict(load_ink(ink, own_tables=own_tables).items())
     paper = load_material("xuan").reflectance
-    red, green, blue = srgb_from_reflectance(mixture_reflectance(stirred, 1.0, paper))
+    film = mixture_reflectance(stirred, 1.0, paper, by_volume=True)
+    red, green, blue = srgb_from_reflectance(film)
     return f"#{red:02x}{green:02x}{blue:02x}"
 
 
