@@ -352,7 +352,7 @@ def _file_header(header: dict[str, Any]) -> dict[str, Any]:
     for key, names in known.items():
         if merged[key] not in names:
             raise RecordingError(f"units: {key} is {merged[key]!r}; expected {' or '.join(names)}")
-    return {**header, "units": merged}
+    return {"model": 1, **header, "units": merged}  # the first did not name theirs
 
 
 class SampleRows:
