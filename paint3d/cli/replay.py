@@ -115,6 +115,7 @@ def run(options: argparse.Namespace) -> None:
     )
     check_input_file(options.recording, "a recording")
     wanted.check_object()
+    from paint3d.device.recorded import MODEL
     from paint3d.files.project.session import is_session_path
     from paint3d.recording.recording import load_recording
     from paint3d.recording.score import is_score
@@ -133,6 +134,12 @@ def run(options: argparse.Namespace) -> None:
     wanted.check()
     with ProgressBar("reading", enabled=not options.quiet) as progress:
         recording = load_recording(options.recording, progress=progress)
+    if recording.header["model"] != MODEL:
+        _LOG.warning(
+            "%s was recorded with version %d of brush and ink; this program paints with version "
+            "%d, so its marks differ",
+            options.recording, recording.header["model"], MODEL,
+        )  # fmt: skip
     seconds: dict[str, float] = {}
     document = open_document(wanted, options) if is_session_path(wanted.on) else None
     if document is None:
