@@ -14,9 +14,11 @@ from pathlib import Path
 from typing import Any, Never, cast
 
 from paint3d.errors import ExportError, InputError
+from paint3d.mesh.sheets import FORMS, is_sheet, parse_sheet
 
 __all__ = [
     "BRUSH",
+    "BUILT_IN_HELP",
     "BUILT_IN_OBJECTS",
     "DIPS",
     "FILES",
@@ -235,6 +237,10 @@ MATERIALS = (  # known before NumPy is
     "porcelain", "bisque", "xuan", "plaster", "terracotta", "sized xuan", "tinted xuan", "silk",
 )  # fmt: skip
 BUILT_IN_OBJECTS = ("bowl", "plate", "vase", "sphere", "plane")  # as `files.load`, without NumPy
+BUILT_IN_HELP = (
+    f"{', '.join(BUILT_IN_OBJECTS)}, or a sheet: {', '.join(FORMS)}, such as scroll, "
+    "scroll:340x1000:mounted or sheet:340x1360:margin=30 (mm)"
+)
 _UP_AXES = ("x", "y", "z", "-x", "-y", "-z")  # as `mesh.upright`, known here before NumPy is
 _MOST_SEED = 1_000_000
 _MOST_HAIRS = 10_000  # as `brush.spec.MOST_HAIRS`, known here before NumPy is loaded
@@ -447,15 +453,19 @@ def check_input_file(name: str | Path | None, what: str, known: Sequence[str] = 
     what : str
         What was expected, such as "a recording".
     known : sequence of str
-        Names that are no files.
+        Names that are no files; where there are any, so are those of sheets.
 
     Raises
     ------
     InputError
-        If there is no such file, or it is a folder.
+        If there is no such file, it is a folder, or no sheet is of such a size.
     """
     if name is None or os.fspath(name) in known or os.path.isfile(name):
         return
+    if known and is_sheet(os.fspath(name)):
+        parse_sheet(os.fspath(name))
+        return
+    known = (*known, *FORMS) if known else known
     expected = f"{what}, or {', '.join(known)}" if known else what
     near = hint(os.fspath(name), known)
     if os.path.isdir(name):

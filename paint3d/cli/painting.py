@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from paint3d.cli.options import (
     BRUSH,
+    BUILT_IN_HELP,
     BUILT_IN_OBJECTS,
     FILES,
     MATERIALS,
@@ -32,6 +33,7 @@ from paint3d.cli.options import (
 from paint3d.cli.progress import ProgressBar, say_if_compiling
 from paint3d.cli.results import Painting, timed
 from paint3d.errors import InputError, RecordingError
+from paint3d.mesh.sheets import is_sheet, parse_sheet
 
 if TYPE_CHECKING:
     import numpy as np
@@ -83,13 +85,13 @@ class PaintingOptions:
     """
 
     on: str = _option(
-        "bowl", OBJECTS, "a mesh file, a painting to go on with (.p3d), or bowl, plate, vase, "
-        "sphere, plane", metavar="MESH",
+        "bowl", OBJECTS, f"a mesh file, a painting to go on with (.p3d), {BUILT_IN_HELP}",
+        metavar="MESH",
     )  # fmt: skip
     material: str = _option(
         "porcelain", OBJECTS,
         f"of the surface: {', '.join(MATERIALS)}, or a file of your own, mine.toml or mine.json",
-        metavar="NAME|FILE",
+        unsaid="what suits a sheet, else porcelain", metavar="NAME|FILE",
     )  # fmt: skip
     resolution: float = _option(
         0.4, OBJECTS, "vertex spacing wanted where paint is, mm", metavar="MM",
@@ -175,6 +177,9 @@ class PaintingOptions:
     def of(cls, options: argparse.Namespace, **otherwise: Any) -> PaintingOptions:
         """What the options say; `otherwise` gives what a command takes for one that is not said."""
         said = {one.name: getattr(options, one.name, None) for one in fields(cls)}
+        on = said["on"]
+        if on is not None and is_sheet(on) and not os.path.isfile(on):
+            otherwise["material"] = parse_sheet(on).usual.material
         return cls(**{**otherwise, **{k: value for k, value in said.items() if value is not None}})
 
     def check(self) -> None:

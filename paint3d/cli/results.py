@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
 from paint3d.cli.options import (
+    BUILT_IN_HELP,
     BUILT_IN_OBJECTS,
     PLACE,
     add_unit_option,
@@ -307,7 +308,8 @@ def _colour_of(ink: str, *, own_tables: bool = True) -> str:
 
     stirred: dict[str | Pigment, float] = dict(load_ink(ink, own_tables=own_tables).items())
     paper = load_material("xuan").reflectance
-    red, green, blue = srgb_from_reflectance(mixture_reflectance(stirred, 1.0, paper))
+    film = mixture_reflectance(stirred, 1.0, paper, by_volume=True)
+    red, green, blue = srgb_from_reflectance(film)
     return f"#{red:02x}{green:02x}{blue:02x}"
 
 
@@ -323,8 +325,8 @@ def add_painting_argument(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "painting",
         metavar="PAINTING",
-        help="a session (.p3d), any mesh that is read, with its colours and pictures, or bowl, "
-        "plate, vase, sphere, plane",
+        help="a session (.p3d), any mesh that is read, with its colours and pictures, "
+        f"{BUILT_IN_HELP}",
     )
     add_unit_option(parser)
     add_up_option(parser)

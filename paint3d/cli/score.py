@@ -208,11 +208,11 @@ def _words(edit: _Edit, score: Score) -> dict[str, Any]:
 
 def _ground(score: Score, options: argparse.Namespace) -> ClosestPoints:
     """The surface of the object that strokes are moved on."""
-    from paint3d.files.load import BUILT_IN_OBJECTS, load_mesh
+    from paint3d.files.load import is_built_in, load_mesh
     from paint3d.mesh.bvh import ClosestPoints
 
     name = options.on or score.header.get("object")
-    if options.on is None and name not in BUILT_IN_OBJECTS:
+    if options.on is None and not (isinstance(name, str) and is_built_in(name)):
         raise InputError(
             "the score's object is {name!s}; expected --on MESH for strokes to be moved on",
             name=name or "not said",

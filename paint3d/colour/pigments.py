@@ -53,6 +53,7 @@ USUAL_FINE = 0.12
 """Default of `Pigment.fine`: the fraction that goes with the water until pores catch it."""
 COARSEST_UM = 1000.0
 """Largest diameter of a pigment's grains, um."""
+_DENSITIES = 0.01, 30.0  # g/cm3: osmium has 22.6
 _STRONGEST = 1e6  # K and S of a coat; measured inks stay below 100
 
 
@@ -76,12 +77,16 @@ class Pigment:
         Fraction that no pore holds back, 0 (all grains) to 1 (dissolved).
     grain_um : float
         Diameter of the grains of the rest, um, 0 (no larger than soot) to 1000.
+    density : float, optional
+        Mass over volume of the paint, g/cm3, 0.01 to 30, where recipes of it are mass;
+        None where they are parts of volume already, as of the palette.
 
     Raises
     ------
     PigmentError
         If the name is empty, K or S has the wrong length or is not between 0 and a million,
-        gloss or fine are not between 0 and 1, or grain_um is not between 0 and 1000.
+        gloss or fine are not between 0 and 1, grain_um is not between 0 and 1000, or the density
+        is not from 0.01 to 30.
     """
 
     name: str
@@ -95,6 +100,7 @@ class Pigment:
     gloss: float = 0.0
     fine: float = USUAL_FINE
     grain_um: float = 0.0
+    density: float | None = None
 
     def __post_init__(self) -> None:
         if not self.name:
@@ -104,6 +110,9 @@ class Pigment:
             as_number(value, f"{fraction} of {self.name}", 0.0, 1.0, error=PigmentError)
         grain = f"grain_um of {self.name}"
         as_number(self.grain_um, grain, 0.0, COARSEST_UM, error=PigmentError)
+        if self.density is not None:
+            density = f"density of {self.name}"
+            as_number(self.density, density, *_DENSITIES, error=PigmentError)
         for letter in "KS":
             values = as_array(
                 getattr(self, letter), f"{letter} of {self.name}", (31,), error=PigmentError
@@ -272,7 +281,8 @@ def load_pigments_csv(path: str | Path) -> Mapping[str, Pigment]:
         wavelengths that cover 400 to 700 nm (others than every 10 nm are interpolated linearly);
         optionally ``chinese``, ``source``, ``basis``, ``licence``, ``saunderson`` (yes|no),
         ``gloss`` (0 to 1), ``fine`` (0 to 1; .12), what goes with the water until pores catch
-        it, and ``grain_um`` (0 to 1000; 0), the diameter of the other grains, um.
+        it, ``grain_um`` (0 to 1000; 0), the diameter of the other grains, um, and ``density``
+        (0.01 to 30, g/cm3), where recipes are mass.
         Or measured masstones as `illuminants` reads them: IES TM-27 (.spdx), and .txt of two
         columns or of X-Rite.
 
@@ -282,7 +292,7 @@ def load_pigments_csv(path: str | Path) -> Mapping[str, Pigment]:
         Naming file and line, if it cannot be read, holds no pigment, a name is empty or occurs
         twice, the wavelengths do not rise or cover 400-700 nm, K or S is negative, not finite
         or not a number, R is not from 1e-6 to less than 1, gloss or fine are not between 0 and 1,
-        or grain_um is not between 0 and 1000.
+        grain_um is not between 0 and 1000, or density is not from 0.01 to 30.
     """
     path = Path(path)
     if is_spectral(path):
@@ -390,6 +400,8 @@ def _read_row(
     gloss = _read_number(row, where, "gloss", 0.0)
     fine = _read_number(row, where, "fine", USUAL_FINE)
     grain = _read_number(row, where, "grain_um", 0.0, COARSEST_UM)
+    weighed = bool((row.get("density") or "").strip())
+    density = _read_number(row, where, "density", 0.0, _DENSITIES[1], _DENSITIES[0])
     if "R" in spectra:
         worst = int(np.abs(spectra["R"] - 0.5).argmax())
         if not _DARKEST <= spectra["R"][worst] < 1.0:
@@ -418,22 +430,29 @@ def _read_row(
         gloss=gloss,
         fine=fine,
         grain_um=grain,
+        density=density if weighed else None,
     )
 
 
 def _read_number(
-    row: dict[str, Any], where: str, name: str, usual: float, most: float = 1.0
+    row: dict[str, Any],
+    where: str,
+    name: str,
+    usual: float,
+    most: float = 1.0,
+    least: float = 0.0,
 ) -> float:
-    """Parse a number from 0 to `most`; an empty cell gives `usual`."""
+    """Parse a number from `least` to `most`; an empty cell gives `usual`."""
     text = (row.get(name) or "").strip()
     if not text:
         return usual
-    if not _NUMBER.fullmatch(text) or not 0.0 <= float(text) <= most:
+    if not _NUMBER.fullmatch(text) or not least <= float(text) <= most:
         raise PigmentError(
-            "{where}: {name} is {text!r}; expected a number from 0 to {most:g}",
+            "{where}: {name} is {text!r}; expected a number from {least:g} to {most:g}",
             where=where,
             name=name,
             text=text[-40:],
+            least=least,
             most=most,
         )
     return float(text)

@@ -13,10 +13,12 @@ from paint3d.core.arrays import AnyArray, as_array, lengths_of
 from paint3d.device.sample import DeviceSample
 from paint3d.errors import RecordingError
 
-__all__ = ["FORMAT", "MAX_FORCE_N", "UNIT_TOLERANCE", "VERSION", "Recording"]
+__all__ = ["FORMAT", "MAX_FORCE_N", "MODEL", "UNIT_TOLERANCE", "VERSION", "Recording"]
 
 FORMAT = "paint3d-recording"
 VERSION = 1
+MODEL = 2
+"""Version of the brush and ink by which strokes are painted: it goes up where marks change."""
 MAX_FORCE_N = 7.9
 """Greatest force of the papers' device (Guo 2017, section 5): pressure 1."""
 UNIT_TOLERANCE = 1e-3
@@ -149,6 +151,7 @@ def checked_header(header: Mapping[str, Any]) -> dict[str, Any]:
     filled: dict[str, Any] = {
         "format": FORMAT,
         "version": VERSION,
+        "model": MODEL,
         "units": {"position": "mm", "time": "ns", "force": "N"},
         "space": "world",
         "azimuth": "commanded",
@@ -167,6 +170,9 @@ def checked_header(header: Mapping[str, Any]) -> dict[str, Any]:
             version=version,
             expected=VERSION,
         )
+    model = filled["model"]
+    if type(model) is not int or model < 1:
+        raise RecordingError("model is {model!r}; expected a whole number from 1", model=model)
     for key, known in _CHOICES.items():
         if filled[key] not in known:
             raise RecordingError(

@@ -291,7 +291,8 @@ class LayerStack:
                 slots=wet, spectra=spectra, linear_rgb=np.empty((0, 3), np.float32)
             )
             every = np.arange(len(wet), dtype=np.int32)
-            glaze.dry(amounts, coverage, ground, every, wet)
+            seen = self._store.seen_amounts(ids[wet], amounts, coverage)
+            glaze.dry(seen, coverage, ground, every, wet)
 
     def _paint_at(
         self, key: int, ids: AnyArray
@@ -450,5 +451,6 @@ def _add_filters(store: InkStore) -> None:
         if dry.count:
             ground = bare._replace(spectra=array, material=np.full(N_BANDS, grey, np.float32))
             assert store.glaze is not None, "something has dried, so a pigment is known"
-            store.glaze.dry(dry.amounts.copy(), covered, ground, rows, rows)
+            seen = store.seen_amounts(dry.vertex_ids, dry.amounts.copy(), covered)
+            store.glaze.dry(seen, covered, ground, rows, rows)
     dry.add_filters(over)

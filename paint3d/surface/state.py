@@ -85,11 +85,11 @@ def surface_state(surface: PaintedSurface) -> State:
         (1/mm), capacity (coats x mm2) and length of a reservoir (mm) of `TRANSFER`.
 
         flows (bool) says whether there is water in motion (`WetPatch`); if so, for the C vertices
-        with any trace of it: flow_vertices (C,) int32, flow_water (C,), flow_pigment and flow_fine
-        (C, P) float64, flow_inside, flow_soaked, flow_owed, flow_pace (C,) and flow_written (C, P)
-        float32; flow_fresh (N,) int32 vertices. Older files have no flow_fine: the same fraction
-        of all pigment is fine. open_blocks (B,) int32 are the blocks of its `FlowGraph` where
-        water has been.
+        with any trace of it: flow_vertices (C,) int32, flow_water (C,), flow_pigment, flow_fine
+        and flow_loose (C, P) float64, flow_inside, flow_soaked, flow_owed, flow_pace (C,) and
+        flow_written (C, P) float32; flow_fresh (N,) int32 vertices. Older files have no flow_fine:
+        the same fraction of all pigment is fine; nor flow_loose: none is. open_blocks (B,) int32
+        are the blocks of its `FlowGraph` where water has been.
 
         layers is None, or a list of name, visible and locked of each layer, the lowest first;
         active is the place of the one that the arrays above belong to. The arrays of any other
@@ -424,11 +424,17 @@ def checked_flow(
     shape = (*shape, n_pigments)
     kept["pigment"] = _amounts(state, "flow_pigment", shape, np.float64)
     kept["fine"] = USUAL_FINE * kept["pigment"]
-    if "flow_fine" in state:  # missing in older files
-        fine = _amounts(state, "flow_fine", shape, np.float64)
-        if (fine > 1.000001 * kept["pigment"]).any():
-            raise SessionError("flow_fine is more than flow_pigment; expected a part of it")
-        kept["fine"] = np.minimum(fine, kept["pigment"])  # exceeds it by rounding at most
+    kept["loose"] = np.zeros_like(kept["pigment"])
+    rest = kept["pigment"]
+    for name in ("fine", "loose"):
+        if f"flow_{name}" in state:  # missing in older files
+            part = _amounts(state, f"flow_{name}", shape, np.float64)
+            if (part > rest + 1e-6 * kept["pigment"]).any():
+                raise SessionError(
+                    "flow_{name} is more than flow_pigment; expected a part of it", name=name
+                )
+            kept[name] = np.minimum(part, rest)  # exceeds it by rounding at most
+            rest = rest - kept[name]
     kept["written"] = _amounts(state, "flow_written", shape, np.float32)
     if not kept["pace"].all():
         raise SessionError("flow_pace is 0; expected a time")

@@ -105,7 +105,7 @@ def ink_srgb(
     inked = {p: w for p, w in zip(pigments, parts, strict=False) if w > 0.0 and p is not WATER}
     shown: AnyArray = HAIR if on_hair else DISH
     if inked:
-        shown = mixture_reflectance(inked, sum(inked.values()), shown)
+        shown = mixture_reflectance(inked, sum(inked.values()), shown, by_volume=True)
     red, green, blue = (int(code) for code in srgb_from_reflectance(shown))
     return red, green, blue
 

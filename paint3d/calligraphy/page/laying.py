@@ -12,19 +12,25 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from paint3d.calligraphy.glyphs import EM_UNITS, Glyph
-from paint3d.calligraphy.layout import Layout, frames_to_try, upright_frame, walking_step
+from paint3d.calligraphy.layout import (
+    Ground,
+    Layout,
+    frames_to_try,
+    grounds_of,
+    upright_frame,
+    walking_step,
+)
 from paint3d.calligraphy.page.page import Composer, Page, Piece
 from paint3d.errors import InputError, MeshError
 from paint3d.mesh.bvh import ClosestPoints
 from paint3d.mesh.chart import EmSquare, SquareLimits, SurfaceFrame, lay_square
-from paint3d.mesh.placement import SurfaceLine, place, upwards, walk
+from paint3d.mesh.placement import SurfaceLine, walk
 
 __all__ = ["PlacedPiece", "lay_page"]
 
 _SHARES = (1.0, 0.8, 0.65, 0.5, 0.4, 0.3, 0.2)  # of the room there is: lines that are tried
 _MOVES = (0.0, 0.3, -0.3, 0.6, -0.6, 1.0, -1.0, 1.5, -1.5)  # ems up from the place: tried in turn
 _MOST_PLACES = 12
-_MIDDLE = (0.5, 0.5)
 _ROUNDING = 1e-6  # of a length
 
 
@@ -72,10 +78,12 @@ def lay_page(
     """
     layout, limits = layout or Layout(), limits or SquareLimits()
     fault: MeshError | None = None
-    for n, frame in enumerate(_places(surface, layout)):
+    grounds, layout = grounds_of(surface, layout)
+    ground = grounds[0]  # of a couplet, the panel on the right
+    for n, frame in enumerate(_places(ground, layout)):
         if n == _MOST_PLACES:
             break
-        sheet = _Sheet(surface, em_mm, layout, limits, frame)
+        sheet = _Sheet(ground, em_mm, layout, limits, frame)
         for page in sheet.pages(text):
             try:
                 return page, sheet.lay(page)
@@ -89,12 +97,15 @@ def lay_page(
     raise _too_large(surface, text.compose(math.inf), em_mm, fault)
 
 
-def _places(surface: ClosestPoints, layout: Layout) -> Iterator[SurfaceFrame]:
+def _places(ground: Ground, layout: Layout) -> Iterator[SurfaceFrame]:
     """Where the page's middle may lie: the place that was asked for, or one after another."""
-    if layout.at is not None or layout.around:
-        yield place(surface, layout.at or _MIDDLE, side=layout.side)
+    if layout.is_placed or layout.around:
+        yield ground.middle(layout)
         return
-    yield from frames_to_try(surface, layout.side)
+    turned = bool(layout.turn) or ground.apex is not None
+    for frame in frames_to_try(ground.surface, layout.side):
+        upright = ground.upright(frame.normal, layout)
+        yield upright_frame(ground.surface, frame.origin, upright) if turned else frame
 
 
 def _too_large(surface: ClosestPoints, page: Page, em_mm: float, fault: MeshError) -> InputError:
@@ -117,15 +128,16 @@ class _Sheet:
 
     def __init__(
         self,
-        surface: ClosestPoints,
+        ground: Ground,
         em_mm: float,
         layout: Layout,
         limits: SquareLimits,
         middle: SurfaceFrame,
     ) -> None:
-        self.surface, self.em_mm, self.layout, self.limits = surface, em_mm, layout, limits
+        self.surface = ground.surface
+        self.em_mm, self.layout, self.limits = em_mm, layout, limits
         self.middle, self.scale = middle, em_mm / EM_UNITS
-        self.up = upwards(middle.normal)
+        self.up = ground.upright(middle.normal, layout)
         self._climbs: dict[float, SurfaceLine] = {}
         self._levels: dict[tuple[float, float], SurfaceLine] = {}
 
@@ -159,7 +171,7 @@ class _Sheet:
         if self.layout.around:
             page = self._spread(page)
         fault: MeshError | None = None
-        for move in _MOVES if self.layout.at is None else (0.0,):
+        for move in (0.0,) if self.layout.is_placed else _MOVES:
             try:
                 return [self._laid(piece, page, move * self.em_mm) for piece in page.pieces]
             except MeshError as cause:

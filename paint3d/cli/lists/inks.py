@@ -123,7 +123,7 @@ def _film(ink: str, coats: float, ground: AnyArray) -> AnyArray:
 
     stirred: dict[str | Pigment, float] = {}
     stirred.update(load_ink(ink).items())
-    return mixture_reflectance(stirred, coats, ground)
+    return mixture_reflectance(stirred, coats, ground, by_volume=True)
 
 
 def _csv_word(text: str) -> str:
