@@ -66,7 +66,12 @@ def layer_reflectance(
         high = 1.0 if name == "backing" else np.inf
         if array.size and not (array.min() >= 0 and array.max() <= high):
             worst = array.min() if array.min() < 0 else array.max()
-            raise InputError(f"{name} holds {worst:g}; expected 0 to {high:g}")
+            raise InputError(
+                "{name} holds {worst:g}; expected 0 to {high:g}",
+                name=name,
+                worst=worst,
+                high=high,
+            )
     full = np.broadcast_arrays(*checked)
     reflected, alone, through = (np.empty(full[0].size) for _ in range(3))
     flat = [np.ascontiguousarray(array).reshape(-1) for array in full]
@@ -195,7 +200,11 @@ def stack_reflectance(
     """
     below = as_array(backing, "backing", (N_BANDS,))
     if below.min() < 0 or below.max() > 1:
-        raise InputError(f"backing is {below.min():g} to {below.max():g}; expected 0 to 1")
+        raise InputError(
+            "backing is {least:g} to {most:g}; expected 0 to 1",
+            least=below.min(),
+            most=below.max(),
+        )
     if glossy:
         below = np.maximum(to_internal(below, *SAUNDERSON), 0.0)
     for k, s, coats in layers:

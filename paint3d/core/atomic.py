@@ -69,7 +69,11 @@ def write_atomically(
         _tidy(target.parent)
         temporary, held = _reserve(target)
     except OSError as cause:
-        raise ExportError(f"{named}: cannot write here: {_reason(cause)}") from None
+        raise ExportError(
+            "{named}: cannot write here: {reason}",
+            named=named,
+            reason=_reason(cause),
+        ) from None
     try:
         yield temporary
         _flush(temporary)
@@ -80,7 +84,9 @@ def write_atomically(
         os.replace(temporary, target)
         flush_folder(target.parent)
     except OSError as cause:
-        raise ExportError(f"{named}: cannot write: {_reason(cause)}") from None
+        raise ExportError(
+            "{named}: cannot write: {reason}", named=named, reason=_reason(cause)
+        ) from None
     finally:
         with suppress(OSError):
             temporary.unlink()

@@ -224,7 +224,7 @@ class ForceFeedback:
         while self._board.counters[board_of.STATE] == board_of.STARTING:
             if not self._process.is_alive() or time.monotonic() > end:
                 why = self._board.fault() or f"exit status {self._process.exitcode}"
-                raise DeviceError(f"the servo did not start: {why}")
+                raise DeviceError("the servo did not start: {why}", why=why)
             time.sleep(0.01)
 
     def _quiet(self) -> None:

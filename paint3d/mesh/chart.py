@@ -157,7 +157,8 @@ def frame_at(surface: ClosestPoints, point: ArrayLike, up: ArrayLike) -> Surface
     length = math.sqrt(tangent @ tangent)
     if length < 1e-6 * max(math.sqrt(wanted @ wanted), 1e-12):
         raise InputError(
-            f"up is {wanted.tolist()}, along the surface's normal; expected another direction"
+            "up is {wanted}, along the surface's normal; expected another direction",
+            wanted=wanted.tolist(),
         )
     y_axis = tangent / length
     return SurfaceFrame(found.points[0], cross(y_axis, normal), y_axis, normal)
@@ -261,8 +262,12 @@ class SurfaceChart:
         if len(out):
             x, y = checked[out[0]]
             raise InputError(
-                f"({x:.3f}, {y:.3f}) mm lies outside the chart; expected within "
-                f"+-{self.half_width:g} and +-{self.half_height:g} mm"
+                "({x:.3f}, {y:.3f}) mm lies outside the chart; expected within +-{half_width:g} "
+                "and +-{half_height:g} mm",
+                x=x,
+                y=y,
+                half_width=self.half_width,
+                half_height=self.half_height,
             )
         return checked
 
@@ -310,8 +315,11 @@ def make_chart(
     reach = math.hypot(half_width, half_height)
     if reach > _FARTHEST_SIZES * size:
         raise InputError(
-            f"{surface.mesh.name} is {size:.0f} mm in size; expected a sheet that reaches less "
-            f"than {reach:.0f} mm from its middle"
+            "{object} is {size:.0f} mm in size; expected a sheet that reaches less than "
+            "{reach:.0f} mm from its middle",
+            object=surface.mesh.name,
+            size=size,
+            reach=reach,
         )
     xs, ys = _nodes(half_width, spacing), _nodes(half_height, spacing)
     x, y = (grid.ravel() for grid in np.meshgrid(xs, ys, indexing="ij"))
@@ -349,8 +357,12 @@ def _trace(
         if lost.any():
             i = int(np.flatnonzero(lost)[0])
             raise MeshError(
-                f"{surface.mesh.name}: the surface ends {step[i, 0] * k:.1f} mm from the middle "
-                f"of the chart, towards ({x[i]:.1f}, {y[i]:.1f}) mm; expected it to go on"
+                "{object}: the surface ends {step:.1f} mm from the middle of the chart, towards "
+                "({x:.1f}, {y:.1f}) mm; expected it to go on",
+                object=surface.mesh.name,
+                step=step[i, 0] * k,
+                x=x[i],
+                y=y[i],
             )
         # Parallel transport: the least rotation that takes one normal to the next. Projecting the
         # headings instead would pull every geodesic towards the direction of least bending.
@@ -612,6 +624,11 @@ def _is_free(surface: ClosestPoints, square: EmSquare, height: float) -> bool:
 def _no_place(surface: ClosestPoints, frame: SurfaceFrame, em_mm: float, why: str) -> MeshError:
     x, y, z = frame.origin
     return MeshError(
-        f"{surface.mesh.name}: no place for an em of {em_mm:g} mm around "
-        f"({x:.1f}, {y:.1f}, {z:.1f}): {why}"
+        "{object}: no place for an em of {em_mm:g} mm around ({x:.1f}, {y:.1f}, {z:.1f}): {why}",
+        object=surface.mesh.name,
+        em_mm=em_mm,
+        x=x,
+        y=y,
+        z=z,
+        why=why,
     )

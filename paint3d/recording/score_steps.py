@@ -185,5 +185,10 @@ def stroke_of(score: Score, number: int) -> tuple[ScoreStroke, ScoreSteps]:
     steps = follow_steps(score)
     if not 1 <= number <= len(steps.strokes):
         some = f"1 to {len(steps.strokes)}" if steps.strokes else "none: it has no strokes"
-        raise RecordingError(f"{score.name or 'the score'}: stroke {number}; expected {some}")
+        raise RecordingError(
+            "{score}: stroke {number}; expected {some}",
+            score=score.name or "the score",
+            number=number,
+            some=some,
+        )
     return steps.strokes[number - 1], steps

@@ -184,8 +184,9 @@ class InkStore:
             if known.name == pigment.name:
                 if not known.is_like(pigment) and not _is_built_in(pigment):
                     raise InputError(
-                        f"there is another ink named {pigment.name!r} on this surface; "
-                        "expected its K, S, gloss, fine share and grains or another name"
+                        "there is another ink named {pigment!r} on this surface; expected its K, "
+                        "S, gloss, fine share and grains or another name",
+                        pigment=pigment.name,
                     )
                 return column
         self.pigments.append(pigment)

@@ -136,9 +136,9 @@ class LayerStack:
             If the place or the name is invalid, or there are 256 layers.
         """
         if len(self._keys) >= _MOST_LAYERS:
-            raise InputError(f"there are {_MOST_LAYERS} layers; expected no more")
+            raise InputError("there are {most} layers; expected no more", most=_MOST_LAYERS)
         if not 0 <= place <= len(self._keys):
-            raise InputError(f"layer {place}; expected 0 to {len(self._keys)}")
+            raise InputError("layer {place}; expected 0 to {n}", place=place, n=len(self._keys))
         key = max(self._about) + 1
         self._about[key] = Layer(_checked_name(name))
         self._contents[key] = _Content(DryLayers(len(self._store.pigments), filters=True))
@@ -220,7 +220,11 @@ class LayerStack:
 
     def _key(self, place: int) -> int:
         if not 0 <= place < len(self._keys):
-            raise InputError(f"layer {place}; expected 0 to {len(self._keys) - 1}")
+            raise InputError(
+                "layer {place}; expected 0 to {last}",
+                place=place,
+                last=len(self._keys) - 1,
+            )
         return self._keys[place]
 
     def _unload(self) -> _Content:
@@ -417,7 +421,7 @@ class LayerStack:
 
 def _checked_name(name: object) -> str:
     if not isinstance(name, str) or not 0 < len(name.strip()) <= _LONGEST_NAME:
-        raise InputError(f"a layer's name is {name!r:.60}; expected a word")
+        raise InputError("a layer's name is {name!r:.60}; expected a word", name=name)
     return name
 
 

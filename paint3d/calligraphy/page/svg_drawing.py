@@ -122,7 +122,7 @@ def check_numbers(root: ElementTree.Element, name: str) -> None:
         for fault in faults:
             which = element.get("id")
             called = f"{tag} {which!r}" if which else f"{tag} {counts[tag]}"
-            raise InputError(f"{name}: {called}: {fault}")
+            raise InputError("{name}: {called}: {fault}", name=name, called=called, fault=fault)
 
 
 def _faults(element: ElementTree.Element, tag: str) -> Iterator[str]:
@@ -253,9 +253,18 @@ def check_svg(data: bytes, name: str) -> ElementTree.Element:
     try:
         root = parse_xml(data, _MOST_DEPTH, doctypes=True)
     except XmlFault as fault:
-        raise InputError(f"{name}:{fault.line}: {fault.what}; expected a plain SVG") from None
+        raise InputError(
+            "{name}:{line}: {what}; expected a plain SVG",
+            name=name,
+            line=fault.line,
+            what=fault.what,
+        ) from None
     if root.tag.rpartition("}")[2] != "svg":
-        raise InputError(f"{name}: the outermost element is {root.tag!r}; expected svg")
+        raise InputError(
+            "{name}: the outermost element is {tag!r}; expected svg",
+            name=name,
+            tag=root.tag,
+        )
     for element in root.iter():
         for href in filter(None, map(element.get, HREFS)):
             tag = element.tag.rpartition("}")[2]
@@ -271,8 +280,10 @@ def check_svg(data: bytes, name: str) -> ElementTree.Element:
 
 def _outside(name: str, reference: str) -> InputError:
     return InputError(
-        f"{name}: refers to {reference[:60].strip()!r} outside of itself; "
-        "expected a drawing that holds all that it shows"
+        "{name}: refers to {reference!r} outside of itself; expected a drawing that holds all that "
+        "it shows",
+        name=name,
+        reference=reference[:60].strip(),
     )
 
 
@@ -284,7 +295,11 @@ def _count(root: ElementTree.Element, name: str) -> None:
 
     def size(element: ElementTree.Element) -> int:
         if element in open_now:
-            raise InputError(f"{name}: {element.get('id')!r} uses itself; expected no circles")
+            raise InputError(
+                "{name}: {id!r} uses itself; expected no circles",
+                name=name,
+                id=element.get("id"),
+            )
         if element not in sizes:
             open_now.add(element)
             total = 1 + sum(size(child) for child in element)
@@ -298,9 +313,14 @@ def _count(root: ElementTree.Element, name: str) -> None:
     try:
         n = size(root)
     except RecursionError:
-        raise InputError(f"{name}: its uses are nested too deep") from None
+        raise InputError("{name}: its uses are nested too deep", name=name) from None
     if n > _MOST_ELEMENTS:
-        raise InputError(f"{name}: {n:,} elements; expected {_MOST_ELEMENTS:,} at most")
+        raise InputError(
+            "{name}: {n:,} elements; expected {most:,} at most",
+            name=name,
+            n=n,
+            most=_MOST_ELEMENTS,
+        )
 
 
 # --------------------------------------------------------------------------------------------------
@@ -442,7 +462,7 @@ def load_svg(file: Path | str, ids: Sequence[str] = ()) -> Page:
     name = Path(file).name
     pieces = _pieces(inks)
     if not pieces:
-        raise InputError(f"{file}: nothing but hairlines; expected shapes to fill")
+        raise InputError("{file}: nothing but hairlines; expected shapes to fill", file=file)
     return Page(pieces, name, f"Drawing: {name}")
 
 
@@ -466,17 +486,23 @@ def _inks_of(file: Path | str, ids: Sequence[str]) -> list[_Ink]:
     try:
         data = path.read_bytes()
     except OSError as cause:
-        raise InputError(f"{path}: {cause.strerror or cause}") from None
+        raise InputError("{file}: {cause}", file=path, cause=cause) from None
     if len(data) > _MOST_BYTES:
-        raise InputError(f"{path}: {len(data):,} bytes; expected {_MOST_BYTES:,} at most")
+        raise InputError(
+            "{file}: {n:,} bytes; expected {most:,} at most",
+            file=path,
+            n=len(data),
+            most=_MOST_BYTES,
+        )
     root = check_svg(data, path.name)
     check_numbers(root, path.name)
     drawn = ElementTree.tostring(in_place(root))
     inks = _covered(list(_read(drawn, path.name, ids)))
     if not inks:
         raise InputError(
-            f"{path}: nothing is filled or stroked that is more than a hairline; expected shapes "
-            "(text has to be turned into paths, pictures into drawings)"
+            "{file}: nothing is filled or stroked that is more than a hairline; expected shapes "
+            "(text has to be turned into paths, pictures into drawings)",
+            file=path,
         )
     tags = {element.tag.rpartition("}")[2] for element in root.iter()}
     left_out = [tag for tag in _NOT_PAINTED if tag in tags]
@@ -494,12 +520,19 @@ def _read(data: bytes, name: str, ids: Sequence[str]) -> Iterator[_Ink]:
     try:
         document = svg.SVG.parse(BytesIO(data), reify=False)
     except Exception as cause:  # of its many kinds, none is documented
-        raise InputError(f"{name}: cannot be read ({cause}); expected SVG") from None
+        raise InputError(
+            "{name}: cannot be read ({cause}); expected SVG", name=name, cause=cause
+        ) from None
     shapes = list(_chosen(document, set(ids), not ids, svg))
     missing = [one for one in ids if one not in _names(document, svg)]
     if missing:
         known = ", ".join(sorted(_names(document, svg))[:12]) or "none"
-        raise InputError(f"{name}: no id {', '.join(map(repr, missing))}; it has {known}")
+        raise InputError(
+            "{name}: no id {missing}; it has {known}",
+            name=name,
+            missing=", ".join(map(repr, missing)),
+            known=known,
+        )
     drawn = [_Drawn(shape.segments(transformed=False), shape) for shape in shapes]
     with np.errstate(all="ignore"):  # it computes with what is not finite, too
         boxes = [box for one in drawn if (box := one.box(svg)) is not None]
@@ -514,7 +547,11 @@ def _read(data: bytes, name: str, ids: Sequence[str]) -> Iterator[_Ink]:
         with np.errstate(all="ignore"):
             lines = one.lines(flatness, svg)
         if not all(np.isfinite(points).all() for points, _ in lines):
-            raise InputError(f"{name}: {label} has an arc of no finite points; expected a radius")
+            raise InputError(
+                "{name}: {label} has an arc of no finite points; expected a radius",
+                name=name,
+                label=label,
+            )
         for points, _ in lines:  # of some curves the boxes do not tell
             _check_reach(name, points)
         yield from _inks(lines, one, label)
@@ -562,7 +599,12 @@ class _Drawn:
 def _check_reach(name: str, lengths: AnyArray) -> None:
     farthest = np.abs(lengths).max(initial=0.0)
     if not farthest <= _FARTHEST:
-        raise InputError(f"{name}: reaches as far as {farthest:g}; expected {_FARTHEST:g} at most")
+        raise InputError(
+            "{name}: reaches as far as {farthest:g}; expected {most:g} at most",
+            name=name,
+            farthest=farthest,
+            most=_FARTHEST,
+        )
 
 
 def _chosen(element: Any, ids: set[str], taken: bool, svg: Any) -> Iterator[Any]:

@@ -74,7 +74,11 @@ def _count(data: bytes) -> int:
 
 def _read_binary(data: bytes) -> AnyArray:
     if len(data) < HEADER:
-        raise MeshError(f"it has {len(data)} bytes; a binary STL has at least {HEADER}")
+        raise MeshError(
+            "it has {n} bytes; a binary STL has at least {header}",
+            n=len(data),
+            header=HEADER,
+        )
     check_count(_count(data), FACET.itemsize, len(data) - HEADER, "triangles")
     return np.frombuffer(data, FACET, _count(data), HEADER)
 
@@ -84,8 +88,12 @@ def _read_ascii(data: bytes) -> NDArray[np.float64]:
     n_facets, n_ends = len(FACETS.findall(data)), len(ENDS.findall(data))
     if len(found) != 3 * n_facets or n_ends != n_facets:
         raise MeshError(
-            f"it has {n_facets} facets, {n_ends} of them ended, with {len(found)} vertices; "
-            f"expected {3 * n_facets}: the file is cut short or damaged"
+            "it has {n_facets} facets, {n_ends} of them ended, with {n} vertices; expected "
+            "{expected}: the file is cut short or damaged",
+            n_facets=n_facets,
+            n_ends=n_ends,
+            n=len(found),
+            expected=3 * n_facets,
         )
     return parse_numbers(b"\n".join(found), "a vertex").reshape(-1, 3)
 

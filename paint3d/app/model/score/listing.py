@@ -56,7 +56,11 @@ def listed_strokes(score: Score) -> list[ListedStroke]:
     try:
         brush = brush_in(score.header, DEFAULT_BRUSH)
     except Paint3DError as cause:
-        raise RecordingError(f"{score.name or 'the score'}: its header: {cause}") from None
+        raise RecordingError(
+            "{score}: its header: {cause}",
+            score=score.name or "the score",
+            cause=cause,
+        ) from None
     ink = score.header.get("ink", DEFAULT_INKS[0])
     begun = {stroke.begin: stroke for stroke in follow_steps(score).strokes}
     listed = []

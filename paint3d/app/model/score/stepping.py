@@ -83,7 +83,12 @@ def _steps_of(score: Score, surface: PaintedSurface, first: int) -> Iterator[Ste
         except Paint3DError as cause:
             if event.get("refused"):  # as it was then
                 continue
-            raise RecordingError(f"{score.where(k)}: {event['do']}: {cause}") from None
+            raise RecordingError(
+                "{where}: {do}: {cause}",
+                where=score.where(k),
+                do=event["do"],
+                cause=cause,
+            ) from None
         if event["do"] == "begin_stroke" and not event.get("refused"):
             asked.setdefault("time_s", 0.0)
         times = event.get("times", 1)
@@ -125,7 +130,12 @@ def play(document: Any, score: Score, first: int = 0) -> Iterator[Step]:
         except Paint3DError as cause:
             if not step.may_fail:
                 what = step.command or "a sample"
-                raise RecordingError(f"{score.where(step.event)}: {what}: {cause}") from None
+                raise RecordingError(
+                    "{where}: {what}: {cause}",
+                    where=score.where(step.event),
+                    what=what,
+                    cause=cause,
+                ) from None
         yield step
 
 
@@ -216,7 +226,12 @@ def cues_of(score: Score, surface: PaintedSurface) -> Iterator[Cue]:
         except Paint3DError as cause:
             if event.get("refused"):  # as it was then
                 continue
-            raise RecordingError(f"{score.where(k)}: {event['do']}: {cause}") from None
+            raise RecordingError(
+                "{where}: {do}: {cause}",
+                where=score.where(k),
+                do=event["do"],
+                cause=cause,
+            ) from None
         if event["do"] == "begin_stroke":
             asked.setdefault("time_s", 0.0)
         for _ in range(event.get("times", 1)):

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 pytest.importorskip("hatchling")
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 FOR = "PAINT3D_WHEEL_FOR"
 
 
