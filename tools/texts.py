@@ -27,7 +27,8 @@ CATALOGUES = sorted((ROOT / "paint3d/app/window/locale").glob("*/LC_MESSAGES/pai
 _KERNEL_SOURCES = ("base_surface.py", "refined_mesh.py", "triangle_mesh.py")
 """Of `mesh`: their errors are put together as long as the kernels are to stay as they are."""
 
-_UNSEEN = ("api", "bench", "cli")  # what these rooms say comes into no window
+_UNSEEN = ("paint3d/api/", "paint3d/app/model/studies/", "paint3d/bench/", "paint3d/cli/")
+"""What these say comes into no window."""
 _PLACES = {"say": (0, 1), "Message": (0, 1), "Command": (1,), "UnknownNameError": (0,)}
 """Which arguments of a call are texts, and the plural of one; of other errors the first two."""
 
@@ -82,7 +83,7 @@ def find_texts() -> dict[Text, list[str]]:
     found: dict[Text, list[str]] = {}
     for path in sorted((ROOT / "paint3d").rglob("*.py")):
         place = path.relative_to(ROOT)
-        if place.parts[1] in _UNSEEN:
+        if place.as_posix().startswith(_UNSEEN):
             continue
         for text in _texts_in(path):
             said_in = found.setdefault(text, [])
