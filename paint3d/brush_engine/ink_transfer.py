@@ -25,7 +25,13 @@ from paint3d.brush_engine.dry_contact import (
     note_way,
     thin_contact,
 )
-from paint3d.brush_engine.footprint import PROFILE_CELLS, Sweep, ink_way, outline_motion
+from paint3d.brush_engine.footprint import (
+    PROFILE_CELLS,
+    Sweep,
+    ink_way,
+    middle_of,
+    outline_motion,
+)
 from paint3d.brush_engine.vertex_query import (
     INSIDE,
     VISITED,
@@ -78,12 +84,6 @@ _BUNDLE_WAY = 9.0  # mm: how far along the way they bring alike
 
 
 @uncounted(error_model="numpy")
-def _middle(values, axis):
-    """Coordinate of the middle of an outline's length."""
-    return values.origin[axis] + 0.5 * (values.heel + values.tip) * values.bend[axis]
-
-
-@uncounted(error_model="numpy")
 def _find_way(before, after):
     """How much of a footprint's motion its way is, and where that leads, by bend and cross.
 
@@ -92,7 +92,7 @@ def _find_way(before, after):
     a, b = before.values[0], after.values[0]
     along = across = 0.0
     for axis in range(3):
-        d = _middle(b, axis) - _middle(a, axis)
+        d = middle_of(b, axis) - middle_of(a, axis)
         along += d * b.bend[axis]
         across += d * b.cross[axis]
     carried = np.sqrt(along * along + across * across)
@@ -322,12 +322,12 @@ def contact_level(before, after, ink):
 
 @uncounted(error_model="numpy")
 def wet_at_once(before, after, level, found, n, field, ink):
-    """Let what the tuft touches first take a film at once, on paper.
+    """Let what the tuft touches first take a film at once.
 
-    By the time under the tuft alone, heads would stay pale at their corners. So where a footprint
-    grows, turns or comes down in its place, a vertex counts as if it had been under the outline for
-    `_WETS_MM` of the way more, once, for what is newly covered of it; what was wet before gets no
-    more. One that is carried on is levelled otherwise: `level_shares`.
+    By the time under the tuft alone, heads would stay pale at their corners. So on paper, where a
+    footprint grows, turns or comes down in its place, a vertex counts as if it had been under the
+    outline for `_WETS_MM` of the way more, once, for what is newly covered of it; what was wet
+    before gets no more. One that is carried on is levelled otherwise: `level_shares`.
 
     Returns
     -------
@@ -336,7 +336,7 @@ def wet_at_once(before, after, level, found, n, field, ink):
         however lightly it touches.
     """
     moved, grain = outline_motion(before, after), ink.transfer[0].grain
-    if moved <= 1e-6 or grain <= 0.0:
+    if moved <= 1e-6:
         return 0.0
     ids, share, cover, coverage = found.ids, found.share, found.cover, ink.coverage
     areas, new = field.area_units, 0.0
@@ -347,7 +347,7 @@ def wet_at_once(before, after, level, found, n, field, ink):
         newly = max(np.float32(0.0), cover[k] - coverage[v])
         share[k] += per_cover * newly
         new += newly * areas[v]
-    return _FIRST_COATS * min(1.0, 2.0 * grain) * level * level * new * field.area_unit
+    return _FIRST_COATS * level * level * new * field.area_unit
 
 
 @uncounted(error_model="numpy")
