@@ -198,15 +198,23 @@ class UnknownNameError(InputError):
     def __init__(self, kind: str, name: str, known: Iterable[str]) -> None:
         names = sorted(known)
         near = difflib.get_close_matches(name, names, n=1, cutoff=0.6)
-        fields = {"kind": Message(kind), "name": name, "known": ", ".join(names)}
-        if near:
-            super().__init__(
+        kind, every = kind if isinstance(kind, Message) else Message(kind), ", ".join(names)
+        super().__init__(
+            Message(
                 "unknown {kind} {name!r}: did you mean {near!r}? expected one of {known}",
+                kind=kind,
+                name=name,
                 near=near[0],
-                **fields,
+                known=every,
             )
-        else:
-            super().__init__("unknown {kind} {name!r}: expected one of {known}", **fields)
+            if near
+            else Message(
+                "unknown {kind} {name!r}: expected one of {known}",
+                kind=kind,
+                name=name,
+                known=every,
+            )
+        )
 
 
 class DeviceError(Paint3DError):

@@ -24,13 +24,27 @@ __all__ = ["CATALOGUES", "Text", "compile_all", "faults_of", "fields_of", "find_
 ROOT = Path(__file__).parents[1]  # of the checkout
 CATALOGUES = sorted((ROOT / "paint3d/app/window/locale").glob("*/LC_MESSAGES/paint3d.po"))
 
-_KERNEL_SOURCES = ("base_surface.py", "refined_mesh.py", "triangle_mesh.py")
-"""Of `mesh`: their errors are put together as long as the kernels are to stay as they are."""
+_KERNEL_SOURCES = (
+    "paint3d/core/arrays.py",
+    "paint3d/mesh/base_surface.py",
+    "paint3d/mesh/refined_mesh.py",
+    "paint3d/mesh/triangle_mesh.py",
+)
+"""Put their errors together, as kernels are compiled anew when one of these changes."""
 
 _UNSEEN = ("paint3d/api/", "paint3d/app/model/studies/", "paint3d/bench/", "paint3d/cli/")
 """What these say comes into no window."""
-_PLACES = {"say": (0, 1), "Message": (0, 1), "Command": (1,), "UnknownNameError": (0,)}
-"""Which arguments of a call are texts, and the plural of one; of other errors the first two."""
+_PLACES = {
+    "say": (0, 1),
+    "Message": (0, 1),
+    "Command": (1,),
+    "UnknownNameError": (0,),
+    "error": (0, 1),
+}
+"""Which arguments of a call are texts, and the plural of one; of other errors the first two.
+
+A class of errors that is handed in is called `error`.
+"""
 
 
 class Text(NamedTuple):
@@ -59,7 +73,7 @@ def _texts_in(path: Path) -> Iterator[Text]:
         places = _PLACES.get(name, (0, 1) if name in _ERRORS else ())
         given = [node.args[k] for k in places if k < len(node.args)]
         if any(isinstance(one, ast.JoinedStr) for one in given) and (
-            path.name not in _KERNEL_SOURCES
+            path.relative_to(ROOT).as_posix() not in _KERNEL_SOURCES
         ):
             raise ValueError(f"{path}:{node.lineno}: a text is put together; expected fields")
         words = [_literal(one) for one in given]

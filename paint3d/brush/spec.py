@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 from paint3d.brush_engine.tuft import MOST_POINTS, Curves, Tuft, no_curves
 from paint3d.core.arrays import AnyArray, as_array, as_number
 from paint3d.device.recorded import MAX_FORCE_N
-from paint3d.errors import BrushError, InputError
+from paint3d.errors import BrushError, InputError, Message
 
 __all__ = [
     "HAIRS",
@@ -220,7 +220,7 @@ def check_curves(
     BrushError
         Naming the brush, the curve, what was got and what was expected.
     """
-    what = f"brush {brush!r}: inputs"
+    what = Message("brush {brush!r}: inputs", brush=brush)
     checked = []
     for setting, by_input in _items(curves, what):
         if setting not in SETTINGS:
@@ -231,7 +231,9 @@ def check_curves(
                 settings=", ".join(SETTINGS),
             )
         lines = []
-        for name, points in _items(by_input, f"{what} of {setting}"):
+        for name, points in _items(
+            by_input, Message("{what} of {setting}", what=what, setting=setting)
+        ):
             if name not in INPUTS:
                 raise BrushError(
                     "{what}: {name!r:.40}; expected one of {inputs}",
@@ -239,7 +241,17 @@ def check_curves(
                     name=name,
                     inputs=", ".join(INPUTS),
                 )
-            lines.append((name, _points(points, f"{what}: {setting} by {name}")))
+            lines.append(
+                (
+                    name,
+                    _points(
+                        points,
+                        Message(
+                            "{what}: {setting} by {input}", what=what, setting=setting, input=name
+                        ),
+                    ),
+                )
+            )
         checked.append((setting, tuple(lines)))
     return tuple(checked)
 

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.core.arrays import AnyArray, as_array
-from paint3d.errors import InputError, MeshError, Paint3DError
+from paint3d.errors import InputError, MeshError, Message, Paint3DError
 from paint3d.mesh.bvh import ClosestPoints
 from paint3d.mesh.chart import EmSquare, SquareLimits, SurfaceFrame, frame_at, lay_square
 from paint3d.mesh.placement import SIDES, SurfaceLine, Upright, is_flat, place, upwards, walk
@@ -380,7 +380,9 @@ def _searched(
         if n_tried == _MOST_GRIDS:
             break
     if roomiest is None:
-        raise type(fault)(f"{fault}; {n_seen} other places were no better") from None
+        raise type(fault)(
+            Message("{cause}; {n} other places were no better", cause=fault, n=n_seen)
+        ) from None
     raise _too_long(roomiest, lines, roomiest.how_many(lines))
 
 

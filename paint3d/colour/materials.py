@@ -24,7 +24,7 @@ from paint3d.colour.pigments import BANDS_NM
 from paint3d.colour.spectra import WAVELENGTHS, decode_srgb
 from paint3d.core.arrays import AnyArray, as_array, as_number
 from paint3d.core.parameter_file import check_known, is_parameter_file, named_or_read, read_thing
-from paint3d.errors import PigmentError
+from paint3d.errors import Message, PigmentError
 
 __all__ = [
     "WAVE_RANGE_MM",
@@ -261,7 +261,7 @@ def load_material(name: str, *, own_files: bool = True) -> Material:
     """
     materials = load_materials()
     read = partial(read_material, known=materials) if own_files else None
-    return named_or_read(name, materials, "material", PigmentError, read)
+    return named_or_read(name, materials, Message("material"), PigmentError, read)
 
 
 # ---- Files ---------------------------------------------------------------------------------------
@@ -309,7 +309,10 @@ def read_material(path: str | Path, known: Mapping[str, Material]) -> Material:
         Naming the file and the parameter, the value and what was expected.
     """
     return read_thing(
-        path, "a material", PigmentError, lambda values, stem: _make_material(values, stem, known)
+        path,
+        Message("a material"),
+        PigmentError,
+        lambda values, stem: _make_material(values, stem, known),
     )
 
 
@@ -393,7 +396,9 @@ def _spectrum_of_colour(colour: object) -> tuple[AnyArray, str]:
 
 def _parse_reflectance(values: object) -> AnyArray:
     """Return the reflectance (31,) given by 31 numbers, or by pairs [wavelength in nm, value]."""
-    expected = f"{len(WAVELENGTHS)} numbers at 400, 410, ... 700 nm, or pairs [nm, reflectance]"
+    expected = Message(
+        "{n} numbers at 400, 410, ... 700 nm, or pairs [nm, reflectance]", n=len(WAVELENGTHS)
+    )
     rows = values if isinstance(values, list) else [values]
     numbers = [one for row in rows for one in (row if isinstance(row, list) else [row])]
     # checked here, since NumPy would also take strings and booleans for numbers

@@ -303,11 +303,8 @@ def load_pigments_csv(path: str | Path) -> Mapping[str, Pigment]:
             header = list(reader.fieldnames or [])
             rows = [(reader.line_num, row) for row in reader]
     except (OSError, UnicodeDecodeError, csv.Error) as cause:
-        why = getattr(cause, "strerror", None) or cause  # str(OSError) repeats the file's name
         raise PigmentError(
-            "{file}: cannot be read as a table of pigments: {why}",
-            file=path,
-            why=why,
+            "{file}: cannot be read as a table of pigments: {cause}", file=path, cause=cause
         ) from None
     if "name" not in header:
         raise PigmentError("{file}:1: has no column 'name'", file=path)

@@ -21,7 +21,7 @@ from typing import IO, Any
 from paint3d.core.machine import copy_permissions
 from paint3d.device.hid_link import DeviceGoneError
 from paint3d.device.hid_nodes import HidNode
-from paint3d.errors import DeviceError
+from paint3d.errors import DeviceError, Message
 
 __all__ = ["DeviceLog", "LogEntry", "PlaybackLink", "read_device_log"]
 
@@ -49,7 +49,7 @@ class DeviceLog:
         self._lock = Lock()
         self._devices: dict[str, int] = {}
         if self._path.exists() and not self._path.is_file():
-            what = "a folder" if self._path.is_dir() else "a pipe or a device"
+            what = Message("a folder") if self._path.is_dir() else Message("a pipe or a device")
             raise DeviceError("{file}: it is {what}; expected a file name", file=path, what=what)
         try:
             raw = self._part.open("wb")

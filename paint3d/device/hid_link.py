@@ -42,7 +42,10 @@ def udev_rule(node: HidNode) -> str:
     )
 
 
-def find_obstacle(node: HidNode) -> str | None:
+_FORBIDDEN = Message("no permission")
+
+
+def find_obstacle(node: HidNode) -> Message | None:
     """Return why the node cannot be opened for reading and writing; None if it seems it can."""
     if not node.path.startswith("/dev/"):
         return None
@@ -50,10 +53,10 @@ def find_obstacle(node: HidNode) -> str | None:
         os.close(os.open(node.path, os.O_RDWR | os.O_NONBLOCK))
     except OSError as cause:
         if cause.errno in (errno.EACCES, errno.EPERM):
-            return "no permission"
+            return _FORBIDDEN
         if cause.errno in (errno.ENOENT, errno.ENODEV, errno.ENXIO):
-            return "it has gone"
-        return cause.strerror or str(cause)
+            return Message("it has gone")
+        return Message(cause.strerror or str(cause))
     return None
 
 
@@ -61,7 +64,7 @@ def explain_failure(node: HidNode, cause: object = "") -> DeviceError:
     """Make an exception that says why this node could not be opened, and the remedy."""
     what = Message("{device} at {place}", device=node.name, place=node.path)
     obstacle = find_obstacle(node)
-    if obstacle == "no permission" or (obstacle is None and _LIBUSB_PATH.match(node.path)):
+    if obstacle is _FORBIDDEN or (obstacle is None and _LIBUSB_PATH.match(node.path)):
         return PermissionNeededError(
             "{what} was found but could not be opened: no permission. As root, put the line "
             "{udev_rule} into {rules_file}, have udev read its rules again and plug the device in "

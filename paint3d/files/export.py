@@ -198,12 +198,15 @@ def check_export_path(path: str | os.PathLike[str]) -> str:
     suffix = next((s for s in EXPORT_SUFFIXES if name.endswith(s)), None)
     if suffix is None:
         known = " ".join(EXPORT_SUFFIXES)
-        shown = f"the suffix {path.suffix!r} is not known" if path.suffix else "it has no suffix"
+        if path.suffix:
+            raise ExportError(
+                "{file}: the suffix {suffix!r} is not known; expected one of {known}",
+                file=path,
+                suffix=path.suffix,
+                known=known,
+            )
         raise ExportError(
-            "{file}: {shown}; expected one of {known}",
-            file=path,
-            shown=shown,
-            known=known,
+            "{file}: it has no suffix; expected one of {known}", file=path, known=known
         )
     if not path.parent.is_dir():
         raise ExportError(

@@ -172,13 +172,18 @@ def _find(path: str | os.PathLike[str]) -> Path | None:
     if is_built_in(str(path)):
         return None
     if found.is_dir():
-        raise MeshError("{found}: it is a folder; expected a mesh file", found=found)
+        raise MeshError("{file}: it is a folder; expected a mesh file", file=found)
     if os.path.lexists(found):
-        what = "a link that leads nowhere" if found.is_symlink() else "no plain file"
-        raise MeshError("{found}: it is {what}; expected a mesh file", found=found, what=what)
-    names = ", ".join((*BUILT_IN_OBJECTS, *FORMS))
-    expected = f"expected a mesh file or one of the built-in objects {names}"
-    raise MeshError("{found}: no such file; {expected}", found=found, expected=expected)
+        if found.is_symlink():
+            raise MeshError(
+                "{file}: it is a link that leads nowhere; expected a mesh file", file=found
+            )
+        raise MeshError("{file}: it is no plain file; expected a mesh file", file=found)
+    raise MeshError(
+        "{file}: no such file; expected a mesh file or one of the built-in objects {names}",
+        file=found,
+        names=", ".join((*BUILT_IN_OBJECTS, *FORMS)),
+    )
 
 
 def _built_in(name: str) -> Path:

@@ -222,9 +222,11 @@ def load_photograph(
     path = Path(path)
     try:
         if not path.is_file():
-            what = "it is no plain file" if path.exists() else "there is no such file"
-            what = "it is a folder" if path.is_dir() else what
-            raise InputError("{file}: {what}; expected a photograph", file=path, what=what)
+            if path.is_dir():
+                raise InputError("{file}: it is a folder; expected a photograph", file=path)
+            if path.exists():
+                raise InputError("{file}: it is no plain file; expected a photograph", file=path)
+            raise InputError("{file}: there is no such file; expected a photograph", file=path)
     except OSError as cause:  # a name too long, a folder that must not be looked into
         raise InputError("{file}: {cause}", file=path, cause=cause) from None
     try:

@@ -13,7 +13,7 @@ from PIL import Image
 from paint3d.colour.materials import Material
 from paint3d.colour.viewing import Viewing
 from paint3d.core.atomic import write_atomically
-from paint3d.errors import ExportError, InputError
+from paint3d.errors import ExportError, InputError, Message
 from paint3d.files.colour_tags import picture_tags
 from paint3d.files.export import gloss_of
 from paint3d.files.export_options import ExportOptions
@@ -203,13 +203,20 @@ def _form_of(path: Path, shot: Shot, turning: Turning | None) -> str:
     suffix = path.suffix.lower()
     known = PICTURE_SUFFIXES if turning is None else FILM_SUFFIXES
     if suffix not in known:
-        what = "picture" if turning is None else "film"
-        shown = f"the suffix {suffix!r} is not that of one" if suffix else "it has no suffix"
+        what = Message("a picture") if turning is None else Message("a film")
+        if suffix:
+            raise ExportError(
+                "{file}: {what} is wanted, and the suffix {suffix!r} is not that of one; expected "
+                "{known}",
+                file=path,
+                what=what,
+                suffix=suffix,
+                known=" or ".join(known),
+            )
         raise ExportError(
-            "{file}: a {what} is wanted, and {shown}; expected {known}",
+            "{file}: {what} is wanted, and it has no suffix; expected {known}",
             file=path,
             what=what,
-            shown=shown,
             known=" or ".join(known),
         )
     if suffix in (".gif", ".mp4") and shot.transparent:

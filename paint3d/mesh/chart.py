@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from paint3d.core.arrays import AnyArray, as_array, as_number, cross, dots_of, lengths_of
-from paint3d.errors import InputError, MeshError
+from paint3d.errors import InputError, MeshError, Message
 from paint3d.mesh.bvh import ClosestPoints
 from paint3d.mesh.kernels.tensor_spline import eliminate_spline, evaluate_splines, solve_spline
 
@@ -524,21 +524,23 @@ class EmSquare:
                 angles.append(math.acos(min(1.0, max(-1.0, cosine))))
         return np.array(angles)
 
-    def fault(self, limits: SquareLimits) -> str | None:
+    def fault(self, limits: SquareLimits) -> Message | None:
         """Return why the square cannot be written in, or None."""
         n = self.normals
         neighbours = [(n[1:] * n[:-1]).sum(-1).min(), (n[:, 1:] * n[:, :-1]).sum(-1).min()]
         if min(neighbours) < math.cos(limits.crease):
-            return "the surface has an edge or a tight bend there"
+            return Message("the surface has an edge or a tight bend there")
         if (n @ self.chart.frame.normal).min() < math.cos(limits.turn):
-            return "the surface turns away there"
+            return Message("the surface turns away there")
         wanted = np.array([self.width_mm, self.height_mm, self.width_mm, self.height_mm])
         stretch = np.abs(self.sides() / wanted - 1.0).max()
         shear = np.abs(self.corner_angles() - 0.5 * math.pi).max()
         if stretch > limits.stretch or shear > limits.shear:
-            return (
-                f"the surface is so curved there that the square would be stretched by "
-                f"{100.0 * stretch:.0f} % and sheared by {math.degrees(shear):.0f} degrees"
+            return Message(
+                "the surface is so curved there that the square would be stretched by "
+                "{percent:.0f} % and sheared by {degrees:.0f} degrees",
+                percent=100.0 * stretch,
+                degrees=math.degrees(shear),
             )
         return None
 
@@ -593,7 +595,7 @@ def lay_square(
     try:
         chart = make_chart(surface, frame, halves[0], halves[1], spacing, max(spacing, _FINEST_MM))
     except MeshError:
-        raise _no_place(surface, frame, em_mm, "the surface ends within it") from None
+        raise _no_place(surface, frame, em_mm, Message("the surface ends within it")) from None
     lines = [
         np.linspace(-0.5 * side, 0.5 * side, max(_FEWEST, round(_EM_PROBES * (side / em_mm))) + 1)
         for side in (width, height)
@@ -604,7 +606,7 @@ def lay_square(
     square = EmSquare(chart, em_mm, width, height, points, normals)
     fault = square.fault(limits)
     if fault is None and not _is_free(surface, square, limits.room_mm):
-        fault = "there is no room for the brush above it"
+        fault = Message("there is no room for the brush above it")
     if fault is not None:
         raise _no_place(surface, frame, em_mm, fault)
     return square
@@ -621,7 +623,7 @@ def _is_free(surface: ClosestPoints, square: EmSquare, height: float) -> bool:
     return bool((nearest > _FREE * height).all())
 
 
-def _no_place(surface: ClosestPoints, frame: SurfaceFrame, em_mm: float, why: str) -> MeshError:
+def _no_place(surface: ClosestPoints, frame: SurfaceFrame, em_mm: float, why: Message) -> MeshError:
     x, y, z = frame.origin
     return MeshError(
         "{object}: no place for an em of {em_mm:g} mm around ({x:.1f}, {y:.1f}, {z:.1f}): {why}",

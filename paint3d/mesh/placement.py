@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from paint3d.core.arrays import AnyArray, as_array, as_number
-from paint3d.errors import InputError, MeshError
+from paint3d.errors import InputError, MeshError, Message
 from paint3d.mesh.bvh import ClosestPoints
 from paint3d.mesh.chart import SurfaceFrame, frame_at
 
@@ -116,7 +116,7 @@ def place(
         )
     start, ray = _ray(surface, as_array(values, "at", values.shape), side)
     hits = surface.cast(start[None], ray[None])
-    where = f"at {values.tolist()} seen from the {side}"
+    where = Message("at {place} seen from the {side}", place=values.tolist(), side=side)
     if not hits.hit[0]:
         raise MeshError(
             "{object}: there is no surface {where}; expected another place",

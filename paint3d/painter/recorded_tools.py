@@ -16,7 +16,14 @@ from paint3d.brush.spec import BrushSpec, DipAmount
 from paint3d.colour.inks import load_ink
 from paint3d.colour.pigments import Pigment, load_pigment
 from paint3d.core.arrays import as_number
-from paint3d.errors import BrushError, InputError, PigmentError, RecordingError, UnknownNameError
+from paint3d.errors import (
+    BrushError,
+    InputError,
+    Message,
+    PigmentError,
+    RecordingError,
+    UnknownNameError,
+)
 
 __all__ = [
     "LEAST_INK",
@@ -126,7 +133,9 @@ def _changes_in(
     header: Mapping[str, Any], name: str, least: float, time_ns: NDArray[np.int64]
 ) -> list[tuple[int, float]]:
     stated = header.get(name, [])
-    expected = f"pairs of a time (ns) and a share from {least:g} to 1, in the order of time"
+    expected = Message(
+        "pairs of a time (ns) and a share from {least:g} to 1, in the order of time", least=least
+    )
     try:
         times = np.array([when for when, _ in stated], np.int64)
         fractions = [as_number(fraction, "share", least, 1.0) for _, fraction in stated]

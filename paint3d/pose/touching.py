@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from paint3d.core.arrays import AnyArray, as_array, as_number
 from paint3d.device.sample import StylusReading
-from paint3d.errors import DeviceError
+from paint3d.errors import DeviceError, Message
 from paint3d.pose.calibration import DeviceCalibration, fit_calibration
 
 __all__ = ["SHEET_MM", "Fitted", "Touches", "sheet_corners"]
@@ -164,7 +164,7 @@ class Touches:
                 points=len(self.points),
             )
         device = np.array(self.touched)
-        _check_spread(device, "touches")
+        _check_spread(device, Message("touches"))
         if not scaled:
             _check_distances(device, self.points)
         calibration = fit_calibration(device, self.points, scaled=scaled)
@@ -182,7 +182,7 @@ class Touches:
         return Fitted(calibration, errors)
 
 
-def _check_spread(points: AnyArray, what: str) -> None:
+def _check_spread(points: AnyArray, what: Message) -> None:
     """Raise if points lie too close together or on one line."""
     apart = np.linalg.norm(points[:, None] - points[None], axis=2)
     apart[np.diag_indices(len(points))] = np.inf

@@ -131,11 +131,10 @@ def opened(path: str | os.PathLike[str]) -> Iterator[tuple[BinaryIO, io.Buffered
             cause=cause,
         ) from None
     except OSError as cause:
-        reason = cause.strerror or str(cause)
         raise RecordingError(
-            "{file}: cannot be read: {reason}; expected a recording",
+            "{file}: cannot be read: {cause}; expected a recording",
             file=path,
-            reason=reason,
+            cause=cause,
         ) from None
 
 
@@ -457,12 +456,9 @@ class SampleRows:
             if pressure is None:
                 raise RecordingError("contact is given without a pressure; expected both")
         if self.times and (pressure is None) != (self.pressures[0] is None):
-            there, here = ("none", "one") if pressure is not None else ("one", "none")
             raise RecordingError(
-                "pressure is given ({here}) unlike in the first sample ({there}); expected it in "
-                "all samples or in none",
-                here=here,
-                there=there,
+                "pressure is given, or not, unlike in the first sample; expected it in all samples "
+                "or in none"
             )
         button_owner = right if "buttons" in right else sample
         buttons = (

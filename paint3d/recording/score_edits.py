@@ -556,14 +556,21 @@ def _give_time(events: list[Event], pieces: int, at: int, number: int) -> None:
             pieces += taken
         k += step
     if pieces < 0 and 0 <= k < len(events):
-        side = "earlier: the pause before it" if at else "later: the pause after it"
+        pause = wanted + pieces * _PIECE_S
+        if at:
+            raise RecordingError(
+                "stroke {number} cannot begin {wanted:.2f} s earlier: the pause before it is "
+                "{pause:.2f} s; expected a shift within it",
+                number=number,
+                wanted=wanted,
+                pause=pause,
+            )
         raise RecordingError(
-            "stroke {number} cannot begin {wanted:.2f} s {side} is {end:.2f} s; expected a shift "
-            "within it",
+            "stroke {number} cannot begin {wanted:.2f} s later: the pause after it is "
+            "{pause:.2f} s; expected a shift within it",
             number=number,
             wanted=wanted,
-            side=side,
-            end=wanted + pieces * _PIECE_S,
+            pause=pause,
         )
     if pieces > 0:
         events.insert(at, {"do": "follow_time", "seconds": _PIECE_S, "times": pieces})

@@ -3,7 +3,7 @@
 Of N clumps of grains that fall at random on a patch, the number varies by 1 / sqrt(N) (Poisson), so
 few large grains show and many small ones do not. A coat of stone holds .06 mm of solid
 (`scripts/grains.py` gives .058 of azurite and .069 of malachite for the second grade to hide), and
-grains of a grade differ as they do there. That four grains stick together is set by eye. Patches
+grains of a grade differ as they do there. That two grains stick together is set by eye. Patches
 are as small as vertices can show. Where grains gather depends on the place alone: all pigments
 gather in the same hollows, and a replay shows the same.
 
@@ -23,11 +23,11 @@ __all__ = ["COARSE_UM", "granulated"]
 COARSE_UM = 4.5
 """Diameter, um, from which grains are seen to lie unevenly."""
 _SOLID_MM = 0.06  # of pigment in a full coat
-_CLUMP = 4.0  # grains that stick together
+_CLUMP = 2.0  # grains that stick together
 _HEAVIER = 3.08  # a grain's mean volume, by volume, over that of the mean: exp(4.5 spread^2)
 _LEAST_MM = 0.25  # lattice of the noise on fine meshes
 _NOISE = 0.15  # standard deviation of `fill_grain`
-_MOST = 0.8  # of the logarithm of the thickness
+_MOST = 0.7  # of the logarithm of the thickness
 _ASKEW = np.array([[2.0, -1.0, 2.0], [2.0, 2.0, -1.0], [-1.0, 2.0, 2.0]]) / 3.0
 """Turns the noise's lattice, so that it is along no side of a flat sheet."""
 

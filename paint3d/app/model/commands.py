@@ -239,7 +239,9 @@ _TABLE: tuple[_Row, ...] = (
         Command("forget_pigments", "Remove own pigments"),
         _PART,
         Command("wet", "Ink spreads and dries", icon="water", checkable=True),
-        Command("dry", "Let everything dry", ["Shift+W"], icon="dry", codec=PLAIN, step="dry"),
+        Command(
+            "dry", "Let everything dry", ["Shift+W"], icon="dry", codec=PLAIN, step=Message("dry")
+        ),
         _PART,
         Command("seal", "Press a seal…"),
     ),
@@ -288,10 +290,19 @@ _TABLE: tuple[_Row, ...] = (
     *_menu(
         "layers",
         Command(
-            "add_layer", "New layer", ["Ctrl+Shift+N"], icon="layers", codec=PLAIN, step="add layer"
+            "add_layer",
+            "New layer",
+            ["Ctrl+Shift+N"],
+            icon="layers",
+            codec=PLAIN,
+            step=Message("add layer"),
         ),
         Command(
-            "remove_layer", "Delete layer", ["Ctrl+Shift+Del"], codec=PLAIN, step="remove layer"
+            "remove_layer",
+            "Delete layer",
+            ["Ctrl+Shift+Del"],
+            codec=PLAIN,
+            step=Message("remove layer"),
         ),
         Command("rename_layer", "Rename layer", ["F2"], codec=PLAIN),
         _PART,
@@ -363,12 +374,12 @@ _TABLE: tuple[_Row, ...] = (
     Command("set_mask", codec=MASK),
     Command("set_tags", codec=TAGS),
     Command("select_layer", codec=PLAIN),
-    Command("move_layer", codec=PLAIN, step="move layer"),
+    Command("move_layer", codec=PLAIN, step=Message("move layer")),
     Command("set_visible", codec=PLAIN),
     Command("set_locked", codec=PLAIN),
-    Command("press_seal", codec=SEAL, step="seal"),
+    Command("press_seal", codec=SEAL, step=Message("seal")),
     Command("replay_history", codec=PLAIN),
-    Command("edit_stroke", codec=EDIT, step="edit"),
+    Command("edit_stroke", codec=EDIT, step=Message("edit")),
 )
 
 TOOLS = (

@@ -402,7 +402,7 @@ class Document:
         InputError
             If a stroke is going on, or there is no such brush.
         """
-        self._refuse_in_stroke("another brush")
+        self._refuse_in_stroke(Message("another brush"))
         if isinstance(brush, Mapping):
             brush = brush_from_words(brush)
         elif isinstance(brush, str):  # it may be that of a session, which names no file
@@ -434,7 +434,7 @@ class Document:
         InputError
             If it is neither, or a stroke is going on.
         """
-        self._refuse_in_stroke("another azimuth")
+        self._refuse_in_stroke(Message("another azimuth"))
         if azimuth not in ("commanded", "dragged"):
             raise InputError(
                 "azimuth is {azimuth!r}; expected 'commanded' or 'dragged'",
@@ -451,7 +451,7 @@ class Document:
         InputError
             If it is below 0 or over 1000, or a stroke is going on.
         """
-        self._refuse_in_stroke("another pick-up")
+        self._refuse_in_stroke(Message("another pick-up"))
         fraction = as_number(pickup, "pickup (1/mm)", 0.0, _MOST_PICKUP)
         self.surface.ink.transfer["pickup"] = fraction
 
@@ -489,7 +489,7 @@ class Document:
     @recorded
     def swap_inks(self) -> None:
         """Dip the brush in the other ink."""
-        self._refuse_in_stroke("another ink")
+        self._refuse_in_stroke(Message("another ink"))
         self.inks.reverse()
         self.dip(self.inks[0])
 
@@ -511,9 +511,9 @@ class Document:
         surface = self.surface
         if not 0 <= vertex_id < surface.n_vertices:
             raise InputError(
-                "vertex {vertex_id}; expected 0 to {n_vertices}",
+                "vertex {vertex_id}; expected 0 to {last}",
                 vertex_id=vertex_id,
-                n_vertices=surface.n_vertices - 1,
+                last=surface.n_vertices - 1,
             )
         parts = surface.parts_at(vertex_id)
         if not parts.any():
@@ -585,7 +585,7 @@ class Document:
             pairs. In that case samples are passed over until `end_stroke` or `cancel_stroke`: they
             belong to the stroke that was refused.
         """
-        self._refuse_in_stroke("a stroke")
+        self._refuse_in_stroke(Message("a stroke"))
         self._come_back()
         self._refused = True
         loads = checked_pairs("loads", loads)
@@ -697,7 +697,7 @@ class Document:
         InputError
             If a stroke is going on.
         """
-        self._refuse_in_stroke("another symmetry")
+        self._refuse_in_stroke(Message("another symmetry"))
         self._strokes.symmetry = symmetry
 
     @recorded
@@ -709,7 +709,7 @@ class Document:
         InputError
             If it names a face that is not there, or a stroke is going on.
         """
-        self._refuse_in_stroke("another mask")
+        self._refuse_in_stroke(Message("another mask"))
         self._strokes.set_mask(mask)
 
     @property
@@ -737,7 +737,7 @@ class Document:
         """Have every stroke from now on say this as well, as JSON holds it; none: no more."""
         self._log.tags = dict(tags)
 
-    def _refuse_in_stroke(self, what: str) -> None:
+    def _refuse_in_stroke(self, what: Message) -> None:
         if self.in_stroke:
             raise InputError(
                 "{what} was asked for during a stroke; expected its end first",
@@ -771,7 +771,7 @@ class Document:
     @recorded
     def dry(self) -> None:
         """Let all wet paint dry at once: a step that can be undone."""
-        self._refuse_in_stroke("drying")
+        self._refuse_in_stroke(Message("drying"))
         self._come_back()
         self._paintable()
         self._undo.begin(COMMANDS["dry"].step)
@@ -852,7 +852,7 @@ class Document:
         InputError
             If there is none at that place, or a stroke is going on.
         """
-        self._refuse_in_stroke("showing or hiding a layer")
+        self._refuse_in_stroke(Message("showing or hiding a layer"))
         self.surface.use_layers().describe(place, visible=bool(visible))
         self.surface.touch(self.surface.use_layers().painted_ids())
         self.differ_from_saved()
@@ -865,7 +865,7 @@ class Document:
 
     def _restack(self, step: str, action: Callable[[LayerStack], None]) -> None:
         """Change which layers there are; ink that goes or comes with them is no longer loaded."""
-        self._refuse_in_stroke("another order of layers")
+        self._refuse_in_stroke(Message("another order of layers"))
         if step and self._passing:
             raise InputError(
                 "{step} was asked for during a replay; expected its end first",
@@ -941,7 +941,7 @@ class Document:
         MeshError
             If the surface ends within the stone.
         """
-        self._refuse_in_stroke("a seal")
+        self._refuse_in_stroke(Message("a seal"))
         seal = self._press.check(rings, coats, pad_mm, wear, seed)
         self._come_back()
         self._paintable()
@@ -1134,7 +1134,7 @@ class Document:
         InputError
             If a stroke is going on, or there is a recording under the strokes.
         """
-        self._refuse_in_stroke("going back")
+        self._refuse_in_stroke(Message("going back"))
         count = self.oldest_stroke
         if not count:
             return union([], self.surface.paint_mesh.capacity)
@@ -1219,12 +1219,15 @@ class Document:
 
     def _check_number(self, number: int, count: int) -> None:
         if not 0 <= number < count:
-            gone = count <= number < count + len(self.undone_strokes)
-            why = "is undone" if gone else "is none of them"
+            if count <= number < count + len(self.undone_strokes):
+                raise InputError(
+                    "stroke {number} is undone; expected 1 to {count}",
+                    number=number + 1,
+                    count=count,
+                )
             raise InputError(
-                "stroke {number} {why}; expected 1 to {count}",
+                "there is no stroke {number}; expected 1 to {count}",
                 number=number + 1,
-                why=why,
                 count=count,
             )
         if number < self.oldest_stroke:

@@ -52,6 +52,19 @@ def system_language(environment: Mapping[str, str] | None = None) -> str:
     return "en"
 
 
+_REASONS = (
+    Message("No space left on device"),
+    Message("Permission denied"),
+    Message("Read-only file system"),
+    Message("No such file or directory"),
+    Message("Is a directory"),
+    Message("Not a directory"),
+    Message("File name too long"),
+    Message("Input/output error"),
+    Message("Connection refused"),
+)
+"""What the system says of files, as errors quote it."""
+
 _language = ["en"]
 _catalogue = [gettext.NullTranslations()]
 _unit = ["mm"]

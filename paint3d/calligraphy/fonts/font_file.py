@@ -99,12 +99,15 @@ def match_font(name: str, number: int = 0) -> tuple[Path, int]:
             return font.path, number or font.number
     families = list(dict.fromkeys(font.family for font in list_fonts()))
     near = [family for family in families if name.split()[0].casefold() in family.casefold()]
-    told = ", ".join((near or families)[:6]) or "none"
+    if not families:
+        raise InputError(
+            "no font {name!r} on this system, nor any other; expected a file", name=name
+        )
     raise InputError(
-        "no font {name!r} on this system; expected a file, or a name that `paint3d fonts` lists, "
-        "such as {told}",
+        "no font {name!r} on this system; expected a file, or a name such as {names}",
         name=name,
-        told=told,
+        names=", ".join((near or families)[:6]),
+        hint="paint3d fonts lists all",
     )
 
 
@@ -405,10 +408,10 @@ def _n_faces(path: Path) -> int:
 def _check_is_drawn(path: Path, face: Any) -> None:
     """Refuse fonts of pictures: paint3d paints outlines."""
     if face.has_color_layers or face.has_color_paint or face.has_color_svg:
-        kind = "a colour font"
+        kind = Message("a colour font")
     elif not _has_any(face, ("glyf", "CFF ", "CFF2")):
         bitmaps = _has_any(face, ("CBDT", "EBDT", "bdat", "sbix"))
-        kind = "a bitmap font" if bitmaps else "without outlines"
+        kind = Message("a bitmap font") if bitmaps else Message("without outlines")
     else:
         return
     name = face.get_name(_FULL_NAME) or path.name

@@ -345,8 +345,9 @@ def cut_seal(
         If neither or both of text and drawing are given, or it cannot be cut.
     """
     if (text is None) == (drawing is None):
-        got = "nothing" if text is None else "a text and a drawing"
-        raise InputError("a seal of {got}; expected one of a text and a drawing", got=got)
+        if text is None:
+            raise InputError("a seal of nothing; expected a text or a drawing")
+        raise InputError("a seal of a text and a drawing; expected one of them")
     if drawing is not None:
         from paint3d.calligraphy.page.svg_drawing import svg_shape
 

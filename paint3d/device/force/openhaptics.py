@@ -20,7 +20,7 @@ from typing import Any
 from paint3d.device.force.force_port import ForceLoop
 from paint3d.device.force.haptic_stylus import PoseNumbers
 from paint3d.device.recorded import MAX_FORCE_N
-from paint3d.errors import DeviceError
+from paint3d.errors import DeviceError, Message
 
 __all__ = ["WORLD_FROM_OPENHAPTICS", "OpenHapticsPort"]
 
@@ -99,11 +99,11 @@ class OpenHapticsPort:
                 break
         handle: int = hd.hdInitDevice(self.name.encode() or None)
         if handle == _NO_DEVICE or (code := hd.hdGetError().code):
-            reason = "" if handle == _NO_DEVICE else f" (error {code:#x})"
+            reason = "" if handle == _NO_DEVICE else Message(" (error {code:#x})", code=code)
             raise DeviceError(
                 "OpenHaptics cannot open {name}{reason}; expected one that is plugged in, awake, "
                 "and set up in the maker's Touch Setup",
-                name=self.name or "the device",
+                name=self.name or Message("the device"),
                 reason=reason,
             )
         return handle

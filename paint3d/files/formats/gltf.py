@@ -270,11 +270,11 @@ def unpack_meshopt(data: bytes, packed: dict[str, Any]) -> bytes:
 
 
 KINDS = {
-    dict: "an object",
-    list: "a list",
-    str: "a text",
+    dict: Message("an object"),
+    list: Message("a list"),
+    str: Message("a text"),
     type(None): "null",
-    bool: "true or false",
+    bool: Message("true or false"),
 }
 PARTS: dict[str, dict[str, type]] = {  # what is read of the entries of each list
     "accessors": {"sparse": dict},
@@ -330,7 +330,7 @@ def _check(entry: Mapping[str, Any], kinds: Mapping[str, type], place: str) -> N
 
 def _expect(value: object, kind: type, place: str) -> None:
     if not isinstance(value, kind):
-        found = KINDS.get(type(value), "a number")
+        found = KINDS.get(type(value), Message("a number"))
         raise MeshError(
             "its {place} is {found}; expected {kinds}",
             place=place,
@@ -440,7 +440,7 @@ class GltfFile:
             start = accessor.get("byteOffset", 0)
             values = self._view(accessor["bufferView"], start, dtype, width, count)
         else:
-            check_count(count, 1, MAX_ZEROS, "elements in an accessor")
+            check_count(count, 1, MAX_ZEROS, Message("elements in an accessor"))
             values = np.zeros((count, width), dtype)
         if "sparse" in accessor:
             values = self._with_sparse(values, accessor["sparse"], dtype, width)

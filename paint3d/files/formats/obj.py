@@ -281,7 +281,7 @@ def read_obj(data: bytes, folder: Path, texture: bool = False) -> RawMesh:
         notes += told
     sizes = np.array([len(line.split()) for line in face_lines], np.int64)
     corners = index_array(
-        parse_numbers(ATTRIBUTES.sub(b"", b"\n".join(face_lines)), "a face"), "a face"
+        parse_numbers(ATTRIBUTES.sub(b"", b"\n".join(face_lines)), Message("a face")), "a face"
     )
     if (corners == 0).any():
         raise MeshError("a face refers to vertex 0; OBJ counts from 1")
@@ -384,9 +384,9 @@ def _polypaint(data: bytes, n: int) -> tuple[NDArray[np.uint8] | None, tuple[str
 def _numbers(text: bytes) -> NDArray[np.float64]:
     """Parse numbers; where that fails, read exponents like 3.1+e2, which some programs write."""
     try:
-        return parse_numbers(text, "a vertex")
+        return parse_numbers(text, Message("a vertex"))
     except MeshError:
-        return parse_numbers(ODD_EXPONENT.sub(rb"e\1", text), "a vertex")
+        return parse_numbers(ODD_EXPONENT.sub(rb"e\1", text), Message("a vertex"))
 
 
 # ---- Writing -------------------------------------------------------------------------------------

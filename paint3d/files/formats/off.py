@@ -122,8 +122,8 @@ def _counts(lines: list[list[bytes]], n_bytes: int) -> tuple[int, int]:
     if len(words) < 2 or not all(word.isdigit() for word in words[:2]):
         raise MeshError("the line after 'OFF' is not a count of vertices, faces and edges")
     n_vertices, n_faces = int(words[0]), int(words[1])
-    check_count(n_vertices, LEAST_VERTEX_BYTES, n_bytes, "vertices")
-    check_count(n_faces, LEAST_FACE_BYTES, n_bytes, "faces")
+    check_count(n_vertices, LEAST_VERTEX_BYTES, n_bytes, Message("vertices"))
+    check_count(n_faces, LEAST_FACE_BYTES, n_bytes, Message("faces"))
     return n_vertices, n_faces
 
 
@@ -138,7 +138,7 @@ def _columns(table: list[list[bytes]], columns: slice) -> NDArray[np.float64]:
             stop=columns.stop,
         )
     words = [word for row in table for word in row[columns]]
-    return parse_numbers(b" ".join(words), "a vertex").reshape(-1, width)
+    return parse_numbers(b" ".join(words), Message("a vertex")).reshape(-1, width)
 
 
 def _colours(table: list[list[bytes]]) -> tuple[NDArray[np.uint8] | None, tuple[str, ...]]:
@@ -165,7 +165,7 @@ def _face_colours(
         return None, notes
     words = [word for row in after if len(row) >= 3 for word in row[:3]]
     try:
-        rgb = parse_numbers(b" ".join(words), "a face").reshape(-1, 3)
+        rgb = parse_numbers(b" ".join(words), Message("a face")).reshape(-1, 3)
     except MeshError:  # words of no colour, after faces of somebody's dialect
         return None, left_out([FACE_COLOURS])
     whole = all(word.isdigit() for word in words)
@@ -181,4 +181,4 @@ def _face_colours(
 def _faces(table: list[list[bytes]]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     sizes = np.array([int(words[0]) for words in table], np.int64)
     words = [word for row, n in zip(table, sizes, strict=True) for word in row[1 : 1 + n]]
-    return index_array(parse_numbers(b" ".join(words), "a face"), "a face"), sizes
+    return index_array(parse_numbers(b" ".join(words), Message("a face")), Message("a face")), sizes

@@ -140,7 +140,9 @@ def _numbers(faces: Sequence[Element], n: int) -> NDArray[np.int64]:
     """Which picture each of n polygons has; the first where nothing is said."""
     which = np.zeros(n, np.int64)
     if faces and "texnumber" in faces[0].values and "texnumber" not in faces[0].list_sizes:
-        told = index_array(faces[0].values["texnumber"].astype(np.float64), "a face's texnumber")
+        told = index_array(
+            faces[0].values["texnumber"].astype(np.float64), Message("a face's texnumber")
+        )
         which[: len(told)] = told
     return which
 
@@ -301,7 +303,12 @@ def _read_binary(elements: Sequence[Element], data: bytes, at: int) -> None:
     for element in elements:
         if not element.properties:
             continue
-        check_count(element.count, element.least_bytes, len(data) - at, f"of {element.name}")
+        check_count(
+            element.count,
+            element.least_bytes,
+            len(data) - at,
+            Message("rows of {name}", name=element.name),
+        )
         at = _binary_rows(element, data, at)
 
 
@@ -351,7 +358,12 @@ def _list_size(element: Element, p: Property, data: bytes, at: int) -> int:
             element=element.name,
         )
     n = int(np.frombuffer(data, p.count_dtype, 1, at)[0])
-    check_count(n, p.dtype.itemsize, len(data) - at - p.count_dtype.itemsize, f"in a {p.name} list")
+    check_count(
+        n,
+        p.dtype.itemsize,
+        len(data) - at - p.count_dtype.itemsize,
+        Message("entries in a {name} list", name=p.name),
+    )
     return n
 
 
@@ -390,9 +402,13 @@ def _store(element: Element, values: dict[str, AnyArray], sizes: dict[str, AnyAr
 
 def _read_ascii(elements: Sequence[Element], text: bytes) -> None:
     for element in elements:
-        check_count(element.count, 2 * max(1, len(element.properties)), len(text) + 1,
-                    f"of {element.name}")  # fmt: skip
-    numbers, at = parse_numbers(text, "the body"), 0
+        check_count(
+            element.count,
+            2 * max(1, len(element.properties)),
+            len(text) + 1,
+            Message("rows of {name}", name=element.name),
+        )
+    numbers, at = parse_numbers(text, Message("the body")), 0
     for element in elements:
         at = _ascii_rows(element, numbers, at)
 
@@ -518,7 +534,7 @@ def _announced(tables: Tables) -> str:
 def _polygons(tables: Tables) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """Return the corners of all polygons, then of the triangles of all strips, and their sizes."""
     corners, sizes = [np.empty(0, np.int64)], [np.empty(0, np.int64)]
-    for kind, what in (("face", "a face"), ("tristrips", "a strip")):
+    for kind, what in (("face", Message("a face")), ("tristrips", Message("a strip"))):
         for element in (e for e in tables.elements if e.name == kind):
             name = next((n for n in INDEX_NAMES if n in element.list_sizes), None)
             if name is None:

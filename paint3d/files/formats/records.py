@@ -252,7 +252,7 @@ def _table(rows: list[tuple[int, str]]) -> NDArray[np.float64]:
                 expected=expected,
             )
     text = " ".join(line.strip("{}. \t").replace(",", " ") for _, line in rows)
-    table = parse_numbers(text.encode("utf-8"), "a row")
+    table = parse_numbers(text.encode("utf-8"), Message("a row"))
     if table.size != width * len(rows) or not np.isfinite(table).all():
         raise MeshError("a number is missing or not finite")
     table = table.reshape(-1, width)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.core.arrays import AnyArray
-from paint3d.errors import MeshError
+from paint3d.errors import MeshError, Message
 from paint3d.files.raw_mesh import RawMesh, check_count, parse_numbers, with_face_colours
 
 __all__ = ["read_stl"]
@@ -79,7 +79,7 @@ def _read_binary(data: bytes) -> AnyArray:
             n=len(data),
             header=HEADER,
         )
-    check_count(_count(data), FACET.itemsize, len(data) - HEADER, "triangles")
+    check_count(_count(data), FACET.itemsize, len(data) - HEADER, Message("triangles"))
     return np.frombuffer(data, FACET, _count(data), HEADER)
 
 
@@ -95,7 +95,7 @@ def _read_ascii(data: bytes) -> NDArray[np.float64]:
             n=len(found),
             expected=3 * n_facets,
         )
-    return parse_numbers(b"\n".join(found), "a vertex").reshape(-1, 3)
+    return parse_numbers(b"\n".join(found), Message("a vertex")).reshape(-1, 3)
 
 
 def _merge(corners: AnyArray) -> tuple[AnyArray, AnyArray]:

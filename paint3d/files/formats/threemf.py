@@ -174,7 +174,7 @@ class Paint3mf:
 def _index(text: str, group: _Group, number: str | None) -> int:
     index = int(text)
     if not 0 <= index < len(group.values):
-        what = "colour" if group.look < 0 else "place on a picture"
+        what = Message("colour") if group.look < 0 else Message("place on a picture")
         n = len(group.values)
         raise MeshError(
             "a triangle has {what} {index} of resource {number}, which has {n}; expected 0 to "
@@ -293,7 +293,11 @@ def _check_entries(archive: zipfile.ZipFile) -> None:
         raise MeshError("it unpacks to over {most} GiB; expected less", most=MAX_UNPACKED >> 30)
     for entry in entries:
         if entry.flag_bits & 1 or entry.compress_type not in PACKINGS:
-            how = "encrypted" if entry.flag_bits & 1 else f"packed by method {entry.compress_type}"
+            how = (
+                Message("encrypted")
+                if entry.flag_bits & 1
+                else Message("packed by method {method}", method=entry.compress_type)
+            )
             raise MeshError(
                 "its {filename!r:.60} is {how}; expected it plain or deflated",
                 filename=entry.filename,

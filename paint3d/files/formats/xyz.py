@@ -36,7 +36,7 @@ def read_xyz(data: bytes) -> RawMesh:
                 shown=shown,
                 expected=expected,
             )
-    table = parse_numbers(b"\n".join(lines), "a point").reshape(len(lines), width)
+    table = parse_numbers(b"\n".join(lines), Message("a point")).reshape(len(lines), width)
     colours: NDArray[np.uint8] | None = None
     notes: tuple[Message, ...] = ()
     if width in COLOURED:

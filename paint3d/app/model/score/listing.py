@@ -11,7 +11,7 @@ import numpy as np
 from paint3d.app.model.brush_in_hand import BRUSH_COMMANDS, brush_after
 from paint3d.app.model.persistence.saved_settings import DEFAULT_BRUSH, DEFAULT_INKS
 from paint3d.app.model.score.words import brush_in
-from paint3d.errors import Paint3DError, RecordingError
+from paint3d.errors import Message, Paint3DError, RecordingError
 from paint3d.pose.brush_pose import brush_poses
 from paint3d.recording.recording import Recording
 from paint3d.recording.score import Score
@@ -58,7 +58,7 @@ def listed_strokes(score: Score) -> list[ListedStroke]:
     except Paint3DError as cause:
         raise RecordingError(
             "{score}: its header: {cause}",
-            score=score.name or "the score",
+            score=score.name or Message("the score"),
             cause=cause,
         ) from None
     ink = score.header.get("ink", DEFAULT_INKS[0])

@@ -11,7 +11,7 @@ import numpy as np
 from paint3d.app.model.commands import COMMANDS, arguments_of
 from paint3d.app.model.score.words import Inks, Vocabulary
 from paint3d.device.sample import DeviceSample
-from paint3d.errors import Paint3DError, RecordingError
+from paint3d.errors import Message, Paint3DError, RecordingError
 from paint3d.recording.recording import HandTime, Recording
 from paint3d.recording.score import Score
 from paint3d.surface.painted_surface import PaintedSurface
@@ -129,7 +129,7 @@ def play(document: Any, score: Score, first: int = 0) -> Iterator[Step]:
                 getattr(document, step.command)(**step.options)
         except Paint3DError as cause:
             if not step.may_fail:
-                what = step.command or "a sample"
+                what = step.command or Message("a sample")
                 raise RecordingError(
                     "{where}: {what}: {cause}",
                     where=score.where(step.event),
