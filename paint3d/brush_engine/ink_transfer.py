@@ -277,7 +277,7 @@ _DRY_PRESSED = 0.4  # less of it at full pressure
 _FLOWS_MM_S = 350.0  # speed of a hand at which it takes twice the load for the same contact
 _MOST_HASTE = 1.7
 _WETS_MM = 4.0  # of the way: what a wet tuft leaves at once where it comes first
-_FIRST_COATS = 1.0  # that a wet tuft leaves at least where it comes first
+_FIRST_COATS = 1.6  # that a wet tuft leaves at least where it comes first
 MOST_AT_FIRST = 0.01  # of what it holds, for the sake of that
 _MOST_PASSES = 1000
 _SHARE = 0.45  # of a reservoir, the most that flows out of it on one side in one pass
@@ -324,8 +324,8 @@ def contact_level(before, after, ink):
 def wet_at_once(before, after, level, found, n, field, ink):
     """Let what the tuft touches first take a film at once.
 
-    By the time under the tuft alone, heads would stay pale at their corners. So on paper, where a
-    footprint grows, turns or comes down in its place, a vertex counts as if it had been under the
+    By the time under the tuft alone, heads would stay pale at their corners. So where a footprint
+    grows, turns or comes down in its place, a vertex counts as if it had been under the
     outline for `_WETS_MM` of the way more, once, for what is newly covered of it; what was wet
     before gets no more. One that is carried on is levelled otherwise: `level_shares`.
 
@@ -335,13 +335,12 @@ def wet_at_once(before, after, level, found, n, field, ink):
         What a wet tuft leaves at least, coats x mm2: a thin film on all that is newly covered,
         however lightly it touches.
     """
-    moved, grain = outline_motion(before, after), ink.transfer[0].grain
+    moved = outline_motion(before, after)
     if moved <= 1e-6:
         return 0.0
     ids, share, cover, coverage = found.ids, found.share, found.cover, ink.coverage
     areas, new = field.area_units, 0.0
-    still = stillness(before, after)
-    per_cover = np.float32(_WETS_MM * min(1.0, 2.0 * grain) * level * still / moved)
+    per_cover = np.float32(_WETS_MM * level * stillness(before, after) / moved)
     for k in range(n):
         v = ids[k]
         newly = max(np.float32(0.0), cover[k] - coverage[v])
