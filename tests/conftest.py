@@ -15,6 +15,7 @@ from paint3d.core.machine import give_back_memory
 from tests.support.compiling import compile_each_kernel_once
 from tests.support.examples import ALL
 from tests.support.forked_reading import reading_by_forks
+from tools.texts import compile_all
 
 # Begun in this order, all others after them: first one that compiles what is painted on and what
 # paints with a solid tuft, beside it what needs no object (hairs that bend, plans of strokes) so
@@ -67,6 +68,8 @@ pytest_plugins = (
 
 if "PYTEST_XDIST_WORKER" in os.environ:
     compile_each_kernel_once()
+
+compile_all()
 
 settings.register_profile("same", derandomize=True)
 settings.register_profile("new", print_blob=True)

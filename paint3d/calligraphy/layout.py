@@ -11,23 +11,28 @@ from __future__ import annotations
 import math
 import unicodedata
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from itertools import product
 
 import numpy as np
+from numpy.typing import NDArray
 
-from paint3d.core.arrays import AnyArray
-from paint3d.errors import InputError, MeshError, Paint3DError
+from paint3d.core.arrays import AnyArray, as_array
+from paint3d.errors import InputError, MeshError, Message, Paint3DError
 from paint3d.mesh.bvh import ClosestPoints
 from paint3d.mesh.chart import EmSquare, SquareLimits, SurfaceFrame, frame_at, lay_square
-from paint3d.mesh.placement import SIDES, SurfaceLine, is_flat, place, upwards, walk
+from paint3d.mesh.placement import SIDES, SurfaceLine, Upright, is_flat, place, upwards, walk
+from paint3d.mesh.sheet_mesh import sheet_of, writing_areas
+from paint3d.mesh.triangle_mesh import TriangleMesh
 
 __all__ = [
     "LAYOUTS",
+    "Ground",
     "Layout",
     "PlacedCharacter",
     "frames_to_try",
+    "grounds_of",
     "layout_text",
     "split_text",
     "upright_frame",
@@ -51,7 +56,7 @@ def walking_step(em_mm: float) -> float:
     return max(em_mm / _STEPS_PER_EM, _LEAST_STEP_MM)
 
 
-def upright_frame(surface: ClosestPoints, point: AnyArray, up: AnyArray) -> SurfaceFrame:
+def upright_frame(surface: ClosestPoints, point: AnyArray, up: Upright) -> SurfaceFrame:
     """The frame at a point (3,) of a surface with an upwards.
 
     Raises
@@ -60,11 +65,12 @@ def upright_frame(surface: ClosestPoints, point: AnyArray, up: AnyArray) -> Surf
         If the surface lies level there.
     """
     try:
-        return frame_at(surface, point, up)
+        return up.frame(surface, point)
     except InputError:
         raise MeshError(
-            f"{surface.mesh.name}: the surface lies level at {point.round(1).tolist()}; "
-            "expected a place with an upwards"
+            "{object}: the surface lies level at {point}; expected a place with an upwards",
+            object=surface.mesh.name,
+            point=point.round(1).tolist(),
         ) from None
 
 
@@ -139,6 +145,12 @@ class Layout:
         From where one looks at the object.
     gap : float
         Room between two columns or two rows, ems.
+    between : float
+        Room between two characters of a column or a row, ems.
+    point : (float, float, float), optional
+        Where the text's middle goes, mm, instead of `at`: a point on the object or beside it.
+    turn : float
+        By which the text is turned to the left, degrees.
     """
 
     order: str = "columns"
@@ -146,6 +158,85 @@ class Layout:
     around: bool = False
     side: str | None = None
     gap: float = 0.1
+    between: float = 0.0
+    point: tuple[float, float, float] | None = None
+    turn: float = 0.0
+
+    @property
+    def is_placed(self) -> bool:
+        """Whether it is said where its middle goes."""
+        return self.at is not None or self.point is not None
+
+
+# ---- Grounds -------------------------------------------------------------------------------------
+# What text is laid on: a sheet's paper within its margins, and of any other object all of it.
+
+
+@dataclass(frozen=True, eq=False)
+class Ground:
+    """A surface to write on.
+
+    Attributes
+    ----------
+    surface : ClosestPoints
+    apex : (3,) float64 or None
+        See `Upright`.
+    """
+
+    surface: ClosestPoints
+    apex: NDArray[np.float64] | None = None
+
+    def middle(self, layout: Layout) -> SurfaceFrame:
+        """The frame where a text's middle goes, or where it is tried first.
+
+        Raises
+        ------
+        InputError, MeshError
+            See `place`.
+        """
+        if layout.point is None:
+            found = place(self.surface, layout.at or _MIDDLE, side=layout.side)
+            origin, normal = found.origin, found.normal
+            if self.apex is None and not layout.turn:
+                return found
+        else:
+            closest = self.surface.find(as_array(layout.point, "point", (3,))[None])
+            origin, normal = closest.points[0], closest.normals[0]
+        return upright_frame(self.surface, origin, self.upright(normal, layout))
+
+    def upright(self, normal: AnyArray, layout: Layout) -> Upright:
+        """Which way is up around a place of a normal (3,)."""
+        return Upright(upwards(normal), self.apex, math.radians(layout.turn))
+
+
+def grounds_of(surface: ClosestPoints, layout: Layout) -> tuple[tuple[Ground, ...], Layout]:
+    """What a text may be laid on, in the order in which it is filled, and the layout there.
+
+    Where it is said where the text goes, margins are the writer's own affair, and of several panels
+    it is the nearest.
+    """
+    if sheet_of(surface.mesh) is None:
+        return (Ground(surface),), layout
+    panels = _panels(surface.mesh, not layout.is_placed)
+    if not layout.is_placed or len(panels) == 1:
+        return panels, layout
+    if layout.at is not None:
+        boxes = np.array([panel.surface.mesh.bounds for panel in panels])
+        low, high = boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)
+        x, y = (low + np.append(as_array(layout.at, "at", (2,)), 0.0) * (high - low)).tolist()[:2]
+        layout = replace(layout, at=None, point=(x, y, 0.0))
+    at = np.array(layout.point)
+    away = [float(np.linalg.norm(p.surface.find(at[None]).points[0] - at)) for p in panels]
+    return (panels[int(np.argmin(away))],), layout
+
+
+@lru_cache(maxsize=8)
+def _panels(mesh: TriangleMesh, within_margins: bool) -> tuple[Ground, ...]:
+    areas = writing_areas(mesh, within_margins)
+    return tuple(Ground(ClosestPoints(area.mesh), area.apex) for area in areas)
+
+
+# --------------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, eq=False)
@@ -206,17 +297,39 @@ def layout_text(
     """
     layout = layout or Layout()
     if layout.order not in LAYOUTS:
-        raise InputError(f"layout is {layout.order!r}; expected one of {', '.join(LAYOUTS)}")
+        raise InputError(
+            "layout is {order!r}; expected one of {layouts}",
+            order=layout.order,
+            layouts=", ".join(LAYOUTS),
+        )
     lines = split_text(text)
     limits = limits or SquareLimits()
-    fixed = layout.at is not None or layout.around
+    grounds, layout = grounds_of(surface, layout)
+    if len(grounds) == 1:
+        return _laid_on(grounds[0], lines, em_mm, layout, limits)
+    if len(lines) == 1:  # a couplet's halves
+        half = -(-len(lines[0]) // len(grounds))
+        lines = [lines[0][k : k + half] for k in range(0, len(lines[0]), half)]
+    parts = np.array_split(np.array(lines, dtype=object), len(grounds))
+    return [
+        placed
+        for ground, part in zip(grounds, parts, strict=True)
+        if len(part)
+        for placed in _laid_on(ground, list(part), em_mm, layout, limits)
+    ]
+
+
+def _laid_on(
+    ground: Ground, lines: Sequence[str], em_mm: float, layout: Layout, limits: SquareLimits
+) -> list[PlacedCharacter]:
+    """The squares of a text's lines on one surface."""
+    fixed = layout.is_placed or layout.around
     fault: Paint3DError
     try:
-        if layout.at is None:
-            grid = _middle_grid(surface, em_mm, layout, limits)
+        if layout.is_placed:
+            grid = _Grid(ground, em_mm, layout, limits, ground.middle(layout))
         else:
-            middle = place(surface, layout.at, side=layout.side)
-            grid = _Grid(surface, em_mm, layout, limits, middle)
+            grid = _middle_grid(ground, em_mm, layout, limits)
     except MeshError as cause:
         fault = cause
     else:
@@ -228,19 +341,17 @@ def layout_text(
         fixed = fixed or fits > 0
     if fixed:
         raise fault
-    return _searched(surface, lines, em_mm, layout, limits, fault)
+    return _searched(ground, lines, em_mm, layout, limits, fault)
 
 
 @lru_cache(maxsize=1)
-def _middle_grid(
-    surface: ClosestPoints, em_mm: float, layout: Layout, limits: SquareLimits
-) -> _Grid:
+def _middle_grid(ground: Ground, em_mm: float, layout: Layout, limits: SquareLimits) -> _Grid:
     """The grid around the middle; the last is kept, as texts on one object often follow."""
-    return _Grid(surface, em_mm, layout, limits, place(surface, _MIDDLE, side=layout.side))
+    return _Grid(ground, em_mm, layout, limits, ground.middle(layout))
 
 
 def _searched(
-    surface: ClosestPoints,
+    ground: Ground,
     lines: Sequence[str],
     em_mm: float,
     layout: Layout,
@@ -250,11 +361,14 @@ def _searched(
     """The squares of a text at the first place where it fits; the middle has that fault."""
     roomiest: _Grid | None = None
     n_seen = n_tried = 0
-    for frame in frames_to_try(surface, layout.side):
+    for frame in frames_to_try(ground.surface, layout.side):
         n_seen += 1
         try:
-            lay_square(surface, frame, em_mm, limits)
-            grid = _Grid(surface, em_mm, layout, limits, frame)
+            if layout.turn or ground.apex is not None:
+                up = ground.upright(frame.normal, layout)
+                frame = upright_frame(ground.surface, frame.origin, up)
+            lay_square(ground.surface, frame, em_mm, limits)
+            grid = _Grid(ground, em_mm, layout, limits, frame)
         except MeshError:
             continue
         squares = grid.fit(lines)
@@ -266,15 +380,21 @@ def _searched(
         if n_tried == _MOST_GRIDS:
             break
     if roomiest is None:
-        raise type(fault)(f"{fault}; {n_seen} other places were no better") from None
+        raise type(fault)(
+            Message("{cause}; {n} other places were no better", cause=fault, n=n_seen)
+        ) from None
     raise _too_long(roomiest, lines, roomiest.how_many(lines))
 
 
 def _too_long(grid: _Grid, lines: Sequence[str], fits: int) -> InputError:
     n = sum(map(len, lines))
     return InputError(
-        f"the text of {n} characters does not fit on {grid.surface.mesh.name} at an em of "
-        f"{grid.em_mm:g} mm: {fits} would; expected a shorter text, a smaller size or another place"
+        "the text of {n} characters does not fit on {object} at an em of {em_mm:g} mm: {fits} "
+        "would; expected a shorter text, a smaller size or another place",
+        n=n,
+        object=grid.surface.mesh.name,
+        em_mm=grid.em_mm,
+        fits=fits,
     )
 
 
@@ -283,24 +403,27 @@ class _Grid:
 
     def __init__(
         self,
-        surface: ClosestPoints,
+        ground: Ground,
         em_mm: float,
         layout: Layout,
         limits: SquareLimits,
         middle: SurfaceFrame,
     ) -> None:
-        self.surface, self.em_mm, self.layout, self.limits = surface, em_mm, layout, limits
+        self.surface = surface = ground.surface
+        self.em_mm, self.layout, self.limits = em_mm, layout, limits
         self.middle = middle
         self._climbed: dict[float, SurfaceLine] = {}
-        self.up = upwards(self.middle.normal)
+        self.up = ground.upright(middle.normal, layout)
         self.right = self._walk(self.middle, (1.0, 0.0), None)
         self.left = self._walk(self.middle, (-1.0, 0.0), None)
         if layout.around and not self.right.closed:
             raise MeshError(
-                f"{surface.mesh.name}: the level line of the place does not come back to its "
-                "start; expected a body that can be written around"
+                "{object}: the level line of the place does not come back to its start; expected a "
+                "body that can be written around",
+                object=surface.mesh.name,
             )
-        gaps = (layout.gap, 0.0) if layout.order == "columns" else (0.0, layout.gap)
+        gaps = (layout.gap, layout.between)
+        gaps = gaps if layout.order == "columns" else gaps[::-1]
         self.pitch = em_mm * (1.0 + np.array(gaps))
         self._loose = math.inf if layout.around else 1.0
         self._start = self._first_usable()
@@ -320,7 +443,7 @@ class _Grid:
 
     def _first_usable(self) -> float:
         """The place nearest to the middle, up or down, where a square can be laid."""
-        if self.layout.at is not None:
+        if self.layout.is_placed:
             self._square(self.middle.origin)
             return 0.0
         fault: MeshError | None = None
@@ -334,7 +457,7 @@ class _Grid:
                     fault = fault or cause
                 else:
                     return sign * reached
-        raise fault or MeshError(f"{self.surface.mesh.name}: no place to write")
+        raise fault or MeshError("{object}: no place to write", object=self.surface.mesh.name)
 
     def _reach(self, start: float, sign: float) -> float:
         """How far up or down (mm up from the middle) squares can be laid, to a 40th of the em."""
@@ -474,7 +597,10 @@ class _Grid:
             line = lines[cell.across][0 if height >= 0.0 else 1]
             away = abs(height)
             if not line.reaches(away - _TOUCHING * self.em_mm):
-                raise MeshError(f"{self.surface.mesh.name}: the surface ends within the text")
+                raise MeshError(
+                    "{object}: the surface ends within the text",
+                    object=self.surface.mesh.name,
+                )
             squares.append(self._square(line.at(away if line.reaches(away) else line.length)))
         return squares
 
@@ -485,7 +611,10 @@ class _Grid:
         else:
             level, distance = self.left, -across
         if not level.reaches(distance) and not level.closed:
-            raise MeshError(f"{self.surface.mesh.name}: the surface ends within the text")
+            raise MeshError(
+                "{object}: the surface ends within the text",
+                object=self.surface.mesh.name,
+            )
         frame = self._frame(level.at(distance))
         up = self._walk(frame, (0.0, 1.0), max(top, 0.0))
         return up, self._walk(frame, (0.0, -1.0), max(-bottom, 0.0))
@@ -493,7 +622,7 @@ class _Grid:
     def _top(self, block: float) -> float:
         """Height (mm up from the middle) of the first row; the block is moved until it fits."""
         top = 0.5 * block
-        if self.layout.at is None and (block > 0.0 or self._start != 0.0):
+        if not self.layout.is_placed and (block > 0.0 or self._start != 0.0):
             low, high = self.span
             top = min(max(top, low + block), high)
         return top

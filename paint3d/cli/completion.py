@@ -10,7 +10,8 @@ import sys
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from paint3d.cli.options import Parser
+from paint3d.cli.options import BUILT_IN_OBJECTS, Parser
+from paint3d.mesh.sheets import FORMS
 
 __all__ = ["EXAMPLES", "add_arguments", "run"]
 
@@ -21,11 +22,15 @@ paint3d completion fish > ~/.config/fish/completions/paint3d.fish
 """
 
 
+_NAMES = {"--on": (*BUILT_IN_OBJECTS, *FORMS)}  # that stand for files
+
+
 class _Option(NamedTuple):
     name: str
     choices: tuple[str, ...]
     takes_value: bool
     about: str
+    is_file: bool
 
 
 class _Command(NamedTuple):
@@ -52,10 +57,12 @@ def run(options: argparse.Namespace) -> None:
 def _commands(parser: Parser, words: tuple[str, ...], about: str) -> Iterator[_Command]:
     found = []
     for action in parser.option_actions():
-        choices = tuple(map(str, action.choices or ()))
+        choices, name = tuple(map(str, action.choices or ())), action.option_strings[-1]
+        is_file = not choices
+        choices = choices or _NAMES.get(name, ())
         told = (action.help or "") % vars(action) if action.help else ""
         for name in action.option_strings:
-            found.append(_Option(name, choices, action.nargs != 0, _in_short(told)))
+            found.append(_Option(name, choices, action.nargs != 0, _in_short(told), is_file))
     below = parser.actions()
     yield _Command(words, _in_short(about), tuple(found), tuple(below))
     for name, one in below.items():
@@ -79,12 +86,13 @@ def _bash(commands: list[_Command]) -> str:
             if option.takes_value:
                 key = " ".join((*one.words, option.name))
                 known = " ".join(option.choices)
-                values.append(f'    "{key}") values="{known}"; takes=1 ;;')
+                files = " files=1;" * option.is_file
+                values.append(f'    "{key}") values="{known}";{files} takes=1 ;;')
     of_two = " ".join(f'"{key}"' for key in _two_words(commands))
     return f"""# bash completion of paint3d; made by: paint3d completion bash
 _paint3d() {{
   local word="${{COMP_WORDS[COMP_CWORD]}}" before="${{COMP_WORDS[COMP_CWORD-1]}}"
-  local command="" words="" values="" takes=0 known
+  local command="" words="" values="" takes=0 files=0 known
   (( COMP_CWORD > 1 )) && command="${{COMP_WORDS[1]}}"
   if (( COMP_CWORD > 2 )); then
     for known in {of_two}; do
@@ -95,8 +103,8 @@ _paint3d() {{
 {chr(10).join(values)}
   esac
   if (( takes )); then
-    if [[ -n "$values" ]]; then COMPREPLY=($(compgen -W "$values" -- "$word"))
-    else COMPREPLY=($(compgen -f -- "$word")); fi
+    COMPREPLY=($(compgen -W "$values" -- "$word"))
+    (( files )) && COMPREPLY+=($(compgen -f -- "$word"))
     return
   fi
   case "$command" in
@@ -125,6 +133,9 @@ def _zsh(commands: list[_Command]) -> str:
         for option in one.options:
             about = _quoted(option.about).replace("[", "(").replace("]", ")").replace(":", " ")
             value = f":value:({' '.join(option.choices)})" if option.choices else ":value:_files"
+            if option.choices and option.is_file:
+                value = f""":value:{{_alternative "names:name:({" ".join(option.choices)})" """
+                value += '"files:file:_files"}'
             lines.append(f"'{option.name}[{about}]{value if option.takes_value else ''}'")
         if one.actions:
             lines.append(f"'1: :({' '.join(one.actions)})'")
@@ -175,7 +186,8 @@ def _fish(commands: list[_Command]) -> str:
                 f"complete -c paint3d -n '{when}' -l {option.name[2:]} -d '{_quoted(option.about)}'"
             )
             if option.choices:
-                line += f" -x -a '{' '.join(option.choices)}'"
+                only = " -r" if option.is_file else " -x"
+                line += f"{only} -a '{' '.join(option.choices)}'"
             elif option.takes_value:
                 line += " -r"
             lines.append(line)

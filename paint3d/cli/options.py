@@ -14,9 +14,11 @@ from pathlib import Path
 from typing import Any, Never, cast
 
 from paint3d.errors import ExportError, InputError
+from paint3d.mesh.sheets import FORMS, is_sheet, parse_sheet
 
 __all__ = [
     "BRUSH",
+    "BUILT_IN_HELP",
     "BUILT_IN_OBJECTS",
     "DIPS",
     "FILES",
@@ -235,6 +237,10 @@ MATERIALS = (  # known before NumPy is
     "porcelain", "bisque", "xuan", "plaster", "terracotta", "sized xuan", "tinted xuan", "silk",
 )  # fmt: skip
 BUILT_IN_OBJECTS = ("bowl", "plate", "vase", "sphere", "plane")  # as `files.load`, without NumPy
+BUILT_IN_HELP = (
+    f"{', '.join(BUILT_IN_OBJECTS)}, or a sheet: {', '.join(FORMS)}, such as scroll, "
+    "scroll:340x1000:mounted or sheet:340x1360:margin=30 (mm)"
+)
 _UP_AXES = ("x", "y", "z", "-x", "-y", "-z")  # as `mesh.upright`, known here before NumPy is
 _MOST_SEED = 1_000_000
 _MOST_HAIRS = 10_000  # as `brush.spec.MOST_HAIRS`, known here before NumPy is loaded
@@ -447,21 +453,30 @@ def check_input_file(name: str | Path | None, what: str, known: Sequence[str] = 
     what : str
         What was expected, such as "a recording".
     known : sequence of str
-        Names that are no files.
+        Names that are no files; where there are any, so are those of sheets.
 
     Raises
     ------
     InputError
-        If there is no such file, or it is a folder.
+        If there is no such file, it is a folder, or no sheet is of such a size.
     """
     if name is None or os.fspath(name) in known or os.path.isfile(name):
         return
+    if known and is_sheet(os.fspath(name)):
+        parse_sheet(os.fspath(name))
+        return
+    known = (*known, *FORMS) if known else known
     expected = f"{what}, or {', '.join(known)}" if known else what
     near = hint(os.fspath(name), known)
     if os.path.isdir(name):
-        raise InputError(f"{name} is a folder; expected {expected}")
+        raise InputError("{name} is a folder; expected {expected}", name=name, expected=expected)
     if not os.path.exists(name):
-        raise InputError(f"{name}: there is no such file; expected {expected}{near}")
+        raise InputError(
+            "{name}: there is no such file; expected {expected}{near}",
+            name=name,
+            expected=expected,
+            near=near,
+        )
 
 
 def check_output_folder(folder: Path) -> None:
@@ -476,9 +491,13 @@ def check_output_folder(folder: Path) -> None:
     while not there.exists() and there != there.parent:
         there = there.parent
     if not there.is_dir():
-        raise ExportError(f"{there} is not a folder; {folder} cannot be made")
+        raise ExportError(
+            "{there} is not a folder; {folder} cannot be made",
+            there=there,
+            folder=folder,
+        )
     if not os.access(there, os.W_OK | os.X_OK):
-        raise ExportError(f"{there}: no permission to write there")
+        raise ExportError("{there}: no permission to write there", there=there)
 
 
 def check_output_file(file: Path, suffixes: tuple[str, ...]) -> None:
@@ -493,14 +512,16 @@ def check_output_file(file: Path, suffixes: tuple[str, ...]) -> None:
     name = file.name.lower()
     if not any(name.endswith(suffix) and name != suffix for suffix in suffixes):
         raise ExportError(
-            f"{file}: unknown kind of file; expected a name ending in {', '.join(suffixes)}"
+            "{file}: unknown kind of file; expected a name ending in {suffixes}",
+            file=file,
+            suffixes=", ".join(suffixes),
         )
     if file.is_dir():
-        raise ExportError(f"{file} is a folder; expected a file name")
+        raise ExportError("{file} is a folder; expected a file name", file=file)
     if file.exists() and not file.is_file():
-        raise ExportError(f"{file} is a pipe or a device; expected a file name")
+        raise ExportError("{file} is a pipe or a device; expected a file name", file=file)
     if not file.parent.is_dir():
-        raise ExportError(f"{file}: there is no folder {file.parent}")
+        raise ExportError("{file}: there is no folder {parent}", file=file, parent=file.parent)
     check_output_folder(file.parent)
 
 
@@ -529,17 +550,25 @@ def check_overwriting(
     for k, file in enumerate(files):
         for other in files[:k]:
             if _same_file(file, other):
-                raise ExportError(f"{file} is {other}; expected a file for each of them")
+                raise ExportError(
+                    "{file} is {other}; expected a file for each of them",
+                    file=file,
+                    other=other,
+                )
         for source in () if force else [source for source in read if source]:
             if _same_file(file, source):
                 raise ExportError(
-                    f"{file} would be replaced, and {source} is read from it; "
-                    "expected another name, or --force"
+                    "{file} would be replaced, and {source} is read from it; expected another "
+                    "name, or --force",
+                    file=file,
+                    source=source,
                 )
             if _refers_to(source, file):
                 raise ExportError(
-                    f"{file} would be replaced, and {source} refers to it; "
-                    "expected another name, or --force"
+                    "{file} would be replaced, and {source} refers to it; expected another name, "
+                    "or --force",
+                    file=file,
+                    source=source,
                 )
 
 

@@ -7,6 +7,7 @@ import os
 from importlib import import_module
 
 from paint3d.cli.options import (
+    BUILT_IN_HELP,
     BUILT_IN_OBJECTS,
     add_quiet_option,
     add_stylus_option,
@@ -35,8 +36,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "target",
         metavar="MESH | SESSION",
         nargs="?",
-        help="what to paint on: a mesh file, a saved painting, or bowl, plate, vase, sphere, "
-        "plane (default: what a crash left, or a bowl)",
+        help=f"what to paint on: a mesh file, a saved painting, {BUILT_IN_HELP} (default: what a "
+        "crash left, or a bowl)",
     )
     chosen = {"material": "as chosen last", "resolution": "as chosen last"}
     PaintingOptions.add_to(parser, "material", "resolution", unsaid=chosen)
@@ -70,8 +71,9 @@ def run(options: argparse.Namespace) -> None:
         from paint3d.app.window.start import run_studio
     except ImportError as cause:
         raise InputError(
-            f"the studio needs PySide6, which cannot be loaded ({cause}); "
-            "expected pip install 'paint3d[studio]'"
+            "the studio needs PySide6, which cannot be loaded ({cause}); expected pip install "
+            "'paint3d[studio]'",
+            cause=cause,
         ) from None
     run_studio(
         options.target,

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from paint3d.cli.options import (
     BRUSH,
+    BUILT_IN_HELP,
     BUILT_IN_OBJECTS,
     FILES,
     MATERIALS,
@@ -32,6 +33,7 @@ from paint3d.cli.options import (
 from paint3d.cli.progress import ProgressBar, say_if_compiling
 from paint3d.cli.results import Painting, timed
 from paint3d.errors import InputError, RecordingError
+from paint3d.mesh.sheets import is_sheet, parse_sheet
 
 if TYPE_CHECKING:
     import numpy as np
@@ -83,13 +85,13 @@ class PaintingOptions:
     """
 
     on: str = _option(
-        "bowl", OBJECTS, "a mesh file, a painting to go on with (.p3d), or bowl, plate, vase, "
-        "sphere, plane", metavar="MESH",
+        "bowl", OBJECTS, f"a mesh file, a painting to go on with (.p3d), {BUILT_IN_HELP}",
+        metavar="MESH",
     )  # fmt: skip
     material: str = _option(
         "porcelain", OBJECTS,
         f"of the surface: {', '.join(MATERIALS)}, or a file of your own, mine.toml or mine.json",
-        metavar="NAME|FILE",
+        unsaid="what suits a sheet, else porcelain", metavar="NAME|FILE",
     )  # fmt: skip
     resolution: float = _option(
         0.4, OBJECTS, "vertex spacing wanted where paint is, mm", metavar="MM",
@@ -175,6 +177,9 @@ class PaintingOptions:
     def of(cls, options: argparse.Namespace, **otherwise: Any) -> PaintingOptions:
         """What the options say; `otherwise` gives what a command takes for one that is not said."""
         said = {one.name: getattr(options, one.name, None) for one in fields(cls)}
+        on = said["on"]
+        if on is not None and is_sheet(on) and not os.path.isfile(on):
+            otherwise["material"] = parse_sheet(on).usual.material
         return cls(**{**otherwise, **{k: value for k, value in said.items() if value is not None}})
 
     def check(self) -> None:
@@ -422,7 +427,7 @@ def _brush(recording: Recording | LaidPad, wished: str | None) -> BrushSpec:
     try:
         return recorded_brush(recording.header) or load_brush(DEFAULT_BRUSH)
     except RecordingError as cause:
-        raise RecordingError(f"{cause}, or --brush") from None
+        raise RecordingError("{cause}, or --brush", cause=cause) from None
 
 
 def _ink(recording: Recording | LaidPad, wished: str | None) -> dict[Pigment, float]:
@@ -435,7 +440,7 @@ def _ink(recording: Recording | LaidPad, wished: str | None) -> dict[Pigment, fl
     try:
         return recorded_ink(recording.header) or load_ink(DEFAULT_INK)
     except RecordingError as cause:
-        raise RecordingError(f"{cause}, or --ink") from None
+        raise RecordingError("{cause}, or --ink", cause=cause) from None
 
 
 def _tip(
@@ -450,7 +455,7 @@ def _tip(
     try:
         own = None if wanted.ink is not None else recorded_tip(recording.header)
     except RecordingError as cause:
-        raise RecordingError(f"{cause}, or --ink") from None
+        raise RecordingError("{cause}, or --ink", cause=cause) from None
     return own or (None, wanted.reach)
 
 
@@ -475,7 +480,11 @@ def open_document(wanted: PaintingOptions, options: argparse.Namespace) -> Docum
     for name in ("material", "resolution", "unit", "up", "from_points", "texture"):
         if getattr(options, name, None) is not None:
             option = name.replace("_", "-")
-            raise InputError(f"--{option} is given, and {wanted.on} is a painting with its own")
+            raise InputError(
+                "--{option} is given, and {on} is a painting with its own",
+                option=option,
+                on=wanted.on,
+            )
     say_if_compiling(quiet=wanted.quiet)
     with ProgressBar("opening", enabled=not wanted.quiet) as progress:
         return Document.open(wanted.on, progress=progress)

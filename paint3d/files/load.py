@@ -8,7 +8,9 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, TypeAlias
 
-from paint3d.errors import MeshError, UnknownNameError
+from paint3d.colour.materials import load_material
+from paint3d.colour.spectra import srgb_from_reflectance
+from paint3d.errors import MeshError, Message, UnknownNameError
 from paint3d.files.package_meshes import package_class
 from paint3d.files.progress import Progress
 from paint3d.files.reading import (
@@ -20,10 +22,20 @@ from paint3d.files.reading import (
     read_surface_apart,
     take_object,
 )
+from paint3d.mesh.sheet_mesh import make_sheet, with_paper
+from paint3d.mesh.sheets import FORMS, is_sheet, parse_sheet
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.mesh.upright import UP_AXES, turn_mesh, turn_up
 
-__all__ = ["AUTO", "BUILT_IN_OBJECTS", "MESH_SUFFIXES", "UNITS_MM", "load_mesh", "read_mesh"]
+__all__ = [
+    "AUTO",
+    "BUILT_IN_OBJECTS",
+    "MESH_SUFFIXES",
+    "UNITS_MM",
+    "is_built_in",
+    "load_mesh",
+    "read_mesh",
+]
 
 AUTO = "auto"
 
@@ -33,6 +45,11 @@ log = logging.getLogger("paint3d")
 
 Foreign: TypeAlias = Any
 """Arrays, or a mesh of trimesh, Open3D or PyVista, none of which has to be there."""
+
+
+def is_built_in(name: str) -> bool:
+    """Whether a name says a built-in object or a sheet."""
+    return name in BUILT_IN_OBJECTS or is_sheet(name)
 
 
 def load_mesh(
@@ -55,7 +72,10 @@ def load_mesh(
     ----------
     path : str, path-like, (vertices, faces), or mesh of another package
         A file whose suffix is one of `MESH_SUFFIXES`, also packed as .gz or .bz2, or the name of
-        a built-in object: bowl, plate, vase, sphere, plane. An existing file wins over a name.
+        a built-in object: bowl, plate, vase, sphere, plane; or that of a sheet: scroll, couplet,
+        square, horizontal, fan, round-fan, album, handscroll, a4, a3 or sheet:WIDTHxHEIGHT in mm,
+        followed by another size, margin=MM or mounted, as in scroll:340x1000:mounted
+        (`mesh.sheets`). An existing file wins over a name.
         Or arrays (vertices, faces) of triangles, a trimesh.Trimesh or Scene, an
         open3d.geometry.TriangleMesh or open3d.t.geometry.TriangleMesh, or a pyvista.PolyData: its
         arrays are copied and checked as a file's are, in this process.
@@ -122,6 +142,10 @@ def read_mesh(
         taken = take_object(path, wanted)
         return _guessed(taken) if up == AUTO and not taken.knows_up else taken
     found = _find(path)
+    if found is None and is_sheet(str(path)):
+        sheet = parse_sheet(str(path))
+        paper = srgb_from_reflectance(load_material(sheet.usual.material).reflectance)
+        return Reading(with_paper(make_sheet(sheet), paper), knows_up=True)
     if found is None:
         return replace(read_surface(_built_in(str(path)), wanted), knows_up=True)
     reading = read_surface_apart(found, wanted, progress=progress)
@@ -131,12 +155,12 @@ def read_mesh(
 def _guessed(reading: Reading) -> Reading:
     guess = reading.likely_up
     if guess is None or not guess.sure:
-        note = "which way is up is not sure; z is taken (--up takes another axis)"
+        note = Message("which way is up is not sure; z is taken")
         return replace(reading, notes=(*reading.notes, note))
     if guess.up == "z":
         return reading
     mesh = turn_mesh(reading.mesh, turn_up(guess.up))
-    note = f"{guess.up} is taken for up (--up takes another axis)"
+    note = Message("{axis} is taken for up", axis=guess.up)
     return replace(reading, mesh=mesh, notes=(*reading.notes, note))
 
 
@@ -145,16 +169,21 @@ def _find(path: str | os.PathLike[str]) -> Path | None:
     found = Path(path)
     if found.is_file():
         return found
-    if str(path) in BUILT_IN_OBJECTS:
+    if is_built_in(str(path)):
         return None
     if found.is_dir():
-        raise MeshError(f"{found}: it is a folder; expected a mesh file")
+        raise MeshError("{file}: it is a folder; expected a mesh file", file=found)
     if os.path.lexists(found):
-        what = "a link that leads nowhere" if found.is_symlink() else "no plain file"
-        raise MeshError(f"{found}: it is {what}; expected a mesh file")
-    names = ", ".join(BUILT_IN_OBJECTS)
-    expected = f"expected a mesh file or one of the built-in objects {names}"
-    raise MeshError(f"{found}: no such file; {expected}")
+        if found.is_symlink():
+            raise MeshError(
+                "{file}: it is a link that leads nowhere; expected a mesh file", file=found
+            )
+        raise MeshError("{file}: it is no plain file; expected a mesh file", file=found)
+    raise MeshError(
+        "{file}: no such file; expected a mesh file or one of the built-in objects {names}",
+        file=found,
+        names=", ".join((*BUILT_IN_OBJECTS, *FORMS)),
+    )
 
 
 def _built_in(name: str) -> Path:
@@ -163,4 +192,4 @@ def _built_in(name: str) -> Path:
     for folder in (package / "meshes", package.parent / "meshes"):
         if (folder / f"{name}.ply").is_file():
             return folder / f"{name}.ply"
-    raise MeshError(f"the built-in object {name!r} is missing from this installation")
+    raise MeshError("the built-in object {name!r} is missing from this installation", name=name)

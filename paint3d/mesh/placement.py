@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from bisect import bisect_left
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 from functools import partial
 from threading import Lock
 
@@ -12,11 +13,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from paint3d.core.arrays import AnyArray, as_array, as_number
-from paint3d.errors import InputError, MeshError
+from paint3d.errors import InputError, MeshError, Message
 from paint3d.mesh.bvh import ClosestPoints
 from paint3d.mesh.chart import SurfaceFrame, frame_at
 
-__all__ = ["SIDES", "SurfaceLine", "is_flat", "place", "upwards", "walk"]
+__all__ = ["SIDES", "SurfaceLine", "Upright", "is_flat", "place", "upwards", "walk"]
 
 SIDES = ("outside", "inside", "top", "bottom")
 """The sides from which a position on an object is seen."""
@@ -35,6 +36,42 @@ def is_flat(surface: ClosestPoints) -> bool:
 def upwards(normal: AnyArray) -> NDArray[np.float64]:
     """Return the up direction of paper with a normal (3,): +z, or +y where it nearly lies flat."""
     return np.array([0.0, 0.0, 1.0] if abs(normal[2]) < 0.9 else [0.0, 1.0, 0.0])
+
+
+@dataclass(frozen=True, eq=False)
+class Upright:
+    """Which way is up all over a surface, for what is written on it.
+
+    Attributes
+    ----------
+    up : (3,) array_like
+        The direction, any length but zero.
+    apex : (3,) array_like, optional
+        A point, mm, that is down from everywhere instead, as where the ribs of a fan meet.
+    turn : float
+        By which up is then turned to the left, seen from outside, radians.
+    """
+
+    up: ArrayLike
+    apex: ArrayLike | None = None
+    turn: float = 0.0
+
+    def frame(self, surface: ClosestPoints, point: ArrayLike) -> SurfaceFrame:
+        """Return the frame at the closest point to `point` (3,), mm.
+
+        Raises
+        ------
+        InputError
+            If the surface lies level there.
+        """
+        up = self.up if self.apex is None else np.asarray(point) - np.asarray(self.apex)
+        frame = frame_at(surface, point, up)
+        if self.turn == 0.0:
+            return frame
+        along, across = math.cos(self.turn), math.sin(self.turn)
+        x_axis = along * frame.x_axis + across * frame.y_axis
+        y_axis = along * frame.y_axis - across * frame.x_axis
+        return SurfaceFrame(frame.origin, x_axis, y_axis, frame.normal)
 
 
 def place(
@@ -66,19 +103,34 @@ def place(
     if side is None:
         side = "top" if is_flat(surface) else "outside"
     if side not in SIDES:
-        raise InputError(f"side is {side!r}; expected one of {', '.join(SIDES)}")
+        raise InputError(
+            "side is {side!r}; expected one of {sides}",
+            side=side,
+            sides=", ".join(SIDES),
+        )
     values = np.asarray(at, dtype=np.float64)
     if values.shape not in ((2,), (3,)):
-        raise InputError(f"at has shape {values.shape}; expected u, v or a direction x, y, z")
+        raise InputError(
+            "at has shape {values_shape}; expected u, v or a direction x, y, z",
+            values_shape=values.shape,
+        )
     start, ray = _ray(surface, as_array(values, "at", values.shape), side)
     hits = surface.cast(start[None], ray[None])
-    where = f"at {values.tolist()} seen from the {side}"
+    where = Message("at {place} seen from the {side}", place=values.tolist(), side=side)
     if not hits.hit[0]:
-        raise MeshError(f"{surface.mesh.name}: there is no surface {where}; expected another place")
+        raise MeshError(
+            "{object}: there is no surface {where}; expected another place",
+            object=surface.mesh.name,
+            where=where,
+        )
     point = hits.points[0]
     normal = surface.find(point[None]).normals[0]
     if normal @ ray >= 0.0:
-        raise MeshError(f"{surface.mesh.name}: {where} the surface shows its back; try another")
+        raise MeshError(
+            "{object}: {where} the surface shows its back; try another",
+            object=surface.mesh.name,
+            where=where,
+        )
     return frame_at(surface, point, upwards(normal))
 
 
@@ -177,7 +229,9 @@ class SurfaceLine:
         if not (distance >= 0.0 and self.reaches(distance)):
             if not (self.closed and math.isfinite(distance)):
                 raise InputError(
-                    f"the line is {self.length:.1f} mm long; expected {distance:.1f} mm"
+                    "the line is {length:.1f} mm long; expected {distance:.1f} mm",
+                    length=self.length,
+                    distance=distance,
                 )
             distance %= self.length
         j = max(0, bisect_left(self._arc_lengths, distance) - 1)
@@ -188,7 +242,7 @@ class SurfaceLine:
 def walk(
     surface: ClosestPoints,
     start: SurfaceFrame,
-    up: ArrayLike,
+    up: ArrayLike | Upright,
     bearing: tuple[float, float],
     most_mm: float | None = None,
     step_mm: float = 1.0,
@@ -199,8 +253,8 @@ def walk(
     ----------
     surface : ClosestPoints
     start : SurfaceFrame
-        From `frame_at` with the same `up`.
-    up : (3,) array_like
+        From `frame_at` with the same `up`, or from `Upright.frame`.
+    up : (3,) array_like or Upright
         The up direction everywhere.
     bearing : (float, float)
         Direction in the frame of every point: (1, 0) goes right along a level line, (0, 1) climbs.
@@ -213,18 +267,18 @@ def walk(
     -----
     Two closest points a step, of about 30 us each.
     """
-    upwards = as_array(up, "up", (3,))
+    upright = up if isinstance(up, Upright) else Upright(as_array(up, "up", (3,)))
     low, high = surface.mesh.bounds
     size = float(np.linalg.norm(high - low))
     step = min(step_mm, size / _STEPS_PER_SIZE)
     most = _LONGEST_SIZES * size if most_mm is None else most_mm
-    return SurfaceLine(partial(_points_along, surface, start, upwards, bearing, most, step))
+    return SurfaceLine(partial(_points_along, surface, start, upright, bearing, most, step))
 
 
 def _points_along(
     surface: ClosestPoints,
     start: SurfaceFrame,
-    up: AnyArray,
+    up: Upright,
     bearing: tuple[float, float],
     most: float,
     step: float,
@@ -253,7 +307,7 @@ def _points_along(
 def _step(
     surface: ClosestPoints,
     frame: SurfaceFrame,
-    up: AnyArray,
+    up: Upright,
     bearing: tuple[float, float],
     step: float,
 ) -> SurfaceFrame | None:
@@ -262,7 +316,7 @@ def _step(
     for fraction in (0.5, 1.0):
         heading = bearing[0] * at.x_axis + bearing[1] * at.y_axis
         try:
-            at = frame_at(surface, frame.origin + fraction * step * heading, up)
+            at = up.frame(surface, frame.origin + fraction * step * heading)
         except InputError:  # up is along the normal: no bearing here
             return None
     onward = bearing[0] * at.x_axis + bearing[1] * at.y_axis

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from paint3d.colour.difference import delta_e, lab_from_srgb
 from paint3d.colour.materials import Material, load_material
+from paint3d.colour.spectra import srgb_from_reflectance
 from paint3d.colour.wet_look import WetLook
 from paint3d.core.arrays import AnyArray, as_array, as_number
 from paint3d.errors import InputError
@@ -18,6 +19,7 @@ from paint3d.mesh.bvh import build_contact_tree
 from paint3d.mesh.foreign import as_mesh
 from paint3d.mesh.kernels.bvh import ContactTree
 from paint3d.mesh.likeness import Original
+from paint3d.mesh.sheet_mesh import sheet_of, with_paper
 from paint3d.mesh.simplify import coarse_faces
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.surface.flow import Flow, Water
@@ -52,8 +54,9 @@ class PaintedSurface(InkStore):
         mm, z up; `load_mesh` takes colours and units of the latter, too.
     resolution : float or None
         Longest edge wanted where there is paint, mm; None keeps the mesh's own vertices.
-    material : str or Material
-        What the surface is made of: its reflectance is the ground of every colour.
+    material : str or Material, optional
+        What the surface is made of: its reflectance is the ground of every colour. By default what
+        suits a sheet (`mesh.sheets`), and porcelain for everything else.
     original : Original, optional
         The mesh and the resolution that it was painted with before remeshing: recorded strokes
         keep their position wherever the surface is still the same (`mesh.likeness`).
@@ -73,13 +76,17 @@ class PaintedSurface(InkStore):
         self,
         mesh: TriangleMesh | Any,
         resolution: float | None = 0.4,
-        material: str | Material = "porcelain",
+        material: str | Material | None = None,
         original: Original | None = None,
     ) -> None:
         mesh = as_mesh(mesh)
+        if material is None:
+            sheet = sheet_of(mesh)
+            material = "porcelain" if sheet is None else sheet.usual.material
         if resolution is not None:
             resolution = as_number(resolution, "resolution (mm)", _FINEST, _COARSEST)
         made_of = load_material(material) if isinstance(material, str) else material
+        mesh = with_paper(mesh, srgb_from_reflectance(made_of.reflectance))
         super().__init__(mesh, resolution, made_of, original)
         self.layers: LayerStack | None = None
         self.keeps_up = True
@@ -255,7 +262,10 @@ class PaintedSurface(InkStore):
             ids = as_array(vertex_ids, "vertex_ids", (None,), np.int64)
             if ids.size and not (ids.min() >= 0 and ids.max() < n):
                 raise InputError(
-                    f"vertex_ids are {ids.min()} to {ids.max()}; expected 0 to {n - 1}"
+                    "vertex_ids are {least} to {most}; expected 0 to {last}",
+                    least=ids.min(),
+                    most=ids.max(),
+                    last=n - 1,
                 )
         ids = ids.astype(np.int32)
         if self.layers is not None and not self.layers.is_plain and self.glaze is not None:

@@ -282,7 +282,7 @@ def test_numbers_are_shown_with_their_units_and_ranges(program) -> None:
 
 def test_a_brush_may_be_called_like_a_text_of_the_window(program) -> None:
     """`device.lost` is the key of a text that wants a number; `Close` has another in Chinese."""
-    brush = dataclasses.replace(load_brush("full"), name="device.lost")
+    brush = dataclasses.replace(load_brush("full"), name="{count} lost")
     with opened(program) as window:
         window.workspace.post("set_brush", brush)
         settled(window)
@@ -291,7 +291,7 @@ def test_a_brush_may_be_called_like_a_text_of_the_window(program) -> None:
         window.grab()  # the plate in the picture's corner is painted
         history = window.panels.history.list
         wait_for(lambda: history.count() == 1)
-        assert "device.lost" in history.item(0).text()
+        assert "{count} lost" in history.item(0).text()
     choose_language("zh")
     try:
         assert say_brush("Close") == "Close"

@@ -57,7 +57,7 @@ from paint3d.colour.materials import Material
 from paint3d.core.arrays import AnyArray, as_number
 from paint3d.device.recorded import Recording
 from paint3d.device.sample import DeviceSample
-from paint3d.errors import ExportError, InputError, LayerError, Paint3DError, SessionError
+from paint3d.errors import ExportError, InputError, LayerError, Message, Paint3DError, SessionError
 from paint3d.files.export import (
     PreparedExport,
     check_export_path,
@@ -121,7 +121,7 @@ class Document:
     progress : callable or None
         Called with the fraction that is done while strokes are painted again; what it raises stops
         that, and everything is as it was.
-    refused_history : str
+    refused_history : Message or None
         Why the steps that were saved with it could not be used; empty where they could.
     """
 
@@ -181,18 +181,18 @@ class Document:
         """
         return None if self.keeper is None else self.keeper.score(self.surface.source.name)
 
-    def _take_history(self, saved: Session | None) -> str:
+    def _take_history(self, saved: Session | None) -> Message | None:
         """Have the way back that was saved; why not, where it is damaged."""
         if saved is None or saved.history is None:
-            return ""
+            return None
         try:
             undone = strokes_of(saved.undone, self.settings.get("brushes"))
             log = self._log
             held = restore_history(self.surface, self._undo, saved.history, log.strokes, undone)
         except SessionError as error:
-            return str(error)
+            return error.message
         self._log.hold(held)
-        return ""
+        return None
 
     def _keep(self) -> dict[str, object]:
         """What undo brings back besides the surface."""
@@ -274,7 +274,7 @@ class Document:
             opened._written = written
             return opened
         except Paint3DError as cause:
-            raise SessionError(f"{path}: {cause}") from None
+            raise SessionError("{file}: {cause}", file=path, cause=cause) from None
 
     def save(
         self, path: str | os.PathLike[str] | None = None, *, progress: Progress | None = None
@@ -293,7 +293,10 @@ class Document:
         if path is None:
             raise ExportError("this painting has no file yet; expected where to save it")
         if not is_session_path(path):
-            raise ExportError(f"{path}: a painting is saved as .p3d; other formats are exported")
+            raise ExportError(
+                "{file}: a painting is saved as .p3d; other formats are exported",
+                file=path,
+            )
         self.save_copy(path, progress)
         self.belong_to(path)
         self.modified, self._saved_at = False, self._undo.next_undo
@@ -399,7 +402,7 @@ class Document:
         InputError
             If a stroke is going on, or there is no such brush.
         """
-        self._refuse_in_stroke("another brush")
+        self._refuse_in_stroke(Message("another brush"))
         if isinstance(brush, Mapping):
             brush = brush_from_words(brush)
         elif isinstance(brush, str):  # it may be that of a session, which names no file
@@ -431,9 +434,12 @@ class Document:
         InputError
             If it is neither, or a stroke is going on.
         """
-        self._refuse_in_stroke("another azimuth")
+        self._refuse_in_stroke(Message("another azimuth"))
         if azimuth not in ("commanded", "dragged"):
-            raise InputError(f"azimuth is {azimuth!r}; expected 'commanded' or 'dragged'")
+            raise InputError(
+                "azimuth is {azimuth!r}; expected 'commanded' or 'dragged'",
+                azimuth=azimuth,
+            )
         self.painter.azimuth = azimuth
 
     @recorded
@@ -445,7 +451,7 @@ class Document:
         InputError
             If it is below 0 or over 1000, or a stroke is going on.
         """
-        self._refuse_in_stroke("another pick-up")
+        self._refuse_in_stroke(Message("another pick-up"))
         fraction = as_number(pickup, "pickup (1/mm)", 0.0, _MOST_PICKUP)
         self.surface.ink.transfer["pickup"] = fraction
 
@@ -483,7 +489,7 @@ class Document:
     @recorded
     def swap_inks(self) -> None:
         """Dip the brush in the other ink."""
-        self._refuse_in_stroke("another ink")
+        self._refuse_in_stroke(Message("another ink"))
         self.inks.reverse()
         self.dip(self.inks[0])
 
@@ -504,7 +510,11 @@ class Document:
         """
         surface = self.surface
         if not 0 <= vertex_id < surface.n_vertices:
-            raise InputError(f"vertex {vertex_id}; expected 0 to {surface.n_vertices - 1}")
+            raise InputError(
+                "vertex {vertex_id}; expected 0 to {last}",
+                vertex_id=vertex_id,
+                last=surface.n_vertices - 1,
+            )
         parts = surface.parts_at(vertex_id)
         if not parts.any():
             return None
@@ -575,7 +585,7 @@ class Document:
             pairs. In that case samples are passed over until `end_stroke` or `cancel_stroke`: they
             belong to the stroke that was refused.
         """
-        self._refuse_in_stroke("a stroke")
+        self._refuse_in_stroke(Message("a stroke"))
         self._come_back()
         self._refused = True
         loads = checked_pairs("loads", loads)
@@ -687,7 +697,7 @@ class Document:
         InputError
             If a stroke is going on.
         """
-        self._refuse_in_stroke("another symmetry")
+        self._refuse_in_stroke(Message("another symmetry"))
         self._strokes.symmetry = symmetry
 
     @recorded
@@ -699,7 +709,7 @@ class Document:
         InputError
             If it names a face that is not there, or a stroke is going on.
         """
-        self._refuse_in_stroke("another mask")
+        self._refuse_in_stroke(Message("another mask"))
         self._strokes.set_mask(mask)
 
     @property
@@ -727,9 +737,12 @@ class Document:
         """Have every stroke from now on say this as well, as JSON holds it; none: no more."""
         self._log.tags = dict(tags)
 
-    def _refuse_in_stroke(self, what: str) -> None:
+    def _refuse_in_stroke(self, what: Message) -> None:
         if self.in_stroke:
-            raise InputError(f"{what} was asked for during a stroke; expected its end first")
+            raise InputError(
+                "{what} was asked for during a stroke; expected its end first",
+                what=what,
+            )
 
     def rest(self) -> None:
         """Get ready for the next stroke while nobody paints; nothing that is painted changes."""
@@ -758,7 +771,7 @@ class Document:
     @recorded
     def dry(self) -> None:
         """Let all wet paint dry at once: a step that can be undone."""
-        self._refuse_in_stroke("drying")
+        self._refuse_in_stroke(Message("drying"))
         self._come_back()
         self._paintable()
         self._undo.begin(COMMANDS["dry"].step)
@@ -839,7 +852,7 @@ class Document:
         InputError
             If there is none at that place, or a stroke is going on.
         """
-        self._refuse_in_stroke("showing or hiding a layer")
+        self._refuse_in_stroke(Message("showing or hiding a layer"))
         self.surface.use_layers().describe(place, visible=bool(visible))
         self.surface.touch(self.surface.use_layers().painted_ids())
         self.differ_from_saved()
@@ -852,9 +865,12 @@ class Document:
 
     def _restack(self, step: str, action: Callable[[LayerStack], None]) -> None:
         """Change which layers there are; ink that goes or comes with them is no longer loaded."""
-        self._refuse_in_stroke("another order of layers")
+        self._refuse_in_stroke(Message("another order of layers"))
         if step and self._passing:
-            raise InputError(f"{step} was asked for during a replay; expected its end first")
+            raise InputError(
+                "{step} was asked for during a replay; expected its end first",
+                step=step,
+            )
         surface, painter = self.surface, self.painter
         stack = surface.use_layers()
         self._gather()
@@ -872,9 +888,13 @@ class Document:
     def _paintable(self) -> Layer:
         """The layer that is painted on."""
         layer = self.layers[self.active_layer]
-        for state, why in ((layer.locked, "locked"), (not layer.visible, "hidden")):
-            if state:
-                raise LayerError(layer.name, why)
+        told = Message("Layer {number}", number=layer.name) if layer.name.isdigit() else layer.name
+        if layer.locked:
+            raise LayerError(
+                "“{layer}” is locked; unlock it, or paint on another layer", layer=told
+            )
+        if not layer.visible:
+            raise LayerError("“{layer}” is hidden; show it, or paint on another layer", layer=told)
         return layer
 
     # -- seals ------------------------------------------------------------------------------
@@ -921,7 +941,7 @@ class Document:
         MeshError
             If the surface ends within the stone.
         """
-        self._refuse_in_stroke("a seal")
+        self._refuse_in_stroke(Message("a seal"))
         seal = self._press.check(rings, coats, pad_mm, wear, seed)
         self._come_back()
         self._paintable()
@@ -1049,7 +1069,10 @@ class Document:
         most = len(self.strokes) + len(self.undone_strokes)
         if not self.earliest_stroke <= upto <= most:
             raise InputError(
-                f"stroke {upto} of the history; expected {self.earliest_stroke} to {most}"
+                "stroke {upto} of the history; expected {earliest_stroke} to {most}",
+                upto=upto,
+                earliest_stroke=self.earliest_stroke,
+                most=most,
             )
         touched: list[AnyArray] = []
         if upto < self.oldest_stroke:
@@ -1111,14 +1134,15 @@ class Document:
         InputError
             If a stroke is going on, or there is a recording under the strokes.
         """
-        self._refuse_in_stroke("going back")
+        self._refuse_in_stroke(Message("going back"))
         count = self.oldest_stroke
         if not count:
             return union([], self.surface.paint_mesh.capacity)
         if self.earliest_stroke:
             raise InputError(
-                f"the first {count} strokes lie over a recording, which no stroke repeats; "
-                f"expected a stroke from {count} on"
+                "the first {count} strokes lie over a recording, which no stroke repeats; expected "
+                "a stroke from {count} on",
+                count=count,
             )
         self._gather()
         painter = self.painter
@@ -1195,13 +1219,23 @@ class Document:
 
     def _check_number(self, number: int, count: int) -> None:
         if not 0 <= number < count:
-            gone = count <= number < count + len(self.undone_strokes)
-            why = "is undone" if gone else "is none of them"
-            raise InputError(f"stroke {number + 1} {why}; expected 1 to {count}")
+            if count <= number < count + len(self.undone_strokes):
+                raise InputError(
+                    "stroke {number} is undone; expected 1 to {count}",
+                    number=number + 1,
+                    count=count,
+                )
+            raise InputError(
+                "there is no stroke {number}; expected 1 to {count}",
+                number=number + 1,
+                count=count,
+            )
         if number < self.oldest_stroke:
             raise InputError(
-                f"no step leads back to stroke {number + 1}; expected one from "
-                f"{self.oldest_stroke + 1} on: save the strokes as a whole painting and replay it"
+                "no step leads back to stroke {number}; expected one from {oldest_stroke} on: save "
+                "the strokes as a whole painting and replay it",
+                number=number + 1,
+                oldest_stroke=self.oldest_stroke + 1,
             )
 
     def _in_words(self, edit: Mapping[str, Any], score: Score) -> Mapping[str, Any]:

@@ -48,7 +48,7 @@ class SealDialog(FormDialog):
     def __init__(self, parent: QtWidgets.QWidget, kept: SealAsked) -> None:
         super().__init__(parent, say("Press a seal…").rstrip("…"))
         self.text = QtWidgets.QLineEdit(kept.text)
-        self.form.addRow(say("copybook.text"), self.text)
+        self.form.addRow(say("Text"), self.text)
         families = {"": say("Lines of one width")} | {name: name for name in _families()}
         self.font_box = self.add_box(say("Font"), families, kept.font)
         self.drawing = QtWidgets.QLineEdit(kept.drawing)
@@ -65,7 +65,7 @@ class SealDialog(FormDialog):
         self.size_box = self.add_number(
             say("Longer side"), SMALLEST_MM, LARGEST_MM, kept.size_mm, "mm", 1
         )
-        self.finish("OK")
+        self.finish(say("OK"))
         self.text.setFocus()
         self.text.selectAll()
 

@@ -12,19 +12,25 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from paint3d.calligraphy.glyphs import EM_UNITS, Glyph
-from paint3d.calligraphy.layout import Layout, frames_to_try, upright_frame, walking_step
+from paint3d.calligraphy.layout import (
+    Ground,
+    Layout,
+    frames_to_try,
+    grounds_of,
+    upright_frame,
+    walking_step,
+)
 from paint3d.calligraphy.page.page import Composer, Page, Piece
 from paint3d.errors import InputError, MeshError
 from paint3d.mesh.bvh import ClosestPoints
 from paint3d.mesh.chart import EmSquare, SquareLimits, SurfaceFrame, lay_square
-from paint3d.mesh.placement import SurfaceLine, place, upwards, walk
+from paint3d.mesh.placement import SurfaceLine, walk
 
 __all__ = ["PlacedPiece", "lay_page"]
 
 _SHARES = (1.0, 0.8, 0.65, 0.5, 0.4, 0.3, 0.2)  # of the room there is: lines that are tried
 _MOVES = (0.0, 0.3, -0.3, 0.6, -0.6, 1.0, -1.0, 1.5, -1.5)  # ems up from the place: tried in turn
 _MOST_PLACES = 12
-_MIDDLE = (0.5, 0.5)
 _ROUNDING = 1e-6  # of a length
 
 
@@ -72,26 +78,34 @@ def lay_page(
     """
     layout, limits = layout or Layout(), limits or SquareLimits()
     fault: MeshError | None = None
-    for n, frame in enumerate(_places(surface, layout)):
+    grounds, layout = grounds_of(surface, layout)
+    ground = grounds[0]  # of a couplet, the panel on the right
+    for n, frame in enumerate(_places(ground, layout)):
         if n == _MOST_PLACES:
             break
-        sheet = _Sheet(surface, em_mm, layout, limits, frame)
+        sheet = _Sheet(ground, em_mm, layout, limits, frame)
         for page in sheet.pages(text):
             try:
                 return page, sheet.lay(page)
             except MeshError as cause:
                 fault = fault or cause
     if fault is None:
-        raise MeshError(f"{surface.mesh.name}: there is no place to write; expected a surface")
+        raise MeshError(
+            "{object}: there is no place to write; expected a surface",
+            object=surface.mesh.name,
+        )
     raise _too_large(surface, text.compose(math.inf), em_mm, fault)
 
 
-def _places(surface: ClosestPoints, layout: Layout) -> Iterator[SurfaceFrame]:
+def _places(ground: Ground, layout: Layout) -> Iterator[SurfaceFrame]:
     """Where the page's middle may lie: the place that was asked for, or one after another."""
-    if layout.at is not None or layout.around:
-        yield place(surface, layout.at or _MIDDLE, side=layout.side)
+    if layout.is_placed or layout.around:
+        yield ground.middle(layout)
         return
-    yield from frames_to_try(surface, layout.side)
+    turned = bool(layout.turn) or ground.apex is not None
+    for frame in frames_to_try(ground.surface, layout.side):
+        upright = ground.upright(frame.normal, layout)
+        yield upright_frame(ground.surface, frame.origin, upright) if turned else frame
 
 
 def _too_large(surface: ClosestPoints, page: Page, em_mm: float, fault: MeshError) -> InputError:
@@ -99,8 +113,13 @@ def _too_large(surface: ClosestPoints, page: Page, em_mm: float, fault: MeshErro
     scale = em_mm / EM_UNITS
     width, height = scale * (right - left), scale * (upper - lower)
     return InputError(
-        f"{page.source}: {width:.0f} x {height:.0f} mm do not fit on {surface.mesh.name} "
-        f"({fault}); expected less to write, a smaller size or another place"
+        "{source}: {width:.0f} x {height:.0f} mm do not fit on {object} ({fault}); expected less "
+        "to write, a smaller size or another place",
+        source=page.source,
+        width=width,
+        height=height,
+        object=surface.mesh.name,
+        fault=fault,
     )
 
 
@@ -109,15 +128,16 @@ class _Sheet:
 
     def __init__(
         self,
-        surface: ClosestPoints,
+        ground: Ground,
         em_mm: float,
         layout: Layout,
         limits: SquareLimits,
         middle: SurfaceFrame,
     ) -> None:
-        self.surface, self.em_mm, self.layout, self.limits = surface, em_mm, layout, limits
+        self.surface = ground.surface
+        self.em_mm, self.layout, self.limits = em_mm, layout, limits
         self.middle, self.scale = middle, em_mm / EM_UNITS
-        self.up = upwards(middle.normal)
+        self.up = ground.upright(middle.normal, layout)
         self._climbs: dict[float, SurfaceLine] = {}
         self._levels: dict[tuple[float, float], SurfaceLine] = {}
 
@@ -151,7 +171,7 @@ class _Sheet:
         if self.layout.around:
             page = self._spread(page)
         fault: MeshError | None = None
-        for move in _MOVES if self.layout.at is None else (0.0,):
+        for move in (0.0,) if self.layout.is_placed else _MOVES:
             try:
                 return [self._laid(piece, page, move * self.em_mm) for piece in page.pieces]
             except MeshError as cause:
@@ -164,16 +184,19 @@ class _Sheet:
         ring = self._level(0.0, 1.0)
         if not ring.closed:
             raise MeshError(
-                f"{self.surface.mesh.name}: the level line of the place does not come back to its "
-                "start; expected a body that can be written around"
+                "{object}: the level line of the place does not come back to its start; expected a "
+                "body that can be written around",
+                object=self.surface.mesh.name,
             )
         left, _, right, _ = page.bounds
         wanted = ring.length / self.scale
         gap = self.layout.gap * EM_UNITS
         if right - left + gap > wanted * (1.0 + _ROUNDING):
             raise MeshError(
-                f"{self.surface.mesh.name} is {ring.length:.0f} mm around; expected no less than "
-                f"{self.scale * (right - left + gap):.0f} mm"
+                "{object} is {length:.0f} mm around; expected no less than {scale:.0f} mm",
+                object=self.surface.mesh.name,
+                length=ring.length,
+                scale=self.scale * (right - left + gap),
             )
         more = wanted / (right - left + gap)
         pieces = [Piece(piece.glyph, (more * piece.at[0], piece.at[1])) for piece in page.pieces]
@@ -189,7 +212,10 @@ class _Sheet:
         distance = x if level.closed else abs(x)
         too_wide = self.scale * (right - left) > level.length * (1.0 + _ROUNDING)
         if too_wide if level.closed else distance > level.length:
-            raise MeshError(f"{self.surface.mesh.name}: the surface ends within the text")
+            raise MeshError(
+                "{object}: the surface ends within the text",
+                object=self.surface.mesh.name,
+            )
         frame = upright_frame(self.surface, level.at(distance), self.up)
         size = [self.scale * (high - low) for low, high in zip(*_corners(piece), strict=True)]
         square = lay_square(self.surface, frame, self.em_mm, self.limits, (size[0], size[1]))
@@ -200,7 +226,10 @@ class _Sheet:
         if (height, sign) not in self._levels:
             climb = self._climb(math.copysign(1.0, height))
             if abs(height) > climb.length:
-                raise MeshError(f"{self.surface.mesh.name}: the surface ends within the text")
+                raise MeshError(
+                    "{object}: the surface ends within the text",
+                    object=self.surface.mesh.name,
+                )
             frame = upright_frame(self.surface, climb.at(abs(height)), self.up)
             self._levels[height, sign] = self._walk(frame, (sign, 0.0))
         return self._levels[height, sign]

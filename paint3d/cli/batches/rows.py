@@ -18,6 +18,7 @@ from paint3d.cli.painting import keep_bare_surfaces
 from paint3d.cli.report import find_versions
 from paint3d.colour.ink_text import tables_in, with_tables
 from paint3d.errors import Paint3DError
+from paint3d.mesh.sheets import is_sheet
 
 __all__ = ["Outcome", "Row", "command_parser", "fingerprint", "run_row"]
 
@@ -85,7 +86,8 @@ def _placed_word(command: str, word: str, folder: str) -> str:
         value = os.path.join(folder, value)
     elif option == "--on":
         there = os.path.join(folder, value)
-        if value not in BUILT_IN_OBJECTS or os.path.isfile(there):
+        known = value in BUILT_IN_OBJECTS or is_sheet(value)
+        if not known or os.path.isfile(there):
             value = there
     elif option in _INKS:
         value = with_tables(value, partial(os.path.join, folder))

@@ -108,10 +108,10 @@ class CopybookPanel(QtWidgets.QWidget):
         self.em.setValue(40.0)
         self.em.setSuffix(" mm")
         self.direction = QtWidgets.QComboBox()
-        self.direction.addItem(say("copybook.columns"), True)
-        self.direction.addItem(say("copybook.row"), False)
+        self.direction.addItem(say("Columns"), True)
+        self.direction.addItem(say("Row"), False)
         self.font_box = FontBox()
-        layout_text = QtWidgets.QPushButton(say("copybook.place"))
+        layout_text = QtWidgets.QPushButton(say("Lay out"))
         self.open_button = QtWidgets.QPushButton(say("Open a drawing, strokes or a photograph…"))
         self.open_button.clicked.connect(self.choose_file)
         self.correct_button = QtWidgets.QPushButton(say("Strokes over the picture…"))
@@ -120,7 +120,7 @@ class CopybookPanel(QtWidgets.QWidget):
         )
         self.correct_button.clicked.connect(self.corrected)
         self.correct_button.setEnabled(False)
-        hide = QtWidgets.QPushButton(say("copybook.hide"))
+        hide = QtWidgets.QPushButton(say("Hide"))
         layout_text.clicked.connect(self.ask)
         hide.clicked.connect(self.hidden)
         self.told = QtWidgets.QLabel()
@@ -128,12 +128,12 @@ class CopybookPanel(QtWidgets.QWidget):
         self.list = QtWidgets.QListWidget()
         self.list.setObjectName("copybook")
         form = QtWidgets.QFormLayout()
-        form.addRow(say("copybook.text"), self.text)
+        form.addRow(say("Text"), self.text)
         form.addRow(say("Font"), self.font_box)
         row = QtWidgets.QHBoxLayout()
         row.addWidget(self.em, 1)
         row.addWidget(self.direction, 1)
-        form.addRow(say("copybook.size"), row)
+        form.addRow(say("Size"), row)
         buttons = QtWidgets.QHBoxLayout()
         buttons.addWidget(layout_text, 1)
         buttons.addWidget(hide, 1)
@@ -202,7 +202,7 @@ class CopybookPanel(QtWidgets.QWidget):
             text = f"{ghost.text}   {n} / {len(ghost.glyph.strokes)}"
             if percent is not None:
                 mark = "✓" if percent >= _GOOD else "·"
-                message = say("copybook.match", character=ghost.text, percent=percent)
+                message = say("{character}: {percent:.0f} %", character=ghost.text, percent=percent)
                 text = f"{mark}  {message}   {ghost.seconds:.1f} s"
             item = QtWidgets.QListWidgetItem(text)
             if percent is not None and percent >= _GOOD:
@@ -212,9 +212,9 @@ class CopybookPanel(QtWidgets.QWidget):
         if self.copybook is None:
             self.told.setText("")
         elif following is None:
-            self.told.setText(say("copybook.done"))
+            self.told.setText(say("All characters are written"))
         else:
-            self.told.setText(say("copybook.next", character=ghosts[following].text))
+            self.told.setText(say("Next: {character}", character=ghosts[following].text))
             self.list.setCurrentRow(following)
 
     def set_theme(self, theme: Theme) -> None:
