@@ -112,7 +112,7 @@ def _told(value: object) -> object:
 
 def _plain(value: Any) -> object:
     """The same as a number, text or message."""
-    if getattr(value, "shape", None) == ():  # a scalar of NumPy
+    if getattr(value, "shape", None) == () and hasattr(value, "dtype"):  # a scalar of NumPy
         value = value.item()
     return value if isinstance(value, Message | str | int | float | None) else str(value)
 
