@@ -1,7 +1,8 @@
 """What becomes of the strokes of a score: which are there at its end, and what undo takes back.
 
-A step is what one undo takes back: a stroke, drying, a layer that comes, goes or moves. Who takes a
-stroke out of the middle of a score must know which of the undos and redos after it were for it.
+A step is what one undo takes back: a stroke, drying, a seal, a text that is laid or removed, a
+layer that comes, goes or moves. Who takes a stroke out of the middle of a score must know which of
+the undos and redos after it were for it.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from paint3d.recording.score import Score
 __all__ = ["ScoreSteps", "ScoreStroke", "follow_steps", "stroke_of"]
 
 _LAYERS = frozenset({"add_layer", "remove_layer", "move_layer"})
+_ACTS = frozenset({"dry", "press_seal", "lay_text", "remove_text"})
 _WAYS = frozenset({"undo", "redo", "replay_history"})
 
 
@@ -87,7 +89,7 @@ class _Follower:
             self._begin(k, refused)
         elif name in ("end_stroke", "cancel_stroke"):
             self._end(k + 1, cancelled=name == "cancel_stroke")
-        elif name == "dry" and self.current is None:
+        elif name in _ACTS and self.current is None:
             self._come_back()
             if not refused:
                 self._step(None)

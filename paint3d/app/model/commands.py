@@ -349,6 +349,8 @@ _TABLE: tuple[_Row, ...] = (
     Command("move_layer", codec=PLAIN, step="move layer"),
     Command("set_visible", codec=PLAIN),
     Command("set_locked", codec=PLAIN),
+    Command("lay_text", codec=PLAIN, step="text"),
+    Command("remove_text", codec=PLAIN, step="text"),
     Command("press_seal", codec=SEAL, step="seal"),
     Command("replay_history", codec=PLAIN),
     Command("edit_stroke", codec=EDIT, step="edit"),

@@ -27,6 +27,7 @@ from paint3d.app.model.edit_history import (
 )
 from paint3d.app.model.image_painter import StrokePainter
 from paint3d.app.model.input.symmetry import Symmetry
+from paint3d.app.model.laid_text import LaidText, packed_texts, unpacked_texts
 from paint3d.app.model.mask import Mask, Stencil
 from paint3d.app.model.persistence.brush_words import brush_from_words, brush_words, hair_words
 from paint3d.app.model.persistence.saved_history import MOST_BYTES, restore_history, saved_history
@@ -148,6 +149,7 @@ class Document:
         self._saved_at: int | None = 0
         self.left_out = False
         self._recordings = tuple(saved.recordings if saved else ())
+        self._texts = unpacked_texts(self.settings.pop("texts", []))
         self._log = StrokeLog(saved.strokes if saved else (), self.settings.get("brushes", {}))
         surface.use_layers()
         self._dipped = self.settings.get("fresh", True) is not False
@@ -196,11 +198,13 @@ class Document:
 
     def _keep(self) -> dict[str, object]:
         """What undo brings back besides the surface."""
-        return {"painter": self.painter.keep(), "dipped": self._dipped}
+        texts = packed_texts(self._texts)
+        return {"painter": self.painter.keep(), "dipped": self._dipped, "texts": texts}
 
     def _restore(self, kept: Any) -> None:
         self.painter.restore(kept["painter"])
         self._dipped = kept["dipped"]
+        self._texts = unpacked_texts(kept["texts"])
 
     # -- opening and saving ---------------------------------------------------------------
 
@@ -334,6 +338,8 @@ class Document:
         settings = {**self.settings, "brush": brush_words(self.painter.brush)}
         settings |= {"ink": self.painter.ink.name, "unit": self.unit}
         settings["azimuth"] = self.painter.azimuth
+        if self._texts:
+            settings["texts"] = [text.words() for text in self._texts]
         settings["hairs"] = hair_words(self.painter)
         settings["dipped"] = weights_of(self.painter.dipped)
         settings["amount"] = self.painter.amount.words()
@@ -876,6 +882,58 @@ class Document:
             if state:
                 raise LayerError(layer.name, why)
         return layer
+
+    # -- texts ------------------------------------------------------------------------------
+
+    @property
+    def texts(self) -> tuple[LaidText, ...]:
+        """What lies on the object to be written after."""
+        return self._texts
+
+    @recorded
+    def lay_text(self, text: Mapping[str, Any], number: int | None = None) -> None:
+        """Lay a text on the object to be written after: a step that can be undone.
+
+        Parameters
+        ----------
+        text : mapping
+            What `LaidText.words` gives.
+        number : int, optional
+            Of the text, from 0, whose place it takes; by default it lies beside those there are.
+
+        Raises
+        ------
+        InputError
+            If it says no text, there is none of that number, or a stroke is going on.
+        """
+        laid = LaidText.of(text)
+        self._change_texts("lay_text", number, (laid,))
+
+    @recorded
+    def remove_text(self, number: int) -> None:
+        """Take a text off the object: a step that can be undone.
+
+        Raises
+        ------
+        InputError
+            If there is none of that number, or a stroke is going on.
+        """
+        self._change_texts("remove_text", number, ())
+
+    def _change_texts(self, command: str, number: int | None, by: tuple[LaidText, ...]) -> None:
+        self._refuse_in_stroke("laying text")
+        count = len(self._texts)
+        if number is None:
+            number = count
+        elif not 0 <= number < count:
+            raise InputError(f"text {number}; expected one of {count}, counted from 0")
+        changed = (*self._texts[:number], *by, *self._texts[number + 1 :])
+        unpacked_texts([text.words() for text in changed])  # not too many
+        self._come_back()
+        self._undo.begin(COMMANDS[command].step)
+        self._texts = changed
+        self._undo.seal()
+        self.modified = True
 
     # -- seals ------------------------------------------------------------------------------
 

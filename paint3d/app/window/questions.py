@@ -5,15 +5,13 @@ from __future__ import annotations
 from PySide6 import QtCore, QtWidgets
 
 from paint3d.app.model.commands import COMMANDS, GROUPS, SHORTCUTS, Shortcut
-from paint3d.app.model.persistence.saved_settings import chosen_material
 from paint3d.app.model.persistence.settings import Settings
 from paint3d.app.model.texts import load_texts
 from paint3d.app.window.forms import FormDialog
-from paint3d.app.window.object.material_box import MaterialBox
 from paint3d.app.window.wording import say
-from paint3d.files.load import BUILT_IN_OBJECTS, UNITS_MM
+from paint3d.files.load import UNITS_MM
 
-__all__ = ["Answer", "KeysDialog", "NewDialog", "PreferencesDialog", "ask"]
+__all__ = ["Answer", "KeysDialog", "PreferencesDialog", "ask"]
 
 _KEY_COLUMNS = 3
 
@@ -66,26 +64,6 @@ def ask(
     pressed = box.clickedButton()
     box.deleteLater()
     return Answer.RejectRole if pressed is None else box.buttonRole(pressed)
-
-
-class NewDialog(FormDialog):
-    """Ask what to paint on."""
-
-    def __init__(self, parent: QtWidgets.QWidget, settings: Settings) -> None:
-        super().__init__(parent, say("action.new").rstrip("…"))
-        objects = {name: say(f"object.{name}") for name in BUILT_IN_OBJECTS}
-        self.object = self.add_box(say("Object"), objects | {"": say("A mesh file…")}, None)
-        self.material = MaterialBox(chosen_material(settings))
-        self.material.failed.connect(lambda why: ask(self, why, accept="button.ok", leave=""))
-        self.form.addRow(say("surface.material"), self.material)
-        fine = settings.resolution_mm
-        self.resolution = self.add_number(say("surface.resolution"), 0.05, 10.0, fine, "mm", 2)
-        self.resolution.setSingleStep(0.05)
-        self.finish("Begin")
-
-    def chosen(self) -> tuple[str, str, float]:
-        """Object ("" for a file), material and resolution (mm)."""
-        return self.object.currentData(), str(self.material.material()), self.resolution.value()
 
 
 class PreferencesDialog(FormDialog):

@@ -25,6 +25,7 @@ __all__ = [
     "say_layer",
     "say_length",
     "say_material",
+    "say_object",
 ]
 
 # ---- Chinese -------------------------------------------------------------------------------------
@@ -122,6 +123,10 @@ CHINESE = {
     "Drawing the film…": "正在绘制影片…", "Refining the surface…": "正在细分表面…",
     "Regions that take paint: {n}": "着墨的区域：{n} 个", "Paint is taken everywhere": "处处着墨",
     "Object": "器物", "A mesh file…": "网格文件…", "Begin": "开始",
+    "Sheets": "纸绢", "Objects": "器物", "Width": "宽", "Height": "高", "Margin": "留白",
+    "Breadth": "扇面宽", "Across": "张开宽", "Diameter": "直径",
+    "Mounted, with a border of silk": "装裱（绢边）",
+    "What is kept free by text that is laid out": "排字时四周留出的空白",
     "Objects and paintings": "器物与作品", "Recordings": "录制", "All files": "所有文件",
     "Paintings": "作品", "Picture": "图片", "Film": "影片",
     "Recovered; save it to keep it": "已找回；请保存", "Everything": "所有格式",
@@ -343,6 +348,11 @@ def say_material(material: Material) -> str:
     if material.name in load_materials():
         return say(f"surface.{material.name.replace(' ', '_')}")
     return material.chinese if language() == "zh" and material.chinese else material.name
+
+
+def say_object(name: str) -> str:
+    """What a built-in object or a form of sheets is called."""
+    return say(f"object.{name.replace('-', '_')}")
 
 
 def say_error(error: BaseException | str) -> str:

@@ -75,6 +75,8 @@ class Settings:
         Of lengths as they are shown.
     material, resolution_mm
         Of new paintings.
+    begun_on : str
+        The object or sheet that was chosen for one last; empty for a file.
     brush : str
         In the hand when a new painting begins.
     brush_mm : float or None
@@ -125,6 +127,7 @@ class Settings:
     theme: str = "system"
     unit: str = "mm"
     material: str = "porcelain"
+    begun_on: str = "bowl"
     brush: str = "full"
     brush_mm: float | None = None
     inks: tuple[str | Mapping[str, float], ...] = ("pine soot", "cinnabar")
@@ -161,6 +164,8 @@ class Settings:
         if not isinstance(self.dips_by_itself, bool):
             raise InputError(f"dips_by_itself is {self.dips_by_itself!r}; expected true or false")
         _check_words("recent", self.recent)
+        if not isinstance(self.begun_on, str):
+            raise InputError(f"begun_on is {self.begun_on!r:.40}; expected a name")
         _check_inks(self.inks)
         _check_words("brush", (self.brush,))
         _check_words("material", (self.material,))

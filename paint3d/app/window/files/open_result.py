@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from paint3d.app.model.document import Document
 from paint3d.app.window.job import Progress
-from paint3d.app.window.wording import say, say_length, say_material
+from paint3d.app.window.wording import say_length, say_material, say_object
 from paint3d.colour.materials import Material
 from paint3d.core.arrays import AnyArray
-from paint3d.files.load import BUILT_IN_OBJECTS
+from paint3d.files.load import is_built_in
 from paint3d.files.progress import part_of
 from paint3d.mesh.bvh import ClosestPoints
 from paint3d.mesh.triangle_mesh import TriangleMesh
@@ -30,7 +30,7 @@ __all__ = [
 
 def named(name: str) -> str:
     """An object's name in words: a built-in one's in the language that is spoken."""
-    return say(f"object.{name}") if name in BUILT_IN_OBJECTS else name
+    return say_object(name.split(":")[0]) if is_built_in(name) else name
 
 
 def described(source: TriangleMesh, material: Material) -> str:
