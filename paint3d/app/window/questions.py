@@ -8,7 +8,9 @@ from paint3d.app.model.commands import COMMANDS, GROUPS, SHORTCUTS, Shortcut
 from paint3d.app.model.persistence.settings import Settings
 from paint3d.app.model.texts import load_texts
 from paint3d.app.window.forms import FormDialog
-from paint3d.app.window.wording import say
+from paint3d.app.window.wording import say, say_error
+from paint3d.calligraphy.glyph_sources import open_glyph_folder
+from paint3d.errors import Paint3DError
 from paint3d.files.load import UNITS_MM
 
 __all__ = ["Answer", "KeysDialog", "PreferencesDialog", "ask"]
@@ -91,12 +93,43 @@ class PreferencesDialog(FormDialog):
         ):
             value = getattr(settings, name)
             self.numbers[name] = self.add_number(say(label), low, high, value, unit)
+        self.glyphs = QtWidgets.QLineEdit(settings.glyphs)
+        self.glyphs.setPlaceholderText(say("of hanzi-writer-data; empty: those that come along"))
+        self.glyphs.setClearButtonEnabled(True)
+        choose = QtWidgets.QPushButton("…")
+        choose.clicked.connect(self._choose_folder)
+        row = QtWidgets.QHBoxLayout()
+        row.addWidget(self.glyphs, 1)
+        row.addWidget(choose)
+        self.form.addRow(say("Folder of characters"), row)
         self.finish("button.ok")
+
+    def _choose_folder(self) -> None:
+        found = QtWidgets.QFileDialog.getExistingDirectory(
+            self,
+            say("Folder of characters"),
+            self.glyphs.text(),
+            QtWidgets.QFileDialog.Option.DontUseNativeDialog,
+        )
+        if found:
+            self.glyphs.setText(found)
+
+    def accept(self) -> None:
+        """Agree, unless the folder of characters is none."""
+        folder = self.glyphs.text().strip()
+        try:
+            if folder:
+                open_glyph_folder(folder)
+        except Paint3DError as error:
+            ask(self, say_error(error), accept="button.ok", leave="")
+            return
+        super().accept()
 
     def chosen(self) -> dict[str, object]:
         """Settings by name."""
         numbers = {name: box.value() for name, box in self.numbers.items()}
-        return {name: box.currentData() for name, box in self.boxes.items()} | numbers
+        boxes = {name: box.currentData() for name, box in self.boxes.items()}
+        return {**boxes, **numbers, "glyphs": self.glyphs.text().strip()}
 
 
 class KeysDialog(QtWidgets.QDialog):

@@ -6,6 +6,7 @@ window says is written in English where it is said, which is its key in `CHINESE
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
 from paint3d.app.model.texts import Texts, in_chinese, load_texts
@@ -45,7 +46,10 @@ CHINESE = {
     "Press a seal…": "钤印…", "Lines of one width": "等宽线条", "Font": "字体",
     "A drawing instead of the text": "以图代文", "A drawing": "图样",
     "Red lines (zhuwen)": "朱文", "White lines (baiwen)": "白文", "Style": "印文",
-    "Longer side": "长边", "OK": "确定", "Cutting the seal…": "正在刻印…",
+    "Longer side": "长边", "The seal as it will be cut": "印文样子",
+    "Folder of characters": "字形文件夹", "of hanzi-writer-data; empty: those that come along":
+        "hanzi-writer-data 文件夹；空着则用自带字形",
+    "OK": "确定", "Cutting the seal…": "正在刻印…",
     "Click where to press the seal; Esc cancels": "单击钤印之处；按 Esc 作罢",
     "No seal was pressed": "未钤印",
     "Seal pressed; {percent:.0f} % of it touched the surface": "已钤印，着印 {percent:.0f}%",
@@ -126,6 +130,25 @@ CHINESE = {
     "Sheets": "纸绢", "Objects": "器物", "Width": "宽", "Height": "高", "Margin": "留白",
     "Breadth": "扇面宽", "Across": "张开宽", "Diameter": "直径",
     "Mounted, with a border of silk": "装裱（绢边）",
+    "Lay out a text…": "布字…", "Signature and date…": "落款…",
+    "What the line says, beside the text": "落款写什么",
+    "Drag it to its place; T ends": "拖到要放的地方；按 T 结束",
+    "Drag a text to move it, its corner to scale it, the ring to turn it; arrows move, with Ctrl "
+    "turn and scale, with Alt space; Esc ends":
+        "拖动文字以移动，拖角缩放，拖圆点转动；方向键移动，加 Ctrl 转动缩放，"
+        "加 Alt 调间距；按 Esc 结束",
+    "There is no text there": "那里没有文字", "Laid out": "已布", "Another": "另布一段",
+    "Lay it out beside the texts that are there": "不动已布的文字，另布一段",
+    "Move on the object": "在器物上移动", "Drag, turn, scale and space texts; also by T":
+        "拖动、转动、缩放文字并调间距；也可按 T",
+    "Take away": "撤去", "Grid": "格子", "Apart": "行距字距", "Turned": "转角", "Moved by": "移动",
+    "Squares": "方格", "Cross and diagonals (mi)": "米字格", "Nine fields (jiu)": "九宫格",
+    "Cross (tian)": "田字格", "Lines between columns": "界行", "No grid": "无格",
+    "Squares of a grid without a text": "无字时的格数：横、竖",
+    "Room between columns, or rows, in parts of the size": "行与行之间，字径的百分比",
+    "Room between characters, in parts of the size": "字与字之间，字径的百分比",
+    "A line for each column or row; Ctrl+Enter lays it out": "一行字占一行；Ctrl+回车布字",
+    "Grid of {across} × {down}": "{across} × {down} 格",
     "What is kept free by text that is laid out": "排字时四周留出的空白",
     "Objects and paintings": "器物与作品", "Recordings": "录制", "All files": "所有文件",
     "Paintings": "作品", "Picture": "图片", "Film": "影片",
@@ -300,6 +323,9 @@ CHINESE = {
 # --------------------------------------------------------------------------------------------------
 
 
+_COMMANDS = re.compile(r"\s*\([^()]*(?:pip install|npm |(?<![\w-])--[a-z])[^()]*\)")
+# Remarks for who types commands, which say nothing in a window.
+
 _texts = [Texts("en")]
 _unit = ["mm"]
 
@@ -365,4 +391,5 @@ def say_error(error: BaseException | str) -> str:
             "CJK, or choose another font",
             characters=error.characters,
         )
-    return in_chinese(str(error)) if language() == "zh" else str(error)
+    message = _COMMANDS.sub("", str(error))
+    return in_chinese(message) if language() == "zh" else message

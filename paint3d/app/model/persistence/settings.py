@@ -77,6 +77,8 @@ class Settings:
         Of new paintings.
     begun_on : str
         The object or sheet that was chosen for one last; empty for a file.
+    glyphs : str
+        A folder of hanzi-writer-data whose characters are written; empty for those of kanjivg.
     brush : str
         In the hand when a new painting begins.
     brush_mm : float or None
@@ -128,6 +130,7 @@ class Settings:
     unit: str = "mm"
     material: str = "porcelain"
     begun_on: str = "bowl"
+    glyphs: str = ""
     brush: str = "full"
     brush_mm: float | None = None
     inks: tuple[str | Mapping[str, float], ...] = ("pine soot", "cinnabar")
@@ -164,8 +167,9 @@ class Settings:
         if not isinstance(self.dips_by_itself, bool):
             raise InputError(f"dips_by_itself is {self.dips_by_itself!r}; expected true or false")
         _check_words("recent", self.recent)
-        if not isinstance(self.begun_on, str):
-            raise InputError(f"begun_on is {self.begun_on!r:.40}; expected a name")
+        for name in ("begun_on", "glyphs"):
+            if not isinstance(getattr(self, name), str):
+                raise InputError(f"{name} is {getattr(self, name)!r:.40}; expected a name")
         _check_inks(self.inks)
         _check_words("brush", (self.brush,))
         _check_words("material", (self.material,))
