@@ -358,6 +358,7 @@ _TABLE: tuple[_Row, ...] = (
     Command("press_seal", codec=SEAL, step="seal"),
     Command("replay_history", codec=PLAIN),
     Command("edit_stroke", codec=EDIT, step="edit"),
+    Command("edit_seal", codec=EDIT, step="edit"),
 )
 
 TOOLS = (

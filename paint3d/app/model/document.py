@@ -73,7 +73,8 @@ from paint3d.painter.ink_time import LOOKAHEAD
 from paint3d.painter.painter import Ink, Painter
 from paint3d.painter.recorded_tools import LEAST_INK
 from paint3d.recording.score import Score
-from paint3d.recording.score_edits import edit_stroke
+from paint3d.recording.score_edits import edit_seal, edit_stroke
+from paint3d.recording.score_steps import follow_steps
 from paint3d.surface.ink_store import union
 from paint3d.surface.layer_stack import Layer, LayerStack
 from paint3d.surface.painted_surface import PaintedSurface
@@ -1231,16 +1232,10 @@ class Document:
             If there is no such stroke, it is not known from the beginning what was painted, or the
             edit cannot be done; everything is as it was then.
         """
-        self.break_off()
-        if self.keeper is None:
-            raise InputError(
-                "of this painting only the strokes are known, not what was between them; expected "
-                "one whose score is kept: save the strokes as a whole painting and replay it"
-            )
+        score = self._score_to_edit("strokes")
         if self._looking:
             self.replay_history(len(self.strokes) + len(self.undone_strokes))
-        score = self.score
-        assert score is not None, "it is kept"
+            score = self._score_to_edit("strokes")
         places = places_of(score, len(self.strokes), len(self.undone_strokes))
         self._check_number(number, len(self.strokes))
         words = self._in_words(edit, score)
@@ -1249,7 +1244,73 @@ class Document:
         back = max((k for k, (_, begin) in enumerate(places) if begin <= first), default=0)
         back = min(back, number)
         self._check_number(back, len(self.strokes))
-        return self._paint_anew(edited, back, min(places[back][1], first))
+        return self._paint_anew(
+            edited, lambda: len(self.strokes) > back, min(places[back][1], first)
+        )
+
+    @property
+    def n_seals(self) -> int:
+        """How many seals there are that steps take back."""
+        return self._undo.done.count(COMMANDS["press_seal"].step)
+
+    def pressed_seals(self) -> list[dict[str, Any]]:
+        """What each seal that is there was pressed with, as a line of the score says it."""
+        score = self.score
+        if score is None:
+            return []
+        lines = [score.events[seal.begin] for seal in follow_steps(score).seals]
+        return [dict(line) for line in lines if not isinstance(line, Recording)]
+
+    @recorded
+    def edit_seal(self, number: int, edit: Mapping[str, Any]) -> AnyArray:
+        """Edit a seal, and paint everything after it anew: a step that can be undone.
+
+        Parameters
+        ----------
+        number : int
+            Of the seal, from 0, among those that are there.
+        edit : mapping
+            See `score_edits.edit_seal`; the ink may be one in hand.
+
+        Returns
+        -------
+        (N,) int32
+            Vertices whose colours may have changed.
+
+        Raises
+        ------
+        InputError, RecordingError
+            If there is no such seal, no step leads back to it, or the edit cannot be done;
+            everything is as it was then.
+        """
+        score = self._score_to_edit("seals")
+        if self._looking:
+            self.replay_history(len(self.strokes) + len(self.undone_strokes))
+            score = self._score_to_edit("seals")
+        seals = follow_steps(score).seals
+        held = self.n_seals
+        if not 0 <= number < len(seals) or len(seals) != held:
+            raise InputError(
+                f"seal {number + 1} is none of {len(seals)} that {held} steps lead back to"
+            )
+        words = self._in_words(edit, score)
+        edited = edit_seal(score, number + 1, words)
+        step = COMMANDS["press_seal"].step
+        return self._paint_anew(
+            edited, lambda: self._undo.done.count(step) > number, seals[number].begin
+        )
+
+    def _score_to_edit(self, what: str) -> Score:
+        """The score, during no stroke."""
+        self.break_off()
+        if self.keeper is None:
+            raise InputError(
+                f"of this painting only the {what} are known, not what was between them; expected "
+                "one whose score is kept: save the strokes as a whole painting and replay it"
+            )
+        score = self.score
+        assert score is not None, "it is kept"
+        return score
 
     def _check_number(self, number: int, count: int) -> None:
         if not 0 <= number < count:
@@ -1271,8 +1332,8 @@ class Document:
             return {**edit, "brush": brush_named(edit["brush"])}
         return edit
 
-    def _paint_anew(self, edited: Score, back: int, begin: int) -> AnyArray:
-        """Go back to before a stroke, and play the edited score from its beginning on."""
+    def _paint_anew(self, edited: Score, goes_on: Callable[[], bool], begin: int) -> AnyArray:
+        """Go back while there is something to undo, and play the edited score from an event on."""
         keeper, steps = self.keeper, self._undo
         assert keeper is not None, "it was looked at"
         self._gather()
@@ -1280,7 +1341,7 @@ class Document:
         layers = self.surface.use_layers().layers
         since, ids = steps.lay_aside_since()
         touched = [ids]
-        while len(self.strokes) > back:
+        while goes_on():
             touched.append(steps.undo())
             self._follow_log()
         depth = len(steps.done)

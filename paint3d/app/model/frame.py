@@ -184,6 +184,8 @@ class Snapshot:
     mask : Mask
     stencil : Stencil or None
         The mask as it lies on the surface.
+    n_seals : int
+        See `Document`.
     texts : tuple of LaidText
         What lies on the object to be written after.
     strokes, undone_strokes : tuple of Stroke
@@ -217,6 +219,7 @@ class Snapshot:
     active_layer: int
     mask: Mask
     stencil: Stencil | None
+    n_seals: int
     texts: tuple[LaidText, ...]
     strokes: tuple[Stroke, ...]
     undone_strokes: tuple[Stroke, ...]
@@ -253,6 +256,7 @@ class Snapshot:
             active_layer=document.active_layer,
             mask=document.mask,
             stencil=document.stencil,
+            n_seals=document.n_seals,
             texts=document.texts,
             strokes=tuple(document.strokes),
             undone_strokes=tuple(document.undone_strokes),

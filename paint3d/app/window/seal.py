@@ -13,6 +13,7 @@ from PySide6 import QtCore, QtGui, QtWidgets
 from paint3d.app.window.font_box import FontBox
 from paint3d.app.window.forms import FormDialog
 from paint3d.app.window.hand.canvas import Touch
+from paint3d.app.window.job import Progress
 from paint3d.app.window.wording import say, say_error, say_length
 from paint3d.app.window.workspace import Workspace
 from paint3d.calligraphy.seal.stone import LARGEST_MM, SMALLEST_MM, Seal, cut_seal
@@ -29,6 +30,7 @@ __all__ = ["SealAsked", "SealDialog", "Sealing"]
 
 _PICTURE = 190  # pixels
 _LOOK_MS = 40
+_PATIENCE_S = 1.0  # that the window waits for a step of the painting
 _RIM_POINTS = 12  # along a side of it
 _LIFT_MM = 0.1  # of the outline above the surface
 _PAPER, _CINNABAR = (243, 240, 230), (178, 44, 34)
@@ -200,6 +202,7 @@ class Sealing(QtCore.QObject):
         self._workspace = workspace
         self._kept = SealAsked()
         self.seal: Seal | None = None
+        self._moved: int | None = None  # the seal that is pressed elsewhere
         self._is_down = False  # a pen, a mouse or a finger that presses it when it is lifted
         self._done: Future[Any] | None = None
         self._timer = QtCore.QTimer(self)
@@ -222,12 +225,58 @@ class Sealing(QtCore.QObject):
 
         done = workspace.run(say("Cutting the seal…"), lambda _: _cut(asked, glyphs))
         if workspace.went_well(done):
-            workspace.canvas.take_up(self._take, self.let_be)
-            self.seal, self._is_down = done.result(), False
-            workspace.canvas.setCursor(QtCore.Qt.CursorShape.CrossCursor)
-            self._hold_brush(True)
-            workspace.canvas.setFocus()
-            workspace.tell(say("Click where to press the seal; Esc cancels"), stays=True)
+            self._moved = None
+            self._take_up(done.result())
+
+    def edit(self, what: str, number: int) -> None:
+        """Move a seal that was pressed, press it in the ink in hand, or delete it.
+
+        Parameters
+        ----------
+        what : {"drag", "ink", "delete"}
+        number : int
+            From 0, among those that are there.
+        """
+        workspace = self._workspace
+        self.let_be()
+        if what == "ink":
+            self._edit(number, {"do": "ink", "ink": workspace.painting.dipped})
+            return
+        if what == "delete":
+            self._edit(number, {"do": "delete"})
+            return
+        with workspace.paint_thread.paused(_PATIENCE_S) as document:
+            pressed = [] if document is None else document.pressed_seals()
+        if not 0 <= number < len(pressed):
+            workspace.tell(say("Still painting; try again in a moment"), state="slow")
+            return
+        rings = tuple(np.array(ring, np.float64) for ring in pressed[number]["rings"])
+        size = np.ptp(np.concatenate(rings), axis=0).tolist()
+        self._moved = number
+        self._take_up(Seal("", "", size[0], size[1], rings, 0.0, ""))
+
+    def _edit(self, number: int, edit: dict[str, Any]) -> None:
+        workspace = self._workspace
+        paint_thread = workspace.paint_thread
+
+        def work(progress: Progress) -> None:
+            with paint_thread.reporting(progress):
+                paint_thread.post("edit_seal", number, edit).result()
+
+        if workspace.went_well(workspace.run(say("Pressing the seal anew…"), work)):
+            workspace.tell(
+                say("Seal {n} is changed; undo takes it back", n=number + 1), state="good"
+            )
+
+    def _take_up(self, seal: Seal) -> None:
+        """Have a stone in the hand until it is pressed, or let be."""
+        workspace = self._workspace
+        workspace.canvas.take_up(self._take, self.let_be)
+        self.seal, self._is_down = seal, False
+        workspace.canvas.setCursor(QtCore.Qt.CursorShape.CrossCursor)
+        self._hold_brush(True)
+        workspace.canvas.setFocus()
+        workspace.tell(say("Click where to press the seal; Esc cancels"), stays=True)
 
     def let_be(self) -> None:
         """Press nothing."""
@@ -299,7 +348,11 @@ class Sealing(QtCore.QObject):
         assert seal is not None
         up = picture_axes(workspace.hand.open_camera)[1]
         rings = [ring.tolist() for ring in seal.rings]
+        moved = self._moved
         self.let_be()
+        if moved is not None:
+            self._edit(moved, {"do": "move", "at": place.tolist(), "up": up.tolist()})
+            return
         self._done = workspace.paint_thread.post("press_seal", rings, place.tolist(), up.tolist())
         self._timer.start(_LOOK_MS)
 

@@ -341,6 +341,7 @@ class StudioWindow(QtWidgets.QMainWindow):
         panels.history.asked.connect(self.recalling.go_to)
         panels.surface.asked.connect(self._take_material)
         panels.history.edited.connect(self.editing.ask)
+        panels.history.seal_edited.connect(self.sealing.edit)
         panels.history.chosen.connect(self.mark.choose)
         self.mark.changed.connect(panels.history.mark)
         panels.history.exported.connect(self.recordings.do_save_recording)

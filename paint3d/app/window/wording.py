@@ -47,6 +47,10 @@ CHINESE = {
     "A drawing instead of the text": "以图代文", "A drawing": "图样",
     "Red lines (zhuwen)": "朱文", "White lines (baiwen)": "白文", "Style": "印文",
     "Longer side": "长边", "The seal as it will be cut": "印文样子",
+    "Seals": "印章", "Seal {n}": "印 {n}", "Press it in the ink in hand": "改用手中的墨色钤印",
+    "Move, press anew or delete a seal by the right button": "右键可移动、改色或删除印章",
+    "Pressing the seal anew…": "正在重新钤印…",
+    "Seal {n} is changed; undo takes it back": "第 {n} 方印已改；可以撤销",
     "Folder of characters": "字形文件夹", "of hanzi-writer-data; empty: those that come along":
         "hanzi-writer-data 文件夹；空着则用自带字形",
     "OK": "确定", "Cutting the seal…": "正在刻印…",
