@@ -4,8 +4,8 @@ Usage: python scripts/build_palette.py FOLDER [--out FILE]
 
 FOLDER holds the published measurements: drawdowns.csv (CC0), kimera_relative_KS.csv (MIT) and
 usgs_reflectance.csv (public domain). The two inks are computed (scripts/soot.py), azurite,
-malachite and lapis lazuli by the size of their grains (scripts/grains.py) and indigo by its band
-(scripts/indigo.py). In order of preference another pigment comes from
+malachite and lapis lazuli by the size of their grains (scripts/grains.py), indigo and gamboge by
+their bands (scripts/bands.py). In order of preference another pigment comes from
 
 - drawdowns over black and white: K and S as fitted by scripts/fit_drawdowns.py, here without
   Saunderson's correction, so that they give the measured reflectance less the gloss, which was
@@ -15,11 +15,13 @@ malachite and lapis lazuli by the size of their grains (scripts/grains.py) and i
   likewise. That is a guess of S, good for strongly scattering pigments.
 
 A coat of every grade of a stone holds as much of it as a coat of the second, which hides 98 %.
-Hiding is the luminance of one coat over black by that over a chart of 80 %. Dyes and lakes that
-are painted as washes (gamboge, indigo, carmine) hide only when almost black: their coat is the
-one that takes the chart's lightness L* 80 % of the way down to the opaque layer's. A pigment
-that could not be had under clear terms is replaced by a named substitute. The output is the same
-bytes on every run.
+Hiding is the luminance of one coat over black by that over a chart of 80 %. What is ground in water
+and glue is thinner than a drawdown or a layer that hides: of some, a coat holds the part in
+`COATS` of it. Dyes and lakes that are painted as washes (indigo, carmine) hide only when almost
+black: their coat is the one that takes the chart's lightness L* 80 % of the way down to the opaque
+layer's. A dip's parts of these coats are volume, so no density is written. A pigment that could not
+be had under clear terms is replaced by a named substitute. The output is the same bytes on every
+run.
 """
 
 from __future__ import annotations
@@ -30,9 +32,9 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
+from bands import gamboge, indigo
 from fit_drawdowns import HEADER, fit, read_drawdowns, without_gloss
 from grains import SIZES_UM, STONES, grade, powders
-from indigo import indigo
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 from soot import SOOTS, soot_ink
@@ -43,7 +45,7 @@ from paint3d.colour.spectra import WAVELENGTHS, xyz_from_reflectance
 
 OUT = Path(__file__).parents[1] / "paint3d/colour/data/palette.csv"
 HIDING, CHART, DEPTH = 0.98, 0.8, 0.8
-WASHES = {"gamboge", "indigo", "carmine"}
+WASHES = {"indigo", "carmine"}
 
 GELDOF = "Geldof et al., Heritage Science 6:17 (2018), fligt/revigo-spectra, {}"
 KIMERA = "Kimera acrylics, miciwan/PaintMixing, {}"
@@ -69,7 +71,7 @@ COLOURS = [
     ("yellow ochre", "土黄", "kimera", "yellow oxide", "substitute: synthetic goethite"),
     ("red ochre", "土红", "kimera", "red oxide", "substitute: synthetic hematite"),
     ("hematite", "赤铁矿", "usgs", "Hematite_GDS27_BECKa", ""),
-    ("gamboge", "藤黄", "kimera", "warm yellow", "substitute: organic warm yellow"),
+    ("gamboge", "藤黄", "band", "", ""),
     ("orpiment", "雌黄", "drawdown", "ChromeYellowOtero", "substitute: chrome yellow"),
     ("realgar", "雄黄", "kimera", "orange", "substitute: organic orange"),
     ("indigo", "花青", "band", "", ""),
@@ -90,9 +92,35 @@ SOOT_SOURCE = (
 SOOT_BASIS = "computed from spheres of {:g} to {:g} nm in glue (strength set by eye)"
 STONE_SOURCE = "powders of {}, and the stone's index (Handbook of Mineralogy); scripts/grains.py"
 STONE_BASIS = "computed from a powder for grains of {:g} um in paint (sizes set by eye)"
-INDIGO_SOURCE = "its band: Ratnapandian, thesis, RMIT University (2013); scripts/indigo.py"
-INDIGO_BASIS = "computed from one band at 660 nm (widths and grey set by eye)"
+BANDS = {
+    "indigo": (
+        "its band: Ratnapandian, thesis, RMIT University (2013); scripts/bands.py",
+        "computed from one band at 660 nm (widths and grey set by eye)",
+    ),
+    "gamboge": (
+        "its colour when thick: Maerz, Paul, A Dictionary of Color (1930); scripts/bands.py",
+        "computed from one edge in violet (strength set by eye)",
+    ),
+}
+"""Source and basis of what is computed from a band."""
 
+COATS = {
+    "cinnabar": 0.065,
+    "minium": 0.1,
+    "orpiment": 0.1,
+    "realgar": 0.25,
+    "ochre": 0.35,
+    "yellow ochre": 0.4,
+    "red ochre": 0.4,
+    "hematite": 0.35,
+    "lapis lazuli": 0.4,
+}
+"""What a coat holds, over a drawdown or a coat that hides 98 %; 1 for others.
+
+Set by eye, such that a colour gets paler with water as painters know it; a drawdown is some .05 to
+.1 mm of paint, two fifths of it cinnabar by volume, and a coat .03 mm of a liquid that flows off a
+brush.
+"""
 
 GLOSSES = {"oil soot": 0.4, "gamboge": 0.3}
 """How glossy a coat dries; set by eye: oil soot is known for its gloss, gamboge is a resin."""
@@ -189,7 +217,8 @@ def scale_to_depth(k: NDArray, s: NDArray) -> tuple[NDArray, NDArray]:
 def drawdown_reader(path: Path) -> Callable[[str], tuple[NDArray, NDArray]]:
     """K and S per drawdown, by the name of the paint."""
     data = without_gloss(read_drawdowns(path))
-    k, s = np.exp(fit(data, (0.0, 0.0), pulls=(0.005, 0.005, 0.0))).transpose(1, 2, 0)
+    log_ks, _ = fit(data, (0.0, 0.0), pulls=(0.005, 0.005, 0.0))
+    k, s = np.exp(log_ks).transpose(1, 2, 0)
     return lambda name: (k[data.paints.index(name)], s[data.paints.index(name)])
 
 
@@ -246,9 +275,10 @@ def palette_rows(folder: Path) -> list[list[str]]:
 
 
 def _computed_row(folder: Path, name: str, chinese: str, stone: str, number: int) -> list[str]:
-    """A grade of a stone, or indigo."""
+    """A grade of a stone, or a dye."""
     if not stone:
-        return _row(name, chinese, INDIGO_SOURCE, INDIGO_BASIS, "MIT", *scale_to_depth(*indigo()))
+        k, s = scale_to_depth(*indigo()) if name == "indigo" else gamboge()
+        return _row(name, chinese, *BANDS[name], "MIT", k, s)
     powder = powders(folder)
     k, s = grade(STONES[stone], SIZES_UM[number], powder)
     second = grade(STONES[stone], SIZES_UM[1], powder)
@@ -263,7 +293,8 @@ def _computed_row(folder: Path, name: str, chinese: str, stone: str, number: int
 def _row(name, chinese, source, basis, licence, k, s, grain_um=None) -> list[str]:
     grain_um = GRAINS_UM.get(name, 0.0) if grain_um is None else grain_um
     numbers = GLOSSES.get(name, 0.0), FINES[name], grain_um
-    values = [f"{number:g}" for number in numbers] + [f"{value:.5g}" for value in (*k, *s)]
+    per_coat = np.concatenate([k, s]) * COATS.get(name, 1.0)
+    values = [f"{number:g}" for number in numbers] + [f"{value:.5g}" for value in per_coat]
     return [name, chinese, source, basis, licence, "no", *values]
 
 
@@ -275,8 +306,9 @@ def main() -> None:
     options = parser.parse_args()
     bands = [f"{letter}_{nm:.0f}" for letter in "KS" for nm in WAVELENGTHS]
     header = [*HEADER, "gloss", "fine", "grain_um", *bands]
+    rows = [header, *palette_rows(options.folder)]
     with options.out.open("w", newline="", encoding="utf-8") as stream:
-        csv.writer(stream, lineterminator="\n").writerows([header, *palette_rows(options.folder)])
+        csv.writer(stream, lineterminator="\n").writerows(rows)
 
 
 if __name__ == "__main__":

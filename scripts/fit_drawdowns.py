@@ -3,22 +3,27 @@
 Usage: python scripts/fit_drawdowns.py FOLDER [--out FILE]
 
 FOLDER holds drawdowns.csv: paints measured over a black and a white chart, with their mass
-fractions. One fit takes all paints and wavelengths together (two-constant Kubelka-Munk, one
-drawdown as one coat, Saunderson's correction, residual in cube-root reflectance, a slight pull
-of log K towards the next wavelength and a stronger one of log S, which particles change slowly
-with it, and a slight one of log S towards the mean of all paints, for a film that hides tells K/S
-alone). The three pulls and k2 were chosen by what they predict for samples left out. Written: K
-and S of each paint, the table that `paint3d.mixture_reflectance` uses. Printed: what is left of the
-fit, what it predicts for samples left out of it, and what blending RGB gives. The output is the
-same bytes on every run.
+fractions. A recipe is mass and a film is volume, so masses are divided by the densities of the
+paints (`OILS`) first. One fit takes all paints and wavelengths together (two-constant
+Kubelka-Munk, one drawdown as one coat, Saunderson's correction, residual in cube-root reflectance,
+a slight pull of log K towards the next wavelength and a stronger one of log S, which particles
+change slowly with it, and a slight one of log S towards the mean of all paints, for a film that
+hides tells K/S alone). A drawdown is as thick as its paint left it: the logarithm of each film's
+thickness is free, with a pull to 0. Written: K, S and density of each paint, the table that
+`paint3d.mixture_reflectance` uses. Printed: what is left of the fit, what it predicts, one coat
+thick, for samples left out of it, and what blending RGB gives. The output is the same bytes on
+every run.
 
 The protocol of what is left out: all 34 samples are dealt to five folds in the table's order, so
 that a paint's film and its tint are never left out together; each fold is fitted from scratch, and
 a sample that is left out is predicted if each of its paints occurs among the rest. Told apart are
 films of one paint (from its tint alone: ten times the concentration), tints (from the hiding film
 alone, which does not tell how strong the paint is), and mixtures whose paints occur in other
-mixtures (the ramp of bone black in zinc white). Mixtures of other ratios were measured by the
-authors too; they are kept out of this table, and figures for them cannot be had here.
+mixtures (the ramp of bone black in zinc white). It asks for ten times the concentration, or a
+tenth, of what was fitted; mixtures in use lie between the films that are measured. The pulls and
+densities are therefore taken from elsewhere (docs/ink.md), not from these folds. Mixtures of other
+ratios were measured by the authors too; they are kept out of this table, and figures for them
+cannot be had here.
 """
 
 from __future__ import annotations
@@ -30,7 +35,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import solveh_banded
 
 from paint3d.colour.difference import delta_e, lab_from_linear_rgb, lab_from_reflectance
@@ -42,8 +47,32 @@ SOURCE = (
     "fitted on drawdowns of Geldof, Proano Gaibor, Kirchner, Ligterink, "
     "Heritage Science 6:17 (2018), repository fligt/revigo-spectra"
 )
-PULLS = (0.01, 0.05, 0.0075)  # of log K and log S to the next wavelength, of log S to its mean
+PULLS = (0.01, 0.15, 0.01)  # of log K and log S to the next wavelength, of log S to its mean
+EVENNESS = 0.2  # pull of the log of a film's thickness to 0: .01 of the residual for .05 of it
 BOUNDS = np.log([1e-4, 300.0])
+OIL_DENSITY = 0.93  # g/cm3, of linseed oil
+OILS = {
+    "ZincWhite": (5.6, 0.19),
+    "ZincWhiteLinseed": (5.6, 0.19),
+    "LeadWhite": (6.7, 0.10),
+    "BariumSulphate": (4.4, 0.12),
+    "CalciumCarbonate": (2.7, 0.25),
+    "BoneBlack": (2.3, 0.45),
+    "ChromeYellow": (6.0, 0.18),
+    "ChromeYellowOtero": (6.0, 0.18),
+    "Minium": (8.9, 0.10),
+    "Vermillion": (8.1, 0.15),
+    "EmeraldGreen": (3.3, 0.25),
+    "UltramarineBlue": (2.35, 0.30),
+    "CobaltBlue": (3.9, 0.35),
+    "PrussianBlue": (1.83, 0.50),
+    "Eosin": (1.9, 0.45),
+    "Eosin1Wax": (1.9, 0.45),
+    "Eosin2PbWax": (2.5, 0.40),
+    "Cochineal": (1.9, 0.45),
+    "ViridianGreen": (3.3, 0.40),
+}
+"""Density of each pigment, g/cm3, and the share of oil in its paint by mass (oil absorption)."""
 HEADER = ["name", "chinese", "source", "basis", "licence", "saunderson"]
 
 
@@ -56,10 +85,22 @@ class Drawdowns:
     charts: NDArray
     films: NDArray
 
+    @property
+    def volumes(self) -> NDArray:
+        """Fractions of volume (M, P), which masses over densities are."""
+        parts = self.fractions / [density(name) for name in self.paints]
+        return parts / parts.sum(axis=1, keepdims=True)
+
     def without(self, samples: NDArray) -> Drawdowns:
         """The same without some samples."""
         keep = ~np.isin(np.arange(len(self.fractions)), samples)
         return Drawdowns(self.paints, self.fractions[keep], self.charts[keep], self.films[keep])
+
+
+def density(name: str) -> float:
+    """Density of a paint in g/cm3: of its pigment, and the oil that it takes up."""
+    pigment, oil = OILS[name]
+    return 1.0 / ((1.0 - oil) / pigment + oil / OIL_DENSITY)
 
 
 def read_drawdowns(path: Path) -> Drawdowns:
@@ -93,31 +134,35 @@ def without_gloss(data: Drawdowns) -> Drawdowns:
     return Drawdowns(data.paints, data.fractions, off(data.charts), off(data.films))
 
 
-def predict(log_ks: NDArray, data: Drawdowns, gloss: tuple[float, float]) -> NDArray:
-    """Films (M, 2, 31) as measured, from log K and log S (31, 2, P)."""
-    k, s = np.einsum("wip,mp->imw", np.exp(log_ks), data.fractions)
-    films = layer_reflectance(
-        k[:, None], s[:, None], 1.0, np.clip(to_internal(data.charts, *gloss), 0, 1)
-    )
-    return to_measured(films, *gloss)
+def predict(
+    log_ks: NDArray, data: Drawdowns, gloss: tuple[float, float], thickness: ArrayLike = 0.0
+) -> NDArray:
+    """Films (M, 2, 31) as measured, from log K, log S (31, 2, P), log thickness (M,) in coats."""
+    k, s = np.einsum("wip,mp->imw", np.exp(log_ks), data.volumes)
+    coats = np.exp(np.asarray(thickness))[..., None, None]
+    backing = np.clip(to_internal(data.charts, *gloss), 0, 1)
+    return to_measured(layer_reflectance(k[:, None], s[:, None], coats, backing), *gloss)
 
 
-def _residual(log_ks: NDArray, data: Drawdowns, gloss: tuple[float, float]) -> NDArray:
-    """(31, R) of cube-root reflectance, model minus measurement."""
-    left = np.cbrt(predict(log_ks, data, gloss)) - np.cbrt(data.films)
+def _residual(log_ks, thickness, data, gloss) -> NDArray:
+    """(31, 2 M) of cube-root reflectance, model minus measurement."""
+    left = np.cbrt(predict(log_ks, data, gloss, thickness)) - np.cbrt(data.films)
     return np.moveaxis(left, 2, 0).reshape(WAVELENGTHS.size, -1)
 
 
-def _normal_equations(log_ks, data, gloss):
-    """Jacobian products per wavelength: J^T J (31, N, N), J^T r (31, N)."""
-    base = _residual(log_ks, data, gloss)
-    n = log_ks[0].size
-    jacobian = np.empty((*base.shape, n))
+def _slopes(log_ks, thickness, data, gloss) -> tuple[NDArray, NDArray, NDArray]:
+    """Residual (31, 2 M), its slopes (31, 2 M, N) by K and S, and (31, 2 M, M) by thickness."""
+    base = _residual(log_ks, thickness, data, gloss)
+    n, m = log_ks[0].size, thickness.size
+    by_ks, by_thickness = np.empty((*base.shape, n)), np.zeros((*base.shape, m))
     for j in range(n):
         moved = log_ks.copy()
         moved.reshape(WAVELENGTHS.size, n)[:, j] += 1e-6
-        jacobian[:, :, j] = (_residual(moved, data, gloss) - base) / 1e-6
-    return np.einsum("wri,wrj->wij", jacobian, jacobian), np.einsum("wri,wr->wi", jacobian, base)
+        by_ks[:, :, j] = (_residual(moved, thickness, data, gloss) - base) / 1e-6
+    thicker = (_residual(log_ks, thickness + 1e-6, data, gloss) - base) / 1e-6
+    films = np.arange(2 * m)
+    by_thickness[:, films, films // 2] = thicker
+    return base, by_ks, by_thickness
 
 
 def _above_mean(log_ks: NDArray) -> NDArray:
@@ -125,19 +170,24 @@ def _above_mean(log_ks: NDArray) -> NDArray:
     return log_ks[:, 1] - log_ks[:, 1].mean()
 
 
-def _cost(log_ks, data, gloss, pulls) -> float:
+def _cost(log_ks, thickness, data, gloss, pulls) -> float:
     bumps, apart = np.diff(log_ks, axis=0), _above_mean(log_ks)
     pulled = pulls[0] ** 2 * (bumps[:, 0] ** 2).sum() + pulls[1] ** 2 * (bumps[:, 1] ** 2).sum()
-    pulled += pulls[2] ** 2 * (apart**2).sum()
-    return float((_residual(log_ks, data, gloss) ** 2).sum() + pulled)
+    pulled += pulls[2] ** 2 * (apart**2).sum() + EVENNESS**2 * (thickness**2).sum()
+    return float((_residual(log_ks, thickness, data, gloss) ** 2).sum() + pulled)
 
 
-def _step(hessian, gradient, log_ks, damping, pulls) -> NDArray:
-    """Solve one damped Gauss-Newton step; wavelengths are coupled by the pull alone."""
+def _step(slopes, log_ks, thickness, damping, pulls) -> tuple[NDArray, NDArray]:
+    """Solve one damped Gauss-Newton step of log K, log S and thickness.
+
+    Wavelengths are coupled by the pull and by the films' thickness, which is eliminated (Schur).
+    """
+    base, by_ks, by_thickness = slopes
+    hessian = np.einsum("wri,wrj->wij", by_ks, by_ks)
+    gradient = np.einsum("wri,wr->wi", by_ks, base)
     n_waves, n = gradient.shape
     pull, to_mean = np.repeat(np.square(pulls[:2]), n // 2), pulls[2] ** 2
     scattering = slice(n // 2, n)
-    hessian, gradient = hessian.copy(), gradient.copy()
     hessian[:, range(n // 2, n), range(n // 2, n)] += to_mean
     gradient[:, scattering] += to_mean * _above_mean(log_ks)
     flat = log_ks.reshape(n_waves, n)
@@ -153,37 +203,45 @@ def _step(hessian, gradient, log_ks, damping, pulls) -> NDArray:
         band[d] = diagonal.ravel()
     band[0] += np.outer(ends, pull).ravel() + damping
     band[n, : (n_waves - 1) * n] = -np.tile(pull, n_waves - 1)
-    right = -(gradient + pull * pulled).ravel()
-    return solveh_banded(band, right, lower=True).reshape(log_ks.shape)
+    across = np.einsum("wri,wrm->wim", by_ks, by_thickness).reshape(n_waves * n, -1)
+    right = np.column_stack([(gradient + pull * pulled).ravel(), across])
+    solved = solveh_banded(band, right, lower=True)
+    own = np.einsum("wri,wrj->ij", by_thickness, by_thickness)
+    own += (EVENNESS**2 + damping) * np.eye(thickness.size)
+    wanted = np.einsum("wrm,wr->m", by_thickness, base) + EVENNESS**2 * thickness
+    thicker = -np.linalg.solve(own - across.T @ solved[:, 1:], wanted - across.T @ solved[:, 0])
+    return -(solved[:, 0] + solved[:, 1:] @ thicker).reshape(log_ks.shape), thicker
 
 
 def fit(
     data: Drawdowns,
     gloss: tuple[float, float],
     pulls: tuple[float, float, float] = PULLS,
-) -> NDArray:
-    """Least-squares log K and log S (31, 2, P) by Levenberg-Marquardt; 1-2 s.
+) -> tuple[NDArray, NDArray]:
+    """Least-squares log K and log S (31, 2, P), and log thickness (M,); Levenberg-Marquardt.
 
     `pulls` are the weights of log K and of log S to the next wavelength, and of log S to its mean.
     """
     log_ks = np.zeros((WAVELENGTHS.size, 2, len(data.paints)))
-    damping, cost = 1e-3, _cost(log_ks, data, gloss, pulls)
+    thickness = np.zeros(len(data.fractions))
+    damping, cost = 1e-3, _cost(log_ks, thickness, data, gloss, pulls)
     for _ in range(60):
-        hessian, gradient = _normal_equations(log_ks, data, gloss)
+        slopes = _slopes(log_ks, thickness, data, gloss)
         while damping < 1e6:
-            step = np.clip(_step(hessian, gradient, log_ks, damping, pulls), -1.5, 1.5)
-            trial = np.clip(log_ks + step, *BOUNDS)
-            trial_cost = _cost(trial, data, gloss, pulls)
+            step, thicker = _step(slopes, log_ks, thickness, damping, pulls)
+            trial = np.clip(log_ks + np.clip(step, -1.5, 1.5), *BOUNDS)
+            thick = thickness + np.clip(thicker, -0.5, 0.5)
+            trial_cost = _cost(trial, thick, data, gloss, pulls)
             if trial_cost < cost:
                 break
             damping *= 4.0
         gain = cost - trial_cost
         if gain <= 0:
             break
-        log_ks, cost, damping = trial, trial_cost, max(damping / 4.0, 1e-9)
+        log_ks, thickness, cost, damping = trial, thick, trial_cost, max(damping / 4.0, 1e-9)
         if gain < 1e-6 * cost:
             break
-    return log_ks
+    return log_ks, thickness
 
 
 def differences(log_ks, data: Drawdowns, gloss) -> NDArray:
@@ -218,7 +276,7 @@ def left_out_differences(data: Drawdowns, gloss, folds: int) -> tuple[NDArray, N
     for fold in range(folds):
         out = np.arange(fold, len(data.fractions), folds)
         rest = data.without(out)
-        apart = differences(fit(rest, gloss), data, gloss)
+        apart = differences(fit(rest, gloss)[0], data, gloss)
         for sample in out:
             if (rest.fractions[:, data.fractions[sample] > 0].sum(axis=0) > 0).all():
                 which.append(sample)
@@ -238,11 +296,12 @@ def write_paints(path: Path, data: Drawdowns, log_ks: NDArray) -> None:
     pure = data.fractions[(data.fractions > 0).sum(axis=1) == 1].sum(axis=0) > 0
     with path.open("w", newline="", encoding="utf-8") as stream:
         writer = csv.writer(stream, lineterminator="\n")
-        writer.writerow(HEADER + bands)
+        writer.writerow([*HEADER, "density", *bands])
         for i, name in enumerate(data.paints):
             basis = "measured K,S" if pure[i] else "measured K,S (from mixtures only)"
             values = [f"{value:.5g}" for value in np.exp(log_ks[:, :, i].T).ravel()]
-            writer.writerow([name, "", SOURCE, basis, "CC0-1.0", "yes", *values])
+            weighed = f"{density(name):.2f}"
+            writer.writerow([name, "", SOURCE, basis, "CC0-1.0", "yes", weighed, *values])
 
 
 def _line(label: str, values: NDArray) -> str:
@@ -259,9 +318,11 @@ def main() -> None:
     parser.add_argument("--out", type=Path, default=OUT)
     options = parser.parse_args()
     data = read_drawdowns(options.folder / "drawdowns.csv")
-    log_ks = fit(data, SAUNDERSON)
+    log_ks, thickness = fit(data, SAUNDERSON)
     mixtures = (data.fractions > 0).sum(axis=1) > 1
-    print("dE00 against the measured films")
+    low, high = np.exp(thickness).min(), np.exp(thickness).max()
+    print(f"films are {low:.2f} to {high:.2f} coats thick")
+    print("dE00 against the measured films, each of one coat")
     print(_line("fit, all samples", differences(log_ks, data, SAUNDERSON)))
     print(_line("fit, mixtures", differences(log_ks, data, SAUNDERSON)[mixtures]))
     rgb = rgb_differences(log_ks, data, SAUNDERSON)

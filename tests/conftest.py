@@ -15,6 +15,7 @@ from paint3d.core.machine import give_back_memory
 from tests.support.compiling import compile_each_kernel_once
 from tests.support.examples import ALL
 from tests.support.forked_reading import reading_by_forks
+from tools.texts import compile_all
 
 # Begun in this order, all others after them: first one that compiles what is painted on and what
 # paints with a solid tuft, beside it what needs no object (hairs that bend, plans of strokes) so
@@ -32,17 +33,14 @@ _FIRST = (
     "app/test_own_objects.py",
     "app/test_pen_marks.py",
     "e2e/test_painting.py",
-    "app/test_other_marks.py",
     "app/test_styli.py",
+    "app/test_score.py",
+    "app/test_ink_making.py",
     "app/test_window_jobs.py",
-    "app/test_replaying.py",
-    "app/test_remeshed.py",
     "app/test_playback.py",
     "app/test_brush_editor.py",
     "app/test_strokes_over_picture.py",
-    "app/test_wet_scores.py",
     "app/test_screens.py",
-    "app/test_beside.py",
     "e2e/test_bad_input.py",
     "e2e/test_batch.py",
     "e2e/test_writing.py",
@@ -51,10 +49,8 @@ _FIRST = (
     "app/test_steering.py",
     "view/test_view_picture.py",
     "view/test_film.py",
-    "view/test_shot.py",
     "laws/test_bloom_laws.py",
     "cli/test_copy_command.py",
-    "files/test_load_foreign.py",
     "files/test_sessions.py",
     "tests/test_architecture.py",
     "files/test_export_options.py",
@@ -72,6 +68,8 @@ pytest_plugins = (
 
 if "PYTEST_XDIST_WORKER" in os.environ:
     compile_each_kernel_once()
+
+compile_all()
 
 settings.register_profile("same", derandomize=True)
 settings.register_profile("new", print_blob=True)

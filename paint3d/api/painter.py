@@ -215,7 +215,7 @@ class Painter(StrokePainter):
         try:
             sheet = copy_sheet(pixels, path.name, asked).taken_from(path, scale, invert=invert)
         except InputError as cause:
-            raise InputError(f"{path}: {cause}") from None
+            raise InputError("{file}: {cause}", file=path, cause=cause) from None
         self._take(brush)
         if surface.resolution is not None:
             check_widths(sheet.page, self.brush, size, surface.resolution)
@@ -307,7 +307,10 @@ class Painter(StrokePainter):
                 continue
             self.loaded += lay_paste(self.surface, left, self._parts_of(ink))
             return left.touched
-        raise fault or MeshError(f"{self.surface.source.name}: there is no place for a seal")
+        raise fault or MeshError(
+            "{source}: there is no place for a seal",
+            source=self.surface.source.name,
+        )
 
     # -- helpers ----------------------------------------------------------------------------
 

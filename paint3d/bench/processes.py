@@ -74,7 +74,7 @@ def _run(code: str, *arguments: str) -> str:
     )
     if done.returncode != 0:
         reasons = done.stderr.strip().splitlines() or [f"exit status {done.returncode}"]
-        raise Paint3DError(f"a process of the benchmark failed: {reasons[-1]}")
+        raise Paint3DError("a process of the benchmark failed: {last}", last=reasons[-1])
     return done.stdout
 
 

@@ -53,7 +53,7 @@ def run_benchmark(name: str, share: float = 1.0) -> Result:
     if name not in BENCHMARKS:
         raise UnknownNameError("benchmark", name, BENCHMARKS)
     if not 0.0 < share <= 1.0:
-        raise InputError(f"share is {share:g}; expected above 0, and at most 1")
+        raise InputError("share is {share:g}; expected above 0, and at most 1", share=share)
     module, function = BENCHMARKS[name][0].split(".")
     measure: Callable[[float], Result] = getattr(import_module(f"paint3d.bench.{module}"), function)
     before, taken = load_average(), taken_share()

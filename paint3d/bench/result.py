@@ -69,7 +69,11 @@ class Result:
     def __post_init__(self) -> None:
         for row in self.rows:
             if len(row) != len(self.columns):
-                raise InputError(f"a row has {len(row)} cells; expected {len(self.columns)}")
+                raise InputError(
+                    "a row has {n} cells; expected {columns}",
+                    n=len(row),
+                    columns=len(self.columns),
+                )
 
     def as_dict(self) -> dict[str, Any]:
         """Everything, ready for JSON."""

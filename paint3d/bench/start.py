@@ -81,7 +81,7 @@ class Waited:
         for seconds, line in self.lines:
             if line.endswith(what):
                 return seconds
-        raise Paint3DError(f"a process of the benchmark did not say {what!r}")
+        raise Paint3DError("a process of the benchmark did not say {what!r}", what=what)
 
 
 def wait_for(
@@ -120,7 +120,7 @@ def wait_for(
     limit.cancel()
     if status != 0:
         told = lines[-1][1] if lines else f"exit status {status}"
-        raise Paint3DError(f"a process of the benchmark failed: {told}")
+        raise Paint3DError("a process of the benchmark failed: {told}", told=told)
     cpu = after.children_user + after.children_system
     cpu -= before.children_user + before.children_system
     return Waited(wall, cpu, scale.most_mb() if scale is not None else None, lines)

@@ -100,8 +100,11 @@ class BendingTable:
         )
         if failures:
             raise BrushError(
-                f"stiffness_exponent {exponent:g}: {failures} of {_N_TILTS * _N_DESCENTS} bent "
-                "shapes found no resting position; expected none (try one nearer to 3.5)"
+                "stiffness_exponent {exponent:g}: {failures} of {n_tilts} bent shapes found no "
+                "resting position; expected none (try one nearer to 3.5)",
+                exponent=exponent,
+                failures=failures,
+                n_tilts=_N_TILTS * _N_DESCENTS,
             )
         for array in (self.tilts, self.fractions, self.arcs, self.angles):
             array.setflags(write=False)

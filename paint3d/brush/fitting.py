@@ -52,12 +52,14 @@ def _read_text(path: Path) -> str:
         with path.open("rb") as stream:
             data = stream.read(_MOST_BYTES + 1)
         if len(data) > _MOST_BYTES:
-            raise InputError(f"{path}: is over 1 MiB; expected a table of measurements")
+            raise InputError("{file}: is over 1 MiB; expected a table of measurements", file=path)
         return data.decode("utf-8-sig")
     except OSError as cause:
-        raise InputError(f"{path}: {cause.strerror or cause}") from None
+        raise InputError("{file}: {cause}", file=path, cause=cause) from None
     except UnicodeDecodeError:
-        raise InputError(f"{path}: is no text in UTF-8; expected a table in .csv") from None
+        raise InputError(
+            "{file}: is no text in UTF-8; expected a table in .csv", file=path
+        ) from None
 
 
 def _rows(path: Path, *wanted: Sequence[str]) -> list[tuple[int, dict[str, float]]]:
@@ -72,15 +74,22 @@ def _rows(path: Path, *wanted: Sequence[str]) -> list[tuple[int, dict[str, float
         if columns is None:
             expected = ", or ".join(", ".join(c) for c in wanted)
             got = ", ".join(names)[:200] or "none"
-            raise InputError(f"{path}: has the columns {got}; expected {expected}")
+            raise InputError(
+                "{file}: has the columns {got}; expected {expected}",
+                file=path,
+                got=got,
+                expected=expected,
+            )
         rows = []
         for row in reader:
             line = first + reader.line_num
             rows.append((line, _numbers(row, columns, f"{path}:{line}")))
     except csv.Error as cause:
-        raise InputError(f"{path}: cannot be read as a table: {cause}") from None
+        raise InputError(
+            "{file}: cannot be read as a table: {cause}", file=path, cause=cause
+        ) from None
     if not rows:
-        raise InputError(f"{path}: has no rows; expected measurements")
+        raise InputError("{file}: has no rows; expected measurements", file=path)
     return rows
 
 
@@ -94,7 +103,12 @@ def _numbers(row: Mapping[str, Any], columns: Sequence[str], where: str) -> dict
         except (TypeError, ValueError):
             numbers[name] = math.nan
         if not math.isfinite(numbers[name]):
-            raise InputError(f"{where}: {name} is {text!r:.40}; expected a number")
+            raise InputError(
+                "{where}: {name} is {text!r:.40}; expected a number",
+                where=where,
+                name=name,
+                text=text,
+            )
     return numbers
 
 
@@ -177,11 +191,16 @@ def fit_presses(
     """
     depths, deepest = presses[:, 0], GREATEST_FRACTION * base.length_mm
     if len(presses) < 3:
-        raise InputError(f"there are presses of {len(presses)} depths; expected 3 or more")
+        raise InputError("there are presses of {n} depths; expected 3 or more", n=len(presses))
     if depths.min() < 0.0 or depths.max() > deepest:
         raise InputError(
-            f"depths are {depths.min():g} to {depths.max():g} mm; expected 0 to {deepest:g} "
-            f"({GREATEST_FRACTION:g} of the tuft's length, {base.length_mm:g} mm)"
+            "depths are {least:g} to {most:g} mm; expected 0 to {deepest:g} ({greatest_fraction:g} "
+            "of the tuft's length, {length_mm:g} mm)",
+            least=depths.min(),
+            most=depths.max(),
+            deepest=deepest,
+            greatest_fraction=GREATEST_FRACTION,
+            length_mm=base.length_mm,
         )
     tried = dict.fromkeys((*map(float, exponents), float(base.stiffness_exponent)))
     fitted = []
@@ -260,7 +279,7 @@ def read_shapes(path: str | Path, length_mm: float) -> ShapeRows:
     try:
         return shape_rows(shapes)
     except BrushError as cause:
-        raise BrushError(f"{path}: {cause}") from None
+        raise BrushError("{file}: {cause}", file=path, cause=cause) from None
 
 
 def _shape_of(row: Mapping[str, float], length: float, where: str) -> tuple[float, ...]:
@@ -271,15 +290,23 @@ def _shape_of(row: Mapping[str, float], length: float, where: str) -> tuple[floa
     """
     angle = row["angle"]
     if not 0.0 <= angle <= 60.0:
-        raise InputError(f"{where}: angle is {angle:g}; expected 0 to 60 degrees from the upright")
+        raise InputError(
+            "{where}: angle is {angle:g}; expected 0 to 60 degrees from the upright",
+            where=where,
+            angle=angle,
+        )
     tilt = math.radians(90.0 - angle)
     x, z = (np.array([row[f"{axis}{k}"] for k in range(4)]) / length for axis in "xz")
     side = 1.0 if x[3] >= x[0] else -1.0  # a photograph may be taken from either side
     height = float(z[0] - z[3])
     if not 0.0 < height <= 1.001 * math.sin(tilt):
         raise InputError(
-            f"{where}: the root is {length * height:.4g} mm over the tip; expected above 0, to "
-            f"{length * math.sin(tilt):.4g}, as high as {length:g} mm of hair stand at this angle"
+            "{where}: the root is {height:.4g} mm over the tip; expected above 0, to {most:.4g}, "
+            "as high as {length:g} mm of hair stand at this angle",
+            where=where,
+            height=length * height,
+            most=length * math.sin(tilt),
+            length=length,
         )
     offset = side * float(x[3] - x[0]) - height / math.tan(tilt)
     upper, lower = math.hypot(x[1] - x[0], z[1] - z[0]), math.hypot(x[3] - x[2], z[3] - z[2])

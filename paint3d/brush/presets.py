@@ -23,7 +23,7 @@ from paint3d.brush.spec import (
 from paint3d.core.arrays import as_number
 from paint3d.core.atomic import write_atomically
 from paint3d.core.parameter_file import check_known, is_parameter_file, named_or_read, read_thing
-from paint3d.errors import BrushError
+from paint3d.errors import BrushError, Message
 
 __all__ = [
     "GREATEST_EM",
@@ -106,7 +106,7 @@ def read_brush(path: str | Path, presets: Mapping[str, BrushSpec]) -> BrushSpec:
         Naming the file and the parameter, what was got and what was expected.
     """
     return read_thing(
-        path, "a brush", BrushError, lambda values, stem: _brush_of(values, stem, presets)
+        path, Message("a brush"), BrushError, lambda values, stem: _brush_of(values, stem, presets)
     )
 
 
@@ -118,15 +118,20 @@ def _brush_of(values: dict[str, Any], stem: str, presets: Mapping[str, BrushSpec
     given: dict[str, Any] = {}
     if base is not None:
         if not isinstance(base, str) or base not in presets:
-            raise BrushError(f"base is {base!r:.60}; expected one of {', '.join(presets)}")
+            raise BrushError(
+                "base is {base!r:.60}; expected one of {presets}",
+                base=base,
+                presets=", ".join(presets),
+            )
         given = {field: getattr(presets[base], field) for field in fields}
     else:
         needed = [f.name for f in fields.values() if f.default is dataclasses.MISSING]
         missing = [f for f in needed if f != "name" and f not in values]
         if missing:
             raise BrushError(
-                f'says no {", ".join(missing)}; expected these, or base = "full" '
-                "or another brush to take them from"
+                'says no {missing}; expected these, or base = "full" or another brush to take them '
+                "from",
+                missing=", ".join(missing),
             )
     if "bristles" in values:
         values["bristles"] = _hairs_of(values["bristles"], given.get("bristles"))
@@ -148,8 +153,10 @@ def check_brush_name(name: object) -> None:
     is_name = isinstance(name, str) and 0 < len(name) <= _LONGEST_NAME and name.isprintable()
     if not is_name or " @" in str(name) or is_parameter_file(str(name)):
         raise BrushError(
-            f"name is {name!r:.80}; expected 1 to {_LONGEST_NAME} characters, without ' @' and no "
-            "file's name"
+            "name is {name!r:.80}; expected 1 to {most} characters, without ' @' and no file's "
+            "name",
+            name=name,
+            most=_LONGEST_NAME,
         )
 
 
@@ -163,7 +170,8 @@ def check_unlike_presets(name: str, presets: Iterable[str]) -> None:
     """
     if name in presets:
         raise BrushError(
-            f'name is {name!r}, a brush that comes with the program; expected another: "mine"'
+            'name is {name!r}, a brush that comes with the program; expected another: "mine"',
+            name=name,
         )
 
 
@@ -172,13 +180,16 @@ def _hairs_of(values: object, base: BristleSpec | None) -> BristleSpec | None:
     if values is False or values == 0:
         return None
     if not isinstance(values, dict):
-        raise BrushError(f"bristles is {values!r:.40}; expected parameters by name, or false")
+        raise BrushError(
+            "bristles is {values!r:.40}; expected parameters by name, or false",
+            values=values,
+        )
     names = [field.name for field in dataclasses.fields(BristleSpec)]
     check_known(values, names, BrushError, "bristles: ")
     try:
         return dataclasses.replace(base or BristleSpec(), **values)
     except BrushError as cause:
-        raise BrushError(f"bristles: {cause}") from None
+        raise BrushError("bristles: {cause}", cause=cause) from None
 
 
 def brush_text(brush: BrushSpec, note: str = "", *, named: bool = False) -> str:
@@ -319,7 +330,7 @@ def load_brush(name: str, *, own_files: bool = True) -> BrushSpec:
     """
     presets = load_presets()
     read = functools.partial(read_brush, presets=presets) if own_files else None
-    return named_or_read(name, presets, "brush", BrushError, read)
+    return named_or_read(name, presets, Message("brush"), BrushError, read)
 
 
 def choose_brush(em_mm: float) -> str:

@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 from paint3d.brush_engine.tuft import MOST_POINTS, Curves, Tuft, no_curves
 from paint3d.core.arrays import AnyArray, as_array, as_number
 from paint3d.device.recorded import MAX_FORCE_N
-from paint3d.errors import BrushError, InputError
+from paint3d.errors import BrushError, InputError, Message
 
 __all__ = [
     "HAIRS",
@@ -134,13 +134,15 @@ class BristleSpec:
     def __post_init__(self) -> None:
         count = as_number(self.n_hairs, "n_hairs", 1, MOST_HAIRS, BrushError)
         if count != int(count):
-            raise BrushError(f"n_hairs is {self.n_hairs}; expected a whole number")
+            raise BrushError("n_hairs is {n_hairs}; expected a whole number", n_hairs=self.n_hairs)
         object.__setattr__(self, "n_hairs", int(count))
         if isinstance(self.table, list | tuple):
             object.__setattr__(self, "table", shape_rows(self.table))
         elif self.table not in TABLES:
             raise BrushError(
-                f"table is {self.table!r:.60}; expected {', '.join(TABLES)} or rows of numbers"
+                "table is {table!r:.60}; expected {tables} or rows of numbers",
+                table=self.table,
+                tables=", ".join(TABLES),
             )
         for name, (low, high) in _HAIR_RANGES.items():
             as_number(getattr(self, name), name, low, high, BrushError)
@@ -160,14 +162,17 @@ def shape_rows(rows: Any) -> ShapeRows:
         Naming the row and the column, what was got and what was expected.
     """
     if not isinstance(rows, list | tuple):
-        raise BrushError(f"table is {rows!r:.60}; expected rows of numbers")
+        raise BrushError("table is {rows!r:.60}; expected rows of numbers", rows=rows)
     if not 1 <= len(rows) <= _MOST_SHAPES:
-        raise BrushError(f"table has {len(rows)} rows; expected 1 to {_MOST_SHAPES}")
+        raise BrushError("table has {n} rows; expected 1 to {most}", n=len(rows), most=_MOST_SHAPES)
     checked = set()
     for k, row in enumerate(rows, 1):
         if not isinstance(row, list | tuple) or len(row) != len(SHAPE_COLUMNS):
             raise BrushError(
-                f"table: row {k} is {row!r:.60}; expected 7 numbers: {', '.join(SHAPE_COLUMNS)}"
+                "table: row {k} is {row!r:.60}; expected 7 numbers: {shape_columns}",
+                k=k,
+                row=row,
+                shape_columns=", ".join(SHAPE_COLUMNS),
             )
         named = zip(SHAPE_COLUMNS, row, _SHAPE_RANGES, strict=True)
         checked.add(
@@ -180,11 +185,16 @@ def shape_rows(rows: Any) -> ShapeRows:
     for one, other in itertools.pairwise(ordered):
         if one[:2] == other[:2]:
             raise BrushError(
-                f"table has two rows of angle {one[0]:g} and height {one[1]:g}; expected one"
+                "table has two rows of angle {first:g} and height {second:g}; expected one",
+                first=one[0],
+                second=one[1],
             )
     for angle in {row[0] for row in ordered}:
         if sum(row[0] == angle for row in ordered) < 2:
-            raise BrushError(f"table has no bent hair of angle {angle:g}; expected heights below 1")
+            raise BrushError(
+                "table has no bent hair of angle {angle:g}; expected heights below 1",
+                angle=angle,
+            )
     return ordered
 
 
@@ -210,16 +220,38 @@ def check_curves(
     BrushError
         Naming the brush, the curve, what was got and what was expected.
     """
-    what = f"brush {brush!r}: inputs"
+    what = Message("brush {brush!r}: inputs", brush=brush)
     checked = []
     for setting, by_input in _items(curves, what):
         if setting not in SETTINGS:
-            raise BrushError(f"{what} drive {setting!r:.40}; expected {', '.join(SETTINGS)}")
+            raise BrushError(
+                "{what} drive {setting!r:.40}; expected {settings}",
+                what=what,
+                setting=setting,
+                settings=", ".join(SETTINGS),
+            )
         lines = []
-        for name, points in _items(by_input, f"{what} of {setting}"):
+        for name, points in _items(
+            by_input, Message("{what} of {setting}", what=what, setting=setting)
+        ):
             if name not in INPUTS:
-                raise BrushError(f"{what}: {name!r:.40}; expected one of {', '.join(INPUTS)}")
-            lines.append((name, _points(points, f"{what}: {setting} by {name}")))
+                raise BrushError(
+                    "{what}: {name!r:.40}; expected one of {inputs}",
+                    what=what,
+                    name=name,
+                    inputs=", ".join(INPUTS),
+                )
+            lines.append(
+                (
+                    name,
+                    _points(
+                        points,
+                        Message(
+                            "{what}: {setting} by {input}", what=what, setting=setting, input=name
+                        ),
+                    ),
+                )
+            )
         checked.append((setting, tuple(lines)))
     return tuple(checked)
 
@@ -229,9 +261,13 @@ def _items(value: Any, what: str) -> list[tuple[str, Any]]:
         pairs: list[tuple[str, Any]] = list(value.items() if isinstance(value, Mapping) else value)
         names = [name for name, _ in pairs]
     except (TypeError, ValueError):
-        raise BrushError(f"{what} is {value!r:.60}; expected names with curves") from None
+        raise BrushError(
+            "{what} is {value!r:.60}; expected names with curves",
+            what=what,
+            value=value,
+        ) from None
     if len(set(map(str, names))) < len(names):
-        raise BrushError(f"{what} names something twice")
+        raise BrushError("{what} names something twice", what=what)
     return pairs
 
 
@@ -239,13 +275,22 @@ def _points(points: Any, what: str) -> Points:
     try:
         pairs = [(x, y) for x, y in points]
     except (TypeError, ValueError):
-        raise BrushError(f"{what} is {points!r:.60}; expected points [input, factor]") from None
+        raise BrushError(
+            "{what} is {points!r:.60}; expected points [input, factor]",
+            what=what,
+            points=points,
+        ) from None
     if not 1 <= len(pairs) <= MOST_POINTS:
-        raise BrushError(f"{what} has {len(pairs)} points; expected 1 to {MOST_POINTS}")
+        raise BrushError(
+            "{what} has {n} points; expected 1 to {most}",
+            what=what,
+            n=len(pairs),
+            most=MOST_POINTS,
+        )
     xs = [as_number(x, f"{what}: an input", error=BrushError) for x, _ in pairs]
     ys = [as_number(y, f"{what}: a factor", *_FACTORS, BrushError) for _, y in pairs]
     if any(b <= a for a, b in itertools.pairwise(xs)):
-        raise BrushError(f"{what} has inputs {xs}; expected them to rise")
+        raise BrushError("{what} has inputs {xs}; expected them to rise", what=what, xs=xs)
     return tuple(zip(xs, ys, strict=True))
 
 
@@ -394,10 +439,13 @@ class BrushSpec:
 
     def __post_init__(self) -> None:
         if not isinstance(self.name, str) or not self.name:
-            raise BrushError(f"name is {self.name!r}; expected a non-empty string")
+            raise BrushError("name is {name!r}; expected a non-empty string", name=self.name)
         if self.hair not in HAIRS:
             raise BrushError(
-                f"brush {self.name!r}: hair is {self.hair!r}; expected one of {', '.join(HAIRS)}"
+                "brush {name!r}: hair is {hair!r}; expected one of {hairs}",
+                name=self.name,
+                hair=self.hair,
+                hairs=", ".join(HAIRS),
             )
         self._check("length_mm", *_RANGES["length_mm"])
         self._check("tip_segment_mm", 0.0, self.length_mm)
@@ -414,14 +462,17 @@ class BrushSpec:
             self._check(parameter, low, high)
         if self.n_segments != int(self.n_segments):
             raise BrushError(
-                f"brush {self.name!r}: n_segments is {self.n_segments}; expected a whole number"
+                "brush {name!r}: n_segments is {n_segments}; expected a whole number",
+                name=self.name,
+                n_segments=self.n_segments,
             )
         object.__setattr__(self, "n_segments", int(self.n_segments))
         object.__setattr__(self, "inputs", check_curves(self.inputs, self.name))
         if not isinstance(self.bristles, BristleSpec | None):
             raise BrushError(
-                f"brush {self.name!r}: bristles is {type(self.bristles).__name__}; "
-                "expected a BristleSpec or nothing"
+                "brush {name!r}: bristles is {kind}; expected a BristleSpec or nothing",
+                name=self.name,
+                kind=type(self.bristles).__name__,
             )
 
     def _check(self, parameter: str, low: float, high: float) -> None:
@@ -492,7 +543,10 @@ class BrushSpec:
         s = as_array(arc_lengths, "arc_lengths", (None,), error=BrushError)
         if s.size and (s.min() < 0.0 or s.max() > self.length_mm * (1.0 + 1e-9)):
             raise BrushError(
-                f"arc_lengths span {s.min():g} to {s.max():g}; expected 0 to {self.length_mm:g}"
+                "arc_lengths span {least:g} to {most:g}; expected 0 to {length_mm:g}",
+                least=s.min(),
+                most=s.max(),
+                length_mm=self.length_mm,
             )
         diameters: AnyArray = self.root_diameter_mm * (s / self.length_mm) ** self.taper
         if self.point_mm > 0.0:
@@ -547,7 +601,7 @@ class DipAmount:
             For anything else.
         """
         if not isinstance(words, Mapping) or set(words) - {"wetted", "fullness"}:
-            raise InputError(f"a dip is {words!r:.60}; expected wetted and fullness")
+            raise InputError("a dip is {words!r:.60}; expected wetted and fullness", words=words)
         return cls(**words)
 
     def words(self) -> dict[str, Any]:

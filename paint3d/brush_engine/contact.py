@@ -134,6 +134,9 @@ def _pose(
         pose[:3], pose[8] = as_array(place, "place", (3,)), 1.0
     pose[3:7] = as_array(orientation, "orientation", (4,))
     if abs(np.linalg.norm(pose[3:7]) - 1.0) > 1e-3:
-        raise InputError(f"orientation has length {np.linalg.norm(pose[3:7]):g}; expected 1")
+        raise InputError(
+            "orientation has length {pose:g}; expected 1",
+            pose=np.linalg.norm(pose[3:7]),
+        )
     pose[7] = np.nan if pressure is None else as_number(pressure, "pressure", 0.0, 1.0)
     return pose

@@ -19,7 +19,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.brush_engine.footprint import outline_motion
 from paint3d.core.kernel import kernel, uncounted
 from paint3d.mesh.kernels.mesh_arrays import mix
 
@@ -64,7 +63,9 @@ _RIM = 0.35  # how much worse hairs at the rim are supplied
 _SOFT = 0.2  # standard deviation of the softness: contact comes about over .7
 _GAIN, _OFFSET = 2.4, 0.1  # of the contact level
 _FLOODED, _FLOOD = 0.8, 1.5  # level from which the tuft begins to flood the rest, and by how much
+_STANDS = 1.0  # standard deviations that hairs which stand touch less than those dragged along
 _LEAST = np.float32(0.02)  # share below which nothing is touched
+_LEADS_MM = 1.0  # of the way, over which it is told where it leads
 _CURVES_MM, _SHARPEST = 3.0, 0.2  # mm over which the way's curve is told; 1/mm, at most
 _SEEN = 1.6  # wavelength of bumps over their length
 
@@ -165,24 +166,14 @@ def _seen(length, apart):
 
 
 @uncounted(error_model="numpy")
-def _find_way(before, after):
-    """Direction of the way in a stamp's frame, along the bend and across; at rest against it."""
-    ahead_x, ahead_y = 0.0, 0.0
-    for axis in range(3):
-        d = after.origin[axis] - before.origin[axis]
-        ahead_x += d * after.bend[axis]
-        ahead_y += d * after.cross[axis]
-    moved = np.sqrt(ahead_x * ahead_x + ahead_y * ahead_y)
-    if moved <= 1e-9:
-        return -1.0, 0.0
-    return ahead_x / moved, ahead_y / moved
-
-
-@uncounted(error_model="numpy")
 def note_way(before, after):
-    """Note how far the outline has gone, where its way leads, and how it curves."""
+    """Note how far the outline has gone, where its way leads, and how it curves.
+
+    The way is that of what the outline is counted from, so that bundles stay where they are on the
+    surface while a footprint grows or turns. Where it leads is told over some way, for a brush that
+    is pressed or turned in its place sways; one that comes down lies against its way.
+    """
     a, b = before.values[0], after.values[0]
-    b.way = a.way * a.touches + outline_motion(before, after)
     dx, dy, dz = (
         b.origin[0] - a.origin[0],
         b.origin[1] - a.origin[1],
@@ -190,14 +181,21 @@ def note_way(before, after):
     )
     step = np.sqrt(dx * dx + dy * dy + dz * dz)
     if a.touches <= 0.0:
-        b.heading[0] = b.heading[1] = b.heading[2] = b.curve = 0.0
+        b.way = b.curve = 0.0
+        for axis in range(3):
+            b.heading[axis] = -b.bend[axis]
         return
-    if step <= 1e-6:
-        b.heading[0], b.heading[1], b.heading[2] = a.heading[0], a.heading[1], a.heading[2]
+    b.way = a.way + step
+    hx, hy, hz = a.heading[0], a.heading[1], a.heading[2]
+    keep = np.exp(-step / _LEADS_MM)
+    turn = (1.0 - keep) / max(step, 1e-9)
+    dx, dy, dz = keep * hx + turn * dx, keep * hy + turn * dy, keep * hz + turn * dz
+    long = np.sqrt(dx * dx + dy * dy + dz * dz)
+    if step <= 1e-6 or long <= 1e-6:
+        b.heading[0], b.heading[1], b.heading[2] = hx, hy, hz
         b.curve = a.curve
         return
-    dx, dy, dz = dx / step, dy / step, dz / step
-    hx, hy, hz = a.heading[0], a.heading[1], a.heading[2]
+    dx, dy, dz = dx / long, dy / long, dz / long
     left = (
         b.normal[0] * (hy * dz - hz * dy)
         + b.normal[1] * (hz * dx - hx * dz)
@@ -210,22 +208,38 @@ def note_way(before, after):
 
 
 @uncounted(error_model="numpy")
-def dry_contact(level, before, after, bundles, field, ink):
+def _ahead(values):
+    """Direction of the way in a stamp's frame, along the bend and across."""
+    x, y = 0.0, 0.0
+    for axis in range(3):
+        x += values.heading[axis] * values.bend[axis]
+        y += values.heading[axis] * values.cross[axis]
+    norm = np.sqrt(x * x + y * y)
+    if norm <= 1e-6:
+        return -1.0, 0.0
+    return x / norm, y / norm
+
+
+@uncounted(error_model="numpy")
+def dry_contact(level, still, after, bundles, field, ink):
     """What the vertices of a sweep share; docs/model.md, equation (13).
 
     Parameters
     ----------
     level : float
         How deep into the tooth the tuft reaches, 0 to 1.
-    before, after : Stamp
+    still : float
+        How far it stands, grows or turns in its place, 0 to 1, and is not dragged over the tooth.
+    after : Stamp
+        With its way noted.
     bundles : (float, float, float, float)
         Diameter of the tuft, how broad the narrow bundles are at the belly, mm, how far bundles
         differ: 1 where nothing else makes streaks, and how far what hairs cover does.
     field, ink : SurfaceField, InkField
     """
-    a, b = after.values[0], before.values[0]
+    a = after.values[0]
     root, bundle, differ, hairs = bundles
-    ahead_x, ahead_y = _find_way(b, a)
+    ahead_x, ahead_y = _ahead(a)
     apart, tooth = field.soft_edge, ink.transfer[0].tooth_mm
     coarse, fine = _seen(tooth, apart), _seen(_FINER * tooth, apart)
     widest, belly = max(a.widest, 1e-6), _BELLY * root
@@ -234,6 +248,7 @@ def dry_contact(level, before, after, bundles, field, ink):
     broad, narrow = _seen(broad_mm / per_width, apart), _seen(bundle / per_width, apart)
     supply = _GAIN * (2.0 * level - 1.0) + _OFFSET
     supply += _FLOOD * max(0.0, level - _FLOODED) / (1.0 - _FLOODED)
+    supply -= _STANDS * still
     unseen2 = 0.0
     if tooth > 0.0:
         shown = (_TOOTH[0] * coarse) ** 2 + (_TOOTH[1] * fine) ** 2

@@ -50,6 +50,7 @@ __all__ = [
     "level_shares",
     "mean_pressure",
     "note_covered",
+    "stillness",
     "sweep_deposit",
     "take_up_ink",
     "wet_at_once",
@@ -98,6 +99,12 @@ def _find_way(before, after):
         return 0.0, 0.0, 0.0
     moved = outline_motion(before, after)
     return min(1.0, carried / moved), along / carried, across / carried
+
+
+@uncounted(error_model="numpy")
+def stillness(before, after):
+    """How much of a footprint's motion is growing or turning in its place, 0 to 1."""
+    return 1.0 - _find_way(before, after)[0] if before.values[0].touches > 0.0 else 1.0
 
 
 @uncounted(error_model="numpy")
@@ -323,9 +330,7 @@ def wet_at_once(before, after, level, found, n, ink):
     if moved <= 1e-6 or grain <= 0.0:
         return False
     ids, share, cover, coverage = found.ids, found.share, found.cover, ink.coverage
-    still = 1.0
-    if before.values[0].touches > 0.0:
-        still -= _find_way(before, after)[0]
+    still = stillness(before, after)
     per_cover = np.float32(_WETS_MM * min(1.0, 2.0 * grain) * level * still / moved)
     for k in range(n):
         share[k] += per_cover * max(np.float32(0.0), cover[k] - coverage[ids[k]])
@@ -593,7 +598,7 @@ def sweep_deposit(before, after, tuft, field, ink, scratch):
     note_way(before, after)
     if level < 1.0 and weighed > 0.0:  # a brush that runs dry gives less, and only to the heights
         bundles = (tuft.diameters[-1], BUNDLE_MM, 1.0, 0.0)
-        contact = dry_contact(level, before, after, bundles, field, ink)
+        contact = dry_contact(level, stillness(before, after), after, bundles, field, ink)
         n = thin_contact(contact, after, found, n, field, ink, scratch.block)
         whole = weighed
         weighed = weighed_area(field, found.ids, found.share, n)

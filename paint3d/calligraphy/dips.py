@@ -60,7 +60,10 @@ class DipPolicy:
 
     def __post_init__(self) -> None:
         if self.every is not None and not (type(self.every) is int and self.every >= 1):
-            raise InputError(f"every is {self.every!r:.60}; expected a count of 1 or more, or None")
+            raise InputError(
+                "every is {every!r:.60}; expected a count of 1 or more, or None",
+                every=self.every,
+            )
         as_number(self.least, "least load", 0.01, 0.99)
 
 

@@ -191,8 +191,10 @@ def with_strengths(recording: Recording, strength: AnyArray | None) -> Recording
     ]
     if len(told) > _MOST_TOLD:
         raise InputError(
-            f"{len(told)} strokes say how strong their ink is; expected {_MOST_TOLD} or fewer in a "
-            "recording: write fewer characters at a time"
+            "{n} strokes say how strong their ink is; expected {most} or fewer in a recording: "
+            "write fewer characters at a time",
+            n=len(told),
+            most=_MOST_TOLD,
         )
     return replace(recording, header={**recording.header, "strengths": told})
 
@@ -231,8 +233,11 @@ def with_loads(recording: Recording, loads: AnyArray, fullness: float = 1.0) -> 
         told = _changes(recording, loads, step)
     if len(told) > _MOST_TOLD:
         raise InputError(
-            f"{len(told)} strokes say how dry they are; expected {_MOST_TOLD} or fewer in a "
-            "recording: write fewer characters at a time, or copy with --dryness none"
+            "{n} strokes say how dry they are; expected {most} or fewer in a recording: write "
+            "fewer characters at a time, or without dryness",
+            hint="copy --dryness none",
+            n=len(told),
+            most=_MOST_TOLD,
         )
     amount = DipAmount(1.0, fullness).words()
     return replace(recording, header={**recording.header, "dip": amount, "loads": told})

@@ -89,7 +89,7 @@ def tabulate_footprints(tuft: Tuft, widest_mm: float) -> FootprintTable:
         If the width is not positive or the brush leaves no footprint.
     """
     if not widest_mm > 0.0:
-        raise InputError(f"widest_mm is {widest_mm}; expected more than 0")
+        raise InputError("widest_mm is {widest_mm}; expected more than 0", widest_mm=widest_mm)
     descents = tuft.full_press * (np.arange(1, _FINE + 1) / _FINE) ** 1.5
     outlines = [_outline(tuft, float(descent)) for descent in descents]
     widths = np.array([0.0 if o is None else 2.0 * o[1].max() for o in outlines])

@@ -102,8 +102,9 @@ def open_glyphs(folder: Path | str | None) -> GlyphSource:
     lines = find_kanjivg()
     if lines is None:
         raise InputError(
-            "the package kanjivg is not installed (pip install kanjivg); expected it, or a folder "
-            "of hanzi-writer-data"
+            "the shapes of the characters, KanjiVG, are not installed; expected them, or a folder "
+            "of hanzi-writer-data",
+            hint="pip install kanjivg",
         )
     return KanjiVGLines(lines)
 
@@ -118,13 +119,15 @@ def open_glyph_folder(folder: Path | str) -> HanziWriterFolder:
     """
     top = Path(folder)
     if not top.is_dir():
-        raise InputError(f"{top}: no such folder; expected one of hanzi-writer-data")
+        raise InputError("{top}: no such folder; expected one of hanzi-writer-data", top=top)
     for candidate in (top, top / "package", top / "data", top / "node_modules/hanzi-writer-data"):
         if (candidate / f"{_PROBE}.json").is_file():
             return HanziWriterFolder(candidate)
     raise InputError(
-        f"{top} holds no glyphs (no {_PROBE}.json); expected the files of hanzi-writer-data, one a "
-        "character"
+        "{top} holds no glyphs (no {probe}.json); expected the files of hanzi-writer-data, one a "
+        "character",
+        top=top,
+        probe=_PROBE,
     )
 
 
@@ -149,8 +152,10 @@ def check_glyphs(source: GlyphSource, text: str) -> None:
     missing = missing_glyphs(source, text)
     if missing:
         raise GlyphError(
-            f"{source.name} has no glyph for {names_of(missing)}; expected characters that it has",
-            "".join(missing),
+            "{font} has no glyph for {names}; expected characters that it has",
+            font=source.name,
+            names=names_of(missing),
+            characters="".join(missing),
         )
 
 

@@ -59,14 +59,17 @@ def split_path(path: str, name: str, sizes: Mapping[str, int]) -> list[tuple[str
         If there is anything else in the path, or a command has not its numbers.
     """
     if not isinstance(path, str):
-        raise InputError(f"{name} is {path!r}; expected an SVG path")
+        raise InputError("{name} is {file!r}; expected an SVG path", name=name, file=path)
     commands: list[tuple[str, list[float]]] = []
     at = 0
     while at < len(path):
         match = _TOKEN.match(path, at)
         if match is None or (match[1] or "M") not in sizes or (match[2] and not commands):
             raise InputError(
-                f"{name}: cannot read {path[at : at + 12].strip()!r}; expected {' '.join(sizes)}"
+                "{name}: cannot read {file!r}; expected {sizes}",
+                name=name,
+                file=path[at : at + 12].strip(),
+                sizes=" ".join(sizes),
             )
         if match[1]:
             commands.append((match[1], []))
@@ -76,7 +79,13 @@ def split_path(path: str, name: str, sizes: Mapping[str, int]) -> list[tuple[str
     for command, numbers in commands:
         size = sizes[command]
         if (size == 0 and numbers) or (size and (not numbers or len(numbers) % size)):
-            raise InputError(f"{name}: {command} has {len(numbers)} numbers; expected {size}")
+            raise InputError(
+                "{name}: {command} has {n} numbers; expected {size}",
+                name=name,
+                command=command,
+                n=len(numbers),
+                size=size,
+            )
     return commands
 
 
@@ -159,26 +168,38 @@ def load_glyph(folder: Path | str, text: str) -> Glyph:
         If `text` is not one character, the folder has no file for it, or the file is broken.
     """
     if len(text) != 1:
-        raise InputError(f"text is {text!r}; expected a single character")
+        raise InputError("text is {text!r}; expected a single character", text=text)
     file = Path(folder) / f"{text}.json"
     try:
         data = json.loads(file.read_text(encoding="utf-8"))
         paths, medians = data["strokes"], data["medians"]
     except FileNotFoundError:
         raise InputError(
-            f"{folder} has no glyph for {text!r}; expected a file {file.name}"
+            "{folder} has no glyph for {text!r}; expected a file {file}",
+            folder=folder,
+            text=text,
+            file=file.name,
         ) from None
     except OSError as cause:
-        raise InputError(f"{file}: {cause.strerror or cause}") from None
+        raise InputError("{file}: {cause}", file=file, cause=cause) from None
     except (ValueError, KeyError, TypeError) as cause:
-        raise InputError(f"{file}: not a glyph ({cause}); expected strokes and medians") from None
+        raise InputError(
+            "{file}: not a glyph ({cause}); expected strokes and medians",
+            file=file,
+            cause=cause,
+        ) from None
     if not isinstance(paths, list) or not isinstance(medians, list) or len(paths) != len(medians):
-        raise InputError(f"{file}: expected as many medians as strokes")
+        raise InputError("{file}: expected as many medians as strokes", file=file)
     strokes = []
     for k, (path, points) in enumerate(zip(paths, medians, strict=True)):
         median = as_array(points, f"{file}: medians[{k}]", (None, 2))
         if len(median) < 2:
-            raise InputError(f"{file}: medians[{k}] has {len(median)} points; expected 2 or more")
+            raise InputError(
+                "{file}: medians[{k}] has {n} points; expected 2 or more",
+                file=file,
+                k=k,
+                n=len(median),
+            )
         strokes.append(GlyphStroke(flatten_path(path, f"{file}: strokes[{k}]"), median))
     return Glyph(text, tuple(strokes))
 
@@ -196,7 +217,11 @@ def flatten_path(path: str, name: str = "path") -> NDArray[np.float64]:
     closed = False
     for command, numbers in split_path(path, name, _NUMBERS):
         if closed or (command == "M") != (not points):
-            raise InputError(f"{name}: {command} out of place; expected one closed curve from M")
+            raise InputError(
+                "{name}: {command} out of place; expected one closed curve from M",
+                name=name,
+                command=command,
+            )
         closed = command == "Z"
         pairs = np.array(numbers, np.float64).reshape(-1, 2)
         per = _NUMBERS[command] // 2
@@ -207,7 +232,11 @@ def flatten_path(path: str, name: str = "path") -> NDArray[np.float64]:
     if len(polygon):
         polygon = polygon[np.any(polygon != np.roll(polygon, 1, axis=0), axis=1)]
     if len(polygon) < 3:
-        raise InputError(f"{name}: {len(polygon)} different points; expected 3 or more")
+        raise InputError(
+            "{name}: {n} different points; expected 3 or more",
+            name=name,
+            n=len(polygon),
+        )
     return polygon
 
 

@@ -22,6 +22,7 @@ def package_of_the_hand(name: str) -> Any:
         return import_module(name)
     except ImportError:
         raise InputError(
-            f"the package {name.split('.')[0]} is not installed; "
-            'expected it for fonts and drawings: pip install "paint3d[hand]"'
+            "fonts and drawings need {package}, which is not installed",
+            package=name.split(".")[0],
+            hint="pip install 'paint3d[hand]'",
         ) from None

@@ -86,9 +86,14 @@ def load_lines(folder: Path, text: str) -> list[LineStroke]:
     try:
         return parse_lines(file.read_text(encoding="utf-8"), file.name)
     except FileNotFoundError:
-        raise InputError(f"{folder} has no {file.name} for {text!r}") from None
+        raise InputError(
+            "{folder} has no {file} for {text!r}",
+            folder=folder,
+            file=file.name,
+            text=text,
+        ) from None
     except (OSError, UnicodeDecodeError) as cause:
-        raise InputError(f"{file}: cannot be read ({cause})") from None
+        raise InputError("{file}: cannot be read ({cause})", file=file, cause=cause) from None
 
 
 def parse_lines(svg: str, name: str = "svg") -> list[LineStroke]:
@@ -102,7 +107,7 @@ def parse_lines(svg: str, name: str = "svg") -> list[LineStroke]:
     try:
         root = ElementTree.fromstring(svg)
     except ElementTree.ParseError as cause:
-        raise InputError(f"{name}: not XML ({cause})") from None
+        raise InputError("{name}: not XML ({cause})", name=name, cause=cause) from None
     strokes: list[LineStroke] = []
     for path in root.iter("{http://www.w3.org/2000/svg}path"):
         kinds = [value for key, value in path.attrib.items() if key.endswith("}type")]
@@ -110,7 +115,7 @@ def parse_lines(svg: str, name: str = "svg") -> list[LineStroke]:
         line = _line(path.get("d", ""), f"{name}: stroke {len(strokes) + 1}")
         strokes.append(LineStroke(kind, line))
     if not strokes:
-        raise InputError(f"{name}: no strokes; expected paths")
+        raise InputError("{name}: no strokes; expected paths", name=name)
     return strokes
 
 
@@ -121,7 +126,11 @@ def _line(path: str, name: str) -> NDArray[np.float64]:
     for command, numbers in split_path(path, name, _SIZES):
         kind = command.upper()
         if (kind == "M") != (not points) or kind == "Z":
-            raise InputError(f"{name}: {command} out of place; expected one open line")
+            raise InputError(
+                "{name}: {command} out of place; expected one open line",
+                name=name,
+                command=command,
+            )
         values = np.array(numbers).reshape(-1, _NUMBERS[kind] // 2, 2)
         for group in values:
             here = points[-1] if points else np.zeros(2)
@@ -135,7 +144,7 @@ def _line(path: str, name: str) -> NDArray[np.float64]:
             control = group[-2]
     line = np.array(points)
     if len(line) < 2 or not np.ptp(line, axis=0).any():
-        raise InputError(f"{name} has no length; expected a line")
+        raise InputError("{name} has no length; expected a line", name=name)
     scale = EM_UNITS / _BOX
     return np.column_stack([line[:, 0] * scale, EM_UNITS - DESCENDER - line[:, 1] * scale])
 

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.core.arrays import AnyArray, as_array
-from paint3d.errors import InputError, MeshError, Paint3DError
+from paint3d.errors import InputError, MeshError, Message, Paint3DError
 from paint3d.mesh.bvh import ClosestPoints
 from paint3d.mesh.chart import EmSquare, SquareLimits, SurfaceFrame, frame_at, lay_square
 from paint3d.mesh.placement import SIDES, SurfaceLine, Upright, is_flat, place, upwards, walk
@@ -68,8 +68,9 @@ def upright_frame(surface: ClosestPoints, point: AnyArray, up: Upright) -> Surfa
         return up.frame(surface, point)
     except InputError:
         raise MeshError(
-            f"{surface.mesh.name}: the surface lies level at {point.round(1).tolist()}; "
-            "expected a place with an upwards"
+            "{object}: the surface lies level at {point}; expected a place with an upwards",
+            object=surface.mesh.name,
+            point=point.round(1).tolist(),
         ) from None
 
 
@@ -298,7 +299,11 @@ def layout_text(
     """
     layout = layout or Layout()
     if layout.order not in LAYOUTS:
-        raise InputError(f"layout is {layout.order!r}; expected one of {', '.join(LAYOUTS)}")
+        raise InputError(
+            "layout is {order!r}; expected one of {layouts}",
+            order=layout.order,
+            layouts=", ".join(LAYOUTS),
+        )
     lines = split_text(text)
     limits = limits or SquareLimits()
     grounds, layout = grounds_of(surface, layout)
@@ -377,15 +382,21 @@ def _searched(
         if n_tried == _MOST_GRIDS:
             break
     if roomiest is None:
-        raise type(fault)(f"{fault}; {n_seen} other places were no better") from None
+        raise type(fault)(
+            Message("{cause}; {n} other places were no better", cause=fault, n=n_seen)
+        ) from None
     raise _too_long(roomiest, lines, roomiest.how_many(lines))
 
 
 def _too_long(grid: _Grid, lines: Sequence[str], fits: int) -> InputError:
     n = sum(map(len, lines))
     return InputError(
-        f"the text of {n} characters does not fit on {grid.surface.mesh.name} at an em of "
-        f"{grid.em_mm:g} mm: {fits} would; expected a shorter text, a smaller size or another place"
+        "the text of {n} characters does not fit on {object} at an em of {em_mm:g} mm: {fits} "
+        "would; expected a shorter text, a smaller size or another place",
+        n=n,
+        object=grid.surface.mesh.name,
+        em_mm=grid.em_mm,
+        fits=fits,
     )
 
 
@@ -409,8 +420,9 @@ class _Grid:
         self.left = self._walk(self.middle, (-1.0, 0.0), None)
         if layout.around and not self.right.closed:
             raise MeshError(
-                f"{surface.mesh.name}: the level line of the place does not come back to its "
-                "start; expected a body that can be written around"
+                "{object}: the level line of the place does not come back to its start; expected a "
+                "body that can be written around",
+                object=surface.mesh.name,
             )
         gaps = (layout.gap, layout.between)
         gaps = gaps if layout.order == "columns" else gaps[::-1]
@@ -447,7 +459,7 @@ class _Grid:
                     fault = fault or cause
                 else:
                     return sign * reached
-        raise fault or MeshError(f"{self.surface.mesh.name}: no place to write")
+        raise fault or MeshError("{object}: no place to write", object=self.surface.mesh.name)
 
     def _reach(self, start: float, sign: float) -> float:
         """How far up or down (mm up from the middle) squares can be laid, to a 40th of the em."""
@@ -588,7 +600,10 @@ class _Grid:
             line = lines[cell.across][0 if height >= 0.0 else 1]
             away = abs(height)
             if not line.reaches(away - _TOUCHING * self.em_mm):
-                raise MeshError(f"{self.surface.mesh.name}: the surface ends within the text")
+                raise MeshError(
+                    "{object}: the surface ends within the text",
+                    object=self.surface.mesh.name,
+                )
             squares.append(self._square(line.at(away if line.reaches(away) else line.length)))
         return squares
 
@@ -599,7 +614,10 @@ class _Grid:
         else:
             level, distance = self.left, -across
         if not level.reaches(distance) and not level.closed:
-            raise MeshError(f"{self.surface.mesh.name}: the surface ends within the text")
+            raise MeshError(
+                "{object}: the surface ends within the text",
+                object=self.surface.mesh.name,
+            )
         frame = self._frame(level.at(distance))
         up = self._walk(frame, (0.0, 1.0), max(top, 0.0))
         return up, self._walk(frame, (0.0, -1.0), max(-bottom, 0.0))

@@ -119,8 +119,10 @@ def painted_mask(
     coverage = np.asarray(coverage, np.float32)
     if points.ndim != 2 or points.shape[1] != 2 or coverage.shape != (len(points),):
         raise InputError(
-            f"points has shape {points.shape} and coverage {coverage.shape}; "
-            "expected (V, 2) and (V,)"
+            "points has shape {points_shape} and coverage {coverage_shape}; expected (V, 2) and "
+            "(V,)",
+            points_shape=points.shape,
+            coverage_shape=coverage.shape,
         )
     fine = np.zeros((_SIDE * SAMPLES, _SIDE * SAMPLES), np.float32)
     touched = faces[(coverage[faces] > 0.0).any(axis=1)]
@@ -137,10 +139,14 @@ def compare(painted: NDArray[np.bool_], wanted: NDArray[np.bool_]) -> Likeness:
         If the masks differ in shape, or one of them is empty.
     """
     if painted.shape != wanted.shape:
-        raise InputError(f"the masks are {painted.shape} and {wanted.shape}; expected the same")
+        raise InputError(
+            "the masks are {painted_shape} and {wanted_shape}; expected the same",
+            painted_shape=painted.shape,
+            wanted_shape=wanted.shape,
+        )
     if not painted.any() or not wanted.any():
         which = "painted" if wanted.any() else "wanted"
-        raise InputError(f"the {which} shape is empty; expected pixels to compare")
+        raise InputError("the {which} shape is empty; expected pixels to compare", which=which)
     painted, wanted = _cut_out(painted, wanted)
     both = int((painted & wanted).sum())
     return Likeness(

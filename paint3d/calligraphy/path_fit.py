@@ -84,13 +84,21 @@ class PlanSettings:
     def __post_init__(self) -> None:
         if self.technique is not None and self.technique not in TECHNIQUES:
             known = ", ".join(repr(name) for name in TECHNIQUES)
-            raise InputError(f"technique is {self.technique!r}; expected one of {known}")
+            raise InputError(
+                "technique is {technique!r}; expected one of {known}",
+                technique=self.technique,
+                known=known,
+            )
         if self.azimuth not in ("commanded", "dragged"):
-            raise InputError(f"azimuth is {self.azimuth!r}; expected 'commanded' or 'dragged'")
+            raise InputError(
+                "azimuth is {azimuth!r}; expected 'commanded' or 'dragged'",
+                azimuth=self.azimuth,
+            )
         if self.azimuth == "dragged" and self.technique not in (None, "zhongfeng"):
             raise InputError(
-                f"technique is {self.technique!r} with a dragged tuft, which trails; "
-                "expected 'zhongfeng' or none"
+                "technique is {technique!r} with a dragged tuft, which trails; expected "
+                "'zhongfeng' or none",
+                technique=self.technique,
             )
 
 

@@ -264,22 +264,28 @@ def plan_stroke(
     fineness = step / (em_mm / 512)
     field = outline_field(outline, step, holes, fineness < 1.0)
     if not field.inside.any():
-        raise InputError(f"{name} is finer than {step:g} mm; expected an outline to fill")
+        raise InputError(
+            "{name} is finer than {step:g} mm; expected an outline to fill",
+            name=name,
+            step=step,
+        )
     try:
         line = centre_line(median, field, settings.sample_step * em_mm * fineness)
     except InputError as cause:
         if field.distance.max() < step:  # the line may lie within what the grid does not show
-            raise InputError(_too_fine(name, em_mm)) from None
-        raise InputError(f"{name}: {cause}") from None
+            raise _too_fine(name, em_mm) from None
+        raise InputError("{name}: {cause}", name=name, cause=cause) from None
     plan = PathFitter(field, footprints, settings, em_mm * fineness, start)
     best = plan.finished(_into_corners(plan.follow(line), plan))
     if best.course is None:
-        raise InputError(_too_fine(name, em_mm))
+        raise _too_fine(name, em_mm)
     return best.course
 
 
-def _too_fine(name: str, em_mm: float) -> str:
-    return f"{name} is too fine for this brush at an em of {em_mm:g} mm"
+def _too_fine(name: str, em_mm: float) -> InputError:
+    return InputError(
+        "{name} is too fine for this brush at an em of {em_mm:g} mm", name=name, em_mm=em_mm
+    )
 
 
 def _into_corners(best: Followed, plan: PathFitter) -> Followed:

@@ -323,6 +323,6 @@ def _joined(outlines: Sequence[AnyArray], name: str) -> NDArray[np.float64]:
     whole = whole.buffer(_ROUNDING).buffer(-2.0 * _ROUNDING).buffer(_ROUNDING)
     pieces = [piece for piece in getattr(whole, "geoms", [whole]) if not piece.is_empty]
     if not pieces:
-        raise InputError(f"{name} is too short to have a shape; expected a longer line")
+        raise InputError("{name} is too short to have a shape; expected a longer line", name=name)
     largest = max(pieces, key=lambda piece: piece.area)
     return np.asarray(largest.exterior.coords)[:-1]

@@ -138,7 +138,8 @@ def _answer(worker: _Worker) -> _Answer:
     except (EOFError, ConnectionError):
         worker.process.join()
         raise Paint3DError(
-            f"a process that was started to help died (exit status {worker.process.exitcode})"
+            "a process that was started to help died (exit status {exitcode})",
+            exitcode=worker.process.exitcode,
         ) from None
 
 
@@ -172,7 +173,7 @@ def _packed(answer: _Answer) -> memoryview | bytes:
         told = f"{type(cause).__name__}: {cause}"
         if fault is not None:
             told = f"{type(fault).__name__}: {fault} ({told})"
-        unsent = Paint3DError(f"what a process found could not be sent back: {told}")
+        unsent = Paint3DError("what a process found could not be sent back: {told}", told=told)
         packed = ForkingPickler.dumps((number, None, unsent))
     return packed
 
@@ -493,8 +494,10 @@ def _laid(
         chart = make_chart(surface, frame, half_width, half_height, em / _NODES_PER_EM, step)
     except MeshError as cause:
         raise MeshError(
-            f"{piece.glyph.text!r}: its strokes reach beyond where one can write ({cause}); "
-            "expected a smaller size or another place"
+            "{glyph!r}: its strokes reach beyond where one can write ({cause}); expected a smaller "
+            "size or another place",
+            glyph=piece.glyph.text,
+            cause=cause,
         ) from None
     return to_hand_motion(motion, chart, em, tuft, middle)
 
@@ -540,5 +543,5 @@ def _recording(hand: HandMotion, pen: Pen, header: Mapping[str, object]) -> Reco
 
 def _rounded(values: AnyArray, what: str) -> AnyArray:
     if not np.isfinite(values).all():
-        raise InputError(f"the plan's {what} is not finite; expected numbers")
+        raise InputError("the plan's {what} is not finite; expected numbers", what=what)
     return np.round(values, _DECIMALS[what])

@@ -115,14 +115,21 @@ def run(options: argparse.Namespace) -> None:
     started = time.perf_counter()
     folder = os.path.abspath(options.folder or os.curdir)
     if not os.path.isdir(folder):
-        raise InputError(f"{options.folder}: there is no such folder; expected the files' own")
+        raise InputError(
+            "{folder}: there is no such folder; expected the files' own",
+            folder=options.folder,
+        )
     rows, refused = read_table(options.table, options.group)
     if options.rows is not None:
         rows, refused = _only(options.rows, rows), _only(options.rows, refused)
         if not rows and not refused:
             first, last = options.rows[0], options.rows[-1]
             lines = f"line {first}" if first == last else f"lines {first} to {last}"
-            raise InputError(f"{options.table}: there is no row in {lines}")
+            raise InputError(
+                "{table}: there is no row in {lines}",
+                table=options.table,
+                lines=lines,
+            )
     finished = FinishedRows(options.table.with_name(options.table.name + ".finished"), folder)
     left = [row for row in rows if options.again or not finished.has(row)]
     by_line = {row.line: row for row in left}
@@ -202,7 +209,14 @@ def _refuse(table: Path, failed: list[int], total: int) -> None:
     if failed:
         lines = ", ".join(map(str, sorted(failed)[:_SHOWN_LINES]))
         more = " ..." if len(failed) > _SHOWN_LINES else ""
-        raise InputError(f"{table}: {len(failed)} of {total} rows failed, in line {lines}{more}")
+        raise InputError(
+            "{table}: {n} of {total} rows failed, in line {lines}{more}",
+            table=table,
+            n=len(failed),
+            total=total,
+            lines=lines,
+            more=more,
+        )
 
 
 def _outcomes(rows: list[Row], folder: str, options: argparse.Namespace) -> Iterator[Outcome]:

@@ -130,7 +130,7 @@ def run(options: argparse.Namespace) -> None:
         try:
             counts.append({"piece": name, **_paint(document, name, piece, seconds)})
         except Paint3DError as cause:
-            raise InputError(f"{name}: {cause}") from None
+            raise InputError("{name}: {cause}", name=name, cause=cause) from None
     painted = document.painter.report()
     painting = Painting(document.surface, {**painted, "pieces": counts}, seconds, document=document)
     finish(painting, options)
@@ -154,7 +154,11 @@ def _pieces(options: argparse.Namespace) -> list[tuple[str, argparse.Namespace]]
         for line, cells in rows:
             if len(cells) != len(header):
                 raise InputError(
-                    f"{options.table}:{line}: it has {len(cells)} cells; expected {len(header)}"
+                    "{table}:{line}: it has {n} cells; expected {header}",
+                    table=options.table,
+                    line=line,
+                    n=len(cells),
+                    header=len(header),
                 )
             found.append((f"{options.table}:{line}", dict(zip(header, cells, strict=True))))
     for number, piece in enumerate(options.piece, 1):
@@ -173,7 +177,12 @@ def _asked(name: str, piece: Mapping[str, str], *, quiet: bool) -> argparse.Name
     what = [column for column in PIECES if column in given]
     if len(what) != 1:
         got = " and ".join(what) or "none of them"
-        raise InputError(f"{name}: it has {got}; expected one of {', '.join(PIECES)}")
+        raise InputError(
+            "{name}: it has {got}; expected one of {pieces}",
+            name=name,
+            got=got,
+            pieces=", ".join(PIECES),
+        )
     command = "seal" if what[0] == "seal" else "write"
     text = given.pop("seal") if command == "seal" else given.pop("text", None)
     try:
@@ -189,17 +198,19 @@ def _asked(name: str, piece: Mapping[str, str], *, quiet: bool) -> argparse.Name
         else:
             check_source(asked)
     except (UsageError, InputError) as cause:
-        raise InputError(f"{name}: {str(cause).partition(' (see ')[0]}") from None
+        raise InputError(
+            "{name}: {cause}", name=name, cause=str(cause).partition(" (see ")[0]
+        ) from None
     if command == "write":
         try:
             PaintingOptions.of(asked).check()
         except Paint3DError as cause:
-            raise InputError(f"{name}: {cause}") from None
+            raise InputError("{name}: {cause}", name=name, cause=cause) from None
     for file in (asked.svg, getattr(asked, "strokes", None)):
         try:
             check_input_file(file, "a file to read")
         except InputError as cause:
-            raise InputError(f"{name}: {cause}") from None
+            raise InputError("{name}: {cause}", name=name, cause=cause) from None
     return asked
 
 

@@ -154,9 +154,9 @@ def _copied(options: argparse.Namespace) -> CopiedSheet:
         try:
             sheet = copy_sheet(pixels, options.photo.name, _asked(options, scale), progress)
         except InputError as cause:
-            raise InputError(f"{options.photo}: {cause}") from None
-    if sheet.note:
-        _LOG.warning("%s: %s", options.photo, sheet.note)
+            raise InputError("{photo}: {cause}", photo=options.photo, cause=cause) from None
+    for note in sheet.notes:
+        _LOG.warning("%s: %s", options.photo, note)
     return sheet.taken_from(options.photo, scale, invert=options.invert)
 
 

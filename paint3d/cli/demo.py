@@ -101,7 +101,7 @@ def _make_folder(folder: Path) -> None:
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise ExportError(f"{folder}: {error.strerror or error}") from None
+        raise ExportError("{folder}: {cause}", folder=folder, cause=error) from None
 
 
 def _show(picture: Path) -> None:

@@ -261,7 +261,12 @@ def _touch_all(devices: OpenedDevices, touches: Touches, names: list[str]) -> No
             )
             sys.stderr.flush()
         if time.monotonic() > end:
-            raise DeviceError(f"{n} of {len(names)} points were touched in {_PATIENCE_S:g} s")
+            raise DeviceError(
+                "{n} of {names} points were touched in {patience_s:g} s",
+                n=n,
+                names=len(names),
+                patience_s=_PATIENCE_S,
+            )
         time.sleep(_TAKE_S)
         try:
             touches.hear(devices.take_stylus())
@@ -777,8 +782,9 @@ def _take_samples(
         try:
             if log is not None and devices.reader is not None:
                 raise DeviceError(
-                    f"--raw keeps HID reports, and {devices.reader.name} sends none; "
-                    "expected --stylus hid, or no --raw"
+                    "--raw keeps HID reports, and {reader} sends none; expected --stylus hid, or "
+                    "no --raw",
+                    reader=devices.reader.name,
                 )
             hands = TwoHands(
                 calibration or devices.calibration(),

@@ -103,8 +103,10 @@ def run(options: argparse.Namespace) -> None:
         if is_session_path(options.file):
             if not isinstance(painting, Session):
                 raise ExportError(
-                    f"{options.file}: {options.painting} is a mesh, which no session is made of; "
-                    "expected another suffix (paint3d paint opens a mesh and saves sessions)"
+                    "{file}: {painting} is a mesh, which no session is made of; expected another "
+                    "suffix (paint3d paint opens a mesh and saves sessions)",
+                    file=options.file,
+                    painting=options.painting,
                 )
             save_session(painting, options.file, progress)
         else:

@@ -108,8 +108,12 @@ class FilmWanted:
         n = seconds / speed * self.rate + 2.0
         if n > _MOST_PICTURES:
             raise InputError(
-                f"--film: {seconds:.0f} s of painting at {speed:g} times its speed are {n:.0f} "
-                f"pictures; expected {_MOST_PICTURES} at most: a higher --speed"
+                "--film: {seconds:.0f} s of painting at {speed:g} times its speed are {n:.0f} "
+                "pictures; expected {most} at most: a higher --speed",
+                seconds=seconds,
+                speed=speed,
+                n=n,
+                most=_MOST_PICTURES,
             )
         self.filmed(int(n)).check(self.file, self.shot, int(n))
         return Watch(self, Growth(surface, speed / self.rate), speed / self.rate)
@@ -215,7 +219,7 @@ def film_of(options: argparse.Namespace) -> FilmWanted | None:
         for name in _OF_FILMS:
             if getattr(options, name) is not None:
                 option = "--" + name.replace("_", "-")
-                raise InputError(f"{option} is of a film; expected --film FILE, too")
+                raise InputError("{option} is of a film; expected --film FILE, too", option=option)
         return None
     check_output_file(options.film, _SUFFIXES)
     from paint3d.view.film import film_form

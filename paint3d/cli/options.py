@@ -481,9 +481,14 @@ def check_input_file(name: str | Path | None, what: str, known: Sequence[str] = 
     expected = f"{what}, or {', '.join(known)}" if known else what
     near = hint(os.fspath(name), known)
     if os.path.isdir(name):
-        raise InputError(f"{name} is a folder; expected {expected}")
+        raise InputError("{name} is a folder; expected {expected}", name=name, expected=expected)
     if not os.path.exists(name):
-        raise InputError(f"{name}: there is no such file; expected {expected}{near}")
+        raise InputError(
+            "{name}: there is no such file; expected {expected}{near}",
+            name=name,
+            expected=expected,
+            near=near,
+        )
 
 
 def check_output_folder(folder: Path) -> None:
@@ -498,9 +503,13 @@ def check_output_folder(folder: Path) -> None:
     while not there.exists() and there != there.parent:
         there = there.parent
     if not there.is_dir():
-        raise ExportError(f"{there} is not a folder; {folder} cannot be made")
+        raise ExportError(
+            "{there} is not a folder; {folder} cannot be made",
+            there=there,
+            folder=folder,
+        )
     if not os.access(there, os.W_OK | os.X_OK):
-        raise ExportError(f"{there}: no permission to write there")
+        raise ExportError("{there}: no permission to write there", there=there)
 
 
 def check_output_file(file: Path, suffixes: tuple[str, ...]) -> None:
@@ -515,14 +524,16 @@ def check_output_file(file: Path, suffixes: tuple[str, ...]) -> None:
     name = file.name.lower()
     if not any(name.endswith(suffix) and name != suffix for suffix in suffixes):
         raise ExportError(
-            f"{file}: unknown kind of file; expected a name ending in {', '.join(suffixes)}"
+            "{file}: unknown kind of file; expected a name ending in {suffixes}",
+            file=file,
+            suffixes=", ".join(suffixes),
         )
     if file.is_dir():
-        raise ExportError(f"{file} is a folder; expected a file name")
+        raise ExportError("{file} is a folder; expected a file name", file=file)
     if file.exists() and not file.is_file():
-        raise ExportError(f"{file} is a pipe or a device; expected a file name")
+        raise ExportError("{file} is a pipe or a device; expected a file name", file=file)
     if not file.parent.is_dir():
-        raise ExportError(f"{file}: there is no folder {file.parent}")
+        raise ExportError("{file}: there is no folder {parent}", file=file, parent=file.parent)
     check_output_folder(file.parent)
 
 
@@ -551,17 +562,25 @@ def check_overwriting(
     for k, file in enumerate(files):
         for other in files[:k]:
             if _same_file(file, other):
-                raise ExportError(f"{file} is {other}; expected a file for each of them")
+                raise ExportError(
+                    "{file} is {other}; expected a file for each of them",
+                    file=file,
+                    other=other,
+                )
         for source in () if force else [source for source in read if source]:
             if _same_file(file, source):
                 raise ExportError(
-                    f"{file} would be replaced, and {source} is read from it; "
-                    "expected another name, or --force"
+                    "{file} would be replaced, and {source} is read from it; expected another "
+                    "name, or --force",
+                    file=file,
+                    source=source,
                 )
             if _refers_to(source, file):
                 raise ExportError(
-                    f"{file} would be replaced, and {source} refers to it; "
-                    "expected another name, or --force"
+                    "{file} would be replaced, and {source} refers to it; expected another name, "
+                    "or --force",
+                    file=file,
+                    source=source,
                 )
 
 

@@ -71,8 +71,9 @@ def run(options: argparse.Namespace) -> None:
         from paint3d.app.window.start import run_studio
     except ImportError as cause:
         raise InputError(
-            f"the studio needs PySide6, which cannot be loaded ({cause}); "
-            "expected pip install 'paint3d[studio]'"
+            "the studio needs PySide6, which cannot be loaded ({cause}); expected pip install "
+            "'paint3d[studio]'",
+            cause=cause,
         ) from None
     run_studio(
         options.target,

@@ -427,7 +427,7 @@ def _brush(recording: Recording | LaidPad, wished: str | None) -> BrushSpec:
     try:
         return recorded_brush(recording.header) or load_brush(DEFAULT_BRUSH)
     except RecordingError as cause:
-        raise RecordingError(f"{cause}, or --brush") from None
+        raise RecordingError("{cause}, or --brush", cause=cause) from None
 
 
 def _ink(recording: Recording | LaidPad, wished: str | None) -> dict[Pigment, float]:
@@ -440,7 +440,7 @@ def _ink(recording: Recording | LaidPad, wished: str | None) -> dict[Pigment, fl
     try:
         return recorded_ink(recording.header) or load_ink(DEFAULT_INK)
     except RecordingError as cause:
-        raise RecordingError(f"{cause}, or --ink") from None
+        raise RecordingError("{cause}, or --ink", cause=cause) from None
 
 
 def _tip(
@@ -455,7 +455,7 @@ def _tip(
     try:
         own = None if wanted.ink is not None else recorded_tip(recording.header)
     except RecordingError as cause:
-        raise RecordingError(f"{cause}, or --ink") from None
+        raise RecordingError("{cause}, or --ink", cause=cause) from None
     return own or (None, wanted.reach)
 
 
@@ -480,7 +480,11 @@ def open_document(wanted: PaintingOptions, options: argparse.Namespace) -> Docum
     for name in ("material", "resolution", "unit", "up", "from_points", "texture"):
         if getattr(options, name, None) is not None:
             option = name.replace("_", "-")
-            raise InputError(f"--{option} is given, and {wanted.on} is a painting with its own")
+            raise InputError(
+                "--{option} is given, and {on} is a painting with its own",
+                option=option,
+                on=wanted.on,
+            )
     say_if_compiling(quiet=wanted.quiet)
     with ProgressBar("opening", enabled=not wanted.quiet) as progress:
         return Document.open(wanted.on, progress=progress)

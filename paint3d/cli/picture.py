@@ -232,8 +232,9 @@ def _draw_outlines(options: argparse.Namespace) -> None:
         painting = open_painting(options)
         if not isinstance(painting, Session) or not (painting.recordings or painting.strokes):
             raise ExportError(
-                f"{options.painting} holds no strokes; expected a recording, or a session with "
-                "recordings, for an .svg of strokes"
+                "{painting} holds no strokes; expected a recording, or a session with recordings, "
+                "for an .svg of strokes",
+                painting=options.painting,
             )
         check_is_plane(painting.surface.source)
         strokes = [(recording, brush_of(recording)) for recording in painting.recordings]
@@ -247,8 +248,9 @@ def _draw_outlines(options: argparse.Namespace) -> None:
 def _take_picture(options: argparse.Namespace) -> None:
     if is_recording(options.painting):
         raise InputError(
-            f"{options.painting} is a recording; expected a painting, or --out FILE.svg "
-            "(paint3d replay paints it)"
+            "{painting} is a recording; expected a painting, or --out FILE.svg (paint3d replay "
+            "paints it)",
+            painting=options.painting,
         )
     check_input_file(options.painting, "a painting (.p3d), a mesh", BUILT_IN_OBJECTS)
     from paint3d.colour.materials import load_material

@@ -115,6 +115,7 @@ def run(options: argparse.Namespace) -> None:
     )
     check_input_file(options.recording, "a recording")
     wanted.check_object()
+    from paint3d.device.recorded import MODEL
     from paint3d.files.project.session import is_session_path
     from paint3d.recording.recording import load_recording
     from paint3d.recording.score import is_score
@@ -126,12 +127,19 @@ def run(options: argparse.Namespace) -> None:
         return
     if options.painted_on is not None and options.at is None:
         raise InputError(
-            f"--painted-on is given, and {options.recording} is no whole painting; expected one of "
-            "version 2, or --at U,V, where its strokes are laid"
+            "--painted-on is given, and {recording} is no whole painting; expected one of version "
+            "2, or --at U,V, where its strokes are laid",
+            recording=options.recording,
         )
     wanted.check()
     with ProgressBar("reading", enabled=not options.quiet) as progress:
         recording = load_recording(options.recording, progress=progress)
+    if recording.header["model"] != MODEL:
+        _LOG.warning(
+            "%s was recorded with version %d of brush and ink; this program paints with version "
+            "%d, so its marks differ",
+            options.recording, recording.header["model"], MODEL,
+        )  # fmt: skip
     seconds: dict[str, float] = {}
     document = open_document(wanted, options) if is_session_path(wanted.on) else None
     if document is None:
@@ -177,7 +185,9 @@ def _for_this(recording: Recording, mesh: TriangleMesh, options: argparse.Namesp
 
     if options.painted_on is None and not is_built_in(made_on):
         raise InputError(
-            f"{options.recording} was recorded on {made_on}; expected --painted-on MESH, that "
-            "object's file, for it to be laid elsewhere"
+            "{recording} was recorded on {made_on}; expected --painted-on MESH, that object's "
+            "file, for it to be laid elsewhere",
+            recording=options.recording,
+            made_on=made_on,
         )
     return lift_off(recording, ClosestPoints(load_mesh(options.painted_on or made_on)))

@@ -226,7 +226,10 @@ def check_is_plane(mesh: TriangleMesh) -> None:
     """
     low, high = mesh.bounds
     if max(abs(low[2]), abs(high[2])) > _FLAT_MM or mesh.face_normals[:, 2].min() < 0.99:
-        raise ExportError(f"{mesh.name} is not the plane z = 0; expected it for an .svg of strokes")
+        raise ExportError(
+            "{object} is not the plane z = 0; expected it for an .svg of strokes",
+            object=mesh.name,
+        )
 
 
 def export_outlines(
@@ -284,7 +287,7 @@ def export_recordings(strokes: Sequence[tuple[Recording, BrushSpec]], file: Path
         groups.append((ink, stroke_outlines(recording, brush)))
     points = [ring for _, outlines in groups for rings in outlines for ring in rings]
     if not points:
-        raise ExportError(f"{file}: no stroke touches the plane; expected one at least")
+        raise ExportError("{file}: no stroke touches the plane; expected one at least", file=file)
     low = np.min([ring.min(axis=0) for ring in points], axis=0) - _MARGIN_MM
     high = np.max([ring.max(axis=0) for ring in points], axis=0) + _MARGIN_MM
     bounds = (float(low[0]), float(low[1]), float(high[0]), float(high[1]))
@@ -305,7 +308,8 @@ def _colour_of(ink: str, *, own_tables: bool = True) -> str:
 
     stirred: dict[str | Pigment, float] = dict(load_ink(ink, own_tables=own_tables).items())
     paper = load_material("xuan").reflectance
-    red, green, blue = srgb_from_reflectance(mixture_reflectance(stirred, 1.0, paper))
+    film = mixture_reflectance(stirred, 1.0, paper, by_volume=True)
+    red, green, blue = srgb_from_reflectance(film)
     return f"#{red:02x}{green:02x}{blue:02x}"
 
 

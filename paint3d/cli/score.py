@@ -125,8 +125,9 @@ def run(options: argparse.Namespace) -> None:
 
     if not is_score(options.score):
         raise RecordingError(
-            f"{options.score}: this is no recording of version 2; expected a whole painting, as "
-            "the studio saves one under Whole painting"
+            "{score}: this is no recording of version 2; expected a whole painting, as the studio "
+            "saves one under Whole painting",
+            score=options.score,
         )
     with ProgressBar("reading", enabled=not options.quiet) as progress:
         score = load_score(options.score, progress)
@@ -150,7 +151,11 @@ def _edited(score: Score, edits: Sequence[_Edit], options: argparse.Namespace) -
         for number in edit.numbers:
             if not 1 <= number <= count:
                 raise RecordingError(
-                    f"{options.score}: --{edit.kind} stroke {number}; expected 1 to {count}"
+                    "{score}: --{kind} stroke {number}; expected 1 to {count}",
+                    score=options.score,
+                    kind=edit.kind,
+                    number=number,
+                    count=count,
                 )
     ground = _ground(score, options) if any(edit.kind == "move" for edit in edits) else None
     for edit in edits:
@@ -159,7 +164,12 @@ def _edited(score: Score, edits: Sequence[_Edit], options: argparse.Namespace) -
         try:
             words = _words(edit, score)
         except Paint3DError as cause:
-            raise InputError(f"--{edit.kind} of stroke {edit.numbers[0]}: {cause}") from None
+            raise InputError(
+                "--{kind} of stroke {numbers}: {cause}",
+                kind=edit.kind,
+                numbers=edit.numbers[0],
+                cause=cause,
+            ) from None
         for number in edit.numbers:
             score = edit_stroke(score, number, words, ground)  # type: ignore[arg-type]
     gone = {number for edit in edits if edit.kind == "delete" for number in edit.numbers}
@@ -204,8 +214,8 @@ def _ground(score: Score, options: argparse.Namespace) -> ClosestPoints:
     name = options.on or score.header.get("object")
     if options.on is None and not (isinstance(name, str) and is_built_in(name)):
         raise InputError(
-            f"the score's object is {name or 'not said'!s}; expected --on MESH for strokes to be "
-            "moved on"
+            "the score's object is {name!s}; expected --on MESH for strokes to be moved on",
+            name=name or "not said",
         )
     with ProgressBar("reading the object", enabled=not options.quiet):
         return ClosestPoints(load_mesh(name, options.unit))

@@ -37,21 +37,28 @@ def replay_score(options: argparse.Namespace, film: FilmWanted | None = None) ->
     for name in _OWN:
         if getattr(options, name) is not None:
             raise InputError(
-                f"--{name} is given, and {options.recording} is a whole painting with brushes, "
-                f"inks, places and time of its own; expected no --{name}"
+                "--{name} is given, and {recording} is a whole painting with brushes, inks, places "
+                "and time of its own; expected no --{name}",
+                name=name,
+                recording=options.recording,
             )
     with ProgressBar("reading", enabled=not options.quiet) as progress:
         score = load_score(options.recording, progress)
     if is_session_path(options.on):
         raise InputError(
-            f"{options.recording} is a whole painting, which begins on a bare object; expected "
-            f"--on MESH, not {options.on}"
+            "{recording} is a whole painting, which begins on a bare object; expected --on MESH, "
+            "not {on}",
+            recording=options.recording,
+            on=options.on,
         )
     document, painting, watch = _painted(score, options, film)
     if not painting.counts["footprints"]:
         raise RecordingError(
-            f"{options.recording}: no stroke of it touches {document.surface.source.name}; "
-            f"expected the object that it was painted on ({score.header.get('object', 'not said')})"
+            "{recording}: no stroke of it touches {source}; expected the object that it was "
+            "painted on ({object})",
+            recording=options.recording,
+            source=document.surface.source.name,
+            object=score.header.get("object", "not said"),
         )
     with timed(painting.seconds, "export"):
         if options.out is not None:

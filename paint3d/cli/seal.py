@@ -176,12 +176,12 @@ def check_seal(options: argparse.Namespace) -> None:
     """
     if (options.text is None) == (options.svg is None):
         got = "nothing to cut" if options.text is None else "a text and --svg"
-        raise InputError(f"got {got}; expected one of TEXT and --svg FILE")
+        raise InputError("got {got}; expected one of TEXT and --svg FILE", got=got)
     if options.ids is not None and options.svg is None:
         raise InputError("--ids is given without a drawing; expected --svg FILE")
     for name in ("font", "glyphs"):
         if getattr(options, name) is not None and options.text is None:
-            raise InputError(f"--{name} is given without a text; expected TEXT")
+            raise InputError("--{name} is given without a text; expected TEXT", name=name)
     if options.font is not None and options.glyphs is not None:
         raise InputError("--font and --glyphs are given; expected one of them")
     if options.font_number is not None and options.font is None:
@@ -230,7 +230,10 @@ def press(document: Document, options: argparse.Namespace) -> str:
                 fault = fault or cause
         else:
             name = document.surface.source.name
-            raise fault or MeshError(f"{name}: there is no place for a seal; expected a surface")
+            raise fault or MeshError(
+                "{name}: there is no place for a seal; expected a surface",
+                name=name,
+            )
     return (
         f"{seal.text}, {seal.style}, {seal.width_mm:.1f} x {seal.height_mm:.1f} mm, "
         f"{100.0 * touched:.0f} % touched"

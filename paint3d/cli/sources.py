@@ -181,7 +181,7 @@ def check_source(options: argparse.Namespace) -> None:
     ]
     if len(given) != 1:
         got = " and ".join(given) or "nothing to write"
-        raise InputError(f"got {got}; expected one of TEXT, --svg FILE and --strokes FILE")
+        raise InputError("got {got}; expected one of TEXT, --svg FILE and --strokes FILE", got=got)
     if options.rehearsals is not None and options.strokes is None:
         raise InputError("--rehearsals is given without strokes; expected --strokes FILE")
     if options.ids is not None and options.svg is None:
@@ -195,7 +195,10 @@ def check_source(options: argparse.Namespace) -> None:
     for name in _OF_A_FONT if options.font is None else ():
         if getattr(options, name) is not None:
             option = name.replace("_", "-")
-            raise InputError(f"--{option} is given without a font; expected --font FONT")
+            raise InputError(
+                "--{option} is given without a font; expected --font FONT",
+                option=option,
+            )
 
 
 def open_page(options: argparse.Namespace) -> Composer | None:

@@ -158,8 +158,10 @@ def _measured(options: argparse.Namespace, written: Path | None, suffix: str) ->
     stems = [trial.stem for trial in plan.schedule()]
     if not any(name.startswith(f"{stem}.") for stem in stems for name in there):
         raise InputError(
-            f"{options.folder}: there is no trial yet; expected {stems[0]}.p3d and so on, as "
-            "`paint3d study plan` has said"
+            "{folder}: there is no trial yet; expected {first}.p3d and so on, as `paint3d study "
+            "plan` has said",
+            folder=options.folder,
+            first=stems[0],
         )
     from paint3d.app.model.studies.study import evaluate
     from paint3d.calligraphy.glyph_sources import open_glyphs

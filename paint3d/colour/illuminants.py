@@ -77,7 +77,10 @@ def read_plain_spectrum(path: Path) -> Spectrum | None:
             if len(rows) < 3:
                 return None
             raise InputError(
-                f"{path}:{k}: {line.strip()[:60]!r}; expected a wavelength in nm and a value"
+                "{file}:{k}: {line!r}; expected a wavelength in nm and a value",
+                file=path,
+                k=k,
+                line=line.strip()[:60],
             ) from None
         rows.append((nm, value))
     if not rows:
@@ -102,13 +105,15 @@ def read_spectra(path: str | Path) -> Mapping[str, Spectrum]:
         try:
             parse_xml(text.encode("utf-8"), _DEEPEST, doctypes=False)
         except XmlFault as fault:
-            raise InputError(f"{path}: {fault}") from None
+            raise InputError("{file}: {fault}", file=path, fault=fault) from None
     try:
         colour = import_module("colour")
     except ImportError as cause:
         raise InputError(
-            f"{path}: spectra of this kind are read by colour-science, which fails: {cause}; "
-            'expected it installed: pip install "paint3d[spectral]"'
+            "{file}: spectra of this kind are read by colour-science, which fails: {cause}",
+            file=path,
+            cause=cause,
+            hint="pip install 'paint3d[spectral]'",
         ) from None
     for read in _readers(path, text, colour):
         try:
@@ -124,8 +129,9 @@ def read_spectra(path: str | Path) -> Mapping[str, Spectrum]:
         if found and all(len(nm) > 1 for nm, _ in found.values()):
             return {name: _checked(path, nm, values) for name, (nm, values) in found.items()}
     raise InputError(
-        f"{path}: holds no spectrum that is known; expected two columns (nm, value), IES TM-27 "
-        "(.spdx), or text of X-Rite, Sekonic or UPRtek"
+        "{file}: holds no spectrum that is known; expected two columns (nm, value), IES TM-27 "
+        "(.spdx), or text of X-Rite, Sekonic or UPRtek",
+        file=path,
     )
 
 
@@ -154,9 +160,13 @@ def _read_text(path: Path) -> str:
         with path.open("rb") as stream:
             data = stream.read(_MOST_BYTES + 1)
     except OSError as cause:
-        raise InputError(f"{path}: cannot be read: {cause.strerror or cause}") from None
+        raise InputError("{file}: cannot be read: {cause}", file=path, cause=cause) from None
     if len(data) > _MOST_BYTES:
-        raise InputError(f"{path}: is larger than {_MOST_BYTES:,} bytes; expected a spectrum")
+        raise InputError(
+            "{file}: is larger than {most:,} bytes; expected a spectrum",
+            file=path,
+            most=_MOST_BYTES,
+        )
     for encoding in ("utf-8-sig", "utf-16"):
         try:
             return data.decode(encoding)
@@ -167,12 +177,15 @@ def _read_text(path: Path) -> str:
 
 def _checked(path: Path, nm: AnyArray, values: AnyArray) -> Spectrum:
     if not (np.isfinite(nm).all() and np.isfinite(values).all()):
-        raise InputError(f"{path}: a number of its spectrum is not finite")
+        raise InputError("{file}: a number of its spectrum is not finite", file=path)
     if not (np.diff(nm) > 0.0).all():
-        raise InputError(f"{path}: its wavelengths are not in rising order")
+        raise InputError("{file}: its wavelengths are not in rising order", file=path)
     if nm[0] > _FIRST_NM or nm[-1] < _LAST_NM:
         raise InputError(
-            f"{path}: its wavelengths are {nm[0]:g} to {nm[-1]:g} nm; expected to cover 400 to 700"
+            "{file}: its wavelengths are {first:g} to {last:g} nm; expected to cover 400 to 700",
+            file=path,
+            first=nm[0],
+            last=nm[-1],
         )
     return nm, values
 
@@ -205,8 +218,9 @@ def colour_science() -> Any:
         return import_module("colour")
     except ImportError as cause:
         raise InputError(
-            f"this needs colour-science, which fails: {cause}; "
-            'expected it installed: pip install "paint3d[spectral]"'
+            "this needs colour-science, which fails: {cause}",
+            cause=cause,
+            hint="pip install 'paint3d[spectral]'",
         ) from None
 
 
@@ -254,7 +268,10 @@ def find_illuminant(name: str) -> NDArray[np.float64]:
 def _black_body(kelvins: float, name: str) -> NDArray[np.float64]:
     if not _COLDEST <= kelvins <= _HOTTEST:
         raise InputError(
-            f"the illuminant is {name}; expected {_COLDEST:g}K to {_HOTTEST:g}K for a black body"
+            "the illuminant is {name}; expected {coldest:g}K to {hottest:g}K for a black body",
+            name=name,
+            coldest=_COLDEST,
+            hottest=_HOTTEST,
         )
     power = FINE_NM**-5.0 / np.expm1(_C2 / (FINE_NM * kelvins))
     result: NDArray[np.float64] = power / power[200]
@@ -266,14 +283,26 @@ def _read_illuminant(path: Path) -> NDArray[np.float64]:
     if found is None:
         spectra = read_spectra(path)
         if len(spectra) != 1:
-            raise InputError(f"{path}: holds {len(spectra)} spectra; expected one, of a light")
+            raise InputError(
+                "{file}: holds {n} spectra; expected one, of a light",
+                file=path,
+                n=len(spectra),
+            )
         found = next(iter(spectra.values()))
     nm, power = found
     if power.min() < 0.0 or not power.max() > 0.0:
-        raise InputError(f"{path}: its power is {power.min():g} to {power.max():g}; expected light")
+        raise InputError(
+            "{file}: its power is {least:g} to {most:g}; expected light",
+            file=path,
+            least=power.min(),
+            most=power.max(),
+        )
     fine = _resample(nm, power / power.max())
     if not fine.max() > _FAINTEST:
-        raise InputError(f"{path}: none of its power is from 360 to 830 nm; expected light")
+        raise InputError(
+            "{file}: none of its power is from 360 to 830 nm; expected light",
+            file=path,
+        )
     return fine
 
 

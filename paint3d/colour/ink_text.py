@@ -63,8 +63,9 @@ def _split_part(piece: str, text: str) -> tuple[str, float]:
     name = name.strip()
     if not name:
         raise PigmentError(
-            f"the ink {text[:100]!r} has a part without a name; expected NAME or "
-            "NAME:PARTS,NAME:PARTS such as 'pine soot:0.2,water:0.8'"
+            "the ink {text!r} has a part without a name; expected NAME or NAME:PARTS,NAME:PARTS "
+            "such as 'pine soot:0.2,water:0.8'",
+            text=text[:100],
         )
     try:
         weight = float(parts)
@@ -72,8 +73,10 @@ def _split_part(piece: str, text: str) -> tuple[str, float]:
         weight = math.nan
     if not (math.isfinite(weight) and weight >= 1e-9):
         raise PigmentError(
-            f"the ink {text[:100]!r} has {parts.strip()!r} parts of {name!r}; "
-            "expected a number above 0"
+            "the ink {text!r} has {parts!r} parts of {name!r}; expected a number above 0",
+            text=text[:100],
+            parts=parts.strip(),
+            name=name,
         )
     return name, weight
 

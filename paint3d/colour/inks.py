@@ -62,8 +62,9 @@ def load_ink(text: str, *, own_tables: bool = True) -> dict[Pigment, float]:
     """
     if not own_tables and names_table(text):
         raise PigmentError(
-            f"the ink {text[-100:]!r} is of a table on this machine, which a file "
-            "may not name; expected an ink of the palette"
+            "the ink {text!r} is of a table on this machine, which a file may not name; expected "
+            "an ink of the palette",
+            text=text[-100:],
         )
     mixture: dict[Pigment, float] = {}
     for name, parts in split_ink(text):

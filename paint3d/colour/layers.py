@@ -1,8 +1,8 @@
 """Layers of paint over a backing, spectrum by spectrum: mixing, glazing, gloss.
 
-Wet paints mix: K and S add by their fractions. Paint over dry paint glazes: the reflectance of
-the dry layer is the backing of the next one. A glossy film's measured reflectance also includes
-what its surface reflects on the way in and on the way out (Saunderson 1942).
+Wet paints mix: K and S add by their fractions of volume. Paint over dry paint glazes: the
+reflectance of the dry layer is the backing of the next one. A glossy film's measured reflectance
+also includes what its surface reflects on the way in and on the way out (Saunderson 1942).
 """
 
 from __future__ import annotations
@@ -66,7 +66,12 @@ def layer_reflectance(
         high = 1.0 if name == "backing" else np.inf
         if array.size and not (array.min() >= 0 and array.max() <= high):
             worst = array.min() if array.min() < 0 else array.max()
-            raise InputError(f"{name} holds {worst:g}; expected 0 to {high:g}")
+            raise InputError(
+                "{name} holds {worst:g}; expected 0 to {high:g}",
+                name=name,
+                worst=worst,
+                high=high,
+            )
     full = np.broadcast_arrays(*checked)
     reflected, alone, through = (np.empty(full[0].size) for _ in range(3))
     flat = [np.ascontiguousarray(array).reshape(-1) for array in full]
@@ -89,59 +94,69 @@ def to_internal(measured: ArrayLike, outer: float, inner: float) -> AnyArray:
     return r / ((1.0 - outer) * (1.0 - inner) + inner * r)
 
 
-def mix_pigments(fractions: Mapping[str | Pigment, float]) -> tuple[AnyArray, AnyArray, bool]:
+def mix_pigments(
+    parts: Mapping[str | Pigment, float], by_volume: bool = False
+) -> tuple[AnyArray, AnyArray, bool]:
     """K and S (31,) per coat of a wet mixture, and whether its film is glossy.
 
-    docs/model.md, equation (16), for one coat.
+    docs/model.md, equations (16) and (22), for one coat.
 
     Parameters
     ----------
-    fractions : mapping
-        Mass of each pigment, by name or as `Pigment`, >= 0; scaled to a sum of 1. The mixture
-        counts as glossy if one of its paints was fitted with Saunderson's correction.
+    parts : mapping
+        How much of each pigment, by name or as `Pigment`, >= 0: g of paints that have a density,
+        cm3 of others (all of the palette), or any multiple of both. The mixture counts as glossy
+        if one of its paints was fitted with Saunderson's correction.
+    by_volume : bool
+        Whether parts of weighed paints are cm3 too, as in a brush.
 
     Raises
     ------
     UnknownNameError
         If a name is not in the palette or among the fitted paints.
     InputError
-        If there is no paint, or a fraction is negative or not finite.
+        If there is no paint, or a part is negative or not finite.
     """
-    paints = [p if isinstance(p, Pigment) else load_pigment(p) for p in fractions]
-    masses = np.array(
+    paints = [p if isinstance(p, Pigment) else load_pigment(p) for p in parts]
+    volumes = np.array(
         [
-            as_number(m, f"fraction of {p.name}", 0.0)
-            for p, m in zip(paints, fractions.values(), strict=True)
+            as_number(part, f"fraction of {p.name}", 0.0)
+            / (1.0 if by_volume or p.density is None else p.density)
+            for p, part in zip(paints, parts.values(), strict=True)
         ]
     )
-    total = masses.sum() if masses.size else 0.0
+    total = volumes.sum() if volumes.size else 0.0
     if not total > 0:
         raise InputError("the mixture holds no paint; expected a fraction above 0")
-    masses = masses / total
-    k = sum(m * p.K for m, p in zip(masses, paints, strict=True))
-    s = sum(m * p.S for m, p in zip(masses, paints, strict=True))
-    glossy = any(p.saunderson for m, p in zip(masses, paints, strict=True) if m > 0)
+    volumes = volumes / total
+    k = sum(v * p.K for v, p in zip(volumes, paints, strict=True))
+    s = sum(v * p.S for v, p in zip(volumes, paints, strict=True))
+    glossy = any(p.saunderson for v, p in zip(volumes, paints, strict=True) if v > 0)
     return k, s, glossy
 
 
 def mixture_reflectance(
-    mass_fractions: Mapping[str | Pigment, float],
+    parts: Mapping[str | Pigment, float],
     coats: float,
     backing: ArrayLike,
     saunderson: bool | None = None,
+    by_volume: bool = False,
 ) -> AnyArray:
     """Reflectance (31,), 400-700 nm, as measured, of a mixed paint over a backing.
 
     Parameters
     ----------
-    mass_fractions : mapping of name to mass
-        Names of the palette or of the fitted drawdown paints, see `mix_pigments`.
+    parts : mapping of name to part
+        Names of the palette, whose parts are volume, or of the fitted drawdown paints, whose
+        parts are mass; see `mix_pigments`.
     coats : float
         Thickness in full coats, >= 0; a drawdown is one.
     backing : (31,) array_like
         Reflectance of the surface below as measured, in [0, 1].
     saunderson : bool, optional
         Correct for the gloss of the film; by default if a paint of it was fitted so.
+    by_volume : bool
+        Whether parts of weighed paints are volume too, as in a brush.
 
     Raises
     ------
@@ -157,7 +172,7 @@ def mixture_reflectance(
     other mixtures 1.0; blending RGB is wrong by 26. A paint known by a hiding film alone has an
     unknown strength: its tint is then missed by 10 (`scripts/fit_drawdowns.py`, docs/ink.md).
     """
-    k, s, glossy = mix_pigments(mass_fractions)
+    k, s, glossy = mix_pigments(parts, by_volume)
     return stack_reflectance(
         [(k, s, as_number(coats, "coats", 0.0))],
         backing,
@@ -185,7 +200,11 @@ def stack_reflectance(
     """
     below = as_array(backing, "backing", (N_BANDS,))
     if below.min() < 0 or below.max() > 1:
-        raise InputError(f"backing is {below.min():g} to {below.max():g}; expected 0 to 1")
+        raise InputError(
+            "backing is {least:g} to {most:g}; expected 0 to 1",
+            least=below.min(),
+            most=below.max(),
+        )
     if glossy:
         below = np.maximum(to_internal(below, *SAUNDERSON), 0.0)
     for k, s, coats in layers:

@@ -24,7 +24,7 @@ from paint3d.colour.pigments import BANDS_NM
 from paint3d.colour.spectra import WAVELENGTHS, decode_srgb
 from paint3d.core.arrays import AnyArray, as_array, as_number
 from paint3d.core.parameter_file import check_known, is_parameter_file, named_or_read, read_thing
-from paint3d.errors import PigmentError
+from paint3d.errors import Message, PigmentError
 
 __all__ = [
     "WAVE_RANGE_MM",
@@ -160,8 +160,10 @@ class Material:
         ).copy()
         if values.min() < 0 or values.max() > 1:
             raise PigmentError(
-                f"reflectance of {self.name} is {values.min():g} to {values.max():g}; "
-                "expected 0 to 1"
+                "reflectance of {name} is {least:g} to {most:g}; expected 0 to 1",
+                name=self.name,
+                least=values.min(),
+                most=values.max(),
             )
         values.flags.writeable = False
         object.__setattr__(self, "reflectance", values)
@@ -176,8 +178,13 @@ class Material:
             object.__setattr__(self, key, number)
         if self.slip > _MOST_SPREAD:
             raise PigmentError(
-                f"friction of {self.name} is {self.friction:g}, {self.slip:.3g} times its "
-                f"rated_friction {self.rated_friction:g}; expected at most {_MOST_SPREAD:g} times"
+                "friction of {name} is {friction:g}, {slip:.3g} times its rated_friction "
+                "{rated_friction:g}; expected at most {most:g} times",
+                name=self.name,
+                friction=self.friction,
+                slip=self.slip,
+                rated_friction=self.rated_friction,
+                most=_MOST_SPREAD,
             )
 
     @property
@@ -254,7 +261,7 @@ def load_material(name: str, *, own_files: bool = True) -> Material:
     """
     materials = load_materials()
     read = partial(read_material, known=materials) if own_files else None
-    return named_or_read(name, materials, "material", PigmentError, read)
+    return named_or_read(name, materials, Message("material"), PigmentError, read)
 
 
 # ---- Files ---------------------------------------------------------------------------------------
@@ -302,7 +309,10 @@ def read_material(path: str | Path, known: Mapping[str, Material]) -> Material:
         Naming the file and the parameter, the value and what was expected.
     """
     return read_thing(
-        path, "a material", PigmentError, lambda values, stem: _make_material(values, stem, known)
+        path,
+        Message("a material"),
+        PigmentError,
+        lambda values, stem: _make_material(values, stem, known),
     )
 
 
@@ -313,7 +323,11 @@ def _make_material(values: dict[str, Any], stem: str, known: Mapping[str, Materi
     given: dict[str, Any] = {}
     if base is not None:
         if not isinstance(base, str) or base not in known:
-            raise PigmentError(f"base is {base!r:.60}; expected one of {', '.join(known)}")
+            raise PigmentError(
+                "base is {base!r:.60}; expected one of {known}",
+                base=base,
+                known=", ".join(known),
+            )
         given = {field: getattr(known[base], field) for field in fields}
         given |= dict.fromkeys(_FILE_WORDS, "") | {"basis": f"as {base}"}
     else:
@@ -324,8 +338,9 @@ def _make_material(values: dict[str, Any], stem: str, known: Mapping[str, Materi
         if missing:
             names = ", ".join("colour" if f == "reflectance" else f for f in missing)
             raise PigmentError(
-                f'says no {names}; expected these, or base = "xuan" or another material to take '
-                "them from"
+                'says no {names}; expected these, or base = "xuan" or another material to take '
+                "them from",
+                names=names,
             )
     if "colour" in values and "reflectance" in values:
         raise PigmentError("says a colour and a reflectance; expected one of them")
@@ -338,8 +353,9 @@ def _make_material(values: dict[str, Any], stem: str, known: Mapping[str, Materi
     material = Material(**(given | values | {"name": name}))
     if material.name in known:
         raise PigmentError(
-            f"name is {material.name!r}, a material that comes with the program; expected another: "
-            'name = "mine"'
+            "name is {material!r}, a material that comes with the program; expected another: name "
+            '= "mine"',
+            material=material.name,
         )
     return material
 
@@ -348,14 +364,19 @@ def _check_words(name: object, values: Mapping[str, Any]) -> None:
     is_name = isinstance(name, str) and 0 < len(name) <= _LONGEST_NAME and name.isprintable()
     if not is_name or is_parameter_file(str(name)):
         raise PigmentError(
-            f"name is {name!r:.80}; expected 1 to {_LONGEST_NAME} characters, and no file's name"
+            "name is {name!r:.80}; expected 1 to {most} characters, and no file's name",
+            name=name,
+            most=_LONGEST_NAME,
         )
     for word in _FILE_WORDS:
         text = values.get(word, "")
         if not isinstance(text, str) or len(text) > _LONGEST_WORDS or _ODD.search(text):
             raise PigmentError(
-                f"{word} is {text!r:.60}; expected at most {_LONGEST_WORDS} letters, no control "
-                "characters and no halves of one"
+                "{word} is {text!r:.60}; expected at most {most} letters, no control characters "
+                "and no halves of one",
+                word=word,
+                text=text,
+                most=_LONGEST_WORDS,
             )
 
 
@@ -364,7 +385,10 @@ def _spectrum_of_colour(colour: object) -> tuple[AnyArray, str]:
     from paint3d.colour.glazing import srgb_primaries  # brings kernels
 
     if not isinstance(colour, str) or _COLOUR.fullmatch(colour) is None:
-        raise PigmentError(f'colour is {colour!r:.60}; expected sRGB such as "#f4efe2"')
+        raise PigmentError(
+            'colour is {colour!r:.60}; expected sRGB such as "#f4efe2"',
+            colour=colour,
+        )
     codes = np.array([int(colour[i : i + 2], 16) for i in (1, 3, 5)], np.uint8)
     spectrum: AnyArray = np.clip(srgb_primaries() @ decode_srgb(codes), 0.0, 1.0)
     return spectrum, f"of the colour {colour.lower()}"
@@ -372,25 +396,41 @@ def _spectrum_of_colour(colour: object) -> tuple[AnyArray, str]:
 
 def _parse_reflectance(values: object) -> AnyArray:
     """Return the reflectance (31,) given by 31 numbers, or by pairs [wavelength in nm, value]."""
-    expected = f"{len(WAVELENGTHS)} numbers at 400, 410, ... 700 nm, or pairs [nm, reflectance]"
+    expected = Message(
+        "{n} numbers at 400, 410, ... 700 nm, or pairs [nm, reflectance]", n=len(WAVELENGTHS)
+    )
     rows = values if isinstance(values, list) else [values]
     numbers = [one for row in rows for one in (row if isinstance(row, list) else [row])]
     # checked here, since NumPy would also take strings and booleans for numbers
     if not all(isinstance(one, int | float) and not isinstance(one, bool) for one in numbers):
-        raise PigmentError(f"reflectance is {values!r:.60}; expected {expected}")
+        raise PigmentError(
+            "reflectance is {values!r:.60}; expected {expected}",
+            values=values,
+            expected=expected,
+        )
     try:
         array = np.array(values, np.float64)
     except (ValueError, OverflowError):
-        raise PigmentError(f"reflectance is {values!r:.60}; expected {expected}") from None
+        raise PigmentError(
+            "reflectance is {values!r:.60}; expected {expected}",
+            values=values,
+            expected=expected,
+        ) from None
     if array.shape == (len(WAVELENGTHS),):
         return array
     if array.ndim != 2 or array.shape[1] != 2 or not 2 <= len(array) <= 10_000:
-        raise PigmentError(f"reflectance is of the shape {array.shape}; expected {expected}")
+        raise PigmentError(
+            "reflectance is of the shape {array_shape}; expected {expected}",
+            array_shape=array.shape,
+            expected=expected,
+        )
     nm = array[:, 0]
     if not (np.diff(nm) > 0.0).all() or not nm[0] <= 400.0 or not nm[-1] >= 700.0:
         raise PigmentError(
-            f"reflectance goes from {nm[0]:g} to {nm[-1]:g} nm; expected rising wavelengths from "
-            "at most 400 to at least 700"
+            "reflectance goes from {first:g} to {last:g} nm; expected rising wavelengths from at "
+            "most 400 to at least 700",
+            first=nm[0],
+            last=nm[-1],
         )
     bands: AnyArray = np.interp(WAVELENGTHS, nm, array[:, 1])
     return bands

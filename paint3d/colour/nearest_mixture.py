@@ -74,10 +74,17 @@ def nearest_mixture(
     """
     codes = as_array(srgb, "sRGB", (3,))
     if codes.min() < 0.0 or codes.max() > 255.0:
-        raise InputError(f"sRGB is {codes.tolist()}; expected three numbers from 0 to 255")
+        raise InputError(
+            "sRGB is {codes}; expected three numbers from 0 to 255",
+            codes=codes.tolist(),
+        )
     below = as_array(ground, "ground", (N_BANDS,))
     if below.min() < 0.0 or below.max() > 1.0:
-        raise InputError(f"ground is {below.min():g} to {below.max():g}; expected 0 to 1")
+        raise InputError(
+            "ground is {least:g} to {most:g}; expected 0 to 1",
+            least=below.min(),
+            most=below.max(),
+        )
     inks = tuple(p for p in pigments or load_palette().values() if p is not WATER)
     if not inks:
         raise InputError("there is no pigment to mix; expected one or more")

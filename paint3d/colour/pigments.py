@@ -26,7 +26,7 @@ from paint3d.colour.illuminants import is_spectral, read_plain_spectrum, read_sp
 from paint3d.colour.ink_text import table_of
 from paint3d.colour.kernels.kubelka_munk import layer_bands
 from paint3d.core.arrays import AnyArray, as_array, as_number
-from paint3d.errors import InputError, PigmentError, UnknownNameError
+from paint3d.errors import InputError, Message, PigmentError, UnknownNameError
 
 __all__ = [
     "BANDS_NM",
@@ -53,6 +53,7 @@ USUAL_FINE = 0.12
 """Default of `Pigment.fine`: the fraction that goes with the water until pores catch it."""
 COARSEST_UM = 1000.0
 """Largest diameter of a pigment's grains, um."""
+_DENSITIES = 0.01, 30.0  # g/cm3: osmium has 22.6
 _STRONGEST = 1e6  # K and S of a coat; measured inks stay below 100
 
 
@@ -76,12 +77,16 @@ class Pigment:
         Fraction that no pore holds back, 0 (all grains) to 1 (dissolved).
     grain_um : float
         Diameter of the grains of the rest, um, 0 (no larger than soot) to 1000.
+    density : float, optional
+        Mass over volume of the paint, g/cm3, 0.01 to 30, where recipes of it are mass;
+        None where they are parts of volume already, as of the palette.
 
     Raises
     ------
     PigmentError
         If the name is empty, K or S has the wrong length or is not between 0 and a million,
-        gloss or fine are not between 0 and 1, or grain_um is not between 0 and 1000.
+        gloss or fine are not between 0 and 1, grain_um is not between 0 and 1000, or the density
+        is not from 0.01 to 30.
     """
 
     name: str
@@ -95,6 +100,7 @@ class Pigment:
     gloss: float = 0.0
     fine: float = USUAL_FINE
     grain_um: float = 0.0
+    density: float | None = None
 
     def __post_init__(self) -> None:
         if not self.name:
@@ -104,6 +110,9 @@ class Pigment:
             as_number(value, f"{fraction} of {self.name}", 0.0, 1.0, error=PigmentError)
         grain = f"grain_um of {self.name}"
         as_number(self.grain_um, grain, 0.0, COARSEST_UM, error=PigmentError)
+        if self.density is not None:
+            density = f"density of {self.name}"
+            as_number(self.density, density, *_DENSITIES, error=PigmentError)
         for letter in "KS":
             values = as_array(
                 getattr(self, letter), f"{letter} of {self.name}", (31,), error=PigmentError
@@ -111,8 +120,12 @@ class Pigment:
             if not 0.0 <= values.min() <= values.max() <= _STRONGEST:
                 worst = int(values.argmin() if values.min() < 0.0 else values.argmax())
                 raise PigmentError(
-                    f"{letter} of {self.name} is {values[worst]:g} at {BANDS_NM[worst]:.0f} nm; "
-                    f"expected 0 to {_STRONGEST:g}"
+                    "{letter} of {name} is {values:g} at {nm:.0f} nm; expected 0 to {strongest:g}",
+                    letter=letter,
+                    name=self.name,
+                    values=values[worst],
+                    nm=BANDS_NM[worst],
+                    strongest=_STRONGEST,
                 )
             values.flags.writeable = False
             object.__setattr__(self, letter, values)
@@ -186,12 +199,13 @@ def load_pigment(name: str, *, own_tables: bool = True) -> Pigment:
     if file is not None:
         if not own_tables:
             raise PigmentError(
-                f"the ink {name[-100:]!r} is of a table on this machine, which a file "
-                "may not name; expected an ink of the palette"
+                "the ink {name!r} is of a table on this machine, which a file may not name; "
+                "expected an ink of the palette",
+                name=name[-100:],
             )
         own, table = name[len(file) + 1 :], load_pigments_csv(file)
         if own not in table:
-            raise UnknownNameError(f"ink of {file}", own, table)
+            raise UnknownNameError(Message("ink of {file}", file=file), own, table)
         return table[own]
     palette = load_palette()
     found = palette.get(name) or load_drawdown_paints().get(name)
@@ -267,7 +281,8 @@ def load_pigments_csv(path: str | Path) -> Mapping[str, Pigment]:
         wavelengths that cover 400 to 700 nm (others than every 10 nm are interpolated linearly);
         optionally ``chinese``, ``source``, ``basis``, ``licence``, ``saunderson`` (yes|no),
         ``gloss`` (0 to 1), ``fine`` (0 to 1; .12), what goes with the water until pores catch
-        it, and ``grain_um`` (0 to 1000; 0), the diameter of the other grains, um.
+        it, ``grain_um`` (0 to 1000; 0), the diameter of the other grains, um, and ``density``
+        (0.01 to 30, g/cm3), where recipes are mass.
         Or measured masstones as `illuminants` reads them: IES TM-27 (.spdx), and .txt of two
         columns or of X-Rite.
 
@@ -277,7 +292,7 @@ def load_pigments_csv(path: str | Path) -> Mapping[str, Pigment]:
         Naming file and line, if it cannot be read, holds no pigment, a name is empty or occurs
         twice, the wavelengths do not rise or cover 400-700 nm, K or S is negative, not finite
         or not a number, R is not from 1e-6 to less than 1, gloss or fine are not between 0 and 1,
-        or grain_um is not between 0 and 1000.
+        grain_um is not between 0 and 1000, or density is not from 0.01 to 30.
     """
     path = Path(path)
     if is_spectral(path):
@@ -288,19 +303,25 @@ def load_pigments_csv(path: str | Path) -> Mapping[str, Pigment]:
             header = list(reader.fieldnames or [])
             rows = [(reader.line_num, row) for row in reader]
     except (OSError, UnicodeDecodeError, csv.Error) as cause:
-        why = getattr(cause, "strerror", None) or cause  # str(OSError) repeats the file's name
-        raise PigmentError(f"{path}: cannot be read as a table of pigments: {why}") from None
+        raise PigmentError(
+            "{file}: cannot be read as a table of pigments: {cause}", file=path, cause=cause
+        ) from None
     if "name" not in header:
-        raise PigmentError(f"{path}:1: has no column 'name'")
+        raise PigmentError("{file}:1: has no column 'name'", file=path)
     nm, columns = _read_bands(header, path)
     pigments: dict[str, Pigment] = {}
     for line, row in rows:
         pigment = _read_row(row, f"{path}:{line}", nm, columns)
         if pigment.name in pigments:
-            raise PigmentError(f"{path}:{line}: {pigment.name!r} occurs twice")
+            raise PigmentError(
+                "{file}:{line}: {pigment!r} occurs twice",
+                file=path,
+                line=line,
+                pigment=pigment.name,
+            )
         pigments[pigment.name] = pigment
     if not pigments:
-        raise PigmentError(f"{path}: holds no pigment; expected at least one row")
+        raise PigmentError("{file}: holds no pigment; expected at least one row", file=path)
     return MappingProxyType(pigments)
 
 
@@ -310,14 +331,19 @@ def _read_masstones(path: Path) -> Mapping[str, Pigment]:
         plain = read_plain_spectrum(path) if path.suffix.lower() == ".txt" else None
         spectra = read_spectra(path) if plain is None else {path.stem: plain}
     except InputError as cause:
-        raise PigmentError(str(cause)) from None
+        raise PigmentError(cause) from None
     pigments = {}
     for name, (nm, values) in spectra.items():
         reflectance = np.interp(BANDS_NM, nm, values)
         if not _DARKEST <= reflectance.min() <= reflectance.max() < 1.0:
             raise PigmentError(
-                f"{path}: {name!r} is {reflectance.min():g} to {reflectance.max():g}; "
-                f"expected the reflectance of a masstone, {_DARKEST:g} to less than 1"
+                "{file}: {name!r} is {least:g} to {most:g}; expected the reflectance of a "
+                "masstone, {darkest:g} to less than 1",
+                file=path,
+                name=name,
+                least=reflectance.min(),
+                most=reflectance.max(),
+                darkest=_DARKEST,
             )
         k, s = masstone_strengths(reflectance)
         pigments[name] = Pigment(name, "", K=k, S=s, source=path.name, basis="masstone")
@@ -336,16 +362,22 @@ def _read_bands(header: list[str], path: Path) -> tuple[AnyArray, dict[str, list
     masstone = bool(bands["R"]) and not (bands["K"] or bands["S"])
     if not masstone and (bands["R"] or not bands["K"] or bands["K"] != bands["S"]):
         raise PigmentError(
-            f"{path}:1: has {len(bands['K'])} columns K_<nm>, {len(bands['S'])} columns S_<nm> "
-            f"and {len(bands['R'])} columns R_<nm>; expected K and S for the same wavelengths, "
-            "or R alone"
+            "{file}:1: has {n_k} columns K_<nm>, {n_s} columns S_<nm> and {n_r} columns R_<nm>; "
+            "expected K and S for the same wavelengths, or R alone",
+            file=path,
+            n_k=len(bands["K"]),
+            n_s=len(bands["S"]),
+            n_r=len(bands["R"]),
         )
     nm = bands["R" if masstone else "K"]
     if sorted(set(nm)) != nm:
-        raise PigmentError(f"{path}:1: wavelengths are not in rising order")
+        raise PigmentError("{file}:1: wavelengths are not in rising order", file=path)
     if nm[0] > BANDS_NM[0] or nm[-1] < BANDS_NM[-1]:
         raise PigmentError(
-            f"{path}:1: wavelengths are {nm[0]:g} to {nm[-1]:g} nm; expected to cover 400 to 700"
+            "{file}:1: wavelengths are {first:g} to {last:g} nm; expected to cover 400 to 700",
+            file=path,
+            first=nm[0],
+            last=nm[-1],
         )
     return np.array(nm), {a: names for a, names in columns.items() if names}
 
@@ -357,22 +389,35 @@ def _read_row(
     words = {key: (row.get(key) or "").strip() for key in ("name", "chinese", "source", "basis")}
     words["licence"] = (row.get("licence") or "").strip()
     if not words["name"]:
-        raise PigmentError(f"{where}: name is empty")
+        raise PigmentError("{where}: name is empty", where=where)
     corrected = (row.get("saunderson") or "no").strip().lower()
     if corrected not in ("yes", "no"):
-        raise PigmentError(f"{where}: saunderson is {corrected!r}; expected yes or no")
+        raise PigmentError(
+            "{where}: saunderson is {corrected!r}; expected yes or no",
+            where=where,
+            corrected=corrected,
+        )
     gloss = _read_number(row, where, "gloss", 0.0)
     fine = _read_number(row, where, "fine", USUAL_FINE)
     grain = _read_number(row, where, "grain_um", 0.0, COARSEST_UM)
+    weighed = bool((row.get("density") or "").strip())
+    density = _read_number(row, where, "density", 0.0, _DENSITIES[1], _DENSITIES[0])
     if "R" in spectra:
         worst = int(np.abs(spectra["R"] - 0.5).argmax())
         if not _DARKEST <= spectra["R"][worst] < 1.0:
             raise PigmentError(
-                f"{where}: R is {spectra['R'][worst]:g} at {BANDS_NM[worst]:.0f} nm; "
-                f"expected a reflectance from {_DARKEST:g} to less than 1"
+                "{where}: R is {r:g} at {nm:.0f} nm; expected a reflectance from {darkest:g} to "
+                "less than 1",
+                where=where,
+                r=spectra["R"][worst],
+                nm=BANDS_NM[worst],
+                darkest=_DARKEST,
             )
         if corrected == "yes":
-            raise PigmentError(f"{where}: saunderson is yes; expected no for a masstone")
+            raise PigmentError(
+                "{where}: saunderson is yes; expected no for a masstone",
+                where=where,
+            )
         strengths = masstone_strengths(spectra["R"])
         words["basis"] = words["basis"] or "masstone"
     else:
@@ -385,19 +430,30 @@ def _read_row(
         gloss=gloss,
         fine=fine,
         grain_um=grain,
+        density=density if weighed else None,
     )
 
 
 def _read_number(
-    row: dict[str, Any], where: str, name: str, usual: float, most: float = 1.0
+    row: dict[str, Any],
+    where: str,
+    name: str,
+    usual: float,
+    most: float = 1.0,
+    least: float = 0.0,
 ) -> float:
-    """Parse a number from 0 to `most`; an empty cell gives `usual`."""
+    """Parse a number from `least` to `most`; an empty cell gives `usual`."""
     text = (row.get(name) or "").strip()
     if not text:
         return usual
-    if not _NUMBER.fullmatch(text) or not 0.0 <= float(text) <= most:
+    if not _NUMBER.fullmatch(text) or not least <= float(text) <= most:
         raise PigmentError(
-            f"{where}: {name} is {text[-40:]!r}; expected a number from 0 to {most:g}"
+            "{where}: {name} is {text!r}; expected a number from {least:g} to {most:g}",
+            where=where,
+            name=name,
+            text=text[-40:],
+            least=least,
+            most=most,
         )
     return float(text)
 
@@ -409,10 +465,18 @@ def _read_spectrum(row: dict[str, Any], where: str, nm: AnyArray, columns: list[
         try:
             value = float(row[column])
         except (TypeError, ValueError):
-            raise PigmentError(f"{where}: {column} is {row[column]!r}; expected a number") from None
+            raise PigmentError(
+                "{where}: {column} is {row!r}; expected a number",
+                where=where,
+                column=column,
+                row=row[column],
+            ) from None
         if not 0.0 <= value < math.inf:
             raise PigmentError(
-                f"{where}: {column} is {value:g}; expected a finite number of at least 0"
+                "{where}: {column} is {value:g}; expected a finite number of at least 0",
+                where=where,
+                column=column,
+                value=value,
             )
         values.append(value)
     result: AnyArray = np.interp(BANDS_NM, nm, values)

@@ -129,7 +129,10 @@ def decode_srgb(srgb: ArrayLike) -> AnyArray:
     if values.dtype == np.uint8:
         values = values / 255.0
     elif values.dtype.kind != "f":
-        raise InputError(f"srgb has type {values.dtype}; expected uint8 or floats in [0, 1]")
+        raise InputError(
+            "srgb has type {values_dtype}; expected uint8 or floats in [0, 1]",
+            values_dtype=values.dtype,
+        )
     curve = ((np.maximum(values, 0.04045) + 0.055) / 1.055) ** 2.4
     return np.where(values <= 0.04045, values / 12.92, curve)
 

@@ -99,12 +99,16 @@ class ColourModel:
         path: Literal["live", "reference"] = "live",
     ) -> None:
         if path not in ("live", "reference"):
-            raise InputError(f"colour path is {path!r}; expected live or reference")
+            raise InputError("colour path is {file!r}; expected live or reference", file=path)
         if not pigments:
             raise InputError("a colour model needs at least one pigment")
         ground = as_array(backing, "backing", (N_BANDS,))
         if ground.min() < 0 or ground.max() > 1:
-            raise InputError(f"backing is {ground.min():g} to {ground.max():g}; expected 0 to 1")
+            raise InputError(
+                "backing is {least:g} to {most:g}; expected 0 to 1",
+                least=ground.min(),
+                most=ground.max(),
+            )
         self.pigments = tuple(pigments)
         self.path = path
         self._gloss = SAUNDERSON if any(p.saunderson for p in pigments) else (0.0, 0.0)
@@ -187,7 +191,12 @@ class ColourModel:
         if linear_rgb is not None:
             _check(linear_rgb, "linear_rgb", (n, 3), np.float32)
         if ids.size and not (ids.min() >= 0 and ids.max() < n):
-            raise InputError(f"vertex_ids are {ids.min()} to {ids.max()}; expected 0 to {n - 1}")
+            raise InputError(
+                "vertex_ids are {least} to {most}; expected 0 to {last}",
+                least=ids.min(),
+                most=ids.max(),
+                last=n - 1,
+            )
         rgb = _NO_RGB if linear_rgb is None else linear_rgb
         wet, shown = Wet(ids, amounts, coverage), Shown(srgb_codes(), rgb, out)
         if isinstance(self._look, OneInk):
@@ -200,5 +209,10 @@ class ColourModel:
 def _check(array: AnyArray, name: str, shape: tuple[int, ...], dtype: type) -> None:
     if array.dtype != dtype or array.shape != shape or not array.flags.c_contiguous:
         raise InputError(
-            f"{name} is {array.dtype} {array.shape}; expected {np.dtype(dtype)} {shape}, contiguous"
+            "{name} is {array_dtype} {array_shape}; expected {dtype} {shape}, contiguous",
+            name=name,
+            array_dtype=array.dtype,
+            array_shape=array.shape,
+            dtype=np.dtype(dtype),
+            shape=shape,
         )

@@ -69,7 +69,7 @@ def write_atomically(
         _tidy(target.parent)
         temporary, held = _reserve(target)
     except OSError as cause:
-        raise ExportError(f"{named}: cannot write here: {_reason(cause)}") from None
+        raise ExportError("{file}: cannot write here: {cause}", file=named, cause=cause) from None
     try:
         yield temporary
         _flush(temporary)
@@ -80,7 +80,7 @@ def write_atomically(
         os.replace(temporary, target)
         flush_folder(target.parent)
     except OSError as cause:
-        raise ExportError(f"{named}: cannot write: {_reason(cause)}") from None
+        raise ExportError("{file}: cannot write: {cause}", file=named, cause=cause) from None
     finally:
         with suppress(OSError):
             temporary.unlink()
@@ -161,7 +161,3 @@ def _may_be_left(entry: os.DirEntry[str]) -> bool:
 def _flush(path: Path) -> None:
     with open(path, "rb+") as file:
         os.fsync(file.fileno())
-
-
-def _reason(cause: OSError) -> str:
-    return cause.strerror or str(cause)

@@ -7,10 +7,12 @@ from xml.etree import ElementTree
 from defusedxml import DefusedXmlException, DTDForbidden
 from defusedxml.ElementTree import XMLParser
 
+from paint3d.errors import Message, Paint3DError
+
 __all__ = ["XmlFault", "parse_xml"]
 
 
-class XmlFault(Exception):
+class XmlFault(Paint3DError):
     """The reason why XML is refused.
 
     Attributes
@@ -20,8 +22,8 @@ class XmlFault(Exception):
         The fault in that line.
     """
 
-    def __init__(self, line: int, what: str) -> None:
-        super().__init__(f"line {line}: {what}")
+    def __init__(self, line: int, what: Message) -> None:
+        super().__init__(Message("line {line}: {what}", line=line, what=what))
         self.line, self.what = line, what
 
 
@@ -68,12 +70,12 @@ def parse_xml(data: bytes, most_depth: int, *, doctypes: bool) -> ElementTree.El
         root: ElementTree.Element = parser.close()
         return root
     except _TooDeepError:
-        what = f"elements are nested over {most_depth} deep"
+        what = Message("elements are nested over {most} deep", most=most_depth)
     except DTDForbidden:
-        what = "there is a document type"
+        what = Message("there is a document type")
     except DefusedXmlException:
-        what = "entities are declared"
+        what = Message("entities are declared")
     except (ElementTree.ParseError, LookupError, ValueError, AssertionError) as cause:
         line = getattr(cause, "position", (1, 0))[0]
-        raise XmlFault(line, f"not well-formed XML ({cause})") from None
+        raise XmlFault(line, Message("not well-formed XML ({cause})", cause=cause)) from None
     raise XmlFault(parser.parser.CurrentLineNumber, what)

@@ -40,13 +40,17 @@ def compile_with_numba(function: Callable[..., Any], options: dict[str, Any]) ->
     """
     if not can_compile():
         name = f"{function.__module__}.{function.__qualname__}"
-        raise KernelError(
-            f"{name} is not among the compiled kernels, and "
-            + (
-                f"{ONLY}=library leaves none to numba"
-                if os.environ.get(ONLY) == "library"
-                else "numba, which would compile it, is not installed: pip install numba"
+        if os.environ.get(ONLY) == "library":
+            raise KernelError(
+                "{kernel} is not among the compiled kernels, and {setting} leaves none to numba",
+                kernel=name,
+                setting=f"{ONLY}=library",
             )
+        raise KernelError(
+            "{kernel} is not among the compiled kernels, and numba, which would compile it, is not "
+            "installed",
+            kernel=name,
+            hint="pip install numba",
         )
     _prepare()
     from numba import njit

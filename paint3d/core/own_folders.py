@@ -59,6 +59,7 @@ def private_folder() -> Path:
         return own if is_private(own) else Path(tempfile.mkdtemp(prefix="paint3d-"))
     except OSError as cause:
         raise ExportError(
-            "neither the home nor a temporary folder can be written "
-            f"({cause.strerror or cause}); expected HOME or TMPDIR to name a folder that can"
+            "neither the home nor a temporary folder can be written ({cause}); expected HOME or "
+            "TMPDIR to name a folder that can",
+            cause=cause,
         ) from None

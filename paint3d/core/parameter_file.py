@@ -48,11 +48,15 @@ def read_parameters(path: Path, what: str, error: type[Paint3DError]) -> dict[st
     """
     try:
         if not path.is_file():
-            raise error(f"{path}: there is no such file; expected {what} in .toml or .json")
+            raise error(
+                "{file}: there is no such file; expected {what} in .toml or .json",
+                file=path,
+                what=what,
+            )
         with path.open("rb") as stream:
             data = stream.read(_MOST_BYTES + 1)
         if len(data) > _MOST_BYTES:
-            raise error(f"{path}: is over 1 MiB; expected {what}")
+            raise error("{file}: is over 1 MiB; expected {what}", file=path, what=what)
         text = data.decode("utf-8-sig")
         values: Any
         if path.suffix.lower() == ".json":
@@ -62,13 +66,20 @@ def read_parameters(path: Path, what: str, error: type[Paint3DError]) -> dict[st
 
             values = loads(text)
     except OSError as cause:
-        raise error(f"{path}: {cause.strerror or cause}") from None
+        raise error("{file}: {cause}", file=path, cause=cause) from None
     except (ValueError, RecursionError) as cause:
         if isinstance(cause, Paint3DError):
             raise
-        raise error(f"{path}: cannot be read as {path.suffix[1:].upper()}: {cause}") from None
+        raise error(
+            "{file}: cannot be read as {kind}: {cause}",
+            file=path,
+            kind=path.suffix[1:].upper(),
+            cause=cause,
+        ) from None
     if not isinstance(values, dict):
-        raise error(f"{path}: holds {values!r:.40}; expected parameters by name")
+        raise error(
+            "{file}: holds {values!r:.40}; expected parameters by name", file=path, values=values
+        )
     return values
 
 
@@ -97,7 +108,7 @@ def read_thing(
     try:
         return make(values, path.stem)
     except error as cause:
-        raise error(f"{path}: {cause}") from None
+        raise error("{file}: {cause}", file=path, cause=cause) from None
 
 
 def named_or_read(
@@ -133,8 +144,10 @@ def named_or_read(
     if isinstance(name, str) and is_parameter_file(name):
         if read is None:
             raise error(
-                f"the {what} {name[-100:]!r} is a file of this machine, which a file may not name; "
-                f"expected a {what} that comes with the program"
+                "the {what} {name!r} is a file of this machine, which a file may not name; "
+                "expected a {what} that comes with the program",
+                what=what,
+                name=name[-100:],
             )
         return read(name)
     raise UnknownNameError(what, str(name), shipped)
@@ -164,5 +177,17 @@ def check_known(
     for name in values:
         if name not in known:
             near = difflib.get_close_matches(name, known, n=1, cutoff=0.6)
-            hint = f"did you mean {near[0]!r}? " if near else ""
-            raise error(f"{what}there is no {name!r:.60}: {hint}expected {', '.join(known)}")
+            if near:
+                raise error(
+                    "{what}there is no {name!r:.60}: did you mean {near!r}? expected {known}",
+                    what=what,
+                    name=name,
+                    near=near[0],
+                    known=", ".join(known),
+                )
+            raise error(
+                "{what}there is no {name!r:.60}: expected {known}",
+                what=what,
+                name=name,
+                known=", ".join(known),
+            )

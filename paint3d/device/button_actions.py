@@ -41,7 +41,11 @@ def checked_actions(actions: Mapping[int, str]) -> dict[int, str]:
     """
     for button, action in actions.items():
         if isinstance(button, bool) or not isinstance(button, int) or not 0 <= button < 31:
-            raise DeviceError(f"button {button!r}; expected 0 to {_MOST_BUTTONS - 1}")
+            raise DeviceError(
+                "button {button!r}; expected 0 to {most}",
+                button=button,
+                most=_MOST_BUTTONS - 1,
+            )
         if action not in ACTIONS:
             raise UnknownNameError("action", str(action), ACTIONS)
     return dict(actions)

@@ -170,15 +170,19 @@ def parse_descriptor(data: bytes) -> ReportDescriptor:
         reports.
     """
     if not 0 < len(data) <= _MAX_BYTES:
-        raise DeviceError(f"report descriptor has {len(data)} bytes; expected 1 to {_MAX_BYTES}")
+        raise DeviceError(
+            "report descriptor has {n} bytes; expected 1 to {most}",
+            n=len(data),
+            most=_MAX_BYTES,
+        )
     state = _State()
     for at, tag, payload in _items(data):
         try:
             _apply(state, tag, payload)
         except DeviceError as cause:
-            raise DeviceError(f"report descriptor, byte {at}: {cause}") from None
+            raise DeviceError("report descriptor, byte {at}: {cause}", at=at, cause=cause) from None
     if state.collections:
-        raise DeviceError(f"report descriptor: {len(state.collections)} collections never end")
+        raise DeviceError("report descriptor: {n} collections never end", n=len(state.collections))
     return ReportDescriptor(
         tuple(state.fields), tuple(state.applications), state.numbered, state.bits
     )
@@ -195,7 +199,7 @@ def _items(data: bytes) -> Iterator[tuple[int, int, bytes]]:
             size = (0, 1, 2, 4)[prefix & 3]
         end = at + 1 + size
         if end > len(data):
-            raise DeviceError(f"report descriptor is cut short in the item at byte {at}")
+            raise DeviceError("report descriptor is cut short in the item at byte {at}", at=at)
         if prefix != _LONG:
             yield at, prefix & 0xFC, data[at + 1 : end]
         at = end
@@ -208,7 +212,7 @@ def _apply(state: _State, tag: int, payload: bytes) -> None:
         _add_fields(state, kind, value)
     elif tag == _COLLECTION:
         if len(state.collections) >= _MAX_DEPTH:
-            raise DeviceError(f"collections nested deeper than {_MAX_DEPTH}")
+            raise DeviceError("collections nested deeper than {most}", most=_MAX_DEPTH)
         application = state.collections[-1] if state.collections else 0
         if value == _APPLICATION:
             application = state.usages[0][0] if state.usages else 0
@@ -240,7 +244,7 @@ def _set_local(state: _State, tag: int, value: int, size: int) -> None:
         state.usages.append((state.lowest, full))
         state.lowest = None
     if len(state.usages) > _MAX_FIELDS:
-        raise DeviceError(f"more than {_MAX_FIELDS} usages")
+        raise DeviceError("more than {most} usages", most=_MAX_FIELDS)
 
 
 def _set_global(state: _State, tag: int, value: int, payload: bytes) -> None:
@@ -264,11 +268,11 @@ def _set_global(state: _State, tag: int, value: int, payload: bytes) -> None:
         settings.exponent = (value & 0xF) - 16 if value & 8 else value & 0xF  # a signed nibble
     elif tag == _ID:
         if not 1 <= value <= 255:
-            raise DeviceError(f"report id {value}; expected 1 to 255")
+            raise DeviceError("report id {value}; expected 1 to 255", value=value)
         state.numbered = True
     elif tag == _PUSH:
         if len(state.stack) >= _MAX_DEPTH:
-            raise DeviceError(f"pushes nested deeper than {_MAX_DEPTH}")
+            raise DeviceError("pushes nested deeper than {most}", most=_MAX_DEPTH)
         state.stack.append(_Globals(**vars(settings)))
     elif tag == _POP:
         if not state.stack:
@@ -281,14 +285,18 @@ def _add_fields(state: _State, kind: Kind, flags: int) -> None:
     key = (kind, s.report_id)
     start = state.bits.get(key, 0)
     if s.size * s.count > _MAX_REPORT_BITS - start:
-        raise DeviceError(f"report {s.report_id} is longer than {_MAX_REPORT_BITS // 8} bytes")
+        raise DeviceError(
+            "report {report} is longer than {most} bytes",
+            report=s.report_id,
+            most=_MAX_REPORT_BITS // 8,
+        )
     if s.size and s.count:
         state.bits[key] = start + s.size * s.count
     constant, variable = bool(flags & 1), bool(flags & 2)
     if (constant and not state.usages) or not s.size:
         return
     if len(state.fields) + s.count > _MAX_FIELDS:
-        raise DeviceError(f"more than {_MAX_FIELDS} fields")
+        raise DeviceError("more than {most} fields", most=_MAX_FIELDS)
     for i, (first, last) in zip(range(s.count), _usages_of(state, variable), strict=False):
         state.fields.append(_make_field(state, kind, flags, start + i * s.size, first, last))
 
@@ -355,9 +363,17 @@ def split_report(descriptor: ReportDescriptor, data: bytes) -> tuple[int, bytes]
     body = data[1:] if descriptor.numbered else data
     size = descriptor.size(Kind.INPUT, report_id)
     if not size:
-        raise DeviceError(f"report id {report_id} is not among the device's input reports")
+        raise DeviceError(
+            "report id {report} is not among the device's input reports",
+            report=report_id,
+        )
     if len(body) < size:
-        raise DeviceError(f"report {report_id} has {len(body)} bytes; expected {size}")
+        raise DeviceError(
+            "report {report} has {n} bytes; expected {size}",
+            report=report_id,
+            n=len(body),
+            size=size,
+        )
     return report_id, body[:size]
 
 
@@ -393,13 +409,22 @@ def pack_report(
     """
     size = descriptor.size(kind, report_id)
     if not size:
-        raise DeviceError(f"the device has no {kind.value} report {report_id}")
+        raise DeviceError(
+            "the device has no {kind} report {report}",
+            kind=kind.value,
+            report=report_id,
+        )
     bits = 0
     for part, value in values.items():
         span = 1 << (part.size - part.signed)
         low, high = (-span if part.signed else 0), span - 1
         if part.kind is not kind or part.report_id != report_id or not low <= value <= high:
-            raise DeviceError(f"{value} does not fit the {part.size} bits of {part.usage:#x}")
+            raise DeviceError(
+                "{value} does not fit the {n_bits} bits of {usage:#x}",
+                value=value,
+                n_bits=part.size,
+                usage=part.usage,
+            )
         bits |= (value & ((1 << part.size) - 1)) << part.bit
     return bytes([report_id]) + bits.to_bytes(size, "little")
 

@@ -21,7 +21,7 @@ from typing import IO, Any
 from paint3d.core.machine import copy_permissions
 from paint3d.device.hid_link import DeviceGoneError
 from paint3d.device.hid_nodes import HidNode
-from paint3d.errors import DeviceError
+from paint3d.errors import DeviceError, Message
 
 __all__ = ["DeviceLog", "LogEntry", "PlaybackLink", "read_device_log"]
 
@@ -49,12 +49,14 @@ class DeviceLog:
         self._lock = Lock()
         self._devices: dict[str, int] = {}
         if self._path.exists() and not self._path.is_file():
-            what = "a folder" if self._path.is_dir() else "a pipe or a device"
-            raise DeviceError(f"{path}: it is {what}; expected a file name")
+            what = Message("a folder") if self._path.is_dir() else Message("a pipe or a device")
+            raise DeviceError("{file}: it is {what}; expected a file name", file=path, what=what)
         try:
             raw = self._part.open("wb")
         except OSError as cause:
-            raise DeviceError(f"{path}: cannot be written: {cause.strerror}") from None
+            raise DeviceError(
+                "{file}: cannot be written: {cause}", file=path, cause=cause
+            ) from None
         is_gz = self._path.suffix == ".gz"
         self._file = gzip.GzipFile(fileobj=raw, mode="wb", mtime=0) if is_gz else raw
         self._raw = raw
@@ -139,7 +141,7 @@ class PlaybackLink:
             After the last one.
         """
         if self._next == len(self.entries):
-            raise DeviceGoneError(f"{self.name}: the recording is over")
+            raise DeviceGoneError("{name}: the recording is over", name=self.name)
         if self._start_ns is None:
             self.start(self._now_ns(), self.entries[0][0])
         start_ns = self._start_ns or 0
@@ -182,11 +184,18 @@ def read_device_log(path: str | os.PathLike[str]) -> list[PlaybackLink]:
                 try:
                     _take_line(json.loads(line), number, links)
                 except (ValueError, KeyError, TypeError, IndexError) as cause:
-                    raise DeviceError(f"{name}:{number}: {cause}") from None
+                    raise DeviceError(
+                        "{name}:{number}: {cause}",
+                        name=name,
+                        number=number,
+                        cause=cause,
+                    ) from None
     except (OSError, EOFError) as cause:
-        raise DeviceError(f"{path}: no device log can be read ({cause})") from None
+        raise DeviceError(
+            "{file}: no device log can be read ({cause})", file=path, cause=cause
+        ) from None
     if not links:
-        raise DeviceError(f"{name}: no device in the log; expected at least one")
+        raise DeviceError("{name}: no device in the log; expected at least one", name=name)
     return links
 
 

@@ -10,7 +10,7 @@ import time
 from typing import Any, Protocol
 
 from paint3d.device.hid_nodes import HidNode, backend_module
-from paint3d.errors import DeviceError, PermissionNeededError
+from paint3d.errors import DeviceError, Message, PermissionNeededError
 
 __all__ = [
     "MAX_REPORT",
@@ -42,7 +42,10 @@ def udev_rule(node: HidNode) -> str:
     )
 
 
-def find_obstacle(node: HidNode) -> str | None:
+_FORBIDDEN = Message("no permission")
+
+
+def find_obstacle(node: HidNode) -> Message | None:
     """Return why the node cannot be opened for reading and writing; None if it seems it can."""
     if not node.path.startswith("/dev/"):
         return None
@@ -50,29 +53,41 @@ def find_obstacle(node: HidNode) -> str | None:
         os.close(os.open(node.path, os.O_RDWR | os.O_NONBLOCK))
     except OSError as cause:
         if cause.errno in (errno.EACCES, errno.EPERM):
-            return "no permission"
+            return _FORBIDDEN
         if cause.errno in (errno.ENOENT, errno.ENODEV, errno.ENXIO):
-            return "it has gone"
-        return cause.strerror or str(cause)
+            return Message("it has gone")
+        return Message(cause.strerror or str(cause))
     return None
 
 
 def explain_failure(node: HidNode, cause: object = "") -> DeviceError:
     """Make an exception that says why this node could not be opened, and the remedy."""
-    what = f"{node.name} at {node.path}"
+    what = Message("{device} at {place}", device=node.name, place=node.path)
     obstacle = find_obstacle(node)
-    if obstacle == "no permission" or (obstacle is None and _LIBUSB_PATH.match(node.path)):
+    if obstacle is _FORBIDDEN or (obstacle is None and _LIBUSB_PATH.match(node.path)):
         return PermissionNeededError(
-            f"{what} was found but could not be opened: no permission. As root, put the line "
-            f"{udev_rule(node)} into {RULES_FILE}, run 'udevadm control --reload' and plug the "
-            "device in again"
+            "{what} was found but could not be opened: no permission. As root, put the line "
+            "{udev_rule} into {rules_file}, have udev read its rules again and plug the device in "
+            "again",
+            hint="udevadm control --reload",
+            what=what,
+            udev_rule=udev_rule(node),
+            rules_file=RULES_FILE,
         )
     if obstacle is not None:
-        return DeviceError(f"{what} was found but could not be opened: {obstacle}")
-    hint = ""
+        return DeviceError(
+            "{what} was found but could not be opened: {obstacle}",
+            what=what,
+            obstacle=obstacle,
+        )
     if sys.platform == "darwin":
-        hint = "; the maker's helper may have seized it: quit 3DconnexionHelper"
-    return DeviceError(f"{what} was found but could not be opened ({cause}){hint}")
+        return DeviceError(
+            "{what} was found but could not be opened ({cause}); the maker's helper may have "
+            "seized it: quit 3DconnexionHelper",
+            what=what,
+            cause=cause,
+        )
+    return DeviceError("{what} was found but could not be opened ({cause})", what=what, cause=cause)
 
 
 # ---- Links ---------------------------------------------------------------------------------------
@@ -147,7 +162,9 @@ class HidLink:
                 return bytes(self._device.read(MAX_REPORT, timeout_ms))
             return bytes(self._device.read(MAX_REPORT))
         except (OSError, ValueError) as cause:
-            raise DeviceGoneError(f"{self.name} has gone ({cause})") from None
+            raise DeviceGoneError(
+                "{name} has gone ({cause})", name=self.name, cause=cause
+            ) from None
 
     def write(self, report: bytes) -> None:
         """Send an output report, id first.
@@ -160,9 +177,11 @@ class HidLink:
         try:
             sent = self._device.write(report)
         except (OSError, ValueError) as cause:
-            raise DeviceGoneError(f"{self.name} has gone ({cause})") from None
+            raise DeviceGoneError(
+                "{name} has gone ({cause})", name=self.name, cause=cause
+            ) from None
         if sent < 0:
-            raise DeviceGoneError(f"{self.name} has gone: a report could not be sent")
+            raise DeviceGoneError("{name} has gone: a report could not be sent", name=self.name)
 
     def close(self) -> None:
         """Release the device; idempotent."""
@@ -189,5 +208,8 @@ def open_node(node: HidNode) -> HidLink:
     except (OSError, ValueError) as cause:
         device.close()
         raise DeviceError(
-            f"{node.name} at {node.path} does not tell its report descriptor ({cause})"
+            "{node} at {file} does not tell its report descriptor ({cause})",
+            node=node.name,
+            file=node.path,
+            cause=cause,
         ) from None

@@ -75,7 +75,11 @@ def backend_module(backend: str) -> ModuleType:
     try:
         return import_module(backend)
     except ImportError as cause:
-        raise DeviceError(f"hidapi's module {backend!r} cannot be loaded: {cause}") from None
+        raise DeviceError(
+            "hidapi's module {backend!r} cannot be loaded: {cause}",
+            backend=backend,
+            cause=cause,
+        ) from None
 
 
 def list_nodes(kinds: tuple[str, ...] = ("mouse", "stylus", "pen")) -> list[HidNode]:

@@ -13,10 +13,12 @@ from paint3d.core.arrays import AnyArray, as_array, lengths_of
 from paint3d.device.sample import DeviceSample
 from paint3d.errors import RecordingError
 
-__all__ = ["FORMAT", "MAX_FORCE_N", "UNIT_TOLERANCE", "VERSION", "Recording"]
+__all__ = ["FORMAT", "MAX_FORCE_N", "MODEL", "UNIT_TOLERANCE", "VERSION", "Recording"]
 
 FORMAT = "paint3d-recording"
 VERSION = 1
+MODEL = 2
+"""Version of the brush and ink by which strokes are painted: it goes up where marks change."""
 MAX_FORCE_N = 7.9
 """Greatest force of the papers' device (Guo 2017, section 5): pressure 1."""
 UNIT_TOLERANCE = 1e-3
@@ -149,19 +151,36 @@ def checked_header(header: Mapping[str, Any]) -> dict[str, Any]:
     filled: dict[str, Any] = {
         "format": FORMAT,
         "version": VERSION,
+        "model": MODEL,
         "units": {"position": "mm", "time": "ns", "force": "N"},
         "space": "world",
         "azimuth": "commanded",
         **header,
     }
     if filled["format"] != FORMAT:
-        raise RecordingError(f"format is {filled['format']!r}; expected {FORMAT!r}")
+        raise RecordingError(
+            "format is {format!r}; expected {expected!r}",
+            format=filled["format"],
+            expected=FORMAT,
+        )
     version = filled["version"]
     if isinstance(version, bool) or version != VERSION:
-        raise RecordingError(f"version is {version!r}; expected {VERSION}")
+        raise RecordingError(
+            "version is {version!r}; expected {expected}",
+            version=version,
+            expected=VERSION,
+        )
+    model = filled["model"]
+    if type(model) is not int or model < 1:
+        raise RecordingError("model is {model!r}; expected a whole number from 1", model=model)
     for key, known in _CHOICES.items():
         if filled[key] not in known:
-            raise RecordingError(f"{key} is {filled[key]!r}; expected {' or '.join(known)}")
+            raise RecordingError(
+                "{key} is {filled!r}; expected {known}",
+                key=key,
+                filled=filled[key],
+                known=" or ".join(known),
+            )
     return filled
 
 
@@ -169,7 +188,9 @@ def _times(values: ArrayLike) -> AnyArray:
     raw = np.asarray(values)
     if raw.ndim != 1 or raw.dtype.kind not in "iu":
         raise RecordingError(
-            f"time_ns has shape {raw.shape} and type {raw.dtype}; expected (N,) integers"
+            "time_ns has shape {raw_shape} and type {raw_dtype}; expected (N,) integers",
+            raw_shape=raw.shape,
+            raw_dtype=raw.dtype,
         )
     if len(raw) == 0:
         raise RecordingError("the recording has no samples; expected at least one")
@@ -178,8 +199,10 @@ def _times(values: ArrayLike) -> AnyArray:
     if len(late):
         i = int(late[0]) + 1
         raise RecordingError(
-            f"sample {i}: time_ns is {times[i]}; expected more than {times[i - 1]}, "
-            "the sample before it"
+            "sample {i}: time_ns is {times}; expected more than {i_times}, the sample before it",
+            i=i,
+            times=times[i],
+            i_times=times[i - 1],
         )
     return times
 
@@ -212,8 +235,11 @@ def _unit(values: ArrayLike, name: str, n: int) -> AnyArray:
     bad = np.flatnonzero(np.abs(length - 1.0) > UNIT_TOLERANCE)
     if len(bad):
         raise RecordingError(
-            f"sample {bad[0]}: {name} has length {length[bad[0]]:.6g}; "
-            f"expected 1 within {UNIT_TOLERANCE:g}"
+            "sample {first}: {name} has length {length:.6g}; expected 1 within {unit_tolerance:g}",
+            first=bad[0],
+            name=name,
+            length=length[bad[0]],
+            unit_tolerance=UNIT_TOLERANCE,
         )
     off = np.abs(length - 1.0) > _ROUNDING
     if off.any():
@@ -226,7 +252,11 @@ def _pressures(values: ArrayLike, n: int) -> AnyArray:
     array = _floats(values, "pressure", (n,))
     bad = np.flatnonzero((array < 0.0) | (array > 1.0))
     if len(bad):
-        raise RecordingError(f"sample {bad[0]}: pressure is {array[bad[0]]:.6g}; expected 0 to 1")
+        raise RecordingError(
+            "sample {first}: pressure is {array:.6g}; expected 0 to 1",
+            first=bad[0],
+            array=array[bad[0]],
+        )
     return array
 
 
@@ -236,14 +266,20 @@ def _contacts(values: ArrayLike | None, n: int, with_pressure: bool) -> AnyArray
         return None
     array = np.array(values, dtype=np.float64)
     if array.shape != (n, 3):
-        raise RecordingError(f"contact has shape {array.shape}; expected ({n}, 3)")
+        raise RecordingError(
+            "contact has shape {array_shape}; expected ({n}, 3)",
+            array_shape=array.shape,
+            n=n,
+        )
     if np.isfinite(array).all():
         return _with_pressure(array, with_pressure)
     missing = np.isnan(array)
     bad = np.flatnonzero((missing.any(axis=1) & ~missing.all(axis=1)) | np.isinf(array).any(axis=1))
     if len(bad):
         raise RecordingError(
-            f"sample {bad[0]}: contact is {array[bad[0]].tolist()}; expected finite numbers"
+            "sample {first}: contact is {array}; expected finite numbers",
+            first=bad[0],
+            array=array[bad[0]].tolist(),
         )
     return None if missing.all() else _with_pressure(array, with_pressure)
 
@@ -260,9 +296,16 @@ def _buttons(values: ArrayLike | None, n: int) -> AnyArray:
     raw = np.asarray(values)
     if raw.shape != (n,) or raw.dtype.kind not in "iu":
         raise RecordingError(
-            f"buttons has shape {raw.shape} and type {raw.dtype}; expected ({n},) integers"
+            "buttons has shape {raw_shape} and type {raw_dtype}; expected ({n},) integers",
+            raw_shape=raw.shape,
+            raw_dtype=raw.dtype,
+            n=n,
         )
     bad = np.flatnonzero((raw < 0) | (raw > 0x7FFFFFFF))
     if len(bad):
-        raise RecordingError(f"sample {bad[0]}: buttons is {raw[bad[0]]}; expected 0 to 2147483647")
+        raise RecordingError(
+            "sample {first}: buttons is {raw}; expected 0 to 2147483647",
+            first=bad[0],
+            raw=raw[bad[0]],
+        )
     return _own(raw.astype(np.int32, copy=False), values)

@@ -124,7 +124,10 @@ def find_mouse_layout(descriptor: ReportDescriptor) -> MouseLayout:
     )
     if None in axes:
         missing = " ".join(name for name, f in zip(AXES, axes, strict=True) if f is None)
-        raise DeviceError(f"not a 6-DOF mouse: its descriptor has no axis {missing}")
+        raise DeviceError(
+            "not a 6-DOF mouse: its descriptor has no axis {missing}",
+            missing=missing,
+        )
     buttons = tuple(f for f in inputs if f.page == _BUTTONS)
     light = next((f for f in fields if f.kind is Kind.OUTPUT and f.page == _LEDS), None)
     return MouseLayout(descriptor, axes, buttons, light)

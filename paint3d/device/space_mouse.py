@@ -106,14 +106,17 @@ def calibrate_rest(
     spread = np.abs(counts - middle).max() / quirks.full_deflection
     if spread > max(settings.dead_zone, 0.02):
         raise DeviceError(
-            f"the cap moved by {spread:.0%} of its way during the rest calibration; "
-            "expected nobody to touch it"
+            "the cap moved by {spread:.0%} of its way during the rest calibration; expected nobody "
+            "to touch it",
+            spread=spread,
         )
     if np.abs(middle).max() > _REST_LIMIT * quirks.full_deflection:
         worst = float(np.abs(middle).max())
         raise DeviceError(
-            f"the cap rests at {worst:g} counts; expected within "
-            f"{_REST_LIMIT * quirks.full_deflection:g} (is something leaning on it?)"
+            "the cap rests at {worst:g} counts; expected within {rest_limit:g} (is something "
+            "leaning on it?)",
+            worst=worst,
+            rest_limit=_REST_LIMIT * quirks.full_deflection,
         )
     return dataclasses.replace(settings, rest=tuple(middle.tolist()))
 

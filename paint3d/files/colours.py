@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.core.arrays import AnyArray
-from paint3d.errors import MeshError
+from paint3d.errors import MeshError, Message
 
 __all__ = [
     "COLOUR_NAMES",
@@ -37,27 +37,28 @@ COLOUR_NAMES = (
 """Of the columns in which a PLY has colours, the first that it has are taken."""
 
 ROUNDING = 1e-6  # above 1
+VERTEX_COLOURS = Message("vertex colours")
 BYTE, WORD, LONG = 255, 65_535, 4_294_967_295
 OVERSHOOT = 2  # times the range: codes up to there are a bit too bright, not of the next range
 BRIGHT = 16  # fractions up to here are too bright: as codes they would all be nearly black
 
 
 def colour_codes(
-    values: AnyArray, expected: int | None = None
-) -> tuple[NDArray[np.uint8] | None, tuple[str, ...]]:
+    values: AnyArray, expected: int | None = None, whose: Message = VERTEX_COLOURS
+) -> tuple[NDArray[np.uint8] | None, tuple[Message, ...]]:
     """Return colours (V, 3) of any type as sRGB codes, and what was done to them.
 
     See `colour_shares`.
     """
     if values.dtype == np.uint8 or not values.size:
         return np.ascontiguousarray(values, np.uint8), ()
-    shares, notes = colour_shares(values, expected)
+    shares, notes = colour_shares(values, expected, whose)
     return None if shares is None else np.floor(BYTE * shares + 0.5).astype(np.uint8), notes
 
 
 def colour_shares(
-    values: AnyArray, expected: int | None = None
-) -> tuple[NDArray[np.float64] | None, tuple[str, ...]]:
+    values: AnyArray, expected: int | None = None, whose: Message = VERTEX_COLOURS
+) -> tuple[NDArray[np.float64] | None, tuple[Message, ...]]:
     """Return colours of any type from 0 to 1, and what was done to them.
 
     Whether the numbers run to 1, 255, 65,535 or 2^32 - 1 is told by the numbers themselves: many
@@ -71,12 +72,14 @@ def colour_shares(
     expected : int, optional
         Where the range ends by what the format says: by default at 1 for floats, at the largest
         number for integers.
+    whose : Message
+        What the notes call them.
 
     Returns
     -------
     (V, 3) float64, or None
         None where most colours are out of the range.
-    tuple of str
+    tuple of Message
     """
     is_integer = values.dtype.kind in "iu"
     if expected is None:
@@ -88,23 +91,42 @@ def colour_shares(
         return values, ()
     known = np.asarray(np.isfinite(values).all(axis=1))
     if not known.any():
-        return None, ("left out: its vertex colours, none of which is a number",)
-    notes: tuple[str, ...] = ()
+        return None, (Message("left out: its {whose}, none of which is a number", whose=whose),)
+    notes: tuple[Message, ...] = ()
+    n_all = len(known)
     if not known.all():
         notes += (
-            f"{(~known).sum():,} of {len(known):,} vertex colours are no numbers: made white",
+            Message(
+                "{n:,} of {n_all:,} {whose} are no numbers: made white",
+                n=(~known).sum(),
+                n_all=n_all,
+                whose=whose,
+            ),
         )
     good = values[known]
     end = _end_of_range(good, is_integer, expected)
     outside = ((good < 0.0) | (good > end + ROUNDING)).any(axis=1)
     if 2 * outside.sum() > len(good):
-        what = f"most of which are not within 0 to {end:,}"
-        return None, (f"left out: its vertex colours, {what}",)
+        return None, (
+            Message(
+                "left out: its {whose}, most of which are not within 0 to {end:,}",
+                whose=whose,
+                end=end,
+            ),
+        )
     if end != expected and good.any():
-        notes += (f"its vertex colours are taken as 0 to {end:,}",)
+        notes += (Message("its {whose} are taken as 0 to {end:,}", whose=whose, end=end),)
     if outside.any():
-        much = f"{outside.sum():,} of {len(known):,} vertex colours"
-        notes += (f"{much} are not within 0 to {end:,}: brought to the nearest that is",)
+        notes += (
+            Message(
+                "{n:,} of {n_all:,} {whose} are not within 0 to {end:,}: brought to the nearest "
+                "that is",
+                n=outside.sum(),
+                n_all=n_all,
+                whose=whose,
+                end=end,
+            ),
+        )
     return np.where(known[:, None], np.clip(values / end, 0.0, 1.0), 1.0), notes
 
 
@@ -190,12 +212,18 @@ def open_picture(data: bytes) -> NDArray[np.uint8]:
             with Image.open(io.BytesIO(data)) as picture:
                 if picture.width * picture.height > MAX_PIXELS:
                     size = f"{picture.width:,} x {picture.height:,}"
-                    raise MeshError(f"its texture has {size} pixels; expected {MAX_PIXELS:,}")
+                    raise MeshError(
+                        "its texture has {size} pixels; expected {most:,}",
+                        size=size,
+                        most=MAX_PIXELS,
+                    )
                 return np.asarray(picture.convert("RGB"))
     except MeshError:
         raise
     except Exception as cause:  # what a decoder raises over a damaged picture is anybody's guess
-        raise MeshError(f"its texture is no picture that can be read: {cause}") from None
+        raise MeshError(
+            "its texture is no picture that can be read: {cause}", cause=cause
+        ) from None
 
 
 def sample_picture(

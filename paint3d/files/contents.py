@@ -54,9 +54,9 @@ def read_contents(path: Path, most: int = MAX_BYTES) -> bytes:
         with packing(path) if packing else open(path, "rb") as file:
             data = b"".join(_pieces(file, most))
     except (OSError, EOFError, zlib.error) as cause:
-        raise MeshError(f"cannot read it: {getattr(cause, 'strerror', None) or cause}") from None
+        raise MeshError("cannot read it: {cause}", cause=cause) from None
     if len(data) > most:
-        raise MeshError(f"it is larger than {most:,} bytes; expected less")
+        raise MeshError("it is larger than {most:,} bytes; expected less", most=most)
     if not data:
         raise MeshError("the file is empty")
     return data
@@ -92,11 +92,14 @@ def read_beside(folder: Path, name: str, most: int = MAX_BYTES) -> bytes:
         inside = os.path.commonpath([top, found]) == top
         there = inside and os.path.isfile(found)
     except ValueError:  # a NUL in the name
-        raise MeshError(f"it refers to {shown}, which is no file name") from None
+        raise MeshError("it refers to {shown}, which is no file name", shown=shown) from None
     if not inside:
-        raise MeshError(f"it refers to {shown} outside its folder, which is not followed")
+        raise MeshError(
+            "it refers to {shown} outside its folder, which is not followed",
+            shown=shown,
+        )
     if not there:
-        raise MeshError(f"it refers to {shown}, which is missing")
+        raise MeshError("it refers to {shown}, which is missing", shown=shown)
     return read_contents(Path(found), most)
 
 
@@ -129,7 +132,11 @@ def plain_text(data: bytes) -> bytes:
         if encoding.startswith("utf-16"):
             data = data.decode(encoding).encode("utf-8")
     except UnicodeDecodeError as cause:
-        raise MeshError(f"it is not the {encoding} text it claims to be: {cause}") from None
+        raise MeshError(
+            "it is not the {encoding} text it claims to be: {cause}",
+            encoding=encoding,
+            cause=cause,
+        ) from None
     return data.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
 
 
@@ -153,11 +160,13 @@ def parse_json(data: bytes) -> dict[str, Any]:
         document = json.loads(data.decode("utf-8-sig"))
     except UnicodeDecodeError as cause:
         raise MeshError(
-            f"it is no text that glTF could be: its byte {cause.start} is {data[cause.start]}; "
-            "expected a glTF document, or a .glb that begins with 'glTF'"
+            "it is no text that glTF could be: its byte {start} is {data}; expected a glTF "
+            "document, or a .glb that begins with 'glTF'",
+            start=cause.start,
+            data=data[cause.start],
         ) from None
     except (ValueError, RecursionError) as cause:
-        raise MeshError(f"its JSON cannot be read: {cause}") from None
+        raise MeshError("its JSON cannot be read: {cause}", cause=cause) from None
     if not isinstance(document, dict):
         raise MeshError("its JSON is not an object; expected a glTF document")
     return document
@@ -176,7 +185,7 @@ def parse_xml(data: bytes, name: str) -> ElementTree.Element:
     try:
         return ElementTree.fromstring(data)
     except (ElementTree.ParseError, LookupError, ValueError) as cause:
-        raise MeshError(f"{name} is not well-formed XML: {cause}") from None
+        raise MeshError("{name} is not well-formed XML: {cause}", name=name, cause=cause) from None
 
 
 # ---- Names ---------------------------------------------------------------------------------------

@@ -165,7 +165,11 @@ def prepare_export(
 def _checked_suffix(path: Path, options: ExportOptions) -> str:
     suffix = check_export_path(path)
     if suffix not in FORMATS:
-        raise ExportError(f"{path}: a session is saved; expected one of {' '.join(FORMATS)}")
+        raise ExportError(
+            "{file}: a session is saved; expected one of {formats}",
+            file=path,
+            formats=" ".join(FORMATS),
+        )
     options.refuse_others(FORMATS[suffix].takes, suffix, _formats_by_wish())
     return suffix
 
@@ -173,7 +177,11 @@ def _checked_suffix(path: Path, options: ExportOptions) -> str:
 def _save(surface: Exportable | TriangleMesh, path: Path, progress: Progress | None = None) -> None:
     if not isinstance(surface, PaintedSurface):
         kind = type(surface).__name__
-        raise ExportError(f"{path}: a session holds a PaintedSurface; got a {kind}")
+        raise ExportError(
+            "{file}: a session holds a PaintedSurface; got a {kind}",
+            file=path,
+            kind=kind,
+        )
     save_session(Session(surface), path, progress)
 
 
@@ -190,10 +198,22 @@ def check_export_path(path: str | os.PathLike[str]) -> str:
     suffix = next((s for s in EXPORT_SUFFIXES if name.endswith(s)), None)
     if suffix is None:
         known = " ".join(EXPORT_SUFFIXES)
-        shown = f"the suffix {path.suffix!r} is not known" if path.suffix else "it has no suffix"
-        raise ExportError(f"{path}: {shown}; expected one of {known}")
+        if path.suffix:
+            raise ExportError(
+                "{file}: the suffix {suffix!r} is not known; expected one of {known}",
+                file=path,
+                suffix=path.suffix,
+                known=known,
+            )
+        raise ExportError(
+            "{file}: it has no suffix; expected one of {known}", file=path, known=known
+        )
     if not path.parent.is_dir():
-        raise ExportError(f"{path}: the folder {path.parent} does not exist")
+        raise ExportError(
+            "{file}: the folder {parent} does not exist",
+            file=path,
+            parent=path.parent,
+        )
     if suffix == ".usdz":
         from paint3d.files.formats.usdz import check_usd
 

@@ -104,8 +104,10 @@ class ExportOptions:
         for wish in _WISHES:
             if getattr(self, wish) not in (None, False) and wish not in takes:
                 raise ExportError(
-                    f"{suffix} files cannot have {wish.replace('_', ' ')}; "
-                    f"expected one of {formats[wish]}"
+                    "{suffix} files cannot have {wish}; expected one of {formats}",
+                    suffix=suffix,
+                    wish=wish.replace("_", " "),
+                    formats=formats[wish],
                 )
 
 
@@ -115,9 +117,13 @@ def _check_filaments(filaments: int | Sequence[str]) -> None:
         return
     if isinstance(filaments, str | bytes) or not isinstance(filaments, Sequence):
         raise InputError(
-            f"filaments is {filaments!r:.60}; expected how many, or a list of colours like #2B1F1A"
+            "filaments is {filaments!r:.60}; expected how many, or a list of colours like #2B1F1A",
+            filaments=filaments,
         )
     as_number(len(filaments), "the number of filaments", 1, MOST_FILAMENTS)
     for colour in filaments:
         if not isinstance(colour, str) or not HEX.fullmatch(colour):
-            raise InputError(f"filament {colour!r:.60} is not a colour; expected one like #2B1F1A")
+            raise InputError(
+                "filament {colour!r:.60} is not a colour; expected one like #2B1F1A",
+                colour=colour,
+            )

@@ -10,7 +10,7 @@ from typing import Any, TypeAlias
 
 from paint3d.colour.materials import load_material
 from paint3d.colour.spectra import srgb_from_reflectance
-from paint3d.errors import MeshError, UnknownNameError
+from paint3d.errors import MeshError, Message, UnknownNameError
 from paint3d.files.package_meshes import package_class
 from paint3d.files.progress import Progress
 from paint3d.files.reading import (
@@ -155,12 +155,12 @@ def read_mesh(
 def _guessed(reading: Reading) -> Reading:
     guess = reading.likely_up
     if guess is None or not guess.sure:
-        note = "which way is up is not sure; z is taken (--up takes another axis)"
+        note = Message("which way is up is not sure; z is taken")
         return replace(reading, notes=(*reading.notes, note))
     if guess.up == "z":
         return reading
     mesh = turn_mesh(reading.mesh, turn_up(guess.up))
-    note = f"{guess.up} is taken for up (--up takes another axis)"
+    note = Message("{axis} is taken for up", axis=guess.up)
     return replace(reading, mesh=mesh, notes=(*reading.notes, note))
 
 
@@ -172,13 +172,18 @@ def _find(path: str | os.PathLike[str]) -> Path | None:
     if is_built_in(str(path)):
         return None
     if found.is_dir():
-        raise MeshError(f"{found}: it is a folder; expected a mesh file")
+        raise MeshError("{file}: it is a folder; expected a mesh file", file=found)
     if os.path.lexists(found):
-        what = "a link that leads nowhere" if found.is_symlink() else "no plain file"
-        raise MeshError(f"{found}: it is {what}; expected a mesh file")
-    names = ", ".join((*BUILT_IN_OBJECTS, *FORMS))
-    expected = f"expected a mesh file or one of the built-in objects {names}"
-    raise MeshError(f"{found}: no such file; {expected}")
+        if found.is_symlink():
+            raise MeshError(
+                "{file}: it is a link that leads nowhere; expected a mesh file", file=found
+            )
+        raise MeshError("{file}: it is no plain file; expected a mesh file", file=found)
+    raise MeshError(
+        "{file}: no such file; expected a mesh file or one of the built-in objects {names}",
+        file=found,
+        names=", ".join((*BUILT_IN_OBJECTS, *FORMS)),
+    )
 
 
 def _built_in(name: str) -> Path:
@@ -187,4 +192,4 @@ def _built_in(name: str) -> Path:
     for folder in (package / "meshes", package.parent / "meshes"):
         if (folder / f"{name}.ply").is_file():
             return folder / f"{name}.ply"
-    raise MeshError(f"the built-in object {name!r} is missing from this installation")
+    raise MeshError("the built-in object {name!r} is missing from this installation", name=name)

@@ -14,15 +14,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.core.arrays import AnyArray
-from paint3d.errors import MeshError
+from paint3d.errors import MeshError, Message
 from paint3d.files.colours import MAX_PIXELS, Look, colour_codes, linear_from_srgb
-from paint3d.files.raw_mesh import RawMesh, join_meshes, left_out, with_face_colours
+from paint3d.files.raw_mesh import FACE_COLOURS, RawMesh, join_meshes, left_out, with_face_colours
 from paint3d.mesh.foreign import arrays_of
 
 __all__ = ["package_class", "read_object", "read_trimesh"]
 
 _COLOURS = ("srgb", "RGB", "RGBA", "rgb", "rgba", "colors", "Colors")  # arrays of a PolyData
-_PICTURES = "its colours and pictures"
+_PICTURES = Message("its colours and pictures")
 
 
 def package_class(found: object) -> str | None:
@@ -58,8 +58,11 @@ def read_object(found: object, texture: bool = False) -> RawMesh:
         return RawMesh.of_triangles(*arrays_of(found))
     if kind is None:
         raise MeshError(
-            f"a mesh is a {type(found).__module__}.{type(found).__qualname__}; expected a file, "
-            f"the name of an object, (vertices, faces), or one of {', '.join(_READERS)}"
+            "a mesh is a {module}.{qualname}; expected a file, the name of an object, (vertices, "
+            "faces), or one of {readers}",
+            module=type(found).__module__,
+            qualname=type(found).__qualname__,
+            readers=", ".join(_READERS),
         )
     return _READERS[kind](found, texture)
 
@@ -107,14 +110,14 @@ def _given_normals(mesh: Any) -> NDArray[np.float64] | None:
 
 def _with_picture(raw: RawMesh, visual: Any) -> RawMesh:
     look = _look_of(visual.material)
-    notes: tuple[str, ...] = ()
+    notes: tuple[Message, ...] = ()
     uv = np.full((len(raw.corners), 2), np.nan)
     places = None if visual.uv is None else np.asarray(visual.uv, np.float64)
     if places is not None and len(places) == len(raw.vertices):
         uv = places[raw.corners, :2] * (1.0, -1.0) + (0.0, 1.0)
     elif look.picture is not None:
         look = replace(look, picture=None)
-        notes = ("a texture is left out: the mesh has no places on it",)
+        notes = (Message("a texture is left out: the mesh has no places on it"),)
     look_of = np.zeros(len(raw.sizes), np.int64)
     return replace(raw, looks=(look,), look_of=look_of, uv=uv, notes=notes)
 
@@ -137,18 +140,24 @@ def _look_of(material: Any) -> Look:
 def _pixels(picture: Any) -> NDArray[np.uint8]:
     if picture.width * picture.height > MAX_PIXELS:
         size = f"{picture.width:,} x {picture.height:,}"
-        raise MeshError(f"its texture has {size} pixels; expected {MAX_PIXELS:,}")
+        raise MeshError(
+            "its texture has {size} pixels; expected {most:,}",
+            size=size,
+            most=MAX_PIXELS,
+        )
     return np.asarray(picture.convert("RGB"))
 
 
-def _unit_of_trimesh(found: Any) -> tuple[float | None, tuple[str, ...]]:
+def _unit_of_trimesh(found: Any) -> tuple[float | None, tuple[Message, ...]]:
     if found.units is None:
         return None, ()
     convert = sys.modules["trimesh"].units.unit_conversion
     try:
         return float(convert(found.units, "millimeters")), ()
     except (ValueError, KeyError):
-        return None, (f"its unit {found.units!r:.40} is not known: mm are taken",)
+        return None, (
+            Message("its unit {unit!r:.40} is not known: mm are taken", unit=found.units),
+        )
 
 
 # -- Open3D -------------------------------------------------------------------------------------
@@ -179,7 +188,7 @@ def _read_open3d_tensor(found: Any, texture: bool) -> RawMesh:
         colours, told = colour_codes(of_vertices["colors"])
         return replace(raw, colours=colours, notes=(*notes, *told))
     if "colors" in of_faces:
-        codes, told = colour_codes(of_faces["colors"])
+        codes, told = colour_codes(of_faces["colors"], whose=FACE_COLOURS)
         raw = raw if codes is None else with_face_colours(raw, codes, texture)
         return replace(raw, notes=(*raw.notes, *notes, *told))
     return replace(raw, notes=notes)
@@ -192,11 +201,11 @@ def _read_polydata(found: Any, texture: bool) -> RawMesh:
     mesh = found.triangulate() if found.n_strips else found
     corners, sizes = _polygons_of(np.asarray(mesh.faces, np.int64))
     normals = mesh.point_data.active_normals
-    what = ["lines"] if mesh.n_lines else []
+    what = [Message("lines")] if mesh.n_lines else []
     raw = RawMesh(
         np.asarray(mesh.points, np.float64), corners, sizes,
         normals=None if normals is None else np.asarray(normals, np.float64),
-        announces="lines" if mesh.n_lines else "",
+        announces=Message("lines") if mesh.n_lines else "",
         notes=left_out(what) if len(sizes) else (),
     )  # fmt: skip
     colours = _array_of_colours(mesh.point_data)

@@ -65,10 +65,14 @@ def read_photograph(path: Path, longest: int) -> tuple[NDArray[np.uint8], tuple[
     """
     try:
         if path.stat().st_size > _MOST_BYTES:
-            raise InputError(f"{path}: larger than {_MOST_BYTES:,} bytes; expected a photograph")
+            raise InputError(
+                "{file}: larger than {most:,} bytes; expected a photograph",
+                file=path,
+                most=_MOST_BYTES,
+            )
         data = path.read_bytes()
     except OSError as cause:
-        raise InputError(f"{path}: {cause.strerror or cause}") from None
+        raise InputError("{file}: {cause}", file=path, cause=cause) from None
     _prepare_heif(path, data)
     try:
         with warnings.catch_warnings():
@@ -77,10 +81,14 @@ def read_photograph(path: Path, longest: int) -> tuple[NDArray[np.uint8], tuple[
     except InputError:
         raise
     except MemoryError:
-        raise InputError(f"{path}: it does not fit into memory; expected a photograph") from None
+        raise InputError(
+            "{file}: it does not fit into memory; expected a photograph", file=path
+        ) from None
     except Exception as cause:  # what a decoder raises over a damaged picture is anybody's guess
         told = " ".join(str(cause).split())[:200] or type(cause).__name__
-        raise InputError(f"{path}: no picture that can be read ({told})") from None
+        raise InputError(
+            "{file}: no picture that can be read ({told})", file=path, told=told
+        ) from None
 
 
 def _prepare_heif(path: Path, data: bytes) -> None:
@@ -89,8 +97,9 @@ def _prepare_heif(path: Path, data: bytes) -> None:
         return
     if importlib.util.find_spec("pillow_heif") is None:
         raise InputError(
-            f"{path}: a HEIC picture, and the package pillow-heif is not installed; expected it "
-            "(pip install pillow-heif), or the picture saved as JPEG"
+            "{file}: a HEIC picture, and pillow-heif is not installed; expected it saved as JPEG",
+            file=path,
+            hint="pip install pillow-heif",
         )
     heif: Any = importlib.import_module("pillow_heif")
     heif.register_heif_opener()
@@ -103,17 +112,27 @@ def _read(path: Path, data: bytes, longest: int) -> tuple[NDArray[np.uint8], tup
     try:
         opened = Image.open(io.BytesIO(data), formats=_known(Image))
     except UnidentifiedImageError:  # which names an object in memory
-        raise InputError(f"{path}: no picture that can be read (of no known kind)") from None
+        raise InputError(
+            "{file}: no picture that can be read (of no known kind)", file=path
+        ) from None
     with opened as picture:
         width, height = picture.size
         if width * height > _MOST_PIXELS:
             raise InputError(
-                f"{path}: {width:,} x {height:,} pixels; expected {_MOST_PIXELS:,} at the most: "
-                "make it smaller"
+                "{file}: {width:,} x {height:,} pixels; expected {most:,} at the most: make it "
+                "smaller",
+                file=path,
+                width=width,
+                height=height,
+                most=_MOST_PIXELS,
             )
         if min(width, height) < _FEWEST:
             raise InputError(
-                f"{path}: {width} x {height} pixels; expected {_FEWEST} or more a side"
+                "{file}: {width} x {height} pixels; expected {fewest} or more a side",
+                file=path,
+                width=width,
+                height=height,
+                fewest=_FEWEST,
             )
         orientation = picture.getexif().get(0x0112, 1)
         full = (width, height) if orientation in (5, 6, 7, 8) else (height, width)
@@ -203,16 +222,18 @@ def load_photograph(
     path = Path(path)
     try:
         if not path.is_file():
-            what = "it is no plain file" if path.exists() else "there is no such file"
-            what = "it is a folder" if path.is_dir() else what
-            raise InputError(f"{path}: {what}; expected a photograph")
+            if path.is_dir():
+                raise InputError("{file}: it is a folder; expected a photograph", file=path)
+            if path.exists():
+                raise InputError("{file}: it is no plain file; expected a photograph", file=path)
+            raise InputError("{file}: there is no such file; expected a photograph", file=path)
     except OSError as cause:  # a name too long, a folder that must not be looked into
-        raise InputError(f"{path}: {cause.strerror or cause}") from None
+        raise InputError("{file}: {cause}", file=path, cause=cause) from None
     try:
         reader = f"{__name__}:{child_photograph.__name__}"
         arrays, facts = read_apart(path, reader, [_LONGEST], PICTURE_SECONDS, progress=progress)
     except MeshError as cause:
-        raise InputError(str(cause)) from None
+        raise InputError(cause) from None
     (height, width), full = facts["size"], facts["full"]
     pixels: NDArray[np.uint8] = arrays["pixels"].reshape(int(height), int(width), 3)
     return pixels, max(int(full[0]), int(full[1])) / max(pixels.shape[:2])

@@ -13,7 +13,7 @@ from PIL import Image
 from paint3d.colour.materials import Material
 from paint3d.colour.viewing import Viewing
 from paint3d.core.atomic import write_atomically
-from paint3d.errors import ExportError, InputError
+from paint3d.errors import ExportError, InputError, Message
 from paint3d.files.colour_tags import picture_tags
 from paint3d.files.export import gloss_of
 from paint3d.files.export_options import ExportOptions
@@ -89,7 +89,10 @@ def write_picture(
     form = _form_of(path, shot, turning)
     if viewing is not None and viewing.gamut != "srgb" and form in ("GIF", "MP4"):
         raise InputError(
-            f"{path}: a .{form.lower()} is in sRGB; expected .png or .webp for {viewing.gamut}"
+            "{file}: a .{form} is in sRGB; expected .png or .webp for {gamut}",
+            file=path,
+            form=form.lower(),
+            gamut=viewing.gamut,
         )
     other = None if material is None else Gloss.of(material)
     roughness = None if other is None else other.seen_roughness
@@ -135,8 +138,12 @@ class Filmed(NamedTuple):
         width, height = shot.size or (0, 0)
         if is_held_whole(form) and width * height * n > MOST_PIXELS:
             raise ExportError(
-                f"{path}: {n} pictures of {width} x {height} pixels are too many; expected a "
-                "shorter or smaller film, or .mp4"
+                "{file}: {n} pictures of {width} x {height} pixels are too many; expected a "
+                "shorter or smaller film, or .mp4",
+                file=path,
+                n=n,
+                width=width,
+                height=height,
             )
         return form
 
@@ -196,17 +203,38 @@ def _form_of(path: Path, shot: Shot, turning: Turning | None) -> str:
     suffix = path.suffix.lower()
     known = PICTURE_SUFFIXES if turning is None else FILM_SUFFIXES
     if suffix not in known:
-        what = "picture" if turning is None else "film"
-        shown = f"the suffix {suffix!r} is not that of one" if suffix else "it has no suffix"
-        raise ExportError(f"{path}: a {what} is wanted, and {shown}; expected {' or '.join(known)}")
+        what = Message("a picture") if turning is None else Message("a film")
+        if suffix:
+            raise ExportError(
+                "{file}: {what} is wanted, and the suffix {suffix!r} is not that of one; expected "
+                "{known}",
+                file=path,
+                what=what,
+                suffix=suffix,
+                known=" or ".join(known),
+            )
+        raise ExportError(
+            "{file}: {what} is wanted, and it has no suffix; expected {known}",
+            file=path,
+            what=what,
+            known=" or ".join(known),
+        )
     if suffix in (".gif", ".mp4") and shot.transparent:
-        raise InputError(f"{path}: a {suffix} has no soft edges to nothing; expected .webp")
+        raise InputError(
+            "{file}: a {suffix} has no soft edges to nothing; expected .webp",
+            file=path,
+            suffix=suffix,
+        )
     if turning is not None and is_held_whole(film_form(path)):
         width, height = shot.size or (0, 0)
         if width * height * turning.n_pictures > MOST_PIXELS:
             raise ExportError(
-                f"{path}: {turning.n_pictures} pictures of {width} x {height} pixels are too "
-                "many; expected a shorter or smaller film"
+                "{file}: {n_pictures} pictures of {width} x {height} pixels are too many; expected "
+                "a shorter or smaller film",
+                file=path,
+                n_pictures=turning.n_pictures,
+                width=width,
+                height=height,
             )
     return _FORMS[suffix]
 

@@ -44,8 +44,10 @@ def surface_through(
     """
     if len(points) < FEWEST_POINTS:
         raise MeshError(
-            f"it has {len(points)} points and no triangles; expected at least {FEWEST_POINTS} "
-            "points to build a surface through"
+            "it has {n} points and no triangles; expected at least {fewest_points} points to build "
+            "a surface through",
+            n=len(points),
+            fewest_points=FEWEST_POINTS,
         )
     open3d = _open3d()
     cloud = open3d.geometry.PointCloud(open3d.utility.Vector3dVector(points))
@@ -56,8 +58,9 @@ def surface_through(
     spacing = float(np.median(cloud.compute_nearest_neighbor_distance()))
     if not (np.isfinite(spacing) and spacing > 0.0):
         raise MeshError(
-            f"most of its {len(points):,} points lie in the place of another; "
-            "expected points that lie evenly on a surface"
+            "most of its {n:,} points lie in the place of another; expected points that lie evenly "
+            "on a surface",
+            n=len(points),
         )
     radii = open3d.utility.DoubleVector([k * spacing for k in RADII])
     with open3d.utility.VerbosityContextManager(open3d.utility.VerbosityLevel.Error):
@@ -65,12 +68,14 @@ def surface_through(
         try:
             faces = np.asarray(build(cloud, radii).triangles, np.int64).copy()
         except RuntimeError as cause:
-            raise MeshError(f"no surface goes through its points: {cause}") from None
+            raise MeshError("no surface goes through its points: {cause}", cause=cause) from None
     reached = len(np.unique(faces)) / len(points)
     if reached < LEAST_SHARE:
         raise MeshError(
-            f"a surface through its {len(points):,} points reaches only {reached:.0%} of them; "
-            "expected points that lie evenly on a surface"
+            "a surface through its {n:,} points reaches only {reached:.0%} of them; expected "
+            "points that lie evenly on a surface",
+            n=len(points),
+            reached=reached,
         )
     return faces
 
@@ -80,8 +85,10 @@ def _open3d() -> ModuleType:
         import open3d
     except ImportError as cause:
         raise MeshError(
-            f"it is a point cloud, and a surface through points is built by Open3D: {cause}; "
-            "expected it installed (pip install 'paint3d[open3d]'), or a file with triangles"
+            "it is a point cloud, and a surface through points is built by Open3D: {cause}; "
+            "expected a file with triangles",
+            cause=cause,
+            hint="pip install 'paint3d[open3d]'",
         ) from None
     return open3d
 

@@ -6,13 +6,14 @@ import math
 import warnings
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from functools import reduce
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.core.arrays import AnyArray
-from paint3d.errors import MeshError
+from paint3d.errors import MeshError, Message
 from paint3d.files.colours import Look
 
 __all__ = [
@@ -49,7 +50,7 @@ class RawMesh:
     announces : str
         What the file speaks of besides points, such as faces, even if it holds none: without
         triangles it is no point cloud then.
-    notes : tuple of str
+    notes : tuple of Message
         What the user should know, such as a texture that was left out.
     looks : tuple of Look
         The materials that were read.
@@ -70,7 +71,7 @@ class RawMesh:
     unit_mm: float | None = None
     up: str | None = None
     announces: str = ""
-    notes: tuple[str, ...] = ()
+    notes: tuple[Message, ...] = ()
     looks: tuple[Look, ...] = ()
     look_of: NDArray[np.int64] | None = None
     uv: NDArray[np.float64] | None = None
@@ -122,7 +123,7 @@ def join_meshes(raws: Sequence[RawMesh]) -> RawMesh:
     )
 
 
-FACE_COLOURS = "colours of faces"
+FACE_COLOURS = Message("colours of faces")
 
 
 def with_face_colours(raw: RawMesh, codes: NDArray[np.uint8], wanted: bool) -> RawMesh:
@@ -141,10 +142,13 @@ def with_face_colours(raw: RawMesh, codes: NDArray[np.uint8], wanted: bool) -> R
     )
 
 
-def left_out(what: Iterable[str]) -> tuple[str, ...]:
+def left_out(what: Iterable[str]) -> tuple[Message, ...]:
     """Return one note on what a file says and paint3d does not take; none where there is none."""
-    named = sorted(what)
-    return (f"left out: {', '.join(named)}",) if named else ()
+    named = [one if isinstance(one, Message) else Message(one) for one in sorted(what)]
+    if not named:
+        return ()
+    several = reduce(lambda one, other: Message("{one}, {other}", one=one, other=other), named)
+    return (Message("left out: {what}", what=several),)
 
 
 def parse_numbers(text: bytes, what: str) -> NDArray[np.float64]:
@@ -169,7 +173,11 @@ def parse_numbers(text: bytes, what: str) -> NDArray[np.float64]:
             numbers.append(float(word))
         except ValueError:
             shown = word[:20].decode("ascii", "replace")
-            raise MeshError(f"{what} has {shown!r} where a number was expected") from None
+            raise MeshError(
+                "{what} has {shown!r} where a number was expected",
+                what=what,
+                shown=shown,
+            ) from None
     return np.array(numbers)
 
 
@@ -184,7 +192,11 @@ def index_array(numbers: AnyArray, what: str) -> NDArray[np.int64]:
     whole = np.isfinite(numbers) & (np.abs(numbers) < 2.0**53)
     whole &= np.floor(np.where(whole, numbers, 0.5)) == numbers
     if not whole.all():
-        raise MeshError(f"{what} has {numbers[~whole][0]:g} where a vertex index was expected")
+        raise MeshError(
+            "{what} has {numbers:g} where a vertex index was expected",
+            what=what,
+            numbers=numbers[~whole][0],
+        )
     return numbers.astype(np.int64)
 
 
@@ -198,9 +210,12 @@ def check_count(count: float, n_bytes_each: float, n_bytes: int, what: str) -> N
     """
     room = math.floor(n_bytes / n_bytes_each)
     if count < 0:
-        raise MeshError(f"it says it has {count} {what}; expected 0 or more")
+        raise MeshError("it says it has {count} {what}; expected 0 or more", count=count, what=what)
     if count > room:
         raise MeshError(
-            f"it says it has {count:,} {what}, but what follows has room for {room:,} at most; "
-            "the file is cut short or its header is wrong"
+            "it says it has {count:,} {what}, but what follows has room for {room:,} at most; the "
+            "file is cut short or its header is wrong",
+            count=count,
+            what=what,
+            room=room,
         )

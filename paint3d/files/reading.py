@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.core.arrays import AnyArray
-from paint3d.errors import MeshError
+from paint3d.errors import MeshError, Message
 from paint3d.files.contents import PACKED, plain_text, read_contents
 from paint3d.files.detail import Draped, show_pictures
 from paint3d.files.package_meshes import package_class, read_object
@@ -83,7 +83,7 @@ class Reading:
     Attributes
     ----------
     mesh : TriangleMesh
-    notes : tuple of str
+    notes : tuple of Message
         What its reader has to tell the user.
     knows_up : bool
         Whether the file, or who asked, said which way is up.
@@ -94,7 +94,7 @@ class Reading:
     """
 
     mesh: TriangleMesh
-    notes: tuple[str, ...] = ()
+    notes: tuple[Message, ...] = ()
     knows_up: bool = False
     unit_mm: float = 1.0
     up: str = "z"
@@ -122,9 +122,13 @@ def take_object(found: object, wanted: Wanted = AS_IT_IS) -> Reading:
         with np.errstate(all="ignore"):
             return _finish(read_object(found, wanted.texture), "mesh", wanted)
     except MeshError as cause:
-        raise MeshError(f"{name}: {_one_line(cause)}" if kind else str(cause)) from None
+        raise (MeshError("{name}: {cause}", name=name, cause=cause) if kind else cause) from None
     except SURPRISES as cause:
-        raise MeshError(f"{name}: its structure is damaged: {_in_words(cause)}") from None
+        raise MeshError(
+            "{name}: its structure is damaged: {cause}",
+            name=name,
+            cause=_in_words(cause),
+        ) from None
 
 
 def read_surface_apart(
@@ -156,7 +160,7 @@ def read_surface_apart(
         str(facts["name"]),
         arrays.get("normals"),
     )
-    notes = tuple(map(str, facts["notes"]))
+    notes = tuple(map(Message.from_words, facts["notes"]))
     knows_up, unit_mm, up = facts["knows_up"], facts["unit_mm"], facts["up"]
     return Reading(mesh, notes, bool(knows_up), float(unit_mm), str(up))
 
@@ -168,7 +172,10 @@ def child_surface(path: Path, wanted: list[Any]) -> Found:
     arrays: dict[str, AnyArray] = {"vertices": mesh.vertices, "faces": mesh.faces}
     arrays |= {} if mesh.normals is None else {"normals": mesh.normals}
     arrays |= {} if mesh.colours is None else {"colours": mesh.colours}
-    facts: dict[str, object] = {"name": mesh.name, "notes": list(reading.notes)}
+    facts: dict[str, object] = {
+        "name": mesh.name,
+        "notes": [note.to_words() for note in reading.notes],
+    }
     facts |= {"knows_up": reading.knows_up, "unit_mm": reading.unit_mm, "up": reading.up}
     return arrays, facts
 
@@ -185,11 +192,15 @@ def read_surface(path: Path, wanted: Wanted = AS_IT_IS) -> Reading:
         with np.errstate(all="ignore"):  # what is not finite in the end is refused
             return _finish(read_raw(path, wanted.texture), path.name.split(".")[0], wanted)
     except MeshError as cause:
-        raise MeshError(f"{path}: {_one_line(cause)}") from None
+        raise MeshError("{file}: {cause}", file=path, cause=cause) from None
     except MemoryError:
-        raise MeshError(f"{path}: it does not fit into memory") from None
+        raise MeshError("{file}: it does not fit into memory", file=path) from None
     except SURPRISES as cause:
-        raise MeshError(f"{path}: its structure is damaged: {_in_words(cause)}") from None
+        raise MeshError(
+            "{file}: its structure is damaged: {cause}",
+            file=path,
+            cause=_in_words(cause),
+        ) from None
 
 
 def read_raw(path: Path, texture: bool = False) -> RawMesh:
@@ -210,17 +221,17 @@ def read_raw(path: Path, texture: bool = False) -> RawMesh:
     return read(data, texture) if suffix in TEXTURED else read(data)
 
 
-def _in_words(cause: Exception) -> str:
+def _in_words(cause: Exception) -> Message:
     """What damaged structure made a reader stumble over, for people."""
     if isinstance(cause, KeyError):
-        return f"it lacks {_one_line(cause):.60}"
+        return Message("it lacks {part}", part=_one_line(cause)[:60])
     if isinstance(cause, IndexError):
-        return "it refers to something that it does not have"
+        return Message("it refers to something that it does not have")
     if isinstance(cause, AttributeError | TypeError):
-        return "a part of it is of another kind than is expected there"
+        return Message("a part of it is of another kind than is expected there")
     if isinstance(cause, RecursionError):
-        return "its parts are nested too deeply"
-    return f"near {_one_line(cause):.160}"
+        return Message("its parts are nested too deeply")
+    return Message("near {place}", place=_one_line(cause)[:160])
 
 
 def _one_line(cause: BaseException) -> str:
@@ -232,13 +243,27 @@ def _known_suffix(path: Path) -> str:
     suffix = RECORDS if inner.name.lower().endswith(RECORDS) else inner.suffix.lower()
     if suffix in READERS:
         return suffix
-    shown = f"the suffix {suffix!r} is not known" if suffix else "it has no suffix"
+    known = " ".join(MESH_SUFFIXES)
     if suffix in UNREAD:
-        shown = f"{UNREAD[suffix]} is not read (Blender saves it as .glb)"
-    elif suffix in DRAWINGS:
-        shown = f"{DRAWINGS[suffix]} is a flat drawing, which is no surface to paint on"
-        shown += " (write --svg paints it)" if suffix == ".svg" else ""
-    raise MeshError(f"{shown}; expected one of {' '.join(MESH_SUFFIXES)}")
+        raise MeshError(
+            "{kind} is not read (Blender saves it as .glb); expected one of {known}",
+            kind=UNREAD[suffix],
+            known=known,
+        )
+    if suffix in DRAWINGS:
+        raise MeshError(
+            "{kind} is a flat drawing, which is no surface to paint on; expected one of {known}",
+            kind=DRAWINGS[suffix],
+            known=known,
+            hint="write --svg paints it" if suffix == ".svg" else "",
+        )
+    if suffix:
+        raise MeshError(
+            "the suffix {suffix!r} is not known; expected one of {known}",
+            suffix=suffix,
+            known=known,
+        )
+    raise MeshError("it has no suffix; expected one of {known}", known=known)
 
 
 def _finish(raw: RawMesh, name: str, wanted: Wanted) -> Reading:
@@ -268,7 +293,14 @@ def _checked_mesh(
     distinct = (faces != np.roll(faces, 1, axis=1)).all(axis=1)
     notes = raw.notes
     if not distinct.all() and distinct.any():
-        notes += (f"left out {(~distinct).sum():,} faces that name a vertex twice",)
+        n = int((~distinct).sum())
+        notes += (
+            Message(
+                "left out {n:,} face that names a vertex twice",
+                "left out {n:,} faces that name a vertex twice",
+                n=n,
+            ),
+        )
         faces, corners = faces[distinct], corners[distinct]
     normals = _unit_normals(raw.normals, vertices, faces)
     if raw.uv is None or raw.look_of is None or not pictured:
@@ -287,13 +319,22 @@ def _check_raw(raw: RawMesh) -> None:
     bad = np.flatnonzero(~np.isfinite(raw.vertices).all(axis=1))
     if len(bad):
         where = ", ".join(f"{x:g}" for x in raw.vertices[bad[0]])
-        raise MeshError(f"vertex {bad[0]} is ({where}); expected finite numbers")
+        raise MeshError(
+            "vertex {first} is ({where}); expected finite numbers",
+            first=bad[0],
+            where=where,
+        )
     n = len(raw.vertices)
     outside = np.flatnonzero((raw.corners < 0) | (raw.corners >= n))
     if len(outside):
         face = int(np.searchsorted(np.cumsum(raw.sizes), outside[0], side="right"))
         index = int(raw.corners[outside[0]])
-        raise MeshError(f"face {face} refers to vertex {index}; expected 0 to {n - 1}")
+        raise MeshError(
+            "face {face} refers to vertex {index}; expected 0 to {last}",
+            face=face,
+            index=index,
+            last=n - 1,
+        )
 
 
 def _without_faces(
@@ -301,15 +342,22 @@ def _without_faces(
 ) -> Reading:
     if from_points is None and raw.announces:
         raise MeshError(
-            f"it has {len(vertices):,} points but no triangles, though it says it has "
-            f"{raw.announces}; expected a surface (--from-points builds one through the points)"
+            "it has {n:,} points but no triangles, though it says it has {announces}; expected a "
+            "surface",
+            hint="--from-points builds one through the points",
+            n=len(vertices),
+            announces=raw.announces,
         )
     if from_points is False:
-        raise MeshError(f"it has {len(vertices):,} points but no triangles; expected a surface")
+        raise MeshError("it has {n:,} points but no triangles; expected a surface", n=len(vertices))
     from paint3d.files.points import surface_through
 
     faces = surface_through(vertices, raw.normals)
-    note = f"it is a point cloud: built {len(faces):,} triangles through {len(vertices):,} points"
+    note = Message(
+        "it is a point cloud: built {n:,} triangles through {points:,} points",
+        n=len(faces),
+        points=len(vertices),
+    )
     mesh = TriangleMesh(
         vertices, faces, raw.colours, name, _unit_normals(raw.normals, vertices, faces)
     )

@@ -27,7 +27,7 @@ import numpy as np
 
 from paint3d.core.arrays import AnyArray
 from paint3d.core.machine import from_parent, handed_to_child, limit_process, make_memory_file
-from paint3d.errors import InputError, MeshError
+from paint3d.errors import InputError, MeshError, Message
 from paint3d.files.progress import Progress
 
 __all__ = [
@@ -94,12 +94,15 @@ def read_apart(
             arrays, facts = receive(descriptor)
         except MeshError as cause:
             raise MeshError(
-                f"{path}: {cause}: it takes more than {MAX_MEMORY >> 30} GiB, or its reader failed"
+                "{file}: {cause}: it takes more than {most} GiB, or its reader failed",
+                file=path,
+                cause=cause,
+                most=MAX_MEMORY >> 30,
             ) from None
     finally:
         os.close(descriptor)
     if "error" in facts:
-        raise MeshError(str(facts["error"]))
+        raise MeshError(Message.from_words(facts["error"]), hint=facts["hint"])
     return arrays, facts
 
 
@@ -140,8 +143,12 @@ def _run(
         if number == signal.SIGXCPU:
             raise _too_long(path, limits[0])
         if number == signal.SIGKILL:
-            raise MeshError(f"{path}: reading it took too long or too much memory")
-        raise MeshError(f"{path}: reading it crashed ({signal.Signals(number).name})")
+            raise MeshError("{file}: reading it took too long or too much memory", file=path)
+        raise MeshError(
+            "{file}: reading it crashed ({signal})",
+            file=path,
+            signal=signal.Signals(number).name,
+        )
 
 
 def _wait(
@@ -165,8 +172,10 @@ def _wait(
             raise _too_long(path, seconds)
         if watch.idle >= idle_seconds:
             raise MeshError(
-                f"{path}: reading it has stood still for {idle_seconds:g} s; "
-                "expected a file on a disk that answers"
+                "{file}: reading it has stood still for {idle_seconds:g} s; expected a file on a "
+                "disk that answers",
+                file=path,
+                idle_seconds=idle_seconds,
             )
         if progress is not None:
             gone = time.monotonic() - began
@@ -175,7 +184,9 @@ def _wait(
 
 def _too_long(path: Path, seconds: float) -> MeshError:
     return MeshError(
-        f"{path}: reading it took longer than {seconds:g} s of computing; expected a simpler file"
+        "{file}: reading it took longer than {seconds:g} s of computing; expected a simpler file",
+        file=path,
+        seconds=seconds,
     )
 
 
@@ -255,7 +266,7 @@ def main() -> None:
     try:
         arrays, facts = read(path, request["wanted"])
     except InputError as cause:
-        send(descriptor, {}, {"error": str(cause)})
+        send(descriptor, {}, {"error": cause.message.to_words(), "hint": cause.hint})
         return
     send(descriptor, arrays, facts)
 

@@ -90,7 +90,9 @@ def _lay_out(
         import xatlas
     except ImportError:
         raise ExportError(
-            "a baked texture needs the package xatlas: pip install 'paint3d[texture]'"
+            "a baked texture needs xatlas, which is not installed; expected colours at the "
+            "vertices",
+            hint="pip install 'paint3d[texture]'",
         ) from None
     charts, pack = xatlas.ChartOptions(), xatlas.PackOptions()
     if len(faces) > FEW_FACES:
@@ -100,7 +102,10 @@ def _lay_out(
     atlas.add_mesh(np.ascontiguousarray(vertices, np.float32), faces.astype(np.uint32))
     atlas.generate(charts, pack)
     if atlas.atlas_count != 1:
-        raise ExportError(f"xatlas made {atlas.atlas_count} textures of the object; expected one")
+        raise ExportError(
+            "xatlas made {atlas_count} textures of the object; expected one",
+            atlas_count=atlas.atlas_count,
+        )
     source, corners, uv = atlas[0]
     return source, corners.astype(np.int32), uv, (atlas.width, atlas.height)
 
@@ -144,7 +149,11 @@ def _draw(places: AnyArray, srgb: AnyArray, width: int, height: int) -> NDArray[
     corners = np.arange(len(places), dtype=np.int32).reshape(-1, 3)
     fill_triangles(places, corners, np.ascontiguousarray(srgb), image, filled)
     if not filled.any():
-        raise ExportError(f"a texture of {width} x {height} pixels is too small for the object")
+        raise ExportError(
+            "a texture of {width} x {height} pixels is too small for the object",
+            width=width,
+            height=height,
+        )
     rows, columns = distance_transform_edt(filled == 0, return_distances=False, return_indices=True)
     result: NDArray[np.uint8] = image[rows, columns]
     return result

@@ -15,7 +15,7 @@ from paint3d.device.force.force_port import ForcePort, HidForcePort
 from paint3d.device.force.haptic_stylus import encode_force
 from paint3d.device.hid_link import open_node
 from paint3d.device.sample import StylusReading
-from paint3d.errors import DeviceError
+from paint3d.errors import DeviceError, Message
 from paint3d.haptics import shared_state as board_of
 from paint3d.haptics.realtime import SCHEDULES
 from paint3d.haptics.servo_process import ServoTask, run_servo
@@ -223,8 +223,10 @@ class ForceFeedback:
         end = time.monotonic() + _START_S
         while self._board.counters[board_of.STATE] == board_of.STARTING:
             if not self._process.is_alive() or time.monotonic() > end:
-                why = self._board.fault() or f"exit status {self._process.exitcode}"
-                raise DeviceError(f"the servo did not start: {why}")
+                why = self._board.fault() or Message(
+                    "exit status {status}", status=self._process.exitcode
+                )
+                raise DeviceError("the servo did not start: {why}", why=why)
             time.sleep(0.01)
 
     def _quiet(self) -> None:

@@ -63,9 +63,12 @@ def make_shared_memory(n_bytes: int) -> SharedMemory:
 
 def _no_room(n_bytes: int, cause: OSError) -> DeviceError:
     return DeviceError(
-        f"no {1e-6 * n_bytes:.3g} MB of memory to share with the stylus' process "
-        f"({cause.strerror}); expected room for them in {_DISK}: a container is given more of it "
-        "when it is started (--shm-size)"
+        "no {n_bytes:.3g} MB of memory to share with the stylus' process ({cause}); expected room "
+        "for them in {disk}: a container is given more of it when it is started",
+        hint="--shm-size",
+        n_bytes=1e-6 * n_bytes,
+        cause=cause,
+        disk=_DISK,
     )
 
 

@@ -73,8 +73,10 @@ def _split(choice: str) -> tuple[str, str]:
     kind, equals, location = choice.partition("=") if isinstance(choice, str) else ("", "", "")
     if kind not in STYLI or (equals and (kind not in _WITH_LOCATION or not location)):
         raise InputError(
-            f"stylus is {choice!r}; expected {', '.join(STYLI)}, "
-            "openhaptics=/PATH/libHD.so or inverse3=ws://HOST:PORT"
+            "stylus is {choice!r}; expected {styli}, openhaptics=/PATH/libHD.so or "
+            "inverse3=ws://HOST:PORT",
+            choice=choice,
+            styli=", ".join(STYLI),
         )
     return kind, location
 
@@ -127,7 +129,9 @@ def _find_hid(_: str) -> FoundStylus:
     if not nodes:
         raise DeviceError(
             "no HID haptic stylus is plugged in; expected a device "
-            f"{VENDOR_ID:04x}:{PRODUCT_ID:04x} (docs/devices.md says what it sends)"
+            "{vendor_id:04x}:{product_id:04x} (docs/devices.md says what it sends)",
+            vendor_id=VENDOR_ID,
+            product_id=PRODUCT_ID,
         )
     node = nodes[0]
     if find_obstacle(node) is not None:

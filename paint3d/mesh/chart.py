@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from paint3d.core.arrays import AnyArray, as_array, as_number, cross, dots_of, lengths_of
-from paint3d.errors import InputError, MeshError
+from paint3d.errors import InputError, MeshError, Message
 from paint3d.mesh.bvh import ClosestPoints
 from paint3d.mesh.kernels.tensor_spline import eliminate_spline, evaluate_splines, solve_spline
 
@@ -157,7 +157,8 @@ def frame_at(surface: ClosestPoints, point: ArrayLike, up: ArrayLike) -> Surface
     length = math.sqrt(tangent @ tangent)
     if length < 1e-6 * max(math.sqrt(wanted @ wanted), 1e-12):
         raise InputError(
-            f"up is {wanted.tolist()}, along the surface's normal; expected another direction"
+            "up is {wanted}, along the surface's normal; expected another direction",
+            wanted=wanted.tolist(),
         )
     y_axis = tangent / length
     return SurfaceFrame(found.points[0], cross(y_axis, normal), y_axis, normal)
@@ -261,8 +262,12 @@ class SurfaceChart:
         if len(out):
             x, y = checked[out[0]]
             raise InputError(
-                f"({x:.3f}, {y:.3f}) mm lies outside the chart; expected within "
-                f"+-{self.half_width:g} and +-{self.half_height:g} mm"
+                "({x:.3f}, {y:.3f}) mm lies outside the chart; expected within +-{half_width:g} "
+                "and +-{half_height:g} mm",
+                x=x,
+                y=y,
+                half_width=self.half_width,
+                half_height=self.half_height,
             )
         return checked
 
@@ -310,8 +315,11 @@ def make_chart(
     reach = math.hypot(half_width, half_height)
     if reach > _FARTHEST_SIZES * size:
         raise InputError(
-            f"{surface.mesh.name} is {size:.0f} mm in size; expected a sheet that reaches less "
-            f"than {reach:.0f} mm from its middle"
+            "{object} is {size:.0f} mm in size; expected a sheet that reaches less than "
+            "{reach:.0f} mm from its middle",
+            object=surface.mesh.name,
+            size=size,
+            reach=reach,
         )
     xs, ys = _nodes(half_width, spacing), _nodes(half_height, spacing)
     x, y = (grid.ravel() for grid in np.meshgrid(xs, ys, indexing="ij"))
@@ -349,8 +357,12 @@ def _trace(
         if lost.any():
             i = int(np.flatnonzero(lost)[0])
             raise MeshError(
-                f"{surface.mesh.name}: the surface ends {step[i, 0] * k:.1f} mm from the middle "
-                f"of the chart, towards ({x[i]:.1f}, {y[i]:.1f}) mm; expected it to go on"
+                "{object}: the surface ends {step:.1f} mm from the middle of the chart, towards "
+                "({x:.1f}, {y:.1f}) mm; expected it to go on",
+                object=surface.mesh.name,
+                step=step[i, 0] * k,
+                x=x[i],
+                y=y[i],
             )
         # Parallel transport: the least rotation that takes one normal to the next. Projecting the
         # headings instead would pull every geodesic towards the direction of least bending.
@@ -512,21 +524,23 @@ class EmSquare:
                 angles.append(math.acos(min(1.0, max(-1.0, cosine))))
         return np.array(angles)
 
-    def fault(self, limits: SquareLimits) -> str | None:
+    def fault(self, limits: SquareLimits) -> Message | None:
         """Return why the square cannot be written in, or None."""
         n = self.normals
         neighbours = [(n[1:] * n[:-1]).sum(-1).min(), (n[:, 1:] * n[:, :-1]).sum(-1).min()]
         if min(neighbours) < math.cos(limits.crease):
-            return "the surface has an edge or a tight bend there"
+            return Message("the surface has an edge or a tight bend there")
         if (n @ self.chart.frame.normal).min() < math.cos(limits.turn):
-            return "the surface turns away there"
+            return Message("the surface turns away there")
         wanted = np.array([self.width_mm, self.height_mm, self.width_mm, self.height_mm])
         stretch = np.abs(self.sides() / wanted - 1.0).max()
         shear = np.abs(self.corner_angles() - 0.5 * math.pi).max()
         if stretch > limits.stretch or shear > limits.shear:
-            return (
-                f"the surface is so curved there that the square would be stretched by "
-                f"{100.0 * stretch:.0f} % and sheared by {math.degrees(shear):.0f} degrees"
+            return Message(
+                "the surface is so curved there that the square would be stretched by "
+                "{percent:.0f} % and sheared by {degrees:.0f} degrees",
+                percent=100.0 * stretch,
+                degrees=math.degrees(shear),
             )
         return None
 
@@ -581,7 +595,7 @@ def lay_square(
     try:
         chart = make_chart(surface, frame, halves[0], halves[1], spacing, max(spacing, _FINEST_MM))
     except MeshError:
-        raise _no_place(surface, frame, em_mm, "the surface ends within it") from None
+        raise _no_place(surface, frame, em_mm, Message("the surface ends within it")) from None
     lines = [
         np.linspace(-0.5 * side, 0.5 * side, max(_FEWEST, round(_EM_PROBES * (side / em_mm))) + 1)
         for side in (width, height)
@@ -592,7 +606,7 @@ def lay_square(
     square = EmSquare(chart, em_mm, width, height, points, normals)
     fault = square.fault(limits)
     if fault is None and not _is_free(surface, square, limits.room_mm):
-        fault = "there is no room for the brush above it"
+        fault = Message("there is no room for the brush above it")
     if fault is not None:
         raise _no_place(surface, frame, em_mm, fault)
     return square
@@ -609,9 +623,14 @@ def _is_free(surface: ClosestPoints, square: EmSquare, height: float) -> bool:
     return bool((nearest > _FREE * height).all())
 
 
-def _no_place(surface: ClosestPoints, frame: SurfaceFrame, em_mm: float, why: str) -> MeshError:
+def _no_place(surface: ClosestPoints, frame: SurfaceFrame, em_mm: float, why: Message) -> MeshError:
     x, y, z = frame.origin
     return MeshError(
-        f"{surface.mesh.name}: no place for an em of {em_mm:g} mm around "
-        f"({x:.1f}, {y:.1f}, {z:.1f}): {why}"
+        "{object}: no place for an em of {em_mm:g} mm around ({x:.1f}, {y:.1f}, {z:.1f}): {why}",
+        object=surface.mesh.name,
+        em_mm=em_mm,
+        x=x,
+        y=y,
+        z=z,
+        why=why,
     )

@@ -57,10 +57,16 @@ def arrays_of(found: Any) -> tuple[AnyArray, AnyArray]:
         arrays = np.asarray(vertices, np.float64), np.asarray(faces, np.int64)
     except (AttributeError, KeyError, TypeError, ValueError):
         raise MeshError(
-            f"a mesh is {type(found).__module__}.{type(found).__qualname__}; expected "
-            "(vertices, faces), or a mesh of load_mesh, trimesh, Open3D or PyVista"
+            "a mesh is {module}.{qualname}; expected (vertices, faces), or a mesh of load_mesh, "
+            "trimesh, Open3D or PyVista",
+            module=type(found).__module__,
+            qualname=type(found).__qualname__,
         ) from None
     for name, array in zip(("vertices", "faces"), arrays, strict=True):
         if array.ndim != 2 or array.shape[1] != 3:
-            raise MeshError(f"{name} have shape {array.shape}; expected (N, 3)")
+            raise MeshError(
+                "{name} have shape {array_shape}; expected (N, 3)",
+                name=name,
+                array_shape=array.shape,
+            )
     return arrays

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from paint3d.core.arrays import AnyArray, as_array, as_number
-from paint3d.errors import InputError, MeshError
+from paint3d.errors import InputError, MeshError, Message
 from paint3d.mesh.bvh import ClosestPoints
 from paint3d.mesh.chart import SurfaceFrame, frame_at
 
@@ -103,19 +103,34 @@ def place(
     if side is None:
         side = "top" if is_flat(surface) else "outside"
     if side not in SIDES:
-        raise InputError(f"side is {side!r}; expected one of {', '.join(SIDES)}")
+        raise InputError(
+            "side is {side!r}; expected one of {sides}",
+            side=side,
+            sides=", ".join(SIDES),
+        )
     values = np.asarray(at, dtype=np.float64)
     if values.shape not in ((2,), (3,)):
-        raise InputError(f"at has shape {values.shape}; expected u, v or a direction x, y, z")
+        raise InputError(
+            "at has shape {values_shape}; expected u, v or a direction x, y, z",
+            values_shape=values.shape,
+        )
     start, ray = _ray(surface, as_array(values, "at", values.shape), side)
     hits = surface.cast(start[None], ray[None])
-    where = f"at {values.tolist()} seen from the {side}"
+    where = Message("at {place} seen from the {side}", place=values.tolist(), side=side)
     if not hits.hit[0]:
-        raise MeshError(f"{surface.mesh.name}: there is no surface {where}; expected another place")
+        raise MeshError(
+            "{object}: there is no surface {where}; expected another place",
+            object=surface.mesh.name,
+            where=where,
+        )
     point = hits.points[0]
     normal = surface.find(point[None]).normals[0]
     if normal @ ray >= 0.0:
-        raise MeshError(f"{surface.mesh.name}: {where} the surface shows its back; try another")
+        raise MeshError(
+            "{object}: {where} the surface shows its back; try another",
+            object=surface.mesh.name,
+            where=where,
+        )
     return frame_at(surface, point, upwards(normal))
 
 
@@ -214,7 +229,9 @@ class SurfaceLine:
         if not (distance >= 0.0 and self.reaches(distance)):
             if not (self.closed and math.isfinite(distance)):
                 raise InputError(
-                    f"the line is {self.length:.1f} mm long; expected {distance:.1f} mm"
+                    "the line is {length:.1f} mm long; expected {distance:.1f} mm",
+                    length=self.length,
+                    distance=distance,
                 )
             distance %= self.length
         j = max(0, bisect_left(self._arc_lengths, distance) - 1)

@@ -49,7 +49,10 @@ def triangulate(
     if sizes.max() > MAX_CORNERS:
         which = int(sizes.argmax())
         raise MeshError(
-            f"face {which} has {sizes[which]:,} corners; expected at most {MAX_CORNERS:,}"
+            "face {which} has {sizes:,} corners; expected at most {most:,}",
+            which=which,
+            sizes=sizes[which],
+            most=MAX_CORNERS,
         )
     if (sizes == 3).all():
         return corners.reshape(-1, 3)
@@ -105,8 +108,9 @@ def _clip_ears(points: NDArray[np.float64], ids: NDArray[np.int64]) -> NDArray[n
     """Return the (n - 2, 3) triangles of one polygon with corners at `points` (n, 3)."""
     if len(ids) > MAX_CONCAVE_CORNERS:
         raise MeshError(
-            f"a face with inward corners has {len(ids):,} of them; "
-            f"expected at most {MAX_CONCAVE_CORNERS:,}"
+            "a face with inward corners has {n:,} of them; expected at most {most:,}",
+            n=len(ids),
+            most=MAX_CONCAVE_CORNERS,
         )
     flat = _flatten(points)
     rounding = ROUNDING * float(np.ptp(flat, axis=0).max()) ** 2
@@ -118,8 +122,9 @@ def _clip_ears(points: NDArray[np.float64], ids: NDArray[np.int64]) -> NDArray[n
         tests += 1
         if tests > MAX_EAR_TESTS:
             raise MeshError(
-                f"a face with {len(ids):,} corners is too tangled to be cut into triangles; "
-                "expected a simpler outline"
+                "a face with {n:,} corners is too tangled to be cut into triangles; expected a "
+                "simpler outline",
+                n=len(ids),
             )
         near = (
             rounding if misses <= n else -rounding

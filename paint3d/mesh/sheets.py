@@ -84,25 +84,39 @@ class Sheet:
 
     def __post_init__(self) -> None:
         if self.form not in FORMS:
-            raise InputError(f"no sheet is called {self.form!r}; expected {', '.join(FORMS)}")
-        for what, mm in (("wide", self.width_mm), ("high", self.height_mm)):
-            if not _LEAST_MM <= mm <= _MOST_MM:
-                raise InputError(
-                    f"a sheet {mm:g} mm {what}; expected {_LEAST_MM:g} to {_MOST_MM:g} mm"
-                )
+            raise InputError(
+                "no sheet is called {form!r}; expected {forms}",
+                form=self.form,
+                forms=", ".join(FORMS),
+            )
+        if not all(_LEAST_MM <= mm <= _MOST_MM for mm in (self.width_mm, self.height_mm)):
+            raise InputError(
+                "a sheet of {width:g} x {height:g} mm; expected {least:g} to {most:g} mm a side",
+                width=self.width_mm,
+                height=self.height_mm,
+                least=_LEAST_MM,
+                most=_MOST_MM,
+            )
         most = 0.5 * min(self.width_mm, self.height_mm) - 1.0
         if not 0.0 <= self.margin_mm <= most:
             raise InputError(
-                f"a margin of {self.margin_mm:g} mm on a sheet of {self.width_mm:g} x "
-                f"{self.height_mm:g} mm; expected 0 to {most:g} mm"
+                "a margin of {margin_mm:g} mm on a sheet of {width_mm:g} x {height_mm:g} mm; "
+                "expected 0 to {most:g} mm",
+                margin_mm=self.margin_mm,
+                width_mm=self.width_mm,
+                height_mm=self.height_mm,
+                most=most,
             )
         shape = FORMS[self.form].shape
         if shape == "disc" and self.width_mm != self.height_mm:
             raise InputError("a round fan is as high as it is wide; expected one number")
         if shape == "sector" and self.height_mm > 0.45 * self.width_mm:
             raise InputError(
-                f"a fan's leaf of {self.height_mm:g} mm is too broad for {self.width_mm:g} mm; "
-                f"expected at most {0.45 * self.width_mm:g} mm"
+                "a fan's leaf of {height_mm:g} mm is too broad for {width_mm:g} mm; expected at "
+                "most {most:g} mm",
+                height_mm=self.height_mm,
+                width_mm=self.width_mm,
+                most=0.45 * self.width_mm,
             )
 
     @property
@@ -148,7 +162,11 @@ def parse_sheet(name: str) -> Sheet:
     """
     form, *words = name.split(":")
     if form not in FORMS:
-        raise InputError(f"no sheet is called {form!r}; expected {', '.join(FORMS)}")
+        raise InputError(
+            "no sheet is called {form!r}; expected {forms}",
+            form=form,
+            forms=", ".join(FORMS),
+        )
     usual = FORMS[form]
     size, margin, mounted = (usual.width_mm, usual.height_mm), None, False
     for word in words:
@@ -162,9 +180,11 @@ def parse_sheet(name: str) -> Sheet:
             mounted = True
         else:
             raise InputError(
-                f"{name}: {word!r} says nothing of a sheet; expected WIDTHxHEIGHT in mm, "
-                "margin=MM or mounted"
+                "{name}: {word!r} says nothing of a sheet; expected WIDTHxHEIGHT in mm, margin=MM "
+                "or mounted",
+                name=name,
+                word=word,
             )
     if form == "sheet" and not any(map(_SIZE.fullmatch, words)):
-        raise InputError(f"{name}: how large is it? expected sheet:WIDTHxHEIGHT in mm")
+        raise InputError("{name}: how large is it? expected sheet:WIDTHxHEIGHT in mm", name=name)
     return Sheet(form, *size, _margin(usual, size) if margin is None else margin, mounted)

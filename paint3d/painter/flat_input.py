@@ -53,7 +53,7 @@ def lay(recording: Recording, chart: SurfaceChart) -> Recording:
     try:
         points, frames = chart.points(xy), chart.tangents(xy)
     except InputError as cause:
-        raise RecordingError(f"the recording does not fit: {cause}") from None
+        raise RecordingError("the recording does not fit: {cause}", cause=cause) from None
     world_from_pad = quaternions_from_matrices(frames)
     return Recording(
         recording.time_ns,
@@ -187,7 +187,7 @@ def lift_off(recording: Recording, surface: ClosestPoints) -> Recording:
         chart = make_chart(surface, frame, half, half)
         xy = chart.coordinates(feet, most_off=_MOST_OFF_MM)
     except InputError as cause:
-        raise RecordingError(f"no sheet holds its strokes: {cause}") from None
+        raise RecordingError("no sheet holds its strokes: {cause}", cause=cause) from None
     known = np.isfinite(xy[:, 0])
     if not known[pressed].all():
         raise RecordingError("no sheet holds its strokes: they reach too far around the object")

@@ -69,10 +69,17 @@ def record_line(
     apart = np.concatenate([[True], steps > 0.0])
     corners, reach = corners[apart], reach[apart]
     if len(corners) < 2:
-        raise InputError(f"{len(corners)} points that are apart; expected two for a line at least")
+        raise InputError(
+            "{n} points that are apart; expected two for a line at least",
+            n=len(corners),
+        )
     n = 1 + math.ceil(reach[-1] / min(_STEP_MM, speed / _RATE_HZ))
     if n > _MOST_SAMPLES:
-        raise InputError(f"a line of {reach[-1]:.0f} mm has {n:,} samples; expected fewer")
+        raise InputError(
+            "a line of {last:.0f} mm has {n:,} samples; expected fewer",
+            last=reach[-1],
+            n=n,
+        )
     n = max(n, 4)
     along = np.linspace(0.0, reach[-1], n)
     chords = np.column_stack([np.interp(along, reach, axis) for axis in corners.T])
@@ -103,7 +110,10 @@ def _corners(surface: ClosestPoints, points: ArrayLike, side: str | None) -> Any
     if given.ndim == 2 and given.shape[1] == 3:
         return as_array(given, "points", (None, 3))
     if given.ndim != 2 or given.shape[1] != 2:
-        raise InputError(f"points have shape {given.shape}; expected (N, 3) in mm or (N, 2) of U,V")
+        raise InputError(
+            "points have shape {given_shape}; expected (N, 3) in mm or (N, 2) of U,V",
+            given_shape=given.shape,
+        )
     places = as_array(given, "points", (None, 2))
     at = np.linspace(0, len(places) - 1, max(1, (len(places) - 1) * _FINE_STEPS + 1))
     index = np.arange(len(places))
@@ -118,7 +128,13 @@ def _spread(values: ArrayLike, what: str, n: int, least: float, most: float) -> 
     given = as_array(values, what, (None,))
     if not len(given) or given.min() < least or given.max() > most:
         got = f"{given.min():g} to {given.max():g}" if len(given) else "none"
-        raise InputError(f"{what} is {got}; expected {least:g} to {most:g}")
+        raise InputError(
+            "{what} is {got}; expected {least:g} to {most:g}",
+            what=what,
+            got=got,
+            least=least,
+            most=most,
+        )
     return np.interp(np.linspace(0.0, 1.0, n), np.linspace(0.0, 1.0, len(given)), given)
 
 

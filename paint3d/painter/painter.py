@@ -120,7 +120,10 @@ class Painter:
         amount: DipAmount | None = None,
     ) -> None:
         if azimuth not in ("commanded", "dragged"):
-            raise InputError(f"azimuth is {azimuth!r}; expected 'commanded' or 'dragged'")
+            raise InputError(
+                "azimuth is {azimuth!r}; expected 'commanded' or 'dragged'",
+                azimuth=azimuth,
+            )
         self.surface = surface
         self.brush = load_brush(brush) if isinstance(brush, str) else brush
         self.amount = amount or DipAmount()
@@ -353,7 +356,10 @@ class Painter:
         if wanted is None or (wanted == 0 and not isinstance(wanted, bool)):
             return None
         if not isinstance(wanted, BristleSpec):
-            raise InputError(f"hairs is {wanted!r:.60}; expected a number or a BristleSpec")
+            raise InputError(
+                "hairs is {wanted!r:.60}; expected a number or a BristleSpec",
+                wanted=wanted,
+            )
         from paint3d.painter.bristle_state import HairTuft
 
         return HairTuft(self.brush, wanted)

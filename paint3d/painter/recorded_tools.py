@@ -16,7 +16,14 @@ from paint3d.brush.spec import BrushSpec, DipAmount
 from paint3d.colour.inks import load_ink
 from paint3d.colour.pigments import Pigment, load_pigment
 from paint3d.core.arrays import as_number
-from paint3d.errors import BrushError, InputError, PigmentError, RecordingError, UnknownNameError
+from paint3d.errors import (
+    BrushError,
+    InputError,
+    Message,
+    PigmentError,
+    RecordingError,
+    UnknownNameError,
+)
 
 __all__ = [
     "LEAST_INK",
@@ -47,7 +54,7 @@ def recorded_brush(header: Mapping[str, Any]) -> BrushSpec | None:
     try:
         return load_brush(name, own_files=False)
     except (BrushError, UnknownNameError) as cause:
-        raise RecordingError(f"the header: {cause}") from None
+        raise RecordingError("the header: {cause}", cause=cause) from None
 
 
 def recorded_ink(header: Mapping[str, Any]) -> dict[Pigment, float] | None:
@@ -65,7 +72,7 @@ def recorded_ink(header: Mapping[str, Any]) -> dict[Pigment, float] | None:
         name = _name_in(header, "ink")
         return None if name is None else load_ink(name, own_tables=False)
     except PigmentError as cause:
-        raise RecordingError(f"the header: {cause}") from None
+        raise RecordingError("the header: {cause}", cause=cause) from None
 
 
 def recorded_tip(header: Mapping[str, Any]) -> tuple[dict[Pigment, float], float] | None:
@@ -85,7 +92,7 @@ def recorded_tip(header: Mapping[str, Any]) -> tuple[dict[Pigment, float], float
     try:
         return load_ink(name, own_tables=False), reach
     except PigmentError as cause:
-        raise RecordingError(f"the header: {cause}") from None
+        raise RecordingError("the header: {cause}", cause=cause) from None
 
 
 def recorded_amount(header: Mapping[str, Any]) -> DipAmount:
@@ -99,7 +106,7 @@ def recorded_amount(header: Mapping[str, Any]) -> DipAmount:
     try:
         return DipAmount.of(header.get("dip", {}))
     except InputError as cause:
-        raise RecordingError(f"the header: {cause}") from None
+        raise RecordingError("the header: {cause}", cause=cause) from None
 
 
 def told_at(
@@ -126,17 +133,27 @@ def _changes_in(
     header: Mapping[str, Any], name: str, least: float, time_ns: NDArray[np.int64]
 ) -> list[tuple[int, float]]:
     stated = header.get(name, [])
-    expected = f"pairs of a time (ns) and a share from {least:g} to 1, in the order of time"
+    expected = Message(
+        "pairs of a time (ns) and a share from {least:g} to 1, in the order of time", least=least
+    )
     try:
         times = np.array([when for when, _ in stated], np.int64)
         fractions = [as_number(fraction, "share", least, 1.0) for _, fraction in stated]
     except (TypeError, ValueError, OverflowError, InputError):
         raise RecordingError(
-            f"the header's {name} are {stated!r:.60}; expected {expected}"
+            "the header's {name} are {stated!r:.60}; expected {expected}",
+            name=name,
+            stated=stated,
+            expected=expected,
         ) from None
     whole = all(type(when) is int for when, _ in stated)  # np.array above truncates floats
     if not (whole and (times[1:] > times[:-1]).all()):
-        raise RecordingError(f"the header's {name} are {stated!r:.60}; expected {expected}")
+        raise RecordingError(
+            "the header's {name} are {stated!r:.60}; expected {expected}",
+            name=name,
+            stated=stated,
+            expected=expected,
+        )
     at = np.searchsorted(time_ns, times)
     return [(int(k), x) for k, x in zip(at, fractions, strict=True) if k < len(time_ns)]
 
@@ -144,5 +161,9 @@ def _changes_in(
 def _name_in(header: Mapping[str, Any], key: str) -> str | None:
     name = header.get(key)
     if name is not None and not isinstance(name, str):
-        raise RecordingError(f"the header's {key} is {name!r:.60}; expected a name")
+        raise RecordingError(
+            "the header's {key} is {name!r:.60}; expected a name",
+            key=key,
+            name=name,
+        )
     return name

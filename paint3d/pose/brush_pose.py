@@ -120,12 +120,19 @@ def object_poses(samples: Sequence[DeviceSample]) -> BrushPath:
     late = times[1:] <= times[:-1]
     if late.any():
         i = int(np.flatnonzero(late)[0]) + 1
-        raise RecordingError(f"sample {i}: time_ns is {times[i]}; expected over {times[i - 1]}")
+        raise RecordingError(
+            "sample {i}: time_ns is {times}; expected over {i_times}",
+            i=i,
+            times=times[i],
+            i_times=times[i - 1],
+        )
     pressures = [sample.pressure for sample in samples]
     n_given = sum(pressure is not None for pressure in pressures)
     if n_given not in (0, len(samples)):
         raise RecordingError(
-            f"{n_given} of {len(samples)} samples have a pressure; expected all or none"
+            "{n_given} of {n} samples have a pressure; expected all or none",
+            n_given=n_given,
+            n=len(samples),
         )
     return _path(
         times,

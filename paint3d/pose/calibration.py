@@ -58,7 +58,10 @@ class DeviceCalibration:
         rotation = as_array(self.rotation, "rotation", (4,), error=DeviceError).copy()
         length = math.hypot(*rotation)
         if abs(length - 1.0) > 1e-3:
-            raise DeviceError(f"rotation has length {length:.6g}; expected 1 within 0.001")
+            raise DeviceError(
+                "rotation has length {length:.6g}; expected 1 within 0.001",
+                length=length,
+            )
         object.__setattr__(self, "rotation", rotation / length)
         shift = as_array(self.shift, "shift", (3,), error=DeviceError)
         for along, mm in zip("xyz", shift, strict=True):
@@ -117,7 +120,11 @@ def fit_calibration(
     device = as_array(device_points, "device_points", (None, 3), error=DeviceError)
     world = as_array(world_points, "world_points", (None, 3), error=DeviceError)
     if len(device) != len(world) or len(device) < 3:
-        raise DeviceError(f"{len(device)} and {len(world)} points; expected as many, at least 3")
+        raise DeviceError(
+            "{n} and {world} points; expected as many, at least 3",
+            n=len(device),
+            world=len(world),
+        )
     d, w = device - device.mean(axis=0), world - world.mean(axis=0)
     u, spread, vt = np.linalg.svd(w.T @ d / len(d))
     if spread[1] < 1e-6 * max(spread[0], 1e-12):
@@ -142,17 +149,23 @@ def load_calibration(path: str | os.PathLike[str]) -> DeviceCalibration:
     try:
         stored = json.loads(Path(path).read_text(encoding="utf-8"))
     except (OSError, ValueError, RecursionError) as cause:
-        raise DeviceError(f"{path}: no calibration can be read ({cause})") from None
+        raise DeviceError(
+            "{file}: no calibration can be read ({cause})", file=path, cause=cause
+        ) from None
     if not isinstance(stored, Mapping) or stored.get("format") != _FORMAT:
-        raise DeviceError(f"{path}: expected a JSON object with format {_FORMAT!r}")
+        raise DeviceError(
+            "{file}: expected a JSON object with format {expected!r}",
+            file=path,
+            expected=_FORMAT,
+        )
     try:
         return DeviceCalibration(
             stored["rotation"], stored["shift"], stored["scale"], stored.get("residual_mm", 0.0)
         )
     except (KeyError, TypeError) as cause:
-        raise DeviceError(f"{path}: no {cause} in the calibration") from None
+        raise DeviceError("{file}: no {cause} in the calibration", file=path, cause=cause) from None
     except DeviceError as cause:
-        raise DeviceError(f"{path}: {cause}") from None
+        raise DeviceError("{file}: {cause}", file=path, cause=cause) from None
 
 
 def save_calibration(calibration: DeviceCalibration, path: str | os.PathLike[str]) -> None:
@@ -170,4 +183,4 @@ def save_calibration(calibration: DeviceCalibration, path: str | os.PathLike[str
         part.replace(target)
     except OSError as cause:
         part.unlink(missing_ok=True)
-        raise DeviceError(f"{path}: cannot be written: {cause.strerror}") from None
+        raise DeviceError("{file}: cannot be written: {cause}", file=path, cause=cause) from None

@@ -31,8 +31,9 @@ def parse_axes(text: str) -> tuple[str, ...]:
     axes = tuple(part.strip().lower() for part in text.split(","))
     if sorted(axis.removeprefix("-") for axis in axes) != sorted(AXES):
         raise DeviceError(
-            f"axes are {text!r:.60}; expected x, y, z, rx, ry and rz once each, in the order of "
-            'the motions that they give, "-" before those to be turned round'
+            "axes are {text!r:.60}; expected x, y, z, rx, ry and rz once each, in the order of the "
+            'motions that they give, "-" before those to be turned round',
+            text=text,
         )
     return axes
 
@@ -81,7 +82,12 @@ class MouseSettings:
         for name, known in (("mode", MODES), ("zoom_axis", _ZOOMS)):
             if getattr(self, name) not in known:
                 got = getattr(self, name)
-                raise DeviceError(f"{name} is {got!r:.40}; expected {' or '.join(known)}")
+                raise DeviceError(
+                    "{name} is {got!r:.40}; expected {known}",
+                    name=name,
+                    got=got,
+                    known=" or ".join(known),
+                )
         for name, low, high in (
             ("speed_mm_s", 0.0, 5000.0),
             ("turn_deg_s", 0.0, 2800.0),
@@ -92,7 +98,11 @@ class MouseSettings:
         for name in ("moving", "turning", "dominant_axis"):
             if not isinstance(getattr(self, name), bool):
                 got = getattr(self, name)
-                raise DeviceError(f"{name} is {got!r:.40}; expected true or false")
+                raise DeviceError(
+                    "{name} is {got!r:.40}; expected true or false",
+                    name=name,
+                    got=got,
+                )
         object.__setattr__(self, "axes", parse_axes(",".join(map(str, self.axes))))
 
     @classmethod

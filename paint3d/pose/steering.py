@@ -79,13 +79,16 @@ class SteeringOptions:
 
     def __post_init__(self) -> None:
         if self.mode not in ("object", "camera"):
-            raise DeviceError(f"mode is {self.mode!r}; expected 'object' or 'camera'")
+            raise DeviceError("mode is {mode!r}; expected 'object' or 'camera'", mode=self.mode)
         if self.zoom_axis not in ("y", "z"):
-            raise DeviceError(f"zoom_axis is {self.zoom_axis!r}; expected 'y' or 'z'")
+            raise DeviceError(
+                "zoom_axis is {zoom_axis!r}; expected 'y' or 'z'",
+                zoom_axis=self.zoom_axis,
+            )
         if sorted(self.order) != list(range(6)):
-            raise DeviceError(f"order is {self.order}; expected each of 0 to 5 once")
+            raise DeviceError("order is {order}; expected each of 0 to 5 once", order=self.order)
         if len(self.inverted) != 6:
-            raise DeviceError(f"inverted has {len(self.inverted)} entries; expected 6")
+            raise DeviceError("inverted has {n} entries; expected 6", n=len(self.inverted))
         as_number(self.speed_mm_s, "speed_mm_s", 0.0, 5000.0, DeviceError)
         as_number(self.turn_rad_s, "turn_rad_s", 0.0, 50.0, DeviceError)
         as_array(self.pivot, "pivot", (3,), error=DeviceError)

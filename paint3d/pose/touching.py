@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from paint3d.core.arrays import AnyArray, as_array, as_number
 from paint3d.device.sample import StylusReading
-from paint3d.errors import DeviceError
+from paint3d.errors import DeviceError, Message
 from paint3d.pose.calibration import DeviceCalibration, fit_calibration
 
 __all__ = ["SHEET_MM", "Fitted", "Touches", "sheet_corners"]
@@ -77,7 +77,7 @@ class Touches:
     def __init__(self, points: ArrayLike) -> None:
         self.points = as_array(points, "points", (None, 3), error=DeviceError)
         if len(self.points) < 3:
-            raise DeviceError(f"{len(self.points)} points to touch; expected at least 3")
+            raise DeviceError("{n} points to touch; expected at least 3", n=len(self.points))
         _check_spread(self.points, "points to touch")
         self.touched: list[AnyArray] = []
         self._recent: deque[StylusReading] = deque(maxlen=_KEPT)
@@ -122,15 +122,23 @@ class Touches:
         moved = float(np.linalg.norm(positions - middle, axis=1).max())
         if moved > _STILL_MM:
             raise DeviceError(
-                f"the stylus moved by {moved:.1f} mm while point {len(self.touched) + 1} was "
-                f"touched; expected it to be held within {_STILL_MM:g} mm for {_HELD_NS / 1e9:g} s"
+                "the stylus moved by {moved:.1f} mm while point {n} was touched; expected it to be "
+                "held within {still_mm:g} mm for {held_ns:g} s",
+                moved=moved,
+                n=len(self.touched) + 1,
+                still_mm=_STILL_MM,
+                held_ns=_HELD_NS / 1e9,
             )
         for k, before in enumerate(self.touched):
             apart = float(np.linalg.norm(middle - before))
             if apart < _LEAST_APART_MM:
                 raise DeviceError(
-                    f"point {len(self.touched) + 1} was touched {apart:.2f} mm from point {k + 1}; "
-                    f"expected at least {_LEAST_APART_MM:g}"
+                    "point {n} was touched {apart:.2f} mm from point {k}; expected at least "
+                    "{least:g}",
+                    n=len(self.touched) + 1,
+                    apart=apart,
+                    k=k + 1,
+                    least=_LEAST_APART_MM,
                 )
         self.touched.append(middle)
         self._recent.clear()
@@ -151,10 +159,12 @@ class Touches:
         """
         if not self.is_done:
             raise DeviceError(
-                f"{len(self.touched)} of {len(self.points)} points were touched; expected all"
+                "{n} of {points} points were touched; expected all",
+                n=len(self.touched),
+                points=len(self.points),
             )
         device = np.array(self.touched)
-        _check_spread(device, "touches")
+        _check_spread(device, Message("touches"))
         if not scaled:
             _check_distances(device, self.points)
         calibration = fit_calibration(device, self.points, scaled=scaled)
@@ -163,29 +173,39 @@ class Touches:
         if errors.max() > most:
             each = ", ".join(f"{error:.1f}" for error in errors)
             raise DeviceError(
-                f"the touches lie {each} mm off their points; expected at most {most:.1f} mm: were "
+                "the touches lie {each} mm off their points; expected at most {most:.1f} mm: were "
                 "they touched in the order that was asked for, and are the points as far apart as "
-                "was said?"
+                "was said?",
+                each=each,
+                most=most,
             )
         return Fitted(calibration, errors)
 
 
-def _check_spread(points: AnyArray, what: str) -> None:
+def _check_spread(points: AnyArray, what: Message) -> None:
     """Raise if points lie too close together or on one line."""
     apart = np.linalg.norm(points[:, None] - points[None], axis=2)
     apart[np.diag_indices(len(points))] = np.inf
     i, j = np.unravel_index(np.argmin(apart), apart.shape)
     if apart[i, j] < _LEAST_APART_MM:
         raise DeviceError(
-            f"{what} {min(i, j) + 1} and {max(i, j) + 1} lie {apart[i, j]:.2f} mm apart; "
-            f"expected at least {_LEAST_APART_MM:g}"
+            "{what} {i} and {j} lie {apart:.2f} mm apart; expected at least {least:g}",
+            what=what,
+            i=min(i, j) + 1,
+            j=max(i, j) + 1,
+            apart=apart[i, j],
+            least=_LEAST_APART_MM,
         )
     spread = np.linalg.svd(points - points.mean(axis=0))[1] / np.sqrt(len(points))
     least = max(_LEAST_WIDE_MM, _LEAST_WIDE * float(spread[0]))
     if spread[1] < least:
         raise DeviceError(
-            f"the {what} lie within {spread[1]:.2f} mm of one line, along which they spread "
-            f"{spread[0]:.1f} mm; expected at least {least:.1f} across it"
+            "the {what} lie within {second:.2f} mm of one line, along which they spread "
+            "{first:.1f} mm; expected at least {least:.1f} across it",
+            what=what,
+            second=spread[1],
+            first=spread[0],
+            least=least,
         )
 
 
@@ -197,9 +217,14 @@ def _check_distances(device: AnyArray, world: AnyArray) -> None:
     most = _GREATEST_ERROR * _greatest_distance(world)
     if off[i, j] > most:
         raise DeviceError(
-            f"touches {min(i, j) + 1} and {max(i, j) + 1} lie {between[0][i, j]:.1f} mm apart, "
-            f"their points {between[1][i, j]:.1f}; expected within {most:.1f}: were they touched "
-            "in the order that was asked for, and is the sheet as large as was said?"
+            "touches {i} and {j} lie {first:.1f} mm apart, their points {wanted:.1f}; expected "
+            "within {most:.1f}: were they touched in the order that was asked for, and is the "
+            "sheet as large as was said?",
+            i=min(i, j) + 1,
+            j=max(i, j) + 1,
+            first=between[0][i, j],
+            wanted=between[1][i, j],
+            most=most,
         )
 
 

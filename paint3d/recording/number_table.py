@@ -157,7 +157,11 @@ class NumberTable:
     def _numbers(self, line: int, cells: list[str]) -> tuple[float, ...]:
         if len(cells) != len(self.names):
             raise RecordingError(
-                f"{self.name}:{line}: there are {len(cells)} columns; expected {len(self.names)}"
+                "{name}:{line}: there are {n} columns; expected {names}",
+                name=self.name,
+                line=line,
+                n=len(cells),
+                names=len(self.names),
             )
         return tuple(self._number(line, k, cell) for k, cell in enumerate(cells))
 
@@ -173,7 +177,12 @@ class NumberTable:
             pass
         kind = "an integer" if exact else "a finite number"
         raise RecordingError(
-            f"{self.name}:{line}: {name} is {cell.strip()[:40]!r}; expected {kind}"
+            "{name}:{line}: {name_2} is {cell!r}; expected {kind}",
+            name=self.name,
+            line=line,
+            name_2=name,
+            cell=cell.strip()[:40],
+            kind=kind,
         )
 
     def line(self, row: int) -> int:
@@ -207,8 +216,13 @@ class NumberTable:
         bad = np.flatnonzero((values < low) | (values > high))
         if len(bad):
             raise RecordingError(
-                f"{self.name}:{self.line(bad[0])}: {name} is {values[bad[0]]:.6g}; "
-                f"expected {low:g} to {high:g}"
+                "{name}:{line}: {name_2} is {values:.6g}; expected {low:g} to {high:g}",
+                name=self.name,
+                line=self.line(bad[0]),
+                name_2=name,
+                values=values[bad[0]],
+                low=low,
+                high=high,
             )
         return values
 

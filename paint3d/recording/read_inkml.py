@@ -72,9 +72,18 @@ def read_inkml(data: bytes, name: str, *, scale: float, y_down: bool) -> Recordi
     try:
         root = parse_xml(data, _MAX_DEPTH, doctypes=False)
     except XmlFault as fault:
-        raise RecordingError(f"{name}:{fault.line}: {fault.what}; expected InkML") from None
+        raise RecordingError(
+            "{name}:{line}: {what}; expected InkML",
+            name=name,
+            line=fault.line,
+            what=fault.what,
+        ) from None
     if _local(root) != "ink":
-        raise RecordingError(f"{name}:1: the root element is <{_local(root)}>; expected <ink>")
+        raise RecordingError(
+            "{name}:1: the root element is <{local}>; expected <ink>",
+            name=name,
+            local=_local(root),
+        )
     format_of = _formats(root, name)
     traces = []
     for k, (element, context) in enumerate(_traces(root)):
@@ -82,15 +91,20 @@ def read_inkml(data: bytes, name: str, *, scale: float, y_down: bool) -> Recordi
         try:
             values = _points(element.text or "", len(layout.channels), layout.intermittent)
         except RecordingError as cause:
-            raise RecordingError(f"{name}: trace {k + 1}: {cause}") from None
+            raise RecordingError(
+                "{name}: trace {k}: {cause}", name=name, k=k + 1, cause=cause
+            ) from None
         if len(values):
             traces.append(_Trace(values, layout, element.get("type") == "penUp"))
     if not traces:
-        raise RecordingError(f"{name}:1: there are no traces with points; expected at least one")
+        raise RecordingError(
+            "{name}:1: there are no traces with points; expected at least one",
+            name=name,
+        )
     try:
         return _assemble(traces, _note(root), scale, y_down)
     except RecordingError as cause:
-        raise RecordingError(f"{name}: {cause}") from None
+        raise RecordingError("{name}: {cause}", name=name, cause=cause) from None
 
 
 class _Format(NamedTuple):
@@ -186,10 +200,18 @@ def _channels(layout: ElementTree.Element, name: str) -> tuple[dict[str, dict[st
     ]
     names = [channel.get("name", "") for channel in regular + extra]
     if "" in names or len(set(names)) != len(names):
-        raise RecordingError(f"{name}:1: channels are named {names}; expected distinct names")
+        raise RecordingError(
+            "{name}:1: channels are named {names}; expected distinct names",
+            name=name,
+            names=names,
+        )
     for wanted in ("X", "Y"):
         if wanted not in names:
-            raise RecordingError(f"{name}:1: channels are {names}; expected X and Y among them")
+            raise RecordingError(
+                "{name}:1: channels are {names}; expected X and Y among them",
+                name=name,
+                names=names,
+            )
     return dict(zip(names, regular + extra, strict=True)), len(extra)
 
 
@@ -209,7 +231,10 @@ def _resolutions(elements: list[ElementTree.Element], name: str) -> dict[str, tu
             counts = math.nan
         if not (math.isfinite(counts) and counts >= 0.0):
             raise RecordingError(
-                f"{name}:1: the resolution of {key} is {told[:40]!r}; expected a number from 0"
+                "{name}:1: the resolution of {key} is {told!r}; expected a number from 0",
+                name=name,
+                key=key,
+                told=told[:40],
             )
         result[key] = counts, entry.get("units", "").replace(" ", "").removeprefix("1/")
     return result
@@ -226,7 +251,10 @@ def _points(text: str, n_channels: int, intermittent: int) -> AnyArray:
             continue
         if not n_channels - intermittent <= len(words) <= n_channels:
             raise RecordingError(
-                f"point {len(rows) + 1} has {len(words)} values; expected {n_channels}"
+                "point {n} has {words} values; expected {n_channels}",
+                n=len(rows) + 1,
+                words=len(words),
+                n_channels=n_channels,
             )
         row = [math.nan] * n_channels
         for c, (prefix, value) in enumerate(words):
@@ -247,10 +275,16 @@ def _words(point: str) -> list[tuple[str, float]]:
     for match in _NUMBER.finditer(point):
         prefix, number, other = match.groups()
         if other is not None:
-            raise RecordingError(f"a point holds {point.strip()[:40]!r}; expected decimal numbers")
+            raise RecordingError(
+                "a point holds {point!r}; expected decimal numbers",
+                point=point.strip()[:40],
+            )
         value = float(number)
         if not math.isfinite(value):
-            raise RecordingError(f"a value is {number[:40]}; expected a finite number")
+            raise RecordingError(
+                "a value is {number}; expected a finite number",
+                number=number[:40],
+            )
         words.append((prefix, value))
     return words
 
@@ -327,7 +361,12 @@ def _in_units(
     channel = layout.channels[key]
     unit = channel.get("units")
     if unit is not None and unit not in units and unit not in _COUNTS:
-        raise RecordingError(f"units of {key} are {unit!r}; expected {' or '.join(units)}")
+        raise RecordingError(
+            "units of {key} are {unit!r}; expected {units}",
+            key=key,
+            unit=unit,
+            units=" or ".join(units),
+        )
     counts, of = layout.resolutions.get(key, (0.0, ""))
     of = of or unit or ""
     kind = channel.get("type")
@@ -354,10 +393,16 @@ def _pressures(column: AnyArray, layout: _Format) -> AnyArray:
         low, high = float(channel.get("min", "0")), float(channel.get("max", "1"))
     except ValueError:
         raise RecordingError(
-            f"F runs from {channel.get('min')!r} to {channel.get('max')!r}; expected numbers"
+            "F runs from {min!r} to {max!r}; expected numbers",
+            min=channel.get("min"),
+            max=channel.get("max"),
         ) from None
     if not (math.isfinite(high - low) and low < high):
-        raise RecordingError(f"F runs from {low:g} to {high:g}; expected a rising range")
+        raise RecordingError(
+            "F runs from {low:g} to {high:g}; expected a rising range",
+            low=low,
+            high=high,
+        )
     with np.errstate(over="ignore"):  # what is beyond 1 is refused
         return (column - low) / (high - low)
 
@@ -378,7 +423,10 @@ def _times(raw: AnyArray | None, stroke: AnyArray) -> AnyArray:
     if len(late):
         now, before = (raw[late[0] + k] / _TIMES["ms"] for k in (1, 0))
         raise RecordingError(
-            f"point {late[0] + 2}: T is {now:.15g}; expected at least {before:.15g} ms"
+            "point {first}: T is {now:.15g}; expected at least {before:.15g} ms",
+            first=late[0] + 2,
+            now=now,
+            before=before,
         )
     return spread_ties(times)[0]
 

@@ -97,8 +97,12 @@ def read_csv(lines: Lines, name: str, *, scale: float, y_down: bool) -> Recordin
     names = [cell.strip().strip('"').lower() for cell in text.split(delimiter)]
     if len(set(names)) != len(names) or not any(time in names for time in _TIMES):
         raise RecordingError(
-            f"{name}:{number}: columns are {', '.join(names)[:200]}; expected distinct names, "
-            f"among them one of {', '.join(_TIMES)}"
+            "{name}:{number}: columns are {names}; expected distinct names, among them one of "
+            "{times}",
+            name=name,
+            number=number,
+            names=", ".join(names)[:200],
+            times=", ".join(_TIMES),
         )
     table = NumberTable(names, name, _EXACT, _CONTACT)
     table.read(lines, delimiter, partial(_cells, delimiter=delimiter))
@@ -135,14 +139,19 @@ def _header(text: str, where: str) -> dict[str, Any]:
     try:
         header = json.loads(text)
     except (ValueError, RecursionError) as cause:
-        raise RecordingError(f"{where}: the header is not JSON ({cause})") from None
+        raise RecordingError(
+            "{where}: the header is not JSON ({cause})", where=where, cause=cause
+        ) from None
     result: dict[str, Any] = header
     return result
 
 
 def _assemble(table: NumberTable, header: dict[str, Any], scale: float, y_down: bool) -> Recording:
     if not len(table):
-        raise RecordingError(f"{table.name}: there are no samples; expected at least one")
+        raise RecordingError(
+            "{table}: there are no samples; expected at least one",
+            table=table.name,
+        )
     up = 1.0 if table.column("y_mm") or not y_down else -1.0
     for axis in "xyz":
         _check_place(table, axis)
@@ -175,7 +184,7 @@ def _assemble(table: NumberTable, header: dict[str, Any], scale: float, y_down: 
             header={"space": "pad", **header},
         )
     except RecordingError as cause:
-        raise RecordingError(f"{table.name}: {cause}") from None
+        raise RecordingError("{table}: {cause}", table=table.name, cause=cause) from None
 
 
 def _changes(table: NumberTable) -> AnyArray:
@@ -215,7 +224,7 @@ def _columns(table: NumberTable, names: tuple[str, ...]) -> AnyArray:
     for wanted in names:
         found = table.column(wanted)
         if found is None:
-            raise RecordingError(f"there is no column {wanted!r}")
+            raise RecordingError("there is no column {wanted!r}", wanted=wanted)
         checked.append(table.check(*found, -_LARGEST, _LARGEST))
     return np.stack(checked, axis=1)
 
@@ -227,7 +236,10 @@ def _check_place(table: NumberTable, axis: str) -> None:
     elif axis != "z":
         names = ", ".join(_PLACES[axis])
         raise RecordingError(
-            f"{table.name}: there is no column for {axis}; expected one of {names}"
+            "{table}: there is no column for {axis}; expected one of {names}",
+            table=table.name,
+            axis=axis,
+            names=names,
         )
 
 
@@ -285,8 +297,13 @@ def _times(table: NumberTable, starts: AnyArray) -> tuple[AnyArray, list[str]]:
     if len(late):
         i = int(late[0]) + 1
         raise RecordingError(
-            f"{table.name}:{table.line(i)}: {name} is {values[i]:.17g}; "
-            f"expected at least {values[i - 1]:.17g}, the time before it"
+            "{table}:{line}: {name} is {value:.17g}; expected at least {before:.17g}, the time "
+            "before it",
+            table=table.name,
+            line=table.line(i),
+            name=name,
+            value=values[i],
+            before=values[i - 1],
         )
     if name == "time_ns":
         times, notes = values, list[str]()
@@ -299,7 +316,9 @@ def _times(table: NumberTable, starts: AnyArray) -> tuple[AnyArray, list[str]]:
     if len(tied):
         i = int(tied[0]) + 1
         raise RecordingError(
-            f"{table.name}:{table.line(i)}: more samples share a time than ns are left"
+            "{table}:{line}: more samples share a time than ns are left",
+            table=table.name,
+            line=table.line(i),
         )
     return times, notes
 

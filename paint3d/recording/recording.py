@@ -125,10 +125,17 @@ def opened(path: str | os.PathLike[str]) -> Iterator[tuple[BinaryIO, io.Buffered
             yield raw, _decompressed(raw)
     except (EOFError, gzip.BadGzipFile, zlib.error) as cause:
         name = Path(path).name
-        raise RecordingError(f"{name}: the gzip data are damaged or cut short ({cause})") from None
+        raise RecordingError(
+            "{name}: the gzip data are damaged or cut short ({cause})",
+            name=name,
+            cause=cause,
+        ) from None
     except OSError as cause:
-        reason = cause.strerror or str(cause)
-        raise RecordingError(f"{path}: cannot be read: {reason}; expected a recording") from None
+        raise RecordingError(
+            "{file}: cannot be read: {cause}; expected a recording",
+            file=path,
+            cause=cause,
+        ) from None
 
 
 def _read(
@@ -153,8 +160,10 @@ def _read(
     if start[:1] in b"+-.0123456789":
         return read_plain_table(lines, name, scale=scale, y_down=y_down)
     raise RecordingError(
-        f"{name}:1: the file starts with {start[:20]!r}; "
-        "expected JSON Lines, InkML, CSV or a table of time, x, y, pressure"
+        "{name}:1: the file starts with {start!r}; expected JSON Lines, InkML, CSV or a table of "
+        "time, x, y, pressure",
+        name=name,
+        start=start[:20],
     )
 
 
@@ -176,7 +185,11 @@ def share_read(raw: BinaryIO, progress: Callable[[float], None]) -> Callable[[],
 def _whole(stream: BinaryIO, name: str) -> bytes:
     data = stream.read(_MAX_XML_BYTES + 1)
     if len(data) > _MAX_XML_BYTES:
-        raise RecordingError(f"{name}: the InkML is longer than {_MAX_XML_BYTES} bytes")
+        raise RecordingError(
+            "{name}: the InkML is longer than {most} bytes",
+            name=name,
+            most=_MAX_XML_BYTES,
+        )
     return data
 
 
@@ -254,17 +267,27 @@ class TextLines:
     def _checked(self, line: bytes, number: int, n_bytes: int) -> str:
         """A line's text; `n_bytes` were read with it."""
         if len(line) > MAX_LINE:
-            raise RecordingError(f"{self._name}:{number}: the line is longer than {MAX_LINE} bytes")
+            raise RecordingError(
+                "{name}:{number}: the line is longer than {most} bytes",
+                name=self._name,
+                number=number,
+                most=MAX_LINE,
+            )
         if n_bytes > _MAX_BYTES:
             raise RecordingError(
-                f"{self._name}:{number}: the file is longer than {_MAX_BYTES} bytes once "
-                "decompressed"
+                "{name}:{number}: the file is longer than {most} bytes once decompressed",
+                name=self._name,
+                number=number,
+                most=_MAX_BYTES,
             )
         try:
             return line.decode("utf-8-sig" if number == 1 else "utf-8")
         except UnicodeDecodeError as cause:
             raise RecordingError(
-                f"{self._name}:{number}: byte {cause.start} is not UTF-8; expected UTF-8 text"
+                "{name}:{number}: byte {start} is not UTF-8; expected UTF-8 text",
+                name=self._name,
+                number=number,
+                start=cause.start,
             ) from None
 
 
@@ -286,7 +309,7 @@ def _read_jsonl(lines: Iterator[tuple[int, str]], name: str) -> Recording:
     numbered = ((number, text) for number, text in lines if text.strip())
     first = next(numbered, None)
     if first is None:
-        raise RecordingError(f"{name}:1: the file is empty; expected a header line")
+        raise RecordingError("{name}:1: the file is empty; expected a header line", name=name)
     try:
         header = _file_header(decode_line(first[1]))
         if header["version"] == 2:
@@ -297,21 +320,29 @@ def _read_jsonl(lines: Iterator[tuple[int, str]], name: str) -> Recording:
         header = checked_header(header)
         scale = _TO_MM[header["units"]["position"]]
     except RecordingError as cause:
-        raise RecordingError(f"{name}:{first[0]}: {cause}") from None
+        raise RecordingError(
+            "{name}:{first}: {cause}", name=name, first=first[0], cause=cause
+        ) from None
     header["units"] = {**header["units"], "position": "mm"}
     rows = SampleRows(scale)
     for number, text in numbered:
         try:
             rows.add(decode_line(text))
         except RecordingError as cause:
-            raise RecordingError(f"{name}:{number}: {cause}") from None
+            raise RecordingError(
+                "{name}:{number}: {cause}", name=name, number=number, cause=cause
+            ) from None
     if not rows.times:
-        raise RecordingError(f"{name}:{first[0] + 1}: there are no samples; expected at least one")
+        raise RecordingError(
+            "{name}:{first}: there are no samples; expected at least one",
+            name=name,
+            first=first[0] + 1,
+        )
     return rows.recording(header)
 
 
 def _refuse_constant(word: str) -> float:
-    raise RecordingError(f"a number is {word}; expected finite numbers")
+    raise RecordingError("a number is {word}; expected finite numbers", word=word)
 
 
 _DECODER = json.JSONDecoder(parse_constant=_refuse_constant)
@@ -330,29 +361,46 @@ def decode_line(text: str) -> dict[str, Any]:
     except RecordingError:
         raise
     except (ValueError, RecursionError) as cause:
-        raise RecordingError(f"the line is not JSON ({cause}); expected one object") from None
+        raise RecordingError(
+            "the line is not JSON ({cause}); expected one object", cause=cause
+        ) from None
     if type(value) is not dict:
-        raise RecordingError(f"the line is a JSON {type(value).__name__}; expected an object")
+        raise RecordingError(
+            "the line is a JSON {kind}; expected an object",
+            kind=type(value).__name__,
+        )
     return value
 
 
 def _file_header(header: dict[str, Any]) -> dict[str, Any]:
     for key in ("format", "version"):
         if key not in header:
-            raise RecordingError(f"the header has no {key!r}; expected {key!r} of {FORMAT!r}")
+            raise RecordingError(
+                "the header has no {key!r}; expected {key!r} of {expected!r}",
+                key=key,
+                expected=FORMAT,
+            )
     units = header.get("units", {})
     if isinstance(units, str):
         units = {"position": units}
     if not isinstance(units, dict):
-        raise RecordingError(f"units is {units!r}; expected an object such as {{'position': 'mm'}}")
+        raise RecordingError(
+            "units is {units!r}; expected an object such as {{'position': 'mm'}}",
+            units=units,
+        )
     units = dict(units)
     length = units.pop("length", None)
     merged = {"position": length or "mm", "time": "ns", "force": "N", **units}
     known = {"position": tuple(_TO_MM), "time": ("ns",), "force": ("N",)}
     for key, names in known.items():
         if merged[key] not in names:
-            raise RecordingError(f"units: {key} is {merged[key]!r}; expected {' or '.join(names)}")
-    return {**header, "units": merged}
+            raise RecordingError(
+                "units: {key} is {merged!r}; expected {names}",
+                key=key,
+                merged=merged[key],
+                names=" or ".join(names),
+            )
+    return {"model": 1, **header, "units": merged}  # the first did not name theirs
 
 
 class SampleRows:
@@ -395,7 +443,9 @@ class SampleRows:
         time_ns = _integer(sample if "time_ns" in sample else right, "time_ns", -(2**62), 2**62)
         if self.times and time_ns <= self.times[-1]:
             raise RecordingError(
-                f"time_ns is {time_ns}; expected more than {self.times[-1]}, the sample before it"
+                "time_ns is {time_ns}; expected more than {times}, the sample before it",
+                time_ns=time_ns,
+                times=self.times[-1],
             )
         position = _vector(right, "position", 3, _LARGEST)
         orientation = _quaternion(right)
@@ -406,10 +456,9 @@ class SampleRows:
             if pressure is None:
                 raise RecordingError("contact is given without a pressure; expected both")
         if self.times and (pressure is None) != (self.pressures[0] is None):
-            there, here = ("none", "one") if pressure is not None else ("one", "none")
             raise RecordingError(
-                f"pressure is given ({here}) unlike in the first sample ({there}); "
-                "expected it in all samples or in none"
+                "pressure is given, or not, unlike in the first sample; expected it in all samples "
+                "or in none"
             )
         button_owner = right if "buttons" in right else sample
         buttons = (
@@ -431,7 +480,7 @@ class SampleRows:
         for key in keys:
             near = difflib.get_close_matches(key, _KEYS, n=1, cutoff=0.8)
             if key not in self.accepted and near:
-                raise RecordingError(f"a key is {key!r}; expected {near[0]!r}")
+                raise RecordingError("a key is {key!r}; expected {first!r}", key=key, first=near[0])
             self.accepted.add(key)
 
     def recording(self, header: dict[str, Any]) -> Recording:
@@ -455,7 +504,11 @@ def _nested(sample: dict[str, Any], names: tuple[str, ...]) -> dict[str, Any] | 
         value = sample.get(name)
         if value is not None:
             if type(value) is not dict:
-                raise RecordingError(f"{name} is {value!r:.60}; expected an object")
+                raise RecordingError(
+                    "{name} is {value!r:.60}; expected an object",
+                    name=name,
+                    value=value,
+                )
             return value
     return None
 
@@ -464,12 +517,16 @@ def _vector(owner: dict[str, Any], key: str, n: int, largest: float) -> list[flo
     value = owner.get(key)
     if type(value) is not list or len(value) != n:
         got = "missing" if key not in owner else f"{value!r:.60}"
-        raise RecordingError(f"{key} is {got}; expected {n} numbers")
+        raise RecordingError("{key} is {got}; expected {n} numbers", key=key, got=got, n=n)
     for number in value:
         kind = type(number)
         if (kind is not float and kind is not int) or not -largest <= number <= largest:
             raise RecordingError(
-                f"{key} holds {number!r:.60}; expected numbers from {-largest:g} to {largest:g}"
+                "{key} holds {number!r:.60}; expected numbers from {low:g} to {high:g}",
+                key=key,
+                number=number,
+                low=-largest,
+                high=largest,
             )
     return value
 
@@ -479,7 +536,9 @@ def _quaternion(owner: dict[str, Any]) -> list[float]:
     length = (w * w + x * x + y * y + z * z) ** 0.5
     if abs(length - 1.0) > UNIT_TOLERANCE:
         raise RecordingError(
-            f"orientation has length {length:.6g}; expected 1 within {UNIT_TOLERANCE:g}"
+            "orientation has length {length:.6g}; expected 1 within {unit_tolerance:g}",
+            length=length,
+            unit_tolerance=UNIT_TOLERANCE,
         )
     return value
 
@@ -492,7 +551,13 @@ def _pressure(owner: dict[str, Any]) -> float | None:
         kind = type(value)
         if (kind is not float and kind is not int) or not 0 <= value <= most:
             unit = " N" if key == "force" else ""
-            raise RecordingError(f"{key} is {value!r:.60}; expected 0 to {most:g}{unit}")
+            raise RecordingError(
+                "{key} is {value!r:.60}; expected 0 to {most:g}{unit}",
+                key=key,
+                value=value,
+                most=most,
+                unit=unit,
+            )
         return float(value / most)
     return None
 
@@ -501,7 +566,13 @@ def _integer(owner: dict[str, Any], key: str, least: int, most: int) -> int:
     value = owner.get(key)
     if type(value) is not int or not least <= value <= most:
         got = "missing" if key not in owner else f"{value!r:.60}"
-        raise RecordingError(f"{key} is {got}; expected an integer from {least} to {most}")
+        raise RecordingError(
+            "{key} is {got}; expected an integer from {least} to {most}",
+            key=key,
+            got=got,
+            least=least,
+            most=most,
+        )
     return value
 
 
@@ -607,7 +678,12 @@ def save_lines(
     zipped = target.suffix.lower() == ".gz"
     suffix = (target.with_suffix("") if zipped else target).suffix.lower()
     if suffix not in writers:
-        raise ExportError(f"{target}: suffix is {suffix!r}; expected {', '.join(writers)} [.gz]")
+        raise ExportError(
+            "{target}: suffix is {suffix!r}; expected {writers} [.gz]",
+            target=target,
+            suffix=suffix,
+            writers=", ".join(writers),
+        )
     with write_atomically(target, progress) as part, open(part, "wb") as raw:
         _write_lines(writers[suffix](), raw, zipped)
 

@@ -95,8 +95,16 @@ def check_command(line: Mapping[str, Any]) -> None:
     name, known = line.get("do"), command_names()
     if name not in known:
         near = difflib.get_close_matches(str(name), known, n=1, cutoff=0.6)
-        hint = f"did you mean {near[0]!r}? " if near else ""
-        raise RecordingError(f"do is {name!r:.60}; {hint}expected one of {', '.join(known)}")
+        if near:
+            raise RecordingError(
+                "do is {name!r:.60}; did you mean {near!r}? expected one of {known}",
+                name=name,
+                near=near[0],
+                known=", ".join(known),
+            )
+        raise RecordingError(
+            "do is {name!r:.60}; expected one of {known}", name=name, known=", ".join(known)
+        )
     _check(line, str(name))
 
 
@@ -110,18 +118,30 @@ def _check(line: Mapping[str, Any], kind: str) -> None:
         rule = fault.definition if isinstance(fault.definition, dict) else {}
         if fault.rule == "required":
             missing = next(key for key in rule["required"] if key not in fault.value)
-            raise RecordingError(f"{where} has no {missing!r}; expected one") from None
+            raise RecordingError(
+                "{where} has no {missing!r}; expected one",
+                where=where,
+                missing=missing,
+            ) from None
         if fault.rule == "additionalProperties":
             odd = next(key for key in fault.value if key not in rule["properties"])
             known = ", ".join(key for key in rule["properties"] if key not in ("do", "refused"))
             raise RecordingError(
-                f"{where} has {odd!r:.60}; expected {known or 'nothing else'}"
+                "{where} has {odd!r:.60}; expected {known}",
+                where=where,
+                odd=odd,
+                known=known or "nothing else",
             ) from None
         raise RecordingError(
-            f"{where} is {fault.value!r:.60}; expected {_in_words(rule)}"
+            "{where} is {value!r:.60}; expected {expected}",
+            where=where,
+            value=fault.value,
+            expected=_in_words(rule),
         ) from None
     except ValueError:
-        raise RecordingError(f"{kind} has a number that is not finite; expected none") from None
+        raise RecordingError(
+            "{kind} has a number that is not finite; expected none", kind=kind
+        ) from None
 
 
 @lru_cache
@@ -205,7 +225,7 @@ class Score:
                     check_command(dict(event))
                 strokes.follow(event)
             except RecordingError as cause:
-                raise RecordingError(f"{self.where(k)}: {cause}") from None
+                raise RecordingError("{where}: {cause}", where=self.where(k), cause=cause) from None
 
     def __len__(self) -> int:
         return len(self.events)
@@ -331,7 +351,9 @@ def _read(lines: Iterator[tuple[int, str]], name: str) -> Score:
         for number, text in numbered:
             reader.add(number, decode_line(text))
     except RecordingError as cause:
-        raise RecordingError(f"{name}:{number}: {cause}") from None
+        raise RecordingError(
+            "{name}:{number}: {cause}", name=name, number=number, cause=cause
+        ) from None
     events, places = reader.finished()
     return Score(header, events, places, name)
 
@@ -367,8 +389,9 @@ class _Reader:
             self._began = number
             if self._last_ns is not None and line["time_ns"] <= self._last_ns:
                 raise RecordingError(
-                    f"time_ns is {line['time_ns']}; expected more than {self._last_ns}, "
-                    "the sample before it"
+                    "time_ns is {time_ns}; expected more than {last_ns}, the sample before it",
+                    time_ns=line["time_ns"],
+                    last_ns=self._last_ns,
                 )
         self._rows.add(line)
         self._last_ns = self._rows.times[-1]
@@ -401,7 +424,9 @@ def _line(words: Mapping[str, Any]) -> str:
     line = json.dumps(dict(words), ensure_ascii=False, separators=(", ", ": "), allow_nan=False)
     if len(line.encode()) >= MAX_LINE:
         raise ExportError(
-            f"a line of the recording would have {len(line):,} letters; expected {MAX_LINE:,}"
+            "a line of the recording would have {n:,} letters; expected {most:,}",
+            n=len(line),
+            most=MAX_LINE,
         )
     return line + "\n"
 

@@ -164,8 +164,9 @@ def _walk(
         found = ground.find((place + turn @ step)[None])
         if np.linalg.norm(found.points[0] - place) < _LEAST_STEP * np.linalg.norm(step):
             raise RecordingError(
-                f"its middle would come to the edge of the object after {k / _STEPS:.0%} of its "
-                "way; expected a place on it"
+                "its middle would come to the edge of the object after {k:.0%} of its way; "
+                "expected a place on it",
+                k=k / _STEPS,
             )
         if np.array_equal(found.normals[0], start):
             place = found.points[0]
@@ -189,8 +190,10 @@ def _follow(
         k = int(np.argmax(refused))
         off = float(np.linalg.norm(wanted[k] - now.points[k]))
         raise RecordingError(
-            f"its sample {k + 1} would come to lie {off:.1f} mm beyond an edge of the object; "
-            "expected a place on it"
+            "its sample {k} would come to lie {off:.1f} mm beyond an edge of the object; expected "
+            "a place on it",
+            k=k + 1,
+            off=off,
         )
     turns = _smallest_turns(was.normals @ turn.T, now.normals) @ turn
     turns[beyond] = turn  # in the air beside the object
@@ -361,7 +364,7 @@ def move_stroke(
     try:
         moved = carried(parts, mesh, along, turn_deg, to)
     except RecordingError as cause:
-        raise RecordingError(f"stroke {number}: {cause}") from None
+        raise RecordingError("stroke {number}: {cause}", number=number, cause=cause) from None
     for k, part in zip(places, moved, strict=True):
         events[k] = part
     return _with_events(score, events)
@@ -425,7 +428,7 @@ def _begun_with(score: Score, number: int, words: Words) -> Score:
     try:
         check_command(changed)
     except RecordingError as cause:
-        raise RecordingError(f"stroke {number}: {cause}") from None
+        raise RecordingError("stroke {number}: {cause}", number=number, cause=cause) from None
     return _with_events(score, events)
 
 
@@ -465,19 +468,28 @@ def retime_stroke(
     first, last = int(parts[0].time_ns[0]), int(parts[-1].time_ns[-1])
     if seconds is not None:
         if last == first:
-            raise RecordingError(f"stroke {number} is one sample; expected several to give it time")
+            raise RecordingError(
+                "stroke {number} is one sample; expected several to give it time",
+                number=number,
+            )
         factor = seconds / ((last - first) * 1e-9)
     if not _SHORTEST <= factor <= _LONGEST:
         raise RecordingError(
-            f"stroke {number} would take {factor:.4g} times its time; "
-            f"expected {_SHORTEST:g} to {_LONGEST:g}"
+            "stroke {number} would take {factor:.4g} times its time; expected {least:g} to "
+            "{most:g}",
+            number=number,
+            factor=factor,
+            least=_SHORTEST,
+            most=_LONGEST,
         )
     shift = _shift_ns(number, shift_s, first, round((last - first) * factor))
     try:
         own = _stretched(own, first, factor, shift)
     except RecordingError:
         raise RecordingError(
-            f"stroke {number} would have two samples at one time with a factor of {factor:.4g}"
+            "stroke {number} would have two samples at one time with a factor of {factor:.4g}",
+            number=number,
+            factor=factor,
         ) from None
     begin = own[0]
     if shift_s and isinstance(begin, Mapping) and "time_s" in begin:
@@ -497,8 +509,12 @@ def _shift_ns(number: int, shift_s: float, first: int, length: int) -> int:
     ends = [first + round(1e9 * shift_s), first + round(1e9 * shift_s) + length]
     if max(map(abs, ends)) > _LATEST_NS:
         raise RecordingError(
-            f"stroke {number} would be at {1e-9 * ends[0]:.4g} to {1e-9 * ends[1]:.4g} s; "
-            f"expected it within {most:.4g} s of 0"
+            "stroke {number} would be at {first:.4g} to {second:.4g} s; expected it within "
+            "{most:.4g} s of 0",
+            number=number,
+            first=1e-9 * ends[0],
+            second=1e-9 * ends[1],
+            most=most,
         )
     return ends[0] - first
 
@@ -541,10 +557,21 @@ def _give_time(events: list[Event], pieces: int, at: int, number: int) -> None:
             pieces += taken
         k += step
     if pieces < 0 and 0 <= k < len(events):
-        side = "earlier: the pause before it" if at else "later: the pause after it"
+        pause = wanted + pieces * _PIECE_S
+        if at:
+            raise RecordingError(
+                "stroke {number} cannot begin {wanted:.2f} s earlier: the pause before it is "
+                "{pause:.2f} s; expected a shift within it",
+                number=number,
+                wanted=wanted,
+                pause=pause,
+            )
         raise RecordingError(
-            f"stroke {number} cannot begin {wanted:.2f} s {side} is "
-            f"{wanted + pieces * _PIECE_S:.2f} s; expected a shift within it"
+            "stroke {number} cannot begin {wanted:.2f} s later: the pause after it is "
+            "{pause:.2f} s; expected a shift within it",
+            number=number,
+            wanted=wanted,
+            pause=pause,
         )
     if pieces > 0:
         events.insert(at, {"do": "follow_time", "seconds": _PIECE_S, "times": pieces})
@@ -579,13 +606,18 @@ def edit_seal(score: Score, number: int, edit: Mapping[str, Any]) -> Score:
     """
     steps = follow_steps(score)
     if not 1 <= number <= len(steps.seals):
-        some = f"1 to {len(steps.seals)}" if steps.seals else "none: it has no seals"
-        raise RecordingError(f"seal {number}; expected {some}")
+        raise RecordingError(
+            "seal {number}; expected one of {count}", number=number, count=len(steps.seals)
+        )
     seal = steps.seals[number - 1]
     takes = {"delete": set[str](), "move": {"at", "up"}, "ink": {"ink", "pigments"}}
     do, words = edit.get("do"), {key: value for key, value in edit.items() if key != "do"}
     if do not in takes or set(words) - takes[do]:
-        raise InputError(f"edit of a seal is {dict(edit)!r:.60}; expected {', '.join(takes)}")
+        raise InputError(
+            "edit of a seal is {edit}; expected {known}",
+            edit=f"{dict(edit)!r:.60}",
+            known=", ".join(takes),
+        )
     if do == "delete":
         kept: list[Event] = []
         for k, event in enumerate(score.events):
@@ -630,13 +662,19 @@ def edit_stroke(
     """
     words = {key: value for key, value in edit.items() if key != "do"}
     if edit.get("do") not in tuple(EDITS):
-        raise InputError(f"edit is {edit.get('do')!r:.40}; expected one of {', '.join(EDITS)}")
+        raise InputError(
+            "edit is {do!r:.40}; expected one of {edits}",
+            do=edit.get("do"),
+            edits=", ".join(EDITS),
+        )
     if edit["do"] == "move":
         words["mesh"] = mesh
     try:
         return EDITS[edit["do"]](score, number, **words)
     except TypeError:
-        raise InputError(f"{edit['do']} does not take {', '.join(words)!r:.80}") from None
+        raise InputError(
+            "{do} does not take {words!r:.80}", do=edit["do"], words=", ".join(words)
+        ) from None
 
 
 EDITS: Mapping[str, Callable[..., Score]] = {

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from paint3d.errors import RecordingError
+from paint3d.errors import Message, RecordingError
 from paint3d.recording.recording import Recording
 from paint3d.recording.score import Score
 
@@ -198,6 +198,13 @@ def stroke_of(score: Score, number: int) -> tuple[ScoreStroke, ScoreSteps]:
     """
     steps = follow_steps(score)
     if not 1 <= number <= len(steps.strokes):
-        some = f"1 to {len(steps.strokes)}" if steps.strokes else "none: it has no strokes"
-        raise RecordingError(f"{score.name or 'the score'}: stroke {number}; expected {some}")
+        name = score.name or Message("the score")
+        if not steps.strokes:
+            raise RecordingError("{score}: it has no strokes", score=name)
+        raise RecordingError(
+            "{score}: there is no stroke {number}; expected 1 to {n}",
+            score=name,
+            number=number,
+            n=len(steps.strokes),
+        )
     return steps.strokes[number - 1], steps

@@ -458,7 +458,7 @@ class Water:
     def restore(self, kept: Mapping[str, AnyArray]) -> None:
         """Continue from a state returned by `keep`."""
         kept, count = dict(kept), len(self._store.pigments)
-        for name in ("pigment", "fine", "written"):  # pigments may have come since
+        for name in ("pigment", "fine", "loose", "written"):  # pigments may have come since
             missing = count - kept[name].shape[1]
             kept[name] = np.pad(kept[name], ((0, 0), (0, missing)))
         self.flow.restore(kept)

@@ -27,6 +27,7 @@ from paint3d.mesh.refined_mesh import PaintMesh
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.surface.dry_layers import DryLayers
 from paint3d.surface.flow_graph import FlowGraph
+from paint3d.surface.granulation import COARSE_UM, granulated
 
 __all__ = ["InkStore", "union"]
 
@@ -183,8 +184,9 @@ class InkStore:
             if known.name == pigment.name:
                 if not known.is_like(pigment) and not _is_built_in(pigment):
                     raise InputError(
-                        f"there is another ink named {pigment.name!r} on this surface; "
-                        "expected its K, S, gloss, fine share and grains or another name"
+                        "there is another ink named {pigment!r} on this surface; expected its K, "
+                        "S, gloss, fine share and grains or another name",
+                        pigment=pigment.name,
                     )
                 return column
         self.pigments.append(pigment)
@@ -216,6 +218,11 @@ class InkStore:
         At least one pigment must be known.
         """
         ink = self.ink
+        columns = [c for c, p in enumerate(self.pigments) if p.grain_um >= COARSE_UM]
+        if columns:
+            coarse = ink.amounts[np.ix_(ids, columns)].any(axis=1)
+            self._colour_coarse(ids[coarse])
+            ids = ids[~coarse]
         if self._mesh_colours is not None:
             plain, own = ids[:0], ids
         elif self.dry_layers.count:
@@ -229,6 +236,28 @@ class InkStore:
         if len(own):
             assert self._glaze is not None, "no pigment is known"
             self._glaze.srgb(ink.amounts, ink.coverage, self.ground(), self._srgb, own)
+
+    def _colour_coarse(self, ids: AnyArray) -> None:
+        """Bring the colours of vertices (N,) with coarse pigment up to date."""
+        assert self._glaze is not None, "no pigment is known"
+        every, codes = np.arange(len(ids), dtype=np.int32), np.empty((len(ids), 3), np.uint8)
+        coverage = self.ink.coverage[ids]
+        seen = self.seen_amounts(ids, self.ink.amounts[ids], coverage)
+        self._glaze.srgb(seen, coverage, _ground_at(self.ground(), ids), codes, every)
+        self._srgb[ids] = codes
+
+    def seen_amounts(
+        self, ids: AnyArray, amounts: NDArray[np.float32], coverage: NDArray[np.float32]
+    ) -> NDArray[np.float32]:
+        """Return the amounts (N, P) that vertices (N,) with such ink show: see `granulation`."""
+        grains = [pigment.grain_um for pigment in self.pigments]
+        if max(grains, default=0.0) < COARSE_UM:
+            return amounts
+        arrays = self.paint_mesh.arrays
+        points = np.column_stack([arrays.px[ids], arrays.py[ids], arrays.pz[ids]])
+        return granulated(
+            amounts, coverage, points.astype(np.float64), grains, self.paint_mesh.resolution
+        )
 
     def bare_spectra(self, vertex_ids: AnyArray) -> NDArray[np.uint16]:
         """Return the reflectance (N, 31) uint16 of unpainted vertices, in steps of 1/65535."""
@@ -248,7 +277,9 @@ class InkStore:
             below = self._ground._replace(slots=wet, spectra=spectra, linear_rgb=_NO_RGB)
             ids = vertex_ids[wet]
             every = np.arange(len(wet), dtype=np.int32)
-            self._glaze.dry(self.ink.amounts[ids], self.ink.coverage[ids], below, every, wet)
+            coverage = self.ink.coverage[ids]
+            seen = self.seen_amounts(ids, self.ink.amounts[ids], coverage)
+            self._glaze.dry(seen, coverage, below, every, wet)
         return spectra
 
     @property
@@ -274,9 +305,11 @@ class InkStore:
         grounds = [ground]
         if self.dry_layers.has_filters:
             grounds += self.dry_layers.grey_grounds(ground)
+        every, share = np.arange(len(vertex_ids), dtype=np.int32), ink.coverage[vertex_ids]
+        seen = self.seen_amounts(vertex_ids, ink.amounts[vertex_ids], share)
         for below in grounds:
-            self._glaze.dry(ink.amounts, ink.coverage, below, vertex_ids, rows)
-        amounts, share = ink.amounts[vertex_ids] * self._lasting, ink.coverage[vertex_ids]
+            self._glaze.dry(seen, share, _ground_at(below, vertex_ids), every, rows)
+        amounts = ink.amounts[vertex_ids] * self._lasting
         self.dry_layers.settle(vertex_ids, rows, amounts, share)
         ink.amounts[vertex_ids] = 0.0
         ink.coverage[vertex_ids] = 0.0
@@ -346,6 +379,14 @@ class InkStore:
 def _in_steps(reflectance: AnyArray) -> AnyArray:
     """Quantise reflectance to uint16, in steps of 1/65535."""
     return (np.clip(reflectance, 0.0, 1.0) * 65535.0 + 0.5).astype(np.uint16)
+
+
+def _ground_at(ground: Ground, ids: AnyArray) -> Ground:
+    """Return the ground of vertices (N,), which are numbered 0 to N - 1 in it."""
+    return ground._replace(
+        slots=ground.slots[ids] if len(ground.slots) else ground.slots,
+        linear_rgb=ground.linear_rgb[ids] if len(ground.linear_rgb) else ground.linear_rgb,
+    )
 
 
 def _is_built_in(pigment: Pigment) -> bool:

@@ -136,9 +136,9 @@ class LayerStack:
             If the place or the name is invalid, or there are 256 layers.
         """
         if len(self._keys) >= _MOST_LAYERS:
-            raise InputError(f"there are {_MOST_LAYERS} layers; expected no more")
+            raise InputError("there are {most} layers; expected no more", most=_MOST_LAYERS)
         if not 0 <= place <= len(self._keys):
-            raise InputError(f"layer {place}; expected 0 to {len(self._keys)}")
+            raise InputError("layer {place}; expected 0 to {n}", place=place, n=len(self._keys))
         key = max(self._about) + 1
         self._about[key] = Layer(_checked_name(name))
         self._contents[key] = _Content(DryLayers(len(self._store.pigments), filters=True))
@@ -220,7 +220,11 @@ class LayerStack:
 
     def _key(self, place: int) -> int:
         if not 0 <= place < len(self._keys):
-            raise InputError(f"layer {place}; expected 0 to {len(self._keys) - 1}")
+            raise InputError(
+                "layer {place}; expected 0 to {last}",
+                place=place,
+                last=len(self._keys) - 1,
+            )
         return self._keys[place]
 
     def _unload(self) -> _Content:
@@ -287,7 +291,8 @@ class LayerStack:
                 slots=wet, spectra=spectra, linear_rgb=np.empty((0, 3), np.float32)
             )
             every = np.arange(len(wet), dtype=np.int32)
-            glaze.dry(amounts, coverage, ground, every, wet)
+            seen = self._store.seen_amounts(ids[wet], amounts, coverage)
+            glaze.dry(seen, coverage, ground, every, wet)
 
     def _paint_at(
         self, key: int, ids: AnyArray
@@ -416,7 +421,7 @@ class LayerStack:
 
 def _checked_name(name: object) -> str:
     if not isinstance(name, str) or not 0 < len(name.strip()) <= _LONGEST_NAME:
-        raise InputError(f"a layer's name is {name!r:.60}; expected a word")
+        raise InputError("a layer's name is {name!r:.60}; expected a word", name=name)
     return name
 
 
@@ -446,5 +451,6 @@ def _add_filters(store: InkStore) -> None:
         if dry.count:
             ground = bare._replace(spectra=array, material=np.full(N_BANDS, grey, np.float32))
             assert store.glaze is not None, "something has dried, so a pigment is known"
-            store.glaze.dry(dry.amounts.copy(), covered, ground, rows, rows)
+            seen = store.seen_amounts(dry.vertex_ids, dry.amounts.copy(), covered)
+            store.glaze.dry(seen, covered, ground, rows, rows)
     dry.add_filters(over)

@@ -120,5 +120,8 @@ def _package(name: str) -> Any:
         return import_module(name)
     except ImportError as cause:
         raise ExportError(
-            f"{name} could not be loaded: {cause}; expected it installed (pip install {name})"
+            "{name} could not be loaded: {cause}; expected it installed",
+            name=name,
+            cause=cause,
+            hint=f"pip install {name}",
         ) from None

@@ -262,7 +262,10 @@ class PaintedSurface(InkStore):
             ids = as_array(vertex_ids, "vertex_ids", (None,), np.int64)
             if ids.size and not (ids.min() >= 0 and ids.max() < n):
                 raise InputError(
-                    f"vertex_ids are {ids.min()} to {ids.max()}; expected 0 to {n - 1}"
+                    "vertex_ids are {least} to {most}; expected 0 to {last}",
+                    least=ids.min(),
+                    most=ids.max(),
+                    last=n - 1,
                 )
         ids = ids.astype(np.int32)
         if self.layers is not None and not self.layers.is_plain and self.glaze is not None:

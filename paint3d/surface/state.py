@@ -85,11 +85,11 @@ def surface_state(surface: PaintedSurface) -> State:
         (1/mm), capacity (coats x mm2) and length of a reservoir (mm) of `TRANSFER`.
 
         flows (bool) says whether there is water in motion (`WetPatch`); if so, for the C vertices
-        with any trace of it: flow_vertices (C,) int32, flow_water (C,), flow_pigment and flow_fine
-        (C, P) float64, flow_inside, flow_soaked, flow_owed, flow_pace (C,) and flow_written (C, P)
-        float32; flow_fresh (N,) int32 vertices. Older files have no flow_fine: the same fraction
-        of all pigment is fine. open_blocks (B,) int32 are the blocks of its `FlowGraph` where
-        water has been.
+        with any trace of it: flow_vertices (C,) int32, flow_water (C,), flow_pigment, flow_fine
+        and flow_loose (C, P) float64, flow_inside, flow_soaked, flow_owed, flow_pace (C,) and
+        flow_written (C, P) float32; flow_fresh (N,) int32 vertices. Older files have no flow_fine:
+        the same fraction of all pigment is fine; nor flow_loose: none is. open_blocks (B,) int32
+        are the blocks of its `FlowGraph` where water has been.
 
         layers is None, or a list of name, visible and locked of each layer, the lowest first;
         active is the place of the one that the arrays above belong to. The arrays of any other
@@ -245,7 +245,10 @@ def restore_surface(
         palette = {**load_palette(), WATER.name: WATER}
         pigments = [_as_record(Pigment, entry, palette) for entry in state["pigments"]]
         if len(pigments) > _MOST_PIGMENTS or len({p.name for p in pigments}) < len(pigments):
-            raise SessionError(f"it has {len(pigments)} pigments with repeated or too many names")
+            raise SessionError(
+                "it has {n} pigments with repeated or too many names",
+                n=len(pigments),
+            )
         repeat_refinement(surface.paint_mesh, _integers(state, "splits"), progress)
         if surface.n_vertices > surface.paint_mesh.n_base_vertices:
             surface.make_room()
@@ -258,21 +261,26 @@ def restore_surface(
         _put_layers(surface, state)
         surface.recall_blocks(_saved_blocks(state, surface))
     except (KeyError, TypeError, AttributeError) as cause:
-        raise SessionError(f"the surface's state is incomplete near {cause}") from None
+        raise SessionError("the surface's state is incomplete near {cause}", cause=cause) from None
     except SessionError:
         raise
     except Paint3DError as cause:
-        raise SessionError(f"the surface's state cannot be used: {cause}") from None
+        raise SessionError("the surface's state cannot be used: {cause}", cause=cause) from None
     return surface
 
 
 def _upgrade(state: State) -> State:
     version = state.get("version")
     if type(version) is not int or version < 1:
-        raise SessionError(f"the surface's state has version {version!r}; expected a number")
+        raise SessionError(
+            "the surface's state has version {version!r}; expected a number",
+            version=version,
+        )
     if version > STATE_VERSION:
         raise SessionError(
-            f"the surface's state has version {version}; this program knows up to {STATE_VERSION}"
+            "the surface's state has version {version}; this program knows up to {state_version}",
+            version=version,
+            state_version=STATE_VERSION,
         )
     while state["version"] < STATE_VERSION:
         state = UPGRADES[state["version"]](state)
@@ -289,7 +297,11 @@ def _put_layers(surface: PaintedSurface, state: State) -> None:
         restore_layer(surface, state, now)
         return
     if type(active) is not int or not 0 <= active < len(layers):
-        raise SessionError(f"layer {active!r:.20} of {len(layers)} is painted on")
+        raise SessionError(
+            "layer {active!r:.20} of {n} is painted on",
+            active=active,
+            n=len(layers),
+        )
     stack = surface.use_layers()
     for place, about in enumerate(layers):
         about = dict(about)
@@ -298,7 +310,11 @@ def _put_layers(surface: PaintedSurface, state: State) -> None:
         if set(about) != {"name", "visible", "locked"} or not all(
             isinstance(about[name], bool) for name in ("visible", "locked")
         ):
-            raise SessionError(f"layer {place} is described by {about!r:.80}")
+            raise SessionError(
+                "layer {place} is described by {about!r:.80}",
+                place=place,
+                about=about,
+            )
         stack.describe(place, **about)
         prefix = "" if place == active else f"layer{place}_"
         own = {
@@ -351,7 +367,12 @@ def restore_layer(surface: PaintedSurface, state: State, now: NDArray[np.int32])
 def _spectra(state: Mapping[str, Any], name: str, n: int) -> NDArray[np.uint16]:
     spectra = np.asarray(state[name])
     if spectra.dtype != np.uint16 or spectra.shape != (n, N_BANDS):
-        raise SessionError(f"{name} is {spectra.dtype} {spectra.shape}")
+        raise SessionError(
+            "{name} is {spectra_dtype} {spectra_shape}",
+            name=name,
+            spectra_dtype=spectra.dtype,
+            spectra_shape=spectra.shape,
+        )
     return spectra
 
 
@@ -360,7 +381,11 @@ def _put_brush(surface: PaintedSurface, state: State) -> None:
     ink = surface.ink
     n = len(np.atleast_1d(state["stations"]))
     if not 1 <= n <= MOST_RESERVOIRS:
-        raise SessionError(f"the brush has {n} stations; expected 1 to {MOST_RESERVOIRS}")
+        raise SessionError(
+            "the brush has {n} stations; expected 1 to {most}",
+            n=n,
+            most=MOST_RESERVOIRS,
+        )
     stations = _amounts(state, "stations", (n, len(ink.load)), np.float64, least=-ROUNDING)
     if n > 1 and not np.allclose(stations.sum(axis=0), ink.load, rtol=1e-6, atol=1e-9):
         raise SessionError("stations and load differ in what the brush holds")
@@ -399,11 +424,17 @@ def checked_flow(
     shape = (*shape, n_pigments)
     kept["pigment"] = _amounts(state, "flow_pigment", shape, np.float64)
     kept["fine"] = USUAL_FINE * kept["pigment"]
-    if "flow_fine" in state:  # missing in older files
-        fine = _amounts(state, "flow_fine", shape, np.float64)
-        if (fine > 1.000001 * kept["pigment"]).any():
-            raise SessionError("flow_fine is more than flow_pigment; expected a part of it")
-        kept["fine"] = np.minimum(fine, kept["pigment"])  # exceeds it by rounding at most
+    kept["loose"] = np.zeros_like(kept["pigment"])
+    rest = kept["pigment"]
+    for name in ("fine", "loose"):
+        if f"flow_{name}" in state:  # missing in older files
+            part = _amounts(state, f"flow_{name}", shape, np.float64)
+            if (part > rest + 1e-6 * kept["pigment"]).any():
+                raise SessionError(
+                    "flow_{name} is more than flow_pigment; expected a part of it", name=name
+                )
+            kept[name] = np.minimum(part, rest)  # exceeds it by rounding at most
+            rest = rest - kept[name]
     kept["written"] = _amounts(state, "flow_written", shape, np.float32)
     if not kept["pace"].all():
         raise SessionError("flow_pace is 0; expected a time")
@@ -414,9 +445,15 @@ def _vertices(state: Mapping[str, Any], name: str, n: int) -> NDArray[np.int32]:
     """Return an array of distinct vertex numbers, 0 to n - 1."""
     ids = _integers(state, name)
     if len(ids) and not 0 <= int(ids.min()) <= int(ids.max()) < n:
-        raise SessionError(f"{name} holds {ids.min()} to {ids.max()}; expected 0 to {n - 1}")
+        raise SessionError(
+            "{name} holds {least} to {most}; expected 0 to {last}",
+            name=name,
+            least=ids.min(),
+            most=ids.max(),
+            last=n - 1,
+        )
     if np.bincount(ids, minlength=1).max() > 1:
-        raise SessionError(f"{name} holds a vertex twice")
+        raise SessionError("{name} holds a vertex twice", name=name)
     return ids
 
 
@@ -431,7 +468,12 @@ def _amounts(
     values = as_array(state[name], name, shape, dtype, SessionError)
     if values.size and not least <= values.min() <= values.max() <= most:
         raise SessionError(
-            f"{name} holds {values.min():g} to {values.max():g}; expected {least:g} to {most:g}"
+            "{name} holds {least:g} to {most:g}; expected {least_2:g} to {most_2:g}",
+            name=name,
+            least=values.min(),
+            most=values.max(),
+            least_2=least,
+            most_2=most,
         )
     return values
 
@@ -440,8 +482,10 @@ def _saved_blocks(state: Mapping[str, Any], surface: PaintedSurface) -> NDArray[
     blocks = _integers(state, "open_blocks")
     if len(blocks) and not 0 <= blocks.min() <= blocks.max() < surface.flow_graph.n_blocks:
         raise SessionError(
-            f"water was in blocks {blocks.min()} to {blocks.max()}; expected 0 to "
-            f"{surface.flow_graph.n_blocks - 1}"
+            "water was in blocks {least} to {most}; expected 0 to {n_blocks}",
+            least=blocks.min(),
+            most=blocks.max(),
+            n_blocks=surface.flow_graph.n_blocks - 1,
         )
     return blocks
 
@@ -449,7 +493,12 @@ def _saved_blocks(state: Mapping[str, Any], surface: PaintedSurface) -> NDArray[
 def _integers(state: Mapping[str, Any], name: str) -> NDArray[np.int32]:
     values = np.asarray(state[name])
     if values.dtype != np.int32 or values.ndim != 1:
-        raise SessionError(f"{name} is {values.dtype} {values.shape}; expected (n,) int32")
+        raise SessionError(
+            "{name} is {values_dtype} {values_shape}; expected (n,) int32",
+            name=name,
+            values_dtype=values.dtype,
+            values_shape=values.shape,
+        )
     return values
 
 
@@ -462,15 +511,19 @@ def _as_dict(record: Material | Pigment) -> dict[str, object]:
 def _as_record(kind: type[_Record], entry: object, table: Mapping[str, _Record]) -> _Record:
     """Return the table's own record if it is equal (its colour tables apply), else a new one."""
     if not isinstance(entry, Mapping):
-        raise SessionError(f"a {kind.__name__.lower()} is {entry!r:.60}; expected its properties")
+        raise SessionError(
+            "a {kind} is {entry!r:.60}; expected its properties",
+            kind=kind.__name__.lower(),
+            entry=entry,
+        )
     names = {field.name for field in fields(kind) if field.init}
     given = {key: value for key, value in entry.items() if key in names}
     if not all(isinstance(given.get(key, ""), str) for key in ("name", "chinese")):
-        raise SessionError(f"a {kind.__name__.lower()} has a name that is no text")
+        raise SessionError("a {kind} has a name that is no text", kind=kind.__name__.lower())
     try:
         record = kind(**given)
     except InputError as cause:
-        raise SessionError(str(cause)) from None
+        raise SessionError(cause) from None
     own = table.get(record.name)
     if own is None:
         return record

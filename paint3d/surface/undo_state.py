@@ -98,16 +98,31 @@ def unpack_arrays(
     """
     column, starts, of = (np.asarray(state[name + end]) for end in ("", "_starts", "_of"))
     if column.dtype != dtype or column.shape[1:] != shape or column.ndim != 1 + len(shape):
-        raise SessionError(f"{name} is {column.dtype} {column.shape}")
+        raise SessionError(
+            "{name} is {column_dtype} {column_shape}",
+            name=name,
+            column_dtype=column.dtype,
+            column_shape=column.shape,
+        )
     whole = starts.dtype == np.int64 and starts.ndim == 1 and len(starts) > 0
     if not whole or starts[0] != 0 or starts[-1] != len(column) or (np.diff(starts) < 0).any():
-        raise SessionError(f"{name} has {len(column)} rows that are not shared out")
+        raise SessionError("{name} has {n} rows that are not shared out", name=name, n=len(column))
     if column.dtype.kind == "f" and not np.isfinite(column).all():
-        raise SessionError(f"{name} holds what is no number")
+        raise SessionError("{name} holds what is no number", name=name)
     if of.dtype != np.int32 or of.shape != (count,):
-        raise SessionError(f"{name} is given {of.shape} times; expected {count}")
+        raise SessionError(
+            "{name} is given {of_shape} times; expected {count}",
+            name=name,
+            of_shape=of.shape,
+            count=count,
+        )
     if count and not 0 <= of.min() <= of.max() < len(starts) - 1:
-        raise SessionError(f"{name} is given from {of.min()} to {of.max()}")
+        raise SessionError(
+            "{name} is given from {least} to {most}",
+            name=name,
+            least=of.min(),
+            most=of.max(),
+        )
     distinct = [column[a:b] for a, b in pairwise(starts)]
     return [distinct[k] for k in of]
 
@@ -363,17 +378,33 @@ def restore_undo(
     try:
         version = state["version"]
         if type(version) is not int or not 1 <= version <= UNDO_VERSION:
-            raise SessionError(f"they are of version {version!r:.20}; expected {UNDO_VERSION}")
+            raise SessionError(
+                "they are of version {version!r:.20}; expected {undo_version}",
+                version=version,
+                undo_version=UNDO_VERSION,
+            )
         counts, kinds = _integers(state, "parts"), _integers(state, "stack")
         n_steps = len(done) + 1 + len(undone)
         numbers = state["done"], state["undone"]
         if numbers != (len(done), len(undone)) or len(counts) != n_steps:
-            raise SessionError(f"{len(counts)} steps are counted as {numbers!r:.60}")
+            raise SessionError(
+                "{n} steps are counted as {numbers!r:.60}",
+                n=len(counts),
+                numbers=numbers,
+            )
         if n_steps > _MOST_STEPS or counts.min() < 0 or counts.sum(dtype=np.int64) != len(kinds):
-            raise SessionError(f"{n_steps} steps do not share out {len(kinds)} parts")
+            raise SessionError(
+                "{n_steps} steps do not share out {n} parts",
+                n_steps=n_steps,
+                n=len(kinds),
+            )
         deltas = _deltas(surface, state, int(np.count_nonzero(kinds < 0)))
         if len(kept) != len(deltas):
-            raise SessionError(f"{len(deltas)} paintings are remembered as {len(kept)}")
+            raise SessionError(
+                "{n} paintings are remembered as {kept}",
+                n=len(deltas),
+                kept=len(kept),
+            )
         parts = _parts(kinds, _stacks(surface, state), deltas, kept)
         steps = [
             Step(label, 0, [*itertools.islice(parts, n)])
@@ -384,9 +415,9 @@ def restore_undo(
     except SessionError:
         raise
     except (KeyError, TypeError, AttributeError, ValueError, IndexError) as cause:
-        raise SessionError(f"they are incomplete near {cause}") from None
+        raise SessionError("they are incomplete near {cause}", cause=cause) from None
     except InputError as cause:
-        raise SessionError(str(cause)) from None
+        raise SessionError(cause) from None
     history.resume(*course)
 
 
@@ -398,7 +429,12 @@ def _parts(
 ) -> Iterator[StackState | Painting]:
     """Return the parts of all steps, in order."""
     if kinds.max(initial=-1) >= len(stacks) or kinds.min(initial=0) < -1:
-        raise SessionError(f"a part is {kinds.min()} to {kinds.max()} of {len(stacks)} stacks")
+        raise SessionError(
+            "a part is {least} to {most} of {n} stacks",
+            least=kinds.min(),
+            most=kinds.max(),
+            n=len(stacks),
+        )
     paintings = (Painting(d, k, d.n_bytes) for d, k in zip(deltas, kept, strict=True))
     return (stacks[kind] if kind >= 0 else next(paintings) for kind in kinds)
 
@@ -427,7 +463,7 @@ def _stacks(surface: PaintedSurface, state: ReadState) -> list[StackState]:
         for k, one in enumerate(about):
             stack.put(now)
             if {name: type(value) for name, value in one.items()} != _ABOUT:
-                raise SessionError(f"a layer is described by {one!r:.80}")
+                raise SessionError("a layer is described by {one!r:.80}", one=one)
             stack.add(one["name"], len(stack))
             stack.describe(len(stack) - 1, **one)
             keys.append(stack.state().active)
@@ -440,7 +476,7 @@ def _stacks(surface: PaintedSurface, state: ReadState) -> list[StackState]:
     for own, active in state["stacks"]:
         whole = all(type(k) is int and 0 <= k < len(keys) for k in [*own, active])
         if not whole or active not in own or len(set(own)) < len(own):
-            raise SessionError(f"layers {own!r:.60} are none of {len(keys)}")
+            raise SessionError("layers {own!r:.60} are none of {n}", own=own, n=len(keys))
         stacks.append(StackState(tuple(keys[k] for k in own), keys[active]))
     return stacks
 
@@ -479,9 +515,19 @@ def _deltas(surface: PaintedSurface, state: ReadState, count: int) -> list[Packe
     flows = _flows(surface, state)
     of = _integers(state, "flow")
     if len(of) != count or len(counts) != count:
-        raise SessionError(f"{count} paintings have {len(of)} flows, and dried {len(counts)} times")
+        raise SessionError(
+            "{count} paintings have {n} flows, and dried {counts} times",
+            count=count,
+            n=len(of),
+            counts=len(counts),
+        )
     if of.max(initial=-1) >= len(flows) or of.min(initial=0) < -1:
-        raise SessionError(f"water is {of.min()} to {of.max()} of {len(flows)}")
+        raise SessionError(
+            "water is {least} to {most} of {n}",
+            least=of.min(),
+            most=of.max(),
+            n=len(flows),
+        )
     deltas = [
         PackedDelta(ids, amounts, coverage, DryRows(int(counted), *dry), brush,
                     flows[k] if k >= 0 else None)
@@ -505,7 +551,12 @@ def _check_ink(
         if values.dtype.kind != "f" or (
             values.size and not least <= values.min() <= values.max() <= most
         ):
-            raise SessionError(f"{name} holds what is no ink; expected {least:g} to {most:g}")
+            raise SessionError(
+                "{name} holds what is no ink; expected {least:g} to {most:g}",
+                name=name,
+                least=least,
+                most=most,
+            )
 
 
 class _Distinct:
@@ -522,8 +573,11 @@ class _Distinct:
         ordered = np.sort(ids)
         if not 0 <= ordered[0] <= ordered[-1] < self._n or (np.diff(ordered) == 0).any():
             raise SessionError(
-                f"{name} holds {ordered[0]} to {ordered[-1]}, or a vertex twice; expected 0 to "
-                f"{self._n - 1}"
+                "{name} holds {first} to {last}, or a vertex twice; expected 0 to {n}",
+                name=name,
+                first=ordered[0],
+                last=ordered[-1],
+                n=self._n - 1,
             )
         self._seen.add(where)
 
@@ -533,13 +587,17 @@ def _check_delta(delta: PackedDelta, distinct: _Distinct) -> None:
     distinct(delta.vertex_ids, "vertices of a step")
     distinct(dry.vertex_ids, "dried vertices of a step")
     if not len(delta.amounts) == len(delta.coverage) <= len(delta.vertex_ids):
-        raise SessionError(f"{len(delta.vertex_ids)} vertices have {len(delta.amounts)} amounts")
+        raise SessionError(
+            "{n} vertices have {delta_amounts} amounts",
+            n=len(delta.vertex_ids),
+            delta_amounts=len(delta.amounts),
+        )
     filled = [array for array in dry.over if array.shape[1]]
     lengths = {len(array) for array in (*dry[1:6], *filled)}
     if len(lengths) > 1 or dry.count < 0:
-        raise SessionError(f"rows of dry paint are {lengths} in one step")
+        raise SessionError("rows of dry paint are {lengths} in one step", lengths=lengths)
     if not 1 <= len(brush.reservoirs) <= MOST_RESERVOIRS:
-        raise SessionError(f"the brush has {len(brush.reservoirs)} stations")
+        raise SessionError("the brush has {n} stations", n=len(brush.reservoirs))
 
 
 def _flows(surface: PaintedSurface, state: ReadState) -> list[PackedFlow]:
@@ -547,9 +605,16 @@ def _flows(surface: PaintedSurface, state: ReadState) -> list[PackedFlow]:
     sizes, names = _integers(state, "flow_size"), state["flow_names"]
     count, n, p = len(sizes), surface.n_vertices, len(surface.pigments)
     if count > _MOST_FLOWS or sizes.max(initial=0) > n or sizes.min(initial=0) < 0:
-        raise SessionError(f"water is kept {count} times, on up to {sizes.max(initial=0)} vertices")
+        raise SessionError(
+            "water is kept {count} times, on up to {most} vertices",
+            count=count,
+            most=sizes.max(initial=0),
+        )
     if sizes.sum(dtype=np.int64) > _MOST_FLOW_ROWS:
-        raise SessionError(f"water is kept on {sizes.sum(dtype=np.int64):,} vertices in all")
+        raise SessionError(
+            "water is kept on {sizes:,} vertices in all",
+            sizes=sizes.sum(dtype=np.int64),
+        )
     columns = {"rows": unpack_arrays(state, "flow_rows", count, np.int32)}
     for name in names:
         array = np.asarray(state[f"flow_{name}"])
@@ -569,11 +634,20 @@ def _checked(flow: PackedFlow, n: int, n_pigments: int) -> PackedFlow:
         raise SessionError("rows of a flow are not in order")
     for name, array in flow.arrays.items():
         if is_by_vertex(name, array) and len(array) != len(rows):
-            raise SessionError(f"flow_{name} has {len(array)} rows; expected {len(rows)}")
+            raise SessionError(
+                "flow_{name} has {n} rows; expected {rows}",
+                name=name,
+                n=len(array),
+                rows=len(rows),
+            )
     whole = {f"flow_{name}": array for name, array in flow.unpacked(_SameNumbers()).items()}
     known = checked_flow(whole, n, n_pigments, lambda ids: ids)
     if len(known["vertices"]) != flow.n:
-        raise SessionError(f"a flow of {flow.n} vertices has {len(known['vertices'])}")
+        raise SessionError(
+            "a flow of {n} vertices has {known}",
+            n=flow.n,
+            known=len(known["vertices"]),
+        )
     own = {name: flow.arrays[name] for name in known if name in flow.arrays}
     missing = {name: known[name][rows] for name in known if name not in own}  # from older files
     return PackedFlow(flow.n, rows, own | missing)
@@ -625,7 +699,11 @@ def _exchange_ids(now: AnyArray, then: DryRows) -> AnyArray:
         and not np.isin(ids[~shared], now).any()
     )
     if not follows:
-        raise SessionError(f"{len(rows)} rows of dry paint do not follow from {len(now)}")
+        raise SessionError(
+            "{n} rows of dry paint do not follow from {now}",
+            n=len(rows),
+            now=len(now),
+        )
     if then.count <= len(now):
         return now[: then.count]
     after = np.empty(then.count, np.int32)
@@ -637,5 +715,10 @@ def _exchange_ids(now: AnyArray, then: DryRows) -> AnyArray:
 def _integers(state: ReadState, name: str) -> AnyArray:
     values = np.asarray(state[name])
     if values.dtype != np.int32 or values.ndim != 1:
-        raise SessionError(f"{name} is {values.dtype} {values.shape}; expected (n,) int32")
+        raise SessionError(
+            "{name} is {values_dtype} {values_shape}; expected (n,) int32",
+            name=name,
+            values_dtype=values.dtype,
+            values_shape=values.shape,
+        )
     return values

@@ -18,13 +18,15 @@ from paint3d.surface.pores import Pores, close_pores, find_pores, mobility_of
 
 __all__ = ["FIRST_PACE", "WetPatch"]
 
-_KEPT = ("water", "inside", "soaked", "pigment", "fine")
+_KEPT = ("water", "inside", "soaked", "pigment", "fine", "loose")
 _OF_PLACES = ("written", "share")
 _OF_NODES = (
     *_KEPT, "changed", "residual", "strength", "sieve", "catch", "held", "entry", "dry_entry",
     "ways", "place", "bare_held", "bare_ways",
 )  # fmt: skip
 _OF_PORES = ("residual", "strength", "sieve", "catch", "bare_held", "bare_ways")
+_THICK = 9.0  # coats to the mm of liquid from which on soot's flocs hold together: one part in 4
+_LOOSE = 0.95  # of its flocs that ever more water parts
 _PARTICLES = 0.75  # what is not fine of a pigment that has no more of a dye than soot has
 FIRST_PACE = 1.0 / 30.0  # s: the time step of a block after ink arrived
 
@@ -56,6 +58,8 @@ class WetPatch:
         Coats times the covered fraction.
     fine : (N, P) float64
         The part of it that goes with the water, until pores catch it on the way.
+    loose : (N, P) float64
+        The flocs that much water parts: they go with it, too, and are hardly caught.
     mobility : (P,) float64
         Mobility of each pigment's coarse grains in the pores, relative to soot.
     sticks : (P,) float64
@@ -97,7 +101,7 @@ class WetPatch:
             setattr(self, name, np.zeros(0))
         self.changed, self.place = np.zeros(0, bool), np.zeros(0, np.int32)
         self.inside, self.soaked = np.zeros((2, 0), np.float32)
-        self.pigment, self.fine = np.zeros((2, 0, count))
+        self.pigment, self.fine, self.loose = np.zeros((3, 0, count))
         self._find_mobility()
         self.written, self.share = np.zeros((0, count), np.float32), np.zeros(0)
         self.weights, self.totals = np.zeros(0), np.zeros(0)
@@ -159,7 +163,7 @@ class WetPatch:
         return WetFields(
             graph.first, graph.last, graph.links, self.weights, graph.area, graph.block,
             graph.closed, self.place, self.residual, self.strength, self.sieve, self.catch,
-            self.held, self.entry, self.water, self.pigment, self.fine, self.mobility,
+            self.held, self.entry, self.water, self.pigment, self.fine, self.loose, self.mobility,
             self.sticks, self.soaked, self.changed, self.owed, due, mobile, moved,
         )  # fmt: skip
 
@@ -209,11 +213,16 @@ class WetPatch:
         kept = 1.0 - share * np.divide(went, before, out=np.zeros_like(went), where=before > 0)
         np.multiply.at(self.water, node, kept)
         np.add.at(self.water, node, share * came)
-        self._add_pigment(node, share[:, None] * change)
+        is_water = np.array([p is WATER for p in self._store.pigments])
+        coats = np.maximum(change[:, ~is_water], 0.0).sum(axis=1)
+        thick = np.divide(coats, _THICK * came, out=np.ones_like(came), where=came > 0.0)
+        thin = np.maximum(0.0, 1.0 - thick * thick)
+        self._add_pigment(node, share[:, None] * change, thin)
         self.written[at] = now
         for column, pigment in enumerate(self._store.pigments):
             if pigment is WATER:  # it is now depth of water, no longer an amount
-                self.pigment[node, column] = self.fine[node, column] = 0.0
+                self.pigment[node, column] = 0.0
+                self.fine[node, column] = self.loose[node, column] = 0.0
         laid = node[came > 0.0]
         self.soaked[laid] = 1.0  # wetted by the brush
         self.entry[laid] = 0.0
@@ -224,22 +233,29 @@ class WetPatch:
         self.pace[block] = FIRST_PACE
         self.owed[block[np.isinf(self.owed[block])]] = 0.0
 
-    def _add_pigment(self, node: AnyArray, change: AnyArray) -> None:
-        """Add pigment (N, P) to nodes (N,), or remove it, fine and coarse in proportion."""
+    def _add_pigment(self, node: AnyArray, change: AnyArray, thin: AnyArray) -> None:
+        """Add pigment (N, P) to nodes (N,), or remove it, of all kinds in proportion.
+
+        The thinner the ink that comes (N,), 0 to 1, the more of its flocs are loose.
+        """
         came, before = np.maximum(change, 0.0), self.pigment[node]
         left = 1.0 + np.divide(change - came, before, out=np.zeros_like(came), where=before > 0)
-        np.multiply.at(self.fine, node, np.clip(left, 0.0, 1.0))
-        fines = np.array([pigment.fine for pigment in self._store.pigments])
-        np.add.at(self.fine, node, fines * came)
+        fine = np.array([pigment.fine for pigment in self._store.pigments])
+        loose = _LOOSE * self.mobility * (1.0 - fine) * thin[:, None]
         np.add.at(self.pigment, node, change)
         self.pigment[node] = np.maximum(self.pigment[node], 0.0)
-        self.fine[node] = np.minimum(self.fine[node], self.pigment[node])
+        rest = self.pigment[node]
+        for kept, fraction in ((self.fine, fine), (self.loose, loose)):
+            np.multiply.at(kept, node, np.clip(left, 0.0, 1.0))
+            np.add.at(kept, node, fraction * came)
+            kept[node] = np.minimum(kept[node], rest)
+            rest = np.maximum(rest - kept[node], 0.0)
 
     def _know_pigments(self) -> None:
         """Add columns for pigments that are new on the surface."""
         missing = len(self._store.pigments) - self.pigment.shape[1]
         if missing:
-            for name in ("pigment", "fine", "written"):
+            for name in ("pigment", "fine", "loose", "written"):
                 setattr(self, name, np.pad(getattr(self, name), ((0, 0), (0, missing))))
             self._find_mobility()
 
@@ -272,7 +288,7 @@ class WetPatch:
         came = np.maximum(now - self.written[at], np.float32(0.0))
         ink.amounts[ids] = now - came
         painted = coverage > 0.0
-        self.pigment[nodes] = self.fine[nodes] = 0.0
+        self.pigment[nodes] = self.fine[nodes] = self.loose[nodes] = 0.0
         self.soaked[nodes] = 0.0
         self._store.settle(ids[painted])
         dry = self._store.dry_layers

@@ -66,7 +66,11 @@ class View:
         direction = _unit(as_array(self.direction, "view direction", (3,)), "view direction")
         up = _unit(as_array(self.up, "view up", (3,)), "view up")
         if np.linalg.norm(np.cross(direction, up)) < 1e-6:
-            raise InputError(f"view up {self.up} is parallel to the direction {self.direction}")
+            raise InputError(
+                "view up {up} is parallel to the direction {direction}",
+                up=self.up,
+                direction=self.direction,
+            )
         object.__setattr__(self, "direction", direction)
         object.__setattr__(self, "up", up)
         object.__setattr__(self, "zoom", as_number(self.zoom, "view zoom", 0.1, 20.0))
@@ -220,6 +224,6 @@ def _raised_view(facing: AnyArray) -> View:
 def _unit(vector: AnyArray, name: str) -> NDArray[np.float64]:
     length = np.linalg.norm(vector)
     if length < 1e-12:
-        raise InputError(f"{name} has length 0; expected a direction")
+        raise InputError("{name} has length 0; expected a direction", name=name)
     result: NDArray[np.float64] = vector / length
     return result

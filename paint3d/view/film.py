@@ -68,8 +68,9 @@ def find_encoder() -> str:
     found = shutil.which("ffmpeg")
     if found is None:
         raise ExportError(
-            ".mp4 needs FFmpeg, which was not found; expected: pip install 'paint3d[film]', or "
-            "FFmpeg of the system; .webp and .gif need nothing"
+            ".mp4 needs FFmpeg, which was not found; expected FFmpeg of the system, or a film in "
+            ".webp or .gif, which need nothing",
+            hint="pip install 'paint3d[film]'",
         )
     return found
 
@@ -116,7 +117,11 @@ def write_mp4(part: Path, pictures: Iterable[Image.Image], rate: float) -> None:
             encoding.wait()
         if failed:
             messages.seek(0)
-            raise ExportError(f"{part.name}: cannot write: {_reason(messages.read())}")
+            raise ExportError(
+                "{part}: cannot write: {reason}",
+                part=part.name,
+                reason=_reason(messages.read()),
+            )
 
 
 def _feed(stream: IO[bytes], first: AnyArray, others: Iterator[AnyArray]) -> None:
@@ -165,12 +170,18 @@ def _encoder_of(program: str) -> str:
             check=False,
         )
     except (OSError, subprocess.SubprocessError) as cause:
-        raise ExportError(f"{program}: it does not run: {cause}") from None
+        raise ExportError(
+            "{program}: it does not run: {cause}", program=program, cause=cause
+        ) from None
     words = listing.stdout.decode("utf-8", "replace").split()
     for name in _ENCODERS:
         if name in words:
             return name
-    raise ExportError(f"{program}: it has none of {', '.join(_ENCODERS)}; expected another FFmpeg")
+    raise ExportError(
+        "{program}: it has none of {encoders}; expected another FFmpeg",
+        program=program,
+        encoders=", ".join(_ENCODERS),
+    )
 
 
 # ---- Film formats --------------------------------------------------------------------------------
@@ -192,7 +203,7 @@ def film_form(path: Path) -> str:
     """
     form = FILMS.get(path.suffix.lower())
     if form is None:
-        raise ExportError(f"{path}: a film is written as {', '.join(FILMS)}")
+        raise ExportError("{file}: a film is written as {films}", file=path, films=", ".join(FILMS))
     if form == "MP4":
         find_encoder()
     return form

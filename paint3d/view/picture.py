@@ -311,7 +311,12 @@ def checked_size(size: tuple[int, int]) -> tuple[int, int]:
         isinstance(n, int | np.integer) and SMALLEST <= n <= LARGEST for n in size
     )
     if not fits:
-        raise InputError(f"size is {size}; expected (width, height), each {SMALLEST} to {LARGEST}")
+        raise InputError(
+            "size is {size}; expected (width, height), each {smallest} to {most}",
+            size=size,
+            smallest=SMALLEST,
+            most=LARGEST,
+        )
     return int(size[0]), int(size[1])
 
 
@@ -326,7 +331,12 @@ def _checked_arrays(
     if len(faces) == 0:
         raise MeshError("the mesh has no faces; expected at least one to draw")
     if faces.min() < 0 or faces.max() >= n_vertices:
-        raise MeshError(f"faces name vertices {faces.min()} to {faces.max()} of {n_vertices}")
+        raise MeshError(
+            "faces name vertices {least} to {most} of {n_vertices}",
+            least=faces.min(),
+            most=faces.max(),
+            n_vertices=n_vertices,
+        )
     if np.ptp(vertices, axis=0).max() <= 0:
         raise MeshError("all vertices lie in one point; expected an object to draw")
     return vertices, faces, normals, srgb

@@ -184,7 +184,7 @@ def told_of_opengl() -> Iterator[None]:
     try:
         yield
     except RuntimeError as cause:
-        raise ExportError(f"no picture could be drawn with OpenGL: {cause}") from None
+        raise ExportError("no picture could be drawn with OpenGL: {cause}", cause=cause) from None
 
 
 def join_pixels(pixels: AnyArray, scale: int, transparent: bool) -> NDArray[np.uint8]:

@@ -10,6 +10,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from paint3d.app.model.brush_in_hand import BRUSH_COMMANDS, brush_after
+from paint3d.app.model.input.hand import Hand, PointerInput
+from paint3d.app.model.paint_thread import PaintThread
+from paint3d.brush.presets import load_brush
+from paint3d.mesh.bvh import ClosestPoints
+from tests.support.app.hands import small_plane
+
 pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
 from PySide6 import QtCore, QtTest, QtWidgets
@@ -26,15 +33,18 @@ from paint3d.app.model.persistence.own_brushes import (
 from paint3d.app.model.persistence.saved_settings import chosen_brush, in_hand
 from paint3d.app.model.persistence.settings import Settings
 from paint3d.app.model.score.playing import painted
-from paint3d.app.window.brush import brush_editor
+from paint3d.app.window.brush import brush_editor, brush_panel
 from paint3d.app.window.brush.brush_editor import changed, range_of, value_of
+from paint3d.app.window.previews import sorted_parts, stroke_preview
+from paint3d.app.window.studio import StudioWindow
 from paint3d.app.window.wording import CHINESE, choose_language, say_brush
-from paint3d.brush.presets import load_brush
+from paint3d.brush.presets import brush_names
 from paint3d.brush.spec import BristleSpec, shape_rows
+from paint3d.colour.pigments import load_pigment
 from paint3d.errors import BrushError
 from paint3d.view.brush_shape import draw_stroke
-from tests.support.app.gestures import live, pen_stroke, wait_for
-from tests.support.app.windows import opened, settled
+from tests.support.app.gestures import KIND, drag, live, mouse, pen_stroke, wait_for
+from tests.support.app.windows import close_unasked, faults, opened, settled
 
 KEY, BUTTON, NO_KEY = QtCore.Qt.Key, QtCore.Qt.MouseButton, QtCore.Qt.KeyboardModifier.NoModifier
 ROWS = (*brush_editor.TUFT, *brush_editor.FORCE, *brush_editor.OF_HAIRS)
@@ -272,7 +282,7 @@ def test_numbers_are_shown_with_their_units_and_ranges(program) -> None:
 
 def test_a_brush_may_be_called_like_a_text_of_the_window(program) -> None:
     """`device.lost` is the key of a text that wants a number; `Close` has another in Chinese."""
-    brush = dataclasses.replace(load_brush("full"), name="device.lost")
+    brush = dataclasses.replace(load_brush("full"), name="{count} lost")
     with opened(program) as window:
         window.workspace.post("set_brush", brush)
         settled(window)
@@ -281,7 +291,7 @@ def test_a_brush_may_be_called_like_a_text_of_the_window(program) -> None:
         window.grab()  # the plate in the picture's corner is painted
         history = window.panels.history.list
         wait_for(lambda: history.count() == 1)
-        assert "device.lost" in history.item(0).text()
+        assert "{count} lost" in history.item(0).text()
     choose_language("zh")
     try:
         assert say_brush("Close") == "Close"
@@ -321,3 +331,165 @@ def test_the_editors_stroke_is_in_the_ink_in_hand(program) -> None:
         window.panels.inks.dishes.taken.emit("pine soot")  # the closed editor draws nothing
         settled(window)
         assert not editor.drawing.is_busy
+
+
+# -- the brush that the hand asked for ---------------------------------------------------------
+
+
+MS = 1_000_000
+
+
+def write(paint_thread, hand, y, pressure=0.4):
+    """A line of 40 mm, with the brush that the painting thread says."""
+    place, down = (-20.0, y, 90.0), (0.0, 0.0, -1.0)
+    event = PointerInput(MS, origin=place, direction=down, pressure=pressure)
+    samples = list(hand.begin(event, paint_thread.brush))
+    for k in range(1, 20):
+        place = (-20.0 + 2.0 * k, y, 90.0)
+        event = PointerInput(8 * MS * k, origin=place, direction=down, pressure=pressure)
+        samples += hand.move(event, paint_thread.brush)
+    samples += hand.end(160 * MS, paint_thread.brush)
+    paint_thread.post("begin_stroke")
+    paint_thread.feed(samples)
+    paint_thread.post("end_stroke")
+
+
+@pytest.mark.parametrize(
+    "change",
+    [("set_brush", "gongbi"), ("scale_brush", 0.5), ("step_brush", -4), ("resize_brush", 20.0),
+     ("dip", "cinnabar"), ("add_layer", "over")],
+)  # fmt: skip
+def test_a_stroke_right_after_a_change_is_painted_as_after_waiting(change):
+    shown = []
+    for held in (True, False):
+        document = small_plane()
+        paint_thread = PaintThread(document)
+        hand = Hand(ClosestPoints(document.surface.source))
+        write(paint_thread, hand, -20.0)
+        if held:
+            with paint_thread.paused():  # the painting is behind
+                before = paint_thread.brush
+                paint_thread.post(*change)
+                asked = paint_thread.brush
+                assert (asked != before) == (change[0] in BRUSH_COMMANDS)
+                write(paint_thread, hand, 20.0)
+        else:
+            paint_thread.post(*change).result()
+            write(paint_thread, hand, 20.0)
+        paint_thread.post("refresh").result()
+        paint_thread.stop()
+        assert not held or document.painter.brush == asked
+        surface = document.surface
+        order = np.lexsort(surface.paint_mesh.vertices.T)
+        there = surface.paint_mesh.vertices[:, 1] > 10
+        assert surface.painted[there].sum() > 20
+        shown.append((surface.srgb[order], [s.brush for s in document.strokes]))
+    np.testing.assert_array_equal(shown[0][0], shown[1][0])
+    assert shown[0][1] == shown[1][1]
+
+
+def test_what_is_refused_is_not_taken():
+    brush = load_brush("full")
+    assert brush_after(brush, "set_brush", ["no such brush"]) == brush
+    assert brush_after(brush, "scale_brush", [1000.0]) == brush
+    assert brush_after(brush, "set_brush", []) == brush
+    paint_thread = PaintThread(small_plane())
+    paint_thread.post("begin_stroke")
+    with paint_thread.paused():
+        asked = paint_thread.post("set_brush", "gongbi")
+    with pytest.raises(Exception, match="during a stroke"):
+        asked.result()
+    assert paint_thread.brush == paint_thread.painting.brush == small_plane().painter.brush
+    paint_thread.stop()
+
+
+# -- previews ----------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def window(program):
+    with opened(program) as window:
+        yield window
+
+
+@pytest.mark.long
+def test_a_mixture_that_was_picked_up_is_shown_in_the_previews(window) -> None:
+    window.panels.inks.dipped.emit({"indigo": 0.8, "water": 0.2}, None)
+    drag(window.canvas, (0.45, 0.5), (0.55, 0.5))
+    settled(window)
+    mouse(window.canvas, KIND.MouseMove, 0.5 * window.canvas.width(), 0.5 * window.canvas.height())
+    with faults() as found:
+        window.workspace.actions["pick_colour"].trigger()
+        settled(window)
+        picked = window.document.inks[0]
+        assert {pigment.name for pigment in picked} == {"indigo", "water"}
+        wait_for(lambda: not window.panels.brushes.is_busy)
+        live(0.3)
+    assert found == []
+    assert window.panels.ink_name() in ("indigo + water", "water + indigo")
+
+
+def test_previews_are_painted_when_the_window_waits_for_nothing(program, monkeypatch) -> None:
+    """An object is opened sooner, and no ink is shown that is not the one in use."""
+    inks: list[object] = []
+    paint = brush_panel.stroke_preview
+    monkeypatch.setattr(
+        brush_panel, "stroke_preview", lambda brush, ink: inks.append(ink) or paint(brush, ink)
+    )
+    window = StudioWindow(program)
+    try:
+        window.show()
+        window.workspace.quiet = True
+        assert window.opening.open_path("plane", 3.0, "xuan", asked=True)
+        assert inks == []
+        wait_for(lambda: not window.panels.brushes.is_busy)
+        assert inks == [window.document.inks[0]] * len(brush_names())
+    finally:
+        close_unasked(window)
+
+
+def test_a_preview_is_the_same_by_name_and_by_ink() -> None:
+    brush = load_brush("xiaokai")
+    names = {"indigo": 0.7, "water": 0.3}
+    inks = {load_pigment(name): part for name, part in reversed(names.items())}
+    assert [part for _, part in sorted_parts(names)] == [part for _, part in sorted_parts(inks)]
+    assert (stroke_preview(brush, names) == stroke_preview(brush, inks)).all()
+
+
+def test_previews_that_fail_are_told_once_and_the_timer_rests(window, monkeypatch) -> None:
+    def fail(brush, ink):
+        raise ValueError("no preview today")
+
+    monkeypatch.setattr(brush_panel, "stroke_preview", fail)
+    told: list[str] = []
+    window.panels.brushes.failed.connect(told.append)
+    with faults() as found:
+        for ink in ("azurite", "cinnabar"):
+            window.panels.brushes.set_ink(ink)
+            wait_for(lambda: not window.panels.brushes.is_busy)
+            live(0.4)
+    assert found == []
+    assert told == ["ValueError: no preview today"]
+    assert "no preview today" in window.status.told.text()
+    monkeypatch.undo()
+    window.panels.brushes.set_ink("pine soot")
+    wait_for(lambda: not window.panels.brushes.is_busy)
+
+
+def test_a_fault_in_every_tick_is_told_once_and_the_window_lives(window, monkeypatch) -> None:
+    ticks: list[int] = []
+
+    def fail() -> None:
+        ticks.append(1)
+        raise ValueError("nothing goes")
+
+    before = window.tick
+    monkeypatch.setattr(window, "tick", fail)
+    with faults() as found:
+        wait_for(lambda: len(ticks) > 5)
+        assert found == ["ValueError: nothing goes"]
+        assert "nothing goes" in window.status.told.text()
+        monkeypatch.setattr(window, "tick", before)
+        drag(window.canvas, (0.45, 0.4), (0.55, 0.4))
+        settled(window)
+        assert len(found) == 1

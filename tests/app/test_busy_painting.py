@@ -17,6 +17,7 @@ from tests.support.app.gestures import (
     BUTTON,
     KIND,
     answer,
+    answer_bar,
     drag,
     live,
     mouse,
@@ -184,3 +185,140 @@ def test_what_was_pressed_elsewhere_does_not_paint(window, device: str) -> None:
     drag(window.canvas, (0.45, 0.5), (0.55, 0.5), n=6)
     settled(window)
     assert len(window.document.strokes) == n + 1
+
+
+# -- letting go of a painting ------------------------------------------------------------------
+
+
+LONGEST_S = 300.0  # that a step goes on which nobody ends
+N_WAITING = 6
+TICKS = 20
+
+
+@pytest.fixture
+def one_window(program):
+    with opened(program, material="porcelain") as one_window:
+        yield one_window
+
+
+@pytest.fixture
+def step_gate():
+    """Ends a step of the painting."""
+    step_gate = threading.Event()
+    yield step_gate
+    step_gate.set()
+
+
+def be_behind(one_window, step_gate: threading.Event) -> None:
+    """Paint strokes that wait for a step that lasts."""
+    settled(one_window)
+    one_window.stage.paint_thread.post(lambda document: step_gate.wait(LONGEST_S))
+    for k in range(N_WAITING):
+        y = 0.4 + 0.03 * k
+        drag(one_window.canvas, (0.45, y), (0.55, y), n=6)
+    assert not one_window.document.strokes
+
+
+def cancel(bar: QtWidgets.QProgressDialog) -> None:
+    bar.findChild(QtWidgets.QPushButton).click()
+
+
+def cancelling_the_wait() -> QtCore.QTimer:
+    """Press *Cancel* in the bar of the step that is waited for; one of reading may come before."""
+
+    def look() -> None:
+        for bar in QtWidgets.QApplication.topLevelWidgets():
+            is_bar = isinstance(bar, QtWidgets.QProgressDialog) and bar.isVisible()
+            if is_bar and "current step" in bar.labelText():
+                cancel(bar)
+
+    timer = QtCore.QTimer()
+    timer.timeout.connect(look)
+    timer.start(20)
+    return timer
+
+
+def discard(box: QtWidgets.QMessageBox) -> None:
+    next(b for b in box.buttons() if b.text() == "Do not save").click()
+
+
+def test_the_window_lives_while_a_step_of_the_old_painting_goes_on(one_window, step_gate) -> None:
+    be_behind(one_window, step_gate)
+    before, ticked = one_window.document, []
+
+    def tick() -> None:  # also the window's own ticks come then
+        ticked.append(one_window.document is before)
+        if len(ticked) > TICKS:
+            step_gate.set()
+
+    timer = QtCore.QTimer(one_window)
+    timer.timeout.connect(tick)
+    answer_bar(lambda bar: timer.start(10))
+    assert one_window.opening.open_path("sphere", 8.0, asked=True)
+    timer.stop()
+    assert len(ticked) > TICKS
+    assert all(ticked)
+    assert step_gate.is_set()  # it was not left to itself
+    assert one_window.document.surface.source.name == "sphere"
+    assert not before.strokes  # what waited was not wanted any more
+    drag(one_window.canvas, (0.45, 0.5), (0.55, 0.5), n=6)
+    settled(one_window)
+    assert len(one_window.document.strokes) == 1
+
+
+def test_cancel_goes_on_with_the_old_painting_and_all_that_waits(one_window, step_gate) -> None:
+    be_behind(one_window, step_gate)
+    before = one_window.document
+    timer = cancelling_the_wait()
+    assert not one_window.opening.open_path("sphere", 8.0, asked=True)
+    timer.stop()
+    assert not step_gate.is_set()
+    assert one_window.document is before
+    assert "Stopped" in one_window.status.told.text()
+    step_gate.set()
+    settled(one_window)
+    assert len(one_window.document.strokes) == N_WAITING
+    painted = one_window.document.surface.painted.sum()
+    for _ in range(N_WAITING):
+        one_window.workspace.actions["undo"].trigger()
+        settled(one_window)
+    assert not one_window.document.strokes
+    assert one_window.document.surface.painted.sum() < painted
+    drag(one_window.canvas, (0.45, 0.5), (0.55, 0.5), n=6)
+    settled(one_window)
+    assert len(one_window.document.strokes) == 1
+
+
+def test_what_waits_is_in_the_file_that_is_saved_first(one_window, step_gate, tmp_path) -> None:
+    """Asked what becomes of it, the hand says: save."""
+    be_behind(one_window, step_gate)
+    file = tmp_path / "mine.p3d"
+    with one_window.stage.paint_thread.paused(0.0) as document:
+        assert document is None
+    one_window.document.path = file
+    answer_bar(lambda bar: step_gate.set())
+    answer(lambda box: box.defaultButton().click(), QtWidgets.QMessageBox)
+    assert one_window.opening.open_path("sphere", 8.0)
+    assert one_window.document.surface.source.name == "sphere"
+    assert one_window.opening.open_path(str(file), asked=True)
+    assert len(one_window.document.strokes) == N_WAITING
+
+
+def test_the_window_closes_with_a_bar_too_and_stays_where_it_is_stopped(
+    one_window, step_gate
+) -> None:
+    be_behind(one_window, step_gate)
+
+    def stay(box: QtWidgets.QMessageBox) -> None:
+        answer_bar(cancel)
+        discard(box)
+
+    answer(stay, QtWidgets.QMessageBox)
+    assert not one_window.close()
+    assert one_window.isVisible()
+    assert not step_gate.is_set()
+    step_gate.set()
+    settled(one_window)
+    assert len(one_window.document.strokes) == N_WAITING
+    live(0.1)
+    wait_for(one_window.workspace.actions["undo"].isEnabled)

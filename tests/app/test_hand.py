@@ -1,6 +1,10 @@
 """From a pointer to a brush on the surface: pressure, steadiness, tilt, sizes, images."""
 
+from __future__ import annotations
+
+import math
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -8,6 +12,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from paint3d.app.model.brush_in_hand import resized, scaled, stepped
+from paint3d.app.model.input.event_clock import EventClock
+from paint3d.app.model.input.fingers import Fingers
 from paint3d.app.model.input.hand import Hand, HandSettings, PointerInput
 from paint3d.app.model.input.pressure_curve import PressureCurve
 from paint3d.app.model.input.symmetry import MirrorPlane, RadialSymmetry, Symmetry, transformed
@@ -19,6 +25,17 @@ from paint3d.files.load import load_mesh
 from paint3d.mesh.bvh import ClosestPoints
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from tests.support.app.hands import line, paint, sample, small_plane
+
+pytest.importorskip("PySide6", reason="PySide6 is not installed")
+
+from PySide6 import QtCore, QtGui
+
+from paint3d.app.model.document import Document
+from paint3d.cli.main import main
+from paint3d.view.camera import picture_axes
+from tests.support.app.gestures import BUTTON, KIND, live, mouse
+from tests.support.app.hands import same_vertices
+from tests.support.app.windows import opened, settled
 
 BRUSH = load_brush("full")
 MS = 1_000_000
@@ -471,3 +488,343 @@ def test_images_are_painted_and_the_ledger_closes():
     document.cancel_stroke()
     accounts = document.painter.ledger()
     assert accounts["loaded"] == accounts["in_brush"] == pytest.approx(6000.0)
+
+
+# -- a tuft bent with a mouse ------------------------------------------------------------------
+
+
+SHIFT = QtCore.Qt.KeyboardModifier.ShiftModifier
+LEFT = BUTTON.LeftButton
+
+
+@pytest.fixture(scope="module")
+def window(program):
+    with opened(program, "plane", 1.5, "porcelain") as window:
+        yield window
+
+
+def turn_in_place(window, way, keys, goes_on=False):
+    """Press in the middle, go a way of (x, y) pixels with these keys held; the samples."""
+    canvas = window.canvas
+    x, y = 0.5 * canvas.width(), 0.55 * canvas.height()
+    mouse(canvas, KIND.MouseMove, x, y)
+    mouse(canvas, KIND.MouseButtonPress, x, y, LEFT, LEFT)
+    live(0.03)
+    for k in range(1, 13):
+        place = x + way[0] * k / 12, y + way[1] * k / 12
+        mouse(canvas, KIND.MouseMove, *place, BUTTON.NoButton, LEFT, keys)
+        live(0.01)
+    end = x + way[0], y + way[1]
+    if goes_on:
+        for _ in range(10):
+            end = end[0] + 6.0, end[1]
+            mouse(canvas, KIND.MouseMove, *end, BUTTON.NoButton, LEFT)
+            live(0.01)
+    mouse(canvas, KIND.MouseButtonRelease, *end, LEFT, BUTTON.NoButton)
+    settled(window)
+    return window.document.strokes[-1].samples
+
+
+@pytest.mark.parametrize("way", [(60, 0), (-60, 0), (0, 60), (0, -60)])
+def test_with_shift_the_mouse_turns_the_bend_and_the_brush_stays(window, way) -> None:
+    samples = turn_in_place(window, way, SHIFT)
+    places = np.array([sample.contact for sample in samples])
+    assert np.ptp(places, axis=0).max() < 1e-6
+    right, up, _ = picture_axes(window.hand.camera)
+    wanted = way[0] * right - way[1] * up
+    bend = rotate(samples[-1].orientation, np.array([1.0, 0.0, 0.0]))
+    wanted[2] = bend[2] = 0.0
+    assert bend @ wanted > 0.99 * np.linalg.norm(bend) * np.linalg.norm(wanted)
+
+
+def test_without_shift_the_brush_goes_along(window) -> None:
+    samples = turn_in_place(window, (60, 0), QtCore.Qt.KeyboardModifier.NoModifier)
+    assert np.ptp([sample.contact[0] for sample in samples]) > 5.0
+
+
+def test_after_shift_the_brush_goes_on_from_where_it_stood(window) -> None:
+    samples = turn_in_place(window, (0, 60), SHIFT, goes_on=True)
+    places = np.array([sample.contact for sample in samples])
+    steps = np.linalg.norm(np.diff(places, axis=0), axis=1)
+    assert np.ptp(places[:, 0]) > 5.0
+    assert np.ptp(places[:, 1]) < 1e-3  # the way that turned the bend moved nothing
+    assert steps.max() < 3.0  # no leap to where the pointer is
+    bend = rotate(samples[-1].orientation, np.array([1.0, 0.0, 0.0]))
+    assert bend[0] < -0.9 * np.linalg.norm(bend[:2])  # and the tuft trails again, as it went
+
+
+def test_the_mark_is_another_one_and_is_replayed_to_the_bit(window, tmp_path, monkeypatch) -> None:
+    marks = []
+    for way in ((60, 0), (0, -60)):
+        turn_in_place(window, way, SHIFT)
+        stroke, other = window.document.strokes[-1], Document.new("plane", 1.5)
+        other.begin_stroke()
+        other.feed(list(stroke.samples))
+        other.end_stroke()
+        marks.append(other.surface.coverage)
+    assert marks[0].shape != marks[1].shape or not np.array_equal(*marks)
+    file, out = tmp_path / "bends.score.jsonl", tmp_path / "bends.p3d"
+    monkeypatch.setattr(window.targets, "ask", lambda *asked: file)
+    window.workspace.actions["save_recording"].trigger()
+    assert main(["replay", str(file), "--on", "plane", "--out", str(out), "--quiet"]) == 0
+    again = Document.open(out)
+    same_vertices(again.surface, window.document.surface)
+    assert len(again.strokes) == len(window.document.strokes) >= 2
+
+
+# -- how hard a finger presses -----------------------------------------------------------------
+
+
+CAN = QtGui.QInputDevice.Capability
+STATE = QtGui.QEventPoint.State
+
+
+class Point:
+    """A finger at a place, with a contact so many pixels across."""
+
+    def __init__(self, x, y, across, state, pressure=1.0) -> None:
+        self._place, self._across, self._state = QtCore.QPointF(x, y), across, state
+        self._pressure = pressure
+
+    def id(self) -> int:
+        return 1
+
+    def state(self):
+        return self._state
+
+    def position(self):
+        return self._place
+
+    def pressure(self) -> float:
+        return self._pressure
+
+    def ellipseDiameters(self):
+        return QtCore.QSizeF(self._across, self._across)
+
+
+class Touched(QtGui.QTouchEvent):
+    """Qt makes no points with a size for tests: these are as its own would be."""
+
+    def __init__(self, kind, device, point) -> None:
+        super().__init__(kind, device)
+        self._point = point
+
+    def points(self) -> list[Point]:
+        return [self._point]
+
+
+def stroke_pressures(window, can, across_mm, pressure=1.0):
+    """The pressures of a stroke by a finger whose contact is so large, mm."""
+    canvas = window.canvas
+    canvas._clock = EventClock()
+    device = QtGui.QPointingDevice(
+        "screen", 7, QtGui.QInputDevice.DeviceType.TouchScreen,
+        QtGui.QPointingDevice.PointerType.Finger, CAN.Position | can, 5, 1,
+    )  # fmt: skip
+    fine = canvas.screen().physicalDotsPerInch() / 25.4
+    y, n = 0.55 * canvas.height(), len(window.document.strokes)
+    for k, x in enumerate(np.linspace(0.42, 0.58, 16) * canvas.width()):
+        state, kind = (STATE.Updated, KIND.TouchUpdate) if k else (STATE.Pressed, KIND.TouchBegin)
+        canvas.event(Touched(kind, device, Point(x, y, across_mm * fine, state, pressure)))
+        live(0.01)
+    canvas.event(Touched(KIND.TouchEnd, device, Point(x, y, 0.0, STATE.Released)))
+    settled(window)
+    assert len(window.document.strokes) == n + 1
+    return [sample.pressure for sample in window.document.strokes[-1].samples[2:-2]]
+
+
+@pytest.mark.parametrize(("across", "wanted"), [(7.0, 0.25), (10.0, 0.5), (30.0, 1.0)])
+def test_the_contact_is_the_pressure(window, across, wanted) -> None:
+    assert np.allclose(stroke_pressures(window, CAN.Area, across), wanted, atol=0.01)
+
+
+def test_without_a_size_it_is_as_with_a_mouse(window) -> None:
+    force = window.hand.hand.force / 7.9
+    for can, across in ((CAN.Position, 10.0), (CAN.Area, 0.3)):
+        assert max(stroke_pressures(window, can, across)) == pytest.approx(force)
+
+
+def test_a_screen_that_tells_the_pressure_itself(window) -> None:
+    told = stroke_pressures(window, CAN.Pressure, 0.0, pressure=0.4)
+    assert np.allclose(told, 0.4, atol=0.01)
+
+
+# -- what fingers mean -------------------------------------------------------------------------
+
+
+def said_by(*steps):
+    """What is said over steps of (milliseconds, places); as (kind, ...) in order."""
+    fingers = Fingers()
+    return [one for ms, places in steps for one in fingers.follow(ms * MS, places)]
+
+
+def kinds(said):
+    return [one.kind for one in said]
+
+
+def test_one_finger_paints_from_where_and_when_it_came_down():
+    said = said_by((0, {1: (10, 10)}), (8, {1: (14, 10)}), (16, {1: (30, 10)}), (24, {}))
+    assert kinds(said) == ["press", "move", "move", "lift"]
+    assert [(one.time_ns // MS, one.x) for one in said] == [(0, 10), (8, 14), (16, 30), (24, 30)]
+
+
+def test_a_dab_is_a_press_and_a_lift():
+    assert kinds(said_by((0, {1: (10, 10)}), (60, {}))) == ["press", "lift"]
+    held = said_by((0, {1: (10, 10)}), (130, {1: (11, 10)}), (200, {}))
+    assert kinds(held) == ["press", "move", "lift"]
+
+
+@pytest.mark.parametrize("count", [2, 3])
+def test_taps_are_counted_and_leave_no_dot(count):
+    down = {k: (100.0 * k, 50.0) for k in range(count)}
+    one_by_one = [(20 * k, {j: down[j] for j in range(k + 1)}) for k in range(count)]
+    said = said_by(*one_by_one, (120, down), (140, {0: down[0]}), (150, {}))
+    assert [(one.kind, one.count) for one in said] == [("tap", count)]
+    slow = said_by((0, down), (600, {}))
+    assert slow == []
+
+
+def test_two_fingers_move_zoom_and_roll():
+    fingers = Fingers()
+    fingers.follow(0, {1: (100, 100), 2: (200, 100)})
+    said = []
+    for k in range(1, 11):  # turned by a right angle clockwise, twice as far apart, moved by 50
+        turn, half = 0.05 * math.pi * k, 50 * (1 + k / 10)
+        x, y = 150 + 5 * k, 100
+        dx, dy = half * math.cos(turn), half * math.sin(turn)
+        places = {1: (x - dx, y - dy), 2: (x + dx, y + dy)}
+        said += fingers.follow(10 * k * MS, places)
+    said += fingers.follow(200 * MS, {})
+    assert set(kinds(said)) == {"pinch"}
+    factor = math.prod(one.factor for one in said)
+    assert factor == pytest.approx(2.0, rel=0.15)  # the first pixels tell a drag from a tap
+    assert sum(one.angle for one in said) == pytest.approx(-math.pi / 2, rel=0.15)
+    assert sum(one.dx for one in said) == pytest.approx(50, abs=6)
+
+
+def test_three_fingers_turn():
+    places = {k: (100.0 * k, 50.0) for k in range(3)}
+    moved = {k: (x + 20, y) for k, (x, y) in places.items()}
+    again = {k: (x + 20, y) for k, (x, y) in moved.items()}
+    said = said_by((0, places), (20, moved), (40, again), (60, {}))
+    assert kinds(said) == ["turn", "turn"]
+    assert said[1].dx == pytest.approx(20)
+
+
+def test_a_second_finger_soon_takes_the_stroke_back_and_later_is_passed_over():
+    began = [(0, {1: (10, 10)}), (20, {1: (40, 10)})]
+    soon = said_by(*began, (120, {1: (60, 10), 2: (200, 10)}), (150, {}))
+    assert kinds(soon) == ["press", "move", "cancel"]
+    late = said_by(
+        *began, (400, {1: (60, 10), 2: (200, 10)}), (420, {1: (80, 10), 2: (200, 10)}), (450, {})
+    )
+    assert kinds(late) == ["press", "move", "move", "move", "lift"]
+    lifted = said_by(*began, (400, {1: (60, 10), 2: (9, 9)}), (420, {2: (9, 9)}), (450, {}))
+    assert kinds(lifted) == ["press", "move", "move", "lift"]
+
+
+def test_a_finger_that_stays_begins_nothing_new():
+    said = said_by(
+        (0, {1: (0, 0), 2: (90, 0)}), (20, {1: (30, 0), 2: (120, 0)}), (40, {2: (120, 0)}),
+        (60, {2: (150, 50)}), (80, {}), (100, {3: (5, 5)}), (110, {}),
+    )  # fmt: skip
+    assert kinds(said) == ["pinch", "press", "lift"]
+    fingers = Fingers()
+    fingers.follow(0, {1: (0, 0)})
+    assert kinds(fingers.follow(10 * MS, {1: (50, 0)})) == ["press", "move"]
+    assert kinds(fingers.cancel(20 * MS)) == ["cancel"]
+    assert kinds(fingers.follow(30 * MS, {4: (0, 0)})) == []
+    assert kinds(fingers.follow(40 * MS, {})) == ["press", "lift"]
+
+
+# -- times of events ---------------------------------------------------------------------------
+
+
+START_MS = 7_000_000
+
+
+def times(stamps, handled, kind="pen"):
+    clock = EventClock()
+    found = [
+        clock.time_ns(kind, stamp, round(at), painting=k > 0)
+        for k, (stamp, at) in enumerate(zip(stamps, handled, strict=True))
+    ]
+    return found, clock
+
+
+def steps(values):
+    return [b - a for a, b in pairwise(values)]
+
+
+WAITS = st.lists(st.floats(0.0, 400.0), min_size=30, max_size=30)
+
+
+@settings(deadline=None)
+@given(st.lists(st.integers(1, 60), min_size=30, max_size=30), WAITS)
+def test_the_steps_are_the_devices_own(gaps, waits):
+    stamps = [START_MS + sum(gaps[: k + 1]) for k in range(len(gaps))]
+    late, at = [], 0.0
+    for stamp, wait in zip(stamps, waits, strict=True):  # in order, and never before it happened
+        at = max(at, 3e12 + (stamp - START_MS + wait) * MS)
+        late.append(at)
+    at_once, _ = times(stamps, [3e12 + (s - START_MS) * MS for s in stamps])
+    found, clock = times(stamps, late)
+    assert steps(found) == steps(at_once) == [MS * gap for gap in gaps[1:]]
+    assert not clock.untimed
+
+
+def test_events_of_one_millisecond_keep_their_order():
+    found, clock = times([START_MS] * 8 + [START_MS + 1], [5e12] * 9)
+    assert steps(found) == [125_000] * 8
+    assert not clock.untimed
+
+
+def test_a_device_without_times_gets_even_ones():
+    handed = [5e12 + 200 * MS * (k // 25) + 10_000 * (k % 25) for k in range(100)]  # 5 a second
+    for stamps in ([0] * 100, [START_MS] * 100):
+        found, clock = times(stamps, handed)
+        assert clock.untimed == {"pen"}
+        later = steps(found)[25:]
+        assert min(later) > 0
+        assert max(later) < 60 * MS < max(steps(handed))
+
+
+def test_a_stamp_that_jumps_back_does_not_turn_time():
+    found, _ = times([START_MS, START_MS + 8, 50, 58], [5e12, 5e12 + 8e6, 5e12 + 16e6, 5e12 + 24e6])
+    assert steps(found) == [8 * MS] * 3
+
+
+def test_an_event_that_seems_to_come_from_the_future_maps_the_clock_anew_between_strokes():
+    clock = EventClock()
+    late = 300 * MS
+    clock.time_ns("pen", START_MS, 5 * 10**12 + late, False)  # the first one waited for a picture
+    handed = 5 * 10**12 + 100 * MS
+    assert clock.time_ns("pen", START_MS + 100, 5 * 10**12 + late + 1, True) > handed
+    clock.time_ns("pen", START_MS + 101, 5 * 10**12 + late + 2, False)  # a burst's pause
+    assert clock.time_ns("pen", START_MS + 109, 5 * 10**12 + late + 3, True) == handed + 309 * MS
+    found = clock.time_ns("pen", START_MS + 600, 5 * 10**12 + 600 * MS, False)
+    assert found == 5 * 10**12 + 600 * MS
+
+
+@given(late=st.integers(0, 4000), wraps=st.integers(0, 3), rest=st.integers(0, MS - 1))
+def test_a_clock_that_is_the_programs_own_is_taken_as_it_is(late, wraps, rest):
+    """However late the first event is handed over, the next stroke keeps its distance."""
+    clock, now = EventClock(), START_MS + wraps * (1 << 32)
+    for k, wait in enumerate((late, 0, late, 0)):
+        handed = (now + 1000 * k + wait) * MS + rest
+        found = clock.time_ns("pen", START_MS + 1000 * k, handed, False)
+        assert found == (now + 1000 * k) * MS
+
+
+def test_a_stroke_of_another_device_begins_behind_the_last_and_keeps_its_pace():
+    clock, now = EventClock(), 5 * 10**12
+    for k in range(100):  # handed over faster than the hand wrote
+        pen = clock.time_ns("pen", START_MS + 10 * k, now + k, painting=k > 0)
+    found = [
+        clock.time_ns("touch", START_MS + 1000 + 10 * k, now + 200 * MS + k, painting=k > 0)
+        for k in range(20)
+    ]
+    assert found[0] > pen
+    assert steps(found) == [10 * MS] * 19
+    later = clock.time_ns("touch", START_MS + 4000, now + 3200 * MS, painting=False)
+    assert later == now + 3200 * MS

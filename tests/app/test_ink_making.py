@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -12,13 +14,16 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
 from PySide6 import QtCore, QtGui, QtTest, QtWidgets
 
+from paint3d.app.model.persistence.settings import Settings, load_settings, save_settings
 from paint3d.app.model.score.playing import painted
 from paint3d.app.window.ink import ink_making, ink_panel
+from paint3d.app.window.ink.ink_panel import DishGrid
+from paint3d.app.window.theme import LIGHT_THEME
 from paint3d.app.window.wording import CHINESE
 from paint3d.colour.inks import TONES
 from paint3d.colour.pigments import WATER, load_palette
-from tests.support.app.gestures import live, pen_stroke, type_key, wait_for
-from tests.support.app.windows import opened, settled
+from tests.support.app.gestures import BUTTON, KIND, live, pen_stroke, type_key, wait_for
+from tests.support.app.windows import faults, opened, settled
 
 LEFT, NO_KEY, KEY = (
     QtCore.Qt.MouseButton.LeftButton,
@@ -191,3 +196,200 @@ def test_all_that_is_said_of_inks_is_said_in_chinese() -> None:
         texts |= set(re.findall(r'_button\("([^"]+)"', source))
     assert {text for text in texts if "." not in text and text not in CHINESE} == set()
     assert {name.capitalize() for name in TONES} <= set(CHINESE)
+
+
+# -- pigments of one's own ---------------------------------------------------------------------
+
+
+HEAD = "name,R_400,R_550,R_700\n"
+RED, DUN = "dragon blood,0.05,0.08,0.7\n", "dun,0.2,0.3,0.35\n"
+
+
+@pytest.fixture
+def table(tmp_path: Path) -> Iterator[Path]:
+    """A table of one pigment; settings begin as they were made, and are so again."""
+    before = load_settings()[0]
+    save_settings(Settings())
+    path = tmp_path / "mine.csv"
+    path.write_text(HEAD + RED, encoding="utf-8")
+    yield path
+    save_settings(before)
+
+
+@contextmanager
+def started(program):
+    """The studio as it starts anew, with what was kept."""
+    with faults() as found, opened(program, resolution=4.0, settings=load_settings()[0]) as window:
+        window.panels.docks["inks"].raise_()
+        settled(window)
+        yield window
+    assert found == []
+
+
+def open_table(window, path: Path, monkeypatch) -> None:
+    monkeypatch.setattr(QtWidgets.QFileDialog, "getOpenFileName", lambda *_: (str(path), ""))
+    button = window.findChild(QtWidgets.QPushButton, "open_pigments")
+    QtTest.QTest.mouseClick(button, QtCore.Qt.MouseButton.LeftButton)
+
+
+def own(window) -> list[str]:
+    return window.panels.inks.dishes.names[len(load_palette()) :]
+
+
+def dip_in_last(window) -> str:
+    """Dip in the last dish by keys; the name of what is in the brush then."""
+    dishes = window.panels.inks.dishes
+    dishes.setFocus()
+    for _ in dishes.names:
+        type_key(dishes, QtCore.Qt.Key.Key_Right)
+    type_key(dishes, QtCore.Qt.Key.Key_Return)
+    settled(window)
+    return window.document.painter.dipped.name
+
+
+def test_a_table_is_among_the_dishes_of_the_next_start(program, table, monkeypatch) -> None:
+    with started(program) as window:
+        open_table(window, table, monkeypatch)
+        assert own(window) == ["dragon blood"]
+        assert dip_in_last(window) == "dragon blood"
+    with started(program) as window:
+        assert own(window) == ["dragon blood"]
+        assert window.document.inks[0].name == "dragon blood"  # what was in hand is so again
+        assert "mine.csv" not in window.status.told.text()
+
+
+def test_a_table_that_has_changed_is_told_once_and_read_as_it_is(
+    program, table, monkeypatch
+) -> None:
+    with started(program) as window:
+        open_table(window, table, monkeypatch)
+    table.write_text(HEAD + RED + DUN, encoding="utf-8")
+    with started(program) as window:
+        wait_for(lambda: "mine.csv: has changed" in window.status.told.text())
+        assert own(window) == ["dragon blood", "dun"]
+    with started(program) as window:
+        assert "mine.csv" not in window.status.told.text()
+        assert own(window) == ["dragon blood", "dun"]
+
+
+@pytest.mark.parametrize(
+    ("spoil", "told"),
+    [
+        (lambda path: path.unlink(), "mine.csv: is gone, and its pigments with it"),
+        pytest.param(lambda path: path.write_text("name\nred\n"), "its pigments are left out",
+                     marks=pytest.mark.long),
+        pytest.param(lambda path: path.write_text(HEAD + RED.replace("dragon blood", "cinnabar")),
+                     "'cinnabar' is called like an ink of the palette", marks=pytest.mark.long),
+    ],
+)  # fmt: skip
+def test_a_table_that_is_gone_or_spoiled_is_one_line_and_nothing_breaks(
+    program, table, monkeypatch, spoil, told
+) -> None:
+    with started(program) as window:
+        open_table(window, table, monkeypatch)
+        assert dip_in_last(window) == "dragon blood"
+    whole = table.read_text(encoding="utf-8")
+    spoil(table)
+    with started(program) as window:
+        wait_for(lambda: told in window.status.told.text())
+        assert "\n" not in window.status.told.text()
+        assert own(window) == []
+        assert window.document.inks[0] == "pine soot"
+    with started(program) as window:  # told once
+        assert "mine.csv" not in window.status.told.text()
+    table.write_text(whole, encoding="utf-8")  # a stick that is plugged in again
+    with started(program) as window:
+        assert own(window) == ["dragon blood"]
+        assert "mine.csv" not in window.status.told.text()
+
+
+def test_own_pigments_are_put_away_for_good(program, table, monkeypatch) -> None:
+    with started(program) as window:
+        open_table(window, table, monkeypatch)
+        window.panels.inks.stir("dragon blood")
+        window.workspace.actions["forget_pigments"].trigger()
+        assert own(window) == []
+        assert window.panels.inks.mixture() == {}
+    with started(program) as window:
+        assert own(window) == []
+    assert table.is_file()
+
+
+def test_settings_that_say_it_wrongly_are_refused() -> None:
+    with pytest.raises(Exception, match="pigment_tables"):
+        Settings(pigment_tables=["a.csv"])
+    with pytest.raises(Exception, match="pigment_tables"):
+        Settings(pigment_tables={"a.csv": 3})
+
+
+# -- dishes ------------------------------------------------------------------------------------
+
+
+NAMES = ["pine soot", "cinnabar", "gamboge"]
+
+
+class Touched:
+    """A grid of dishes, and what was asked of it."""
+
+    def __init__(self) -> None:
+        self.grid, self.asked = DishGrid(NAMES, LIGHT_THEME), []
+        self.grid.taken.connect(lambda name: self.asked.append(("taken", name)))
+        self.grid.stirred.connect(lambda name: self.asked.append(("stirred", name)))
+        self.grid.resize(280, 120)
+        self.grid.show()
+
+    def send(self, kind, index: int, at_ms: int) -> None:
+        """One event of a mouse, as Qt makes it of a finger too, with a time of its own."""
+        place = self.grid.box(index).center()
+        down = BUTTON.LeftButton if kind == KIND.MouseButtonPress else BUTTON.NoButton
+        whole = self.grid.mapToGlobal(place)
+        event = QtGui.QMouseEvent(kind, place, whole, BUTTON.LeftButton, down, NO_KEY)
+        event.setTimestamp(at_ms)
+        QtWidgets.QApplication.sendEvent(self.grid, event)
+
+    def picture(self) -> bytes:
+        """What is shown."""
+        image = self.grid.grab().toImage().convertToFormat(QtGui.QImage.Format.Format_RGB32)
+        return bytes(image.constBits())
+
+
+@pytest.fixture
+def touched(program):
+    held = Touched()
+    yield held
+    held.grid.close()
+
+
+def wait_long(touched: Touched) -> None:
+    """Let the time pass after which a press is a long one, which is none for this one."""
+    (timer,) = touched.grid.findChildren(QtCore.QTimer)
+    timer.start(0)
+    wait_for(lambda: not timer.isActive())
+
+
+@pytest.mark.parametrize(("held_ms", "asked"), [(40, "taken"), (499, "taken"), (500, "stirred")])
+@pytest.mark.parametrize("heard_late", [False, True])
+def test_the_events_say_how_long_a_dish_was_pressed(touched, held_ms, asked, heard_late) -> None:
+    """A busy window hears of a short press late; it is a short one."""
+    touched.send(KIND.MouseButtonPress, 1, 70_000)
+    if heard_late:
+        wait_long(touched)
+    assert touched.asked == []
+    touched.send(KIND.MouseButtonRelease, 1, 70_000 + held_ms)
+    assert touched.asked == [(asked, "cinnabar")]
+
+
+def test_a_press_that_slides_off_asks_for_nothing(touched) -> None:
+    touched.send(KIND.MouseButtonPress, 1, 0)
+    touched.send(KIND.MouseButtonRelease, 2, 900)
+    assert touched.asked == []
+
+
+def test_it_shows_when_it_has_been_pressed_long_enough(touched) -> None:
+    still = touched.picture()
+    touched.send(KIND.MouseButtonPress, 0, 0)
+    short = touched.picture()
+    wait_long(touched)
+    assert touched.picture() not in (still, short)
+    touched.send(KIND.MouseButtonRelease, 0, 900)
+    assert touched.picture() == short

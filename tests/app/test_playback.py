@@ -12,9 +12,10 @@ import pytest
 pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
 from PIL import Image
-from PySide6 import QtTest
+from PySide6 import QtCore, QtTest
 
 from paint3d.app.model.document import Document
+from paint3d.app.model.persistence.recovery_folder import recoverable
 from paint3d.app.model.score.playing import painted
 from paint3d.app.model.stroke_log import weights_of
 from paint3d.app.window.playing import pictures
@@ -22,13 +23,16 @@ from paint3d.app.window.playing.pictures import Film, FilmDialog
 from paint3d.app.window.wording import say
 from paint3d.brush.spec import DipAmount
 from paint3d.cli.main import main
+from paint3d.device.recorded import Recording as DeviceRecording
+from paint3d.errors import Paint3DError
 from paint3d.files.load import load_mesh
 from paint3d.files.project.session import load_session
-from paint3d.recording.recording import Recording, save_recording
+from paint3d.recording.recording import Recording, load_recording, save_recording
 from paint3d.recording.score import load_score
 from tests.support.app.gestures import BUTTON, answer, drag, live, take_file, wait_for
-from tests.support.app.hands import same_vertices
+from tests.support.app.hands import pad_stroke, same_vertices
 from tests.support.app.windows import opened, settled
+from tests.support.cases import long_but
 from tests.support.surface_cases import poses
 
 SCORE = Path(__file__).parents[2] / "examples" / "bamboo.score.jsonl"
@@ -239,3 +243,370 @@ def grown(window, path: Path) -> bool:
     """Ask for a film; what is said instead is read away."""
     answer(lambda box: box.accept())
     return window.pictures.growth_to(path, Film(1.0, 5.0, (64, 48)))
+
+
+# -- painted and played wet --------------------------------------------------------------------
+
+
+RESOLUTION = 2.5
+COMMANDS = ("dip", "tip", "layer", "undo", "dry", "rest", "wet", "brush", "rinse", "hide")
+SPEEDS = (None, 16.0)
+ALL_ASKED = (73, 120)  # seeds that between them ask for all of these
+
+
+def asked(window, chance: np.random.Generator) -> None:
+    """Something that happens between two strokes."""
+    post, actions = window.workspace.post, window.workspace.actions
+    what = chance.choice(COMMANDS)
+    ink = str(chance.choice(["pine soot", "indigo", "cinnabar"]))
+    if what == "dip":
+        post("dip", {ink: 0.3, "water": 0.7})
+    elif what == "tip":
+        post("dip", "water")
+        post("dip", ink, 0.4)
+    elif what == "layer":
+        actions["add_layer"].trigger()
+    elif what in ("undo", "dry"):
+        actions[what].trigger()
+    elif what == "rest":
+        live(float(chance.uniform(0.1, 0.5)))
+    elif what == "wet":
+        actions["wet"].trigger()
+    elif what == "brush":
+        post("set_brush", str(chance.choice(["slender", "full"])))
+    elif what == "rinse":
+        post("rinse")
+    else:
+        post("set_visible", 0, bool(chance.integers(2)))
+
+
+def paint(window, seed: int) -> None:
+    chance = np.random.default_rng(seed)
+    if not window.workspace.actions["wet"].isChecked():
+        window.workspace.actions["wet"].trigger()
+    for _ in range(5):
+        ends = chance.uniform(0.35, 0.65, (2, 2))
+        drag(window.canvas, tuple(ends[0]), tuple(ends[1]), n=12)
+        for _ in range(int(chance.integers(0, 3))):
+            asked(window, chance)
+    live(0.15)
+    if window.workspace.actions["wet"].isChecked():
+        window.workspace.actions["wet"].trigger()
+    settled(window)
+
+
+def same_wet_ink(one, other) -> None:
+    same_vertices(one, other)
+    first, second = one.keep_flow(), other.keep_flow()
+    assert (first is None) == (second is None)
+    for kept in ("water", "owed", "pace", "soaked", "pigment") if first is not None else ():
+        np.testing.assert_array_equal(np.sort(first[kept], axis=0), np.sort(second[kept], axis=0))
+
+
+@pytest.mark.parametrize(
+    ("seed", "speeds"),
+    long_but(
+        [(ALL_ASKED[1], (SPEEDS[1],))], zip(ALL_ASKED, ((speed,) for speed in SPEEDS), strict=True)
+    )
+    + [pytest.param(k, SPEEDS, marks=pytest.mark.long) for k in (*ALL_ASKED, *range(1, 16))],
+)
+def test_what_was_painted_wet_is_painted_again_to_the_bit(
+    program, tmp_path, monkeypatch, seed, speeds
+) -> None:
+    with opened(program, "plane", RESOLUTION, "xuan") as window:
+        paint(window, seed)
+        file, out = tmp_path / "a.score.jsonl", tmp_path / "a.p3d"
+        monkeypatch.setattr(window.targets, "ask", lambda *asked: file)
+        window.workspace.actions["save_recording"].trigger()
+        before = window.document
+        words = ["replay", str(file), "--on", "plane", "--out", str(out), "--quiet"]
+        assert main(words) == 0
+        same_wet_ink(before.surface, load_session(out).surface)
+        for speed in speeds:
+            with monkeypatch.context() as own:
+                own.setattr(window.recordings, "_may_leave", lambda: True)
+                assert window.recordings.replay_file(str(file), speed)
+                wait_for(lambda: not window.player.is_playing)
+                settled(window)
+            assert window.document is not before
+            same_wet_ink(window.document.surface, load_session(out).surface)
+
+
+def with_a_rest(header) -> Recording:
+    """A stroke with a rest of half a second in it, twice as long as the hand may be late."""
+    held = stroke(header, 0.3)
+    times = held.time_ns.copy()
+    times[20:] += 500_000_000
+    pressure = held.pressure.copy()
+    pressure[19:21] = 0.0
+    return replace(held, time_ns=times, pressure=pressure)
+
+
+def pieces_after(document) -> int:
+    """Pieces of time that passed when the stroke had ended, until the ink was held."""
+    score = document.score
+    ends = max(k for k, e in enumerate(score.events) if not isinstance(e, Recording)
+               and e["do"] == "end_stroke")  # fmt: skip
+    after = [e for e in score.events[ends:] if e["do"] == "follow_time"]
+    return sum(event.get("times", 1) for event in after)
+
+
+def time_goes_on(window) -> bool:
+    """Whether time passes for the ink by the wall's clock after what was played."""
+    with window.workspace.paint_thread.paused() as document:
+        return pieces_after(document) > 0
+
+
+@pytest.mark.parametrize(
+    ("header", "speed", "pause"),
+    long_but(
+        [(HEADERS[2], None, False)],
+        [(HEADERS[0], 0.5, True), (HEADERS[2], None, False), (HEADERS[3], 16.0, False),
+         (HEADERS[1], 2.0, True)],
+    ),
+)  # fmt: skip
+def test_a_recording_is_played_wet_as_the_command_does(
+    program, tmp_path, header, speed, pause
+) -> None:
+    file, out = tmp_path / "a.jsonl", tmp_path / "a.p3d"
+    save_recording(with_a_rest(header), file)
+    with opened(program, "plane", RESOLUTION, "xuan") as window:
+        if not window.workspace.actions["wet"].isChecked():
+            window.workspace.actions["wet"].trigger()
+        settled(window)
+        assert window.recordings.replay_file(str(file), speed)
+        if pause:
+            wait_for(lambda: window.document.surface.painted.any())
+            window.player.pause(True)
+            live(0.6)
+            window.player.pause(False)
+        wait_for(lambda: not window.player.is_playing)
+        wait_for(lambda: time_goes_on(window), 30.0)
+        window.workspace.actions["wet"].trigger()
+        settled(window)
+        assert window.document.score is not None
+        last_s = 1e-9 * load_recording(file).time_ns[-1]
+        rest_s = 0.05 * (int(last_s / 0.05) + pieces_after(window.document) + 0.5) - last_s
+        words = ["--on", "plane", "--material", "xuan", "--resolution", str(RESOLUTION)]
+        words += ["--spread", f"{max(rest_s, 0.0):.6f}", "--out", str(out), "--quiet"]
+        assert main(["replay", str(file), *words]) == 0
+        here, there = window.document.surface, load_session(out).surface
+        orders = [np.lexsort(s.paint_mesh.vertices.T) for s in (here, there)]
+        for get in (lambda s: s.paint_mesh.vertices, lambda s: s.coverage):
+            np.testing.assert_array_equal(get(here)[orders[0]], get(there)[orders[1]])
+        ours, its = inks_of(here), inks_of(there)
+        assert ours.keys() == its.keys() != set()
+        for name, amounts in its.items():
+            np.testing.assert_array_equal(ours[name], amounts, err_msg=name)
+
+
+# -- replaying in the window -------------------------------------------------------------------
+
+
+TIMES = 300  # to and fro
+REST_NS = 600_000_000_000
+CHUNKS = 3 * 64  # samples that may be painted after a replay was stopped
+
+
+@pytest.fixture
+def studio(program):
+    with opened(program, "plane", 2.0, "porcelain") as studio:
+        studio.panels.history.pace.setCurrentText("max")
+        yield studio
+
+
+def long_file(studio, folder: Path, rest_ns: int = 0, times: int = TIMES) -> Path:
+    """A line that goes to and fro, and rests in the middle of it."""
+    drag(studio.canvas, (0.42, 0.5), (0.58, 0.5), n=20)
+    settled(studio)
+    line = studio.document.strokes[0].samples
+    studio.workspace.actions["undo"].trigger()
+    settled(studio)
+    samples, at_ns = [], 0
+    for k in range(times):
+        for sample in line if k % 2 == 0 else line[::-1]:
+            at_ns += 8_000_000 + (rest_ns if len(samples) == times * len(line) // 2 else 0)
+            samples.append(replace(sample, time_ns=at_ns))
+    file = folder / "long.jsonl"
+    save_recording(joined(samples), file)
+    return file
+
+
+def joined(samples) -> DeviceRecording:
+    return DeviceRecording(
+        [s.time_ns for s in samples],
+        [s.position for s in samples],
+        [s.orientation for s in samples],
+        [s.pressure for s in samples],
+        contact=[s.contact for s in samples],
+    )
+
+
+def replay(studio, file: Path, times: int = TIMES) -> int:
+    """By the menu; how many samples there are."""
+    answer(take_file(file))
+    studio.workspace.actions["replay"].trigger()
+    assert studio.player.is_playing
+    return times * 20
+
+
+def by_button(studio) -> None:
+    QtTest.QTest.mouseClick(studio.replay_bar.button, BUTTON.LeftButton)
+
+
+def press(studio, key: QtCore.Qt.Key, *held: QtCore.Qt.KeyboardModifier) -> None:
+    studio.activateWindow()  # a dialog had the keys until now
+    assert QtTest.QTest.qWaitForWindowActive(studio, 60_000)
+    studio.canvas.setFocus()
+    QtTest.QTest.keyClick(studio.canvas, key, *held)
+
+
+def by_key(studio) -> None:
+    press(studio, QtCore.Qt.Key.Key_Escape)
+
+
+def test_it_is_ready_when_all_is_painted_and_a_bar_says_how_far_it_is(studio, tmp_path) -> None:
+    file = long_file(studio, tmp_path, times=TIMES // 6)  # all of it is waited for
+    shares: list[int] = []
+    paint_thread = studio.stage.paint_thread
+    for k in range(5):  # what was painted before does not count
+        drag(studio.canvas, (0.42, 0.4 + 0.01 * k), (0.58, 0.4 + 0.01 * k), n=40)
+    settled(studio)
+    before, n = paint_thread.n_painted, replay(studio, file, TIMES // 6)
+    with paint_thread.paused():  # wherever it is
+        studio.player.tick()
+        shares.append(studio.replay_bar.bar.value())
+        of_all = 1000 * (paint_thread.n_painted - before) / n
+        assert of_all - 20 < shares[0] <= of_all + 1
+    while studio.player.is_playing:
+        assert studio.replay_bar.bar.value() <= 1000 * (paint_thread.n_painted - before) / n + 1
+        assert "Ready" not in studio.status.told.text()
+        assert studio.replay_bar.isVisible()
+        shares.append(studio.replay_bar.bar.value())
+        live(0.0)
+    assert len(studio.document.strokes) == 6
+    assert not studio.document.in_stroke
+    assert "Ready" in studio.status.told.text()
+    assert not studio.replay_bar.isVisible()
+    assert shares == sorted(shares)
+
+
+@pytest.mark.parametrize("stop", [by_button, pytest.param(by_key, marks=pytest.mark.long)])
+def test_it_is_stopped_at_once_and_undone_as_a_whole(studio, tmp_path, stop) -> None:
+    file = long_file(studio, tmp_path)
+    paint_thread = studio.stage.paint_thread
+    before, n = paint_thread.n_painted, replay(studio, file)
+    wait_for(lambda: paint_thread.n_painted > before + 200)
+    stop(studio)
+    at = paint_thread.n_painted
+    assert not studio.player.is_playing
+    assert not studio.replay_bar.isVisible()
+    assert "stopped" in studio.status.told.text()
+    settled(studio)
+    assert paint_thread.n_painted <= at + CHUNKS
+    (stroke,) = studio.document.strokes
+    assert len(stroke.samples) == paint_thread.n_painted - before < n
+    assert studio.document.surface.painted.any()
+    studio.workspace.actions["undo"].trigger()
+    settled(studio)
+    assert not studio.document.strokes
+    assert not studio.document.surface.painted.any()
+    drag(studio.canvas, (0.45, 0.4), (0.55, 0.4), n=6)
+    settled(studio)
+    assert len(studio.document.strokes) == 1
+
+
+def test_undo_stops_it_and_takes_all_of_it_back(studio, tmp_path) -> None:
+    file = long_file(studio, tmp_path)
+    replay(studio, file)
+    wait_for(lambda: studio.document.surface.painted.any())
+    press(studio, QtCore.Qt.Key.Key_Z, QtCore.Qt.KeyboardModifier.ControlModifier)
+    settled(studio)
+    assert not studio.player.is_playing
+    assert not studio.document.strokes
+    assert not studio.document.surface.painted.any()
+    assert "undone" in studio.status.told.text()
+
+
+def test_the_rest_of_a_wet_recording_is_not_waited_for(studio, tmp_path) -> None:
+    """Ten minutes that pass for the ink are 12,000 pieces of time."""
+    file = long_file(studio, tmp_path, REST_NS, times=60)
+    studio.workspace.actions["wet"].trigger()
+    replay(studio, file, 60)
+    paint_thread = studio.stage.paint_thread
+    wait_for(lambda: paint_thread.queue_length > 1000)
+    by_key(studio)
+    assert paint_thread.queue_length < 10
+    settled(studio)
+    studio.workspace.actions["wet"].trigger()
+    studio.workspace.actions["undo"].trigger()
+    settled(studio)
+    assert not studio.document.strokes
+
+
+def test_what_was_not_painted_does_not_come_back_after_a_crash(studio, tmp_path) -> None:
+    file = long_file(studio, tmp_path)
+    replay(studio, file)
+    paint_thread = studio.stage.paint_thread
+    wait_for(lambda: studio.document.surface.painted.any())
+    by_key(studio)
+    settled(studio)
+    (stroke,) = studio.document.strokes
+    paint_thread.stop(keep=True)
+    back = recoverable()[0].recover().document
+    assert [len(s.samples) for s in back.strokes] == [len(stroke.samples)]
+    recoverable()[0].discard()
+
+
+@pytest.mark.parametrize("beside", [False, True])
+def test_a_pads_recording_is_laid_where_the_picture_is_looked_at(
+    program, tmp_path, beside: bool
+) -> None:
+    """It was painted as if it knew where the object is: in the middle of the ball, say."""
+    line = np.linspace((100.0, 50.0), (130.0, 50.0), 40)  # anywhere on the pad
+    file = tmp_path / "pad.jsonl"
+    save_recording(pad_stroke(line, 0.3, np.radians(60.0)), file)
+    with opened(program, "sphere", 1.0, "porcelain") as studio:
+        studio.workspace.actions["look_left"].trigger()
+        for _ in range(20 * beside):
+            studio.workspace.actions["pan_left"].trigger()
+        assert studio.recordings.replay_file(str(file))
+        wait_for(lambda: not studio.player.is_playing)
+        (stroke,) = studio.document.strokes
+        places = np.array([sample.contact for sample in stroke.samples])
+        assert np.linalg.norm(np.diff(places, axis=0), axis=1).sum() == pytest.approx(30.0, rel=0.1)
+        points = studio.document.surface.source.vertices
+        middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
+        side = (places.mean(axis=0) - middle) / np.linalg.norm(places.mean(axis=0) - middle)
+        towards = (0.0, -1.0, 0.0) if beside else (-1.0, 0.0, 0.0)  # its front, or what is seen
+        assert side @ towards > 0.95
+        assert studio.document.surface.painted.any()
+        assert "Ready" in studio.status.told.text()
+
+
+def test_a_pads_recording_that_does_not_fit_is_refused_in_words(studio, tmp_path) -> None:
+    file = tmp_path / "pad.jsonl"
+    save_recording(pad_stroke([(0.0, 0.0), (4000.0, 0.0)], 0.3, 1.0), file)
+    assert not studio.recordings.replay_file(str(file))
+    assert isinstance(studio.workspace.error, Paint3DError)
+    assert not studio.document.strokes
+
+
+def test_a_stroke_by_hand_that_waits_behind_it_is_kept(studio, tmp_path) -> None:
+    """All is handed on and the rest waits: what is stopped is the replay alone."""
+    file, paint_thread = (
+        long_file(studio, tmp_path, times=100),
+        studio.stage.paint_thread,
+    )
+    with paint_thread.paused() as document:
+        assert document is not None
+        replay(studio, file)
+        waiting = -1
+        while paint_thread.queue_length > waiting:  # until no more of it is handed on
+            waiting = paint_thread.queue_length
+            live(0.1)
+        drag(studio.canvas, (0.45, 0.4), (0.55, 0.4), n=6)
+        by_button(studio)
+    settled(studio)
+    (own,) = studio.document.strokes  # nothing of the recording had been painted
+    assert 100 * 20 > len(own.samples) >= 6

@@ -14,7 +14,7 @@ import paint3d
 from paint3d.app.window.questions import Answer, ask
 from tests.support.app.gestures import answer
 
-THREE = {"accept": "button.save", "destroy": "button.discard"}
+THREE = {"accept": "Save", "destroy": "Do not save"}
 
 
 def answered(parent: QtWidgets.QWidget, press, **words) -> Answer:

@@ -1,16 +1,22 @@
 """Nothing is lost: what was painted comes back after any end of the program."""
 
+from __future__ import annotations
+
 import dataclasses
 import errno
+import hashlib
 import inspect
 import json
 import os
+import random
 import shutil
 import signal
 import subprocess
 import sys
 import threading
 import time
+from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -31,7 +37,7 @@ from paint3d.app.model.persistence.recovery_folder import (
 from paint3d.brush.presets import load_brush
 from paint3d.colour.pigments import load_pigment
 from paint3d.core.machine import is_locked, lock
-from paint3d.errors import ExportError, InputError, RecordingError, SessionError
+from paint3d.errors import ExportError, InputError, Paint3DError, RecordingError, SessionError
 from paint3d.files.project.journal import Journal, read_events
 from scripts import kill_sitting
 from tests.support.app.hands import line, same_vertices, small_plane
@@ -748,3 +754,107 @@ def test_a_sitting_that_lost_more_than_100_ms_has_no_excuse(monkeypatch, capsys)
     monkeypatch.setattr(sys, "argv", ["kill_sitting", "2"])
     with pytest.raises(SystemExit, match="1 of 2 lost more than 100 ms: 160 ms"):
         kill_sitting.main()
+
+
+# -- after whichever step ----------------------------------------------------------------------
+
+
+COMMANDS = (
+    ("undo",), ("undo",), ("redo",), ("add_layer",), ("select_layer", 0), ("remove_layer", 1),
+    ("dry",), ("dip", {"cinnabar": 0.4, "water": 0.6}), ("let_time_pass", 0.2),
+)  # fmt: skip
+
+
+def state(document: Document) -> tuple[object, ...]:
+    """What is to come back."""
+    surface = document.surface
+    amounts = np.ascontiguousarray(surface.amounts).tobytes()
+    kept = hashlib.sha256(amounts).hexdigest(), len(document.layers), len(document.strokes)
+    return *kept, document.can_undo, document.can_redo
+
+
+class Steps:
+    """A document and its sitting, that are left as a kill leaves them after every step."""
+
+    def __init__(self, folder: Path, seed: int) -> None:
+        self.chance, self.folder, self.done = random.Random(seed), folder, ["begun"]
+        self.document = Document.new("plane", 3.0, "xuan")
+        self.recovery = RecoveryFolder(self.document, folder / "live")
+        self.clock_ns = 1 << 60
+
+    def check(self) -> None:
+        """Take up a copy of what lies on the disk."""
+        left = self.folder / f"left-{len(self.done)}"
+        shutil.copytree(self.folder / "live", left)
+        found = recoverable(left)
+        assert len(found) == 1 or (not found and not self.document.modified), self.done
+        for one in found:
+            recovered = one.recover()
+            assert not recovered.refused, self.done
+            assert state(recovered.document) == state(self.document), self.done
+        shutil.rmtree(left, ignore_errors=True)
+
+    def take(self) -> None:
+        """Do one thing."""
+        step: Callable[[], None] = self.chance.choice(
+            [self.stroke, self.stroke, self.save, self.keep, self.keep, self.keep_on_a_full_disk,
+             self.set_the_clock_back, *[self.command] * 5]
+        )  # fmt: skip
+        self.done.append(step.__name__)
+        step()
+
+    def ask(self, name: str, *arguments: object) -> None:
+        self.done.append(name)
+        self.recovery.note(encode_command(self.document, name, list(arguments), {}))
+        try:
+            getattr(self.document, name)(*arguments)
+        except Paint3DError as error:
+            self.recovery.note(refusal(error))
+
+    def command(self) -> None:
+        name, *arguments = self.chance.choice(COMMANDS)
+        self.ask(name, *arguments)
+
+    def stroke(self) -> None:
+        y = self.chance.uniform(-30.0, 30.0)
+        self.ask("begin_stroke")
+        samples = line((-20, y), (20, y + 5), n=24, t0=self.clock_ns)
+        self.clock_ns = samples[-1].time_ns + 1_000_000_000
+        for part in samples[:12], samples[12:]:
+            self.recovery.append(part)
+            self.document.feed(part)
+        self.ask("end_stroke")
+
+    def save(self) -> None:
+        self.document.save(self.folder / "own.p3d")
+        self.recovery.name_file(self.document)
+
+    def keep(self) -> None:
+        self.recovery.turn_page(self.document)
+        self.check()
+        self.recovery.save_base(self.document)
+
+    def keep_on_a_full_disk(self) -> None:
+        def full(path: Path) -> None:
+            raise ExportError(f"{path}: the disk is full")
+
+        with pytest.MonkeyPatch.context() as patch, suppress(ExportError):
+            patch.setattr(self.document, "save_copy", full)
+            self.recovery.turn_page(self.document)
+            self.recovery.save_base(self.document)
+
+    def set_the_clock_back(self) -> None:
+        self.clock_ns -= 3_600_000_000_000 * self.chance.randrange(1, 99)
+
+
+@pytest.mark.parametrize(
+    "seed", [0, *(pytest.param(k, marks=pytest.mark.long) for k in range(1, 9))]
+)
+def test_a_kill_after_any_step_loses_nothing(tmp_path: Path, seed: int) -> None:
+    steps = Steps(tmp_path, seed)
+    try:
+        for _ in range(8 if seed == 0 else 20):
+            steps.take()
+            steps.check()
+    finally:
+        steps.recovery.close()

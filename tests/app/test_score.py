@@ -12,18 +12,30 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.spatial import cKDTree
 
+from paint3d.app.model import paint_thread as paint_threads
 from paint3d.app.model.commands import COMMANDS, arguments_of, line_of
 from paint3d.app.model.document import Document
 from paint3d.app.model.input.symmetry import MirrorPlane, RadialSymmetry, Symmetry
 from paint3d.app.model.mask import AngleMask, Mask, RegionPick
-from paint3d.app.model.score.playing import painted, score_of_strokes
+from paint3d.app.model.paint_thread import PaintThread
+from paint3d.app.model.score import playing
+from paint3d.app.model.score.playing import begun, painted, score_of_strokes
 from paint3d.app.model.score.words import Inks, Vocabulary
 from paint3d.app.model.stroke_log import recording_of
 from paint3d.brush.presets import load_brush
+from paint3d.cli.main import main
 from paint3d.colour.pigments import Pigment
+from paint3d.device.sample import DeviceSample
 from paint3d.errors import Paint3DError, RecordingError
 from paint3d.files.load import load_mesh
+from paint3d.files.project.session import load_session
+from paint3d.mesh.bvh import ClosestPoints
+from paint3d.mesh.likeness import digest_of
+from paint3d.mesh.triangle_mesh import TriangleMesh
+from paint3d.painter.painter import Painter
+from paint3d.recording import change_brush, change_ink, delete_stroke
 from paint3d.recording.recording import Recording
 from paint3d.recording.score import (
     Score,
@@ -35,8 +47,15 @@ from paint3d.recording.score import (
     write_score,
 )
 from paint3d.surface.painted_surface import PaintedSurface
-from tests.support.app.hands import line, paint, small_plane
+from tests.app.test_wet import Wall
+from tests.support.app.hands import UPRIGHT, line, paint, same_vertices, small_plane
+from tests.support.cases import long_but
 from tests.support.examples import examples
+
+pytest.importorskip("PySide6", reason="PySide6 is not installed")
+
+from tests.support.app.gestures import drag
+from tests.support.app.windows import opened, settled
 
 OWN = Pigment(
     "iron gall", "铁胆墨", np.linspace(2.0, 9.0, 31), np.full(31, 0.5), source="a recipe",
@@ -354,3 +373,474 @@ def test_a_score_may_say_all_that_a_pigment_has() -> None:
     assert {"name", *said} == {own.name for own in fields(Pigment) if own.init}
     for name, least, most in (("gloss", 0.0, 1.0), ("fine", 0.0, 1.0), ("grain_um", 0.0, 1000.0)):
         assert (said[name]["minimum"], said[name]["maximum"]) == (least, most)
+
+
+# -- edits -------------------------------------------------------------------------------------
+
+
+ENDS = st.tuples(st.floats(-18, 18), st.floats(-18, 18))
+BETWEEN = st.sampled_from([None, None, ("dip", "indigo"), ("let_time_pass", 0.3), ("wipe", 0.5),
+                           ("step_brush", -1), ("dip", "cinnabar", 0.5)])  # fmt: skip
+STROKE_DRAWN = st.tuples(ENDS, ENDS, st.floats(0.2, 0.8), BETWEEN)
+
+
+def edited_sitting(strokes, **options) -> list[Document]:
+    """A sitting; the painting as it was after each stroke, and before the first."""
+    document = small_plane(5.0, **options)
+    for start, end, press, between in strokes:
+        if between:
+            getattr(document, between[0])(*between[1:])
+        paint(document, start, end, n=6, pressure=press)
+    return document
+
+
+def same_bits(one: Document, other: Document) -> None:
+    for get in (
+        lambda d: d.surface.paint_mesh.vertices,
+        lambda d: d.surface.amounts,
+        lambda d: d.surface.coverage,
+        lambda d: d.surface.srgb,
+        lambda d: d.surface.ink.load,
+    ):
+        one.refresh(), other.refresh()
+        np.testing.assert_array_equal(get(one), get(other))
+
+
+@settings(deadline=None, max_examples=examples(25))
+@given(st.lists(STROKE_DRAWN, min_size=1, max_size=3), st.sampled_from(["xuan", "porcelain"]))
+def test_without_the_last_stroke_it_is_as_before_that(strokes, material) -> None:
+    document = edited_sitting(strokes, material=material)
+    mesh, before = document.surface.source, document.score
+    paint(document, (-10, 3), (15, -9))
+    document.follow_time(0.05)
+    after = document.score
+    shorter = Score(after.header, after.events[: len(before.events)])
+    same_bits(painted(shorter, mesh), painted(before, mesh))
+    without = delete_stroke(after, len(strokes) + 1)
+    assert without.events[-1] == {"do": "follow_time", "seconds": 0.05}
+    same_bits(painted(Score(without.header, without.events[:-1]), mesh), painted(before, mesh))
+
+
+@settings(deadline=None, max_examples=examples(25))
+@given(st.lists(STROKE_DRAWN, min_size=2, max_size=3), st.integers(1, 3), st.sampled_from([0, 30]))
+def test_another_ink_lies_where_the_first_did_and_as_thick(strokes, number, hairs) -> None:
+    document = edited_sitting([(*stroke[:3], None) for stroke in strokes])
+    score = document.score
+    both = [{"do": "dip", "ink": ink} for ink in ("cinnabar", "pine soot")]  # rounding differs by
+    header = {**score.header, **({"hairs": hairs} if hairs else {})}  # how many inks there are
+    score = Score(header, (*both, *score.events))
+    number = min(number, len(strokes))
+    one = painted(score, document.surface.source)
+    other = painted(change_ink(score, number, "cinnabar"), document.surface.source)
+    np.testing.assert_array_equal(
+        other.surface.paint_mesh.vertices, one.surface.paint_mesh.vertices
+    )
+    np.testing.assert_allclose(other.surface.coverage, one.surface.coverage, atol=1e-6)
+    sums = [d.surface.amounts.sum(axis=1) for d in (other, one)]
+    np.testing.assert_allclose(*sums, atol=2e-6)
+    assert [s.ink for s in other.strokes][number - 1] == {"cinnabar": 1.0}
+    assert {*other.strokes[number - 1].ink} != {*one.strokes[number - 1].ink}
+    assert other.painter.dipped == one.painter.dipped
+    ledger = other.painter.ledger()
+    assert ledger["loaded"] == pytest.approx(sum(ledger.values()) - ledger["loaded"])
+
+
+def test_another_brush_is_for_one_stroke_and_leaves_the_own_one_as_it_was() -> None:
+    document = edited_sitting([((-15, y), (15, y), 0.5, None) for y in (-9, 0, 9)])
+    mesh, score = document.surface.source, document.score
+    other = painted(change_brush(score, 2, "feibai"), mesh)
+    assert [s.brush.name for s in other.strokes] == ["full", "feibai", "full"]
+    assert other.painter.brush.name == "full"
+    without = painted(delete_stroke(score, 2), mesh)
+    np.testing.assert_array_equal(without.surface.ink.load, other.surface.ink.load)
+    ledger = other.painter.ledger()
+    assert ledger["loaded"] == pytest.approx(sum(ledger.values()) - ledger["loaded"])
+
+
+@pytest.mark.parametrize("end", ["end_stroke", "cancel_stroke", "undo"])
+def test_what_was_lent_for_a_stroke_comes_back_however_it_ends(end) -> None:
+    document = small_plane(2.0, brush="full", ink="pine soot")
+    load, loaded = document.surface.ink.load.copy(), document.painter.loaded
+    document.begin_stroke(brush=document.painter.brush, ink={"cinnabar": 1.0})
+    document.feed(line((-10, 0), (10, 0)))
+    getattr(document, end)()
+    assert document.painter.dipped == "pine soot"
+    np.testing.assert_array_equal(document.surface.ink.load[: len(load)], load)
+    if end != "end_stroke":
+        assert document.painter.loaded == loaded
+        assert not document.strokes
+
+
+def test_a_stroke_with_an_ink_that_is_none_does_not_begin() -> None:
+    document = small_plane(2.0)
+    with pytest.raises(Paint3DError, match="unknown ink"):
+        document.begin_stroke(ink="sut")
+    document.feed(line((-10, 0), (10, 0)))  # passed over
+    document.end_stroke()
+    assert not document.strokes
+    assert not document.steps.done
+    assert not document.surface.painted.any()
+    paint(document, (-10, 0), (10, 0))
+    assert len(document.strokes) == 1
+
+
+# -- saved by the menu -------------------------------------------------------------------------
+
+
+@pytest.fixture
+def score_window(program):
+    with opened(program, "plane", 2.0, "porcelain") as score_window:
+        yield score_window
+
+
+def test_what_is_saved_is_painted_to_the_bit_by_the_command_and_in_the_window(
+    score_window, tmp_path, monkeypatch
+) -> None:
+    for k, ink in enumerate(("cinnabar", {"indigo": 0.3, "water": 0.7}, "pine soot")):
+        score_window.workspace.post("dip", ink)
+        drag(score_window.canvas, (0.42, 0.4 + 0.05 * k), (0.58, 0.45 + 0.05 * k), n=20)
+        settled(score_window)
+        score_window.workspace.actions[("add_layer", "undo", "dry")[k]].trigger()
+    settled(score_window)
+    file, out = tmp_path / "a.score.jsonl", tmp_path / "a.p3d"
+    monkeypatch.setattr(score_window.targets, "ask", lambda *asked: file)
+    score_window.workspace.actions["save_recording"].trigger()
+    before = score_window.document
+    assert main(["replay", str(file), "--on", "plane", "--out", str(out), "--quiet"]) == 0
+    monkeypatch.setattr(score_window.recordings, "_may_leave", lambda: True)
+    assert score_window.recordings.replay_file(str(file))
+    settled(score_window)
+    assert score_window.document is not before
+    for again in (score_window.document, Document.open(out)):
+        same_vertices(again.surface, before.surface)
+        np.testing.assert_array_equal(again.surface.srgb, before.surface.srgb)
+        assert again.layers == before.layers
+        assert len(again.strokes) == len(before.strokes) == 2
+
+
+# -- hands at random ---------------------------------------------------------------------------
+
+
+def stroke_of_hands(rng: np.random.Generator, t0: int, has_place: bool) -> list[DeviceSample]:
+    """A bow by a hand that trembles, stops, and may lift the brush within."""
+    n = int(rng.integers(4, 150))
+    along = np.linspace(0.0, 1.0, n)[:, None]
+    start = rng.uniform(-30.0, 30.0, 2)
+    way, bow, wave = rng.uniform(-25.0, 25.0, (3, 2))
+    xy = start + along * way + along**2 * bow + 0.3 * np.sin(5.0 * along) * wave
+    xy += rng.normal(0.0, 0.02, (n, 2))
+    pressure = np.clip(
+        0.5 * np.sin(np.pi * along[:, 0]) ** 0.5 + rng.normal(0.0, 0.03, n), 0.0, 1.0
+    )
+    pressure[[0, -1]] = 0.0
+    if n > 30 and rng.random() < 0.4:
+        at = int(rng.integers(8, n - 8))
+        pressure[at : at + 3] = 0.0
+    steps = rng.integers(1_000_000, 20_000_000, n)
+    steps[rng.random(n) < 0.01] += 700_000_000
+    turn = rng.uniform(0.0, np.pi)
+    held = np.array([np.cos(turn), 0.0, 0.0, np.sin(turn)])
+    return [
+        DeviceSample(
+            int(time_ns), np.array([*at, 35.0]), held, float(press), 0, np.zeros(3), UPRIGHT,
+            np.array([*at, 0.0]) if has_place else None,
+        )
+        for at, press, time_ns in zip(xy, pressure, t0 + np.cumsum(steps), strict=True)
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("brush", "seed", "wet"),
+    [("full", 42, True), ("feibai", 2, True), ("feibai", 34, False)]
+    + [pytest.param("full", 8, True, marks=pytest.mark.long)]
+    + [pytest.param(b, k, w, marks=pytest.mark.long)
+       for b in ("full", "feibai", "zhongbaiyun") for k in range(43, 47) for w in (False, True)],
+)  # fmt: skip
+def test_a_recording_paints_the_same_to_the_bit(monkeypatch, brush, seed, wet):
+    rng, wall = np.random.default_rng(seed), Wall(monkeypatch)
+    monkeypatch.setattr(paint_threads.Pace, "most", lambda pace, behind_s: 10**9)
+    document = small_plane(2.0, material="xuan", brush=brush)
+    paint_thread, t0 = PaintThread(document, wet=wet), int(rng.integers(0, 10**15))
+    wall.now = 1e-9 * t0
+    for number in range(4):
+        samples = stroke_of_hands(rng, t0, bool(seed % 2))
+        if number and rng.random() < 0.4:
+            paint_thread.post("dip")
+        paint_thread.post("begin_stroke")
+        paint_thread.feed(samples)
+        paint_thread.post("end_stroke")
+        t0 = samples[-1].time_ns + int(rng.uniform(4e6, (3e7, 2e8, 4e9)[number % 3]))
+    paint_thread.stop()
+    surface = PaintedSurface(document.surface.source, 2.0, "xuan")
+    Painter(surface, brush).replay(document.recording(), wet=wet)
+    same_vertices(document.surface, surface)
+    if wet:
+        assert surface.flow.water == document.surface.flow.water > 0.0
+
+
+# -- on a bowl meshed anew ---------------------------------------------------------------------
+
+
+RESOLUTION_MM = 0.5
+MOST_MM = 0.5  # off where it was
+PLAIN = """{"format": "paint3d-recording", "version": 1}
+{"time_ns": 0, "position": [0, 0, 60], "orientation": [1, 0, 0, 0], "pressure": 0.3}
+{"time_ns": 8000000, "position": [1, 0, 60], "orientation": [1, 0, 0, 0], "pressure": 0.3}
+"""
+
+
+@cache
+def the_bowl() -> TriangleMesh:
+    return load_mesh("bowl")
+
+
+def arc(angles, heights, meant: bool, n: int = 30) -> list:
+    """A stroke around the outside of the bowl; by the place that is meant, or the root's."""
+    around = np.linspace(*angles, n)
+    out = [120.0 * np.cos(around), 120.0 * np.sin(around), np.linspace(*heights, n)]
+    return held_at(np.column_stack(out), meant)
+
+
+def held_at(places: np.ndarray, meant: bool) -> list:
+    """A stroke along the places (n, 3) of the bowl that are nearest, the brush upright on it."""
+    found, n = ClosestPoints(the_bowl()).find(places), len(places)
+    up = found.normals
+    turns = np.column_stack([1.0 + up[:, 2], -up[:, 1], up[:, 0], np.zeros(n)])
+    turns /= np.linalg.norm(turns, axis=1)[:, None]
+    pressure = np.full(n, 0.45)
+    pressure[[0, -1]] = 0.0
+    samples = Recording(
+        8_000_000 * np.arange(n), found.points + 30.0 * up, turns, pressure,
+        contact=found.points if meant else None,
+    )  # fmt: skip
+    return [{"do": "begin_stroke"}, samples, {"do": "end_stroke"}]
+
+
+@cache
+def score() -> Score:
+    """Strokes with a mask of a region and an angle, and one with a mirror image."""
+    outside = ClosestPoints(the_bowl()).find(np.array([[120.0, 0.0, 30.0]])).points[0].tolist()
+    mask = {"do": "set_mask", "regions": [{"at": outside, "up_to": "crease", "degrees": 40}],
+            "angle": {"direction": [1, 0, 0.2], "degrees": 50}}  # fmt: skip
+    mirror = {"do": "set_symmetry", "planes": [{"point": [0, 0, 0], "normal": [0, 1, 0]}]}
+    events = (
+        *arc((-0.5, 0.2), (22, 38), True), mask, *arc((0.2, 1.2), (44, 30), False),
+        {"do": "set_mask"}, mirror, *arc((2.0, 2.5), (26, 40), True),
+    )  # fmt: skip
+    return Score({"object": "bowl", "resolution_mm": RESOLUTION_MM}, events)
+
+
+@cache
+def first(of=score) -> Document:
+    return painted(of(), the_bowl())
+
+
+def over_the_rim(around: float, slant: float, n: int = 40) -> list:
+    """A stroke up the bowl's outside, over its rim and down inside."""
+    way = np.linspace(-12.0, 12.0, n)
+    at, beside = around + slant * way / 75.0, np.where(way < 0.0, 80.0, 66.0)
+    return held_at(
+        np.column_stack([beside * np.cos(at), beside * np.sin(at), 68.0 - np.abs(way)]), True
+    )
+
+
+@cache
+def rim() -> Score:
+    """Along the rim, on it, and over it, the place being meant."""
+    strokes = (
+        arc((0.3, 0.8), (61, 65), True), arc((1.5, 2.0), (68, 63), True),
+        over_the_rim(2.8, 0.3), over_the_rim(3.5, -0.7), arc((4.2, 4.7), (66, 66), True),
+    )  # fmt: skip
+    return Score(score().header, tuple(event for one in strokes for event in one))
+
+
+def subdivided() -> TriangleMesh:
+    trimesh = pytest.importorskip("trimesh")
+    mesh = trimesh.Trimesh(the_bowl().vertices, the_bowl().faces, process=False).subdivide()
+    return TriangleMesh(mesh.vertices, mesh.faces)
+
+
+def decimated(share: int = 3) -> TriangleMesh:
+    open3d = pytest.importorskip("open3d")
+    mesh = open3d.geometry.TriangleMesh(
+        open3d.utility.Vector3dVector(the_bowl().vertices.astype(float)),
+        open3d.utility.Vector3iVector(np.array(the_bowl().faces)),
+    )
+    mesh = mesh.simplify_quadric_decimation(the_bowl().n_faces // share)
+    return TriangleMesh(np.asarray(mesh.vertices), np.asarray(mesh.triangles))
+
+
+def halved() -> TriangleMesh:
+    pyvista = pytest.importorskip("pyvista")
+    mesh = pyvista.PolyData.from_regular_faces(the_bowl().vertices.astype(float), the_bowl().faces)
+    mesh = mesh.decimate(0.5)
+    return TriangleMesh(mesh.points, mesh.regular_faces)
+
+
+def shifted() -> TriangleMesh:
+    """Its vertices lie elsewhere on the bowl, as where it is sampled anew."""
+    mesh, chance = the_bowl(), np.random.default_rng(5)
+    places = mesh.vertices + chance.normal(0.0, 0.12, mesh.vertices.shape)
+    return TriangleMesh(ClosestPoints(the_bowl()).find(places).points, mesh.faces)
+
+
+def inked(document: Document) -> np.ndarray:
+    return inked_of(document.surface)
+
+
+def inked_of(surface: PaintedSurface) -> np.ndarray:
+    return surface.paint_mesh.vertices[surface.coverage > 0.0].astype(float)
+
+
+def check_places(of, mesh: TriangleMesh, resolution: float) -> None:
+    one, other = inked(first(of)), inked(painted(of(), mesh, resolution))
+    off = [cKDTree(b).query(a)[0] for a, b in ((one, other), (other, one))]
+    for distances in off:
+        print(f"median {np.median(distances):.3f} mm, worst {distances.max():.3f} mm")
+        assert np.median(distances) <= 0.5 * MOST_MM
+        assert distances.max() <= MOST_MM
+
+
+@pytest.mark.parametrize(
+    ("mesh", "resolution"),
+    [(subdivided, 0.5), pytest.param(decimated, 0.4, marks=pytest.mark.long),
+     pytest.param(decimated, 0.5, marks=pytest.mark.long), (the_bowl, 0.3)],
+    ids=["subdivided", "decimated", "decimated, as fine", "finer paint"],
+)  # fmt: skip
+def test_strokes_lie_where_they_lay(mesh, resolution) -> None:
+    check_places(score, mesh(), resolution)
+
+
+@pytest.mark.parametrize(
+    ("mesh", "resolution"),
+    long_but(
+        [(decimated, 0.5), (shifted, 0.3), (the_bowl, 0.7)],
+        [(subdivided, 0.5), (decimated, 0.5), (shifted, 0.3), (the_bowl, 0.7), (decimated, 0.3),
+         (halved, 0.4), (the_bowl, 0.3)],
+    ),
+)  # fmt: skip
+def test_strokes_over_the_rim_lie_where_they_lay(mesh, resolution) -> None:
+    check_places(rim, mesh(), resolution)
+
+
+def test_the_rim_needs_what_was_painted_on(monkeypatch) -> None:
+    """Without it they do not: or what is above would say nothing of it."""
+    monkeypatch.setattr(playing, "_original", lambda *_: None)
+    with pytest.raises(AssertionError):
+        check_places(rim, decimated(), 0.3)
+
+
+def test_on_the_object_that_it_was_painted_on_nothing_is_taken_over() -> None:
+    assert first().surface.original is None
+    plain = PaintedSurface(the_bowl(), RESOLUTION_MM)
+    np.testing.assert_array_equal(
+        plain.paint_mesh.arrays.sheet_pack, first().surface.paint_mesh.arrays.sheet_pack
+    )
+
+
+def without_normals(mesh: TriangleMesh) -> TriangleMesh:
+    return TriangleMesh(mesh.vertices, mesh.faces, name=mesh.name)
+
+
+def test_a_mesh_that_only_lost_its_normals_takes_them_over() -> None:
+    """Its own are computed of the triangles, and lean otherwise on the rim."""
+    bare = painted(rim(), without_normals(the_bowl()))
+    same_vertices(bare.surface, first(rim).surface)
+
+
+def test_a_file_that_is_called_like_a_built_in_object_is_none() -> None:
+    """What was painted on it is painted on it again to the bit, by its score's header."""
+    own = decimated()
+    own = TriangleMesh(own.vertices, own.faces, name="bowl")
+    header = {**rim().header, "object": "another"}
+    document = painted(Score(header, rim().events), own)
+    assert document.surface.original is None
+    again = painted(document.score, own)
+    assert again.surface.original is None
+    same_vertices(document.surface, again.surface)
+    finer = begun(document.score, own, 0.4).surface.original  # its own mesh is what it was
+    assert finer is not None
+    assert finer.mesh is own
+    assert begun(document.score, the_bowl()).surface.original is None
+    assert begun(first(rim).score, own).surface.original is not None
+
+
+def test_another_file_than_was_painted_on_is_warned_of(caplog) -> None:
+    for painted_on, n in ((the_bowl(), 0), (without_normals(the_bowl()), 1)):
+        begun(first(rim).score, decimated(), painted_on=painted_on)
+        assert sum("not to the bit" in one.message for one in caplog.records) == n
+
+
+def test_an_object_that_was_changed_stands_for_itself_there() -> None:
+    """Half of the bowl grows by a tenth: its other half is the bowl's still."""
+    vertices = the_bowl().vertices.copy()
+    grown = vertices[:, 0] > 0.0
+    vertices[grown, 0] *= 1.1
+    surface = painted(score(), TriangleMesh(vertices, the_bowl().faces)).surface
+    assert surface.original is not None
+    off = ClosestPoints(TriangleMesh(vertices, the_bowl().faces)).find(inked_of(surface)).points
+    np.testing.assert_allclose(off, inked_of(surface), atol=0.01)
+    sphere = painted(score(), load_mesh("sphere"), 0.5).surface
+    assert sphere.original is None
+
+
+def test_a_session_and_its_score_know_what_was_painted_on(tmp_path) -> None:
+    document = painted(rim(), decimated(), 0.4)
+    document.save(tmp_path / "a.p3d")
+    again = Document.open(tmp_path / "a.p3d")
+    of_bowl = {"object": "bowl", "mesh": digest_of(the_bowl()), "resolution_mm": 0.5}
+    for one in (document, again):
+        assert one.score.header["painted_on"] == of_bowl
+        assert one.score.header["mesh"] == digest_of(decimated())
+    first, second = document.surface.paint_mesh.arrays, again.surface.paint_mesh.arrays
+    np.testing.assert_array_equal(first.sheet_pack, second.sheet_pack)
+    for one in (document, again):
+        for event in arc((5.2, 5.6), (64, 67), True):
+            one.feed(list(event.samples())) if isinstance(event, Recording) else getattr(
+                one, event["do"]
+            )()
+    same_vertices(document.surface, again.surface)
+    played = painted(document.score, decimated(), painted_on=the_bowl())
+    same_vertices(document.surface, played.surface)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("resolution", [0.3, 0.4, 0.5])
+@pytest.mark.parametrize("share", [2, 3])
+def test_strokes_over_the_rim_lie_where_they_lay_however_coarse(share, resolution) -> None:
+    check_places(rim, decimated(share), resolution)
+
+
+def test_a_mask_and_a_mirror_do_what_they_did() -> None:
+    """They hold something back and paint something, or what is above would say nothing of them."""
+    plain = Score(score().header, tuple(
+        e for e in score().events
+        if isinstance(e, Recording) or e["do"] not in ("set_mask", "set_symmetry")
+    ))  # fmt: skip
+    without, of_all = inked(painted(plain, the_bowl())), inked(first())
+    far = cKDTree(of_all).query(without)[0]
+    assert (far > 2.0).sum() > 100
+    assert (cKDTree(without).query(of_all)[0] > 2.0).sum() > 100
+
+
+def test_the_command_is_told_what_it_was_painted_on(tmp_path, capsys) -> None:
+    """A file of the bowl has another name than the score's object, which is none of ours."""
+    file, out = tmp_path / "a.score.jsonl", tmp_path / "a.p3d"
+    save_score(Score({**rim().header, "object": "jar"}, rim().events), file)
+    for name, mesh in (("jar.obj", the_bowl()), ("coarse.obj", decimated())):
+        normals = np.empty((0, 3)) if mesh.normals is None else mesh.normals
+        form = "f {0} {1} {2}" if mesh.normals is None else "f {0}//{0} {1}//{1} {2}//{2}"
+        lines = [f"v {x:.9g} {y:.9g} {z:.9g}" for x, y, z in mesh.vertices]
+        lines += [f"vn {x:.9g} {y:.9g} {z:.9g}" for x, y, z in normals]
+        lines += [form.format(*face) for face in mesh.faces + 1]
+        (tmp_path / name).write_text("\n".join(lines) + "\n")
+    words = ["replay", str(file), "--on", str(tmp_path / "coarse.obj"), "--out", str(out)]
+    assert main([*words, "--painted-on", str(tmp_path / "jar.obj"), "--quiet"]) == 0
+    again = load_session(out)
+    assert again.surface.original is not None
+    jar, coarse = load_mesh(tmp_path / "jar.obj"), load_mesh(tmp_path / "coarse.obj")
+    same_vertices(again.surface, painted(load_score(file), coarse, painted_on=jar).surface)
+    (tmp_path / "b.jsonl").write_text(PLAIN)
+    words = ["replay", str(tmp_path / "b.jsonl"), "--on", "bowl", "--out", str(out), "--force"]
+    assert main([*words, "--painted-on", "bowl"]) == 2
+    assert "is no whole painting" in capsys.readouterr().err

@@ -6,7 +6,9 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 import time
+import weakref
 from concurrent.futures import CancelledError
 from pathlib import Path
 from typing import ClassVar
@@ -14,11 +16,17 @@ from typing import ClassVar
 import numpy as np
 import pytest
 
+from paint3d.bench.start import wait_for as first_line
+from paint3d.cli.main import main
+
 pytest.importorskip("PySide6", reason="PySide6 is not installed")
+
+from PySide6 import QtCore, QtWidgets
 
 import paint3d
 from paint3d.app.model.input.devices import Feeling
 from paint3d.app.model.persistence.recovery_folder import recoverable
+from paint3d.app.window import studio
 from paint3d.app.window.hand.device_input import DeviceInput, carried_camera
 from paint3d.app.window.playing.pictures import Film
 from paint3d.app.window.studio import StudioWindow
@@ -488,3 +496,120 @@ def test_after_kill_nine_the_stroke_is_offered_back(window, places: Path, screen
     assert len(strokes[1].samples) >= 10
     assert painted(window) > 80
     assert recoverable() == []
+
+
+# -- garbage -----------------------------------------------------------------------------------
+
+
+class _Window(QtWidgets.QWidget):
+    """Of a class of our own: Qt's own ones are handed back to their thread."""
+
+
+def test_closed_windows_die_in_their_own_thread(program) -> None:
+    died: list[threading.Thread] = []
+    for _ in range(40):
+        widget = _Window()
+        widget.itself = widget
+        widget.destroyed.connect(
+            lambda: died.append(threading.current_thread()),
+            QtCore.Qt.ConnectionType.DirectConnection,
+        )
+        del widget
+
+    def litter() -> None:
+        for _ in range(300_000):
+            cycle: list[object] = []
+            cycle.append(cycle)
+
+    beside = threading.Thread(target=litter)
+    beside.start()
+    beside.join()
+    wait_for(lambda: len(died) == 40)
+    assert set(died) == {threading.main_thread()}
+
+
+def test_a_painting_that_was_let_go_of_goes_with_its_memory(
+    program, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    given_back: list[threading.Thread] = []
+    monkeypatch.setattr(studio, "_LATER_MS", 200)
+    monkeypatch.setattr(
+        studio, "give_back_memory", lambda: given_back.append(threading.current_thread())
+    )
+    with opened(program, "plane", 4.0) as window:
+        left = weakref.ref(window.document)
+        wait_for(lambda: given_back)  # of what was there before
+        assert window.opening.open_path("sphere", 8.0, "porcelain", asked=True)
+        wait_for(lambda: left() is None and len(given_back) > 1)
+    assert threading.main_thread() not in given_back  # the window does not wait for it
+
+
+# -- paint3d paint where it cannot -------------------------------------------------------------
+
+
+def test_without_a_display_it_says_so(tmp_path: Path) -> None:
+    pytest.importorskip("PySide6", reason="PySide6 is not installed")
+    hidden = ("DISPLAY", "WAYLAND_DISPLAY", "QT_QPA_PLATFORM")
+    environment = {name: value for name, value in os.environ.items() if name not in hidden}
+    environment["XDG_CONFIG_HOME"] = str(tmp_path)
+    done = subprocess.run(
+        [sys.executable, "-m", "paint3d", "paint", "--quiet"],
+        capture_output=True, text=True, env=environment, timeout=120, check=False,
+    )  # fmt: skip
+    assert done.returncode == 2
+    assert done.stderr.startswith("paint3d: error: there is no display")
+    assert done.stderr.count("\n") == 1
+
+
+def test_without_pyside_it_says_what_to_install(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for name in [name for name in sys.modules if name.startswith("paint3d.app.window")]:
+        monkeypatch.delitem(sys.modules, name)
+    monkeypatch.setitem(sys.modules, "PySide6", None)
+    assert main(["paint", "bowl", "--quiet"]) == 2
+    told = capsys.readouterr().err
+    assert told.count("\n") == 1
+    assert "PySide6" in told
+    assert "paint3d[studio]" in told
+
+
+@pytest.mark.parametrize(
+    ("arguments", "word"), [(["no.ply"], "no.ply"), (["bowl", "--material", "jelly"], "jelly")]
+)
+def test_what_is_not_there_is_named(
+    arguments: list[str], word: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["paint", *arguments]) == 2
+    told = capsys.readouterr().err
+    assert told.startswith("paint3d: error:")
+    assert word in told
+    assert told.count("\n") == 1
+
+
+def test_the_window_says_that_there_is_no_home_to_write_to(
+    program, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    from paint3d.app.window import start
+
+    shown: list[StudioWindow] = []
+    monkeypatch.setattr(start, "stand_in", lambda: tmp_path)
+    monkeypatch.setattr(start, "open_first", lambda window, *_: shown.append(window))
+    monkeypatch.setattr(
+        type(program), "exec", lambda app: shown[0].status.told.text(), raising=False
+    )
+    told = start.run_studio(None, language="en")
+    shown[0].close()
+    assert told.endswith(f"settings and recovery data are kept in {tmp_path}")
+
+
+def test_a_started_window_is_painted_and_then_hears_the_hand(screen: str, tmp_path: Path) -> None:
+    """What `paint3d bench start` times: milestones in order, up to paint from a real stroke."""
+    pytest.importorskip("PySide6", reason="PySide6 is not installed")
+    program = (sys.executable, "-m", "paint3d.app.window.first_stroke", f"{time.monotonic()}")
+    found = first_line((*program, "paint", "bowl"), tmp_path, home=tmp_path)
+    told = [line.partition(" ") for _, line in found.lines]
+    assert [what for _, _, what in told] == ["window painted", "hears the hand", "stroke painted"]
+    seconds = [float(at) for at, _, _ in told]
+    assert seconds == sorted(seconds)
+    assert seconds[0] > 0.0

@@ -450,7 +450,7 @@ def test_two_windows_on_one_file_know_of_each_other(window, program, tmp_path: P
         theirs = path.read_bytes()
 
         said: list[str] = []
-        answered(say("button.cancel"), said)
+        answered(say("Cancel"), said)
         window.workspace.actions["save"].trigger()
         assert path.read_bytes() == theirs
         answered(say("Replace"), said)
@@ -461,7 +461,7 @@ def test_two_windows_on_one_file_know_of_each_other(window, program, tmp_path: P
         window.workspace.actions["save"].trigger()  # it is this window's own again
         assert len(said) == 2
 
-        answered(say("action.save_as"), said)
+        answered(say("Save as…"), said)
         elsewhere = {"press": lambda dialog: typed(dialog, "second")}
         when(
             lambda: isinstance(QtWidgets.QApplication.activeModalWidget(), TargetDialog),

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import dataclasses
+import itertools
+import json
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,10 +16,14 @@ from scipy.optimize import minimize
 
 from paint3d.brush.bending import BendingTable, bending_table, build_tuft, joint_stiffness
 from paint3d.brush.footprint import make_footprint
-from paint3d.brush.presets import brush_names, load_brush
+from paint3d.brush.presets import brush_names, brush_note, brush_text, choose_brush, load_brush
+from paint3d.brush.spec import BristleSpec
 from paint3d.brush_engine.tuft import STATIONS, greatest_descent, trace_spine
-from paint3d.errors import BrushError, UnknownNameError
+from paint3d.calligraphy.footprint_table import tabulate_footprints
+from paint3d.core.parameter_file import is_parameter_file
+from paint3d.errors import BrushError, InputError, UnknownNameError
 from tests.support.examples import examples
+from tests.support.outlines import sizes_of
 
 
 def test_segments_are_an_arithmetic_progression_that_fills_the_tuft():
@@ -234,3 +241,130 @@ def test_any_tip_within_the_ranges_bends(exponent, n, tip, rated_n, rated_tip):
     _, up, _ = table.spine
     height = np.sin(table.tilts)[:, None] * (1.0 - table.fractions)
     assert np.allclose(up[..., -1], height, atol=1e-9)
+
+
+# -- presets -----------------------------------------------------------------------------------
+
+
+SIZES = np.geomspace(8.0, 200.0, 40)
+
+
+def test_every_size_has_a_brush_and_larger_ones_no_smaller_brush():
+    chosen = [choose_brush(em) for em in SIZES]
+    assert set(chosen) <= set(brush_names())
+    lengths = [load_brush(name).length_mm for name in chosen]
+    assert (np.diff(lengths) >= 0.0).all()
+    assert len(set(chosen)) > 1
+
+
+def test_new_brushes_come_after_the_others():
+    """The studio's keys go by the order."""
+    assert brush_names() == (
+        "full", "slender", "calibrated", "xiaokai", "zhongkai", "dakai", "gongbi", "baiyun",
+        "xiaobaiyun", "zhongbaiyun", "dabaiyun", "feibai", "langhao", "yanghao", "jianhao",
+    )  # fmt: skip
+
+
+def test_weasel_is_thin_and_springs_back_goat_is_broad_and_stays_bent():
+    brushes = [load_brush(name) for name in ("langhao", "jianhao", "yanghao")]
+    assert [brush.hair for brush in brushes] == ["weasel", "mixed", "goat"]
+    for low, high in itertools.pairwise(brushes):
+        assert low.plasticity < high.plasticity
+        assert low.load < high.load
+        assert low.spring > high.spring
+    shares = np.linspace(0.01, 1.0, 100)
+    widths = [sizes_of(build_tuft(b), shares * b.full_press_mm)[:, 1] for b in brushes]
+    assert (np.diff(widths, axis=1) > 0.0).all()
+    assert (np.diff(widths, axis=0) > 0.0).all()
+
+
+@pytest.mark.parametrize("em", [8.0, 21.9, 22.1, 60.0, 60.1, 200.0])
+def test_brush_makes_the_strokes_of_its_size(em):
+    """Kaishu's strokes are 1 to 14 % of the em wide; the footprint must be about as long."""
+    footprints = tabulate_footprints(build_tuft(load_brush(choose_brush(em))), 0.2 * em)
+    length, width = np.ptp(footprints.points, axis=1).T
+    assert width[0] < 0.02 * em
+    assert width[-1] > 0.14 * em
+    body = (width > 0.04 * em) & (width < 0.1 * em)
+    assert (length / width)[body].min() > 0.6
+    assert (length / width)[body].max() < 1.4
+    assert load_brush(choose_brush(em)).length_mm < 2.6 * em
+
+
+@pytest.mark.parametrize("em", [7.9, 200.1, float("nan"), -3.0, "large"])
+def test_other_sizes_are_refused(em):
+    with pytest.raises(InputError, match="size of the characters"):
+        choose_brush(em)
+
+
+# -- files -------------------------------------------------------------------------------------
+
+
+def written(folder: Path, text: str, name: str = "mine.toml") -> str:
+    (folder / name).write_text(text, encoding="utf-8")
+    return str(folder / name)
+
+
+@pytest.mark.parametrize("name", brush_names())
+def test_what_is_shown_is_read_back(name: str, tmp_path: Path) -> None:
+    brush = load_brush(name)
+    read = load_brush(written(tmp_path, brush_text(brush, brush_note(name))))
+    assert read.name == "mine"
+    assert dataclasses.replace(read, name=name) == brush
+
+
+def test_a_file_may_start_from_a_preset(tmp_path: Path) -> None:
+    toml = written(tmp_path, 'base = "feibai"\nhardness = 0.4\n[bristles]\nn_hairs = 50\n')
+    same = {"base": "feibai", "name": "mine", "hardness": 0.4, "bristles": {"n_hairs": 50}}
+    json_file = written(tmp_path, json.dumps(same), "other.JSON")
+    read = load_brush(toml)
+    assert read == load_brush(json_file)
+    assert (read.hardness, read.bristles) == (0.4, BristleSpec(n_hairs=50))
+    assert read.inputs == load_brush("feibai").inputs
+    assert load_brush(written(tmp_path, 'base = "feibai"\nbristles = false\n')).bristles is None
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("hardness = 0.4", "says no hair, n_segments"),
+        ('base = "ful"', "base is 'ful'; expected one of full"),
+        ('base = "full"\nhardnes = 0.4', "there is no 'hardnes': did you mean 'hardness'"),
+        ('base = "full"\nhardness = 0.9', "hardness is 0.9; expected 0.3 to 0.7"),
+        ('base = "full"\nhardness = "hard"', "hardness is 'hard'; expected a number"),
+        ('base = "full"\nhair = []', "hair is []; expected one of goat"),
+        ('base = "full"\nname = "dakai"', "a brush that comes with the program"),
+        ('base = "full"\nname = "a @3"', "without ' @'"),
+        ('base = "full"\nname = "a.toml"', "no file's name"),
+        ('base = "full"\nbristles = 300', "bristles is 300; expected parameters"),
+        ('base = "full"\n[bristles]\nhair = 1', "bristles: there is no 'hair'"),
+        ('base = "full"\n[bristles]\nn_hairs = 0', "bristles: n_hairs is 0; expected 1 to 10000"),
+        ('base = "full"\n[inputs.wetness]\nspeed = 3', "wetness by speed is 3; expected points"),
+        ("base = \n\nx = 1", "cannot be read as TOML: Invalid value (at line 1, column 8)"),
+        ("#" * (1 << 20) + "\n", "is over 1 MiB"),
+    ],
+)
+def test_a_bad_file_says_where_and_what(text: str, told: str, tmp_path: Path) -> None:
+    file = written(tmp_path, text)
+    with pytest.raises(BrushError) as refused:
+        load_brush(file)
+    assert str(refused.value).startswith(f"{file}: ")
+    assert told in str(refused.value)
+
+
+def test_other_things_than_tables_are_refused(tmp_path: Path) -> None:
+    for text in ("[1]", "3", "[" * 100_000):
+        with pytest.raises(BrushError, match=r"mine\.json: "):
+            load_brush(written(tmp_path, text, "mine.json"))
+    (tmp_path / "bytes.toml").write_bytes(b"\xff\xfe")
+    for name, told in (("bytes.toml", "TOML"), ("none.toml", "no such file"), (".", "brush")):
+        with pytest.raises((BrushError, ValueError), match=told):
+            load_brush(str(tmp_path / name))
+
+
+def test_names_out_of_files_open_no_files(tmp_path: Path) -> None:
+    file = written(tmp_path, 'base = "full"')
+    assert is_parameter_file(file)
+    with pytest.raises(BrushError, match="which a file may not name"):
+        load_brush(file, own_files=False)
+    assert load_brush("full", own_files=False) is load_brush("full")

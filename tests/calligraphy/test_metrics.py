@@ -1,4 +1,7 @@
+from __future__ import annotations
+
 import functools
+import json
 
 import numpy as np
 import pytest
@@ -6,7 +9,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from paint3d.calligraphy.metrics import MARGIN, PIXELS, compare, copybook_mask, painted_mask
+from paint3d.calligraphy.planning import PlanSettings
 from paint3d.errors import InputError
+from tests.support.copybook import Desk, copy_character
 from tests.support.examples import examples
 
 EM = 64.0
@@ -102,3 +107,38 @@ def test_bad_shapes_are_refused():
         copybook_mask([box(0, 0, 1, 1)], 0.0)
     with pytest.raises(InputError, match=r"expected \(V, 2\) and \(V,\)"):
         painted_mask(np.zeros((4, 2)), np.zeros(3), np.zeros((1, 3), int), EM)
+
+
+# -- the copybook ------------------------------------------------------------------------------
+
+
+BAR = "M 200 420 Q 230 470 300 440 L 760 452 Q 850 470 840 400 L 300 380 Q 230 370 200 420 Z"
+GLYPH = {"strokes": [BAR], "medians": [[[215, 420], [500, 415], [830, 420]]]}
+
+
+@pytest.fixture(scope="module")
+def glyphs(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("glyphs")
+    for text in "一二三":
+        (folder / f"{text}.json").write_text(json.dumps(GLYPH), encoding="utf-8")
+    (folder / "package.json").write_text("{}", encoding="utf-8")
+    return folder
+
+
+@pytest.mark.parametrize("azimuth", ["commanded", "dragged"])
+def test_painted_character_is_like_its_copybook(glyphs, azimuth):
+    desk = Desk(glyphs, 20.0, "plane", 0.1, settings=PlanSettings(azimuth=azimuth))
+    copy = copy_character(desk, "一")
+    assert copy.likeness.iou > 0.95
+    assert copy.likeness.precision > 0.985
+    assert copy.n_strokes == 1
+    speed, acceleration, jerk, turning = copy.fastest
+    assert speed <= 120.0
+    assert acceleration <= 1000.0
+    assert jerk <= 10000.0
+    assert turning <= 6.0
+
+
+def test_painted_character_is_like_its_copybook_on_the_bowl(glyphs):
+    copy = copy_character(Desk(glyphs, 20.0, "bowl", 0.2), "一")
+    assert copy.likeness.iou > 0.94

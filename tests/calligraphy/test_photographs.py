@@ -11,9 +11,11 @@ import numpy as np
 import pytest
 import shapely
 from PIL import Image
+from scipy import ndimage
 from scipy.ndimage import gaussian_filter1d
 
 from paint3d.calligraphy.glyph_sources import open_glyphs
+from paint3d.calligraphy.kernels.raster import fill_depths, label_patches
 from paint3d.calligraphy.photo.characters import characters_of
 from paint3d.calligraphy.photo.copying import Asked, CopiedSheet, copy_sheet
 from paint3d.calligraphy.photo.likeness import likeness_of
@@ -365,3 +367,25 @@ def test_a_wet_page_says_nothing_of_dryness() -> None:
     assert any(stroke.dryness for stroke in sheet.page.pieces[0].glyph.strokes)
     assert not any(s.dryness for piece in sheet.wet_page.pieces for s in piece.glyph.strokes)
     assert replace(sheet, page=sheet.wet_page).page.source == "sheet.jpg"
+
+
+# -- patches of a mask -------------------------------------------------------------------------
+
+
+def a_mask(share: float, shape: tuple[int, int]) -> np.ndarray:
+    mask = np.random.default_rng(9).random(shape) < share
+    mask[shape[0] // 2, shape[1] // 3] = False
+    return mask
+
+
+@pytest.mark.parametrize("shape", [(1, 9), (40, 57), (120, 30)])
+@pytest.mark.parametrize("share", [0.0, 0.4, 0.62, 0.99, 1.0])
+def test_patches_are_scipys(share: float, shape: tuple[int, int]) -> None:
+    mask = a_mask(share, shape)
+    depths, labels = np.empty(shape), np.empty(shape, np.int32)
+    fill_depths(mask, depths)
+    n = label_patches(mask, labels)
+    expected, count = ndimage.label(mask)
+    assert n == count
+    np.testing.assert_array_equal(labels, expected)
+    np.testing.assert_array_equal(depths, ndimage.distance_transform_edt(mask))

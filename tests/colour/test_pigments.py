@@ -10,7 +10,7 @@ import pytest
 
 from paint3d.cli.lists.inks import swatches_table
 from paint3d.cli.main import main
-from paint3d.colour.difference import lab_from_reflectance
+from paint3d.colour.difference import delta_e, lab_from_reflectance, lab_from_srgb
 from paint3d.colour.layers import layer_reflectance
 from paint3d.colour.materials import Material, load_material, load_materials, material_names
 from paint3d.colour.pigments import (
@@ -54,7 +54,7 @@ def test_every_row_says_where_it_is_from():
 
 
 def test_what_could_not_be_had_is_named_a_substitute():
-    for name in ("gamboge", "carmine", "orpiment"):
+    for name in ("carmine", "orpiment", "realgar"):
         assert "substitute" in load_pigment(name).basis
 
 
@@ -103,6 +103,55 @@ def test_pigments_look_as_painters_know_them():
     wash, full = lab_of("indigo", 0.1), lab_of("indigo", 2.0)
     assert np.hypot(*wash[1:]) < 12.0  # the grey blue of a wash
     assert full[0] < 35.0
+
+
+@pytest.mark.parametrize("coats", [1.0, 2.0])
+def test_water_makes_cinnabar_paler(coats):
+    """Four fifths of water under a light stroke and under a pressed one."""
+    full, thinned = lab_of("cinnabar", coats), lab_of("cinnabar", 0.2 * coats)
+    assert thinned[0] > full[0] + 15.0
+
+
+def test_gamboge_is_lemon_when_thin_and_golden_when_thick():
+    hues = [np.degrees(np.arctan2(*lab_of("gamboge", x)[:0:-1])) for x in (2.0, 1.0, 0.4, 0.2)]
+    assert (np.diff(hues) > 3.0).all()
+    assert hues[0] < 82.0
+    assert hues[-1] > 96.0
+    thick = lab_from_srgb(np.array([228, 155, 15]) / 255.0)  # Maerz and Paul, 1930
+    assert delta_e(lab_of("gamboge", 2.0), thick) < 6.0
+
+
+def test_indigo_is_dull():
+    """Before it was greyed, a full coat had a chroma of 32 and a coat of .4 one of 23."""
+    for coats, most in ((2.0, 20.0), (1.0, 26.0), (0.4, 18.0)):
+        lab = lab_of("indigo", coats)
+        assert 0.0 < np.hypot(*lab[1:]) < most
+        assert 240.0 < np.degrees(np.arctan2(*lab[:0:-1])) % 360.0 < 285.0
+
+
+def test_full_coats_stand_in_order_of_lightness():
+    order = [
+        "oil soot", "pine soot", "azurite 1", "indigo", "azurite", "ochre", "cinnabar",
+        "azurite 4", "minium", "malachite 4", "gamboge", "orpiment", "shell white",
+        "titanium white",
+    ]  # fmt: skip
+    light = [lab_of(name)[0] for name in order]
+    assert (np.diff(light) > 1.0).all()
+
+
+def test_a_density_of_ones_own_is_read_and_checked(tmp_path):
+    path = tmp_path / "mine.csv"
+    head = "name,density,K_400,K_700,S_400,S_700\n"
+    path.write_text(f"{head}oil,2.5,1,1,2,2\nwash,,1,1,2,2\n", "utf-8")
+    mine = load_pigments_csv(path)
+    assert (mine["oil"].density, mine["wash"].density) == (2.5, None)
+    for bad in ("0", "31", "heavy"):
+        path.write_text(f"{head}oil,{bad},1,1,2,2\n", "utf-8")
+        wrong = rf"mine\.csv:2: density is '{bad}'; expected a number from 0\.01 to 30"
+        with pytest.raises(PigmentError, match=wrong):
+            load_pigments_csv(path)
+    with pytest.raises(PigmentError, match="density of x"):
+        Pigment("x", "", np.ones(31), np.ones(31), density=0.0)
 
 
 def test_pigments_cannot_be_changed():

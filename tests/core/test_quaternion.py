@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from paint3d.core import quaternion
+from paint3d.core.arrays import dots_of, length_of, lengths_of
 from paint3d.core.kernel import kernel
 
 PARTS = st.tuples(*[st.floats(-1, 1)] * 4).filter(lambda q: sum(x * x for x in q) > 0.01)
@@ -77,3 +78,21 @@ def test_one_matrix_is_one_quaternion() -> None:
         found = quaternion.quaternions_from_matrices(np.broadcast_to(turn, shape))
         expected = np.broadcast_to([half, 0.0, 0.0, half], (*shape[:-2], 4))
         np.testing.assert_allclose(found, expected, atol=1e-15)
+
+
+# -- arithmetic that is written out ------------------------------------------------------------
+
+
+@pytest.mark.parametrize("shape", [(0, 3), (1, 3), (200, 3), (7, 5, 4), (3,)])
+def test_lengths_are_numpys_to_the_bit(shape) -> None:
+    vectors = np.random.default_rng(3).normal(0.0, 40.0, shape)
+    np.testing.assert_array_equal(lengths_of(vectors), np.linalg.norm(vectors, axis=-1))
+    for vector in vectors.reshape(-1, shape[-1]):
+        assert length_of(vector) == np.linalg.norm(vector)
+
+
+@pytest.mark.parametrize("shape", [(0, 3), (200, 3), (7, 5, 4), (50, 1), (4,)])
+def test_scalar_products_are_numpys_sums_to_the_bit(shape) -> None:
+    chance = np.random.default_rng(4)
+    u, v = chance.normal(0.0, 40.0, shape), chance.normal(0.0, 1e-3, shape)
+    np.testing.assert_array_equal(dots_of(u, v), np.sum(u * v, axis=-1))

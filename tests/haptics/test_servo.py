@@ -5,6 +5,7 @@ from __future__ import annotations
 import multiprocessing
 import os
 import select
+import shutil
 import signal
 import socket
 import subprocess
@@ -20,6 +21,7 @@ import pytest
 from paint3d.bench.registry import run_benchmark
 from paint3d.bench.virtual_stylus import VirtualStylus
 from paint3d.brush.presets import load_brush
+from paint3d.device import hid_nodes
 from paint3d.device.force.force_port import ForceLoop, SocketForcePort
 from paint3d.device.force.haptic_stylus import (
     decode_force,
@@ -27,11 +29,20 @@ from paint3d.device.force.haptic_stylus import (
     encode_force,
     encode_pose,
 )
-from paint3d.haptics import servo
+from paint3d.device.force.inverse3 import Inverse3Port
+from paint3d.errors import DeviceError, InputError
+from paint3d.haptics import servo, stylus_choice
 from paint3d.haptics.realtime import SCHEDULES
 from paint3d.haptics.servo import ForceFeedback
 from paint3d.haptics.settings import HapticSettings
-from paint3d.haptics.shared_state import RING_COLUMNS, ServoBoard, TreeBlock, percentile_us
+from paint3d.haptics.shared_state import (
+    RING_COLUMNS,
+    ServoBoard,
+    TreeBlock,
+    make_shared_memory,
+    percentile_us,
+)
+from paint3d.haptics.stylus_choice import check_stylus, find_stylus
 from paint3d.pose.calibration import DeviceCalibration
 from paint3d.surface.painted_surface import PaintedSurface
 from scripts.solids import make_plane
@@ -460,3 +471,96 @@ def test_the_benchmark_measures() -> None:
     assert 0.5 < found["strongest force"] <= 7.9
     assert found["pose to force and back, p99"] > 0.0
     assert result.rows[1][1] == pytest.approx(1000.0, rel=0.2)  # its period is a millisecond
+
+
+# -- memory of its process ---------------------------------------------------------------------
+
+
+SMALL = "mount -t tmpfs -o size=64k none /dev/shm"
+USE = """
+from paint3d.haptics.shared_state import make_shared_memory
+from paint3d.errors import DeviceError
+memory = make_shared_memory(60_000)
+memory.buf[:] = bytes(len(memory.buf))  # ends the process where there is no room after all
+try:
+    make_shared_memory(8_000)
+except DeviceError as fault:
+    print(fault)
+memory.close(), memory.unlink()
+"""
+
+
+def test_all_of_it_is_there() -> None:
+    memory = make_shared_memory(0)
+    memory.buf[0] = 7
+    memory.close()
+    memory.unlink()
+
+
+def test_a_small_disk_for_it_ends_nobody(tmp_path: Path) -> None:
+    """As in a container; what was refused leaves nothing there."""
+    root = ["unshare", "--map-root-user", "--mount", "sh", "-c"]
+    if shutil.which("unshare") is None or subprocess.run([*root, SMALL], check=False).returncode:
+        pytest.skip("no disk may be mounted here, not even for oneself")
+    (tmp_path / "use.py").write_text(USE)
+    done = subprocess.run(
+        [*root, f'{SMALL} && "$@" && ls /dev/shm', "sh", sys.executable, tmp_path / "use.py"],
+        capture_output=True, text=True, check=False, cwd=Path(__file__).parents[2],
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.splitlines() == [
+        "no 0.008 MB of memory to share with the stylus' process (No space left on device); "
+        "expected room for them in /dev/shm: a container is given more of it when it is started "
+        "(--shm-size)"
+    ]
+
+
+# -- which stylus is found ---------------------------------------------------------------------
+
+
+def missing(name: str) -> SimpleNamespace:
+    raise DeviceError(f"hidapi's module {name!r} cannot be loaded")
+
+
+def test_without_hidapi_the_others_are_looked_for(monkeypatch) -> None:
+    monkeypatch.setattr(hid_nodes, "backend_module", missing)
+    monkeypatch.setattr(Inverse3Port, "is_served", lambda self: True)
+    monkeypatch.setattr(Inverse3Port, "read_name", lambda self: "0A 1")
+    found = find_stylus("auto")
+    assert (found.kind, found.key) == ("inverse3", "inverse3-0a-1")
+    monkeypatch.setattr(Inverse3Port, "is_served", lambda self: False)
+    assert find_stylus("auto") is None
+    with pytest.raises(DeviceError, match="cannot be loaded"):
+        find_stylus("hid")
+
+
+def test_one_that_is_there_and_does_not_answer_is_passed_over(monkeypatch, caplog) -> None:
+    def asleep(self) -> str:
+        raise DeviceError("it sleeps")
+
+    monkeypatch.setattr(hid_nodes, "backend_module", lambda _: SimpleNamespace(enumerate=list))
+    monkeypatch.setattr(Inverse3Port, "is_served", lambda self: True)
+    monkeypatch.setattr(Inverse3Port, "read_name", asleep)
+    assert find_stylus("auto") is None
+    assert "it sleeps" in caplog.text
+    assert find_stylus("none") is None
+
+
+def test_a_name_of_openhaptics_is_no_file_and_a_file_is_no_name(monkeypatch) -> None:
+    opened = []
+    monkeypatch.setattr(
+        stylus_choice.OpenHapticsPort,
+        "read_limits",
+        lambda self: opened.append((self.name, self.library)) or (2.0, None),
+    )
+    for choice in ("openhaptics=Left Arm", "openhaptics=/opt/libHD.so", "openhaptics"):
+        found = find_stylus(choice)
+        assert (found.limits.max_force, found.limits.max_stiffness) == (2.0, 0.4)
+    assert opened == [("Left Arm", "libHD.so"), ("", "/opt/libHD.so"), ("", "libHD.so")]
+    assert find_stylus("openhaptics=Left Arm").key == "openhaptics-left-arm"
+
+
+@pytest.mark.parametrize("choice", ["", "pen", "hid=/dev/hidraw3", "inverse3=", "auto=1", 5, None])
+def test_what_cannot_be_chosen_is_named(choice) -> None:
+    with pytest.raises(InputError, match="expected auto, hid, openhaptics"):
+        check_stylus(choice)

@@ -18,7 +18,7 @@ from paint3d.colour.layers import (
     to_internal,
     to_measured,
 )
-from paint3d.colour.pigments import pigment_names
+from paint3d.colour.pigments import Pigment, load_drawdown_paints, pigment_names
 
 KNOWN = Path(__file__).parents[2] / "../shared/pigments/km_known_answers.json"
 
@@ -27,6 +27,8 @@ strengths = st.one_of(st.just(0.0), st.floats(1e-12, 1e4))
 coats = st.one_of(st.just(0.0), st.floats(1e-9, 1e3))
 grounds = st.floats(0.0, 1.0)
 names = st.sampled_from(pigment_names())
+weighed = st.sampled_from(list(load_drawdown_paints().values()))
+masses = st.floats(0.01, 100.0)
 
 
 def layer(k, s, x, ground):
@@ -138,3 +140,28 @@ def test_tanh_ratio_of_the_fast_kernels_is_as_close_as_stated():
     exact = np.tanh(np.sqrt(u)) / np.sqrt(u)
     assert np.abs(top / bottom / exact - 1).max() < 8e-6
     assert 1 - np.tanh(6.0) < 1.3e-5
+
+
+@laws
+@given(weighed, masses)
+def test_a_mixture_of_one_paint_is_the_paint(paint, mass):
+    k, s, glossy = mix_pigments({paint: mass})
+    np.testing.assert_allclose(k, paint.K, rtol=1e-12)
+    np.testing.assert_allclose(s, paint.S, rtol=1e-12)
+    assert glossy
+
+
+@laws
+@given(st.lists(weighed, min_size=3, max_size=3, unique_by=id), st.tuples(masses, masses, masses))
+def test_mixing_by_mass_is_associative_and_adds_volumes(paints, parts):
+    """Two paints, stirred and weighed, are a paint: a third in it gives the mixture of all."""
+    (a, b, c), (of_a, of_b, of_c) = paints, parts
+    k, s, _ = mix_pigments({a: of_a, b: of_b})
+    density = (of_a + of_b) / (of_a / a.density + of_b / b.density)
+    stirred = Pigment("stirred", "", k, s, saunderson=True, density=density)
+    at_once = mix_pigments({a: of_a, b: of_b, c: of_c})
+    for one, other in zip(mix_pigments({stirred: of_a + of_b, c: of_c}), at_once, strict=True):
+        np.testing.assert_allclose(one, other, rtol=1e-9)
+    volumes = [m / p.density for m, p in zip(parts, paints, strict=True)]
+    amounts = sum(v * p.K for v, p in zip(volumes, paints, strict=True))
+    np.testing.assert_allclose(at_once[0] * sum(volumes), amounts, rtol=1e-9)

@@ -13,10 +13,15 @@ from scipy.ndimage import gaussian_filter1d
 from scipy.signal import find_peaks
 
 from paint3d.brush.bending import build_tuft
+from paint3d.brush.footprint import make_footprint, stroke_width
 from paint3d.brush.presets import brush_names, load_brush
 from paint3d.brush.spec import BrushSpec
-from paint3d.brush_engine.tuft import greatest_descent
+from paint3d.brush_engine.tuft import STATIONS, greatest_descent, round_diameter, trace_spine
+from paint3d.painter.painter import Painter
+from paint3d.recording.recording import Recording
+from paint3d.surface.painted_surface import PaintedSurface
 from tests.support.outlines import UPRIGHT, lift_off, outline_of, sizes_of
+from tests.support.surface_cases import flat, sheet
 
 FULL = load_brush("full")
 
@@ -133,3 +138,105 @@ def test_a_lift_off_narrows_without_beads(name):
     last = places[half > 0.0].max()
     if is_pointed:
         assert half[np.searchsorted(places, last - 0.1)] < 0.075
+
+
+# -- the footprint -----------------------------------------------------------------------------
+
+
+preset_tufts = st.sampled_from(brush_names()).map(lambda name: build_tuft(load_brush(name)))
+tilts = st.floats(math.pi / 6, math.pi / 2)
+azimuths = st.floats(0.0, 2 * math.pi)
+
+
+@settings(deadline=None, max_examples=60)
+@given(tuft=preset_tufts, tilt=tilts, n=st.integers(5, 300))
+def test_length_width_and_area_grow_strictly_with_pressure(tuft, tilt, n):
+    deepest = min(tuft.full_press, greatest_descent(tuft, tilt))
+    descents = np.linspace(0.0, deepest, n)
+    prints = [make_footprint(tuft, descent, tilt) for descent in descents]
+    sizes = np.array([(p.length, p.width, p.area) for p in prints])
+    touching = np.array([not p.is_empty for p in prints])
+    assert touching[-1]
+    assert (np.diff(touching.astype(int)) >= 0).all()
+    assert (np.diff(sizes[touching], axis=0) > 0.0).all()
+
+
+@settings(deadline=None, max_examples=40)
+@given(tuft=preset_tufts, tilt=tilts, share=st.floats(0.1, 1.0), azimuth=azimuths, heading=azimuths)
+def test_turning_brush_and_motion_together_changes_no_width(tuft, tilt, share, azimuth, heading):
+    descent = share * min(tuft.full_press, greatest_descent(tuft, tilt))
+    still = make_footprint(tuft, descent, tilt)
+    turned = make_footprint(tuft, descent, tilt, azimuth)
+    before = stroke_width(still, (math.cos(heading), math.sin(heading)))
+    after = stroke_width(turned, (math.cos(heading + azimuth), math.sin(heading + azimuth)))
+    assert math.isclose(before, after, rel_tol=1e-9, abs_tol=1e-9)
+
+
+@settings(deadline=None, max_examples=40)
+@given(tuft=preset_tufts, tilt=tilts, share=st.floats(0.4, 1.0), pe=st.floats(0.0, 1.0))
+def test_flat_sections_are_as_wide_as_the_spread(tuft, tilt, share, pe):
+    # Where the spine lies flat (z = 0) the paper cuts a section along its major axis, C_j1 (Eq. 2).
+    descent = share * greatest_descent(tuft, tilt)
+    spine = np.empty((3, STATIONS))
+    trace_spine(tuft, descent, tilt, spine)
+    lying = tuft.arcs[spine[1] < 1e-6 * tuft.length].max()
+    assert lying > 0.0
+    footprint = make_footprint(tuft, descent, tilt, pe=pe)
+    arcs = footprint.reach[0] - footprint.reach
+    flat = (arcs > 0.02 * lying) & (arcs < 0.7 * lying)
+    assert flat.any()
+    widths = [(1 + tuft.spread * pe) * round_diameter(tuft, arc) for arc in arcs[flat]]
+    assert np.allclose(2 * footprint.half_width[flat], widths, rtol=5e-3)
+
+
+@settings(deadline=None, max_examples=40)
+@given(tuft=preset_tufts, tilt=tilts, share=st.floats(0.05, 1.0))
+def test_outline_falls_from_the_tip_and_closes(tuft, tilt, share):
+    footprint = make_footprint(tuft, share * greatest_descent(tuft, tilt), tilt)
+    if footprint.is_empty:
+        return
+    assert (np.diff(footprint.reach) < 0.0).all()
+    assert footprint.half_width[0] == footprint.half_width[-1] == 0.0
+    assert (footprint.half_width[1:-1] > 0.0).all()
+    assert footprint.reach[0] <= tuft.length
+
+
+# -- edges -------------------------------------------------------------------------------------
+
+
+def unevenness(aside: float, pressure: float, step_mm: float, hairs: int | None) -> float:
+    """How much the ink of a row of vertices varies along a stroke, over its mean: the worst row.
+
+    Rows that the outline hardly reaches do not count. The tuft lies `aside` (rad) of where it would
+    trail; edges lie along the rows.
+    """
+    n = 1 + round(40.0 / step_mm)
+    x, half = np.linspace(-20.0, 20.0, n), 0.5 * (math.pi + aside)
+    position = np.stack([x, 0.0 * x, np.full(n, 30.0)], axis=1)
+    turned = np.tile([math.cos(half), 0.0, 0.0, math.sin(half)], (n, 1))
+    surface = PaintedSurface(sheet(flat, (30.0, 30.0), 4.0), 0.25, "porcelain")
+    recording = Recording(np.arange(n) * 8_000_000, position, turned, np.full(n, pressure))
+    Painter(surface, "slender", hairs=hairs).replay(recording)
+    vertices, ink = np.asarray(surface.mesh.vertices, float), surface.amounts.sum(axis=1)
+    far = abs(vertices[:, 0]) < 2.5  # from where the stroke begins and ends
+    rows, row = np.unique(np.round(vertices[far, 1], 3), return_inverse=True)
+    worst = 0.0
+    for i in range(len(rows)):
+        here, there = ink[far][row == i], vertices[far, 0][row == i]
+        if here.mean() > 0.2 and surface.coverage[far][row == i].mean() > 0.15:
+            trend = np.polyval(np.polyfit(there, here, 1), there)  # it runs out of ink
+            worst = max(worst, float((here - trend).std() / here.mean()))
+    assert worst > 0.0
+    return worst
+
+
+@pytest.mark.parametrize("hairs", [None, 300])
+@settings(deadline=None, max_examples=25)
+@given(
+    aside=st.floats(0.6, 2.0),
+    left=st.booleans(),
+    pressure=st.floats(0.15, 0.55),
+    step_mm=st.sampled_from([0.17, 1.0 / 3.0, 0.7]),
+)
+def test_a_tuft_that_goes_sideways_draws_edges_without_teeth(hairs, aside, left, pressure, step_mm):
+    assert unevenness(-aside if left else aside, pressure, step_mm, hairs) < 0.2

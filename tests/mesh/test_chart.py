@@ -1,17 +1,21 @@
 """Closest points, charts by geodesics, placing, and laying pads on surfaces."""
 
+from __future__ import annotations
+
 import numpy as np
 import pytest
+from scipy.interpolate import RectBivariateSpline
 
 from paint3d.core.quaternion import matrices_from_quaternions
 from paint3d.errors import InputError, MeshError, RecordingError
 from paint3d.mesh.bvh import ClosestPoints
-from paint3d.mesh.chart import frame_at, make_chart
+from paint3d.mesh.chart import SplineMap, frame_at, make_chart, unroll
 from paint3d.mesh.placement import place
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.painter.flat_input import LaidPad, lay, size_of
 from paint3d.recording.flat_recording import orientations_from_angles
 from paint3d.recording.recording import Recording
+from scripts.solids import make_plane, make_sphere
 
 
 def sheet(surface, us, vs):
@@ -238,3 +242,63 @@ def test_a_sheet_much_too_large_is_refused_soon(plane, monkeypatch, half):
     with pytest.raises((InputError, MeshError), match=r"surface ends|is 141 mm in size; expected"):
         make_chart(plane, frame, half, half)
     assert sum(asked) < 10_000  # a full grid of them is 160,000 at every step
+
+
+# -- unrolling ---------------------------------------------------------------------------------
+
+
+def chart(mesh, point, half=12.0):
+    surface = ClosestPoints(mesh)
+    return make_chart(surface, frame_at(surface, point, (0.0, 1.0, 0.3)), half, half)
+
+
+@pytest.mark.parametrize(
+    ("mesh", "point"), [(make_plane(), (5.0, 8.0, 0.0)), (make_sphere(), (0.0, -75.0, 20.0))]
+)
+def test_points_come_back_to_where_they_were_laid(mesh, point):
+    flat = np.random.default_rng(3).uniform(-11.9, 11.9, (300, 2))
+    sheet = chart(mesh, point)
+    assert np.allclose(unroll(sheet, sheet.points(flat)), flat, atol=1e-4)
+    lifted = sheet.points(flat) + 0.2 * sheet.normals(flat)
+    assert np.allclose(unroll(sheet, lifted), flat, atol=0.01)
+
+
+def test_points_beyond_the_sheet_have_no_place_on_it():
+    sheet = chart(make_plane(), (0.0, 0.0, 0.0))
+    out = unroll(sheet, [[12.3, 0.0, 0.0], [0.0, -40.0, 0.0], [11.0, 11.0, 0.0]])
+    assert np.isnan(out[:2]).all()
+    assert np.isfinite(out[2]).all()
+    assert unroll(sheet, np.empty((0, 3))).shape == (0, 2)
+
+
+def test_what_is_no_point_is_refused():
+    with pytest.raises(InputError, match="points"):
+        unroll(chart(make_plane(), (0.0, 0.0, 0.0)), [[1.0, 2.0]])
+
+
+# -- splines over a grid -----------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("nodes", [(4, 4), (5, 41), (33, 8)])
+@pytest.mark.parametrize("order", [(0, 0), (1, 0), (0, 1)])
+def test_functions_are_those_of_scipy_to_the_bit(
+    nodes: tuple[int, int], order: tuple[int, int]
+) -> None:
+    chance = np.random.default_rng(3)
+    xs = np.sort(chance.uniform(-60.0, 60.0, nodes[0]))
+    ys = np.linspace(-7.3, 5.1, nodes[1])
+    values = chance.normal(size=(*nodes, 3)).cumsum(axis=0)
+    xy = chance.uniform([xs[0], ys[0]], [xs[-1], ys[-1]], (5000, 2))
+    xy[: nodes[0], 0], xy[-nodes[1] :, 1] = xs, ys  # on the nodes, too
+    xy[100:102] = [[xs[0], ys[0]], [xs[-1], ys[-1]]]
+    found = SplineMap(xs, ys, values)(xy, *order)
+    for f in range(3):
+        expected = RectBivariateSpline(xs, ys, values[..., f]).ev(*xy.T, *order)
+        np.testing.assert_array_equal(found[:, f], expected)
+
+
+def test_beyond_the_grid_the_rim_holds() -> None:
+    xs, ys = np.linspace(0.0, 6.0, 7), np.linspace(0.0, 4.0, 5)
+    values = np.stack(np.meshgrid(xs, ys, indexing="ij"), axis=-1)
+    found = SplineMap(xs, ys, values)(np.array([[-1.0, 2.0], [7.0, 9.0]]))
+    np.testing.assert_allclose(found, [[0.0, 2.0], [6.0, 4.0]], atol=1e-12)

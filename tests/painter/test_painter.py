@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
+from paint3d.brush.bending import build_tuft
 from paint3d.brush.presets import load_brush
 from paint3d.colour.pigments import load_pigment
 from paint3d.errors import InputError, RecordingError, UnknownNameError
@@ -14,6 +17,7 @@ from paint3d.painter import painter as engine
 from paint3d.painter.painter import DIP, Painter
 from paint3d.recording.recording import Recording
 from paint3d.surface.painted_surface import PaintedSurface
+from tests.support.outlines import lift_off
 from tests.support.surface_cases import UPRIGHT, flat, poses, sheet
 
 UP = (0.0, 0.0, 1.0)
@@ -380,3 +384,104 @@ def test_loads_that_are_none_are_refused(told):
     recording = dataclasses.replace(recording, header={**recording.header, "loads": told})
     with pytest.raises(RecordingError, match=r"loads are .* expected pairs"):
         Painter(surface()).replay(recording)
+
+
+# -- the time that ink is given at the end -----------------------------------------------------
+
+
+LAST_NS = 1_020_000_000  # between two pieces
+
+
+def wet_painter() -> Painter:
+    surface = PaintedSurface(sheet(flat, (12.0, 6.0), 2.0), 0.8, "xuan")
+    painter = Painter(surface, "slender", {"pine soot": 0.2, "water": 0.8})
+    x = np.linspace(-8.0, 8.0, 20)
+    points = np.stack([x, 0.0 * x, 0.0 * x], axis=1)
+    pressure = np.full(20, 0.4)
+    painter.replay(poses(points, (0.0, 0.0, 1.0), (-1.0, 0.0, 0.0), pressure, "slender"), wet=True)
+    return painter
+
+
+def test_ink_gets_its_own_time_though_it_stands_still_now_and_then(monkeypatch) -> None:
+    painter = wet_painter()
+    passed, shares, standing = [], [], [False, True, True, False, True]
+    follow = painter.surface.follow_time
+
+    def followed(seconds: float) -> bool:
+        if painter.surface.keeps_up:
+            passed.append(seconds)
+        follow(seconds)
+        painter.surface.keeps_up = not (standing and standing.pop())
+        return painter.surface.keeps_up
+
+    monkeypatch.setattr(painter.surface, "follow_time", followed)
+    painter.rest(LAST_NS, 0.5, shares.append)
+    assert passed == [0.05] * 10
+    assert len(shares) == 13
+    assert shares == sorted(shares)
+    assert len(set(shares)) == 10
+    assert shares[-1] == 1.0
+
+
+@pytest.mark.parametrize(("seconds", "pieces"), [(0.0, 0), (0.02, 0), (0.03, 1), (0.08, 2)])
+def test_pieces_go_on_from_the_last_sample(seconds: float, pieces: int) -> None:
+    shares: list[float] = []
+    wet_painter().rest(LAST_NS, seconds, shares.append)
+    assert len(shares) == pieces
+
+
+@pytest.mark.parametrize("seconds", [3600.0, 1e300])
+def test_no_more_time_passes_once_the_ink_is_dry(seconds: float) -> None:
+    painter, shares = wet_painter(), []
+    painter.surface.dry()
+    painter.rest(LAST_NS, seconds, shares.append)
+    assert len(shares) == 1
+    assert shares[0] < 1e-3
+
+
+@pytest.mark.parametrize("seconds", [math.nan, math.inf, -1.0, "long"])
+def test_a_rest_that_is_no_time_is_refused(seconds: float) -> None:
+    with pytest.raises(InputError, match=r"rest \(s\)"):
+        wet_painter().rest(LAST_NS, seconds)
+
+
+# -- lifting the brush -------------------------------------------------------------------------
+
+
+BEGINS, LIFT_MM = 0.25, 14.0  # 70 ms of a hand of 200 mm/s
+RESOLUTION = 0.1  # mm
+COLUMN = 0.5  # mm: rows of vertices, 2 / 16 mm apart, fall evenly into it
+THIN = 1.0  # mm
+
+
+def painted_widths(hairs: int | None, azimuth: str) -> tuple[NDArray, NDArray, float]:
+    """Middles of columns (mm), how wide all the mark is there (mm), and where it ends (mm)."""
+    x = np.arange(-14.0, LIFT_MM + 1e-9, 0.8)  # 250 samples a second
+    places = np.stack([x, 0.0 * x, 0.0 * x], axis=1)
+    pressure = BEGINS * np.clip(1.0 - x / LIFT_MM, 0.0, 1.0)
+    recording = poses(places, (0.0, 0.0, 1.0), (-1.0, 0.0, 0.0), pressure, "full", rate=250.0)
+    surface = PaintedSurface(sheet(flat, (22.0, 7.0), 2.0), RESOLUTION, "porcelain")
+    Painter(surface, "full", azimuth=azimuth, hairs=hairs).replay(recording)
+    along, cover = np.asarray(surface.paint_mesh.vertices)[:, 0], surface.coverage
+    edges = np.arange(0.2, LIFT_MM + 1.0, COLUMN)
+    areas, _ = np.histogram(along, edges, weights=np.minimum(cover, 1.0) * surface.vertex_areas)
+    return edges[:-1] + 0.5 * COLUMN, areas / COLUMN, float(along[cover > 0.2].max())
+
+
+@pytest.mark.parametrize("azimuth", ["commanded", "dragged"])
+@pytest.mark.parametrize(("hairs", "narrower"), [(None, 0.04), (1000, 0.32)])
+def test_a_tail_is_as_long_as_the_way_that_a_footprint_is_narrow(hairs, narrower, azimuth):
+    """No lag and no raster shortens it, and nothing of it swells; hairs end .9 mm sooner."""
+    meant, half = lift_off(build_tuft(load_brush("full")), BEGINS, LIFT_MM)
+    at, width, end = painted_widths(hairs, azimuth)
+    on_the_way = at < end - 0.5 * COLUMN
+    at, width = at[on_the_way], width[on_the_way]
+    missing = np.interp(at, meant, 2.0 * half) - width
+    assert missing.min() > -0.04
+    assert missing.max() < narrower
+    tail = end - np.interp(-THIN, -width, at)
+    assert tail == pytest.approx(meant[half > 0.0][-1] - meant[half > 0.5 * THIN][-1], abs=0.25)
+    assert end > LIFT_MM - 1.1
+    slope = -np.diff(width) / COLUMN
+    assert slope.min() > 0.0
+    assert np.abs(np.diff(slope)).max() < 0.06

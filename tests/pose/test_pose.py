@@ -1,8 +1,14 @@
 """Two hands to one pose, and what is between two samples."""
 
+from __future__ import annotations
+
+from pathlib import Path
+
 import numpy as np
 import pytest
 
+from paint3d.brush.fitting import press_errors, read_presses
+from paint3d.brush.presets import load_brush
 from paint3d.core.quaternion import multiply_quaternions, rotate
 from paint3d.errors import RecordingError
 from paint3d.pose.brush_pose import BrushPath, brush_poses, joined_samples, object_poses, velocities
@@ -190,3 +196,17 @@ def test_resampling_keeps_the_ends_and_refuses_silly_rates():
         resample(recording, 0.0)
     with pytest.raises(RecordingError, match="expected at most"):
         resample(recording, 1e9)
+
+
+# -- the calibrated brush ----------------------------------------------------------------------
+
+
+TABLE = Path(__file__).parents[2] / ".." / "shared" / "calibration" / "real_brush.csv"
+
+
+@pytest.mark.skipif(not TABLE.exists(), reason="the measured presses are not here")
+def test_calibrated_brush_is_as_near_as_the_model_says():
+    width, heel, length = press_errors(load_brush("calibrated"), read_presses(TABLE))
+    assert width < 0.72  # readings of one depth scatter by 1.06
+    assert heel < 0.86
+    assert length < 2.5

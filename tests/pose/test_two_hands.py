@@ -23,6 +23,7 @@ from paint3d.pose.calibration import (
 )
 from paint3d.pose.steering import ObjectPose, SteeringOptions
 from paint3d.pose.two_hands import SmoothingSettings, TwoHands, lag_s, smooth_pose
+from scripts.two_hands_minute import simulate
 
 QUICK = settings(deadline=None, max_examples=25)
 MS = 1_000_000
@@ -266,3 +267,17 @@ def test_a_break_locks_the_clock_anew() -> None:
     at, clock = stamp(clock, 2 * 10**9, 8)
     assert at == 2 * 10**9
     assert clock.lost == 0
+
+
+# -- a minute ----------------------------------------------------------------------------------
+
+
+def test_no_sample_is_lost_and_nothing_drifts() -> None:
+    found = simulate(6.0, resolution=2.0)  # a swing, a rest, and a second more
+    assert found.painted == found.sent == 6000
+    assert found.late == 0
+    assert found.ring_error_mm < 0.003
+    assert found.last_second_error_mm < 0.003
+    assert found.turn_error < 1e-9
+    assert found.ink_error < 1e-6  # wet ink is kept in single precision
+    assert 1.0 < found.strongest_n < 7.9

@@ -1,5 +1,7 @@
 """Ink in the surface: it spreads and stops, keeps its mass, and does not see the triangles."""
 
+from __future__ import annotations
+
 import dataclasses
 import functools
 
@@ -7,10 +9,12 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.ndimage import uniform_filter
 from scipy.spatial import Delaunay
 
 import paint3d
 import paint3d.surface.flow as flows
+import paint3d.surface.pores as pores
 from paint3d.colour.materials import WET_COAT_MM, WET_INK_MM, Material, load_material
 from paint3d.colour.pigments import load_pigment
 from paint3d.errors import InputError, PigmentError
@@ -18,8 +22,10 @@ from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.surface.flow_graph import graph_of_triangles
 from paint3d.surface.kernels.diffusion import activate_cells
 from paint3d.surface.kernels.grain import fill_grain
+from paint3d.surface.kernels.wet_graph import grade_paces, group_blocks
 from paint3d.surface.kernels.wet_step import TOO_LITTLE_ROOM, Drink, Room, WetFields, move_water
 from paint3d.surface.painted_surface import PaintedSurface
+from paint3d.surface.pores import fibre_relief
 from paint3d.surface.wet_patch import WetPatch
 
 XUAN = load_material("xuan")
@@ -642,3 +648,122 @@ def test_still_water_waits_for_its_step():
     assert surface.follow_flow(0.5 * surface.flow_patience)
     assert surface.flow.steps == steps
     assert not PaintedSurface(grid(4, 1.0), None, SMOOTH).flow_patience < np.inf
+
+
+# -- blocks that are moved together ------------------------------------------------------------
+
+
+SIDE = 6
+
+
+def lattice():
+    """Blocks of a square: the run of each one's neighbours, and these."""
+    n = SIDE * SIDE
+    row, column = np.divmod(np.arange(n), SIDE)
+    near = (np.abs(row[:, None] - row) <= 1) & (np.abs(column[:, None] - column) <= 1)
+    np.fill_diagonal(near, False)
+    last = np.cumsum(near.sum(axis=1))
+    return near, last - near.sum(axis=1), last, np.nonzero(near)[1].astype(np.int32)
+
+
+def some_blocks():
+    return st.sets(st.integers(0, SIDE * SIDE - 1), min_size=1).map(
+        lambda blocks: np.array(sorted(blocks), np.int64)
+    )
+
+
+@settings(max_examples=60, deadline=None)
+@given(some_blocks())
+def test_no_block_lies_next_to_two_groups(blocks):
+    near, first, last, beside = lattice()
+    head, group = np.full(SIDE * SIDE, -1, np.int32), np.empty(len(blocks), np.int32)
+    count = group_blocks(blocks, first, last, beside, head, group)
+    assert (head == -1).all()
+    reach = near | np.eye(SIDE * SIDE, dtype=bool)
+    meets = (reach[blocks].astype(int) @ reach[:, blocks].astype(int)) > 0
+    for _ in range(SIDE * SIDE):  # whoever meets through others meets
+        meets = (meets.astype(int) @ meets.astype(int)) > 0
+    np.testing.assert_array_equal(group[:, None] == group, meets)
+    assert sorted(set(group.tolist())) == list(range(count))
+    assert group[0] == 0
+
+
+@settings(max_examples=60, deadline=None)
+@given(some_blocks(), st.sampled_from([1.01, 1.15, 2.0]), st.integers(0, 2**31))
+def test_steps_differ_little_from_block_to_block(wet, most, seed):
+    near, first, last, beside = lattice()
+    pace = np.full(SIDE * SIDE, np.inf, np.float32)
+    pace[wet] = np.exp(np.random.default_rng(seed).uniform(-3, 3, len(wet)))
+    before = pace.copy()
+    grade_paces(wet, first, last, beside, most, pace)
+    assert (pace <= before).all()
+    assert pace.min() == before.min()
+    both = near[np.ix_(wet, wet)]
+    quotient = pace[wet][:, None] / pace[wet]
+    assert quotient[both].max(initial=0.0) <= most * (1 + 1e-6)
+
+
+# -- fibres ------------------------------------------------------------------------------------
+
+
+STEP = 0.06  # mm
+
+
+def square(normal=(0.0, 0.0, 1.0), side=240):
+    """Points (N, 3) of a square that faces a direction, row by row."""
+    normal = np.array(normal) / np.linalg.norm(normal)
+    u = np.cross(normal, [0.31, 0.7, 0.2])
+    u /= np.linalg.norm(u)
+    i, j = np.meshgrid(*[STEP * np.arange(side)] * 2)
+    return i.reshape(-1, 1) * u + j.reshape(-1, 1) * np.cross(normal, u)
+
+
+def coherence(height, side=240, window=200):
+    """Mean of how far heights on a square vary in one direction only, near each place: 0 to 1."""
+    gy, gx = np.gradient(height.reshape(side, side))
+    xx, yy, xy = (uniform_filter(part, window) for part in (gx * gx, gy * gy, gx * gy))
+    return np.mean(np.hypot(xx - yy, 2.0 * xy) / (xx + yy + 1e-12))
+
+
+def test_a_place_has_the_same_fibres_whoever_asks():
+    points = square(side=40)
+    some = np.random.default_rng(1).permutation(len(points))[:300]
+    np.testing.assert_array_equal(fibre_relief(points, 0.3)[some], fibre_relief(points[some], 0.3))
+
+
+@pytest.mark.parametrize("normal", [(0, 0, 1), (1, 0, 0), (0.4, 0.5, 0.7)])
+def test_no_direction_prevails(normal):
+    points = square(normal)
+    relief = fibre_relief(points, 0.3)
+    assert abs(relief.mean()) < 0.25
+    assert relief.std() > 0.3
+    assert coherence(relief) < 0.2  # over 12 mm no direction prevails
+
+
+@pytest.mark.parametrize("material", ["xuan", "tinted xuan", "sized xuan", "silk"])
+def test_a_sheet_has_the_same_flocs_however_far_apart_its_vertices_lie(material):
+    """Fibres fade where vertices are too far apart to show them; what is left does not change."""
+    points, drink = 10.0 * square(side=40), load_material(material)
+    coarse = pores.find_pores(points, drink, 3.0)
+    for name, there in pores.find_pores(points, drink, 1.1999)._asdict().items():
+        np.testing.assert_allclose(getattr(coarse, name), there, rtol=1e-3, atol=1e-6, err_msg=name)
+
+
+def outline_turns():
+    """How much the outline of a drop's soot goes in and out from one 30th to the next, mm."""
+    surface = drop(PaintedSurface(grid(16.0, 0.2), None, "xuan"), 1.0)
+    drop(surface, 2.0, ink="water").diffuse(20.0)
+    points = surface.paint_mesh.vertices
+    away, angle = np.linalg.norm(points[:, :2], axis=1), np.arctan2(points[:, 1], points[:, 0])
+    ink = everything(surface)
+    inked = ink > 0.03 * np.median(ink[away < 1.5])
+    cell = ((angle + np.pi) / (2 * np.pi) * 30).astype(int) % 30  # some .8 mm: four vertices
+    rim = [away[inked & (cell == k)].max(initial=0.0) for k in range(30)]
+    return np.abs(np.diff(rim, n=2)).mean()
+
+
+def test_ink_feathers_in_fine_points_along_fibres(monkeypatch):
+    feathered = outline_turns()
+    for name in ("_FIBRES_OF_WAYS", "_FIBRES_OF_SIEVE", "_FIBRES_OF_CATCH"):
+        monkeypatch.setattr(pores, name, 0.0)
+    assert feathered > 1.8 * outline_turns()

@@ -1,11 +1,17 @@
 """The painted surface: what it takes, what it keeps while it grows, what it hands out."""
 
+from __future__ import annotations
+
 import numpy as np
 import pytest
 
 import paint3d
 from paint3d.colour.pigments import load_pigment
-from paint3d.errors import InputError, UnknownNameError
+from paint3d.errors import InputError, SessionError, UnknownNameError
+from paint3d.surface.painted_surface import PaintedSurface
+from paint3d.surface.undo import UndoHistory
+from paint3d.surface.undo_state import restore_undo, undo_state
+from scripts.solids import make_plane
 
 
 @pytest.mark.parametrize("name", ["plane", "sphere"])
@@ -86,3 +92,23 @@ def test_an_unknown_material_is_named():
 def test_only_meshes_can_be_painted():
     with pytest.raises(InputError, match=r"expected \(vertices, faces\)"):
         paint3d.PaintedSurface("bowl")
+
+
+# -- undo --------------------------------------------------------------------------------------
+
+
+def layered() -> PaintedSurface:
+    surface = PaintedSurface(make_plane(), resolution=None)
+    surface.use_layers()
+    return surface
+
+
+def test_steps_are_not_read_onto_a_surface_without_layers() -> None:
+    surface = layered()
+    history = UndoHistory(surface)
+    history.begin("step")
+    history.change(surface.use_layers().state, lambda: surface.use_layers().add("above", 1))
+    saved = undo_state(surface, history, 1 << 20)
+    bare = PaintedSurface(make_plane(), resolution=None)
+    with pytest.raises(SessionError, match="no layers; expected those that the steps were made on"):
+        restore_undo(bare, UndoHistory(bare), saved.state, saved.done, saved.undone, saved.kept)

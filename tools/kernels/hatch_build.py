@@ -1,4 +1,4 @@
-"""Compile the kernels when a wheel is built, for every kind of processor that it may meet.
+"""Compile catalogues and kernels when a wheel is built, for every processor that it may meet.
 
 The wheel is for this machine's architecture, or for the one that ``PAINT3D_WHEEL_FOR`` names;
 ``PAINT3D_WHEEL_FOR=pure`` builds one without compiled kernels, for any machine.
@@ -28,6 +28,9 @@ kernels, and numba compiles them when they are first used, which takes some minu
 class KernelsHook(BuildHookInterface):
     """Adds the library of compiled kernels, or fails; a wheel lacks it only where that is asked.
 
+    What the studio says in other languages (`tools.texts`) is compiled beside its sources, also for
+    an editable install.
+
     A wheel with the library needs no numba. What it requires is said in pyproject.toml for all that
     may have to compile (the source archive, editable installs, pure wheels), and is taken out here:
     so a wheel never lacks it by mistake, whatever reads its requirements before it is built.
@@ -39,6 +42,10 @@ class KernelsHook(BuildHookInterface):
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
         """Build what is stale, into a folder that stays."""
+        places = [self.root, os.environ.get("PYTHONPATH")]  # the latter is how pip gives packages
+        surroundings = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, places))}
+        words = [sys.executable, "-m", "tools.texts", "--compile"]
+        subprocess.run(words, cwd=self.root, env=surroundings, check=True)
         if version == "editable":
             return  # scripts/install builds it, for this machine only
         wanted = os.environ.get(_FOR) or "own"
@@ -46,11 +53,10 @@ class KernelsHook(BuildHookInterface):
             return
         folder = Path(self.root, "build", "kernels", wanted)
         words = ["--for", wanted, "--into", os.fspath(folder)]
-        places = [self.root, os.environ.get("PYTHONPATH")]  # the latter is how pip gives numba
         run = subprocess.run(
             [sys.executable, "-m", "tools.kernels", *words],
             cwd=self.root,
-            env={**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, places))},
+            env=surroundings,
             check=False,
         )
         if run.returncode:

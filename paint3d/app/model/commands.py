@@ -33,7 +33,7 @@ from paint3d.app.model.score.words import (
 from paint3d.brush.presets import brush_names
 from paint3d.brush.spec import BristleSpec, BrushSpec
 from paint3d.colour.pigments import Pigment
-from paint3d.errors import SessionError
+from paint3d.errors import Message, SessionError
 from paint3d.surface.painted_surface import PaintedSurface
 
 __all__ = [
@@ -42,6 +42,7 @@ __all__ = [
     "GROUPS",
     "MENUS",
     "SHORTCUTS",
+    "TITLES",
     "TOOLS",
     "Command",
     "Shortcut",
@@ -60,6 +61,19 @@ that touch and leave."""
 GROUPS = ("file", "edit", "brush", "ink", "stroke", "view", "layers", "window")
 """Parts of the list of shortcuts."""
 
+TITLES = {
+    "file": Message("File"),
+    "edit": Message("Edit"),
+    "brush": Message("Brush"),
+    "ink": Message("Ink"),
+    "stroke": Message("Stroke"),
+    "view": Message("View"),
+    "layers": Message("Layers"),
+    "window": Message("Window"),
+    "help": Message("Help"),
+}
+"""What menus and groups are called."""
+
 
 @dataclass(frozen=True)
 class Command:
@@ -69,6 +83,8 @@ class Command:
     ----------
     name : str
         Of the method of `Document` and of ``do_<name>`` in the window.
+    text : str
+        Its name for users, in English; empty for what they ask for by none.
     keys : sequence of str
         Pressed for it, as Qt's `QKeySequence` writes them: "Ctrl+Shift+Z"; a key of the keypad is
         "Num+" and what it says with NumLock.
@@ -76,8 +92,6 @@ class Command:
         Other ways to ask for it (`GESTURES`). Mouse buttons are "Left", "Middle", "Right", and the
         wheel "Wheel"; "Pen 1" and "Pen 2" are a pen's buttons, "Fingers 2" is two fingers, "Beside"
         is a drag that begins beside the object.
-    text : str
-        Its name for users: a key of the texts; by default "action.<name>".
     icon : str
         See `app.window.icons`; empty for none.
     menu, group : str
@@ -101,11 +115,11 @@ class Command:
     """
 
     name: str
+    text: str = ""
     keys: Sequence[str] = ()
     hold: Sequence[str] = ()
     drag: Sequence[str] = ()
     tap: Sequence[str] = ()
-    text: str = ""
     icon: str = ""
     menu: str = ""
     group: str = ""
@@ -116,11 +130,6 @@ class Command:
     step: str = ""
     cost: float = 1.0
     written_as: str = ""
-
-    @property
-    def label(self) -> str:
-        """The key of its text."""
-        return self.text or f"action.{self.name}"
 
 
 @dataclass(frozen=True)
@@ -158,20 +167,8 @@ def _menu(name: str, *rows: _Row) -> tuple[_Row, ...]:
 def _brush_rows() -> Iterable[Command]:
     keys = [*"1234567890", *(f"Ctrl+{digit}" for digit in "123456789")]
     for k, name in enumerate(brush_names(), 1):
-        yield Command(f"brush_{k}", keys[k - 1 : k], text=name)
+        yield Command(f"brush_{k}", name, keys[k - 1 : k])
 
-
-_view_keys = {
-    "left": ("Left", "4"), "right": ("Right", "6"), "up": ("Up", "8"), "down": ("Down", "2"),
-}  # fmt: skip
-_turns = (
-    Command(f"turn_{to}", (arrow, f"Num+{digit}"), on_picture=True)
-    for to, (arrow, digit) in _view_keys.items()
-)
-_pans = (
-    Command(f"pan_{to}", (f"Shift+{arrow}", f"Ctrl+Num+{digit}"), on_picture=True)
-    for to, (arrow, digit) in _view_keys.items()
-)
 
 # The order is that of the menus. Keys are those that artists know from other programs: B brush, [ ]
 # size and F held for a drag as in Blender and Krita, X swaps and I picks as in Photoshop, Alt with
@@ -180,27 +177,28 @@ _pans = (
 _TABLE: tuple[_Row, ...] = (
     *_menu(
         "file",
-        Command("new", ["Ctrl+N"], icon="new", always=True),
-        Command("open", ["Ctrl+O"], icon="open", always=True),
-        Command("save", ["Ctrl+S"], icon="save"),
-        Command("save_as", ["Ctrl+Shift+S"]),
-        Command("export", ["Ctrl+E"], icon="export"),
+        Command("new", "New painting…", ["Ctrl+N"], icon="new", always=True),
+        Command("open", "Open…", ["Ctrl+O"], icon="open", always=True),
+        Command("save", "Save", ["Ctrl+S"], icon="save"),
+        Command("save_as", "Save as…", ["Ctrl+Shift+S"]),
+        Command("export", "Export…", ["Ctrl+E"], icon="export"),
         _PART,
-        Command("screenshot", ["F12"], icon="camera"),
-        Command("turntable", ["Ctrl+Shift+E"], icon="orbit"),
-        Command("growth", text="Film of the painting growing…"),
+        Command("screenshot", "Screenshot", ["F12"], icon="camera"),
+        Command("turntable", "Turntable…", ["Ctrl+Shift+E"], icon="orbit"),
+        Command("growth", "Film of the painting growing…"),
         _PART,
-        Command("record", ["Ctrl+R"], icon="record", group="stroke", checkable=True),
-        Command("replay", ["Ctrl+Shift+R"], icon="play", group="stroke"),
-        Command("save_recording", text="Save the strokes as a recording…"),
+        Command("record", "Record", ["Ctrl+R"], icon="record", group="stroke", checkable=True),
+        Command("replay", "Replay", ["Ctrl+Shift+R"], icon="play", group="stroke"),
+        Command("save_recording", "Save the strokes as a recording…"),
         _PART,
-        Command("quit", ["Ctrl+Q"], always=True),
+        Command("quit", "Quit", ["Ctrl+Q"], always=True),
     ),
     *_menu(
         "edit",
-        Command("undo", ["Ctrl+Z"], tap=["Fingers 2"], icon="undo", codec=PLAIN, cost=50.0),
+        Command("undo", "Undo", ["Ctrl+Z"], tap=["Fingers 2"], icon="undo", codec=PLAIN, cost=50.0),
         Command(
             "redo",
+            "Redo",
             ["Ctrl+Shift+Z", "Ctrl+Y"],
             tap=["Fingers 3"],
             icon="redo",
@@ -208,132 +206,162 @@ _TABLE: tuple[_Row, ...] = (
             cost=50.0,
         ),
         _PART,
-        Command("cancel_stroke", ["Esc"], group="stroke", codec=PLAIN),
+        Command("cancel_stroke", "Cancel the stroke", ["Esc"], group="stroke", codec=PLAIN),
         _PART,
-        Command("lay_out", text="Lay out a text…"),
-        Command("arrange_text", ["T"], checkable=True),
-        Command("sign", text="Signature and date…"),
+        Command("lay_out", "Lay out a text…"),
+        Command("arrange_text", "Move and turn texts", ["T"], checkable=True),
+        Command("sign", "Signature and date…"),
         _PART,
-        Command("stand", text="Turn and scale the object…"),
+        Command("stand", "Turn and scale the object…"),
         _PART,
-        Command("preferences", ["Ctrl+,"], always=True),
+        Command("preferences", "Preferences…", ["Ctrl+,"], always=True),
     ),
     *_menu(
         "brush",
-        Command("smaller", ["["]),
-        Command("larger", ["]"]),
-        Command("smoothing", ["Shift+S"], checkable=True, always=True),
-        Command("brush", ["B"], text="Show the brush", icon="brush", checkable=True, always=True),
+        Command("smaller", "Smaller brush", ["["]),
+        Command("larger", "Larger brush", ["]"]),
+        Command("smoothing", "Steady the stroke", ["Shift+S"], checkable=True, always=True),
+        Command("brush", "Show the brush", ["B"], icon="brush", checkable=True, always=True),
         _PART,
         *_brush_rows(),
         _PART,
-        Command("edit_brush", text="Edit the brush…"),
-        Command("open_brush", text="Open a brush…"),
+        Command("edit_brush", "Edit the brush…"),
+        Command("open_brush", "Open a brush…"),
     ),
     *_menu(
         "ink",
-        Command("dip", ["D"], icon="dip", codec=DIP),
-        Command("dip_tip", ["Shift+D"]),
-        Command("rinse", ["R"], icon="rinse", codec=PLAIN),
-        Command("wipe", ["W"], codec=PLAIN),
+        Command("dip", "Dip", ["D"], icon="dip", codec=DIP),
+        Command("dip_tip", "Dip the tip", ["Shift+D"]),
+        Command("rinse", "Rinse", ["R"], icon="rinse", codec=PLAIN),
+        Command("wipe", "Wipe", ["W"], codec=PLAIN),
         _PART,
-        Command("swap_inks", ["X"], icon="swap", codec=PLAIN, written_as="dip"),
-        Command("pick_colour", ["I"], icon="pick", codec=PLAIN, written_as="dip"),
+        Command("swap_inks", "Swap inks", ["X"], icon="swap", codec=PLAIN, written_as="dip"),
+        Command("pick_colour", "Pick the ink", ["I"], icon="pick", codec=PLAIN, written_as="dip"),
         _PART,
-        Command("choose_colour", text="Mix a colour…"),
-        Command("open_pigments", text="Open a table of pigments…"),
-        Command("forget_pigments", text="Remove own pigments"),
+        Command("choose_colour", "Mix a colour…"),
+        Command("open_pigments", "Open a table of pigments…"),
+        Command("forget_pigments", "Remove own pigments"),
         _PART,
-        Command("wet", text="surface.wet", icon="water", checkable=True),
-        Command("dry", ["Shift+W"], icon="dry", codec=PLAIN, step="dry"),
+        Command("wet", "Ink spreads and dries", icon="water", checkable=True),
+        Command(
+            "dry", "Let everything dry", ["Shift+W"], icon="dry", codec=PLAIN, step=Message("dry")
+        ),
         _PART,
-        Command("seal", text="Press a seal…"),
+        Command("seal", "Press a seal…"),
     ),
     *_menu(
         "stroke",
-        Command("mirror", ["M"], icon="mirror", checkable=True),
-        Command("radial", ["Shift+M"], icon="radial", checkable=True),
+        Command("mirror", "Mirror", ["M"], icon="mirror", checkable=True),
+        Command("radial", "Radial symmetry", ["Shift+M"], icon="radial", checkable=True),
         _PART,
-        Command("mask", ["K"], icon="mask", checkable=True),
-        Command("pick_region", ["Shift+K"]),
-        Command("clear_mask", ["Ctrl+Shift+K"]),
+        Command("mask", "Mask", ["K"], icon="mask", checkable=True),
+        Command("pick_region", "Mask the region under the pointer", ["Shift+K"]),
+        Command("clear_mask", "Clear the mask", ["Ctrl+Shift+K"]),
         _PART,
-        Command("refine", text="Refine the whole surface now", icon="refine"),
+        Command("refine", "Refine the whole surface now", icon="refine"),
     ),
     *_menu(
         "view",
-        Command("frame_all", ["Home", "Num+5"], icon="frame"),
-        Command("frame_selected", ["F", "Num+."]),
-        Command("nearer", ["+", "=", "Num++"]),
-        Command("farther", ["-", "Num+-"]),
+        Command("frame_all", "Show everything", ["Home", "Num+5"], icon="frame"),
+        Command("frame_selected", "Show what is under the pointer", ["F", "Num+."]),
+        Command("nearer", "Nearer", ["+", "=", "Num++"]),
+        Command("farther", "Farther", ["-", "Num+-"]),
         _PART,
-        Command("look_front", ["Num+1"]),
-        Command("look_back", ["Ctrl+Num+1"]),
-        Command("look_left", ["Ctrl+Num+3"]),
-        Command("look_right", ["Num+3"]),
-        Command("look_top", ["Num+7"]),
-        Command("look_bottom", ["Ctrl+Num+7"]),
+        Command("look_front", "From the front", ["Num+1"]),
+        Command("look_back", "From behind", ["Ctrl+Num+1"]),
+        Command("look_left", "From the left", ["Ctrl+Num+3"]),
+        Command("look_right", "From the right", ["Num+3"]),
+        Command("look_top", "From above", ["Num+7"]),
+        Command("look_bottom", "From below", ["Ctrl+Num+7"]),
         _PART,
-        *_turns,
+        Command("turn_left", "Turn to the left", ["Left", "Num+4"], on_picture=True),
+        Command("turn_right", "Turn to the right", ["Right", "Num+6"], on_picture=True),
+        Command("turn_up", "Turn upward", ["Up", "Num+8"], on_picture=True),
+        Command("turn_down", "Turn downward", ["Down", "Num+2"], on_picture=True),
         _PART,
-        *_pans,
+        Command("pan_left", "Move to the left", ["Shift+Left", "Ctrl+Num+4"], on_picture=True),
+        Command("pan_right", "Move to the right", ["Shift+Right", "Ctrl+Num+6"], on_picture=True),
+        Command("pan_up", "Move upward", ["Shift+Up", "Ctrl+Num+8"], on_picture=True),
+        Command("pan_down", "Move downward", ["Shift+Down", "Ctrl+Num+2"], on_picture=True),
         _PART,
-        Command("roll_left", ["Ctrl+[", "Num+/"]),
-        Command("roll_right", ["Ctrl+]", "Num+*"]),
-        Command("upright", ["Shift+Home", "Num+0"]),
+        Command("roll_left", "Roll anticlockwise", ["Ctrl+[", "Num+/"]),
+        Command("roll_right", "Roll clockwise", ["Ctrl+]", "Num+*"]),
+        Command("upright", "Hold upright", ["Shift+Home", "Num+0"]),
         _PART,
-        Command("grips", text="Grips on the picture", checkable=True, always=True),
-        Command("show_mask", text="Show the mask", checkable=True, always=True),
+        Command("grips", "Grips on the picture", checkable=True, always=True),
+        Command("show_mask", "Show the mask", checkable=True, always=True),
     ),
     *_menu(
         "layers",
-        Command("add_layer", ["Ctrl+Shift+N"], icon="layers", codec=PLAIN, step="add layer"),
-        Command("remove_layer", ["Ctrl+Shift+Del"], codec=PLAIN, step="remove layer"),
-        Command("rename_layer", ["F2"], codec=PLAIN),
+        Command(
+            "add_layer",
+            "New layer",
+            ["Ctrl+Shift+N"],
+            icon="layers",
+            codec=PLAIN,
+            step=Message("add layer"),
+        ),
+        Command(
+            "remove_layer",
+            "Delete layer",
+            ["Ctrl+Shift+Del"],
+            codec=PLAIN,
+            step=Message("remove layer"),
+        ),
+        Command("rename_layer", "Rename layer", ["F2"], codec=PLAIN),
         _PART,
-        Command("layer_above", ["PgUp"]),
-        Command("layer_below", ["PgDown"]),
-        Command("raise_layer", ["Ctrl+PgUp"]),
-        Command("lower_layer", ["Ctrl+PgDown"]),
+        Command("layer_above", "Layer above", ["PgUp"]),
+        Command("layer_below", "Layer below", ["PgDown"]),
+        Command("raise_layer", "Raise layer", ["Ctrl+PgUp"]),
+        Command("lower_layer", "Lower layer", ["Ctrl+PgDown"]),
         _PART,
-        Command("hide_layer", ["H"]),
-        Command("lock_layer", ["L"]),
+        Command("hide_layer", "Show or hide layer", ["H"]),
+        Command("lock_layer", "Lock or unlock layer", ["L"]),
     ),
     *_menu(
         "window",
-        Command("panels", ["Tab"], always=True, on_picture=True),
-        Command("next_panel", ["F6"]),
-        Command("previous_panel", ["Shift+F6"]),
-        Command("menus", ["F10"]),
-        Command("full_screen", ["F11"], checkable=True, always=True),
-        Command("dark", text="Dark theme", checkable=True, always=True),
+        Command("panels", "Show or hide panels", ["Tab"], always=True, on_picture=True),
+        Command("next_panel", "Next panel", ["F6"]),
+        Command("previous_panel", "Previous panel", ["Shift+F6"]),
+        Command("menus", "Menus", ["F10"]),
+        Command("full_screen", "Full screen", ["F11"], checkable=True, always=True),
+        Command("dark", "Dark theme", checkable=True, always=True),
         _PART,
     ),
     *_menu(
         "help",
-        Command("shortcuts", ["?", "F1"], icon="help", group="window", always=True),
-        Command("about", text="menu.about", always=True),
+        Command(
+            "shortcuts", "Keyboard shortcuts", ["?", "F1"], icon="help", group="window", always=True
+        ),
+        Command("about", "About paint3d", always=True),
     ),
     # what is done by a gesture alone, in no menu
-    Command("size", drag=["F"], group="brush"),
-    Command("force", drag=["Shift+F"], group="brush"),
-    Command("harder", hold=["."], group="brush"),
-    Command("softer", hold=[","], group="brush"),
-    Command("paint", drag=["Left", "Fingers 1"], group="stroke"),
-    Command("bend", drag=["Shift+Left"], group="stroke"),
+    Command("size", "Brush size", drag=["F"], group="brush"),
+    Command("force", "Force without a pen", drag=["Shift+F"], group="brush"),
+    Command("harder", "Press harder", hold=["."], group="brush"),
+    Command("softer", "Press softer", hold=[","], group="brush"),
+    Command("paint", "Paint", drag=["Left", "Fingers 1"], group="stroke"),
+    Command("bend", "Bend the tuft in place (mouse)", drag=["Shift+Left"], group="stroke"),
     Command(
         "orbit",
+        "Turn the view",
         drag=["Beside", "Space+Left", "Alt+Left", "Middle", "Pen 1", "Fingers 3"],
         group="view",
     ),
     Command(
         "pan",
+        "Move the view",
         drag=["Shift+Space+Left", "Alt+Middle", "Shift+Middle", "Pen 2"],
         group="view",
     ),
-    Command("dolly", drag=["Ctrl+Space+Left", "Alt+Right", "Ctrl+Middle", "Wheel"], group="view"),
-    Command("roll", drag=["Ctrl+Shift+Space+Left"], group="view"),
-    Command("pinch", drag=["Fingers 2"], group="view"),
+    Command(
+        "dolly",
+        "Nearer or farther",
+        drag=["Ctrl+Space+Left", "Alt+Right", "Ctrl+Middle", "Wheel"],
+        group="view",
+    ),
+    Command("roll", "Roll the view", drag=["Ctrl+Shift+Space+Left"], group="view"),
+    Command("pinch", "Move, roll and zoom the view", drag=["Fingers 2"], group="view"),
     # what panels, the hand and the painting thread ask for
     Command("begin_stroke", codec=STROKE),
     Command("end_stroke", codec=PLAIN),
@@ -350,15 +378,15 @@ _TABLE: tuple[_Row, ...] = (
     Command("set_mask", codec=MASK),
     Command("set_tags", codec=TAGS),
     Command("select_layer", codec=PLAIN),
-    Command("move_layer", codec=PLAIN, step="move layer"),
+    Command("move_layer", codec=PLAIN, step=Message("move layer")),
     Command("set_visible", codec=PLAIN),
     Command("set_locked", codec=PLAIN),
-    Command("lay_text", codec=PLAIN, step="text"),
-    Command("remove_text", codec=PLAIN, step="text"),
-    Command("press_seal", codec=SEAL, step="seal"),
+    Command("lay_text", codec=PLAIN, step=Message("text")),
+    Command("remove_text", codec=PLAIN, step=Message("text")),
+    Command("press_seal", codec=SEAL, step=Message("seal")),
     Command("replay_history", codec=PLAIN),
-    Command("edit_stroke", codec=EDIT, step="edit"),
-    Command("edit_seal", codec=EDIT, step="edit"),
+    Command("edit_stroke", codec=EDIT, step=Message("edit")),
+    Command("edit_seal", codec=EDIT, step=Message("edit")),
 )
 
 TOOLS = (
@@ -460,7 +488,7 @@ def encode_command(
         asked = dict(_signature(getattr(type(document), name)).bind(None, *arguments, **options)
                      .arguments)  # fmt: skip
     except TypeError as cause:
-        raise SessionError(f"{name} cannot be called so: {cause}") from None
+        raise SessionError("{name} cannot be called so: {cause}", name=name, cause=cause) from None
     asked.pop("self")
     inks = Inks({}, apart=True)
     line = line_of(name, asked, Vocabulary(document.surface, inks, exact=True))
@@ -482,7 +510,10 @@ def decode_command(
     """
     name = line.get("do")
     if not isinstance(name, str) or name not in COMMANDS or COMMANDS[name].codec is None:
-        raise SessionError(f"the journal asks for {name!r:.40}; expected what a document can do")
+        raise SessionError(
+            "the journal asks for {name!r:.40}; expected what a document can do",
+            name=name,
+        )
     try:
         if "with" in line or "options" in line:
             arguments = [_rich(value) for value in line.get("with", [])]
@@ -490,7 +521,9 @@ def decode_command(
         inks = Inks(dict(line.get("pigments", {})), apart=True)
         return name, [], arguments_of(line, Vocabulary(surface, inks, exact=True))
     except (TypeError, AttributeError, KeyError) as cause:
-        raise SessionError(f"the journal's {name} cannot be used: {cause}") from None
+        raise SessionError(
+            "the journal's {name} cannot be used: {cause}", name=name, cause=cause
+        ) from None
 
 
 def do_again(document: Any, line: Mapping[str, Any]) -> None:

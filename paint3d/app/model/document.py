@@ -58,7 +58,7 @@ from paint3d.colour.materials import Material
 from paint3d.core.arrays import AnyArray, as_number
 from paint3d.device.recorded import Recording
 from paint3d.device.sample import DeviceSample
-from paint3d.errors import ExportError, InputError, LayerError, Paint3DError, SessionError
+from paint3d.errors import ExportError, InputError, LayerError, Message, Paint3DError, SessionError
 from paint3d.files.export import (
     PreparedExport,
     check_export_path,
@@ -123,7 +123,7 @@ class Document:
     progress : callable or None
         Called with the fraction that is done while strokes are painted again; what it raises stops
         that, and everything is as it was.
-    refused_history : str
+    refused_history : Message or None
         Why the steps that were saved with it could not be used; empty where they could.
     """
 
@@ -184,18 +184,18 @@ class Document:
         """
         return None if self.keeper is None else self.keeper.score(self.surface.source.name)
 
-    def _take_history(self, saved: Session | None) -> str:
+    def _take_history(self, saved: Session | None) -> Message | None:
         """Have the way back that was saved; why not, where it is damaged."""
         if saved is None or saved.history is None:
-            return ""
+            return None
         try:
             undone = strokes_of(saved.undone, self.settings.get("brushes"))
             log = self._log
             held = restore_history(self.surface, self._undo, saved.history, log.strokes, undone)
         except SessionError as error:
-            return str(error)
+            return error.message
         self._log.hold(held)
-        return ""
+        return None
 
     def _keep(self) -> dict[str, object]:
         """What undo brings back besides the surface."""
@@ -279,7 +279,7 @@ class Document:
             opened._written = written
             return opened
         except Paint3DError as cause:
-            raise SessionError(f"{path}: {cause}") from None
+            raise SessionError("{file}: {cause}", file=path, cause=cause) from None
 
     def save(
         self, path: str | os.PathLike[str] | None = None, *, progress: Progress | None = None
@@ -298,7 +298,10 @@ class Document:
         if path is None:
             raise ExportError("this painting has no file yet; expected where to save it")
         if not is_session_path(path):
-            raise ExportError(f"{path}: a painting is saved as .p3d; other formats are exported")
+            raise ExportError(
+                "{file}: a painting is saved as .p3d; other formats are exported",
+                file=path,
+            )
         self.save_copy(path, progress)
         self.belong_to(path)
         self.modified, self._saved_at = False, self._undo.next_undo
@@ -406,7 +409,7 @@ class Document:
         InputError
             If a stroke is going on, or there is no such brush.
         """
-        self._refuse_in_stroke("another brush")
+        self._refuse_in_stroke(Message("another brush"))
         if isinstance(brush, Mapping):
             brush = brush_from_words(brush)
         elif isinstance(brush, str):  # it may be that of a session, which names no file
@@ -438,9 +441,12 @@ class Document:
         InputError
             If it is neither, or a stroke is going on.
         """
-        self._refuse_in_stroke("another azimuth")
+        self._refuse_in_stroke(Message("another azimuth"))
         if azimuth not in ("commanded", "dragged"):
-            raise InputError(f"azimuth is {azimuth!r}; expected 'commanded' or 'dragged'")
+            raise InputError(
+                "azimuth is {azimuth!r}; expected 'commanded' or 'dragged'",
+                azimuth=azimuth,
+            )
         self.painter.azimuth = azimuth
 
     @recorded
@@ -452,7 +458,7 @@ class Document:
         InputError
             If it is below 0 or over 1000, or a stroke is going on.
         """
-        self._refuse_in_stroke("another pick-up")
+        self._refuse_in_stroke(Message("another pick-up"))
         fraction = as_number(pickup, "pickup (1/mm)", 0.0, _MOST_PICKUP)
         self.surface.ink.transfer["pickup"] = fraction
 
@@ -490,7 +496,7 @@ class Document:
     @recorded
     def swap_inks(self) -> None:
         """Dip the brush in the other ink."""
-        self._refuse_in_stroke("another ink")
+        self._refuse_in_stroke(Message("another ink"))
         self.inks.reverse()
         self.dip(self.inks[0])
 
@@ -511,7 +517,11 @@ class Document:
         """
         surface = self.surface
         if not 0 <= vertex_id < surface.n_vertices:
-            raise InputError(f"vertex {vertex_id}; expected 0 to {surface.n_vertices - 1}")
+            raise InputError(
+                "vertex {vertex_id}; expected 0 to {last}",
+                vertex_id=vertex_id,
+                last=surface.n_vertices - 1,
+            )
         parts = surface.parts_at(vertex_id)
         if not parts.any():
             return None
@@ -582,7 +592,7 @@ class Document:
             pairs. In that case samples are passed over until `end_stroke` or `cancel_stroke`: they
             belong to the stroke that was refused.
         """
-        self._refuse_in_stroke("a stroke")
+        self._refuse_in_stroke(Message("a stroke"))
         self._come_back()
         self._refused = True
         loads = checked_pairs("loads", loads)
@@ -694,7 +704,7 @@ class Document:
         InputError
             If a stroke is going on.
         """
-        self._refuse_in_stroke("another symmetry")
+        self._refuse_in_stroke(Message("another symmetry"))
         self._strokes.symmetry = symmetry
 
     @recorded
@@ -706,7 +716,7 @@ class Document:
         InputError
             If it names a face that is not there, or a stroke is going on.
         """
-        self._refuse_in_stroke("another mask")
+        self._refuse_in_stroke(Message("another mask"))
         self._strokes.set_mask(mask)
 
     @property
@@ -734,9 +744,12 @@ class Document:
         """Have every stroke from now on say this as well, as JSON holds it; none: no more."""
         self._log.tags = dict(tags)
 
-    def _refuse_in_stroke(self, what: str) -> None:
+    def _refuse_in_stroke(self, what: Message) -> None:
         if self.in_stroke:
-            raise InputError(f"{what} was asked for during a stroke; expected its end first")
+            raise InputError(
+                "{what} was asked for during a stroke; expected its end first",
+                what=what,
+            )
 
     def rest(self) -> None:
         """Get ready for the next stroke while nobody paints; nothing that is painted changes."""
@@ -765,7 +778,7 @@ class Document:
     @recorded
     def dry(self) -> None:
         """Let all wet paint dry at once: a step that can be undone."""
-        self._refuse_in_stroke("drying")
+        self._refuse_in_stroke(Message("drying"))
         self._come_back()
         self._paintable()
         self._undo.begin(COMMANDS["dry"].step)
@@ -846,7 +859,7 @@ class Document:
         InputError
             If there is none at that place, or a stroke is going on.
         """
-        self._refuse_in_stroke("showing or hiding a layer")
+        self._refuse_in_stroke(Message("showing or hiding a layer"))
         self.surface.use_layers().describe(place, visible=bool(visible))
         self.surface.touch(self.surface.use_layers().painted_ids())
         self.differ_from_saved()
@@ -859,9 +872,12 @@ class Document:
 
     def _restack(self, step: str, action: Callable[[LayerStack], None]) -> None:
         """Change which layers there are; ink that goes or comes with them is no longer loaded."""
-        self._refuse_in_stroke("another order of layers")
+        self._refuse_in_stroke(Message("another order of layers"))
         if step and self._passing:
-            raise InputError(f"{step} was asked for during a replay; expected its end first")
+            raise InputError(
+                "{step} was asked for during a replay; expected its end first",
+                step=step,
+            )
         surface, painter = self.surface, self.painter
         stack = surface.use_layers()
         self._gather()
@@ -879,9 +895,13 @@ class Document:
     def _paintable(self) -> Layer:
         """The layer that is painted on."""
         layer = self.layers[self.active_layer]
-        for state, why in ((layer.locked, "locked"), (not layer.visible, "hidden")):
-            if state:
-                raise LayerError(layer.name, why)
+        told = Message("Layer {number}", number=layer.name) if layer.name.isdigit() else layer.name
+        if layer.locked:
+            raise LayerError(
+                "“{layer}” is locked; unlock it, or paint on another layer", layer=told
+            )
+        if not layer.visible:
+            raise LayerError("“{layer}” is hidden; show it, or paint on another layer", layer=told)
         return layer
 
     # -- texts ------------------------------------------------------------------------------
@@ -927,7 +947,9 @@ class Document:
         if number is None:
             number = count
         elif not 0 <= number < count:
-            raise InputError(f"text {number}; expected one of {count}, counted from 0")
+            raise InputError(
+                "text {number}; expected one of {count}, counted from 0", number=number, count=count
+            )
         changed = (*self._texts[:number], *by, *self._texts[number + 1 :])
         unpacked_texts([text.words() for text in changed])  # not too many
         self._come_back()
@@ -980,7 +1002,7 @@ class Document:
         MeshError
             If the surface ends within the stone.
         """
-        self._refuse_in_stroke("a seal")
+        self._refuse_in_stroke(Message("a seal"))
         seal = self._press.check(rings, coats, pad_mm, wear, seed)
         self._come_back()
         self._paintable()
@@ -1108,7 +1130,10 @@ class Document:
         most = len(self.strokes) + len(self.undone_strokes)
         if not self.earliest_stroke <= upto <= most:
             raise InputError(
-                f"stroke {upto} of the history; expected {self.earliest_stroke} to {most}"
+                "stroke {upto} of the history; expected {earliest_stroke} to {most}",
+                upto=upto,
+                earliest_stroke=self.earliest_stroke,
+                most=most,
             )
         touched: list[AnyArray] = []
         if upto < self.oldest_stroke:
@@ -1170,14 +1195,15 @@ class Document:
         InputError
             If a stroke is going on, or there is a recording under the strokes.
         """
-        self._refuse_in_stroke("going back")
+        self._refuse_in_stroke(Message("going back"))
         count = self.oldest_stroke
         if not count:
             return union([], self.surface.paint_mesh.capacity)
         if self.earliest_stroke:
             raise InputError(
-                f"the first {count} strokes lie over a recording, which no stroke repeats; "
-                f"expected a stroke from {count} on"
+                "the first {count} strokes lie over a recording, which no stroke repeats; expected "
+                "a stroke from {count} on",
+                count=count,
             )
         self._gather()
         painter = self.painter
@@ -1232,10 +1258,10 @@ class Document:
             If there is no such stroke, it is not known from the beginning what was painted, or the
             edit cannot be done; everything is as it was then.
         """
-        score = self._score_to_edit("strokes")
+        score = self._score_to_edit()
         if self._looking:
             self.replay_history(len(self.strokes) + len(self.undone_strokes))
-            score = self._score_to_edit("strokes")
+            score = self._score_to_edit()
         places = places_of(score, len(self.strokes), len(self.undone_strokes))
         self._check_number(number, len(self.strokes))
         words = self._in_words(edit, score)
@@ -1283,15 +1309,18 @@ class Document:
             If there is no such seal, no step leads back to it, or the edit cannot be done;
             everything is as it was then.
         """
-        score = self._score_to_edit("seals")
+        score = self._score_to_edit()
         if self._looking:
             self.replay_history(len(self.strokes) + len(self.undone_strokes))
-            score = self._score_to_edit("seals")
+            score = self._score_to_edit()
         seals = follow_steps(score).seals
         held = self.n_seals
         if not 0 <= number < len(seals) or len(seals) != held:
             raise InputError(
-                f"seal {number + 1} is none of {len(seals)} that {held} steps lead back to"
+                "seal {number} is none of {count} that {steps} steps lead back to",
+                number=number + 1,
+                count=len(seals),
+                steps=held,
             )
         words = self._in_words(edit, score)
         edited = edit_seal(score, number + 1, words)
@@ -1300,12 +1329,12 @@ class Document:
             edited, lambda: self._undo.done.count(step) > number, seals[number].begin
         )
 
-    def _score_to_edit(self, what: str) -> Score:
+    def _score_to_edit(self) -> Score:
         """The score, during no stroke."""
         self.break_off()
         if self.keeper is None:
             raise InputError(
-                f"of this painting only the {what} are known, not what was between them; expected "
+                "of this painting only the strokes are known, not what was between them; expected "
                 "one whose score is kept: save the strokes as a whole painting and replay it"
             )
         score = self.score
@@ -1314,13 +1343,23 @@ class Document:
 
     def _check_number(self, number: int, count: int) -> None:
         if not 0 <= number < count:
-            gone = count <= number < count + len(self.undone_strokes)
-            why = "is undone" if gone else "is none of them"
-            raise InputError(f"stroke {number + 1} {why}; expected 1 to {count}")
+            if count <= number < count + len(self.undone_strokes):
+                raise InputError(
+                    "stroke {number} is undone; expected 1 to {count}",
+                    number=number + 1,
+                    count=count,
+                )
+            raise InputError(
+                "there is no stroke {number}; expected 1 to {count}",
+                number=number + 1,
+                count=count,
+            )
         if number < self.oldest_stroke:
             raise InputError(
-                f"no step leads back to stroke {number + 1}; expected one from "
-                f"{self.oldest_stroke + 1} on: save the strokes as a whole painting and replay it"
+                "no step leads back to stroke {number}; expected one from {oldest_stroke} on: save "
+                "the strokes as a whole painting and replay it",
+                number=number + 1,
+                oldest_stroke=self.oldest_stroke + 1,
             )
 
     def _in_words(self, edit: Mapping[str, Any], score: Score) -> Mapping[str, Any]:

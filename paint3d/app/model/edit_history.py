@@ -158,8 +158,12 @@ def places_of(score: Score, there: int, undone: int) -> list[tuple[int, int]]:
     steps = follow_steps(score)
     if (len(steps.done), len(steps.undone)) != (there, undone):
         raise InputError(
-            f"the score has {len(steps.done)} strokes there and {len(steps.undone)} undone; "
-            f"expected {there} and {undone}, as in the painting"
+            "the score has {n} strokes there and {steps_undone} undone; expected {there} and "
+            "{undone}, as in the painting",
+            n=len(steps.done),
+            steps_undone=len(steps.undone),
+            there=there,
+            undone=undone,
         )
     return [(stroke.number, stroke.begin) for stroke in (*steps.done, *steps.undone)]
 

@@ -23,6 +23,7 @@ from paint3d.colour.pigments import WATER, Pigment
 from paint3d.colour.spectra import srgb_from_reflectance
 from paint3d.core.arrays import AnyArray
 from paint3d.device.sample import DeviceSample
+from paint3d.errors import Message
 from paint3d.mesh.kernels.bvh import ContactTree
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.painter.painter import Ink, Painter
@@ -105,7 +106,7 @@ def ink_srgb(
     inked = {p: w for p, w in zip(pigments, parts, strict=False) if w > 0.0 and p is not WATER}
     shown: AnyArray = HAIR if on_hair else DISH
     if inked:
-        shown = mixture_reflectance(inked, sum(inked.values()), shown)
+        shown = mixture_reflectance(inked, sum(inked.values()), shown, by_volume=True)
     red, green, blue = (int(code) for code in srgb_from_reflectance(shown))
     return red, green, blue
 
@@ -161,7 +162,7 @@ class Snapshot:
         The session's file, once there is one.
     modified : bool
         Whether it is otherwise than it was saved.
-    refused_history : str
+    refused_history : Message or None
         Why the steps that were saved with it could not be used; empty where they could.
     brush : BrushSpec
         In hand; `tuft` and `bristles` are its shape.
@@ -204,7 +205,7 @@ class Snapshot:
     n_vertices: int
     path: Path | None
     modified: bool
-    refused_history: str
+    refused_history: Message | None
     brush: BrushSpec
     tuft: Tuft
     bristles: Bristles | None

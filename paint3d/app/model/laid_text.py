@@ -72,24 +72,36 @@ class LaidText:
         for name in ("text", "font"):
             value = getattr(self, name)
             if not isinstance(value, str) or len(value) > _LONGEST:
-                raise InputError(f"{name} is {value!r:.40}; expected up to {_LONGEST} characters")
+                raise InputError(
+                    "{name} is {value}; expected up to {most} characters",
+                    name=name,
+                    value=f"{value!r:.40}",
+                    most=_LONGEST,
+                )
         for name, known in (("order", LAYOUTS), ("grid", GRIDS)):
             if getattr(self, name) not in known:
                 raise InputError(
-                    f"{name} is {getattr(self, name)!r}; expected {' or '.join(known)}"
+                    "{name} is {value!r}; expected {known}",
+                    name=name,
+                    value=getattr(self, name),
+                    known=" or ".join(known),
                 )
         for name, low, high in (
             ("em_mm", _LEAST_EM_MM, _MOST_EM_MM), ("turn", -180.0, 180.0),
             ("gap", 0.0, _MOST_GAP), ("between", 0.0, _MOST_GAP),
         ):  # fmt: skip
-            number = as_number(getattr(self, name), f"{name} of a text", low, high)
+            number = as_number(getattr(self, name), name, low, high)
             object.__setattr__(self, name, number)
         if self.point is not None:
-            x, y, z = as_array(self.point, "point of a text", (3,)).tolist()
+            x, y, z = as_array(self.point, "point", (3,)).tolist()
             object.__setattr__(self, "point", (x, y, z))
         cells = tuple(self.cells)
         if len(cells) != 2 or not all(type(n) is int and 1 <= n <= _MOST_CELLS for n in cells):
-            raise InputError(f"cells are {self.cells!r:.40}; expected two counts to {_MOST_CELLS}")
+            raise InputError(
+                "cells are {cells}; expected two counts to {most}",
+                cells=f"{self.cells!r:.40}",
+                most=_MOST_CELLS,
+            )
         object.__setattr__(self, "cells", cells)
 
     @property
@@ -119,14 +131,18 @@ class LaidText:
             If they say none.
         """
         if not isinstance(words, Mapping):
-            raise InputError(f"a text is {words!r:.40}; expected what it says by names")
+            raise InputError(
+                "a text is {words}; expected what it says by names", words=f"{words!r:.40}"
+            )
         unknown = set(words) - {one.name for one in dataclasses.fields(cls)}
         if unknown:
-            raise InputError(f"a text has {', '.join(sorted(map(str, unknown)))}; none is known")
+            raise InputError(
+                "a text has {names}; none is known", names=", ".join(sorted(map(str, unknown)))
+            )
         try:
             return cls(**words)
         except TypeError as cause:
-            raise InputError(f"a text is incomplete: {cause}") from None
+            raise InputError("a text is incomplete: {cause}", cause=cause) from None
 
     def moved(self, **changes: Any) -> LaidText:
         """The same with other values."""
@@ -151,5 +167,9 @@ def unpacked_texts(packed: object) -> tuple[LaidText, ...]:
     except ValueError:
         rows = None
     if not isinstance(rows, list) or len(rows) > _MOST_TEXTS:
-        raise InputError(f"texts are {packed!r:.40}; expected a list of up to {_MOST_TEXTS}")
+        raise InputError(
+            "texts are {packed}; expected a list of up to {most}",
+            packed=f"{packed!r:.40}",
+            most=_MOST_TEXTS,
+        )
     return tuple(map(LaidText.of, rows))

@@ -78,7 +78,10 @@ class RegionPick:
 
     def __post_init__(self) -> None:
         if self.up_to not in _KINDS:
-            raise InputError(f"a region up to {self.up_to!r}; expected 'crease' or 'piece'")
+            raise InputError(
+                "a region up to {up_to!r}; expected 'crease' or 'piece'",
+                up_to=self.up_to,
+            )
         as_number(self.degrees, "crease (degrees)", 0.0, 180.0)
 
 
@@ -121,7 +124,10 @@ def face_at(mesh: PaintMesh, vertex_id: int) -> int:
     """
     found = np.flatnonzero((mesh.leaf_faces() == vertex_id).any(axis=1))
     if not len(found):
-        raise InputError(f"vertex {vertex_id} belongs to no face; expected one that does")
+        raise InputError(
+            "vertex {vertex_id} belongs to no face; expected one that does",
+            vertex_id=vertex_id,
+        )
     return int(mesh.leaf_roots()[found[0]])
 
 
@@ -139,7 +145,7 @@ def region_faces(mesh: PaintMesh, pick: RegionPick) -> NDArray[np.bool_]:
     faces = mesh.base_faces
     n = len(faces)
     if isinstance(pick.face, bool) or not 0 <= pick.face < n:
-        raise InputError(f"face {pick.face}; expected 0 to {n - 1}")
+        raise InputError("face {face}; expected 0 to {last}", face=pick.face, last=n - 1)
     one, two = _joined_faces(mesh)
     if pick.up_to == "crease":
         normals = _face_normals(mesh)

@@ -63,8 +63,11 @@ class SealPress:
         n_points = sum(map(len, cut))
         if not cut or min(map(len, cut)) < 3 or n_points > _MOST_POINTS:
             raise InputError(
-                f"a seal of {len(cut)} rings with {n_points:,} points; expected rings of three at "
-                f"least, and {_MOST_POINTS:,} points at most"
+                "a seal of {n} rings with {n_points:,} points; expected rings of three at least, "
+                "and {most:,} points at most",
+                n=len(cut),
+                n_points=n_points,
+                most=_MOST_POINTS,
             )
         return cut, Pressing(
             as_number(coats, "coats", 0.01, _MOST_COATS),
@@ -116,7 +119,10 @@ def _parts(surface: PaintedSurface, ink: Ink) -> AnyArray:
     columns, weights = [], []
     for one, weight in stirred.items():
         if isinstance(one, str) and table_of(one) is not None:
-            raise InputError(f"paste of {one!r}; expected a name of the palette, or a Pigment")
+            raise InputError(
+                "paste of {one!r}; expected a name of the palette, or a Pigment",
+                one=one,
+            )
         pigment = load_pigment(one) if isinstance(one, str) else one
         columns.append(surface.column_of(pigment))
         weights.append(as_number(weight, f"part of {pigment.name}", 1e-9))

@@ -238,10 +238,20 @@ def checked_pairs(
     try:
         pairs = [(k, as_number(fraction, "fraction", least, 1.0)) for k, fraction in told]
     except (TypeError, ValueError, InputError):
-        raise InputError(f"{name} are {told!r:.60}; expected {expected}") from None
+        raise InputError(
+            "{name} are {told!r:.60}; expected {expected}",
+            name=name,
+            told=told,
+            expected=expected,
+        ) from None
     whole = all(type(k) is int and k >= 0 for k, _ in pairs)
     if not whole or any(b <= a for (a, _), (b, _) in pairwise(pairs)):
-        raise InputError(f"{name} are {told!r:.60}; expected {expected}")
+        raise InputError(
+            "{name} are {told!r:.60}; expected {expected}",
+            name=name,
+            told=told,
+            expected=expected,
+        )
     return tuple(pairs)
 
 
@@ -334,7 +344,7 @@ def _stroke_of(recording: Recording, brushes: Mapping[str, Mapping[str, Any]]) -
     except (
         KeyError, TypeError, ValueError, AttributeError, InputError, RecordingError
     ) as cause:  # fmt: skip
-        raise SessionError(f"a stroke of the session cannot be used: {cause}") from None
+        raise SessionError("a stroke of the session cannot be used: {cause}", cause=cause) from None
 
 
 def names_apart(brushes: Iterable[BrushSpec]) -> dict[BrushSpec, str]:

@@ -7,7 +7,7 @@ from functools import partial
 
 from PySide6 import QtCore, QtGui, QtWidgets
 
-from paint3d.app.model.commands import COMMANDS, MENUS, TOOLS, Command
+from paint3d.app.model.commands import COMMANDS, MENUS, TITLES, TOOLS, Command
 from paint3d.app.window.theme import Theme, make_icon
 from paint3d.app.window.wording import say
 from paint3d.app.window.workspace import Workspace
@@ -42,14 +42,14 @@ class Actions:
         self._do: dict[str, Callable[[], object]] = {}  # without asking whether it is enabled
         self.menus: dict[str, QtWidgets.QMenu] = {}
         for name, actions in MENUS.items():
-            menu = self.menus[name] = workspace.window.menuBar().addMenu(say(f"menu.{name}"))
+            menu = self.menus[name] = workspace.window.menuBar().addMenu(say(TITLES[name]))
             for action in actions:
                 if action == "-":
                     menu.addSeparator()
                     continue
                 menu.addAction(self._make(action))
                 if action == "open":
-                    self.recent = menu.addMenu(say("menu.recent"))
+                    self.recent = menu.addMenu(say("Open recent"))
                     self.unsaved = menu.addMenu(say("Recover unsaved work"))
         self.tools = self._make_tools()
         self._heights: dict[int, int] = {}  # of the tools, by how close together they are
@@ -58,7 +58,7 @@ class Actions:
     def _make(self, name: str) -> QtGui.QAction:
         workspace = self._workspace
         command = COMMANDS[name]
-        text, keys = say(command.label), command.keys
+        text, keys = say(command.text), command.keys
         action = QtGui.QAction(text, workspace.window)
         if name not in self._tapped:
             action.setShortcuts([QtGui.QKeySequence(key) for key in keys])

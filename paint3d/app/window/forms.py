@@ -19,8 +19,8 @@ def buttons(dialog: QtWidgets.QDialog, accept: str) -> QtWidgets.QDialogButtonBo
     """OK, by another name, and Cancel."""
     standard = QtWidgets.QDialogButtonBox.StandardButton
     box = QtWidgets.QDialogButtonBox(standard.Ok | standard.Cancel)
-    box.button(standard.Ok).setText(say(accept))
-    box.button(standard.Cancel).setText(say("button.cancel"))
+    box.button(standard.Ok).setText(accept)
+    box.button(standard.Cancel).setText(say("Cancel"))
     box.accepted.connect(dialog.accept)
     box.rejected.connect(dialog.reject)
     return box

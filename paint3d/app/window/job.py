@@ -174,9 +174,7 @@ class _Bar(QtCore.QObject):
         self._stopped_at: float | None = None
         self._began = time.monotonic()
         self._loop = QtCore.QEventLoop()
-        self._dialog = dialog = QtWidgets.QProgressDialog(
-            title, say("button.cancel"), 0, _STEPS, parent
-        )
+        self._dialog = dialog = QtWidgets.QProgressDialog(title, say("Cancel"), 0, _STEPS, parent)
         dialog.setWindowTitle(say("Please wait"))
         dialog.setWindowModality(QtCore.Qt.WindowModality.WindowModal)
         dialog.setMinimumDuration(10 * _SOON_MS)  # it is shown by us

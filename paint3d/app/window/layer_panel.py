@@ -42,11 +42,11 @@ class LayerPanel(QtWidgets.QWidget):
         row = QtWidgets.QHBoxLayout()
         self.buttons = {
             "plus": self._button(
-                "plus", "New layer", lambda: self.asked.emit("add_layer", None, None)
+                "plus", say("New layer"), lambda: self.asked.emit("add_layer", None, None)
             ),
-            "minus": self._button("minus", "Remove layer", self._remove),
-            "up": self._button("up", "Move up", lambda: self._move(1)),
-            "down": self._button("down", "Move down", lambda: self._move(-1)),
+            "minus": self._button("minus", say("Remove layer"), self._remove),
+            "up": self._button("up", say("Move up"), lambda: self._move(1)),
+            "down": self._button("down", say("Move down"), lambda: self._move(-1)),
         }
         for button in self.buttons.values():
             row.addWidget(button)
@@ -56,8 +56,8 @@ class LayerPanel(QtWidgets.QWidget):
     def _button(self, icon: str, text: str, do: Callable[[], object]) -> QtWidgets.QToolButton:
         button = QtWidgets.QToolButton()
         button.setIcon(make_icon(icon, self._theme))
-        button.setToolTip(say(text))
-        button.setAccessibleName(say(text))
+        button.setToolTip(text)
+        button.setAccessibleName(text)
         button.clicked.connect(do)
         return button
 
@@ -90,12 +90,12 @@ class LayerPanel(QtWidgets.QWidget):
         layout.setSpacing(2)
         eye = self._button(
             "eye" if layer.visible else "hidden",
-            "Hide" if layer.visible else "Show",
+            say("Hide") if layer.visible else say("Show"),
             lambda: self.asked.emit("set_visible", place, not layer.visible),
         )
         lock = self._button(
             "lock" if layer.locked else "unlocked",
-            "Unlock" if layer.locked else "Lock",
+            say("Unlock") if layer.locked else say("Lock"),
             lambda: self.asked.emit("set_locked", place, not layer.locked),
         )
         name = QtWidgets.QLineEdit(say_layer(layer.name))

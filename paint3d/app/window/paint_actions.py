@@ -185,7 +185,7 @@ class PaintActions:
 
         if workspace.went_well(workspace.run(say("Refining the surface…"), work)):
             count = self._painting.n_vertices
-            workspace.tell(say("status.vertices", count=count), state="good")
+            workspace.tell(say("{count:,} vertices", count=count), state="good")
 
     # -- layers -----------------------------------------------------------------------------
 

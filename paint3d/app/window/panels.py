@@ -54,16 +54,16 @@ class Panels:
         self.docks: dict[str, QtWidgets.QDockWidget] = {}
         self._tall = (self.inks, self.hand, self.copybook, self.devices, self.surface)
         upper = [
-            self._dock("brushes", "panel.brushes", self.brushes),
-            self._dock("inks", "panel.inks", self.inks),
-            self._dock("hand", "Hand", self.hand),
-            self._dock("surface", "panel.surface", self.surface),
+            self._dock("brushes", say("Brushes"), self.brushes),
+            self._dock("inks", say("Inks"), self.inks),
+            self._dock("hand", say("Hand"), self.hand),
+            self._dock("surface", say("Surface"), self.surface),
         ]
         lower = [
-            self._dock("layers", "panel.layers", self.layers),
-            self._dock("history", "panel.history", self.history),
-            self._dock("copybook", "panel.copybook", self.copybook),
-            self._dock("devices", "panel.devices", self.devices),
+            self._dock("layers", say("Layers"), self.layers),
+            self._dock("history", say("History"), self.history),
+            self._dock("copybook", say("Copybook"), self.copybook),
+            self._dock("devices", say("Devices"), self.devices),
         ]
         for group in (upper, lower):
             for dock in group[1:]:
@@ -78,7 +78,7 @@ class Panels:
         workspace.theme_changed.connect(self._set_theme)
 
     def _dock(self, name: str, title: str, panel: QtWidgets.QWidget) -> QtWidgets.QDockWidget:
-        dock = QtWidgets.QDockWidget(say(title), self._workspace.window)
+        dock = QtWidgets.QDockWidget(title, self._workspace.window)
         dock.setObjectName(f"dock-{name}")
         dock.setWidget(_scrolled(panel) if panel in self._tall else panel)
         dock.setTitleBarWidget(QtWidgets.QWidget())  # the tab says it

@@ -73,6 +73,9 @@ def ink_coat(parts: Mapping[Ink, float]) -> tuple[int, int, int]:
     }
     sheet = load_material("xuan").reflectance
     total = sum(parts.values())
-    shown = mixture_reflectance(inked, sum(inked.values()) / total, sheet) if inked else sheet
+    shown = sheet
+    if inked:
+        coats = sum(inked.values()) / total
+        shown = mixture_reflectance(inked, coats, sheet, by_volume=True)
     red, green, blue = (int(code) for code in srgb_from_reflectance(shown))
     return red, green, blue

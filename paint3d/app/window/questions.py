@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from PySide6 import QtCore, QtWidgets
 
-from paint3d.app.model.commands import COMMANDS, GROUPS, SHORTCUTS, Shortcut
+from paint3d.app.model.commands import COMMANDS, GROUPS, SHORTCUTS, TITLES, Shortcut
 from paint3d.app.model.persistence.settings import Settings
-from paint3d.app.model.texts import load_texts
 from paint3d.app.window.forms import FormDialog
-from paint3d.app.window.wording import say, say_error
+from paint3d.app.window.wording import LANGUAGES, say, say_error, say_units
 from paint3d.calligraphy.glyph_sources import open_glyph_folder
-from paint3d.errors import Paint3DError
-from paint3d.files.load import UNITS_MM
+from paint3d.errors import Message, Paint3DError
 
 __all__ = ["Answer", "KeysDialog", "PreferencesDialog", "ask"]
 
@@ -27,7 +25,7 @@ def ask(
     *,
     accept: str = "",
     destroy: str = "",
-    leave: str = "button.cancel",
+    leave: str | None = None,
     warns: bool = False,
 ) -> Answer:
     """Ask before something is lost. Escape and closing the box leave everything as it is.
@@ -36,14 +34,14 @@ def ask(
     ----------
     parent : QWidget
     text : str
-        In the language that is spoken.
+        In the language that is spoken, as the others are.
     accept : str, optional
-        What the button says that loses nothing, or its key; Enter presses it.
+        What the button says that loses nothing; Enter presses it.
     destroy : str, optional
-        What the button says that loses something, or its key.
-    leave : str
-        What the button says that does neither, or its key. Enter presses it where nothing is there
-        to be accepted.
+        What the button says that loses something.
+    leave : str, optional
+        What the button says that does neither, by default that it cancels; empty for none. Enter
+        presses it where nothing is there to be accepted.
     warns : bool
         Whether the box bears the sign of a warning.
 
@@ -58,8 +56,9 @@ def ask(
     box.setText(text)
     if warns:
         box.setIcon(QtWidgets.QMessageBox.Icon.Warning)
+    leave = say("Cancel") if leave is None else leave
     roles = {Answer.AcceptRole: accept, Answer.DestructiveRole: destroy, Answer.RejectRole: leave}
-    buttons = [box.addButton(say(words), role) for role, words in roles.items() if words]
+    buttons = [box.addButton(words, role) for role, words in roles.items() if words]
     box.setDefaultButton(buttons[0 if accept else -1])
     box.setEscapeButton(buttons[-1])
     box.exec()
@@ -72,27 +71,52 @@ class PreferencesDialog(FormDialog):
     """Ask how the program should be."""
 
     def __init__(self, parent: QtWidgets.QWidget, settings: Settings) -> None:
-        super().__init__(parent, say("action.preferences").rstrip("…"))
+        super().__init__(parent, say("Preferences…").rstrip("…"))
         self.boxes: dict[str, QtWidgets.QComboBox] = {}
         self.numbers: dict[str, QtWidgets.QDoubleSpinBox] = {}
         rows = (
-            ("language", "menu.language", "language.", ("system", "en", "zh")),
-            ("theme", "menu.theme", "theme.", ("system", "light", "dark")),
-            ("unit", "Lengths are shown in", "unit.", tuple(UNITS_MM)),
-            ("pressure_by", "action.force", "hand.pressure_by_", ("keys", "speed")),
-            ("finger", "finger.title", "finger.", ("auto", "paint", "turn")),
+            ("language", say("Language"), {"system": say("As the system")} | LANGUAGES),
+            (
+                "theme",
+                say("Theme"),
+                {
+                    "system": say("As the system"),
+                    "light": say("Light theme"),
+                    "dark": say("Dark theme"),
+                },
+            ),
+            ("unit", say("Lengths are shown in"), say_units()),
+            (
+                "pressure_by",
+                say("Force without a pen"),
+                {"keys": say("Force by keys and wheel"), "speed": say("Force by speed")},
+            ),
+            (
+                "finger",
+                say("One finger"),
+                {
+                    "auto": say("A finger paints until a pen is used"),
+                    "paint": say("A finger paints"),
+                    "turn": say("A finger turns the view"),
+                },
+            ),
         )
-        for name, label, prefix, choices in rows:
-            texts = {choice: say(prefix + choice) for choice in choices}
-            self.boxes[name] = self.add_box(say(label), texts, getattr(settings, name))
+        for name, label, choices in rows:
+            self.boxes[name] = self.add_box(label, choices, getattr(settings, name))
         wet = {None: say("As the material asks for"), True: say("Always"), False: say("Never")}
-        self.boxes["wet"] = self.add_box(say("surface.wet"), wet, settings.wet)
+        self.boxes["wet"] = self.add_box(say("Ink spreads and dries"), wet, settings.wet)
         for name, label, low, high, unit in (
-            ("autosave_s", "Keep a whole copy for recovery every", 10.0, 3600.0, "s"),
-            ("undo_megabytes", "Memory for undo, from the next painting on", 16.0, 65536.0, "MB"),
+            ("autosave_s", say("Keep a whole copy for recovery every"), 10.0, 3600.0, "s"),
+            (
+                "undo_megabytes",
+                say("Memory for undo, from the next painting on"),
+                16.0,
+                65536.0,
+                "MB",
+            ),
         ):
             value = getattr(settings, name)
-            self.numbers[name] = self.add_number(say(label), low, high, value, unit)
+            self.numbers[name] = self.add_number(label, low, high, value, unit)
         self.glyphs = QtWidgets.QLineEdit(settings.glyphs)
         self.glyphs.setPlaceholderText(say("of hanzi-writer-data; empty: those that come along"))
         self.glyphs.setClearButtonEnabled(True)
@@ -102,7 +126,7 @@ class PreferencesDialog(FormDialog):
         row.addWidget(self.glyphs, 1)
         row.addWidget(choose)
         self.form.addRow(say("Folder of characters"), row)
-        self.finish("button.ok")
+        self.finish(say("OK"))
 
     def _choose_folder(self) -> None:
         found = QtWidgets.QFileDialog.getExistingDirectory(
@@ -121,7 +145,7 @@ class PreferencesDialog(FormDialog):
             if folder:
                 open_glyph_folder(folder)
         except Paint3DError as error:
-            ask(self, say_error(error), accept="button.ok", leave="")
+            ask(self, say_error(error), accept=say("OK"), leave="")
             return
         super().accept()
 
@@ -137,7 +161,7 @@ class KeysDialog(QtWidgets.QDialog):
 
     def __init__(self, parent: QtWidgets.QWidget) -> None:
         super().__init__(parent)
-        self.setWindowTitle(say("action.shortcuts"))
+        self.setWindowTitle(say("Keyboard shortcuts"))
         layout = QtWidgets.QVBoxLayout(self)
         area, inner = QtWidgets.QScrollArea(), QtWidgets.QWidget()
         columns = QtWidgets.QHBoxLayout(inner)
@@ -174,25 +198,34 @@ def _balanced(n: int) -> list[list[str]]:
 
 
 _ARROWS = {"Left": "←", "Right": "→", "Up": "↑", "Down": "↓"}
+_BUTTONS = {
+    "Left": Message("Left button"),
+    "Middle": Message("Middle button"),
+    "Right": Message("Right button"),
+    "Wheel": Message("Wheel"),
+    "Beside": Message("Beside the object"),
+    "Space": Message("Space"),
+}
+_GESTURES = {"hold": Message("hold"), "drag": Message("drag"), "tap": Message("tap")}
 
 
 def _keys_told(one: Shortcut) -> str:
     """Keys, buttons or fingers in words, and what is done with them unless they are pressed."""
     *held, last = one.keys.replace("++", "+plus").replace("Num+", "Num ").split("+")
-    words = [say("keys.space") if key == "Space" else key for key in held]
+    words = [say("Space") if key == "Space" else key for key in held]
     kind, _, number = last.partition(" ")
-    if kind in ("Pen", "Fingers"):
-        words.append(say(f"keys.{kind.lower()}", number=number))
+    if kind == "Pen":
+        words.append(say("Pen button {number}", number=number))
+    elif kind == "Fingers":
+        words.append(say("Fingers: {number}", number=number))
     elif kind == "Num":
-        words.append(say("keys.num", name=number.replace("plus", "+")))
+        words.append(say("Keypad {name}", name=number.replace("plus", "+")))
     elif one.gesture == "press":
         words.append(_ARROWS.get(last, last))
-    elif f"keys.{last.lower()}" in load_texts():
-        words.append(say(f"keys.{last.lower()}"))
     else:
-        words.append(last)
+        words.append(say(_BUTTONS.get(last, last)))
     message = "+".join(words)
-    return message if one.gesture == "press" else f"{message}  ({say('gesture.' + one.gesture)})"
+    return message if one.gesture == "press" else f"{message}  ({say(_GESTURES[one.gesture])})"
 
 
 def _key_table(group: str) -> QtWidgets.QWidget:
@@ -202,7 +235,7 @@ def _key_table(group: str) -> QtWidgets.QWidget:
     grid.setHorizontalSpacing(12)
     grid.setVerticalSpacing(3)
     grid.setColumnStretch(1, 1)
-    head = QtWidgets.QLabel(say(f"group.{group}"))
+    head = QtWidgets.QLabel(say(TITLES[group]))
     head.setObjectName("heading")
     grid.addWidget(head, 0, 0, 1, 2)
     top = QtCore.Qt.AlignmentFlag.AlignTop
@@ -212,7 +245,7 @@ def _key_table(group: str) -> QtWidgets.QWidget:
     for k, ((action, gesture), keys) in enumerate(rows.items(), 1):
         shown = QtWidgets.QLabel(("  " if gesture == "press" else "\n").join(keys))
         shown.setObjectName("title")
-        meaning = QtWidgets.QLabel(say(COMMANDS[action].label).rstrip("…"))
+        meaning = QtWidgets.QLabel(say(COMMANDS[action].text).rstrip("…"))
         grid.addWidget(shown, k, 0, top)
         grid.addWidget(meaning, k, 1, top)
     return box

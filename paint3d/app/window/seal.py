@@ -73,7 +73,7 @@ class SealDialog(FormDialog):
         self.form.addRow(self.picture)
         self.form.addRow(self.note)
         self.text = QtWidgets.QLineEdit(kept.text)
-        self.form.addRow(say("copybook.text"), self.text)
+        self.form.addRow(say("Text"), self.text)
         self.font_box = FontBox(say("Lines of one width"))
         self.font_box.show_font(kept.font)
         self.form.addRow(say("Font"), self.font_box)
@@ -91,7 +91,7 @@ class SealDialog(FormDialog):
         self.size_box = self.add_number(
             say("Longer side"), SMALLEST_MM, LARGEST_MM, kept.size_mm, "mm", 1
         )
-        self.finish("OK")
+        self.finish(say("OK"))
         self.text.setFocus()
         self.text.selectAll()
         self._timer = QtCore.QTimer(self, interval=_LOOK_MS)

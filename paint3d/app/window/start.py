@@ -110,7 +110,7 @@ def run_studio(
     plugged = plug_in_mice(MouseSettings.from_words(settings.mouse))
     window = StudioWindow(app, settings, plugged=plugged, feel=start_feeling)
     if problem is not None:
-        window.workspace.tell(problem, state="bad", stays=True)
+        window.workspace.tell(say(problem), state="bad", stays=True)
     elif (kept := stand_in()) is not None:
         message = say(
             "The home folder cannot be written: settings and recovery data are kept in {folder}",

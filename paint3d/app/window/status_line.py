@@ -74,7 +74,14 @@ class StatusLine:
         _dress(self.told, state, self._workspace.theme)
 
     def _invite(self) -> None:
-        self._tell(say("hint.turn"), "off", False)
+        self._tell(
+            say(
+                "Paint with the left button, a pen or a finger; turn by a drag beside the object, "
+                "with Space held, or by the grips"
+            ),
+            "off",
+            False,
+        )
 
     def forget_good(self) -> None:
         """Leave off what was good news; what went wrong is still to be read."""
@@ -158,15 +165,15 @@ class ReplayBar(QtWidgets.QWidget):
         self.speed = QtWidgets.QComboBox()
         for text, speed in SPEEDS:
             self.speed.addItem(text, speed)
-        self.speed.setToolTip(say("history.speed"))
+        self.speed.setToolTip(say("Speed"))
         self.speed.activated.connect(lambda k: player.set_speed(self.speed.itemData(k)))
         self.hold = QtWidgets.QPushButton(say("Pause"))
         self.hold.setObjectName("low")
         self.hold.setCheckable(True)
         self.hold.toggled.connect(player.pause)
-        self.button = QtWidgets.QPushButton(say("button.stop"))
+        self.button = QtWidgets.QPushButton(say("Stop"))
         self.button.setObjectName("low")
-        self.button.setToolTip(f"{say('button.stop')}  ({COMMANDS['cancel_stroke'].keys[0]})")
+        self.button.setToolTip(f"{say('Stop')}  ({COMMANDS['cancel_stroke'].keys[0]})")
         self.button.clicked.connect(player.do_stop)
         row = QtWidgets.QHBoxLayout(self)
         row.setContentsMargins(0, 0, 0, 0)

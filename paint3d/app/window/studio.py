@@ -49,7 +49,7 @@ from paint3d.app.window.wording import say, say_error
 from paint3d.app.window.workspace import Workspace
 from paint3d.colour.materials import Material
 from paint3d.core.machine import give_back_memory
-from paint3d.errors import Paint3DError
+from paint3d.errors import Message, Paint3DError
 
 __all__ = [
     "ReportOnce",
@@ -212,8 +212,8 @@ class ReportOnce:
 
 _TICK_MS = 12
 _REST = 0.25  # of a picture's time, left to hand and painting before the next one
-_UNTIMED = "This pen reports no times; its events are spaced evenly"
-_MISREAD = "This pen reports pressures outside 0 to 1; they are clipped"
+_UNTIMED = Message("This pen reports no times; its events are spaced evenly")
+_MISREAD = Message("This pen reports pressures outside 0 to 1; they are clipped")
 
 
 class StudioWindow(QtWidgets.QMainWindow):
@@ -327,7 +327,11 @@ class StudioWindow(QtWidgets.QMainWindow):
         workspace.held.connect(self._hold)
         for asked in (self.keys.tapped, self.steering.asked):
             asked.connect(self.commands.trigger)
-        self.keys.alt_taken.connect(lambda: workspace.tell(say("hint.alt_taken"), state="bad"))
+        self.keys.alt_taken.connect(
+            lambda: workspace.tell(
+                say("Alt moves the window here: hold Space and drag to turn the view"), state="bad"
+            )
+        )
         self.hand.began.connect(self.status.forget_passing)
         self.hand.began.connect(self.player.give_way)
         self.hand.began.connect(self.panels.history.give_way)
@@ -462,7 +466,7 @@ class StudioWindow(QtWidgets.QMainWindow):
         refused, keeping = event.kind == "error", event.doing == "keeping"
         told = say_error((event.error if refused else None) or event.message)
         if keeping:
-            told = say("problem.keeping", message=told)
+            told = say("Recovery data cannot be saved: {message}", message=told)
         self.workspace.tell(told, state="bad", stays=not refused or keeping)
 
     def _show_state(self, frame: Frame) -> None:
@@ -482,7 +486,7 @@ class StudioWindow(QtWidgets.QMainWindow):
             self.workspace.actions["undo"].setEnabled(True)
 
     def _tell_fault(self, message: str) -> None:
-        self.workspace.tell(say("problem.internal", message=message), state="bad")
+        self.workspace.tell(say("Internal error: {message}", message=message), state="bad")
 
     def _resized(self) -> None:
         if self._timer.isActive():

@@ -41,6 +41,7 @@ from paint3d.brush_engine.ink_transfer import (
     leave_from_reservoirs,
     level_shares,
     note_covered,
+    stillness,
     take_up_ink,
     wet_at_once,
 )
@@ -579,7 +580,7 @@ def sweep_hairs(before, after, ready, hairs, field, ink, scratch):
         bristles = hairs.bristles
         bundles = (bristles.root_mm, bristles.bundle_mm, _BUNDLES, dry * _DIFFER)
         reached = min(1.0, _OWN_GAPS * level)
-        contact = dry_contact(reached, before, after, bundles, field, ink)
+        contact = dry_contact(reached, stillness(before, after), after, bundles, field, ink)
         n = thin_contact(contact, after, found, n, field, ink, scratch.block)
         rest = weighed_area(field, found.ids, found.share, n)
         scale *= rest / whole if whole > 0.0 else 0.0

@@ -151,15 +151,21 @@ def with_fallback(source: GlyphSource, text: str) -> GlyphSource:
         package_of_the_hand("uharfbuzz")
     except InputError as cause:
         raise InputError(
-            f"{source.name} has no glyph for {names_of(missing)}, and {cause}"
+            "{font} has no glyph for {names}, and {cause}",
+            font=source.name,
+            names=names_of(missing),
+            cause=cause,
         ) from None
     found = _fonts_for([one for one in missing if _stands_in_a_square(one)])
     lacking = [one for one in missing if one not in found]
     if lacking:
         raise GlyphError(
-            f"{source.name} has no glyph for {names_of(lacking)}; expected a font that has: --font "
-            "FONT, or install one such as Noto Serif CJK (the package fonts-noto-cjk)",
-            "".join(lacking),
+            "{font} has no glyph for {names}, and no font that is installed has one: install one, "
+            "such as Noto Serif CJK, or choose another font",
+            hint="--font FONT, or the package fonts-noto-cjk",
+            font=source.name,
+            names=names_of(lacking),
+            characters="".join(lacking),
         )
     fitted = {
         font: FittedFont.beside(source, open_font(font.path, font.number))

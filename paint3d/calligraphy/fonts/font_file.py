@@ -18,7 +18,7 @@ from paint3d.calligraphy.glyphs import EM_UNITS
 from paint3d.calligraphy.hand_packages import package_of_the_hand
 from paint3d.calligraphy.page.page import bezier_points, fill_rings
 from paint3d.core.arrays import AnyArray
-from paint3d.errors import InputError
+from paint3d.errors import InputError, Message
 
 if TYPE_CHECKING:
     from shapely import MultiPolygon
@@ -99,10 +99,15 @@ def match_font(name: str, number: int = 0) -> tuple[Path, int]:
             return font.path, number or font.number
     families = list(dict.fromkeys(font.family for font in list_fonts()))
     near = [family for family in families if name.split()[0].casefold() in family.casefold()]
-    told = ", ".join((near or families)[:6]) or "none"
+    if not families:
+        raise InputError(
+            "no font {name!r} on this system, nor any other; expected a file", name=name
+        )
     raise InputError(
-        f"no font {name!r} on this system; expected a file, or a name that `paint3d fonts` lists, "
-        f"such as {told}"
+        "no font {name!r} on this system; expected a file, or a name such as {names}",
+        name=name,
+        names=", ".join((near or families)[:6]),
+        hint="paint3d fonts lists all",
     )
 
 
@@ -130,8 +135,9 @@ def _ask(command: str, *arguments: str) -> str:
         )
     except (OSError, subprocess.SubprocessError):
         raise InputError(
-            f"{command} of fontconfig does not answer; expected it (apt install fontconfig), or a "
-            "font's file"
+            "{command} of fontconfig does not answer; expected it, or a font's file",
+            command=command,
+            hint="apt install fontconfig",
         ) from None
     return done.stdout.decode("utf-8", "replace")
 
@@ -220,10 +226,19 @@ class FontFile:
         if not missing:
             return
         names = ", ".join(f"{c!r} (U+{ord(c):04X})" for c in missing[:12])
-        more = f" and {len(missing) - 12} more" if len(missing) > 12 else ""
+        if len(missing) > 12:
+            names = Message("{names} and {n} more", names=names, n=len(missing) - 12)
         others = ", ".join(_families_that_draw("".join(missing)))
-        hint = f"{others} of the system would do" if others else "try another font"
-        raise InputError(f"{self.name} has no glyph for {names}{more}; {hint}")
+        if others:
+            raise InputError(
+                "{font} has no glyph for {names}; {others} of the system would do",
+                font=self.name,
+                names=names,
+                others=others,
+            )
+        raise InputError(
+            "{font} has no glyph for {names}; try another font", font=self.name, names=names
+        )
 
     def is_empty(self, character: str) -> bool:
         """Whether the glyph of a character has no ink: some fonts list letters that they lack."""
@@ -307,15 +322,24 @@ def open_font(
     path = Path(name)
     if not path.exists():
         if path.suffix.lower() in _SUFFIXES:
-            raise InputError(f"{path}: no such file; expected a font")
+            raise InputError("{file}: no such file; expected a font", file=path)
         path, number = match_font(str(name), number)
     hb = package_of_the_hand("uharfbuzz")
     face = hb.Face(hb.Blob(_font_data(path)), number)
     n_faces = max(1, _n_faces(path))
     if not 0 <= number < n_faces:
-        raise InputError(f"{path}: no face {number}; expected one of the {n_faces} that it has")
+        raise InputError(
+            "{file}: no face {number}; expected one of the {n_faces} that it has",
+            file=path,
+            number=number,
+            n_faces=n_faces,
+        )
     if face.glyph_count == 0:
-        raise InputError(f"{path}: damaged: face {number} has no glyphs; expected a whole font")
+        raise InputError(
+            "{file}: damaged: face {number} has no glyphs; expected a whole font",
+            file=path,
+            number=number,
+        )
     font = hb.Font(face)
     _check_is_drawn(path, face)
     _vary(path, face, font, variations or {})
@@ -334,14 +358,21 @@ def _font_data(path: Path) -> bytes:
     """The bytes of a font that HarfBuzz reads."""
     try:
         if path.stat().st_size > _MOST_BYTES:
-            raise InputError(f"{path}: larger than {_MOST_BYTES:,} bytes; expected a font")
+            raise InputError(
+                "{file}: larger than {most:,} bytes; expected a font",
+                file=path,
+                most=_MOST_BYTES,
+            )
         data = path.read_bytes()
     except OSError as cause:
-        raise InputError(f"{path}: {cause.strerror or cause}") from None
+        raise InputError("{file}: {cause}", file=path, cause=cause) from None
     if data[:4] in _PACKED:
         return _unpacked(path, data)
     if data[:4] not in _KINDS:
-        raise InputError(f"{path}: not a font; expected TrueType or OpenType (.ttf, .otf, .ttc)")
+        raise InputError(
+            "{file}: not a font; expected TrueType or OpenType (.ttf, .otf, .ttc)",
+            file=path,
+        )
     return data
 
 
@@ -355,11 +386,16 @@ def _unpacked(path: Path, data: bytes) -> bytes:
         font.save(out)
     except ImportError:
         raise InputError(
-            f"{path}: a web font packed by Brotli; expected a .ttf or .otf, or the package "
-            "brotli (pip install brotli)"
+            "{file}: a web font packed by Brotli, which is not installed; expected a .ttf or .otf",
+            file=path,
+            hint="pip install brotli",
         ) from None
     except Exception as cause:  # of its many kinds, few are documented
-        raise InputError(f"{path}: broken web font ({cause}); expected .ttf or .otf") from None
+        raise InputError(
+            "{file}: broken web font ({cause}); expected .ttf or .otf",
+            file=path,
+            cause=cause,
+        ) from None
     return out.getvalue()
 
 
@@ -372,14 +408,19 @@ def _n_faces(path: Path) -> int:
 def _check_is_drawn(path: Path, face: Any) -> None:
     """Refuse fonts of pictures: paint3d paints outlines."""
     if face.has_color_layers or face.has_color_paint or face.has_color_svg:
-        kind = "a colour font"
+        kind = Message("a colour font")
     elif not _has_any(face, ("glyf", "CFF ", "CFF2")):
         bitmaps = _has_any(face, ("CBDT", "EBDT", "bdat", "sbix"))
-        kind = "a bitmap font" if bitmaps else "without outlines"
+        kind = Message("a bitmap font") if bitmaps else Message("without outlines")
     else:
         return
     name = face.get_name(_FULL_NAME) or path.name
-    raise InputError(f"{path}: {name} is {kind}; expected a font of outlines in one colour")
+    raise InputError(
+        "{file}: {name} is {kind}; expected a font of outlines in one colour",
+        file=path,
+        name=name,
+        kind=kind,
+    )
 
 
 def _has_any(face: Any, tags: tuple[str, ...]) -> bool:
@@ -393,14 +434,28 @@ def _vary(path: Path, face: Any, font: Any, variations: Mapping[str, float]) -> 
     try:
         axes = {axis.tag: axis for axis in face.axis_infos}
     except UnicodeDecodeError:
-        raise InputError(f"{path}: damaged: an axis has no name; expected a whole font") from None
+        raise InputError(
+            "{file}: damaged: an axis has no name; expected a whole font", file=path
+        ) from None
     for tag, value in variations.items():
         if tag not in axes:
             known = ", ".join(axes) or "none: it is not variable"
-            raise InputError(f"{path}: no axis {tag!r}; it has {known}")
+            raise InputError(
+                "{file}: no axis {tag!r}; it has {known}",
+                file=path,
+                tag=tag,
+                known=known,
+            )
         low, high = axes[tag].min_value, axes[tag].max_value
         if not low <= value <= high:
-            raise InputError(f"{path}: {tag} is {value:g}; expected {low:g} to {high:g}")
+            raise InputError(
+                "{file}: {tag} is {value:g}; expected {low:g} to {high:g}",
+                file=path,
+                tag=tag,
+                value=value,
+                low=low,
+                high=high,
+            )
     font.set_variations(dict(variations))
 
 

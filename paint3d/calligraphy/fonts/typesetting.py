@@ -293,7 +293,11 @@ class FontText:
     def __post_init__(self) -> None:
         if self.style.direction not in (None, *DIRECTIONS):
             known = ", ".join(DIRECTIONS)
-            raise InputError(f"direction is {self.style.direction!r}; expected one of {known}")
+            raise InputError(
+                "direction is {direction!r}; expected one of {known}",
+                direction=self.style.direction,
+                known=known,
+            )
         if not self.text.strip():
             raise InputError("the text is empty; expected at least one character")
         self.font.check_has(unicodedata.normalize("NFC", self.text))
@@ -473,7 +477,10 @@ def set_text(
         If columns are asked for and another direction, too.
     """
     if order == "columns" and style.direction not in (None, "ttb"):
-        raise InputError(f"columns do not run {style.direction}; expected a row, or ttb")
+        raise InputError(
+            "columns do not run {direction}; expected a row, or ttb",
+            direction=style.direction,
+        )
     down = order == "columns" or (
         order is None and style.direction is None and is_written_down(text)
     )

@@ -90,7 +90,10 @@ def lay_page(
             except MeshError as cause:
                 fault = fault or cause
     if fault is None:
-        raise MeshError(f"{surface.mesh.name}: there is no place to write; expected a surface")
+        raise MeshError(
+            "{object}: there is no place to write; expected a surface",
+            object=surface.mesh.name,
+        )
     raise _too_large(surface, text.compose(math.inf), em_mm, fault)
 
 
@@ -110,8 +113,13 @@ def _too_large(surface: ClosestPoints, page: Page, em_mm: float, fault: MeshErro
     scale = em_mm / EM_UNITS
     width, height = scale * (right - left), scale * (upper - lower)
     return InputError(
-        f"{page.source}: {width:.0f} x {height:.0f} mm do not fit on {surface.mesh.name} "
-        f"({fault}); expected less to write, a smaller size or another place"
+        "{source}: {width:.0f} x {height:.0f} mm do not fit on {object} ({fault}); expected less "
+        "to write, a smaller size or another place",
+        source=page.source,
+        width=width,
+        height=height,
+        object=surface.mesh.name,
+        fault=fault,
     )
 
 
@@ -176,16 +184,19 @@ class _Sheet:
         ring = self._level(0.0, 1.0)
         if not ring.closed:
             raise MeshError(
-                f"{self.surface.mesh.name}: the level line of the place does not come back to its "
-                "start; expected a body that can be written around"
+                "{object}: the level line of the place does not come back to its start; expected a "
+                "body that can be written around",
+                object=self.surface.mesh.name,
             )
         left, _, right, _ = page.bounds
         wanted = ring.length / self.scale
         gap = self.layout.gap * EM_UNITS
         if right - left + gap > wanted * (1.0 + _ROUNDING):
             raise MeshError(
-                f"{self.surface.mesh.name} is {ring.length:.0f} mm around; expected no less than "
-                f"{self.scale * (right - left + gap):.0f} mm"
+                "{object} is {length:.0f} mm around; expected no less than {scale:.0f} mm",
+                object=self.surface.mesh.name,
+                length=ring.length,
+                scale=self.scale * (right - left + gap),
             )
         more = wanted / (right - left + gap)
         pieces = [Piece(piece.glyph, (more * piece.at[0], piece.at[1])) for piece in page.pieces]
@@ -201,7 +212,10 @@ class _Sheet:
         distance = x if level.closed else abs(x)
         too_wide = self.scale * (right - left) > level.length * (1.0 + _ROUNDING)
         if too_wide if level.closed else distance > level.length:
-            raise MeshError(f"{self.surface.mesh.name}: the surface ends within the text")
+            raise MeshError(
+                "{object}: the surface ends within the text",
+                object=self.surface.mesh.name,
+            )
         frame = upright_frame(self.surface, level.at(distance), self.up)
         size = [self.scale * (high - low) for low, high in zip(*_corners(piece), strict=True)]
         square = lay_square(self.surface, frame, self.em_mm, self.limits, (size[0], size[1]))
@@ -212,7 +226,10 @@ class _Sheet:
         if (height, sign) not in self._levels:
             climb = self._climb(math.copysign(1.0, height))
             if abs(height) > climb.length:
-                raise MeshError(f"{self.surface.mesh.name}: the surface ends within the text")
+                raise MeshError(
+                    "{object}: the surface ends within the text",
+                    object=self.surface.mesh.name,
+                )
             frame = upright_frame(self.surface, climb.at(abs(height)), self.up)
             self._levels[height, sign] = self._walk(frame, (sign, 0.0))
         return self._levels[height, sign]

@@ -55,4 +55,8 @@ def opened_page(file: Path | str) -> Page:
         from paint3d.calligraphy.page.strokes_file import load_strokes
 
         return load_strokes(Path(file))
-    raise InputError(f"{file}: expected a name ending in {' or '.join(PAGE_FILES)}")
+    raise InputError(
+        "{file}: expected a name ending in {page_files}",
+        file=file,
+        page_files=" or ".join(PAGE_FILES),
+    )

@@ -207,7 +207,10 @@ class Page:
 
     def __post_init__(self) -> None:
         if not any(piece.glyph.strokes for piece in self.pieces):
-            raise InputError(f"{self.source}: there is nothing to write; expected strokes")
+            raise InputError(
+                "{source}: there is nothing to write; expected strokes",
+                source=self.source,
+            )
 
     @property
     def runs_down(self) -> bool:

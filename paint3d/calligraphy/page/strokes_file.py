@@ -119,14 +119,24 @@ def load_strokes(file: Path | str) -> Page:
     path = Path(file)
     try:
         if path.stat().st_size > _MOST_BYTES:
-            raise InputError(f"{path}: larger than {_MOST_BYTES:,} bytes; expected strokes")
+            raise InputError(
+                "{file}: larger than {most:,} bytes; expected strokes",
+                file=path,
+                most=_MOST_BYTES,
+            )
         data = json.loads(path.read_text(encoding="utf-8"))
     except OSError as cause:
-        raise InputError(f"{path}: {cause.strerror or cause}") from None
+        raise InputError("{file}: {cause}", file=path, cause=cause) from None
     except (ValueError, RecursionError) as cause:
-        raise InputError(f"{path}: not JSON ({cause}); expected strokes") from None
+        raise InputError(
+            "{file}: not JSON ({cause}); expected strokes", file=path, cause=cause
+        ) from None
     if not isinstance(data, dict) or data.get("format") != _FORMAT:
-        raise InputError(f'{path}: expected an object with "format": "{_FORMAT}"')
+        raise InputError(
+            '{file}: expected an object with "format": "{expected}"',
+            file=path,
+            expected=_FORMAT,
+        )
     known: dict[str, Glyph] = {}
     pieces = [
         _piece(piece, f"{path}: piece {k + 1}", known)
@@ -148,11 +158,21 @@ def _photograph(data: Any, path: Path) -> Photograph:
     per_unit = as_number(data.get("per_unit"), f"{name}: per_unit", *_PER_UNIT)
     for side in (height, width):
         if not (side.is_integer() and 1 <= side <= _LONGEST_SHEET):
-            raise InputError(f"{name}: size is {side:g}; expected 1 to {_LONGEST_SHEET} pixels")
+            raise InputError(
+                "{name}: size is {side:g}; expected 1 to {most} pixels",
+                name=name,
+                side=side,
+                most=_LONGEST_SHEET,
+            )
     there = _text(data, "file", name)
     windows = PureWindowsPath(there)
     if windows.anchor or PurePosixPath(there).is_absolute() or "\\" in there or not windows.name:
-        raise InputError(f"{name}: file is {there!r}; expected its place seen from {path.name}")
+        raise InputError(
+            "{name}: file is {there!r}; expected its place seen from {file}",
+            name=name,
+            there=there,
+            file=path.name,
+        )
     file = path.parent / there
     invert = data.get("invert", False) is True
     digest = _text(data, "sha256", name).lower() if "sha256" in data else ""
@@ -174,7 +194,11 @@ def _glyph(data: dict[str, Any], name: str) -> Glyph:
     read.sort(key=lambda one: one[0])
     box = as_array(_list(data, "box", name), f"{name}: box", (4,))
     if not (box[2:] > box[:2]).all():
-        raise InputError(f"{name}: box is {box.tolist()}; expected left, lower, right, upper side")
+        raise InputError(
+            "{name}: box is {box}; expected left, lower, right, upper side",
+            name=name,
+            box=box.tolist(),
+        )
     left, lower, right, upper = box.tolist()
     text = _text(data, "text", name)
     return Glyph(text, tuple(stroke for _, stroke in read), (left, lower, right, upper))
@@ -187,13 +211,20 @@ def _stroke(data: Any, name: str) -> tuple[float, GlyphStroke]:
         for k, ring in enumerate(_list(data, "rings", name))
     ]
     if not rings or min(map(len, rings)) < 3:
-        raise InputError(f"{name}: expected rings of 3 points or more, the outer one first")
+        raise InputError(
+            "{name}: expected rings of 3 points or more, the outer one first",
+            name=name,
+        )
     line = as_array(_list(data, "line", name), f"{name}: line", (None, 2))
     if len(line) < 2:
-        raise InputError(f"{name}: line has {len(line)} points; expected 2 or more")
+        raise InputError("{name}: line has {n} points; expected 2 or more", name=name, n=len(line))
     dryness = as_array(data.get("dryness", []), f"{name}: dryness", (None,))
     if ((dryness < 0.0) | (dryness > 1.0)).any():
-        raise InputError(f"{name}: dryness is {dryness.tolist()}; expected numbers from 0 to 1")
+        raise InputError(
+            "{name}: dryness is {dryness}; expected numbers from 0 to 1",
+            name=name,
+            dryness=dryness.tolist(),
+        )
     order = as_number(data.get("order"), f"{name}: order")
     strength = as_number(data.get("strength", 1.0), f"{name}: strength", LEAST_STRENGTH, 1.0)
     holes = tuple(rings[1:])
@@ -203,12 +234,17 @@ def _stroke(data: Any, name: str) -> tuple[float, GlyphStroke]:
 def _list(data: Any, key: str, name: str) -> list[Any]:
     value = data.get(key) if isinstance(data, dict) else None
     if not isinstance(value, list):
-        raise InputError(f"{name}: expected an object with a list named {key}")
+        raise InputError("{name}: expected an object with a list named {key}", name=name, key=key)
     return value
 
 
 def _text(data: dict[str, Any], key: str, name: str) -> str:
     value = data.get(key)
     if not isinstance(value, str):
-        raise InputError(f"{name}: {key} is {value!r}; expected text")
+        raise InputError(
+            "{name}: {key} is {value!r}; expected text",
+            name=name,
+            key=key,
+            value=value,
+        )
     return value

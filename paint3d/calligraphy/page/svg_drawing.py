@@ -39,7 +39,7 @@ from paint3d.calligraphy.page.page import (
 from paint3d.calligraphy.shapes.decompose import decompose, thinnest_within
 from paint3d.core.arrays import AnyArray
 from paint3d.core.foreign_xml import XmlFault, parse_xml
-from paint3d.errors import InputError
+from paint3d.errors import InputError, Message
 
 if TYPE_CHECKING:
     from shapely import MultiPolygon
@@ -89,8 +89,8 @@ _CALLS = re.compile(r"\b(?:var|calc|env|min|max|clamp)\(", re.IGNORECASE)
 _DECLARED = re.compile(rf"(?:^|[;{{\s])({'|'.join(_STYLED)})\s*:\s*([^;}}]*)", re.IGNORECASE)
 _COMMENT = re.compile(r"/\*.*?\*/", re.DOTALL)
 _SHOWN = 24
-_VIEW = "four numbers, the last two of them, its width and height, above 0"
-_ALIGNMENT = "none, or xMidYMid and its like, and meet or slice"
+_VIEW = Message("four numbers, the last two of them, its width and height, above 0")
+_ALIGNMENT = Message("none, or xMidYMid and its like, and meet or slice")
 
 
 def check_numbers(root: ElementTree.Element, name: str) -> None:
@@ -122,10 +122,10 @@ def check_numbers(root: ElementTree.Element, name: str) -> None:
         for fault in faults:
             which = element.get("id")
             called = f"{tag} {which!r}" if which else f"{tag} {counts[tag]}"
-            raise InputError(f"{name}: {called}: {fault}")
+            raise InputError("{name}: {called}: {fault}", name=name, called=called, fault=fault)
 
 
-def _faults(element: ElementTree.Element, tag: str) -> Iterator[str]:
+def _faults(element: ElementTree.Element, tag: str) -> Iterator[Message]:
     """Which attribute of an element is no number, and what was expected."""
     for attribute, text in element.attrib.items():
         value = text.strip()
@@ -134,23 +134,25 @@ def _faults(element: ElementTree.Element, tag: str) -> Iterator[str]:
         if attribute in _LENGTHS:
             wanted = _fault_of_length(attribute, value)
             if wanted:
-                yield f"{attribute} is {value[:_SHOWN]!r}; expected {wanted}"
+                yield _fault(attribute, value, wanted)
         elif attribute == "style":
             yield from _faults_of_style(value)
         elif attribute == "transform" and value.lower() not in _KEYWORDS:
             left = _TRANSFORM.sub(_unless_finite, value).strip(", \t\r\n")
             if left:
-                yield f"transform has {left[:_SHOWN]!r}; expected transforms of finite numbers"
+                yield _fault(attribute, left, Message("transforms of finite numbers"))
         elif attribute == "viewBox" and tag in _VIEWS and value.lower() != "none":
             if not _is_view(value):
-                yield f"viewBox is {value[:_SHOWN]!r}; expected {_VIEW}"
+                yield _fault(attribute, value, _VIEW)
         elif attribute == "preserveAspectRatio" and tag in _VIEWS:
             if not _ALIGNED.fullmatch(value):
-                yield f"preserveAspectRatio is {value[:_SHOWN]!r}; expected {_ALIGNMENT}"
+                yield _fault(attribute, value, _ALIGNMENT)
         elif attribute == "points" and tag in ("polyline", "polygon"):
-            yield from _faults_of_list(attribute, value, _POINTS, "finite numbers")
+            yield from _faults_of_list(attribute, value, _POINTS, Message("finite numbers"))
         elif attribute == "d" and tag == "path" and value.lower() not in _KEYWORDS:
-            yield from _faults_of_list(attribute, value, _WAY, "commands of paths, finite numbers")
+            yield from _faults_of_list(
+                attribute, value, _WAY, Message("commands of paths, finite numbers")
+            )
             yield from _faults_of_way(value)
 
 
@@ -163,31 +165,40 @@ def _is_view(value: str) -> bool:
     return all(map(math.isfinite, numbers)) and min(numbers[2:]) > 0.0
 
 
-def _faults_of_style(text: str) -> Iterator[str]:
-    """The same of declarations."""
-    for declared in _DECLARED.finditer(_COMMENT.sub(" ", text)):
-        attribute, value = declared[1].lower(), _IMPORTANT.sub("", declared[2]).strip()
-        wanted = _fault_of_length(attribute, value) if value else ""
-        if wanted:
-            yield f"{attribute} is {value[:_SHOWN]!r}; expected {wanted}"
-
-
-def _fault_of_length(attribute: str, value: str) -> str:
-    """What was expected of a length or share that is none; "" where it is one."""
-    if value.lower() in _KEYWORDS or _CALLS.match(value):
-        return ""
-    found = _LENGTH.fullmatch(value)
-    expected = "a number" if attribute in _SHARES else "a length"
-    if found is None or not math.isfinite(float(found[1])):
-        return expected
-    return (
-        f"{expected}, not less than 0" if attribute in _SIZE_NAMES and float(found[1]) < 0 else ""
+def _fault(attribute: str, value: str, wanted: Message) -> Message:
+    return Message(
+        "{attribute} is {value!r}; expected {wanted}",
+        attribute=attribute,
+        value=value[:_SHOWN],
+        wanted=wanted,
     )
 
 
+def _faults_of_style(text: str) -> Iterator[Message]:
+    """The same of declarations."""
+    for declared in _DECLARED.finditer(_COMMENT.sub(" ", text)):
+        attribute, value = declared[1].lower(), _IMPORTANT.sub("", declared[2]).strip()
+        wanted = _fault_of_length(attribute, value) if value else None
+        if wanted:
+            yield _fault(attribute, value, wanted)
+
+
+def _fault_of_length(attribute: str, value: str) -> Message | None:
+    """What was expected of a length or share that is none; None where it is one."""
+    if value.lower() in _KEYWORDS or _CALLS.match(value):
+        return None
+    found = _LENGTH.fullmatch(value)
+    expected = Message("a number") if attribute in _SHARES else Message("a length")
+    if found is None or not math.isfinite(float(found[1])):
+        return expected
+    if attribute in _SIZE_NAMES and float(found[1]) < 0:
+        return Message("{what}, not less than 0", what=expected)
+    return None
+
+
 def _faults_of_list(
-    attribute: str, text: str, words: re.Pattern[str], expected: str
-) -> Iterator[str]:
+    attribute: str, text: str, words: re.Pattern[str], expected: Message
+) -> Iterator[Message]:
     """The same of a list: the first word that is neither a finite number nor known."""
     good = words.match(text)
     end = good.end() if good else 0
@@ -195,14 +206,14 @@ def _faults_of_list(
     bad = next((number for number in numbers if not math.isfinite(float(number))), "")
     bad = bad or re.split(r"[\s,]", text[end : end + _SHOWN])[0]
     if bad:
-        yield f"{attribute} has {bad!r}; expected {expected}"
+        yield _fault(attribute, bad, expected)
 
 
-def _faults_of_way(text: str) -> Iterator[str]:
+def _faults_of_way(text: str) -> Iterator[Message]:
     """Where a path of good words breaks off, or does not begin."""
     before, *parts = _SIGNED.split(text)
     if before.strip() or parts[0] not in "Mm":
-        yield f"d has {text[:_SHOWN]!r}; expected M first"
+        yield _fault("d", text, Message("M first"))
     for command, numbers in zip(parts[::2], parts[1::2], strict=True):
         wanted = _COUNTS[command.upper()]
         n = len(_NUMBER.findall(numbers))
@@ -210,7 +221,9 @@ def _faults_of_way(text: str) -> Iterator[str]:
             continue
         if n % wanted if wanted and n else n != wanted:
             shown = f"{command}{numbers}".strip()[:_SHOWN]
-            yield f"d has {shown!r}; expected {wanted} numbers to each {command}"
+            yield _fault(
+                "d", shown, Message("{n} numbers to each {command}", n=wanted, command=command)
+            )
 
 
 def _unless_finite(call: re.Match[str]) -> str:
@@ -253,9 +266,18 @@ def check_svg(data: bytes, name: str) -> ElementTree.Element:
     try:
         root = parse_xml(data, _MOST_DEPTH, doctypes=True)
     except XmlFault as fault:
-        raise InputError(f"{name}:{fault.line}: {fault.what}; expected a plain SVG") from None
+        raise InputError(
+            "{name}:{line}: {what}; expected a plain SVG",
+            name=name,
+            line=fault.line,
+            what=fault.what,
+        ) from None
     if root.tag.rpartition("}")[2] != "svg":
-        raise InputError(f"{name}: the outermost element is {root.tag!r}; expected svg")
+        raise InputError(
+            "{name}: the outermost element is {tag!r}; expected svg",
+            name=name,
+            tag=root.tag,
+        )
     for element in root.iter():
         for href in filter(None, map(element.get, HREFS)):
             tag = element.tag.rpartition("}")[2]
@@ -271,8 +293,10 @@ def check_svg(data: bytes, name: str) -> ElementTree.Element:
 
 def _outside(name: str, reference: str) -> InputError:
     return InputError(
-        f"{name}: refers to {reference[:60].strip()!r} outside of itself; "
-        "expected a drawing that holds all that it shows"
+        "{name}: refers to {reference!r} outside of itself; expected a drawing that holds all that "
+        "it shows",
+        name=name,
+        reference=reference[:60].strip(),
     )
 
 
@@ -284,7 +308,11 @@ def _count(root: ElementTree.Element, name: str) -> None:
 
     def size(element: ElementTree.Element) -> int:
         if element in open_now:
-            raise InputError(f"{name}: {element.get('id')!r} uses itself; expected no circles")
+            raise InputError(
+                "{name}: {id!r} uses itself; expected no circles",
+                name=name,
+                id=element.get("id"),
+            )
         if element not in sizes:
             open_now.add(element)
             total = 1 + sum(size(child) for child in element)
@@ -298,9 +326,14 @@ def _count(root: ElementTree.Element, name: str) -> None:
     try:
         n = size(root)
     except RecursionError:
-        raise InputError(f"{name}: its uses are nested too deep") from None
+        raise InputError("{name}: its uses are nested too deep", name=name) from None
     if n > _MOST_ELEMENTS:
-        raise InputError(f"{name}: {n:,} elements; expected {_MOST_ELEMENTS:,} at most")
+        raise InputError(
+            "{name}: {n:,} elements; expected {most:,} at most",
+            name=name,
+            n=n,
+            most=_MOST_ELEMENTS,
+        )
 
 
 # --------------------------------------------------------------------------------------------------
@@ -442,7 +475,7 @@ def load_svg(file: Path | str, ids: Sequence[str] = ()) -> Page:
     name = Path(file).name
     pieces = _pieces(inks)
     if not pieces:
-        raise InputError(f"{file}: nothing but hairlines; expected shapes to fill")
+        raise InputError("{file}: nothing but hairlines; expected shapes to fill", file=file)
     return Page(pieces, name, f"Drawing: {name}")
 
 
@@ -466,17 +499,23 @@ def _inks_of(file: Path | str, ids: Sequence[str]) -> list[_Ink]:
     try:
         data = path.read_bytes()
     except OSError as cause:
-        raise InputError(f"{path}: {cause.strerror or cause}") from None
+        raise InputError("{file}: {cause}", file=path, cause=cause) from None
     if len(data) > _MOST_BYTES:
-        raise InputError(f"{path}: {len(data):,} bytes; expected {_MOST_BYTES:,} at most")
+        raise InputError(
+            "{file}: {n:,} bytes; expected {most:,} at most",
+            file=path,
+            n=len(data),
+            most=_MOST_BYTES,
+        )
     root = check_svg(data, path.name)
     check_numbers(root, path.name)
     drawn = ElementTree.tostring(in_place(root))
     inks = _covered(list(_read(drawn, path.name, ids)))
     if not inks:
         raise InputError(
-            f"{path}: nothing is filled or stroked that is more than a hairline; expected shapes "
-            "(text has to be turned into paths, pictures into drawings)"
+            "{file}: nothing is filled or stroked that is more than a hairline; expected shapes "
+            "(text has to be turned into paths, pictures into drawings)",
+            file=path,
         )
     tags = {element.tag.rpartition("}")[2] for element in root.iter()}
     left_out = [tag for tag in _NOT_PAINTED if tag in tags]
@@ -494,12 +533,19 @@ def _read(data: bytes, name: str, ids: Sequence[str]) -> Iterator[_Ink]:
     try:
         document = svg.SVG.parse(BytesIO(data), reify=False)
     except Exception as cause:  # of its many kinds, none is documented
-        raise InputError(f"{name}: cannot be read ({cause}); expected SVG") from None
+        raise InputError(
+            "{name}: cannot be read ({cause}); expected SVG", name=name, cause=cause
+        ) from None
     shapes = list(_chosen(document, set(ids), not ids, svg))
     missing = [one for one in ids if one not in _names(document, svg)]
     if missing:
         known = ", ".join(sorted(_names(document, svg))[:12]) or "none"
-        raise InputError(f"{name}: no id {', '.join(map(repr, missing))}; it has {known}")
+        raise InputError(
+            "{name}: no id {missing}; it has {known}",
+            name=name,
+            missing=", ".join(map(repr, missing)),
+            known=known,
+        )
     drawn = [_Drawn(shape.segments(transformed=False), shape) for shape in shapes]
     with np.errstate(all="ignore"):  # it computes with what is not finite, too
         boxes = [box for one in drawn if (box := one.box(svg)) is not None]
@@ -510,11 +556,15 @@ def _read(data: bytes, name: str, ids: Sequence[str]) -> Iterator[_Ink]:
     left, upper, right, lower = bounds_of(boxes)
     flatness = _FLATNESS * max(right - left, lower - upper, 1e-9)
     for k, one in enumerate(drawn):
-        label = one.shape.id or f"element {k + 1}"
+        label = one.shape.id or Message("element {n}", n=k + 1)
         with np.errstate(all="ignore"):
             lines = one.lines(flatness, svg)
         if not all(np.isfinite(points).all() for points, _ in lines):
-            raise InputError(f"{name}: {label} has an arc of no finite points; expected a radius")
+            raise InputError(
+                "{name}: {label} has an arc of no finite points; expected a radius",
+                name=name,
+                label=label,
+            )
         for points, _ in lines:  # of some curves the boxes do not tell
             _check_reach(name, points)
         yield from _inks(lines, one, label)
@@ -562,7 +612,12 @@ class _Drawn:
 def _check_reach(name: str, lengths: AnyArray) -> None:
     farthest = np.abs(lengths).max(initial=0.0)
     if not farthest <= _FARTHEST:
-        raise InputError(f"{name}: reaches as far as {farthest:g}; expected {_FARTHEST:g} at most")
+        raise InputError(
+            "{name}: reaches as far as {farthest:g}; expected {most:g} at most",
+            name=name,
+            farthest=farthest,
+            most=_FARTHEST,
+        )
 
 
 def _chosen(element: Any, ids: set[str], taken: bool, svg: Any) -> Iterator[Any]:

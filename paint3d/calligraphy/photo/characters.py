@@ -73,8 +73,11 @@ def characters_of(
     n = sum(map(len, lines))
     if len(parts) < n:
         raise InputError(
-            f"the text has {n} characters, the sheet {len(parts)} inks apart from each other; "
-            "expected no fewer: leave --text out where characters are joined"
+            "the text has {n} characters, the sheet {parts} inks apart from each other; expected "
+            "no fewer: give no text where characters are joined",
+            hint="leave --text out",
+            n=n,
+            parts=len(parts),
         )
     boxes = np.array([part.bounds for part in parts])
     if not columns:
@@ -236,15 +239,21 @@ def _cut_evenly(spans: AnyArray, counts: Sequence[int]) -> list[tuple[float, flo
 def _cut(boxes: AnyArray, mine: AnyArray, n: int) -> list[list[int]]:
     """The boxes of one line as n characters."""
     if not len(mine):
-        raise InputError("the sheet has a line without ink; expected text in every line of --text")
+        raise InputError(
+            "the sheet has a line without ink; expected ink in every line of the text",
+            hint="--text",
+        )
     cuts = _cuts(boxes[mine][:, [1, 3]], n)
     middles = 0.5 * (boxes[mine, 1] + boxes[mine, 3])
     which = np.clip(np.searchsorted(cuts, middles, side="right") - 1, 0, n - 1)
     groups = [mine[which == k].tolist() for k in range(n)]
     if not all(groups):
         raise InputError(
-            f"{n} characters were expected in a line where {sum(map(bool, groups))} were found; "
-            "expected --text with a line break after each column (--layout row: row)"
+            "{n} characters were expected in a line where {groups} were found; expected the text "
+            "with a line break after each column or row",
+            hint="--text; --layout row for rows",
+            n=n,
+            groups=sum(map(bool, groups)),
         )
     return groups
 

@@ -40,7 +40,7 @@ from paint3d.calligraphy.photo.sheet import (
 )
 from paint3d.calligraphy.shapes.decompose import decompose
 from paint3d.core.arrays import AnyArray
-from paint3d.errors import InputError
+from paint3d.errors import InputError, Message
 
 if TYPE_CHECKING:
     from shapely import MultiPolygon
@@ -112,14 +112,13 @@ class CopiedSheet(SheetPicture):
         On that sheet.
     red : (H, W) float32
         Density of seals there.
-    note : str
-        What may have been meant otherwise, and which ink no stroke covers; "" where nothing is
-        amiss.
+    notes : tuple of Message
+        What may have been meant otherwise, and which ink no stroke covers.
     """
 
     ink: InkMask
     red: NDArray[np.float32]
-    note: str = ""
+    notes: tuple[Message, ...] = ()
 
     def taken_from(self, file: Path, scale: float, *, invert: bool = False) -> CopiedSheet:
         """The same with a page that knows its photograph.
@@ -193,8 +192,10 @@ def copy_sheet(
             progress(float(so_far))
         if sum(len(piece.glyph.strokes) for piece in pieces) > _MOST_STROKES:
             raise InputError(
-                f"there are more than {_MOST_STROKES:,} strokes on the sheet; expected no more: "
-                "crop it to fewer characters, or give --corners around them"
+                "there are more than {most:,} strokes on the sheet; expected no more: crop it to "
+                "fewer characters, or give the corners around them",
+                most=_MOST_STROKES,
+                hint="--corners",
             )
     if not asked.invert:  # the strokes of a rubbing are where no ink is
         pieces = _as_strong(pieces, inks.black, ink.mask, per_unit, origin)
@@ -204,8 +205,8 @@ def copy_sheet(
         page, (height, width), per_unit, origin, picture=picture, corners=corners, ink=ink,
         red=inks.red,
     )  # fmt: skip
-    notes = [_note_on_ground(sheet) if asked.invert else "", _note_on_lost_ink(copied)]
-    return replace(copied, note="; ".join(filter(None, notes)))
+    notes = (_note_on_ground(sheet) if asked.invert else None, _note_on_lost_ink(copied))
+    return replace(copied, notes=tuple(note for note in notes if note is not None))
 
 
 def seen_again(page: Page, pixels: NDArray[np.uint8], scale: float) -> SheetPicture:
@@ -252,19 +253,19 @@ def _corners(pixels: NDArray[np.uint8], asked: Asked) -> NDArray[np.float64]:
         return whole_picture(pixels)
 
 
-def _note_on_ground(sheet: NDArray[np.float32]) -> str:
+def _note_on_ground(sheet: NDArray[np.float32]) -> Message | None:
     """What to say of a sheet that is taken for a rubbing, and is mostly white."""
     share, _ = white_on_dark(sheet)
     if share <= 0.5:
-        return ""
-    return (
-        f"{share:.0%} of the sheet is white, and was copied as the strokes of a rubbing; leave "
-        "--invert out where it is the paper"
+        return None
+    return Message(
+        "{share:.0%} of the sheet is white, and was copied as the strokes of a rubbing",
+        share=share,
     )
 
 
-def _note_on_lost_ink(sheet: CopiedSheet) -> str:
-    """Which characters have ink that no stroke covers, and how much; "" where next to none has."""
+def _note_on_lost_ink(sheet: CopiedSheet) -> Message | None:
+    """Which characters have ink that no stroke covers, and how much; None where hardly any."""
     from scipy.ndimage import distance_transform_edt
 
     pieces, drawn = sheet.page.pieces, iter(sheet.drawn())
@@ -284,10 +285,11 @@ def _note_on_lost_ink(sheet: CopiedSheet) -> str:
         if share > _LOST
     ]
     if not lost:
-        return ""
-    return (
-        f"some of the ink is in no stroke: character {', '.join(lost)}; compare the strokes with "
-        "the photograph"
+        return None
+    return Message(
+        "some of the ink is in no stroke: character {lost}; compare the strokes with the "
+        "photograph",
+        lost=", ".join(lost),
     )
 
 
@@ -399,17 +401,39 @@ def check_widths(page: Page, brush: BrushSpec, em_mm: float, resolution_mm: floa
     least, most = (2.0 * float(row[:, 1].max()) for row in (rows[0], rows[-1]))
     finest = max(least, resolution_mm)
     if narrow < finest:
-        what = "the brush" if least > resolution_mm else "the vertices"
-        more = "" if least > resolution_mm else f", or --resolution {0.4 * narrow:.2g}"
+        larger = np.ceil(_ROUNDED * em_mm * finest / narrow)
+        if least > resolution_mm:
+            raise InputError(
+                "strokes are {narrow:.2g} mm wide at a size of {em_mm:g} mm, the brush "
+                "{finest:.2g} mm; expected a size of {larger:g} mm",
+                narrow=narrow,
+                em_mm=em_mm,
+                finest=finest,
+                larger=larger,
+                hint=f"--size {larger:g}",
+            )
         raise InputError(
-            f"strokes are {narrow:.2g} mm wide at --size {em_mm:g}, {what} {finest:.2g} mm; "
-            f"expected wider ones: --size {np.ceil(_ROUNDED * em_mm * finest / narrow):g}{more}"
+            "strokes are {narrow:.2g} mm wide at a size of {em_mm:g} mm, the vertices lie "
+            "{finest:.2g} mm apart; expected a size of {larger:g} mm, or vertices every "
+            "{finer:.2g} mm",
+            narrow=narrow,
+            em_mm=em_mm,
+            finest=finest,
+            larger=larger,
+            finer=0.4 * narrow,
+            hint=f"--size {larger:g}, or --resolution {0.4 * narrow:.2g}",
         )
     if wide > _TOO_WIDE * most:
+        smaller = np.floor(em_mm * most / wide / _ROUNDED)
         raise InputError(
-            f"strokes are {wide:.2g} mm wide at --size {em_mm:g}, the brush {brush.name} at its "
-            f"full press {most:.2g} mm; expected a larger brush, or --size "
-            f"{np.floor(em_mm * most / wide / _ROUNDED):g}"
+            "strokes are {wide:.2g} mm wide at a size of {em_mm:g} mm, the brush {brush} at its "
+            "full press {most:.2g} mm; expected a larger brush, or a size of {smaller:g} mm",
+            wide=wide,
+            em_mm=em_mm,
+            brush=brush.name,
+            most=most,
+            smaller=smaller,
+            hint=f"--size {smaller:g}",
         )
 
 

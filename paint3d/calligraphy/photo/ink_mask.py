@@ -245,35 +245,43 @@ def find_ink(density: NDArray[np.float32]) -> InkMask:
     mask, faint = near & (share > _EDGE), near & (share > _FAINT)
     if mask.mean() < _LEAST:
         raise InputError(
-            "no ink was found on the sheet; expected dark strokes on paper (of a rubbing: --invert)"
+            "no ink was found on the sheet; expected dark strokes on paper",
+            hint="of a rubbing: --invert",
         )
     if mask.sum() > _MOST * inner.sum():
         raise InputError(
-            f"{mask.sum() / inner.sum():.0%} of the sheet is dark; expected writing on paper: of a "
-            "rubbing --invert, of a picture that shows no sheet --corners around the paper"
+            "{share:.0%} of the sheet is dark; expected writing on paper, and the corners of the "
+            "paper where the picture shows more",
+            share=mask.sum() / inner.sum(),
+            hint="--corners; of a rubbing --invert",
         )
     width = _width(mask)
     mask, faint = (without_specks(one, _SPECK * width**2) for one in (mask, faint))
     pieces = _pieces_and_holes(mask)
     if mask.sum() < _DITHERED * pieces:
         raise InputError(
-            f"the ink lies in {pieces:,} dots and gaps of a few pixels, as greys do that are "
-            "dithered to black and white; expected strokes: scan in grey"
+            "the ink lies in {pieces:,} dots and gaps of a few pixels, as greys do that are "
+            "dithered to black and white; expected strokes: scan in grey",
+            pieces=pieces,
         )
     body = bodies_in(mask, faint, width)
     pieces = _pieces_and_holes(body)
     if pieces > _MOST_PIECES:
         raise InputError(
-            f"the ink lies in {pieces:,} pieces and gaps in them; expected writing, of "
-            f"{_MOST_PIECES:,} at the most: crop it to fewer characters, or give --corners around "
-            "them"
+            "the ink lies in {pieces:,} pieces and gaps in them; expected writing, of {most:,} at "
+            "the most: crop it to fewer characters, or give the corners around them",
+            hint="--corners",
+            pieces=pieces,
+            most=_MOST_PIECES,
         )
     mask &= body
     width = _width(body)
     if width < _COARSEST:
         raise InputError(
-            f"strokes are {width:.1f} pixels wide on the straightened sheet; expected "
-            f"{_COARSEST:g} or more: photograph it from nearer, or crop it to fewer characters"
+            "strokes are {width:.1f} pixels wide on the straightened sheet; expected {least:g} or "
+            "more: photograph it from nearer, or crop it to fewer characters",
+            width=width,
+            least=_COARSEST,
         )
     full = max(float(np.percentile(taken[mask], 75.0)), 1e-3)
     return InkMask(np.clip(taken / full, 0.0, 1.0).astype(np.float32), mask, body, width, full)

@@ -196,16 +196,20 @@ def checked_corners(corners: AnyArray, shape: tuple[int, int]) -> NDArray[np.flo
     room = 0.02 * max(shape)
     if ((corners < -room) | (corners > (width + room, height + room))).any():
         raise InputError(
-            f"corners are {corners.round().tolist()} in a picture of {width} x {height} pixels; "
-            "expected places in it"
+            "corners are {corners} in a picture of {width} x {height} pixels; expected places in "
+            "it",
+            corners=corners.round().tolist(),
+            width=width,
+            height=height,
         )
     sides = np.roll(corners, -1, axis=0) - corners
     after = np.roll(sides, -1, axis=0)
     turns = sides[:, 0] * after[:, 1] - sides[:, 1] * after[:, 0]
     if not ((turns > 0.0).all() or (turns < 0.0).all()) or np.abs(turns).min() < 100.0:
         raise InputError(
-            f"corners are {corners.round().tolist()}; expected four, one after another around the "
-            "sheet, from its upper left"
+            "corners are {corners}; expected four, one after another around the sheet, from its "
+            "upper left",
+            corners=corners.round().tolist(),
         )
     return corners if (turns > 0.0).all() else corners[[0, 3, 2, 1]]
 
@@ -238,7 +242,8 @@ def find_sheet(pixels: NDArray[np.uint8]) -> NDArray[np.float64]:
     if best is None or weakest < _WEAKEST:
         raise InputError(
             "no sheet with four sides stands out; expected paper that lies whole in the picture on "
-            "another colour: give its corners, --corners x,y x,y x,y x,y, or --whole for all of it"
+            "another colour: give its corners",
+            hint="--corners x,y x,y x,y x,y, or --whole for all of the picture",
         )
     finer = max(1, round(max(pixels.shape[:2]) / _DRAWN))
     fine = _planes(pixels, finer)
@@ -643,14 +648,17 @@ def check_exposure(sheet: NDArray[np.float32], paper: NDArray[np.float32]) -> No
     clipped = float((sheet.min(axis=2) > _CLIPPED).mean())
     if _BRIGHTER * usual < _CLIPPED and clipped > _GLARE:
         raise InputError(
-            f"a highlight hides {clipped:.0%} of the sheet; expected light from the side: "
-            "photograph it without a flash, away from a window's reflection"
+            "a highlight hides {clipped:.0%} of the sheet; expected light from the side: "
+            "photograph it without a flash, away from a window's reflection",
+            clipped=clipped,
         )
     hidden = float((paper.max(axis=2) < _DARK).mean())
     if hidden > _BLACK_SHADOW:
         raise InputError(
-            f"{hidden:.0%} of the sheet lies in black shadow; expected light all over: give "
-            "--corners around what can be seen, or photograph it brighter"
+            "{hidden:.0%} of the sheet lies in black shadow; expected light all over: give the "
+            "corners around what can be seen, or photograph it brighter",
+            hint="--corners",
+            hidden=hidden,
         )
 
 
@@ -670,8 +678,9 @@ def check_ground(sheet: NDArray[np.float32]) -> None:
     share, contrast = white_on_dark(sheet)
     if share < _LIT and contrast > _CONTRAST:
         raise InputError(
-            f"{share:.0%} of the sheet is white on a dark ground; expected dark strokes "
-            "on paper: of a rubbing --invert"
+            "{share:.0%} of the sheet is white on a dark ground; expected dark strokes on paper",
+            hint="of a rubbing: --invert",
+            share=share,
         )
 
 

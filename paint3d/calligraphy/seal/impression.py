@@ -121,8 +121,11 @@ def find_impression(
         chart = make_chart(closest, frame, half[0], half[1], 2.0 * half.max() / _NODES)
     except MeshError as cause:
         raise MeshError(
-            f"a seal of {2.0 * half[0]:.0f} x {2.0 * half[1]:.0f} mm has no room there ({cause}); "
-            "expected a smaller seal or another place"
+            "a seal of {first:.0f} x {second:.0f} mm has no room there ({cause}); expected a "
+            "smaller seal or another place",
+            first=2.0 * half[0],
+            second=2.0 * half[1],
+            cause=cause,
         ) from None
     _refine(surface, chart, max(_FINEST_MM, 2.0 * float(half.max()) / _ACROSS))
     ids, xy = _vertices_under(surface, chart)
@@ -143,8 +146,9 @@ def find_impression(
     kept = share > 1e-3
     if touched < _LEAST_TOUCHED or not kept.any():
         raise InputError(
-            f"the seal would touch {100.0 * touched:.0f} % of what it is to print: the surface "
-            "falls away from it; expected a smaller seal, a softer pad or a flatter place"
+            "the seal would touch {percent:.0f} % of what it is to print: the surface falls away "
+            "from it; expected a smaller seal, a softer pad or a flatter place",
+            percent=100.0 * touched,
         )
     covered = share[kept]
     coats = pressing.coats * np.maximum(thick[kept], 0.1) * covered

@@ -164,7 +164,11 @@ def cut_drawing(name: str, shape: MultiPolygon, style: str, size_mm: float) -> S
 
 def _check(style: str, size_mm: float) -> None:
     if style not in STYLES:
-        raise InputError(f"style is {style!r}; expected one of {', '.join(STYLES)}")
+        raise InputError(
+            "style is {style!r}; expected one of {styles}",
+            style=style,
+            styles=", ".join(STYLES),
+        )
     as_number(size_mm, "size (mm)", SMALLEST_MM, LARGEST_MM)
 
 
@@ -172,8 +176,9 @@ def _characters(text: str) -> list[str]:
     characters = [one for one in text if not one.isspace()]
     if not 1 <= len(characters) <= _MOST_CHARACTERS:
         raise InputError(
-            f"a seal of {len(characters)} characters; expected 1 to {_MOST_CHARACTERS}, or a "
-            "drawing (--svg)"
+            "a seal of {n} characters; expected 1 to {most}, or a drawing",
+            n=len(characters),
+            most=_MOST_CHARACTERS,
         )
     return characters
 
@@ -340,8 +345,9 @@ def cut_seal(
         If neither or both of text and drawing are given, or it cannot be cut.
     """
     if (text is None) == (drawing is None):
-        got = "nothing" if text is None else "a text and a drawing"
-        raise InputError(f"a seal of {got}; expected one of a text and a drawing")
+        if text is None:
+            raise InputError("a seal of nothing; expected a text or a drawing")
+        raise InputError("a seal of a text and a drawing; expected one of them")
     if drawing is not None:
         from paint3d.calligraphy.page.svg_drawing import svg_shape
 

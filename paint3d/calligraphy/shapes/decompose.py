@@ -194,7 +194,9 @@ def _parts(outline: MultiPolygon) -> list[Polygon]:
     if not parts:
         raise InputError(
             "the outline has no area, or is a hairline; expected a shape to fill, wider than a "
-            f"{1.0 / _HAIRLINE:,.0f}th of its size and a {_LONGEST:,.0f}th of its length"
+            "{hairline:,.0f}th of its size and a {most:,.0f}th of its length",
+            hairline=1.0 / _HAIRLINE,
+            most=_LONGEST,
         )
     least = _SPECK * _width(parts) ** 2
     kept = [part for part in parts if part.area >= least]

@@ -36,7 +36,11 @@ def run_on_cluster(rows: Sequence[Row], address: str, folder: str = os.curdir) -
     try:
         client = Client(address, timeout=PATIENCE_S)
     except (OSError, ValueError, TypeError) as cause:
-        raise InputError(f"the scheduler {address} does not answer: {cause}") from None
+        raise InputError(
+            "the scheduler {address} does not answer: {cause}",
+            address=address,
+            cause=cause,
+        ) from None
     with client:
         yield from _Work(client, address, os.path.abspath(folder)).run(rows)
 
@@ -80,8 +84,9 @@ class _Work:
                 continue
             if task.status != "finished":
                 raise InputError(
-                    f"the scheduler {self._address} no longer answers; what is finished is noted: "
-                    "expected another --scheduler, or none, for the rest"
+                    "the scheduler {address} no longer answers; what is finished is noted: "
+                    "expected another --scheduler, or none, for the rest",
+                    address=self._address,
                 )
             try:
                 worker, found = task.result()

@@ -33,7 +33,7 @@ class FinishedRows:
         except FileNotFoundError:
             return
         except OSError as cause:
-            raise ExportError(f"{path}: cannot read it: {cause.strerror or cause}") from None
+            raise ExportError("{file}: cannot read it: {cause}", file=path, cause=cause) from None
         self._cut_short = not text.endswith("\n")
         for line in text.splitlines():
             try:
@@ -66,7 +66,9 @@ class FinishedRows:
                 os.fsync(file.fileno())
             self._cut_short = False
         except OSError as cause:
-            raise ExportError(f"{self.path}: cannot write: {cause.strerror or cause}") from None
+            raise ExportError(
+                "{file}: cannot write: {cause}", file=self.path, cause=cause
+            ) from None
 
     def _state(self, row: Row) -> tuple[int, int] | None:
         try:

@@ -53,7 +53,12 @@ def read_cells(path: Path) -> tuple[list[str], list[tuple[int, list[str]]]]:
             (records.line_num, cells) for cells in records if any(cell.strip() for cell in cells)
         ]
     except csv.Error as cause:
-        raise InputError(f"{path}:{records.line_num}: it is no CSV table: {cause}") from None
+        raise InputError(
+            "{file}:{line_num}: it is no CSV table: {cause}",
+            file=path,
+            line_num=records.line_num,
+            cause=cause,
+        ) from None
     return header, rows
 
 
@@ -91,13 +96,17 @@ def read_table(path: Path, group: str | None = None) -> tuple[list[Row], list[Ou
         try:
             row = make()
             if row.output in lines:
-                raise InputError(f"{row.output} is the output of line {lines[row.output]} too")
+                raise InputError(
+                    "{output} is the output of line {lines} too",
+                    output=row.output,
+                    lines=lines[row.output],
+                )
             lines[row.output] = line
             rows.append(row)
         except InputError as cause:
             refused.append(Outcome(line, str(cause), 0.0, ""))
     if not rows and not refused:
-        raise InputError(f"{path}: it has no rows; expected one for each painting")
+        raise InputError("{file}: it has no rows; expected one for each painting", file=path)
     return rows, refused
 
 
@@ -106,12 +115,16 @@ def _text(path: Path) -> str:
         with open(path, "rb") as file:
             data = file.read(MAX_BYTES + 1)
         if len(data) > MAX_BYTES:
-            raise InputError(f"{path}: it is larger than {MAX_BYTES:,} bytes")
+            raise InputError("{file}: it is larger than {most:,} bytes", file=path, most=MAX_BYTES)
         return data.decode("utf-8-sig")
     except OSError as cause:
-        raise InputError(f"{path}: cannot read it: {cause.strerror or cause}") from None
+        raise InputError("{file}: cannot read it: {cause}", file=path, cause=cause) from None
     except UnicodeDecodeError as cause:
-        raise InputError(f"{path}: byte {cause.start} is not UTF-8; expected UTF-8 text") from None
+        raise InputError(
+            "{file}: byte {start} is not UTF-8; expected UTF-8 text",
+            file=path,
+            start=cause.start,
+        ) from None
 
 
 def check_columns(where: str, header: list[str], known: Collection[str]) -> None:
@@ -126,10 +139,14 @@ def check_columns(where: str, header: list[str], known: Collection[str]) -> None
         if name not in known:
             near = hint(name, known)
             raise InputError(
-                f"{where}: unknown column {name!r}{near}; expected {', '.join(sorted(known))}"
+                "{where}: unknown column {name!r}{near}; expected {known}",
+                where=where,
+                name=name,
+                near=near,
+                known=", ".join(sorted(known)),
             )
     if len(set(header)) < len(header):
-        raise InputError(f"{where}: two columns have the same name")
+        raise InputError("{where}: two columns have the same name", where=where)
 
 
 def _check_has(
@@ -140,7 +157,7 @@ def _check_has(
     if not set(one_of) & set(header):
         missing.append(" or ".join(one_of))
     if missing:
-        raise InputError(f"{path}:1: there is no column {missing[0]}")
+        raise InputError("{file}:1: there is no column {first}", file=path, first=missing[0])
 
 
 @cache
@@ -180,7 +197,7 @@ def option_words(command: str, cells: Mapping[str, str]) -> list[str]:
         if name in takes_value:
             words += _words(f"--{name}", value.strip(), takes_value[name])
         elif value.strip().lower() not in NO:
-            raise InputError(f"{name} is no option of {command}")
+            raise InputError("{name} is no option of {command}", name=name, command=command)
     return words
 
 
@@ -204,21 +221,32 @@ def _composed(header: list[str], pieces: list[tuple[int, list[str]]], group: str
     own = (*OWN, *OF_OBJECTS)
     for line, cells in pieces:
         if len(cells) != len(header):
-            raise InputError(f"line {line} has {len(cells)} cells; expected {len(header)}")
+            raise InputError(
+                "line {line} has {n} cells; expected {header}",
+                line=line,
+                n=len(cells),
+                header=len(header),
+            )
         given = {k: v for k, v in zip(header, cells, strict=True) if v.strip()}
         for name in own:
             said = given[name].strip() if name in given else None
             if said is not None and shared.setdefault(name, said) != said:
                 raise InputError(
-                    f"line {line} says {said!r} as {name}, and another of {group} "
-                    f"{given.get(group, '')!r} {shared[name]!r}; expected one"
+                    "line {line} says {said!r} as {name}, and another of {group} {other!r} "
+                    "{shared!r}; expected one",
+                    line=line,
+                    said=said,
+                    name=name,
+                    group=group,
+                    other=given.get(group, ""),
+                    shared=shared[name],
                 )
         left_out = {*own, *({group} - piece_columns())}
         piece = {k: v for k, v in given.items() if k not in left_out}
         words.append("--piece=" + json.dumps(piece, ensure_ascii=False))
     for name in OWN:
         if name not in shared:
-            raise InputError(f"it has no {name}")
+            raise InputError("it has no {name}", name=name)
     of_object = [
         word
         for name, value in shared.items()
@@ -229,7 +257,7 @@ def _composed(header: list[str], pieces: list[tuple[int, list[str]]], group: str
 
 def _row(header: list[str], cells: list[str], line: int) -> Row:
     if len(cells) != len(header):
-        raise InputError(f"it has {len(cells)} cells; expected {len(header)}")
+        raise InputError("it has {n} cells; expected {header}", n=len(cells), header=len(header))
     given = {k: v for k, v in zip(header, cells, strict=True) if v.strip()}
     subjects = [name for name in SUBJECTS if name in given]
     if len(subjects) != 1:
@@ -237,7 +265,7 @@ def _row(header: list[str], cells: list[str], line: int) -> Row:
                          "it has neither a text nor a recording")  # fmt: skip
     for name in OWN:
         if name not in given:
-            raise InputError(f"it has no {name}")
+            raise InputError("it has no {name}", name=name)
     command = SUBJECTS[subjects[0]]
     takes_value = dict.fromkeys(OWN, True) | _options(command)
     words = []
@@ -247,7 +275,7 @@ def _row(header: list[str], cells: list[str], line: int) -> Row:
         if name not in takes_value and value.strip().lower() in NO:
             continue
         if name not in takes_value:
-            raise InputError(f"{name} is no option of {command}")
+            raise InputError("{name} is no option of {command}", name=name, command=command)
         words += _words(OWN.get(name, f"--{name}"), value.strip(), takes_value[name])
     if command == "write" and "processes" not in given:
         words.append("--processes=1")  # the rows share the cores
@@ -259,5 +287,9 @@ def _words(option: str, value: str, takes_value: bool) -> list[str]:
     if takes_value:
         return [f"{option}={value}"]
     if value.lower() not in YES + NO:
-        raise InputError(f"{option.lstrip('-')} is {value!r}; expected yes or no")
+        raise InputError(
+            "{option} is {value!r}; expected yes or no",
+            option=option.lstrip("-"),
+            value=value,
+        )
     return [option] if value.lower() in YES else []

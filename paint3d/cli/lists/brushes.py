@@ -142,7 +142,10 @@ def _fit(options: argparse.Namespace) -> None:
     from paint3d.core.parameter_file import is_parameter_file
 
     if not is_parameter_file(options.out.name) or options.out.suffix.lower() == ".json":
-        raise ExportError(f"{options.out}: expected the name of a brush file, such as mine.toml")
+        raise ExportError(
+            "{out}: expected the name of a brush file, such as mine.toml",
+            out=options.out,
+        )
     check_output_folder(options.out.parent)
     name = options.out.stem
     check_brush_name(name)
@@ -216,7 +219,7 @@ def _draw(brushes: Iterable[BrushSpec], folder: Path, *, quiet: bool) -> None:
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise ExportError(f"{folder}: {error.strerror or error}") from None
+        raise ExportError("{folder}: {cause}", folder=folder, cause=error) from None
     brushes = list(brushes)
     with ProgressBar("drawing", enabled=not quiet) as progress:
         for k, brush in enumerate(brushes):

@@ -35,7 +35,10 @@ def run(options: argparse.Namespace) -> None:
     fonts = fonts_that_draw(options.text)
     if not fonts:
         what = f" with {options.text!r}" if options.text else ""
-        raise InputError(f"no font of outlines{what} on this system; expected one (or --font FILE)")
+        raise InputError(
+            "no font of outlines{what} on this system; expected one (or --font FILE)",
+            what=what,
+        )
     if options.files:
         lines = [f"{font.family} {font.style}\t{font.path}" for font in fonts]
     else:

@@ -85,8 +85,9 @@ def run(options: argparse.Namespace) -> None:
         raise InputError("--illuminant is given without inks to compare; expected --compare A B")
     if options.compare is not None and options.table is not None:
         raise InputError(
-            f"{options.table} is given beside --compare; expected one of them "
-            "(--compare takes FILE.csv:NAME)"
+            "{table} is given beside --compare; expected one of them (--compare takes "
+            "FILE.csv:NAME)",
+            table=options.table,
         )
     if options.compare is not None:
         sys.stdout.write("\n".join(comparison_table(options)) + "\n")
@@ -122,7 +123,7 @@ def _film(ink: str, coats: float, ground: AnyArray) -> AnyArray:
 
     stirred: dict[str | Pigment, float] = {}
     stirred.update(load_ink(ink).items())
-    return mixture_reflectance(stirred, coats, ground)
+    return mixture_reflectance(stirred, coats, ground, by_volume=True)
 
 
 def _csv_word(text: str) -> str:

@@ -131,7 +131,7 @@ class SocketForcePort:
         except BlockingIOError:
             return reports
         except OSError as cause:
-            raise DeviceGoneError(f"the virtual stylus has gone ({cause})") from None
+            raise DeviceGoneError("the virtual stylus has gone ({cause})", cause=cause) from None
         raise DeviceGoneError("the virtual stylus has gone")
 
     def _write(self, report: bytes) -> None:
@@ -140,4 +140,4 @@ class SocketForcePort:
         except BlockingIOError:
             return  # the reader lags; the next force is newer anyway
         except OSError as cause:
-            raise DeviceGoneError(f"the virtual stylus has gone ({cause})") from None
+            raise DeviceGoneError("the virtual stylus has gone ({cause})", cause=cause) from None

@@ -77,16 +77,25 @@ def decode_numbers(data: bytes, time_ns: int = 0) -> PoseNumbers:
     """
     if len(data) < _POSE.size or data[0] != _POSE_ID:
         raise DeviceError(
-            f"a stylus report of {len(data)} bytes, {data[:1].hex() or 'no'} first; "
-            f"expected {_POSE.size}, 01 first"
+            "a stylus report of {n} bytes, {data} first; expected {pose_size}, 01 first",
+            n=len(data),
+            data=data[:1].hex() or "no",
+            pose_size=_POSE.size,
         )
     _, x, y, z, qw, qx, qy, qz, buttons, _, sequence = _POSE.unpack_from(data)
     if not -_FARTHEST <= min(x, y, z) <= max(x, y, z) <= _FARTHEST:
         position = f"({x / _MILLI:g}, {y / _MILLI:g}, {z / _MILLI:g})"
-        raise DeviceError(f"the stylus is at {position} mm; expected within {_FARTHEST / _MILLI:g}")
+        raise DeviceError(
+            "the stylus is at {position} mm; expected within {most:g}",
+            position=position,
+            most=_FARTHEST / _MILLI,
+        )
     length = math.sqrt(qw * qw + qx * qx + qy * qy + qz * qz)
     if abs(length / _Q14 - 1.0) > _WORST_LENGTH:
-        raise DeviceError(f"the stylus' quaternion has length {length / _Q14:.3g}; expected 1")
+        raise DeviceError(
+            "the stylus' quaternion has length {length:.3g}; expected 1",
+            length=length / _Q14,
+        )
     return PoseNumbers(
         time_ns,
         (x / _MILLI, y / _MILLI, z / _MILLI),
@@ -127,7 +136,13 @@ def encode_force(force: ArrayLike, sequence: int = 0) -> bytes:
     x, y, z = np.asarray(force, np.float64).tolist()
     squared = x * x + y * y + z * z
     if not squared <= (MAX_FORCE_N + 1e-6) ** 2:  # negated to catch NaN
-        raise DeviceError(f"force is ({x:g}, {y:g}, {z:g}) N; expected at most {MAX_FORCE_N} N")
+        raise DeviceError(
+            "force is ({x:g}, {y:g}, {z:g}) N; expected at most {most} N",
+            x=x,
+            y=y,
+            z=z,
+            most=MAX_FORCE_N,
+        )
     # int() truncates towards zero: rounding must not exceed the limit.
     return _FORCE.pack(
         _FORCE_ID, int(x * _MILLI), int(y * _MILLI), int(z * _MILLI), sequence & 0xFFFF
@@ -143,6 +158,10 @@ def decode_force(data: bytes) -> tuple[tuple[float, float, float], int]:
         If it is another report.
     """
     if len(data) != _FORCE.size or data[0] != _FORCE_ID:
-        raise DeviceError(f"a force report of {len(data)} bytes; expected {_FORCE.size}")
+        raise DeviceError(
+            "a force report of {n} bytes; expected {force_size}",
+            n=len(data),
+            force_size=_FORCE.size,
+        )
     _, x, y, z, sequence = _FORCE.unpack(data)
     return (x / _MILLI, y / _MILLI, z / _MILLI), sequence

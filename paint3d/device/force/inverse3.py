@@ -71,20 +71,33 @@ def decode_state(data: bytes | str, time_ns: int = 0) -> Inverse3State:
         finite or out of range.
     """
     if len(data) > _MAX_BYTES:
-        raise DeviceError(f"a message of {len(data)} bytes; expected at most {_MAX_BYTES}")
+        raise DeviceError(
+            "a message of {n} bytes; expected at most {most}",
+            n=len(data),
+            most=_MAX_BYTES,
+        )
     try:
         message = json.loads(data)
     except (ValueError, RecursionError) as cause:
-        raise DeviceError(f"the Inverse3 service sent what is not JSON ({cause})") from None
+        raise DeviceError(
+            "the Inverse3 service sent what is not JSON ({cause})", cause=cause
+        ) from None
     device = _first(message, "inverse3")
     if device is None:
         raise DeviceError("the Inverse3 service knows no Inverse3; is it plugged in and awake?")
     device_id = device.get("device_id")
     if not isinstance(device_id, str) or not device_id:
-        raise DeviceError(f"the Inverse3's device_id is {device_id!r:.40}; expected a name")
+        raise DeviceError(
+            "the Inverse3's device_id is {device_id!r:.40}; expected a name",
+            device_id=device_id,
+        )
     cursor = _numbers(device, "cursor_position", "xyz")
     if max(map(abs, cursor)) * _MM > _MAX_MM:
-        raise DeviceError(f"the cursor is at {cursor} m; expected within {_MAX_MM / _MM:g}")
+        raise DeviceError(
+            "the cursor is at {cursor} m; expected within {most:g}",
+            cursor=cursor,
+            most=_MAX_MM / _MM,
+        )
     grip = next((g for name in _GRIPS if (g := _first(message, name)) is not None), None)
     orientation, buttons = [1.0, 0.0, 0.0, 0.0], 0
     if grip is not None:
@@ -103,7 +116,13 @@ def encode_force(device_id: str, force: ArrayLike) -> str:
     """
     x, y, z = np.asarray(force, np.float64).tolist()
     if not math.hypot(x, y, z) <= MAX_FORCE_N + 1e-6:
-        raise DeviceError(f"force is ({x:g}, {y:g}, {z:g}) N; expected at most {MAX_FORCE_N} N")
+        raise DeviceError(
+            "force is ({x:g}, {y:g}, {z:g}) N; expected at most {most} N",
+            x=x,
+            y=y,
+            z=z,
+            most=MAX_FORCE_N,
+        )
     values = {"x": x, "y": y, "z": z}
     command = {"device_id": device_id, "commands": {"set_cursor_force": {"values": values}}}
     return json.dumps({"inverse3": [command]}, allow_nan=False)
@@ -121,18 +140,28 @@ def _numbers(device: dict[str, Any], name: str, keys: str) -> list[float]:
     state = device.get("state")
     parts = state.get(name) if isinstance(state, dict) else None
     if not isinstance(parts, dict):
-        raise DeviceError(f"the Inverse3 service sent no {name}")
+        raise DeviceError("the Inverse3 service sent no {name}", name=name)
     numbers = []
     for key in keys:
         number = parts.get(key)
         if isinstance(number, bool) or not isinstance(number, int | float):
-            raise DeviceError(f"{name}.{key} is {number!r:.40}; expected a number")
+            raise DeviceError(
+                "{name}.{key} is {number!r:.40}; expected a number",
+                name=name,
+                key=key,
+                number=number,
+            )
         try:
             numbers.append(float(number))
         except OverflowError:
             numbers.append(math.inf)
         if not math.isfinite(numbers[-1]):
-            raise DeviceError(f"{name}.{key} is {numbers[-1]}; expected a finite number")
+            raise DeviceError(
+                "{name}.{key} is {last}; expected a finite number",
+                name=name,
+                key=key,
+                last=numbers[-1],
+            )
     return numbers
 
 
@@ -140,7 +169,10 @@ def _orientation(grip: dict[str, Any]) -> list[float]:
     parts = _numbers(grip, "orientation", "wxyz")
     length = math.hypot(*parts)
     if not 0.9 <= length <= 1.1:
-        raise DeviceError(f"the grip's quaternion has length {length:.3g}; expected 1")
+        raise DeviceError(
+            "the grip's quaternion has length {length:.3g}; expected 1",
+            length=length,
+        )
     return [part / length for part in parts]
 
 
@@ -214,15 +246,19 @@ class Inverse3Port:
             from websockets.sync.client import connect
         except ImportError:
             raise DeviceError(
-                "a Haply Inverse3 needs the package websockets: pip install 'paint3d[haply]'"
+                "a Haply Inverse3 needs websockets, which is not installed",
+                hint="pip install 'paint3d[haply]'",
             ) from None
         try:
             with connect(self.uri, open_timeout=_FIRST_S, close_timeout=1.0) as service:
                 yield service
         except (OSError, WebSocketException, TimeoutError, ValueError) as cause:
             raise DeviceError(
-                f"the Inverse3 service at {self.uri} has gone or does not run ({cause}); it comes "
-                "with Haply's software: start it, or say where it is: --stylus inverse3=ws://HOST:PORT"
+                "the Inverse3 service at {uri} has gone or does not run ({cause}); it comes with "
+                "Haply's software: start it",
+                hint="or say where it is: --stylus inverse3=ws://HOST:PORT",
+                uri=self.uri,
+                cause=cause,
             ) from None
 
     def _next(self, service: ClientConnection, loop: ForceLoop) -> tuple[float, float, float]:

@@ -20,7 +20,7 @@ from typing import Any
 from paint3d.device.force.force_port import ForceLoop
 from paint3d.device.force.haptic_stylus import PoseNumbers
 from paint3d.device.recorded import MAX_FORCE_N
-from paint3d.errors import DeviceError
+from paint3d.errors import DeviceError, Message
 
 __all__ = ["WORLD_FROM_OPENHAPTICS", "OpenHapticsPort"]
 
@@ -99,10 +99,12 @@ class OpenHapticsPort:
                 break
         handle: int = hd.hdInitDevice(self.name.encode() or None)
         if handle == _NO_DEVICE or (code := hd.hdGetError().code):
-            reason = "" if handle == _NO_DEVICE else f" (error {code:#x})"
+            reason = "" if handle == _NO_DEVICE else Message(" (error {code:#x})", code=code)
             raise DeviceError(
-                f"OpenHaptics cannot open {self.name or 'the device'}{reason}; expected one that "
-                "is plugged in, awake, and set up in the maker's Touch Setup"
+                "OpenHaptics cannot open {name}{reason}; expected one that is plugged in, awake, "
+                "and set up in the maker's Touch Setup",
+                name=self.name or Message("the device"),
+                reason=reason,
             )
         return handle
 
@@ -176,13 +178,16 @@ class _Session:
                 pose = _pose(self._transform, self._held[0], now_ns)
                 force, go_on = self._bounded(self.loop.step(pose, now_ns)), _GO_ON
         except Exception as cause:
-            self.failure = DeviceError(f"the servo failed: {cause!r}")
+            self.failure = DeviceError("the servo failed: {cause!r}", cause=cause)
             force, go_on = (0.0, 0.0, 0.0), _DONE
         self._force[:] = list(force)
         hd.hdSetDoublev(_FORCE, self._force)
         hd.hdEndFrame(self.handle)
         if go_on == _GO_ON and (code := hd.hdGetError().code):
-            self.failure, go_on = DeviceError(f"OpenHaptics reports error {code:#x}"), _DONE
+            self.failure, go_on = (
+                DeviceError("OpenHaptics reports error {code:#x}", code=code),
+                _DONE,
+            )
         if go_on == _GO_ON:
             self.loop.sent()
         else:
@@ -202,7 +207,7 @@ def _greatest_force(hd: ctypes.CDLL) -> float:
     most = (ctypes.c_double * 1)()
     hd.hdGetDoublev(_MAX_FORCE, most)
     if not 0.0 < most[0] <= 1000.0:
-        raise DeviceError(f"OpenHaptics says the greatest force is {most[0]} N")
+        raise DeviceError("OpenHaptics says the greatest force is {first} N", first=most[0])
     return min(most[0], MAX_FORCE_N)
 
 
@@ -237,9 +242,11 @@ def _load(library: str) -> ctypes.CDLL:
         hd = ctypes.CDLL(library)
     except OSError as cause:
         raise DeviceError(
-            f"OpenHaptics' library {library} cannot be loaded ({cause}); it comes with the maker's "
-            "driver: install 3D Systems' OpenHaptics and Touch Device Driver, or say where it is: "
-            "--stylus openhaptics=/PATH/libHD.so"
+            "OpenHaptics' library {library} cannot be loaded ({cause}); it comes with the maker's "
+            "driver: install 3D Systems' OpenHaptics and Touch Device Driver",
+            hint="or say where it is: --stylus openhaptics=/PATH/libHD.so",
+            library=library,
+            cause=cause,
         ) from None
     doubles, unsigned = ctypes.POINTER(ctypes.c_double), ctypes.c_uint
     for name, result, arguments in (
@@ -265,6 +272,10 @@ def _load(library: str) -> ctypes.CDLL:
         try:
             function = getattr(hd, name)
         except AttributeError:
-            raise DeviceError(f"{library} has no {name}: not OpenHaptics' HD library") from None
+            raise DeviceError(
+                "{library} has no {name}: not OpenHaptics' HD library",
+                library=library,
+                name=name,
+            ) from None
         function.restype, function.argtypes = result, arguments
     return hd

@@ -53,7 +53,9 @@ class PortReader:
         if self._failure is not None or not spoke:
             self.stop()
             raise self._failure or DeviceError(
-                f"{name} said nothing within {patience_s:g} s; expected it to be awake"
+                "{name} said nothing within {patience_s:g} s; expected it to be awake",
+                name=name,
+                patience_s=patience_s,
             )
 
     @property
@@ -76,7 +78,7 @@ class PortReader:
         except DeviceError as failure:
             self._failure = failure
         except Exception as cause:  # it would be lost with the thread
-            self._failure = DeviceError(f"{self.name} failed: {cause!r}")
+            self._failure = DeviceError("{name} failed: {cause!r}", name=self.name, cause=cause)
         finally:
             self._spoke.set()
 

@@ -54,7 +54,9 @@ def read_collada(data: bytes, texture: bool = False) -> RawMesh:
         raise
     except Exception as cause:  # of any kind: its readers trust what they read
         words = " ".join(str(cause).split()) or type(cause).__name__
-        raise MeshError(f"COLLADA is read by trimesh, which says: {words:.200}") from None
+        raise MeshError(
+            "COLLADA is read by trimesh, which says: {words:.200}", words=words
+        ) from None
     return replace(raw, up=up or "y")  # as COLLADA says where a file does not
 
 
@@ -63,9 +65,10 @@ def _package(module: str) -> Any:
         return import_module(module)
     except ImportError:
         raise MeshError(
-            f"COLLADA is read by trimesh, and {module} is missing; expected it installed: "
-            'pip install "paint3d[meshes]" (or the object in a format that needs nothing, '
-            "such as .glb)"
+            "COLLADA needs {package}, which is not installed; expected the object in a format that "
+            "needs nothing, such as .glb",
+            package=module,
+            hint="pip install 'paint3d[meshes]'",
         ) from None
 
 
@@ -73,7 +76,7 @@ def _document(data: bytes) -> ElementTree.Element:
     try:
         return parse_xml(data, DEEPEST, doctypes=False)
     except XmlFault as fault:
-        raise MeshError(f"it is not COLLADA that is read: {fault}") from None
+        raise MeshError("it is not COLLADA that is read: {fault}", fault=fault) from None
 
 
 def _packed_documents(data: bytes) -> Iterator[ElementTree.Element]:
@@ -81,7 +84,10 @@ def _packed_documents(data: bytes) -> Iterator[ElementTree.Element]:
     try:
         with zipfile.ZipFile(io.BytesIO(data)) as package:
             if sum(entry.file_size for entry in package.infolist()) > MOST_BYTES:
-                raise MeshError(f"it unpacks to more than {MOST_BYTES:,} bytes; expected less")
+                raise MeshError(
+                    "it unpacks to more than {most:,} bytes; expected less",
+                    most=MOST_BYTES,
+                )
             for entry in package.infolist():
                 content = package.read(entry)
                 if content.lstrip(b"\xef\xbb\xbf \t\r\n")[:1] == b"<":
@@ -89,7 +95,9 @@ def _packed_documents(data: bytes) -> Iterator[ElementTree.Element]:
     except MeshError:
         raise
     except Exception as cause:  # of any kind: every packing has its own
-        raise MeshError(f"packed COLLADA is a ZIP, which cannot be unpacked: {cause}") from None
+        raise MeshError(
+            "packed COLLADA is a ZIP, which cannot be unpacked: {cause}", cause=cause
+        ) from None
 
 
 def _up_of(root: ElementTree.Element) -> str | None:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from paint3d.colour.spectra import decode_srgb
 from paint3d.core.arrays import AnyArray
-from paint3d.errors import ExportError, MeshError
+from paint3d.errors import ExportError, MeshError, Message
 from paint3d.files.colours import REPEAT, Look, colour_shares, open_picture, srgb_from_linear
 from paint3d.files.contents import parse_json, read_beside
 from paint3d.files.finish import Finish, Texture
@@ -99,7 +99,10 @@ def write_container(
     text = json.dumps(document, separators=(",", ":")).encode("utf-8")
     text += b" " * (-len(text) % 4)
     if 28 + len(text) + end > LARGEST:
-        raise ExportError(f"a binary glTF holds 4 GiB at most; this one would have {end:,} bytes")
+        raise ExportError(
+            "a binary glTF holds 4 GiB at most; this one would have {end:,} bytes",
+            end=end,
+        )
     with open(path, "wb") as file:
         for word in (0x46546C67, 2, 28 + len(text) + end, len(text), 0x4E4F534A):
             file.write(word.to_bytes(4, "little"))
@@ -139,7 +142,7 @@ def vertex_accessor(
 
 
 DRACO, MESHOPT = "KHR_draco_mesh_compression", "EXT_meshopt_compression"
-_HOW = "pip install 'paint3d[meshes]', or expected an uncompressed file"
+_HOW = "pip install 'paint3d[meshes]'"
 
 
 def unpack_draco(
@@ -169,16 +172,23 @@ def unpack_draco(
     try:
         import DracoPy
     except ImportError:
-        raise MeshError(f"it is compressed with Draco, which needs DracoPy: {_HOW}") from None
+        raise MeshError(
+            "it is compressed with Draco, which needs DracoPy; expected an uncompressed file",
+            hint=_HOW,
+        ) from None
     try:
         unpacked = DracoPy.decode(data)
     except Exception as cause:  # of its own kinds, not all of them derived from one
-        raise MeshError(f"its Draco data cannot be unpacked: {cause}") from None
+        raise MeshError("its Draco data cannot be unpacked: {cause}", cause=cause) from None
     held = {one["unique_id"]: one["data"] for one in unpacked.attributes}
     values = {}
     for name, number in asked.items():
         if number not in held:
-            raise MeshError(f"its Draco data has no attribute {number} for {name}")
+            raise MeshError(
+                "its Draco data has no attribute {number} for {name}",
+                number=number,
+                name=name,
+            )
         if name in primitive["attributes"]:
             values[primitive["attributes"][name]] = held[number]
     faces = getattr(unpacked, "faces", None)
@@ -206,11 +216,17 @@ def unpack_meshopt(data: bytes, packed: dict[str, Any]) -> bytes:
         import meshoptimizer
     except ImportError:
         raise MeshError(
-            f"it is compressed with meshopt, which needs meshoptimizer: {_HOW}"
+            "it is compressed with meshopt, which needs meshoptimizer; expected an uncompressed "
+            "file",
+            hint=_HOW,
         ) from None
     count, size = packed.get("count"), packed.get("byteStride")
     if not (isinstance(count, int) and isinstance(size, int) and count >= 0 and 0 < size <= 256):
-        raise MeshError(f"its meshopt data is {count} elements of {size} bytes; expected numbers")
+        raise MeshError(
+            "its meshopt data is {count} elements of {size} bytes; expected numbers",
+            count=count,
+            size=size,
+        )
     filters = {
         "NONE": None,
         "OCTAHEDRAL": meshoptimizer.decode_filter_oct,
@@ -219,7 +235,11 @@ def unpack_meshopt(data: bytes, packed: dict[str, Any]) -> bytes:
     }
     mode, name = packed.get("mode"), packed.get("filter", "NONE")
     if name not in filters:
-        raise MeshError(f"its meshopt filter is {name!r:.30}; expected one of {', '.join(filters)}")
+        raise MeshError(
+            "its meshopt filter is {name!r:.30}; expected one of {filters}",
+            name=name,
+            filters=", ".join(filters),
+        )
     try:
         if mode == "ATTRIBUTES":
             element = np.dtype((np.void, size))
@@ -235,8 +255,11 @@ def unpack_meshopt(data: bytes, packed: dict[str, Any]) -> bytes:
             )
             return bytes(unpack(count, size, data).tobytes())[: count * size]  # room for four bytes
     except (ValueError, RuntimeError, MemoryError, OverflowError) as cause:
-        raise MeshError(f"its meshopt data cannot be unpacked: {cause}") from None
-    raise MeshError(f"its meshopt mode is {mode!r:.30}; expected ATTRIBUTES, TRIANGLES or INDICES")
+        raise MeshError("its meshopt data cannot be unpacked: {cause}", cause=cause) from None
+    raise MeshError(
+        "its meshopt mode is {mode!r:.30}; expected ATTRIBUTES, TRIANGLES or INDICES",
+        mode=mode,
+    )
 
 
 # --------------------------------------------------------------------------------------------------
@@ -247,11 +270,11 @@ def unpack_meshopt(data: bytes, packed: dict[str, Any]) -> bytes:
 
 
 KINDS = {
-    dict: "an object",
-    list: "a list",
-    str: "a text",
+    dict: Message("an object"),
+    list: Message("a list"),
+    str: Message("a text"),
     type(None): "null",
-    bool: "true or false",
+    bool: Message("true or false"),
 }
 PARTS: dict[str, dict[str, type]] = {  # what is read of the entries of each list
     "accessors": {"sparse": dict},
@@ -281,7 +304,7 @@ def check_kinds(document: Mapping[str, Any]) -> None:
     _check(document, {"asset": dict, "extensionsRequired": list}, "")
     version = str(document.get("asset", {}).get("version", "2.0"))
     if not version.startswith("2."):
-        raise MeshError(f"it is glTF version {version:.20}; expected 2")
+        raise MeshError("it is glTF version {version:.20}; expected 2", version=version)
     if isinstance(document.get("scenes"), dict):  # named, not counted, as in the first version
         raise MeshError("its scenes are named, as in glTF version 1; expected 2")
     _check(document, dict.fromkeys(PARTS, list), "")
@@ -307,8 +330,13 @@ def _check(entry: Mapping[str, Any], kinds: Mapping[str, type], place: str) -> N
 
 def _expect(value: object, kind: type, place: str) -> None:
     if not isinstance(value, kind):
-        found = KINDS.get(type(value), "a number")
-        raise MeshError(f"its {place} is {found}; expected {KINDS[kind]}")
+        found = KINDS.get(type(value), Message("a number"))
+        raise MeshError(
+            "its {place} is {found}; expected {kinds}",
+            place=place,
+            found=found,
+            kinds=KINDS[kind],
+        )
 
 
 # --------------------------------------------------------------------------------------------------
@@ -349,9 +377,13 @@ class GltfFile:
     def _open_container(self, data: bytes) -> bytes:
         version, length = (int.from_bytes(data[k : k + 4], "little") for k in (4, 8))
         if version != 2:
-            raise MeshError(f"it is glTF version {version}; expected 2")
+            raise MeshError("it is glTF version {version}; expected 2", version=version)
         if length > len(data):
-            raise MeshError(f"it has {len(data)} of {length} bytes; the file is cut short")
+            raise MeshError(
+                "it has {n} of {length} bytes; the file is cut short",
+                n=len(data),
+                length=length,
+            )
         chunks, at = dict[int, bytes](), 12
         while at + 8 <= length:
             size, kind = (int.from_bytes(data[k : k + 4], "little") for k in (at, at + 4))
@@ -361,8 +393,10 @@ class GltfFile:
             at += 8 + size
         if JSON_CHUNK not in chunks:
             raise MeshError(
-                f"it has no JSON chunk within the {length} bytes that its header speaks of, "
-                f"of {len(data)}; expected one after the header"
+                "it has no JSON chunk within the {length} bytes that its header speaks of, of {n}; "
+                "expected one after the header",
+                length=length,
+                n=len(data),
             )
         self.binary = chunks.get(BIN_CHUNK)
         result: bytes = chunks[JSON_CHUNK]
@@ -378,9 +412,14 @@ class GltfFile:
         """
         entries = self.document.get(kind, [])
         if not isinstance(index, int) or isinstance(index, bool) or not 0 <= index < len(entries):
-            raise MeshError(f"it refers to {kind}[{index}], of which there are {len(entries)}")
+            raise MeshError(
+                "it refers to {kind}[{index}], of which there are {n}",
+                kind=kind,
+                index=index,
+                n=len(entries),
+            )
         if not isinstance(entries[index], dict):
-            raise MeshError(f"{kind}[{index}] is not an object")
+            raise MeshError("{kind}[{index}] is not an object", kind=kind, index=index)
         result: dict[str, Any] = entries[index]
         return result
 
@@ -401,7 +440,7 @@ class GltfFile:
             start = accessor.get("byteOffset", 0)
             values = self._view(accessor["bufferView"], start, dtype, width, count)
         else:
-            check_count(count, 1, MAX_ZEROS, "elements in an accessor")
+            check_count(count, 1, MAX_ZEROS, Message("elements in an accessor"))
             values = np.zeros((count, width), dtype)
         if "sparse" in accessor:
             values = self._with_sparse(values, accessor["sparse"], dtype, width)
@@ -429,7 +468,11 @@ class GltfFile:
         index_type = np.dtype(COMPONENTS[where["componentType"]])
         rows = self._view(where["bufferView"], where.get("byteOffset", 0), index_type, 1, n)[:, 0]
         if len(rows) and rows.max() >= len(values):
-            raise MeshError(f"a sparse accessor replaces element {rows.max()} of {len(values)}")
+            raise MeshError(
+                "a sparse accessor replaces element {most} of {n}",
+                most=rows.max(),
+                n=len(values),
+            )
         changed = values.copy()
         changed[rows] = self._view(what["bufferView"], what.get("byteOffset", 0), dtype, width, n)
         return changed
@@ -446,9 +489,9 @@ class GltfFile:
         else:
             data, begin = self._unpacked_view(index, packed), 0
         if min(begin, start, length, count) < 0 or stride < size or begin + length > len(data):
-            raise MeshError(f"bufferViews[{index}] does not fit into its buffer")
+            raise MeshError("bufferViews[{index}] does not fit into its buffer", index=index)
         if count and start + (count - 1) * stride + size > length:
-            raise MeshError(f"an accessor reads beyond the end of bufferViews[{index}]")
+            raise MeshError("an accessor reads beyond the end of bufferViews[{index}]", index=index)
         return np.ndarray(
             (count, width), dtype, data, begin + start if count else 0, (stride, dtype.itemsize)
         )
@@ -458,7 +501,10 @@ class GltfFile:
             begin, length = packed.get("byteOffset", 0), packed["byteLength"]
             data = self._buffer(packed["buffer"])
             if min(begin, length) < 0 or begin + length > len(data):
-                raise MeshError(f"the packed bufferViews[{index}] does not fit into its buffer")
+                raise MeshError(
+                    "the packed bufferViews[{index}] does not fit into its buffer",
+                    index=index,
+                )
             self._views[index] = unpack_meshopt(data[begin : begin + length], packed)
         return self._views[index]
 
@@ -468,8 +514,10 @@ class GltfFile:
             data = self._load(buffer.get("uri"))
             if len(data) < buffer["byteLength"]:
                 raise MeshError(
-                    f"buffers[{index}] has {len(data)} of {buffer['byteLength']} bytes; "
-                    "the file is cut short"
+                    "buffers[{index}] has {n} of {bytelength} bytes; the file is cut short",
+                    index=index,
+                    n=len(data),
+                    bytelength=buffer["byteLength"],
                 )
             self._buffers[index] = data
         return self._buffers[index]
@@ -512,8 +560,12 @@ def _unpacked(values: AnyArray, accessor: dict[str, Any]) -> AnyArray:
     width, count = WIDTHS[accessor["type"]], accessor["count"]
     if values.shape != (count, width):
         raise MeshError(
-            f"its Draco data has {values.shape[0]} x {values.shape[1]} numbers where the "
-            f"accessor says {count} x {width}"
+            "its Draco data has {rows} x {columns} numbers where the accessor says {count} x "
+            "{width}",
+            rows=values.shape[0],
+            columns=values.shape[1],
+            count=count,
+            width=width,
         )
     if accessor.get("normalized") and values.dtype.kind in "iu":
         return np.maximum(values / float(np.iinfo(values.dtype).max), -1.0)
@@ -581,11 +633,13 @@ def _in_mm(metres: NDArray[np.floating]) -> NDArray[np.float32]:
 WHITE = (1.0, 1.0, 1.0, 1.0)
 WRAPPED = {10497: "repeat", 33071: "clamp", 33648: "mirror"}
 LEFT_OUT = {  # what of a material is left out, by its key
-    "normalTexture": "relief (a normal map)",
-    "occlusionTexture": "shadows baked into a picture",
-    "emissiveTexture": "light of its own",
+    "normalTexture": Message("relief (a normal map)"),
+    "occlusionTexture": Message("shadows baked into a picture"),
+    "emissiveTexture": Message("light of its own"),
 }
-OWN_SHINE = "how its ink shines"  # of a painting: what it is painted on anew says how it shines
+OWN_SHINE = Message(
+    "how its ink shines"
+)  # of a painting: what it is painted on anew says how it shines
 TURNED = "KHR_texture_transform"
 GLOSSY = "KHR_materials_pbrSpecularGlossiness"
 WEBP = "EXT_texture_webp"
@@ -596,17 +650,17 @@ class GltfPaint:
 
     Attributes
     ----------
-    notes : list of str
+    notes : list of Message
         Pictures that were not followed, and why.
-    dropped : set of str
+    dropped : set of Message
         What materials say that is not shown.
     looks : list of Look
         In the order in which they were asked for.
     """
 
     def __init__(self, file: GltfFile) -> None:
-        self.notes: list[str] = []
-        self.dropped: set[str] = set()
+        self.notes: list[Message] = []
+        self.dropped: set[Message] = set()
         self.looks: list[Look] = []
         self._file = file
         asset = file.document.get("asset")
@@ -632,11 +686,16 @@ class GltfPaint:
         turned = texture.get("extensions", {}).get(TURNED, {})
         name = f"TEXCOORD_{turned.get('texCoord', texture.get('texCoord', 0))}"
         if name not in primitive["attributes"]:
-            self.notes.append(f"a texture is left out: the mesh has no {name}")
+            self.notes.append(Message("a texture is left out: the mesh has no {name}", name=name))
             return number, None
         uv = self._file.numbers(primitive["attributes"][name]).astype(np.float64)
         if uv.shape != (n, 2):
-            raise MeshError(f"a primitive has {n} positions but {len(uv)} of {name}")
+            raise MeshError(
+                "a primitive has {n} positions but {uv} of {name}",
+                n=n,
+                uv=len(uv),
+                name=name,
+            )
         return number, _placed(uv, turned)
 
     def _read(self, surface: dict[str, Any], wanted: bool) -> tuple[int, dict[str, Any]]:
@@ -649,19 +708,21 @@ class GltfPaint:
         factor = np.array(factor, np.float64)
         if not wanted:
             if texture is not None or (factor[:3] < 1.0).any():
-                self.dropped.add("its colours and pictures")
+                self.dropped.add(Message("its colours and pictures"))
             return -1, {}
         self.dropped |= {what for key, what in LEFT_OUT.items() if key in surface}
         if any(part > 0.0 for part in surface.get("emissiveFactor", ())):
             self.dropped.add(LEFT_OUT["emissiveTexture"])
         if "specularGlossinessTexture" in (glossy or {}):
-            self.dropped.add("metal and gloss from a picture")
+            self.dropped.add(Message("metal and gloss from a picture"))
         elif glossy is None and "metallicRoughnessTexture" in colours:
-            self.dropped.add(OWN_SHINE if self._is_own else "metal and gloss from a picture")
+            self.dropped.add(
+                OWN_SHINE if self._is_own else Message("metal and gloss from a picture")
+            )
         if surface.get("alphaMode", "OPAQUE") != "OPAQUE":
-            self.dropped.add("transparency")
+            self.dropped.add(Message("transparency"))
         if extensions.keys() - {TURNED, GLOSSY}:
-            self.dropped.add("extensions of its materials")
+            self.dropped.add(Message("extensions of its materials"))
         picture = None if texture is None else self._picture(texture["index"])
         wrap = REPEAT if picture is None else self._wrap(texture["index"])
         red, green, blue = factor[:3].tolist()
@@ -684,7 +745,7 @@ class GltfPaint:
                     data = self._file.view_bytes(image["bufferView"])
                 self._pictures[index] = open_picture(data)
             except MeshError as cause:
-                self.notes.append(f"a texture is left out: {cause}")
+                self.notes.append(Message("a texture is left out: {cause}", cause=cause))
                 self._pictures[index] = None
         return self._pictures[index]
 
@@ -693,7 +754,7 @@ def _source(texture: dict[str, Any]) -> object:
     """Return which image a texture has: its own, or that which an extension names."""
     packed = texture.get("extensions", {})
     if "source" not in texture and packed and WEBP not in packed:
-        raise MeshError(f"it is packed by {min(packed)}, which is not read")
+        raise MeshError("it is packed by {packed}, which is not read", packed=min(packed))
     return texture.get("source", packed.get(WEBP, {}).get("source"))
 
 
@@ -710,7 +771,9 @@ def _placed(uv: NDArray[np.float64], turned: dict[str, Any]) -> NDArray[np.float
 
 
 TRIANGLES, STRIP, FAN = 4, 5, 6
-THIN = {0: "points"} | dict.fromkeys((1, 2, 3), "lines")  # modes of what has no surface
+THIN = {0: Message("points")} | dict.fromkeys(
+    (1, 2, 3), Message("lines")
+)  # modes of what has no surface
 LIGHTS = "KHR_lights_punctual"
 HIDDEN, INSTANCES = "KHR_node_visibility", "EXT_mesh_gpu_instancing"
 MOST_INSTANCES = 1 << 17
@@ -746,8 +809,9 @@ def read_gltf(data: bytes, folder: Path, texture: bool = False) -> RawMesh:
     for name in file.document.get("extensionsRequired", ()):
         if name not in KNOWN and not str(name).startswith(MATERIALS):
             raise MeshError(
-                f"it requires the extension {str(name)!r:.60}, which is not read; expected a file "
-                "that does without (Blender saves one)"
+                "it requires the extension {name!r:.60}, which is not read; expected a file that "
+                "does without (Blender saves one)",
+                name=str(name),
             )
     paint = GltfPaint(file)
     parts = []
@@ -761,8 +825,9 @@ def read_gltf(data: bytes, folder: Path, texture: bool = False) -> RawMesh:
     for part in parts:  # checked here: in the joined mesh, a wrong index would hit another part
         if len(part.corners) and int(part.corners.max()) >= len(part.vertices):
             raise MeshError(
-                f"a face refers to vertex {int(part.corners.max())}; "
-                f"expected 0 to {len(part.vertices) - 1}"
+                "a face refers to vertex {most}; expected 0 to {last}",
+                most=int(part.corners.max()),
+                last=len(part.vertices) - 1,
             )
     return replace(
         join_meshes(parts),
@@ -773,16 +838,17 @@ def read_gltf(data: bytes, folder: Path, texture: bool = False) -> RawMesh:
     )
 
 
-def _dropped(file: GltfFile) -> set[str]:
+def _dropped(file: GltfFile) -> set[Message]:
     """What a document says besides its meshes and materials."""
-    dropped = {kind for kind in ("animations", "skins", "cameras") if file.document.get(kind)}
+    things = (Message("animations"), Message("skins"), Message("cameras"))
+    dropped = {kind for kind in things if file.document.get(kind)}
     if LIGHTS in file.document.get("extensions", {}):
-        dropped.add("lights")
+        dropped.add(Message("lights"))
     if any(_is_hidden(node) for node in file.document.get("nodes", [])):
-        dropped.add("hidden parts")
+        dropped.add(Message("hidden parts"))
     for mesh in file.document.get("meshes", []):
         for primitive in mesh.get("primitives", []):
-            dropped |= {"morph targets"} if "targets" in primitive else set()
+            dropped |= {Message("morph targets")} if "targets" in primitive else set()
             mode = primitive.get("mode", TRIANGLES)
             dropped |= {THIN[mode]} if mode in THIN else set()
     return dropped
@@ -799,7 +865,7 @@ def _placed_meshes(file: GltfFile) -> Iterator[tuple[NDArray[np.float64], dict[s
         index, world_from_parent = stack.pop()
         node = file.item("nodes", index)
         if index in seen:
-            raise MeshError(f"node {index} is reached twice; expected a tree of nodes")
+            raise MeshError("node {index} is reached twice; expected a tree of nodes", index=index)
         seen.add(index)
         if _is_hidden(node):
             continue
@@ -823,7 +889,11 @@ def _instances(file: GltfFile, node: dict[str, Any]) -> list[NDArray[np.float64]
              if key in ("TRANSLATION", "ROTATION", "SCALE")}  # fmt: skip
     n = min((len(values) for values in parts.values()), default=0)
     if n > MOST_INSTANCES:
-        raise MeshError(f"a mesh is repeated {n:,} times; expected {MOST_INSTANCES:,} at most")
+        raise MeshError(
+            "a mesh is repeated {n:,} times; expected {most:,} at most",
+            n=n,
+            most=MOST_INSTANCES,
+        )
     return [_local({key.lower(): values[k] for key, values in parts.items()}) for k in range(n)]
 
 
@@ -867,8 +937,12 @@ def _primitive(
         if name in attributes:
             others[name] = file.numbers(attributes[name]).astype(np.float64)[:, :3]
             if len(others[name]) != len(vertices):
-                raise MeshError(f"a primitive has {len(vertices)} positions but "
-                                f"{len(others[name])} of {name}")  # fmt: skip
+                raise MeshError(
+                    "a primitive has {n} positions but {name_others} of {name}",
+                    n=len(vertices),
+                    name_others=len(others[name]),
+                    name=name,
+                )  # fmt: skip
     if STEPS in others:
         vertices = take_steps(vertices, others[STEPS][:, 0])
     colours = None
@@ -889,7 +963,7 @@ def _primitive(
 def _triangles(indices: NDArray[np.int64], mode: int) -> NDArray[np.int64]:
     if mode == TRIANGLES:
         if len(indices) % 3:
-            raise MeshError(f"a primitive has {len(indices)} indices; expected a multiple of 3")
+            raise MeshError("a primitive has {n} indices; expected a multiple of 3", n=len(indices))
         return indices.reshape(-1, 3)
     n = max(len(indices) - 2, 0)
     k = np.arange(n)

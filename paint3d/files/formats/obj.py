@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.errors import MeshError
+from paint3d.errors import MeshError, Message
 from paint3d.files.colours import REPEAT, Look, colour_codes, linear_from_srgb, open_picture
 from paint3d.files.contents import plain_text, read_beside
 from paint3d.files.formats.text_rows import UNIT_NAMES, text_rows
@@ -29,13 +29,13 @@ OPTIONS |= {"-blendu": 1, "-blendv": 1, "-cc": 1, "-imfchan": 1, "-type": 1}  # 
 
 
 LEFT_OUT = {  # what of a material is left out, by the words that begin its lines
-    b"bump": "relief (a bump map)",
-    b"map_bump": "relief (a bump map)",
-    b"norm": "relief (a normal map)",
-    b"map_d": "transparency",
-    b"map_ks": "gloss from a picture",
-    b"map_ke": "light of its own",
-    b"disp": "displacement",
+    b"bump": Message("relief (a bump map)"),
+    b"map_bump": Message("relief (a bump map)"),
+    b"norm": Message("relief (a normal map)"),
+    b"map_d": Message("transparency"),
+    b"map_ks": Message("gloss from a picture"),
+    b"map_ke": Message("light of its own"),
+    b"disp": Message("displacement"),
 }
 
 
@@ -64,15 +64,15 @@ class ObjLooks:
 
     Attributes
     ----------
-    dropped : frozenset of str
+    dropped : frozenset of Message
         What its materials say and paint3d does not take.
     """
 
     looks: tuple[Look, ...]
     look_of: NDArray[np.int64]
     uv: NDArray[np.float64]
-    notes: tuple[str, ...]
-    dropped: frozenset[str]
+    notes: tuple[Message, ...]
+    dropped: frozenset[Message]
 
 
 def obj_looks(lines: Sequence[bytes], sizes: NDArray[np.int64], folder: Path) -> ObjLooks:
@@ -89,8 +89,8 @@ def obj_looks(lines: Sequence[bytes], sizes: NDArray[np.int64], folder: Path) ->
     folder : Path
         Of the file; material libraries and pictures elsewhere are not followed.
     """
-    notes: list[str] = []
-    dropped: set[str] = set()
+    notes: list[Message] = []
+    dropped: set[Message] = set()
     materials: dict[bytes, Material] = {}
     for line in lines:
         if line.startswith(b"mtllib "):
@@ -150,13 +150,13 @@ def _read_library(
     name: str,
     folder: Path,
     materials: dict[bytes, Material],
-    notes: list[str],
-    dropped: set[str],
+    notes: list[Message],
+    dropped: set[Message],
 ) -> None:
     try:
         text = plain_text(read_beside(folder, name, MAX_LIBRARY))
     except MeshError as cause:
-        notes.append(f"materials are left out: {cause}")
+        notes.append(Message("materials are left out: {cause}", cause=cause))
         return
     material = Material()
     for line in text.split(b"\n"):
@@ -171,7 +171,7 @@ def _read_library(
                 name, options = _picture_name(words[1:], line)
                 material.picture = open_picture(read_beside(folder, name))
             except MeshError as cause:
-                notes.append(f"a texture is left out: {cause}")
+                notes.append(Message("a texture is left out: {cause}", cause=cause))
                 continue
             material.clamped = options.get("-clamp", [b"off"])[:1] == [b"on"]
             material.scale = _pair(options.get("-s", []), 1.0)
@@ -179,7 +179,7 @@ def _read_library(
         elif kind in LEFT_OUT:
             dropped.add(LEFT_OUT[kind])
         elif kind == b"d" and _part(words[1:2]) < 1.0:
-            dropped.add("transparency")
+            dropped.add(Message("transparency"))
 
 
 def _part(words: list[bytes]) -> float:
@@ -212,7 +212,7 @@ def _picture_name(words: list[bytes], line: bytes) -> tuple[str, dict[str, list[
             at += OPTIONS[option]
         options[option] = words[first:at]
     if at >= len(words):
-        raise MeshError(f"it names no picture in {line[:60]!r}")
+        raise MeshError("it names no picture in {line!r}", line=line[:60])
     return _name(line.split(None, 1 + at)[1 + at]), options
 
 
@@ -238,11 +238,16 @@ COLOURED = (6, 7, 8)  # numbers of a vertex line with a colour
 OPAQUE = (1.0, 255.0)
 POLYPAINT = re.compile(rb"^[ \t]*#MRGB[ \t]+([0-9a-fA-F]+)", re.MULTILINE)
 NO_POINTS = {
-    b"l": "lines",
-    b"curv": "curves, which are not read",
-    b"surf": "free-form surfaces, which are not read",
+    b"l": Message("lines"),
+    b"curv": Message("curves, which are not read"),
+    b"surf": Message("free-form surfaces, which are not read"),
 }
-PASSED_OVER = {b"l": "lines", b"p": "points", b"curv": "curves", b"surf": "free-form surfaces"}
+PASSED_OVER = {
+    b"l": Message("lines"),
+    b"p": Message("points"),
+    b"curv": Message("curves"),
+    b"surf": Message("free-form surfaces"),
+}
 ATTRIBUTES = re.compile(rb"/\S*")
 ODD_EXPONENT = re.compile(rb"(?<=\d)([+-])[eE](?=\d)")
 
@@ -276,7 +281,7 @@ def read_obj(data: bytes, folder: Path, texture: bool = False) -> RawMesh:
         notes += told
     sizes = np.array([len(line.split()) for line in face_lines], np.int64)
     corners = index_array(
-        parse_numbers(ATTRIBUTES.sub(b"", b"\n".join(face_lines)), "a face"), "a face"
+        parse_numbers(ATTRIBUTES.sub(b"", b"\n".join(face_lines)), Message("a face")), "a face"
     )
     if (corners == 0).any():
         raise MeshError("a face refers to vertex 0; OBJ counts from 1")
@@ -292,7 +297,9 @@ def read_obj(data: bytes, folder: Path, texture: bool = False) -> RawMesh:
     announced = "" if len(sizes) else next(besides, "")
     dropped = {what for kind, what in PASSED_OVER.items() if kind in kinds}
     if not texture:
-        dropped |= {"its colours and pictures"} if {b"mtllib", b"usemtl"} <= kinds else set()
+        dropped |= (
+            {Message("its colours and pictures")} if {b"mtllib", b"usemtl"} <= kinds else set()
+        )
         notes += left_out(dropped)
         return RawMesh(vertices, corners, sizes, colours, announces=announced, notes=notes)
     found = obj_looks(lines, sizes, folder)
@@ -320,7 +327,7 @@ def _vertices(
         return np.empty((0, 3)), None, ()
     if widths.min() < 3:
         line = lines[int(widths.argmin())].decode("ascii", "replace")
-        raise MeshError(f"a vertex line holds {line[:40]!r}; expected three numbers")
+        raise MeshError("a vertex line holds {line!r}; expected three numbers", line=line[:40])
     numbers = _numbers(b"\n".join(lines))
     first = np.cumsum(widths) - widths
     vertices = numbers[first[:, None] + np.arange(3)]
@@ -361,7 +368,15 @@ def _polypaint(data: bytes, n: int) -> tuple[NDArray[np.uint8] | None, tuple[str
     if not digits:
         return None, ()
     if len(digits) != 8 * n:
-        return None, left_out([f"its polypaint, of {len(digits) // 8:,} vertices instead of {n:,}"])
+        return None, left_out(
+            [
+                Message(
+                    "its polypaint, of {n:,} vertices instead of {wanted:,}",
+                    n=len(digits) // 8,
+                    wanted=n,
+                )
+            ]
+        )
     codes = np.frombuffer(bytes.fromhex(digits.decode("ascii")), np.uint8).reshape(n, 4)
     return codes[:, 1:].copy(), ()
 
@@ -369,9 +384,9 @@ def _polypaint(data: bytes, n: int) -> tuple[NDArray[np.uint8] | None, tuple[str
 def _numbers(text: bytes) -> NDArray[np.float64]:
     """Parse numbers; where that fails, read exponents like 3.1+e2, which some programs write."""
     try:
-        return parse_numbers(text, "a vertex")
+        return parse_numbers(text, Message("a vertex"))
     except MeshError:
-        return parse_numbers(ODD_EXPONENT.sub(rb"e\1", text), "a vertex")
+        return parse_numbers(ODD_EXPONENT.sub(rb"e\1", text), Message("a vertex"))
 
 
 # ---- Writing -------------------------------------------------------------------------------------

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.errors import MeshError
+from paint3d.errors import MeshError, Message
 from paint3d.files.colours import colour_codes
 from paint3d.files.contents import plain_text
 from paint3d.files.raw_mesh import (
@@ -106,8 +106,11 @@ def _over_lines(
     n_lines = len(rows) - 1
     if n_lines < n_vertices + n_faces:
         raise MeshError(
-            f"it promises {n_vertices} vertices and {n_faces} faces but has {n_lines} lines; "
-            "the file is cut short"
+            "it promises {n_vertices} vertices and {n_faces} faces but has {n_lines} lines; the "
+            "file is cut short",
+            n_vertices=n_vertices,
+            n_faces=n_faces,
+            n_lines=n_lines,
         )
     if all(row[0].isdigit() for row in rows[1 + n_vertices : 1 + n_vertices + n_faces]):
         raise MeshError("a face has fewer corners than it says; the file is cut short or damaged")
@@ -119,8 +122,8 @@ def _counts(lines: list[list[bytes]], n_bytes: int) -> tuple[int, int]:
     if len(words) < 2 or not all(word.isdigit() for word in words[:2]):
         raise MeshError("the line after 'OFF' is not a count of vertices, faces and edges")
     n_vertices, n_faces = int(words[0]), int(words[1])
-    check_count(n_vertices, LEAST_VERTEX_BYTES, n_bytes, "vertices")
-    check_count(n_faces, LEAST_FACE_BYTES, n_bytes, "faces")
+    check_count(n_vertices, LEAST_VERTEX_BYTES, n_bytes, Message("vertices"))
+    check_count(n_faces, LEAST_FACE_BYTES, n_bytes, Message("faces"))
     return n_vertices, n_faces
 
 
@@ -129,9 +132,13 @@ def _columns(table: list[list[bytes]], columns: slice) -> NDArray[np.float64]:
     if any(len(words) < columns.stop for words in table):
         short = min(table, key=len)
         shown = b" ".join(short)[:40].decode("ascii", "replace")
-        raise MeshError(f"a vertex line holds {shown!r}; expected {columns.stop} numbers")
+        raise MeshError(
+            "a vertex line holds {shown!r}; expected {stop} numbers",
+            shown=shown,
+            stop=columns.stop,
+        )
     words = [word for row in table for word in row[columns]]
-    return parse_numbers(b" ".join(words), "a vertex").reshape(-1, width)
+    return parse_numbers(b" ".join(words), Message("a vertex")).reshape(-1, width)
 
 
 def _colours(table: list[list[bytes]]) -> tuple[NDArray[np.uint8] | None, tuple[str, ...]]:
@@ -153,16 +160,17 @@ def _face_colours(
     after = [row[1 + int(row[0]) :] for row in table]
     coloured = np.array([len(words) >= 3 for words in after], np.bool_)
     numbered = any(len(words) == 1 for words in after)
-    notes = left_out(["numbers of colours"]) if numbered else ()
+    notes = left_out([Message("numbers of colours")]) if numbered else ()
     if not coloured.any():
         return None, notes
     words = [word for row in after if len(row) >= 3 for word in row[:3]]
     try:
-        rgb = parse_numbers(b" ".join(words), "a face").reshape(-1, 3)
+        rgb = parse_numbers(b" ".join(words), Message("a face")).reshape(-1, 3)
     except MeshError:  # words of no colour, after faces of somebody's dialect
         return None, left_out([FACE_COLOURS])
-    codes, told = colour_codes(rgb, 255 if all(word.isdigit() for word in words) else 1)
-    notes += tuple(note.replace("vertex colours", FACE_COLOURS) for note in told)
+    whole = all(word.isdigit() for word in words)
+    codes, told = colour_codes(rgb, 255 if whole else 1, FACE_COLOURS)
+    notes += told
     if codes is None:
         return None, notes
     every = np.full((len(table), 3), GREY, np.uint8)
@@ -173,4 +181,4 @@ def _face_colours(
 def _faces(table: list[list[bytes]]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     sizes = np.array([int(words[0]) for words in table], np.int64)
     words = [word for row, n in zip(table, sizes, strict=True) for word in row[1 : 1 + n]]
-    return index_array(parse_numbers(b" ".join(words), "a face"), "a face"), sizes
+    return index_array(parse_numbers(b" ".join(words), Message("a face")), Message("a face")), sizes

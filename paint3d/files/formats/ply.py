@@ -12,10 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.core.arrays import AnyArray
-from paint3d.errors import MeshError
+from paint3d.errors import MeshError, Message
 from paint3d.files.colours import COLOUR_NAMES, Look, colour_codes, open_picture
 from paint3d.files.contents import read_beside
 from paint3d.files.raw_mesh import (
+    FACE_COLOURS,
     RawMesh,
     check_count,
     index_array,
@@ -53,7 +54,7 @@ class PlyLooks:
     look_of: NDArray[np.int64] | None = None
     uv: NDArray[np.float64] | None = None
     corner_colours: NDArray[np.uint8] | None = None
-    notes: tuple[str, ...] = ()
+    notes: tuple[Message, ...] = ()
 
 
 def picture_names(tables: Tables) -> list[str]:
@@ -91,7 +92,7 @@ def ply_looks(
         return _face_colours(faces, sizes)
     uv = _places(tables, faces, corners, sizes)
     if uv is None:
-        return PlyLooks(notes=("a texture is left out: the mesh has no places on it",))
+        return PlyLooks(notes=(Message("a texture is left out: the mesh has no places on it"),))
     looks, number, notes = [], [], []
     for name in names[:MAX_PICTURES]:
         number.append(-1)
@@ -99,7 +100,7 @@ def ply_looks(
             looks.append(Look(picture=open_picture(read_beside(folder, _as_file(name)))))
             number[-1] = len(looks) - 1
         except MeshError as cause:
-            notes.append(f"a texture is left out: {cause}")
+            notes.append(Message("a texture is left out: {cause}", cause=cause))
     if not looks:
         return PlyLooks(notes=tuple(dict.fromkeys(notes)))
     which = _numbers(faces, len(sizes))
@@ -139,7 +140,9 @@ def _numbers(faces: Sequence[Element], n: int) -> NDArray[np.int64]:
     """Which picture each of n polygons has; the first where nothing is said."""
     which = np.zeros(n, np.int64)
     if faces and "texnumber" in faces[0].values and "texnumber" not in faces[0].list_sizes:
-        told = index_array(faces[0].values["texnumber"].astype(np.float64), "a face's texnumber")
+        told = index_array(
+            faces[0].values["texnumber"].astype(np.float64), Message("a face's texnumber")
+        )
         which[: len(told)] = told
     return which
 
@@ -148,8 +151,7 @@ def _face_colours(faces: Sequence[Element], sizes: NDArray[np.int64]) -> PlyLook
     table = _colour_table(faces[0]) if len(faces) == 1 else None
     if table is None:
         return PlyLooks()
-    codes, notes = colour_codes(table)
-    notes = tuple(note.replace("vertex colours", "colours of faces") for note in notes)
+    codes, notes = colour_codes(table, whose=FACE_COLOURS)
     if codes is None:
         return PlyLooks(notes=notes)
     every = np.full((len(sizes), 3), 255, np.uint8)
@@ -237,7 +239,7 @@ def read_tables(data: bytes, wanted: Collection[str]) -> Tables:
     except (IndexError, KeyError, ValueError) as cause:
         if isinstance(cause, MeshError):
             raise
-        raise MeshError(f"the header cannot be understood near {cause}") from None
+        raise MeshError("the header cannot be understood near {cause}", cause=cause) from None
     elements = tables.elements
     last = max((k for k, e in enumerate(elements) if e.name in wanted), default=-1)
     if order == "":
@@ -282,7 +284,7 @@ def _parse_header(lines: list[str]) -> tuple[str, Tables]:
         elif words[0] == "property" and elements:
             elements[-1].properties.append(_property(words, order or "<"))
         elif elements or difflib.get_close_matches(words[0].lower(), KEYWORDS, 1, 0.7):
-            raise MeshError(f"the header has an unknown line {' '.join(words)[:40]!r}")
+            raise MeshError("the header has an unknown line {words!r}", words=" ".join(words)[:40])
         else:
             unknown.append(" ".join(words))
     if order is None:
@@ -301,7 +303,12 @@ def _read_binary(elements: Sequence[Element], data: bytes, at: int) -> None:
     for element in elements:
         if not element.properties:
             continue
-        check_count(element.count, element.least_bytes, len(data) - at, f"of {element.name}")
+        check_count(
+            element.count,
+            element.least_bytes,
+            len(data) - at,
+            Message("rows of {name}", name=element.name),
+        )
         at = _binary_rows(element, data, at)
 
 
@@ -346,9 +353,17 @@ def _first_row_sizes(element: Element, data: bytes, at: int) -> dict[str, int]:
 def _list_size(element: Element, p: Property, data: bytes, at: int) -> int:
     assert p.count_dtype is not None, "a number is no list"
     if at + p.count_dtype.itemsize > len(data):
-        raise MeshError(f"it ends within the {element.name} rows; the file is cut short")
+        raise MeshError(
+            "it ends within the {element} rows; the file is cut short",
+            element=element.name,
+        )
     n = int(np.frombuffer(data, p.count_dtype, 1, at)[0])
-    check_count(n, p.dtype.itemsize, len(data) - at - p.count_dtype.itemsize, f"in a {p.name} list")
+    check_count(
+        n,
+        p.dtype.itemsize,
+        len(data) - at - p.count_dtype.itemsize,
+        Message("entries in a {name} list", name=p.name),
+    )
     return n
 
 
@@ -366,7 +381,10 @@ def _uneven_rows(element: Element, data: bytes, at: int) -> int:
                 at += p.count_dtype.itemsize
                 sizes[p.name].append(n)
             if at + n * p.dtype.itemsize > len(data):
-                raise MeshError(f"it ends within the {element.name} rows; the file is cut short")
+                raise MeshError(
+                    "it ends within the {element} rows; the file is cut short",
+                    element=element.name,
+                )
             parts[p.name].append(np.frombuffer(data, p.dtype, n, at))
             at += n * p.dtype.itemsize
     values = {name: np.concatenate(part) for name, part in parts.items()}
@@ -384,16 +402,23 @@ def _store(element: Element, values: dict[str, AnyArray], sizes: dict[str, AnyAr
 
 def _read_ascii(elements: Sequence[Element], text: bytes) -> None:
     for element in elements:
-        check_count(element.count, 2 * max(1, len(element.properties)), len(text) + 1,
-                    f"of {element.name}")  # fmt: skip
-    numbers, at = parse_numbers(text, "the body"), 0
+        check_count(
+            element.count,
+            2 * max(1, len(element.properties)),
+            len(text) + 1,
+            Message("rows of {name}", name=element.name),
+        )
+    numbers, at = parse_numbers(text, Message("the body")), 0
     for element in elements:
         at = _ascii_rows(element, numbers, at)
 
 
 def _ascii_rows(element: Element, numbers: AnyArray, at: int) -> int:
     """Take one element's rows from the body's numbers; return where they end."""
-    cut_short = MeshError(f"it ends within the {element.name} rows; the file is cut short")
+    cut_short = MeshError(
+        "it ends within the {element} rows; the file is cut short",
+        element=element.name,
+    )
     properties = element.properties
     if not any(p.count_dtype is not None for p in properties):
         width = len(properties)
@@ -468,15 +493,20 @@ def read_ply(data: bytes, folder: Path, texture: bool = False) -> RawMesh:
     vertices = np.stack([vertex.values[k].astype(np.float64) for k in "xyz"], axis=1)
     corners, sizes = _polygons(tables)
     colours, notes = _colours(vertex)
-    notes += tuple(f"its header's line {line[:60]!r} is passed over" for line in tables.unknown)
-    dropped = ["lines"] if any(e.name == "edge" and e.count for e in tables.elements) else []
+    notes += tuple(
+        Message("its header's line {line!r} is passed over", line=line[:60])
+        for line in tables.unknown
+    )
+    dropped = (
+        [Message("lines")] if any(e.name == "edge" and e.count for e in tables.elements) else []
+    )
     if texture and len(sizes):
         found = ply_looks(tables, corners, sizes, folder)
         notes += found.notes
     else:
         found = PlyLooks()
-        dropped += ["its pictures"] if picture_names(tables) else []
-        dropped += ["colours of faces"] if has_face_colours(tables) else []
+        dropped += [Message("its pictures")] if picture_names(tables) else []
+        dropped += [FACE_COLOURS] if has_face_colours(tables) else []
     notes += left_out(dropped)
     return RawMesh(
         vertices,
@@ -497,14 +527,14 @@ def _announced(tables: Tables) -> str:
     """What it speaks of besides points."""
     others = [e for e in tables.elements if e.name != "vertex" and (e.count or e.name in WANTED)]
     if any(element.name in WANTED for element in others):
-        return "faces"
-    return f"'{others[0].name[:40]}', which is not read" if others else ""
+        return Message("faces")
+    return Message("“{name}”, which is not read", name=others[0].name[:40]) if others else ""
 
 
 def _polygons(tables: Tables) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """Return the corners of all polygons, then of the triangles of all strips, and their sizes."""
     corners, sizes = [np.empty(0, np.int64)], [np.empty(0, np.int64)]
-    for kind, what in (("face", "a face"), ("tristrips", "a strip")):
+    for kind, what in (("face", Message("a face")), ("tristrips", Message("a strip"))):
         for element in (e for e in tables.elements if e.name == kind):
             name = next((n for n in INDEX_NAMES if n in element.list_sizes), None)
             if name is None:
@@ -545,7 +575,7 @@ def _colours(vertex: Element) -> tuple[NDArray[np.uint8] | None, tuple[str, ...]
     if set(SPLATS) <= set(vertex.values):
         shares = SH_0 * np.stack([vertex.values[k].astype(np.float64) for k in SPLATS], axis=1)
         codes, notes = colour_codes(np.clip(0.5 + shares, 0.0, 1.0))
-        return codes, ("its Gaussian splats are taken as points", *notes)
+        return codes, (Message("its Gaussian splats are taken as points"), *notes)
     return None, ()
 
 

@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.core.arrays import AnyArray, as_array
-from paint3d.errors import MeshError
+from paint3d.errors import MeshError, Message
 from paint3d.files.contents import plain_text, read_contents
 from paint3d.files.raw_mesh import RawMesh, parse_numbers
 from paint3d.files.sandbox import Found, read_apart
@@ -173,7 +173,7 @@ def read_records_here(path: Path) -> Records:
     try:
         return parse_records(read_contents(path, MAX_BYTES))
     except MeshError as cause:
-        raise MeshError(f"{path}: {cause}") from None
+        raise MeshError("{file}: {cause}", file=path, cause=cause) from None
 
 
 def parse_records(data: bytes) -> Records:
@@ -187,7 +187,7 @@ def parse_records(data: bytes) -> Records:
     try:
         lines = plain_text(data).decode("utf-8").split("\n")
     except UnicodeDecodeError as cause:
-        raise MeshError(str(cause)) from None
+        raise MeshError(cause) from None
     rows = [(k, line.strip()) for k, line in enumerate(lines, 1) if line.strip()]
     comments = [(k, line) for k, line in rows if line.startswith("#")]
     rows = [(k, line) for k, line in rows if not line.startswith("#")]
@@ -197,7 +197,7 @@ def parse_records(data: bytes) -> Records:
     try:
         start = np.array([float(number) for number in match.groups()])
     except ValueError:
-        raise MeshError(f"line {rows[0][0]}: a coordinate is not a number") from None
+        raise MeshError("line {first}: a coordinate is not a number", first=rows[0][0]) from None
     if len(rows) < 2:
         raise MeshError("it has no rows; expected one for each vertex")
     table = _table(rows[1:])
@@ -221,8 +221,10 @@ def _faces(comments: list[tuple[int, str]], n_vertices: int) -> NDArray[np.int64
         corners = [int(word) for word in match.groups()] if match else [n_vertices]
         if max(corners) >= n_vertices:
             raise MeshError(
-                f"line {k}: {line[:60]!r}; expected a face #{{a, b, c}} of rows from 0 to "
-                f"{n_vertices - 1}"
+                "line {k}: {line!r}; expected a face #{{a, b, c}} of rows from 0 to {n_vertices}",
+                k=k,
+                line=line[:60],
+                n_vertices=n_vertices - 1,
             )
         faces.append(corners)
     return np.array(faces, np.int64).reshape(-1, 3)
@@ -243,9 +245,14 @@ def _table(rows: list[tuple[int, str]]) -> NDArray[np.float64]:
     for k, line in rows:
         if not ROW.match(line) or line.count(",") + 1 != width or width not in NAMES:
             expected = NAMES.get(width, " or ".join(NAMES.values()))
-            raise MeshError(f"line {k}: {line[:60]!r}; expected {expected}")
+            raise MeshError(
+                "line {k}: {line!r}; expected {expected}",
+                k=k,
+                line=line[:60],
+                expected=expected,
+            )
     text = " ".join(line.strip("{}. \t").replace(",", " ") for _, line in rows)
-    table = parse_numbers(text.encode("utf-8"), "a row")
+    table = parse_numbers(text.encode("utf-8"), Message("a row"))
     if table.size != width * len(rows) or not np.isfinite(table).all():
         raise MeshError("a number is missing or not finite")
     table = table.reshape(-1, width)
@@ -253,7 +260,7 @@ def _table(rows: list[tuple[int, str]]) -> NDArray[np.float64]:
     wrong = np.flatnonzero(((codes < 0) | (codes > 255) | (codes % 1 != 0)).any(axis=1))
     if len(wrong):
         k, line = rows[wrong[0]]
-        raise MeshError(f"line {k}: {line[:60]!r}; expected RGB codes from 0 to 255")
+        raise MeshError("line {k}: {line!r}; expected RGB codes from 0 to 255", k=k, line=line[:60])
     return table
 
 
@@ -301,7 +308,7 @@ def read_records_mesh(data: bytes) -> RawMesh:
     """
     records = parse_records(data)
     faces = np.empty((0, 3), np.int64) if records.faces is None else records.faces
-    announces = "" if records.faces is None else "faces"
+    announces = "" if records.faces is None else Message("faces")
     return RawMesh.of_triangles(
         records.vertices,
         faces,

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.core.arrays import AnyArray
-from paint3d.errors import MeshError
+from paint3d.errors import MeshError, Message
 from paint3d.files.raw_mesh import RawMesh, check_count, parse_numbers, with_face_colours
 
 __all__ = ["read_stl"]
@@ -74,8 +74,12 @@ def _count(data: bytes) -> int:
 
 def _read_binary(data: bytes) -> AnyArray:
     if len(data) < HEADER:
-        raise MeshError(f"it has {len(data)} bytes; a binary STL has at least {HEADER}")
-    check_count(_count(data), FACET.itemsize, len(data) - HEADER, "triangles")
+        raise MeshError(
+            "it has {n} bytes; a binary STL has at least {header}",
+            n=len(data),
+            header=HEADER,
+        )
+    check_count(_count(data), FACET.itemsize, len(data) - HEADER, Message("triangles"))
     return np.frombuffer(data, FACET, _count(data), HEADER)
 
 
@@ -84,10 +88,14 @@ def _read_ascii(data: bytes) -> NDArray[np.float64]:
     n_facets, n_ends = len(FACETS.findall(data)), len(ENDS.findall(data))
     if len(found) != 3 * n_facets or n_ends != n_facets:
         raise MeshError(
-            f"it has {n_facets} facets, {n_ends} of them ended, with {len(found)} vertices; "
-            f"expected {3 * n_facets}: the file is cut short or damaged"
+            "it has {n_facets} facets, {n_ends} of them ended, with {n} vertices; expected "
+            "{expected}: the file is cut short or damaged",
+            n_facets=n_facets,
+            n_ends=n_ends,
+            n=len(found),
+            expected=3 * n_facets,
         )
-    return parse_numbers(b"\n".join(found), "a vertex").reshape(-1, 3)
+    return parse_numbers(b"\n".join(found), Message("a vertex")).reshape(-1, 3)
 
 
 def _merge(corners: AnyArray) -> tuple[AnyArray, AnyArray]:

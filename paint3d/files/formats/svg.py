@@ -38,7 +38,7 @@ def write_svg(
         If there is nothing to write, or the file cannot be written.
     """
     if not any(strokes for _, strokes in groups):
-        raise ExportError(f"{path}: there are no strokes; expected at least one")
+        raise ExportError("{file}: there are no strokes; expected at least one", file=path)
     x, y, right, top = bounds
     width, height = right - x, top - y
     lines = [

@@ -17,7 +17,7 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.errors import MeshError
+from paint3d.errors import MeshError, Message
 from paint3d.files.colours import Look, open_picture
 from paint3d.files.contents import parse_xml
 from paint3d.files.formats.text_rows import text_rows
@@ -33,9 +33,9 @@ CORE_SCHEMA = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
 MATERIAL_SCHEMA = "http://schemas.microsoft.com/3dmanufacturing/material/2015/02"
 CORE, MATERIAL = f"{{{CORE_SCHEMA}}}", f"{{{MATERIAL_SCHEMA}}}"
 LEFT_OUT = {
-    f"{MATERIAL}compositematerials": "mixtures of materials",
-    f"{MATERIAL}multiproperties": "mixtures of materials",
-    "painted": "colours painted in a slicer",
+    f"{MATERIAL}compositematerials": Message("mixtures of materials"),
+    f"{MATERIAL}multiproperties": Message("mixtures of materials"),
+    "painted": Message("colours painted in a slicer"),
 }
 PAINTED = ("paint_color", "mmu_segmentation")  # of triangles, by slicers: pieces of each
 TILED = {"wrap": "repeat", "mirror": "mirror", "clamp": "clamp", "none": "clamp"}
@@ -79,16 +79,16 @@ class Paint3mf:
 
     Attributes
     ----------
-    notes : list of str
+    notes : list of Message
         Pictures that could not be read, and why.
-    dropped : set of str
+    dropped : set of Message
         What is said and not taken.
     looks : list of Look
     """
 
     def __init__(self, read_part: Callable[[str], bytes], texture: bool) -> None:
-        self.notes: list[str] = []
-        self.dropped: set[str] = set()
+        self.notes: list[Message] = []
+        self.dropped: set[Message] = set()
         self.looks: list[Look] = []
         self._read_part, self._texture = read_part, texture
         self._groups: dict[str, dict[str | None, _Group]] = {}
@@ -143,7 +143,7 @@ class Paint3mf:
     def _pictures(self, model: ElementTree.Element) -> dict[str | None, _Group]:
         found = list(model.iter(f"{MATERIAL}texture2dgroup"))
         if found and not self._texture:
-            self.dropped.add("its pictures")
+            self.dropped.add(Message("its pictures"))
             return {}
         textures = {texture.get("id"): texture for texture in model.iter(f"{MATERIAL}texture2d")}
         looks = {id: self._look(textures.get(id)) for id in {one.get("texid") for one in found}}
@@ -164,7 +164,7 @@ class Paint3mf:
             part = posixpath.join("/", texture.get("path", ""))
             picture = open_picture(self._read_part(part))
         except MeshError as cause:
-            self.notes.append(f"a texture is left out: {cause}")
+            self.notes.append(Message("a texture is left out: {cause}", cause=cause))
             return -1
         u, v = (TILED.get(texture.get(f"tilestyle{axis}", "wrap"), "repeat") for axis in "uv")
         self.looks.append(Look(picture=picture, wrap=(u, v)))
@@ -174,11 +174,16 @@ class Paint3mf:
 def _index(text: str, group: _Group, number: str | None) -> int:
     index = int(text)
     if not 0 <= index < len(group.values):
-        what = "colour" if group.look < 0 else "place on a picture"
+        what = Message("colour") if group.look < 0 else Message("place on a picture")
         n = len(group.values)
         raise MeshError(
-            f"a triangle has {what} {index} of resource {number}, which has {n}; "
-            f"expected 0 to {n - 1}"
+            "a triangle has {what} {index} of resource {number}, which has {n}; expected 0 to "
+            "{last}",
+            what=what,
+            index=index,
+            number=number,
+            n=n,
+            last=n - 1,
         )
     return index
 
@@ -201,7 +206,7 @@ def _hex(text: str | None) -> tuple[int, int, int]:
             raise ValueError
         return int(code[0:2], 16), int(code[2:4], 16), int(code[4:6], 16)
     except ValueError:
-        raise MeshError(f"a colour is {text!r:.40}; expected #RRGGBB") from None
+        raise MeshError("a colour is {text!r:.40}; expected #RRGGBB", text=text) from None
 
 
 # --------------------------------------------------------------------------------------------------
@@ -250,7 +255,7 @@ def read_part(archive: zipfile.ZipFile, part: str) -> bytes:
     try:
         return archive.read(part.lstrip("/"))
     except KeyError:
-        raise MeshError(f"it refers to {part!r:.80}, which it does not contain") from None
+        raise MeshError("it refers to {part!r:.80}, which it does not contain", part=part) from None
 
 
 def read_3mf(data: bytes, texture: bool = False) -> RawMesh:
@@ -278,18 +283,26 @@ def read_3mf(data: bytes, texture: bool = False) -> RawMesh:
             raw = _read_package(Package(archive, paint))
             return raw if texture else replace(raw, looks=(), look_of=None, uv=None)
     except (zipfile.BadZipFile, zlib.error, EOFError, OSError, NotImplementedError) as cause:
-        raise MeshError(f"it is not a readable 3MF archive: {cause}") from None
+        raise MeshError("it is not a readable 3MF archive: {cause}", cause=cause) from None
 
 
 def _check_entries(archive: zipfile.ZipFile) -> None:
     """Refuse what is too large, and what the Open Packaging Conventions (ECMA-376-2) forbid."""
     entries = archive.infolist()
     if sum(entry.file_size for entry in entries) > MAX_UNPACKED:
-        raise MeshError(f"it unpacks to over {MAX_UNPACKED >> 30} GiB; expected less")
+        raise MeshError("it unpacks to over {most} GiB; expected less", most=MAX_UNPACKED >> 30)
     for entry in entries:
         if entry.flag_bits & 1 or entry.compress_type not in PACKINGS:
-            how = "encrypted" if entry.flag_bits & 1 else f"packed by method {entry.compress_type}"
-            raise MeshError(f"its {entry.filename!r:.60} is {how}; expected it plain or deflated")
+            how = (
+                Message("encrypted")
+                if entry.flag_bits & 1
+                else Message("packed by method {method}", method=entry.compress_type)
+            )
+            raise MeshError(
+                "its {filename!r:.60} is {how}; expected it plain or deflated",
+                filename=entry.filename,
+                how=how,
+            )
 
 
 def _read_package(package: Package) -> RawMesh:
@@ -297,7 +310,11 @@ def _read_package(package: Package) -> RawMesh:
     model = package.model(start)
     unit = model.get("unit", "millimeter")
     if unit not in UNITS_MM:
-        raise MeshError(f"its unit is {unit!r}; expected one of {', '.join(UNITS_MM)}")
+        raise MeshError(
+            "its unit is {unit!r}; expected one of {units_mm}",
+            unit=unit,
+            units_mm=", ".join(UNITS_MM),
+        )
     for item in model.iterfind(f"{CORE}build/{CORE}item"):
         part = item.get(f"{PRODUCTION}path", start)
         _place(package, part, item.get("objectid"), _matrix(item.get("transform")), ())
@@ -309,9 +326,10 @@ def _read_package(package: Package) -> RawMesh:
     raw = replace(raw, unit_mm=UNITS_MM[unit], up="z", looks=looks)
     notes, dropped = tuple(dict.fromkeys(package.paint.notes)), package.paint.dropped
     if len(raw.sizes):
-        dropped = dropped | ({"beam lattices"} if _has_beams(package) else set())
+        dropped = dropped | ({Message("beam lattices")} if _has_beams(package) else set())
         return replace(raw, notes=notes + left_out(dropped))
-    what = "a beam lattice, which is not read" if _has_beams(package) else "a mesh"
+    beams = Message("a beam lattice, which is not read")
+    what = beams if _has_beams(package) else Message("a mesh")
     return replace(raw, announces=what, notes=notes + left_out(dropped))
 
 
@@ -340,12 +358,15 @@ def _place(
 ) -> None:
     """Append an object, and the objects it is made of, to the package's pieces."""
     if (part, object_id) in inside or len(package.pieces) > MAX_PARTS:
-        raise MeshError(f"object {object_id} contains itself or too many parts")
+        raise MeshError("object {object_id} contains itself or too many parts", object_id=object_id)
     model = package.model(part)
     found = (o for o in model.iterfind(f"{CORE}resources/{CORE}object") if o.get("id") == object_id)
     solid = next(found, None)
     if solid is None:
-        raise MeshError(f"it refers to object {object_id}, which it does not contain")
+        raise MeshError(
+            "it refers to object {object_id}, which it does not contain",
+            object_id=object_id,
+        )
     mesh = solid.find(f"{CORE}mesh")
     if mesh is not None:
         package.pieces.append(_mesh(package, part, solid, mesh, matrix))
@@ -377,7 +398,11 @@ def _mesh(
     faces = np.array(ids, np.int64).reshape(-1, 3)
     if faces.size and (faces.min() < 0 or faces.max() >= len(vertices)):
         bad = faces.min() if faces.min() < 0 else faces.max()
-        raise MeshError(f"a triangle refers to vertex {bad}; expected 0 to {len(vertices) - 1}")
+        raise MeshError(
+            "a triangle refers to vertex {bad}; expected 0 to {last}",
+            bad=bad,
+            last=len(vertices) - 1,
+        )
     seen = package.paint.see(part, package.model(part), solid, triangles)
     corners = None if seen.colours is None else seen.colours.reshape(-1, 3, 3)
     uv = seen.uv.reshape(-1, 3, 2)

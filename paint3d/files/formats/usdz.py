@@ -31,8 +31,8 @@ def check_usd() -> None:
     """Raise ExportError where Pixar's library is not installed; it is not imported."""
     if importlib.util.find_spec("pxr") is None:
         raise ExportError(
-            "USDZ is written by usd-core, which is not installed; expected "
-            "pip install 'paint3d[usd]', or another format, such as .glb"
+            "USDZ needs usd-core, which is not installed; expected another format, such as .glb",
+            hint="pip install 'paint3d[usd]'",
         )
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.errors import MeshError
+from paint3d.errors import MeshError, Message
 from paint3d.files.colours import colour_codes
 from paint3d.files.contents import plain_text
 from paint3d.files.raw_mesh import RawMesh, parse_numbers
@@ -30,10 +30,15 @@ def read_xyz(data: bytes) -> RawMesh:
         if width < 3 or len(line.split()) != width:
             expected = "three numbers or more" if width < 3 else f"{width} numbers, as in the first"
             shown = line.strip()[:40].decode("latin-1")
-            raise MeshError(f"point {k} is {shown!r}; expected {expected}")
-    table = parse_numbers(b"\n".join(lines), "a point").reshape(len(lines), width)
+            raise MeshError(
+                "point {k} is {shown!r}; expected {expected}",
+                k=k,
+                shown=shown,
+                expected=expected,
+            )
+    table = parse_numbers(b"\n".join(lines), Message("a point")).reshape(len(lines), width)
     colours: NDArray[np.uint8] | None = None
-    notes: tuple[str, ...] = ()
+    notes: tuple[Message, ...] = ()
     if width in COLOURED:
         rgb = table[:, 3:6]
         whole = bool((rgb == np.floor(rgb)).all())

@@ -105,11 +105,11 @@ def read_archive(
                     progress((k + 1) / len(entries))
             return text, arrays
     except zipfile.BadZipFile as cause:
-        raise SessionError(f"it is damaged, or no session: {cause}") from None
+        raise SessionError("it is damaged, or no session: {cause}", cause=cause) from None
     except OSError as cause:
-        raise SessionError(f"cannot read it: {cause.strerror or cause}") from None
+        raise SessionError("cannot read it: {cause}", cause=cause) from None
     except (EOFError, NotImplementedError, RuntimeError, OverflowError, IndexError) as cause:
-        raise SessionError(f"it is damaged, or no session: {cause}") from None
+        raise SessionError("it is damaged, or no session: {cause}", cause=cause) from None
 
 
 def _checked(archive: zipfile.ZipFile, size: int) -> dict[str, zipfile.ZipInfo]:
@@ -121,12 +121,20 @@ def _checked(archive: zipfile.ZipFile, size: int) -> dict[str, zipfile.ZipInfo]:
         raise SessionError("its entries claim to be larger than the file; expected a session")
     for entry in entries:
         if entry.compress_type != zipfile.ZIP_STORED or entry.flag_bits & 1:
-            raise SessionError(f"{entry.filename!r:.60} is packed; expected a plain entry")
+            raise SessionError(
+                "{filename!r:.60} is packed; expected a plain entry",
+                filename=entry.filename,
+            )
     found = {entry.filename: entry for entry in entries}
     if TEXT not in found or len(found) < len(entries):
-        raise SessionError(f"it has no {TEXT}, or a name twice; expected a session")
+        raise SessionError("it has no {text}, or a name twice; expected a session", text=TEXT)
     if found[TEXT].file_size > MAX_TEXT:
-        raise SessionError(f"its {TEXT} has {found[TEXT].file_size:,} bytes; expected {MAX_TEXT:,}")
+        raise SessionError(
+            "its {text} has {file_size:,} bytes; expected {most:,}",
+            text=TEXT,
+            file_size=found[TEXT].file_size,
+            most=MAX_TEXT,
+        )
     return found
 
 
@@ -134,9 +142,9 @@ def _parse(data: bytes) -> dict[str, object]:
     try:
         text = json.loads(data.decode("utf-8", "surrogatepass"))
     except (ValueError, RecursionError) as cause:
-        raise SessionError(f"its {TEXT} cannot be read: {cause}") from None
+        raise SessionError("its {text} cannot be read: {cause}", text=TEXT, cause=cause) from None
     if not isinstance(text, dict):
-        raise SessionError(f"its {TEXT} is no object; expected one")
+        raise SessionError("its {text} is no object; expected one", text=TEXT)
     return text
 
 
@@ -148,11 +156,15 @@ def _read_array(archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> AnyArray:
             count *= n
         if length + count * dtype.itemsize != entry.file_size:
             raise SessionError(
-                f"{entry.filename!r:.60} says it is {dtype} {shape} in {entry.file_size:,} bytes"
+                "{filename!r:.60} says it is {dtype} {shape} in {file_size:,} bytes",
+                filename=entry.filename,
+                dtype=dtype,
+                shape=shape,
+                file_size=entry.file_size,
             )
         data = file.read()  # to the end, where its checksum is compared
     if len(data) != count * dtype.itemsize:
-        raise SessionError(f"{entry.filename!r:.60} is cut short")
+        raise SessionError("{filename!r:.60} is cut short", filename=entry.filename)
     return np.frombuffer(data, dtype).reshape(shape)
 
 
@@ -166,6 +178,6 @@ def _array_header(file: IO[bytes], name: str) -> tuple[tuple[int, ...], np.dtype
     length = int.from_bytes(start[8:], "little")
     found = HEADER.fullmatch(file.read(min(length, MAX_HEADER)).rstrip(b" \n"))
     if start[:8] != b"\x93NUMPY\x01\x00" or found is None:
-        raise SessionError(f"{name!r:.60} is no array of plain numbers")
+        raise SessionError("{name!r:.60} is no array of plain numbers", name=name)
     shape = tuple(int(n) for n in found["shape"].split(b",") if n.strip())
     return shape, np.dtype(found["type"].decode("ascii")), 10 + length

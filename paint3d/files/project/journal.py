@@ -35,7 +35,7 @@ from paint3d.core.arrays import AnyArray
 from paint3d.core.machine import APPENDING, flush_file
 from paint3d.device.recorded import Recording, checked_header
 from paint3d.device.sample import DeviceSample
-from paint3d.errors import ExportError, RecordingError, SessionError
+from paint3d.errors import ExportError, Message, RecordingError, SessionError
 
 __all__ = ["SAMPLE", "Journal", "Loss", "read_events", "read_journal"]
 
@@ -69,16 +69,16 @@ class Loss:
         Bytes that could not be used.
     at : int
         Where in the file they start.
-    reason : str
-        One line for the user; empty if nothing is missing.
+    reason : Message or None
+        One line for the user; None if nothing is missing.
     """
 
     n_bytes: int = 0
     at: int = 0
-    reason: str = ""
+    reason: Message | None = None
 
     def __bool__(self) -> bool:
-        return bool(self.reason)
+        return self.reason is not None
 
 
 class Journal:
@@ -104,11 +104,15 @@ class Journal:
         try:
             content = json.dumps(checked_header(header), allow_nan=False).encode("utf-8")
         except (TypeError, ValueError) as cause:
-            raise RecordingError(f"the journal's header cannot be kept: {cause}") from None
+            raise RecordingError(
+                "the journal's header cannot be kept: {cause}", cause=cause
+            ) from None
         try:
             self._file = os.open(self.path, APPENDING | os.O_CREAT | os.O_EXCL, 0o666)
         except OSError as cause:
-            raise ExportError(f"{path}: cannot start a journal: {cause.strerror}") from None
+            raise ExportError(
+                "{file}: cannot start a journal: {cause}", file=path, cause=cause
+            ) from None
         self._length = 0
         self._held: list[bytes] | None = None  # to be written together
         self._last_ns: int | None = None
@@ -159,7 +163,9 @@ class Journal:
         try:
             content = json.dumps(dict(facts), allow_nan=False).encode("utf-8")
         except (TypeError, ValueError) as cause:
-            raise RecordingError(f"a note cannot be kept in the journal: {cause}") from None
+            raise RecordingError(
+                "a note cannot be kept in the journal: {cause}", cause=cause
+            ) from None
         self._write(_block(NOTE, content))
         self._last_ns = self._has_pressure = None
 
@@ -209,7 +215,9 @@ class Journal:
         except OSError as cause:
             with suppress(OSError):
                 os.ftruncate(self._file, self._length)
-            raise ExportError(f"{self.path}: cannot write: {cause.strerror}") from None
+            raise ExportError(
+                "{file}: cannot write: {cause}", file=self.path, cause=cause
+            ) from None
         self._length += len(data)
         self._dirty.set()
 
@@ -313,7 +321,7 @@ def _read_pieces(
             pieces.append(note)
         at, closed = end, kind == END
     if not isinstance(header, dict):
-        raise SessionError(f"{path}: its header is damaged")
+        raise SessionError("{file}: its header is damaged", file=path)
     return header, pieces, _loss(len(data), at, closed)
 
 
@@ -334,12 +342,17 @@ def _read(path: str | os.PathLike[str]) -> bytes:
     try:
         size = os.path.getsize(path)
         if size > MAX_BYTES:
-            raise SessionError(f"{path}: it has {size:,} bytes; expected up to {MAX_BYTES:,}")
+            raise SessionError(
+                "{file}: it has {size:,} bytes; expected up to {most:,}",
+                file=path,
+                size=size,
+                most=MAX_BYTES,
+            )
         data = Path(path).read_bytes()
     except OSError as cause:
-        raise SessionError(f"{path}: cannot read it: {cause.strerror or cause}") from None
+        raise SessionError("{file}: cannot read it: {cause}", file=path, cause=cause) from None
     if not data.startswith(MAGIC):
-        raise SessionError(f"{path}: it does not start as a journal does")
+        raise SessionError("{file}: it does not start as a journal does", file=path)
     return data
 
 
@@ -372,12 +385,15 @@ def _header(content: bytes) -> object:
 def _loss(size: int, at: int, closed: bool) -> Loss:
     if at < size:
         most = (size - at) // SAMPLE.itemsize
-        reason = (
-            f"it is damaged at byte {at:,}: {size - at:,} bytes are lost (up to {most} samples)"
+        reason = Message(
+            "it is damaged at byte {at:,}: {n:,} bytes are lost (up to {most} samples)",
+            at=at,
+            n=size - at,
+            most=most,
         )
         return Loss(size - at, at, reason)
     if not closed:
-        return Loss(0, at, "it was not closed: what came after the last sample is lost")
+        return Loss(0, at, Message("it was not closed: what came after the last sample is lost"))
     return Loss()
 
 
@@ -387,10 +403,14 @@ def _recording(
     """Return the samples up to the first that no recording could have."""
     table = np.concatenate(tables) if tables else np.empty(0, SAMPLE)
     if not len(table):
-        raise SessionError(f"{path}: it holds no samples. {loss.reason}".rstrip(". "))
+        if loss.reason is None:
+            raise SessionError("{file}: it holds no samples", file=path)
+        raise SessionError("{file}: it holds no samples. {cause}", file=path, cause=loss.reason)
     pressure = None if np.isnan(table["pressure"]).all() else table["pressure"]
     columns = {name: table[name] for name in SAMPLE.names or () if name != "pressure"}
     try:
         return Recording(**columns, pressure=pressure, header=header), loss
     except RecordingError as cause:
-        raise SessionError(f"{path}: its samples are no recording: {cause}") from None
+        raise SessionError(
+            "{file}: its samples are no recording: {cause}", file=path, cause=cause
+        ) from None

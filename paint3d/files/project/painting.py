@@ -424,7 +424,10 @@ def _detail_of(surface: Exportable) -> Detail:
     arrays = getattr(surface, "detail_arrays", None)
     if arrays is None:
         kind = type(surface).__name__
-        raise ExportError(f"a texture is laid on a PaintedSurface or TriangleMesh; got a {kind}")
+        raise ExportError(
+            "a texture is laid on a PaintedSurface or TriangleMesh; got a {kind}",
+            kind=kind,
+        )
     return cast("Detail", tuple(np.array(array) for array in arrays()))
 
 
@@ -458,10 +461,18 @@ def _checked(arrays: tuple[AnyArray, AnyArray, AnyArray, AnyArray], material: st
         raise MeshError("there are no faces; expected at least one triangle")
     if faces.min() < 0 or faces.max() >= len(vertices):
         bad = faces.min() if faces.min() < 0 else faces.max()
-        raise MeshError(f"a face refers to vertex {bad}; expected 0 to {len(vertices) - 1}")
+        raise MeshError(
+            "a face refers to vertex {bad}; expected 0 to {last}",
+            bad=bad,
+            last=len(vertices) - 1,
+        )
     farthest = np.abs(vertices).max()
     if farthest > MAX_COORDINATE_MM:
-        raise MeshError(f"a coordinate is {farthest:g} mm; expected {MAX_COORDINATE_MM:g} at most")
+        raise MeshError(
+            "a coordinate is {farthest:g} mm; expected {most:g} at most",
+            farthest=farthest,
+            most=MAX_COORDINATE_MM,
+        )
     return Painting(
         vertices,
         faces,
@@ -474,7 +485,12 @@ def _checked(arrays: tuple[AnyArray, AnyArray, AnyArray, AnyArray], material: st
 def _codes(srgb: AnyArray, shape: tuple[int, int]) -> NDArray[np.uint8]:
     srgb = np.ascontiguousarray(srgb)
     if srgb.dtype != np.uint8 or srgb.shape != shape:
-        raise MeshError(f"srgb is {srgb.dtype} {srgb.shape}; expected uint8 {shape}")
+        raise MeshError(
+            "srgb is {srgb_dtype} {srgb_shape}; expected uint8 {shape}",
+            srgb_dtype=srgb.dtype,
+            srgb_shape=srgb.shape,
+            shape=shape,
+        )
     return srgb
 
 

@@ -116,7 +116,9 @@ def save_session(
         try:
             write_archive(temporary, text, arrays, part_of(progress, 0.2, 0.95))
         except (TypeError, ValueError) as cause:
-            raise ExportError(f"{path}: settings cannot be saved: {cause}") from None
+            raise ExportError(
+                "{file}: settings cannot be saved: {cause}", file=path, cause=cause
+            ) from None
 
 
 def _parts(session: Session) -> Parts:
@@ -205,7 +207,7 @@ def _strokes(
     n = len(arrays[f"{prefix}time_ns"]) if len(headers) else 0
     whole = starts.dtype == np.int64 and starts.shape == (len(headers) + 1,)
     if not whole or starts[0] != 0 or starts[-1] != n or (np.diff(starts) <= 0).any():
-        raise SessionError(f"its {len(headers)} strokes do not share out {n} samples")
+        raise SessionError("its {n} strokes do not share out {n_2} samples", n=len(headers), n_2=n)
     strokes = []
     for k, header in enumerate(headers):
         own = slice(int(starts[k]), int(starts[k + 1]))
@@ -235,13 +237,15 @@ def load_session(path: str | os.PathLike[str], progress: Progress | None = None)
     try:
         return _session(_upgraded(read_archive(path, part_of(progress, 0.0, 0.3))), progress)
     except SessionError as cause:
-        raise SessionError(f"{path}: {_one_line(cause)}") from None
+        raise SessionError("{file}: {cause}", file=path, cause=cause) from None
     except Paint3DError as cause:
-        raise SessionError(f"{path}: it cannot be used: {_one_line(cause)}") from None
+        raise SessionError("{file}: it cannot be used: {cause}", file=path, cause=cause) from None
     except (KeyError, TypeError, AttributeError, ValueError) as cause:
-        raise SessionError(f"{path}: it is incomplete near {_one_line(cause)}") from None
+        raise SessionError(
+            "{file}: it is incomplete near {cause}", file=path, cause=cause
+        ) from None
     except MemoryError:
-        raise SessionError(f"{path}: it does not fit into memory") from None
+        raise SessionError("{file}: it does not fit into memory", file=path) from None
 
 
 def _one_line(cause: BaseException) -> str:
@@ -252,9 +256,17 @@ def _upgraded(parts: Parts) -> Parts:
     text = parts[0]
     version = text.get("version")
     if text.get("format") != FORMAT or type(version) is not int or version < 1:
-        raise SessionError(f"it says it is {text.get('format')!r:.40}; expected {FORMAT!r}")
+        raise SessionError(
+            "it says it is {format!r:.40}; expected {expected!r}",
+            format=text.get("format"),
+            expected=FORMAT,
+        )
     if version > VERSION:
-        raise SessionError(f"its version is {version}; this program knows up to {VERSION}")
+        raise SessionError(
+            "its version is {version}; this program knows up to {expected}",
+            version=version,
+            expected=VERSION,
+        )
     for old in range(version, VERSION):
         parts = UPGRADES[old](parts)
     return parts
@@ -271,7 +283,11 @@ def _session(parts: Parts, progress: Progress | None = None) -> Session:
     )
     headers, settings = text["recordings"], text["settings"]
     if len(headers) > MAX_RECORDINGS:
-        raise SessionError(f"it has {len(headers):,} recordings; expected {MAX_RECORDINGS:,}")
+        raise SessionError(
+            "it has {n:,} recordings; expected {most:,}",
+            n=len(headers),
+            most=MAX_RECORDINGS,
+        )
     recordings = []
     for k, header in enumerate(headers):
         columns: dict[str, Any]

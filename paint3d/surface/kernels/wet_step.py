@@ -32,6 +32,7 @@ TOO_LITTLE_ROOM = -2
 
 _MOST = 0.5  # of the pores' depth: a longer step in which more moves is cut in parts
 _FLOATS = 0.005  # mm: a film as deep carries pigment as fast as itself
+_SLIPS = 0.2  # of the rate at which pores catch fine pigment: that at which they catch loose
 _GONE = -(1 << 30)  # of what a node waits for, once it is taken out of its turn
 
 
@@ -55,6 +56,7 @@ class WetFields(NamedTuple):
     water: NDArray  # (N,) float64, depth, mm
     pigment: NDArray  # (N, P) float64, coats
     fine: NDArray  # (N, P) float64, of these, what goes with the water until a pore catches it
+    loose: NDArray  # (N, P) float64, and the flocs that much water parts, which pores hardly catch
     mobility: NDArray  # (P,) float64, what pores let pass of the others, over that of soot
     sticks: NDArray  # (P,) float64, to pores, 0 to 1: soot does, a dye does not
     soaked: NDArray  # (N,) float32, greatest share that was under water since it was dry
@@ -300,11 +302,11 @@ def _find_flows(rows, n_rows, n_ids, n_stages, passing, film):
 def _carry(f, rows, n_rows, n_ids, work):
     """Move water and pigment, each node when all that flows into it has come.
 
-    `work` holds what comes to each: water, and of each pigment the coarse and the fine.
+    `work` holds what comes to each: water, and of each pigment the coarse, the fine, the loose.
     """
     n_pigments = f.pigment.shape[1]
     waits, turns = rows.waits, rows.turns
-    coming = work[: n_ids * (1 + 2 * n_pigments)].reshape(n_ids, 1 + 2 * n_pigments)
+    coming = work[: n_ids * (1 + 3 * n_pigments)].reshape(n_ids, 1 + 3 * n_pigments)
     coming[:] = 0.0
     n_turns = 0
     for r in range(n_rows):
@@ -345,11 +347,12 @@ def _carry(f, rows, n_rows, n_ids, work):
             within = 1.0 - rows.ran[1, e] / rows.x[e]  # of the flow, through pores
             for p in range(n_pigments):
                 drawn = _drawn(f.mobility[p], carried, afloat)
-                coming[k, 1 + 2 * p] += drawn * coming[r, 1 + 2 * p]
-                fine = flux * coming[r, 2 + 2 * p]
-                caught = f.sticks[p] * f.catch[rows.ids[k]] * within * fine
-                coming[k, 1 + 2 * p] += caught
-                coming[k, 2 + 2 * p] += fine - caught
+                fine, loose = flux * coming[r, 2 + 3 * p], flux * coming[r, 3 + 3 * p]
+                catches = f.sticks[p] * f.catch[rows.ids[k]] * within
+                coming[k, 2 + 3 * p] += (1.0 - catches) * fine
+                coming[k, 3 + 3 * p] += (1.0 - _SLIPS * catches) * loose
+                caught = catches * (fine + _SLIPS * loose)
+                coming[k, 1 + 3 * p] += drawn * coming[r, 1 + 3 * p] + caught
             waits[k] -= 1
             if waits[k] == 0:
                 turns[n_turns] = k
@@ -370,8 +373,8 @@ def _drawn(mobility, carried, afloat):
 def _mix(f, rows, r, volume, gone, carrying, coming):
     """Mix what came to a row with what is there; turn `coming` into what goes on.
 
-    Of a volume so much is gone; `carrying` is what of this carries soot, and what is a film. Fines
-    go with all of it, coarse pigment with these by its mobility, and the rest stays behind. What
+    Of a volume so much is gone; `carrying` is what of this carries soot, and what is a film. What
+    is fine or loose goes with all of it, coarse pigment with these by its mobility, and the rest stays behind. What
     goes on is given per volume of these.
     """
     i = rows.ids[r]
@@ -381,12 +384,16 @@ def _mix(f, rows, r, volume, gone, carrying, coming):
     for p in range(f.pigment.shape[1]):
         drawn = _drawn(f.mobility[p], carrying[0], carrying[1])
         part = 1.0 / (volume - gone + drawn) if drawn > 0.0 else 0.0  # of it, per volume drawn
-        fine = f.fine[i, p] * area + coming[r, 2 + 2 * p]
-        coarse = max(0.0, f.pigment[i, p] - f.fine[i, p]) * area + coming[r, 1 + 2 * p]
-        coming[r, 2 + 2 * p] = fine_part * fine
-        coming[r, 1 + 2 * p] = part * coarse
+        fine = f.fine[i, p] * area + coming[r, 2 + 3 * p]
+        loose = f.loose[i, p] * area + coming[r, 3 + 3 * p]
+        coarse = max(0.0, f.pigment[i, p] - f.fine[i, p] - f.loose[i, p]) * area
+        coarse += coming[r, 1 + 3 * p]
+        coming[r, 2 + 3 * p] = fine_part * fine
+        coming[r, 3 + 3 * p] = fine_part * loose
+        coming[r, 1 + 3 * p] = part * coarse
         f.fine[i, p] = (1.0 - fine_part * gone) * fine * share
-        f.pigment[i, p] = (1.0 - part * drawn) * coarse * share + f.fine[i, p]
+        f.loose[i, p] = (1.0 - fine_part * gone) * loose * share
+        f.pigment[i, p] = (1.0 - part * drawn) * coarse * share + f.fine[i, p] + f.loose[i, p]
 
 
 @kernel(error_model="numpy")
@@ -398,9 +405,10 @@ def _take_rest(f, rows, n_rows, coming):
             f.changed[i] = True
             f.water[i] += coming[r, 0] * rows.share[r]
             for p in range(f.pigment.shape[1]):
-                fine = coming[r, 2 + 2 * p] * rows.share[r]
-                f.pigment[i, p] += coming[r, 1 + 2 * p] * rows.share[r] + fine
+                fine, loose = coming[r, 2 + 3 * p] * rows.share[r], coming[r, 3 + 3 * p] * rows.share[r]
+                f.pigment[i, p] += coming[r, 1 + 3 * p] * rows.share[r] + fine + loose
                 f.fine[i, p] += fine
+                f.loose[i, p] += loose
 
 
 @kernel(error_model="numpy")
@@ -525,7 +533,7 @@ def move_water(f, nodes, around, drink, shortest, rest, room):
     rest : (1,) f64
         Filled with what all these blocks are still owed then, if they are not owed less.
     room : Room
-        For M nodes, these and around, and their K links it has to have (13 + 2 P) M + 3 K numbers
+        For M nodes, these and around, and their K links it has to have (13 + 3 P) M + 3 K numbers
         and 4 M + 1 + K whole ones.
 
     Returns
@@ -537,7 +545,7 @@ def move_water(f, nodes, around, drink, shortest, rest, room):
     size, n_links, longest = _measure(f, nodes, around)
     if size < 0:
         return -1
-    n_work = size * (1 + 2 * f.pigment.shape[1])
+    n_work = size * (1 + 3 * f.pigment.shape[1])
     n_floats = n_work + 12 * size + 3 * n_links
     if room.floats.shape[0] < n_floats or room.ints.shape[0] < 4 * size + 1 + n_links:
         return TOO_LITTLE_ROOM

@@ -303,7 +303,10 @@ class HandSettings:
         as_number(self.steady_mm_s, "steady speed (mm/s)", 1.0, 1e5)
         as_number(self.landing_s, "landing (s)", 0.0, 1.0)
         if self.pressure_by not in ("keys", "speed"):
-            raise InputError(f"pressure by {self.pressure_by!r}; expected 'keys' or 'speed'")
+            raise InputError(
+                "pressure by {pressure_by!r}; expected 'keys' or 'speed'",
+                pressure_by=self.pressure_by,
+            )
 
 
 @dataclass

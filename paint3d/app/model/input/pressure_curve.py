@@ -38,7 +38,7 @@ class PressureCurve:
     def __post_init__(self) -> None:
         given = np.round(as_array(self.points, "pressure curve", (None, 2)), 6)
         if not 2 <= len(given) <= _MOST_POINTS:
-            raise InputError(f"pressure curve has {len(given)} points; expected 2 to 16")
+            raise InputError("pressure curve has {n} points; expected 2 to 16", n=len(given))
         if given.min() < 0.0 or given.max() > 1.0:
             raise InputError("pressure curve leaves 0 to 1")
         if given[0, 0] != 0.0 or given[-1, 0] != 1.0:
@@ -92,7 +92,10 @@ class PressureCurve:
             If there is none.
         """
         if not 0 < index < len(self.points) - 1:
-            raise InputError(f"point {index} of the pressure curve; expected one in between")
+            raise InputError(
+                "point {index} of the pressure curve; expected one in between",
+                index=index,
+            )
         return PressureCurve(self.points[:index] + self.points[index + 1 :])
 
 

@@ -71,11 +71,17 @@ class Symmetry:
         """The (4, 4) transforms of all images but the stroke itself, in a fixed order."""
         turns = self.radial.count if self.radial else 1
         if isinstance(turns, bool) or not isinstance(turns, int) or not 1 <= turns <= MOST_IMAGES:
-            raise InputError(f"radial symmetry by {turns!r}; expected 2 to {MOST_IMAGES}")
+            raise InputError(
+                "radial symmetry by {turns!r}; expected 2 to {most}",
+                turns=turns,
+                most=MOST_IMAGES,
+            )
         if turns * 2 ** len(self.planes) > MOST_IMAGES:
             raise InputError(
-                f"{turns} turns and {len(self.planes)} planes make too many images; "
-                f"expected {MOST_IMAGES} at most"
+                "{turns} turns and {n} planes make too many images; expected {most} at most",
+                turns=turns,
+                n=len(self.planes),
+                most=MOST_IMAGES,
             )
         found = [np.eye(4)]
         for plane in self.planes:

@@ -36,7 +36,7 @@ def brush_from_words(words: Mapping[str, Any]) -> BrushSpec:
             values["bristles"] = BristleSpec(**values["bristles"])
         return BrushSpec(**values)
     except TypeError as cause:
-        raise BrushError(f"this describes no brush: {cause}") from None
+        raise BrushError("this describes no brush: {cause}", cause=cause) from None
 
 
 def hair_words(painter: Painter) -> dict[str, object] | None:
@@ -67,8 +67,12 @@ def restore_hairs(painter: Painter, words: Any) -> None:
             complete_memory(memory), "memory of the hairs", now["memory"].shape, np.float64
         )
     except (KeyError, TypeError, ValueError) as cause:
-        raise SessionError(f"the hairs of the brush cannot be used: {cause}") from None
+        raise SessionError("the hairs of the brush cannot be used: {cause}", cause=cause) from None
     if load.min(initial=0.0) < 0.0 or load.shape[1] > wide[1]:
-        raise SessionError(f"the hairs hold {load.min():g} of {load.shape[1]} inks")
+        raise SessionError(
+            "the hairs hold {least:g} of {load_shape} inks",
+            least=load.min(),
+            load_shape=load.shape[1],
+        )
     load = np.pad(load, ((0, 0), (0, wide[1] - load.shape[1])))
     painter.hairs.restore({"load": load, "memory": memory})

@@ -34,10 +34,14 @@ def own_brushes(folder: Path | None = None) -> tuple[dict[str, BrushSpec], list[
         try:
             brush = read_brush(path, presets)
             if brush.name in found or brush.name in presets:
-                raise BrushError(f"{path}: another brush is called {brush.name!r}")
+                raise BrushError(
+                    "{file}: another brush is called {brush!r}",
+                    file=path,
+                    brush=brush.name,
+                )
             found[brush.name] = brush
         except Paint3DError as cause:
-            problems.append(str(cause))
+            problems.append(cause.message)
     return found, problems
 
 
@@ -95,6 +99,6 @@ def keep_brush(brush: BrushSpec, folder: Path | None = None) -> Path:
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
     except OSError as cause:
-        raise BrushError(f"{path.parent}: {cause.strerror or cause}") from None
+        raise BrushError("{parent}: {cause}", parent=path.parent, cause=cause) from None
     write_brush(path, brush, load_presets())
     return path

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from paint3d.colour.pigments import WATER, Pigment, load_palette, load_pigments_csv
-from paint3d.errors import Paint3DError, PigmentError
+from paint3d.errors import Message, Paint3DError, PigmentError
 
 __all__ = ["OwnPigments", "check_unlike_palette", "fingerprint_of", "own_pigments"]
 
@@ -32,13 +32,13 @@ class OwnPigments:
     tables : dict of str to str
         All of them, and their fingerprints as they are now, "none" where a table is gone or cannot
         be used: to be kept, for it may be back with a later start.
-    problems : list of str
+    problems : list of Message
         A line for each table that is gone, cannot be used, or is not as it was, since last time.
     """
 
     pigments: dict[str, Pigment] = field(default_factory=dict)
     tables: dict[str, str] = field(default_factory=dict)
-    problems: list[str] = field(default_factory=list)
+    problems: list[Message] = field(default_factory=list)
 
 
 def fingerprint_of(path: str | Path) -> str:
@@ -52,7 +52,7 @@ def fingerprint_of(path: str | Path) -> str:
     try:
         return hashlib.sha256(Path(path).read_bytes()).hexdigest()[:_DIGITS]
     except OSError as cause:
-        raise PigmentError(f"{path}: cannot be read: {cause.strerror or cause}") from None
+        raise PigmentError("{file}: cannot be read: {cause}", file=path, cause=cause) from None
 
 
 def check_unlike_palette(pigments: Iterable[Pigment], source: str) -> None:
@@ -66,8 +66,9 @@ def check_unlike_palette(pigments: Iterable[Pigment], source: str) -> None:
     for pigment in pigments:
         if pigment.name in load_palette() or pigment.name == WATER.name:
             raise PigmentError(
-                f"{source}: {pigment.name!r} is called like an ink of the palette; "
-                "expected another name"
+                "{source}: {pigment!r} is called like an ink of the palette; expected another name",
+                source=source,
+                pigment=pigment.name,
             )
 
 
@@ -86,10 +87,12 @@ def own_pigments(tables: Mapping[str, str]) -> OwnPigments:
         except Paint3DError as cause:
             found.tables[path] = _OUT
             if fingerprint != _OUT:
-                found.problems.append(str(cause))
+                found.problems.append(cause.message)
             continue
         if fingerprint not in (_OUT, now):
-            found.problems.append(f"{path}: has changed; its pigments are as it says now")
+            found.problems.append(
+                Message("{file}: has changed; its pigments are as it says now", file=path)
+            )
         found.pigments.update(pigments)
         found.tables[path] = now
     return found
@@ -98,10 +101,10 @@ def own_pigments(tables: Mapping[str, str]) -> OwnPigments:
 def _read(path: str) -> tuple[str, Mapping[str, Pigment]]:
     """A table's fingerprint and its pigments; an error says that they are left out."""
     if not os.path.exists(path):
-        raise PigmentError(f"{path}: is gone, and its pigments with it")
+        raise PigmentError("{file}: is gone, and its pigments with it", file=path)
     try:
         fingerprint, pigments = fingerprint_of(path), load_pigments_csv(path)
         check_unlike_palette(pigments.values(), path)
     except Paint3DError as cause:
-        raise PigmentError(f"{cause}; its pigments are left out") from None
+        raise PigmentError("{cause}; its pigments are left out", cause=cause) from None
     return fingerprint, pigments

@@ -27,7 +27,7 @@ from paint3d.app.model.persistence.places import make_private, make_private_fold
 from paint3d.core.machine import is_locked, lock
 from paint3d.device.recorded import Recording
 from paint3d.device.sample import DeviceSample
-from paint3d.errors import ExportError, Paint3DError, SessionError
+from paint3d.errors import ExportError, Message, Paint3DError, SessionError
 from paint3d.files.project.journal import SAMPLE, Journal, Loss, read_events
 
 __all__ = [
@@ -224,14 +224,14 @@ class Recovered:
         Batches of samples and commands that were done again.
     loss : Loss
         What of the journals could not be read; all that came after it counts, too.
-    refused : tuple of str
+    refused : tuple of Message
         Why something could not be done again that could be done when it was asked for first.
     """
 
     document: Document
     n_events: int
     loss: Loss
-    refused: tuple[str, ...]
+    refused: tuple[Message, ...]
 
     @property
     def n_lost(self) -> int:
@@ -303,7 +303,9 @@ class Unfinished:
     def _locked(self) -> BinaryIO | None:
         """The lock, held; None where nothing can be written, so that nobody can delete it."""
         name = self.object_name if self.path is None else self.path.name
-        taken = f"{name}: another window has taken it up; expected what a crash left"
+        taken = Message(
+            "{name}: another window has taken it up; expected what a crash left", name=name
+        )
         if not self.folder.is_dir():
             raise SessionError(taken)
         try:
@@ -321,7 +323,10 @@ class Unfinished:
         tell(0.0)
         bases = sorted(_numbered(self.folder, "base-"), reverse=True)
         if not bases:
-            raise SessionError(f"{self.folder}: it holds no painting; expected base-K.p3d")
+            raise SessionError(
+                "{folder}: it holds no painting; expected base-K.p3d",
+                folder=self.folder,
+            )
         first, base = bases[0]
         document = Document.open(base)
         journals = sorted(_numbered(self.folder, "journal-"))
@@ -331,7 +336,8 @@ class Unfinished:
         pieces = [piece for event in events for piece in _pieces(event)]
         tell(_OPENED)
         costs = [_cost(piece) for piece in pieces]
-        done, whole, refused = 0.0, sum(costs), []
+        done, whole = 0.0, sum(costs)
+        refused: list[Message] = []
         for piece, cost in zip(pieces, costs, strict=True):
             refused += _done_again(document, piece)
             done += cost
@@ -393,11 +399,11 @@ def is_open_elsewhere(path: Path, own: Path | None, folder: Path | None = None) 
 
 def refusal(error: Paint3DError) -> dict[str, object]:
     """What a journal says of something that could not be done."""
-    return {_REFUSED: str(error)}
+    return {_REFUSED: error.message}
 
 
 def _unkeepable(root: Path, cause: OSError) -> ExportError:
-    return ExportError(f"{root}: cannot keep what is painted here: {cause}")
+    return ExportError("{root}: cannot keep what is painted here: {cause}", root=root, cause=cause)
 
 
 def _events(journals: Sequence[Path]) -> tuple[list[_Event], Loss]:
@@ -408,7 +414,7 @@ def _events(journals: Sequence[Path]) -> tuple[list[_Event], Loss]:
         try:
             _, more, loss = read_events(journal)
         except SessionError as error:  # nothing in it can be read
-            return events, Loss(_bytes_of(journal) + later, 0, str(error))
+            return events, Loss(_bytes_of(journal) + later, 0, error.message)
         events += more
         if loss.n_bytes:
             return events, replace(loss, n_bytes=loss.n_bytes + later)
@@ -476,7 +482,7 @@ def _cost(piece: _Piece) -> float:
     return 1.0 if command is None else command.cost
 
 
-def _done_again(document: Document, piece: _Piece) -> list[str]:
+def _done_again(document: Document, piece: _Piece) -> list[Message]:
     """Do it; what was refused, as it was when it happened first."""
     try:
         if isinstance(piece, list):
@@ -484,5 +490,5 @@ def _done_again(document: Document, piece: _Piece) -> list[str]:
         else:
             do_again(document, piece)
     except Paint3DError as error:
-        return [str(error)]
+        return [error.message]
     return []

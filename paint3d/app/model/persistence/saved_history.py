@@ -157,8 +157,11 @@ def restore_history(
         n_done, n_undone = (list(own).count(_STROKE) for own in words)
         if n_done > len(strokes) or n_undone != len(undone):
             raise SessionError(
-                f"they are {n_done} and {n_undone} strokes; expected {len(strokes)} and "
-                f"{len(undone)}"
+                "they are {n_done} and {n_undone} strokes; expected {n} and {undone}",
+                n_done=n_done,
+                n_undone=n_undone,
+                n=len(strokes),
+                undone=len(undone),
             )
         done_labels = _labels(words[0], iter(strokes[len(strokes) - n_done :]))
         undone_labels = _labels(words[1], iter(undone))
@@ -167,9 +170,9 @@ def restore_history(
     except SessionError:
         raise
     except (KeyError, TypeError, AttributeError, ValueError, IndexError) as cause:
-        raise SessionError(f"they are incomplete near {cause}") from None
+        raise SessionError("they are incomplete near {cause}", cause=cause) from None
     except Paint3DError as cause:
-        raise SessionError(str(cause)) from None
+        raise SessionError(cause) from None
     result: int = n_done
     return result
 
@@ -177,7 +180,7 @@ def restore_history(
 def _labels(words: Sequence[Any], strokes: Iterator[Stroke]) -> list[object]:
     for word in words:
         if not isinstance(word, str) or len(word) > _LONGEST_LABEL:
-            raise SessionError(f"a step is {word!r:.60}; expected a word")
+            raise SessionError("a step is {word!r:.60}; expected a word", word=word)
     return [next(strokes) if word == _STROKE else word for word in words]
 
 
@@ -187,20 +190,26 @@ def _kept(surface: PaintedSurface, state: Mapping[str, Any]) -> list[Kept]:
     count, p = len(of), len(surface.pigments)
     makers = _makers(surface, state)
     if of.dtype != np.int32 or (count and not 0 <= of.min() <= of.max() < len(makers)):
-        raise SessionError(f"painters are {of.dtype}, none of {len(makers)}")
+        raise SessionError("painters are {of_dtype}, none of {n}", of_dtype=of.dtype, n=len(makers))
     loaded, dipped = np.asarray(state["loaded"]), np.asarray(state["dipped"])
     if loaded.dtype != np.float64 or not (np.abs(loaded) <= MOST_INK).all():
         raise SessionError("ink that was loaded is out of range")
     if loaded.shape != of.shape or dipped.shape != of.shape or dipped.dtype != np.uint8:
-        raise SessionError(f"{count} painters have loaded {loaded.shape} times")
+        raise SessionError(
+            "{count} painters have loaded {loaded_shape} times",
+            count=count,
+            loaded_shape=loaded.shape,
+        )
     loads = unpack_arrays(state, "hair_loads", count, np.float64, (p,))
     memories = unpack_arrays(state, "hair_memory", count, np.float64)
     texts = [packed_texts(unpacked_texts(packed)) for packed in state["texts"]]
     of_texts = np.asarray(state["text"])
     if of_texts.shape != of.shape or of_texts.dtype != np.int32:
-        raise SessionError(f"{count} paintings have texts {of_texts.shape}")
+        raise SessionError(
+            "{count} paintings have texts {shape}", count=count, shape=of_texts.shape
+        )
     if count and not 0 <= of_texts.min() <= of_texts.max() < len(texts):
-        raise SessionError(f"a text is none of {len(texts)}")
+        raise SessionError("a text is none of {count}", count=len(texts))
     column = np.asarray(state["hair_loads"])
     if column.size and not 0.0 <= column.min() <= column.max() <= MOST_INK:
         raise SessionError("ink of single hairs is out of range")
@@ -218,7 +227,11 @@ def _kept(surface: PaintedSurface, state: Mapping[str, Any]) -> list[Kept]:
 def _makers(surface: PaintedSurface, state: Mapping[str, Any]) -> list[Callable[..., Kept]]:
     """For each painter what makes what it remembers from loads and hairs."""
     if len(state["brushes"]) > _MOST_BRUSHES or len(state["painters"]) > 10 * _MOST_BRUSHES:
-        raise SessionError(f"they use {len(state['brushes'])} brushes; expected {_MOST_BRUSHES}")
+        raise SessionError(
+            "they use {n} brushes; expected {most}",
+            n=len(state["brushes"]),
+            most=_MOST_BRUSHES,
+        )
     brushes = [_brush(words, surface) for words in state["brushes"]]
     inks = {**load_palette(), WATER.name: WATER} | {ink.name: ink for ink in surface.pigments}
     tufts: dict[tuple[int, BristleSpec | None], HairTuft | None] = {}
@@ -226,13 +239,17 @@ def _makers(surface: PaintedSurface, state: Mapping[str, Any]) -> list[Callable[
     for words in state["painters"]:
         place, hairs = words["brush"], words["hairs"]
         if type(place) is not int or not 0 <= place < len(brushes):
-            raise SessionError(f"a brush is the {place!r:.20}th of {len(brushes)}")
+            raise SessionError("a brush is the {place!r:.20}th of {n}", place=place, n=len(brushes))
         spec = None if hairs is None else BristleSpec(**hairs)
         key = place, spec
         if key not in tufts:
             n_hairs += 0 if spec is None else spec.n_hairs
             if n_hairs > _MOST_HAIRS:
-                raise SessionError(f"they use {n_hairs:,} hairs; expected {_MOST_HAIRS:,}")
+                raise SessionError(
+                    "they use {n_hairs:,} hairs; expected {most:,}",
+                    n_hairs=n_hairs,
+                    most=_MOST_HAIRS,
+                )
             tufts[key] = None if spec is None else HairTuft(brushes[place]["brush"], spec)
         amount = DipAmount.of(words.get("amount", {}))
         about = {
@@ -259,7 +276,11 @@ def _maker(about: Mapping[str, Any]) -> Callable[..., Kept]:
         if hairs is not None:
             memory = complete_memory(memory)
             if len(load) != hairs.spec.n_hairs or memory.shape != hairs.memory.shape:
-                raise SessionError(f"{len(load)} hairs hold ink; expected {hairs.spec.n_hairs}")
+                raise SessionError(
+                    "{n} hairs hold ink; expected {n_hairs}",
+                    n=len(load),
+                    n_hairs=hairs.spec.n_hairs,
+                )
             of_hairs = {"load": load, "memory": memory}
         return {**about, "loaded": loaded, "of_hairs": of_hairs}
 

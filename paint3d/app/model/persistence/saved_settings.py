@@ -66,7 +66,10 @@ def saved_painter(surface: PaintedSurface, settings: Mapping[str, Any]) -> Paint
 def _saved_dips(saved: object, surface: PaintedSurface) -> tuple[tuple[Mixture, float | None], ...]:
     """The dips of belly and tip, as `Painter.dips` has them."""
     if not isinstance(saved, list) or not all(isinstance(d, list) and len(d) == 2 for d in saved):
-        raise SessionError(f"dips are {saved!r:.60}; expected pairs of an ink and a reach")
+        raise SessionError(
+            "dips are {saved!r:.60}; expected pairs of an ink and a reach",
+            saved=saved,
+        )
     reaches = [
         None if reach is None else as_number(reach, "reach of a dip", 0.0, 1.0, SessionError)
         for _, reach in saved
@@ -87,7 +90,7 @@ def saved_inks(surface: PaintedSurface, settings: Mapping[str, Any]) -> list[Mix
     if inks is None:
         return None
     if not isinstance(inks, list) or len(inks) != 2:
-        raise SessionError(f"the inks are {inks!r:.60}; expected two")
+        raise SessionError("the inks are {inks!r:.60}; expected two", inks=inks)
     return [saved_mixture(ink, surface) for ink in inks]
 
 
@@ -170,10 +173,13 @@ def _brush(saved: object) -> BrushSpec:
 def saved_mixture(saved: object, surface: PaintedSurface) -> Mixture:
     """Weights of inks by name; those that the palette has otherwise, or not, as on the surface."""
     if not isinstance(saved, Mapping) or not saved:
-        raise SessionError(f"an ink is {saved!r:.60}; expected weights by name")
+        raise SessionError("an ink is {saved!r:.60}; expected weights by name", saved=saved)
     if any(isinstance(name, str) and names_table(name) for name in saved):
-        raise SessionError(f"an ink is of a table on this machine, in {str(saved)[:100]}; "
-                           "expected names of its own or of the palette")  # fmt: skip
+        raise SessionError(
+            "an ink is of a table on this machine, in {saved}; expected names of its own or of the "
+            "palette",
+            saved=str(saved)[:100],
+        )  # fmt: skip
     palette = {**load_palette(), WATER.name: WATER}
     own: dict[str, Pigment]
     own = {p.name: p for p in surface.pigments if palette.get(p.name) is not p}

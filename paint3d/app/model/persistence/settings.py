@@ -23,7 +23,7 @@ from paint3d.core.arrays import as_number
 from paint3d.core.atomic import write_atomically
 from paint3d.device.button_actions import DEFAULT_ACTIONS, checked_actions
 from paint3d.device.recorded import MAX_FORCE_N
-from paint3d.errors import DeviceError, ExportError, InputError, Paint3DError
+from paint3d.errors import DeviceError, ExportError, InputError, Message, Paint3DError
 from paint3d.files.contents import json_text
 from paint3d.haptics.settings import Feel
 from paint3d.haptics.stylus_choice import check_stylus
@@ -157,25 +157,39 @@ class Settings:
         for name, known in _CHOICES.items():
             if getattr(self, name) not in known:
                 raise InputError(
-                    f"{name} is {getattr(self, name)!r}; expected {' or '.join(known)}"
+                    "{name} is {value!r}; expected {known}",
+                    name=name,
+                    value=getattr(self, name),
+                    known=" or ".join(known),
                 )
         for name, (low, high) in _RANGES.items():
             if getattr(self, name) is not None or name not in _MAYBE:
                 as_number(getattr(self, name), name, low, high)
         if self.wet is not None and not isinstance(self.wet, bool):
-            raise InputError(f"wet is {self.wet!r}; expected true or false")
+            raise InputError("wet is {wet!r}; expected true or false", wet=self.wet)
         if not isinstance(self.dips_by_itself, bool):
-            raise InputError(f"dips_by_itself is {self.dips_by_itself!r}; expected true or false")
+            raise InputError(
+                "dips_by_itself is {dips_by_itself!r}; expected true or false",
+                dips_by_itself=self.dips_by_itself,
+            )
         _check_words("recent", self.recent)
         for name in ("begun_on", "glyphs"):
             if not isinstance(getattr(self, name), str):
-                raise InputError(f"{name} is {getattr(self, name)!r:.40}; expected a name")
+                raise InputError(
+                    "{name} is {value}; expected a name",
+                    name=name,
+                    value=f"{getattr(self, name)!r:.40}",
+                )
         _check_inks(self.inks)
         _check_words("brush", (self.brush,))
         _check_words("material", (self.material,))
         for name in ("mouse", "feel", "window", "exports", "pigment_tables"):
             if not isinstance(getattr(self, name), Mapping):
-                raise InputError(f"{name} is {getattr(self, name)!r:.40}; expected names, values")
+                raise InputError(
+                    "{name} is {value!r:.40}; expected names, values",
+                    name=name,
+                    value=getattr(self, name),
+                )
         _check_words("pigment_tables", (*self.pigment_tables, *self.pigment_tables.values()))
         PressureCurve(self.pressure_curve)
         object.__setattr__(self, "buttons", checked_actions(self.buttons))
@@ -205,12 +219,12 @@ class Settings:
 
 def _check_words(name: str, words: object) -> None:
     if not isinstance(words, tuple) or not all(isinstance(word, str) and word for word in words):
-        raise InputError(f"{name} is {words!r:.60}; expected names")
+        raise InputError("{name} is {words!r:.60}; expected names", name=name, words=words)
 
 
 def _check_inks(inks: object) -> None:
     if not isinstance(inks, tuple):
-        raise InputError(f"inks is {inks!r:.60}; expected names or mixtures")
+        raise InputError("inks is {inks!r:.60}; expected names or mixtures", inks=inks)
     for ink in inks:
         if not isinstance(ink, Mapping):
             _check_words("inks", (ink,))
@@ -224,7 +238,7 @@ def _file(folder: Path | None) -> Path:
     return (config_folder() if folder is None else folder) / "settings.json"
 
 
-def load_settings(folder: Path | None = None) -> tuple[Settings, str | None]:
+def load_settings(folder: Path | None = None) -> tuple[Settings, Message | None]:
     """What was saved; the defaults where nothing was, or where it cannot be used.
 
     A file that cannot be used is set aside, never written over.
@@ -237,7 +251,7 @@ def load_settings(folder: Path | None = None) -> tuple[Settings, str | None]:
     Returns
     -------
     Settings
-    str or None
+    Message or None
         What was wrong with the file and where it lies now, for the user; None if nothing was.
     """
     file = _file(folder)
@@ -250,26 +264,40 @@ def load_settings(folder: Path | None = None) -> tuple[Settings, str | None]:
     except FileNotFoundError:
         return Settings(), None
     except (OSError, ValueError, RecursionError, Paint3DError) as cause:
-        reason = " ".join(str(cause).split())
-        return Settings(), f"{file}: {reason}; {_set_aside(file)}"
+        aside = _set_aside(file)
+        if aside is None:
+            return Settings(), Message(
+                "{file}: {cause}; the defaults are used", file=file, cause=cause
+            )
+        return Settings(), Message(
+            "{file}: {cause}; it was kept as {aside} and the defaults are used",
+            file=file,
+            cause=cause,
+            aside=aside,
+        )
 
 
-def _set_aside(file: Path) -> str:
+def _set_aside(file: Path) -> str | None:
+    """Give a file another name; None where that cannot be."""
     aside = file.with_name(f"settings.bad-{time.time_ns()}.json")
     try:
         os.replace(file, aside)
     except OSError:
-        return "the defaults are used"
-    return f"it was kept as {aside.name} and the defaults are used"
+        return None
+    return aside.name
 
 
 def _parse(text: str) -> Settings:
     found = json.loads(text, parse_constant=lambda name: math.nan)
     if not isinstance(found, dict):
-        raise InputError(f"it holds a {type(found).__name__}; expected settings by name")
+        raise InputError("it holds a {kind}; expected settings by name", kind=type(found).__name__)
     version = found.pop("version", None)
     if isinstance(version, bool) or version not in (1, VERSION):
-        raise InputError(f"its version is {version!r}; expected {VERSION}")
+        raise InputError(
+            "its version is {version!r}; expected {expected}",
+            version=version,
+            expected=VERSION,
+        )
     if version == 1:
         found.pop("wet", None)  # was written by itself, and never chosen
     known = {own.name for own in dataclasses.fields(Settings)}
@@ -284,7 +312,7 @@ def _parse(text: str) -> Settings:
     try:
         return Settings(**values)
     except (TypeError, AttributeError) as cause:
-        raise InputError(f"a setting is of the wrong kind: {cause}") from None
+        raise InputError("a setting is of the wrong kind: {cause}", cause=cause) from None
 
 
 def save_settings(settings: Settings, folder: Path | None = None) -> None:
@@ -299,7 +327,9 @@ def save_settings(settings: Settings, folder: Path | None = None) -> None:
     try:
         make_private_folder(file.parent)
     except OSError as cause:
-        raise ExportError(f"{file.parent}: cannot be made: {cause.strerror or cause}") from None
+        raise ExportError(
+            "{parent}: cannot be made: {cause}", parent=file.parent, cause=cause
+        ) from None
     values = {"version": VERSION, **dataclasses.asdict(settings)}
     with write_atomically(file) as part:
         make_private(part)  # it says which files were opened
@@ -339,6 +369,8 @@ def keep_calibration(key: str, calibration: DeviceCalibration) -> Path:
     try:
         file.parent.mkdir(parents=True, exist_ok=True)
     except OSError as cause:
-        raise DeviceError(f"{file.parent}: cannot be made: {cause.strerror or cause}") from None
+        raise DeviceError(
+            "{parent}: cannot be made: {cause}", parent=file.parent, cause=cause
+        ) from None
     save_calibration(calibration, file)
     return file

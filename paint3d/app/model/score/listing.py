@@ -11,7 +11,7 @@ import numpy as np
 from paint3d.app.model.brush_in_hand import BRUSH_COMMANDS, brush_after
 from paint3d.app.model.persistence.saved_settings import DEFAULT_BRUSH, DEFAULT_INKS
 from paint3d.app.model.score.words import brush_in
-from paint3d.errors import Paint3DError, RecordingError
+from paint3d.errors import Message, Paint3DError, RecordingError
 from paint3d.pose.brush_pose import brush_poses
 from paint3d.recording.recording import Recording
 from paint3d.recording.score import Score
@@ -56,7 +56,11 @@ def listed_strokes(score: Score) -> list[ListedStroke]:
     try:
         brush = brush_in(score.header, DEFAULT_BRUSH)
     except Paint3DError as cause:
-        raise RecordingError(f"{score.name or 'the score'}: its header: {cause}") from None
+        raise RecordingError(
+            "{score}: its header: {cause}",
+            score=score.name or Message("the score"),
+            cause=cause,
+        ) from None
     ink = score.header.get("ink", DEFAULT_INKS[0])
     begun = {stroke.begin: stroke for stroke in follow_steps(score).strokes}
     listed = []

@@ -13,7 +13,7 @@ from paint3d.app.model.score.words import Inks, brush_in, brush_named, header_of
 from paint3d.app.model.stroke_log import Stroke, recording_of
 from paint3d.brush.spec import DipAmount
 from paint3d.colour.materials import Material
-from paint3d.errors import Paint3DError, RecordingError
+from paint3d.errors import Message, Paint3DError, RecordingError
 from paint3d.files.load import is_built_in, load_mesh
 from paint3d.mesh.likeness import Original, digest_of
 from paint3d.mesh.triangle_mesh import TriangleMesh
@@ -62,7 +62,11 @@ def begun(
         ink = Inks(dict(header.get("pigments", {}))).mixture(header.get("ink", DEFAULT_INKS[0]))
         made_of = material_in(header) if material is None else material
     except Paint3DError as cause:
-        raise RecordingError(f"{score.name or 'the recording'}: its header: {cause}") from None
+        raise RecordingError(
+            "{score}: its header: {cause}",
+            score=score.name or Message("the recording"),
+            cause=cause,
+        ) from None
     if resolution is None:
         resolution = header.get("resolution_mm", _RESOLUTION_MM)
     surface = PaintedSurface(mesh, resolution, made_of, _original(header, mesh, painted_on))

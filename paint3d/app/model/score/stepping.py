@@ -11,7 +11,7 @@ import numpy as np
 from paint3d.app.model.commands import COMMANDS, arguments_of
 from paint3d.app.model.score.words import Inks, Vocabulary
 from paint3d.device.sample import DeviceSample
-from paint3d.errors import Paint3DError, RecordingError
+from paint3d.errors import Message, Paint3DError, RecordingError
 from paint3d.recording.recording import HandTime, Recording
 from paint3d.recording.score import Score
 from paint3d.surface.painted_surface import PaintedSurface
@@ -83,7 +83,12 @@ def _steps_of(score: Score, surface: PaintedSurface, first: int) -> Iterator[Ste
         except Paint3DError as cause:
             if event.get("refused"):  # as it was then
                 continue
-            raise RecordingError(f"{score.where(k)}: {event['do']}: {cause}") from None
+            raise RecordingError(
+                "{where}: {do}: {cause}",
+                where=score.where(k),
+                do=event["do"],
+                cause=cause,
+            ) from None
         if event["do"] == "begin_stroke" and not event.get("refused"):
             asked.setdefault("time_s", 0.0)
         times = event.get("times", 1)
@@ -124,8 +129,13 @@ def play(document: Any, score: Score, first: int = 0) -> Iterator[Step]:
                 getattr(document, step.command)(**step.options)
         except Paint3DError as cause:
             if not step.may_fail:
-                what = step.command or "a sample"
-                raise RecordingError(f"{score.where(step.event)}: {what}: {cause}") from None
+                what = step.command or Message("a sample")
+                raise RecordingError(
+                    "{where}: {what}: {cause}",
+                    where=score.where(step.event),
+                    what=what,
+                    cause=cause,
+                ) from None
         yield step
 
 
@@ -216,7 +226,12 @@ def cues_of(score: Score, surface: PaintedSurface) -> Iterator[Cue]:
         except Paint3DError as cause:
             if event.get("refused"):  # as it was then
                 continue
-            raise RecordingError(f"{score.where(k)}: {event['do']}: {cause}") from None
+            raise RecordingError(
+                "{where}: {do}: {cause}",
+                where=score.where(k),
+                do=event["do"],
+                cause=cause,
+            ) from None
         if event["do"] == "begin_stroke":
             asked.setdefault("time_s", 0.0)
         for _ in range(event.get("times", 1)):

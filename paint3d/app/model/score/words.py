@@ -103,7 +103,10 @@ class Inks:
                 return name
             if known.is_like(pigment):
                 return name
-        raise RecordingError(f"there are two inks named {pigment.name!r}; expected one")
+        raise RecordingError(
+            "there are two inks named {pigment!r}; expected one",
+            pigment=pigment.name,
+        )
 
     def _known(self, name: str) -> Pigment | None:
         try:
@@ -213,7 +216,7 @@ def material_in(header: Mapping[str, Any]) -> Material:
     try:
         return Material(**said)
     except TypeError as cause:
-        raise PigmentError(f"this describes no material: {cause}") from None
+        raise PigmentError("this describes no material: {cause}", cause=cause) from None
 
 
 # ---- Codecs --------------------------------------------------------------------------------------
@@ -267,7 +270,7 @@ def _plain(value: Any) -> Any:
         return [_plain(item) for item in value]
     if isinstance(value, str | int | float | bool) or value is None:
         return value
-    raise RecordingError(f"{type(value).__name__} is nothing that a recording can say")
+    raise RecordingError("{kind} is nothing that a recording can say", kind=type(value).__name__)
 
 
 def _say_plainly(asked: Mapping[str, Any], _: Vocabulary) -> Words:
@@ -388,7 +391,7 @@ def _say_mask(asked: Mapping[str, Any], vocabulary: Vocabulary) -> Words:
 def _middle_of(surface: PaintedSurface, face: int) -> list[float]:
     mesh = surface.paint_mesh
     if not 0 <= face < len(mesh.base_faces):
-        raise RecordingError(f"face {face} is none of the object's")
+        raise RecordingError("face {face} is none of the object's", face=face)
     corners = mesh.vertices[mesh.base_faces[face]].astype(np.float64)
     middle: list[float] = corners.mean(axis=0).tolist()
     return middle

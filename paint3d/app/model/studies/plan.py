@@ -88,7 +88,10 @@ class StudyPlan:
 
     def __post_init__(self) -> None:
         if len(self.character) != 1 or self.character.isspace():
-            raise InputError(f"character is {self.character!r:.20}; expected a single one")
+            raise InputError(
+                "character is {character!r:.20}; expected a single one",
+                character=self.character,
+            )
         as_number(self.em_mm, "size (mm)", 2.0, 1000.0)
         as_number(self.trials, "trials", 1, _MOST_TRIALS)
         for kind, names, least in (
@@ -113,10 +116,20 @@ class StudyPlan:
 
 def _check_names(kind: str, names: Sequence[str], least: int) -> None:
     if not least <= len(names) <= _MOST_PARTICIPANTS or len(set(names)) < len(names):
-        raise InputError(f"{len(names)} {kind}s: {', '.join(names):.80}; expected {least} or more")
+        raise InputError(
+            "{n} {kind}s: {names:.80}; expected {least} or more",
+            n=len(names),
+            kind=kind,
+            names=", ".join(names),
+            least=least,
+        )
     for name in names:
         if not name or not all(c.isalnum() or c in "_." for c in name) or name.startswith("."):
-            raise InputError(f"{kind} {name!r:.40}; expected letters, digits, _ and .")
+            raise InputError(
+                "{kind} {name!r:.40}; expected letters, digits, _ and .",
+                kind=kind,
+                name=name,
+            )
 
 
 def make_plan(
@@ -175,7 +188,10 @@ def save_plan(plan: StudyPlan, folder: Path) -> Path:
     """
     file = folder / PLAN_NAME
     if file.exists():
-        raise InputError(f"{file}: there is a study in this folder; expected another folder")
+        raise InputError(
+            "{file}: there is a study in this folder; expected another folder",
+            file=file,
+        )
     folder.mkdir(parents=True, exist_ok=True)
     values = {"format": "paint3d-study", "version": VERSION, **asdict(plan)}
     with write_atomically(file) as part:
@@ -195,16 +211,18 @@ def load_plan(folder: Path) -> StudyPlan:
     try:
         values = json.loads(file.read_text("utf-8"))
         if values.pop("format") != "paint3d-study" or values.pop("version") != VERSION:
-            raise InputError(f"it is no study of version {VERSION}")
+            raise InputError("it is no study of version {expected}", expected=VERSION)
         for name in ("devices", "participants"):
             values[name] = tuple(values[name])
         values["order"] = tuple(tuple(row) for row in values["order"])
         return StudyPlan(**values)
     except OSError as cause:
         reason = cause.strerror or cause
-        raise InputError(f"{file}: {reason}; expected the plan of a study") from None
+        raise InputError(
+            "{file}: {reason}; expected the plan of a study", file=file, reason=reason
+        ) from None
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as cause:
-        raise InputError(f"{file}: it cannot be used: {' '.join(str(cause).split())}") from None
+        raise InputError("{file}: it cannot be used: {cause}", file=file, cause=cause) from None
 
 
 @dataclass(frozen=True)
@@ -249,15 +267,15 @@ def load_answers(folder: Path, plan: StudyPlan) -> dict[str, Answer]:
     try:
         values = json.loads(file.read_text("utf-8"))
         if values["format"] != "paint3d-study-answers" or values["version"] != VERSION:
-            raise InputError(f"it holds no answers of version {VERSION}")
+            raise InputError("it holds no answers of version {expected}", expected=VERSION)
         answers = {str(name): Answer(**own) for name, own in values["answers"].items()}
         for name, answer in answers.items():
             _check_answer(plan, name, answer)
         return answers
     except OSError as cause:
-        raise InputError(f"{file}: {cause.strerror or cause}") from None
+        raise InputError("{file}: {cause}", file=file, cause=cause) from None
     except (InputError, ValueError, KeyError, TypeError, AttributeError, RecursionError) as cause:
-        raise InputError(f"{file}: it cannot be used: {' '.join(str(cause).split())}") from None
+        raise InputError("{file}: it cannot be used: {cause}", file=file, cause=cause) from None
 
 
 def _check_answer(plan: StudyPlan, participant: str, answer: Answer) -> None:
@@ -266,4 +284,4 @@ def _check_answer(plan: StudyPlan, participant: str, answer: Answer) -> None:
     if answer.prefers not in (*plan.devices, NEITHER):
         raise UnknownNameError("device set", answer.prefers, (*plan.devices, NEITHER))
     if not isinstance(answer.comment, str):
-        raise InputError(f"comment is {answer.comment!r:.40}; expected words")
+        raise InputError("comment is {comment!r:.40}; expected words", comment=answer.comment)

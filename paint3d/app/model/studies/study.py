@@ -311,7 +311,7 @@ def measure(
         recordings = [load_recording(file)]
     spans = sorted(span for recording in recordings for span in _touches(recording))
     if not spans:
-        raise InputError(f"{file}: no stroke was painted; expected the character")
+        raise InputError("{file}: no stroke was painted; expected the character", file=file)
     start, end = spans[0][0], max(last for _, last in spans)
     found = None
     if judge is not None:

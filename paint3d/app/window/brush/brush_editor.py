@@ -14,7 +14,7 @@ from paint3d.app.model.brush_in_hand import resized, size_limits
 from paint3d.app.window.brush.brush_panel import pixmap_of, plain_name
 from paint3d.app.window.previews import sorted_parts
 from paint3d.app.window.theme import Theme
-from paint3d.app.window.wording import say, say_error
+from paint3d.app.window.wording import say, say_error, say_hair
 from paint3d.brush.presets import (
     brush_names,
     check_brush_name,
@@ -34,7 +34,7 @@ from paint3d.brush.spec import (
 )
 from paint3d.brush_engine.tuft import MOST_POINTS
 from paint3d.core.arrays import AnyArray
-from paint3d.errors import BrushError, Paint3DError
+from paint3d.errors import BrushError, Message, Paint3DError
 from paint3d.painter.painter import Ink
 from paint3d.view.brush_shape import draw_footprints, draw_stroke
 
@@ -509,35 +509,56 @@ _SHARPER = 2  # times as many are drawn
 _EVEN, _RATIO, _WHOLE, _COUNT = range(4)  # how a slider goes
 
 TUFT = (
-    ("length_mm", "Length L", "mm", _RATIO), ("root_diameter_mm", "Root", "mm", _EVEN),
-    ("taper", "Taper", "", _EVEN), ("point_mm", "Point", "mm", _EVEN),
-    ("n_segments", "Segments n", "", _WHOLE), ("tip_segment_mm", "Tip segment l1", "mm", _EVEN),
-    ("stiffness_exponent", "Stiffness exponent q", "", _EVEN),
-)  # fmt: skip
+    ("length_mm", Message("Length L"), "mm", _RATIO),
+    ("root_diameter_mm", Message("Root"), "mm", _EVEN),
+    ("taper", Message("Taper"), "", _EVEN),
+    ("point_mm", Message("Point"), "mm", _EVEN),
+    ("n_segments", Message("Segments n"), "", _WHOLE),
+    ("tip_segment_mm", Message("Tip segment l1"), "mm", _EVEN),
+    ("stiffness_exponent", Message("Stiffness exponent q"), "", _EVEN),
+)
 FORCE = (
-    ("hardness", "Hardness H", "", _EVEN), ("full_press_mm", "Full press", "mm", _EVEN),
-    ("max_force", "Greatest force", "N", _RATIO), ("friction", "Friction μ", "", _EVEN),
-    ("spread_by_pressure", "Spread by pressure b", "", _EVEN),
-    ("spread_by_friction", "Spread by friction c", "", _EVEN),
-    ("drag_fraction", "Drag", "", _EVEN), ("plasticity", "Bend that stays", "", _EVEN),
-    ("load", "Ink in a full tuft", "mm²", _RATIO),
-    ("transfer_per_mm", "Ink given per mm", "", _RATIO),
-)  # fmt: skip
+    ("hardness", Message("Hardness H"), "", _EVEN),
+    ("full_press_mm", Message("Full press"), "mm", _EVEN),
+    ("max_force", Message("Greatest force"), "N", _RATIO),
+    ("friction", Message("Friction μ"), "", _EVEN),
+    ("spread_by_pressure", Message("Spread by pressure b"), "", _EVEN),
+    ("spread_by_friction", Message("Spread by friction c"), "", _EVEN),
+    ("drag_fraction", Message("Drag"), "", _EVEN),
+    ("plasticity", Message("Bend that stays"), "", _EVEN),
+    ("load", Message("Ink in a full tuft"), "mm²", _RATIO),
+    ("transfer_per_mm", Message("Ink given per mm"), "", _RATIO),
+)
 OF_HAIRS = (
-    ("n_hairs", "Number of hairs", "", _COUNT), ("hair_mm", "Thickness of a hair", "mm", _RATIO),
-    ("threshold_mm", "Leaves ink within", "mm", _EVEN), ("film", "Film of ink", "", _EVEN),
-    ("unevenness", "Uneven lengths", "", _EVEN), ("parting", "Parting", "", _EVEN),
-    ("splay", "Splay", "", _EVEN), ("appetite", "Uneven giving", "", _EVEN),
-    ("levelling_mm", "Levelling", "mm", _RATIO), ("set_share", "Pressed out over", "", _EVEN),
-)  # fmt: skip
+    ("n_hairs", Message("Number of hairs"), "", _COUNT),
+    ("hair_mm", Message("Thickness of a hair"), "mm", _RATIO),
+    ("threshold_mm", Message("Leaves ink within"), "mm", _EVEN),
+    ("film", Message("Film of ink"), "", _EVEN),
+    ("unevenness", Message("Uneven lengths"), "", _EVEN),
+    ("parting", Message("Parting"), "", _EVEN),
+    ("splay", Message("Splay"), "", _EVEN),
+    ("appetite", Message("Uneven giving"), "", _EVEN),
+    ("levelling_mm", Message("Levelling"), "mm", _RATIO),
+    ("set_share", Message("Pressed out over"), "", _EVEN),
+)
 _SETTINGS = {
-    "stiffness": "Stiffness", "spread": "Spread", "load": "Ink given", "wetness": "Wetness"
-}  # fmt: skip
+    "stiffness": Message("Stiffness"),
+    "spread": Message("Spread"),
+    "load": Message("Ink given"),
+    "wetness": Message("Wetness"),
+}
 _INPUTS = {
-    "pressure": "pressure", "tilt": "tilt", "speed": "speed", "ink_left": "ink left",
-    "curvature": "curvature",
-}  # fmt: skip
-_TABLES = {"energy": "Bent by least energy", "measured": "Bent as FastBrush measured"}
+    "pressure": Message("pressure"),
+    "tilt": Message("tilt"),
+    "speed": Message("speed"),
+    "ink_left": Message("ink left"),
+    "curvature": Message("curvature"),
+}
+_TABLES = {
+    "energy": Message("Bent by least energy"),
+    "measured": Message("Bent as FastBrush measured"),
+}
+_OWN_TABLE = Message("Bent as measured, own table")
 _UNITS = {"tilt": "°", "speed": "mm/s", "curvature": "1/mm"}
 
 Rows = tuple[tuple[str, str, str, int], ...]
@@ -610,7 +631,7 @@ class BrushEditor(QtWidgets.QDialog):
     def _tuft_page(self) -> QtWidgets.QWidget:
         self.hair = QtWidgets.QComboBox()
         for name in HAIRS:
-            self.hair.addItem(say(f"brush.hair_{name}"), name)
+            self.hair.addItem(say_hair(name), name)
         self.hair.activated.connect(lambda _: self._change("hair", self.hair.currentData()))
         return self._page(TUFT, self.hair)
 
@@ -671,8 +692,8 @@ class BrushEditor(QtWidgets.QDialog):
         self.name_box.setMaxLength(60)
         self.name_box.textChanged.connect(lambda _: self.told.clear())
         row.addWidget(self.name_box, 1)
-        self.take, self.keep = self._button("Paint with it"), self._button("Save as mine")
-        self.again, self.leave = self._button("Begin anew"), self._button("Close")
+        self.take, self.keep = self._button(say("Paint with it")), self._button(say("Save as mine"))
+        self.again, self.leave = self._button(say("Begin anew")), self._button(say("Close"))
         for button in (self.again, self.keep, self.take, self.leave):
             row.addWidget(button)
         self.take.clicked.connect(lambda: self._give(self.taken))
@@ -685,7 +706,7 @@ class BrushEditor(QtWidgets.QDialog):
         return column
 
     def _button(self, text: str) -> QtWidgets.QPushButton:
-        button = QtWidgets.QPushButton(say(text))
+        button = QtWidgets.QPushButton(text)
         button.setAutoDefault(False)
         return button
 
@@ -763,7 +784,7 @@ class BrushEditor(QtWidgets.QDialog):
         tables = [*TABLES, *(t for t in dict.fromkeys(own) if not isinstance(t, str))]
         self.table.clear()
         for table in tables:
-            text = _TABLES[table] if isinstance(table, str) else "Bent as measured, own table"
+            text = _TABLES[table] if isinstance(table, str) else _OWN_TABLE
             self.table.addItem(say(text), table)
         hairs = self.brush.bristles or self._hairs
         self.table.setCurrentIndex(tables.index(hairs.table))

@@ -93,7 +93,7 @@ class BrushMaking:
             self._workspace.window,
             say("Open a brush…").rstrip("…"),
             str(folder) if folder.is_dir() else "",
-            f"{say('Brushes')} (*.toml *.json);;{say('All files')} (*)",
+            f"{say('Brush files')} (*.toml *.json);;{say('All files')} (*)",
         )
         if path:
             self.open_file(path)

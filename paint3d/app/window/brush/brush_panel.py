@@ -14,7 +14,7 @@ from paint3d.app.model.brush_in_hand import resized, size_limits
 from paint3d.app.window.job import is_waiting
 from paint3d.app.window.previews import stroke_preview
 from paint3d.app.window.theme import Theme
-from paint3d.app.window.wording import say, say_brush, say_length
+from paint3d.app.window.wording import say, say_brush, say_error, say_hair, say_length
 from paint3d.brush.presets import brush_names, load_brush
 from paint3d.brush.spec import BrushSpec
 from paint3d.core.arrays import AnyArray
@@ -115,9 +115,9 @@ class BrushPanel(QtWidgets.QWidget):
     def _make_buttons(self) -> QtWidgets.QHBoxLayout:
         row = QtWidgets.QHBoxLayout()
         for text, name, asked in (
-            ("Edit…", "edit_brush", self.edit), ("Open…", "open_brush", self.open_file)
+            (say("Edit…"), "edit_brush", self.edit), (say("Open…"), "open_brush", self.open_file)
         ):  # fmt: skip
-            button = QtWidgets.QPushButton(say(text))
+            button = QtWidgets.QPushButton(text)
             button.setObjectName(name)
             button.clicked.connect(lambda _=False, asked=asked: asked.emit())
             row.addWidget(button)
@@ -248,9 +248,8 @@ class BrushPanel(QtWidgets.QWidget):
 
     def _failed(self, error: BaseException) -> None:
         """Tell that a preview cannot be shown: a painting goes on without, so only once."""
-        reason = (
-            str(error) if isinstance(error, Paint3DError) else f"{type(error).__name__}: {error}"
-        )
+        known = isinstance(error, Paint3DError)
+        reason = say_error(error) if known else f"{type(error).__name__}: {error}"
         if reason not in self._failures:
             self._failures.add(reason)
             self.failed.emit(reason)
@@ -271,7 +270,7 @@ def _list_item(brush: BrushSpec) -> QtWidgets.QListWidgetItem:
     item.setToolTip(
         say(
             "{hair}, {length:g} mm long, {width:g} mm thick",
-            hair=say(f"brush.hair_{brush.hair}"),
+            hair=say_hair(brush.hair),
             length=brush.length_mm,
             width=brush.root_diameter_mm,
         )

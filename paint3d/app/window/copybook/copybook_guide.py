@@ -266,7 +266,7 @@ class CopybookGuide:
         texts = workspace.painting.texts
         if number is not None and number < len(texts) and texts[number] == laid:
             return True
-        done = workspace.run(say("copybook.place"), lambda _: self._make(laid))
+        done = workspace.run(say("Lay out"), lambda _: self._make(laid))
         if quiet and isinstance(done.exception(), Paint3DError):
             workspace.tell(say_error(done.exception() or ""), state="bad")
             return False
@@ -356,7 +356,7 @@ class CopybookGuide:
         def composed() -> Composer:
             if file.lower().endswith(PHOTOGRAPH_SUFFIXES):
                 sheet, laid.photographed = _photographed(Path(file))
-                laid.note = say_error(sheet.note) if sheet.note else ""
+                laid.note = say("; ").join(map(say, sheet.notes))
                 return sheet.page
             page = opened_page(file)
             if page.photograph is not None:
@@ -406,7 +406,7 @@ class CopybookGuide:
             return True
         message = say("Corrected strokes could not be laid out and are not saved")
         window = self._workspace.window
-        return ask(window, message, destroy="Drop them", warns=True) is Answer.DestructiveRole
+        return ask(window, message, destroy=say("Drop them"), warns=True) is Answer.DestructiveRole
 
     def _lay(self, compose: Callable[[], Composer], laid: _Laid) -> bool:
         """Lay a page, in the place of what is chosen."""
@@ -419,7 +419,7 @@ class CopybookGuide:
                 _ = ghost.outlines, ghost.medians, ghost.frame  # found here, beside the window
             return copybook
 
-        done = workspace.run(say("copybook.place"), make)
+        done = workspace.run(say("Lay out"), make)
         if not workspace.went_well(done):
             return False
         self._loose, self._laid, self._active = done.result(), laid, None
@@ -465,7 +465,9 @@ class CopybookGuide:
             for place, ghost in enumerate(copybook.ghosts):
                 percent = panel.percent(place)
                 if percent is not None and place == self._last(copybook):
-                    message = say("copybook.match", character=ghost.text, percent=percent)
+                    message = say(
+                        "{character}: {percent:.0f} %", character=ghost.text, percent=percent
+                    )
                     self._workspace.tell(message, state="good")
 
     def _last(self, copybook: Copybook) -> int:
@@ -569,11 +571,12 @@ def _photographed_again(page: Page, there: Photograph) -> Photographed:
     from paint3d.calligraphy.photo.copying import seen_again
 
     if not there.file.name.lower().endswith(PHOTOGRAPH_SUFFIXES):
-        raise InputError(f"{there.file}: not named as a picture; expected a photograph")
+        raise InputError("{file}: not named as a picture; expected a photograph", file=there.file)
     pixels, scale = load_photograph(there.file)  # which says what is no file
     if there.digest not in ("", digest_of(there.file)):
         raise InputError(
-            f"{there.file}: another picture than the strokes were found in; expected that one there"
+            "{file}: another picture than the strokes were found in; expected that one there",
+            file=there.file,
         )
     sheet = seen_again(page, pixels, scale)
     return Photographed(pixels, sheet, _finds(there.file, pixels, scale, invert=there.invert))

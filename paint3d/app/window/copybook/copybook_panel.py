@@ -14,15 +14,20 @@ from paint3d.app.window.font_box import FontBox
 from paint3d.app.window.theme import Theme
 from paint3d.app.window.wording import say
 from paint3d.calligraphy.page.opening import PAGE_FILES
+from paint3d.errors import Message
 from paint3d.files.photographs import PHOTOGRAPH_SUFFIXES
 
 __all__ = ["CopybookPanel"]
 
 _EXAMPLE = "永和九年"
 _GRID_NAMES = {
-    "frame": "Squares", "mi": "Cross and diagonals (mi)", "jiu": "Nine fields (jiu)",
-    "tian": "Cross (tian)", "columns": "Lines between columns", "none": "No grid",
-}  # fmt: skip
+    "frame": Message("Squares"),
+    "mi": Message("Cross and diagonals (mi)"),
+    "jiu": Message("Nine fields (jiu)"),
+    "tian": Message("Cross (tian)"),
+    "columns": Message("Lines between columns"),
+    "none": Message("No grid"),
+}
 
 
 class _Lines(QtWidgets.QPlainTextEdit):
@@ -114,8 +119,8 @@ class CopybookPanel(QtWidgets.QWidget):
         self.text.finished.connect(self.ask)
         self.em = self._number("em_mm", 2.0, 1000.0, 40.0, " mm")
         self.direction = QtWidgets.QComboBox()
-        self.direction.addItem(say("copybook.columns"), True)
-        self.direction.addItem(say("copybook.row"), False)
+        self.direction.addItem(say("Columns"), True)
+        self.direction.addItem(say("Row"), False)
         self.font_box = FontBox(say("Characters of the copybook"))
         self.grid_box = QtWidgets.QComboBox()
         for kind in GRIDS:
@@ -134,9 +139,11 @@ class CopybookPanel(QtWidgets.QWidget):
         self.gap.setToolTip(say("Room between columns, or rows, in parts of the size"))
         self.between.setToolTip(say("Room between characters, in parts of the size"))
         self.right, self.up = self._mover(), self._mover()
+        self.right.setToolTip(say("To the right (x)"))
+        self.up.setToolTip(say("Upwards (y)"))
         self.right.valueChanged.connect(lambda: self._nudge(self.right))
         self.up.valueChanged.connect(lambda: self._nudge(self.up))
-        layout_text = QtWidgets.QPushButton(say("copybook.place"))
+        layout_text = QtWidgets.QPushButton(say("Lay out"))
         self.add_button = QtWidgets.QPushButton(say("Another"))
         self.add_button.setToolTip(say("Lay it out beside the texts that are there"))
         self.add_button.clicked.connect(lambda: self._ask(True))
@@ -163,9 +170,9 @@ class CopybookPanel(QtWidgets.QWidget):
         self.list.setObjectName("copybook")
         form = QtWidgets.QFormLayout()
         form.addRow(say("Laid out"), self.texts)
-        form.addRow(say("copybook.text"), self.text)
+        form.addRow(say("Text"), self.text)
         form.addRow(say("Font"), self.font_box)
-        form.addRow(say("copybook.size"), _side_by_side(self.em, self.direction))
+        form.addRow(say("Size"), _side_by_side(self.em, self.direction))
         form.addRow(say("Grid"), _side_by_side(self.grid_box, self.across, self.down))
         form.addRow(say("Apart"), _side_by_side(self.gap, self.between))
         form.addRow(say("Turned"), self.turn)
@@ -204,7 +211,6 @@ class CopybookPanel(QtWidgets.QWidget):
         box.setSuffix(" mm")
         box.setKeyboardTracking(False)
         box.setProperty("before", 0.0)
-        box.setToolTip(say("To the right (x)" if not hasattr(self, "right") else "Upwards (y)"))
         return box
 
     def _nudge(self, box: QtWidgets.QDoubleSpinBox) -> None:
@@ -316,7 +322,7 @@ class CopybookPanel(QtWidgets.QWidget):
             text = f"{ghost.text}   {n} / {len(ghost.glyph.strokes)}"
             if percent is not None:
                 mark = "✓" if percent >= _GOOD else "·"
-                message = say("copybook.match", character=ghost.text, percent=percent)
+                message = say("{character}: {percent:.0f} %", character=ghost.text, percent=percent)
                 text = f"{mark}  {message}   {ghost.seconds:.1f} s"
             item = QtWidgets.QListWidgetItem(text)
             if percent is not None and percent >= _GOOD:
@@ -326,9 +332,9 @@ class CopybookPanel(QtWidgets.QWidget):
         if self.copybook is None:
             self.told.setText("")
         elif following is None:
-            self.told.setText(say("copybook.done"))
+            self.told.setText(say("All characters are written"))
         else:
-            self.told.setText(say("copybook.next", character=ghosts[following].text))
+            self.told.setText(say("Next: {character}", character=ghosts[following].text))
             self.list.setCurrentRow(following)
 
     def set_theme(self, theme: Theme) -> None:

@@ -25,7 +25,7 @@ from paint3d.calligraphy.page.correcting import CorrectedPage, Steps
 from paint3d.calligraphy.page.page import Page, bounds_of
 from paint3d.calligraphy.page.strokes_file import save_strokes
 from paint3d.core.arrays import AnyArray
-from paint3d.errors import Paint3DError
+from paint3d.errors import Message, Paint3DError
 
 if TYPE_CHECKING:
     from paint3d.calligraphy.photo.copying import SheetPicture
@@ -830,13 +830,16 @@ class StrokesDialog(QtWidgets.QDialog):
             QtWidgets.QMessageBox.warning(self, "paint3d", say_error(error))
         else:
             self._beside, self._kept = path, self.steps.now
-            self.told.setText(say("status.exported", name=path.name))
+            self.told.setText(say("Exported {name}", name=path.name))
 
     def reject(self) -> None:
         """Close it; corrections that are not in a file are asked for."""
         if self.steps.now is not self._kept:
             message = say("The corrections are not used and not saved")
-            if ask(self, message, destroy="Drop them", warns=True) is not Answer.DestructiveRole:
+            if (
+                ask(self, message, destroy=say("Drop them"), warns=True)
+                is not Answer.DestructiveRole
+            ):
                 return
         super().reject()
 
@@ -872,7 +875,9 @@ class StrokesDialog(QtWidgets.QDialog):
         self.whole.setEnabled(can["reverse"])
         is_out = k is not None and now.strokes[k].is_left_out
         key = _BUTTONS["leave out"][1]
-        self.buttons["leave out"].setText(f"{say('Take in' if is_out else 'Leave out')}  ({key})")
+        self.buttons["leave out"].setText(
+            f"{say('Take in') if is_out else say('Leave out')}  ({key})"
+        )
         self.told.setText(self._words())
         self.view.update()
 
@@ -889,16 +894,31 @@ class StrokesDialog(QtWidgets.QDialog):
 
 
 _BUTTONS = {
-    "reverse": ("Reverse", "R", "Write the stroke the other way", False),
-    "leave out": ("Leave out", "X", "It is no stroke, or is to be written again", False),
-    "earlier": ("Earlier", "PgUp", "Write it before the one before", False),
-    "later": ("Later", "PgDn", "Write it after the next one", False),
-    "join": ("Join", "J", "Make one stroke of this and another", True),
-    "split": ("Split", "S", "Make two strokes of this, at a place", True),
-    "undo": ("Undo", "Ctrl+Z", "Take the last correction back", False),
-    "redo": ("Redo", "Ctrl+Y", "Correct it again", False),
-    "corners": ("Corners of the sheet", "C", "Drag them, and find the strokes anew", True),
-    "save": ("Save the strokes…", "Ctrl+S", "As a file that can be written and corrected", False),
+    "reverse": (Message("Reverse"), "R", Message("Write the stroke the other way"), False),
+    "leave out": (
+        Message("Leave out"),
+        "X",
+        Message("It is no stroke, or is to be written again"),
+        False,
+    ),
+    "earlier": (Message("Earlier"), "PgUp", Message("Write it before the one before"), False),
+    "later": (Message("Later"), "PgDn", Message("Write it after the next one"), False),
+    "join": (Message("Join"), "J", Message("Make one stroke of this and another"), True),
+    "split": (Message("Split"), "S", Message("Make two strokes of this, at a place"), True),
+    "undo": (Message("Undo"), "Ctrl+Z", Message("Take the last correction back"), False),
+    "redo": (Message("Redo"), "Ctrl+Y", Message("Correct it again"), False),
+    "corners": (
+        Message("Corners of the sheet"),
+        "C",
+        Message("Drag them, and find the strokes anew"),
+        True,
+    ),
+    "save": (
+        Message("Save the strokes…"),
+        "Ctrl+S",
+        Message("As a file that can be written and corrected"),
+        False,
+    ),
 }
 """Words, key, what it does, and whether it stays pressed."""
 
@@ -908,11 +928,13 @@ _KEYS = {
 }  # fmt: skip
 
 _HINTS = {
-    "choose": "Click a stroke, or go through them by ← and →. Each begins at its number.",
-    "join": "Click the stroke to join it to, or choose by ← and → and press Return.",
-    "split": "Click where to split it, or move the cut by ← and → and press Return.",
-    "corners": "Drag the corners of the sheet, or move one by the arrows (1 to 4 choose it). "
-    "Return finds the strokes anew, Esc leaves them.",
+    "choose": Message("Click a stroke, or go through them by ← and →. Each begins at its number."),
+    "join": Message("Click the stroke to join it to, or choose by ← and → and press Return."),
+    "split": Message("Click where to split it, or move the cut by ← and → and press Return."),
+    "corners": Message(
+        "Drag the corners of the sheet, or move one by the arrows (1 to 4 choose it). "
+        "Return finds the strokes anew, Esc leaves them."
+    ),
 }
 
 

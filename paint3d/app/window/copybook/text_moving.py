@@ -131,7 +131,7 @@ class TextMover(QtCore.QObject):
         self._canvas.removeEventFilter(self)
         self._canvas.setCursor(QtCore.Qt.CursorShape.CrossCursor)
         self._show(None)
-        self._workspace.tell(say("status.ready"))
+        self._workspace.tell(say("Ready"))
         self.turned_on.emit(False)
 
     # -- keys -------------------------------------------------------------------------------

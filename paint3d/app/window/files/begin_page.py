@@ -9,11 +9,10 @@ from pathlib import Path
 from PySide6 import QtCore, QtWidgets
 
 from paint3d.app.model.persistence.recovery_folder import recoverable
-from paint3d.app.window.files.open_result import named
 from paint3d.app.window.files.opening import Opening
 from paint3d.app.window.files.recovery import Recovery
 from paint3d.app.window.files.saving import RecentFiles
-from paint3d.app.window.wording import say
+from paint3d.app.window.wording import say, say_object
 from paint3d.app.window.workspace import Workspace
 
 __all__ = ["BeginPage"]
@@ -70,12 +69,12 @@ class BeginPage(QtWidgets.QFrame):
             self._add(actions[name].text(), actions[name].trigger)
         left = recoverable()
         if left:
-            name = left[0].path.name if left[0].path else named(left[0].object_name)
+            name = left[0].path.name if left[0].path else say_object(left[0].object_name)
             message = say("Recover unsaved work: {name}", name=name)
             self._add(message, lambda: self._recovery.recover(left[0]))
         recent = self._recent.paths()[:_MOST_RECENT]
         if recent:
-            below = QtWidgets.QLabel(say("menu.recent"))
+            below = QtWidgets.QLabel(say("Open recent"))
             below.setObjectName("faint")
             self._rows.addWidget(below)
         for path in recent:

@@ -12,12 +12,12 @@ from paint3d.app.window.files.target_dialog import Targets
 from paint3d.app.window.forms import FormDialog, SizeBoxes, kept_number
 from paint3d.app.window.job import Progress, result_of
 from paint3d.app.window.playing.pictures import Pictures
-from paint3d.app.window.wording import say
+from paint3d.app.window.wording import say, say_units
 from paint3d.app.window.workspace import Workspace
 from paint3d.colour.viewing import GAMUTS, Viewing
+from paint3d.errors import Message
 from paint3d.files.export import EXPORT_SUFFIXES, FORMATS
 from paint3d.files.export_options import MOST_FILAMENTS, UP_AXES, ExportOptions
-from paint3d.files.load import UNITS_MM
 from paint3d.files.progress import part_of
 from paint3d.files.project.session import SESSION_SUFFIX
 
@@ -65,7 +65,7 @@ class ExportDialog(FormDialog):
         kept: Mapping[str, object],
         screen: tuple[int, int],
     ) -> None:
-        super().__init__(parent, f"{say('action.export').rstrip('…')}  {suffix}")
+        super().__init__(parent, f"{say('Export…').rstrip('…')}  {suffix}")
         self.suffix, self._kept, self._screen = suffix, kept, screen
         self._takes = FORMATS[suffix].takes if suffix in FORMATS else frozenset()
         self.choices: dict[str, QtWidgets.QComboBox] = {}
@@ -78,7 +78,7 @@ class ExportDialog(FormDialog):
             self._add_mesh()
         self._add_gamut()
         self._add_filaments()
-        self.finish("button.save")
+        self.finish(say("Save"))
         self._follow()
 
     # -- rows -------------------------------------------------------------------------------
@@ -87,7 +87,7 @@ class ExportDialog(FormDialog):
         views = {"screen": say("As on the screen")}
         if self.suffix in FORMATS:
             views["studio"] = say("The painted side, in the studio's light")
-        view = self.add_box(say("menu.view"), views, self._kept.get("view"))
+        view = self.add_box(say("View"), views, self._kept.get("view"))
         self.choices["view"] = view
         self.size_boxes = SizeBoxes(self._kept_size(self._screen), self._screen)
         self.form.addRow(say("Size in pixels"), self.size_boxes)
@@ -114,7 +114,7 @@ class ExportDialog(FormDialog):
     def _add_mesh(self) -> None:
         if "unit" in self._takes:
             own = say("As the format has it")
-            units = {None: own} | {unit: say(f"unit.{unit}") for unit in UNITS_MM}
+            units = {None: own} | say_units()
             self.choices["unit"] = self.add_box(say("Unit"), units, self._kept.get("unit"))
             axes = {None: own} | {axis: axis.upper() for axis in UP_AXES}
             self.choices["up_axis"] = self.add_box(say("Up"), axes, self._kept.get("up_axis"))
@@ -237,16 +237,16 @@ class ExportDialog(FormDialog):
 
 # What a file may be, by its ending, and how the dialog says it:
 FORMAT_NAMES = {
-    ".glb": "glTF, for the web and most programs",
-    ".ply": "PLY",
-    ".obj": "Wavefront OBJ",
-    ".3mf": "3MF, for printers",
-    ".usdz": "USDZ, for Apple's devices",
-    ".html": "Page that shows the object",
-    ".png": "Picture, PNG",
-    ".jpg": "Picture, JPEG",
-    ".p3d.txt": "Records of the vertices",
-    SESSION_SUFFIX: "Copy of the painting",
+    ".glb": Message("glTF, for the web and most programs"),
+    ".ply": Message("PLY"),
+    ".obj": Message("Wavefront OBJ"),
+    ".3mf": Message("3MF, for printers"),
+    ".usdz": Message("USDZ, for Apple's devices"),
+    ".html": Message("Page that shows the object"),
+    ".png": Message("Picture, PNG"),
+    ".jpg": Message("Picture, JPEG"),
+    ".p3d.txt": Message("Records of the vertices"),
+    SESSION_SUFFIX: Message("Copy of the painting"),
 }
 _TAKEN = 0.5  # of an export's time, about, until the painting may go on
 
@@ -261,7 +261,7 @@ class Exporting:
         """Ask for a name and a format, then for what can be chosen in that format; write it."""
         workspace = self._workspace
         kept = workspace.settings.exports
-        path = self._targets.ask(say("action.export"), FORMAT_NAMES, str(kept.get("format", "")))
+        path = self._targets.ask(say("Export…"), FORMAT_NAMES, str(kept.get("format", "")))
         if path is None:
             return
         name = path.name.lower()
@@ -297,7 +297,7 @@ class Exporting:
             work = self._in_paint_thread(path)
         if not workspace.went_well(workspace.run(say("Writing {name}…", name=path.name), work)):
             return False
-        message = say("status.exported", name=path.name)
+        message = say("Exported {name}", name=path.name)
         if sum(clipped):
             n = f"{sum(clipped):,}"
             message += " " + say("{n} colours do not fit in and are the nearest that do.", n=n)

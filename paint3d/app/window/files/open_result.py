@@ -13,7 +13,6 @@ from paint3d.app.window.job import Progress
 from paint3d.app.window.wording import say_length, say_material, say_object
 from paint3d.colour.materials import Material
 from paint3d.core.arrays import AnyArray
-from paint3d.files.load import is_built_in
 from paint3d.files.progress import part_of
 from paint3d.mesh.bvh import ClosestPoints
 from paint3d.mesh.triangle_mesh import TriangleMesh
@@ -22,15 +21,9 @@ from paint3d.view.live_object import LiveObject, PatchUpload
 __all__ = [
     "OpenResult",
     "described",
-    "named",
     "open_with_progress",
     "some_points",
 ]
-
-
-def named(name: str) -> str:
-    """An object's name in words: a built-in one's in the language that is spoken."""
-    return say_object(name.split(":")[0]) if is_built_in(name) else name
 
 
 def described(source: TriangleMesh, material: Material) -> str:
@@ -38,7 +31,7 @@ def described(source: TriangleMesh, material: Material) -> str:
     sides = sorted(np.ptp(source.vertices, axis=0), reverse=True)
     message = [say_length(side) for side in sides if side > 0.05 * sides[0]]
     size = " × ".join([*(length.split()[0] for length in message[:-1]), message[-1]])
-    return f"{named(source.name)}, {say_material(material)}, {size}"
+    return f"{say_object(source.name)}, {say_material(material)}, {size}"
 
 
 _MOST_POINTS = 60_000  # to place a camera by; more show no object any better

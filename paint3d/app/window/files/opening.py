@@ -14,13 +14,13 @@ from PySide6 import QtWidgets
 from paint3d.app.model.document import Document
 from paint3d.app.model.input.hand import Hand, PointerInput
 from paint3d.app.model.persistence.saved_settings import chosen_brush, chosen_inks, chosen_material
-from paint3d.app.window.files.open_result import OpenResult, named, open_with_progress
+from paint3d.app.window.files.open_result import OpenResult, open_with_progress
 from paint3d.app.window.files.recovery import open_elsewhere
 from paint3d.app.window.files.saving import RecentFiles, Saving
 from paint3d.app.window.job import Progress
 from paint3d.app.window.object.new_dialog import NewDialog
 from paint3d.app.window.object.standing import Standing
-from paint3d.app.window.wording import say
+from paint3d.app.window.wording import say, say_object
 from paint3d.app.window.workspace import Workspace
 from paint3d.brush_engine.stroke_loop import paint_samples
 from paint3d.core.kernel import is_ahead, is_compiled
@@ -174,7 +174,7 @@ class Opening:
         meshes = " ".join(f"*{suffix}" for suffix in (SESSION_SUFFIX, *MESH_SUFFIXES))
         kinds = f"{say('Objects and paintings')} ({meshes});;{say('All files')} (*)"
         path, _ = QtWidgets.QFileDialog.getOpenFileName(
-            self._workspace.window, say("action.open").rstrip("…"), "", kinds
+            self._workspace.window, say("Open…").rstrip("…"), "", kinds
         )
         if path:
             self.open_path(path, resolution, material, asked=asked)
@@ -214,7 +214,7 @@ class Opening:
         self._workspace.error = None
         if not self._is_ready():
             return False
-        title = say("status.opening", name=named(Path(path).name))
+        title = say("Opening {name}…", name=say_object(Path(path).name))
         if is_session_path(path):
             done: Future[Any] | None = self._open_session(path, title)
         else:
@@ -297,7 +297,9 @@ class Opening:
 
 def say_warming() -> str:
     """What is said while the kernels are got ready."""
-    return say("status.compiling" if is_first_start() else "status.warming")
+    if is_first_start():
+        return say("First start: preparing the brush, about a minute…")
+    return say("Preparing the brush…")
 
 
 def _warm_up(progress: Progress) -> None:

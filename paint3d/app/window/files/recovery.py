@@ -13,10 +13,10 @@ from paint3d.app.model.persistence.recovery_folder import (
     is_open_elsewhere,
     recoverable,
 )
-from paint3d.app.window.files.open_result import named, open_with_progress
+from paint3d.app.window.files.open_result import open_with_progress
 from paint3d.app.window.job import Progress
 from paint3d.app.window.questions import Answer, ask
-from paint3d.app.window.wording import say, say_error
+from paint3d.app.window.wording import say, say_error, say_object
 from paint3d.app.window.workspace import Workspace
 from paint3d.errors import SessionError
 from paint3d.files.progress import part_of
@@ -57,10 +57,14 @@ class Recovery:
         """Whether to go on with it; if not, it is deleted or stays for later."""
         answer = ask(
             self._workspace.window,
-            say("ask.recover", name=_name_of(one), time=_time_of(one)),
-            accept="button.recover",
-            destroy="button.delete",
-            leave="button.later",
+            say(
+                "The studio did not close properly. Recover “{name}” of {time}?",
+                name=_name_of(one),
+                time=_time_of(one),
+            ),
+            accept=say("Recover"),
+            destroy=say("Delete it"),
+            leave=say("Not now"),
         )
         if answer is Answer.DestructiveRole:
             one.discard()
@@ -69,7 +73,7 @@ class Recovery:
     def tell_unsaved(self) -> None:
         """Say where what was put off can be found, if there is any."""
         if recoverable():
-            where = f"{say('menu.file')}, {say('Recover unsaved work')}"
+            where = f"{say('File')}, {say('Recover unsaved work')}"
             message = say("Unsaved paintings stay in the menu: {where}", where=where)
             self._workspace.tell(message)
 
@@ -99,7 +103,7 @@ class Recovery:
             recovered = one.recover(part_of(progress, 0.0, 0.9))
             return recovered, open_with_progress(recovered.document, progress, 0.9)
 
-        done = workspace.run(say("status.opening", name=_name_of(one)), work)
+        done = workspace.run(say("Opening {name}…", name=_name_of(one)), work)
         if not workspace.went_well(done):
             return False
         recovered, opened = done.result()
@@ -129,15 +133,15 @@ def _lost_of(recovered: Recovered) -> list[str]:
     """What did not come back, in words."""
     said = []
     if recovered.n_lost:
-        said.append(say("problem.lost", count=recovered.n_lost))
+        said.append(say("about {count:,} samples of the hand were lost", count=recovered.n_lost))
     if recovered.refused:
-        message = say("problem.refused", count=len(recovered.refused))
+        message = say("{count} steps could not be done again", count=len(recovered.refused))
         said.append(f"{message} ({say_error(recovered.refused[0])})")
     return said
 
 
 def _name_of(one: Unfinished) -> str:
-    return one.path.name if one.path else named(one.object_name)
+    return one.path.name if one.path else say_object(one.object_name)
 
 
 def _time_of(one: Unfinished) -> str:

@@ -7,12 +7,12 @@ from pathlib import Path
 
 from PySide6 import QtCore, QtWidgets
 
-from paint3d.app.window.files.open_result import named
 from paint3d.app.window.files.target_dialog import Targets
 from paint3d.app.window.job import Progress, result_of
 from paint3d.app.window.questions import Answer, ask
-from paint3d.app.window.wording import say
+from paint3d.app.window.wording import say, say_object
 from paint3d.app.window.workspace import Workspace
+from paint3d.errors import Message
 from paint3d.files.project.session import SESSION_SUFFIX
 
 __all__ = ["RecentFiles", "Saving"]
@@ -75,10 +75,10 @@ class Saving:
             paint_thread.is_behind or painting.modified
         ):  # what is still to be done will change it
             return True
-        name = painting.path.name if painting.path else named(painting.source.name)
-        words = say("ask.save_changes", name=name)
+        name = painting.path.name if painting.path else say_object(painting.source.name)
+        words = say("Save the changes to “{name}”?", name=name)
         window = self._workspace.window
-        answer = ask(window, words, accept="button.save", destroy="button.discard")
+        answer = ask(window, words, accept=say("Save"), destroy=say("Do not save"))
         if answer is Answer.AcceptRole:
             return self.do_save()
         return answer is Answer.DestructiveRole
@@ -94,7 +94,7 @@ class Saving:
             )
             found.append(result_of(asked, progress))
 
-        name = painting.path.name if painting.path else named(painting.source.name)
+        name = painting.path.name if painting.path else say_object(painting.source.name)
         if not workspace.went_well(workspace.run(say("Writing {name}…", name=name), work)):
             return False
         ((path, is_written),) = found
@@ -104,12 +104,14 @@ class Saving:
 
     def _save_beside_others(self, path: Path) -> bool:
         """Ask before what somebody else has saved in the same file is replaced."""
-        words = "{name} was saved by another window or program since it was opened here."
         answer = ask(
             self._workspace.window,
-            say(words, name=path.name),
-            accept="action.save_as",
-            destroy="Replace",
+            say(
+                "{name} was saved by another window or program since it was opened here.",
+                name=path.name,
+            ),
+            accept=say("Save as…"),
+            destroy=say("Replace"),
             warns=True,
         )
         if answer is Answer.AcceptRole:
@@ -118,7 +120,7 @@ class Saving:
 
     def do_save_as(self) -> bool:
         """Ask where to save; say whether that went well."""
-        path = self._targets.ask(say("action.save_as"), {SESSION_SUFFIX: "Paintings"})
+        path = self._targets.ask(say("Save as…"), {SESSION_SUFFIX: Message("Paintings")})
         return path is not None and self.save_to(path)
 
     def save_to(self, path: Path) -> bool:
@@ -132,6 +134,6 @@ class Saving:
         if not workspace.went_well(workspace.run(say("Writing {name}…", name=path.name), work)):
             return False
         workspace.saved.emit()
-        workspace.tell(say("status.saved", name=path.name), state="good")
+        workspace.tell(say("Saved {name}", name=path.name), state="good")
         self._recent.add(str(path))
         return True

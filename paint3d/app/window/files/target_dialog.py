@@ -10,9 +10,8 @@ from typing import NamedTuple
 
 from PySide6 import QtWidgets
 
-from paint3d.app.window.files.open_result import named
 from paint3d.app.window.questions import Answer, ask
-from paint3d.app.window.wording import say
+from paint3d.app.window.wording import say, say_object
 from paint3d.app.window.workspace import Workspace
 
 __all__ = ["Kind", "TargetDialog", "Targets", "ask_target"]
@@ -76,10 +75,13 @@ class TargetDialog(QtWidgets.QFileDialog):
         self.selectNameFilter(self._first.filter)
         label = QtWidgets.QFileDialog.DialogLabel
         for place, text in (
-            (label.LookIn, "Folder"), (label.FileName, "File name"), (label.FileType, "Format"),
-            (label.Accept, "button.save"), (label.Reject, "button.cancel"),
-        ):  # fmt: skip
-            self.setLabelText(place, say(text))
+            (label.LookIn, say("Folder")),
+            (label.FileName, say("File name")),
+            (label.FileType, say("Format")),
+            (label.Accept, say("Save")),
+            (label.Reject, say("Cancel")),
+        ):
+            self.setLabelText(place, text)
         folder = start.parent if start.parent.is_dir() else Path.cwd()
         self.setDirectory(os.path.abspath(folder))
         self.selectFile(start.name)
@@ -127,7 +129,9 @@ def _without(name: str, kinds: Sequence[Kind]) -> str:
 def _may_replace(parent: QtWidgets.QWidget, path: Path) -> bool:
     """Ask whether a file is to be replaced; of a link, also where it leads."""
     name = f"{path.name} → {os.path.realpath(path)}" if path.is_symlink() else path.name
-    answer = ask(parent, say("ask.replace", name=name), destroy="Replace", warns=True)
+    answer = ask(
+        parent, say("“{name}” exists. Replace it?", name=name), destroy=say("Replace"), warns=True
+    )
     return answer is Answer.DestructiveRole
 
 
@@ -172,7 +176,7 @@ class Targets:
             The suffix that is chosen at first.
         """
         painting = self._workspace.painting
-        stem = painting.path.stem if painting.path else named(painting.source.name)
+        stem = painting.path.stem if painting.path else say_object(painting.source.name)
         beside = painting.path.parent if painting.path else Path.cwd()
         suffix = preferred if preferred in names else next(iter(names))
         start = (self.folder or beside) / f"{stem}{suffix}"

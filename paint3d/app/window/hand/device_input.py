@@ -23,7 +23,7 @@ from paint3d.core.arrays import AnyArray
 from paint3d.core.quaternion import matrices_from_quaternions, multiply_quaternions, rotate
 from paint3d.device.recorded import MAX_FORCE_N
 from paint3d.device.sample import DIP, DeviceSample, StylusReading
-from paint3d.errors import Paint3DError
+from paint3d.errors import Message, Paint3DError
 from paint3d.haptics.settings import Feel
 from paint3d.haptics.stylus_choice import key_of_node
 from paint3d.pose.calibration import DeviceCalibration
@@ -48,7 +48,7 @@ __all__ = ["Calibrating", "DeviceInput", "carried_camera"]
 # Where a stylus or the pad of a pen stands: corners of a sheet are touched, and the frame kept.
 
 
-_CORNERS = ("near left", "near right", "far right", "far left")
+_CORNERS = (Message("near left"), Message("near right"), Message("far right"), Message("far left"))
 
 
 def _keep_still(_: Touch) -> bool:

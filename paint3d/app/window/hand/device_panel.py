@@ -19,6 +19,7 @@ from paint3d.core.arrays import AnyArray
 from paint3d.device.button_actions import ACTIONS
 from paint3d.device.recorded import MAX_FORCE_N
 from paint3d.device.six_dof import AXES
+from paint3d.errors import Message
 from paint3d.haptics.settings import Feel
 from paint3d.haptics.stylus_choice import STYLI
 from paint3d.pose.mouse_settings import MODES, MouseSettings
@@ -32,32 +33,33 @@ __all__ = ["DevicePanel", "HandsPicture", "MouseForm", "StylusForm"]
 
 
 _STYLUS_NAMES = {
-    "auto": "The first there is",
-    "hid": "HID protocol of paint3d",
-    "openhaptics": "OpenHaptics (Touch, Phantom)",
-    "inverse3": "Haply Inverse3",
-    "none": "None",
+    "auto": Message("The first there is"),
+    "hid": Message("HID protocol of paint3d"),
+    "openhaptics": Message("OpenHaptics (Touch, Phantom)"),
+    "inverse3": Message("Haply Inverse3"),
+    "none": Message("None"),
 }
-_MODE_NAMES = {"object": "the object", "camera": "the viewer"}
+_HANDS = {"left": Message("Left hand"), "right": Message("Right hand")}
+_MODE_NAMES = {"object": Message("the object"), "camera": Message("the viewer")}
 _ACTION_NAMES = {
-    "": "Nothing",
-    "recentre": "Recentre",
-    "dip": "Dip",
-    "undo": "action.undo",
-    "redo": "action.redo",
-    "toggle_turning": "Lock turning",
-    "toggle_moving": "Lock moving",
-    "toggle_dominant_axis": "One axis at a time",
-    "toggle_camera": "Object or viewer",
-    "calibrate_rest": "The cap rests here",
+    "": Message("Nothing"),
+    "recentre": Message("Recentre"),
+    "dip": Message("Dip"),
+    "undo": Message("Undo"),
+    "redo": Message("Redo"),
+    "toggle_turning": Message("Lock turning"),
+    "toggle_moving": Message("Lock moving"),
+    "toggle_dominant_axis": Message("One axis at a time"),
+    "toggle_camera": Message("Object or viewer"),
+    "calibrate_rest": Message("The cap rests here"),
 }
 _MOTIONS = (
-    "Right by",
-    "Away by",
-    "Up by",
-    "Turn about right by",
-    "Turn about away by",
-    "Turn about up by",
+    Message("Right by"),
+    Message("Away by"),
+    Message("Up by"),
+    Message("Turn about right by"),
+    Message("Turn about away by"),
+    Message("Turn about up by"),
 )
 _MOST_BUTTONS = 31
 _BY_BUTTONS = ("moving", "turning", "dominant_axis", "mode")  # what buttons toggle
@@ -70,7 +72,7 @@ class _Form(QtWidgets.QWidget):
         super().__init__()
         self._form = QtWidgets.QFormLayout(self)
         self._form.setContentsMargins(0, 6, 0, 0)
-        head = QtWidgets.QLabel(say(title))
+        head = QtWidgets.QLabel(title)
         head.setObjectName("title")
         self._form.addRow(head)
 
@@ -81,7 +83,7 @@ class _Form(QtWidgets.QWidget):
         )
         for value, text in choices.items():
             box.addItem(say(text), value)
-        self._form.addRow(say(label), box)
+        self._form.addRow(label, box)
         return box
 
     def _number(
@@ -92,7 +94,7 @@ class _Form(QtWidgets.QWidget):
         box.setRange(low, high)
         box.setSuffix(f" {unit}")
         box.setKeyboardTracking(False)
-        self._form.addRow(say(label), box)
+        self._form.addRow(label, box)
         return box
 
 
@@ -117,20 +119,20 @@ class StylusForm(_Form):
     touched = QtCore.Signal()
 
     def __init__(self) -> None:
-        super().__init__("Stylus that pushes back")
-        self.kind = self._box("Reached by", {kind: _STYLUS_NAMES[kind] for kind in STYLI})
+        super().__init__(say("Stylus that pushes back"))
+        self.kind = self._box(say("Reached by"), {kind: _STYLUS_NAMES[kind] for kind in STYLI})
         self.kind.activated.connect(lambda: self.chosen.emit(self.kind.currentData()))
-        self.limit = self._number("Pushes at most", 0.0, 7.9, "N", 1)
+        self.limit = self._number(say("Pushes at most"), 0.0, 7.9, "N", 1)
         self.limit.valueChanged.connect(lambda n: self.felt.emit({"limit_n": n}))
-        self.ahead = self._number("Felt before contact", 0.0, 20.0, "mm")
+        self.ahead = self._number(say("Felt before contact"), 0.0, 20.0, "mm")
         self.ahead.valueChanged.connect(lambda n: self.felt.emit({"anticipation_mm": n}))
-        self.click = self._number("Click at a dip", 0.0, 1.0, "N", 1)
+        self.click = self._number(say("Click at a dip"), 0.0, 1.0, "N", 1)
         self.click.valueChanged.connect(lambda n: self.felt.emit({"click_n": n}))
-        self.texture = self._number("Grain is felt", 0.0, 1.0, "", 1)
+        self.texture = self._number(say("Grain is felt"), 0.0, 1.0, "", 1)
         self.texture.setSingleStep(0.1)
         self.texture.valueChanged.connect(lambda n: self.felt.emit({"texture": n}))
-        self.width_box = self._number("Sheet to touch, wide", 20.0, 2000.0, "mm")
-        self.depth_box = self._number("and deep", 20.0, 2000.0, "mm")
+        self.width_box = self._number(say("Sheet to touch, wide"), 20.0, 2000.0, "mm")
+        self.depth_box = self._number(say("and deep"), 20.0, 2000.0, "mm")
         for box, value in zip((self.width_box, self.depth_box), SHEET_MM, strict=True):
             box.setValue(value)
         self.calibrate = QtWidgets.QPushButton(say("Calibrate…"))
@@ -167,7 +169,7 @@ class StylusForm(_Form):
         """Say what is to be touched next, or what came of it."""
         self._going_on = going_on
         self.told.setText(message)
-        self.calibrate.setText(say("button.cancel") if going_on else say("Calibrate…"))
+        self.calibrate.setText(say("Cancel") if going_on else say("Calibrate…"))
         self.touches.setEnabled(going_on)
 
     def _ask(self) -> None:
@@ -189,27 +191,29 @@ class MouseForm(_Form):
     pressed = QtCore.Signal(int, str)
 
     def __init__(self) -> None:
-        super().__init__("6-DOF mouse")
+        super().__init__(say("6-DOF mouse"))
         self._actions: Mapping[int, str] = {}
         self._mouse = MouseSettings()
-        self.mode = self._choice("The cap is", "mode", {mode: _MODE_NAMES[mode] for mode in MODES})
-        self.speed = self._scaled("Moves", "speed_mm_s", (0.0, 5000.0), "mm/s")
-        self.turn = self._scaled("Turns", "turn_deg_s", (0.0, 2800.0), "°/s")
-        self.dead_zone = self._scaled("Dead zone", "dead_zone", (0.0, 90.0), "%", 0.01)
-        self.curve = self._scaled("Finer near rest", "curve", (1.0, 4.0), "", digits=1)
-        self.moving = self._check("It moves", "moving")
-        self.turning = self._check("It turns", "turning")
-        self.dominant = self._check("One axis at a time", "dominant_axis")
-        zooms = {"y": "the cap is pushed", "z": "the cap is lifted"}
-        self.zoom = self._choice("Comes near when", "zoom_axis", zooms)
+        self.mode = self._choice(
+            say("The cap is"), "mode", {mode: _MODE_NAMES[mode] for mode in MODES}
+        )
+        self.speed = self._scaled(say("Moves"), "speed_mm_s", (0.0, 5000.0), "mm/s")
+        self.turn = self._scaled(say("Turns"), "turn_deg_s", (0.0, 2800.0), "°/s")
+        self.dead_zone = self._scaled(say("Dead zone"), "dead_zone", (0.0, 90.0), "%", 0.01)
+        self.curve = self._scaled(say("Finer near rest"), "curve", (1.0, 4.0), "", digits=1)
+        self.moving = self._check(say("It moves"), "moving")
+        self.turning = self._check(say("It turns"), "turning")
+        self.dominant = self._check(say("One axis at a time"), "dominant_axis")
+        zooms = {"y": Message("the cap is pushed"), "z": Message("the cap is lifted")}
+        self.zoom = self._choice(say("Comes near when"), "zoom_axis", zooms)
         signed = {sign + axis: sign + axis for axis in AXES for sign in ("", "-")}
-        self.axes = [self._box(motion, signed) for motion in _MOTIONS]
+        self.axes = [self._box(say(motion), signed) for motion in _MOTIONS]
         for k, box in enumerate(self.axes):
             box.activated.connect(self._swapper(k))
         self.button = QtWidgets.QSpinBox()
         self.button.setRange(1, _MOST_BUTTONS)
         self._form.addRow(say("Button"), self.button)
-        self.action = self._box("does", {a: _ACTION_NAMES[a] for a in ("", *ACTIONS)})
+        self.action = self._box(say("does"), {a: _ACTION_NAMES[a] for a in ("", *ACTIONS)})
         self.button.valueChanged.connect(lambda: self._show_action())
         self.action.activated.connect(
             lambda: self.pressed.emit(self.button.value() - 1, self.action.currentData())
@@ -234,7 +238,7 @@ class MouseForm(_Form):
         return box
 
     def _check(self, label: str, name: str) -> QtWidgets.QCheckBox:
-        check = QtWidgets.QCheckBox(say(label))
+        check = QtWidgets.QCheckBox(label)
         check.toggled.connect(lambda on: self._change(name, on))
         self._form.addRow(check)
         return check
@@ -419,7 +423,7 @@ class DevicePanel(QtWidgets.QWidget):
         views = [] if desk is None else desk.views()
         lines = [] if desk is None else _lines_of(desk, views)
         if not views:
-            lines.append(f"{STATES['off']} {say('device.none')}")
+            lines.append(f"{STATES['off']} {say('Nothing is plugged in: mouse and keys paint')}")
         state, message = keeping_up(frame)
         lines.append(f"{STATES[state]} {say('Painting')}: {message}")
         self.lines.setText("\n\n".join(lines))
@@ -439,9 +443,9 @@ def _lines_of(desk: DeviceHub, views: Sequence[DeviceView]) -> list[str]:
             continue
         late, rate = desk.lateness_ms(view.hand), desk.rate_hz(view.hand)
         state = STATES["slow" if late > _LATE_MS else "good"]
-        message = f"{say('device.rate', hz=rate)}, {say('device.late', ms=late)}"
-        hand = say(f"device.{view.hand}_hand")
+        message = f"{say('{hz:.0f} Hz', hz=rate)}, {say('{ms:.1f} ms late', ms=late)}"
+        hand = say(_HANDS[view.hand])
         lines.append(f"{state} {view.name}\n     {hand}: {message}")
     if desk.lost():
-        lines.append(f"{STATES['slow']} {say('device.lost', count=desk.lost())}")
+        lines.append(f"{STATES['slow']} {say('{count} lost', count=desk.lost())}")
     return lines

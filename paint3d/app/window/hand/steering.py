@@ -8,6 +8,7 @@ from collections.abc import Callable
 import numpy as np
 from PySide6 import QtCore, QtGui
 
+from paint3d.app.model.commands import COMMANDS
 from paint3d.app.model.input import navigation
 from paint3d.app.model.input.fingers import Meaning
 from paint3d.app.window.hand.canvas import Canvas, Drag
@@ -75,9 +76,9 @@ class Grips:
 
     def tool_tip(self, name: str) -> str:
         """What is said of a grip."""
-        return say("grip.drag", action=say(f"action.{name}")) + {
-            "roll": f"\n{say('grip.tap', action=say('action.upright'))}",
-            "dolly": f"\n{say('grip.tap', action=say('action.frame_all'))}",
+        return say("Drag: {action}", action=say(COMMANDS[name].text)) + {
+            "roll": f"\n{say('Tap: {action}', action=say('Hold upright'))}",
+            "dolly": f"\n{say('Tap: {action}', action=say('Show everything'))}",
         }.get(name, "")
 
     def paint(self, painter: QtGui.QPainter, area: QtCore.QRect) -> None:

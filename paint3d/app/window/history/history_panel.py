@@ -12,22 +12,27 @@ from paint3d.app.window.brush.brush_panel import plain_icon, plain_name
 from paint3d.app.window.ink.ink_panel import ink_label, paint_dish
 from paint3d.app.window.theme import Theme
 from paint3d.app.window.wording import say, say_brush
+from paint3d.errors import Message
 
 __all__ = ["HistoryPanel"]
 
 _ICON = 22
 _SPEEDS = (("¼ x", 0.25), ("½ x", 0.5), ("1 x", 1.0), ("4 x", 4.0), ("16 x", 16.0), ("max", None))
 _EDITS = (
-    ("pick", "Choose one on the object"),
-    ("drag", "Move it on the object"), ("move", "Move it by numbers…"),
-    ("ink", "Paint it in the ink in hand"), ("brush", "Paint it with the brush in hand"),
-    ("time", "Its time…"), ("delete", "Delete it"),
-)  # fmt: skip
+    ("pick", Message("Choose one on the object")),
+    ("drag", Message("Move it on the object")),
+    ("move", Message("Move it by numbers…")),
+    ("ink", Message("Paint it in the ink in hand")),
+    ("brush", Message("Paint it with the brush in hand")),
+    ("time", Message("Its time…")),
+    ("delete", Message("Delete it")),
+)
 """What can be done with a stroke, and how the menu says it."""
 _SEAL_EDITS = (
-    ("drag", "Move it on the object"), ("ink", "Press it in the ink in hand"),
-    ("delete", "Delete it"),
-)  # fmt: skip
+    ("drag", Message("Move it on the object")),
+    ("ink", Message("Press it in the ink in hand")),
+    ("delete", Message("Delete it")),
+)
 _MOST_SEAL_ROWS = 3
 _LEAST_MS = 40  # a stroke is shown at least so long
 
@@ -105,8 +110,8 @@ class HistoryPanel(QtWidgets.QWidget):
         for text, speed in _SPEEDS:
             self.pace.addItem(text, speed)
         self.pace.setCurrentIndex(2)
-        self.pace.setToolTip(say("history.speed"))
-        self.play = QtWidgets.QPushButton(say("action.replay"))
+        self.pace.setToolTip(say("Speed"))
+        self.play = QtWidgets.QPushButton(say("Replay"))
         self.edit = QtWidgets.QPushButton(say("Edit"))
         self.edit.setToolTip(say("Edit the stroke that is chosen; also by the right button"))
         self.edit.setMenu(self._menu_for(self.edit, self._row_to_edit))
@@ -337,7 +342,7 @@ class HistoryPanel(QtWidgets.QWidget):
         """Stay at the stroke that is shown."""
         self._is_playing = False
         self._player.stop()
-        self.play.setText(say("action.replay"))
+        self.play.setText(say("Replay"))
 
     def give_way(self) -> None:
         """Stop for a stroke by hand, which the next that is shown would break off."""

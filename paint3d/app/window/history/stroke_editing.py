@@ -96,7 +96,7 @@ class MoveDialog(FormDialog):
         self.right = self.add_number(say("To the right (x)"), -far, far, 0.0, "mm", 2)
         self.up = self.add_number(say("Upwards (y)"), -far, far, 0.0, "mm", 2)
         self.turn = self.add_number(say("Turn to the left"), -360.0, 360.0, 0.0, "°", 1)
-        self.finish("Move")
+        self.finish(say("Move"))
 
     @property
     def edit(self) -> dict[str, Any]:
@@ -124,7 +124,7 @@ class TimeDialog(FormDialog):
         self.seconds = self.add_number(say("It takes"), least, longest, seconds, "s", 2)
         late = _LATEST_S
         self.shift = self.add_number(say("It begins later by"), -late, late, 0.0, "s", 2)
-        self.finish("Change")
+        self.finish(say("Change"))
 
     @property
     def edit(self) -> dict[str, Any]:

@@ -247,7 +247,7 @@ class StrokeDrag(QtCore.QObject):
         self._canvas.removeEventFilter(self)
         self._canvas.setCursor(QtCore.Qt.CursorShape.CrossCursor)
         self._canvas.update()
-        self._workspace.tell(say("status.ready"))
+        self._workspace.tell(say("Ready"))
 
     # -- what the hand does -----------------------------------------------------------------
 

@@ -111,8 +111,11 @@ class ColourDialog(QtWidgets.QDialog):
             grid.addWidget(patch, 1, column)
         grid.addWidget(self.told, 0, 2, 2, 3)
         grid.setColumnStretch(2, 1)
-        self.mix, self.dip = self._button("Into the mixing dish"), self._button("Dip the brush")
-        leave = self._button("Close")
+        self.mix, self.dip = (
+            self._button(say("Into the mixing dish")),
+            self._button(say("Dip the brush")),
+        )
+        leave = self._button(say("Close"))
         for column, button in enumerate((self.mix, self.dip, leave)):
             grid.addWidget(button, 2, 2 + column)
         self.mix.clicked.connect(lambda: self._give(self.mixed.emit))
@@ -121,7 +124,7 @@ class ColourDialog(QtWidgets.QDialog):
         return grid
 
     def _button(self, text: str) -> QtWidgets.QPushButton:
-        button = QtWidgets.QPushButton(say(text))
+        button = QtWidgets.QPushButton(text)
         button.setAutoDefault(False)
         return button
 
@@ -166,11 +169,11 @@ class ColourDialog(QtWidgets.QDialog):
             f"{ink_label(ink)} {100 * fraction:.3g} %" for ink, fraction in found.parts.items()
         )
         how = (
-            "hardly to be seen" if found.difference < _GOOD
-            else "seen side by side" if found.difference < _FAIR
-            else "no mixture of these inks comes nearer"
+            say("hardly to be seen") if found.difference < _GOOD
+            else say("seen side by side") if found.difference < _FAIR
+            else say("no mixture of these inks comes nearer")
         )  # fmt: skip
-        self.told.setText(f"{parts}\nΔE00 {found.difference:.1f}, {say(how)}")
+        self.told.setText(f"{parts}\nΔE00 {found.difference:.1f}, {how}")
         self._enable(self._next is None)
 
     def _paint(self, label: QtWidgets.QLabel, colour: QtGui.QColor) -> None:

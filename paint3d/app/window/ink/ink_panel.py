@@ -16,6 +16,7 @@ from paint3d.app.window.wording import language, say
 from paint3d.brush.spec import DipAmount
 from paint3d.colour.inks import TONES
 from paint3d.colour.pigments import WATER, Pigment, load_palette, load_pigment
+from paint3d.errors import Message
 from paint3d.painter.painter import Ink
 
 __all__ = ["DishGrid", "InkPanel", "ToneRow", "in_tone", "ink_label", "paint_dish"]
@@ -59,7 +60,7 @@ class ToneRow(QtWidgets.QWidget):
             button = QtWidgets.QToolButton()
             button.setObjectName(f"tone_{name}")
             button.setIconSize(_ICON)
-            called = tone.chinese if language() == "zh" else say(name.capitalize())
+            called = say(_TONES[name])
             message = say("{tone}: {share:.0f} % ink, the rest water", tone=called,
                        share=100.0 * tone.share)  # fmt: skip
             button.setToolTip(message)
@@ -149,6 +150,16 @@ def paint_dish(
     painter.drawEllipse(shine)
 
 
+_TONES = {
+    "burnt": Message("Burnt"),
+    "thick": Message("Thick"),
+    "heavy": Message("Heavy"),
+    "light": Message("Light"),
+    "clear": Message("Clear"),
+}
+"""What the tones are called."""
+
+
 def _percents(low: float, high: float, hint: str) -> QtWidgets.QDoubleSpinBox:
     """A box for a fraction in percent."""
     box = QtWidgets.QDoubleSpinBox()
@@ -157,7 +168,7 @@ def _percents(low: float, high: float, hint: str) -> QtWidgets.QDoubleSpinBox:
     box.setSingleStep(5.0)
     box.setSuffix(" %")
     box.setKeyboardTracking(False)
-    box.setToolTip(say(hint))
+    box.setToolTip(hint)
     return box
 
 
@@ -200,7 +211,7 @@ class DishGrid(QtWidgets.QWidget):
         self.pigments = {name: load_pigment(name) for name in names}
         self.setMouseTracking(True)
         self.setFocusPolicy(QtCore.Qt.FocusPolicy.StrongFocus)
-        self.setAccessibleName(say("panel.inks"))
+        self.setAccessibleName(say("Inks"))
         self._at = -1
         self._pressed, self._pressed_ms = -1, 0
         # The plus shows that it is long enough: never before the events say so.
@@ -388,7 +399,11 @@ class DishGrid(QtWidgets.QWidget):
 
 def _tool_tip(pigment: Pigment) -> str:
     names = " ".join(filter(None, (pigment.name, pigment.chinese)))
-    return f"{names}\n{say('inks.dish_hint')}"
+    hint = say(
+        "Click: dip. Long press, right button, Ctrl or +: stir a part into the mixing dish; "
+        "− takes it out"
+    )
+    return f"{names}\n{hint}"
 
 
 class _MixingDish(QtWidgets.QWidget):
@@ -459,8 +474,10 @@ class InkPanel(QtWidgets.QWidget):
         self.reach.setToolTip(say("How much of the tuft is dipped, from the tip"))
         self.reach.setAccessibleName(say("Only the tip"))
         self._amount = DipAmount()  # of the dip before
-        self.wetted = _percents(0.1, 100.0, "How much of the tuft a dip wets, from the tip")
-        self.fullness = _percents(5.0, 300.0, "How full that part becomes; 100 % as it is made")
+        self.wetted = _percents(0.1, 100.0, say("How much of the tuft a dip wets, from the tip"))
+        self.fullness = _percents(
+            5.0, 300.0, say("How full that part becomes; 100 % as it is made")
+        )
         self.by_itself = QtWidgets.QCheckBox(
             say("Dip automatically when less than a quarter is left")
         )
@@ -502,10 +519,10 @@ class InkPanel(QtWidgets.QWidget):
         tip.addStretch(1)
         grid.addLayout(tip, 2, 0, 1, 4)
         row = QtWidgets.QHBoxLayout()
-        for text, box in (("Tuft wet", self.wetted), ("Full", self.fullness)):
-            row.addWidget(QtWidgets.QLabel(say(text)))
+        for text, box in ((say("Tuft wet"), self.wetted), (say("Full"), self.fullness)):
+            row.addWidget(QtWidgets.QLabel(text))
             row.addWidget(box)
-            box.setAccessibleName(say(text))
+            box.setAccessibleName(text)
             box.setValue(100.0)
             self.tip_only.toggled.connect(box.setDisabled)  # a tip takes up what it needs
             box.valueChanged.connect(lambda _: self.amount_chosen.emit(self.amount().words()))
@@ -533,16 +550,21 @@ class InkPanel(QtWidgets.QWidget):
         self.pickup.setMaximumWidth(62)
         label = QtWidgets.QLabel(say("Pick-up"))
         for widget in (label, self.pickup):
-            widget.setToolTip(say("inks.pickup_hint"))
+            widget.setToolTip(
+                say(
+                    "The share of the wet ink under it that the brush takes up per mm: a dirty "
+                    "brush; 0 keeps it clean"
+                )
+            )
         self.pickup.setAccessibleName(say("Pick-up"))
         self.pickup.valueChanged.connect(self.pickup_chosen)
         row.addWidget(label)
         row.addWidget(self.pickup)
         for text, name, asked in (
-            ("Colour", "choose_colour", self.colour_asked),
-            ("Pigments", "open_pigments", self.table_asked),
+            (say("Colour"), "choose_colour", self.colour_asked),
+            (say("Pigments"), "open_pigments", self.table_asked),
         ):
-            button = QtWidgets.QPushButton(say(text))
+            button = QtWidgets.QPushButton(text)
             button.setObjectName(name)
             button.clicked.connect(lambda _=False, asked=asked: asked.emit())
             row.addWidget(button, 1)
@@ -660,7 +682,9 @@ class InkPanel(QtWidgets.QWidget):
         self._mixing.update()
         self._dip_button.setEnabled(bool(parts))
         if not parts:
-            self.told.setText(say("inks.mixing_hint"))
+            self.told.setText(
+                say("Mixing dish: stir inks in with a long press or the right button")
+            )
             return
         self.told.setText("<br>".join(self._line(name, part) for name, part in parts.items()))
 

@@ -17,7 +17,7 @@ from paint3d.app.window.questions import ask
 from paint3d.app.window.wording import say, say_error, say_object
 from paint3d.colour.materials import load_material
 from paint3d.colour.spectra import srgb_from_reflectance
-from paint3d.errors import Paint3DError
+from paint3d.errors import Message, Paint3DError
 from paint3d.files.load import BUILT_IN_OBJECTS, read_mesh
 from paint3d.mesh.sheet_mesh import drawn
 from paint3d.mesh.sheets import FORMS, Sheet, is_sheet, parse_sheet
@@ -29,6 +29,11 @@ _SMALL, _LARGE = 64, 300  # pixels
 _CELL = QtCore.QSize(114, 122)
 _SUITED = {"bowl": "porcelain", "plate": "porcelain", "vase": "porcelain", "sphere": "plaster",
            "plane": "xuan"}  # fmt: skip
+_LABELS = {
+    "rectangle": (Message("Width"), Message("Height")),
+    "disc": (Message("Diameter"), Message("Height")),
+    "sector": (Message("Across"), Message("Breadth")),
+}
 _FREE = "sheet:340x690"
 _NAME = QtCore.Qt.ItemDataRole.UserRole
 
@@ -43,7 +48,7 @@ class NewDialog(FormDialog):
     """
 
     def __init__(self, parent: QtWidgets.QWidget, settings: Settings) -> None:
-        super().__init__(parent, say("action.new").rstrip("…"), beside=True)
+        super().__init__(parent, say("New painting…").rstrip("…"), beside=True)
         self._kept_material = chosen_material(settings)
         self._wanted = settings.resolution_mm
         self._error = ""
@@ -54,12 +59,13 @@ class NewDialog(FormDialog):
             self.objects.add(name, say_object(name))
         self.objects.add("", say("A mesh file…"))
         lists = QtWidgets.QVBoxLayout()
-        for title, pictures, share in (("Sheets", self.sheets, 3), ("Objects", self.objects, 2)):
-            head = QtWidgets.QLabel(say(title))
+        titles = (say("Sheets"), self.sheets, 3), (say("Objects"), self.objects, 2)
+        for title, pictures, share in titles:
+            head = QtWidgets.QLabel(title)
             head.setObjectName("heading")
             lists.addWidget(head)
             lists.addWidget(pictures, share)
-            pictures.setAccessibleName(say(title))
+            pictures.setAccessibleName(title)
             pictures.currentItemChanged.connect(self._chosen_in(pictures))
             pictures.itemDoubleClicked.connect(lambda _: self._begin())
         self.picture = QtWidgets.QLabel()
@@ -71,12 +77,10 @@ class NewDialog(FormDialog):
         self.margin.setToolTip(say("What is kept free by text that is laid out"))
         self.mounted = self.add_check(say("Mounted, with a border of silk"), False)
         self.material = MaterialBox(self._kept_material)
-        self.material.failed.connect(lambda why: ask(self, why, accept="button.ok", leave=""))
+        self.material.failed.connect(lambda why: ask(self, why, accept=say("OK"), leave=""))
         self.material.currentIndexChanged.connect(lambda _: self._draw())
-        self.form.addRow(say("surface.material"), self.material)
-        self.resolution = self.add_number(
-            say("surface.resolution"), 0.05, 10.0, self._wanted, "mm", 2
-        )
+        self.form.addRow(say("Material"), self.material)
+        self.resolution = self.add_number(say("Detail"), 0.05, 10.0, self._wanted, "mm", 2)
         self.resolution.setSingleStep(0.05)
         self.fault = QtWidgets.QLabel()
         self.fault.setWordWrap(True)
@@ -119,7 +123,7 @@ class NewDialog(FormDialog):
         whole = QtWidgets.QVBoxLayout(self)
         whole.setContentsMargins(18, 16, 18, 14)
         whole.addLayout(both, 1)
-        self.buttons = buttons(self, "Begin")
+        self.buttons = buttons(self, say("Begin"))
         whole.addWidget(self.buttons)
         room = self.screen().availableGeometry().size()
         self.resize(QtCore.QSize(1080, 690).boundedTo(room))
@@ -150,8 +154,7 @@ class NewDialog(FormDialog):
         if sheet is not None:
             shape, material = sheet.usual.shape, sheet.usual.material
             self.form.setRowVisible(self.height_box, shape != "disc")
-            labels = {"disc": ("Diameter", "Height"), "sector": ("Across", "Breadth")}
-            for box, word in zip(rows, labels.get(shape, ("Width", "Height")), strict=False):
+            for box, word in zip(rows, _LABELS[shape], strict=False):
                 label = self.form.labelForField(box)
                 assert isinstance(label, QtWidgets.QLabel), "each number has its label"
                 label.setText(say(word))

@@ -18,14 +18,14 @@ from paint3d.app.model.own_object import (
     longest_side,
     sensible_resolution,
 )
-from paint3d.app.model.texts import note_in_chinese
 from paint3d.app.window.files.open_result import OpenResult, open_with_progress
 from paint3d.app.window.job import Progress
 from paint3d.app.window.object.material_box import MaterialBox
 from paint3d.app.window.questions import Answer, ask
-from paint3d.app.window.wording import language, say
+from paint3d.app.window.wording import say, say_units
 from paint3d.app.window.workspace import Workspace
 from paint3d.colour.materials import Material
+from paint3d.errors import Message
 from paint3d.files.load import UNITS_MM, is_built_in
 from paint3d.files.reading import Reading
 from paint3d.mesh.triangle_mesh import TriangleMesh
@@ -35,7 +35,6 @@ from paint3d.view.preview import Preview
 __all__ = [
     "ObjectDialog",
     "Standing",
-    "note_text",
     "told_size",
 ]
 
@@ -128,8 +127,12 @@ class ObjectDialog(QtWidgets.QDialog):
         left.addWidget(self.picture)
         row = QtWidgets.QHBoxLayout()
         self.quarters: dict[str, QtWidgets.QPushButton] = {}
-        for axis, word in (("z", "Turn round"), ("x", "Tip forward"), ("y", "Tip aside")):
-            button = QtWidgets.QPushButton(say(word))
+        for axis, word in (
+            ("z", say("Turn round")),
+            ("x", say("Tip forward")),
+            ("y", say("Tip aside")),
+        ):
+            button = QtWidgets.QPushButton(word)
             button.setToolTip(say("A quarter turn about {axis}", axis=axis))
             button.setAutoDefault(False)
             button.clicked.connect(lambda _=False, axis=axis: self.turn_quarter(axis))
@@ -192,26 +195,24 @@ class ObjectDialog(QtWidgets.QDialog):
         self.length.setKeyboardTracking(False)
         self.length.valueChanged.connect(self._length_changed)
         if has_unit:
-            for unit, mm in UNITS_MM.items():
+            for unit, words in say_units().items():
                 self.unit.addItem("", unit)
-                size = longest_side(self._mesh) * mm / self._unit_mm
-                self.unit.setItemText(
-                    self.unit.count() - 1, f"{say('unit.' + unit)}   ({told_size(size)})"
-                )
+                size = longest_side(self._mesh) * UNITS_MM[unit] / self._unit_mm
+                self.unit.setItemText(self.unit.count() - 1, f"{words}   ({told_size(size)})")
             now = self._unit_mm * start.scale
             at = [k for k, mm in enumerate(UNITS_MM.values()) if math.isclose(mm, now)]
             self.unit.setCurrentIndex(at[0] if at else -1)
             self.unit.activated.connect(self._unit_changed)
             form.addRow(say("One unit of the file"), self.unit)
         form.addRow(say("Longest side"), self.length)
-        self.material.failed.connect(lambda why: ask(self, why, accept="button.ok", leave=""))
-        form.addRow(say("surface.material"), self.material)
+        self.material.failed.connect(lambda why: ask(self, why, accept=say("OK"), leave=""))
+        form.addRow(say("Material"), self.material)
         self.resolution.setRange(0.05, 50.0)
         self.resolution.setSingleStep(0.05)
         self.resolution.setSuffix(" mm")
         self.resolution.setValue(start.resolution)
         self.resolution.valueChanged.connect(self._resolution_changed)
-        form.addRow(say("surface.resolution"), self.resolution)
+        form.addRow(say("Detail"), self.resolution)
         if self._mesh.colours is not None:
             self.colours.setChecked(True)
             self.colours.toggled.connect(self._show)
@@ -219,7 +220,7 @@ class ObjectDialog(QtWidgets.QDialog):
         return form
 
     def _notes(self, reading: Reading) -> QtWidgets.QLabel:
-        notes = QtWidgets.QLabel("\n".join(note_text(note) for note in reading.notes))
+        notes = QtWidgets.QLabel("\n".join(map(_note_text, reading.notes)))
         notes.setWordWrap(True)
         notes.setVisible(bool(reading.notes))
         self.notes = notes
@@ -230,7 +231,7 @@ class ObjectDialog(QtWidgets.QDialog):
         buttons = QtWidgets.QDialogButtonBox(standard.Ok | standard.Cancel)
         buttons.button(standard.Ok).setText(accept)
         buttons.button(standard.Ok).setDefault(True)
-        buttons.button(standard.Cancel).setText(say("button.cancel"))
+        buttons.button(standard.Cancel).setText(say("Cancel"))
         buttons.accepted.connect(self.accept)
         buttons.rejected.connect(self.reject)
         return buttons
@@ -317,25 +318,13 @@ def _tidied(turn: NDArray[np.float64]) -> NDArray[np.float64]:
     return result
 
 
-def note_text(note: str) -> str:
-    """A reader's note in the language that is spoken."""
-    chinese = note_in_chinese(note) if language() == "zh" else None
-    if chinese is not None:
-        return chinese
-    begin, found, rest = note.partition("left out: ")
-    if begin or not found:
-        return note[:1].upper() + note[1:]
-    what = say(", ").join(say(word) for word in rest.split(", "))
-    return say("Left out: {what}", what=what)
+def _note_text(note: Message) -> str:
+    """A reader's note as a sentence."""
+    words = say(note)
+    return words[:1].upper() + words[1:]
 
 
 # ---- The work ------------------------------------------------------------------------------------
-
-
-_TURNED = (
-    "Turning the object starts a new painting on it, without the paint. You can save this one "
-    "first."
-)
 
 
 def _is_bare(document: Document) -> bool:
@@ -385,7 +374,7 @@ class Standing:
             material,
             resolution,
             title=name,
-            accept=say("action.open").rstrip("…"),
+            accept=say("Open…").rstrip("…"),
         )
         return self._answer(dialog)
 
@@ -396,14 +385,18 @@ class Standing:
 
     def _likely(self, reading: Reading, material: str, resolution: float) -> ObjectChoice:
         guess = reading.likely_up
-        said = [note_text(note) for note in reading.notes]
+        said = [*map(_note_text, reading.notes)]
         if guess is not None and not guess.sure:
             said.append(
                 say("Which way is up is uncertain; change it by Edit ▸ Turn and scale the object")
             )
         elif guess is not None and guess.up != "z":
-            words = "{axis} was taken as up; change it by Edit ▸ Turn and scale the object"
-            said.append(say(words, axis=guess.up))
+            said.append(
+                say(
+                    "{axis} was taken as up; change it by Edit ▸ Turn and scale the object",
+                    axis=guess.up,
+                )
+            )
         self._said = "   ".join(said)
         return first_choice(reading, guess, material, resolution)._replace(resolution=resolution)
 
@@ -432,13 +425,17 @@ class Standing:
             surface, material = document.surface, document.surface.material
             resolution = surface.resolution or workspace.settings.resolution_mm
             is_bare = _is_bare(document)
-        if not is_bare and not self._may_begin_anew():
+        turned = say(
+            "Turning the object starts a new painting on it, without the paint. You can save this "
+            "one first."
+        )
+        if not is_bare and not self._may_begin_anew(turned):
             return
         reading = Reading(surface.source, knows_up=True)
         dialog = ObjectDialog(
             workspace.window, reading, material, resolution,
             title=say("Turn and scale the object…").rstrip("…"),
-            accept=say("button.ok") if is_bare else say("Begin anew"), is_open=True,
+            accept=say("OK") if is_bare else say("Begin anew"), is_open=True,
         )  # fmt: skip
         choice = self._answer(dialog)
         if choice is not None and (is_bare or self._may_leave()):
@@ -453,7 +450,7 @@ class Standing:
             assert document is not None, "it was waited for"
             surface, is_bare = document.surface, _is_bare(document)
             resolution = surface.resolution or workspace.settings.resolution_mm
-        words = (
+        words = say(
             "Another material starts a new painting, without the paint. You can save this one "
             "first."
         )
@@ -480,9 +477,9 @@ class Standing:
             document.inks[1] = inks[1]
             return open_with_progress(document, progress, 0.6)
 
-        done = workspace.run(say("status.opening", name=source.name), make)
+        done = workspace.run(say("Opening {name}…", name=source.name), make)
         return bool(workspace.went_well(done) and workspace.show(done.result()))
 
-    def _may_begin_anew(self, words: str = _TURNED) -> bool:
-        answer = ask(self._workspace.window, say(words), accept="Begin anew")
+    def _may_begin_anew(self, words: str) -> bool:
+        answer = ask(self._workspace.window, words, accept=say("Begin anew"))
         return answer is Answer.AcceptRole

@@ -13,13 +13,17 @@ from paint3d.app.window.theme import Theme
 from paint3d.app.window.wording import say, say_length, say_material
 from paint3d.colour.materials import Material, load_materials
 from paint3d.colour.spectra import srgb_from_reflectance
+from paint3d.errors import Message
 
 __all__ = ["SurfacePanel"]
 
 _SWATCH = 44
 _NUMBERS = (
-    ("absorbency", "Absorbency"), ("grain", "Grain"), ("coat", "Glaze"), ("friction", "Friction"),
-)  # fmt: skip
+    ("absorbency", Message("Absorbency")),
+    ("grain", Message("Grain")),
+    ("coat", Message("Glaze")),
+    ("friction", Message("Friction")),
+)
 
 
 class SurfacePanel(QtWidgets.QWidget):
@@ -61,7 +65,7 @@ class SurfacePanel(QtWidgets.QWidget):
         self.material = MaterialBox(next(iter(load_materials())))
         self.material.chosen.connect(self._chosen)
         self.material.failed.connect(self.failed)
-        form.addRow(say("surface.material"), self.material)
+        form.addRow(say("Material"), self.material)
         for key, text in _NUMBERS:
             number = self._numbers[key] = QtWidgets.QLabel()
             number.setAlignment(QtCore.Qt.AlignmentFlag.AlignRight)
@@ -91,7 +95,7 @@ class SurfacePanel(QtWidgets.QWidget):
         self.setToolTip("\n".join(filter(None, (material.basis, material.note))))
         self.material.show_material(_found(material))
         fine = "" if surface.resolution is None else f"{say_length(surface.resolution)}  ·  "
-        self.fineness.setText(fine + say("status.vertices", count=surface.n_vertices))
+        self.fineness.setText(fine + say("{count:,} vertices", count=surface.n_vertices))
         for key, number in self._numbers.items():
             number.setText(f"{100 * getattr(material, key):.0f} %")
         red, green, blue = (int(code) for code in srgb_from_reflectance(material.reflectance))

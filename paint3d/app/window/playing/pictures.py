@@ -22,7 +22,7 @@ from paint3d.app.window.wording import say, say_error
 from paint3d.app.window.workspace import Workspace
 from paint3d.core.arrays import AnyArray
 from paint3d.core.atomic import write_atomically
-from paint3d.errors import ExportError, InputError, Paint3DError
+from paint3d.errors import ExportError, InputError, Message, Paint3DError
 from paint3d.files.pictures import Filmed, write_growth
 from paint3d.files.progress import part_of
 from paint3d.recording.recording import HandTime
@@ -109,7 +109,7 @@ class FilmDialog(FormDialog):
         title: str = "",
     ) -> None:
         self._any_length = any_length
-        super().__init__(parent, (title or say("action.turntable")).rstrip("…"))
+        super().__init__(parent, (title or say("Turntable…")).rstrip("…"))
         self.seconds = self.add_number(say("Length"), 0.5, _LONGEST_S, kept.seconds, "s", 1)
         self.rate = self.add_number(say("Pictures a second"), 1, _FASTEST, kept.rate)
         self.size_boxes = SizeBoxes(kept.size or screen, screen)
@@ -117,7 +117,7 @@ class FilmDialog(FormDialog):
         self.told = QtWidgets.QLabel()
         self.told.setObjectName("faint")
         self.form.addRow("", self.told)
-        self.finish("button.save")
+        self.finish(say("Save"))
         for box in (self.seconds, self.rate, self.size_boxes.width_box, self.size_boxes.height_box):
             box.valueChanged.connect(self._tell)
         self._tell()
@@ -126,8 +126,11 @@ class FilmDialog(FormDialog):
         """Say how many pictures that makes, and whether they are too many."""
         film = self.film()
         too_long = film.is_too_long and not self._any_length
-        text = "{n} pictures: too many of this size" if too_long else "{n} pictures"
-        self.told.setText(say(text, n=film.n_pictures))
+        n = film.n_pictures
+        told = say("{n} picture", "{n} pictures", n=n)
+        self.told.setText(
+            say("{pictures}: too many of this size", pictures=told) if too_long else told
+        )
         below = self.findChild(QtWidgets.QDialogButtonBox)
         assert below is not None, "it was finished"
         below.button(QtWidgets.QDialogButtonBox.StandardButton.Ok).setEnabled(not too_long)
@@ -168,8 +171,12 @@ def write_turntable(workspace: Workspace, path: Path, film: Film) -> Future[Any]
     film = film._replace(size=(width, height))
     if film.is_too_long and is_held_whole(form):
         raise ExportError(
-            f"{path}: {film.n_pictures} pictures of {width} x {height} pixels are too many; "
-            "expected a shorter or smaller film"
+            "{file}: {n_pictures} pictures of {width} x {height} pixels are too many; expected a "
+            "shorter or smaller film",
+            file=path,
+            n_pictures=film.n_pictures,
+            width=width,
+            height=height,
         )
     camera, drawn = workspace.hand.open_camera, queue.Queue[Image.Image](_AHEAD)
     n, turn = film.n_pictures, 2.0 * workspace.canvas.height()
@@ -250,7 +257,10 @@ def write_growth_film(workspace: Workspace, path: Path, film: Film) -> Future[An
         if score is None and document.strokes:
             score = score_of_strokes(document.strokes, document.surface)
     if score is None or not score.n_samples:
-        raise InputError(f"{path}: nothing has been painted yet; expected a stroke to film")
+        raise InputError(
+            "{file}: nothing has been painted yet; expected a stroke to film",
+            file=path,
+        )
     known = in_pieces(score)
     size = film.size or workspace.canvas.pixel_size
     shot, hold = Shot(size=size), min(_HOLD_S, 0.3 * film.seconds)
@@ -278,8 +288,8 @@ def write_growth_film(workspace: Workspace, path: Path, film: Film) -> Future[An
 
 
 # What a file may be, by its ending, and how the dialog says it:
-PICTURES = {".png": "Picture, PNG", ".jpg": "Picture, JPEG"}
-FILMS = {".webp": "Film, WebP", ".gif": "Film, GIF", ".mp4": "Film, MP4"}
+PICTURES = {".png": Message("Picture, PNG"), ".jpg": Message("Picture, JPEG")}
+FILMS = {".webp": Message("Film, WebP"), ".gif": Message("Film, GIF"), ".mp4": Message("Film, MP4")}
 _FORMATS = {".png": "PNG", ".jpg": "JPEG", ".jpeg": "JPEG"}
 _FINE_PIXELS = 4_500_000  # more are drawn without being smoothed, which needs four times as many
 _QUALITY = 92
@@ -344,7 +354,7 @@ class Pictures:
 
     def do_screenshot(self) -> None:
         """Ask where, and save the picture as it is seen."""
-        path = self._targets.ask(say("action.screenshot"), PICTURES)
+        path = self._targets.ask(say("Screenshot"), PICTURES)
         if path is not None:
             self.screenshot_to(path)
 
@@ -369,7 +379,7 @@ class Pictures:
 
         def work(progress: Progress) -> None:
             if form is None:
-                raise ExportError(f"{path}: a picture is written as .png or .jpg")
+                raise ExportError("{file}: a picture is written as .png or .jpg", file=path)
             pixels = drawing.wait(progress)
             progress(_DRAWN)
             with write_atomically(path, progress) as part:
@@ -380,12 +390,12 @@ class Pictures:
             done = self._workspace.run(title, work, draw)
         if not self._workspace.went_well(done):
             return False
-        self._workspace.tell(say("status.exported", name=path.name), state="good")
+        self._workspace.tell(say("Exported {name}", name=path.name), state="good")
         return True
 
     def do_turntable(self) -> None:
         """Ask where and how, and save a film of the object turning."""
-        self._ask_for_film(say("action.turntable"), self.turntable_to)
+        self._ask_for_film(say("Turntable…"), self.turntable_to)
 
     def do_growth(self) -> None:
         """Ask where and how, and save a film of the painting as it grew."""
@@ -423,5 +433,5 @@ class Pictures:
             return False
         if not self._workspace.went_well(done):
             return False
-        self._workspace.tell(say("status.exported", name=path.name), state="good")
+        self._workspace.tell(say("Exported {name}", name=path.name), state="good")
         return True

@@ -361,7 +361,7 @@ class Player(QtCore.QObject):
         elif replay.is_over:
             self._forget()
             if not self._refused:
-                self._workspace.tell(say("status.ready"))
+                self._workspace.tell(say("Ready"))
 
     def stop(self) -> None:
         """Lift the brush where it is, if something is playing; what waits is not painted."""
@@ -375,8 +375,11 @@ class Player(QtCore.QObject):
         if self.is_playing:
             is_score = isinstance(self._replay, _Score)
             self.stop()
-            message = "The replay was stopped; undo takes back what it painted"
-            self._workspace.tell(say("The replay was stopped" if is_score else message))
+            self._workspace.tell(
+                say("The replay was stopped")
+                if is_score
+                else say("The replay was stopped; undo takes back what it painted")
+            )
 
     def take_back(self) -> None:
         """Stop because what was painted is about to be undone, and say so."""

@@ -20,6 +20,7 @@ from paint3d.app.window.wording import say
 from paint3d.app.window.workspace import Workspace
 from paint3d.brush.spec import BrushSpec
 from paint3d.device.sample import DeviceSample
+from paint3d.errors import Message
 from paint3d.files.progress import part_of
 from paint3d.painter.recorded_tools import (
     recorded_amount,
@@ -35,11 +36,11 @@ __all__ = ["FORMATS", "Recordings"]
 
 # What a file may be, by its ending, and how the dialog says it:
 FORMATS = {
-    ".jsonl": "Recording, JSON Lines",
-    ".jsonl.gz": "Recording, JSON Lines, packed",
-    ".inkml": "Recording, InkML",
-    ".score.jsonl": "Whole painting, JSON Lines",
-    ".score.jsonl.gz": "Whole painting, JSON Lines, packed",
+    ".jsonl": Message("Recording, JSON Lines"),
+    ".jsonl.gz": Message("Recording, JSON Lines, packed"),
+    ".inkml": Message("Recording, InkML"),
+    ".score.jsonl": Message("Whole painting, JSON Lines"),
+    ".score.jsonl.gz": Message("Whole painting, JSON Lines, packed"),
 }
 _READ = 0.6  # of the time that a recording takes to be made ready
 _AT_ONCE = 1000  # samples between two looks at whether it is still wanted
@@ -77,9 +78,14 @@ class Recordings:
         strokes = len(workspace.painting.strokes)
         if on:
             self._recorded_from = strokes
-            workspace.tell(say("status.recording"), state="good", stays=True)
+            workspace.tell(say("Recording"), state="good", stays=True)
             return
-        workspace.tell(say("hint.turn"))
+        workspace.tell(
+            say(
+                "Paint with the left button, a pen or a finger; turn by a drag beside the object, "
+                "with Space held, or by the grips"
+            )
+        )
         if strokes > self._recorded_from:
             self.do_save_recording(self._recorded_from)
 
@@ -102,13 +108,13 @@ class Recordings:
         title = say("Writing {name}…", name=path.name)
         done = workspace.run(title, lambda progress: _write(recording, score, path, progress))
         if workspace.went_well(done):
-            workspace.tell(say("status.exported", name=path.name), state="good")
+            workspace.tell(say("Exported {name}", name=path.name), state="good")
 
     def do_replay(self) -> None:
         """Ask for a recording, and paint it on what is here."""
         kinds = f"{say('Recordings')} (*.jsonl *.jsonl.gz *.inkml *.csv);;{say('All files')} (*)"
         path, _ = QtWidgets.QFileDialog.getOpenFileName(
-            self._workspace.window, say("action.replay"), "", kinds
+            self._workspace.window, say("Replay"), "", kinds
         )
         if path:
             self.replay_file(path, self._speed())
@@ -127,7 +133,7 @@ class Recordings:
             Of the recording's own time; by default as fast as it goes.
         """
         workspace = self._workspace
-        title = say("status.opening", name=Path(path).name)
+        title = say("Opening {name}…", name=Path(path).name)
         if is_score(path):
             return self._play_score(path, title, speed)
         surface, camera = workspace.hand.surface, workspace.hand.open_camera
