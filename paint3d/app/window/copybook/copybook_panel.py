@@ -67,6 +67,7 @@ def _side_by_side(*widgets: QtWidgets.QWidget) -> QtWidgets.QHBoxLayout:
     return row
 
 
+_LEAST_WIDTH = 60  # pixels, of a number
 _GOOD = 85  # per cent: what counts as met
 
 
@@ -168,12 +169,20 @@ class CopybookPanel(QtWidgets.QWidget):
         self.told.setObjectName("title")
         self.list = QtWidgets.QListWidget()
         self.list.setObjectName("copybook")
+        small = QtWidgets.QComboBox.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon
+        for choice in (self.direction, self.grid_box):
+            choice.setSizeAdjustPolicy(small)
+            choice.setMinimumContentsLength(5)
+        numbers = (self.em, self.gap, self.between, self.right, self.up, self.across, self.down)
+        for number in numbers:
+            number.setMinimumWidth(_LEAST_WIDTH)
         form = QtWidgets.QFormLayout()
         form.addRow(say("Laid out"), self.texts)
         form.addRow(say("Text"), self.text)
         form.addRow(say("Font"), self.font_box)
         form.addRow(say("Size"), _side_by_side(self.em, self.direction))
-        form.addRow(say("Grid"), _side_by_side(self.grid_box, self.across, self.down))
+        form.addRow(say("Grid"), self.grid_box)
+        form.addRow(say("Squares"), _side_by_side(self.across, self.down))
         form.addRow(say("Apart"), _side_by_side(self.gap, self.between))
         form.addRow(say("Turned"), self.turn)
         form.addRow(say("Moved by"), _side_by_side(self.right, self.up))
