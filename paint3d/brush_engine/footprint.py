@@ -32,12 +32,14 @@ __all__ = [
     "ink_way",
     "keep_profile",
     "make_stamp",
+    "middle_of",
     "outline_area",
     "outline_motion",
     "sweep_bounds",
 ]
 
 PROFILE_CELLS = 64
+_IN_PLACE = 0.35  # of the motion of a footprint that turns or grows where it stands: gives ink
 _FIRM = 0.4  # pressure from which a footprint that grows gives ink for all of its growth
 
 _VECTOR = ("f8", (3,))
@@ -232,16 +234,29 @@ def outline_motion(a, b):
 
 
 @uncounted
-def ink_way(a, b):
-    """The way that ink is given for between two stamps (mm): `outline_motion` where it advances.
+def middle_of(values, axis):
+    """Coordinate of the middle of an outline's length."""
+    return values.origin[axis] + 0.5 * (values.heel + values.tip) * values.bend[axis]
 
+
+@uncounted
+def ink_way(a, b):
+    """Way that ink is given for between two stamps (mm): `outline_motion` of what is carried on.
+
+    One that grows or turns in its place lies on what is wet already, and gives less.
     Of a footprint that stands on a place that the hand means, what leaves the surface gives no ink:
     a tuft that is lifted where it stands draws no dot. Nor does one that comes down: growth counts
     the less, the lighter the touch, for it all begins in one point. Elsewhere the way is that of
     the outline.
     """
     if b.values[0].centred <= 0.0:
-        return outline_motion(a, b)
+        way = outline_motion(a, b)
+        carried = 0.0
+        if a.values[0].touches > 0.0 and way > 0.0:
+            for axis in range(3):
+                carried += (middle_of(b.values[0], axis) - middle_of(a.values[0], axis)) ** 2
+            carried = min(1.0, np.sqrt(carried) / way)
+        return way * (_IN_PLACE + (1.0 - _IN_PLACE) * carried)
     counts = min(1.0, b.values[0].pressure / _FIRM)
     half_b = 0.5 * (b.values[0].tip - b.values[0].heel)
     width_b = b.values[0].widest

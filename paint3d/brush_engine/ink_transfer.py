@@ -25,7 +25,13 @@ from paint3d.brush_engine.dry_contact import (
     note_way,
     thin_contact,
 )
-from paint3d.brush_engine.footprint import PROFILE_CELLS, Sweep, ink_way, outline_motion
+from paint3d.brush_engine.footprint import (
+    PROFILE_CELLS,
+    Sweep,
+    ink_way,
+    middle_of,
+    outline_motion,
+)
 from paint3d.brush_engine.vertex_query import (
     INSIDE,
     VISITED,
@@ -38,6 +44,7 @@ from paint3d.core.kernel import kernel, uncounted
 
 __all__ = [
     "LINES",
+    "MOST_AT_FIRST",
     "PAINTED",
     "TRANSFER",
     "Deposit",
@@ -77,12 +84,6 @@ _BUNDLE_WAY = 9.0  # mm: how far along the way they bring alike
 
 
 @uncounted(error_model="numpy")
-def _middle(values, axis):
-    """Coordinate of the middle of an outline's length."""
-    return values.origin[axis] + 0.5 * (values.heel + values.tip) * values.bend[axis]
-
-
-@uncounted(error_model="numpy")
 def _find_way(before, after):
     """How much of a footprint's motion its way is, and where that leads, by bend and cross.
 
@@ -91,7 +92,7 @@ def _find_way(before, after):
     a, b = before.values[0], after.values[0]
     along = across = 0.0
     for axis in range(3):
-        d = _middle(b, axis) - _middle(a, axis)
+        d = middle_of(b, axis) - middle_of(a, axis)
         along += d * b.bend[axis]
         across += d * b.cross[axis]
     carried = np.sqrt(along * along + across * across)
@@ -276,6 +277,8 @@ _DRY_PRESSED = 0.4  # less of it at full pressure
 _FLOWS_MM_S = 350.0  # speed of a hand at which it takes twice the load for the same contact
 _MOST_HASTE = 1.7
 _WETS_MM = 4.0  # of the way: what a wet tuft leaves at once where it comes first
+_FIRST_COATS = 1.6  # that a wet tuft leaves at least where it comes first
+MOST_AT_FIRST = 0.01  # of what it holds, for the sake of that
 _MOST_PASSES = 1000
 _SHARE = 0.45  # of a reservoir, the most that flows out of it on one side in one pass
 PAINTED = 3  # counter: vertices that ink was left on
@@ -318,23 +321,32 @@ def contact_level(before, after, ink):
 
 
 @uncounted(error_model="numpy")
-def wet_at_once(before, after, level, found, n, ink):
-    """Let what the tuft touches first take a film at once, on paper; return whether any did.
+def wet_at_once(before, after, level, found, n, field, ink):
+    """Let what the tuft touches first take a film at once.
 
     By the time under the tuft alone, heads would stay pale at their corners. So where a footprint
-    grows, turns or comes down in its place, a vertex counts as if it had been under the outline for
-    `_WETS_MM` of the way more, once, for what is newly covered of it; what was wet before gets no
-    more. One that is carried on is levelled otherwise: `level_shares`.
+    grows, turns or comes down in its place, a vertex counts as if it had been under the
+    outline for `_WETS_MM` of the way more, once, for what is newly covered of it; what was wet
+    before gets no more. One that is carried on is levelled otherwise: `level_shares`.
+
+    Returns
+    -------
+    float
+        What a wet tuft leaves at least, coats x mm2: a thin film on all that is newly covered,
+        however lightly it touches.
     """
-    moved, grain = outline_motion(before, after), ink.transfer[0].grain
-    if moved <= 1e-6 or grain <= 0.0:
-        return False
+    moved = outline_motion(before, after)
+    if moved <= 1e-6:
+        return 0.0
     ids, share, cover, coverage = found.ids, found.share, found.cover, ink.coverage
-    still = stillness(before, after)
-    per_cover = np.float32(_WETS_MM * min(1.0, 2.0 * grain) * level * still / moved)
+    areas, new = field.area_units, 0.0
+    per_cover = np.float32(_WETS_MM * level * stillness(before, after) / moved)
     for k in range(n):
-        share[k] += per_cover * max(np.float32(0.0), cover[k] - coverage[ids[k]])
-    return True
+        v = ids[k]
+        newly = max(np.float32(0.0), cover[k] - coverage[v])
+        share[k] += per_cover * newly
+        new += newly * areas[v]
+    return _FIRST_COATS * level * level * new * field.area_unit
 
 
 @uncounted(error_model="numpy")
@@ -610,9 +622,12 @@ def sweep_deposit(before, after, tuft, field, ink, scratch):
     scratch.taken[:] = 0.0
     if ink.transfer[0].pickup > 0.0:
         take_up_ink(before, after, released, found, n, field, ink, scratch.taken)
-    wetted = wet_at_once(before, after, level, found, n, ink)
+    least = min(wet_at_once(before, after, level, found, n, field, ink), MOST_AT_FIRST * total)
+    if 0.0 < released < least:
+        landing *= least / released
+        released = least
     levelled = level_shares(before, after, level, ink.transfer[0].grain, field, ink, n, scratch)
-    if wetted or levelled:
+    if least > 0.0 or levelled:
         weighed = weighed_area(field, found.ids, found.share, n)
     if ink.reservoirs.shape[0] > 1:
         deposit = Deposit(released, landing, weighed)

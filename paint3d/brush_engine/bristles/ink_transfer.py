@@ -34,9 +34,11 @@ from paint3d.brush_engine.coverage import AREA_STEPS, weigh_passing, weighed_are
 from paint3d.brush_engine.dry_contact import dry_contact, note_way, thin_contact
 from paint3d.brush_engine.footprint import Sweep, outline_motion
 from paint3d.brush_engine.ink_transfer import (
+    MOST_AT_FIRST,
     PAINTED,
     Deposit,
     contact_level,
+    held_ink,
     landing_share,
     leave_from_reservoirs,
     level_shares,
@@ -293,12 +295,12 @@ def _take_from_hairs(load, hair_contacts, scale, sums, released):
             if n_pigments == 1:
                 here = flat[first : first + n]
                 for j in range(n):
-                    part = scale * np.float64(row[j]) * here[j]
+                    part = min(1.0, scale * np.float64(row[j])) * here[j]
                     here[j] -= part
                     sums[j] += part
             else:
                 for j in range(n):
-                    part = scale * np.float64(row[j]) * load[first + j, p]
+                    part = min(1.0, scale * np.float64(row[j])) * load[first + j, p]
                     load[first + j, p] -= part
                     sums[j] += part
         released[p] = add_up(sums, BLOCK)
@@ -587,7 +589,10 @@ def sweep_hairs(before, after, ready, hairs, field, ink, scratch):
     scratch.taken[:] = 0.0
     if ink.transfer[0].pickup > 0.0:
         take_up_ink(before, after, ready * scale, found, n, field, ink, scratch.taken)
-    wet_at_once(before, after, level, found, n, ink)
+    least = wet_at_once(before, after, level, found, n, field, ink)
+    least = min(least, MOST_AT_FIRST * held_ink(ink))
+    if 0.0 < ready * scale < least:
+        scale = least / ready
     level_shares(before, after, level, ink.transfer[0].grain, field, ink, n, scratch)
     _take_from_hairs(hairs.load, hairs.hair_contacts, scale, hairs.whole_sums, hairs.released)
     if ink.reservoirs.shape[0] > 1:

@@ -32,7 +32,7 @@ TOO_LITTLE_ROOM = -2
 
 _MOST = 0.5  # of the pores' depth: a longer step in which more moves is cut in parts
 _FLOATS = 0.005  # mm: a film as deep carries pigment as fast as itself
-_SLIPS = 0.2  # of the rate at which pores catch fine pigment: that at which they catch loose
+_SLIPS = 0.12  # of the rate at which pores catch fine pigment: that at which they catch loose
 _GONE = -(1 << 30)  # of what a node waits for, once it is taken out of its turn
 
 
@@ -374,8 +374,8 @@ def _mix(f, rows, r, volume, gone, carrying, coming):
     """Mix what came to a row with what is there; turn `coming` into what goes on.
 
     Of a volume so much is gone; `carrying` is what of this carries soot, and what is a film. What
-    is fine or loose goes with all of it, coarse pigment with these by its mobility, and the rest stays behind. What
-    goes on is given per volume of these.
+    is fine or loose goes with all of it, coarse pigment with these by its mobility, and the rest
+    stays behind. What goes on is given per volume of these.
     """
     i = rows.ids[r]
     area, share = f.area[i], rows.share[r]
@@ -405,7 +405,10 @@ def _take_rest(f, rows, n_rows, coming):
             f.changed[i] = True
             f.water[i] += coming[r, 0] * rows.share[r]
             for p in range(f.pigment.shape[1]):
-                fine, loose = coming[r, 2 + 3 * p] * rows.share[r], coming[r, 3 + 3 * p] * rows.share[r]
+                fine, loose = (
+                    coming[r, 2 + 3 * p] * rows.share[r],
+                    coming[r, 3 + 3 * p] * rows.share[r],
+                )
                 f.pigment[i, p] += coming[r, 1 + 3 * p] * rows.share[r] + fine + loose
                 f.fine[i, p] += fine
                 f.loose[i, p] += loose
