@@ -128,7 +128,6 @@ class CopybookGuide:
         if self._active is not None and self._active < len(texts):
             signature = self._beside(texts[self._active], text.strip())
         if self._put(signature, None):
-            self._workspace.tell(say("Drag it to its place; T ends"), stays=True)
             self.mover.begin()
 
     def _beside(self, main: LaidText, words: str) -> LaidText:

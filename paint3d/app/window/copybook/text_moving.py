@@ -306,15 +306,20 @@ class TextMover(QtCore.QObject):
         if held is None:
             return {}
         upper_left, upper_right, lower_right, lower_left = self._corners(held)
-        found = {"scale": lower_right}
+        middle = 0.25 * (upper_left + upper_right + lower_right + lower_left)
+
+        def beyond(at: AnyArray, pixels: float) -> AnyArray:
+            away = at - middle
+            farther: AnyArray = at + away * (pixels / max(float(np.linalg.norm(away)), 1e-6))
+            return farther
+
+        found = {"scale": beyond(lower_right, _GRIP)}
         across, down = held.shape
         if across > 1:
-            found["across"] = 0.5 * (upper_left + lower_left)
+            found["across"] = beyond(0.5 * (upper_left + lower_left), _REACH)
         if down > 1:
-            found["down"] = 0.5 * (lower_left + lower_right)
-        middle, top = 0.25 * sum(self._corners(held)), 0.5 * (upper_left + upper_right)
-        up = top - middle
-        found["turn"] = top + up * (_AWAY / max(float(np.linalg.norm(up)), 1e-6))
+            found["down"] = beyond(0.5 * (lower_left + lower_right), _REACH)
+        found["turn"] = beyond(0.5 * (upper_left + upper_right), _AWAY)
         return {name: QtCore.QPointF(*at.tolist()) for name, at in found.items()}
 
     def _corners(self, held: HeldText) -> list[AnyArray]:
