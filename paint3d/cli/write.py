@@ -175,7 +175,7 @@ def _add_writing_options(parser: argparse.ArgumentParser) -> None:
         "--side", choices=_SIDES, help="from where the object is looked at (default: by its shape)"
     )
     place.add_argument(
-        "--turn", metavar="DEG", type=parse_turn, default=0.0,
+        "--rotate", metavar="DEG", type=parse_turn, default=0.0,
         help="turn the text to the left, degrees (default: 0)",
     )  # fmt: skip
     for name, what, usual in (
@@ -410,7 +410,7 @@ def plan(
 
     layout = Layout(
         options.layout or "columns", options.at, options.around, options.side, options.gap,
-        options.between, turn=options.turn,
+        options.between, turn=options.rotate,
     )  # fmt: skip
     header: dict[str, object] = {
         "ink": describe_ink(load_ink(options.ink or WRITING_INK)),
