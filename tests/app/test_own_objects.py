@@ -14,8 +14,8 @@ from PIL import Image
 from PySide6 import QtCore, QtGui, QtTest, QtWidgets
 
 from paint3d.app.model.own_object import first_choice, likely_unit, sensible_resolution
+from paint3d.app.window.object.new_dialog import NewDialog
 from paint3d.app.window.object.standing import ObjectDialog
-from paint3d.app.window.questions import NewDialog
 from paint3d.app.window.start import open_first
 from paint3d.app.window.studio import StudioWindow
 from paint3d.app.window.wording import choose_language
@@ -184,7 +184,7 @@ def test_what_becomes_of_the_old_painting_is_asked_once_for_a_file(
         return asked[-1]
 
     def take_a_file(dialog: NewDialog) -> None:
-        dialog.object.setCurrentIndex(dialog.object.findData(""))
+        dialog.choose("")
         dialog.accept()
 
     monkeypatch.setattr(window.saving, "may_leave", may_leave)
