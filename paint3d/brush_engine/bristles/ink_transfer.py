@@ -44,6 +44,7 @@ from paint3d.brush_engine.ink_transfer import (
     leave_from_reservoirs,
     level_shares,
     note_covered,
+    soak,
     stillness,
     take_up_ink,
 )
@@ -594,6 +595,10 @@ def sweep_hairs(before, after, ready, transfer_per_mm, hairs, field, ink, scratc
     level_shares(before, after, level, ink.transfer[0].grain, field, ink, n, scratch)
     landing = ready * scale * lands
     weighed = weighed_area(field, found.ids, found.share, n)
+    if landing > 0.0 and weighed > 0.0:
+        soak(found, n, ink)
+        rest = weighed_area(field, found.ids, found.share, n) / weighed
+        scale, landing, weighed = rest * scale, rest * landing, rest * weighed
     if landing > 0.0 and weighed > 0.0:
         coats = first_film(level, transfer_per_mm, ink)
         first = lay_first_film(coats, landing / weighed, found, n, field, ink)
