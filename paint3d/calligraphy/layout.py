@@ -241,10 +241,11 @@ def _panels(mesh: TriangleMesh, within_margins: bool) -> tuple[Ground, ...]:
 
 @dataclass(frozen=True, eq=False)
 class PlacedCharacter:
-    """A character and the em square that it is written in."""
+    """A character, the em square that it is written in, and its column or row, from 0."""
 
     text: str
     square: EmSquare
+    line: int = 0
 
 
 @dataclass(frozen=True)
@@ -252,6 +253,7 @@ class _Cell:
     text: str
     across: int  # from the left
     down: int  # from the top
+    line: int = 0
 
 
 def split_text(text: str) -> list[str]:
@@ -565,7 +567,7 @@ class _Grid:
                 return None
             if not apart.any():
                 squares = zip(cells, placed, strict=True)
-                return [PlacedCharacter(cell.text, square) for cell, square in squares]
+                return [PlacedCharacter(cell.text, square, cell.line) for cell, square in squares]
             if self.layout.around and apart[0] > 0.0:
                 return None
             least = np.array([_LEAST_WIDENING, _LEAST_HEIGHTENING]) * self.em_mm
@@ -579,7 +581,8 @@ class _Grid:
         cells = []
         for k, line in enumerate(lines):
             for j, text in enumerate(line):
-                cells.append(_Cell(text, wide - 1 - k, j) if columns else _Cell(text, j, k))
+                at = (wide - 1 - k, j) if columns else (j, k)
+                cells.append(_Cell(text, *at, k))
         return cells
 
     def _placed(

@@ -24,6 +24,7 @@ from paint3d.device.hid_nodes import HidNode
 from paint3d.device.hot_plug import PluggedDevices
 from paint3d.device.sample import DIP, StylusReading
 from paint3d.device.space_mouse import MouseEvent
+from paint3d.errors import DeviceError
 from paint3d.haptics.settings import DeviceLimits, Feel, HapticSettings
 from paint3d.pose.mouse_settings import MouseSettings
 from paint3d.pose.steering import apply_action
@@ -609,7 +610,7 @@ def test_what_else_takes_the_next_touch_ends_it_and_is_ended_by_it(pad_window, l
 def test_without_a_pad_it_is_said_why(pad_window) -> None:
     def find() -> PluggedDevices:
         plugged = PluggedDevices(list, None, 0.0)
-        plugged.failures = {NODE.path: f"{NODE.path}: may not be opened"}
+        plugged.failures = {NODE.path: DeviceError(f"{NODE.path}: may not be opened")}
         return plugged
 
     form, calibrating = pad_window.panels.devices.stylus, pad_window.both_hands.calibrating
