@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from paint3d.device.hid_link import DeviceGoneError, Link
-from paint3d.errors import DeviceError
+from paint3d.errors import DeviceError, Message
 
 __all__ = ["DeviceLoop", "DeviceStatus"]
 
@@ -44,7 +44,7 @@ class DeviceStatus:
     heard_ns: int = 0
     longest_gap_ns: int = 0
     last_refusal: str = ""
-    gone: str | None = None
+    gone: Message | None = None
 
 
 class DeviceLoop:
@@ -92,7 +92,7 @@ class DeviceLoop:
         try:
             self.link.write(report)
         except DeviceGoneError as cause:
-            self.status.gone = str(cause)
+            self.status.gone = cause.message
 
     def stop(self) -> None:
         """Stop reading and close the device."""
@@ -106,7 +106,7 @@ class DeviceLoop:
                 for time_ns, report in self.link.read(_WAIT_MS):
                     self._handle(time_ns, report)
         except DeviceGoneError as cause:
-            self.status.gone = str(cause)
+            self.status.gone = cause.message
         if self._at_end is not None:
             self._deliver(self._at_end(time.monotonic_ns()))
 

@@ -74,7 +74,7 @@ class PluggedDevices:
         # What devices that are gone sent before:
         self._last_events: list[tuple[str, list[MouseEvent]]] = []
         self._last_readings: list[StylusReading] = []
-        self.failures: dict[str, str] = {}
+        self.failures: dict[str, DeviceError] = {}
         self._stop = threading.Event()
         self._thread = None
         self.look()
@@ -174,7 +174,7 @@ class PluggedDevices:
             try:
                 self.look()
             except DeviceError as cause:
-                self.failures["enumeration"] = str(cause)
+                self.failures["enumeration"] = cause
 
     def _retire(self, path: str) -> None:
         """Close a device, keeping what it sent before."""
@@ -197,6 +197,6 @@ class PluggedDevices:
                 self._devices[node.path] = node, Stylus(link, log)
             self.failures.pop(node.path, None)
         except DeviceError as failure:
-            self.failures[node.path] = str(failure)
+            self.failures[node.path] = failure
             if link is not None:
                 link.close()

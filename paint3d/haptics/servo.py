@@ -50,8 +50,8 @@ class ServoStatus:
         Samples that were not taken in time.
     softening : float
         Fraction of the stiffness in use; below 1 if the servo is late too often.
-    fault : str
-        Why it failed; empty if it did not.
+    fault : Message or None
+        Why it failed; None if it did not.
     """
 
     state: str
@@ -66,7 +66,7 @@ class ServoStatus:
     refused: int
     lost: int
     softening: float
-    fault: str = ""
+    fault: Message | None = None
 
 
 class ForceFeedback:

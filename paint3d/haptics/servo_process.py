@@ -18,7 +18,7 @@ from paint3d.core.machine import ENDING
 from paint3d.core.quaternion import multiply, turn
 from paint3d.device.force.force_port import ForcePort
 from paint3d.device.force.haptic_stylus import PoseNumbers
-from paint3d.errors import DeviceError
+from paint3d.errors import DeviceError, Message
 from paint3d.haptics import shared_state as board_of
 from paint3d.haptics.kernels import state as hs
 from paint3d.haptics.kernels.step import servo_step
@@ -198,7 +198,8 @@ def run_servo(task: ServoTask) -> None:
         task.port.run(servo)
         counters[board_of.STATE] = board_of.STOPPED
     except Exception as fault:  # of any kind: the program must learn of it
-        board.explain(str(fault) if isinstance(fault, DeviceError) else repr(fault))
+        known = isinstance(fault, DeviceError)
+        board.explain(fault.message if known else Message(repr(fault)))
         counters[board_of.STATE] = board_of.FAILED
     finally:
         del servo.tree, tree

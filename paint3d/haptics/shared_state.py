@@ -9,6 +9,7 @@ stores and the interpreter's, and on all numbers being of eight bytes.
 
 from __future__ import annotations
 
+import json
 from contextlib import suppress
 from dataclasses import dataclass
 from multiprocessing.shared_memory import SharedMemory
@@ -19,7 +20,7 @@ from numpy.typing import NDArray
 
 from paint3d.core.arrays import AnyArray
 from paint3d.core.machine import reserve_space
-from paint3d.errors import DeviceError
+from paint3d.errors import DeviceError, Message
 from paint3d.mesh.kernels.bvh import ContactTree
 
 __all__ = [
@@ -72,6 +73,10 @@ def _no_room(n_bytes: int, cause: OSError) -> DeviceError:
     )
 
 
+def _packed(fault: Message) -> bytes:
+    return json.dumps(fault.to_words(), ensure_ascii=False).encode()
+
+
 # ---- The board -----------------------------------------------------------------------------------
 
 SNAPSHOT_COLUMNS = 32
@@ -82,7 +87,7 @@ RING_COLUMNS = 16
 BIN_US = 10
 _BINS = 1000
 _COUNTERS = 32
-_TEXT = 512
+_TEXT = 2048
 
 # Counters of the board, all int64.
 SEQUENCE, HEAD, STATE, STEPS, LATE, LONGEST_NS, REFUSED = range(7)
@@ -207,14 +212,17 @@ class ServoBoard:
         """Count a time in a histogram of 10 us bins."""
         bins[min(nanoseconds // (1000 * BIN_US), _BINS - 1)] += 1
 
-    def explain(self, fault: str) -> None:
-        """Store why the servo ended."""
-        data = fault.encode()[: _TEXT - 1]
+    def explain(self, fault: Message) -> None:
+        """Store why the servo ended; of what is too long for it, only how it begins."""
+        data = _packed(fault)
+        if len(data) > _TEXT:
+            data = _packed(Message(fault[: _TEXT // 8]))
         self._text[: len(data)] = np.frombuffer(data, np.uint8)
 
-    def fault(self) -> str:
-        """Return why the servo ended; empty if nothing went wrong."""
-        return self._text.tobytes().rstrip(b"\0").decode(errors="replace")
+    def fault(self) -> Message | None:
+        """Return why the servo ended; None if nothing went wrong."""
+        data = self._text.tobytes().rstrip(b"\0")
+        return Message.from_words(json.loads(data)) if data else None
 
     def close(self) -> None:
         """Release the memory; its owner also unlinks it."""

@@ -1,15 +1,11 @@
-"""What the studio says, its keys, and what a user has chosen."""
+"""The studio's keys, and what a user has chosen."""
 
-import ast
 import dataclasses
 import json
 import re
-import string
-from pathlib import Path
 
 import pytest
 
-import paint3d
 from paint3d.app.model.brush_in_hand import resized
 from paint3d.app.model.commands import (
     GESTURES,
@@ -17,88 +13,13 @@ from paint3d.app.model.commands import (
     SHORTCUTS,
     find_shortcuts,
 )
-from paint3d.app.model.document import Document
 from paint3d.app.model.persistence.places import config_folder, recovery_folder
-from paint3d.app.model.persistence.recovery_folder import Unfinished
 from paint3d.app.model.persistence.saved_settings import chosen_brush, chosen_inks, in_hand
 from paint3d.app.model.persistence.settings import Settings, load_settings, save_settings
-from paint3d.app.model.texts import LANGUAGES, Texts, in_chinese, load_texts, system_language
 from paint3d.brush.presets import load_brush
-from paint3d.colour.materials import load_material, load_materials
+from paint3d.colour.materials import load_material
 from paint3d.colour.pigments import load_pigment
-from paint3d.errors import ExportError, Paint3DError, UnknownNameError
-from paint3d.files.load import BUILT_IN_OBJECTS
-
-
-def named_in(text):
-    return sorted(name for _, name, _, _ in string.Formatter().parse(text) if name is not None)
-
-
-def test_every_text_is_there_in_every_language_and_names_the_same_values():
-    for key, texts in load_texts().items():
-        assert set(texts) == set(LANGUAGES), key
-        assert all(text.strip() for text in texts.values()), key
-        assert named_in(texts["en"]) == named_in(texts["zh"]), key
-        assert re.fullmatch(r"[a-z]+\.[a-z0-9_]+", key)
-
-
-def test_chinese_is_chinese():
-    same = {key for key, texts in load_texts().items() if texts["en"] == texts["zh"]}
-    assert same == {"English", "中文"}
-
-
-def test_every_action_group_object_and_material_has_its_text():
-    texts = load_texts()
-    wanted = [f"action.{shortcut.action}" for shortcut in SHORTCUTS]
-    wanted += [f"group.{group}" for group in GROUPS] + [f"gesture.{g}" for g in GESTURES]
-    wanted += [f"object.{name}" for name in BUILT_IN_OBJECTS]
-    wanted += [f"surface.{name.replace(' ', '_')}" for name in load_materials()]
-    assert not set(wanted) - set(texts)
-    used = {s.action for s in SHORTCUTS}
-    assert {k.removeprefix("action.") for k in texts if k.startswith("action.")} == used
-
-
-def asked_for(tree):
-    """Patterns of keys in a source: strings, f-strings, and beginnings that the rest is put to."""
-    formatted = [node for node in ast.walk(tree) if isinstance(node, ast.JoinedStr)]
-    inner = {id(part) for node in formatted for part in node.values}
-    for node in formatted:
-        parts = (getattr(part, "value", None) for part in node.values)
-        yield "".join(re.escape(p) if isinstance(p, str) else ".+" for p in parts)
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in inner:
-            begun = re.fullmatch(r"[a-z]+\.([a-z_]*_)?", node.value)
-            yield re.escape(node.value) + (".+" if begun else "")
-
-
-def test_every_text_is_asked_for():
-    files = (Path(paint3d.__file__).parent / "app").rglob("*.py")
-    asked = {one for file in files for one in asked_for(ast.parse(file.read_text("utf-8")))}
-    asked = {one for one in asked if re.match(r"[a-z]+\\\.", one)}
-    assert [key for key in load_texts() if not any(re.fullmatch(a, key) for a in asked)] == []
-
-
-def test_texts_are_asked_for_by_key():
-    assert Texts("en")("{count} lost", count=3) == "3 lost"
-    assert Texts("zh")("{count} lost", count=3) == "丢失 3"
-    with pytest.raises(UnknownNameError, match=r"device\.lost"):
-        Texts("en")("device.last")
-    with pytest.raises(UnknownNameError, match="language"):
-        Texts("de")
-
-
-@pytest.mark.parametrize(
-    ("environment", "language"),
-    [
-        ({}, "en"),
-        ({"LANG": "zh_CN.UTF-8"}, "zh"),
-        ({"LANG": "zh_CN.UTF-8", "LC_ALL": "C"}, "en"),
-        ({"LANGUAGE": "zh:en", "LANG": "en_US"}, "zh"),
-        ({"LANG": "de_DE"}, "en"),
-    ],
-)
-def test_the_system_s_language_is_found(environment, language):
-    assert system_language(environment) == language
+from paint3d.errors import ExportError
 
 
 def test_no_key_asks_for_two_things():
@@ -203,42 +124,3 @@ def test_folders_follow_the_environment(monkeypatch, tmp_path):
     assert config_folder().parts[-2:] == (".config", "paint3d")
     monkeypatch.setenv("PAINT3D_STATE", str(tmp_path / "own"))
     assert recovery_folder() == tmp_path / "own" / "sittings"
-
-
-@pytest.mark.parametrize(
-    ("english", "chinese"),
-    [
-        ("/a/b.p3d: cannot write: No space left on device", "/a/b.p3d：无法写入：磁盘已满"),
-        ("/a/b.ply: no such file; expected a mesh file", "/a/b.ply：没有这个文件"),
-        ("another ink was asked for during a stroke; expected its end first", "请先写完这一笔"),
-        (
-            "the ink lies in 9,120 dots and gaps of a few pixels, as greys do that are dithered to "
-            "black and white; expected strokes: scan in grey",
-            "墨迹是 9,120 个网点，请用灰度扫描",
-        ),
-        ("nobody knows this one", "未能完成：nobody knows this one"),
-    ],
-)
-def test_errors_are_said_in_chinese(english, chinese):
-    assert in_chinese(english) == chinese
-
-
-def test_errors_that_are_raised_are_among_the_patterns(tmp_path):
-    document = Document.new("plane", 4.0)
-    noise = tmp_path / "random.glb"
-    noise.write_bytes(bytes([0x81, 0x17, 0x99] * 400))
-    for action in (
-        lambda: document.save(tmp_path / "no" / "a.p3d"),
-        lambda: document.export(tmp_path / "a.xyz"),
-        lambda: document.export(tmp_path / "no" / "a.ply"),
-        lambda: document.replay_history(7),
-        lambda: Document.new(tmp_path / "none.ply"),
-        lambda: Document.new(noise),
-        lambda: Document.open(tmp_path / "none.p3d"),
-        lambda: Unfinished(tmp_path / "gone", "plane", None, 0.0).recover(),
-    ):
-        with pytest.raises(Paint3DError) as found:
-            action()
-        assert "\n" not in str(found.value)
-        assert "codec" not in str(found.value)
-        assert not in_chinese(str(found.value)).startswith("未能完成"), str(found.value)

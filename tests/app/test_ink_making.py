@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -16,10 +15,8 @@ from PySide6 import QtCore, QtGui, QtTest, QtWidgets
 
 from paint3d.app.model.persistence.settings import Settings, load_settings, save_settings
 from paint3d.app.model.score.playing import painted
-from paint3d.app.window.ink import ink_making, ink_panel
 from paint3d.app.window.ink.ink_panel import DishGrid
 from paint3d.app.window.theme import LIGHT_THEME
-from paint3d.app.window.wording import CHINESE
 from paint3d.colour.inks import TONES
 from paint3d.colour.pigments import WATER, load_palette
 from tests.support.app.gestures import BUTTON, KIND, live, pen_stroke, type_key, wait_for
@@ -186,16 +183,6 @@ def test_the_tip_is_dipped_as_far_as_it_is_asked(window) -> None:
     column = [pigment.name for pigment in surface.pigments].index("indigo")
     assert np.count_nonzero(surface.ink.reservoirs[:, column]) in (7, 8)  # of twelve
     inks.tip_only.setChecked(False)
-
-
-def test_all_that_is_said_of_inks_is_said_in_chinese() -> None:
-    texts = set()
-    for module in (ink_making, ink_panel):
-        source = Path(module.__file__).read_text(encoding="utf-8")
-        texts |= set(re.findall(r'say\("([^"]+)"', source))
-        texts |= set(re.findall(r'_button\("([^"]+)"', source))
-    assert {text for text in texts if "." not in text and text not in CHINESE} == set()
-    assert {name.capitalize() for name in TONES} <= set(CHINESE)
 
 
 # -- pigments of one's own ---------------------------------------------------------------------

@@ -15,12 +15,11 @@ from PySide6 import QtCore, QtGui, QtTest, QtWidgets
 
 from paint3d.app.model.own_object import first_choice, likely_unit, sensible_resolution
 from paint3d.app.window.object.new_dialog import NewDialog
-from paint3d.app.window.object.standing import ObjectDialog, note_text
+from paint3d.app.window.object.standing import ObjectDialog
 from paint3d.app.window.start import open_first
 from paint3d.app.window.studio import StudioWindow
-from paint3d.app.window.wording import CHINESE, choose_language
+from paint3d.app.window.wording import choose_language
 from paint3d.files.export import export
-from paint3d.files.formats import gltf, obj, threemf
 from paint3d.files.load import load_mesh, read_mesh
 from paint3d.files.project.session import load_session
 from paint3d.files.reading import Reading
@@ -411,45 +410,6 @@ def test_what_is_left_out_is_said_in_the_windows_language(window, tmp_path: Path
         ["Materials are left out: it refers to 'gone.mtl', which is missing", "Left out: lines"],
     ]
     assert focused == ["打开", "Open"]  # Enter opens, and no quarter turn looks chosen beside it
-
-
-@pytest.mark.parametrize(
-    ("note", "chinese"),
-    [
-        ("left out: animations, transparency", "未采用：动画、透明"),
-        ("left out: its vertex colours, none of which is a number",
-         "未采用：顶点颜色（全都不是数）"),
-        ("left out 1,203 faces that name a vertex twice", "去掉了 1,203 个重复用同一顶点的面"),
-        ("3 of 1,200 vertex colours are no numbers: made white", "3 处顶点颜色不是数，已改为白色"),
-        ("its vertex colours are taken as 0 to 65,535", "顶点颜色按 0 到 65,535 读取"),
-        ("3 of 8 colours of faces are not within 0 to 255: brought to the nearest that is",
-         "8 处面颜色中有 3 处不在 0 到 255 之间，已取最近的值"),
-        ("left out: its vertex colours, most of which are not within 0 to 65,535",
-         "未采用：顶点颜色（大多不在 0 到 65,535 之间）"),
-        ("it is a point cloud: built 4,000 triangles through 2,100 points",
-         "这是点云：由 2,100 个点构成 4,000 个三角形"),
-        ("a texture is left out: the mesh has no TEXCOORD_0",
-         "未采用一张贴图：网格没有 TEXCOORD_0"),
-    ],
-)  # fmt: skip
-def test_notes_are_told_in_chinese(note: str, chinese: str) -> None:
-    choose_language("zh")
-    try:
-        assert note_text(note) == chinese
-    finally:
-        choose_language("en")
-
-
-def test_notes_are_told_in_english() -> None:
-    assert note_text("left out: animations") == "Left out: animations"
-    assert note_text("left out 3 faces") == "Left out 3 faces"
-
-
-def test_all_that_readers_leave_out_has_chinese_words() -> None:
-    lists = (gltf.LEFT_OUT, obj.LEFT_OUT, threemf.LEFT_OUT,
-             obj.PASSED_OVER, gltf.THIN)  # fmt: skip
-    words = {word for one in lists for word in one.values()}
-    assert words <= set(CHINESE)
 
 
 def test_the_papers_records_are_an_object_with_its_colours(window, tmp_path: Path) -> None:

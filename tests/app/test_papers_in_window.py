@@ -35,7 +35,7 @@ PRESSURES = [0.1, *[0.5] * 10, 0.0]
 
 @pytest.fixture(scope="module")
 def window(program):
-    with faults() as found, opened(program, "plane", 2.5, "porcelain") as window:
+    with faults() as found, opened(program, "plane", 2.5, "porcelain", drawn=False) as window:
         yield window
     assert found == []
 

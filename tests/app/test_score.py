@@ -489,7 +489,7 @@ def test_a_stroke_with_an_ink_that_is_none_does_not_begin() -> None:
 
 @pytest.fixture
 def score_window(program):
-    with opened(program, "plane", 2.0, "porcelain") as score_window:
+    with opened(program, "plane", 2.0, "porcelain", drawn=False) as score_window:
         yield score_window
 
 

@@ -164,7 +164,7 @@ def test_what_was_undone_only_to_look_at_it_is_there_below_a_seal(document: Docu
 @pytest.fixture(scope="module")
 def sheet(program):
     """A window with a sheet in it."""
-    with opened(program, resolution=0.8) as window:
+    with opened(program, resolution=0.8, drawn=False) as window:
         yield window
 
 

@@ -24,11 +24,12 @@ from paint3d.device.hid_nodes import HidNode
 from paint3d.device.hot_plug import PluggedDevices
 from paint3d.device.sample import DIP, StylusReading
 from paint3d.device.space_mouse import MouseEvent
+from paint3d.errors import DeviceError
 from paint3d.haptics.settings import DeviceLimits, Feel, HapticSettings
 from paint3d.pose.mouse_settings import MouseSettings
 from paint3d.pose.steering import apply_action
 from tests.support.app.gestures import live, pen_stroke, wait_for
-from tests.support.app.windows import close_unasked, faults, opened, settled
+from tests.support.app.windows import blind, close_unasked, faults, opened, settled
 from tests.support.descriptors import pen
 from tests.support.force_model import ForceModel
 from tests.support.plugged import device
@@ -60,9 +61,10 @@ def window(program, stylus):
     window.workspace.quiet = True
     assert window.opening.open_path("plane", 1.5, "porcelain", asked=True)
     wait_for(lambda: window.stage.is_lit)
-    wait_for(lambda: window.both_hands.desk.rate_hz("right") > 0.0)
-    yield window
-    close_unasked(window)
+    with blind(window):
+        wait_for(lambda: window.both_hands.desk.rate_hz("right") > 0.0)
+        yield window
+        close_unasked(window)
 
 
 def done(window) -> None:
@@ -432,8 +434,9 @@ def main():
     from paint3d.app.window.start import make_program
     from paint3d.app.window.studio import StudioWindow
     from tests.support.app.gestures import wait_for
-    from tests.support.app.windows import close_unasked
+    from tests.support.app.windows import close_unasked, draw_little
 
+    draw_little()
     settings = Settings(stylus="hid")
     window = StudioWindow(make_program(), settings, plugged=plug_in_mice(), feel=start_feeling)
     window.show()
@@ -607,7 +610,7 @@ def test_what_else_takes_the_next_touch_ends_it_and_is_ended_by_it(pad_window, l
 def test_without_a_pad_it_is_said_why(pad_window) -> None:
     def find() -> PluggedDevices:
         plugged = PluggedDevices(list, None, 0.0)
-        plugged.failures = {NODE.path: f"{NODE.path}: may not be opened"}
+        plugged.failures = {NODE.path: DeviceError(f"{NODE.path}: may not be opened")}
         return plugged
 
     form, calibrating = pad_window.panels.devices.stylus, pad_window.both_hands.calibrating

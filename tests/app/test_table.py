@@ -86,7 +86,7 @@ class Stand:
     """Stands in for the plugged devices: events that were put there come once."""
 
     def __init__(self):
-        self.failures = {"/dev/hidraw9": "may not be opened; add the rule X"}
+        self.failures = {"/dev/hidraw9": DeviceError("may not be opened; add the rule X")}
         self.mouse, self.stylus, self.calibrated = [], [], 0
 
     def nodes(self):
@@ -139,7 +139,7 @@ def test_buttons_ask_the_document_or_steer_the_object():
     assert [(v.name, v.hand, v.is_open) for v in views] == [
         ("SpaceMouse", "left", True), ("/dev/hidraw9", "", False)
     ]  # fmt: skip
-    assert "rule" in views[1].message
+    assert "rule" in str(views[1].error)
     desk.stop()
     assert stand.mouse is None
 

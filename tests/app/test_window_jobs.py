@@ -525,15 +525,6 @@ def test_toggles_of_one_painting_are_not_lit_in_the_next(window) -> None:
     assert window.document.symmetry.planes == ()
 
 
-def test_every_name_of_a_format_is_there_in_chinese() -> None:
-    from paint3d.app.window.files import exporting
-    from paint3d.app.window.playing import pictures, recordings
-    from paint3d.app.window.wording import CHINESE
-
-    for names in (exporting.FORMAT_NAMES, recordings.FORMATS, pictures.PICTURES, pictures.FILMS):
-        assert set(names.values()) <= set(CHINESE)
-
-
 def test_a_childs_reading_is_ended_by_cancel(window, tmp_path: Path) -> None:
     big = tmp_path / "big.obj"
     big.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\n" + "f 1 2 3\n" * 3_000_000)
@@ -569,9 +560,9 @@ import sys, threading
 from numba.core.dispatcher import Dispatcher
 from paint3d.app.window.start import make_program
 from tests.support.app.gestures import BUTTON, drag, pen_stroke
-from tests.support.app.windows import light_by_few, opened, settled
+from tests.support.app.windows import draw_little, opened, settled
 
-light_by_few()
+draw_little()
 make_ready, found = Dispatcher.compile, []
 
 def tell(kernel, signature):

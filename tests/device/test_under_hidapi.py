@@ -134,7 +134,8 @@ x = [round(s.position[0] * 1000) for s in samples]
 gaps = [b.time_ns - a.time_ns for a, b in zip(samples, samples[1:])]
 print(json.dumps({"status": status, "x": x, "lost": lost, "late": hands.late,
                   "object": samples[-1].object_position.tolist() if samples else None,
-                  "least_gap": min(gaps, default=None), "failures": devices.failures}))
+                  "least_gap": min(gaps, default=None),
+                  "failures": {path: str(why) for path, why in devices.failures.items()}}))
 devices.stop()
 """
 

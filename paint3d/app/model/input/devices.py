@@ -25,7 +25,7 @@ from paint3d.device.report_rate import find_report_rate
 from paint3d.device.sample import DIP, DeviceSample, StylusReading
 from paint3d.device.space_mouse import DeflectionSettings, MouseEvent, SpaceMouse
 from paint3d.device.stylus import Stylus
-from paint3d.errors import DeviceError, Paint3DError
+from paint3d.errors import DeviceError, Message, Paint3DError
 from paint3d.haptics.servo import ForceFeedback, ServoStatus
 from paint3d.haptics.settings import PHANTOM_DESKTOP, DeviceLimits, Feel, HapticSettings
 from paint3d.haptics.stylus_choice import find_stylus
@@ -89,7 +89,7 @@ class NoDevices:
     """Stands where HID devices cannot be read: see `Devices`."""
 
     def __init__(self) -> None:
-        self.failures: dict[str, str] = {}
+        self.failures: dict[str, DeviceError] = {}
 
     def nodes(self) -> list[HidNode]:
         """None."""
@@ -153,15 +153,15 @@ class DeviceView:
     kind : {"mouse", "stylus", "pen"}
     hand : {"left", "right"}
     is_open : bool
-    message : str
-        Why it could not be opened, with the rule that would help; empty where it is.
+    error : DeviceError or None
+        Why it could not be opened, with the rule that would help; None where it is.
     """
 
     name: str
     kind: str
     hand: str
     is_open: bool
-    message: str = ""
+    error: DeviceError | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -224,7 +224,7 @@ class DeviceHub:
     Attributes
     ----------
     hands : TwoHands
-    ended : str or None
+    ended : Message or None
         Why the force feedback has ended; None while it goes on, or there was none.
     """
 
@@ -238,7 +238,7 @@ class DeviceHub:
         stylus_name: str = "stylus",
     ) -> None:
         self.hands = hands or TwoHands(time_ns=clock())
-        self.ended: str | None = None
+        self.ended: Message | None = None
         self._stylus_name = stylus_name
         self._plugged = plugged
         self._feedback = feedback
@@ -304,7 +304,7 @@ class DeviceHub:
     def _let_go_of_what_ended(self, feedback: Feedback) -> None:
         """Have a device rest whose servo was killed: it would push on with its last force."""
         if not feedback.is_running():
-            self.ended = feedback.status().fault or "its process stopped"
+            self.ended = feedback.status().fault or Message("its process stopped")
             log.warning("force feedback has ended: %s", self.ended)
             feedback.stop()
             self._feedback, self._force = None, 0.0

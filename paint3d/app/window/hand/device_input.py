@@ -106,8 +106,9 @@ class Calibrating:
         pens = self.find_pens()
         nodes = [] if pens is None else pens.nodes()
         if not nodes:
-            why = "" if pens is None else next(iter(pens.failures.values()), "")
-            message = say("No stylus is there to calibrate") + (f": {why}" if why else "")
+            failures = [] if pens is None else [*pens.failures.values()]
+            said = [say("No stylus is there to calibrate"), *map(say_error, failures[:1])]
+            message = ": ".join(said)
             self._form.show_calibrating(message, False)
             if pens is not None:
                 pens.stop()

@@ -14,7 +14,7 @@ from paint3d.app.model.frame import Frame
 from paint3d.app.model.input.devices import DeviceHub, DeviceView
 from paint3d.app.window.status_line import keeping_up
 from paint3d.app.window.theme import STATES, Theme
-from paint3d.app.window.wording import say
+from paint3d.app.window.wording import say, say_error
 from paint3d.core.arrays import AnyArray
 from paint3d.device.button_actions import ACTIONS
 from paint3d.device.recorded import MAX_FORCE_N
@@ -439,7 +439,8 @@ def _lines_of(desk: DeviceHub, views: Sequence[DeviceView]) -> list[str]:
     lines = []
     for view in views:
         if not view.is_open:
-            lines.append(f"{STATES['bad']} {view.name}\n     {view.message}")
+            why = "" if view.error is None else say_error(view.error)
+            lines.append(f"{STATES['bad']} {view.name}\n     {why}")
             continue
         late, rate = desk.lateness_ms(view.hand), desk.rate_hz(view.hand)
         state = STATES["slow" if late > _LATE_MS else "good"]
