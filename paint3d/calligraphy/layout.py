@@ -34,6 +34,7 @@ __all__ = [
     "frames_to_try",
     "grounds_of",
     "layout_text",
+    "places_for",
     "split_text",
     "upright_frame",
     "walking_step",
@@ -228,6 +229,24 @@ def grounds_of(surface: ClosestPoints, layout: Layout) -> tuple[tuple[Ground, ..
     at = np.array(layout.point)
     away = [float(np.linalg.norm(p.surface.find(at[None]).points[0] - at)) for p in panels]
     return (panels[int(np.argmin(away))],), layout
+
+
+def places_for(
+    surface: ClosestPoints, at: tuple[float, float] | None, side: str | None
+) -> Iterator[SurfaceFrame]:
+    """Frames where what is laid on an object may go: at a place, or one after another.
+
+    Raises
+    ------
+    InputError, MeshError
+        See `place`.
+    """
+    grounds, layout = grounds_of(surface, Layout(at=at, side=side))
+    if layout.is_placed:
+        yield grounds[0].middle(layout)
+        return
+    for ground in grounds:
+        yield from frames_to_try(ground.surface, side)
 
 
 @lru_cache(maxsize=8)

@@ -243,12 +243,8 @@ def press(document: Document, options: argparse.Namespace) -> str:
 def _frames(document: Document, options: argparse.Namespace) -> Iterator[SurfaceFrame]:
     from itertools import islice
 
-    from paint3d.calligraphy.layout import frames_to_try
+    from paint3d.calligraphy.layout import places_for
     from paint3d.mesh.bvh import ClosestPoints
-    from paint3d.mesh.placement import place
 
     closest = ClosestPoints(document.surface.source)
-    if options.at is not None:
-        yield place(closest, options.at, side=options.side)
-        return
-    yield from islice(frames_to_try(closest, options.side), _MOST_PLACES)
+    yield from islice(places_for(closest, options.at, options.side), _MOST_PLACES)

@@ -97,10 +97,10 @@ class _InItself(QtWidgets.QStyledItemDelegate):
             return
         painter.save()
         font = QtGui.QFont(family)
-        font.setPointSizeF(1.25 * option.font.pointSizeF())  # type: ignore[attr-defined]
+        font.setPointSizeF(1.25 * option.font.pointSizeF())
         painter.setFont(font)
         right = QtCore.Qt.AlignmentFlag.AlignRight | QtCore.Qt.AlignmentFlag.AlignVCenter
-        area = option.rect.adjusted(0, 0, -10, 0)  # type: ignore[attr-defined]
+        area = option.rect.adjusted(0, 0, -10, 0)
         painter.drawText(area, right, _sample(family))
         painter.restore()
 
