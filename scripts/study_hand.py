@@ -29,8 +29,8 @@ from paint3d.mesh.triangle_mesh import TriangleMesh
 from tests.support.app.event_player import open_for
 from tests.support.app.marks import inked_share, largest_jump, off_the_way, stations, stray
 from tests.support.app.random_strokes import random_strokes
-from tests.support.app.trials import blind, try_strokes
-from tests.support.app.windows import pretend_saved
+from tests.support.app.trials import try_strokes
+from tests.support.app.windows import blind, pretend_saved
 
 HALF_FOOTPRINT = 2.4  # mm: of the full brush at a quarter of its pressure
 REACH = 10.0

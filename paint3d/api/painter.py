@@ -18,7 +18,6 @@ from paint3d.calligraphy.flying_white import inked_as
 from paint3d.calligraphy.layout import Layout
 from paint3d.calligraphy.writing import Pen, Written, write_page, write_text
 from paint3d.errors import InputError, MeshError, Paint3DError
-from paint3d.mesh.placement import place
 from paint3d.painter.painter import Ink
 from paint3d.painter.painter import Painter as StrokePainter
 from paint3d.recording.recording import Recording
@@ -283,7 +282,7 @@ class Painter(StrokePainter):
         InputError, MeshError
             If it cannot be cut, or there is no place for it.
         """
-        from paint3d.calligraphy.layout import frames_to_try
+        from paint3d.calligraphy.layout import places_for
         from paint3d.calligraphy.seal.impression import Pressing, find_impression
         from paint3d.calligraphy.seal.paste import lay_paste
         from paint3d.calligraphy.seal.stone import cut_seal
@@ -291,10 +290,7 @@ class Painter(StrokePainter):
 
         stone = cut_seal(text, svg, style, size, font=font)
         closest, angle = self._closest, math.radians(rotate)
-        if at is not None:
-            frames = iter([place(closest, at, side=side)])
-        else:
-            frames = frames_to_try(closest, side)
+        frames = places_for(closest, at, side)
         pressing = Pressing(coats=coats, wear=wear, seed=seed)
         fault: Paint3DError | None = None
         for _, frame in zip(range(_MOST_PLACES), frames, strict=False):

@@ -44,23 +44,25 @@ from paint3d.core.kernel import kernel, uncounted
 
 __all__ = [
     "LINES",
-    "MOST_AT_FIRST",
     "PAINTED",
     "TRANSFER",
     "Deposit",
     "InkField",
     "contact_level",
+    "first_film",
+    "given_on_way",
     "held_ink",
     "landing_share",
+    "lay_first_film",
     "leave_from_reservoirs",
     "level_reservoirs",
     "level_shares",
     "mean_pressure",
     "note_covered",
+    "soak",
     "stillness",
     "sweep_deposit",
     "take_up_ink",
-    "wet_at_once",
 ]
 
 # ---- The even film -------------------------------------------------------------------------------
@@ -79,7 +81,7 @@ _RUNS_DRY = (0.15, 0.3)  # contact level below which a tuft has no film, and fro
 _MOST = 6.0  # times a share that a line gets
 _ON_GLAZE, _ON_GRAIN = 1.15, 0.8  # power of a line's length that what it gets falls with
 _LEAST_WAY = 1e-9  # mm
-_STREAKED = 0.07  # deviation of what bundles of hairs bring on paper, over their mean
+_STREAKED = 0.09  # deviation of what bundles of hairs bring on paper, over their mean
 _BUNDLE_WAY = 9.0  # mm: how far along the way they bring alike
 
 
@@ -276,9 +278,10 @@ _DRY_AT = 0.8  # share of a full load below which a light brush on grain 1 begin
 _DRY_PRESSED = 0.4  # less of it at full pressure
 _FLOWS_MM_S = 350.0  # speed of a hand at which it takes twice the load for the same contact
 _MOST_HASTE = 1.7
-_WETS_MM = 4.0  # of the way: what a wet tuft leaves at once where it comes first
-_FIRST_COATS = 1.6  # that a wet tuft leaves at least where it comes first
-MOST_AT_FIRST = 0.01  # of what it holds, for the sake of that
+_FIRST_MM = 0.035  # per mm of a tuft's width: the first film is what so much of pressure would give
+_AT_FIRST = 0.6  # of what a wet tuft leaves in all that its first film is
+_FULL_COATS = 2.0  # of wet ink, at which paper takes half as much of what comes on the way
+_MOST_AT_FIRST = 0.01  # of what it holds, in one sweep
 _MOST_PASSES = 1000
 _SHARE = 0.45  # of a reservoir, the most that flows out of it on one side in one pass
 PAINTED = 3  # counter: vertices that ink was left on
@@ -321,32 +324,73 @@ def contact_level(before, after, ink):
 
 
 @uncounted(error_model="numpy")
-def wet_at_once(before, after, level, found, n, field, ink):
-    """Let what the tuft touches first take a film at once.
+def first_film(level, transfer_per_mm, ink):
+    """Coats that a tuft leaves at once where it comes first: docs/model.md, equation (12a)."""
+    return _FIRST_MM * transfer_per_mm * level * level * held_ink(ink)
 
-    By the time under the tuft alone, heads would stay pale at their corners. So where a footprint
-    grows, turns or comes down in its place, a vertex counts as if it had been under the
-    outline for `_WETS_MM` of the way more, once, for what is newly covered of it; what was wet
-    before gets no more. One that is carried on is levelled otherwise: `level_shares`.
+
+@uncounted(error_model="numpy")
+def given_on_way(level):
+    """Share of what equation (10) gives that is left for the way, beside the first film."""
+    return 1.0 - _AT_FIRST * level * level
+
+
+@uncounted(error_model="numpy")
+def soak(found, n, ink):
+    """Let paper that has drunk take less: the shares of what is wet fall with what it holds.
+
+    So a stroke that crosses a wet one runs into it and does not lie on it like a film, and where
+    the brush dwells no more comes than the sheet holds. Nothing changes on a glaze.
+    """
+    grain = min(1.0, 2.0 * ink.transfer[0].grain)
+    if grain <= 0.0:
+        return
+    ids, share, amounts = found.ids, found.share, ink.amounts
+    part, per_full = np.float32(grain), np.float32(1.0 / _FULL_COATS)
+    one, n_pigments = np.float32(1.0), ink.load.shape[0]
+    for k in range(n):
+        v, held = ids[k], np.float32(0.0)
+        for p in range(n_pigments):
+            held += amounts[v, p]
+        full = held * per_full
+        full *= full
+        full *= full
+        share[k] *= one - part * full / (one + full)
+
+
+@uncounted(error_model="numpy")
+def lay_first_film(coats, unit, found, n, field, ink):
+    """Let what is newly covered take a film at once, however lightly and briefly it is touched.
+
+    Parameters
+    ----------
+    coats : float
+        Of the film.
+    unit : float
+        Coats that a share of 1 gets of what is given on the way.
+    found : Found
+        The first `n` of it; their shares grow.
+    n : int
+    field, ink : SurfaceField, InkField
 
     Returns
     -------
     float
-        What a wet tuft leaves at least, coats x mm2: a thin film on all that is newly covered,
-        however lightly it touches.
+        What it takes, coats x mm2; a small part of what the tuft holds at most.
     """
-    moved = outline_motion(before, after)
-    if moved <= 1e-6:
-        return 0.0
     ids, share, cover, coverage = found.ids, found.share, found.cover, ink.coverage
     areas, new = field.area_units, 0.0
-    per_cover = np.float32(_WETS_MM * level * stillness(before, after) / moved)
     for k in range(n):
         v = ids[k]
-        newly = max(np.float32(0.0), cover[k] - coverage[v])
-        share[k] += per_cover * newly
-        new += newly * areas[v]
-    return _FIRST_COATS * level * level * new * field.area_unit
+        new += max(np.float32(0.0), cover[k] - coverage[v]) * areas[v]
+    new *= field.area_unit
+    if new <= 0.0 or unit <= 0.0 or coats <= 0.0:
+        return 0.0
+    coats = min(coats, _MOST_AT_FIRST * held_ink(ink) / new)
+    per_cover = np.float32(coats / unit)
+    for k in range(n):
+        share[k] += per_cover * max(np.float32(0.0), cover[k] - coverage[ids[k]])
+    return coats * new
 
 
 @uncounted(error_model="numpy")
@@ -605,8 +649,9 @@ def sweep_deposit(before, after, tuft, field, ink, scratch):
     total, released = _ink_released(before, after, tuft, ink)
     if area < width * width and n == 0:
         released = 0.0  # a touch finer than the vertices leaves nothing yet
-    landing = released * landing_share(area, width, weighed, n)
     level = contact_level(before, after, ink)
+    released *= given_on_way(level)
+    landing = released * landing_share(area, width, weighed, n)
     note_way(before, after)
     if level < 1.0 and weighed > 0.0:  # a brush that runs dry gives less, and only to the heights
         bundles = (tuft.diameters[-1], BUNDLE_MM, 1.0, 0.0)
@@ -622,12 +667,16 @@ def sweep_deposit(before, after, tuft, field, ink, scratch):
     scratch.taken[:] = 0.0
     if ink.transfer[0].pickup > 0.0:
         take_up_ink(before, after, released, found, n, field, ink, scratch.taken)
-    least = min(wet_at_once(before, after, level, found, n, field, ink), MOST_AT_FIRST * total)
-    if 0.0 < released < least:
-        landing *= least / released
-        released = least
-    levelled = level_shares(before, after, level, ink.transfer[0].grain, field, ink, n, scratch)
-    if least > 0.0 or levelled:
+    if level_shares(before, after, level, ink.transfer[0].grain, field, ink, n, scratch):
+        weighed = weighed_area(field, found.ids, found.share, n)
+    if landing > 0.0:
+        soak(found, n, ink)
+        rest = weighed_area(field, found.ids, found.share, n) / weighed
+        released, landing, weighed = rest * released, rest * landing, rest * weighed
+    if landing > 0.0:
+        coats = first_film(level, tuft.transfer_per_mm, ink)
+        first = lay_first_film(coats, landing / weighed, found, n, field, ink)
+        released, landing = released + first, landing + first
         weighed = weighed_area(field, found.ids, found.share, n)
     if ink.reservoirs.shape[0] > 1:
         deposit = Deposit(released, landing, weighed)

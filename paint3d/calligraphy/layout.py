@@ -34,6 +34,7 @@ __all__ = [
     "frames_to_try",
     "grounds_of",
     "layout_text",
+    "places_for",
     "split_text",
     "upright_frame",
     "walking_step",
@@ -230,6 +231,24 @@ def grounds_of(surface: ClosestPoints, layout: Layout) -> tuple[tuple[Ground, ..
     return (panels[int(np.argmin(away))],), layout
 
 
+def places_for(
+    surface: ClosestPoints, at: tuple[float, float] | None, side: str | None
+) -> Iterator[SurfaceFrame]:
+    """Frames where what is laid on an object may go: at a place, or one after another.
+
+    Raises
+    ------
+    InputError, MeshError
+        See `place`.
+    """
+    grounds, layout = grounds_of(surface, Layout(at=at, side=side))
+    if layout.is_placed:
+        yield grounds[0].middle(layout)
+        return
+    for ground in grounds:
+        yield from frames_to_try(ground.surface, side)
+
+
 @lru_cache(maxsize=8)
 def _panels(mesh: TriangleMesh, within_margins: bool) -> tuple[Ground, ...]:
     areas = writing_areas(mesh, within_margins)
@@ -241,10 +260,11 @@ def _panels(mesh: TriangleMesh, within_margins: bool) -> tuple[Ground, ...]:
 
 @dataclass(frozen=True, eq=False)
 class PlacedCharacter:
-    """A character and the em square that it is written in."""
+    """A character, the em square that it is written in, and its column or row, from 0."""
 
     text: str
     square: EmSquare
+    line: int = 0
 
 
 @dataclass(frozen=True)
@@ -252,6 +272,7 @@ class _Cell:
     text: str
     across: int  # from the left
     down: int  # from the top
+    line: int = 0
 
 
 def split_text(text: str) -> list[str]:
@@ -565,7 +586,7 @@ class _Grid:
                 return None
             if not apart.any():
                 squares = zip(cells, placed, strict=True)
-                return [PlacedCharacter(cell.text, square) for cell, square in squares]
+                return [PlacedCharacter(cell.text, square, cell.line) for cell, square in squares]
             if self.layout.around and apart[0] > 0.0:
                 return None
             least = np.array([_LEAST_WIDENING, _LEAST_HEIGHTENING]) * self.em_mm
@@ -579,7 +600,8 @@ class _Grid:
         cells = []
         for k, line in enumerate(lines):
             for j, text in enumerate(line):
-                cells.append(_Cell(text, wide - 1 - k, j) if columns else _Cell(text, j, k))
+                at = (wide - 1 - k, j) if columns else (j, k)
+                cells.append(_Cell(text, *at, k))
         return cells
 
     def _placed(

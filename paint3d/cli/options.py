@@ -50,6 +50,7 @@ __all__ = [
     "hint",
     "own_file",
     "parse_count",
+    "parse_gap",
     "parse_hairs",
     "parse_length_mm",
     "parse_number",
@@ -58,6 +59,7 @@ __all__ = [
     "parse_resolution_mm",
     "parse_seconds",
     "parse_share",
+    "parse_turn",
     "parse_variation",
 ]
 
@@ -295,6 +297,16 @@ def parse_hairs(text: str) -> int:
     if not 0 <= count <= _MOST_HAIRS:
         raise argparse.ArgumentTypeError(f"{text!r} hairs; expected 0 to {_MOST_HAIRS}")
     return count
+
+
+def parse_turn(text: str) -> float:
+    """A turn from the command line, -180 to 180 degrees."""
+    return parse_number(text, "a turn", "-180 to 180 degrees", lambda n: -180.0 <= n <= 180.0)
+
+
+def parse_gap(text: str) -> float:
+    """Room in parts of a size, 0 to 5."""
+    return parse_number(text, "a distance", "0 to 5 times the size", lambda n: 0.0 <= n <= 5.0)
 
 
 def parse_share(text: str) -> float:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import logging
 import math
 import sys
 from collections.abc import Iterator
@@ -46,12 +45,10 @@ paint3d seal 浩然 --on poem.p3d --at 0.3,0.3 --size 13 --layer seal --out seal
 paint3d seal --svg logo.svg --on vase --size 20 --out vase.glb
 """
 
-_LOG = logging.getLogger("paint3d")
 _STYLES = ("zhuwen", "baiwen")
 _SIDES = ("outside", "inside", "top", "bottom")
 _RESOLUTION_MM = 0.1
 _MOST_PLACES = 12
-_COARSE = 2.5  # vertices across a line below which a note says that it is coarse
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -237,13 +234,6 @@ def press(document: Document, options: argparse.Namespace) -> str:
                 "{name}: there is no place for a seal; expected a surface",
                 name=name,
             )
-    resolution = document.surface.resolution
-    if resolution is not None and seal.line_mm < _COARSE * resolution:
-        _LOG.warning(
-            "its lines are %.2f mm wide, and vertices %g mm apart: paint with a --resolution of "
-            "%.2g, or press a larger seal",
-            seal.line_mm, resolution, seal.line_mm / _COARSE,
-        )  # fmt: skip
     return (
         f"{seal.text}, {seal.style}, {seal.width_mm:.1f} x {seal.height_mm:.1f} mm, "
         f"{100.0 * touched:.0f} % touched"
@@ -253,12 +243,8 @@ def press(document: Document, options: argparse.Namespace) -> str:
 def _frames(document: Document, options: argparse.Namespace) -> Iterator[SurfaceFrame]:
     from itertools import islice
 
-    from paint3d.calligraphy.layout import frames_to_try
+    from paint3d.calligraphy.layout import places_for
     from paint3d.mesh.bvh import ClosestPoints
-    from paint3d.mesh.placement import place
 
     closest = ClosestPoints(document.surface.source)
-    if options.at is not None:
-        yield place(closest, options.at, side=options.side)
-        return
-    yield from islice(frames_to_try(closest, options.side), _MOST_PLACES)
+    yield from islice(places_for(closest, options.at, options.side), _MOST_PLACES)

@@ -29,8 +29,10 @@ from paint3d.cli.options import (
     check_overwriting,
     group_of,
     parse_count,
+    parse_gap,
     parse_length_mm,
     parse_place,
+    parse_turn,
     parse_variation,
 )
 from paint3d.cli.painting import (
@@ -172,6 +174,17 @@ def _add_writing_options(parser: argparse.ArgumentParser) -> None:
     place.add_argument(
         "--side", choices=_SIDES, help="from where the object is looked at (default: by its shape)"
     )
+    place.add_argument(
+        "--rotate", metavar="DEG", type=parse_turn, default=0.0,
+        help="turn the text to the left, degrees (default: 0)",
+    )  # fmt: skip
+    for name, what, usual in (
+        ("gap", "columns, or rows,", 0.1), ("between", "the characters of one", 0.0),
+    ):  # fmt: skip
+        place.add_argument(
+            f"--{name}", metavar="SHARE", type=parse_gap, default=usual,
+            help=f"room between {what} in parts of the size (default: {usual:g})",
+        )  # fmt: skip
     brush.add_argument(
         "--azimuth",
         choices=("commanded", "dragged"),
@@ -395,7 +408,10 @@ def plan(
     from paint3d.calligraphy.layout import Layout
     from paint3d.colour.inks import describe_ink, load_ink
 
-    layout = Layout(options.layout or "columns", options.at, options.around, options.side)
+    layout = Layout(
+        options.layout or "columns", options.at, options.around, options.side, options.gap,
+        options.between, turn=options.rotate,
+    )  # fmt: skip
     header: dict[str, object] = {
         "ink": describe_ink(load_ink(options.ink or WRITING_INK)),
         **source,

@@ -20,7 +20,7 @@ from paint3d.errors import InputError
 from paint3d.mesh.sheets import Sheet, is_sheet, parse_sheet
 from paint3d.mesh.triangle_mesh import TriangleMesh
 
-__all__ = ["WritingArea", "make_sheet", "sheet_of", "with_paper", "writing_areas"]
+__all__ = ["WritingArea", "drawn", "make_sheet", "sheet_of", "with_paper", "writing_areas"]
 
 _EDGE_MM, _CURVED_EDGE_MM = 20.0, 8.0
 _BETWEEN_MM = 120.0  # panels of a couplet
@@ -191,6 +191,19 @@ def _mount(sheet: Sheet) -> list[_Part]:
     """What is around one panel."""
     if sheet.usual.mount == "board":
         return [(*_border(sheet), _SILK)]
+    silk, strips, rods = _scroll(sheet)
+    parts: list[_Part] = [(*_lowered(_grid(*box), 2.0), _SILK) for box in silk]
+    parts += [(*_lowered(_grid(*box), 1.0), _STRIP_SILK) for box in strips]
+    parts += [(*_rod(*rod), colour) for rod, colour in rods]
+    return parts
+
+
+_Box = tuple[float, float, float, float]
+"""Left, right, lower and upper side, mm; of a rod left, right, y and radius."""
+
+
+def _scroll(sheet: Sheet) -> tuple[list[_Box], list[_Box], list[tuple[_Box, tuple[int, int, int]]]]:
+    """The silk of a scroll, the strips next to the paper, and its rods with their colours."""
     w, h = 0.5 * sheet.width_mm, 0.5 * sheet.height_mm
     side, strip = 2.0 * w * _SIDE, 2.0 * w * _STRIP
     above, under = h + strip + 2.0 * w * _ABOVE, -h - strip - 2.0 * w * _UNDER
@@ -201,12 +214,33 @@ def _mount(sheet: Sheet) -> list[_Part]:
         (w, w + side, -h - strip, h + strip),
     ]
     strips = [(-w, w, h, h + strip), (-w, w, -h - strip, -h)]
-    parts: list[_Part] = [(*_lowered(_grid(*box), 2.0), _SILK) for box in silk]
-    parts += [(*_lowered(_grid(*box), 1.0), _STRIP_SILK) for box in strips]
-    parts.append((*_rod(-w - side, w + side, above, _ROD_MM), _WOOD))
-    parts.append((*_rod(-w - side, w + side, under, _ROLLER_MM), _WOOD))
-    for x in (-w - side - _KNOB_OUT_MM, w + side):
-        parts.append((*_rod(x, x + _KNOB_OUT_MM, under, _KNOB_MM), _KNOB))
+    rods = [
+        ((-w - side, w + side, above, _ROD_MM), _WOOD),
+        ((-w - side, w + side, under, _ROLLER_MM), _WOOD),
+        ((-w - side - _KNOB_OUT_MM, -w - side + 1.0, under, _KNOB_MM), _KNOB),
+        ((w + side - 1.0, w + side + _KNOB_OUT_MM, under, _KNOB_MM), _KNOB),
+    ]
+    return silk, strips, rods
+
+
+def drawn(sheet: Sheet) -> list[tuple[AnyArray, tuple[int, int, int] | None]]:
+    """A sheet as seen from above: polygons (N, 2), mm, and their colours; None for the paper."""
+    parts: list[tuple[AnyArray, tuple[int, int, int] | None]] = []
+    for x in _middles(sheet):
+        boxes: list[tuple[_Box, tuple[int, int, int]]] = []
+        if sheet.mounted and sheet.usual.mount == "scroll":
+            silk, strips, rods = _scroll(sheet)
+            boxes += [(box, _SILK) for box in silk] + [(box, _STRIP_SILK) for box in strips]
+            boxes += [((a, b, y - r, y + r), colour) for (a, b, y, r), colour in rods]
+        elif sheet.mounted:
+            points, _ = _border(sheet)
+            (left, low), (right, high) = points[:, :2].min(axis=0), points[:, :2].max(axis=0)
+            boxes.append(((left, right, low, high), _SILK))
+        for (left, right, low, high), colour in boxes:
+            corners = np.array([(left, low), (right, low), (right, high), (left, high)])
+            parts.append((corners + np.array([x, 0.0]), colour))
+        upper, lower = _rims(sheet)
+        parts.append((np.concatenate([upper, lower[::-1]]) + np.array([x, 0.0]), None))
     return parts
 
 

@@ -25,7 +25,7 @@ from paint3d.errors import InputError, RecordingError
 from paint3d.mesh.bvh import ClosestPoints
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.recording.score import Event, Score, check_command, joined_parts
-from paint3d.recording.score_steps import ScoreSteps, ScoreStroke, stroke_of
+from paint3d.recording.score_steps import ScoreSteps, ScoreStroke, follow_steps, stroke_of
 
 __all__ = [
     "EDITS",
@@ -33,6 +33,7 @@ __all__ = [
     "change_brush",
     "change_ink",
     "delete_stroke",
+    "edit_seal",
     "edit_stroke",
     "middle_of",
     "move_stroke",
@@ -579,6 +580,60 @@ def _give_time(events: list[Event], pieces: int, at: int, number: int) -> None:
 
 def _with_events(score: Score, events: Sequence[Event]) -> Score:
     return replace(score, events=tuple(events), lines=())
+
+
+# -- seals ------------------------------------------------------------------------------------
+
+
+def edit_seal(score: Score, number: int, edit: Mapping[str, Any]) -> Score:
+    """Delete a seal, press it elsewhere, or in another paste.
+
+    Parameters
+    ----------
+    score : Score
+    number : int
+        From 1, among the seals that are there.
+    edit : mapping
+        ``do``: "delete"; "move", with ``at`` and ``up`` as `press_seal` takes them; or "ink", with
+        ``ink``, and ``pigments`` for those that no palette has.
+
+    Raises
+    ------
+    InputError
+        If there is no such edit.
+    RecordingError
+        If there is no such seal, or it cannot be pressed so.
+    """
+    steps = follow_steps(score)
+    if not 1 <= number <= len(steps.seals):
+        raise RecordingError(
+            "seal {number}; expected one of {count}", number=number, count=len(steps.seals)
+        )
+    seal = steps.seals[number - 1]
+    takes = {"delete": set[str](), "move": {"at", "up"}, "ink": {"ink", "pigments"}}
+    do, words = edit.get("do"), {key: value for key, value in edit.items() if key != "do"}
+    if do not in takes or set(words) - takes[do]:
+        raise InputError(
+            "edit of a seal is {edit}; expected {known}",
+            edit=f"{dict(edit)!r:.60}",
+            known=", ".join(takes),
+        )
+    if do == "delete":
+        kept: list[Event] = []
+        for k, event in enumerate(score.events):
+            if k in steps.moved and not isinstance(event, Recording):
+                kept += _way_without(k, event, seal, steps)
+            elif k != seal.begin:
+                kept.append(event)
+        return _with_events(score, kept)
+    events, pigments = list(score.events), words.pop("pigments", {})
+    pressed = events[seal.begin]
+    assert not isinstance(pressed, Recording), "a seal is a command"
+    events[seal.begin] = changed = {**pressed, **words}
+    check_command(changed)
+    known = {**score.header.get("pigments", {}), **pigments}
+    header = {**score.header, "pigments": known} if pigments else score.header
+    return _with_events(replace(score, header=header), events)
 
 
 # -- an edit as words -------------------------------------------------------------------------

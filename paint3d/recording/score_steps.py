@@ -1,7 +1,8 @@
 """What becomes of the strokes of a score: which are there at its end, and what undo takes back.
 
-A step is what one undo takes back: a stroke, drying, a layer that comes, goes or moves. Who takes a
-stroke out of the middle of a score must know which of the undos and redos after it were for it.
+A step is what one undo takes back: a stroke, drying, a seal, a text that is laid or removed, a
+layer that comes, goes or moves. Who takes a stroke out of the middle of a score must know which of
+the undos and redos after it were for it.
 """
 
 from __future__ import annotations
@@ -17,17 +18,18 @@ from paint3d.recording.score import Score
 __all__ = ["ScoreSteps", "ScoreStroke", "follow_steps", "stroke_of"]
 
 _LAYERS = frozenset({"add_layer", "remove_layer", "move_layer"})
+_ACTS = frozenset({"dry", "press_seal", "lay_text", "remove_text"})
 _WAYS = frozenset({"undo", "redo", "replay_history"})
 
 
 @dataclass(eq=False)
 class ScoreStroke:
-    """A stroke with samples in a score.
+    """A stroke with samples in a score, or a seal, which is one event.
 
     Attributes
     ----------
     number : int
-        From 1; as `Score.strokes` has them.
+        From 1; of strokes as `Score.strokes` has them, of seals among seals.
     begin, end : int
         Its first event, and the one after its last.
     is_there : bool
@@ -45,6 +47,7 @@ class ScoreStroke:
     is_cancelled: bool = False
     began_anew: bool = False
     has_samples: bool = False
+    is_seal: bool = False
 
 
 @dataclass(eq=False)
@@ -54,16 +57,19 @@ class ScoreSteps:
     Attributes
     ----------
     strokes : list of ScoreStroke
+    seals : list of ScoreStroke
+        Those that are there at the end.
     done, undone : list of ScoreStroke
         Those that are there at the end, and those that could be done again, the next one first.
     moved : dict
         For each event that goes back or forth, the steps that it takes back or does again: strokes,
-        and None for others.
+        seals, and None for others.
     left : dict
         For each of these, the strokes that are there after it.
     """
 
     strokes: list[ScoreStroke] = field(default_factory=list)
+    seals: list[ScoreStroke] = field(default_factory=list)
     done: list[ScoreStroke] = field(default_factory=list)
     undone: list[ScoreStroke] = field(default_factory=list)
     moved: dict[int, list[ScoreStroke | None]] = field(default_factory=dict)
@@ -87,10 +93,11 @@ class _Follower:
             self._begin(k, refused)
         elif name in ("end_stroke", "cancel_stroke"):
             self._end(k + 1, cancelled=name == "cancel_stroke")
-        elif name == "dry" and self.current is None:
+        elif name in _ACTS and self.current is None:
             self._come_back()
             if not refused:
-                self._step(None)
+                is_seal = name == "press_seal"
+                self._step(ScoreStroke(0, k, k + 1, is_seal=True) if is_seal else None)
         elif name in _LAYERS and self.current is None and not self.passing:
             self._step(None)
         elif name in _WAYS:
@@ -129,10 +136,10 @@ class _Follower:
     def _come_back(self) -> None:
         if self.passing:
             self.passing = False
-            self._go_to(len(self.there()) + sum(step is not None for step in self.undone))
+            self._go_to(len(self.there()) + sum(_is_stroke(step) for step in self.undone))
 
     def there(self) -> list[ScoreStroke]:
-        return [step for step in self.done if step is not None]
+        return [step for step in self.done if step is not None and not step.is_seal]
 
     def _back(self) -> list[ScoreStroke | None]:
         if not self.done:
@@ -150,9 +157,13 @@ class _Follower:
         moved: list[ScoreStroke | None] = []
         while len(self.there()) > upto and self.done:
             moved += self._back()
-        while self.undone and (len(self.there()) < upto or self.undone[-1] is None):
+        while self.undone and (len(self.there()) < upto or not _is_stroke(self.undone[-1])):
             moved += self._forth()
         return moved
+
+
+def _is_stroke(step: ScoreStroke | None) -> bool:
+    return step is not None and not step.is_seal
 
 
 def follow_steps(score: Score) -> ScoreSteps:
@@ -168,7 +179,10 @@ def follow_steps(score: Score) -> ScoreSteps:
             found.moved[k], found.left[k] = moved, follower.there()
     follower._end(len(score.events))
     found.strokes, found.done = follower.strokes, follower.there()
-    found.undone = [step for step in reversed(follower.undone) if step is not None]
+    found.undone = [s for s in reversed(follower.undone) if s is not None and not s.is_seal]
+    found.seals = [step for step in follower.done if step is not None and step.is_seal]
+    for number, seal in enumerate(found.seals, 1):
+        seal.number = number
     for stroke in found.strokes:
         stroke.is_there = any(stroke is other for other in found.done)
     return found

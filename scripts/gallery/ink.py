@@ -201,7 +201,7 @@ def wet_in_wet(folder: Path) -> None:
     surface.refine_all()
     for x, dries in ((-37.0, False), (37.0, True)):
         drop(surface, (x - 11, 2), 17.0, {"indigo": 0.12, "water": 1.1})
-        drop(surface, (x + 13, -4), 15.0, {"gamboge": 0.12, "water": 1.1})
+        drop(surface, (x + 13, -4), 15.0, {"gamboge": 0.4, "water": 1.1})
         if dries:
             surface.diffuse(2.0)
             surface.dry()

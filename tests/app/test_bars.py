@@ -26,7 +26,7 @@ AHEAD = 0.05
 
 @pytest.fixture(scope="module")
 def window(program):
-    with opened(program, "plane", 1.0, "xuan") as window, faults() as found:
+    with opened(program, "plane", 2.0, "xuan") as window, faults() as found:
         for y in np.linspace(0.35, 0.65, 4):
             drag(window.canvas, (0.42, y), (0.58, y), n=12)
         settled(window)
@@ -111,8 +111,8 @@ def _refine(window, folder: Path) -> bool:
 
 
 JOBS: dict[str, Callable[..., bool]] = {
-    "growth": lambda w, at: w.pictures.growth_to(at / "a.gif", Film(1.0, 10.0, (320, 240))),
-    "turntable": lambda w, at: w.pictures.turntable_to(at / "a.gif", Film(0.5, 8.0, (320, 240))),
+    "growth": lambda w, at: w.pictures.growth_to(at / "a.gif", Film(0.5, 10.0, (160, 120))),
+    "turntable": lambda w, at: w.pictures.turntable_to(at / "a.gif", Film(0.5, 8.0, (160, 120))),
     "picture": lambda w, at: w.pictures.picture_to(at / "a.png", (900, 700)),
     "export": lambda w, at: w.exporting.export_to(at / "a.glb"),
     "edit": lambda w, at: w.editing.edit(1, {"do": "delete"}),
@@ -120,7 +120,7 @@ JOBS: dict[str, Callable[..., bool]] = {
     "warm": _warm,
     "save": _save_and_open,
     "recover": _recover,
-    "new": lambda w, at: w.opening.open_path("bowl", 1.0, "porcelain", asked=True),
+    "new": lambda w, at: w.opening.open_path("bowl", 2.0, "porcelain", asked=True),
 }
 
 

@@ -87,7 +87,7 @@ def drawn(editor: brush_editor.BrushEditor) -> tuple[bytes, bytes]:
 
 
 def test_a_brush_is_changed_kept_painted_with_and_there_the_next_time(program, own_folder) -> None:
-    with opened(program) as window:
+    with opened(program, drawn=False) as window:
         click(window.findChild(QtWidgets.QPushButton, "edit_brush"))
         editor = window.brushes.editor
         assert editor.isVisible()
@@ -122,14 +122,14 @@ def test_a_brush_is_changed_kept_painted_with_and_there_the_next_time(program, o
         editor.close()
     settings = Settings(brush=chosen["brush"], brush_mm=chosen["brush_mm"])
     assert chosen_brush(settings) == kept
-    with opened(program, settings=settings) as window:
+    with opened(program, settings=settings, drawn=False) as window:
         shown = window.findChild(QtWidgets.QListWidget, "brushes")
         assert shown.currentItem().text().startswith("wolf 1")
         assert window.document.painter.brush == kept
 
 
 def test_out_of_range_and_bad_names_are_told_in_the_editor(program) -> None:
-    with opened(program) as window:
+    with opened(program, drawn=False) as window:
         window.workspace.actions["edit_brush"].trigger()
         editor = window.brushes.editor
         type_in(editor.rows["hardness"].box, "0.5")
@@ -155,7 +155,7 @@ def test_strokes_of_an_edited_brush_are_undone_kept_and_painted_again_from_the_s
         inputs={"load": {"speed": [[0, 1.0], [300, 0.4]]}},
     )  # fmt: skip
     other = dataclasses.replace(brush, taper=0.6)  # of the same name
-    with opened(program) as window:
+    with opened(program, drawn=False) as window:
         for row, one in ((0.45, brush), (0.6, other)):
             window.workspace.post("set_brush", one)
             settled(window)
@@ -213,7 +213,7 @@ def test_a_brush_file_is_opened_and_a_bad_one_told_in_one_line(
     good, bad = tmp_path / "mine.toml", tmp_path / "bad.toml"
     good.write_text('base = "slender"\nhardness = 0.4\n', encoding="utf-8")
     bad.write_text('base = "slender"\nhardness = 4\n', encoding="utf-8")
-    with opened(program) as window:
+    with opened(program, drawn=False) as window:
         button = window.findChild(QtWidgets.QPushButton, "open_brush")
         for path in (good, bad):
             monkeypatch.setattr(
@@ -256,7 +256,7 @@ def test_a_brush_in_a_file_of_another_name_is_kept_there(own_folder: Path) -> No
 
 
 def test_numbers_are_shown_with_their_units_and_ranges(program) -> None:
-    with opened(program) as window:
+    with opened(program, drawn=False) as window:
         window.workspace.actions["edit_brush"].trigger()
         rows = window.brushes.editor.rows
         shown = {name: (row.box.text(), row.range.text()) for name, row in rows.items()}
@@ -292,7 +292,7 @@ def test_a_brush_may_be_called_like_a_text_of_the_window(program) -> None:
 
 
 def test_another_size_of_a_preset_is_not_called_like_it(program) -> None:
-    with opened(program) as window:
+    with opened(program, drawn=False) as window:
         window.workspace.post("resize_brush", 50.0)
         settled(window)
         window.workspace.actions["edit_brush"].trigger()
@@ -309,7 +309,7 @@ def test_another_size_of_a_preset_is_not_called_like_it(program) -> None:
 
 @pytest.mark.long
 def test_the_editors_stroke_is_in_the_ink_in_hand(program) -> None:
-    with opened(program) as window:
+    with opened(program, drawn=False) as window:
         window.workspace.actions["edit_brush"].trigger()
         editor = window.brushes.editor
         footprints, black = drawn(editor)
@@ -399,7 +399,7 @@ def test_what_is_refused_is_not_taken():
 
 @pytest.fixture(scope="module")
 def window(program):
-    with opened(program) as window:
+    with opened(program, drawn=False) as window:
         yield window
 
 

@@ -31,7 +31,7 @@ from tests.support.app.windows import opened, pretend_saved, settled
 @pytest.fixture(scope="module")
 def window(program):
     """A window with a sheet in it."""
-    with opened(program, material="porcelain") as window:
+    with opened(program, material="porcelain", drawn=False) as window:
         yield window
 
 
@@ -197,7 +197,7 @@ TICKS = 20
 
 @pytest.fixture
 def one_window(program):
-    with opened(program, material="porcelain") as one_window:
+    with opened(program, material="porcelain", drawn=False) as one_window:
         yield one_window
 
 

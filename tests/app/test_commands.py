@@ -15,10 +15,9 @@ from paint3d.app.model.commands import COMMANDS, MENUS, TOOLS
 from paint3d.app.model.document import Document
 from paint3d.app.window.actions import Actions
 from tests.support.app.gestures import wait_for
-from tests.support.app.windows import opened, settled
+from tests.support.app.windows import opened
 
 IN_MENUS = [name for names in MENUS.values() for name in names if name != "-"]
-KEYS = [(name, keys) for name in IN_MENUS for keys in COMMANDS[name].keys]
 
 
 class _Recorder:
@@ -40,32 +39,32 @@ def doers() -> dict[str, tuple[object, ...]]:
 
 
 @pytest.fixture(scope="module")
-def recorder(doers) -> _Recorder:
+def every_command() -> _Recorder:
     return _Recorder()
 
 
+@pytest.fixture
+def recorder(every_command: _Recorder, window) -> _Recorder:
+    """Of what is asked from now on, by who looks at the picture."""
+    window.canvas.setFocus()
+    wait_for(window.canvas.hasFocus)
+    every_command.asked.clear()
+    return every_command
+
+
 @pytest.fixture(scope="module")
-def window(program, doers, recorder):
+def window(program, doers, every_command):
     """A window whose commands are written down, and not done."""
     bind = Actions.bind
 
     def bind_recorder(actions, parts) -> None:
         doers["parts"] = tuple(parts)
-        bind(actions, [recorder])
+        bind(actions, [every_command])
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(Actions, "bind", bind_recorder)
-        with opened(program, "sphere", 6.0, "porcelain") as window:
+        with opened(program, "sphere", 6.0, "porcelain", drawn=False) as window:
             yield window
-
-
-@pytest.fixture(autouse=True)
-def nothing_asked(window, recorder):
-    window.canvas.setFocus()
-    wait_for(window.canvas.hasFocus)
-    recorder.asked.clear()
-    yield
-    settled(window)
 
 
 def press(window, keys: str) -> None:
@@ -78,34 +77,37 @@ def press(window, keys: str) -> None:
     QtTest.QTest.keyClick(window.windowHandle(), combined.key(), modifiers)
 
 
-@pytest.mark.parametrize(("name", "keys"), KEYS)
-def test_keys_ask_for_their_command_alone(window, recorder, name: str, keys: str) -> None:
-    press(window, keys)
-    wait_for(lambda: recorder.asked, 30.0)
-    assert recorder.asked == [name]
-
-
 @pytest.mark.parametrize("name", IN_MENUS)
-def test_menus_and_tools_ask_for_their_command_alone(window, recorder, name: str) -> None:
-    menu = window.commands.menus[COMMANDS[name].menu]
-    action = window.workspace.actions[name]
-    assert action in menu.actions()
+def test_each_way_that_leads_to_a_command_asks_for_it_alone(window, recorder, name: str) -> None:
+    """Its keys, its place in the menus, and the tool bar."""
+    row, action = COMMANDS[name], window.workspace.actions[name]
+    for keys in row.keys:
+        press(window, keys)
+        wait_for(lambda: recorder.asked, 30.0)
+        assert recorder.asked == [name], keys
+        recorder.asked.clear()
+    assert action in window.commands.menus[row.menu].actions()
     action.setEnabled(True)  # undo and redo follow the painting
     action.trigger()
-    assert recorder.asked == [name]
     if name in TOOLS:
         window.commands.tools.widgetForAction(action).click()
-        assert recorder.asked == [name, name]
-    assert action.isCheckable() == COMMANDS[name].checkable
-    assert (not action.icon().isNull()) == bool(COMMANDS[name].icon)
+    assert recorder.asked == [name] * (1 + (name in TOOLS))
+    assert action.text()
+    assert action.isCheckable() == row.checkable
+    assert (not action.icon().isNull()) == bool(row.icon)
 
 
-@pytest.mark.parametrize("name", IN_MENUS)
-def test_what_no_part_of_the_window_does_the_document_does_without_arguments(
-    window, doers, name: str
-) -> None:
-    if any(hasattr(part, f"do_{name}") for part in doers["parts"]):
-        return
-    assert COMMANDS[name].codec is not None
-    _, *parameters = inspect.signature(getattr(Document, name)).parameters.values()
-    assert all(one.default is not one.empty for one in parameters)
+def test_what_no_part_of_the_window_does_the_document_does_without_arguments(window, doers) -> None:
+    own = [n for n in IN_MENUS if not any(hasattr(part, f"do_{n}") for part in doers["parts"])]
+    assert own
+    for name in own:
+        assert COMMANDS[name].codec is not None, name
+        _, *parameters = inspect.signature(getattr(Document, name)).parameters.values()
+        assert all(one.default is not one.empty for one in parameters), name
+
+
+def test_what_can_be_undone_is_written_down_and_done_by_the_document() -> None:
+    undoable = [name for name, row in COMMANDS.items() if row.step]
+    assert undoable
+    assert [name for name in undoable if COMMANDS[name].codec is None] == []
+    assert all(callable(getattr(Document, name)) for name in undoable)

@@ -26,7 +26,7 @@ SIZE = (640, 480)
 
 @pytest.fixture(scope="module")
 def window(program):
-    with opened(program, "plane", 4.0, "porcelain") as window:
+    with opened(program, "plane", 4.0, "porcelain", drawn=False) as window:
         drag(window.canvas, (0.45, 0.5), (0.55, 0.5), n=6)
         settled(window)
         yield window

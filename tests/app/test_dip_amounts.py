@@ -467,7 +467,7 @@ def test_the_window_replays_it_as_the_command_does(program, tmp_path: Path) -> N
 
     file = tmp_path / "dry.jsonl"
     save_recording(dry_recording(), file)
-    with opened(program, "plane", RESOLUTION, "xuan") as window:
+    with opened(program, "plane", RESOLUTION, "xuan", drawn=False) as window:
         assert window.recordings.replay_file(str(file))
         wait_for(lambda: not window.player.is_playing)
         settled(window)
@@ -559,7 +559,7 @@ LITTLE_LEFT = DipAmount(0.05, 1.5)
 
 @pytest.fixture
 def window(program):
-    with faults() as found, opened(program, "plane", 2.5, "porcelain") as window:
+    with faults() as found, opened(program, "plane", 2.5, "porcelain", drawn=False) as window:
         window.panels.docks["inks"].raise_()
         live(0.05)
         yield window

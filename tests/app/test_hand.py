@@ -499,7 +499,7 @@ LEFT = BUTTON.LeftButton
 
 @pytest.fixture(scope="module")
 def window(program):
-    with opened(program, "plane", 1.5, "porcelain") as window:
+    with opened(program, "plane", 1.5, "porcelain", drawn=False) as window:
         yield window
 
 

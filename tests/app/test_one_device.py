@@ -30,7 +30,7 @@ KEY, HELD = QtCore.Qt.Key, QtCore.Qt.KeyboardModifier
 
 @pytest.fixture(scope="module")
 def window(program, tmp_path_factory):
-    with opened(program, "sphere", 4.0, "porcelain") as window:
+    with opened(program, "sphere", 4.0, "porcelain", drawn=False) as window:
         assert window.saving.save_to(tmp_path_factory.mktemp("saved") / "ball.p3d")
         yield window
 

@@ -14,8 +14,8 @@ from PIL import Image
 from PySide6 import QtCore, QtGui, QtTest, QtWidgets
 
 from paint3d.app.model.own_object import first_choice, likely_unit, sensible_resolution
+from paint3d.app.window.object.new_dialog import NewDialog
 from paint3d.app.window.object.standing import ObjectDialog
-from paint3d.app.window.questions import NewDialog
 from paint3d.app.window.start import open_first
 from paint3d.app.window.studio import StudioWindow
 from paint3d.app.window.wording import choose_language
@@ -28,7 +28,7 @@ from paint3d.mesh.upright import turn_mesh, turn_up
 from paint3d.view.preview import Preview
 from tests.mesh.test_upright import jug
 from tests.support.app.gestures import answer, drag, live, take_file, wait_for
-from tests.support.app.windows import SMALL, close_unasked, pretend_saved
+from tests.support.app.windows import SMALL, blind, close_unasked, pretend_saved
 
 
 @pytest.fixture(scope="module")
@@ -39,8 +39,9 @@ def window(program):
     window.show()
     assert window.opening.open_path("plane", 2.0, "xuan", asked=True)
     wait_for(lambda: window.stage.is_lit)
-    yield window
-    close_unasked(window)
+    with blind(window):
+        yield window
+        close_unasked(window)
 
 
 @pytest.fixture(autouse=True)
@@ -184,7 +185,7 @@ def test_what_becomes_of_the_old_painting_is_asked_once_for_a_file(
         return asked[-1]
 
     def take_a_file(dialog: NewDialog) -> None:
-        dialog.object.setCurrentIndex(dialog.object.findData(""))
+        dialog.choose("")
         dialog.accept()
 
     monkeypatch.setattr(window.saving, "may_leave", may_leave)

@@ -13,7 +13,8 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 from PySide6 import QtCore, QtTest
 
 from paint3d.app.model.persistence.settings import load_settings
-from paint3d.app.window.questions import NewDialog, PreferencesDialog
+from paint3d.app.window.object.new_dialog import NewDialog
+from paint3d.app.window.questions import PreferencesDialog
 from paint3d.core.quaternion import matrices_from_quaternions
 from tests.support.app.gestures import (
     BUTTON,
@@ -34,7 +35,7 @@ PRESSURES = [0.1, *[0.5] * 10, 0.0]
 
 @pytest.fixture(scope="module")
 def window(program):
-    with faults() as found, opened(program, "plane", 2.5, "porcelain") as window:
+    with faults() as found, opened(program, "plane", 2.5, "porcelain", drawn=False) as window:
         yield window
     assert found == []
 
@@ -162,7 +163,7 @@ def test_a_new_painting_begins_bare(window, monkeypatch) -> None:
     assert window.document.strokes
 
     def choose(dialog: NewDialog) -> None:
-        dialog.object.setCurrentIndex(dialog.object.findData("plane"))
+        dialog.choose("plane")
         dialog.resolution.setValue(4.0)
         dialog.accept()
 

@@ -56,7 +56,7 @@ def stroke(header: dict[str, object], seconds: float = 0.6) -> Recording:
 
 @pytest.fixture
 def window(program):
-    with opened(program, "plane", 1.5, "porcelain", size=None) as window:
+    with opened(program, "plane", 1.5, "porcelain", size=None, drawn=False) as window:
         window.panels.history.pace.setCurrentText("max")
         yield window
 
@@ -122,7 +122,7 @@ def test_the_hand_of_a_painting_by_command_has_its_ink_again_after_a_replay(
         save_recording(stroke(header), file)
     on = ["--on", "plane", "--resolution", "3", "--quiet"]
     assert main(["replay", str(files[0]), *on, "--out", str(out)]) == 0
-    with opened(program, out, 3.0, "porcelain") as window:
+    with opened(program, out, 3.0, "porcelain", drawn=False) as window:
         window.panels.history.pace.setCurrentText("max")
         by_menu(window, files[1])
         wait_for(lambda: not window.player.is_playing)
@@ -313,7 +313,7 @@ def same_wet_ink(one, other) -> None:
 def test_what_was_painted_wet_is_painted_again_to_the_bit(
     program, tmp_path, monkeypatch, seed, speeds
 ) -> None:
-    with opened(program, "plane", RESOLUTION, "xuan") as window:
+    with opened(program, "plane", RESOLUTION, "xuan", drawn=False) as window:
         paint(window, seed)
         file, out = tmp_path / "a.score.jsonl", tmp_path / "a.p3d"
         monkeypatch.setattr(window.targets, "ask", lambda *asked: file)
@@ -370,7 +370,7 @@ def test_a_recording_is_played_wet_as_the_command_does(
 ) -> None:
     file, out = tmp_path / "a.jsonl", tmp_path / "a.p3d"
     save_recording(with_a_rest(header), file)
-    with opened(program, "plane", RESOLUTION, "xuan") as window:
+    with opened(program, "plane", RESOLUTION, "xuan", drawn=False) as window:
         if not window.workspace.actions["wet"].isChecked():
             window.workspace.actions["wet"].trigger()
         settled(window)
@@ -410,7 +410,7 @@ CHUNKS = 3 * 64  # samples that may be painted after a replay was stopped
 
 @pytest.fixture
 def studio(program):
-    with opened(program, "plane", 2.0, "porcelain") as studio:
+    with opened(program, "plane", 2.0, "porcelain", drawn=False) as studio:
         studio.panels.history.pace.setCurrentText("max")
         yield studio
 
@@ -566,7 +566,7 @@ def test_a_pads_recording_is_laid_where_the_picture_is_looked_at(
     line = np.linspace((100.0, 50.0), (130.0, 50.0), 40)  # anywhere on the pad
     file = tmp_path / "pad.jsonl"
     save_recording(pad_stroke(line, 0.3, np.radians(60.0)), file)
-    with opened(program, "sphere", 1.0, "porcelain") as studio:
+    with opened(program, "sphere", 1.0, "porcelain", drawn=False) as studio:
         studio.workspace.actions["look_left"].trigger()
         for _ in range(20 * beside):
             studio.workspace.actions["pan_left"].trigger()

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
 from paint3d.app.model.document import Document
 from paint3d.app.window.wording import choose_language, say_error
-from paint3d.errors import InputError
+from paint3d.errors import InputError, MeshError
+from paint3d.mesh.triangle_mesh import TriangleMesh
+from paint3d.surface.painted_surface import PaintedSurface
 from tests.support.app.gestures import drag, live, wait_for
 from tests.support.app.windows import faults, opened, settled
 from tests.support.cases import long_but
@@ -109,3 +112,10 @@ def places(window, point) -> tuple[float, float]:
     """Where a point is on the canvas, as shares of its size."""
     box, (width, height) = window.stage.scene.screen_box(point[None]), window.stage.scene.size
     return (box[0] + box[2]) / 2 / width, 1 - (box[1] + box[3]) / 2 / height
+
+
+def test_what_is_refused_names_no_option_of_the_command_line() -> None:
+    with pytest.raises(MeshError, match="--unit") as caught:
+        PaintedSurface(TriangleMesh(1e8 * np.eye(3), [[0, 1, 2]]), 0.1)
+    assert "--" not in say_error(caught.value)
+    assert "expected another unit" in say_error(caught.value)

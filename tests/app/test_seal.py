@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+import paint3d
 from paint3d.app.model.commands import do_again, encode_command
 from paint3d.app.model.document import Document
 from paint3d.app.model.mask import AngleMask, Mask
@@ -163,7 +164,7 @@ def test_what_was_undone_only_to_look_at_it_is_there_below_a_seal(document: Docu
 @pytest.fixture(scope="module")
 def sheet(program):
     """A window with a sheet in it."""
-    with opened(program, resolution=0.8) as window:
+    with opened(program, resolution=0.8, drawn=False) as window:
         yield window
 
 
@@ -310,6 +311,99 @@ def test_one_tool_lets_the_other_be(window) -> None:
     assert canvas.mode_at == steers
     window.sealing.let_be()
     assert canvas.tool is None
+
+
+def reds(surface) -> np.ndarray:
+    """Where there is cinnabar, (N, 3) mm."""
+    codes = surface.srgb.astype(int)
+    return surface.mesh.vertices[codes[:, 0] - codes[:, 1] > 60]
+
+
+def test_the_dialog_shows_the_stone_and_says_what_cannot_be_cut(window) -> None:
+    seen = []
+
+    def look(dialog) -> None:
+        dialog.text.setText("永和")
+        wait_for(lambda: not dialog.picture.pixmap().isNull() and "16 mm" in dialog.note.text())
+        image = dialog.picture.pixmap().toImage()
+        pixels = [image.pixelColor(x, image.height() // 2) for x in range(image.width())]
+        seen.append(sum(one.red() - one.green() > 60 for one in pixels) / len(pixels))
+        dialog.style_box.setCurrentIndex(dialog.style_box.findData("baiwen"))
+        wait_for(lambda: dialog.picture.pixmap().toImage() != image)
+        dialog.text.setText("永和九年歲")
+        wait_for(lambda: "5" in dialog.note.text())
+        dialog.reject()
+
+    answer(look)
+    window.workspace.actions["seal"].trigger()
+    wait_for(lambda: seen)
+    assert 0.03 < seen[0] < 0.5
+
+
+def test_its_outline_lies_under_the_pointer_in_its_true_size(window) -> None:
+    ask(window, "永")
+    shown = {}
+    window.stage.show_lines, plain = (
+        lambda name, lines, *how: shown.update({name: lines}) or plain(name, lines, *how),
+        window.stage.show_lines,
+    )
+    try:
+        place = 0.5 * window.canvas.width(), 0.5 * window.canvas.height()
+        mouse(window.canvas, KIND.MouseMove, *place)
+        points = np.concatenate(shown["seal"])
+        assert np.ptp(points[:, 0]) == pytest.approx(16.0, abs=0.05)
+        middle = window.hand.place_at(*place)
+        np.testing.assert_allclose(
+            0.5 * (points.min(axis=0) + points.max(axis=0))[:2], middle[:2], atol=0.1
+        )
+        assert not window.stage.shows_brush
+        type_key(window.canvas, QtCore.Qt.Key.Key_Escape)
+        assert not len(shown["seal"])
+        assert window.stage.shows_brush
+    finally:
+        del window.stage.show_lines
+
+
+def test_a_seal_in_the_history_is_moved_inked_and_deleted(window) -> None:
+    history = window.panels.history
+    ask(window, "永")
+    click(window.canvas, 0.5, 0.5)
+    wait_for(lambda: window.document.steps.done == ["seal"])
+    settled(window)
+    wait_for(lambda: history.seals.count() == 1)
+    assert history.seals.item(0).text() == "Seal 1"
+    before = reds(window.document.surface).mean(axis=0)
+    history.seal_edited.emit("drag", 0)
+    assert window.sealing.seal is not None
+    click(window.canvas, 0.6, 0.5)
+    wait_for(lambda: "Seal 1 is changed" in window.status.told.text())
+    settled(window)
+    after = reds(window.document.surface).mean(axis=0)
+    assert after[0] - before[0] > 5.0
+    window.workspace.dip("pine soot")
+    settled(window)
+    history.seal_edited.emit("ink", 0)
+    wait_for(lambda: not len(reds(window.document.surface)))
+    settled(window)
+    assert window.document.surface.painted.any()
+    history.seal_edited.emit("delete", 0)
+    wait_for(lambda: not window.document.surface.painted.any())
+    settled(window)
+    wait_for(lambda: history.seals.count() == 0)
+    for _ in range(3):
+        window.stage.paint_thread.post("undo").result(300)
+    np.testing.assert_allclose(reds(window.document.surface).mean(axis=0), before, atol=1e-6)
+
+
+def test_a_small_seal_is_sharp_on_a_coarse_sheet() -> None:
+    surface = paint3d.PaintedSurface(paint3d.load_mesh("plane"), 0.8, "xuan")
+    paint3d.Painter(surface, ink="cinnabar").seal("永和九年", at=(0.5, 0.5), size=10.0)
+    share = surface.share_painted()
+    vertices = surface.mesh.vertices
+    under = (np.abs(vertices[:, :2]) < 5.0).all(axis=1)
+    assert np.sqrt(100.0 / under.sum()) < 0.1  # mm from vertex to vertex
+    inked = share[under & (share > 0.02)]
+    assert (inked > 0.9).mean() > 0.5  # paste or paper, little between
 
 
 def test_a_drawing_that_is_none_is_said(window, monkeypatch) -> None:

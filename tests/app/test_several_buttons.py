@@ -25,7 +25,7 @@ TIP, SIDE, NONE = BUTTON.LeftButton, BUTTON.RightButton, BUTTON.NoButton
 
 @pytest.fixture(scope="module")
 def window(program):
-    with opened(program, "plane", 4.0, "porcelain") as window:
+    with opened(program, "plane", 4.0, "porcelain", drawn=False) as window:
         yield window
 
 

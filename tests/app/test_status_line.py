@@ -18,7 +18,7 @@ HINT = "Paint with the left button"
 
 @pytest.fixture(scope="module")
 def window(program):
-    with opened(program, "plane", 2.0, "porcelain") as window:
+    with opened(program, "plane", 2.0, "porcelain", drawn=False) as window:
         yield window
 
 

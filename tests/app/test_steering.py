@@ -30,7 +30,7 @@ CORNER = (0.04, 0.05)  # beside the object, in shares of the canvas
 
 @pytest.fixture(scope="module")
 def window(program):
-    with opened(program, "sphere", 4.0, "porcelain") as window:
+    with opened(program, "sphere", 4.0, "porcelain", drawn=False) as window:
         yield window
 
 
@@ -568,7 +568,7 @@ def test_events_of_all_the_program_are_looked_at_only_while_the_window_is_active
     """To hand one to Python costs more than most of them do."""
     seen = SEEN
     monkeypatch.setattr("paint3d.app.window.hand.keys._Everywhere.eventFilter", note)
-    with opened(program, "plane", 4.0) as other:
+    with opened(program, "plane", 4.0, drawn=False) as other:
         wait_for(other.isActiveWindow)
         type_key(other.canvas, KEY.Key_F24)
         assert QtCore.QEvent.Type.KeyPress in seen

@@ -36,7 +36,7 @@ pytestmark = pytest.mark.usefixtures("sheets_found_once")
 
 @pytest.fixture(scope="module")
 def window(program):
-    with opened(program, "plane", 2.0, "porcelain") as window:
+    with opened(program, "plane", 2.0, "porcelain", drawn=False) as window:
         window.workspace.quiet = False
         yield window
 

@@ -29,7 +29,7 @@ from paint3d.haptics.settings import DeviceLimits, Feel, HapticSettings
 from paint3d.pose.mouse_settings import MouseSettings
 from paint3d.pose.steering import apply_action
 from tests.support.app.gestures import live, pen_stroke, wait_for
-from tests.support.app.windows import close_unasked, faults, opened, settled
+from tests.support.app.windows import blind, close_unasked, faults, opened, settled
 from tests.support.descriptors import pen
 from tests.support.force_model import ForceModel
 from tests.support.plugged import device
@@ -61,9 +61,10 @@ def window(program, stylus):
     window.workspace.quiet = True
     assert window.opening.open_path("plane", 1.5, "porcelain", asked=True)
     wait_for(lambda: window.stage.is_lit)
-    wait_for(lambda: window.both_hands.desk.rate_hz("right") > 0.0)
-    yield window
-    close_unasked(window)
+    with blind(window):
+        wait_for(lambda: window.both_hands.desk.rate_hz("right") > 0.0)
+        yield window
+        close_unasked(window)
 
 
 def done(window) -> None:
@@ -433,8 +434,9 @@ def main():
     from paint3d.app.window.start import make_program
     from paint3d.app.window.studio import StudioWindow
     from tests.support.app.gestures import wait_for
-    from tests.support.app.windows import close_unasked
+    from tests.support.app.windows import close_unasked, draw_little
 
+    draw_little()
     settings = Settings(stylus="hid")
     window = StudioWindow(make_program(), settings, plugged=plug_in_mice(), feel=start_feeling)
     window.show()

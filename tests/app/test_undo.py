@@ -265,7 +265,7 @@ N_STROKES = 4
 
 @pytest.fixture(scope="module")
 def window(program):
-    with opened(program, "plane", 2.5, "xuan") as window, faults() as found:
+    with opened(program, "plane", 2.5, "xuan", drawn=False) as window, faults() as found:
         yield window
         assert not found
 

@@ -60,7 +60,7 @@ from paint3d.app.window.start import make_program
 from paint3d.app.window.studio import StudioWindow
 from paint3d.files.project.journal import read_events
 from tests.support.app.gestures import drag, live, wait_for
-from tests.support.app.windows import SMALL, light_by_few
+from tests.support.app.windows import SMALL, draw_little
 
 def kept():
     n, found = 0, 0  # strokes, and samples of the last; between these time passes for the ink
@@ -72,7 +72,7 @@ def kept():
             n, found = n + 1, 0
     return n, found
 
-light_by_few()
+draw_little()
 window = StudioWindow(make_program())
 window.resize(*SMALL)
 window.show()

@@ -34,7 +34,7 @@ LEFT, RIGHT = QtCore.Qt.MouseButton.LeftButton, QtCore.Qt.MouseButton.RightButto
 
 @pytest.fixture(scope="module")
 def window(program):
-    with opened(program, "plane", 1.5, "porcelain") as window:
+    with opened(program, "plane", 1.5, "porcelain", drawn=False) as window:
         for k, row in enumerate(ROWS):
             if k == 3:
                 window.workspace.post("dip", "indigo")

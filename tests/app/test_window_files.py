@@ -440,7 +440,7 @@ def test_two_windows_on_one_file_know_of_each_other(window, program, tmp_path: P
     """The second one is told, and none replaces what the other has saved without asking."""
     path = tmp_path / "both.p3d"
     assert window.saving.save_to(path)
-    with opened(program, str(path)) as second:
+    with opened(program, str(path), drawn=False) as second:
         assert "both.p3d is open in another window" in second.status.told.text()
         drag(second.canvas, (0.4, 0.55), (0.6, 0.6), n=8)
         settled(second)
@@ -489,7 +489,7 @@ def test_a_painting_that_is_reopened_is_not_said_to_be_open_elsewhere(window, tm
 
 def test_whole_copies_are_kept_as_often_as_was_chosen_however_much_is_painted(program) -> None:
     """On a large wet sheet every 3 s of the painting's work wrote 155 MB."""
-    with opened(program, resolution=2.0) as window:
+    with opened(program, resolution=2.0, drawn=False) as window:
         paints = window.stage.paint_thread
         paints.keep_every(1e9)
         first = paints.recovery.number
@@ -522,7 +522,7 @@ def test_what_is_kept_is_the_users_alone_whatever_the_umask(
     try:
         if umask == 0o022:
             (state / "sittings").mkdir(parents=True)
-        with opened(program, resolution=2.0) as window:
+        with opened(program, resolution=2.0, drawn=False) as window:
             paints = window.stage.paint_thread
             drag(window.canvas, (0.4, 0.45), (0.6, 0.5), n=8)
             settled(window)
@@ -550,7 +550,7 @@ def test_what_a_full_disk_could_not_keep_is_kept_as_soon_as_there_is_room(
     program, tmp_path: Path, monkeypatch
 ) -> None:
     """Said in the status line; a stroke that the journal missed is in the next base."""
-    with opened(program, resolution=2.0) as window:
+    with opened(program, resolution=2.0, drawn=False) as window:
         sitting = window.stage.paint_thread.recovery
         window.stage.paint_thread.keep_every(1e9)
 

@@ -560,9 +560,9 @@ import sys, threading
 from numba.core.dispatcher import Dispatcher
 from paint3d.app.window.start import make_program
 from tests.support.app.gestures import BUTTON, drag, pen_stroke
-from tests.support.app.windows import light_by_few, opened, settled
+from tests.support.app.windows import draw_little, opened, settled
 
-light_by_few()
+draw_little()
 make_ready, found = Dispatcher.compile, []
 
 def tell(kernel, signature):

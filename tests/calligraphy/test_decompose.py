@@ -331,9 +331,9 @@ def steps_of_taking_apart(shape: MultiPolygon) -> tuple[int, int]:
 def test_a_net_takes_as_long_as_its_strokes() -> None:
     """Each of many strokes took as long as there were others: nets of a thousand minutes."""
     steps_of_taking_apart(net(3))  # what is imported does not count
-    few, some = steps_of_taking_apart(net(5))
-    many, more = steps_of_taking_apart(net(12))
-    assert more > 3 * some > 30
+    few, some = steps_of_taking_apart(net(4))
+    many, more = steps_of_taking_apart(net(9))
+    assert more > 3 * some >= 30
     assert many / more < 1.4 * few / some
 
 

@@ -27,7 +27,8 @@ def paint3d() -> Run:
 
     def run(*arguments: object, cwd: Path | None = None, **environment: str):
         words = [str(word) for word in arguments]
-        if words[:1] and words[0] in COMMANDS and not environment and not ALL:
+        alone = words[:1] == ["write"] and words[-2:] == ["--processes", "1"]
+        if (alone or COMMANDS.intersection(words[:1])) and not environment and not ALL:
             return run_forked(words, cwd)
         return subprocess.run(
             [sys.executable, "-m", "paint3d", *map(str, arguments)],

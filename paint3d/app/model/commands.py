@@ -208,6 +208,10 @@ _TABLE: tuple[_Row, ...] = (
         _PART,
         Command("cancel_stroke", "Cancel the stroke", ["Esc"], group="stroke", codec=PLAIN),
         _PART,
+        Command("lay_out", "Lay out a text…"),
+        Command("arrange_text", "Move and turn texts", ["T"], checkable=True),
+        Command("sign", "Signature and date…"),
+        _PART,
         Command("stand", "Turn and scale the object…"),
         _PART,
         Command("preferences", "Preferences…", ["Ctrl+,"], always=True),
@@ -377,9 +381,12 @@ _TABLE: tuple[_Row, ...] = (
     Command("move_layer", codec=PLAIN, step=Message("move layer")),
     Command("set_visible", codec=PLAIN),
     Command("set_locked", codec=PLAIN),
+    Command("lay_text", codec=PLAIN, step=Message("text")),
+    Command("remove_text", codec=PLAIN, step=Message("text")),
     Command("press_seal", codec=SEAL, step=Message("seal")),
     Command("replay_history", codec=PLAIN),
     Command("edit_stroke", codec=EDIT, step=Message("edit")),
+    Command("edit_seal", codec=EDIT, step=Message("edit")),
 )
 
 TOOLS = (

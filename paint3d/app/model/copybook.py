@@ -15,30 +15,48 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.app.model.laid_text import LaidText
 from paint3d.app.model.stroke_log import Stroke
 from paint3d.calligraphy.fonts.fallback import FallbackGlyphs, with_fallback
 from paint3d.calligraphy.glyph_sources import load_glyphs, open_glyphs
 from paint3d.calligraphy.glyphs import Glyph
-from paint3d.calligraphy.layout import Layout, layout_text
+from paint3d.calligraphy.layout import Layout, PlacedCharacter, layout_text
 from paint3d.calligraphy.metrics import Likeness, compare, copybook_mask, painted_mask
 from paint3d.calligraphy.page.laying import PlacedPiece, lay_page
+from paint3d.calligraphy.page.opening import set_in
 from paint3d.calligraphy.page.page import Composer, Page
 from paint3d.calligraphy.planning import on_paper
 from paint3d.core.arrays import AnyArray, as_number
 from paint3d.errors import MeshError
 from paint3d.mesh.bvh import ClosestPoints
-from paint3d.mesh.chart import EmSquare, SurfaceChart, make_chart, unroll
+from paint3d.mesh.chart import EmSquare, SurfaceChart, SurfaceFrame, frame_at, make_chart, unroll
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.pose.brush_pose import object_poses
 from paint3d.surface.painted_surface import PaintedSurface
 
-__all__ = ["Copybook", "Ghost", "Score"]
+__all__ = ["Block", "Copybook", "Ghost", "Score"]
 
 _REACH = 0.15  # ems that a chart goes beyond the em square, for what strays
 _NODES_PER_EM = 24.0
 _STEP = 1.0 / 96.0  # ems between two points of a ghost
 _LIFT_MM = 0.05  # above the surface, so that a ghost is seen
 _LEAST_EM_MM, _MOST_EM_MM = 2.0, 1000.0
+_BLANK = "口"  # stands where nothing is said
+
+_LEFT, _RIGHT = ((-1.0, -1.0), (-1.0, 1.0)), ((1.0, -1.0), (1.0, 1.0))
+_BOTTOM, _TOP = ((-1.0, -1.0), (1.0, -1.0)), ((-1.0, 1.0), (1.0, 1.0))
+_FRAME = (_LEFT, _TOP, _RIGHT, _BOTTOM)
+_CROSS = (((-1.0, 0.0), (1.0, 0.0)), ((0.0, -1.0), (0.0, 1.0)))
+_DIAGONALS = (((-1.0, -1.0), (1.0, 1.0)), ((-1.0, 1.0), (1.0, -1.0)))
+_THIRDS = tuple(
+    way
+    for at in (-1.0 / 3.0, 1.0 / 3.0)
+    for way in (((-1.0, at), (1.0, at)), ((at, -1.0), (at, 1.0)))
+)
+_GRID_LINES = {
+    "frame": _FRAME, "tian": (*_FRAME, *_CROSS), "mi": (*_FRAME, *_CROSS, *_DIAGONALS),
+    "jiu": (*_FRAME, *_THIRDS),
+}  # fmt: skip
 
 
 @dataclass(eq=False)
@@ -183,6 +201,35 @@ class Score:
     seconds: float
 
 
+@dataclass(frozen=True, eq=False)
+class Block:
+    """The room that a text takes, around its middle.
+
+    Attributes
+    ----------
+    frame : SurfaceFrame
+        In the middle, its y axis up for the text.
+    corners : (4, 3) float64
+        Upper left, upper right, lower right, lower left, mm.
+    """
+
+    frame: SurfaceFrame
+    corners: AnyArray
+
+    @classmethod
+    def of(cls, surface: ClosestPoints, squares: Sequence[EmSquare]) -> Block:
+        """The block of squares or boxes."""
+        frames = [square.chart.frame for square in squares]
+        points = np.concatenate([square.points.reshape(-1, 3) for square in squares])
+        middle = np.mean([frame.origin for frame in frames], axis=0)
+        frame = frame_at(surface, middle, np.mean([frame.y_axis for frame in frames], axis=0))
+        flat = (points - frame.origin) @ np.stack([frame.x_axis, frame.y_axis], axis=1)
+        low, high = flat.min(axis=0), flat.max(axis=0)
+        wanted = [(low[0], high[1]), high, (high[0], low[1]), low]
+        near = [int(np.argmin(((flat - corner) ** 2).sum(axis=1))) for corner in wanted]
+        return cls(frame, points[near])
+
+
 class Copybook:
     """A text, a drawing or strokes as ghosts on an object.
 
@@ -196,10 +243,21 @@ class Copybook:
     em_mm : float
         Side of the characters' squares, 2 to 1000 mm.
     layout : Layout, optional
+    folder : path, optional
+        Of glyphs, as `open_glyphs` takes it.
+    is_grid : bool
+        Whether the text only says how many squares there are.
 
     Attributes
     ----------
     ghosts : tuple of Ghost
+    squares : tuple of EmSquare
+        Of all characters or pieces, also where there is nothing to be written.
+    lines : str
+        The text with a line break after each column or row; empty of a page.
+    block : Block
+    scores : dict of int to Score
+        Of characters by their place, the last of each.
     page : Page or None
         As it was composed; None of known characters.
     from_fonts : dict of str to str
@@ -219,23 +277,65 @@ class Copybook:
         text: str | Composer,
         em_mm: float = 30.0,
         layout: Layout | None = None,
+        folder: str | None = None,
+        *,
+        is_grid: bool = False,
     ) -> None:
         em_mm = as_number(em_mm, "size (mm)", _LEAST_EM_MM, _MOST_EM_MM)
         surface = ClosestPoints(mesh)
         self.page: Page | None = None
         self.from_fonts: dict[str, str] = {}
-        if isinstance(text, str):
-            source = with_fallback(open_glyphs(None), text)
+        self.lines = ""
+        if is_grid:
+            squares = layout_text(surface, str(text), em_mm, layout)
+            placed = [PlacedPiece(Glyph("", ()), one.square) for one in squares]
+        elif isinstance(text, str):
+            source = with_fallback(open_glyphs(folder), text)
             if isinstance(source, FallbackGlyphs):
                 self.from_fonts = source.characters
             glyphs = load_glyphs(source, "".join(text.split()))
             squares = layout_text(surface, text, em_mm, layout)
             placed = [PlacedPiece(glyphs[one.text], one.square) for one in squares]
+            self.lines = _lines_of(squares)
         else:
             self.page, placed = lay_page(surface, text, em_mm, layout)
+        self._surface = surface
+        self.squares = tuple(one.square for one in placed)
+        self.scores: dict[int, Score] = {}
         self.ghosts = tuple(
             Ghost(one.glyph, one.square, surface) for one in placed if one.glyph.strokes
         )
+
+    @classmethod
+    def of(cls, mesh: TriangleMesh, laid: LaidText, folder: str | None = None) -> Copybook:
+        """The copybook of a text that is laid on an object; see the constructor."""
+        if not laid.text.strip():
+            across, down = laid.cells
+            n_lines, length = (across, down) if laid.order == "columns" else (down, across)
+            blanks = "\n".join([_BLANK * length] * n_lines)
+            return cls(mesh, blanks, laid.em_mm, laid.layout, is_grid=True)
+        text: str | Composer = laid.text
+        if laid.font:
+            text = set_in(laid.text, laid.font, columns=laid.order == "columns")
+        return cls(mesh, text, laid.em_mm, laid.layout, folder)
+
+    @cached_property
+    def block(self) -> Block:
+        """The room that it takes."""
+        return Block.of(self._surface, self.squares)
+
+    def grid(self, kind: str, columns: bool) -> list[AnyArray]:
+        """Lines (K, 3), mm, of one of the `GRIDS` around the characters."""
+        ways = _GRID_LINES.get(kind, ())
+        if kind == "columns":
+            ways = (_LEFT, _RIGHT) if columns else (_TOP, _BOTTOM)
+        lines = []
+        for square in self.squares:
+            half = 0.5 * np.array([square.width_mm, square.height_mm])
+            for way in ways:
+                xy = _dense(half * np.array(way), False, _STEP * square.em_mm)
+                lines.append(square.chart.points(xy) + _LIFT_MM * square.chart.normals(xy))
+        return lines
 
     @property
     def next(self) -> int | None:
@@ -248,7 +348,9 @@ class Copybook:
         way = path.way  # a brush that leans has its root over another character
         if path.pressure is not None and (path.pressure > 0.0).any():
             way = way[path.pressure > 0.0]
-        feet = self.ghosts[0].surface.find(way).points
+        if not self.ghosts:
+            return None
+        feet = self._surface.find(way).points
         counts = [_inside(ghost, feet) for ghost in self.ghosts]
         best = int(np.argmax(counts))
         return best if counts[best] > 0 else None
@@ -262,13 +364,23 @@ class Copybook:
         ghost.strokes.append(stroke)
         stroke.tags |= {"character": ghost.text, "place": place}
         likeness = ghost.compare(surface) if ghost.is_written else None
-        return Score(place, ghost.text, len(ghost.strokes), likeness, ghost.seconds)
+        self.scores[place] = Score(place, ghost.text, len(ghost.strokes), likeness, ghost.seconds)
+        return self.scores[place]
 
     def follow(self, strokes: Sequence[Stroke]) -> None:
         """Forget strokes that were undone."""
         kept = {id(stroke) for stroke in strokes}
         for ghost in self.ghosts:
             ghost.strokes = [stroke for stroke in ghost.strokes if id(stroke) in kept]
+
+
+def _lines_of(placed: Sequence[PlacedCharacter]) -> str:
+    """A text with a line break after each column or row."""
+    text = "".join(
+        ("\n" if k and one.line != placed[k - 1].line else "") + one.text
+        for k, one in enumerate(placed)
+    )
+    return text
 
 
 def _inside(ghost: Ghost, points: AnyArray) -> int:

@@ -27,6 +27,7 @@ from paint3d.app.model.edit_history import (
 )
 from paint3d.app.model.image_painter import StrokePainter
 from paint3d.app.model.input.symmetry import Symmetry
+from paint3d.app.model.laid_text import LaidText, packed_texts, unpacked_texts
 from paint3d.app.model.mask import Mask, Stencil
 from paint3d.app.model.persistence.brush_words import brush_from_words, brush_words, hair_words
 from paint3d.app.model.persistence.saved_history import MOST_BYTES, restore_history, saved_history
@@ -72,7 +73,8 @@ from paint3d.painter.ink_time import LOOKAHEAD
 from paint3d.painter.painter import Ink, Painter
 from paint3d.painter.recorded_tools import LEAST_INK
 from paint3d.recording.score import Score
-from paint3d.recording.score_edits import edit_stroke
+from paint3d.recording.score_edits import edit_seal, edit_stroke
+from paint3d.recording.score_steps import follow_steps
 from paint3d.surface.ink_store import union
 from paint3d.surface.layer_stack import Layer, LayerStack
 from paint3d.surface.painted_surface import PaintedSurface
@@ -148,6 +150,7 @@ class Document:
         self._saved_at: int | None = 0
         self.left_out = False
         self._recordings = tuple(saved.recordings if saved else ())
+        self._texts = unpacked_texts(self.settings.pop("texts", []))
         self._log = StrokeLog(saved.strokes if saved else (), self.settings.get("brushes", {}))
         surface.use_layers()
         self._dipped = self.settings.get("fresh", True) is not False
@@ -196,11 +199,13 @@ class Document:
 
     def _keep(self) -> dict[str, object]:
         """What undo brings back besides the surface."""
-        return {"painter": self.painter.keep(), "dipped": self._dipped}
+        texts = packed_texts(self._texts)
+        return {"painter": self.painter.keep(), "dipped": self._dipped, "texts": texts}
 
     def _restore(self, kept: Any) -> None:
         self.painter.restore(kept["painter"])
         self._dipped = kept["dipped"]
+        self._texts = unpacked_texts(kept["texts"])
 
     # -- opening and saving ---------------------------------------------------------------
 
@@ -337,6 +342,8 @@ class Document:
         settings = {**self.settings, "brush": brush_words(self.painter.brush)}
         settings |= {"ink": self.painter.ink.name, "unit": self.unit}
         settings["azimuth"] = self.painter.azimuth
+        if self._texts:
+            settings["texts"] = [text.words() for text in self._texts]
         settings["hairs"] = hair_words(self.painter)
         settings["dipped"] = weights_of(self.painter.dipped)
         settings["amount"] = self.painter.amount.words()
@@ -897,6 +904,60 @@ class Document:
             raise LayerError("“{layer}” is hidden; show it, or paint on another layer", layer=told)
         return layer
 
+    # -- texts ------------------------------------------------------------------------------
+
+    @property
+    def texts(self) -> tuple[LaidText, ...]:
+        """What lies on the object to be written after."""
+        return self._texts
+
+    @recorded
+    def lay_text(self, text: Mapping[str, Any], number: int | None = None) -> None:
+        """Lay a text on the object to be written after: a step that can be undone.
+
+        Parameters
+        ----------
+        text : mapping
+            What `LaidText.words` gives.
+        number : int, optional
+            Of the text, from 0, whose place it takes; by default it lies beside those there are.
+
+        Raises
+        ------
+        InputError
+            If it says no text, there is none of that number, or a stroke is going on.
+        """
+        laid = LaidText.of(text)
+        self._change_texts("lay_text", number, (laid,))
+
+    @recorded
+    def remove_text(self, number: int) -> None:
+        """Take a text off the object: a step that can be undone.
+
+        Raises
+        ------
+        InputError
+            If there is none of that number, or a stroke is going on.
+        """
+        self._change_texts("remove_text", number, ())
+
+    def _change_texts(self, command: str, number: int | None, by: tuple[LaidText, ...]) -> None:
+        self._refuse_in_stroke("laying text")
+        count = len(self._texts)
+        if number is None:
+            number = count
+        elif not 0 <= number < count:
+            raise InputError(
+                "text {number}; expected one of {count}, counted from 0", number=number, count=count
+            )
+        changed = (*self._texts[:number], *by, *self._texts[number + 1 :])
+        unpacked_texts([text.words() for text in changed])  # not too many
+        self._come_back()
+        self._undo.begin(COMMANDS[command].step)
+        self._texts = changed
+        self._undo.seal()
+        self.modified = True
+
     # -- seals ------------------------------------------------------------------------------
 
     @recorded
@@ -1197,16 +1258,10 @@ class Document:
             If there is no such stroke, it is not known from the beginning what was painted, or the
             edit cannot be done; everything is as it was then.
         """
-        self.break_off()
-        if self.keeper is None:
-            raise InputError(
-                "of this painting only the strokes are known, not what was between them; expected "
-                "one whose score is kept: save the strokes as a whole painting and replay it"
-            )
+        score = self._score_to_edit()
         if self._looking:
             self.replay_history(len(self.strokes) + len(self.undone_strokes))
-        score = self.score
-        assert score is not None, "it is kept"
+            score = self._score_to_edit()
         places = places_of(score, len(self.strokes), len(self.undone_strokes))
         self._check_number(number, len(self.strokes))
         words = self._in_words(edit, score)
@@ -1215,7 +1270,76 @@ class Document:
         back = max((k for k, (_, begin) in enumerate(places) if begin <= first), default=0)
         back = min(back, number)
         self._check_number(back, len(self.strokes))
-        return self._paint_anew(edited, back, min(places[back][1], first))
+        return self._paint_anew(
+            edited, lambda: len(self.strokes) > back, min(places[back][1], first)
+        )
+
+    @property
+    def n_seals(self) -> int:
+        """How many seals there are that steps take back."""
+        return self._undo.done.count(COMMANDS["press_seal"].step)
+
+    def pressed_seals(self) -> list[dict[str, Any]]:
+        """What each seal that is there was pressed with, as a line of the score says it."""
+        score = self.score
+        if score is None:
+            return []
+        lines = [score.events[seal.begin] for seal in follow_steps(score).seals]
+        return [dict(line) for line in lines if not isinstance(line, Recording)]
+
+    @recorded
+    def edit_seal(self, number: int, edit: Mapping[str, Any]) -> AnyArray:
+        """Edit a seal, and paint everything after it anew: a step that can be undone.
+
+        Parameters
+        ----------
+        number : int
+            Of the seal, from 0, among those that are there.
+        edit : mapping
+            See `score_edits.edit_seal`; the ink may be one in hand.
+
+        Returns
+        -------
+        (N,) int32
+            Vertices whose colours may have changed.
+
+        Raises
+        ------
+        InputError, RecordingError
+            If there is no such seal, no step leads back to it, or the edit cannot be done;
+            everything is as it was then.
+        """
+        score = self._score_to_edit()
+        if self._looking:
+            self.replay_history(len(self.strokes) + len(self.undone_strokes))
+            score = self._score_to_edit()
+        seals = follow_steps(score).seals
+        held = self.n_seals
+        if not 0 <= number < len(seals) or len(seals) != held:
+            raise InputError(
+                "seal {number} is none of {count} that {steps} steps lead back to",
+                number=number + 1,
+                count=len(seals),
+                steps=held,
+            )
+        words = self._in_words(edit, score)
+        edited = edit_seal(score, number + 1, words)
+        step = COMMANDS["press_seal"].step
+        return self._paint_anew(
+            edited, lambda: self._undo.done.count(step) > number, seals[number].begin
+        )
+
+    def _score_to_edit(self) -> Score:
+        """The score, during no stroke."""
+        self.break_off()
+        if self.keeper is None:
+            raise InputError(
+                "of this painting only the strokes are known, not what was between them; expected "
+                "one whose score is kept: save the strokes as a whole painting and replay it"
+            )
+        score = self.score
+        assert score is not None, "it is kept"
+        return score
 
     def _check_number(self, number: int, count: int) -> None:
         if not 0 <= number < count:
@@ -1247,8 +1371,8 @@ class Document:
             return {**edit, "brush": brush_named(edit["brush"])}
         return edit
 
-    def _paint_anew(self, edited: Score, back: int, begin: int) -> AnyArray:
-        """Go back to before a stroke, and play the edited score from its beginning on."""
+    def _paint_anew(self, edited: Score, goes_on: Callable[[], bool], begin: int) -> AnyArray:
+        """Go back while there is something to undo, and play the edited score from an event on."""
         keeper, steps = self.keeper, self._undo
         assert keeper is not None, "it was looked at"
         self._gather()
@@ -1256,7 +1380,7 @@ class Document:
         layers = self.surface.use_layers().layers
         since, ids = steps.lay_aside_since()
         touched = [ids]
-        while len(self.strokes) > back:
+        while goes_on():
             touched.append(steps.undo())
             self._follow_log()
         depth = len(steps.done)

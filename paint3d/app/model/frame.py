@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.app.model.document import Document
+from paint3d.app.model.laid_text import LaidText
 from paint3d.app.model.mask import Mask, Stencil
 from paint3d.app.model.stroke_log import Stroke
 from paint3d.brush.spec import BrushSpec, DipAmount
@@ -184,6 +185,10 @@ class Snapshot:
     mask : Mask
     stencil : Stencil or None
         The mask as it lies on the surface.
+    n_seals : int
+        See `Document`.
+    texts : tuple of LaidText
+        What lies on the object to be written after.
     strokes, undone_strokes : tuple of Stroke
         There; and to be done again, the next one first.
     oldest_stroke, earliest_stroke : int
@@ -215,6 +220,8 @@ class Snapshot:
     active_layer: int
     mask: Mask
     stencil: Stencil | None
+    n_seals: int
+    texts: tuple[LaidText, ...]
     strokes: tuple[Stroke, ...]
     undone_strokes: tuple[Stroke, ...]
     oldest_stroke: int
@@ -250,6 +257,8 @@ class Snapshot:
             active_layer=document.active_layer,
             mask=document.mask,
             stencil=document.stencil,
+            n_seals=document.n_seals,
+            texts=document.texts,
             strokes=tuple(document.strokes),
             undone_strokes=tuple(document.undone_strokes),
             oldest_stroke=document.oldest_stroke,

@@ -35,12 +35,21 @@ def kept_number(kept: Mapping[str, object], name: str, default: float) -> float:
 
 
 class FormDialog(QtWidgets.QDialog):
-    """A dialog whose rows are added to `form`; close it with `finish`."""
+    """A dialog whose rows are added to `form`; close it with `finish`.
 
-    def __init__(self, parent: QtWidgets.QWidget, title: str) -> None:
+    Parameters
+    ----------
+    parent : QWidget
+    title : str
+    beside : bool
+        Whether the rows stand in `rows`, a widget to be laid out beside something else.
+    """
+
+    def __init__(self, parent: QtWidgets.QWidget, title: str, *, beside: bool = False) -> None:
         super().__init__(parent)
         self.setWindowTitle(title)
-        self.form = QtWidgets.QFormLayout(self)
+        self.rows = QtWidgets.QWidget(self) if beside else self
+        self.form = QtWidgets.QFormLayout(self.rows)
         self.form.setContentsMargins(18, 16, 18, 14)
         self.form.setVerticalSpacing(10)
 

@@ -5,15 +5,13 @@ from __future__ import annotations
 from PySide6 import QtCore, QtWidgets
 
 from paint3d.app.model.commands import COMMANDS, GROUPS, SHORTCUTS, TITLES, Shortcut
-from paint3d.app.model.persistence.saved_settings import chosen_material
 from paint3d.app.model.persistence.settings import Settings
 from paint3d.app.window.forms import FormDialog
-from paint3d.app.window.object.material_box import MaterialBox
-from paint3d.app.window.wording import LANGUAGES, say, say_object, say_units
-from paint3d.errors import Message
-from paint3d.files.load import BUILT_IN_OBJECTS
+from paint3d.app.window.wording import LANGUAGES, say, say_error, say_units
+from paint3d.calligraphy.glyph_sources import open_glyph_folder
+from paint3d.errors import Message, Paint3DError
 
-__all__ = ["Answer", "KeysDialog", "NewDialog", "PreferencesDialog", "ask"]
+__all__ = ["Answer", "KeysDialog", "PreferencesDialog", "ask"]
 
 _KEY_COLUMNS = 3
 
@@ -69,26 +67,6 @@ def ask(
     return Answer.RejectRole if pressed is None else box.buttonRole(pressed)
 
 
-class NewDialog(FormDialog):
-    """Ask what to paint on."""
-
-    def __init__(self, parent: QtWidgets.QWidget, settings: Settings) -> None:
-        super().__init__(parent, say("New painting…").rstrip("…"))
-        objects = {name: say_object(name) for name in BUILT_IN_OBJECTS}
-        self.object = self.add_box(say("Object"), objects | {"": say("A mesh file…")}, None)
-        self.material = MaterialBox(chosen_material(settings))
-        self.material.failed.connect(lambda why: ask(self, why, accept=say("OK"), leave=""))
-        self.form.addRow(say("Material"), self.material)
-        fine = settings.resolution_mm
-        self.resolution = self.add_number(say("Detail"), 0.05, 10.0, fine, "mm", 2)
-        self.resolution.setSingleStep(0.05)
-        self.finish(say("Begin"))
-
-    def chosen(self) -> tuple[str, str, float]:
-        """Object ("" for a file), material and resolution (mm)."""
-        return self.object.currentData(), str(self.material.material()), self.resolution.value()
-
-
 class PreferencesDialog(FormDialog):
     """Ask how the program should be."""
 
@@ -139,12 +117,43 @@ class PreferencesDialog(FormDialog):
         ):
             value = getattr(settings, name)
             self.numbers[name] = self.add_number(label, low, high, value, unit)
+        self.glyphs = QtWidgets.QLineEdit(settings.glyphs)
+        self.glyphs.setPlaceholderText(say("of hanzi-writer-data; empty: those that come along"))
+        self.glyphs.setClearButtonEnabled(True)
+        choose = QtWidgets.QPushButton("…")
+        choose.clicked.connect(self._choose_folder)
+        row = QtWidgets.QHBoxLayout()
+        row.addWidget(self.glyphs, 1)
+        row.addWidget(choose)
+        self.form.addRow(say("Folder of characters"), row)
         self.finish(say("OK"))
+
+    def _choose_folder(self) -> None:
+        found = QtWidgets.QFileDialog.getExistingDirectory(
+            self,
+            say("Folder of characters"),
+            self.glyphs.text(),
+            QtWidgets.QFileDialog.Option.DontUseNativeDialog,
+        )
+        if found:
+            self.glyphs.setText(found)
+
+    def accept(self) -> None:
+        """Agree, unless the folder of characters is none."""
+        folder = self.glyphs.text().strip()
+        try:
+            if folder:
+                open_glyph_folder(folder)
+        except Paint3DError as error:
+            ask(self, say_error(error), accept=say("OK"), leave="")
+            return
+        super().accept()
 
     def chosen(self) -> dict[str, object]:
         """Settings by name."""
         numbers = {name: box.value() for name, box in self.numbers.items()}
-        return {name: box.currentData() for name, box in self.boxes.items()} | numbers
+        boxes = {name: box.currentData() for name, box in self.boxes.items()}
+        return {**boxes, **numbers, "glyphs": self.glyphs.text().strip()}
 
 
 class KeysDialog(QtWidgets.QDialog):

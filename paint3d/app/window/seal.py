@@ -2,27 +2,38 @@
 
 from __future__ import annotations
 
+import threading
 from concurrent.futures import Future
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import numpy as np
 from PySide6 import QtCore, QtGui, QtWidgets
 
+from paint3d.app.window.font_box import FontBox
 from paint3d.app.window.forms import FormDialog
 from paint3d.app.window.hand.canvas import Touch
 from paint3d.app.window.job import Progress
-from paint3d.app.window.wording import say
+from paint3d.app.window.wording import say, say_error, say_length
 from paint3d.app.window.workspace import Workspace
-from paint3d.calligraphy.fonts.font_file import list_fonts
 from paint3d.calligraphy.seal.stone import LARGEST_MM, SMALLEST_MM, Seal, cut_seal
 from paint3d.core.arrays import AnyArray
-from paint3d.errors import InputError
+from paint3d.errors import Paint3DError
+from paint3d.mesh.chart import frame_at
 from paint3d.view.camera import picture_axes
 
 __all__ = ["SealAsked", "SealDialog", "Sealing"]
 
 # ---- The dialog ----------------------------------------------------------------------------------
 # What is cut into a seal: a text or a drawing, its style and size.
+
+
+_PICTURE = 190  # pixels
+_LOOK_MS = 40
+_PATIENCE_S = 1.0  # that the window waits for a step of the painting
+_RIM_POINTS = 12  # along a side of it
+_LIFT_MM = 0.1  # of the outline above the surface
+_PAPER, _CINNABAR = (243, 240, 230), (178, 44, 34)
 
 
 class SealAsked(NamedTuple):
@@ -36,21 +47,36 @@ class SealAsked(NamedTuple):
 
 
 class SealDialog(FormDialog):
-    """Ask for a seal.
+    """Ask for a seal, and show its stone as it will be cut.
 
     Parameters
     ----------
     parent : QWidget
     kept : SealAsked
         What was asked for last.
+    glyphs : str
+        A folder of characters, as the settings name it.
     """
 
-    def __init__(self, parent: QtWidgets.QWidget, kept: SealAsked) -> None:
+    def __init__(self, parent: QtWidgets.QWidget, kept: SealAsked, glyphs: str = "") -> None:
         super().__init__(parent, say("Press a seal…").rstrip("…"))
+        self._glyphs = glyphs
+        self._shown: SealAsked | None = None
+        self._cutting: Future[Seal] | None = None
+        self.picture = QtWidgets.QLabel()
+        self.picture.setFixedSize(_PICTURE + 60, _PICTURE + 8)
+        self.picture.setAlignment(QtCore.Qt.AlignmentFlag.AlignCenter)
+        self.picture.setAccessibleName(say("The seal as it will be cut"))
+        self.note = QtWidgets.QLabel()
+        self.note.setWordWrap(True)
+        self.note.setObjectName("faint")
+        self.form.addRow(self.picture)
+        self.form.addRow(self.note)
         self.text = QtWidgets.QLineEdit(kept.text)
         self.form.addRow(say("Text"), self.text)
-        families = {"": say("Lines of one width")} | {name: name for name in _families()}
-        self.font_box = self.add_box(say("Font"), families, kept.font)
+        self.font_box = FontBox(say("Lines of one width"))
+        self.font_box.show_font(kept.font)
+        self.form.addRow(say("Font"), self.font_box)
         self.drawing = QtWidgets.QLineEdit(kept.drawing)
         self.drawing.setPlaceholderText(say("A drawing instead of the text"))
         self.drawing.setClearButtonEnabled(True)
@@ -68,6 +94,9 @@ class SealDialog(FormDialog):
         self.finish(say("OK"))
         self.text.setFocus()
         self.text.selectAll()
+        self._timer = QtCore.QTimer(self, interval=_LOOK_MS)
+        self._timer.timeout.connect(self._follow)
+        self._timer.start()
 
     def _choose(self) -> None:
         dialog = QtWidgets.QFileDialog(self, say("A drawing"), filter="SVG (*.svg)")
@@ -85,16 +114,71 @@ class SealDialog(FormDialog):
             self.drawing.text().strip(),
             self.style_box.currentData(),
             self.size_box.value(),
-            self.font_box.currentData(),
+            self.font_box.font_name,
         )
 
+    # -- its picture ------------------------------------------------------------------------
 
-def _families() -> list[str]:
-    """The families of the system's fonts; none where nobody can be asked."""
+    def _follow(self) -> None:
+        """Cut what is asked for now in a thread of its own, and show what has been cut."""
+        if self._cutting is not None:
+            if not self._cutting.done():
+                return
+            done, self._cutting = self._cutting, None
+            self._show(done)
+        asked = self.asked()
+        if asked != self._shown:
+            self._shown = asked
+            self._cutting = Future()
+            work = (asked, self._glyphs, self._cutting)
+            threading.Thread(
+                target=_cut_beside, args=work, name="paint3d-seal", daemon=True
+            ).start()
+
+    def _show(self, done: Future[Seal]) -> None:
+        error = done.exception()
+        if error is not None:
+            self.picture.setPixmap(QtGui.QPixmap())
+            self.note.setText(say_error(error) if isinstance(error, Paint3DError) else "")
+            return
+        seal = done.result()
+        self.picture.setPixmap(seal_picture(seal, _PICTURE))
+        self.note.setText(f"{say_length(seal.width_mm)} × {say_length(seal.height_mm)}")
+
+
+def _cut(asked: SealAsked, glyphs: str) -> Seal:
+    """The seal that is asked for."""
+    text = None if asked.drawing else asked.text
+    folder, font = glyphs or None, asked.font or None
+    return cut_seal(
+        text, asked.drawing or None, asked.style, asked.size_mm, font=font, glyphs=folder
+    )
+
+
+def _cut_beside(asked: SealAsked, glyphs: str, done: Future[Seal]) -> None:
     try:
-        return list(dict.fromkeys(font.family for font in list_fonts()))
-    except InputError:
-        return []
+        done.set_result(_cut(asked, glyphs))
+    except Exception as error:
+        done.set_exception(error)
+
+
+def seal_picture(seal: Seal, size: int) -> QtGui.QPixmap:
+    """What a seal prints, in cinnabar on paper, its longer side so many pixels."""
+    scale = size / max(seal.width_mm, seal.height_mm)
+    wide, high = (max(1, round(scale * mm)) for mm in (seal.width_mm, seal.height_mm))
+    pixels = QtGui.QPixmap(wide + 8, high + 8)
+    pixels.fill(QtGui.QColor(*_PAPER))
+    painter = QtGui.QPainter(pixels)
+    painter.setRenderHint(QtGui.QPainter.RenderHint.Antialiasing)
+    path = QtGui.QPainterPath()
+    path.setFillRule(QtCore.Qt.FillRule.OddEvenFill)
+    for ring in seal.rings:
+        at = ring * [scale, -scale] + [0.5 * wide + 4.0, 0.5 * high + 4.0]
+        path.addPolygon(QtGui.QPolygonF([QtCore.QPointF(x, y) for x, y in at.tolist()]))
+        path.closeSubpath()
+    painter.fillPath(path, QtGui.QColor(*_CINNABAR))
+    painter.end()
+    return pixels
 
 
 # --------------------------------------------------------------------------------------------------
@@ -102,7 +186,6 @@ def _families() -> list[str]:
 
 _KIND = QtCore.QEvent.Type
 _KEYS = (_KIND.ShortcutOverride, _KIND.KeyPress)
-_LOOK_MS = 40
 
 
 class Sealing(QtCore.QObject):
@@ -119,6 +202,7 @@ class Sealing(QtCore.QObject):
         self._workspace = workspace
         self._kept = SealAsked()
         self.seal: Seal | None = None
+        self._moved: int | None = None  # the seal that is pressed elsewhere
         self._is_down = False  # a pen, a mouse or a finger that presses it when it is lifted
         self._done: Future[Any] | None = None
         self._timer = QtCore.QTimer(self)
@@ -131,33 +215,76 @@ class Sealing(QtCore.QObject):
         """Ask for a seal, and let the next click on the object press it."""
         workspace = self._workspace
         self.let_be()
-        dialog = SealDialog(workspace.window, self._kept)
+        glyphs = workspace.settings.glyphs
+        dialog = SealDialog(workspace.window, self._kept, glyphs)
         if not dialog.exec():
             return
         asked = self._kept = dialog.asked()
         if not asked.text and not asked.drawing:
             return
 
-        def work(_: Progress) -> Seal:
-            text = None if asked.drawing else asked.text
-            drawing = asked.drawing or None
-            font = asked.font or None
-            return cut_seal(text, drawing, asked.style, asked.size_mm, font=font)
-
-        done = workspace.run(say("Cutting the seal…"), work)
+        done = workspace.run(say("Cutting the seal…"), lambda _: _cut(asked, glyphs))
         if workspace.went_well(done):
-            workspace.canvas.take_up(self._take, self.let_be)
-            self.seal, self._is_down = done.result(), False
-            workspace.canvas.setCursor(QtCore.Qt.CursorShape.PointingHandCursor)
-            workspace.canvas.setFocus()
-            workspace.tell(say("Click where to press the seal; Esc cancels"), stays=True)
+            self._moved = None
+            self._take_up(done.result())
+
+    def edit(self, what: str, number: int) -> None:
+        """Move a seal that was pressed, press it in the ink in hand, or delete it.
+
+        Parameters
+        ----------
+        what : {"drag", "ink", "delete"}
+        number : int
+            From 0, among those that are there.
+        """
+        workspace = self._workspace
+        self.let_be()
+        if what == "ink":
+            self._edit(number, {"do": "ink", "ink": workspace.painting.dipped})
+            return
+        if what == "delete":
+            self._edit(number, {"do": "delete"})
+            return
+        with workspace.paint_thread.paused(_PATIENCE_S) as document:
+            pressed = [] if document is None else document.pressed_seals()
+        if not 0 <= number < len(pressed):
+            workspace.tell(say("Still painting; try again in a moment"), state="slow")
+            return
+        rings = tuple(np.array(ring, np.float64) for ring in pressed[number]["rings"])
+        size = np.ptp(np.concatenate(rings), axis=0).tolist()
+        self._moved = number
+        self._take_up(Seal("", "", size[0], size[1], rings, 0.0, ""))
+
+    def _edit(self, number: int, edit: dict[str, Any]) -> None:
+        workspace = self._workspace
+        paint_thread = workspace.paint_thread
+
+        def work(progress: Progress) -> None:
+            with paint_thread.reporting(progress):
+                paint_thread.post("edit_seal", number, edit).result()
+
+        if workspace.went_well(workspace.run(say("Pressing the seal anew…"), work)):
+            workspace.tell(
+                say("Seal {n} is changed; undo takes it back", n=number + 1), state="good"
+            )
+
+    def _take_up(self, seal: Seal) -> None:
+        """Have a stone in the hand until it is pressed, or let be."""
+        workspace = self._workspace
+        workspace.canvas.take_up(self._take, self.let_be)
+        self.seal, self._is_down = seal, False
+        workspace.canvas.setCursor(QtCore.Qt.CursorShape.CrossCursor)
+        self._hold_brush(True)
+        workspace.canvas.setFocus()
+        workspace.tell(say("Click where to press the seal; Esc cancels"), stays=True)
 
     def let_be(self) -> None:
         """Press nothing."""
         if self.seal is not None:
             self.seal = None
             self._workspace.canvas.lay_down(self._take)
-            self._workspace.canvas.setCursor(QtCore.Qt.CursorShape.CrossCursor)
+            self._hold_brush(False)
+            self._show_outline(None)
 
     # -- the click --------------------------------------------------------------------------
 
@@ -172,9 +299,37 @@ class Sealing(QtCore.QObject):
         self._workspace.tell(say("No seal was pressed"))
         return True
 
+    def _hold_brush(self, away: bool) -> None:
+        """Hide the brush while a stone is in the hand, or show it again where it is shown."""
+        shown = self._workspace.actions["brush"].isChecked()
+        self._workspace.stage.shows_brush = shown and not away
+        self._workspace.stage.touch()
+
+    def _show_outline(self, place: AnyArray | None) -> None:
+        """Draw what the stone would print at a place (3,) of the object, in its true size."""
+        stage, seal = self._workspace.stage, self.seal
+        if stage.paint_thread is None:
+            return
+        lines: list[AnyArray] = []
+        if place is not None and seal is not None:
+            surface = self._workspace.hand.surface
+            frame = frame_at(surface, place, picture_axes(self._workspace.hand.open_camera)[1])
+            half = 0.5 * np.array([seal.width_mm, seal.height_mm])
+            along = np.linspace(-1.0, 1.0, _RIM_POINTS)[:, None]
+            ends = np.ones((_RIM_POINTS, 1))
+            sides = [(along, -ends), (ends, along), (-along, ends), (-ends, -along)]
+            rim = half * np.concatenate([np.hstack(side) for side in sides])
+            for ring in (rim, *seal.rings):
+                closed = np.concatenate([ring, ring[:1]])
+                across = np.outer(closed[:, 0], frame.x_axis) + np.outer(closed[:, 1], frame.y_axis)
+                found = surface.find(frame.origin + across)
+                lines.append(found.points + _LIFT_MM * found.normals)
+        stage.show_lines("seal", lines, (*_CINNABAR, 220), 1.3)
+
     def _take(self, touch: Touch) -> bool:
-        """Press it where a mouse, a pen or a finger is lifted; False while that is only over it."""
+        """Press it where a mouse, a pen or a finger is lifted; show it where that is over it."""
         was_down, self._is_down = self._is_down, touch.down
+        self._show_outline(self._workspace.hand.place_at(touch.x, touch.y))
         if was_down and not touch.down:
             place = self._workspace.hand.place_at(touch.x, touch.y)
             if place is None:
@@ -193,7 +348,11 @@ class Sealing(QtCore.QObject):
         assert seal is not None
         up = picture_axes(workspace.hand.open_camera)[1]
         rings = [ring.tolist() for ring in seal.rings]
+        moved = self._moved
         self.let_be()
+        if moved is not None:
+            self._edit(moved, {"do": "move", "at": place.tolist(), "up": up.tolist()})
+            return
         self._done = workspace.paint_thread.post("press_seal", rings, place.tolist(), up.tolist())
         self._timer.start(_LOOK_MS)
 

@@ -256,8 +256,8 @@ class StudioWindow(QtWidgets.QMainWindow):
         self.commands = Actions(workspace, self.keys.taps())
         self.panels = Panels(workspace, self.commands.menus["window"])
         self._make_jobs()
-        self._bind_actions()
         self.copying = CopybookGuide(workspace, self.panels.copybook)
+        self._bind_actions()
         self.both_hands = DeviceInput(workspace, self.panels.devices, plugged, feel)
         self.hud, self.status = Hud(workspace), StatusLine(workspace)
         self.replay_bar = ReplayBar(workspace, self.player)
@@ -301,7 +301,7 @@ class StudioWindow(QtWidgets.QMainWindow):
         self.viewing = ViewActions(self.workspace, self.panels, self.steering)
         self.commands.bind(
             (self.opening, self.saving, self.exporting, self.pictures, self.recordings,
-             self.standing, self.sealing, self.painting, self.brushes, self.inks,
+             self.standing, self.sealing, self.copying, self.painting, self.brushes, self.inks,
              self.viewing)
         )  # fmt: skip
         for name in ("brush", "grips", "show_mask"):
@@ -345,6 +345,7 @@ class StudioWindow(QtWidgets.QMainWindow):
         panels.history.asked.connect(self.recalling.go_to)
         panels.surface.asked.connect(self._take_material)
         panels.history.edited.connect(self.editing.ask)
+        panels.history.seal_edited.connect(self.sealing.edit)
         panels.history.chosen.connect(self.mark.choose)
         self.mark.changed.connect(panels.history.mark)
         panels.history.exported.connect(self.recordings.do_save_recording)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import gettext
 import os
+import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -15,7 +16,7 @@ from typing import Any
 from paint3d.brush.presets import brush_names
 from paint3d.colour.materials import Material, load_materials
 from paint3d.errors import Message, Paint3DError, UnknownNameError
-from paint3d.files.load import UNITS_MM
+from paint3d.files.load import UNITS_MM, is_built_in
 
 __all__ = [
     "LANGUAGES",
@@ -64,6 +65,9 @@ _REASONS = (
     Message("Connection refused"),
 )
 """What the system says of files, as errors quote it."""
+
+_COMMANDS = re.compile(r"\s*[(（][^()（）]*(?:pip install|npm |(?<![\w-])--[a-z])[^()（）]*[)）]")
+"""Remarks for who types commands, which say nothing in a window."""
 
 _language = ["en"]
 _catalogue = [gettext.NullTranslations()]
@@ -123,8 +127,8 @@ def say(text: str, plural: str = "", /, **fields: Any) -> str:
 def say_error(error: BaseException | str) -> str:
     """What went wrong, in the language that is spoken."""
     if isinstance(error, Paint3DError):
-        return say(error.message)
-    return say(error) if isinstance(error, Message) else str(error)
+        error = error.message
+    return _COMMANDS.sub("", say(error) if isinstance(error, Message) else str(error))
 
 
 # ---- Names ---------------------------------------------------------------------------------------
@@ -136,6 +140,17 @@ _OBJECTS = {
     "vase": Message("Vase"),
     "sphere": Message("Sphere"),
     "plane": Message("Plane"),
+    "scroll": Message("Hanging scroll"),
+    "couplet": Message("Couplet"),
+    "square": Message("Square"),
+    "horizontal": Message("Horizontal"),
+    "fan": Message("Folding fan"),
+    "round-fan": Message("Round fan"),
+    "album": Message("Album leaf"),
+    "handscroll": Message("Handscroll"),
+    "a4": Message("A4"),
+    "a3": Message("A3"),
+    "sheet": Message("Free size"),
 }
 _MATERIALS = {
     "porcelain": Message("Porcelain"),
@@ -178,8 +193,9 @@ _UNITS = {
 
 
 def say_object(name: str) -> str:
-    """What a built-in object is called; another name as it is."""
-    return say(_OBJECTS[name]) if name in _OBJECTS else name
+    """What a built-in object or a sheet is called; another name as it is."""
+    form = name.split(":")[0]
+    return say(_OBJECTS[form]) if is_built_in(name) else name
 
 
 def say_material(material: Material) -> str:

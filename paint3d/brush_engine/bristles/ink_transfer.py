@@ -34,18 +34,19 @@ from paint3d.brush_engine.coverage import AREA_STEPS, weigh_passing, weighed_are
 from paint3d.brush_engine.dry_contact import dry_contact, note_way, thin_contact
 from paint3d.brush_engine.footprint import Sweep, outline_motion
 from paint3d.brush_engine.ink_transfer import (
-    MOST_AT_FIRST,
     PAINTED,
     Deposit,
     contact_level,
-    held_ink,
+    first_film,
+    given_on_way,
     landing_share,
+    lay_first_film,
     leave_from_reservoirs,
     level_shares,
     note_covered,
+    soak,
     stillness,
     take_up_ink,
-    wet_at_once,
 )
 from paint3d.brush_engine.scratch import Found
 from paint3d.brush_engine.vertex_query import VISITED, find_candidates, next_block
@@ -546,7 +547,7 @@ def _mix_hairs(load, mixture):
 
 
 @uncounted(error_model="numpy")
-def sweep_hairs(before, after, ready, hairs, field, ink, scratch):
+def sweep_hairs(before, after, ready, transfer_per_mm, hairs, field, ink, scratch):
     """Deposit the ink of one sweep; False (and nothing changed) where the mesh has no room.
 
     Parameters
@@ -555,6 +556,8 @@ def sweep_hairs(before, after, ready, hairs, field, ink, scratch):
         `after` touches.
     ready : float
         What the hairs are ready to give on the way, coats x mm2: what `settle_deposits` found.
+    transfer_per_mm : float
+        Of the tuft.
     hairs, field, ink, scratch : as for `brush_engine.bristles.stroke_loop`
 
     Conserves: what leaves the hairs is on vertices or counted in `ink.off_surface`
@@ -574,7 +577,7 @@ def sweep_hairs(before, after, ready, hairs, field, ink, scratch):
     if come_from.touches > 0.0:
         area = 0.5 * (come_from.area + area)
     bare = n == 0 and within > 0  # no hair lies over the vertices that the outline covers
-    scale = 0.0 if bare or (area < width * width and within == 0) else 1.0
+    scale = 0.0 if bare or (area < width * width and within == 0) else given_on_way(level)
     lands = landing_share(area, width, weighed, within)
     note_way(before, after)
     if level < 1.0 and n > 0:  # hairs that run dry give less, and only to the heights
@@ -589,11 +592,17 @@ def sweep_hairs(before, after, ready, hairs, field, ink, scratch):
     scratch.taken[:] = 0.0
     if ink.transfer[0].pickup > 0.0:
         take_up_ink(before, after, ready * scale, found, n, field, ink, scratch.taken)
-    least = wet_at_once(before, after, level, found, n, field, ink)
-    least = min(least, MOST_AT_FIRST * held_ink(ink))
-    if 0.0 < ready * scale < least:
-        scale = least / ready
     level_shares(before, after, level, ink.transfer[0].grain, field, ink, n, scratch)
+    landing = ready * scale * lands
+    weighed = weighed_area(field, found.ids, found.share, n)
+    if landing > 0.0 and weighed > 0.0:
+        soak(found, n, ink)
+        rest = weighed_area(field, found.ids, found.share, n) / weighed
+        scale, landing, weighed = rest * scale, rest * landing, rest * weighed
+    if landing > 0.0 and weighed > 0.0:
+        coats = first_film(level, transfer_per_mm, ink)
+        first = lay_first_film(coats, landing / weighed, found, n, field, ink)
+        scale *= 1.0 + first / landing
     _take_from_hairs(hairs.load, hairs.hair_contacts, scale, hairs.whole_sums, hairs.released)
     if ink.reservoirs.shape[0] > 1:
         _leave_along(before, after, lands, n, hairs, field, ink, scratch)

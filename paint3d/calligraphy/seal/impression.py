@@ -42,6 +42,8 @@ _CHIP_MM, _CHIP_FROM = 2.6, 0.45  # where the rim is knocked off: over what, fro
 _FIRM = 0.35  # of the full press: from there on all of it touches
 _EDGE = 0.5  # of a vertex's spacing: half the width of an edge
 _LEAST_TOUCHED = 0.02  # of the stone
+_ACROSS = 80.0  # vertices along the longer side, at least
+_FINEST_MM = 0.05  # however small the stone
 
 
 @dataclass(frozen=True)
@@ -125,7 +127,7 @@ def find_impression(
             second=2.0 * half[1],
             cause=cause,
         ) from None
-    _refine(surface, chart)
+    _refine(surface, chart, max(_FINEST_MM, 2.0 * float(half.max()) / _ACROSS))
     ids, xy = _vertices_under(surface, chart)
     if not len(ids):
         raise InputError("the seal meets no vertex of the surface; expected another place")
@@ -156,11 +158,15 @@ def find_impression(
 # -- on the surface -----------------------------------------------------------------------------
 
 
-def _refine(surface: PaintedSurface, chart: SurfaceChart) -> None:
-    """Let vertices appear wherever the chart goes."""
+def _refine(surface: PaintedSurface, chart: SurfaceChart, spacing: float) -> None:
+    """Let vertices appear wherever the chart goes, closer than elsewhere for a small seal.
+
+    Edges become no longer than `spacing`, mm, or the surface's resolution where that is finer.
+    """
     from scipy.spatial import cKDTree
 
-    fields = surface.paint_mesh.arrays
+    mesh = surface.paint_mesh
+    fields = mesh.arrays
     size = fields.cell_size
     reach = np.array([chart.half_width, chart.half_height])
     counts = np.ceil(2.0 * reach / (0.5 * size)).astype(int) + 2
@@ -169,9 +175,12 @@ def _refine(surface: PaintedSurface, chart: SurfaceChart) -> None:
     middles = fields.origin + (fields.cell_place + 0.5) * size
     near = cKDTree(chart.points(grid)).query(middles, distance_upper_bound=1.2 * size)[0]
     cells = np.flatnonzero(np.isfinite(near)).astype(np.int64)
+    wanted = min(spacing, fields.resolution) if mesh.refines else fields.resolution
+    if wanted < fields.resolution:
+        fields.done[cells] = 0
     done = 0
     while done < len(cells):
-        done = activate_cells(surface.paint_mesh.arrays, cells, done)
+        done = activate_cells(mesh.arrays._replace(resolution=wanted), cells, done)
         if done < len(cells):
             surface.make_room()
     surface.know_vertices()

@@ -13,7 +13,7 @@ from paint3d.app.window.hand.steering import GRIPS
 from paint3d.app.window.start import make_program
 from paint3d.mesh.bvh import ClosestPoints
 from tests.support.app.gestures import live, pen_stroke, wait_for
-from tests.support.app.windows import light_by_few, opened, settled
+from tests.support.app.windows import draw_little, opened, settled
 
 START, END = (0.42, 0.6), (0.58, 0.6)  # of the canvas
 
@@ -21,7 +21,7 @@ START, END = (0.42, 0.6), (0.58, 0.6)  # of the canvas
 def main() -> None:
     """Open the sheet, paint a stroke with a leaning pen, and tell what is where."""
     settings.WET_AT_FIRST = frozenset()  # ink stays where it was put
-    light_by_few()  # as in the tests of the window
+    draw_little()  # as in the tests of the window
     with opened(make_program(), "plane", size=None) as window:
         canvas = window.canvas
         size = np.array([canvas.width(), canvas.height()])

@@ -21,12 +21,11 @@ from tests.support.app.marks import (
     stations,
     take_mark,
 )
-from tests.support.app.windows import close_unasked
+from tests.support.app.windows import blind, close_unasked
 
 __all__ = [
     "HALF_FOOTPRINT",
     "Trial",
-    "blind",
     "blind_window",
     "faults",
     "mark_now",
@@ -70,16 +69,6 @@ def faults(trial: Trial, wanted_ink: float | None = None) -> list[str]:
     if not 0.9 <= ink <= 1.1:
         told.append(f"ink {ink:.2f} of what was wanted")
     return [f"stroke {trial.number}: {', '.join(told)}"] if told else []
-
-
-@contextmanager
-def blind(window: StudioWindow) -> Iterator[None]:
-    """Draw no pictures meanwhile: only what is painted is looked at, and it takes a third."""
-    window.stage.draw = lambda: None
-    try:
-        yield
-    finally:
-        del window.stage.draw
 
 
 @contextmanager

@@ -3,31 +3,37 @@
 from __future__ import annotations
 
 import sys
+import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 
 from paint3d.app.model.document import Document
 from paint3d.app.model.paint_thread import PaintThread
+from paint3d.app.window import studio
 from paint3d.app.window.studio import StudioWindow
-from paint3d.view import live_light
+from paint3d.view import live_light, live_picture, live_scene
 from paint3d.view.studio import light_samples
 from tests.support.app.gestures import live, wait_for
 
 SMALL = (900, 640)
 """Of a window whose canvas has half of the pixels that it has at first."""
+_FOLLOWED_S = 0.1  # so often a window that draws no pictures looks what has been painted
 
 
-def light_by_few() -> None:
-    """Light what is opened in this process by every eighth of the studio's lights: all take 2 s."""
+def draw_little() -> None:
+    """Draw in this process as in the tests': by few lights, edges as they are, and seldom."""
     live_light.light_samples = lambda n: light_samples(n)[::8]
+    live_scene._JITTER, live_picture._TOO_MANY, studio._REST = ((0.0, 0.0),), -1, 4.0
 
 
 @contextmanager
-def opened(program, mesh="plane", resolution=1.5, material="xuan", settings=None, size=SMALL):
+def opened(
+    program, mesh="plane", resolution=1.5, material="xuan", settings=None, size=SMALL, drawn=True
+):
     """A window with something to paint on; nothing of it is asked for when it closes.
 
-    Most of a window's time is that of its pixels: it is a small one. A `size` of None makes it as
-    large as it is at first.
+    Most of a window's time is that of its pixels: it is a small one, and where nobody looks at
+    pictures they need not be `drawn`. A `size` of None makes it as large as it is at first.
     """
     window = StudioWindow(program, settings)
     if size is not None:
@@ -39,10 +45,27 @@ def opened(program, mesh="plane", resolution=1.5, material="xuan", settings=None
     window.activateWindow()
     window.canvas.setFocus()
     live(0.1)
+    with nullcontext() if drawn and not __import__("os").environ.get("BLIND") else blind(window):
+        try:
+            yield window
+        finally:
+            close_unasked(window)
+
+
+@contextmanager
+def blind(window: StudioWindow) -> Iterator[None]:
+    """Draw no pictures meanwhile, and take what is painted for none: all else is hardly a third."""
+
+    def draw() -> None:
+        window._next_draw = time.perf_counter() + _FOLLOWED_S
+
+    window.stage.draw, window.stage._take = draw, lambda: None
+    window.setUpdatesEnabled(False)
     try:
-        yield window
+        yield
     finally:
-        close_unasked(window)
+        del window.stage.draw, window.stage._take
+        window.setUpdatesEnabled(True)
 
 
 def close_unasked(window) -> None:

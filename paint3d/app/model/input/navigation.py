@@ -24,6 +24,7 @@ __all__ = [
     "frame",
     "orbit",
     "pan",
+    "pixels_of",
     "ray_at",
     "roll",
     "roll_at",
@@ -195,6 +196,18 @@ def ray_at(camera: Camera, x: float, y: float, size: tuple[float, float]) -> Ray
     per_pixel = 2.0 * math.tan(0.5 * camera.view_angle) / height
     across, upwards = (x - 0.5 * width) * per_pixel, (0.5 * height - y) * per_pixel
     return Ray(np.array(camera.position), _unit(across * right + upwards * up - back))
+
+
+def pixels_of(camera: Camera, points: ArrayLike, size: tuple[float, float]) -> AnyArray:
+    """Where points (N, 3) are in the picture: (N, 2) pixels, y down; NaN behind the camera."""
+    width, height = (as_number(s, "size of the picture (pixels)", 1.0) for s in size)
+    right, up, back = picture_axes(camera)
+    away = np.asarray(points, np.float64) - camera.position
+    depth = -(away @ back)
+    per_mm = 0.5 * height / (math.tan(0.5 * camera.view_angle) * np.where(depth > 0, depth, np.nan))
+    return np.stack(
+        [0.5 * width + away @ right * per_mm, 0.5 * height - away @ up * per_mm], axis=1
+    )
 
 
 def _mm_per_pixel(camera: Camera, height: float) -> float:

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from paint3d.app.model.laid_text import packed_texts, unpacked_texts
 from paint3d.app.model.persistence.brush_words import brush_from_words, brush_words
 from paint3d.app.model.persistence.saved_settings import saved_mixture
 from paint3d.app.model.stroke_log import Stroke, weights_of
@@ -62,8 +63,9 @@ def saved_history(
         What `undo_state` says, and: done and undone, a word for each step, the last of undone is
         the next; brushes, as `brush_words` has them; painters, what was remembered: place of its
         brush, hairs (their properties or None), ink, what it was dipped in, weights by name, and
-        amount, as `DipAmount.words`, where that is not the preset's.
-        Of the K paintings painter (K,) int32, loaded (K,) float64, dipped (K,) uint8, and the
+        amount, as `DipAmount.words`, where that is not the preset's; texts, as `packed_texts` has
+        them.
+        Of the K paintings painter, text (K,) int32, loaded (K,) float64, dipped (K,) uint8, and the
         columns hair_loads (B, P) and hair_memory float64, empty without hairs.
     undone : list of Stroke
         As their words in undone come.
@@ -100,6 +102,9 @@ def _painters(kept: Sequence[Kept], n_pigments: int) -> dict[str, Any]:
         key = json.dumps(words)
         painters.setdefault(key, words)
         of[k] = places.setdefault(key, len(places))
+    texts: dict[str, int] = {}
+    for one in kept:
+        texts.setdefault(one["texts"], len(texts))
     of_hairs = [one["painter"]["of_hairs"] or _NO_HAIRS for one in kept]
     loads = [np.pad(h["load"], ((0, 0), (0, n_pigments - h["load"].shape[1]))) for h in of_hairs]
     return {
@@ -108,6 +113,8 @@ def _painters(kept: Sequence[Kept], n_pigments: int) -> dict[str, Any]:
         "painter": of,
         "loaded": np.array([one["painter"]["loaded"] for one in kept], np.float64),
         "dipped": np.array([one["dipped"] for one in kept], np.uint8),
+        "texts": list(texts),
+        "text": np.array([texts[one["texts"]] for one in kept], np.int32),
         **pack_arrays("hair_loads", loads, np.float64, (n_pigments,)),
         **pack_arrays("hair_memory", [h["memory"] for h in of_hairs], np.float64),
     }
@@ -195,12 +202,25 @@ def _kept(surface: PaintedSurface, state: Mapping[str, Any]) -> list[Kept]:
         )
     loads = unpack_arrays(state, "hair_loads", count, np.float64, (p,))
     memories = unpack_arrays(state, "hair_memory", count, np.float64)
+    texts = [packed_texts(unpacked_texts(packed)) for packed in state["texts"]]
+    of_texts = np.asarray(state["text"])
+    if of_texts.shape != of.shape or of_texts.dtype != np.int32:
+        raise SessionError(
+            "{count} paintings have texts {shape}", count=count, shape=of_texts.shape
+        )
+    if count and not 0 <= of_texts.min() <= of_texts.max() < len(texts):
+        raise SessionError("a text is none of {count}", count=len(texts))
     column = np.asarray(state["hair_loads"])
     if column.size and not 0.0 <= column.min() <= column.max() <= MOST_INK:
         raise SessionError("ink of single hairs is out of range")
+    rows = zip(of, loaded, dipped, of_texts, loads, memories, strict=True)
     return [
-        {"painter": makers[k](float(load), hair_load, memory), "dipped": bool(was)}
-        for k, load, was, hair_load, memory in zip(of, loaded, dipped, loads, memories, strict=True)
+        {
+            "painter": makers[k](float(load), hair_load, memory),
+            "dipped": bool(was),
+            "texts": texts[text],
+        }
+        for k, load, was, text, hair_load, memory in rows
     ]
 
 

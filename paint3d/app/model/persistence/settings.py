@@ -75,6 +75,10 @@ class Settings:
         Of lengths as they are shown.
     material, resolution_mm
         Of new paintings.
+    begun_on : str
+        The object or sheet that was chosen for one last; empty for a file.
+    glyphs : str
+        A folder of hanzi-writer-data whose characters are written; empty for those of kanjivg.
     brush : str
         In the hand when a new painting begins.
     brush_mm : float or None
@@ -125,6 +129,8 @@ class Settings:
     theme: str = "system"
     unit: str = "mm"
     material: str = "porcelain"
+    begun_on: str = "bowl"
+    glyphs: str = ""
     brush: str = "full"
     brush_mm: float | None = None
     inks: tuple[str | Mapping[str, float], ...] = ("pine soot", "cinnabar")
@@ -167,6 +173,13 @@ class Settings:
                 dips_by_itself=self.dips_by_itself,
             )
         _check_words("recent", self.recent)
+        for name in ("begun_on", "glyphs"):
+            if not isinstance(getattr(self, name), str):
+                raise InputError(
+                    "{name} is {value}; expected a name",
+                    name=name,
+                    value=f"{getattr(self, name)!r:.40}",
+                )
         _check_inks(self.inks)
         _check_words("brush", (self.brush,))
         _check_words("material", (self.material,))

@@ -42,7 +42,10 @@ _P = ParamSpec("_P")
 _Result = TypeVar("_Result")
 _Document = TypeVar("_Document", bound=_Recorded)
 
-_GOES = frozenset({"undo", "redo", "replay_history", "begin_stroke", "dry"})
+_GOES = frozenset(
+    {"undo", "redo", "replay_history", "begin_stroke", "dry", "press_seal", "lay_text",
+     "remove_text"}
+)  # fmt: skip
 
 
 class _Fed(list[DeviceSample]):

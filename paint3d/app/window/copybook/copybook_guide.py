@@ -2,28 +2,34 @@
 
 from __future__ import annotations
 
+import datetime
 import os
-from collections.abc import Callable
+import threading
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Future
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
+from PySide6 import QtCore, QtWidgets
 
 from paint3d.app.model.copybook import Copybook
 from paint3d.app.model.document import Document
+from paint3d.app.model.laid_text import LaidText
 from paint3d.app.model.stroke_log import Stroke
 from paint3d.app.window.copybook.copybook_panel import CopybookPanel
 from paint3d.app.window.copybook.strokes_dialog import CorrectionState, Photographed, StrokesDialog
+from paint3d.app.window.copybook.text_moving import HeldText, TextMover
 from paint3d.app.window.questions import Answer, ask
 from paint3d.app.window.wording import say, say_error
 from paint3d.app.window.workspace import Workspace
 from paint3d.calligraphy.layout import Layout
 from paint3d.calligraphy.page.correcting import Steps
-from paint3d.calligraphy.page.opening import opened_page, set_in
+from paint3d.calligraphy.page.opening import opened_page
 from paint3d.calligraphy.page.page import Composer, Page, Photograph, digest_of
+from paint3d.core.arrays import AnyArray
 from paint3d.errors import InputError, Paint3DError
 from paint3d.files.photographs import PHOTOGRAPH_SUFFIXES, load_photograph
 
@@ -33,6 +39,9 @@ if TYPE_CHECKING:
 __all__ = ["CopybookGuide"]
 
 _OUTLINE, _NEXT = (176, 60, 44, 120), (176, 60, 44, 235)
+_SIGNATURE_EM_MM, _SIGNATURE_SHARE = 15.0, 0.4
+_LONGEST_TITLE = 16
+_STEMS, _BRANCHES = "甲乙丙丁戊己庚辛壬癸", "子丑寅卯辰巳午未申酉戌亥"
 _FRAME, _MEDIAN = (90, 84, 76, 110), (60, 90, 140, 150)
 
 
@@ -50,18 +59,111 @@ class _Laid:
 
 
 class CopybookGuide:
-    """For one window."""
+    """For one window: what lies on the object to be written after.
+
+    Texts belong to the painting, and are steps of its history; a drawing, strokes or a photograph
+    lies there until something else takes its place.
+
+    Attributes
+    ----------
+    mover : TextMover
+    """
 
     def __init__(self, workspace: Workspace, panel: CopybookPanel) -> None:
         self._workspace, self._panel = workspace, panel
         self._laid = _Laid(40.0, Layout())
+        self._books: dict[LaidText, Copybook | None] = {}  # None: it cannot be laid here
+        self._shown: tuple[LaidText, ...] = ()
+        self._loose: Copybook | None = None  # of a file
+        self._active: int | None = None  # of the texts; None: the loose one, or none
+        self._coming: Future[Any] | None = None  # a change of the texts
+        self._making: Future[Any] | None = None  # copybooks of texts that came with the painting
+        self._claimed: int | None = None  # the text that a stroke was for
+        self.mover = TextMover(workspace, self._held, self._choose_at)
+        self.mover.changed.connect(self.change)
+        self.mover.removed.connect(self.hide)
+        self.mover.turned_on.connect(self._show_moving)
         workspace.may_drop = self.may_drop
-        workspace.opened.connect(self._forget)
-        panel.asked.connect(self.layout_text)
+        workspace.opened.connect(lambda _: self._forget())
+        panel.asked.connect(self.ask)
         panel.opened.connect(self.layout_file)
         panel.corrected.connect(self.correct)
         panel.hidden.connect(self.hide)
+        panel.chosen.connect(self.choose)
+        panel.changed.connect(self.change)
+        panel.nudged.connect(self.nudge)
+        panel.moving.connect(lambda on: self.mover.begin() if on else self.mover.end())
+        panel.signed.connect(self.do_sign)
         workspace.hand.ended.connect(self._judge)
+
+    # -- what can be asked for --------------------------------------------------------------
+
+    def do_lay_out(self) -> None:
+        """Show the panel, to write what is to be laid out."""
+        for dock in self._workspace.window.findChildren(QtWidgets.QDockWidget):
+            if dock.isAncestorOf(self._panel):
+                dock.show()
+                dock.raise_()
+        self._panel.text.setFocus()
+        self._panel.text.selectAll()
+
+    def do_arrange_text(self, on: bool) -> None:
+        """Let drags move texts, or paint again."""
+        if on:
+            self.mover.begin()
+        else:
+            self.mover.end()
+
+    def do_sign(self) -> None:
+        """Ask for a line of signature and date, and lay it smaller beside the text."""
+        workspace = self._workspace
+        text, agreed = QtWidgets.QInputDialog.getText(
+            workspace.window, say("Signature and date…").rstrip("…"),
+            say("What the line says, beside the text"), text=date_line(datetime.date.today()),
+        )  # fmt: skip
+        if not agreed or not text.strip():
+            return
+        signature = LaidText(text.strip(), _SIGNATURE_EM_MM, grid="none")
+        texts = self._workspace.painting.texts
+        if self._active is not None and self._active < len(texts):
+            signature = self._beside(texts[self._active], text.strip())
+        if self._put(signature, None):
+            self.mover.begin()
+
+    def _beside(self, main: LaidText, words: str) -> LaidText:
+        """A signature left of a text, smaller, as far down as the text goes."""
+        book = self._books.get(main)
+        em = max(4.0, _SIGNATURE_SHARE * main.em_mm)
+        signature = LaidText(words, em, main.font, grid="none", turn=main.turn)
+        if book is None:
+            return signature
+        block = book.block
+        frame, lower_left = block.frame, block.corners[3]
+        off = lower_left - frame.origin
+        x = float(off @ frame.x_axis) - 0.9 * em
+        y = float(off @ frame.y_axis) + 0.5 * em * len(words)
+        place = frame.origin + x * frame.x_axis + y * frame.y_axis
+        found = self._workspace.hand.surface.find(place[None]).points[0].tolist()
+        beside = signature.moved(point=tuple(found))
+        try:
+            self._make(beside)
+        except Paint3DError:  # there is no room: it lies where it fits, to be moved
+            return signature
+        return beside
+
+    def ask(self, values: Mapping[str, Any], another: bool) -> bool:
+        """Lay what the panel says out: another text, or the chosen one otherwise."""
+        texts = self._workspace.painting.texts
+        number = None if another else self._active
+        base = LaidText()
+        if number is not None and number < len(texts):
+            base = texts[number]
+        try:
+            laid = base.moved(**values)
+        except Paint3DError as error:
+            self._workspace.tell(say_error(error), state="bad")
+            return False
+        return self.may_drop() and self._put(laid, number)
 
     def layout_text(self, text: str, em_mm: float, columns: bool, font: str = "") -> bool:
         """Lay a text on the object as ghosts, in a font or as known characters.
@@ -71,12 +173,180 @@ class CopybookGuide:
         bool
             Whether that went well.
         """
+        order = "columns" if columns else "row"
+        return self.ask({"text": text, "em_mm": em_mm, "order": order, "font": font}, False)
 
-        def composed() -> str | Composer:
-            return set_in(text, font, columns=columns) if font else text
+    def change(self, values: Mapping[str, Any]) -> None:
+        """Give the chosen text other values: its size, place, turn, distances, grid."""
+        held = self._held()
+        if held is None:
+            return
+        laid = held.laid
+        if set(values) != {"grid"} and "\n" not in laid.text and held.book.lines:
+            laid = laid.moved(text=held.book.lines)  # it breaks where it did before
+        try:
+            laid = laid.moved(**values)
+        except Paint3DError as error:
+            self._workspace.tell(say_error(error), state="bad")
+            return
+        if self._active is not None:
+            if not self._put(laid, self._active, quiet=True):
+                self._show_active()
+            return
+        page = held.book.page
+        assert page is not None, "it is loose"
+        now = replace(self._laid, em_mm=laid.em_mm, layout=laid.layout, note="")
+        self._lay(lambda: page, now)
 
-        laid = _Laid(em_mm, Layout(order="columns" if columns else "row"))
-        return self.may_drop() and self._lay(composed, laid)
+    def nudge(self, right: float, up: float) -> None:
+        """Move the chosen text so many mm."""
+        held = self._held()
+        if held is not None:
+            frame = held.book.block.frame
+            place = frame.origin + right * frame.x_axis + up * frame.y_axis
+            found = self._workspace.hand.surface.find(place[None]).points[0].tolist()
+            self.change({"point": tuple(found)})
+
+    def choose(self, number: int) -> None:
+        """Choose a text by its number."""
+        if 0 <= number < len(self._shown):
+            self._active = number
+            self._show_active()
+
+    def _choose_at(self, place: AnyArray) -> bool:
+        """Choose the text at a place (3,) of the object; whether there is one."""
+        books = [self._books.get(text) for text in self._shown]
+        for number, book in enumerate([*books, self._loose]):
+            if book is not None and _lies_in(book, place):
+                self._active = number if number < len(books) else None
+                self._show_active()
+                return True
+        return False
+
+    def _held(self) -> HeldText | None:
+        """The text that is chosen, as it lies there."""
+        if self._active is not None and self._active < len(self._shown):
+            laid = self._shown[self._active]
+            book = self._books.get(laid)
+            if book is None:
+                return None
+            lines = book.lines.split("\n")
+            n, longest = len(lines), max(map(len, lines))
+            shape = (n, longest) if laid.order == "columns" else (longest, n)
+            if not laid.text.strip():
+                shape = laid.cells
+            return HeldText(laid, book, (1, 1) if book.page is not None else shape)
+        if self._loose is None:
+            return None
+        layout = self._laid.layout
+        laid = LaidText(em_mm=self._laid.em_mm, turn=layout.turn, point=layout.point)
+        return HeldText(laid, self._loose, (1, 1))
+
+    def _show_moving(self, on: bool) -> None:
+        self._panel.show_moving(on)
+        action = self._workspace.actions["arrange_text"]
+        with QtCore.QSignalBlocker(action):
+            action.setChecked(on)
+
+    # -- laying -----------------------------------------------------------------------------
+
+    def _make(self, laid: LaidText) -> Copybook:
+        """The copybook of a text on the object that is open."""
+        source = self._workspace.painting.source
+        book = Copybook.of(source, laid, self._workspace.settings.glyphs or None)
+        for ghost in book.ghosts:
+            _ = ghost.outlines, ghost.medians, ghost.frame  # found here, beside the window
+        _ = book.block
+        return book
+
+    def _put(self, laid: LaidText, number: int | None, *, quiet: bool = False) -> bool:
+        """Lay a text in the place of one, or beside those there are; whether that went well."""
+        workspace = self._workspace
+        texts = workspace.painting.texts
+        if number is not None and number < len(texts) and texts[number] == laid:
+            return True
+        done = workspace.run(say("Lay out"), lambda _: self._make(laid))
+        if quiet and isinstance(done.exception(), Paint3DError):
+            workspace.tell(say_error(done.exception() or ""), state="bad")
+            return False
+        if not workspace.went_well(done):
+            return False
+        book: Copybook = done.result()
+        before = None if number is None or number >= len(texts) else self._books.get(texts[number])
+        if before is not None and [g.text for g in before.ghosts] == [g.text for g in book.ghosts]:
+            for one, other in zip(book.ghosts, before.ghosts, strict=True):
+                one.strokes = other.strokes
+        self._books[laid] = book
+        self._loose = None
+        self._laid.unused = None
+        place = number if number is not None and number < len(texts) else None
+        self._coming = workspace.paint_thread.post("lay_text", laid.words(), place)
+        self._active = len(texts) if place is None else place
+        self._shown = (*texts[: self._active], laid, *texts[self._active + 1 :])
+        self._show_active()
+        self._tell_fonts(book)
+        return True
+
+    def _tell_fonts(self, book: Copybook, note: str = "", state: str = "off") -> None:
+        taken = [
+            say("{characters} taken from the font {font}", characters=text, font=font)
+            for font, text in book.from_fonts.items()
+        ]
+        message = say("; ").join([*taken, *filter(None, [note])])
+        if message:
+            self._workspace.tell(message, state=state)
+
+    def _show_active(self) -> None:
+        """Show in the panel what is chosen, and draw all."""
+        held = self._held()
+        book = None if held is None else held.book
+        self._panel.show_texts([_title(text) for text in self._shown], self._active)
+        self._panel.show_values(held.laid if held and self._active is not None else None)
+        if book is not self._panel.copybook:
+            self._panel.show_copybook(book)
+        self._draw()
+
+    def _sync(self) -> None:
+        """Follow the painting's texts: undo, redo and recovery change them, too."""
+        if self._coming is not None:
+            if not self._coming.done():
+                return
+            self._coming = None
+        if self._making is not None:
+            if not self._making.done():
+                return
+            done, self._making = self._making, None
+            self._take_made(done)
+        texts = self._workspace.painting.texts
+        missing = [text for text in texts if text not in self._books]
+        if missing:
+            self._making = Future()
+            run = (self._make_all, missing, self._making)
+            threading.Thread(target=run[0], args=run[1:], name="paint3d-texts", daemon=True).start()
+        elif texts != self._shown:
+            self._shown = texts
+            if self._active is not None and self._active >= len(texts):
+                self._active = len(texts) - 1 if texts else None
+            if self._active is None and self._loose is None and texts:
+                self._active = len(texts) - 1
+            self._show_active()
+
+    def _make_all(self, texts: Sequence[LaidText], done: Future[Any]) -> None:
+        made: dict[LaidText, Copybook | Paint3DError] = {}
+        for text in texts:
+            try:
+                made[text] = self._make(text)
+            except Paint3DError as error:
+                made[text] = error
+        done.set_result(made)
+
+    def _take_made(self, done: Future[Any]) -> None:
+        for text, book in done.result().items():
+            if isinstance(book, Copybook):
+                self._books[text] = book
+            else:
+                self._books[text] = None
+                self._workspace.tell(say_error(book), state="bad")
 
     def layout_file(self, file: str, em_mm: float) -> bool:
         """Lay a drawing, a file of strokes or a photographed sheet; whether that went well."""
@@ -103,10 +373,12 @@ class CopybookGuide:
 
     def correct(self) -> None:
         """Show the strokes over their picture; what was corrected is laid out instead."""
-        copybook, laid = self._panel.copybook, self._laid
-        if copybook is None or copybook.page is None:
+        copybook, laid, held = self._panel.copybook, self._laid, self._held()
+        if copybook is None or copybook.page is None or held is None:
             return
-        workspace = self._workspace
+        workspace, number = self._workspace, self._active
+        if number is not None:  # a text in a font
+            laid = _Laid(held.laid.em_mm, held.laid.layout)
         page, beside = copybook.page, laid.file
         photographed = laid.photographed
         dialog = StrokesDialog(
@@ -121,6 +393,8 @@ class CopybookGuide:
             now = _Laid(laid.em_mm, laid.layout, laid.file, dialog.photographed)
             if not self._lay(lambda: corrected, now):
                 workspace.tell(say("The corrections are kept; check the strokes again"))
+            elif number is not None:  # they take the text's place
+                self._remove(number)
 
     def may_drop(self) -> bool:
         """Whether nothing is lost by another page in its place, by none, or by another painting.
@@ -133,7 +407,8 @@ class CopybookGuide:
         window = self._workspace.window
         return ask(window, message, destroy=say("Drop them"), warns=True) is Answer.DestructiveRole
 
-    def _lay(self, compose: Callable[[], str | Composer], laid: _Laid) -> bool:
+    def _lay(self, compose: Callable[[], Composer], laid: _Laid) -> bool:
+        """Lay a page, in the place of what is chosen."""
         workspace = self._workspace
         mesh = workspace.painting.source
 
@@ -146,32 +421,43 @@ class CopybookGuide:
         done = workspace.run(say("Lay out"), make)
         if not workspace.went_well(done):
             return False
-        copybook, self._laid = done.result(), laid
-        self._panel.show_copybook(copybook)
-        self._draw()
-        taken = [
-            say("{characters} taken from the font {font}", characters=text, font=font)
-            for font, text in copybook.from_fonts.items()
-        ]
-        note = say("; ").join([*taken, *filter(None, [laid.note])])
-        if note:
-            workspace.tell(note, state=laid.state)
+        self._loose, self._laid, self._active = done.result(), laid, None
+        self._show_active()
+        self._tell_fonts(self._loose, laid.note, laid.state)
         return True
 
     def hide(self) -> None:
-        """Take the ghosts away."""
+        """Take what is chosen away."""
         if not self.may_drop():
             return
         self._laid.unused = None
-        self._panel.show_copybook(None)
-        self._draw()
+        number = self._active
+        if number is None:
+            self._loose = None
+        elif number < len(self._shown):
+            self._remove(number)
+        count = len(self._shown)
+        self._active = min(number or 0, count - 1) if count else None
+        self._show_active()
+
+    def _remove(self, number: int) -> None:
+        self._coming = self._workspace.paint_thread.post("remove_text", number)
+        self._shown = self._shown[:number] + self._shown[number + 1 :]
 
     def _forget(self) -> None:
-        """Nothing lies on a painting that is opened."""
+        """Nothing lies on a painting that is opened but its own texts."""
         self._laid = _Laid(40.0, Layout())
+        self._books, self._shown, self._loose = {}, (), None
+        self._active = self._coming = self._making = self._claimed = None
+        self._panel.show_texts([], None)
+        self._panel.show_values(None)
 
     def follow(self) -> None:
-        """Take what strokes were judged to be."""
+        """Take what strokes were judged to be, and the texts that the painting has now."""
+        self._sync()
+        claimed, self._claimed = self._claimed, None
+        if claimed is not None and claimed != self._active:
+            self.choose(claimed)
         panel, copybook = self._panel, self._panel.copybook
         if panel.follow() and copybook is not None:
             self._draw()
@@ -189,27 +475,82 @@ class CopybookGuide:
         return (len(copybook.ghosts) if following is None else following) - 1
 
     def _judge(self, ended: Future[Stroke | None]) -> None:
-        copybook = self._panel.copybook
-        if copybook is None:
+        books: list[tuple[int | None, Copybook]] = [
+            (number, book)
+            for number, text in enumerate(self._shown)
+            if (book := self._books.get(text)) is not None
+        ]
+        if self._loose is not None:
+            books.append((None, self._loose))
+        if not books:
             return
+        active = self._active
+        books.sort(key=lambda one: one[0] != active)  # of two that lie there the chosen one
 
         def note(document: Document) -> object:
-            copybook.follow(document.strokes)
+            for _, book in books:
+                book.follow(document.strokes)
             stroke = ended.result()  # it was done before; None where a layer refused it
-            return None if stroke is None else copybook.note(stroke, document.surface)
+            if stroke is None:
+                return None
+            for number, book in books:
+                score = book.note(stroke, document.surface)
+                if score is not None:
+                    self._claimed = number
+                    return score
+            return None
 
         self._panel.expect(self._workspace.paint_thread.post(note))
 
     def _draw(self) -> None:
-        copybook, stage = self._panel.copybook, self._workspace.stage
-        ghosts = copybook.ghosts if copybook is not None else ()
-        following = copybook.next if copybook is not None else None
-        waiting = [g for k, g in enumerate(ghosts) if k != following]
-        current = [ghosts[following]] if following is not None else []
-        stage.show_lines("ghost frames", [g.frame for g in ghosts], _FRAME, 1.0)
+        stage = self._workspace.stage
+        if stage.paint_thread is None:
+            return
+        chosen = self._panel.copybook
+        books = [(text, self._books.get(text)) for text in self._shown]
+        all_books = [book for _, book in books if book is not None]
+        all_books += [self._loose] if self._loose is not None else []
+        following = chosen.next if chosen is not None else None
+        current = [chosen.ghosts[following]] if chosen is not None and following is not None else []
+        waiting = [g for book in all_books for g in book.ghosts if not any(g is c for c in current)]
+        frames = [
+            line
+            for text, book in books
+            if book is not None
+            for line in book.grid(text.grid, text.order == "columns")
+        ]
+        if self._loose is not None:
+            frames += [ghost.frame for ghost in self._loose.ghosts]
+        stage.show_lines("ghost frames", frames, _FRAME, 1.0)
         stage.show_lines("ghosts", [line for g in waiting for line in g.outlines], _OUTLINE, 1.4)
         stage.show_lines("next ghost", [line for g in current for line in g.outlines], _NEXT, 2.2)
         stage.show_lines("next way", [line for g in current for line in g.medians], _MEDIAN, 1.2)
+
+
+def _title(text: LaidText) -> str:
+    """What a text is called in a list."""
+    words = " ".join(text.text.split())
+    if not words:
+        return say("Grid of {across} × {down}", across=text.cells[0], down=text.cells[1])
+    return words if len(words) <= _LONGEST_TITLE else words[: _LONGEST_TITLE - 1] + "…"
+
+
+def _lies_in(book: Copybook, place: AnyArray) -> bool:
+    """Whether a place (3,) lies within a copybook's block."""
+    frame, corners = book.block.frame, book.block.corners
+    axes = np.stack([frame.x_axis, frame.y_axis], axis=1)
+    off = (place - frame.origin) @ axes
+    flat = (corners - frame.origin) @ axes
+    near = bool(((off >= flat.min(axis=0)) & (off <= flat.max(axis=0))).all())
+    reach = float(np.linalg.norm(corners - frame.origin, axis=1).max())
+    return near and abs(float((place - frame.origin) @ frame.normal)) <= reach
+
+
+def date_line(day: datetime.date) -> str:
+    """A year of the sixty, counted by January, and its season, as signatures say a date."""
+    year = day.year - 4
+    season = "冬春夏秋"[day.month % 12 // 3]
+    return f"{_STEMS[year % 10]}{_BRANCHES[year % 12]}年{season}書"
 
 
 def _photographed(file: Path) -> tuple[CopiedSheet, Photographed]:

@@ -2,76 +2,72 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from concurrent.futures import Future
 from typing import Any
 
 from PySide6 import QtCore, QtGui, QtWidgets
 
-from paint3d.app.model.copybook import Copybook, Score
+from paint3d.app.model.copybook import Copybook
+from paint3d.app.model.laid_text import GRIDS, LaidText
+from paint3d.app.window.font_box import FontBox
 from paint3d.app.window.theme import Theme
 from paint3d.app.window.wording import say
-from paint3d.calligraphy.fonts.font_file import list_fonts
 from paint3d.calligraphy.page.opening import PAGE_FILES
-from paint3d.errors import InputError
+from paint3d.errors import Message
 from paint3d.files.photographs import PHOTOGRAPH_SUFFIXES
 
-__all__ = ["CopybookPanel", "FontBox"]
-
-# ---- Fonts ---------------------------------------------------------------------------------------
-# A box to choose a font of the system in: asked for when it is first wanted.
-
-
-class FontBox(QtWidgets.QComboBox):
-    """The families that `paint3d fonts` lists, after the lines of known characters."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.addItem(say("Characters of the copybook"), "")
-        self.setSizeAdjustPolicy(
-            QtWidgets.QComboBox.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon
-        )
-        self.setMinimumContentsLength(10)
-        self._filled = False
-
-    @property
-    def font_name(self) -> str:
-        """The family that is chosen; none for known characters."""
-        return str(self.currentData())
-
-    def showPopup(self) -> None:
-        """List the fonts, and show them."""
-        self._fill()
-        super().showPopup()
-
-    def focusInEvent(self, event: QtGui.QFocusEvent) -> None:
-        """List the fonts before keys go through them."""
-        self._fill()
-        super().focusInEvent(event)
-
-    def wheelEvent(self, event: QtGui.QWheelEvent) -> None:
-        """Leave the wheel to what it scrolls, unless one is choosing."""
-        if self.hasFocus():
-            super().wheelEvent(event)
-        else:
-            event.ignore()
-
-    def _fill(self) -> None:
-        if self._filled:
-            return
-        self._filled = True
-        try:
-            families = dict.fromkeys(font.family for font in list_fonts())
-        except InputError:
-            return  # nobody can be asked
-        with QtCore.QSignalBlocker(self):
-            for family in families:
-                self.addItem(family, family)
-
-
-# --------------------------------------------------------------------------------------------------
-
+__all__ = ["CopybookPanel"]
 
 _EXAMPLE = "永和九年"
+_GRID_NAMES = {
+    "frame": Message("Squares"),
+    "mi": Message("Cross and diagonals (mi)"),
+    "jiu": Message("Nine fields (jiu)"),
+    "tian": Message("Cross (tian)"),
+    "columns": Message("Lines between columns"),
+    "none": Message("No grid"),
+}
+
+
+class _Lines(QtWidgets.QPlainTextEdit):
+    """A text of some lines; Ctrl+Enter says that it is done.
+
+    Signals
+    -------
+    finished : ()
+    """
+
+    finished = QtCore.Signal()
+
+    def __init__(self, text: str) -> None:
+        super().__init__(text)
+        self.setTabChangesFocus(True)
+        high = 3 * self.fontMetrics().lineSpacing() + 14
+        self.setFixedHeight(high)
+        self.setToolTip(say("A line for each column or row; Ctrl+Enter lays it out"))
+
+    def text(self) -> str:
+        """What is written."""
+        return self.toPlainText()
+
+    def keyPressEvent(self, event: QtGui.QKeyEvent) -> None:
+        """Be done by Ctrl+Enter."""
+        enter = event.key() in (QtCore.Qt.Key.Key_Return, QtCore.Qt.Key.Key_Enter)
+        if enter and event.modifiers() & QtCore.Qt.KeyboardModifier.ControlModifier:
+            self.finished.emit()
+        else:
+            super().keyPressEvent(event)
+
+
+def _side_by_side(*widgets: QtWidgets.QWidget) -> QtWidgets.QHBoxLayout:
+    row = QtWidgets.QHBoxLayout()
+    for widget in widgets:
+        row.addWidget(widget, 1)
+    return row
+
+
+_LEAST_WIDTH = 60  # pixels, of a number
 _GOOD = 85  # per cent: what counts as met
 
 
@@ -80,38 +76,84 @@ class CopybookPanel(QtWidgets.QWidget):
 
     Signals
     -------
-    asked : (str, float, bool, str)
-        Text, em in mm, whether it runs in columns, and the font; none for known characters.
+    asked : (dict, bool)
+        What the text is to be, by the names of `LaidText`, and whether it is another one.
     opened : (str, float)
         A drawing or a file of strokes, and its size in mm.
     corrected : ()
         The strokes of what was laid out are to be looked at over their picture.
     hidden : ()
-        The ghosts are to go.
+        What is chosen is to go.
+    chosen : int
+        The text of this number is to be chosen.
+    changed : dict
+        The chosen text is to have other values.
+    nudged : (float, float)
+        It is to be moved to the right and upwards, mm.
+    moving : bool
+        Texts are to be moved on the object, or no longer.
+    signed : ()
+        A signature is to be laid beside it.
     """
 
-    asked = QtCore.Signal(str, float, bool, str)
+    asked = QtCore.Signal(object, bool)
     opened = QtCore.Signal(str, float)
     corrected = QtCore.Signal()
     hidden = QtCore.Signal()
+    chosen = QtCore.Signal(int)
+    changed = QtCore.Signal(object)
+    nudged = QtCore.Signal(float, float)
+    moving = QtCore.Signal(bool)
+    signed = QtCore.Signal()
 
     def __init__(self, theme: Theme) -> None:
         super().__init__()
         self._theme = theme
         self.copybook: Copybook | None = None
         self._coming: list[Future[Any]] = []
-        self._scores: dict[int, Score] = {}
-        self.text = QtWidgets.QLineEdit(_EXAMPLE)
-        self.em = QtWidgets.QDoubleSpinBox()
-        self.em.setRange(2.0, 1000.0)
-        self.em.setDecimals(0)
-        self.em.setValue(40.0)
-        self.em.setSuffix(" mm")
+        self.texts = QtWidgets.QComboBox()
+        self.texts.setSizeAdjustPolicy(
+            QtWidgets.QComboBox.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon
+        )
+        self.texts.activated.connect(self.chosen)
+        self.text = _Lines(_EXAMPLE)
+        self.text.finished.connect(self.ask)
+        self.em = self._number("em_mm", 2.0, 1000.0, 40.0, " mm")
         self.direction = QtWidgets.QComboBox()
         self.direction.addItem(say("Columns"), True)
         self.direction.addItem(say("Row"), False)
-        self.font_box = FontBox()
+        self.font_box = FontBox(say("Characters of the copybook"))
+        self.grid_box = QtWidgets.QComboBox()
+        for kind in GRIDS:
+            self.grid_box.addItem(say(_GRID_NAMES[kind]), kind)
+        self.grid_box.activated.connect(
+            lambda _: self.changed.emit({"grid": self.grid_box.currentData()})
+        )
+        self.across, self.down = QtWidgets.QSpinBox(), QtWidgets.QSpinBox()
+        for box, n in ((self.across, 4), (self.down, 5)):
+            box.setRange(1, 40)
+            box.setValue(n)
+            box.setToolTip(say("Squares of a grid without a text"))
+        self.turn = self._number("turn", -180.0, 180.0, 0.0, "°", 1)
+        self.gap = self._number("gap", 0.0, 500.0, 10.0, " %")
+        self.between = self._number("between", 0.0, 500.0, 0.0, " %")
+        self.gap.setToolTip(say("Room between columns, or rows, in parts of the size"))
+        self.between.setToolTip(say("Room between characters, in parts of the size"))
+        self.right, self.up = self._mover(), self._mover()
+        self.right.setToolTip(say("To the right (x)"))
+        self.up.setToolTip(say("Upwards (y)"))
+        self.right.valueChanged.connect(lambda: self._nudge(self.right))
+        self.up.valueChanged.connect(lambda: self._nudge(self.up))
         layout_text = QtWidgets.QPushButton(say("Lay out"))
+        self.add_button = QtWidgets.QPushButton(say("Another"))
+        self.add_button.setToolTip(say("Lay it out beside the texts that are there"))
+        self.add_button.clicked.connect(lambda: self._ask(True))
+        self.sign_button = QtWidgets.QPushButton(say("Signature and date…"))
+        self.sign_button.clicked.connect(self.signed)
+        self.move_button = QtWidgets.QPushButton(say("Move on the object"))
+        self.move_button.setCheckable(True)
+        self.move_button.setToolTip(say("Drag, turn, scale and space texts; also by T"))
+        self.move_button.toggled.connect(self.moving)
         self.open_button = QtWidgets.QPushButton(say("Open a drawing, strokes or a photograph…"))
         self.open_button.clicked.connect(self.choose_file)
         self.correct_button = QtWidgets.QPushButton(say("Strokes over the picture…"))
@@ -120,37 +162,126 @@ class CopybookPanel(QtWidgets.QWidget):
         )
         self.correct_button.clicked.connect(self.corrected)
         self.correct_button.setEnabled(False)
-        hide = QtWidgets.QPushButton(say("Hide"))
+        hide = QtWidgets.QPushButton(say("Take away"))
         layout_text.clicked.connect(self.ask)
         hide.clicked.connect(self.hidden)
         self.told = QtWidgets.QLabel()
         self.told.setObjectName("title")
         self.list = QtWidgets.QListWidget()
         self.list.setObjectName("copybook")
+        small = QtWidgets.QComboBox.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon
+        for choice in (self.direction, self.grid_box):
+            choice.setSizeAdjustPolicy(small)
+            choice.setMinimumContentsLength(5)
+        numbers = (self.em, self.gap, self.between, self.right, self.up, self.across, self.down)
+        for number in numbers:
+            number.setMinimumWidth(_LEAST_WIDTH)
         form = QtWidgets.QFormLayout()
+        form.addRow(say("Laid out"), self.texts)
         form.addRow(say("Text"), self.text)
         form.addRow(say("Font"), self.font_box)
-        row = QtWidgets.QHBoxLayout()
-        row.addWidget(self.em, 1)
-        row.addWidget(self.direction, 1)
-        form.addRow(say("Size"), row)
-        buttons = QtWidgets.QHBoxLayout()
-        buttons.addWidget(layout_text, 1)
-        buttons.addWidget(hide, 1)
+        form.addRow(say("Size"), _side_by_side(self.em, self.direction))
+        form.addRow(say("Grid"), self.grid_box)
+        form.addRow(say("Squares"), _side_by_side(self.across, self.down))
+        form.addRow(say("Apart"), _side_by_side(self.gap, self.between))
+        form.addRow(say("Turned"), self.turn)
+        form.addRow(say("Moved by"), _side_by_side(self.right, self.up))
         layout = QtWidgets.QVBoxLayout(self)
         layout.setContentsMargins(10, 6, 10, 8)
         layout.addLayout(form)
-        layout.addLayout(buttons)
+        layout.addLayout(_side_by_side(layout_text, self.add_button))
+        layout.addLayout(_side_by_side(self.move_button, hide))
+        layout.addWidget(self.sign_button)
         layout.addWidget(self.open_button)
         layout.addWidget(self.correct_button)
         layout.addWidget(self.told)
         layout.addWidget(self.list, 1)
+        self.show_texts([], None)
+
+    def _number(
+        self, name: str, low: float, high: float, value: float, unit: str, digits: int = 0
+    ) -> QtWidgets.QDoubleSpinBox:
+        """A number of the chosen text, which it changes at once; per cents of an em as parts."""
+        box = QtWidgets.QDoubleSpinBox()
+        box.setRange(low, high)
+        box.setDecimals(digits)
+        box.setValue(value)
+        box.setSuffix(unit)
+        box.setKeyboardTracking(False)
+        part = 0.01 if unit == " %" else 1.0
+        box.valueChanged.connect(lambda number: self.changed.emit({name: part * number}))
+        return box
+
+    def _mover(self) -> QtWidgets.QDoubleSpinBox:
+        """How far the text is moved by numbers since it was chosen."""
+        box = QtWidgets.QDoubleSpinBox()
+        box.setRange(-5000.0, 5000.0)
+        box.setDecimals(1)
+        box.setSuffix(" mm")
+        box.setKeyboardTracking(False)
+        box.setProperty("before", 0.0)
+        return box
+
+    def _nudge(self, box: QtWidgets.QDoubleSpinBox) -> None:
+        more = box.value() - float(box.property("before"))
+        box.setProperty("before", box.value())
+        self.nudged.emit(*((more, 0.0) if box is self.right else (0.0, more)))
+
+    def show_texts(self, titles: Sequence[str], chosen: int | None) -> None:
+        """Show which texts there are, and which is chosen."""
+        before = self.texts.count(), self.texts.currentIndex()
+        with QtCore.QSignalBlocker(self.texts):
+            self.texts.clear()
+            self.texts.addItems(list(titles))
+            self.texts.setCurrentIndex(-1 if chosen is None else chosen)
+        self.texts.setEnabled(bool(titles))
+        if before != (self.texts.count(), self.texts.currentIndex()):
+            for box in (self.right, self.up):
+                with QtCore.QSignalBlocker(box):
+                    box.setValue(0.0)
+                box.setProperty("before", 0.0)
+
+    def show_values(self, laid: LaidText | None) -> None:
+        """Show what the chosen text is; what would be laid out stays as it is where none is."""
+        if laid is None:
+            return
+        boxes = (self.em, self.turn, self.gap, self.between, self.across, self.down)
+        blocked = [QtCore.QSignalBlocker(box) for box in boxes]
+        self.em.setValue(laid.em_mm)
+        self.turn.setValue(laid.turn)
+        self.gap.setValue(100.0 * laid.gap)
+        self.between.setValue(100.0 * laid.between)
+        self.across.setValue(laid.cells[0])
+        self.down.setValue(laid.cells[1])
+        del blocked
+        self.direction.setCurrentIndex(self.direction.findData(laid.order == "columns"))
+        self.grid_box.setCurrentIndex(self.grid_box.findData(laid.grid))
+        self.font_box.show_font(laid.font)
+        if not self.text.hasFocus():
+            self.text.setPlainText(laid.text)
+
+    def show_moving(self, on: bool) -> None:
+        """Show whether texts are moved."""
+        with QtCore.QSignalBlocker(self.move_button):
+            self.move_button.setChecked(on)
 
     def ask(self) -> None:
         """Ask for what is written here."""
-        if self.text.text().strip():
-            text, columns = self.text.text().strip(), self.direction.currentData()
-            self.asked.emit(text, self.em.value(), columns, self.font_box.font_name)
+        self._ask(False)
+
+    def _ask(self, another: bool) -> None:
+        values = {
+            "text": self.text.text().strip(),
+            "em_mm": self.em.value(),
+            "order": "columns" if self.direction.currentData() else "row",
+            "font": self.font_box.font_name,
+            "grid": self.grid_box.currentData(),
+            "cells": (self.across.value(), self.down.value()),
+            "gap": 0.01 * self.gap.value(),
+            "between": 0.01 * self.between.value(),
+            "turn": self.turn.value(),
+        }
+        self.asked.emit(values, another)
 
     def choose_file(self) -> None:
         """Ask for a drawing or a file of strokes."""
@@ -166,7 +297,7 @@ class CopybookPanel(QtWidgets.QWidget):
 
     def show_copybook(self, copybook: Copybook | None) -> None:
         """Show another copybook, or none."""
-        self.copybook, self._scores, self._coming = copybook, {}, []
+        self.copybook, self._coming = copybook, []
         self.correct_button.setEnabled(copybook is not None and copybook.page is not None)
         self._fill()
 
@@ -179,16 +310,14 @@ class CopybookPanel(QtWidgets.QWidget):
         done = [coming for coming in self._coming if coming.done()]
         self._coming = [coming for coming in self._coming if not coming.done()]
         scores = [one.result() for one in done if one.exception() is None]
-        scores = [score for score in scores if score is not None]
-        for score in scores:
-            self._scores[score.place] = score
-        if scores:
+        came = any(score is not None for score in scores)
+        if came:
             self._fill()
-        return bool(scores)
+        return came
 
     def percent(self, place: int) -> float | None:
         """How like its copybook a character is, 0 to 100; None before it is written."""
-        score = self._scores.get(place)
+        score = None if self.copybook is None else self.copybook.scores.get(place)
         if score is None or score.likeness is None:
             return None
         return 100.0 * score.likeness.iou

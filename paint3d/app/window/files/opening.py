@@ -18,18 +18,19 @@ from paint3d.app.window.files.open_result import OpenResult, open_with_progress
 from paint3d.app.window.files.recovery import open_elsewhere
 from paint3d.app.window.files.saving import RecentFiles, Saving
 from paint3d.app.window.job import Progress
+from paint3d.app.window.object.new_dialog import NewDialog
 from paint3d.app.window.object.standing import Standing
-from paint3d.app.window.questions import NewDialog
 from paint3d.app.window.wording import say, say_object
 from paint3d.app.window.workspace import Workspace
 from paint3d.brush_engine.stroke_loop import paint_samples
 from paint3d.core.kernel import is_ahead, is_compiled
 from paint3d.device.sample import DeviceSample
-from paint3d.files.load import BUILT_IN_OBJECTS, MESH_SUFFIXES, read_mesh
+from paint3d.files.load import MESH_SUFFIXES, is_built_in, read_mesh
 from paint3d.files.progress import part_of
 from paint3d.files.project.session import SESSION_SUFFIX, is_session_path
 from paint3d.files.reading import Reading
 from paint3d.mesh.bvh import ClosestPoints
+from paint3d.mesh.sheets import is_sheet, parse_sheet
 from paint3d.pose.brush_pose import object_poses
 from paint3d.surface.sheen import PLAIN_SHINE
 from paint3d.view.brush_shape import BrushStand, tuft_rings
@@ -160,7 +161,7 @@ class Opening:
         if not dialog.exec() or not self._saving.may_leave():
             return
         name, material, resolution = dialog.chosen()
-        self._workspace.keep(material=material, resolution_mm=resolution)
+        self._workspace.keep(material=material, resolution_mm=resolution, begun_on=name)
         if name:
             self.open_path(name, resolution, material, asked=True)
         else:
@@ -223,7 +224,7 @@ class Opening:
         if not self._workspace.show(done.result()):
             return False
         self._standing.tell()
-        if path not in BUILT_IN_OBJECTS:
+        if not is_built_in(path):
             self._recent.add(path)
         for message in open_elsewhere(self._workspace):
             self._workspace.tell(message, state="bad", stays=True)
@@ -248,7 +249,9 @@ class Opening:
     ) -> Future[Any] | None:
         settings = self._workspace.settings
         resolution = settings.resolution_mm if resolution is None else resolution
-        material = chosen_material(settings) if material is None else material
+        if material is None:
+            suited = is_sheet(path) and not Path(path).is_file()
+            material = parse_sheet(path).usual.material if suited else chosen_material(settings)
 
         def read(progress: Progress) -> Reading:
             found = read_mesh(path, texture=True, up=self.up, progress=_before_one(progress))

@@ -178,6 +178,14 @@ class CanvasHand(QtCore.QObject):
         hits = self._surface.cast(ray.origin[None], ray.direction[None])
         return hits.points[0] if hits.hit[0] else None
 
+    def ray_at(self, x: float, y: float) -> navigation.Ray:
+        """The ray of sight through a place in the picture (pixels, y down)."""
+        return navigation.ray_at(self.open_camera, x, y, self._size())
+
+    def pixels_of(self, points: AnyArray) -> AnyArray:
+        """Where points (N, 3), mm, are in the picture: (N, 2) pixels, y down."""
+        return navigation.pixels_of(self.open_camera, points, self._size())
+
     # -- the brush --------------------------------------------------------------------------
 
     def touch(self, touch: Touch) -> None:

@@ -28,6 +28,12 @@ _EDITS = (
     ("delete", Message("Delete it")),
 )
 """What can be done with a stroke, and how the menu says it."""
+_SEAL_EDITS = (
+    ("drag", Message("Move it on the object")),
+    ("ink", Message("Press it in the ink in hand")),
+    ("delete", Message("Delete it")),
+)
+_MOST_SEAL_ROWS = 3
 _LEAST_MS = 40  # a stroke is shown at least so long
 
 
@@ -53,6 +59,8 @@ class HistoryPanel(QtWidgets.QWidget):
         The stroke of a row, from 0, is to be marked; None: none is any more.
     edited : (str, int)
         What is to be done with a stroke, and its row; see `StrokeEditing.ask`.
+    seal_edited : (str, int)
+        What is to be done with a seal ("drag", "ink", "delete"), and its number, from 0.
     exported : ()
         The strokes are to be saved as a recording.
     told : (str)
@@ -62,6 +70,7 @@ class HistoryPanel(QtWidgets.QWidget):
     asked = QtCore.Signal(int, bool)
     chosen = QtCore.Signal(object)
     edited = QtCore.Signal(str, int)
+    seal_edited = QtCore.Signal(str, int)
     exported = QtCore.Signal()
     told = QtCore.Signal(str)
 
@@ -80,6 +89,16 @@ class HistoryPanel(QtWidgets.QWidget):
         self.list.currentRowChanged.connect(self._choose_row)
         self.list.setContextMenuPolicy(QtCore.Qt.ContextMenuPolicy.CustomContextMenu)
         self.list.customContextMenuRequested.connect(self._show_menu)
+        self.seals = _StrokeList()
+        self.seals.setObjectName("seals")
+        self.seals.setAccessibleName(say("Seals"))
+        self.seals.setToolTip(say("Move, press anew or delete a seal by the right button"))
+        self.seals.setContextMenuPolicy(QtCore.Qt.ContextMenuPolicy.CustomContextMenu)
+        self.seals.customContextMenuRequested.connect(self._show_seal_menu)
+        self.seals.itemActivated.connect(
+            lambda item: self.seal_edited.emit("drag", self.seals.row(item))
+        )
+        self.seals.hide()
         self.slider = QtWidgets.QSlider(QtCore.Qt.Orientation.Horizontal)
         self.slider.setPageStep(1)
         self.slider.valueChanged.connect(self._slide)
@@ -102,6 +121,7 @@ class HistoryPanel(QtWidgets.QWidget):
         layout = QtWidgets.QVBoxLayout(self)
         layout.setContentsMargins(8, 6, 8, 8)
         layout.addWidget(self.list, 1)
+        layout.addWidget(self.seals)
         layout.addWidget(self.slider)
         layout.addWidget(self.count)
         row = QtWidgets.QHBoxLayout()
@@ -137,6 +157,29 @@ class HistoryPanel(QtWidgets.QWidget):
         menu = self._menu_for(self.list, lambda: row)
         menu.setAttribute(QtCore.Qt.WidgetAttribute.WA_DeleteOnClose)
         menu.popup(self.list.viewport().mapToGlobal(place))
+
+    def _show_seal_menu(self, place: QtCore.QPoint) -> None:
+        item = self.seals.itemAt(place)
+        if item is None:
+            return
+        number = self.seals.row(item)
+        menu = QtWidgets.QMenu(self.seals)
+        for name, text in _SEAL_EDITS:
+            action = menu.addAction(say(text))
+            action.setObjectName(name)
+            action.triggered.connect(lambda _=False, name=name: self.seal_edited.emit(name, number))
+        menu.setAttribute(QtCore.Qt.WidgetAttribute.WA_DeleteOnClose)
+        menu.popup(self.seals.viewport().mapToGlobal(place))
+
+    def show_seals(self, count: int) -> None:
+        """Show so many seals, or none of them."""
+        if count == self.seals.count():
+            return
+        self.seals.clear()
+        self.seals.addItems([say("Seal {n}", n=k + 1) for k in range(count)])
+        rows = min(count, _MOST_SEAL_ROWS)
+        self.seals.setFixedHeight(6 + rows * max(self.seals.sizeHintForRow(0), 1))
+        self.seals.setVisible(count > 0)
 
     def _edit(self, what: str, row: int) -> None:
         """Ask for an edit of the stroke of a row."""
@@ -176,6 +219,7 @@ class HistoryPanel(QtWidgets.QWidget):
         self._wanted = None
         self._shown = (-1, -1)
         self.show_strokes(painting.strokes, painting.undone_strokes, painting.earliest_stroke)
+        self.show_seals(painting.n_seals)
 
     def follow(self, frame: Frame) -> None:
         """Show what a frame says."""
@@ -183,6 +227,7 @@ class HistoryPanel(QtWidgets.QWidget):
         if len(painting.strokes) == self._wanted or not frame.queue_length:
             self._wanted = None
         self.show_strokes(painting.strokes, painting.undone_strokes, painting.earliest_stroke)
+        self.show_seals(painting.n_seals)
 
     def show_strokes(self, strokes: Sequence[Any], undone: Sequence[Any], earliest: int) -> None:
         """Show the strokes that are there; those that were undone come after them, fainter.

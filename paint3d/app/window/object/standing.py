@@ -26,7 +26,7 @@ from paint3d.app.window.wording import say, say_units
 from paint3d.app.window.workspace import Workspace
 from paint3d.colour.materials import Material
 from paint3d.errors import Message
-from paint3d.files.load import BUILT_IN_OBJECTS, UNITS_MM
+from paint3d.files.load import UNITS_MM, is_built_in
 from paint3d.files.reading import Reading
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.mesh.upright import UP_AXES, stand_on, turn_up
@@ -363,7 +363,7 @@ class Standing:
             where the unit cannot be right.
         """
         self._said = ""
-        if path in BUILT_IN_OBJECTS:
+        if is_built_in(path):
             return ObjectChoice(np.eye(3), 1.0, material, resolution)
         if not ask and not is_implausible(longest_side(reading.mesh)):
             return self._likely(reading, material, resolution)

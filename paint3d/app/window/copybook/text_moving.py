@@ -1,0 +1,412 @@
+"""Laid texts taken hold of: moved, turned, scaled and spaced by mouse, pen, finger and keys."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from PySide6 import QtCore, QtGui
+
+from paint3d.app.model.copybook import Copybook
+from paint3d.app.model.laid_text import LaidText
+from paint3d.app.window.hand.canvas import Touch
+from paint3d.app.window.wording import say
+from paint3d.app.window.workspace import Workspace
+from paint3d.core.arrays import AnyArray
+from paint3d.errors import Paint3DError
+from paint3d.mesh.chart import SurfaceFrame, frame_at
+
+__all__ = ["HeldText", "TextMover"]
+
+_KIND, _KEY = QtCore.QEvent.Type, QtCore.Qt.Key
+_KEYS = (_KIND.ShortcutOverride, _KIND.KeyPress)
+_GRIP, _REACH = 7.0, 14.0  # pixels: half of a grip, and how near it is taken
+_AWAY = 30.0  # pixels from the text to the ring that turns it
+_STEP_MM, _FAR_MM, _DEGREES, _GROWS, _APART = 1.0, 10.0, 1.0, 1.02, 0.02
+_PATIENCE_MS = 450  # after the last key
+_LINES = "moving text"
+_ARROWS = {
+    _KEY.Key_Left: (-1, 0), _KEY.Key_Right: (1, 0), _KEY.Key_Up: (0, 1), _KEY.Key_Down: (0, -1),
+}  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class HeldText:
+    """What is taken hold of.
+
+    Attributes
+    ----------
+    laid : LaidText
+        As it lies there now.
+    book : Copybook
+    shape : (int, int)
+        Characters across and down; (1, 1) where that is not known.
+    """
+
+    laid: LaidText
+    book: Copybook
+    shape: tuple[int, int]
+
+
+class TextMover(QtCore.QObject):
+    """Waits for drags and keys that move a text; the brush does not paint meanwhile.
+
+    Parameters
+    ----------
+    workspace : Workspace
+    held : callable
+        Returns the `HeldText`, or None.
+    choose : callable
+        Takes hold of the text at a place (3,) of the object; False where there is none.
+
+    Signals
+    -------
+    changed : dict
+        Other values of the text.
+    removed : ()
+    turned_on : bool
+        Whether it waits, from now on.
+    """
+
+    changed = QtCore.Signal(object)
+    removed = QtCore.Signal()
+    turned_on = QtCore.Signal(bool)
+
+    def __init__(
+        self,
+        workspace: Workspace,
+        held: Callable[[], HeldText | None],
+        choose: Callable[[AnyArray], bool],
+    ) -> None:
+        super().__init__(workspace)
+        self._workspace, self._canvas = workspace, workspace.canvas
+        self._held, self._choose = held, choose
+        self._grip = ""  # that is dragged
+        self._from = QtCore.QPointF()
+        self._place: AnyArray | None = None  # where the drag began on the object
+        self._changes: dict[str, Any] = {}
+        self._is_down = False
+        self._mode_at: Callable[..., str | None] = self._canvas.mode_at
+        self._timer = QtCore.QTimer(self, interval=_PATIENCE_MS, singleShot=True)
+        self._timer.timeout.connect(self._commit)
+        self._canvas.overlays.append(self._paint)
+        self._canvas.taken_back.connect(self._drop)
+        workspace.opened.connect(lambda _: self.end())
+
+    @property
+    def is_on(self) -> bool:
+        """Whether drags move texts."""
+        return self._canvas.tool == self._take
+
+    def begin(self) -> None:
+        """Let drags and keys move texts, until `end`."""
+        if self.is_on:
+            return
+        self._canvas.take_up(self._take, self.end)
+        self._mode_at, self._canvas.mode_at = self._canvas.mode_at, self._mode
+        self._canvas.installEventFilter(self)
+        self._canvas.setCursor(QtCore.Qt.CursorShape.OpenHandCursor)
+        self._canvas.setFocus()
+        self._is_down, self._changes = False, {}
+        self._workspace.tell(
+            say(
+                "Drag a text to move it, its corner to scale it, the ring to turn it; arrows move, "
+                "with Ctrl turn and scale, with Alt space; Esc ends"
+            ),
+            stays=True,
+        )
+        self.turned_on.emit(True)
+        self._canvas.update()
+
+    def end(self) -> None:
+        """Paint again with the next drag."""
+        if not self.is_on:
+            return
+        self._commit()
+        self._canvas.lay_down(self._take)
+        self._canvas.mode_at = self._mode_at
+        self._canvas.removeEventFilter(self)
+        self._canvas.setCursor(QtCore.Qt.CursorShape.CrossCursor)
+        self._show(None)
+        self._workspace.tell(say("Ready"))
+        self.turned_on.emit(False)
+
+    # -- keys -------------------------------------------------------------------------------
+
+    def eventFilter(self, watched: QtCore.QObject, event: QtCore.QEvent) -> bool:
+        """Move by arrows, end by Esc, remove by Delete."""
+        if not self.is_on or event.type() not in _KEYS or not isinstance(event, QtGui.QKeyEvent):
+            return False
+        key, keys = event.key(), event.modifiers()
+        known = key in _ARROWS or key in (_KEY.Key_Escape, _KEY.Key_Delete)
+        if not known:
+            return False
+        event.accept()
+        if event.type() == _KIND.ShortcutOverride:
+            return True
+        if key == _KEY.Key_Escape:
+            self.end()
+        elif key == _KEY.Key_Delete:
+            self._changes = {}
+            self.removed.emit()
+        else:
+            self._nudge(*_ARROWS[_KEY(key)], keys)
+        return True
+
+    def _nudge(self, right: int, up: int, keys: QtCore.Qt.KeyboardModifier) -> None:
+        """Change the text by one key; it is laid anew when no further one comes."""
+        held = self._held()
+        if held is None:
+            return
+        modifier = QtCore.Qt.KeyboardModifier
+        laid = held.laid.moved(**self._changes)
+        frame = held.book.block.frame
+        changes: dict[str, Any] = {"point": self._point(held)}
+        if keys & modifier.ControlModifier:
+            if right:
+                changes["turn"] = _turned(laid.turn - right * _DEGREES)
+            else:
+                changes["em_mm"] = laid.em_mm * _GROWS**up
+        elif keys & modifier.AltModifier:
+            name = _spaced(laid, bool(right))
+            changes[name] = max(0.0, getattr(laid, name) + (right + up) * _APART)
+        else:
+            step = _FAR_MM if keys & modifier.ShiftModifier else _STEP_MM
+            way = step * (right * frame.x_axis + up * frame.y_axis)
+            ground = self._workspace.hand.surface
+            found = ground.find((np.array(changes["point"]) + way)[None]).points[0]
+            changes["point"] = tuple(found.tolist())
+        self._try(held, self._changes | changes)
+        self._timer.start()
+
+    def _point(self, held: HeldText) -> tuple[float, float, float]:
+        """Where the text's middle is, with what was changed since."""
+        found = self._changes.get("point", tuple(held.book.block.frame.origin.tolist()))
+        x, y, z = found
+        return float(x), float(y), float(z)
+
+    def _try(self, held: HeldText, changes: dict[str, Any]) -> None:
+        """Show what changes would do; what no text can be is passed over."""
+        try:
+            held.laid.moved(**changes)
+        except Paint3DError:
+            return
+        self._changes = changes
+        self._show(held)
+
+    def _commit(self) -> None:
+        self._timer.stop()
+        changes, self._changes = self._changes, {}
+        self._show(None)
+        if changes:
+            self.changed.emit(changes)
+
+    # -- the hand ---------------------------------------------------------------------------
+
+    def _mode(self, x: float, y: float, keys: QtCore.Qt.KeyboardModifier) -> str | None:
+        """How a drag that begins here steers: beside a text and its grips as always."""
+        takes = self.is_on and "steer" not in self._workspace.hand.held
+        takes = takes and not self._canvas.grip_at(x, y)
+        if takes and (self._grip_at(QtCore.QPointF(x, y)) or self._on_object(x, y) is not None):
+            return None
+        return self._mode_at(x, y, keys)
+
+    def _on_object(self, x: float, y: float) -> AnyArray | None:
+        return self._workspace.hand.place_at(x, y)
+
+    def _take(self, touch: Touch) -> bool:
+        """Follow a mouse, a pen or a finger; False while it is only over the picture."""
+        was_down, self._is_down = self._is_down, touch.down
+        if not (was_down or touch.down):
+            return False
+        now = QtCore.QPointF(touch.x, touch.y)
+        if not was_down:
+            self._take_hold(now)
+        elif touch.down:
+            self._drag(now)
+        else:
+            self._drag(now)
+            self._grip = ""
+            self._canvas.setCursor(QtCore.Qt.CursorShape.OpenHandCursor)
+            self._commit()
+        return True
+
+    def _take_hold(self, now: QtCore.QPointF) -> None:
+        self._commit()
+        self._grip = self._grip_at(now)
+        self._place = self._on_object(now.x(), now.y())
+        if not self._grip:
+            if self._place is None or not self._choose(self._place):
+                self._workspace.tell(say("There is no text there"), state="bad")
+                return
+            self._grip = "move"
+        self._from = now
+        self._canvas.setCursor(QtCore.Qt.CursorShape.ClosedHandCursor)
+
+    def _drag(self, now: QtCore.QPointF) -> None:
+        held = self._held()
+        if held is None or not self._grip or now == self._from:
+            return
+        frame = held.book.block.frame
+        changes: dict[str, Any] = {"point": tuple(frame.origin.tolist())}
+        if self._grip == "move":
+            place = self._on_object(now.x(), now.y())
+            if place is None or self._place is None:
+                return
+            target = frame.origin + place - self._place
+            found = self._workspace.hand.surface.find(target[None]).points[0]
+            changes["point"] = tuple(found.tolist())
+        else:
+            ahead = self._in_plane(frame, now)
+            before = self._in_plane(frame, self._from)
+            if ahead is None or before is None:
+                return
+            changes |= self._grip_changes(held, before, ahead)
+        self._try(held, changes)
+
+    def _grip_changes(self, held: HeldText, before: AnyArray, ahead: AnyArray) -> dict[str, Any]:
+        """What dragging a grip from one place of the text's plane to another changes."""
+        laid, (across, down) = held.laid, held.shape
+        if self._grip == "scale":
+            least = max(float(np.linalg.norm(before)), 1e-6)
+            return {"em_mm": laid.em_mm * float(np.linalg.norm(ahead)) / least}
+        if self._grip == "turn":
+            turn = math.atan2(ahead[1], ahead[0]) - math.atan2(before[1], before[0])
+            return {"turn": _turned(laid.turn + math.degrees(turn))}
+        level = self._grip == "across"
+        n = across if level else down
+        way = before[0] - ahead[0] if level else before[1] - ahead[1]
+        name = _spaced(laid, level)
+        more = 2.0 * float(way) / (laid.em_mm * (n - 1))
+        return {name: max(0.0, getattr(laid, name) + more)}
+
+    def _in_plane(self, frame: SurfaceFrame, at: QtCore.QPointF) -> AnyArray | None:
+        """Where one points in the tangent plane of a frame, (2,) mm from its origin."""
+        ray = self._workspace.hand.ray_at(at.x(), at.y())
+        falls = float(ray.direction @ frame.normal)
+        if abs(falls) < 1e-6:
+            return None
+        away = float((frame.origin - ray.origin) @ frame.normal) / falls
+        off = ray.origin + away * ray.direction - frame.origin
+        return np.array([off @ frame.x_axis, off @ frame.y_axis])
+
+    def _drop(self) -> None:
+        """Hold nothing: what a finger began was the beginning of a gesture of several."""
+        self._is_down, self._grip, self._changes = False, "", {}
+        self._show(None)
+
+    # -- the picture ------------------------------------------------------------------------
+
+    def grips(self) -> dict[str, QtCore.QPointF]:
+        """Where each grip is in the picture, pixels; none where no text is held."""
+        held = self._held()
+        if held is None:
+            return {}
+        upper_left, upper_right, lower_right, lower_left = self._corners(held)
+        middle = 0.25 * (upper_left + upper_right + lower_right + lower_left)
+
+        def beyond(at: AnyArray, pixels: float) -> AnyArray:
+            away = at - middle
+            farther: AnyArray = at + away * (pixels / max(float(np.linalg.norm(away)), 1e-6))
+            return farther
+
+        found = {"scale": beyond(lower_right, _GRIP)}
+        across, down = held.shape
+        if across > 1:
+            found["across"] = beyond(0.5 * (upper_left + lower_left), _REACH)
+        if down > 1:
+            found["down"] = beyond(0.5 * (lower_left + lower_right), _REACH)
+        found["turn"] = beyond(0.5 * (upper_left + upper_right), _AWAY)
+        return {name: QtCore.QPointF(*at.tolist()) for name, at in found.items()}
+
+    def _corners(self, held: HeldText) -> list[AnyArray]:
+        corners = self._moved(held, held.book.block.corners)
+        return list(self._workspace.hand.pixels_of(corners))
+
+    def _grip_at(self, at: QtCore.QPointF) -> str:
+        near = {
+            name: math.hypot(grip.x() - at.x(), grip.y() - at.y())
+            for name, grip in self.grips().items()
+        }
+        best = min(near, key=lambda name: near[name], default="")
+        return best if best and near[best] <= _REACH else ""
+
+    def _moved(self, held: HeldText, points: AnyArray) -> AnyArray:
+        """Points (N, 3) of the text as they will lie, as if it were a stiff sheet."""
+        changes, frame = self._changes, held.book.block.frame
+        if not changes:
+            return points
+        laid = held.laid
+        now = laid.moved(**changes)
+        to = frame_at(self._workspace.hand.surface, np.array(self._point(held)), frame.y_axis)
+        flat = (points - frame.origin) @ np.stack(
+            [frame.x_axis, frame.y_axis, frame.normal], axis=1
+        )
+        flat[:, :2] *= now.em_mm / laid.em_mm
+        for axis, level in ((0, True), (1, False)):
+            name = _spaced(laid, level)
+            n = held.shape[axis]
+            more = (n - 1) * (getattr(now, name) - getattr(laid, name)) * now.em_mm
+            size = float(np.ptp(flat[:, axis]))
+            flat[:, axis] *= (size + more) / max(size, 1e-6)
+        turn = math.radians(now.turn - laid.turn)
+        c, s = math.cos(turn), math.sin(turn)
+        x, y = c * flat[:, 0] - s * flat[:, 1], s * flat[:, 0] + c * flat[:, 1]
+        moved: AnyArray = (
+            to.origin + np.outer(x, to.x_axis) + np.outer(y, to.y_axis)
+            + np.outer(flat[:, 2], to.normal)
+        )  # fmt: skip
+        return moved
+
+    def _show(self, held: HeldText | None) -> None:
+        """Draw the text where it would lie; None to draw it no longer."""
+        stage = self._workspace.stage
+        if stage.paint_thread is None:
+            return
+        lines: list[AnyArray] = []
+        if held is not None:
+            every = held.book.grid("frame", columns=True)
+            points = self._moved(held, np.concatenate(every))
+            lines = np.split(points, np.cumsum([len(line) for line in every])[:-1])
+        accent = QtGui.QColor(self._workspace.theme.accent)
+        stage.show_lines(_LINES, lines, (accent.red(), accent.green(), accent.blue(), 200), 1.6)
+        self._canvas.update()
+
+    def _paint(self, painter: QtGui.QPainter, _: QtCore.QRect) -> None:
+        """Draw the text's outline and its grips."""
+        held = self._held() if self.is_on else None
+        if held is None:
+            return
+        accent = QtGui.QColor(self._workspace.theme.accent)
+        corners = [QtCore.QPointF(*at.tolist()) for at in self._corners(held)]
+        painter.setPen(QtGui.QPen(accent, 1.2, QtCore.Qt.PenStyle.DashLine))
+        painter.setBrush(QtCore.Qt.BrushStyle.NoBrush)
+        painter.drawPolygon(QtGui.QPolygonF(corners))
+        painter.setPen(QtGui.QPen(QtGui.QColor("#ffffff"), 1.5))
+        painter.setBrush(accent)
+        for name, at in self.grips().items():
+            box = QtCore.QRectF(at.x() - _GRIP, at.y() - _GRIP, 2.0 * _GRIP, 2.0 * _GRIP)
+            if name == "turn":
+                painter.drawEllipse(box)
+            elif name == "scale":
+                painter.drawRect(box)
+            else:
+                thin = 0.5 * _GRIP
+                wide = name == "down"
+                painter.drawRoundedRect(
+                    box.adjusted(0, thin, 0, -thin) if wide else box.adjusted(thin, 0, -thin, 0),
+                    3, 3,
+                )  # fmt: skip
+
+
+def _spaced(laid: LaidText, level: bool) -> str:
+    """What stands for the distance of characters side by side, or one above the other."""
+    return "gap" if level == (laid.order == "columns") else "between"
+
+
+def _turned(degrees: float) -> float:
+    """An angle from -180 to 180 degrees."""
+    return (degrees + 180.0) % 360.0 - 180.0

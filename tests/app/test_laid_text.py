@@ -1,0 +1,339 @@
+"""Texts laid on a sheet and on a bowl: moved, turned, scaled, spaced, signed, and taken back."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+pytest.importorskip("PySide6", reason="PySide6 is not installed")
+
+from PySide6 import QtCore, QtTest, QtWidgets
+
+from paint3d.app.model.document import Document
+from paint3d.app.model.laid_text import LaidText, packed_texts, unpacked_texts
+from paint3d.app.model.paint_thread import PaintThread
+from paint3d.app.model.persistence.recovery_folder import RecoveryFolder, recoverable
+from paint3d.app.model.score.playing import painted
+from paint3d.app.window.copybook.copybook_guide import date_line
+from paint3d.errors import InputError
+from tests.support.app.gestures import (
+    BUTTON,
+    KIND,
+    answer,
+    mouse,
+    pen,
+    pen_stroke,
+    type_key,
+    wait_for,
+)
+from tests.support.app.windows import opened, pretend_saved, settled
+
+KEY, HELD = QtCore.Qt.Key, QtCore.Qt.KeyboardModifier
+
+
+@pytest.fixture(scope="module")
+def window(program):
+    """A window with a sheet in it."""
+    with opened(program, "sheet:200x260", 1.5, "xuan") as window:
+        yield window
+
+
+@pytest.fixture(autouse=True)
+def bare(window) -> None:
+    window.copying.mover.end()
+    while window.document.can_undo:
+        window.stage.paint_thread.post("undo").result(300)
+    settled(window)
+    wait_for(lambda: not window.copying._shown)
+
+
+def press(panel, text: str) -> None:
+    button = next(b for b in panel.findChildren(QtWidgets.QPushButton) if b.text() == text)
+    QtTest.QTest.mouseClick(button, BUTTON.LeftButton)
+
+
+def lay(window, text: str, em: float, columns: bool = True) -> None:
+    count = len(window.document.texts)
+    assert window.copying.layout_text(text, em, columns)
+    wait_for(lambda: len(window.document.texts) >= max(count, 1))
+    settled(window)
+
+
+def begin(window) -> None:
+    type_key(window.canvas, KEY.Key_T)
+    wait_for(lambda: window.copying.mover.is_on)
+
+
+def origins(window) -> np.ndarray:
+    return np.array([s.chart.frame.origin for s in window.panels.copybook.copybook.squares])
+
+
+def pixel(window, point) -> tuple[float, float]:
+    x, y = window.hand.pixels_of(np.array([point]))[0]
+    return float(x), float(y)
+
+
+def drag(window, start, end, by: str = "mouse") -> None:
+    """From one place of the picture to another, pixels, with a mouse or a pen."""
+    canvas, ways = window.canvas, np.linspace(start, end, 8)
+    if by == "pen":
+        pen(canvas, KIND.TabletPress, *ways[0], 0.5)
+        for x, y in ways[1:]:
+            pen(canvas, KIND.TabletMove, x, y, 0.5)
+        pen(canvas, KIND.TabletRelease, *ways[-1], 0.0)
+        return
+    mouse(canvas, KIND.MouseMove, *ways[0])
+    mouse(canvas, KIND.MouseButtonPress, *ways[0], BUTTON.LeftButton, BUTTON.LeftButton)
+    for x, y in ways[1:]:
+        mouse(canvas, KIND.MouseMove, x, y, buttons=BUTTON.LeftButton)
+    mouse(canvas, KIND.MouseButtonRelease, *ways[-1], BUTTON.LeftButton)
+
+
+def text_of(window) -> LaidText:
+    (text,) = window.document.texts
+    return text
+
+
+@pytest.mark.parametrize("by", ["mouse", "pen"])
+def test_a_text_is_dragged_and_one_undo_takes_it_back(window, by: str) -> None:
+    lay(window, "永和\n九年", 30.0)
+    before = origins(window)
+    begin(window)
+    start = pixel(window, before[0])
+    end = pixel(window, before[0] + np.array([25.0, 40.0, 0.0]))
+    drag(window, start, end, by)
+    wait_for(lambda: window.document.texts and text_of(window).point is not None)
+    settled(window)
+    np.testing.assert_allclose(origins(window), before + np.array([25.0, 40.0, 0.0]), atol=0.6)
+    assert not window.document.strokes
+    type_key(window.canvas, KEY.Key_T)
+    assert not window.copying.mover.is_on
+    type_key(window.canvas, KEY.Key_Z, HELD.ControlModifier)
+    wait_for(lambda: text_of(window).point is None)
+    wait_for(lambda: np.allclose(origins(window), before, atol=1e-6))
+
+
+def test_grips_scale_turn_and_space_it(window) -> None:
+    lay(window, "永和\n九年", 24.0)
+    begin(window)
+    mover = window.copying.mover
+
+    def grip(name: str) -> tuple[float, float]:
+        at = mover.grips()[name]
+        return at.x(), at.y()
+
+    start, middle = np.array(grip("scale")), np.array(pixel(window, (0.0, 0.0, 0.0)))
+    drag(window, start, middle + 1.25 * (start - middle))
+    wait_for(lambda: text_of(window).em_mm == pytest.approx(30.0, abs=0.6))
+    settled(window)
+    x, y = grip("across")
+    gap = text_of(window).gap
+    drag(window, (x, y), (x - 20.0, y))
+    wait_for(lambda: text_of(window).gap > gap + 0.05)
+    settled(window)
+    x, y = grip("down")
+    drag(window, (x, y), (x, y + 20.0))
+    wait_for(lambda: text_of(window).between > 0.05)
+    settled(window)
+    turning = np.array(grip("turn")) - middle
+    c, s = np.cos(np.radians(20.0)), np.sin(np.radians(20.0))
+    drag(window, middle + turning, middle + np.array([[c, s], [-s, c]]) @ turning)
+    wait_for(lambda: text_of(window).turn == pytest.approx(20.0, abs=1.0))
+    settled(window)
+    up = window.panels.copybook.copybook.squares[0].chart.frame.y_axis
+    turn = np.radians(text_of(window).turn)
+    np.testing.assert_allclose(up, [-np.sin(turn), np.cos(turn), 0.0], atol=1e-6)
+    assert len(window.document.steps.done) == 5
+
+
+def test_keys_move_turn_scale_and_space_it_and_are_one_step(window) -> None:
+    lay(window, "永和\n九年", 24.0)
+    begin(window)
+    for _ in range(3):
+        type_key(window.canvas, KEY.Key_Right)
+    type_key(window.canvas, KEY.Key_Up, HELD.ShiftModifier)
+    type_key(window.canvas, KEY.Key_Left, HELD.ControlModifier)
+    type_key(window.canvas, KEY.Key_Up, HELD.ControlModifier)
+    type_key(window.canvas, KEY.Key_Up, HELD.AltModifier)
+    wait_for(lambda: text_of(window).point is not None)
+    text = text_of(window)
+    assert text.point == pytest.approx((3.0, 10.0, 0.0), abs=0.05)
+    assert (text.turn, text.em_mm) == (1.0, pytest.approx(24.0 * 1.02))
+    assert text.between == pytest.approx(0.02)
+    assert len(window.document.steps.done) == 2
+    type_key(window.canvas, KEY.Key_Delete)
+    wait_for(lambda: not window.document.texts)
+    type_key(window.canvas, KEY.Key_Escape)
+    assert not window.copying.mover.is_on
+
+
+def test_numbers_in_the_panel_change_it_at_once(window) -> None:
+    panel = window.panels.copybook
+    lay(window, "永和九年", 24.0)
+    for box, number in (
+        (panel.turn, 10.0),
+        (panel.em, 20.0),
+        (panel.between, 50.0),
+        (panel.right, 7.0),
+    ):
+        box.setFocus()
+        box.selectAll()
+        QtTest.QTest.keyClicks(box, f"{number:g}")
+        QtTest.QTest.keyClick(box, KEY.Key_Return)
+        settled(window)
+    text = text_of(window)
+    assert (text.turn, text.em_mm, text.between) == (10.0, 20.0, 0.5)
+    c, s = np.cos(np.radians(10.0)), np.sin(np.radians(10.0))
+    assert text.point == pytest.approx((7.0 * c, 7.0 * s, 0.0), abs=0.3)
+
+
+def test_several_texts_are_chosen_by_a_click_and_a_stroke_belongs_to_its_own(window) -> None:
+    panel = window.panels.copybook
+    lay(window, "一", 60.0)
+    begin(window)
+    drag(window, pixel(window, (0.0, 0.0, 0.0)), pixel(window, (0.0, 70.0, 0.0)))
+    wait_for(lambda: text_of(window).point is not None)
+    type_key(window.canvas, KEY.Key_T)
+    panel.text.setPlainText("二")
+    press(panel, "Another")
+    wait_for(lambda: len(window.document.texts) == 2)
+    settled(window)
+    assert [panel.texts.itemText(k) for k in range(panel.texts.count())] == ["一", "二"]
+    assert panel.texts.currentIndex() == 1
+    ghost = window.copying._books[window.document.texts[0]].ghosts[0]
+    line = window.hand.pixels_of(ghost.medians[0][[0, -1]])
+    line = line / [window.canvas.width(), window.canvas.height()]
+    pen_stroke(window.canvas, tuple(line[0]), tuple(line[1]), [0.4] * 16)
+    settled(window)
+    wait_for(lambda: panel.texts.currentIndex() == 0)
+    wait_for(lambda: panel.percent(0) is not None)
+    assert window.document.strokes[-1].tags["character"] == "一"
+
+
+def test_a_grid_lies_alone_and_around_characters(window) -> None:
+    panel = window.panels.copybook
+    panel.text.setPlainText("")
+    panel.em.setValue(25.0)
+    panel.across.setValue(3)
+    panel.down.setValue(4)
+    panel.grid_box.setCurrentIndex(panel.grid_box.findData("mi"))
+    press(panel, "Another")
+    wait_for(lambda: len(window.document.texts) == 1)
+    settled(window)
+    assert text_of(window) == LaidText("", 25.0, grid="mi", cells=(3, 4))
+    book = panel.copybook
+    assert len(book.squares) == 12
+    assert len(book.grid("mi", True)) == 12 * 8
+    assert len(book.grid("jiu", True)) == 12 * 8
+    assert len(book.grid("columns", True)) == 24
+    assert panel.texts.itemText(0) == "Grid of 3 × 4"
+
+
+def test_a_signature_is_laid_smaller_to_the_left_and_written_in_another_ink(window) -> None:
+    lay(window, "永和\n九年", 40.0)
+    main = origins(window)
+
+    def fill(dialog: QtWidgets.QInputDialog) -> None:
+        assert "年" in dialog.textValue()
+        dialog.setTextValue("丙午年春")
+        dialog.accept()
+
+    answer(fill)
+    window.workspace.actions["sign"].trigger()
+    wait_for(lambda: len(window.document.texts) == 2)
+    settled(window)
+    signature = window.document.texts[1]
+    assert (signature.text, signature.em_mm, signature.grid) == ("丙午年春", 16.0, "none")
+    assert origins(window)[:, 0].max() < main[:, 0].min() - 20.0
+    assert window.copying.mover.is_on
+    window.copying.mover.end()
+
+
+def test_a_text_lies_in_the_middle_of_what_is_painted(window) -> None:
+    pen_stroke(window.canvas, (0.45, 0.5), (0.55, 0.5), [0.5] * 12)
+    settled(window)
+    inked = window.document.surface.wet_ink() + window.document.surface.dry_ink()
+    lay(window, "山", 50.0)
+    surface = window.document.surface
+    np.testing.assert_array_equal(surface.wet_ink() + surface.dry_ink(), inked)
+    assert len(window.document.strokes) == 1
+
+
+def test_texts_come_back_from_files_scores_and_recovery(window, tmp_path) -> None:
+    lay(window, "永和\n九年", 24.0)
+    window.copying.change({"turn": 12.0})
+    settled(window)
+    document = window.document
+    texts = document.texts
+    document.save(tmp_path / "one.p3d")
+    again = Document.open(tmp_path / "one.p3d")
+    assert again.texts == texts
+    again.undo()
+    assert again.texts[0].turn == 0.0
+    again.redo()
+    assert again.texts == texts
+    assert painted(document.score, document.surface.source).texts == texts
+
+
+def test_texts_come_back_after_a_crash(tmp_path) -> None:
+    document = Document.new("plane", 4.0, "xuan")
+    folder = RecoveryFolder(document, tmp_path)
+    paint_thread = PaintThread(document, folder)
+    paint_thread.post("lay_text", LaidText("永和", 24.0).words()).result(60)
+    paint_thread.post("lay_text", LaidText("永和", 24.0, turn=20.0).words(), 0).result(60)
+    paint_thread.stop(keep=True)
+    recovered = recoverable(tmp_path)[0].recover().document
+    assert recovered.texts == (LaidText("永和", 24.0, turn=20.0),)
+    recovered.undo()
+    assert recovered.texts == (LaidText("永和", 24.0),)
+
+
+def test_a_text_that_has_no_room_stays_where_it_was(window) -> None:
+    lay(window, "永和\n九年", 40.0)
+    before = origins(window)
+    begin(window)
+    drag(window, pixel(window, (0.0, 0.0, 0.0)), pixel(window, (80.0, 0.0, 0.0)))
+    wait_for(lambda: "does not fit" in window.status.told.text())
+    np.testing.assert_array_equal(origins(window), before)
+    assert text_of(window).point is None
+
+
+def test_a_text_on_a_bowl_is_moved_over_its_wall(program) -> None:
+    with opened(program, "bowl", 4.0, "porcelain") as window:
+        lay(window, "永和", 16.0)
+        before = origins(window).mean(axis=0)
+        begin(window)
+        frame = window.panels.copybook.copybook.block.frame
+        there = frame.origin + 18.0 * frame.x_axis
+        drag(window, pixel(window, frame.origin), pixel(window, there))
+        wait_for(lambda: text_of(window).point is not None)
+        settled(window)
+        away = origins(window).mean(axis=0) - before
+        assert away @ frame.x_axis == pytest.approx(18.0, abs=3.0)
+        pretend_saved(window.stage.paint_thread)
+
+
+@pytest.mark.parametrize("words", [{"em_mm": 1.0}, {"turn": 200.0}, {"grid": "star"}, {"size": 3},
+    {"cells": [0, 4]}, {"text": 3}, {"point": [1.0, 2.0]}, {"order": "up"}])  # fmt: skip
+def test_what_is_no_text_is_refused_and_changes_nothing(words) -> None:
+    document = Document.new("plane", 4.0, "xuan")
+    with pytest.raises(InputError):
+        document.lay_text(words)
+    with pytest.raises(InputError):
+        document.remove_text(0)
+    assert not document.texts
+    assert not document.steps.done
+    with pytest.raises(InputError):
+        unpacked_texts("[3]")
+
+
+def test_words_of_a_text_say_it_again() -> None:
+    text = LaidText("永和", 33.0, "Kai", "row", (1.0, 2.0, 3.0), -20.0, 0.3, 0.1, "jiu", (2, 3))
+    assert unpacked_texts(packed_texts([text, LaidText("二")])) == (text, LaidText("二"))
+
+
+def test_a_year_of_the_sixty_and_its_season_are_said() -> None:
+    import datetime
+
+    assert date_line(datetime.date(2026, 4, 1)) == "丙午年春書"
+    assert date_line(datetime.date(1984, 12, 9)) == "甲子年冬書"
