@@ -21,10 +21,9 @@ from PySide6 import QtCore, QtTest, QtWidgets
 from paint3d.app.model import paint_thread
 from paint3d.app.model.persistence.recovery_folder import recoverable
 from paint3d.app.window.files.exporting import ExportDialog
-from paint3d.app.window.files.open_result import named
 from paint3d.app.window.files.target_dialog import TargetDialog
 from paint3d.app.window.playing.pictures import Film, FilmDialog
-from paint3d.app.window.wording import say
+from paint3d.app.window.wording import say, say_object
 from paint3d.errors import ExportError
 from paint3d.files.colour_tags import icc_profile
 from paint3d.files.load import load_mesh
@@ -145,7 +144,7 @@ def test_a_new_painting_is_proposed_under_a_name_that_is_free(window, tmp_path: 
 
 def said_name(window) -> str:
     """What the object is called."""
-    return named(window.document.surface.source.name)
+    return say_object(window.document.surface.source.name)
 
 
 @pytest.mark.parametrize(
