@@ -278,7 +278,7 @@ def test_texts_come_back_from_files_scores_and_recovery(window, tmp_path) -> Non
 def test_texts_come_back_after_a_crash(tmp_path) -> None:
     document = Document.new("plane", 4.0, "xuan")
     folder = RecoveryFolder(document, tmp_path)
-    paint_thread = PaintThread(document, folder)
+    paint_thread = PaintThread(document, recovery=folder)
     paint_thread.post("lay_text", LaidText("永和", 24.0).words()).result(60)
     paint_thread.post("lay_text", LaidText("永和", 24.0, turn=20.0).words(), 0).result(60)
     paint_thread.stop(keep=True)
@@ -292,7 +292,7 @@ def test_a_text_that_has_no_room_stays_where_it_was(window) -> None:
     lay(window, "永和\n九年", 40.0)
     before = origins(window)
     begin(window)
-    drag(window, pixel(window, (0.0, 0.0, 0.0)), pixel(window, (80.0, 0.0, 0.0)))
+    drag(window, pixel(window, (0.0, 0.0, 0.0)), pixel(window, (62.0, 0.0, 0.0)))
     wait_for(lambda: "does not fit" in window.status.told.text())
     np.testing.assert_array_equal(origins(window), before)
     assert text_of(window).point is None
