@@ -278,7 +278,7 @@ _DRY_AT = 0.8  # share of a full load below which a light brush on grain 1 begin
 _DRY_PRESSED = 0.4  # less of it at full pressure
 _FLOWS_MM_S = 350.0  # speed of a hand at which it takes twice the load for the same contact
 _MOST_HASTE = 1.7
-_FIRST_MM = 0.035  # per mm of a tuft's width: the first film is what so much of pressure would give
+_FIRST_COATS = 1.25  # that a full wet tuft leaves at once where it comes first
 _AT_FIRST = 0.6  # of what a wet tuft leaves in all that its first film is
 _FULL_COATS = 2.0  # of wet ink, at which paper takes half as much of what comes on the way
 _MOST_AT_FIRST = 0.01  # of what it holds, in one sweep
@@ -324,9 +324,12 @@ def contact_level(before, after, ink):
 
 
 @uncounted(error_model="numpy")
-def first_film(level, transfer_per_mm, ink):
+def first_film(level, ink):
     """Coats that a tuft leaves at once where it comes first: docs/model.md, equation (12a)."""
-    return _FIRST_MM * transfer_per_mm * level * level * held_ink(ink)
+    capacity = ink.transfer[0].capacity
+    return (
+        _FIRST_COATS * level * level * min(1.0, held_ink(ink) / capacity) if capacity > 0.0 else 0.0
+    )
 
 
 @uncounted(error_model="numpy")
@@ -674,7 +677,7 @@ def sweep_deposit(before, after, tuft, field, ink, scratch):
         rest = weighed_area(field, found.ids, found.share, n) / weighed
         released, landing, weighed = rest * released, rest * landing, rest * weighed
     if landing > 0.0:
-        coats = first_film(level, tuft.transfer_per_mm, ink)
+        coats = first_film(level, ink)
         first = lay_first_film(coats, landing / weighed, found, n, field, ink)
         released, landing = released + first, landing + first
         weighed = weighed_area(field, found.ids, found.share, n)
