@@ -43,7 +43,7 @@ from paint3d.core.machine import is_locked
 from paint3d.errors import ExportError
 from tests.support.app.gestures import answer, answer_bar, drag, live, type_key, wait_for
 from tests.support.app.hands import line
-from tests.support.app.windows import SMALL, blind, close_unasked, opened, pretend_saved, settled
+from tests.support.app.windows import SMALL, close_unasked, opened, pretend_saved, settled
 from tests.support.cases import long_but
 
 LIMIT_S = 300.0  # for what comes soon where the machine is not busy
@@ -65,9 +65,8 @@ def empty(program):
     window.resize(*SMALL)
     window.show()
     window.workspace.quiet = True
-    with blind(window):
-        yield window
-        close_unasked(window)
+    yield window
+    close_unasked(window)
 
 
 def leave_a_sitting() -> None:
