@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import ast
+import functools
 import re
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from importlib import import_module
 from pathlib import Path
 
 import paint3d
 from paint3d.bench.registry import BENCHMARKS
 from paint3d.cli.main import COMMANDS
-from tests.support.imports import circles, import_graph, reached
 
 ROOT = Path(__file__).parents[1]
 PACKAGE = ROOT / "paint3d"
@@ -231,3 +231,69 @@ def test_no_data_is_read_from_outside_the_package() -> None:
         if "shared" + "/" in module.read_text(encoding="utf-8")
     ]
     assert strays == []
+
+
+Graph = Mapping[str, set[str]]
+
+
+@functools.cache
+def import_graph(package: Path) -> dict[str, set[str]]:
+    """Module to the modules of the package that it names, also for types only and inside functions.
+
+    A module imports the packages that it lies in.
+    """
+    files = {_name(file, package): file for file in package.rglob("*.py")}
+    known = frozenset(files)
+    return {name: _imports(file, name, known) for name, file in files.items()}
+
+
+def _name(file: Path, package: Path) -> str:
+    parts = file.relative_to(package.parent).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+def _imports(file: Path, name: str, known: frozenset[str]) -> set[str]:
+    found: set[str] = set()
+    for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            inner = {f"{node.module}.{alias.name}" for alias in node.names} & known
+            found |= inner or {node.module}
+    return (found & known) - {name}
+
+
+def reached(graph: Graph, roots: Iterable[str]) -> set[str]:
+    """Modules that are loaded, sooner or later, with some."""
+    seen: set[str] = set()
+    todo = list(roots)
+    while todo:
+        module = todo.pop()
+        if module not in seen:
+            seen.add(module)
+            todo += graph[module]
+            todo += [module.rpartition(".")[0]] if "." in module else []
+    return seen
+
+
+def circles(graph: Graph) -> list[set[str]]:
+    """Modules that import each other around a circle."""
+    after = {module: reached_from(graph, module) for module in graph}
+    found: list[set[str]] = []
+    for module in graph:
+        circle = {other for other in after[module] if module in after[other]}
+        if circle and circle not in found:
+            found.append(circle)
+    return found
+
+
+def reached_from(graph: Graph, module: str) -> set[str]:
+    """What one imports, directly or through others."""
+    seen: set[str] = set()
+    todo = list(graph[module])
+    while todo:
+        other = todo.pop()
+        if other not in seen:
+            seen.add(other)
+            todo += graph[other]
+    return seen

@@ -59,6 +59,7 @@ __all__ = [
     "level_shares",
     "mean_pressure",
     "note_covered",
+    "soak",
     "stillness",
     "sweep_deposit",
     "take_up_ink",
@@ -80,7 +81,7 @@ _RUNS_DRY = (0.15, 0.3)  # contact level below which a tuft has no film, and fro
 _MOST = 6.0  # times a share that a line gets
 _ON_GLAZE, _ON_GRAIN = 1.15, 0.8  # power of a line's length that what it gets falls with
 _LEAST_WAY = 1e-9  # mm
-_STREAKED = 0.12  # deviation of what bundles of hairs bring on paper, over their mean
+_STREAKED = 0.09  # deviation of what bundles of hairs bring on paper, over their mean
 _BUNDLE_WAY = 9.0  # mm: how far along the way they bring alike
 
 
@@ -277,8 +278,9 @@ _DRY_AT = 0.8  # share of a full load below which a light brush on grain 1 begin
 _DRY_PRESSED = 0.4  # less of it at full pressure
 _FLOWS_MM_S = 350.0  # speed of a hand at which it takes twice the load for the same contact
 _MOST_HASTE = 1.7
-_FIRST_MM = 0.035  # per mm of a tuft's width: the first film is what so much of pressure would give
+_FIRST_COATS = 1.25  # that a full wet tuft leaves at once where it comes first
 _AT_FIRST = 0.6  # of what a wet tuft leaves in all that its first film is
+_FULL_COATS = 2.0  # of wet ink, at which paper takes half as much of what comes on the way
 _MOST_AT_FIRST = 0.01  # of what it holds, in one sweep
 _MOST_PASSES = 1000
 _SHARE = 0.45  # of a reservoir, the most that flows out of it on one side in one pass
@@ -322,15 +324,41 @@ def contact_level(before, after, ink):
 
 
 @uncounted(error_model="numpy")
-def first_film(level, transfer_per_mm, ink):
+def first_film(level, ink):
     """Coats that a tuft leaves at once where it comes first: docs/model.md, equation (12a)."""
-    return _FIRST_MM * transfer_per_mm * level * level * held_ink(ink)
+    capacity = ink.transfer[0].capacity
+    return (
+        _FIRST_COATS * level * level * min(1.0, held_ink(ink) / capacity) if capacity > 0.0 else 0.0
+    )
 
 
 @uncounted(error_model="numpy")
 def given_on_way(level):
     """Share of what equation (10) gives that is left for the way, beside the first film."""
     return 1.0 - _AT_FIRST * level * level
+
+
+@uncounted(error_model="numpy")
+def soak(found, n, ink):
+    """Let paper that has drunk take less: the shares of what is wet fall with what it holds.
+
+    So a stroke that crosses a wet one runs into it and does not lie on it like a film, and where
+    the brush dwells no more comes than the sheet holds. Nothing changes on a glaze.
+    """
+    grain = min(1.0, 2.0 * ink.transfer[0].grain)
+    if grain <= 0.0:
+        return
+    ids, share, amounts = found.ids, found.share, ink.amounts
+    part, per_full = np.float32(grain), np.float32(1.0 / _FULL_COATS)
+    one, n_pigments = np.float32(1.0), ink.load.shape[0]
+    for k in range(n):
+        v, held = ids[k], np.float32(0.0)
+        for p in range(n_pigments):
+            held += amounts[v, p]
+        full = held * per_full
+        full *= full
+        full *= full
+        share[k] *= one - part * full / (one + full)
 
 
 @uncounted(error_model="numpy")
@@ -645,7 +673,11 @@ def sweep_deposit(before, after, tuft, field, ink, scratch):
     if level_shares(before, after, level, ink.transfer[0].grain, field, ink, n, scratch):
         weighed = weighed_area(field, found.ids, found.share, n)
     if landing > 0.0:
-        coats = first_film(level, tuft.transfer_per_mm, ink)
+        soak(found, n, ink)
+        rest = weighed_area(field, found.ids, found.share, n) / weighed
+        released, landing, weighed = rest * released, rest * landing, rest * weighed
+    if landing > 0.0:
+        coats = first_film(level, ink)
         first = lay_first_film(coats, landing / weighed, found, n, field, ink)
         released, landing = released + first, landing + first
         weighed = weighed_area(field, found.ids, found.share, n)

@@ -32,6 +32,7 @@ from paint3d.brush_engine.tuft import (
     greatest_descent,
     lie_held,
     release,
+    round_tip,
     smooth_step,
     trace_outline,
     trail_step,
@@ -178,6 +179,7 @@ def _lay_outline(stamp, dragged, trail, tuft, scratch):
         _flatten(values, _straight_reach(values, tuft))
         return
     straight = tuft.length * np.cos(values.tilt)
+    round_tip(scratch.reach, scratch.half_width, n)
     gather_outline(values.bent, straight, scratch.reach, scratch.half_width, n)
     if values.centred > 0.0:
         middle = 0.5 * (scratch.reach[0] + scratch.reach[n - 1])

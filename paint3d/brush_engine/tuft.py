@@ -66,6 +66,7 @@ __all__ = [
     "no_curves",
     "release",
     "round_diameter",
+    "round_tip",
     "smooth_step",
     "trace_outline",
     "trace_spine",
@@ -83,8 +84,7 @@ OUTLINE_CAPACITY = 64  # what out_reach and out_half_width must hold: any outlin
 _POINTS = 40  # of a solid tuft's outline
 _FALLING = 1e-9  # of the length, least step between two of them
 _HEEL_STEPS = 12
-_MENISCUS = 0.5  # of the greatest half width: radius to which ink rounds the tip, by eye
-_MENISCUS_STEPS = 16
+_MENISCUS = 0.4  # of the greatest half width: radius to which ink rounds the tip, by eye
 _FIRST_COLUMN = 6  # of the tables, that has arcs enough under the lightest touch
 SCRATCH_SIZE = 2 * STATIONS  # float64 numbers: openness and reach at the stations
 
@@ -275,8 +275,6 @@ def _find_heel(openness, level):
 def trace_outline(tuft, descent, tilt, pe, scratch, out_reach, out_half_width):
     """Outline of the footprint: its half width against the distance from P'_m (Eqs. 2, 3, 6-9).
 
-    Its tip is round: see `_round_tip`.
-
     With S = 1 + (d + h mu) pe, a section is C_j1 = S C_j wide and C_j2 = C_j / S thick (Eqs. 2, 3),
     so that Eq. 8 reads |W_j M_j| = S C_j / 2 sqrt(1 - (S g)^2).
 
@@ -290,7 +288,7 @@ def trace_outline(tuft, descent, tilt, pe, scratch, out_reach, out_half_width):
     scratch : (SCRATCH_SIZE,) float64
         Overwritten.
     out_reach : (OUTLINE_CAPACITY,) float64
-        Signed distance from P'_m along the bend direction, mm, from the round tip strictly down to
+        Signed distance from P'_m along the bend direction, mm, from the tip P_0 strictly down to
         M_d, where the tuft leaves the plane.
     out_half_width : (OUTLINE_CAPACITY,) float64
         |W_j M_j|, mm; zero at both ends.
@@ -311,39 +309,14 @@ def trace_outline(tuft, descent, tilt, pe, scratch, out_reach, out_half_width):
         for k in range(n):
             out_reach[k] = straight + scale * (out_reach[k] - straight)
             out_half_width[k] *= scale
-    if n > 0:
-        _round_tip(out_reach, out_half_width, n)
     return n
 
 
 @uncounted
-def _clearance(x, reach, half_width, last):
-    """How far a point of the axis lies from the flank down to point `last`, and its foot there.
-
-    Returns
-    -------
-    distance2, foot_x, foot_y : float
-        mm2, mm.
-    segment : int
-        The foot lies between this point of the outline and the next.
-    """
-    least, foot_x, foot_y, segment = 1e30, reach[0], 0.0, 0
-    for k in range(last):
-        dx, dy = reach[k + 1] - reach[k], half_width[k + 1] - half_width[k]
-        t = ((x - reach[k]) * dx - half_width[k] * dy) / (dx * dx + dy * dy)
-        t = min(1.0, max(0.0, t))
-        px, py = reach[k] + t * dx, half_width[k] + t * dy
-        distance2 = (x - px) * (x - px) + py * py
-        if distance2 < least:
-            least, foot_x, foot_y, segment = distance2, px, py, k
-    return least, foot_x, foot_y, segment
-
-
-@uncounted
-def _round_tip(reach, half_width, n):
+def round_tip(reach, half_width, n):
     """Round an outline's tip as the ink's meniscus does: docs/model.md, equation (2a).
 
-    The pointed end gives way to the circle of the meniscus' radius that touches both flanks.
+    A disc that ends where the tip does, and what lies between it and the flanks, belong to it.
 
     Parameters
     ----------
@@ -356,31 +329,18 @@ def _round_tip(reach, half_width, n):
         if half_width[k] > half_width[widest]:
             widest = k
     radius = _MENISCUS * half_width[widest]
-    low, high = reach[widest], reach[0]
-    distance2, foot_x, foot_y, segment = _clearance(low, reach, half_width, widest)
-    f_low, f_high = math.sqrt(distance2) - radius, -radius
-    if f_low <= 0.0:
-        return
-    middle, side = low, 0
-    for _ in range(_MENISCUS_STEPS):  # the Illinois variant of regula falsi
-        middle = low + (high - low) * f_low / (f_low - f_high)
-        distance2, foot_x, foot_y, segment = _clearance(middle, reach, half_width, widest)
-        f = math.sqrt(distance2) - radius
-        if abs(f) < 1e-9 * radius:
-            break
-        if f > 0.0:
-            low, f_low = middle, f
-            f_high *= 0.5 if side > 0 else 1.0
-            side = 1
-        else:
-            high, f_high = middle, f
-            f_low *= 0.5 if side < 0 else 1.0
-            side = -1
-    radius = math.sqrt(distance2)
-    angle = math.atan2(foot_y, foot_x - middle)
-    for k in range(segment + 1):
-        part = angle * k / max(segment, 1)
-        reach[k] = middle + radius * math.cos(part)
+    centre = reach[0] - radius
+    angle, last = 0.5 * math.pi, 0  # where a line from the flank's point `last` touches the disc
+    for k in range(1, widest + 1):
+        x, y = reach[k] - centre, half_width[k]
+        distance = math.hypot(x, y)
+        if distance > radius:
+            touches = math.atan2(y, x) - math.acos(radius / distance)
+            if touches < angle:
+                angle, last = touches, k
+    for k in range(1, last):
+        part = angle * k / (last - 1)
+        reach[k] = centre + radius * math.cos(part)
         half_width[k] = radius * math.sin(part)
 
 

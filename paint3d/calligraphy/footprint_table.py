@@ -13,6 +13,7 @@ from paint3d.brush_engine.tuft import (
     SCRATCH_SIZE,
     Tuft,
     drag_length,
+    round_tip,
     trace_outline,
 )
 from paint3d.core.arrays import AnyArray
@@ -129,6 +130,7 @@ def _outline(tuft: Tuft, descent: float) -> tuple[AnyArray, AnyArray] | None:
     reach, half_width = np.empty(OUTLINE_CAPACITY), np.empty(OUTLINE_CAPACITY)
     pe = min(1.0, descent / tuft.full_press)
     n = trace_outline(tuft, descent, 0.5 * math.pi, pe, scratch, reach, half_width)
+    round_tip(reach, half_width, n)
     return (reach[n - 1 :: -1].copy(), half_width[n - 1 :: -1].copy()) if n > 2 else None
 
 

@@ -14,7 +14,7 @@ from paint3d.app.model.persistence.settings import Settings
 from paint3d.app.window.object.material_box import MaterialBox
 from paint3d.app.window.studio import StudioWindow
 from tests.support.app.gestures import answer, drag, live, wait_for
-from tests.support.app.windows import close_unasked, pretend_saved, settled
+from tests.support.app.windows import blind, close_unasked, pretend_saved, settled
 
 WITHOUT_EFFECT = {
     "Edit…": "opens the editor, whose controls are turned by themselves below",
@@ -40,8 +40,9 @@ def window(program):
     window.workspace.quiet = True
     assert window.opening.open_path("plane", 2.0, "xuan", asked=True)
     wait_for(lambda: window.stage.is_lit)
-    yield window
-    close_unasked(window)
+    with blind(window):
+        yield window
+        close_unasked(window)
 
 
 def controls(panel: QtWidgets.QWidget) -> list[QtWidgets.QWidget]:

@@ -39,7 +39,7 @@ from tests.support.app.gestures import (
     type_key,
     wait_for,
 )
-from tests.support.app.windows import SMALL, close_unasked, pretend_saved
+from tests.support.app.windows import SMALL, blind, close_unasked, pretend_saved
 
 ACTIONS = st.sampled_from(
     ["stroke", "stroke", "stroke", "undo", "undo", "redo", "dry", "time", "dip", "tip", "wipe",
@@ -418,8 +418,9 @@ def window(program):
     window.resize(*SMALL)
     window.show()
     window.workspace.quiet = True
-    yield window
-    close_unasked(window)
+    with blind(window):
+        yield window
+        close_unasked(window)
 
 
 @pytest.fixture(scope="module")

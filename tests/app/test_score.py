@@ -47,13 +47,13 @@ from paint3d.recording.score import (
     write_score,
 )
 from paint3d.surface.painted_surface import PaintedSurface
-from tests.app.test_wet import Wall
 from tests.support.app.hands import UPRIGHT, line, paint, same_vertices, small_plane
 from tests.support.cases import long_but
 from tests.support.examples import examples
 
 pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
+from tests.app.test_wet import Wall
 from tests.support.app.gestures import drag
 from tests.support.app.windows import opened, settled
 
@@ -488,30 +488,30 @@ def test_a_stroke_with_an_ink_that_is_none_does_not_begin() -> None:
 
 
 @pytest.fixture
-def score_window(program):
-    with opened(program, "plane", 2.0, "porcelain", drawn=False) as score_window:
-        yield score_window
+def window(program):
+    with opened(program, "plane", 2.0, "porcelain", drawn=False) as window:
+        yield window
 
 
 def test_what_is_saved_is_painted_to_the_bit_by_the_command_and_in_the_window(
-    score_window, tmp_path, monkeypatch
+    window, tmp_path, monkeypatch
 ) -> None:
     for k, ink in enumerate(("cinnabar", {"indigo": 0.3, "water": 0.7}, "pine soot")):
-        score_window.workspace.post("dip", ink)
-        drag(score_window.canvas, (0.42, 0.4 + 0.05 * k), (0.58, 0.45 + 0.05 * k), n=20)
-        settled(score_window)
-        score_window.workspace.actions[("add_layer", "undo", "dry")[k]].trigger()
-    settled(score_window)
+        window.workspace.post("dip", ink)
+        drag(window.canvas, (0.42, 0.4 + 0.05 * k), (0.58, 0.45 + 0.05 * k), n=20)
+        settled(window)
+        window.workspace.actions[("add_layer", "undo", "dry")[k]].trigger()
+    settled(window)
     file, out = tmp_path / "a.score.jsonl", tmp_path / "a.p3d"
-    monkeypatch.setattr(score_window.targets, "ask", lambda *asked: file)
-    score_window.workspace.actions["save_recording"].trigger()
-    before = score_window.document
+    monkeypatch.setattr(window.targets, "ask", lambda *asked: file)
+    window.workspace.actions["save_recording"].trigger()
+    before = window.document
     assert main(["replay", str(file), "--on", "plane", "--out", str(out), "--quiet"]) == 0
-    monkeypatch.setattr(score_window.recordings, "_may_leave", lambda: True)
-    assert score_window.recordings.replay_file(str(file))
-    settled(score_window)
-    assert score_window.document is not before
-    for again in (score_window.document, Document.open(out)):
+    monkeypatch.setattr(window.recordings, "_may_leave", lambda: True)
+    assert window.recordings.replay_file(str(file))
+    settled(window)
+    assert window.document is not before
+    for again in (window.document, Document.open(out)):
         same_vertices(again.surface, before.surface)
         np.testing.assert_array_equal(again.surface.srgb, before.surface.srgb)
         assert again.layers == before.layers

@@ -21,10 +21,9 @@ from PySide6 import QtCore, QtTest, QtWidgets
 from paint3d.app.model import paint_thread
 from paint3d.app.model.persistence.recovery_folder import recoverable
 from paint3d.app.window.files.exporting import ExportDialog
-from paint3d.app.window.files.open_result import named
 from paint3d.app.window.files.target_dialog import TargetDialog
 from paint3d.app.window.playing.pictures import Film, FilmDialog
-from paint3d.app.window.wording import say
+from paint3d.app.window.wording import say, say_object
 from paint3d.errors import ExportError
 from paint3d.files.colour_tags import icc_profile
 from paint3d.files.load import load_mesh
@@ -145,7 +144,7 @@ def test_a_new_painting_is_proposed_under_a_name_that_is_free(window, tmp_path: 
 
 def said_name(window) -> str:
     """What the object is called."""
-    return named(window.document.surface.source.name)
+    return say_object(window.document.surface.source.name)
 
 
 @pytest.mark.parametrize(
@@ -441,7 +440,7 @@ def test_two_windows_on_one_file_know_of_each_other(window, program, tmp_path: P
     """The second one is told, and none replaces what the other has saved without asking."""
     path = tmp_path / "both.p3d"
     assert window.saving.save_to(path)
-    with opened(program, str(path)) as second:
+    with opened(program, str(path), drawn=False) as second:
         assert "both.p3d is open in another window" in second.status.told.text()
         drag(second.canvas, (0.4, 0.55), (0.6, 0.6), n=8)
         settled(second)
@@ -490,7 +489,7 @@ def test_a_painting_that_is_reopened_is_not_said_to_be_open_elsewhere(window, tm
 
 def test_whole_copies_are_kept_as_often_as_was_chosen_however_much_is_painted(program) -> None:
     """On a large wet sheet every 3 s of the painting's work wrote 155 MB."""
-    with opened(program, resolution=2.0) as window:
+    with opened(program, resolution=2.0, drawn=False) as window:
         paints = window.stage.paint_thread
         paints.keep_every(1e9)
         first = paints.recovery.number
@@ -523,7 +522,7 @@ def test_what_is_kept_is_the_users_alone_whatever_the_umask(
     try:
         if umask == 0o022:
             (state / "sittings").mkdir(parents=True)
-        with opened(program, resolution=2.0) as window:
+        with opened(program, resolution=2.0, drawn=False) as window:
             paints = window.stage.paint_thread
             drag(window.canvas, (0.4, 0.45), (0.6, 0.5), n=8)
             settled(window)
@@ -551,7 +550,7 @@ def test_what_a_full_disk_could_not_keep_is_kept_as_soon_as_there_is_room(
     program, tmp_path: Path, monkeypatch
 ) -> None:
     """Said in the status line; a stroke that the journal missed is in the next base."""
-    with opened(program, resolution=2.0) as window:
+    with opened(program, resolution=2.0, drawn=False) as window:
         sitting = window.stage.paint_thread.recovery
         window.stage.paint_thread.keep_every(1e9)
 

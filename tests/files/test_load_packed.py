@@ -78,7 +78,7 @@ def test_without_open3d_points_are_refused_and_it_is_named(monkeypatch):
 
 def test_what_is_missing_is_named_with_how_to_get_it(monkeypatch):
     monkeypatch.setitem(sys.modules, "collada", None)
-    with pytest.raises(MeshError, match=r'collada is missing; .* pip install "paint3d\[meshes\]"'):
+    with pytest.raises(MeshError, match=r"needs collada.*pip install 'paint3d\[meshes\]'"):
         read_collada(b"<a/>")
 
 
@@ -164,7 +164,7 @@ def test_damaged_draco_is_told_or_read(place, byte, cut) -> None:
 def test_without_dracopy_it_is_named(monkeypatch) -> None:
     data = packed_by_draco()
     monkeypatch.setitem(sys.modules, "DracoPy", None)
-    with pytest.raises(MeshError, match="needs DracoPy: pip install"):
+    with pytest.raises(MeshError, match=r"needs DracoPy.*pip install"):
         read_gltf(data, Path())
 
 
@@ -273,5 +273,5 @@ def test_bad_meshopt_is_told(changes, message) -> None:
 def test_without_meshoptimizer_it_is_named(monkeypatch) -> None:
     data = packed_by_meshopt()
     monkeypatch.setitem(sys.modules, "meshoptimizer", None)
-    with pytest.raises(MeshError, match="needs meshoptimizer: pip install"):
+    with pytest.raises(MeshError, match=r"needs meshoptimizer.*pip install"):
         read_gltf(data, Path())

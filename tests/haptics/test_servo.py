@@ -195,7 +195,7 @@ def test_it_answers_and_its_samples_arrive(tree, device) -> None:
     assert (np.diff([r.time_ns for r in readings]) > 0).all()
     assert status.state == "running"
     assert status.schedule in SCHEDULES
-    assert (status.lost, status.refused, status.fault) == (0, 0, "")
+    assert (status.lost, status.refused, status.fault) == (0, 0, None)
     assert status.step_p99_us < status.worst_step_us + 10.0
     device.until_quiet()
 

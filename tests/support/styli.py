@@ -5,9 +5,11 @@ Places and forces are the world's: x to the right, y away, z up.
 
 from __future__ import annotations
 
+import functools
 import json
 import shutil
 import subprocess
+import tempfile
 import threading
 import time
 from contextlib import suppress
@@ -24,15 +26,22 @@ _PERIOD_S = 0.002  # of the service: a program beside it must get its turn
 SOURCE = Path(__file__).with_name("openhaptics_stand_in.c")
 
 
-def compile_library(folder: Path) -> Path:
-    """The C library that stands in for OpenHaptics'."""
+@functools.cache
+def _compiled() -> bytes:
     compiler = shutil.which("cc") or shutil.which("gcc")
     if compiler is None:
         pytest.skip("no C compiler for the library that stands in")
+    with tempfile.NamedTemporaryFile(suffix=".so") as out:
+        subprocess.run(
+            [compiler, "-shared", "-fPIC", "-O1", "-o", out.name, SOURCE, "-lpthread"], check=True
+        )
+        return Path(out.name).read_bytes()
+
+
+def compile_library(folder: Path) -> Path:
+    """The C library that stands in for OpenHaptics'."""
     out = folder / "libHD.so"
-    subprocess.run(
-        [compiler, "-shared", "-fPIC", "-O1", "-o", out, SOURCE, "-lpthread"], check=True
-    )
+    out.write_bytes(_compiled())
     return out
 
 

@@ -346,7 +346,7 @@ def test_no_new_extremes_at_any_step(step):
         runs[:-1], runs[1:], links, weights, area, np.zeros(n, np.int32), np.zeros(n, np.uint8),
         np.zeros(n, np.int32), residual, strength, np.zeros(n), np.full(n, 0.3),
         np.full(n, 0.02), entry, water,
-        pigment, 0.2 * pigment, np.ones(1), np.ones(1),
+        pigment, 0.2 * pigment, 0.3 * pigment, np.ones(1), np.ones(1),
         np.zeros(n, np.float32), np.zeros(n, bool), np.array([step], np.float32),
         np.ones(1, bool), np.zeros(1, bool), np.zeros((1, 3)),
     )  # fmt: skip
@@ -395,7 +395,8 @@ def test_work_grows_with_the_root_of_the_time():
             np.zeros(n, np.uint8), np.zeros(n, np.int32), residual, np.full(n, 0.17),
             np.full(n, 0.02), np.full(n, 0.3), np.full(n, 0.02), np.zeros(n), water,
             water[:, None].copy(),
-            water[:, None].copy(), np.ones(1), np.ones(1), np.ones(n, np.float32),
+            water[:, None].copy(), np.zeros((n, 1)), np.ones(1), np.ones(1),
+            np.ones(n, np.float32),
             np.zeros(n, bool),
             np.array([step], np.float32), np.ones(1, bool), np.zeros(1, bool), np.zeros((1, 3)),
         )  # fmt: skip

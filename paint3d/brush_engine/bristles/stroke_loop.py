@@ -415,7 +415,7 @@ def _deposit(before, after, tuft, touching, hairs, canvas, scratch):
     rate *= ink_way(before, after)
     count = hairs.load.shape[0]
     ready = settle_deposits(count, wanted, rate, hairs.hair_contacts, hairs.whole_sums)
-    if not sweep_hairs(before, after, ready, tuft.transfer_per_mm, hairs, field, ink, scratch):
+    if not sweep_hairs(before, after, ready, hairs, field, ink, scratch):
         return False
     scratch.counters[FOOTPRINTS] += 1
     _remember(before, after, tuft, hairs, ink)

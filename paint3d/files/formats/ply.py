@@ -528,7 +528,7 @@ def _announced(tables: Tables) -> str:
     others = [e for e in tables.elements if e.name != "vertex" and (e.count or e.name in WANTED)]
     if any(element.name in WANTED for element in others):
         return Message("faces")
-    return Message("“{name}”, which is not read", name=others[0].name[:40]) if others else ""
+    return Message("{name!r}, which is not read", name=others[0].name[:40]) if others else ""
 
 
 def _polygons(tables: Tables) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

@@ -248,10 +248,6 @@ def load_session(path: str | os.PathLike[str], progress: Progress | None = None)
         raise SessionError("{file}: it does not fit into memory", file=path) from None
 
 
-def _one_line(cause: BaseException) -> str:
-    return " ".join(str(cause).split())
-
-
 def _upgraded(parts: Parts) -> Parts:
     text = parts[0]
     version = text.get("version")
