@@ -135,9 +135,9 @@ def test_grips_scale_turn_and_space_it(window) -> None:
     drag(window, (x, y), (x, y + 20.0))
     wait_for(lambda: text_of(window).between > 0.05)
     settled(window)
-    turning = np.array(grip("turn")) - middle
+    at = window.hand.place_at(*grip("turn"))  # the sheet lies in z = 0
     c, s = np.cos(np.radians(20.0)), np.sin(np.radians(20.0))
-    drag(window, middle + turning, middle + np.array([[c, s], [-s, c]]) @ turning)
+    drag(window, grip("turn"), pixel(window, (c * at[0] - s * at[1], s * at[0] + c * at[1], 0.0)))
     wait_for(lambda: text_of(window).turn == pytest.approx(20.0, abs=1.0))
     settled(window)
     up = window.panels.copybook.copybook.squares[0].chart.frame.y_axis
