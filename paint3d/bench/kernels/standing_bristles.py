@@ -29,4 +29,4 @@ def deposit_often(times, before, after, tuft, field, ink, scratch):
 def deposit_hairs_often(times, before, after, hairs, field, ink, scratch):
     """Leave an imprint of hairs `times` times; as by `sweep_hairs`."""
     for _ in range(times):
-        sweep_hairs(before, after, 0.0, hairs, field, ink, scratch)
+        sweep_hairs(before, after, 0.0, 0.0, hairs, field, ink, scratch)

@@ -547,7 +547,7 @@ def _mix_hairs(load, mixture):
 
 
 @uncounted(error_model="numpy")
-def sweep_hairs(before, after, ready, hairs, field, ink, scratch):
+def sweep_hairs(before, after, ready, transfer_per_mm, hairs, field, ink, scratch):
     """Deposit the ink of one sweep; False (and nothing changed) where the mesh has no room.
 
     Parameters
@@ -556,6 +556,8 @@ def sweep_hairs(before, after, ready, hairs, field, ink, scratch):
         `after` touches.
     ready : float
         What the hairs are ready to give on the way, coats x mm2: what `settle_deposits` found.
+    transfer_per_mm : float
+        Of the tuft.
     hairs, field, ink, scratch : as for `brush_engine.bristles.stroke_loop`
 
     Conserves: what leaves the hairs is on vertices or counted in `ink.off_surface`
@@ -598,7 +600,7 @@ def sweep_hairs(before, after, ready, hairs, field, ink, scratch):
         rest = weighed_area(field, found.ids, found.share, n) / weighed
         scale, landing, weighed = rest * scale, rest * landing, rest * weighed
     if landing > 0.0 and weighed > 0.0:
-        coats = first_film(level, ink)
+        coats = first_film(level, transfer_per_mm, hairs.bristles.root_mm, ink)
         first = lay_first_film(coats, landing / weighed, found, n, field, ink)
         scale *= 1.0 + first / landing
     _take_from_hairs(hairs.load, hairs.hair_contacts, scale, hairs.whole_sums, hairs.released)
