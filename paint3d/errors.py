@@ -145,7 +145,7 @@ class Paint3DError(Exception):
         is_made = isinstance(told, Message) and not fields
         super().__init__(told if is_made else Message(told, plural, **fields))
         causes = [one for one in (text, *fields.values()) if isinstance(one, Paint3DError)]
-        self.hint = hint or next((cause.hint for cause in causes if cause.hint), "")
+        self.hint: str = hint or next((cause.hint for cause in causes if cause.hint), "")
 
     def __str__(self) -> str:
         return f"{self.message} ({self.hint})" if self.hint else str(self.message)
