@@ -362,7 +362,7 @@ def test_a_shift_takes_from_the_pause() -> None:
 @pytest.mark.parametrize(
     ("edit", "told"),
     [
-        (lambda s: delete_stroke(s, 8), "bamboo.score.jsonl: there is no stroke 8; expected 1 to 7"),
+        (lambda s: delete_stroke(s, 8), "bamboo.score.jsonl: there is no stroke 8"),
         (lambda s: delete_stroke(s, 0), "stroke 0; expected 1 to 7"),
         (lambda s: change_ink(s, 2, {}), "stroke 2: begin_stroke: ink is {}; expected a text"),
         (
