@@ -278,7 +278,7 @@ _DRY_AT = 0.8  # share of a full load below which a light brush on grain 1 begin
 _DRY_PRESSED = 0.4  # less of it at full pressure
 _FLOWS_MM_S = 350.0  # speed of a hand at which it takes twice the load for the same contact
 _MOST_HASTE = 1.7
-_FIRST_MM = 0.035  # per mm of a tuft's width: the first film is what so much of pressure would give
+_AT_ONCE = 0.35  # pressure to a width of the root, on the way of which it gives the first film
 _AT_FIRST = 0.6  # of what a wet tuft leaves in all that its first film is
 _FULL_COATS = 2.0  # of wet ink, at which paper takes half as much of what comes on the way
 _MOST_AT_FIRST = 0.01  # of what it holds, in one sweep
@@ -324,9 +324,9 @@ def contact_level(before, after, ink):
 
 
 @uncounted(error_model="numpy")
-def first_film(level, transfer_per_mm, ink):
+def first_film(level, transfer_per_mm, root_mm, ink):
     """Coats that a tuft leaves at once where it comes first: docs/model.md, equation (12a)."""
-    return _FIRST_MM * transfer_per_mm * level * level * held_ink(ink)
+    return _AT_ONCE * level * level * transfer_per_mm * held_ink(ink) / root_mm
 
 
 @uncounted(error_model="numpy")
@@ -367,7 +367,7 @@ def lay_first_film(coats, unit, found, n, field, ink):
     coats : float
         Of the film.
     unit : float
-        Coats that a share of 1 gets of what is given on the way.
+        Coats that a share of 1 gets of what is given on the way; 0 where nothing is.
     found : Found
         The first `n` of it; their shares grow.
     n : int
@@ -384,12 +384,14 @@ def lay_first_film(coats, unit, found, n, field, ink):
         v = ids[k]
         new += max(np.float32(0.0), cover[k] - coverage[v]) * areas[v]
     new *= field.area_unit
-    if new <= 0.0 or unit <= 0.0 or coats <= 0.0:
+    if new <= 0.0 or coats <= 0.0:
         return 0.0
     coats = min(coats, _MOST_AT_FIRST * held_ink(ink) / new)
-    per_cover = np.float32(coats / unit)
+    way = np.float32(1.0 if unit > 0.0 else 0.0)
+    per_cover = np.float32(coats / unit if unit > 0.0 else 1.0)
     for k in range(n):
-        share[k] += per_cover * max(np.float32(0.0), cover[k] - coverage[ids[k]])
+        newly = max(np.float32(0.0), cover[k] - coverage[ids[k]])
+        share[k] = way * share[k] + per_cover * newly
     return coats * new
 
 
@@ -673,8 +675,8 @@ def sweep_deposit(before, after, tuft, field, ink, scratch):
         soak(found, n, ink)
         rest = weighed_area(field, found.ids, found.share, n) / weighed
         released, landing, weighed = rest * released, rest * landing, rest * weighed
-    if landing > 0.0:
-        coats = first_film(level, tuft.transfer_per_mm, ink)
+    if weighed > 0.0:
+        coats = first_film(level, tuft.transfer_per_mm, tuft.diameters[-1], ink)
         first = lay_first_film(coats, landing / weighed, found, n, field, ink)
         released, landing = released + first, landing + first
         weighed = weighed_area(field, found.ids, found.share, n)

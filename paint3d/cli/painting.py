@@ -67,7 +67,7 @@ __all__ = [
 ]
 
 DEFAULT_BRUSH, DEFAULT_INK = "full", "pine soot"
-WRITING_INK = "pine soot:0.75,water:0.25"  # as a writer grinds it: small strokes hold a thin film
+WRITING_INK = "pine soot:0.35,water:0.65"  # as a writer grinds it
 
 
 def _option(default: Any, group: str, help: str, unsaid: str = "", **how: Any) -> Any:

@@ -48,12 +48,11 @@ def granulated(
     coverage : (N,) float32
         Covered fraction, above 0 where there is ink.
     points : (N, 3) float64
-    grain_um : (P,) array_like
+    grain_um : (P,) float64
         Diameters of the pigments' grains, um.
     spacing : float
         Of the vertices, mm.
     """
-    grain_um = np.asarray(grain_um)
     lattice = max(2.0 * spacing, _LEAST_MM)
     height = np.empty(len(points))
     fill_grain(np.einsum("ni,ij->nj", points, _ASKEW), lattice, height)

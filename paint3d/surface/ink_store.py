@@ -220,7 +220,7 @@ class InkStore:
         ink = self.ink
         columns = [c for c, p in enumerate(self.pigments) if p.grain_um >= COARSE_UM]
         if columns:
-            coarse = ink.amounts[np.ix_(ids, columns)].any(axis=1)
+            coarse = ink.amounts[ids[:, None], columns].any(axis=1)
             self._colour_coarse(ids[coarse])
             ids = ids[~coarse]
         if self._mesh_colours is not None:
@@ -250,8 +250,8 @@ class InkStore:
         self, ids: AnyArray, amounts: NDArray[np.float32], coverage: NDArray[np.float32]
     ) -> NDArray[np.float32]:
         """Return the amounts (N, P) that vertices (N,) with such ink show: see `granulation`."""
-        grains = [pigment.grain_um for pigment in self.pigments]
-        if max(grains, default=0.0) < COARSE_UM:
+        grains = np.array([pigment.grain_um for pigment in self.pigments])
+        if grains.max(initial=0.0) < COARSE_UM:
             return amounts
         arrays = self.paint_mesh.arrays
         points = np.column_stack([arrays.px[ids], arrays.py[ids], arrays.pz[ids]])

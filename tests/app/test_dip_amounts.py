@@ -37,7 +37,6 @@ from paint3d.recording.recording import save_recording
 from paint3d.recording.score import load_score, save_score
 from paint3d.recording.score_edits import delete_stroke
 from paint3d.surface.painted_surface import PaintedSurface
-from tests.app.test_score import read_back, same_paintings
 from tests.support.app.hands import line, pad_stroke, paint, same_vertices, small_plane
 
 pytest.importorskip("PySide6", reason="PySide6 is not installed")
@@ -45,6 +44,7 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 from PySide6 import QtCore, QtTest
 
 from paint3d.app.model.persistence.settings import load_settings
+from tests.app.test_score import read_back, same_paintings
 from tests.support.app.gestures import live, pen_stroke, type_key, wait_for
 from tests.support.app.windows import faults, opened, settled
 

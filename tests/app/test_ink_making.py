@@ -31,7 +31,7 @@ LEFT, NO_KEY, KEY = (
 
 @pytest.fixture(scope="module")
 def window(program):
-    with opened(program) as one:
+    with opened(program, drawn=False) as one:
         one.panels.docks["inks"].raise_()
         live(0.1)
         yield one

@@ -135,9 +135,9 @@ def test_grips_scale_turn_and_space_it(window) -> None:
     drag(window, (x, y), (x, y + 20.0))
     wait_for(lambda: text_of(window).between > 0.05)
     settled(window)
-    turning = np.array(grip("turn")) - middle
+    at = window.hand.place_at(*grip("turn"))  # the sheet lies in z = 0
     c, s = np.cos(np.radians(20.0)), np.sin(np.radians(20.0))
-    drag(window, middle + turning, middle + np.array([[c, s], [-s, c]]) @ turning)
+    drag(window, grip("turn"), pixel(window, (c * at[0] - s * at[1], s * at[0] + c * at[1], 0.0)))
     wait_for(lambda: text_of(window).turn == pytest.approx(20.0, abs=1.0))
     settled(window)
     up = window.panels.copybook.copybook.squares[0].chart.frame.y_axis
@@ -278,7 +278,7 @@ def test_texts_come_back_from_files_scores_and_recovery(window, tmp_path) -> Non
 def test_texts_come_back_after_a_crash(tmp_path) -> None:
     document = Document.new("plane", 4.0, "xuan")
     folder = RecoveryFolder(document, tmp_path)
-    paint_thread = PaintThread(document, folder)
+    paint_thread = PaintThread(document, recovery=folder)
     paint_thread.post("lay_text", LaidText("永和", 24.0).words()).result(60)
     paint_thread.post("lay_text", LaidText("永和", 24.0, turn=20.0).words(), 0).result(60)
     paint_thread.stop(keep=True)
@@ -292,7 +292,7 @@ def test_a_text_that_has_no_room_stays_where_it_was(window) -> None:
     lay(window, "永和\n九年", 40.0)
     before = origins(window)
     begin(window)
-    drag(window, pixel(window, (0.0, 0.0, 0.0)), pixel(window, (80.0, 0.0, 0.0)))
+    drag(window, pixel(window, (0.0, 0.0, 0.0)), pixel(window, (62.0, 0.0, 0.0)))
     wait_for(lambda: "does not fit" in window.status.told.text())
     np.testing.assert_array_equal(origins(window), before)
     assert text_of(window).point is None

@@ -47,13 +47,13 @@ from paint3d.recording.score import (
     write_score,
 )
 from paint3d.surface.painted_surface import PaintedSurface
-from tests.app.test_wet import Wall
 from tests.support.app.hands import UPRIGHT, line, paint, same_vertices, small_plane
 from tests.support.cases import long_but
 from tests.support.examples import examples
 
 pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
+from tests.app.test_wet import Wall
 from tests.support.app.gestures import drag
 from tests.support.app.windows import opened, settled
 

@@ -111,8 +111,8 @@ def test_characters_that_are_taken_from_a_font_are_told(window, panel, system_fo
 @pytest.mark.parametrize(
     ("language", "words"),
     [
-        ("en", "No form of 步 is known: install a font that has one, such as Noto Serif CJK"),
-        ("zh", "没有“步”的字形：请安装含有它的字体"),
+        ("en", "kanjivg has no glyph for '步' (U+6B65), and no font that is installed has one"),
+        ("zh", "kanjivg 没有这些字形：'步' (U+6B65)；已安装的字体也都没有"),
     ],
 )
 def test_what_a_painter_can_do_about_a_character_is_said(

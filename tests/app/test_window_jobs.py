@@ -16,7 +16,6 @@ import numpy as np
 import pytest
 
 import paint3d
-from paint3d.app.window.files.open_result import some_points
 from paint3d.files.load import load_mesh
 from paint3d.mesh.bvh import ClosestPoints
 from paint3d.mesh.triangle_mesh import TriangleMesh
@@ -24,7 +23,6 @@ from paint3d.mesh.upright import guess_up
 from paint3d.view.camera import View, fit_camera
 from paint3d.view.live_light import LiveLight
 from paint3d.view.live_patches import LivePatches
-from tests.support.app.windows import opened
 
 pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
@@ -36,6 +34,7 @@ from paint3d.app.model.persistence.recovery_folder import RecoveryFolder, Unfini
 from paint3d.app.window import job as jobs
 from paint3d.app.window import start, studio
 from paint3d.app.window.files import opening
+from paint3d.app.window.files.open_result import some_points
 from paint3d.app.window.job import is_waiting, run_beside
 from paint3d.app.window.playing.pictures import Film
 from paint3d.app.window.studio import StudioWindow
@@ -44,7 +43,7 @@ from paint3d.core.machine import is_locked
 from paint3d.errors import ExportError
 from tests.support.app.gestures import answer, answer_bar, drag, live, type_key, wait_for
 from tests.support.app.hands import line
-from tests.support.app.windows import SMALL, close_unasked, pretend_saved, settled
+from tests.support.app.windows import SMALL, close_unasked, opened, pretend_saved, settled
 from tests.support.cases import long_but
 
 LIMIT_S = 300.0  # for what comes soon where the machine is not busy

@@ -60,7 +60,7 @@ def radii(surface: PaintedSurface) -> tuple[float, float]:
     return float(np.sqrt(wet / np.pi)), float(np.sqrt(surface.vertex_areas[inked].sum() / np.pi))
 
 
-@pytest.mark.parametrize(("share", "coats"), [(0.03, 2.6), (1.0, 4.0)])
+@pytest.mark.parametrize(("share", "coats"), [(0.3, 2.6), (1.0, 4.0)])
 def test_water_goes_ahead_of_the_soot(share: float, coats: float) -> None:
     surface = washed(share, coats)
     surface.diffuse(20.0)
@@ -230,7 +230,7 @@ def test_each_pigment_goes_with_the_water_as_fine_as_it_is() -> None:
 def test_a_mixture_parts_at_its_border() -> None:
     """Of soot and a dye laid as one the dye is alone outside: colours run out of a grey."""
     surface = PaintedSurface(grid(18.0, 0.4), None, SMOOTH)
-    for ink, coats in (("pine soot", 0.2), ("carmine", 0.2), ("water", 2.6)):
+    for ink, coats in (("pine soot", 0.6), ("carmine", 0.6), ("water", 1.8)):
         drop(surface, coats, ink=ink)
     surface.diffuse(20.0)
     away = np.linalg.norm(surface.paint_mesh.vertices[:, :2], axis=1)

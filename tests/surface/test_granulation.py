@@ -19,7 +19,10 @@ def spread(grain_um: float, coats: float) -> np.ndarray:
     points = np.zeros((40_000, 3))
     points[:, :2] = np.random.default_rng(4).uniform(0.0, 200.0, (40_000, 2))
     amounts = np.full((40_000, 1), coats, np.float32)
-    return granulated(amounts, np.ones(40_000, np.float32), points, [grain_um], SPACING) / coats
+    return (
+        granulated(amounts, np.ones(40_000, np.float32), points, np.array([grain_um]), SPACING)
+        / coats
+    )
 
 
 def sheet() -> PaintedSurface:
@@ -64,7 +67,9 @@ def test_large_grains_and_thin_washes_are_uneven():
 def test_the_fine_is_even_to_the_bit():
     amounts = np.random.default_rng(1).random((500, 2), np.float32)
     points = np.random.default_rng(2).random((500, 3))
-    seen = granulated(amounts, np.ones(500, np.float32), points, [0.99 * COARSE_UM, 20.0], SPACING)
+    seen = granulated(
+        amounts, np.ones(500, np.float32), points, np.array([0.99 * COARSE_UM, 20.0]), SPACING
+    )
     np.testing.assert_array_equal(seen[:, 0], amounts[:, 0])
     assert (seen[:, 1] != amounts[:, 1]).mean() > 0.99
 
@@ -72,9 +77,9 @@ def test_the_fine_is_even_to_the_bit():
 def test_grains_lie_where_the_place_has_them_however_many_are_asked():
     amounts = np.ones((300, 1), np.float32)
     points, coverage = np.random.default_rng(3).random((300, 3)) * 50.0, np.ones(300, np.float32)
-    all_at_once = granulated(amounts, coverage, points, [40.0], SPACING)
+    all_at_once = granulated(amounts, coverage, points, np.array([40.0]), SPACING)
     for some in (np.array([17]), np.arange(299, 100, -7)):
-        few = granulated(amounts[some], coverage[some], points[some], [40.0], SPACING)
+        few = granulated(amounts[some], coverage[some], points[some], np.array([40.0]), SPACING)
         np.testing.assert_array_equal(few, all_at_once[some])
 
 

@@ -600,7 +600,7 @@ def sweep_hairs(before, after, ready, transfer_per_mm, hairs, field, ink, scratc
         rest = weighed_area(field, found.ids, found.share, n) / weighed
         scale, landing, weighed = rest * scale, rest * landing, rest * weighed
     if landing > 0.0 and weighed > 0.0:
-        coats = first_film(level, transfer_per_mm, ink)
+        coats = first_film(level, transfer_per_mm, hairs.bristles.root_mm, ink)
         first = lay_first_film(coats, landing / weighed, found, n, field, ink)
         scale *= 1.0 + first / landing
     _take_from_hairs(hairs.load, hairs.hair_contacts, scale, hairs.whole_sums, hairs.released)

@@ -413,6 +413,8 @@ def _deposit(before, after, tuft, touching, hairs, canvas, scratch):
         return True
     rate = tuft.transfer_per_mm * mean_pressure(before, after)
     rate *= ink_way(before, after)
+    if rate <= 0.0:  # what lies still gives nothing, nor covers what it has not inked
+        return True
     count = hairs.load.shape[0]
     ready = settle_deposits(count, wanted, rate, hairs.hair_contacts, hairs.whole_sums)
     if not sweep_hairs(before, after, ready, tuft.transfer_per_mm, hairs, field, ink, scratch):
