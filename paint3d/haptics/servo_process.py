@@ -198,8 +198,7 @@ def run_servo(task: ServoTask) -> None:
         task.port.run(servo)
         counters[board_of.STATE] = board_of.STOPPED
     except Exception as fault:  # of any kind: the program must learn of it
-        known = isinstance(fault, DeviceError)
-        board.explain(fault.message if known else Message(repr(fault)))
+        board.explain(fault.message if isinstance(fault, DeviceError) else Message(repr(fault)))
         counters[board_of.STATE] = board_of.FAILED
     finally:
         del servo.tree, tree

@@ -78,7 +78,7 @@ class Touches:
         self.points = as_array(points, "points", (None, 3), error=DeviceError)
         if len(self.points) < 3:
             raise DeviceError("{n} points to touch; expected at least 3", n=len(self.points))
-        _check_spread(self.points, "points to touch")
+        _check_spread(self.points, Message("points to touch"))
         self.touched: list[AnyArray] = []
         self._recent: deque[StylusReading] = deque(maxlen=_KEPT)
         self._buttons: int | None = None

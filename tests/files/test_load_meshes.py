@@ -174,7 +174,7 @@ BAD_FILES = {
                      "3 points but no triangles, though it says it has faces"),
     "huge.ply": (PLY_HEAD.replace("vertex 3", "vertex 99999999999999") + PLY_FACE + PLY_ROWS,
                  "99,999,999,999,999 rows of vertex, but what follows has room"),
-    "minus.ply": (PLY_HEAD.replace("vertex 3", "vertex -3") + PLY_FACE + PLY_ROWS, "-3 of vertex"),
+    "minus.ply": (PLY_HEAD.replace("vertex 3", "vertex -3") + PLY_FACE + PLY_ROWS, "-3 rows"),
     "million.ply": ((PLY_HEAD + PLY_FACE.replace("uchar", "int") + PLY_ROWS).replace(
         "3 0 1 2", "1000000 " + "0 1 2 1 " * 250_000), "face 0 has 1,000,000 corners"),
     "empty.obj": (b"# nothing\n", "no vertices and no triangles"),

@@ -113,7 +113,7 @@ def say(text: str, plural: str = "", /, **fields: Any) -> str:
         Those that are messages are said in the language, too.
     """
     if isinstance(text, Message):
-        text, plural, fields = text.text, text.plural, text.fields | fields
+        plural, fields, text = text.plural, text.fields | fields, text.text
     if not text:
         return ""
     if plural:

@@ -321,7 +321,7 @@ def _lines(data: bytes) -> list[bytes]:
 
 def _vertices(
     lines: Sequence[bytes],
-) -> tuple[NDArray[np.float64], NDArray[np.uint8] | None, tuple[str, ...]]:
+) -> tuple[NDArray[np.float64], NDArray[np.uint8] | None, tuple[Message, ...]]:
     widths = np.array([len(line.split()) for line in lines], np.int64)
     if len(lines) == 0:
         return np.empty((0, 3)), None, ()
@@ -362,7 +362,7 @@ def _colour_column(table: NDArray[np.float64]) -> int:
     return 4 if is_weighted and not is_opaque else 3
 
 
-def _polypaint(data: bytes, n: int) -> tuple[NDArray[np.uint8] | None, tuple[str, ...]]:
+def _polypaint(data: bytes, n: int) -> tuple[NDArray[np.uint8] | None, tuple[Message, ...]]:
     """Return the colours (n, 3) that ZBrush writes as comments: MMRRGGBB for each vertex."""
     digits = b"".join(POLYPAINT.findall(plain_text(data))) if b"#MRGB" in data else b""
     if not digits:

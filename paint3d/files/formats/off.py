@@ -141,7 +141,7 @@ def _columns(table: list[list[bytes]], columns: slice) -> NDArray[np.float64]:
     return parse_numbers(b" ".join(words), Message("a vertex")).reshape(-1, width)
 
 
-def _colours(table: list[list[bytes]]) -> tuple[NDArray[np.uint8] | None, tuple[str, ...]]:
+def _colours(table: list[list[bytes]]) -> tuple[NDArray[np.uint8] | None, tuple[Message, ...]]:
     if any(len(words) < 6 for words in table):
         return None, ()
     rgb = _columns(table, slice(3, 6))
@@ -151,7 +151,7 @@ def _colours(table: list[list[bytes]]) -> tuple[NDArray[np.uint8] | None, tuple[
 
 def _face_colours(
     table: list[list[bytes]],
-) -> tuple[NDArray[np.uint8] | None, tuple[str, ...]]:
+) -> tuple[NDArray[np.uint8] | None, tuple[Message, ...]]:
     """Return colours (P, 3) after the corners of faces: whole numbers to 255, or fractions to 1.
 
     Faces without one are grey, as the format says, where others have some. A single number is a

@@ -568,7 +568,7 @@ def _strips(ids: NDArray[np.int64], sizes: NDArray[np.int64]) -> NDArray[np.int6
     return result
 
 
-def _colours(vertex: Element) -> tuple[NDArray[np.uint8] | None, tuple[str, ...]]:
+def _colours(vertex: Element) -> tuple[NDArray[np.uint8] | None, tuple[Message, ...]]:
     table = _colour_table(vertex)
     if table is not None:
         return colour_codes(table)

@@ -187,7 +187,7 @@ def parse_records(data: bytes) -> Records:
     try:
         lines = plain_text(data).decode("utf-8").split("\n")
     except UnicodeDecodeError as cause:
-        raise MeshError(cause) from None
+        raise MeshError("it is not UTF-8: {cause}", cause=cause) from None
     rows = [(k, line.strip()) for k, line in enumerate(lines, 1) if line.strip()]
     comments = [(k, line) for k, line in rows if line.startswith("#")]
     rows = [(k, line) for k, line in rows if not line.startswith("#")]

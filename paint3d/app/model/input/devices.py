@@ -61,7 +61,7 @@ log = logging.getLogger("paint3d")
 class Devices(Protocol):
     """What `device.hot_plug.PluggedDevices` offers."""
 
-    failures: dict[str, str]
+    failures: dict[str, DeviceError]
 
     def nodes(self) -> list[HidNode]:
         """The nodes that are open."""

@@ -8,7 +8,7 @@ from paint3d.app.model.persistence.places import config_folder
 from paint3d.brush.presets import load_presets, read_brush, write_brush
 from paint3d.brush.spec import BrushSpec
 from paint3d.core.parameter_file import is_parameter_file
-from paint3d.errors import BrushError, Paint3DError
+from paint3d.errors import BrushError, Message, Paint3DError
 
 __all__ = ["keep_brush", "own_brush_folder", "own_brush_path", "own_brushes"]
 
@@ -20,7 +20,7 @@ def own_brush_folder() -> Path:
     return config_folder() / "brushes"
 
 
-def own_brushes(folder: Path | None = None) -> tuple[dict[str, BrushSpec], list[str]]:
+def own_brushes(folder: Path | None = None) -> tuple[dict[str, BrushSpec], list[Message]]:
     """The user's brushes by name, in the order of their files, and what is wrong with others.
 
     Parameters

@@ -331,7 +331,9 @@ class Unfinished:
         document = Document.open(base)
         journals = sorted(_numbered(self.folder, "journal-"))
         events, loss = _events([path for number, path in journals if number >= first])
-        known = Counter(str(e[_REFUSED]) for e in events if isinstance(e, dict) and _REFUSED in e)
+        known = Counter(
+            Message(str(e[_REFUSED])) for e in events if isinstance(e, dict) and _REFUSED in e
+        )
         events = [e for e in events if not (isinstance(e, dict) and _REFUSED in e)]
         pieces = [piece for event in events for piece in _pieces(event)]
         tell(_OPENED)
