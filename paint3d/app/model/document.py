@@ -942,7 +942,7 @@ class Document:
         self._change_texts("remove_text", number, ())
 
     def _change_texts(self, command: str, number: int | None, by: tuple[LaidText, ...]) -> None:
-        self._refuse_in_stroke("laying text")
+        self._refuse_in_stroke(Message("laying text"))
         count = len(self._texts)
         if number is None:
             number = count
