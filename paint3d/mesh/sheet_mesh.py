@@ -56,7 +56,7 @@ def make_sheet(sheet: Sheet) -> TriangleMesh:
     faces = np.concatenate([f + n for (_, f, _), n in zip(parts, starts, strict=False)])
     colours = None
     if sheet.mounted:
-        colours = np.concatenate([np.tile(np.uint8(c), (len(p), 1)) for p, _, c in parts])
+        colours = np.concatenate([np.tile(np.array(c, np.uint8), (len(p), 1)) for p, _, c in parts])
     return TriangleMesh(points, faces, colours, sheet.name)
 
 
