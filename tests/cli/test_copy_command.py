@@ -74,7 +74,7 @@ def test_a_full_brush_paints_without_flying_white(photo: Path, tmp_path: Path) -
         (["--corners", "0,0", "9000,0", "9000,700", "0,700"], "expected places in it"),
         (["--corners", "0,0", "wide", "500,0", "500,500"], "'wide' is not a place"),
         (["--text", "十十十十十十"], "the text has 6 characters"),
-        (["--size", "9", "--resolution", "2"], "the vertices 2 mm; expected wider ones: --size"),
+        (["--size", "9", "--resolution", "2"], "the vertices lie 2 mm apart"),
         (["--brush", "gongbi", "--size", "300"], "larger brush"),
         (["--beside", "a.xyz"], "unknown kind of file"),
         (["--save-strokes", "a.json"], "unknown kind of file"),

@@ -623,7 +623,9 @@ class BrushEditor(QtWidgets.QDialog):
         column.addStretch(1)
         for name, label, unit, way in rows:
             whole, even = way in (_WHOLE, _COUNT), way in (_EVEN, _WHOLE)
-            row = NumberRow(grid, name, (label, meaning_of(name)), unit, whole=whole, even=even)
+            row = NumberRow(
+                grid, name, (label, say(meaning_of(name))), unit, whole=whole, even=even
+            )
             row.changed.connect(self._change)
             self.rows[name] = row
         return page
@@ -639,7 +641,7 @@ class BrushEditor(QtWidgets.QDialog):
         self.single = QtWidgets.QCheckBox(say("Paint with single hairs"))
         self.single.toggled.connect(self._choose_single)
         self.table = QtWidgets.QComboBox()
-        self.table.setToolTip(meaning_of("table"))
+        self.table.setToolTip(say(meaning_of("table")))
         self.table.activated.connect(lambda _: self._change("table", self.table.currentData()))
         return self._page(OF_HAIRS, self.single, self.table)
 
