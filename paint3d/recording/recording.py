@@ -400,7 +400,7 @@ def _file_header(header: dict[str, Any]) -> dict[str, Any]:
                 merged=merged[key],
                 names=" or ".join(names),
             )
-    return {"model": 1, **header, "units": merged}  # the first did not name theirs
+    return {**header, "units": merged}
 
 
 class SampleRows:
