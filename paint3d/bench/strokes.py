@@ -71,7 +71,9 @@ def make_dab(brush: str = "full", pressure: float = 1.0) -> Dab:
         For a brush that is not known, or a pressure that leaves no footprint.
     """
     spec = load_brush(brush)
-    footprint = make_footprint(build_tuft(spec), pressure * spec.full_press_mm, 0.5 * math.pi)
+    footprint = make_footprint(
+        build_tuft(spec), pressure * spec.full_press_mm, 0.5 * math.pi
+    ).rounded()
     return Dab(spec, pressure, footprint)
 
 

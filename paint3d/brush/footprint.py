@@ -16,6 +16,7 @@ from paint3d.brush_engine.tuft import (
     SCRATCH_SIZE,
     Tuft,
     greatest_descent,
+    round_tip,
     trace_outline,
 )
 from paint3d.core.arrays import AnyArray, as_array, as_number
@@ -89,6 +90,13 @@ class Footprint:
     def area(self) -> float:
         """mm2, of the polygon."""
         return -2.0 * float(np.trapezoid(self.half_width, self.reach))
+
+    def rounded(self) -> Footprint:
+        """Return it with its tip as the ink's meniscus rounds it, which is what is painted."""
+        reach, half_width = self.reach.copy(), self.half_width.copy()
+        if reach.size:
+            round_tip(reach, half_width, len(reach))
+        return Footprint(reach, half_width, self.azimuth)
 
     def polygon(self) -> AnyArray:
         """Closed outline (K, 2), mm, about P'_m: tip, W side, M_d, W' side (Eqs. 7, 9).

@@ -84,7 +84,8 @@ def stroke_outlines(recording: Recording, brush: BrushSpec) -> list[list[AnyArra
                 way = math.dist(path.position[k, :2], path.position[k - 1, :2])
                 slack = drag_length(descent, tuft.length, tuft.drag_fraction)
                 twist = twist_step(twist, turned, way, slack)
-            footprint = _gathered(make_footprint(tuft, descent, 0.5 * math.pi, azimuth[k]), twist)
+            pressed = make_footprint(tuft, descent, 0.5 * math.pi, azimuth[k])
+            footprint = _gathered(pressed.rounded(), twist)
             if not footprint.is_empty:
                 feet.append(path.position[k, :2])
                 prints.append(footprint)

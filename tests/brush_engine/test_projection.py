@@ -10,7 +10,6 @@ from paint3d.brush.bending import build_tuft
 from paint3d.brush.footprint import make_footprint
 from paint3d.brush.presets import load_brush
 from paint3d.brush_engine.footprint import PROFILE_CELLS
-from paint3d.brush_engine.tuft import round_tip
 from paint3d.painter.painter import Painter
 from paint3d.surface.painted_surface import PaintedSurface
 from tests.support.surface_cases import UPRIGHT, flat, on_cylinder, on_sphere, poses, sheet
@@ -67,7 +66,7 @@ def test_a_dab_on_the_plane_is_the_footprint(brush, pressure, azimuth, tilt):
     painter = press(sheet(flat, (40.0, 40.0), 5.0), pressure, azimuth, tilt, brush)
     spec = load_brush(brush)
     footprint = make_footprint(build_tuft(spec), pressure * spec.full_press_mm, tilt, azimuth)
-    round_tip(footprint.reach, footprint.half_width, len(footprint.reach))
+    footprint = footprint.rounded()
     vertices = painter.surface.paint_mesh.vertices
     no = np.zeros(len(vertices), bool)
     assert np.count_nonzero(painter.surface.coverage >= 0.5) > 20

@@ -206,7 +206,7 @@ def press(
 def footprint_area(brush: str, pressure: float, tilt: float = UPRIGHT) -> float:
     """Area (mm2) of the footprint in the plane."""
     spec = load_brush(brush)
-    return make_footprint(build_tuft(spec), pressure * spec.full_press_mm, tilt).area
+    return make_footprint(build_tuft(spec), pressure * spec.full_press_mm, tilt).rounded().area
 
 
 def painted_area(painter: Painter, where: NDArray | None = None) -> float:
