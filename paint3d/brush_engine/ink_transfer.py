@@ -43,6 +43,8 @@ from paint3d.brush_engine.vertex_query import (
 from paint3d.core.kernel import kernel, uncounted
 
 __all__ = [
+    "AT_FIRST",
+    "AT_ONCE",
     "LINES",
     "PAINTED",
     "TRANSFER",
@@ -278,10 +280,10 @@ _DRY_AT = 0.8  # share of a full load below which a light brush on grain 1 begin
 _DRY_PRESSED = 0.4  # less of it at full pressure
 _FLOWS_MM_S = 350.0  # speed of a hand at which it takes twice the load for the same contact
 _MOST_HASTE = 1.7
-_AT_ONCE = 0.35  # pressure to a width of the root, on the way of which it gives the first film
-_AT_FIRST = 0.6  # of what a wet tuft leaves in all that its first film is
+AT_ONCE = 0.35  # pressure to a width of the root, on the way of which it gives the first film
+AT_FIRST = 0.6  # of what a wet tuft leaves in all that its first film is
 _FULL_COATS = 1.2  # of wet ink, at which paper takes half as much of what comes on the way
-_MOST_AT_FIRST = 0.01  # of what it holds, in one sweep
+_MOST_AT_FIRST = 0.1  # of what it holds, in one sweep
 _MOST_PASSES = 1000
 _SHARE = 0.45  # of a reservoir, the most that flows out of it on one side in one pass
 PAINTED = 3  # counter: vertices that ink was left on
@@ -326,13 +328,13 @@ def contact_level(before, after, ink):
 @uncounted(error_model="numpy")
 def first_film(level, transfer_per_mm, root_mm, ink):
     """Coats that a tuft leaves at once where it comes first: docs/model.md, equation (12a)."""
-    return _AT_ONCE * level * level * transfer_per_mm * held_ink(ink) / root_mm
+    return AT_ONCE * level * level * transfer_per_mm * held_ink(ink) / root_mm
 
 
 @uncounted(error_model="numpy")
 def given_on_way(level):
     """Share of what equation (10) gives that is left for the way, beside the first film."""
-    return 1.0 - _AT_FIRST * level * level
+    return 1.0 - AT_FIRST * level * level
 
 
 @uncounted(error_model="numpy")

@@ -15,7 +15,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.brush.bending import build_tuft
+from paint3d.brush.footprint import make_footprint
 from paint3d.brush.spec import BrushSpec, DipAmount
+from paint3d.brush_engine.ink_transfer import AT_FIRST, AT_ONCE
 from paint3d.core.arrays import AnyArray, as_number
 from paint3d.core.quaternion import rotate
 from paint3d.device.recorded import Recording
@@ -135,7 +138,8 @@ def ink_taken(recording: Recording, brush: BrushSpec) -> NDArray[np.float64]:
     Returns
     -------
     (N,) float64
-        eta' pe ds with ds the root's way over the object, mm.
+        With ds the root's way over the object, mm, and w the width of the footprint under an upright
+        handle, what docs/model.md, equations (10) and (12a), take of a wet brush.
 
     Raises
     ------
@@ -149,7 +153,12 @@ def ink_taken(recording: Recording, brush: BrushSpec) -> NDArray[np.float64]:
     mean = 0.5 * (pressure[1:] + pressure[:-1])
     touches = (pressure[1:] > 0.0) & (pressure[:-1] > 0.0)
     taken = np.zeros(len(recording))
-    taken[1:] = np.where(touches, brush.transfer_per_mm * mean * steps, 0.0)
+    tuft = build_tuft(brush)
+    known = np.linspace(0.0, 1.0, 33)
+    prints = (make_footprint(tuft, p * brush.full_press_mm, 0.5 * math.pi, pe=p) for p in known)
+    width = np.interp(mean, known, [footprint.width for footprint in prints])
+    per_mm = (1.0 - AT_FIRST) * mean + AT_ONCE * width / brush.root_diameter_mm
+    taken[1:] = np.where(touches, brush.transfer_per_mm * per_mm * steps, 0.0)
     return taken
 
 
