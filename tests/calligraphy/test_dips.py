@@ -10,6 +10,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from paint3d.brush.bending import build_tuft
+from paint3d.brush.footprint import make_footprint
 from paint3d.brush.presets import load_brush
 from paint3d.brush.spec import DipAmount
 from paint3d.calligraphy.dips import DipPolicy, dipped_as, ink_taken, redipped
@@ -25,6 +27,8 @@ from tests.laws.test_painting_laws import plane
 from tests.support.cases import long_but
 
 BRUSH = load_brush("xiaobaiyun")
+WIDTH = make_footprint(build_tuft(BRUSH), 0.5 * BRUSH.full_press_mm, 0.5 * np.pi, pe=0.5).width
+PER_MM = BRUSH.transfer_per_mm * (0.4 * 0.5 + 0.35 * WIDTH / BRUSH.root_diameter_mm)
 
 
 def text(takes: list[float], steps: list[float] | None = None) -> Recording:
@@ -32,7 +36,7 @@ def text(takes: list[float], steps: list[float] | None = None) -> Recording:
     steps = steps or [20.0] * len(takes)
     place, pressure, buttons = [], [], []
     for k, way in enumerate(takes):
-        x = np.linspace(0.0, way / (BRUSH.transfer_per_mm * 0.5), 11)
+        x = np.linspace(0.0, way / PER_MM, 11)
         y = -sum(steps[: k + 1])
         place += [[0.0, y, 40.0], [0.0, y, 40.0], *[[d, y, 18.0] for d in x], [x[-1], y, 40.0]]
         pressure += [0.0, 0.0, *[0.5] * 11, 0.0]
@@ -136,7 +140,7 @@ def test_a_small_dip_gives_as_much_at_first_and_runs_dry_sooner(hairs: int) -> N
         ink = np.asarray(surface.amounts).sum(axis=1)
         left[amount] = [ink[abs(at - x0) < 2.0].sum() for x0 in (-12.0, 12.0)]
     (first, last), (small_first, small_last) = left.values()
-    assert small_first / first == pytest.approx(1.5, rel=0.25)
+    assert 0.75 < small_first / first < 1.9
     assert small_last / small_first < 0.6 * last / first
 
 
