@@ -17,6 +17,7 @@ from pathlib import Path
 
 import pytest
 
+from paint3d.app.model.commands import COMMANDS as ACTIONS
 from paint3d.app.model.commands import SHORTCUTS
 from paint3d.bench.registry import BENCHMARKS
 from paint3d.cli import main
@@ -189,7 +190,7 @@ def words_of_the_window() -> Iterator[set[str]]:
         patch.setenv("QT_QPA_PLATFORM", "offscreen")
         window = StudioWindow(make_program(), Settings())
     dialog = PreferencesDialog(window, Settings())
-    shown = {say(f"action.{one.action}") for one in SHORTCUTS if one.gesture != "press"}
+    shown = {say(ACTIONS[one.action].text) for one in SHORTCUTS if one.gesture != "press"}
     for root in (window, dialog):
         for action in root.findChildren(QtGui.QAction):
             shown |= {action.text(), action.toolTip()}

@@ -99,7 +99,7 @@ def mix_pigments(
 ) -> tuple[AnyArray, AnyArray, bool]:
     """K and S (31,) per coat of a wet mixture, and whether its film is glossy.
 
-    docs/model.md, equations (16) and (22), for one coat.
+    docs/model.md, equations (16) and (16a), for one coat.
 
     Parameters
     ----------

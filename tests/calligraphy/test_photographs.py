@@ -154,13 +154,14 @@ def test_a_rubbing_is_read_by_its_white_strokes() -> None:
     there = shot("大", 2, 0.0, Camera(size=700, fills=True, shadow=0.0), seals=0)
     sheet = copy_sheet(255 - there.pixels, "r", Asked(whole=True, invert=True))
     assert judge(there, sheet).ink_iou > 0.85
-    assert sheet.note == ""
+    assert sheet.notes == ()
 
 
 def test_a_sheet_that_is_no_rubbing_is_told_where_it_is_read_as_one() -> None:
     there = shot("大", 2, 0.0, Camera(size=700, fills=True, shadow=0.0), seals=0)
     sheet = copy_sheet(there.pixels, "r", Asked(whole=True, invert=True))
-    assert "leave --invert out" in sheet.note
+    (note,) = sheet.notes
+    assert note.fields["share"] > 0.5
 
 
 def inked(*boxes: tuple[int, int, int, int]) -> np.ndarray:
@@ -187,7 +188,7 @@ def test_ink_on_either_side_of_a_hairline_is_copied() -> None:
     sheet = copy_sheet(pixels, "h", Asked(whole=True))
     for bar in bars:
         assert left_out(sheet, bar) < 0.02
-    assert sheet.note == ""
+    assert sheet.notes == ()
 
 
 def test_ink_within_a_ring_is_copied_and_its_counter_stays_open() -> None:
@@ -206,10 +207,9 @@ def test_ink_within_a_ring_is_copied_and_its_counter_stays_open() -> None:
 def test_ink_that_no_stroke_covers_is_told(tmp_path) -> None:
     pixels = np.asarray(Image.open(hairs_below_a_stroke(tmp_path)))
     sheet = copy_sheet(pixels, "h", Asked(whole=True))
-    told = re.fullmatch(
-        r"some of the ink is in no stroke: character 1 \((\d+)%\); compare .*", sheet.note
-    )
-    assert told is not None, sheet.note
+    (note,) = sheet.notes
+    told = re.fullmatch(r"1 \((\d+)%\)", note.fields["lost"])
+    assert told is not None, note
     assert 3 <= int(told[1]) <= 10
 
 

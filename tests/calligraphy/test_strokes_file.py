@@ -26,7 +26,6 @@ from tests.support.stroked_drawings import Drawing, draw_strokes, lines_of, read
 
 pytest.importorskip("svgelements")
 
-
 HEAD = '<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink">'
 
 
@@ -299,11 +298,11 @@ def test_a_large_photograph_is_kept_by_its_own_pixels(tmp_path) -> None:
 # -- drawings whose paths are strokes ----------------------------------------------------------
 
 
-SVG_HEAD = '<svg xmlns="http://www.w3.org/2000/svg" fill="none" stroke="#000" stroke-width="2">'
+STROKED = '<svg xmlns="http://www.w3.org/2000/svg" fill="none" stroke="#000" stroke-width="2">'
 
 
 def drawn(body, *lines):
-    return Drawing(f"{HEAD}{body}</svg>", [np.array(line, np.float64) for line in lines])
+    return Drawing(f"{STROKED}{body}</svg>", [np.array(line, np.float64) for line in lines])
 
 
 def assert_exact(read):
@@ -328,7 +327,7 @@ def test_pieces_of_what_overlaps_are_laid_by_one_box(tmp_path):
     """So they lie on a bent object as they do on the page, though one is written between them."""
     file = tmp_path / "a.svg"
     body = '<path d="M0 0h100"/><path d="M300 300h20"/><path d="M50-20v50"/>'
-    file.write_text(f"{HEAD}{body}</svg>", encoding="utf-8")
+    file.write_text(f"{STROKED}{body}</svg>", encoding="utf-8")
     first, between, last = load_svg(file).pieces
     assert first.box == last.box
     assert between.box[0] > first.box[2]
@@ -362,7 +361,7 @@ def test_an_arc_is_sheared():
 def test_a_smooth_curve_mirrors_only_its_own_kind(tmp_path):
     """A T after a C is a straight line (SVG 1.1, 8.3.7)."""
     file = tmp_path / "a.svg"
-    file.write_text(f'{HEAD}<path d="M0 0C0 40 40 40 40 0T90 0"/></svg>', encoding="utf-8")
+    file.write_text(f'{STROKED}<path d="M0 0C0 40 40 40 40 0T90 0"/></svg>', encoding="utf-8")
     (line,) = lines_of(load_svg(file))
     assert (
         np.abs(line[line[:, 0] > line[0, 0] + 0.5 * np.ptp(line[:, 0]), 1] - line[0, 1]).max() < 1
@@ -374,14 +373,14 @@ def test_a_smooth_curve_mirrors_only_its_own_kind(tmp_path):
 def test_a_path_without_length_is_a_dot_where_it_has_caps(tmp_path, way, cap, count):
     file = tmp_path / "a.svg"
     body = f'<path d="M0 0h40"/><path stroke-linecap="{cap}" d="M5 5{way}"/>'
-    file.write_text(f"{HEAD}{body}</svg>", encoding="utf-8")
+    file.write_text(f"{STROKED}{body}</svg>", encoding="utf-8")
     assert len(lines_of(load_svg(file))) == count
 
 
 def test_a_stroke_is_as_wide_as_its_transform_makes_it(tmp_path):
     file = tmp_path / "a.svg"
     body = '<g transform="rotate(30) scale(3)"><path d="M0 0H100"/></g>'
-    file.write_text(f"{HEAD}{body}</svg>", encoding="utf-8")
+    file.write_text(f"{STROKED}{body}</svg>", encoding="utf-8")
     (piece,) = load_svg(file).pieces
     (stroke,) = piece.glyph.strokes
     length = np.linalg.norm(stroke.median[-1] - stroke.median[0])

@@ -126,7 +126,8 @@ def test_bad_input_is_one_line_and_leaves_nothing(
 ) -> None:
     out = tmp_path / "a.ply"
     done = paint3d("write", "一龘丨鸞", "--on", "plane", "--out", out, "--glyphs", glyphs,
-                   "--processes", 1)  # fmt: skip
+                   "--processes", 1,
+                   FONTCONFIG_FILE=str(system_fonts.configuration))  # fmt: skip
     assert (done.returncode, done.stdout) == (2, "")
     assert done.stderr.startswith(
         "paint3d: error: hanzi-writer-data has no glyph for '龘' (U+9F98), "

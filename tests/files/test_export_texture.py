@@ -158,6 +158,6 @@ def test_what_cannot_be(tmp_path, monkeypatch):
     with pytest.raises(InputError, match="exclude each other"):
         export(mesh, tmp_path / "a.glb", ExportOptions(texture=True, filaments=2))
     monkeypatch.setitem(sys.modules, "xatlas", None)
-    with pytest.raises(ExportError, match="needs the package xatlas"):
+    with pytest.raises(ExportError, match="needs xatlas"):
         export(mesh, tmp_path / "a.glb", ExportOptions(texture=True))
     assert list(tmp_path.iterdir()) == []

@@ -140,7 +140,7 @@ def _faults(element: ElementTree.Element, tag: str) -> Iterator[Message]:
         elif attribute == "transform" and value.lower() not in _KEYWORDS:
             left = _TRANSFORM.sub(_unless_finite, value).strip(", \t\r\n")
             if left:
-                yield _fault(attribute, left, Message("transforms of finite numbers"))
+                yield _fault_within(attribute, left, Message("transforms of finite numbers"))
         elif attribute == "viewBox" and tag in _VIEWS and value.lower() != "none":
             if not _is_view(value):
                 yield _fault(attribute, value, _VIEW)
@@ -170,6 +170,15 @@ def _fault(attribute: str, value: str, wanted: Message) -> Message:
         "{attribute} is {value!r}; expected {wanted}",
         attribute=attribute,
         value=value[:_SHOWN],
+        wanted=wanted,
+    )
+
+
+def _fault_within(attribute: str, part: str, wanted: Message) -> Message:
+    return Message(
+        "{attribute} has {part!r}; expected {wanted}",
+        attribute=attribute,
+        part=part[:_SHOWN],
         wanted=wanted,
     )
 
@@ -206,14 +215,14 @@ def _faults_of_list(
     bad = next((number for number in numbers if not math.isfinite(float(number))), "")
     bad = bad or re.split(r"[\s,]", text[end : end + _SHOWN])[0]
     if bad:
-        yield _fault(attribute, bad, expected)
+        yield _fault_within(attribute, bad, expected)
 
 
 def _faults_of_way(text: str) -> Iterator[Message]:
     """Where a path of good words breaks off, or does not begin."""
     before, *parts = _SIGNED.split(text)
     if before.strip() or parts[0] not in "Mm":
-        yield _fault("d", text, Message("M first"))
+        yield _fault_within("d", text, Message("M first"))
     for command, numbers in zip(parts[::2], parts[1::2], strict=True):
         wanted = _COUNTS[command.upper()]
         n = len(_NUMBER.findall(numbers))
@@ -221,7 +230,7 @@ def _faults_of_way(text: str) -> Iterator[Message]:
             continue
         if n % wanted if wanted and n else n != wanted:
             shown = f"{command}{numbers}".strip()[:_SHOWN]
-            yield _fault(
+            yield _fault_within(
                 "d", shown, Message("{n} numbers to each {command}", n=wanted, command=command)
             )
 

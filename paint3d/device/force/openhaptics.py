@@ -178,7 +178,7 @@ class _Session:
                 pose = _pose(self._transform, self._held[0], now_ns)
                 force, go_on = self._bounded(self.loop.step(pose, now_ns)), _GO_ON
         except Exception as cause:
-            self.failure = DeviceError("the servo failed: {cause!r}", cause=cause)
+            self.failure = DeviceError("the servo failed: {cause}", cause=repr(cause))
             force, go_on = (0.0, 0.0, 0.0), _DONE
         self._force[:] = list(force)
         hd.hdSetDoublev(_FORCE, self._force)
@@ -246,7 +246,7 @@ def _load(library: str) -> ctypes.CDLL:
             "driver: install 3D Systems' OpenHaptics and Touch Device Driver",
             hint="or say where it is: --stylus openhaptics=/PATH/libHD.so",
             library=library,
-            cause=cause,
+            cause=repr(cause),
         ) from None
     doubles, unsigned = ctypes.POINTER(ctypes.c_double), ctypes.c_uint
     for name, result, arguments in (

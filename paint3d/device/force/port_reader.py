@@ -78,7 +78,7 @@ class PortReader:
         except DeviceError as failure:
             self._failure = failure
         except Exception as cause:  # it would be lost with the thread
-            self._failure = DeviceError("{name} failed: {cause!r}", name=self.name, cause=cause)
+            self._failure = DeviceError("{name} failed: {cause}", name=self.name, cause=repr(cause))
         finally:
             self._spoke.set()
 

@@ -138,7 +138,9 @@ class Inks:
 
 def _pigment_words(pigment: Pigment) -> Words:
     given = {f.name: getattr(pigment, f.name) for f in fields(pigment) if f.name != "name"}
-    return {k: v.tolist() if isinstance(v, np.ndarray) else v for k, v in given.items()}
+    return {
+        k: v.tolist() if isinstance(v, np.ndarray) else v for k, v in given.items() if v is not None
+    }
 
 
 def brush_named(brush: BrushSpec) -> str | Words:
