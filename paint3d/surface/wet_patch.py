@@ -241,9 +241,7 @@ class WetPatch:
         came, before = np.maximum(change, 0.0), self.pigment[node]
         left = 1.0 + np.divide(change - came, before, out=np.zeros_like(came), where=before > 0)
         fine = np.array([pigment.fine for pigment in self._store.pigments])
-        grains = np.array([pigment.grain_um for pigment in self._store.pigments])
-        flocs = (1.0 - fine) * np.maximum(0.0, 1.0 - grains)  # what is ground sinks
-        loose = _LOOSE * flocs * thin[:, None]
+        loose = _LOOSE * self.mobility * (1.0 - fine) * thin[:, None]
         np.add.at(self.pigment, node, change)
         self.pigment[node] = np.maximum(self.pigment[node], 0.0)
         rest = self.pigment[node]
