@@ -224,7 +224,7 @@ class Opening:
         if not self._workspace.show(done.result()):
             return False
         self._standing.tell()
-        if not is_built_in(path):
+        if not is_built_in(str(path)):
             self._recent.add(path)
         for message in open_elsewhere(self._workspace):
             self._workspace.tell(message, state="bad", stays=True)
