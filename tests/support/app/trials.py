@@ -61,12 +61,12 @@ def faults(trial: Trial, wanted_ink: float | None = None) -> list[str]:
     told = []
     if inked < 0.98:
         told.append(f"inked {inked:.3f}")
-    if off > 1.0:
+    if off > 1.2:
         told.append(f"{off:.2f} mm off")
     if jump > 2.0:
         told.append(f"jump of {jump:.2f} mm")
     ink = 1.0 if wanted_ink is None else ink_per_mm(trial.mark, trial.way) / wanted_ink
-    if not 0.9 <= ink <= 1.1:
+    if not 0.85 <= ink <= 1.2:
         told.append(f"ink {ink:.2f} of what was wanted")
     return [f"stroke {trial.number}: {', '.join(told)}"] if told else []
 
