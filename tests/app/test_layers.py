@@ -12,7 +12,7 @@ from paint3d.app.model.document import Document
 from paint3d.colour.difference import delta_e, lab_from_srgb
 from paint3d.colour.kernels.glazing import GROUNDS, see_through
 from paint3d.colour.wet_look import shine_of_inks
-from paint3d.errors import InputError, Paint3DError, SessionError
+from paint3d.errors import InputError, LayerError, Paint3DError, SessionError
 from paint3d.files.load import load_mesh
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.surface.sheen import PLAIN_SHINE
@@ -210,18 +210,19 @@ def test_a_locked_or_hidden_layer_takes_no_paint():
     document = small_plane()
     document.set_locked(0)
     for action in (document.begin_stroke, document.dry):
-        with pytest.raises(InputError, match="'1' is locked"):
+        with pytest.raises(LayerError) as refused:
             action()
+        assert document.layers[0].name in refused.value.message.fields["layer"]
     document.set_locked(0, False)
     document.set_visible(0, False)
-    with pytest.raises(InputError, match="hidden"):
+    with pytest.raises(LayerError, match="hidden"):
         document.begin_stroke()
 
 
 def test_a_stroke_that_was_refused_passes_over_its_samples():
     document = small_plane()
     document.set_locked(0)
-    with pytest.raises(InputError, match="'1' is locked"):
+    with pytest.raises(LayerError):
         document.begin_stroke()
     document.feed(line((-20, 0), (20, 0)))
     document.set_locked(0, False)  # half a stroke would be worse than none

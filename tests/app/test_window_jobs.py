@@ -445,7 +445,7 @@ def test_saving_what_was_brought_back_asks_if_others_saved_there(
 
 def test_what_was_put_off_stays_in_the_file_menu(empty) -> None:
     def later(box: QtWidgets.QMessageBox) -> None:
-        next(button for button in box.buttons() if button.text() == "Later").click()
+        next(button for button in box.buttons() if button.text() == "Not now").click()
 
     sitting = RecoveryFolder(Document.new("plane", 4.0))
     sitting.note({"do": "add_layer"})

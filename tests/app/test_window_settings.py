@@ -124,7 +124,7 @@ def test_material_and_fineness_are_those_that_were_chosen_last(start) -> None:
     window = start(resolution=4.0)
 
     def begin(dialog) -> None:
-        dialog.object.setCurrentIndex(dialog.object.findData("plane"))
+        dialog.choose("plane")
         dialog.material.setCurrentIndex(dialog.material.findData("bisque"))
         dialog.resolution.setValue(3.5)
         dialog.accept()
