@@ -578,7 +578,7 @@ def test_over_steps_a_pen_paints_under_its_point_and_nowhere_else(window, tmp_pa
         for trial in try_strokes(window, over(window, way, tilt)):
             told += [f"tilt {tilt}: {fault}" for fault in faults(trial)]
             off = off_the_way(stations(trial.mark, trial.way), ends_mm=1.0)
-            if off > 1.0:
+            if off > 1.2:
                 told.append(f"tilt {tilt}: in one place {off:.2f} mm off")
             far = stray(trial.mark, trial.way, 0.0)
             if far > (most := footprint_reach(window, tilt) + BESIDE_MM):
