@@ -162,6 +162,7 @@ def _refine(surface: PaintedSurface, chart: SurfaceChart, spacing: float) -> Non
     """Let vertices appear wherever the chart goes, closer than elsewhere for a small seal.
 
     Edges become no longer than `spacing`, mm, or the surface's resolution where that is finer.
+    Paint keeps its vertices, and so do the cells around it: between them new ones would be bare.
     """
     from scipy.spatial import cKDTree
 
@@ -176,13 +177,18 @@ def _refine(surface: PaintedSurface, chart: SurfaceChart, spacing: float) -> Non
     near = cKDTree(chart.points(grid)).query(middles, distance_upper_bound=1.2 * size)[0]
     cells = np.flatnonzero(np.isfinite(near)).astype(np.int64)
     wanted = min(spacing, fields.resolution) if mesh.refines else fields.resolution
+    places = fields.cell_place.astype(np.float64)
+    inked = np.unique(fields.sheet_cell[fields.vertex_sheet[np.flatnonzero(surface.painted)]])
+    apart = cKDTree(places[inked]).query(places[cells], p=np.inf, distance_upper_bound=1.5)[0]
+    bare = cells[np.isinf(apart)]
     if wanted < fields.resolution:
-        fields.done[cells] = 0
-    done = 0
-    while done < len(cells):
-        done = activate_cells(mesh.arrays._replace(resolution=wanted), cells, done)
-        if done < len(cells):
-            surface.make_room()
+        fields.done[bare] = 0
+    for those, edge in ((cells[np.isfinite(apart)], fields.resolution), (bare, wanted)):
+        done = 0
+        while done < len(those):
+            done = activate_cells(mesh.arrays._replace(resolution=edge), those, done)
+            if done < len(those):
+                surface.make_room()
     surface.know_vertices()
 
 
