@@ -138,8 +138,8 @@ def ink_taken(recording: Recording, brush: BrushSpec) -> NDArray[np.float64]:
     Returns
     -------
     (N,) float64
-        With ds the root's way over the object, mm, and w the width of the footprint under an upright
-        handle, what docs/model.md, equations (10) and (12a), take of a wet brush.
+        What docs/model.md, equations (10) and (12a), take of a wet brush, by the root's way over
+        the object and the width of the footprint under an upright handle.
 
     Raises
     ------
