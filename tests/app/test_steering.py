@@ -30,7 +30,7 @@ CORNER = (0.04, 0.05)  # beside the object, in shares of the canvas
 
 @pytest.fixture(scope="module")
 def window(program):
-    with opened(program, "sphere", 4.0, "porcelain", drawn=False) as window:
+    with opened(program, "sphere", 4.0, "porcelain") as window:
         yield window
 
 
