@@ -215,13 +215,13 @@ def is_brush_seen(window) -> bool:
 def test_a_pointer_that_moves_the_view_is_no_brush(window) -> None:
     canvas = window.canvas
     mouse(canvas, KIND.MouseMove, 0.5 * canvas.width(), 0.5 * canvas.height())
-    assert is_brush_seen(window)
+    wait_for(lambda: is_brush_seen(window))
     drag(canvas, (0.5, 0.5), (0.6, 0.55), BUTTON.MiddleButton, release=False)
     assert not is_brush_seen(window)
     x, y = 0.6 * canvas.width(), 0.55 * canvas.height()
     mouse(canvas, KIND.MouseButtonRelease, x, y, BUTTON.MiddleButton)
     mouse(canvas, KIND.MouseMove, x - 2.0, y)
-    assert is_brush_seen(window)
+    wait_for(lambda: is_brush_seen(window))
 
 
 STEERED = [
