@@ -27,7 +27,7 @@ _EDGE = ((0.09, 0.004), (0.19, 0.007), (0.38, 0.012), (0.75, 0.02), (1.7, 0.06))
 # An edge is clean here and torn there: h, deviation of the log, up to which h, and the most of it.
 _RAGGED_MM, _RAGGED, _SMOOTH_MM, _MOST_RAGGED = 4.0, 0.8, 1.0, 5.0
 MOST_ASIDE_MM = 0.6  # how far aside an outline may be met, whatever the noise on raw xuan
-_TAKE = ((0.1, 0.07), (0.25, 0.07), (0.7, 0.08), (2.5, 0.12))  # h_k, mm, and s_k: set by eye
+_TAKE = ((0.1, 0.08), (0.25, 0.08), (0.7, 0.11), (2.5, 0.16))  # h_k, mm, and s_k: set by eye
 # Pores that take little: h, from which deviation on, and how much less by the square beyond it.
 _VOID_MM, _VOID_AT, _VOID = 0.16, 1.1, 0.15
 _PER_DEVIATION = 2.7  # value noise blended by smooth steps has a deviation of .37
