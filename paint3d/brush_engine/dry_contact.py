@@ -221,15 +221,15 @@ def _ahead(values):
 
 
 @uncounted(error_model="numpy")
-def dry_contact(level, still, after, bundles, field, ink):
+def dry_contact(level, carried, after, bundles, field, ink):
     """What the vertices of a sweep share; docs/model.md, equation (13).
 
     Parameters
     ----------
     level : float
         How deep into the tooth the tuft reaches, 0 to 1.
-    still : float
-        How far it stands, grows or turns in its place, 0 to 1, and is not dragged over the tooth.
+    carried : float
+        How much of its motion is its way, 0 to 1: what it is dragged over the tooth.
     after : Stamp
         With its way noted.
     bundles : (float, float, float, float)
@@ -248,7 +248,7 @@ def dry_contact(level, still, after, bundles, field, ink):
     broad, narrow = _seen(broad_mm / per_width, apart), _seen(bundle / per_width, apart)
     supply = _GAIN * (2.0 * level - 1.0) + _OFFSET
     supply += _FLOOD * max(0.0, level - _FLOODED) / (1.0 - _FLOODED)
-    supply -= _STANDS * still
+    supply -= _STANDS * (1.0 - carried)
     unseen2 = 0.0
     if tooth > 0.0:
         shown = (_TOOTH[0] * coarse) ** 2 + (_TOOTH[1] * fine) ** 2

@@ -28,17 +28,18 @@ __all__ = [
     "fill_between",
     "fill_profile",
     "fill_sweep",
+    "find_way",
     "hold_point",
     "ink_way",
     "keep_profile",
     "make_stamp",
-    "middle_of",
     "outline_area",
     "outline_motion",
     "sweep_bounds",
 ]
 
 PROFILE_CELLS = 64
+_LEAST_WAY = 1e-9  # mm
 _IN_PLACE = 0.35  # of the motion of a footprint that turns or grows where it stands: gives ink
 _FIRM = 0.4  # pressure from which a footprint that grows gives ink for all of its growth
 
@@ -233,8 +234,28 @@ def outline_motion(a, b):
     return np.sqrt(fastest)
 
 
-@uncounted
-def middle_of(values, axis):
+@uncounted(error_model="numpy")
+def find_way(before, after):
+    """How much of a footprint's motion its way is, and where that leads, by bend and cross.
+
+    0 for one that turns, grows or comes down in its place, 1 for one that is only carried on.
+    """
+    a, b = before.values[0], after.values[0]
+    if a.touches <= 0.0:
+        return 0.0, 0.0, 0.0
+    along = across = 0.0
+    for axis in range(3):
+        d = _middle(b, axis) - _middle(a, axis)
+        along += d * b.bend[axis]
+        across += d * b.cross[axis]
+    carried = np.sqrt(along * along + across * across)
+    if carried < _LEAST_WAY:
+        return 0.0, 0.0, 0.0
+    return min(1.0, carried / outline_motion(before, after)), along / carried, across / carried
+
+
+@uncounted(error_model="numpy")
+def _middle(values, axis):
     """Coordinate of the middle of an outline's length."""
     return values.origin[axis] + 0.5 * (values.heel + values.tip) * values.bend[axis]
 
@@ -250,13 +271,7 @@ def ink_way(a, b):
     the outline.
     """
     if b.values[0].centred <= 0.0:
-        way = outline_motion(a, b)
-        carried = 0.0
-        if a.values[0].touches > 0.0 and way > 0.0:
-            for axis in range(3):
-                carried += (middle_of(b.values[0], axis) - middle_of(a.values[0], axis)) ** 2
-            carried = min(1.0, np.sqrt(carried) / way)
-        return way * (_IN_PLACE + (1.0 - _IN_PLACE) * carried)
+        return outline_motion(a, b) * (_IN_PLACE + (1.0 - _IN_PLACE) * find_way(a, b)[0])
     counts = min(1.0, b.values[0].pressure / _FIRM)
     half_b = 0.5 * (b.values[0].tip - b.values[0].heel)
     width_b = b.values[0].widest

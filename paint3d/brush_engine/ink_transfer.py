@@ -28,8 +28,8 @@ from paint3d.brush_engine.dry_contact import (
 from paint3d.brush_engine.footprint import (
     PROFILE_CELLS,
     Sweep,
+    find_way,
     ink_way,
-    middle_of,
     outline_motion,
 )
 from paint3d.brush_engine.vertex_query import (
@@ -55,15 +55,13 @@ __all__ = [
     "given_on_way",
     "held_ink",
     "landing_share",
-    "lay_first_film",
     "leave_from_reservoirs",
     "level_reservoirs",
     "level_shares",
     "mean_pressure",
     "note_covered",
-    "soak",
-    "stillness",
     "sweep_deposit",
+    "take_in",
     "take_up_ink",
 ]
 
@@ -82,34 +80,8 @@ LINES = 64  # along the way, side by side, that a footprint is cut into
 _RUNS_DRY = (0.15, 0.3)  # contact level below which a tuft has no film, and from which it has one
 _MOST = 6.0  # times a share that a line gets
 _ON_GLAZE, _ON_GRAIN = 1.15, 0.8  # power of a line's length that what it gets falls with
-_LEAST_WAY = 1e-9  # mm
 _STREAKED = 0.09  # deviation of what bundles of hairs bring on paper, over their mean
 _BUNDLE_WAY = 9.0  # mm: how far along the way they bring alike
-
-
-@uncounted(error_model="numpy")
-def _find_way(before, after):
-    """How much of a footprint's motion its way is, and where that leads, by bend and cross.
-
-    0 for one that turns, grows or comes down in its place, 1 for one that is only carried on.
-    """
-    a, b = before.values[0], after.values[0]
-    along = across = 0.0
-    for axis in range(3):
-        d = middle_of(b, axis) - middle_of(a, axis)
-        along += d * b.bend[axis]
-        across += d * b.cross[axis]
-    carried = np.sqrt(along * along + across * across)
-    if carried < _LEAST_WAY:
-        return 0.0, 0.0, 0.0
-    moved = outline_motion(before, after)
-    return min(1.0, carried / moved), along / carried, across / carried
-
-
-@uncounted(error_model="numpy")
-def stillness(before, after):
-    """How much of a footprint's motion is growing or turning in its place, 0 to 1."""
-    return 1.0 - _find_way(before, after)[0] if before.values[0].touches > 0.0 else 1.0
 
 
 @uncounted(error_model="numpy")
@@ -224,7 +196,7 @@ def level_shares(before, after, level, grain, field, ink, n, scratch):
     if before.values[0].touches <= 0.0 or values.touches <= 0.0 or values.tip <= values.heel:
         return False
     wet = min(1.0, (level - _RUNS_DRY[0]) / (_RUNS_DRY[1] - _RUNS_DRY[0]))
-    carried, along, across = _find_way(before, after)
+    carried, along, across = find_way(before, after)
     if wet <= 0.0 or carried <= 0.0:
         return False
     way, lines = (along, across), scratch.lines
@@ -338,7 +310,7 @@ def given_on_way(level):
 
 
 @uncounted(error_model="numpy")
-def soak(found, n, ink):
+def _soak(found, n, ink):
     """Let paper that has drunk take less: the shares of what is wet fall with what it holds.
 
     So a stroke that crosses a wet one runs into it and does not lie on it like a film, and where
@@ -361,7 +333,7 @@ def soak(found, n, ink):
 
 
 @uncounted(error_model="numpy")
-def lay_first_film(coats, unit, found, n, field, ink):
+def _lay_first_film(coats, unit, found, n, field, ink):
     """Let what is newly covered take a film at once, however lightly and briefly it is touched.
 
     Parameters
@@ -395,6 +367,30 @@ def lay_first_film(coats, unit, found, n, field, ink):
         newly = max(np.float32(0.0), cover[k] - coverage[ids[k]])
         share[k] = way * share[k] + per_cover * newly
     return coats * new
+
+
+@uncounted(error_model="numpy")
+def take_in(coats, landing, weighed, found, n, field, ink):
+    """Let the surface take in what lands on the way and the first film; shares are changed.
+
+    Parameters
+    ----------
+    coats : float
+        Of the first film.
+    landing, weighed : float
+        Of what is given on the way, coats x mm2, and the area that it is shared by, mm2.
+    found, n, field, ink : as for `level_shares`
+
+    Returns
+    -------
+    rest, first : float
+        How much of what lands on the way is taken in, 0 to 1, and of the film, coats x mm2.
+    """
+    rest = 1.0
+    if landing > 0.0:
+        _soak(found, n, ink)
+        rest = weighed_area(field, found.ids, found.share, n) / weighed
+    return rest, _lay_first_film(coats, landing / weighed, found, n, field, ink)
 
 
 @uncounted(error_model="numpy")
@@ -659,7 +655,7 @@ def sweep_deposit(before, after, tuft, field, ink, scratch):
     note_way(before, after)
     if level < 1.0 and weighed > 0.0:  # a brush that runs dry gives less, and only to the heights
         bundles = (tuft.diameters[-1], BUNDLE_MM, 1.0, 0.0)
-        contact = dry_contact(level, stillness(before, after), after, bundles, field, ink)
+        contact = dry_contact(level, find_way(before, after)[0], after, bundles, field, ink)
         n = thin_contact(contact, after, found, n, field, ink, scratch.block)
         whole = weighed
         weighed = weighed_area(field, found.ids, found.share, n)
@@ -673,14 +669,10 @@ def sweep_deposit(before, after, tuft, field, ink, scratch):
         take_up_ink(before, after, released, found, n, field, ink, scratch.taken)
     if level_shares(before, after, level, ink.transfer[0].grain, field, ink, n, scratch):
         weighed = weighed_area(field, found.ids, found.share, n)
-    if landing > 0.0:
-        soak(found, n, ink)
-        rest = weighed_area(field, found.ids, found.share, n) / weighed
-        released, landing, weighed = rest * released, rest * landing, rest * weighed
     if weighed > 0.0:
         coats = first_film(level, tuft.transfer_per_mm, tuft.diameters[-1], ink)
-        first = lay_first_film(coats, landing / weighed, found, n, field, ink)
-        released, landing = released + first, landing + first
+        rest, first = take_in(coats, landing, weighed, found, n, field, ink)
+        released, landing = rest * released + first, rest * landing + first
         weighed = weighed_area(field, found.ids, found.share, n)
     if ink.reservoirs.shape[0] > 1:
         deposit = Deposit(released, landing, weighed)

@@ -32,7 +32,7 @@ from paint3d.brush_engine.bristles.contact import (
 from paint3d.brush_engine.bristles.imprint import CELLS, LANES, PER_CELL, STATIONS, TIP
 from paint3d.brush_engine.coverage import AREA_STEPS, weigh_passing, weighed_area
 from paint3d.brush_engine.dry_contact import dry_contact, note_way, thin_contact
-from paint3d.brush_engine.footprint import Sweep, outline_motion
+from paint3d.brush_engine.footprint import Sweep, find_way, outline_motion
 from paint3d.brush_engine.ink_transfer import (
     PAINTED,
     Deposit,
@@ -40,12 +40,10 @@ from paint3d.brush_engine.ink_transfer import (
     first_film,
     given_on_way,
     landing_share,
-    lay_first_film,
     leave_from_reservoirs,
     level_shares,
     note_covered,
-    soak,
-    stillness,
+    take_in,
     take_up_ink,
 )
 from paint3d.brush_engine.scratch import Found
@@ -585,7 +583,7 @@ def sweep_hairs(before, after, ready, transfer_per_mm, hairs, field, ink, scratc
         bristles = hairs.bristles
         bundles = (bristles.root_mm, bristles.bundle_mm, _BUNDLES, dry * _DIFFER)
         reached = min(1.0, _OWN_GAPS * level)
-        contact = dry_contact(reached, stillness(before, after), after, bundles, field, ink)
+        contact = dry_contact(reached, find_way(before, after)[0], after, bundles, field, ink)
         n = thin_contact(contact, after, found, n, field, ink, scratch.block)
         rest = weighed_area(field, found.ids, found.share, n)
         scale *= rest / whole if whole > 0.0 else 0.0
@@ -596,13 +594,9 @@ def sweep_hairs(before, after, ready, transfer_per_mm, hairs, field, ink, scratc
     landing = ready * scale * lands
     weighed = weighed_area(field, found.ids, found.share, n)
     if landing > 0.0 and weighed > 0.0:
-        soak(found, n, ink)
-        rest = weighed_area(field, found.ids, found.share, n) / weighed
-        scale, landing, weighed = rest * scale, rest * landing, rest * weighed
-    if landing > 0.0 and weighed > 0.0:
         coats = first_film(level, transfer_per_mm, hairs.bristles.root_mm, ink)
-        first = lay_first_film(coats, landing / weighed, found, n, field, ink)
-        scale *= 1.0 + first / landing
+        rest, first = take_in(coats, landing, weighed, found, n, field, ink)
+        scale *= rest + first / landing
     _take_from_hairs(hairs.load, hairs.hair_contacts, scale, hairs.whole_sums, hairs.released)
     if ink.reservoirs.shape[0] > 1:
         _leave_along(before, after, lands, n, hairs, field, ink, scratch)
