@@ -24,14 +24,6 @@ __all__ = ["CATALOGUES", "Text", "compile_all", "faults_of", "fields_of", "find_
 ROOT = Path(__file__).parents[1]  # of the checkout
 CATALOGUES = sorted((ROOT / "paint3d/app/window/locale").glob("*/LC_MESSAGES/paint3d.po"))
 
-_KERNEL_SOURCES = (
-    "paint3d/core/arrays.py",
-    "paint3d/mesh/base_surface.py",
-    "paint3d/mesh/refined_mesh.py",
-    "paint3d/mesh/triangle_mesh.py",
-)
-"""Put their errors together, as kernels are compiled anew when one of these changes."""
-
 _UNSEEN = ("paint3d/api/", "paint3d/app/model/studies/", "paint3d/bench/", "paint3d/cli/")
 """What these say comes into no window."""
 _PLACES = {
@@ -72,9 +64,7 @@ def _texts_in(path: Path) -> Iterator[Text]:
         name = node.func.id
         places = _PLACES.get(name, (0, 1) if name in _ERRORS else ())
         given = [node.args[k] for k in places if k < len(node.args)]
-        if any(isinstance(one, ast.JoinedStr) for one in given) and (
-            path.relative_to(ROOT).as_posix() not in _KERNEL_SOURCES
-        ):
+        if any(isinstance(one, ast.JoinedStr) for one in given):
             raise ValueError(f"{path}:{node.lineno}: a text is put together; expected fields")
         words = [_literal(one) for one in given]
         if words and words[0]:

@@ -135,7 +135,7 @@ class Pigment:
         if self is other:
             return True
         same = np.array_equal(self.K, other.K) and np.array_equal(self.S, other.S)
-        rest = attrgetter("saunderson", "gloss", "fine", "grain_um")
+        rest = attrgetter("saunderson", "gloss", "fine", "grain_um", "density")
         return same and rest(self) == rest(other)
 
 

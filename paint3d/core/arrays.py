@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
-from paint3d.errors import InputError, Paint3DError
+from paint3d.errors import InputError, Message, Paint3DError
 
 __all__ = [
     "AnyArray",
@@ -57,16 +57,22 @@ def as_array(
     try:
         array = np.ascontiguousarray(values, dtype=dtype)
     except (TypeError, ValueError, OverflowError) as cause:
-        raise error(f"{name} is not an array of numbers: {cause}") from None
+        raise error("{name} is not an array of numbers: {cause}", name=name, cause=cause) from None
     fits = array.ndim == len(shape) and all(
         want is None or want == got for want, got in zip(shape, array.shape, strict=True)
     )
     if not fits:
         wanted = ", ".join("any" if n is None else str(n) for n in shape)
-        raise error(f"{name} has shape {array.shape}; expected ({wanted})")
+        raise error(
+            "{name} has shape {shape}; expected ({wanted})",
+            name=name, shape=array.shape, wanted=wanted,
+        )  # fmt: skip
     if array.dtype.kind == "f" and not np.isfinite(array).all():
         where = np.argwhere(~np.isfinite(array))[0].tolist()
-        raise error(f"{name}{where} is {array[tuple(where)]}; expected a finite number")
+        raise error(
+            "{name} is {number}; expected a finite number",
+            name=f"{name}{where}", number=array[tuple(where)],
+        )  # fmt: skip
     return array
 
 
@@ -85,21 +91,26 @@ def as_number(
         (or `error`) if it is not a number, not finite, or outside the range.
     """
     if isinstance(value, bool) or not isinstance(value, int | float | np.number):
-        raise error(f"{name} is {value!r}; expected a number")
+        raise error("{name} is {value!r}; expected a number", name=name, value=value)
     try:
         number = float(value)
     except OverflowError:
-        raise error(f"{name} is a whole number of over 300 digits; expected a finite one") from None
+        raise error(
+            "{name} is a whole number of over 300 digits; expected a finite one", name=name
+        ) from None
     if not math.isfinite(number):
-        raise error(f"{name} is {number}; expected a finite number")
+        raise error("{name} is {number}; expected a finite number", name=name, number=number)
     if not low <= number <= high:
         if math.isinf(high):
-            expected = f"at least {low:g}"
+            expected = Message("at least {low:g}", low=low)
         elif math.isinf(low):
-            expected = f"at most {high:g}"
+            expected = Message("at most {high:g}", high=high)
         else:
-            expected = f"{low:g} to {high:g}"
-        raise error(f"{name} is {number:g}; expected {expected}")
+            expected = Message("{low:g} to {high:g}", low=low, high=high)
+        raise error(
+            "{name} is {number:g}; expected {expected}",
+            name=name, number=number, expected=expected,
+        )  # fmt: skip
     return number
 
 

@@ -65,7 +65,10 @@ def make_base_surface(mesh: TriangleMesh) -> BaseSurface:
     distinct = (ids[:, 0] != ids[:, 1]) & (ids[:, 1] != ids[:, 2]) & (ids[:, 2] != ids[:, 0])
     keep = np.flatnonzero((doubled > 0.0) & distinct)
     if len(keep) == 0:
-        raise MeshError(f"{mesh.name}: none of {len(faces)} faces has an area; expected a surface")
+        raise MeshError(
+            "{name}: none of {n} faces has an area; expected a surface",
+            name=mesh.name, n=len(faces),
+        )  # fmt: skip
     if len(keep) < len(faces):
         faces, ids, doubled = faces[keep], ids[keep], doubled[keep]
         face_normals = face_normals[keep]
@@ -73,8 +76,9 @@ def make_base_surface(mesh: TriangleMesh) -> BaseSurface:
     radial = link_radial(ids, int(ids.max()) + 1)
     if (most := count_around(radial)) > MOST_AROUND_EDGE:
         raise MeshError(
-            f"{mesh.name}: {most} triangles share one edge; expected at most {MOST_AROUND_EDGE}"
-        )
+            "{name}: {n} triangles share one edge; expected at most {most}",
+            name=mesh.name, n=most, most=MOST_AROUND_EDGE,
+        )  # fmt: skip
     groups = smooth_corners(ids, face_normals, radial, float(np.cos(CREASE_ANGLE)))
     # a group is named after its first corner, so no sorting is needed to number them
     leads = groups == np.arange(len(groups), dtype=np.int32)

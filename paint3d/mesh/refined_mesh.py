@@ -130,10 +130,12 @@ class PaintMesh:
         least = math.sqrt(_PAIRS_PER_CELL * area / _MOST_CELLS)
         if self.refines and least > _COARSEST_CELL * self.resolution:
             raise MeshError(
-                f"the object's surface of {1e-6 * area:.3g} m2 is too large for vertices every "
-                f"{self.resolution:g} mm; expected another unit (--unit) if it is not so large, or "
-                f"at least {least / _COARSEST_CELL:.2g} mm (--resolution)"
-            )
+                "the object's surface of {area:.3g} m2 is too large for vertices every "
+                "{resolution:g} mm; expected another unit if it is not so large, or at least "
+                "{least:.2g} mm",
+                hint="--unit, --resolution",
+                area=1e-6 * area, resolution=self.resolution, least=least / _COARSEST_CELL,
+            )  # fmt: skip
         return max(edges_per_cell * self.resolution, least)
 
     def _make_arrays(self, base: BaseSurface, order: AnyArray, edges: AnyArray) -> None:
@@ -308,16 +310,21 @@ def _check_precision(points: AnyArray, resolution: float) -> None:
     step = float(np.spacing(np.float32(farthest)))
     if _STEPS_PER_EDGE * step > resolution:
         span = float(np.ptp(points, axis=0).max())
-        at_origin = _STEPS_PER_EDGE * float(np.spacing(np.float32(0.5 * span))) <= resolution
-        where = "a coordinate is" if at_origin else "the object is"
-        value = f"{farthest:g} mm" if at_origin else f"{span:g} mm long"
-        moved = ", or the object moved to the origin" if at_origin else ""
+        hint, numbers = "--unit, --resolution", {"step": step, "resolution": resolution}
+        numbers["least"] = _STEPS_PER_EDGE * step
+        if _STEPS_PER_EDGE * float(np.spacing(np.float32(0.5 * span))) <= resolution:
+            raise MeshError(
+                "a coordinate is {farthest:g} mm, where float32 has steps of {step:g} mm, too "
+                "coarse for vertices every {resolution:g} mm; expected another unit if it is not "
+                "so far, at least {least:.2g} mm, or the object moved to the origin",
+                hint=hint, farthest=farthest, **numbers,
+            )  # fmt: skip
         raise MeshError(
-            f"{where} {value}, where float32 has steps of {step:g} mm, too coarse for vertices "
-            f"every {resolution:g} mm; expected another unit (--unit) if it is not so "
-            f"{'far' if at_origin else 'long'}, or at least {_STEPS_PER_EDGE * step:.2g} mm "
-            f"(--resolution){moved}"
-        )
+            "the object is {span:g} mm long, where float32 has steps of {step:g} mm, too coarse "
+            "for vertices every {resolution:g} mm; expected another unit if it is not so long, or "
+            "at least {least:.2g} mm",
+            hint=hint, span=span, **numbers,
+        )  # fmt: skip
 
 
 def _position_keys(points: AnyArray) -> AnyArray:
@@ -353,9 +360,9 @@ class _Lattice:
         span = float((base.points.max(axis=0) - low).max())
         if span / size > _LATTICE - 4:
             raise MeshError(
-                f"the object is {span:g} mm long; expected at most {_LATTICE * size:g} mm "
-                f"at this resolution"
-            )
+                "the object is {span:g} mm long; expected at most {most:g} mm at this resolution",
+                span=span, most=_LATTICE * size,
+            )  # fmt: skip
         if origin is None:
             # an irrational offset, so that faces at round coordinates do not lie between two cells
             origin = low - 0.6180339887 * size
@@ -414,10 +421,11 @@ def _pairs_by_cell(
         capacity = max(capacity, n)
         if capacity > _MOST_PAIRS:
             raise MeshError(
-                f"the object's surface of {1e-6 * float(base.areas.sum()):.3g} m2 would take about "
-                f"{capacity:.2g} cells at this resolution; expected at most {_MOST_PAIRS:.2g}: a "
-                "coarser resolution or, if it is not so large, another unit"
-            )
+                "the object's surface of {area:.3g} m2 would take about {n:.2g} cells at this "
+                "resolution; expected at most {most:.2g}: a coarser resolution or, if it is not so "
+                "large, another unit",
+                area=1e-6 * float(base.areas.sum()), n=capacity, most=_MOST_PAIRS,
+            )  # fmt: skip
         places, roots = np.empty((capacity, 3), np.int32), np.empty(capacity, np.int32)
         n = fill_pairs(base.points, base.faces, origin, size, places, roots)
     places, roots = places[:n], roots[:n]
@@ -566,9 +574,10 @@ def repeat_refinement(
             progress(min(1.0, end / len(log)))
     if state == BAD_LOG:
         raise MeshError(
-            f"bisection {int(at[0])} of the refinement log halves triangle {log[at[0]]}, which "
-            "this mesh would not halve; expected the log of this mesh"
-        )
+            "bisection {number} of the refinement log halves triangle {triangle}, which this mesh "
+            "would not halve; expected the log of this mesh",
+            number=int(at[0]), triangle=int(log[at[0]]),
+        )  # fmt: skip
 
 
 def saved_ids(mesh: PaintMesh) -> NDArray[np.int32]:

@@ -1,7 +1,7 @@
 """Sheets to write and paint on: their forms and sizes, and the names that say them.
 
 A name is a form, then what is otherwise than usual, after colons: ``scroll``, ``scroll:340x1000``,
-``sheet:340x1360:mounted``, ``square:690:margin=40``. `name_of` says a sheet in the same words.
+``sheet:340x1360:mounted``, ``square:690:margin=40``. `Sheet.name` says a sheet in the same words.
 """
 
 from __future__ import annotations

@@ -158,31 +158,37 @@ def _check_vertices(values: ArrayLike) -> NDArray[np.float32]:
     largest = float(np.abs(vertices).max())
     if largest > MAX_COORDINATE_MM:
         raise MeshError(
-            f"a coordinate is {largest:g} mm; expected at most {MAX_COORDINATE_MM:g} mm"
-        )
+            "a coordinate is {largest:g} mm; expected at most {most:g} mm",
+            largest=largest, most=MAX_COORDINATE_MM,
+        )  # fmt: skip
     return vertices.astype(np.float32)
 
 
 def _check_faces(values: ArrayLike, n_vertices: int) -> NDArray[np.int32]:
     array = np.asarray(values)
     if array.dtype.kind not in "iu" and array.size:
-        raise MeshError(f"faces has type {array.dtype}; expected integers")
+        raise MeshError("faces has type {dtype}; expected integers", dtype=array.dtype)
     if array.size == 0:
         raise MeshError("no faces; expected at least one triangle")
     if array.ndim != 2 or array.shape[1] != 3:
-        raise MeshError(f"faces has shape {array.shape}; expected (any, 3)")
+        raise MeshError("faces has shape {shape}; expected (any, 3)", shape=array.shape)
     low, high = int(array.min()), int(array.max())
     if low < 0 or high >= n_vertices:
         bad = low if low < 0 else high
         face = int(np.argwhere(array == bad)[0, 0])
-        raise MeshError(f"face {face} refers to vertex {bad}; expected 0 to {n_vertices - 1}")
+        raise MeshError(
+            "face {face} refers to vertex {bad}; expected 0 to {last}",
+            face=face, bad=bad, last=n_vertices - 1,
+        )  # fmt: skip
     return np.ascontiguousarray(array, dtype=np.int32)
 
 
 def _check_colours(values: ArrayLike, n_vertices: int) -> NDArray[np.uint8]:
     array = np.asarray(values)
     if array.dtype != np.uint8:
-        raise MeshError(f"colours has type {array.dtype}; expected uint8 sRGB codes")
+        raise MeshError("colours has type {dtype}; expected uint8 sRGB codes", dtype=array.dtype)
     if array.shape != (n_vertices, 3):
-        raise MeshError(f"colours has shape {array.shape}; expected ({n_vertices}, 3)")
+        raise MeshError(
+            "colours has shape {shape}; expected ({n}, 3)", shape=array.shape, n=n_vertices
+        )
     return array

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import gettext
 import os
-import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -65,9 +64,6 @@ _REASONS = (
     Message("Connection refused"),
 )
 """What the system says of files, as errors quote it."""
-
-_COMMANDS = re.compile(r"\s*[(（][^()（）]*(?:pip install|npm |(?<![\w-])--[a-z])[^()（）]*[)）]")
-"""Remarks for who types commands, which say nothing in a window."""
 
 _language = ["en"]
 _catalogue = [gettext.NullTranslations()]
@@ -128,7 +124,7 @@ def say_error(error: BaseException | str) -> str:
     """What went wrong, in the language that is spoken."""
     if isinstance(error, Paint3DError):
         error = error.message
-    return _COMMANDS.sub("", say(error) if isinstance(error, Message) else str(error))
+    return say(error) if isinstance(error, Message) else str(error)
 
 
 # ---- Names ---------------------------------------------------------------------------------------
