@@ -3,8 +3,8 @@
 The method is that of contained footprints. Along the stroke's centre line every bend direction is
 rated by how much of the width the largest footprint leaves bare that still lies within the outline;
 a course is chosen among them and followed (`path_fit`), and the line is then led into the largest
-corners that are still bare (`detours`). The handle stands at P'_m, the foot of the root node, not
-at the footprint's centre.
+corners that are still bare (`_into_corners`). The handle stands at P'_m, the foot of the root node,
+not at the footprint's centre.
 """
 
 from __future__ import annotations

@@ -109,7 +109,7 @@ AS_IT_IS = Wanted()
 
 
 def take_object(found: object, wanted: Wanted = AS_IT_IS) -> Reading:
-    """Check a mesh of another package (`readers.package_meshes`) as one that was read.
+    """Check a mesh of another package (`files.package_meshes`) as one that was read.
 
     Raises
     ------

@@ -93,7 +93,7 @@ class Command:
         wheel "Wheel"; "Pen 1" and "Pen 2" are a pen's buttons, "Fingers 2" is two fingers, "Beside"
         is a drag that begins beside the object.
     icon : str
-        See `app.window.icons`; empty for none.
+        See `app.window.theme`; empty for none.
     menu, group : str
         Where it stands; empty for nowhere. The group of its shortcuts is the menu by default.
     checkable : bool

@@ -419,7 +419,7 @@ class Document:
 
     @recorded
     def scale_brush(self, factor: float) -> None:
-        """Take the brush so many times as large; see `brush_size.scaled`."""
+        """Take the brush so many times as large; see `brush_in_hand.scaled`."""
         self.set_brush(scaled(self.painter.brush, factor))
 
     @recorded

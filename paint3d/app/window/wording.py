@@ -203,7 +203,7 @@ def say_material(material: Material) -> str:
 
 def say_brush(name: str) -> str:
     """What a brush is called: one of the user's own as its file says."""
-    return say(_BRUSHES[name]) if name in brush_names() else name
+    return say(_BRUSHES[name]) if name in _BRUSHES and name in brush_names() else name
 
 
 def say_hair(hair: str) -> str:
