@@ -146,7 +146,7 @@ def test_a_wet_brush_leaves_a_film_where_it_comes_however_lightly(hairs, materia
     Painter(surface, hairs=hairs).replay(line((-20, 0), (20, 0), 0.4, n=60))
     whole = surface.coverage > 0.95
     coats = surface.amounts[whole].sum(axis=1)
-    assert np.percentile(coats, 2) > 0.4 * np.median(coats)
+    assert np.percentile(coats, 1) > 0.85 * np.median(coats)
 
 
 def test_paper_that_has_drunk_takes_less_and_glaze_does_not():
