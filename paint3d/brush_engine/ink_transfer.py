@@ -47,10 +47,12 @@ __all__ = [
     "AT_ONCE",
     "LINES",
     "PAINTED",
+    "PAPER_PULLS",
     "TRANSFER",
     "Deposit",
     "InkField",
     "contact_level",
+    "drawn",
     "first_film",
     "given_on_way",
     "held_ink",
@@ -254,7 +256,8 @@ _FLOWS_MM_S = 350.0  # speed of a hand at which it takes twice the load for the 
 _MOST_HASTE = 1.7
 AT_ONCE = 0.35  # pressure to a width of the root, on the way of which it gives the first film
 AT_FIRST = 0.6  # of what a wet tuft leaves in all that its first film is
-_FULL_COATS = 1.2  # of wet ink, at which paper takes half as much of what comes on the way
+PAPER_PULLS = 0.3  # of a full load; a tuft that holds as much gives .65 of what a full one does
+_FULL_COATS = 1.05  # of wet ink, at which paper takes half as much of what comes on the way
 _MOST_AT_FIRST = 0.1  # of what it holds, in one sweep
 _MOST_PASSES = 1000
 _SHARE = 0.45  # of a reservoir, the most that flows out of it on one side in one pass
@@ -298,25 +301,54 @@ def contact_level(before, after, ink):
 
 
 @uncounted(error_model="numpy")
+def _drunk(ink):
+    """How far the sheet drinks by its pores, whatever else the tuft holds: 0 on a glaze, to 1."""
+    return min(1.0, 2.0 * ink.transfer[0].grain)
+
+
+@uncounted(error_model="numpy")
+def drawn(rate, ink):
+    """The y in R (1 - exp(-y)), what a tuft gives for a `rate` eta' pe ds: equation (10a).
+
+    Solves k y + f (1 - exp(-y)) = (1 + k) rate, f how full the tuft is, by Newton's steps, which
+    come from below; on a glaze, where k has no end, y is the rate.
+    """
+    capacity, drinks = ink.transfer[0].capacity, _drunk(ink)
+    if drinks <= 0.0 or capacity <= 0.0:
+        return rate
+    kept = PAPER_PULLS / drinks
+    full = min(1.0, held_ink(ink) / capacity)
+    wanted = (1.0 + kept) * rate
+    y = wanted / (kept + full)
+    for _ in range(8):
+        missing = wanted - kept * y + full * np.expm1(-y)
+        y += missing / (kept + full * np.exp(-y))
+        if missing <= 1e-12 * wanted:
+            break
+    return y
+
+
+@uncounted(error_model="numpy")
 def first_film(level, transfer_per_mm, root_mm, ink):
     """Coats that a tuft leaves at once where it comes first: docs/model.md, equation (12a)."""
-    return AT_ONCE * level * level * transfer_per_mm * held_ink(ink) / root_mm
+    return AT_ONCE * level * drawn(transfer_per_mm / root_mm, ink) * held_ink(ink)
 
 
 @uncounted(error_model="numpy")
 def given_on_way(level):
     """Share of what equation (10) gives that is left for the way, beside the first film."""
-    return 1.0 - AT_FIRST * level * level
+    return 1.0 - AT_FIRST * level
 
 
 @uncounted(error_model="numpy")
-def _soak(found, n, ink):
+def _soak(found, n, field, ink):
     """Let paper that has drunk take less: the shares of what is wet fall with what it holds.
 
     So a stroke that crosses a wet one runs into it and does not lie on it like a film, and where
-    the brush dwells no more comes than the sheet holds. Nothing changes on a glaze.
+    the brush dwells no more comes than the sheet holds, of whose places dense ones are full before
+    open ones. Nothing changes on a glaze.
     """
-    grain = min(1.0, 2.0 * ink.transfer[0].grain)
+    grain = _drunk(ink)
     if grain <= 0.0:
         return
     ids, share, amounts = found.ids, found.share, ink.amounts
@@ -326,15 +358,36 @@ def _soak(found, n, ink):
         v, held = ids[k], np.float32(0.0)
         for p in range(n_pigments):
             held += amounts[v, p]
-        full = held * per_full
+        full = held * per_full / field.take[v]
+        full *= full
         full *= full
         full *= full
         share[k] *= one - part * full / (one + full)
 
 
 @uncounted(error_model="numpy")
-def _lay_first_film(coats, unit, found, n, field, ink):
-    """Let what is newly covered take a film at once, however lightly and briefly it is touched.
+def _under(stamp, field, v):
+    """Whether a vertex lies under the outline of a stamp."""
+    values, widths = stamp.values[0], stamp.half_widths
+    if values.touches <= 0.0:
+        return False
+    dx = field.mx[v] - values.origin[0]
+    dy = field.my[v] - values.origin[1]
+    dz = field.mz[v] - values.origin[2]
+    along = dx * values.bend[0] + dy * values.bend[1] + dz * values.bend[2]
+    across = dx * values.cross[0] + dy * values.cross[1] + dz * values.cross[2]
+    if along <= values.heel or along >= values.tip:
+        return False
+    at = (along - values.heel) / (values.tip - values.heel) * PROFILE_CELLS
+    i = min(np.int64(at), PROFILE_CELLS - 1)
+    return abs(across) < widths[i] + (at - i) * (widths[i + 1] - widths[i])
+
+
+@uncounted(error_model="numpy")
+def _lay_first_film(coats, unit, before, found, n, field, ink):
+    """Fill up to a film what the tuft comes to, however lightly and briefly it is touched.
+
+    Ink that ran ahead of the tuft has covered a place already and counts for what it is.
 
     Parameters
     ----------
@@ -342,6 +395,8 @@ def _lay_first_film(coats, unit, found, n, field, ink):
         Of the film.
     unit : float
         Coats that a share of 1 gets of what is given on the way; 0 where nothing is.
+    before : Stamp
+        What is covered and lies under it has got its film.
     found : Found
         The first `n` of it; their shares grow.
     n : int
@@ -353,30 +408,42 @@ def _lay_first_film(coats, unit, found, n, field, ink):
         What it takes, coats x mm2; a small part of what the tuft holds at most.
     """
     ids, share, cover, coverage = found.ids, found.share, found.cover, ink.coverage
-    areas, new = field.area_units, 0.0
-    for k in range(n):
-        v = ids[k]
-        new += max(np.float32(0.0), cover[k] - coverage[v]) * areas[v]
-    new *= field.area_unit
-    if new <= 0.0 or coats <= 0.0:
-        return 0.0
-    coats = min(coats, _MOST_AT_FIRST * held_ink(ink) / new)
+    film, most = np.float32(coats), _MOST_AT_FIRST * held_ink(ink)
     way = np.float32(1.0 if unit > 0.0 else 0.0)
-    per_cover = np.float32(coats / unit if unit > 0.0 else 1.0)
-    for k in range(n):
-        newly = max(np.float32(0.0), cover[k] - coverage[ids[k]])
-        share[k] = way * share[k] + per_cover * newly
-    return coats * new
+    lacking, scale = 0.0, 0.0
+    for filling in range(2):
+        if filling == 1:
+            if lacking <= 0.0:
+                return 0.0
+            scale = np.float32(min(1.0, most / lacking) / (unit if unit > 0.0 else 1.0))
+        for k in range(n):
+            v, lacks = ids[k], film * field.take[ids[k]] * cover[k]
+            for p in range(ink.load.shape[0]):
+                lacks -= ink.amounts[v, p]
+            if (
+                lacks > np.float32(0.0)
+                and coverage[v] > np.float32(0.0)
+                and _under(before, field, v)
+            ):
+                lacks *= max(np.float32(0.0), cover[k] - coverage[v]) / cover[k]
+            lacks = max(np.float32(0.0), lacks)
+            if filling == 0:
+                lacking += lacks * field.area_units[v] * field.area_unit
+            else:
+                share[k] = way * share[k] + scale * lacks
+    return min(lacking, most)
 
 
 @uncounted(error_model="numpy")
-def take_in(coats, landing, weighed, found, n, field, ink):
+def take_in(coats, before, landing, weighed, found, n, field, ink):
     """Let the surface take in what lands on the way and the first film; shares are changed.
 
     Parameters
     ----------
     coats : float
         Of the first film.
+    before : Stamp
+        Where the sweep begins.
     landing, weighed : float
         Of what is given on the way, coats x mm2, and the area that it is shared by, mm2.
     found, n, field, ink : as for `level_shares`
@@ -388,9 +455,9 @@ def take_in(coats, landing, weighed, found, n, field, ink):
     """
     rest = 1.0
     if landing > 0.0:
-        _soak(found, n, ink)
+        _soak(found, n, field, ink)
         rest = weighed_area(field, found.ids, found.share, n) / weighed
-    return rest, _lay_first_film(coats, landing / weighed, found, n, field, ink)
+    return rest, _lay_first_film(coats, landing / weighed, before, found, n, field, ink)
 
 
 @uncounted(error_model="numpy")
@@ -444,7 +511,7 @@ def _ink_released(before, after, tuft, ink):
         n += 1
     way = ink_way(before, after)
     total = held_ink(ink)
-    return total, total * (1.0 - np.exp(-tuft.transfer_per_mm * pressure / n * way))
+    return total, -total * np.expm1(-drawn(tuft.transfer_per_mm * pressure / n * way, ink))
 
 
 @uncounted(error_model="numpy")
@@ -671,7 +738,7 @@ def sweep_deposit(before, after, tuft, field, ink, scratch):
         weighed = weighed_area(field, found.ids, found.share, n)
     if weighed > 0.0:
         coats = first_film(level, tuft.transfer_per_mm, tuft.diameters[-1], ink)
-        rest, first = take_in(coats, landing, weighed, found, n, field, ink)
+        rest, first = take_in(coats, before, landing, weighed, found, n, field, ink)
         released, landing = rest * released + first, rest * landing + first
         weighed = weighed_area(field, found.ids, found.share, n)
     if ink.reservoirs.shape[0] > 1:

@@ -1,10 +1,10 @@
 """When a writer dips: a planned hand presses the dip button before every character, and here
 presses are let go, so that the load of the brush falls along a column.
 
-The ink left after a way is R exp(-eta' sum pe ds) of what the brush held (docs/model.md, equation
-(10)), so what a character takes is known before it is painted, as far as the way of the outline is
-that of the root. A brush made for a range of sizes would hold ink for dozens of the small ones; a
-writer wets only the part of its tuft that he needs (`paint3d.brush.spec`).
+What a way takes of the ink in the brush follows from eta' sum pe ds (docs/model.md, equations (10)
+and (10a)), so what a character takes is known before it is painted, as far as the way of the
+outline is that of the root. A brush made for a range of sizes would hold ink for dozens of the
+small ones; a writer wets only the part of its tuft that he needs (`paint3d.brush.spec`).
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from paint3d.brush.bending import build_tuft
 from paint3d.brush.footprint import make_footprint
 from paint3d.brush.spec import BrushSpec, DipAmount
-from paint3d.brush_engine.ink_transfer import AT_FIRST, AT_ONCE
+from paint3d.brush_engine.ink_transfer import AT_FIRST, AT_ONCE, PAPER_PULLS
 from paint3d.core.arrays import AnyArray, as_number
 from paint3d.core.quaternion import rotate
 from paint3d.device.recorded import Recording
@@ -105,7 +105,7 @@ def redipped(recording: Recording, brush: BrushSpec, policy: DipPolicy) -> Recor
     """
     starts = np.concatenate([[0], _presses(recording)])
     taken = np.add.reduceat(ink_taken(recording, brush), starts)
-    lasts = -math.log(policy.least)
+    lasts = _lasts(policy.least)
     if policy.every is None:
         wetted = _wetted(max(_CHARACTERS * np.median(taken), float(taken.max())) / lasts)
         dips = _where_needed(taken / wetted, _heads(recording, starts), policy.least)
@@ -126,8 +126,13 @@ def _wetted(share: float) -> float:
     return math.ceil(1e4 * min(1.0, max(_LEAST_WETTED, share))) / 1e4
 
 
+def _lasts(least: float) -> float:
+    """What `ink_taken` adds up to until `least` of a dip is left, on paper; on a glaze more is."""
+    return (1.0 - least - PAPER_PULLS * math.log(least)) / (1.0 + PAPER_PULLS)
+
+
 def ink_taken(recording: Recording, brush: BrushSpec) -> NDArray[np.float64]:
-    """How much ink each sample takes: the fall of the logarithm of a fully wetted brush's load.
+    """How readily each sample takes ink of a fully wetted brush: its eta' pe ds.
 
     Parameters
     ----------
@@ -192,7 +197,7 @@ def _heads(recording: Recording, starts: AnyArray) -> NDArray[np.bool_]:
 
 def _where_needed(taken: AnyArray, heads: NDArray[np.bool_], least: float) -> NDArray[np.bool_]:
     """(K,) bool: characters that the brush is dipped for, by what each takes of a wetted tuft."""
-    lasts = -math.log(least)
+    lasts = _lasts(least)
     dips = np.zeros(len(taken), bool)
     used = math.inf
     for k in range(len(taken)):

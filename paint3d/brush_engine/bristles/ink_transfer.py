@@ -63,6 +63,7 @@ _BUNDLES = 0.85  # how far bundles differ, besides hairs
 _DIFFER = 0.45  # and how far what these cover does
 _DRIES = 0.2  # how far the contact level falls until tooth and hairs together say what is touched
 _WHOLE = 0.07  # share that dry hairs cover, from which on all of it may be touched
+_BRIDGED = 0.6  # and wet ones: ink stands between hairs that lie so close
 _OWN_GAPS = 1.03  # times as deep into the tooth: hairs leave gaps of their own besides
 LEVEL_BINS = 64  # across the tuft, within which hairs share
 _MOST_PER_HAIR = 8.0  # times its own share that a hair gives for those that do not touch
@@ -564,7 +565,7 @@ def sweep_hairs(before, after, ready, transfer_per_mm, hairs, field, ink, scratc
     width, found = field.soft_edge, scratch.found
     level = contact_level(before, after, ink)
     dry = min(1.0, (1.0 - level) / _DRIES)
-    whole_from = np.float32(1.0 + dry * (_WHOLE - 1.0))
+    whole_from = np.float32(_BRIDGED + dry * (_WHOLE - _BRIDGED))
     n, within, weighed = _gather_under_hairs(
         hairs.imprint, whole_from, before, after, field, scratch
     )
@@ -595,7 +596,7 @@ def sweep_hairs(before, after, ready, transfer_per_mm, hairs, field, ink, scratc
     weighed = weighed_area(field, found.ids, found.share, n)
     if landing > 0.0 and weighed > 0.0:
         coats = first_film(level, transfer_per_mm, hairs.bristles.root_mm, ink)
-        rest, first = take_in(coats, landing, weighed, found, n, field, ink)
+        rest, first = take_in(coats, before, landing, weighed, found, n, field, ink)
         scale *= rest + first / landing
     _take_from_hairs(hairs.load, hairs.hair_contacts, scale, hairs.whole_sums, hairs.released)
     if ink.reservoirs.shape[0] > 1:
