@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import posixpath
+import re
 import zipfile
 import zlib
 from collections.abc import Callable, Iterator, Sequence
@@ -92,6 +93,7 @@ class Paint3mf:
         self.looks: list[Look] = []
         self._read_part, self._texture = read_part, texture
         self._groups: dict[str, dict[str | None, _Group]] = {}
+        self._present: dict[str, set[str | None]] = {}  # numbers of a part's resources
 
     def see(
         self,
@@ -120,6 +122,8 @@ class Paint3mf:
             number = triangle.get("pid", otherwise[0])
             group = groups.get(number)
             if group is None:
+                if number is not None and number not in self._present[part]:
+                    self.dropped.add(Message("colours of resources that it does not contain"))
                 continue
             first = triangle.get("p1", otherwise[1])
             rows = [_index(triangle.get(p, first), group, number) for p in ("p1", "p2", "p3")]
@@ -135,8 +139,10 @@ class Paint3mf:
     def _of_part(self, part: str, model: ElementTree.Element) -> dict[str | None, _Group]:
         """Groups of one model part, by resource id; those that are not taken are missing."""
         if part not in self._groups:
-            tags = {element.tag for element in model.iterfind(f"{CORE}resources/*")}
+            resources = list(model.iterfind(f"{CORE}resources/*"))
+            tags = {element.tag for element in resources}
             self.dropped |= {what for tag, what in LEFT_OUT.items() if tag in tags}
+            self._present[part] = {element.get("id") for element in resources}
             self._groups[part] = {**_palettes(model), **self._pictures(model)}
         return self._groups[part]
 
@@ -220,6 +226,11 @@ UNITS_MM = {
     "foot": 304.8,
     "meter": 1000.0,
 }
+SLICER_SETTINGS = (  # Bambu Studio's and Orca's, PrusaSlicer's
+    "Metadata/model_settings.config",
+    "Metadata/Slic3r_PE_model.config",
+)
+OTHER_FILAMENT = re.compile(rb'key="extruder"\s+value="0*(?:[2-9]|1\d)')
 LATTICE = "{http://schemas.microsoft.com/3dmanufacturing/beamlattice/2017/02}beamlattice"
 PRODUCTION = "{http://schemas.microsoft.com/3dmanufacturing/production/2015/06}"
 MODEL_RELATION = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"
@@ -325,12 +336,22 @@ def _read_package(package: Package) -> RawMesh:
     looks = (*package.paint.looks, Look()) if plain else ()  # faces without one are as coloured
     raw = replace(raw, unit_mm=UNITS_MM[unit], up="z", looks=looks)
     notes, dropped = tuple(dict.fromkeys(package.paint.notes)), package.paint.dropped
+    if raw.colours is None and _has_filaments(package.archive):
+        dropped = dropped | {Message("filaments that a slicer gave its parts")}
     if len(raw.sizes):
         dropped = dropped | ({Message("beam lattices")} if _has_beams(package) else set())
         return replace(raw, notes=notes + left_out(dropped))
     beams = Message("a beam lattice, which is not read")
     what = beams if _has_beams(package) else Message("a mesh")
     return replace(raw, announces=what, notes=notes + left_out(dropped))
+
+
+def _has_filaments(archive: zipfile.ZipFile) -> bool:
+    """Whether a slicer's settings give parts another filament than the first."""
+    there = set(archive.namelist())
+    return any(
+        OTHER_FILAMENT.search(archive.read(name)) for name in SLICER_SETTINGS if name in there
+    )
 
 
 def _has_beams(package: Package) -> bool:
