@@ -208,7 +208,7 @@ def test_of_two_kinds_of_colours_one_is_told(tmp_path):
     assert (codes(reading), reading.notes) == ({RED}, ("left out: vertex colours",))
 
 
-# -- STL, OFF and XYZ ---------------------------------------------------------------------------------
+# -- STL, OFF and XYZ ----------------------------------------------------------------------------
 
 
 def stl(attributes, header=b""):
@@ -307,8 +307,8 @@ def test_numbers_that_off_does_not_speak_of_are_told(tmp_path):
 @pytest.mark.parametrize(
     ("columns", "told"),
     [
-        ("p", 0), ("pc", 0), ("pca", 0), ("pn", 0), ("pcn", 0), ("pnc", 0), ("pcan", 0), ("pnca", 0),
-        ("pa", 1), ("paa", 1),
+        ("p", 0), ("pc", 0), ("pca", 0), ("pn", 0), ("pcn", 0), ("pnc", 0), ("pcan", 0),
+        ("pnca", 0), ("pa", 1), ("paa", 1),
     ],
 )  # fmt: skip
 def test_points_with_colours_and_normals_in_any_order(tmp_path, columns, told):
@@ -403,8 +403,9 @@ def collada(diffuse, more=""):
         f'<input semantic="TEXCOORD" source="#t" offset="0"/>{more}<p>0 1 2</p></triangles></mesh>'
         '</geometry></library_geometries><library_visual_scenes><visual_scene id="w"><node>'
         '<instance_geometry url="#g"><bind_material><technique_common><instance_material symbol="s"'
-        ' target="#m"/></technique_common></bind_material></instance_geometry></node></visual_scene>'
-        '</library_visual_scenes><scene><instance_visual_scene url="#w"/></scene></COLLADA>'
+        ' target="#m"/></technique_common></bind_material></instance_geometry></node>'
+        '</visual_scene></library_visual_scenes><scene><instance_visual_scene url="#w"/></scene>'
+        "</COLLADA>"
     )
 
 

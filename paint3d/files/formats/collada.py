@@ -84,9 +84,8 @@ def read_collada(data: bytes, folder: Path, texture: bool = False) -> RawMesh:
         ) from None
     notes = tuple(dict.fromkeys(beside["resolver"].notes)) if beside else ()
     notes += left_out([VERTEX_COLOURS]) if is_painted and raw.colours is None else ()
-    return replace(
-        raw, up=up or "y", notes=raw.notes + notes
-    )  # as COLLADA says where a file does not
+    up = up or "y"  # as COLLADA says where a file does not
+    return replace(raw, up=up, notes=raw.notes + notes)
 
 
 def _package(module: str) -> Any:

@@ -128,12 +128,11 @@ def _name(words: bytes) -> str:
 
 def _libraries(words: bytes, folder: Path) -> list[str]:
     """Return the names in a line: one that may hold spaces, or, where it is not there, several."""
-    names = [_name(word) for word in words.split()]
-    whole = _name(words)
+    whole, names = _name(words), [_name(word) for word in words.split()]
+    if b"\0" in words or not all(name.lower().endswith(".mtl") for name in names):
+        return [whole]
     is_there = os.path.exists(path_beside(os.path.realpath(folder), whole))
-    return (
-        [whole] if is_there or not all(name.lower().endswith(".mtl") for name in names) else names
-    )
+    return [whole] if is_there else names
 
 
 def _by_face(
