@@ -31,7 +31,7 @@ from paint3d.calligraphy.photo.sheet import (
     check_exposure,
     check_ground,
     checked_corners,
-    find_sheet,
+    find_sheets,
     flattened,
     sheet_size,
     straightened,
@@ -171,7 +171,7 @@ def copy_sheet(
         on a sheet of writing; the message says what to do.
     """
     asked = asked or Asked()
-    corners = _corners(pixels, asked)
+    corners, *others = _sheets(pixels, asked)
     sheet = straightened(pixels, corners, sheet_size(corners, pixels.shape[:2], _LONGEST))
     reflected, paper = flattened(sheet)
     if not asked.invert:
@@ -205,7 +205,11 @@ def copy_sheet(
         page, (height, width), per_unit, origin, picture=picture, corners=corners, ink=ink,
         red=inks.red,
     )  # fmt: skip
-    notes = (_note_on_ground(sheet) if asked.invert else None, _note_on_lost_ink(copied))
+    notes = (
+        _note_on_others(corners, others),
+        _note_on_ground(sheet) if asked.invert else None,
+        _note_on_lost_ink(copied),
+    )
     return replace(copied, notes=tuple(note for note in notes if note is not None))
 
 
@@ -239,18 +243,37 @@ def seen_again(page: Page, pixels: NDArray[np.uint8], scale: float) -> SheetPict
     )
 
 
-def _corners(pixels: NDArray[np.uint8], asked: Asked) -> NDArray[np.float64]:
-    """The sheet's corners, as they are asked for."""
+def _sheets(pixels: NDArray[np.uint8], asked: Asked) -> list[NDArray[np.float64]]:
+    """The corners of the sheet as it is asked for, then those of others that stand out."""
     if asked.corners is not None:
-        return checked_corners(asked.corners, pixels.shape[:2])
+        return [checked_corners(asked.corners, pixels.shape[:2])]
     if asked.whole:
-        return whole_picture(pixels)
+        return [whole_picture(pixels)]
     try:
-        return find_sheet(pixels)
+        return find_sheets(pixels)
     except InputError:
         if not asked.or_whole:
             raise
-        return whole_picture(pixels)
+        return [whole_picture(pixels)]
+
+
+def _note_on_others(
+    taken: NDArray[np.float64], others: Sequence[NDArray[np.float64]]
+) -> Message | None:
+    """Which sheets stand out besides the one that is copied; None where none does."""
+    if not others:
+        return None
+
+    def named(corners: NDArray[np.float64]) -> str:
+        return " ".join(f"{x:.0f},{y:.0f}" for x, y in corners)
+
+    return Message(
+        "{n} sheets stand out in the picture: copied the one with the corners {taken}; the others' "
+        "are {others}",
+        n=1 + len(others),
+        taken=named(taken),
+        others="; ".join(map(named, others)),
+    )
 
 
 def _note_on_ground(sheet: NDArray[np.float32]) -> Message | None:
