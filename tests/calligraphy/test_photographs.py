@@ -113,6 +113,36 @@ def test_every_sheet_in_a_picture_is_named(n: int) -> None:
     assert copy_sheet(pixels, "sheets.jpg", Asked(corners=found[0])).notes == ()
 
 
+def stained() -> np.ndarray:
+    """A scan of two bars of ink, with a pale blot and a few small spots of ink."""
+    pixels = np.full((600, 600, 3), 235, np.uint8)
+    pixels[120:480, 180:220] = pixels[120:480, 380:420] = 30
+    pixels[60:110, 40:560] = 150  # a blot, which takes four tenths of the ink's light
+    for x in (60, 110, 520):
+        pixels[300:312, x : x + 12] = 30
+    return pixels
+
+
+@pytest.mark.parametrize(
+    ("asked", "n"),
+    [
+        (Asked(whole=True), 6),
+        (Asked(whole=True, darker=0.6), 5),
+        (Asked(whole=True, least=0.002), 3),
+        (Asked(whole=True, least=0.002, darker=0.6), 2),
+    ],
+)
+def test_what_is_pale_or_small_is_left_out_where_it_is_asked(asked: Asked, n: int) -> None:
+    sheet = copy_sheet(stained(), "a.png", asked)
+    shapes = [stroke for piece in sheet.page.pieces for stroke in piece.glyph.strokes]
+    assert len(shapes) == n
+
+
+def test_all_that_is_too_small_is_said() -> None:
+    with pytest.raises(InputError, match="all ink on the sheet is in smaller bits"):
+        copy_sheet(stained(), "a.png", Asked(whole=True, least=9.0))
+
+
 def test_a_frame_on_a_sheet_and_a_scrap_beside_it_are_no_sheets() -> None:
     assert len(find_sheets(table((60, 60, 640, 640), framed=True))) == 1
     assert len(find_sheets(table((60, 60, 640, 640), (700, 100, 860, 250)))) == 1

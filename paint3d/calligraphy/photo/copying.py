@@ -75,6 +75,10 @@ class Asked:
         Whether they stand in columns.
     templates : mapping
         Glyphs of characters that are known.
+    least : float
+        Of the square of a character's size: smaller bits of ink are no strokes.
+    darker : float
+        Of the light that the ink takes, 0 to 1: what takes less is no ink.
     """
 
     corners: AnyArray | None = None
@@ -84,6 +88,8 @@ class Asked:
     lines: tuple[str, ...] = ()
     columns: bool = True
     templates: Mapping[str, Glyph] | None = None
+    least: float = 0.0
+    darker: float = 0.0
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -178,10 +184,8 @@ def copy_sheet(
         check_ground(sheet)
         check_exposure(sheet, paper)
     inks = rubbed(sheet) if asked.invert else unmixed(reflected)
-    ink = find_ink(inks.black)
-    found = characters_of(
-        polygons_in(ink.body, ink.width), ink.width, asked.lines, columns=asked.columns
-    )
+    ink = find_ink(inks.black, asked.darker)
+    found = _characters(ink, asked)
     per_unit = _em_of(found) / EM_UNITS
     origin = np.array([0.0, float(sheet.shape[0])])
     pieces: list[Piece] = []
@@ -241,6 +245,19 @@ def seen_again(page: Page, pixels: NDArray[np.uint8], scale: float) -> SheetPict
     return SheetPicture(
         page, there.size, there.per_unit, there.origin, picture=picture, corners=corners
     )
+
+
+def _characters(ink: InkMask, asked: Asked) -> list[Character]:
+    """The characters on a sheet, of bits of ink that are not smaller than is asked."""
+    shapes = polygons_in(ink.body, ink.width)
+    found = characters_of(shapes, ink.width, asked.lines, columns=asked.columns)
+    least = asked.least * _em_of(found) ** 2
+    kept = [shape for shape in shapes if shape.area >= least]
+    if len(kept) == len(shapes):
+        return found
+    if not kept:
+        raise InputError("all ink on the sheet is in smaller bits than that; expected some strokes")
+    return characters_of(kept, ink.width, asked.lines, columns=asked.columns)
 
 
 def _sheets(pixels: NDArray[np.uint8], asked: Asked) -> list[NDArray[np.float64]]:
