@@ -163,7 +163,11 @@ def _refused_here() -> Refused:
         return Refused(())
     k = processor.column
     always = [numbers[k] for numbers in _CALLS.values() if numbers[k] >= 0]
-    asking = [(numbers[k], *how) for numbers, *how in _ASKING if numbers[k] >= 0]
+    asking = [
+        (numbers[k], place, look, value, if_so)
+        for numbers, place, look, value, if_so in _ASKING
+        if numbers[k] >= 0
+    ]
     return Refused(always, tuple(_HIDDEN.values()), asking)
 
 

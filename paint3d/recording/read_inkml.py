@@ -48,6 +48,7 @@ _ANGLES = {"deg": math.pi / 180.0, "rad": 1.0}
 _TIMES = {"ms": 1_000_000, "s": 1_000_000_000, "us": 1000, "ns": 1}
 _DEFAULT_STEP_NS = 10_000_000
 _PEN_UP_NS = 100_000_000
+_LONGEST_MS = 4e12  # 127 years
 _PRESSED = 0.5  # where the pad tells no pressure
 _MAX_DEPTH = 64
 _NUMBER = re.compile(
@@ -236,7 +237,7 @@ def _milliseconds(element: ElementTree.Element, key: str, otherwise: float = mat
         found = float(element.get(key, ""))
     except ValueError:
         return otherwise
-    return found if math.isfinite(found) else otherwise
+    return found if abs(found) < _LONGEST_MS else otherwise
 
 
 def _formats(root: ElementTree.Element, name: str) -> Callable[[str], _Format]:

@@ -644,9 +644,9 @@ def _read(
         for points, _ in lines:  # of some curves the boxes do not tell
             _check_reach(name, points)
         for ink in _inks(lines, one, label):
-            left = ink if clips is None else clips.cut(ink, one.shape)
-            if left is not None:
-                yield left
+            kept = ink if clips is None else clips.cut(ink, one.shape)
+            if kept is not None:
+                yield kept
 
 
 @dataclass(frozen=True, eq=False)

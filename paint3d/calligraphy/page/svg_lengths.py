@@ -29,8 +29,8 @@ _SIZES = {"xx-small": 0.6, "x-small": 0.75, "small": 8 / 9, "medium": 1.0, "larg
 _SIZES |= {"x-large": 1.5, "xx-large": 2.0}
 _STEPS = {"smaller": 1 / 1.2, "larger": 1.2}
 _VIEWS = ("svg",)
-_COUNTED = ("path", "rect", "circle", "ellipse", "line", "polyline", "polygon", "g", "a", "use")
-_COUNTED += (*_VIEWS, "switch", "clipPath", "defs")
+_SHAPES = ("path", "rect", "circle", "ellipse", "line", "polyline", "polygon")
+_COUNTED = (*_SHAPES, *_VIEWS, "g", "a", "use", "switch", "clipPath", "defs")
 
 
 class _Place(NamedTuple):
