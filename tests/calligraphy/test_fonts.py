@@ -291,6 +291,19 @@ def test_the_dots_of_a_latin_letter_come_from_the_left() -> None:
     assert dots[0][0] < dots[1][0]
 
 
+@pytest.mark.parametrize("packing", ["woff", "woff2"])
+def test_web_fonts_are_read(tmp_path, packing) -> None:
+    from fontTools.ttLib import TTFont
+
+    if packing == "woff2":
+        pytest.importorskip("brotli")
+    font = TTFont(dejavu().path)
+    font.flavor = packing
+    font.save(tmp_path / f"a.{packing}")
+    page = set_text("an", open_font(tmp_path / f"a.{packing}"), Style(), None, "row")
+    assert [piece.glyph.text for piece in page.compose(math.inf).pieces] == ["a", "n"]
+
+
 @pytest.mark.parametrize("order", ["row", "columns"])
 def test_what_is_far_too_long_is_refused_before_it_is_set(monkeypatch, order) -> None:
     """Ten thousand letters are told by their advances: no glyph is placed or taken apart."""
