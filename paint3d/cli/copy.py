@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from paint3d.cli.options import FILES, check_output_file, group_of
+from paint3d.cli.options import FILES, check_output_file, group_of, parse_number
 from paint3d.cli.painting import PaintingOptions
 from paint3d.cli.progress import ProgressBar
 from paint3d.cli.sources import TRIALS, add_rehearsals_option
@@ -66,6 +66,21 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     photograph.add_argument(
         "--invert", action="store_true", help="a rubbing: the strokes are white on black"
+    )
+    photograph.add_argument(
+        "--least",
+        metavar="MM2",
+        type=lambda text: parse_number(text, "an area", "0 or more, mm2", lambda n: n >= 0.0),
+        default=0.0,
+        help="bits of ink that would be smaller than that on the object, mm2, are no strokes",
+    )
+    photograph.add_argument(
+        "--darker",
+        metavar="SHARE",
+        type=lambda text: parse_number(text, "a share", "0 to 1", lambda n: 0.0 <= n <= 1.0),
+        default=0.0,
+        help="what takes less than this share of the light that the ink takes, such as stains, is "
+        "no ink",
     )
     photograph.add_argument(
         "--text",
@@ -176,6 +191,8 @@ def _asked(options: argparse.Namespace, scale: float) -> Asked:
         lines=lines,
         columns=(options.layout or "columns") == "columns",
         templates=_templates("".join(lines), options.glyphs),
+        least=options.least / options.size**2,
+        darker=options.darker,
     )
 
 

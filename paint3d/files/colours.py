@@ -16,10 +16,12 @@ from paint3d.errors import MeshError, Message
 __all__ = [
     "COLOUR_NAMES",
     "REPEAT",
+    "VERTEX_COLOURS",
     "WRAPS",
     "Look",
     "colour_codes",
     "colour_shares",
+    "is_coloured",
     "linear_from_srgb",
     "open_picture",
     "sample_picture",
@@ -128,6 +130,11 @@ def colour_shares(
             ),
         )
     return np.where(known[:, None], np.clip(values / end, 0.0, 1.0), 1.0), notes
+
+
+def is_coloured(codes: NDArray[np.uint8] | None) -> bool:
+    """Whether there are colours, and not all of them white."""
+    return codes is not None and bool((codes < BYTE).any())
 
 
 def _end_of_range(good: NDArray[np.float64], is_integer: bool, expected: int) -> int:

@@ -58,8 +58,8 @@ UNREAD = {  # what other programs read, and ours does not
 }
 DRAWINGS = {".svg": "SVG", ".dxf": "DXF"}
 RECORDS = ".p3d.txt"  # a suffix of two words, of which .txt alone is none
-BESIDE = (".gltf", ".glb", ".obj", ".ply")  # may refer to others in their folder
-TEXTURED = (".3mf", ".dae", ".zae", ".stl", ".off")  # say themselves all that there is of colours
+BESIDE = (".gltf", ".glb", ".obj", ".ply", ".dae", ".zae")  # may refer to others in their folder
+TEXTURED = (".3mf", ".stl", ".off")  # say themselves all that there is of colours
 MESH_SUFFIXES = tuple(READERS)
 WIDE = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
 

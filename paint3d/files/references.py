@@ -10,6 +10,7 @@ import re
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
+from xml.sax.saxutils import unescape
 
 from paint3d.errors import MeshError
 from paint3d.files.contents import path_beside, plain_text, read_contents
@@ -22,6 +23,7 @@ __all__ = ["child_references", "may_refer_to", "refers_to", "refers_to_apart"]
 _LIBRARIES = re.compile(rb"^[ \t]*mtllib[ \t]+(.+)$", re.MULTILINE)
 _MAPS = re.compile(rb"^[ \t]*(?:map_\w+|bump|norm|disp|decal|refl)[ \t]+(.+)$", re.MULTILINE | re.I)
 _PLY_PICTURES = re.compile(rb"^comment[ \t]+TextureFile[ \t]+(.+)$", re.MULTILINE)
+_COLLADA_FILES = re.compile(rb"<(?:init_from|ref)>([^<]+)<")
 _PLY_END = b"end_header"
 _MOST_WORDS = 40  # of a line in which names are looked for
 
@@ -111,6 +113,11 @@ def _of_ply(data: bytes, _: Path) -> Iterator[str]:
         yield name.strip().decode("utf-8", "surrogateescape")
 
 
+def _of_collada(data: bytes, _: Path) -> Iterator[str]:
+    for name in _COLLADA_FILES.findall(plain_text(data)):
+        yield unescape(name.strip().decode("utf-8", "surrogateescape"))
+
+
 def _of_gltf(data: bytes, folder: Path) -> Iterator[str]:
     document = GltfFile(data, folder).document
     for kind in ("buffers", "images"):
@@ -120,3 +127,4 @@ def _of_gltf(data: bytes, folder: Path) -> Iterator[str]:
 
 
 _NAMED = {".obj": _of_obj, ".ply": _of_ply, ".gltf": _of_gltf, ".glb": _of_gltf}
+_NAMED[".dae"] = _of_collada

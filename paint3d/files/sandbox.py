@@ -3,8 +3,9 @@
 A reader may be wrong about a file nobody has seen before: it may loop, ask for all memory, or
 take the process down with it. Started afresh (a fork of a process with threads is not safe), the
 child costs about 0.2 s and loads NumPy and one reader. It limits itself before it looks at the
-file: memory, processor time and the size of what is handed back. The arrays come back in one memory
-file, of which the parent trusts nothing.
+file: memory, processor time and the size of what is handed back; where the system can, it then
+neither writes files nor reaches a network nor starts programs (`core.confinement`). The arrays come
+back in one memory file, of which the parent trusts nothing.
 """
 
 from __future__ import annotations
@@ -26,6 +27,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from paint3d.core.arrays import AnyArray
+from paint3d.core.confinement import confine_process
 from paint3d.core.machine import from_parent, handed_to_child, limit_process, make_memory_file
 from paint3d.errors import InputError, MeshError, Message
 from paint3d.files.progress import Progress
@@ -259,10 +261,11 @@ def main() -> None:
     """Be the child: read the file of the request, JSON in the first argument, and hand it over."""
     request = json.loads(sys.argv[1])
     limit_process(int(request["memory"]), int(request["seconds"]))
+    read = resolve_name(request["reader"])
+    confine_process()
 
     path = Path(os.fsdecode(bytes.fromhex(request["path"])))
     descriptor = from_parent(int(request["file"]))
-    read = resolve_name(request["reader"])
     try:
         arrays, facts = read(path, request["wanted"])
     except InputError as cause:

@@ -1,10 +1,11 @@
 """Pad recordings in the W3C's Ink Markup Language (InkML, 2011).
 
-Channels X, Y, Z, F, OA, OE, OR and T are read; others are passed over. Y grows downwards
+Channels X, Y, Z, F, OA, OE, OTx, OTy, OR and T are read; others are passed over. Y grows downwards
 unless its channel says ``orientation="-ve"``; azimuths turn from the file's x towards its y.
 Counts of a device become lengths, angles or times by its channel's property ``resolution``. Each
-trace is a stroke, and the pen is lifted between two of them; a trace of type penUp is its way
-through the air. Without OA the surface drags the tip.
+trace is a stroke, with those that continue it, and the pen is lifted between two of them; a trace
+of type penUp is its way through the air. Without OA or tilts the surface drags the tip. Times are
+those of T, else of the traces' timeOffset, else of the ink source's sampleRate.
 """
 
 from __future__ import annotations
@@ -38,16 +39,23 @@ _NAMESPACE = "http://www.w3.org/2003/InkML"
 _ID = "{http://www.w3.org/XML/1998/namespace}id"
 _LENGTHS = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4, "pt": 25.4 / 72, "pc": 25.4 / 6}
 _LENGTHS |= {"himetric": 0.01}
-_KNOWN = ("X", "Y", "Z", "F", "OA", "OE", "OR", "T")
+_KNOWN = ("X", "Y", "Z", "F", "OA", "OE", "OTx", "OTy", "OR", "T")
+_TILTS = ("OTx", "OTy")
+_STEEPEST = 0.49 * math.pi  # a tilt
 _CONTEXT_PARTS = ("traceFormatRef", "inkSourceRef")
 _COUNTS = ("dev", "px", "*")  # units that say nothing of lengths, angles or times
 _ANGLES = {"deg": math.pi / 180.0, "rad": 1.0}
 _TIMES = {"ms": 1_000_000, "s": 1_000_000_000, "us": 1000, "ns": 1}
 _DEFAULT_STEP_NS = 10_000_000
 _PEN_UP_NS = 100_000_000
+_LONGEST_MS = 4e12  # 127 years
 _PRESSED = 0.5  # where the pad tells no pressure
 _MAX_DEPTH = 64
-_NUMBER = re.compile(r"\s*(['\"!]?)\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)|\s*(\S)")
+_NUMBER = re.compile(
+    r"\s*(['\"!]?)\s*([-+]?(?:#[\dA-Fa-f]+|(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)|[TF*?])|\s*(\S)"
+)
+_TRUTH = {"T": 1.0, "F": 0.0}
+_GO_ON, _UNKNOWN = "*", "?"
 _NOTE = "paint3d-header"
 
 
@@ -85,17 +93,20 @@ def read_inkml(data: bytes, name: str, *, scale: float, y_down: bool) -> Recordi
             local=_local(root),
         )
     format_of = _formats(root, name)
+    started = _starts(root)
     traces = []
     for k, (element, context) in enumerate(_traces(root)):
         layout = format_of(context)
         try:
-            values = _points(element.text or "", len(layout.channels), layout.intermittent)
+            values = _points(element.text or "", layout)
         except RecordingError as cause:
             raise RecordingError(
                 "{name}: trace {k}: {cause}", name=name, k=k + 1, cause=cause
             ) from None
         if len(values):
-            traces.append(_Trace(values, layout, element.get("type") == "penUp"))
+            is_up = element.get("type") == "penUp"
+            traces.append(_Trace(values, layout, is_up, element, *started(element, context)))
+    traces = _continued(traces)
     if not traces:
         raise RecordingError(
             "{name}:1: there are no traces with points; expected at least one",
@@ -111,20 +122,29 @@ class _Format(NamedTuple):
     """What the numbers of a point are.
 
     `channels` are attributes by name, in the points' order, of which the last `intermittent` may
-    be missing; `resolutions` are counts to a unit.
+    be missing; `resolutions` are counts to a unit, `step_ns` is from one point to the next.
     """
 
     channels: dict[str, dict[str, str]]
     intermittent: int
     resolutions: dict[str, tuple[float, str]]
+    step_ns: int
 
 
 class _Trace(NamedTuple):
-    """Points (N, C) in a format, of a pen that touches or not."""
+    """Points (N, C) in a format, of a pen that touches or not.
+
+    `start_ms` and `duration_ms` are NaN where nothing is said; the same `stroke` as that of the one
+    before is that stroke's continuation.
+    """
 
     values: AnyArray
     layout: _Format
     is_up: bool
+    element: ElementTree.Element
+    start_ms: float
+    duration_ms: float
+    stroke: int = 0
 
 
 def _local(element: ElementTree.Element) -> str:
@@ -134,13 +154,90 @@ def _local(element: ElementTree.Element) -> str:
 def _traces(
     element: ElementTree.Element, context: str = ""
 ) -> Iterator[tuple[ElementTree.Element, str]]:
-    """The traces of an element, and the identifiers of their contexts, inherited from groups."""
+    """The traces of an element, and the identifiers of their contexts, inherited from groups.
+
+    Those among definitions are there to be referred to; they count where there are no others.
+    """
+    every = list(_all_traces(element, context, False))
+    shown = [(trace, inherited) for trace, inherited, is_defined in every if not is_defined]
+    yield from shown or [(trace, inherited) for trace, inherited, _ in every]
+
+
+def _all_traces(
+    element: ElementTree.Element, context: str, is_defined: bool
+) -> Iterator[tuple[ElementTree.Element, str, bool]]:
     context = element.get("contextRef", "")[1:] or context
     if _local(element) == "trace":
-        yield element, context
+        yield element, context, is_defined
         return
+    is_defined = is_defined or _local(element) == "definitions"
     for inner in element:
-        yield from _traces(inner, context)
+        yield from _all_traces(inner, context, is_defined)
+
+
+def _continued(traces: list[_Trace]) -> list[_Trace]:
+    """Traces with the numbers of their strokes, each behind the one that it continues.
+
+    That is the one that its priorRef names, else the last one of a stroke that is not at its end.
+    """
+    strokes: list[list[_Trace]] = []
+    stroke_of: dict[str | None, int] = {}
+    is_open = False
+    for trace in traces:
+        said = trace.element.get("continuation", "")
+        prior = stroke_of.get(trace.element.get("priorRef", "")[1:] or None)
+        if prior is None and said in ("middle", "end") and is_open:
+            prior = len(strokes) - 1
+        if prior is None or trace.is_up:
+            strokes.append([])
+            prior = len(strokes) - 1
+        strokes[prior].append(trace)
+        name = trace.element.get(_ID) or trace.element.get("id")
+        stroke_of |= {name: prior} if name else {}
+        is_open = said in ("begin", "middle")
+    return [trace._replace(stroke=k) for k, stroke in enumerate(strokes) for trace in stroke]
+
+
+def _starts(
+    root: ElementTree.Element,
+) -> Callable[[ElementTree.Element, str], tuple[float, float]]:
+    """What tells when a trace starts and how long it takes, ms; NaN where nothing is said."""
+    named = {e.get(_ID) or e.get("id") or None: e for e in root.iter()}
+
+    def of_timestamp(reference: str) -> float:
+        total, seen = 0.0, set[str]()
+        while reference and reference not in seen:
+            seen.add(reference)
+            stamp = named.get(reference[1:])
+            if stamp is None:
+                break
+            for key in ("time", "timeOffset"):
+                total += _milliseconds(stamp, key, 0.0)
+            reference = stamp.get("timestampRef", "")
+        return total
+
+    def started(trace: ElementTree.Element, context: str) -> tuple[float, float]:
+        start, duration = (_milliseconds(trace, key) for key in ("timeOffset", "duration"))
+        inherited = named.get(context) if context else None
+        since = "" if inherited is None else _timestamp_of(inherited)
+        return start + of_timestamp(since), duration
+
+    return started
+
+
+def _timestamp_of(context: ElementTree.Element) -> str:
+    """The reference of a context to when its times begin."""
+    inside = (e for e in context.iter() if _local(e) == "timestamp")
+    stamp = next((e.get(_ID) or e.get("id") for e in inside), None)
+    return context.get("timestampRef", "") or (f"#{stamp}" if stamp else "")
+
+
+def _milliseconds(element: ElementTree.Element, key: str, otherwise: float = math.nan) -> float:
+    try:
+        found = float(element.get(key, ""))
+    except ValueError:
+        return otherwise
+    return found if abs(found) < _LONGEST_MS else otherwise
 
 
 def _formats(root: ElementTree.Element, name: str) -> Callable[[str], _Format]:
@@ -150,8 +247,8 @@ def _formats(root: ElementTree.Element, name: str) -> Callable[[str], _Format]:
     @cache
     def described(
         element: ElementTree.Element,
-    ) -> tuple[ElementTree.Element | None, dict[str, tuple[float, str]]]:
-        """The first trace format in an element, and the resolutions that belong to it.
+    ) -> tuple[ElementTree.Element | None, dict[str, tuple[float, str]], int]:
+        """The first trace format in an element, the resolutions that belong to it, and its step.
 
         Those are its ink source's; where it stands in none, all there are.
         """
@@ -161,7 +258,7 @@ def _formats(root: ElementTree.Element, name: str) -> Callable[[str], _Format]:
             if layout is not None and layout in source.iter():
                 every = list(source.iter())
                 break
-        return layout, _resolutions(every, name)
+        return layout, _resolutions(every, name), _step_ns(every)
 
     @cache
     def channels(layout: ElementTree.Element | None) -> tuple[dict[str, dict[str, str]], int]:
@@ -177,13 +274,14 @@ def _formats(root: ElementTree.Element, name: str) -> Callable[[str], _Format]:
             places += [other for other in others if other is not None]
             element = named.get(element.get("contextRef", "")[1:])  # what it does not say itself
         found = [described(place) for place in places]
-        if all(layout is None for layout, _ in found):
+        if all(layout is None for layout, _, _ in found):
             found.append(described(root))
-        layout = next((layout for layout, _ in found if layout is not None), None)
+        layout = next((layout for layout, _, _ in found if layout is not None), None)
         resolutions: dict[str, tuple[float, str]] = {}
-        for _, told in reversed(found):
+        for _, told, _ in reversed(found):
             resolutions |= told
-        return _Format(*channels(layout), resolutions)
+        step_ns = next((step for _, _, step in found if step), _DEFAULT_STEP_NS)
+        return _Format(*channels(layout), resolutions, step_ns)
 
     return format_of
 
@@ -215,6 +313,15 @@ def _channels(layout: ElementTree.Element, name: str) -> tuple[dict[str, dict[st
     return dict(zip(names, regular + extra, strict=True)), len(extra)
 
 
+def _step_ns(elements: list[ElementTree.Element]) -> int:
+    """ns from one point to the next of a source that says its rate and that it is even; else 0."""
+    for element in elements:
+        if _local(element) == "sampleRate" and element.get("uniform") != "false":
+            rate = _milliseconds(element, "value", 0.0)  # points a second
+            return round(1e9 / rate) if 1.0 <= rate <= 1e6 else 0
+    return 0
+
+
 def _resolutions(elements: list[ElementTree.Element], name: str) -> dict[str, tuple[float, str]]:
     """Counts to a unit, "" where it is the channel's own, by the channel properties among these."""
     result: dict[str, tuple[float, str]] = {}
@@ -240,50 +347,75 @@ def _resolutions(elements: list[ElementTree.Element], name: str) -> dict[str, tu
     return result
 
 
-def _points(text: str, n_channels: int, intermittent: int) -> AnyArray:
-    """Points of a trace, (N, C); differences are summed up, and missing channels are NaN."""
+def _points(text: str, layout: _Format) -> AnyArray:
+    """Points of a trace, (N, C); differences are summed up, and missing channels go on as before.
+
+    What is unknown from the beginning is the channel's default, else NaN.
+    """
+    n_channels = len(layout.channels)
+    default = [_default(channel) for channel in layout.channels.values()]
     rows: list[list[float]] = []
     order = ["!"] * n_channels
     speed = [0.0] * n_channels
+    said = list(default)
     for point in text.split(","):
         words = _words(point)
         if not words and not point.strip():
             continue
-        if not n_channels - intermittent <= len(words) <= n_channels:
+        if not n_channels - layout.intermittent <= len(words) <= n_channels:
             raise RecordingError(
                 "point {n} has {words} values; expected {n_channels}",
                 n=len(rows) + 1,
                 words=len(words),
                 n_channels=n_channels,
             )
-        row = [math.nan] * n_channels
+        row = list(rows[-1] if rows else default)
         for c, (prefix, value) in enumerate(words):
+            if value is None:  # it is as it was
+                continue
             order[c] = prefix or order[c]
+            said[c] = said[c] if math.isnan(value) else value
             if order[c] == "!":
-                row[c] = value
+                row[c] = said[c]
             elif not rows or math.isnan(rows[-1][c]):
                 raise RecordingError("the first point is a difference; expected a value")
             else:
-                speed[c] = value if order[c] == "'" else speed[c] + value
+                speed[c] = said[c] if order[c] == "'" else speed[c] + said[c]
                 row[c] = rows[-1][c] + speed[c]
         rows.append(row)
     return np.array(rows, dtype=np.float64).reshape(-1, n_channels)
 
 
-def _words(point: str) -> list[tuple[str, float]]:
-    words = []
+def _default(channel: Mapping[str, str]) -> float:
+    told = channel.get("default", "")
+    try:
+        return _TRUTH[told] if told in _TRUTH else float(told)
+    except ValueError:
+        return math.nan
+
+
+def _words(point: str) -> list[tuple[str, float | None]]:
+    """Prefixes and values of a point: NaN for the same value or difference, None for nothing."""
+    words: list[tuple[str, float | None]] = []
     for match in _NUMBER.finditer(point):
-        prefix, number, other = match.groups()
+        prefix, word, other = match.groups()
         if other is not None:
             raise RecordingError(
                 "a point holds {point!r}; expected decimal numbers",
                 point=point.strip()[:40],
             )
-        value = float(number)
+        if word in (_GO_ON, _UNKNOWN):
+            words.append((prefix, math.nan if word == _GO_ON else None))
+            continue
+        if word in _TRUTH:
+            words.append((prefix, _TRUTH[word]))
+            continue
+        sign, is_hexadecimal, digits = word.rpartition("#")
+        value = float(int(sign + digits, 16)) if is_hexadecimal else float(word)
         if not math.isfinite(value):
             raise RecordingError(
                 "a value is {number}; expected a finite number",
-                number=number[:40],
+                number=word[:40],
             )
         words.append((prefix, value))
     return words
@@ -293,7 +425,8 @@ def _assemble(
     traces: list[_Trace], header: dict[str, Any], scale: float, y_down: bool
 ) -> Recording:
     sizes = [len(trace.values) for trace in traces]
-    stroke = np.repeat(np.arange(len(traces)), sizes)
+    piece = np.repeat(np.arange(len(traces)), sizes)
+    stroke = np.array([trace.stroke for trace in traces])[piece]
     first = np.cumsum([0, *sizes])
     groups: dict[int, list[int]] = {}
     for k, trace in enumerate(traces):
@@ -315,12 +448,18 @@ def _assemble(
         return all(key in part for _, part in parts)
 
     pressure = whole("F", 0.0)
-    pressure[np.array([trace.is_up for trace in traces])[stroke]] = 0.0
+    pressure[np.array([trace.is_up for trace in traces])[piece]] = 0.0
+    position = np.stack([whole("X", math.nan), whole("Y", math.nan), whole("Z", 0.0)], axis=1)
+    if np.isnan(position).any():
+        raise RecordingError(
+            "point {first}: X or Y is unknown; expected numbers",
+            first=int(np.flatnonzero(np.isnan(position).any(axis=1))[0]) + 1,
+        )
     if not is_known("OA"):
         header = {"azimuth": "dragged", **header}
     return join_strokes(
-        _times(whole("T", math.nan) if is_known("T") else None, stroke),
-        np.stack([whole(key, 0.0) for key in "XYZ"], axis=1),
+        _times(whole("T", math.nan) if is_known("T") else None, piece, traces),
+        position,
         orientations_from_angles(
             whole("OA", DEFAULT_LEAN), whole("OE", 0.5 * math.pi), whole("OR", 0.0)
         ),
@@ -334,19 +473,24 @@ def _measured(table: AnyArray, layout: _Format, scale: float, y_down: bool) -> d
     """The known channels of points (N, C) in mm, rad, shares of the highest force, and ns."""
     degree = _ANGLES["deg"]
     up = -1.0 if _is_down(layout.channels["Y"], y_down) else 1.0
+    right = -1.0 if layout.channels["X"].get("orientation") == "-ve" else 1.0
     result: dict[str, AnyArray] = {"F": np.full(len(table), _PRESSED)}
     for column, key in zip(table.T, layout.channels, strict=True):
         if key in ("X", "Y", "Z"):
             result[key] = _in_units(column, key, layout, _LENGTHS, scale)
-        elif key in ("OA", "OE", "OR"):
+        elif key in ("OA", "OE", "OR", *_TILTS):
             result[key] = _in_units(column, key, layout, _ANGLES, degree)
         elif key == "F":
             result[key] = _pressures(column, layout)
         elif key == "T":
             result[key] = _in_units(column, key, layout, _TIMES, _TIMES["ms"])
-    for key in ("Y", "OA"):
-        if key in result:
-            result[key] = up * result[key]
+    if "OA" not in result and set(_TILTS) <= set(result):
+        lean_x, lean_y = (np.tan(np.clip(result[key], -_STEEPEST, _STEEPEST)) for key in _TILTS)
+        result["OA"] = np.arctan2(lean_y, lean_x)
+        result.setdefault("OE", np.arctan2(1.0, np.hypot(lean_x, lean_y)))
+    if "OA" in result:
+        result["OA"] = np.arctan2(up * np.sin(result["OA"]), right * np.cos(result["OA"]))
+    result["X"], result["Y"] = right * result["X"], up * result["Y"]
     return result
 
 
@@ -407,18 +551,33 @@ def _pressures(column: AnyArray, layout: _Format) -> AnyArray:
         return (column - low) / (high - low)
 
 
-def _times(raw: AnyArray | None, stroke: AnyArray) -> AnyArray:
-    """Times from T in ns, or 100 points a second with 0.1 s between strokes."""
+def _times(raw: AnyArray | None, piece: AnyArray, traces: list[_Trace]) -> AnyArray:
+    """Times of points in ns: of T, where it counts from each trace's start after its beginning."""
+    n, starts = len(piece), np.flatnonzero(np.diff(piece, prepend=-1))
+    offsets = 1e6 * np.array([trace.start_ms for trace in traces])
+    is_told = bool(np.isfinite(offsets).all() and (np.diff(offsets) >= 0.0).all())
+    is_told = is_told and bool(offsets[-1] - offsets[0] < 2.0**62)
+    offsets = np.round(offsets - offsets[0]).astype(np.int64) if is_told else np.zeros(0, np.int64)
+    if raw is None and is_told and (len(traces) > 1 or traces[0].duration_ms > 0.0):
+        times = offsets[piece] + (np.arange(n) - starts[piece]) * _steps(traces, offsets)[piece]
+        return spread_ties(times)[0]
     if raw is None:
-        result: AnyArray = np.arange(len(stroke)) * _DEFAULT_STEP_NS + stroke * _PEN_UP_NS
+        step = np.array([trace.layout.step_ns for trace in traces])[piece]
+        gaps = np.diff([trace.stroke for trace in traces], prepend=0)[piece] * _PEN_UP_NS
+        gaps[np.arange(n) != starts[piece]] = 0
+        result: AnyArray = np.cumsum(step + gaps) - step[0]
         return result
     if not (np.abs(raw) < 2.0**62).all():
         raise RecordingError("T is missing or too large; expected times of at most 146 years")
     times = np.round(raw).astype(np.int64)
-    starts = np.flatnonzero(np.diff(stroke)) + 1
-    if (times[starts] < times[starts - 1]).any() and (times[starts] == times[0]).all():
-        shift = np.concatenate([[0], np.cumsum(times[starts - 1] - times[0] + _PEN_UP_NS)])
-        times = times + shift[stroke]  # T counts from the start of each trace
+    if len(starts) > 1 and (times[starts] == times[0]).all():  # counts from the start of each trace
+        if is_told and (offsets[1:] + times[0] >= (times + offsets[piece])[starts[1:] - 1]).all():
+            times = times + offsets[piece]
+        elif (times[starts[1:]] < times[starts[1:] - 1]).any():
+            step = np.diff([trace.stroke for trace in traces]) * _PEN_UP_NS
+            step = np.maximum(step, [trace.layout.step_ns for trace in traces[1:]])
+            shift = np.cumsum(times[starts[1:] - 1] - times[0] + step)
+            times = times + np.concatenate([[0], shift])[piece]
     late = np.flatnonzero(np.diff(times) < 0)
     if len(late):
         now, before = (raw[late[0] + k] / _TIMES["ms"] for k in (1, 0))
@@ -429,6 +588,17 @@ def _times(raw: AnyArray | None, stroke: AnyArray) -> AnyArray:
             before=before,
         )
     return spread_ties(times)[0]
+
+
+def _steps(traces: list[_Trace], offsets: AnyArray) -> AnyArray:
+    """From one point of each trace to the next, ns: as long as it lasts, or as it has room."""
+    n = np.array([len(trace.values) for trace in traces])
+    room = np.append(np.diff(offsets), np.iinfo(np.int64).max)
+    usual = np.array([trace.layout.step_ns for trace in traces])
+    lasts = np.array([1e6 * trace.duration_ms for trace in traces])
+    told = np.where(lasts > 0.0, lasts / np.maximum(n - 1, 1), usual)
+    result: AnyArray = np.minimum(np.round(told), room // n).astype(np.int64)
+    return result
 
 
 def _note(root: ElementTree.Element) -> dict[str, Any]:

@@ -161,10 +161,21 @@ _ODD_SVG = (
 )
 
 
+_CLIPPED_SVG = (
+    b'<svg xmlns="http://www.w3.org/2000/svg" width="90" height="60"><defs><clipPath id="c" '
+    b'clip-path="url(#d)" transform="scale(2)"><use href="#r" x="1"/><path clip-rule="evenodd" '
+    b'd="M0 0h20v20h-20zM5 5h10v10h-10z"/></clipPath><clipPath id="d"><circle r="50%"/></clipPath>'
+    b'<rect id="r" width="1em" height="2ex"/><linearGradient id="g"/></defs><g font-size="120%" '
+    b'style="clip-path:url(#c)"><rect x="5%" width="50%" height="9vh" fill="url(#g)"/><use '
+    b'href="#r" y="9"/><svg x="9" width="50%" height="50%"><ellipse rx="9%" ry="1rem" '
+    b'style="stroke-width:2%;fill:url(#lost) #000"/></svg></g></svg>'
+)
+
+
 def _svg_seeds() -> list[tuple[str, bytes]]:
     line = b'<svg width="3cm" height="2in"><polyline fill="none" stroke="black" stroke-width="2mm" '
     short = line + b'points="1 1 20,30 40,5"/></svg>'
-    return [(".svg", kind) for kind in (_SVG, _ODD_SVG, short)]
+    return [(".svg", kind) for kind in (_SVG, _ODD_SVG, _CLIPPED_SVG, short)]
 
 
 def _check_svg(suffix: str, content: bytes) -> None:

@@ -96,7 +96,16 @@ def _inkml_seeds() -> list[tuple[str, bytes]]:
         b'<trace>1 2, 30 4</trace><trace type="penUp" contextRef="#a">5 6</trace></traceGroup>'
         b"</ink>"
     )
-    return [made, (".inkml", plain), (".inkml", office)]
+    timed = (
+        b'<ink><definitions><timestamp xml:id="t" time="9" timeOffset="1"/><context xml:id="c" '
+        b'timestampRef="#t"/></definitions><inkSource><sampleRate value="200"/><traceFormat>'
+        b'<channel name="X" units="mm" orientation="-ve"/><channel name="Y" units="mm"/><channel '
+        b'name="OTx" units="deg"/><channel name="OTy" units="deg"/><intermittentChannels><channel '
+        b'name="F" default="1"/></intermittentChannels></traceFormat></inkSource><trace xml:id="a" '
+        b'continuation="begin" timeOffset="3" contextRef="#c">1 2 3 4,\'5\'6 * #1F .5</trace>'
+        b'<trace priorRef="#a" duration="8" timeOffset="20">9 9 ? T F,"1"2 1 1</trace></ink>'
+    )
+    return [made, (".inkml", plain), (".inkml", office), (".inkml", timed)]
 
 
 def _check_recording(suffix: str, content: bytes) -> None:
@@ -204,10 +213,12 @@ def _coloured_meshes(rows: str, triangles: NDArray[np.void]) -> list[tuple[str, 
     polygons = "element face 1\nproperty list uchar int vertex_indices\n"
     splats = "".join(f"property float f_dc_{k}\n" for k in range(3))
     told = rows.replace("\n", " 4 1 2 3 4\n") + " 4 1 2 3 4\n"
+    attributes = rows.replace("\n", " 9 8 7 6 0 0 -1 .5 .5\n") + " 9 8 7 6 0 0 -1 .5 .5\n"
     harmonics = rows.replace("\n", " 1 -2 .5\n") + " 1 -2 .5\n"
     return [
         (".stl", stl),
         (".off", f"OFF\n8 3 0\n{rows}\n{faces}".encode()),
+        (".off", f"NCSTOFF\n8 1 0\n{attributes}3 0 1 2\n".encode()),
         (".obj", ("\n".join(vertices) + "\nf 1 2 3\n").encode()),
         (".obj", ("v " + rows.replace("\n", "\nv ") + f"\n{paint}f 1 2 3\n").encode()),
         (".ply", f"{head}{place}{listed}{polygons}end_header\n{told}3 0 1 2\n".encode()),

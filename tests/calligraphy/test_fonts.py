@@ -12,7 +12,7 @@ import pytest
 from paint3d.calligraphy.fonts import font_file
 from paint3d.calligraphy.fonts.font_file import SystemFont, open_font
 from paint3d.calligraphy.fonts.shaping import Shaper, Style, base_level, levels_of, visual_order
-from paint3d.calligraphy.fonts.typesetting import FontText, break_line, set_text
+from paint3d.calligraphy.fonts.typesetting import FontText, bodies_of, break_line, set_text
 from paint3d.calligraphy.glyph_sources import open_glyphs
 from paint3d.calligraphy.page.laying import lay_page
 from paint3d.calligraphy.shapes.ductus import known_strokes
@@ -238,6 +238,97 @@ def test_a_joined_alef_goes_up_and_a_stem_is_added_last() -> None:
     assert np.ptp(stem.median[:, 0]) < 0.1 * np.ptp(stem.median[:, 1])
     assert stem.median[0, 1] > stem.median[-1, 1]
     assert turn_of(body.median) < 0.0
+
+
+def crowded(text, by):
+    """The bodies of two letters that lie nearer than the font has them, glyph units."""
+    glyphs = Shaper(dejavu(), Style()).shape(text)
+    second = max(one.cluster for one in glyphs)
+    moved = [one._replace(x=one.x + by * (one.cluster == second)) for one in glyphs]
+    return bodies_of(moved, dejavu())
+
+
+@pytest.mark.parametrize(("text", "n_marks"), [("ري", 2), ("رب", 1), ("وج", 1), ("زپ", 3)])
+@pytest.mark.parametrize("by", range(0, 400, 40))
+def test_dots_stay_their_own_letters_whatever_they_touch(text, n_marks, by) -> None:
+    """The tail of a letter may run through the dots below the next one."""
+    bodies = crowded(text, by)
+    own = crowded(text, 0)[-1].parts[1:]
+    last = bodies[-1]
+    assert len(last.parts) - 1 >= n_marks
+    found = sorted(round(part.area, 3) for part in last.parts[1:])
+    for part in own:
+        assert round(part.area, 3) in found
+    if len(bodies) == 2:  # not so near that the letters themselves touch
+        assert len(last.parts) - 1 == n_marks
+        assert text[1] in "".join(text[one.cluster] for one in last.glyphs)
+
+
+@pytest.mark.parametrize(
+    ("letter", "rows"),
+    [
+        ("ت", [2]),
+        ("ي", [2]),
+        ("ق", [2]),
+        ("ث", [2, 1]),
+        ("ش", [2, 1]),
+        ("پ", [2, 1]),
+        ("چ", [2, 1]),
+    ],
+)
+def test_dots_come_from_the_right_and_the_nearest_to_the_letter_first(letter, rows) -> None:
+    strokes = strokes_of(letter)
+    dots = [stroke.median.mean(axis=0) for stroke in strokes[-sum(rows) :]]
+    body = np.concatenate([stroke.median for stroke in strokes[: -sum(rows)]]).mean(axis=0)
+    away = [abs(dot[1] - body[1]) for dot in dots]
+    assert dots[0][0] > dots[1][0] + 50.0
+    assert away[0] == pytest.approx(away[1], abs=1.0)
+    assert all(distance > away[0] + 50.0 for distance in away[2:])
+
+
+def test_the_dots_of_a_latin_letter_come_from_the_left() -> None:
+    dots = [stroke.median.mean(axis=0) for stroke in strokes_of("ü")[-2:]]
+    assert dots[0][0] < dots[1][0]
+
+
+@pytest.mark.parametrize("packing", ["woff", "woff2"])
+def test_web_fonts_are_read(tmp_path, packing) -> None:
+    from fontTools.ttLib import TTFont
+
+    if packing == "woff2":
+        pytest.importorskip("brotli")
+    font = TTFont(dejavu().path)
+    font.flavor = packing
+    font.save(tmp_path / f"a.{packing}")
+    page = set_text("an", open_font(tmp_path / f"a.{packing}"), Style(), None, "row")
+    assert [piece.glyph.text for piece in page.compose(math.inf).pieces] == ["a", "n"]
+
+
+@pytest.mark.parametrize("order", ["row", "columns"])
+def test_what_is_far_too_long_is_refused_before_it_is_set(monkeypatch, order) -> None:
+    """Ten thousand letters are told by their advances: no glyph is placed or taken apart."""
+
+    def nothing(*_):
+        raise AssertionError("it is set")
+
+    monkeypatch.setattr(FontText, "_set", nothing)
+    text = "".join(f"{word:b} ".replace("0", "o").replace("1", "l") for word in range(1, 1200))
+    assert len(text) > 10_000
+    plane = ClosestPoints(load_mesh("plane"))
+    with pytest.raises(
+        InputError, match=r"the text is \d+,\d+ mm long at this size, which does not"
+    ):
+        lay_page(plane, set_text(text, dejavu(), Style(), None, order), 40.0)
+
+
+@pytest.mark.parametrize("order", ["row", "columns"])
+@pytest.mark.parametrize("text", ["an", "a few words that are broken", "one\ntwo\nthree"])
+def test_a_page_is_no_smaller_than_its_advances_say(text, order) -> None:
+    made = set_text(text, dejavu(), Style(), None, order)
+    for room in (math.inf, 4096.0, 2048.0):
+        left, lower, right, upper = made.compose(room).bounds
+        across = right - left if order == "columns" else upper - lower
+        assert made.least_size(room)[1] <= across + 1.0
 
 
 def test_a_letter_whose_glyph_is_empty_is_missing(tmp_path, monkeypatch) -> None:

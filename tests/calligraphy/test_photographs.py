@@ -21,7 +21,7 @@ from paint3d.calligraphy.photo.copying import Asked, CopiedSheet, copy_sheet
 from paint3d.calligraphy.photo.likeness import likeness_of
 from paint3d.calligraphy.photo.sheet import (
     blur_matrix,
-    find_sheet,
+    find_sheets,
     flattened,
     homography,
     map_points,
@@ -64,7 +64,7 @@ def copied(text: str, seed: int, dry: float) -> tuple[Photographed, CopiedSheet]
 def test_corners_are_found(seed: int) -> None:
     there = shot("永", seed, 0.0, Camera(size=640))
     side = np.linalg.norm(there.corners - np.roll(there.corners, -1, axis=0), axis=1).mean()
-    off = np.linalg.norm(find_sheet(there.pixels) - there.corners, axis=1)
+    off = np.linalg.norm(find_sheets(there.pixels)[0] - there.corners, axis=1)
     assert off.max() < 0.006 * side
 
 
@@ -76,7 +76,76 @@ def test_a_seal_beside_the_edge_is_no_side_of_the_sheet() -> None:
     pixels[300:480, 440:602] = (150, 40, 40)
     pixels = (pixels + rng.normal(0.0, 3.0, pixels.shape)).clip(0, 255).astype(np.uint8)
     true = np.array([[80.0, 90.0], [620.0, 90.0], [620.0, 810.0], [80.0, 810.0]])
-    assert np.abs(find_sheet(pixels) - true).max() < 2.0
+    assert np.abs(find_sheets(pixels)[0] - true).max() < 2.0
+
+
+def table(*papers: tuple[int, int, int, int], framed: bool = False) -> np.ndarray:
+    """A photograph of sheets on a dark table: left, upper, right and lower side of each."""
+    rng = np.random.default_rng(7)
+    pixels = np.full((700, 900, 3), (70, 60, 52), float)
+    for left, upper, right, lower in papers:
+        pixels[upper:lower, left:right] = (225, 220, 205)
+        if framed:
+            pixels[upper + 30 : lower - 30, left + 30 : right - 30] = (40, 38, 36)
+            pixels[upper + 40 : lower - 40, left + 40 : right - 40] = (225, 220, 205)
+        middle = (left + right) // 2
+        pixels[upper + 60 : lower - 60, middle - 9 : middle + 9] = (25, 24, 26)
+    return (pixels + rng.normal(0.0, 3.0, pixels.shape)).clip(0, 255).astype(np.uint8)
+
+
+FOUR = ((60, 40, 400, 320), (480, 50, 840, 330), (70, 380, 410, 660), (490, 370, 830, 650))
+
+
+@pytest.mark.parametrize("n", [1, 2, 4])
+def test_every_sheet_in_a_picture_is_named(n: int) -> None:
+    pixels = table(*FOUR[:n])
+    found = find_sheets(pixels)
+    assert len(found) == n
+    boxes = sorted((*one.min(axis=0), *one.max(axis=0)) for one in found)
+    np.testing.assert_allclose(boxes, sorted(FOUR[:n]), atol=3.0)
+    sheet = copy_sheet(pixels, "sheets.jpg")
+    notes = [note for note in sheet.notes if "sheets stand out" in note]
+    assert len(notes) == (n > 1)
+    if n > 1:
+        assert notes[0].startswith(f"{n} sheets stand out in the picture")
+        for one in found:
+            assert " ".join(f"{x:.0f},{y:.0f}" for x, y in one) in notes[0]
+    assert copy_sheet(pixels, "sheets.jpg", Asked(corners=found[0])).notes == ()
+
+
+def stained() -> np.ndarray:
+    """A scan of two bars of ink, with a pale blot and a few small spots of ink."""
+    pixels = np.full((600, 600, 3), 235, np.uint8)
+    pixels[120:480, 180:220] = pixels[120:480, 380:420] = 30
+    pixels[60:110, 40:560] = 150  # a blot, which takes four tenths of the ink's light
+    for x in (60, 110, 520):
+        pixels[300:312, x : x + 12] = 30
+    return pixels
+
+
+@pytest.mark.parametrize(
+    ("asked", "n"),
+    [
+        (Asked(whole=True), 6),
+        (Asked(whole=True, darker=0.6), 5),
+        (Asked(whole=True, least=0.002), 3),
+        (Asked(whole=True, least=0.002, darker=0.6), 2),
+    ],
+)
+def test_what_is_pale_or_small_is_left_out_where_it_is_asked(asked: Asked, n: int) -> None:
+    sheet = copy_sheet(stained(), "a.png", asked)
+    shapes = [stroke for piece in sheet.page.pieces for stroke in piece.glyph.strokes]
+    assert len(shapes) == n
+
+
+def test_all_that_is_too_small_is_said() -> None:
+    with pytest.raises(InputError, match="all ink on the sheet is in smaller bits"):
+        copy_sheet(stained(), "a.png", Asked(whole=True, least=9.0))
+
+
+def test_a_frame_on_a_sheet_and_a_scrap_beside_it_are_no_sheets() -> None:
+    assert len(find_sheets(table((60, 60, 640, 640), framed=True))) == 1
+    assert len(find_sheets(table((60, 60, 640, 640), (700, 100, 860, 250)))) == 1
 
 
 def test_strokes_of_a_wet_sheet_are_found() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -14,11 +15,13 @@ from pathlib import Path
 
 import pytest
 
+from paint3d.cli.batches import cluster as batch_cluster
 from paint3d.cli.batches.cluster import run_on_cluster
 from paint3d.cli.batches.rows import Row
 from paint3d.errors import InputError
 
 Client = pytest.importorskip("distributed").Client
+dask = pytest.importorskip("dask")
 
 PATIENCE_S = 300
 # Loaded by every worker: what rows do is told by their output's name.
@@ -51,13 +54,14 @@ def dask_setup(worker):
 class Cluster:
     """A scheduler and workers, each a process."""
 
-    def __init__(self, folder: Path) -> None:
-        self._folder, self._running = folder, []
+    def __init__(self, folder: Path, protocol: str = "tcp", **environment: str) -> None:
+        self._folder, self._running, self._environment = folder, [], environment
         (folder / "preload.py").write_text(PRELOAD)
         known = folder / "scheduler.json"
         self.scheduler = self._start(
-            "scheduler", "--port", "0", "--no-dashboard", "--scheduler-file", known
-        )
+            "scheduler", "--port", "0", "--no-dashboard", "--scheduler-file", known,
+            "--protocol", protocol,
+        )  # fmt: skip
         began = time.monotonic()
         while not (known.exists() and known.read_text().endswith("}")):
             assert time.monotonic() - began < PATIENCE_S, "there is no scheduler"
@@ -81,7 +85,7 @@ class Cluster:
         running = subprocess.Popen(
             [*command, *map(str, arguments)],
             stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
-            env={**os.environ, **environment}, cwd="/", start_new_session=True,
+            env={**os.environ, **environment, **self._environment}, cwd="/", start_new_session=True,
         )  # fmt: skip
         self._running.append(running)
         return running
@@ -151,3 +155,33 @@ def test_a_scheduler_that_dies_is_named(cluster: Cluster) -> None:
     os.killpg(cluster.scheduler.pid, signal.SIGKILL)
     with pytest.raises(InputError, match=f"the scheduler {cluster.address} no longer answers"):
         list(coming)
+
+
+@pytest.mark.skipif(shutil.which("openssl") is None, reason="makes a certificate")
+def test_a_cluster_with_certificates_is_closed_to_those_without(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(batch_cluster, "PATIENCE_S", 5)
+    key, certificate = tmp_path / "key.pem", tmp_path / "cert.pem"
+    command = ["openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "1"]
+    command += ["-subj", "/CN=paint3d", "-keyout", str(key), "-out", str(certificate)]
+    subprocess.run(command, check=True, capture_output=True)
+    settings = {"tls.ca-file": str(certificate), "require-encryption": "true"}
+    for role in ("scheduler", "worker", "client"):
+        settings |= {f"tls.{role}.cert": str(certificate), f"tls.{role}.key": str(key)}
+    settings = {f"distributed.comm.{name}": text for name, text in settings.items()}
+    told = {
+        "DASK_" + name.upper().replace(".", "__").replace("-", "_"): text
+        for name, text in settings.items()
+    }
+    cluster = Cluster(tmp_path, "tls", **told)
+    try:
+        assert cluster.address.startswith("tls://")
+        with pytest.raises(InputError, match="does not answer"):
+            list(run_on_cluster(rows("a"), cluster.address))
+        cluster.add_worker("one")
+        with dask.config.set(settings):
+            (outcome,) = run_on_cluster(rows("a"), cluster.address)
+        assert outcome.message == ""
+        assert Path(outcome.version).read_text() == "one"
+    finally:
+        cluster.close()

@@ -1,7 +1,10 @@
 """Few colours for printers: chosen well, one for every triangle, in the file that slicers read."""
 
+import json
+import re
 import zipfile
 from xml.etree import ElementTree
+from xml.parsers import expat
 
 import numpy as np
 import pytest
@@ -15,10 +18,9 @@ from paint3d.files.filaments import (
     choose_for_triangles,
     split_by_filament,
 )
-from paint3d.files.load import load_mesh
+from paint3d.files.load import load_mesh, read_mesh
 from paint3d.mesh.triangle_mesh import TriangleMesh
 
-CORE = {"c": "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"}
 WHITE, BLACK, RED = (250, 248, 240), (20, 20, 22), (200, 40, 30)
 
 
@@ -96,35 +98,96 @@ def ball():
     return TriangleMesh(np.float32(solid.vertices), np.int32(solid.faces), np.uint8(codes))
 
 
-def test_3mf_has_a_material_for_each_filament_and_one_on_each_triangle(ball, tmp_path):
-    export(ball, tmp_path / "a.3mf", ExportOptions(filaments=3))
-    with zipfile.ZipFile(tmp_path / "a.3mf") as archive:
-        root = ElementTree.fromstring(archive.read("3D/3dmodel.model"))
-    bases = root.findall("c:resources/c:basematerials/c:base", CORE)
-    colours = {base.get("displaycolor") for base in bases}
-    assert colours == {"#FAF8F0", "#141416", "#C8281E"}
-    triangles = root.findall(".//c:triangle", CORE)
+def named_as_written(path):
+    """Elements of the model part by their names with prefixes, as slicers compare them."""
+    found = []
+    parser = expat.ParserCreate()
+    parser.StartElementHandler = lambda name, attributes: found.append((name, attributes))
+    with zipfile.ZipFile(path) as archive:
+        parser.Parse(archive.read("3D/3dmodel.model"), True)
+    return found
+
+
+def painted(code):
+    """The filament, from 1, of a triangle that slicers read from its last digit on."""
+    bits = "".join(f"{int(digit, 16):04b}" for digit in code)
+    assert bits[-2:] == "00", "it is split"
+    return int(bits[-4:-2], 2) if bits[-4:-2] != "11" else int(bits[:-4], 2) + 3
+
+
+GIVEN = [f"#{k:02X}{255 - k:02X}{2 * k:02X}" for k in range(0, 96, 6)]
+
+
+@pytest.mark.parametrize("n", [1, 2, 3, 4, 16])
+def test_every_triangle_has_the_same_filament_for_every_slicer(ball, tmp_path, n):
+    """As a colour of a group, and as Bambu Studio, Orca and PrusaSlicer paint."""
+    export(ball, tmp_path / "a.3mf", ExportOptions(filaments=GIVEN[:n]))
+    elements = named_as_written(tmp_path / "a.3mf")
+    colours = [a["color"] for name, a in elements if name == "m:color"]
+    assert colours == GIVEN[:n]
+    assert not any("base" in name for name, _ in elements)
+    triangles = [a for name, a in elements if name == "triangle"]
     assert len(triangles) == ball.n_faces
-    assert {triangle.get("pid") for triangle in triangles} == {"1"}
-    assert {triangle.get("p1") for triangle in triangles} == {"0", "1", "2"}
-    assert all(triangle.get("p2") is None for triangle in triangles)
-    assert len(root.findall(".//c:vertex", CORE)) == ball.n_vertices
+    for triangle in triangles:
+        assert (triangle["pid"], "p2" in triangle) == ("1", False)
+        assert triangle["paint_color"] == triangle["slic3rpe:mmu_segmentation"]
+        assert painted(triangle["paint_color"]) == int(triangle["p1"]) + 1
 
 
-def test_lib3mf_reads_the_materials_strictly(ball, tmp_path):
+def test_slots_are_filled_beforehand(ball, tmp_path):
+    export(ball, tmp_path / "a.3mf", ExportOptions(filaments=GIVEN[:3]))
+    elements = named_as_written(tmp_path / "a.3mf")
+    with zipfile.ZipFile(tmp_path / "a.3mf") as archive:
+        model = archive.read("3D/3dmodel.model")
+        project = json.loads(archive.read("Metadata/project_settings.config"))
+        config = ElementTree.fromstring(archive.read("Metadata/model_settings.config"))
+    assert b'<metadata name="Application">BambuStudio-02.00.00.00</metadata>' in model
+    assert project["filament_colour"] == GIVEN[:3]
+    (item,) = [a for name, a in elements if name == "item"]
+    (component,) = [a for name, a in elements if name == "component"]
+    assert config.find("object").get("id") == item["objectid"]
+    assert config.find("object/part").get("id") == component["objectid"]
+
+
+def test_more_filaments_than_slicers_know_are_colours_alone(ball, tmp_path):
+    export(ball, tmp_path / "a.3mf", ExportOptions(filaments=[*GIVEN, "#010203"]))
+    triangles = [a for name, a in named_as_written(tmp_path / "a.3mf") if name == "triangle"]
+    assert all(set(a) == {"v1", "v2", "v3", "pid", "p1"} for a in triangles)
+    with zipfile.ZipFile(tmp_path / "a.3mf") as archive:
+        assert b"BambuStudio-" not in archive.read("3D/3dmodel.model")
+        assert not any(name.endswith(".config") for name in archive.namelist())
+
+
+def test_lib3mf_reads_the_filaments_strictly(ball, tmp_path):
+    """But for an attribute that Bambu Studio has without a namespace."""
     lib3mf = pytest.importorskip("lib3mf")
     export(ball, tmp_path / "a.3mf", ExportOptions(filaments=["#FFFFFF", "#000000"]))
-    model = lib3mf.get_wrapper().CreateModel()
-    reader = model.QueryReader("3mf")
-    reader.SetStrictModeActive(True)
-    reader.ReadFromFile(str(tmp_path / "a.3mf"))
-    assert reader.GetWarningCount() == 0
-    objects = model.GetMeshObjects()
-    assert objects.MoveNext()
-    solid = objects.GetCurrentMeshObject()
-    assert solid.IsManifoldAndOriented()
-    used = {(p.ResourceID, p.PropertyIDs[0]) for p in solid.GetAllTriangleProperties()}
-    assert len(used) == 2
+    for name, is_strict in (("a.3mf", False), ("strict.3mf", True)):
+        if is_strict:
+            with (
+                zipfile.ZipFile(tmp_path / "a.3mf") as archive,
+                zipfile.ZipFile(tmp_path / name, "w") as plain,
+            ):
+                for part in archive.namelist():
+                    plain.writestr(part, re.sub(rb' paint_color="\w+"', b"", archive.read(part)))
+        model = lib3mf.get_wrapper().CreateModel()
+        reader = model.QueryReader("3mf")
+        reader.SetStrictModeActive(is_strict)
+        reader.ReadFromFile(str(tmp_path / name))
+        assert reader.GetWarningCount() == (0 if is_strict else ball.n_faces)
+        objects = model.GetMeshObjects()
+        assert objects.MoveNext()
+        solid = objects.GetCurrentMeshObject()
+        assert solid.IsManifoldAndOriented()
+        used = {(p.ResourceID, p.PropertyIDs[0]) for p in solid.GetAllTriangleProperties()}
+        assert len(used) == 2
+
+
+def test_our_own_reader_takes_the_colours_and_says_nothing(ball, tmp_path):
+    export(ball, tmp_path / "a.3mf", ExportOptions(filaments=["#FFFFFF", "#000000"]))
+    reading = read_mesh(tmp_path / "a.3mf", texture=True)
+    assert reading.notes == ()
+    assert {tuple(c) for c in reading.mesh.colours.tolist()} == {(255,) * 3, (0,) * 3}
 
 
 @pytest.mark.parametrize("suffix", [".ply", ".glb", ".obj"])

@@ -12,6 +12,7 @@ from PIL import Image
 
 from paint3d.errors import MeshError
 from paint3d.files.reading import Wanted, read_surface
+from paint3d.files.references import refers_to
 
 RED, BLUE = (200, 30, 30), (30, 30, 200)
 SQUARE = np.array([(0, 0, 0), (9, 0, 0), (9, 9, 0), (0, 9, 0)], float)
@@ -107,6 +108,25 @@ def test_a_map_is_scaled_moved_and_clamped(tmp_path, options, left_to_right, key
         np.testing.assert_allclose(np.median(reading.mesh.colours[inside], axis=0), wanted, atol=4)
 
 
+def test_several_libraries_stand_in_one_line(tmp_path):
+    (tmp_path / "a.mtl").write_text("newmtl a\nKd 1 0 0\n")
+    (tmp_path / "b.mtl").write_text("newmtl b\nKd 0 0 1\n")
+    halves = "usemtl a\nf 1 2 3\nusemtl b\nf 1 3 4\n"
+    for line in ("mtllib a.mtl b.mtl\n", 'mtllib "a.mtl" b.mtl\n'):
+        text = line + "".join(f"v {x:g} {y:g} {z:g}\n" for x, y, z in SQUARE) + halves
+        assert codes(read(tmp_path, "a.obj", text)) == {(255, 0, 0), (0, 0, 255)}
+
+
+def test_a_material_that_says_nothing_leaves_the_colours_of_vertices(tmp_path):
+    text = "mtllib a.mtl\nusemtl a\n" + obj(["0 1 0"] * 4)
+    (tmp_path / "a.mtl").write_text("newmtl a\nKd 1 1 1\n")
+    reading = read(tmp_path, "a.obj", text)
+    assert (codes(reading), reading.notes) == ({(0, 255, 0)}, ())
+    (tmp_path / "a.mtl").write_text("newmtl a\nKd 1 0 0\n")
+    reading = read(tmp_path, "a.obj", text)
+    assert (codes(reading), reading.notes) == ({(255, 0, 0)}, ("left out: vertex colours",))
+
+
 def test_one_normal_of_no_length_drops_no_others(tmp_path):
     text = "ply\nformat ascii 1.0\nelement vertex 4\n"
     text += "".join(f"property float {name}\n" for name in ("x", "y", "z", "nx", "ny", "nz"))
@@ -165,7 +185,30 @@ def test_gaussian_splats_have_their_first_harmonic_for_a_colour(tmp_path):
     assert reading.notes == ("its Gaussian splats are taken as points",)
 
 
-# -- STL and OFF ---------------------------------------------------------------------------------
+@pytest.mark.parametrize(
+    ("properties", "row", "named"),
+    [
+        ("property uint rgb\n", "13115934", "rgb"),  # packed
+        ("".join(f"property uchar {c}\n" for c in ("Red", "Green", "Blue")), "1 2 3", "Red, Gre"),
+        ("".join(f"property float f_dc_{k}\n" for k in range(2)), "1 2", "f_dc_0, f_dc_1"),
+        ("property uchar specular_red\n", "7", "specular_red"),
+    ],
+)
+def test_columns_named_as_colours_that_are_not_read_are_told(tmp_path, properties, row, named):
+    reading = read(tmp_path, "a.ply", ply(XYZ + properties, [row] * 4))
+    assert len(reading.notes) == 1
+    assert str(reading.notes[0]).startswith(f"left out: what it calls {named}")
+
+
+def test_of_two_kinds_of_colours_one_is_told(tmp_path):
+    names = "".join(f"property uchar {c}\n" for c in ("red", "green", "blue"))
+    text = ply(XYZ + names, ["1 2 3"] * 4).replace("vertex_indices\n", "vertex_indices\n" + names)
+    text = text.replace("3 0 1 2\n3 0 2 3\n", "3 0 1 2 200 30 30\n3 0 2 3 200 30 30\n")
+    reading = read(tmp_path, "a.ply", text)
+    assert (codes(reading), reading.notes) == ({RED}, ("left out: vertex colours",))
+
+
+# -- STL, OFF and XYZ ----------------------------------------------------------------------------
 
 
 def stl(attributes, header=b""):
@@ -229,14 +272,70 @@ def test_numbers_of_colours_and_words_of_a_dialect_are_told(tmp_path):
     assert reading.notes == (FACES,)
 
 
+@pytest.mark.parametrize(
+    ("kind", "tail", "has_normals"),
+    [
+        ("COFF", "200 30 30 255", False),
+        ("NCOFF", "200 30 30 255 0 0 1", True),  # MeshLab: colours first
+        ("CNOFF", "0 0 1 200 30 30 255", True),  # Geomview: normals first
+        ("CSTOFF", "200 30 30 255 .5 .5", False),
+        ("NCSTOFF", "200 30 30 255 0 0 1 .5 .5", True),
+        ("STCNOFF", "0 0 1 200 30 30 .5 .5", True),
+        ("OFF", "200 30 30", False),  # not spoken of, and clear all the same
+        ("OFF", "200 30 30 255", False),
+    ],
+)
+@pytest.mark.parametrize("between", ["\n", " "])
+def test_attributes_of_off_vertices_in_both_orders(tmp_path, kind, tail, has_normals, between):
+    rows = [f"{x:g} {y:g} {z:g} {tail}" for x, y, z in SQUARE]
+    if between == " " and kind == "OFF":
+        pytest.skip("lines are all that tells how many numbers a vertex has")
+    text = between.join([kind, "4 2 0", *rows, "3 0 1 2", "3 0 2 3"]) + "\n"
+    mesh = read(tmp_path, "a.off", text).mesh
+    assert {tuple(row) for row in mesh.colours.tolist()} == {RED}
+    assert (mesh.normals is not None) == has_normals
+    if has_normals:
+        np.testing.assert_allclose(mesh.normals, [(0, 0, 1)] * 4)
+
+
+def test_numbers_that_off_does_not_speak_of_are_told(tmp_path):
+    rows = "".join(f"{x:g} {y:g} {z:g} .25 .5 7\n" for x, y, z in SQUARE)
+    reading = read(tmp_path, "a.off", "OFF\n4 2 0\n" + rows + "3 0 1 2\n3 0 2 3\n")
+    assert reading.notes == ("left out: numbers after the places of vertices",)
+
+
+@pytest.mark.parametrize(
+    ("columns", "told"),
+    [
+        ("p", 0), ("pc", 0), ("pca", 0), ("pn", 0), ("pcn", 0), ("pnc", 0), ("pcan", 0),
+        ("pnca", 0), ("pa", 1), ("paa", 1),
+    ],
+)  # fmt: skip
+def test_points_with_colours_and_normals_in_any_order(tmp_path, columns, told):
+    rng = np.random.default_rng(3)
+    ball = rng.normal(size=(200, 3))
+    ball /= np.linalg.norm(ball, axis=1, keepdims=True)
+    parts = {"p": 10.0 * ball, "n": ball, "c": np.full((200, 3), RED), "a": np.full((200, 1), 255)}
+    table = np.concatenate([parts[letter] for letter in columns], axis=1)
+    text = "".join(" ".join(f"{x:.9g}" for x in row) + "\n" for row in table)
+    reading = read(tmp_path, "a.xyz", text)
+    assert (reading.mesh.colours is not None) == ("c" in columns)
+    assert (reading.mesh.normals is not None) == ("n" in columns)
+    if "c" in columns:
+        assert codes(reading) == {RED}
+    if "n" in columns:
+        np.testing.assert_allclose(reading.mesh.normals, ball, atol=1e-6)
+    left = [str(note) for note in reading.notes if "left out" in note]
+    assert left == ["left out: numbers after the places of points"] * told
+
+
 # -- 3MF -----------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("attribute", ["paint_color", "slic3rpe:mmu_segmentation"])
-def test_what_was_painted_in_a_slicer_is_told(tmp_path, attribute):
+def threemf(attribute, settings=None):
     core = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
     points = "".join(f'<vertex x="{x}" y="{y}" z="{z}"/>' for x, y, z in SQUARE)
-    faces = "".join(f'<triangle v1="{a}" v2="{b}" v3="{c}" {attribute}="8"/>' for a, b, c in HALVES)
+    faces = "".join(f'<triangle v1="{a}" v2="{b}" v3="{c}" {attribute}/>' for a, b, c in HALVES)
     model = (
         f'<model xmlns="{core}" xmlns:slic3rpe="http://schemas.slic3r.org/3mf/2017/06"><resources>'
         f'<object id="1"><mesh><vertices>{points}</vertices><triangles>{faces}</triangles></mesh>'
@@ -248,8 +347,90 @@ def test_what_was_painted_in_a_slicer_is_told(tmp_path, attribute):
     with zipfile.ZipFile(file, "w") as package:
         package.writestr("_rels/.rels", relations)
         package.writestr("a.model", model)
-    reading = read(tmp_path, "a.3mf", file.getvalue(), texture=False)
+        if settings is not None:
+            package.writestr(*settings)
+    return file.getvalue()
+
+
+@pytest.mark.parametrize("attribute", ["paint_color", "slic3rpe:mmu_segmentation"])
+def test_what_was_painted_in_a_slicer_is_told(tmp_path, attribute):
+    reading = read(tmp_path, "a.3mf", threemf(f'{attribute}="8"'), texture=False)
     assert reading.notes == ("left out: colours painted in a slicer",)
+
+
+@pytest.mark.parametrize(
+    "name", ["Metadata/model_settings.config", "Metadata/Slic3r_PE_model.config"]
+)
+@pytest.mark.parametrize(("extruder", "told"), [("1", False), ("0", False), ("2", True)])
+def test_filaments_of_parts_are_told(tmp_path, name, extruder, told):
+    settings = f'<config><object id="1"><metadata key="extruder" value="{extruder}"/></object>'
+    reading = read(tmp_path, "a.3mf", threemf("", (name, settings + "</config>")))
+    assert reading.notes == (("left out: filaments that a slicer gave its parts",) if told else ())
+
+
+def test_colours_that_are_not_there_are_told(tmp_path):
+    reading = read(tmp_path, "a.3mf", threemf('pid="7" p1="0"'))
+    assert reading.notes == ("left out: colours of resources that it does not contain",)
+
+
+# -- COLLADA -------------------------------------------------------------------------------------
+
+
+def collada(diffuse, more=""):
+    def source(name, values, axes):
+        named = "".join(f'<param name="{axis}" type="float"/>' for axis in axes)
+        n = len(values.split())
+        return (
+            f'<source id="{name}"><float_array id="{name}a" count="{n}">{values}</float_array>'
+            f'<technique_common><accessor source="#{name}a" count="{n // len(axes)}"'
+            f' stride="{len(axes)}">{named}</accessor></technique_common></source>'
+        )
+
+    return (
+        '<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1"><asset/>'
+        '<library_images><image id="i"><init_from>a%20b.png</init_from></image></library_images>'
+        '<library_effects><effect id="e"><profile_COMMON><newparam sid="u"><surface type="2D">'
+        '<init_from>i</init_from></surface></newparam><newparam sid="s"><sampler2D><source>u'
+        '</source></sampler2D></newparam><technique sid="c"><lambert><diffuse>'
+        f"{diffuse}</diffuse></lambert></technique></profile_COMMON></effect></library_effects>"
+        '<library_materials><material id="m"><instance_effect url="#e"/></material>'
+        '</library_materials><library_geometries><geometry id="g"><mesh>'
+        + source("p", "0 0 0 9 0 0 0 9 0", "XYZ")
+        + source("t", "0 0 1 0 0 1", "ST")
+        + source("k", "1 0 0 1 0 0 1 0 0", "RGB")
+        + '<vertices id="v"><input semantic="POSITION" source="#p"/></vertices>'
+        '<triangles count="1" material="s"><input semantic="VERTEX" source="#v" offset="0"/>'
+        f'<input semantic="TEXCOORD" source="#t" offset="0"/>{more}<p>0 1 2</p></triangles></mesh>'
+        '</geometry></library_geometries><library_visual_scenes><visual_scene id="w"><node>'
+        '<instance_geometry url="#g"><bind_material><technique_common><instance_material symbol="s"'
+        ' target="#m"/></technique_common></bind_material></instance_geometry></node>'
+        '</visual_scene></library_visual_scenes><scene><instance_visual_scene url="#w"/></scene>'
+        "</COLLADA>"
+    )
+
+
+TEXTURE = '<texture texture="s" texcoord="x"/>'
+
+
+def test_collada_has_its_picture_or_says_why_not(tmp_path):
+    pytest.importorskip("collada")
+    reading = read(tmp_path, "a.dae", collada(TEXTURE))
+    missing = "a texture is left out: it refers to 'a%20b.png', which is missing"
+    assert reading.notes == (missing,)
+    (tmp_path / "a b.png").write_bytes(b"none")
+    (note,) = read(tmp_path, "a.dae", collada(TEXTURE)).notes
+    assert "is no picture that can be read" in note
+    Image.fromarray(np.full((4, 4, 3), RED, np.uint8)).save(tmp_path / "a b.png")
+    reading = read(tmp_path, "a.dae", collada(TEXTURE))
+    assert (codes(reading), reading.notes) == ({RED}, ())
+    assert refers_to(tmp_path / "a.dae", tmp_path / "a b.png")
+
+
+def test_collada_says_that_colours_of_vertices_are_left_out(tmp_path):
+    pytest.importorskip("collada")
+    own = '<input semantic="COLOR" source="#k" offset="0"/>'
+    reading = read(tmp_path, "a.dae", collada("<color>1 1 1 1</color>", own))
+    assert reading.notes == ("left out: vertex colours",)
 
 
 # -- glTF ----------------------------------------------------------------------------------------
@@ -297,6 +478,12 @@ def test_an_extension_that_is_required_and_unknown_is_refused_by_name(tmp_path, 
 def test_extensions_that_are_known_or_of_materials_alone_may_be_required(tmp_path):
     names = ["KHR_mesh_quantization", "KHR_materials_unlit", "KHR_texture_transform"]
     assert read(tmp_path, "a.gltf", gltf(required=names)).mesh.n_faces == 1
+
+
+def test_an_extension_that_is_only_used_and_unknown_is_told(tmp_path):
+    used = ["KHR_texture_transform", "MSFT_lod", "KHR_materials_ior", "EXT_who_knows"]
+    reading = read(tmp_path, "a.gltf", gltf(extensionsUsed=used))
+    assert reading.notes == ("left out: what the extensions EXT_who_knows, MSFT_lod say",)
 
 
 def test_a_mesh_that_is_repeated_stands_in_every_place(tmp_path):

@@ -76,10 +76,10 @@ def test_without_open3d_points_are_refused_and_it_is_named(monkeypatch):
         surface_through(np.eye(3).repeat(20, axis=0))
 
 
-def test_what_is_missing_is_named_with_how_to_get_it(monkeypatch):
+def test_what_is_missing_is_named_with_how_to_get_it(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "collada", None)
     with pytest.raises(MeshError, match=r"needs collada.*pip install 'paint3d\[meshes\]'"):
-        read_collada(b"<a/>")
+        read_collada(b"<a/>", tmp_path)
 
 
 @pytest.mark.parametrize("suffix", [".dae", ".zae", ".xyz"])

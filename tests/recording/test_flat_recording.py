@@ -283,6 +283,144 @@ def test_a_pen_that_is_up_paints_nothing(tmp_path, force):
     assert again.position[again.pressure > 0, 0].tolist() == [0, 1, 20, 21]
 
 
+MM = '<channel name="X" units="mm"/><channel name="Y" units="mm"/>'
+
+
+def strokes_of(recording):
+    """The x of the samples of each stroke, as the pen touches."""
+    down = recording.pressure > 0
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], down, [False]]).astype(int)))
+    return [recording.position[a:b, 0].tolist() for a, b in edges.reshape(-1, 2)]
+
+
+@pytest.mark.parametrize(
+    ("traces", "wanted"),
+    [
+        ((("begin", ""), ("end", "")), [[0, 1]]),
+        ((("begin", ""), ("middle", ""), ("end", "")), [[0, 1, 2]]),
+        ((("", ""), ("", "#t0")), [[0, 1]]),  # named alone
+        ((("begin", ""), ("", ""), ("end", "#t0")), [[0, 2], [1]]),  # with another between
+        ((("begin", ""), ("end", ""), ("begin", ""), ("end", "")), [[0, 1], [2, 3]]),
+        ((("", ""), ("", "")), [[0], [1]]),
+        ((("", ""), ("end", "#nothing")), [[0], [1]]),  # of what is not there
+    ],
+)
+def test_a_trace_that_continues_another_is_the_same_stroke(tmp_path, traces, wanted):
+    text = (
+        "".join(
+            f'<trace xml:id="t{k}" continuation="{said}" priorRef="{prior}">{k} 0</trace>'
+            for k, (said, prior) in enumerate(traces)
+        )
+        .replace('continuation=""', "")
+        .replace('priorRef=""', "")
+    )
+    text = f"<ink><traceFormat>{MM}</traceFormat>{text}</ink>"
+    assert strokes_of(load_recording(table(tmp_path, text, "a.inkml"))) == wanted
+
+
+@pytest.mark.parametrize(
+    ("tilts", "lean"),
+    [((0, 0), (0, 0)), ((30, 0), (1, 0)), ((0, 30), (0, -1)), ((-30, 0), (-1, 0))],
+)
+def test_tilts_lean_the_pen_to_their_own_sides(tmp_path, tilts, lean):
+    """As in Pointer Events: to the right, and down the sheet."""
+    channels = "".join(f'<channel name="{name}" units="deg"/>' for name in ("OTx", "OTy"))
+    text = f"<ink><traceFormat>{MM}{channels}</traceFormat><trace>0 0 {tilts[0]} {tilts[1]}</trace>"
+    recording = load_recording(table(tmp_path, text + "</ink>", "a.inkml"))
+    handle = matrices_from_quaternions(recording.orientation)[0, :, 2]
+    wanted = np.array([*lean, 0.0]) * math.sin(math.radians(30))
+    wanted[2] = math.sqrt(1.0 - wanted @ wanted)
+    assert handle == pytest.approx(wanted, abs=1e-9)
+    assert recording.header["azimuth"] == "commanded"
+
+
+def test_tilts_and_directions_say_the_same(tmp_path):
+    rng = np.random.default_rng(5)
+    for azimuth, altitude in rng.uniform((-180, 10), (180, 85), (20, 2)):
+        a, e = np.radians([azimuth, altitude])
+        tilts = np.degrees(np.arctan2([np.cos(a), np.sin(a)], np.tan(e)))
+        both = []
+        for names, values in ((("OA", "OE"), (azimuth, altitude)), (("OTx", "OTy"), tilts)):
+            channels = "".join(f'<channel name="{name}" units="deg"/>' for name in names)
+            text = f"<ink><traceFormat>{MM}{channels}</traceFormat><trace>0 0 {values[0]:.9f} "
+            text += f"{values[1]:.9f}</trace></ink>"
+            both.append(load_recording(table(tmp_path, text, "a.inkml")).orientation[0])
+        assert abs(both[0] @ both[1]) == pytest.approx(1.0, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("channels", "traces", "wanted_ms"),
+    [
+        ("", ['timeOffset="0"', 'timeOffset="500"'], [0, 10, 500, 510]),
+        ("", ['timeOffset="70" duration="40"', 'timeOffset="500" duration="6"'], [0, 40, 430, 436]),
+        ("", ['timeOffset="0" duration="900"', 'timeOffset="8"'], [0, 4, 8, 18]),  # has no room
+        ('<channel name="T"/>', ['timeOffset="5"', 'timeOffset="500"'], [0, 7, 495, 502]),
+        ('<channel name="T"/>', ["", ""], [0, 7, 107, 114]),  # each counts from its start
+        ("", ['timeOffset="500"', 'timeOffset="0"'], [0, 10, 120, 130]),  # not in that order
+    ],
+)
+def test_traces_start_at_their_offsets(tmp_path, channels, traces, wanted_ms):
+    first, last = (" 0", " 7") if channels else ("", "")
+    text = "".join(f"<trace {said}>0 0{first}, 1 1{last}</trace>" for said in traces)
+    text = f"<ink><traceFormat>{MM}{channels}</traceFormat>{text}</ink>"
+    recording = load_recording(table(tmp_path, text, "a.inkml"))
+    down = recording.pressure > 0
+    times = recording.time_ns[down] - recording.time_ns[0]
+    assert times.tolist() == [1_000_000 * ms for ms in wanted_ms]
+
+
+def test_offsets_count_from_the_times_of_their_contexts(tmp_path):
+    text = f"""<ink><definitions><timestamp xml:id="a" time="1000"/>
+    <timestamp xml:id="b" timestampRef="#a" timeOffset="2000"/>
+    <context xml:id="one" timestampRef="#a"/><context xml:id="two" timestampRef="#b"/></definitions>
+    <traceFormat>{MM}</traceFormat><trace contextRef="#one" timeOffset="100">0 0</trace>
+    <trace contextRef="#two" timeOffset="50">1 1</trace></ink>"""
+    recording = load_recording(table(tmp_path, text, "a.inkml"))
+    times = recording.time_ns[recording.pressure > 0]
+    assert np.diff(times).tolist() == [1_950_000_000]
+
+
+def test_a_source_says_its_rate(tmp_path):
+    text = f"""<ink><inkSource><sampleRate value="200"/><traceFormat>{MM}</traceFormat></inkSource>
+    <trace>0 0, 1 1, 2 2</trace></ink>"""
+    recording = load_recording(table(tmp_path, text, "a.inkml"))
+    assert recording.time_ns.tolist() == [0, 5_000_000, 10_000_000]
+
+
+def test_values_that_go_on_and_words_of_other_kinds(tmp_path):
+    """The Recommendation's own example: differences, states of a button, and what goes on."""
+    text = """<ink><traceFormat><channel name="X" units="mm"/><channel name="Y" units="mm"/>
+    <intermittentChannels><channel name="B1" type="boolean" default="F"/>
+    <channel name="Z" units="mm" default="4"/></intermittentChannels></traceFormat>
+    <trace>1125 18432,'23'43,"7"-8,3-5,7 -3,6 2,6 8,3 6 T,2 4*#1F,3 6,3-6 F F,* *</trace></ink>"""
+    recording = load_recording(table(tmp_path, text, "a.inkml"))
+    x = [1125, 1148, 1178, 1211, 1251, 1297, 1349, 1404, 1461, 1521, 1584, 1650]
+    y = [18432, 18475, 18510, 18540, 18567, 18596, 18633, 18676, 18723, 18776, 18823, 18864]
+    assert recording.position[:, 0].tolist() == x
+    assert (-recording.position[:, 1]).tolist() == y
+    assert recording.position[:, 2].tolist() == [4] * 8 + [31, 31, 0, 0]
+
+
+@pytest.mark.parametrize("text", ["? 0, 1 1", "* 0"])
+def test_a_place_that_is_unknown_is_named(tmp_path, text):
+    text = f"<ink><traceFormat>{MM}</traceFormat><trace>{text}</trace></ink>"
+    with pytest.raises(RecordingError, match="point 1: X or Y is unknown"):
+        load_recording(table(tmp_path, text, "a.inkml"))
+
+
+def test_what_is_defined_is_no_stroke(tmp_path):
+    text = f"""<ink><definitions><trace xml:id="a">5 5</trace></definitions><traceFormat>{MM}
+    </traceFormat><trace>1 1, 2 2</trace></ink>"""
+    assert strokes_of(load_recording(table(tmp_path, text, "a.inkml"))) == [[1, 2]]
+
+
+def test_a_sheet_may_grow_to_the_left(tmp_path):
+    text = """<ink><traceFormat><channel name="X" units="mm" orientation="-ve"/>
+    <channel name="Y" units="mm" orientation="-ve"/></traceFormat><trace>3 4</trace></ink>"""
+    recording = load_recording(table(tmp_path, text, "a.inkml"))
+    assert recording.position[0, :2].tolist() == [-3, 4]
+
+
 @needs_shared
 def test_inkml_keeps_a_tablet_recording(tmp_path):
     recording = load_recording(SHARED / "wacom_ink.csv")

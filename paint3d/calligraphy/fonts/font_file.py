@@ -388,7 +388,7 @@ def _unpacked(path: Path, data: bytes) -> bytes:
         raise InputError(
             "{file}: a web font packed by Brotli, which is not installed; expected a .ttf or .otf",
             file=path,
-            hint="pip install brotli",
+            hint="pip install 'paint3d[hand]'",
         ) from None
     except Exception as cause:  # of its many kinds, few are documented
         raise InputError(

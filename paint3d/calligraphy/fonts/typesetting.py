@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 import unicodedata
+from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -97,12 +99,19 @@ def bodies_of(glyphs: Sequence[ShapedGlyph], font: FontFile) -> list[Body]:
     return [body for _, body in sorted(bodies, key=lambda one: one[0])]
 
 
-def text_of(some: Sequence[ShapedGlyph], glyphs: Sequence[ShapedGlyph], line: str) -> str:
-    """The characters of a line that some of its glyphs stand for, from the first to the last."""
-    starts = sorted({one.cluster for one in glyphs})
+def text_of(some: Sequence[ShapedGlyph], starts: Sequence[int], line: str) -> str:
+    """The characters of a line that some of its glyphs stand for, from the first to the last.
+
+    Parameters
+    ----------
+    some : sequence of ShapedGlyph
+    starts : sequence of int
+        Where the clusters of the line begin, rising.
+    line : str
+    """
     first, last = min(one.cluster for one in some), max(one.cluster for one in some)
-    end = next((start for start in starts if start > last), len(line))
-    return line[first:end]
+    after = bisect_right(starts, last)
+    return line[first : starts[after] if after < len(starts) else len(line)]
 
 
 def _bases(glyphs: Sequence[ShapedGlyph], areas: Sequence[float]) -> list[int]:
@@ -125,7 +134,7 @@ def _joined(
     parts: Sequence[_Part], glyphs: Sequence[ShapedGlyph], bases: Sequence[int]
 ) -> list[tuple[int, Body]]:
     """Parts that touch as bodies, with the others as their marks; each with its first glyph."""
-    groups = _touching(parts)
+    groups = _touching(parts, bases)
     homes = {part.glyph: group for group in groups for part in group if part.is_main}
     marks: dict[int, list[list[_Part]]] = {}
     bodies = []
@@ -137,12 +146,27 @@ def _joined(
             marks.setdefault(id(home), []).append(group)
     result = []
     for group in bodies:
-        carried = sorted(marks.get(id(group), []), key=lambda one: min(p.glyph for p in one))
+        carried = _in_order(marks.get(id(group), []), group, glyphs)
         members = sorted({part.glyph for one in (group, *carried) for part in one})
         shapes = tuple(_union(one) for one in (group, *carried))
         first = min(part.glyph for part in group)
         result.append((first, Body(tuple(glyphs[k] for k in members), shapes)))
     return result
+
+
+def _in_order(
+    marks: Sequence[list[_Part]], body: Sequence[_Part], glyphs: Sequence[ShapedGlyph]
+) -> list[list[_Part]]:
+    """Marks letter by letter, of each those nearest to the body first, row by row as one reads."""
+    middle = _union(body).centroid.y
+
+    def turn(mark: list[_Part]) -> tuple[int, int, float]:
+        left, lower, right, upper = bounds_of(part.shape.bounds for part in mark)
+        row = round(abs(0.5 * (lower + upper) - middle) / max(upper - lower, 1.0))
+        first = min(part.glyph for part in mark)
+        return first, row, -right if glyphs[first].is_rtl else left
+
+    return sorted(marks, key=turn)
 
 
 def _home(
@@ -153,22 +177,30 @@ def _home(
     return next((homes[k] for k in range(here, -1, -1) if k in homes), None)
 
 
-def _touching(parts: Sequence[_Part]) -> list[list[_Part]]:
-    """Groups of parts whose ink touches."""
+def _touching(parts: Sequence[_Part], bases: Sequence[int]) -> list[list[_Part]]:
+    """Groups of parts whose ink touches, but for marks with letters that they do not belong to.
+
+    A tail may run through the dots of the letter after it, which stay that letter's.
+    """
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
     from shapely import STRtree
 
     if not parts:
         return []
     shapes = [part.shape for part in parts]
-    group = list(range(len(parts)))
-    for a, b in STRtree(shapes).query(shapes, predicate="intersects").T:
-        one, two = group[a], group[b]
-        if one != two:
-            group = [min(one, two) if k in (one, two) else k for k in group]
-    return [
-        [part for part, k in zip(parts, group, strict=True) if k == key]
-        for key in dict.fromkeys(group)
-    ]
+    one, two = STRtree(shapes).query(shapes, predicate="intersects")
+    is_main = np.array([part.is_main for part in parts])
+    base = np.array([bases[part.glyph] for part in parts])
+    together = (is_main[one] & is_main[two]) | (base[one] == base[two])
+    pairs = coo_array(
+        (np.ones(int(together.sum())), (one[together], two[together])), (len(parts),) * 2
+    )
+    _, numbers = connected_components(pairs, directed=False)
+    groups: dict[int, list[_Part]] = {}
+    for part, number in zip(parts, numbers.tolist(), strict=True):
+        groups.setdefault(number, []).append(part)
+    return list(groups.values())
 
 
 def _union(parts: Sequence[_Part]) -> MultiPolygon:
@@ -309,12 +341,38 @@ class FontText:
 
     def compose(self, room: float) -> Page:
         """The page with lines no longer than `room`, glyph units, where they can be broken."""
-        shaper = Shaper(self.font, self.style)
-        lines = [line for part in self._paragraphs() for line in _broken(part, shaper, room)]
-        key = tuple(lines)
+        key = tuple(self._lines(room))
         if key not in self._pages:
-            self._pages[key] = self._set(lines, shaper)
+            self._pages[key] = self._set(key, Shaper(self.font, self.style))
         return self._pages[key]
+
+    def least_size(self, room: float) -> tuple[float, float]:
+        """What the page is as long as and as high as at least, told by advances alone."""
+        pitch = _COLUMN_PITCH * EM_UNITS if self.runs_down else self._pitch
+        across = pitch * (len(self._lines(room)) - 1)
+        return (max(map(sum, self._advances)) if math.isinf(room) else 0.0), across
+
+    def _lines(self, room: float) -> list[str]:
+        parts = self._paragraphs()
+        if math.isinf(room):
+            return parts
+        return [
+            line
+            for part, advances in zip(parts, self._advances, strict=True)
+            for line in (break_line(part, advances, room) if part else [part])
+        ]
+
+    @cached_property
+    def _advances(self) -> list[list[float]]:
+        """Of every character of every paragraph."""
+        shaper = Shaper(self.font, self.style)
+        return [shaper.advances(part) for part in self._paragraphs()]
+
+    @property
+    def _pitch(self) -> float:
+        """From one line to the next."""
+        ascender, descender, gap = self.font.extents
+        return max(ascender - descender + gap, _LEAST_PITCH * EM_UNITS)
 
     def _paragraphs(self) -> list[str]:
         text = unicodedata.normalize("NFC", self.text).replace("\t", " ")
@@ -323,8 +381,8 @@ class FontText:
 
     def _set(self, lines: Sequence[str], shaper: Shaper) -> Page:
         """Lines below each other, or columns beside each other from the right."""
-        ascender, descender, gap = self.font.extents
-        pitch = max(ascender - descender + gap, _LEAST_PITCH * EM_UNITS)
+        ascender, descender, _ = self.font.extents
+        pitch = self._pitch
         pieces: list[Piece] = []
         for k, line in enumerate(lines):
             if not line:
@@ -336,8 +394,9 @@ class FontText:
             else:
                 start = -length if shaper.is_rtl(line) else 0.0
                 at, middle = np.array([start, -pitch * k]), 0.5 * (ascender + descender)
+            starts = sorted({one.cluster for one in shaped})
             for body in bodies_of(shaped, self.font):
-                pieces.append(self._piece(body, text_of(body.glyphs, shaped, line), at, middle))
+                pieces.append(self._piece(body, text_of(body.glyphs, starts, line), at, middle))
         return Page(tuple(pieces), self.font.name, self._licence())
 
     def _licence(self) -> str:
@@ -440,12 +499,6 @@ def _together(parts: Sequence[MultiPolygon]) -> MultiPolygon:
     from shapely import unary_union
 
     return as_multipolygon(unary_union(parts))
-
-
-def _broken(paragraph: str, shaper: Shaper, room: float) -> list[str]:
-    if not paragraph or math.isinf(room):
-        return [paragraph]
-    return break_line(paragraph, shaper.advances(paragraph), room)
 
 
 def _placement(body: Body) -> list[tuple[int, float, float]]:

@@ -32,6 +32,7 @@ _SHARES = (1.0, 0.8, 0.65, 0.5, 0.4, 0.3, 0.2)  # of the room there is: lines th
 _MOVES = (0.0, 0.3, -0.3, 0.6, -0.6, 1.0, -1.0, 1.5, -1.5)  # ems up from the place: tried in turn
 _MOST_PLACES = 12
 _ROUNDING = 1e-6  # of a length
+_FAR = 1.5  # times the room, which other heights may have more of: what is larger is not composed
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,6 +79,7 @@ def lay_page(
     """
     layout, limits = layout or Layout(), limits or SquareLimits()
     fault: MeshError | None = None
+    composed: Page | None = None  # in one line, or broken as little as was tried
     grounds, layout = grounds_of(surface, layout)
     ground = grounds[0]  # of a couplet, the panel on the right
     for n, frame in enumerate(_places(ground, layout)):
@@ -85,16 +87,20 @@ def lay_page(
             break
         sheet = _Sheet(ground, em_mm, layout, limits, frame)
         for page in sheet.pages(text):
+            composed = composed or page
             try:
                 return page, sheet.lay(page)
             except MeshError as cause:
                 fault = fault or cause
+        fault = fault or sheet.too_small
     if fault is None:
         raise MeshError(
             "{object}: there is no place to write; expected a surface",
             object=surface.mesh.name,
         )
-    raise _too_large(surface, text.compose(math.inf), em_mm, fault)
+    if composed is None:
+        raise _far_too_large(surface, text, em_mm, fault)
+    raise _too_large(surface, composed, em_mm, fault)
 
 
 def _places(ground: Ground, layout: Layout) -> Iterator[SurfaceFrame]:
@@ -123,6 +129,19 @@ def _too_large(surface: ClosestPoints, page: Page, em_mm: float, fault: MeshErro
     )
 
 
+def _far_too_large(
+    surface: ClosestPoints, text: Composer, em_mm: float, fault: MeshError
+) -> InputError:
+    """The same of a text that was not even set, whose advances say enough."""
+    return InputError(
+        "the text is {length:,.0f} mm long at this size, which does not fit on {object} ({fault}); "
+        "expected less to write or a smaller size",
+        length=em_mm / EM_UNITS * text.least_size(math.inf)[0],
+        object=surface.mesh.name,
+        fault=fault,
+    )
+
+
 class _Sheet:
     """A page's lines up and along, around one place of a surface."""
 
@@ -138,18 +157,40 @@ class _Sheet:
         self.em_mm, self.layout, self.limits = em_mm, layout, limits
         self.middle, self.scale = middle, em_mm / EM_UNITS
         self.up = ground.upright(middle.normal, layout)
+        self.too_small: MeshError | None = None  # why pages were not even composed
         self._climbs: dict[float, SurfaceLine] = {}
         self._levels: dict[tuple[float, float], SurfaceLine] = {}
 
     def pages(self, text: Composer) -> Iterator[Page]:
-        """The text in one line, then broken to more and more."""
-        page = text.compose(math.inf)
-        yield page
-        for share in _SHARES:
-            following = text.compose(share * self._room(text) / self.scale)
+        """The text in one line, then broken to more and more, but for what is far too large.
+
+        Of that not even the glyphs are placed, which takes seconds for thousands.
+        """
+        room = self._room(text)
+        page: Page | None = None
+        for share in (math.inf, *_SHARES):
+            length = share * room / self.scale
+            along, across = (self.scale * size for size in text.least_size(length))
+            if along > _FAR * room + 4.0 * self.em_mm or across > _FAR * self._depth(text):
+                self.too_small = self.too_small or self._ends()
+                continue
+            following = text.compose(length)
             if following is not page:
                 page = following
                 yield page
+
+    def _depth(self, text: Composer) -> float:
+        """How much room there is across the lines, mm."""
+        if not text.runs_down:
+            return sum(self._climb(sign).length for sign in (1.0, -1.0))
+        right = self._level(0.0, 1.0)
+        return right.length if right.closed else right.length + self._level(0.0, -1.0).length
+
+    def _ends(self) -> MeshError:
+        return MeshError(
+            "{object}: the surface ends within the text",
+            object=self.surface.mesh.name,
+        )
 
     def _room(self, text: Composer) -> float:
         """How long a line of text may be, mm."""
@@ -212,10 +253,7 @@ class _Sheet:
         distance = x if level.closed else abs(x)
         too_wide = self.scale * (right - left) > level.length * (1.0 + _ROUNDING)
         if too_wide if level.closed else distance > level.length:
-            raise MeshError(
-                "{object}: the surface ends within the text",
-                object=self.surface.mesh.name,
-            )
+            raise self._ends()
         frame = upright_frame(self.surface, level.at(distance), self.up)
         size = [self.scale * (high - low) for low, high in zip(*_corners(piece), strict=True)]
         square = lay_square(self.surface, frame, self.em_mm, self.limits, (size[0], size[1]))
@@ -226,10 +264,7 @@ class _Sheet:
         if (height, sign) not in self._levels:
             climb = self._climb(math.copysign(1.0, height))
             if abs(height) > climb.length:
-                raise MeshError(
-                    "{object}: the surface ends within the text",
-                    object=self.surface.mesh.name,
-                )
+                raise self._ends()
             frame = upright_frame(self.surface, climb.at(abs(height)), self.up)
             self._levels[height, sign] = self._walk(frame, (sign, 0.0))
         return self._levels[height, sign]

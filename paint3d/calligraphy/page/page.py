@@ -226,6 +226,10 @@ class Page:
         """The page itself: it is set already."""
         return self
 
+    def least_size(self, room: float) -> tuple[float, float]:
+        """Nothing that would say less than the page does."""
+        return 0.0, 0.0
+
 
 class Composer(Protocol):
     """Something that is set as a page in the room that there is."""
@@ -239,6 +243,13 @@ class Composer(Protocol):
         """The page with lines no longer than `room`, glyph units, where they can be broken.
 
         It is the same page, not a copy, where the lines are broken alike.
+        """
+        ...
+
+    def least_size(self, room: float) -> tuple[float, float]:
+        """What its page is as long as and as high as at least, glyph units, told by advances alone.
+
+        Along the lines, of those that cannot be broken, and across them.
         """
         ...
 

@@ -36,6 +36,8 @@ from paint3d.calligraphy.page.page import (
     polygons_of,
     rings_of,
 )
+from paint3d.calligraphy.page.svg_clips import CLIPS, mark_clipped
+from paint3d.calligraphy.page.svg_lengths import in_numbers
 from paint3d.calligraphy.shapes.decompose import decompose, thinnest_within
 from paint3d.core.arrays import AnyArray
 from paint3d.core.foreign_xml import XmlFault, parse_xml
@@ -451,7 +453,11 @@ _FAINT = 20  # of 255: an opacity below it is none
 _PAPER = 245  # of 255: what is lighter is paper
 _CAPS = {"round": "round", "square": "square"}
 _JOINS = {"round": "round", "bevel": "bevel"}
-_NOT_PAINTED = ("text", "image", "clipPath", "mask", "foreignObject")
+_NOT_PAINTED = ("text", "image", "mask", "foreignObject")
+_UNEVEN = ("linearGradient", "radialGradient", "meshgradient", "pattern")
+_PAINTS = re.compile(r"""url\(\s*['"]?#([^'")]+)""")
+_PAINT = re.compile(rf"""{_PAINTS.pattern}['"]?\s*\)([^;]*)""")
+_ROUNDING = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -518,8 +524,12 @@ def _inks_of(file: Path | str, ids: Sequence[str]) -> list[_Ink]:
         )
     root = check_svg(data, path.name)
     check_numbers(root, path.name)
-    drawn = ElementTree.tostring(in_place(root))
-    inks = _covered(list(_read(drawn, path.name, ids)))
+    placed = in_place(root)
+    in_numbers(placed)
+    _fall_back(placed, {element.get("id") for element in root.iter()})
+    paths, others = mark_clipped(placed)
+    clips = _Clips(paths, path.name)
+    inks = _covered(list(_read(ElementTree.tostring(placed), path.name, ids, clips)))
     if not inks:
         raise InputError(
             "{file}: nothing is filled or stroked that is more than a hairline; expected shapes "
@@ -530,14 +540,71 @@ def _inks_of(file: Path | str, ids: Sequence[str]) -> list[_Ink]:
     left_out = [tag for tag in _NOT_PAINTED if tag in tags]
     if left_out:
         _LOG.warning("%s: not painted: %s", path.name, ", ".join(left_out))
+    if others:
+        _LOG.warning("%s: painted whole, without clip-path: %s", path.name, ", ".join(others))
+    even = [tag for tag in _UNEVEN if tag in tags and _is_used(tag, root)]
+    if even:
+        _LOG.warning("%s: painted in one even ink: %s", path.name, ", ".join(even))
     return inks
+
+
+def _fall_back(root: Element, names: set[str | None]) -> None:
+    """Let what refers to a paint that is not there have the colour that it names instead, or none.
+
+    The package takes any reference for black.
+    """
+    for element in root.iter():
+        for key in ("fill", "stroke", "style"):
+            if "url(" in element.get(key, ""):
+                text = _PAINT.sub(
+                    lambda found: found[0] if found[1] in names else found[2].strip() or "none",
+                    element.get(key, ""),
+                )
+                element.set(key, text)
+
+
+def _is_used(tag: str, root: Element) -> bool:
+    """Whether something in a drawing is filled or stroked by an element of this tag."""
+    names = {element.get("id") for element in root.iter() if _tag(element) == tag}
+    texts = (
+        text for element in root.iter() for text in (element.text or "", *element.attrib.values())
+    )
+    return any(name in names for text in texts for name in _PAINTS.findall(text))
+
+
+class _Clips:
+    """The shapes that clip paths leave, each read when it is first asked for."""
+
+    def __init__(self, paths: list[bytes], name: str) -> None:
+        self._paths, self._name = paths, name
+        self._shapes: dict[int, MultiPolygon] = {}
+
+    def cut(self, ink: _Ink, shape: Any) -> _Ink | None:
+        """An ink of a shape of the package's, where nothing clips it; None if that is nowhere."""
+        for number in map(int, shape.values.get(CLIPS, "").split()):
+            left = as_multipolygon(ink.shape.intersection(self._left_by(number)))
+            if left.is_empty:
+                return None
+            if left.area < ink.shape.area * (1.0 - _ROUNDING):
+                ink = replace(ink, shape=left, line=None)
+        return ink
+
+    def _left_by(self, number: int) -> MultiPolygon:
+        from shapely import unary_union
+
+        if number not in self._shapes:
+            inks = _read(self._paths[number], self._name, ())
+            self._shapes[number] = as_multipolygon(unary_union([ink.shape for ink in inks]))
+        return self._shapes[number]
 
 
 # -- reading ------------------------------------------------------------------------------------
 
 
-def _read(data: bytes, name: str, ids: Sequence[str]) -> Iterator[_Ink]:
-    """The inks of a drawing in document order."""
+def _read(
+    data: bytes, name: str, ids: Sequence[str], clips: _Clips | None = None
+) -> Iterator[_Ink]:
+    """The inks of a drawing in document order, clipped."""
     svg = package_of_the_hand("svgelements")
     try:
         document = svg.SVG.parse(BytesIO(data), reify=False)
@@ -576,7 +643,10 @@ def _read(data: bytes, name: str, ids: Sequence[str]) -> Iterator[_Ink]:
             )
         for points, _ in lines:  # of some curves the boxes do not tell
             _check_reach(name, points)
-        yield from _inks(lines, one, label)
+        for ink in _inks(lines, one, label):
+            kept = ink if clips is None else clips.cut(ink, one.shape)
+            if kept is not None:
+                yield kept
 
 
 @dataclass(frozen=True, eq=False)

@@ -31,7 +31,7 @@ from paint3d.calligraphy.photo.sheet import (
     check_exposure,
     check_ground,
     checked_corners,
-    find_sheet,
+    find_sheets,
     flattened,
     sheet_size,
     straightened,
@@ -75,6 +75,10 @@ class Asked:
         Whether they stand in columns.
     templates : mapping
         Glyphs of characters that are known.
+    least : float
+        Of the square of a character's size: smaller bits of ink are no strokes.
+    darker : float
+        Of the light that the ink takes, 0 to 1: what takes less is no ink.
     """
 
     corners: AnyArray | None = None
@@ -84,6 +88,8 @@ class Asked:
     lines: tuple[str, ...] = ()
     columns: bool = True
     templates: Mapping[str, Glyph] | None = None
+    least: float = 0.0
+    darker: float = 0.0
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -171,17 +177,15 @@ def copy_sheet(
         on a sheet of writing; the message says what to do.
     """
     asked = asked or Asked()
-    corners = _corners(pixels, asked)
+    corners, *others = _sheets(pixels, asked)
     sheet = straightened(pixels, corners, sheet_size(corners, pixels.shape[:2], _LONGEST))
     reflected, paper = flattened(sheet)
     if not asked.invert:
         check_ground(sheet)
         check_exposure(sheet, paper)
     inks = rubbed(sheet) if asked.invert else unmixed(reflected)
-    ink = find_ink(inks.black)
-    found = characters_of(
-        polygons_in(ink.body, ink.width), ink.width, asked.lines, columns=asked.columns
-    )
+    ink = find_ink(inks.black, asked.darker)
+    found = _characters(ink, asked)
     per_unit = _em_of(found) / EM_UNITS
     origin = np.array([0.0, float(sheet.shape[0])])
     pieces: list[Piece] = []
@@ -205,7 +209,11 @@ def copy_sheet(
         page, (height, width), per_unit, origin, picture=picture, corners=corners, ink=ink,
         red=inks.red,
     )  # fmt: skip
-    notes = (_note_on_ground(sheet) if asked.invert else None, _note_on_lost_ink(copied))
+    notes = (
+        _note_on_others(corners, others),
+        _note_on_ground(sheet) if asked.invert else None,
+        _note_on_lost_ink(copied),
+    )
     return replace(copied, notes=tuple(note for note in notes if note is not None))
 
 
@@ -239,18 +247,50 @@ def seen_again(page: Page, pixels: NDArray[np.uint8], scale: float) -> SheetPict
     )
 
 
-def _corners(pixels: NDArray[np.uint8], asked: Asked) -> NDArray[np.float64]:
-    """The sheet's corners, as they are asked for."""
+def _characters(ink: InkMask, asked: Asked) -> list[Character]:
+    """The characters on a sheet, of bits of ink that are not smaller than is asked."""
+    shapes = polygons_in(ink.body, ink.width)
+    found = characters_of(shapes, ink.width, asked.lines, columns=asked.columns)
+    least = asked.least * _em_of(found) ** 2
+    kept = [shape for shape in shapes if shape.area >= least]
+    if len(kept) == len(shapes):
+        return found
+    if not kept:
+        raise InputError("all ink on the sheet is in smaller bits than that; expected some strokes")
+    return characters_of(kept, ink.width, asked.lines, columns=asked.columns)
+
+
+def _sheets(pixels: NDArray[np.uint8], asked: Asked) -> list[NDArray[np.float64]]:
+    """The corners of the sheet as it is asked for, then those of others that stand out."""
     if asked.corners is not None:
-        return checked_corners(asked.corners, pixels.shape[:2])
+        return [checked_corners(asked.corners, pixels.shape[:2])]
     if asked.whole:
-        return whole_picture(pixels)
+        return [whole_picture(pixels)]
     try:
-        return find_sheet(pixels)
+        return find_sheets(pixels)
     except InputError:
         if not asked.or_whole:
             raise
-        return whole_picture(pixels)
+        return [whole_picture(pixels)]
+
+
+def _note_on_others(
+    taken: NDArray[np.float64], others: Sequence[NDArray[np.float64]]
+) -> Message | None:
+    """Which sheets stand out besides the one that is copied; None where none does."""
+    if not others:
+        return None
+
+    def named(corners: NDArray[np.float64]) -> str:
+        return " ".join(f"{x:.0f},{y:.0f}" for x, y in corners)
+
+    return Message(
+        "{n} sheets stand out in the picture: copied the one with the corners {taken}; the others' "
+        "are {others}",
+        n=1 + len(others),
+        taken=named(taken),
+        others="; ".join(map(named, others)),
+    )
 
 
 def _note_on_ground(sheet: NDArray[np.float32]) -> Message | None:

@@ -186,6 +186,7 @@ _FAINT = 0.5  # the same of ink that is a dry stroke's, though its edge may be f
 _LENS = 1.0  # pixels: how far a photograph spreads what is narrow
 _NOISES = 5.0  # standard deviations of the paper that ink stands out by at the least
 _FAINTEST = 0.06  # density of the palest ink that is one
+_DARK = 90.0  # per cent of what is inked take less light than unbroken ink
 _SPECK = 0.01  # squares of a stroke's width: smaller bits of ink are dust
 _MARGIN = 0.012  # of the sheet's shorter side: its edges are no strokes
 _MOST = 0.6  # of the sheet: more than that is no writing
@@ -222,8 +223,15 @@ class InkMask:
     full: float
 
 
-def find_ink(density: NDArray[np.float32]) -> InkMask:
+def find_ink(density: NDArray[np.float32], darker: float = 0.0) -> InkMask:
     """Find the ink on a sheet by its density (H, W).
+
+    Parameters
+    ----------
+    density : (H, W) float32
+    darker : float
+        Only what takes more than this share of the light that the ink takes, 0 to 1: what is paler,
+        such as stains, is ground.
 
     Raises
     ------
@@ -239,6 +247,10 @@ def find_ink(density: NDArray[np.float32]) -> InkMask:
     smooth = np.where(inner, gaussian_filter(density, 0.5), 0.0)
     taken = 1.0 - 10.0 ** -np.where(inner, density, 0.0)  # linear in what is inked of a pixel
     near = _inked(smooth, inner)
+    if darker > 0.0 and near.any():
+        full = float(np.percentile(gaussian_filter(taken, 0.7)[near], _DARK))
+        smooth = np.where(gaussian_filter(taken, 0.7) > darker * full, smooth, 0.0)
+        near = _inked(smooth, inner)
     share = (2.0 * taken - gaussian_filter(taken, _LENS)) / np.maximum(
         _taken_near(taken, near), 1e-6
     )

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,12 +20,15 @@ from paint3d.calligraphy.photo.ink_mask import otsu
 from paint3d.core.arrays import AnyArray
 from paint3d.errors import InputError
 
+if TYPE_CHECKING:
+    from shapely import Polygon
+
 __all__ = [
     "blur_matrix",
     "check_exposure",
     "check_ground",
     "checked_corners",
-    "find_sheet",
+    "find_sheets",
     "flattened",
     "homography",
     "linear_light",
@@ -160,6 +164,8 @@ _LEAST, _MOST = 0.06, 0.985  # of the picture
 _FOUR_SIDED = 0.93  # of an area and its quadrilateral that they share
 _STATIONS = 48  # along a side
 _OUT = 0.012  # of the picture: how far inside and outside a side colours are compared
+_AS_LARGE = 0.4  # of the area of the sheet that stands out most: another one
+_OVERLAP = 0.1  # of the smaller one's area, that two sheets may share
 _WEAKEST = 0.5  # of contrast along the weakest side over what the planes vary by themselves
 _LEFT_OUT = 0.06  # of a side at either end, where corners are round
 _ROUNDS = ((0.03, 6), (0.008, 6))  # of the picture to either side, and how often
@@ -214,8 +220,10 @@ def checked_corners(corners: AnyArray, shape: tuple[int, int]) -> NDArray[np.flo
     return corners if (turns > 0.0).all() else corners[[0, 3, 2, 1]]
 
 
-def find_sheet(pixels: NDArray[np.uint8]) -> NDArray[np.float64]:
-    """The corners of the sheet in a photograph.
+def find_sheets(pixels: NDArray[np.uint8]) -> list[NDArray[np.float64]]:
+    """The corners of the sheets in a photograph, that which stands out most first.
+
+    Others are sheets where they stand out, too, are not much smaller, and lie beside it.
 
     Parameters
     ----------
@@ -224,7 +232,7 @@ def find_sheet(pixels: NDArray[np.uint8]) -> NDArray[np.float64]:
 
     Returns
     -------
-    (4, 2) float64
+    list of (4, 2) float64
         Pixels, x to the right and y down: upper left, upper right, lower right, lower left.
 
     Raises
@@ -232,14 +240,24 @@ def find_sheet(pixels: NDArray[np.uint8]) -> NDArray[np.float64]:
     InputError
         If no four-sided sheet stands out.
     """
+    import shapely
+
     step = max(1, round(max(pixels.shape[:2]) / _SEARCHED))
     small = _planes(pixels, step)
-    best, weakest = None, 0.0
-    for corners in _candidates(small):
-        contrast = _weakest_side(small, corners)
-        if contrast > weakest:
-            best, weakest = corners, contrast
-    if best is None or weakest < _WEAKEST:
+    candidates = [one for one in _candidates(small) if shapely.Polygon(one).is_valid]
+    told = [(_weakest_side(small, corners), corners) for corners in candidates]
+    told.sort(key=lambda one: -one[0])
+    chosen: list[tuple[NDArray[np.float64], Polygon]] = []
+    for contrast, corners in told:
+        area = shapely.Polygon(corners)
+        if contrast < _WEAKEST:
+            break
+        is_large = not chosen or area.area > _AS_LARGE * chosen[0][1].area
+        if is_large and not any(
+            area.intersection(one).area > _OVERLAP * min(area.area, one.area) for _, one in chosen
+        ):
+            chosen.append((corners, area))
+    if not chosen:
         raise InputError(
             "no sheet with four sides stands out; expected paper that lies whole in the picture on "
             "another colour: give its corners",
@@ -247,8 +265,7 @@ def find_sheet(pixels: NDArray[np.uint8]) -> NDArray[np.float64]:
         )
     finer = max(1, round(max(pixels.shape[:2]) / _DRAWN))
     fine = _planes(pixels, finer)
-    drawn = _drawn(fine, best * (step / finer))
-    return _in_order(drawn * finer)
+    return [_in_order(_drawn(fine, corners * (step / finer)) * finer) for corners, _ in chosen]
 
 
 def _planes(pixels: NDArray[np.uint8], step: int) -> _Planes:

@@ -1,7 +1,7 @@
 """COLLADA (.dae, and .zae, a ZIP of it), read by trimesh and pycollada.
 
-They are imported here, in the child process, and given bytes: a file that refers to others gets
-none of them.
+They are imported here, in the child process, and given bytes. Of other files that one refers to it
+gets pictures in its folder.
 """
 
 from __future__ import annotations
@@ -11,13 +11,16 @@ import zipfile
 from collections.abc import Iterator
 from dataclasses import replace
 from importlib import import_module
+from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
 from paint3d.core.foreign_xml import XmlFault, parse_xml
-from paint3d.errors import MeshError
+from paint3d.errors import MeshError, Message
+from paint3d.files.colours import VERTEX_COLOURS, open_picture
+from paint3d.files.contents import read_beside
 from paint3d.files.package_meshes import read_trimesh
-from paint3d.files.raw_mesh import RawMesh
+from paint3d.files.raw_mesh import RawMesh, left_out
 
 __all__ = ["read_collada"]
 
@@ -26,15 +29,35 @@ MOST_BYTES = 1 << 28  # of an unpacked archive
 UP = {"X_UP": "x", "Y_UP": "y", "Z_UP": "z"}
 
 
-def read_collada(data: bytes, texture: bool = False) -> RawMesh:
+class _Beside:
+    """Gives trimesh the pictures beside a file, and keeps what it could not give."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        self.notes: list[Message] = []
+
+    def get(self, name: str) -> bytes:
+        """Return a file's bytes."""
+        try:
+            data = read_beside(self._folder, str(name))
+            open_picture(data)  # of one that is none, trimesh says nothing
+        except MeshError as cause:
+            self.notes.append(Message("a texture is left out: {cause}", cause=cause))
+            raise
+        return data
+
+
+def read_collada(data: bytes, folder: Path, texture: bool = False) -> RawMesh:
     """Read a COLLADA document, plain or packed, with its unit and the axis that is up.
 
     Parameters
     ----------
     data : bytes
         The whole file; what begins with "PK" is a ZIP.
+    folder : Path
+        Where its pictures lie; others are not followed.
     texture : bool
-        Whether to take colours of materials; pictures beside the file are left out.
+        Whether to take colours of materials and their pictures.
 
     Raises
     ------
@@ -44,11 +67,13 @@ def read_collada(data: bytes, texture: bool = False) -> RawMesh:
     trimesh = _package("trimesh")
     _package("collada")
     packed = data[:2] == b"PK"
-    up = None
+    up, is_painted = None, False
     for root in _packed_documents(data) if packed else (_document(data),):
         up = up or _up_of(root)
+        is_painted |= any(element.get("semantic") == "COLOR" for element in root.iter())
+    beside = {"resolver": _Beside(folder)} if texture and not packed else {}
     try:
-        found = trimesh.load_scene(io.BytesIO(data), file_type="zae" if packed else "dae")
+        found = trimesh.load_scene(io.BytesIO(data), file_type="zae" if packed else "dae", **beside)
         raw = read_trimesh(found, texture)  # looks at what was only noted down until now
     except MeshError:
         raise
@@ -57,7 +82,10 @@ def read_collada(data: bytes, texture: bool = False) -> RawMesh:
         raise MeshError(
             "COLLADA is read by trimesh, which says: {words:.200}", words=words
         ) from None
-    return replace(raw, up=up or "y")  # as COLLADA says where a file does not
+    notes = tuple(dict.fromkeys(beside["resolver"].notes)) if beside else ()
+    notes += left_out([VERTEX_COLOURS]) if is_painted and raw.colours is None else ()
+    up = up or "y"  # as COLLADA says where a file does not
+    return replace(raw, up=up, notes=raw.notes + notes)
 
 
 def _package(module: str) -> Any:

@@ -301,7 +301,7 @@ def check_kinds(document: Mapping[str, Any]) -> None:
     MeshError
         Naming the part, what it is, and what was expected.
     """
-    _check(document, {"asset": dict, "extensionsRequired": list}, "")
+    _check(document, {"asset": dict, "extensionsRequired": list, "extensionsUsed": list}, "")
     version = str(document.get("asset", {}).get("version", "2.0"))
     if not version.startswith("2."):
         raise MeshError("it is glTF version {version:.20}; expected 2", version=version)
@@ -844,6 +844,10 @@ def _dropped(file: GltfFile) -> set[Message]:
     dropped = {kind for kind in things if file.document.get(kind)}
     if LIGHTS in file.document.get("extensions", {}):
         dropped.add(Message("lights"))
+    others = sorted({str(name) for name in file.document.get("extensionsUsed", ())} - KNOWN)
+    others = [name for name in others if not name.startswith(MATERIALS)]
+    if others:
+        dropped.add(Message("what the extensions {names} say", names=", ".join(others)[:60]))
     if any(_is_hidden(node) for node in file.document.get("nodes", [])):
         dropped.add(Message("hidden parts"))
     for mesh in file.document.get("meshes", []):

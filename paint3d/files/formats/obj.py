@@ -2,17 +2,26 @@
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.errors import MeshError, Message
-from paint3d.files.colours import REPEAT, Look, colour_codes, linear_from_srgb, open_picture
-from paint3d.files.contents import plain_text, read_beside
+from paint3d.files.colours import (
+    REPEAT,
+    VERTEX_COLOURS,
+    Look,
+    colour_codes,
+    is_coloured,
+    linear_from_srgb,
+    open_picture,
+)
+from paint3d.files.contents import path_beside, plain_text, read_beside
 from paint3d.files.formats.text_rows import UNIT_NAMES, text_rows
 from paint3d.files.raw_mesh import RawMesh, index_array, left_out, parse_numbers
 
@@ -94,7 +103,8 @@ def obj_looks(lines: Sequence[bytes], sizes: NDArray[np.int64], folder: Path) ->
     materials: dict[bytes, Material] = {}
     for line in lines:
         if line.startswith(b"mtllib "):
-            _read_library(_name(line[7:]), folder, materials, notes, dropped)
+            for name in _libraries(line[7:], folder):
+                _read_library(name, folder, materials, notes, dropped)
     names = {name: k for k, name in enumerate(materials)}
     look_of, places = _by_face(lines, names, int(sizes.sum()))
     told = tuple(dict.fromkeys(notes)), frozenset(dropped)
@@ -113,7 +123,16 @@ def obj_looks(lines: Sequence[bytes], sizes: NDArray[np.int64], folder: Path) ->
 
 
 def _name(words: bytes) -> str:
-    return words.strip().decode("utf-8", "surrogateescape")
+    return words.strip().strip(b'"').decode("utf-8", "surrogateescape")
+
+
+def _libraries(words: bytes, folder: Path) -> list[str]:
+    """Return the names in a line: one that may hold spaces, or, where it is not there, several."""
+    whole, names = _name(words), [_name(word) for word in words.split()]
+    if b"\0" in words or not all(name.lower().endswith(".mtl") for name in names):
+        return [whole]
+    is_there = os.path.exists(path_beside(os.path.realpath(folder), whole))
+    return [whole] if is_there else names
 
 
 def _by_face(
@@ -304,6 +323,11 @@ def read_obj(data: bytes, folder: Path, texture: bool = False) -> RawMesh:
         return RawMesh(vertices, corners, sizes, colours, announces=announced, notes=notes)
     found = obj_looks(lines, sizes, folder)
     told = found.notes + left_out(dropped | found.dropped)
+    if is_coloured(colours):  # a material that says nothing stands beside them in many files
+        if any(look.picture is not None or min(look.factor) < 1.0 for look in found.looks):
+            told = found.notes + left_out(dropped | found.dropped | {VERTEX_COLOURS})
+        else:
+            found = replace(found, looks=())
     if not found.looks:
         return RawMesh(vertices, corners, sizes, colours, announces=announced, notes=notes + told)
     return RawMesh(

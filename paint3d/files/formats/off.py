@@ -1,4 +1,4 @@
-"""OFF and COFF in ASCII: polygons, comments anywhere, vertex colours."""
+"""OFF in ASCII, with C, N and ST: polygons, comments anywhere, colours, normals of vertices."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ from paint3d.files.raw_mesh import (
 
 __all__ = ["read_off"]
 
-KIND = re.compile(rb"(?i:(?P<kind>(ST)?C?N?OFF))(?=[\s\d]|$)")
+KIND = re.compile(rb"(?i:(?P<kind>(ST|C|N){0,3}OFF))(?=[\s\d]|$)")  # MeshLab writes NCOFF, CSTOFF
 WITH_DIMENSION = re.compile(rb"(?i:(ST)?C?N?(4n?|n)OFF)\b")
-ROWS = {b"OFF": (3,), b"COFF": (7, 6), b"NOFF": (6,), b"CNOFF": (10, 9)}  # numbers of a vertex
+UNIT = 1e-2  # that the length of a normal may differ from 1
 LEAST_VERTEX_BYTES, LEAST_FACE_BYTES = 6, 2
 GREY = 170  # two thirds: of faces without a colour among others with one
 
@@ -57,15 +57,15 @@ def read_off(data: bytes, texture: bool = False) -> RawMesh:
     if len(rest) < n_faces or not whole:
         table, rest = _over_lines(rows, kind, n_vertices, n_faces)
     corners, sizes = _faces(rest)
-    colours, notes = _colours(table) if kind == b"COFF" else (None, ())
-    raw = RawMesh(_columns(table, slice(0, 3)), corners, sizes, colours, notes=notes)
+    normals, colours, notes = _attributes(table, kind)
+    raw = RawMesh(_columns(table, slice(0, 3)), corners, sizes, colours, normals, notes=notes)
     codes, told = _face_colours(rest)
     raw = replace(raw, notes=raw.notes + told)
     return raw if codes is None else with_face_colours(raw, codes, texture)
 
 
 def _kind(lines: list[bytes]) -> tuple[bytes, list[bytes]]:
-    """Return the word that begins an OFF file, in capitals and without ST, and what follows."""
+    """Return the word that begins an OFF file, in capitals, and what follows."""
     first = lines[0].strip() if lines else b""
     found = KIND.match(first)
     if found is None:
@@ -78,8 +78,7 @@ def _kind(lines: list[bytes]) -> tuple[bytes, list[bytes]]:
     rest = first[found.end() :].strip()
     if rest.upper().startswith(b"BINARY"):
         raise MeshError("it is a binary OFF file; expected OFF in text form")
-    kind = found["kind"].upper().removeprefix(b"ST")
-    return kind, [rest, *lines[1:]] if rest else lines[1:]
+    return found["kind"].upper(), [rest, *lines[1:]] if rest else lines[1:]
 
 
 def _over_lines(
@@ -93,7 +92,8 @@ def _over_lines(
         If its words are not just as many as that takes.
     """
     words = [word for row in rows for word in row]
-    for width in ROWS[kind]:
+    plain = 3 + 3 * (b"N" in kind) + 2 * (b"ST" in kind)
+    for width in (plain + 4, plain + 3) if b"C" in kind else (plain,):
         at = 3 + width * n_vertices
         faces: list[list[bytes]] = []
         while len(faces) < n_faces and at < len(words) and words[at].isdigit():
@@ -141,12 +141,49 @@ def _columns(table: list[list[bytes]], columns: slice) -> NDArray[np.float64]:
     return parse_numbers(b" ".join(words), Message("a vertex")).reshape(-1, width)
 
 
-def _colours(table: list[list[bytes]]) -> tuple[NDArray[np.uint8] | None, tuple[Message, ...]]:
-    if any(len(words) < 6 for words in table):
+def _attributes(
+    table: list[list[bytes]], kind: bytes
+) -> tuple[NDArray[np.float64] | None, NDArray[np.uint8] | None, tuple[Message, ...]]:
+    """Return normals (V, 3), colours (V, 3), and what is told of them.
+
+    Geomview has normals before colours, MeshLab after them: those of length 1 are normals. Where
+    the file's first word says neither, whole numbers to 255 are colours.
+    """
+    width = min(map(len, table), default=3) - 2 * (b"ST" in kind)
+    is_normal, is_colour = b"N" in kind and width >= 6, b"C" in kind and width >= 6
+    if not is_normal and not is_colour:
+        return None, *_unannounced(table, width)
+    if not is_colour:
+        return _columns(table, slice(3, 6)), None, ()
+    first, last = slice(3, 6), slice(width - 3, width)
+    if not is_normal or width < 9:
+        return None, *_colours(table, first)
+    after = _are_unit(_columns(table, last)) and not _are_unit(_columns(table, first))
+    normals, colours = (last, first) if after else (first, slice(6, 9))
+    return _columns(table, normals), *_colours(table, colours)
+
+
+def _unannounced(
+    table: list[list[bytes]], width: int
+) -> tuple[NDArray[np.uint8] | None, tuple[Message, ...]]:
+    if width not in (6, 7) or any(len(row) != width for row in table):
         return None, ()
-    rgb = _columns(table, slice(3, 6))
-    whole = all(word.isdigit() for words in table for word in words[3:6])
-    return colour_codes(rgb, 255 if whole else 1)
+    words = [word for row in table for word in row[3:6]]
+    if all(word.isdigit() for word in words) and max(map(int, words)) <= 255:
+        return _colours(table, slice(3, 6))
+    return None, left_out([Message("numbers after the places of vertices")])
+
+
+def _are_unit(rows: NDArray[np.float64]) -> bool:
+    length = np.linalg.norm(rows, axis=1)
+    return bool(np.mean(np.abs(length - 1.0) < UNIT) > 0.5)
+
+
+def _colours(
+    table: list[list[bytes]], columns: slice
+) -> tuple[NDArray[np.uint8] | None, tuple[Message, ...]]:
+    whole = all(word.isdigit() for words in table for word in words[columns])
+    return colour_codes(_columns(table, columns), 255 if whole else 1)
 
 
 def _face_colours(

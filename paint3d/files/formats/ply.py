@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import re
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -13,7 +14,14 @@ from numpy.typing import NDArray
 
 from paint3d.core.arrays import AnyArray
 from paint3d.errors import MeshError, Message
-from paint3d.files.colours import COLOUR_NAMES, Look, colour_codes, open_picture
+from paint3d.files.colours import (
+    COLOUR_NAMES,
+    VERTEX_COLOURS,
+    Look,
+    colour_codes,
+    is_coloured,
+    open_picture,
+)
 from paint3d.files.contents import read_beside
 from paint3d.files.raw_mesh import (
     FACE_COLOURS,
@@ -65,7 +73,7 @@ def picture_names(tables: Tables) -> list[str]:
 
 def has_face_colours(tables: Tables) -> bool:
     """Whether the faces have colours of their own."""
-    return any(_colour_table(e) is not None for e in tables.elements if e.name == "face")
+    return any(_colour_names(e) for e in tables.elements if e.name == "face")
 
 
 def ply_looks(
@@ -148,10 +156,10 @@ def _numbers(faces: Sequence[Element], n: int) -> NDArray[np.int64]:
 
 
 def _face_colours(faces: Sequence[Element], sizes: NDArray[np.int64]) -> PlyLooks:
-    table = _colour_table(faces[0]) if len(faces) == 1 else None
-    if table is None:
+    names = _colour_names(faces[0]) if len(faces) == 1 else ()
+    if not names:
         return PlyLooks()
-    codes, notes = colour_codes(table, whose=FACE_COLOURS)
+    codes, notes = colour_codes(_colour_table(faces[0], names), whose=FACE_COLOURS)
     if codes is None:
         return PlyLooks(notes=notes)
     every = np.full((len(sizes), 3), 255, np.uint8)
@@ -467,6 +475,9 @@ STRIP_END = -1
 LISTS_OF_COLOURS = ("rgb", "rgba", "color", "colors", "colour", "colours")
 SPLATS = ("f_dc_0", "f_dc_1", "f_dc_2")  # of Gaussian splatting: spherical harmonics of degree 0
 SH_0 = 0.28209479177387814  # 1 / (2 sqrt(pi))
+NAMED_AS_COLOUR = re.compile(
+    r"(?:^|_)(?:red|green|blue|rgba?|bgra?|colou?rs?|f_dc)(?:_|\d|$)", re.I
+)
 
 
 def read_ply(data: bytes, folder: Path, texture: bool = False) -> RawMesh:
@@ -507,6 +518,12 @@ def read_ply(data: bytes, folder: Path, texture: bool = False) -> RawMesh:
         found = PlyLooks()
         dropped += [Message("its pictures")] if picture_names(tables) else []
         dropped += [FACE_COLOURS] if has_face_colours(tables) else []
+    dropped += [VERTEX_COLOURS] if found.looks and is_coloured(colours) else []
+    dropped += [
+        Message("what it calls {names}", names=", ".join(names)[:60])
+        for names in map(_unread_colours, tables.elements)
+        if names
+    ]
     notes += left_out(dropped)
     return RawMesh(
         vertices,
@@ -569,27 +586,39 @@ def _strips(ids: NDArray[np.int64], sizes: NDArray[np.int64]) -> NDArray[np.int6
 
 
 def _colours(vertex: Element) -> tuple[NDArray[np.uint8] | None, tuple[Message, ...]]:
-    table = _colour_table(vertex)
-    if table is not None:
-        return colour_codes(table)
-    if set(SPLATS) <= set(vertex.values):
+    names = _colour_names(vertex)
+    if names == SPLATS:
         shares = SH_0 * np.stack([vertex.values[k].astype(np.float64) for k in SPLATS], axis=1)
         codes, notes = colour_codes(np.clip(0.5 + shares, 0.0, 1.0))
         return codes, (Message("its Gaussian splats are taken as points"), *notes)
-    return None, ()
+    return colour_codes(_colour_table(vertex, names)) if names else (None, ())
 
 
-def _colour_table(element: Element) -> AnyArray | None:
-    """Return an element's colours (N, 3) of any type: three columns, or one of lists of 3 or 4."""
+def _colour_names(element: Element) -> tuple[str, ...]:
+    """Return the names of the columns that are an element's colours: three, or one of lists."""
     scalars = set(element.values) - set(element.list_sizes)
-    for names in COLOUR_NAMES:
+    triples = (*COLOUR_NAMES, SPLATS) if element.name == "vertex" else COLOUR_NAMES
+    for names in triples:
         if set(names) <= scalars:
-            return np.stack([element.values[k] for k in names], axis=1)
+            return names
     for name in LISTS_OF_COLOURS:
         sizes = element.list_sizes.get(name)
         if sizes is not None and len(sizes) and sizes[0] in (3, 4) and (sizes == sizes[0]).all():
-            return element.values[name].reshape(-1, int(sizes[0]))[:, :3]
-    return None
+            return (name,)
+    return ()
+
+
+def _colour_table(element: Element, names: tuple[str, ...]) -> AnyArray:
+    """Return an element's colours (N, 3) of any type."""
+    if len(names) == 3:
+        return np.stack([element.values[k] for k in names], axis=1)
+    return element.values[names[0]].reshape(len(element.list_sizes[names[0]]), -1)[:, :3]
+
+
+def _unread_colours(element: Element) -> list[str]:
+    """Return the names of an element's columns that speak of colours and are not read."""
+    names = [p.name for p in element.properties if NAMED_AS_COLOUR.search(p.name)]
+    return [name for name in names if name not in _colour_names(element)] if element.count else []
 
 
 def _normals(vertex: Element) -> NDArray[np.float64] | None:

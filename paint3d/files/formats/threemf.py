@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import io
 import posixpath
+import re
 import zipfile
 import zlib
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
@@ -19,7 +20,7 @@ from numpy.typing import NDArray
 
 from paint3d.errors import MeshError, Message
 from paint3d.files.colours import Look, open_picture
-from paint3d.files.contents import parse_xml
+from paint3d.files.contents import json_text, parse_xml
 from paint3d.files.formats.text_rows import text_rows
 from paint3d.files.raw_mesh import RawMesh, join_meshes, left_out
 
@@ -92,6 +93,7 @@ class Paint3mf:
         self.looks: list[Look] = []
         self._read_part, self._texture = read_part, texture
         self._groups: dict[str, dict[str | None, _Group]] = {}
+        self._present: dict[str, set[str | None]] = {}  # numbers of a part's resources
 
     def see(
         self,
@@ -107,9 +109,6 @@ class Paint3mf:
         MeshError
             If one refers to a colour or a place on a picture that its group does not have.
         """
-        keys = {key for triangle in triangles for key in triangle.keys()}  # noqa: SIM118
-        if any(key.endswith(PAINTED) for key in keys):
-            self.dropped.add(LEFT_OUT["painted"])
         groups = self._of_part(part, model)
         colours = np.full((len(triangles), 3, 3), 255.0)
         coloured = np.zeros(len(triangles), np.bool_)
@@ -120,6 +119,10 @@ class Paint3mf:
             number = triangle.get("pid", otherwise[0])
             group = groups.get(number)
             if group is None:
+                if any(key.endswith(PAINTED) for key in triangle.keys()):  # noqa: SIM118
+                    self.dropped.add(LEFT_OUT["painted"])
+                if number is not None and number not in self._present[part]:
+                    self.dropped.add(Message("colours of resources that it does not contain"))
                 continue
             first = triangle.get("p1", otherwise[1])
             rows = [_index(triangle.get(p, first), group, number) for p in ("p1", "p2", "p3")]
@@ -135,8 +138,10 @@ class Paint3mf:
     def _of_part(self, part: str, model: ElementTree.Element) -> dict[str | None, _Group]:
         """Groups of one model part, by resource id; those that are not taken are missing."""
         if part not in self._groups:
-            tags = {element.tag for element in model.iterfind(f"{CORE}resources/*")}
+            resources = list(model.iterfind(f"{CORE}resources/*"))
+            tags = {element.tag for element in resources}
             self.dropped |= {what for tag, what in LEFT_OUT.items() if tag in tags}
+            self._present[part] = {element.get("id") for element in resources}
             self._groups[part] = {**_palettes(model), **self._pictures(model)}
         return self._groups[part]
 
@@ -220,6 +225,11 @@ UNITS_MM = {
     "foot": 304.8,
     "meter": 1000.0,
 }
+SLICER_SETTINGS = (  # Bambu Studio's and Orca's, PrusaSlicer's
+    "Metadata/model_settings.config",
+    "Metadata/Slic3r_PE_model.config",
+)
+OTHER_FILAMENT = re.compile(rb'key="extruder"\s+value="0*(?:[2-9]|1\d)')
 LATTICE = "{http://schemas.microsoft.com/3dmanufacturing/beamlattice/2017/02}beamlattice"
 PRODUCTION = "{http://schemas.microsoft.com/3dmanufacturing/production/2015/06}"
 MODEL_RELATION = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"
@@ -325,12 +335,22 @@ def _read_package(package: Package) -> RawMesh:
     looks = (*package.paint.looks, Look()) if plain else ()  # faces without one are as coloured
     raw = replace(raw, unit_mm=UNITS_MM[unit], up="z", looks=looks)
     notes, dropped = tuple(dict.fromkeys(package.paint.notes)), package.paint.dropped
+    if raw.colours is None and _has_filaments(package.archive):
+        dropped = dropped | {Message("filaments that a slicer gave its parts")}
     if len(raw.sizes):
         dropped = dropped | ({Message("beam lattices")} if _has_beams(package) else set())
         return replace(raw, notes=notes + left_out(dropped))
     beams = Message("a beam lattice, which is not read")
     what = beams if _has_beams(package) else Message("a mesh")
     return replace(raw, announces=what, notes=notes + left_out(dropped))
+
+
+def _has_filaments(archive: zipfile.ZipFile) -> bool:
+    """Whether a slicer's settings give parts another filament than the first."""
+    there = set(archive.namelist())
+    return any(
+        OTHER_FILAMENT.search(archive.read(name)) for name in SLICER_SETTINGS if name in there
+    )
 
 
 def _has_beams(package: Package) -> bool:
@@ -434,6 +454,7 @@ CONTENT_TYPES = """<?xml version="1.0" encoding="UTF-8"?>
 <Types xmlns="http://schemas.openxmlformats.org/package/2006/content-types">
 <Default Extension="rels" ContentType="application/vnd.openxmlformats-package.relationships+xml"/>
 <Default Extension="model" ContentType="application/vnd.ms-package.3dmanufacturing-3dmodel+xml"/>
+<Default Extension="config" ContentType="text/plain"/>
 </Types>
 """
 RELATIONS = """<?xml version="1.0" encoding="UTF-8"?>
@@ -458,7 +479,7 @@ def write_3mf(
     palette: NDArray[np.uint8] | None = None,
     face_filaments: NDArray[np.int32] | None = None,
 ) -> None:
-    """Write one object with the colours of all three corners, or one material, on each triangle.
+    """Write one object with the colours of all three corners, or one filament, on each triangle.
 
     Vertices in one place become one, so that what was closed is closed in the file although its
     creases had several normals. The specification forbids triangles that name a vertex twice;
@@ -475,7 +496,8 @@ def write_3mf(
     unit : {"mm", "cm", "m", "in"}
         Of the vertices.
     palette : (k, 3) uint8, optional
-        Filaments: materials of the core specification, which slicers map to their extruders.
+        Filaments: a colour group, and up to 16 as slicers themselves paint; triangles then come
+        filament by filament.
     face_filaments : (F,) int32
         With `palette`, the one for each triangle.
 
@@ -487,21 +509,31 @@ def write_3mf(
     places, place_of = _weld(vertices)
     corners = place_of[faces]
     sound = (corners != np.roll(corners, 1, axis=1)).all(axis=1)
+    beside: dict[str, str] = {}
     if palette is None or face_filaments is None:
         colours, colour_ids = _colours(srgb)
-        resource = _colour_group(colours)
         properties = colour_ids[faces[sound]]
+        triangles = np.concatenate([corners[sound], properties], axis=1, dtype=np.int32)
+        body = text_rows(_triangle('p1="{i3}" p2="{i4}" p3="{i5}"'), integers=triangles)
+        parts = _model(places, body, colours, name, UNIT_NAMES[unit])
     else:
-        resource = _base_materials(palette)
-        properties = face_filaments[sound, None]
-    triangles = np.concatenate([corners[sound], properties], axis=1, dtype=np.int32)
-    parts = _model(places, triangles, resource, name, UNIT_NAMES[unit])
+        colours = [f"#{bytes(colour).hex().upper()}" for colour in palette]
+        body = _in_filaments(corners[sound], face_filaments[sound], len(palette))
+        parts = _model(places, body, colours, name, UNIT_NAMES[unit], for_slicers=True)
+        if len(palette) <= MOST_PAINTED:
+            beside = _slicer_settings(colours, name)
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED, compresslevel=FASTEST) as archive:
         archive.writestr(_entry("[Content_Types].xml"), CONTENT_TYPES)
         archive.writestr(_entry("_rels/.rels"), RELATIONS)
         # by its name alone it gets the archive's compression, and the fixed date all the same
         with archive.open("3D/3dmodel.model", "w", force_zip64=True) as file:
             file.writelines(parts)
+        for part, text in beside.items():
+            archive.writestr(_entry(part), text)
+
+
+def _triangle(properties: str) -> str:
+    return f'<triangle v1="{{i0}}" v2="{{i1}}" v3="{{i2}}" pid="1" {properties}/>\n'
 
 
 def _entry(name: str) -> zipfile.ZipInfo:
@@ -532,36 +564,94 @@ def _colours(srgb: NDArray[np.uint8]) -> tuple[list[str], NDArray[np.int32]]:
     return [f"#{colour:06X}" for colour in colours.tolist()], used[packed]
 
 
-def _colour_group(colours: list[str]) -> str:
-    lines = "".join(f'<m:color color="{colour}"/>\n' for colour in colours)
-    return f'<m:colorgroup id="1">\n{lines}</m:colorgroup>\n'
-
-
-def _base_materials(palette: NDArray[np.uint8]) -> str:
-    codes = [bytes(colour).hex().upper() for colour in palette]
-    lines = "".join(
-        f'<base name="filament {k} #{code}" displaycolor="#{code}"/>\n'
-        for k, code in enumerate(codes, 1)
-    )
-    return f'<basematerials id="1">\n{lines}</basematerials>\n'
-
-
 def _model(
-    places: NDArray[np.float32], triangles: NDArray[np.int32], resource: str, name: str, unit: str
+    places: NDArray[np.float32],
+    triangles: Iterable[bytes],
+    colours: list[str],
+    name: str,
+    unit: str,
+    *,
+    for_slicers: bool = False,
 ) -> Iterator[bytes]:
-    """Yield the model part; triangles have three corners, and one property or three."""
-    three = triangles.shape[1] > 4
-    extension = f' requiredextensions="m" xmlns:m="{MATERIAL_SCHEMA}"' if three else ""
+    """Yield the model part: one object, for slicers as one part of another, with their names."""
+    schemas, metadata = "", ""
+    if for_slicers:
+        schemas = f' xmlns:slic3rpe="{PRUSA_SCHEMA}" xmlns:BambuStudio="{BAMBU_SCHEMA}"'
+    if for_slicers and len(colours) <= MOST_PAINTED:
+        metadata = (
+            f'<metadata name="Application">{BAMBU}</metadata>\n'
+            '<metadata name="BambuStudio:3mfVersion">1</metadata>\n'
+            '<metadata name="Description">painted by paint3d</metadata>\n'
+        )
+    group = "".join(f'<m:color color="{colour}"/>\n' for colour in colours)
     yield (
         f'<?xml version="1.0" encoding="UTF-8"?>\n<model unit="{unit}" xml:lang="en-US"'
-        f' xmlns="{CORE_SCHEMA}"{extension}>\n<resources>\n{resource}'
+        f' xmlns="{CORE_SCHEMA}" requiredextensions="m" xmlns:m="{MATERIAL_SCHEMA}"{schemas}>\n'
+        f'{metadata}<resources>\n<m:colorgroup id="1">\n{group}</m:colorgroup>\n'
         f'<object id="2" name={quoteattr(name)} type="model" pid="1" pindex="0">'
         "<mesh><vertices>\n"
     ).encode()
     yield from text_rows('<vertex x="{f0}" y="{f1}" z="{f2}"/>\n', places)
     yield b"</vertices><triangles>\n"
-    properties = 'p1="{i3}" p2="{i4}" p3="{i5}"' if three else 'p1="{i3}"'
-    row = f'<triangle v1="{{i0}}" v2="{{i1}}" v3="{{i2}}" pid="1" {properties}/>\n'
-    yield from text_rows(row, integers=triangles)
-    yield b"</triangles></mesh></object>\n</resources>\n"
-    yield b'<build><item objectid="2"/></build>\n</model>\n'
+    yield from triangles
+    yield b"</triangles></mesh></object>\n"
+    if for_slicers:
+        yield (
+            f'<object id="3" name={quoteattr(name)} type="model"><components>'
+            '<component objectid="2"/></components></object>\n'
+        ).encode()
+    item = 3 if for_slicers else 2
+    yield f'</resources>\n<build><item objectid="{item}"/></build>\n</model>\n'.encode()
+
+
+# ---- For slicers ---------------------------------------------------------------------------------
+# What Bambu Studio, Orca and PrusaSlicer write themselves where triangles are painted. They compare
+# names with their prefix, so that m and slic3rpe are part of them. Bambu Studio and Orca read their
+# own settings, among them the colours of filaments, only of a file that says that Bambu Studio made
+# it; of versions, 02.00.00.00 is one that both of them take.
+
+
+BAMBU = "BambuStudio-02.00.00.00"
+BAMBU_SCHEMA = "http://schemas.bambulab.com/package/2021"
+PRUSA_SCHEMA = "http://schemas.slic3r.org/3mf/2017/06"
+MOST_PAINTED = 16  # filaments that slicers know
+_CODED = 3  # the first filament that takes two digits
+
+
+def _in_filaments(
+    corners: NDArray[np.int32], filaments: NDArray[np.int32], n_filaments: int
+) -> Iterator[bytes]:
+    """Yield triangles filament by filament, in their order within each."""
+    for k in range(n_filaments):
+        properties = f'p1="{k}"'
+        if n_filaments <= MOST_PAINTED:
+            code = _painted(k + 1)
+            properties += f' paint_color="{code}" slic3rpe:mmu_segmentation="{code}"'
+        own = np.ascontiguousarray(corners[filaments == k], np.int32)
+        if len(own):
+            yield from text_rows(_triangle(properties), integers=own)
+
+
+def _painted(filament: int) -> str:
+    """What slicers write on a triangle that is all of one filament, counted from 1.
+
+    Hexadecimal digits, the last one first: two bits of how it is split, which it is not, two of the
+    filament; from the third on these are both set, and another digit counts on.
+    """
+    return f"{filament << 2:X}" if filament < _CODED else f"{filament - _CODED:X}C"
+
+
+def _slicer_settings(colours: list[str], name: str) -> dict[str, str]:
+    """Return the parts of a package that say the filaments' colours, and what the object is."""
+    called = f'<metadata key="name" value={quoteattr(name)}/>'
+    return {
+        "Metadata/project_settings.config": json_text(
+            {"filament_colour": colours, "from": "project", "name": "project_settings",
+             "version": BAMBU.rpartition("-")[2]}
+        ),
+        "Metadata/model_settings.config": (
+            f'<?xml version="1.0" encoding="UTF-8"?>\n<config>\n<object id="3">{called}'
+            '<metadata key="extruder" value="1"/>\n'
+            f'<part id="2" subtype="normal_part">{called}</part>\n</object>\n</config>\n'
+        ),
+    }  # fmt: skip

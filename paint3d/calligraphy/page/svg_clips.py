@@ -1,0 +1,168 @@
+"""What clip paths leave of a drawing's elements.
+
+The package that reads drawings knows none of them. So each element below one is given its name in
+an attribute, which is inherited and comes out with its shape; and the path itself is a drawing of
+its own, in the place of what refers to it.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from copy import deepcopy
+from xml.etree import ElementTree
+from xml.etree.ElementTree import Element
+
+__all__ = ["CLIPS", "mark_clipped"]
+
+CLIPS = "data-paint3d-clips"
+"""The attribute with the places, in what `mark_clipped` returns, of all paths that clip a shape."""
+_HREFS = ("href", "{http://www.w3.org/1999/xlink}href")
+_USING = (*_HREFS, "x", "y", "width", "height")
+_REFERENCE = re.compile(r"""\s*url\(\s*['"]?#([^'")]+)['"]?\s*\)\s*""")
+_STYLED = re.compile(r"(?:^|;)\s*clip-path\s*:\s*([^;!]*)", re.IGNORECASE)
+_RULE = re.compile(r"(?:^|;)\s*clip-rule\s*:\s*([^;!\s]*)", re.IGNORECASE)
+_PLACING = ("transform", "x", "y", "width", "height", "viewBox", "preserveAspectRatio")
+_LOOKS = ("fill", "stroke", "stroke-width", "style", "class", "opacity", "fill-opacity", "display")
+_MOST = 64  # paths that clip each other
+
+
+def mark_clipped(root: Element) -> tuple[list[bytes], set[str]]:
+    """Write at each element of a drawing by which paths it is clipped.
+
+    Parameters
+    ----------
+    root : Element
+        Changed in place.
+
+    Returns
+    -------
+    list of bytes
+        The paths, as drawings that fill what they leave.
+    set of str
+        What clips and is no such path: its words.
+    """
+    named = {key: element for element in root.iter() if (key := element.get("id"))}
+    if any(map(_said, root.iter())):
+        _put_in_place(root, named)
+    paths: list[bytes] = []
+    others: set[str] = set()
+
+    def walk(element: Element, above: Sequence[Element], clips: tuple[int, ...]) -> None:
+        if _tag(element) == "clipPath":
+            return
+        text = _said(element)
+        here = [*above, element]
+        seen: set[str] = set()
+        while text and text != "none":
+            found = _REFERENCE.fullmatch(text)
+            path = named.get(found[1]) if found else None
+            if found is None or (path is not None and not _is_plain(path)):
+                others.add(text.strip()[:40])
+                break
+            if path is None or found[1] in seen or len(paths) >= _MOST * _MOST:
+                break
+            seen.add(found[1])
+            clips = (*clips, len(paths))
+            paths.append(_drawing(here, path, named))
+            text = _said(path)  # itself clipped
+        if clips:
+            element.set(CLIPS, " ".join(map(str, clips)))
+        for child in element:
+            walk(child, here, clips)
+
+    walk(root, [], ())
+    return paths, others
+
+
+def _put_in_place(element: Element, named: dict[str, Element]) -> None:
+    """Put what is used into the place of its uses, where it may be clipped otherwise."""
+    for k, child in enumerate(element):
+        href = next(filter(None, map(child.get, _HREFS)), "")
+        used = named.get(href.lstrip("#")) if _tag(child) == "use" else None
+        if used is not None:
+            group = Element(
+                _like(child, "g"), {k: v for k, v in child.attrib.items() if k not in _USING}
+            )
+            group.set("transform", _moved(child))
+            group.append(deepcopy(used))
+            element[k] = child = group
+        _put_in_place(child, named)
+
+
+def _moved(use: Element) -> str:
+    return f"{use.get('transform', '')} translate({use.get('x', '0')} {use.get('y', '0')})".strip()
+
+
+def _said(element: Element) -> str:
+    styled = _STYLED.search(element.get("style", ""))
+    return (styled[1] if styled else element.get("clip-path", "")).strip()
+
+
+def _is_plain(path: Element) -> bool:
+    return (
+        _tag(path) == "clipPath" and path.get("clipPathUnits", "userSpaceOnUse") == "userSpaceOnUse"
+    )
+
+
+def _drawing(place: Sequence[Element], path: Element, named: dict[str, Element]) -> bytes:
+    """A drawing that fills a path in the place of the last of these elements, from the root."""
+    root, *inner = place
+    drawing = Element(root.tag, {k: v for k, v in root.attrib.items() if k in _PLACING})
+    at = drawing
+    for element in inner:
+        attributes = {k: v for k, v in element.attrib.items() if k in _PLACING}
+        tag = element.tag
+        if _tag(element) not in ("svg", "use"):  # of a shape its x and y are no place
+            attributes = {k: v for k, v in attributes.items() if k == "transform"}
+            tag = _like(element, "g")
+        at = ElementTree.SubElement(at, tag, attributes)
+    moved = {"transform": path.get("transform", "")}
+    at = ElementTree.SubElement(at, _like(path, "g"), moved)
+    rule = _rule_of(path)
+    at.extend(filled for child in path for filled in _filled(child, rule, named, 0))
+    return ElementTree.tostring(drawing)
+
+
+def _filled(
+    element: Element, rule: str, named: dict[str, Element], depth: int
+) -> Sequence[Element]:
+    """An element of a clip path as it is filled; a use as what it is of."""
+    if _tag(element) == "clipPath" or depth > _MOST:
+        return ()
+    rule = _rule_of(element) or rule
+    hidden = element.get("display") == "none" or "display:none" in _bare(element.get("style", ""))
+    if hidden:
+        return ()
+    kept = {k: v for k, v in element.attrib.items() if k not in _LOOKS}
+    if _tag(element) == "use":
+        used = named.get(next(filter(None, map(element.get, _HREFS)), "#").lstrip("#"))
+        if used is None:
+            return ()
+        group = Element(_like(element, "g"), {"transform": _moved(element)})
+        group.extend(_filled(used, rule, named, depth + 1))
+        return (group,)
+    copy = Element(element.tag, {**kept, "fill": "#000", "stroke": "none"})
+    if rule:
+        copy.set("fill-rule", rule)
+    for child in element:
+        copy.extend(_filled(deepcopy(child), rule, named, depth + 1))
+    return (copy,)
+
+
+def _rule_of(element: Element) -> str:
+    styled = _RULE.search(element.get("style", ""))
+    return styled[1] if styled else element.get("clip-rule", "")
+
+
+def _bare(text: str) -> str:
+    return re.sub(r"\s+", "", text.lower())
+
+
+def _tag(element: Element) -> str:
+    return element.tag.rpartition("}")[2]
+
+
+def _like(element: Element, tag: str) -> str:
+    """A tag in the namespace of an element's."""
+    return element.tag.rpartition("}")[0] + "}" * ("}" in element.tag) + tag

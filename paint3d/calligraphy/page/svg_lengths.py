@@ -1,0 +1,140 @@
+"""Lengths of a drawing in its own numbers: percentages and those that are counted by a font's size.
+
+A percentage is of the side of the view that it runs along, of a radius or a stroke's width of the
+view's diagonal over the root of two (SVG 1.1, 7.10); em and ex are of the size of the element's
+font, ex of half of it, rem of the drawing's. The package that reads drawings takes both otherwise.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from typing import NamedTuple
+from xml.etree.ElementTree import Element
+
+__all__ = ["in_numbers"]
+
+_NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?"
+_LENGTH = re.compile(rf"\s*({_NUMBER})\s*([a-z]*|%)\s*", re.IGNORECASE)
+_PIXELS = {"": 1.0, "px": 1.0, "pt": 96 / 72, "pc": 16.0, "in": 96.0, "cm": 96 / 2.54}
+_PIXELS |= {"mm": 96 / 25.4, "q": 96 / 101.6}
+_ACROSS = ("x", "width", "cx", "rx", "x1", "x2")
+_DOWN = ("y", "height", "cy", "ry", "y1", "y2")
+_DIAGONAL = ("r", "stroke-width")
+_STYLED = re.compile(r"(stroke-width\s*:\s*)([^;!]*)", re.IGNORECASE)
+_FONT = re.compile(r"(?:^|;)\s*font-size\s*:\s*([^;!]*)", re.IGNORECASE)
+_SIDE = 1000.0  # of a drawing that says none
+_MEDIUM = 16.0  # px: a font whose size is not said
+_SIZES = {"xx-small": 0.6, "x-small": 0.75, "small": 8 / 9, "medium": 1.0, "large": 1.2}
+_SIZES |= {"x-large": 1.5, "xx-large": 2.0}
+_STEPS = {"smaller": 1 / 1.2, "larger": 1.2}
+_VIEWS = ("svg",)
+_SHAPES = ("path", "rect", "circle", "ellipse", "line", "polyline", "polygon")
+_COUNTED = (*_SHAPES, *_VIEWS, "g", "a", "use", "switch", "clipPath", "defs")
+
+
+class _Place(NamedTuple):
+    """The view that an element is in, and its font's size, in numbers of the drawing."""
+
+    width: float
+    height: float
+    font: float
+    root: tuple[float, float, float]  # of the drawing: width, height, font
+
+
+def in_numbers(root: Element) -> None:
+    """Write the lengths of a drawing's elements as plain numbers, where they are relative.
+
+    Parameters
+    ----------
+    root : Element
+        Changed in place; its own width and height stay.
+    """
+    font = _font_size(root, _MEDIUM, _MEDIUM)
+    sides = _view_of(root, _SIDE, _SIDE, font)
+    place = _Place(*sides, font, (*sides, font))
+    stack = [(child, place) for child in root]
+    while stack:
+        element, place = stack.pop()
+        tag = element.tag.rpartition("}")[2]
+        if tag not in _COUNTED:
+            continue
+        place = place._replace(font=_font_size(element, place.font, place.root[2]))
+        for names in (_ACROSS, _DOWN, _DIAGONAL):
+            for name in names:
+                if name in element.attrib:
+                    element.set(name, _plain(element.get(name, ""), name, place))
+        if "style" in element.attrib:
+            element.set("style", _style(element.get("style", ""), place))
+        if tag in _VIEWS:
+            width, height = _view_of(element, place.width, place.height, place.font)
+            place = place._replace(width=width, height=height)
+        stack += [(child, place) for child in element]
+
+
+def _style(text: str, place: _Place) -> str:
+    return _STYLED.sub(lambda found: found[1] + _plain(found[2], "stroke-width", place), text)
+
+
+def _plain(text: str, name: str, place: _Place) -> str:
+    """A length as a number, if it is a relative one; as it is where not."""
+    found = _LENGTH.fullmatch(text)
+    unit = found[2].lower() if found else ""
+    if found is None or unit in _PIXELS:
+        return text
+    number = float(found[1])
+    share = _share(unit, name, place)
+    return text if share is None else repr(number * share)
+
+
+def _share(unit: str, name: str, place: _Place) -> float | None:
+    """What 1 of a relative unit is."""
+    if unit == "%":
+        return 0.01 * _side(name, place.width, place.height)
+    width, height, font = place.root
+    return {
+        "em": place.font,
+        "ex": 0.5 * place.font,
+        "ch": 0.5 * place.font,
+        "rem": font,
+        "vw": 0.01 * width,
+        "vh": 0.01 * height,
+        "vmin": 0.01 * min(width, height),
+        "vmax": 0.01 * max(width, height),
+    }.get(unit)
+
+
+def _side(name: str, width: float, height: float) -> float:
+    if name in _ACROSS:
+        return width
+    return height if name in _DOWN else math.hypot(width, height) / math.sqrt(2.0)
+
+
+def _view_of(element: Element, width: float, height: float, font: float) -> tuple[float, float]:
+    """Width and height of the view that a drawing opens, within one of these sides."""
+    words = re.split(r"[\s,]+", element.get("viewBox", "").strip())
+    if len(words) == 4 and all(re.fullmatch(_NUMBER, word, re.IGNORECASE) for word in words):
+        return float(words[2]), float(words[3])
+    sides = []
+    for name, whole in (("width", width), ("height", height)):
+        found = _LENGTH.fullmatch(element.get(name, "100%"))
+        unit = found[2].lower() if found else ""
+        number = float(found[1]) if found else 0.0
+        factor = {"%": 0.01 * whole, "em": font, "ex": 0.5 * font}.get(unit, _PIXELS.get(unit))
+        sides.append(number * factor if factor is not None and number > 0.0 else whole)
+    return sides[0], sides[1]
+
+
+def _font_size(element: Element, inherited: float, root: float) -> float:
+    styled = _FONT.search(element.get("style", ""))
+    text = (styled[1] if styled else element.get("font-size", "")).strip().lower()
+    if text in _SIZES:
+        return _MEDIUM * _SIZES[text]
+    if text in _STEPS:
+        return inherited * _STEPS[text]
+    found = _LENGTH.fullmatch(text)
+    if found is None:
+        return inherited
+    factor = {"%": 0.01 * inherited, "em": inherited, "ex": 0.5 * inherited, "rem": root}
+    size = float(found[1]) * factor.get(found[2], _PIXELS.get(found[2], 0.0))
+    return size if size > 0.0 else inherited
