@@ -211,6 +211,7 @@ _TABLE: tuple[_Row, ...] = (
         Command("lay_out", "Lay out a text…"),
         Command("arrange_text", "Move and turn texts", ["T"], checkable=True),
         Command("sign", "Signature and date…"),
+        Command("write_text", "Write the text with the brush", ["Shift+T"]),
         _PART,
         Command("stand", "Turn and scale the object…"),
         _PART,

@@ -21,6 +21,7 @@ from paint3d.app.model.persistence.settings import Settings
 from paint3d.app.window.actions import Actions
 from paint3d.app.window.brush.brush_making import BrushMaking
 from paint3d.app.window.copybook.copybook_guide import CopybookGuide
+from paint3d.app.window.copybook.text_writing import TextWriting
 from paint3d.app.window.files.begin_page import BeginPage
 from paint3d.app.window.files.exporting import Exporting
 from paint3d.app.window.files.open_result import OpenResult, described
@@ -257,6 +258,8 @@ class StudioWindow(QtWidgets.QMainWindow):
         self.panels = Panels(workspace, self.commands.menus["window"])
         self._make_jobs()
         self.copying = CopybookGuide(workspace, self.panels.copybook)
+        speed = self.panels.history.speed
+        self.writing = TextWriting(workspace, self.player, speed, self.copying.held)
         self._bind_actions()
         self.both_hands = DeviceInput(workspace, self.panels.devices, plugged, feel)
         self.hud, self.status = Hud(workspace), StatusLine(workspace)
@@ -301,7 +304,7 @@ class StudioWindow(QtWidgets.QMainWindow):
         self.viewing = ViewActions(self.workspace, self.panels, self.steering)
         self.commands.bind(
             (self.opening, self.saving, self.exporting, self.pictures, self.recordings,
-             self.standing, self.sealing, self.copying, self.painting, self.brushes, self.inks,
+             self.standing, self.sealing, self.copying, self.writing, self.painting, self.brushes, self.inks,
              self.viewing)
         )  # fmt: skip
         for name in ("brush", "grips", "show_mask"):
@@ -349,6 +352,7 @@ class StudioWindow(QtWidgets.QMainWindow):
         panels.history.chosen.connect(self.mark.choose)
         self.mark.changed.connect(panels.history.mark)
         panels.history.exported.connect(self.recordings.do_save_recording)
+        panels.copybook.written.connect(self.writing.do_write_text)
         panels.hand.turns.connect(self.painting.set_turns)
         panels.hand.mask_degrees.connect(self.painting.set_mask_degrees)
 

@@ -94,6 +94,8 @@ class CopybookPanel(QtWidgets.QWidget):
         Texts are to be moved on the object, or no longer.
     signed : ()
         A signature is to be laid beside it.
+    written : ()
+        The chosen text is to be written with the brush.
     """
 
     asked = QtCore.Signal(object, bool)
@@ -105,6 +107,7 @@ class CopybookPanel(QtWidgets.QWidget):
     nudged = QtCore.Signal(float, float)
     moving = QtCore.Signal(bool)
     signed = QtCore.Signal()
+    written = QtCore.Signal()
 
     def __init__(self, theme: Theme) -> None:
         super().__init__()
@@ -150,6 +153,11 @@ class CopybookPanel(QtWidgets.QWidget):
         self.add_button.clicked.connect(lambda: self._ask(True))
         self.sign_button = QtWidgets.QPushButton(say("Signature and date…"))
         self.sign_button.clicked.connect(self.signed)
+        self.write_button = QtWidgets.QPushButton(say("Write it with the brush"))
+        self.write_button.setToolTip(
+            say("The brush and the ink in hand write it, stroke by stroke; also by Shift+T")
+        )
+        self.write_button.clicked.connect(self.written)
         self.move_button = QtWidgets.QPushButton(say("Move on the object"))
         self.move_button.setCheckable(True)
         self.move_button.setToolTip(say("Drag, turn, scale and space texts; also by T"))
@@ -191,7 +199,7 @@ class CopybookPanel(QtWidgets.QWidget):
         layout.addLayout(form)
         layout.addLayout(_side_by_side(layout_text, self.add_button))
         layout.addLayout(_side_by_side(self.move_button, hide))
-        layout.addWidget(self.sign_button)
+        layout.addLayout(_side_by_side(self.sign_button, self.write_button))
         layout.addWidget(self.open_button)
         layout.addWidget(self.correct_button)
         layout.addWidget(self.told)

@@ -32,7 +32,7 @@ from paint3d.painter.recorded_tools import (
 from paint3d.recording.recording import Recording, load_recording, save_recording
 from paint3d.recording.score import Score, is_score, load_score, save_score
 
-__all__ = ["FORMATS", "Recordings"]
+__all__ = ["FORMATS", "Recordings", "samples_of", "told_of", "tools_in_hand"]
 
 # What a file may be, by its ending, and how the dialog says it:
 FORMATS = {
@@ -142,14 +142,14 @@ class Recordings:
             recording = load_recording(path, progress=part_of(progress, 0.0, _READ))
             if recording.is_pad:
                 recording = lay_in_view(recording, surface, camera)
-            tools = Tools(_tools_of(recording), (), *_told_of(recording))
-            return _samples(recording, progress), tools
+            tools = Tools(_tools_of(recording), (), *told_of(recording))
+            return samples_of(recording, progress), tools
 
         loaded = workspace.run(title, read)
         if not workspace.went_well(loaded):
             return False
         samples, tools = loaded.result()
-        after = _tools_in_hand(workspace.painting, workspace.paint_thread.brush)
+        after = tools_in_hand(workspace.painting, workspace.paint_thread.brush)
         self._player.play(samples, speed, replace(tools, after=after))
         return True
 
@@ -199,13 +199,13 @@ def _tools_of(recording: Recording) -> list[Asked]:
     return asked
 
 
-def _told_of(recording: Recording) -> tuple[list[tuple[int, float]], list[tuple[int, float]]]:
+def told_of(recording: Recording) -> tuple[list[tuple[int, float]], list[tuple[int, float]]]:
     """What the brush comes to hold at samples; one that is told again holds the last."""
     loads, strengths = told_at(recording.header, recording.time_ns)
     return list(dict(loads).items()), list(dict(strengths).items())
 
 
-def _tools_in_hand(painting: Snapshot, brush: BrushSpec) -> list[Asked]:
+def tools_in_hand(painting: Snapshot, brush: BrushSpec) -> list[Asked]:
     """What gives the hand back what it holds, freshly dipped."""
     asked: list[Asked] = [("set_azimuth", (painting.azimuth,)), ("set_brush", (brush,))]
     amount = painting.amount.words()
@@ -213,7 +213,7 @@ def _tools_in_hand(painting: Snapshot, brush: BrushSpec) -> list[Asked]:
     return asked + [("dip", (ink, reach, amount if reach is None else None)) for ink, reach in dips]
 
 
-def _samples(recording: Recording, progress: Progress) -> list[DeviceSample]:
+def samples_of(recording: Recording, progress: Progress) -> list[DeviceSample]:
     samples = []
     for k, sample in enumerate(recording.samples()):
         samples.append(sample)
