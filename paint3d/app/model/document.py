@@ -43,6 +43,7 @@ from paint3d.app.model.score.keeping import ScoreKeeper, recorded
 from paint3d.app.model.score.stepping import play
 from paint3d.app.model.score.words import Inks, Vocabulary, brush_named
 from paint3d.app.model.seal_press import PASTE, SealPress
+from paint3d.app.model.stroke_group import edit_group
 from paint3d.app.model.stroke_log import (
     Stroke,
     StrokeLog,
@@ -817,8 +818,7 @@ class Document:
         InputError
             If the name or the place is none, or there are too many.
         """
-        names = {layer.name for layer in self.layers}
-        name = name or next(str(n) for n in count(1) if str(n) not in names)
+        name = name or self._free_name()
         place = self.active_layer + 1 if place is None else place
         self._restack(COMMANDS["add_layer"].step, lambda stack: stack.add(name, place))
 
@@ -843,6 +843,73 @@ class Document:
             If there is no such place, or a stroke is going on.
         """
         self._restack(COMMANDS["move_layer"].step, lambda stack: stack.move(place, to))
+
+    @recorded
+    def duplicate_layer(self, place: int, name: str | None = None) -> None:
+        """Put a copy of a layer above it, and paint on it: a step that can be undone.
+
+        Raises
+        ------
+        InputError
+            If there is none at that place, the name is none, there are too many, or a stroke is
+            going on.
+        """
+        name = name or self._free_name()
+        step = COMMANDS["duplicate_layer"].step
+        self._restack(step, lambda stack: stack.duplicate(place, name))
+
+    @recorded
+    def merge_layer(self, place: int) -> None:
+        """Make one layer of this and the one below, which dry: a step that can be undone.
+
+        Raises
+        ------
+        InputError
+            If there is none at that place or below it, one of them is locked or hidden, or a stroke
+            is going on.
+        """
+        stack = self.surface.use_layers()
+        both = [k for k in (place - 1, place) if 0 <= k < len(stack)]
+        for k in both:
+            self._paintable(k)
+
+        def merge(stack: LayerStack) -> None:
+            for k in both if len(both) == 2 else ():
+                self._undo.change(stack.state, lambda k=k: stack.activate(k))
+                self.surface.dry()
+            # a part of its own: undo comes to the layer that dried last before it takes that back
+            self._undo.change(stack.state, lambda: stack.merge(place, self.surface.glaze))
+
+        self._restack(COMMANDS["merge_layer"].step, merge)
+
+    @recorded
+    def set_opacity(self, place: int, opacity: float) -> None:
+        """How much of a layer shows, 0 to 1: a step that can be undone.
+
+        Raises
+        ------
+        InputError
+            If there is none at that place, it is no such share, or a stroke is going on.
+        """
+        self._restack(
+            COMMANDS["set_opacity"].step, lambda stack: stack.describe(place, opacity=opacity)
+        )
+
+    @recorded
+    def set_blend(self, place: int, blend: str) -> None:
+        """How a layer lies on those below, "normal" or "multiply": a step that can be undone.
+
+        Raises
+        ------
+        InputError
+            If there is none at that place, it is neither, or a stroke is going on.
+        """
+        self._restack(COMMANDS["set_blend"].step, lambda stack: stack.describe(place, blend=blend))
+
+    def _free_name(self) -> str:
+        """The first number that no layer is called by."""
+        names = {layer.name for layer in self.layers}
+        return next(str(n) for n in count(1) if str(n) not in names)
 
     @recorded
     def rename_layer(self, place: int, name: str) -> None:
@@ -884,7 +951,12 @@ class Document:
         if step:
             self._undo.begin(step)
         before, shown = surface.wet_ink() + surface.dry_ink(), stack.painted_ids()
-        self._undo.change(stack.state, lambda: action(stack))
+        try:
+            self._undo.change(stack.state, lambda: action(stack))
+        except BaseException:
+            if step:
+                self._note(self._undo.revert())
+            raise
         painter.loaded += surface.wet_ink() + surface.dry_ink() - before
         if step:
             surface.touch(union([shown, stack.painted_ids()], surface.paint_mesh.capacity))
@@ -892,9 +964,9 @@ class Document:
         else:
             self.differ_from_saved()
 
-    def _paintable(self) -> Layer:
-        """The layer that is painted on."""
-        layer = self.layers[self.active_layer]
+    def _paintable(self, place: int | None = None) -> Layer:
+        """The layer that is painted on, or another one that is to be changed."""
+        layer = self.layers[self.active_layer if place is None else place]
         told = Message("Layer {number}", number=layer.name) if layer.name.isdigit() else layer.name
         if layer.locked:
             raise LayerError(
@@ -1258,17 +1330,60 @@ class Document:
             If there is no such stroke, it is not known from the beginning what was painted, or the
             edit cannot be done; everything is as it was then.
         """
+        source = self.surface.source
+        return self._edit_strokes(
+            [number], edit, lambda score, own, words: edit_stroke(score, own[0], words, source)
+        )
+
+    def edit_strokes(self, numbers: Sequence[int], edit: Mapping[str, Any]) -> AnyArray:
+        """Edit several strokes as one, and paint everything after the first anew: one step.
+
+        Parameters
+        ----------
+        numbers : sequence of int
+            Places of the strokes, from 0; see `edit_stroke`.
+        edit : mapping
+            See `stroke_group.edit_group`; the ink may be one in hand, the brush a `BrushSpec`.
+
+        Returns
+        -------
+        (N,) int32
+            Vertices whose colours may have changed.
+
+        Raises
+        ------
+        InputError, RecordingError
+            As `edit_stroke`, or if no stroke is named; everything is as it was then.
+        """
+        chosen = sorted(dict.fromkeys(numbers))
+        if not chosen:
+            raise InputError("no stroke is chosen; expected one or several")
+        source = self.surface.source
+
+        def edited(score: Score, own: Sequence[int], words: Mapping[str, Any]) -> Score:
+            brushes = [self.strokes[k].brush for k in chosen]
+            return edit_group(score, own, brushes, words, source)
+
+        return self._edit_strokes(chosen, edit, edited)
+
+    def _edit_strokes(
+        self,
+        numbers: Sequence[int],
+        edit: Mapping[str, Any],
+        do: Callable[[Score, Sequence[int], Mapping[str, Any]], Score],
+    ) -> AnyArray:
+        """Have strokes (places from 0) of the score edited, which counts them otherwise."""
         score = self._score_to_edit()
         if self._looking:
             self.replay_history(len(self.strokes) + len(self.undone_strokes))
             score = self._score_to_edit()
         places = places_of(score, len(self.strokes), len(self.undone_strokes))
-        self._check_number(number, len(self.strokes))
-        words = self._in_words(edit, score)
-        edited = edit_stroke(score, places[number][0], words, self.surface.source)
+        for number in numbers:
+            self._check_number(number, len(self.strokes))
+        edited = do(score, [places[k][0] for k in numbers], self._in_words(edit, score))
         first = first_difference(score, edited)
         back = max((k for k, (_, begin) in enumerate(places) if begin <= first), default=0)
-        back = min(back, number)
+        back = min([back, *numbers])
         self._check_number(back, len(self.strokes))
         return self._paint_anew(
             edited, lambda: len(self.strokes) > back, min(places[back][1], first)

@@ -193,6 +193,14 @@ class PaintActions:
         """Take the layer away that is painted on."""
         self._post("remove_layer", self._painting.active_layer)
 
+    def do_duplicate_layer(self) -> None:
+        """Put a copy of the layer that is painted on above it."""
+        self._post("duplicate_layer", self._painting.active_layer)
+
+    def do_merge_layer(self) -> None:
+        """Make one layer of it and the one below."""
+        self._post("merge_layer", self._painting.active_layer)
+
     def do_rename_layer(self) -> None:
         """Let its name be written."""
         self._panels.layers.rename()

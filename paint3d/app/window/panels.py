@@ -92,6 +92,10 @@ class Panels:
         self.brushes.chosen.connect(self._take_brush)
         self.brushes.failed.connect(lambda why: self._workspace.tell(why, state="bad"))
         self._workspace.hand.sized.connect(self.brushes.resize_brush)
+        self._workspace.hand.watered.connect(self.inks.water_by)
+        self.inks.watering.connect(
+            lambda share: self._workspace.tell(say("Water {share:.0f} %", share=100.0 * share))
+        )
         self.surface.failed.connect(lambda why: self._workspace.tell(why, state="bad"))
         self.inks.dipped.connect(self._dip)
         self.inks.rinsed.connect(lambda: post("rinse"))

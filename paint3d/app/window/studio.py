@@ -304,8 +304,8 @@ class StudioWindow(QtWidgets.QMainWindow):
         self.viewing = ViewActions(self.workspace, self.panels, self.steering)
         self.commands.bind(
             (self.opening, self.saving, self.exporting, self.pictures, self.recordings,
-             self.standing, self.sealing, self.copying, self.writing, self.painting, self.brushes, self.inks,
-             self.viewing)
+             self.standing, self.sealing, self.copying, self.writing, self.editing, self.painting,
+             self.brushes, self.inks, self.viewing)
         )  # fmt: skip
         for name in ("brush", "grips", "show_mask"):
             self.commands.check(name, True)

@@ -20,7 +20,10 @@ from paint3d.device.sample import DeviceSample
 from paint3d.mesh.bvh import ClosestPoints
 from paint3d.view.camera import Camera, View, fit_camera, is_flat, picture_axes, studio_axes
 
-__all__ = ["CanvasHand"]
+__all__ = ["ADJUSTED", "CanvasHand"]
+
+ADJUSTED = frozenset({"size", "force", "water"})
+"""What a drag changes while its key is held."""
 
 _SIZE_A_PIXEL = 1.006  # growth of the brush a pixel of a drag with F
 _FORCE_A_PIXEL = 0.02  # N a pixel of a drag with Shift+F
@@ -38,6 +41,8 @@ class CanvasHand(QtCore.QObject):
     -------
     sized : float
         The brush is to be so many times as large.
+    watered : float
+        Pixels of a drag by which its ink is to be lighter.
     began : ()
         Of a stroke, before the painting thread hears of it.
     ended : Future
@@ -45,6 +50,7 @@ class CanvasHand(QtCore.QObject):
     """
 
     sized = QtCore.Signal(float)
+    watered = QtCore.Signal(float)
     began = QtCore.Signal()
     ended = QtCore.Signal(object)
 
@@ -197,7 +203,7 @@ class CanvasHand(QtCore.QObject):
         self._spent = self._spent and touch.down
         if self._spent:
             return
-        if before is not None and self.held & {"size", "force"} and not self.in_stroke:
+        if before is not None and self.held & ADJUSTED and not self.in_stroke:
             self._adjust(touch.x - before.x)
             return
         event, brush = self._input(self._bent(touch)), paint_thread.brush
@@ -247,6 +253,8 @@ class CanvasHand(QtCore.QObject):
         self.adjusted = True
         if "size" in self.held:
             self.sized.emit(_SIZE_A_PIXEL**pixels)
+        elif "water" in self.held:
+            self.watered.emit(pixels)
         else:
             hand = self._open_hand
             hand.force = min(7.9, max(0.0, hand.force + _FORCE_A_PIXEL * pixels))

@@ -81,7 +81,7 @@ class HistoryPanel(QtWidgets.QWidget):
         self._strokes: list[Any] = []
         self._wanted: int | None = None  # what was asked for and is not there yet
         self._is_playing = False
-        self._marked: int | None = None
+        self._marked: tuple[int, ...] = ()
         self.list = _StrokeList()
         self.list.setObjectName("strokes")
         self.list.setIconSize(QtCore.QSize(_ICON, _ICON))
@@ -191,24 +191,24 @@ class HistoryPanel(QtWidgets.QWidget):
 
     def _row_to_edit(self) -> int:
         """The stroke that is marked, or else the one that is shown last."""
-        return self.list.currentRow() if self._marked is None else self._marked
+        return self._marked[0] if self._marked else self.list.currentRow()
 
     def _mark_row(self, row: int) -> None:
         """Have the stroke of a row marked in the picture, if there is one."""
         if 0 <= row < len(self._strokes):
             self.chosen.emit(row)
 
-    def mark(self, row: int | None) -> None:
-        """Show that this stroke is marked in the picture, or none."""
-        self._marked = row
+    def mark(self, rows: tuple[int, ...] | None) -> None:
+        """Show that these strokes are marked in the picture, or none."""
+        self._marked = rows or ()
         self._show_marked()
 
     def _show_marked(self) -> None:
         for k in range(self.list.count()):
             item = self.list.item(k)
             font = item.font()
-            if font.bold() != (k == self._marked):
-                font.setBold(k == self._marked)
+            if font.bold() != (k in self._marked):
+                font.setBold(k in self._marked)
                 item.setFont(font)
 
     # -- showing ----------------------------------------------------------------------------

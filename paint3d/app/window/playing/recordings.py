@@ -214,6 +214,7 @@ def tools_in_hand(painting: Snapshot, brush: BrushSpec) -> list[Asked]:
 
 
 def samples_of(recording: Recording, progress: Progress) -> list[DeviceSample]:
+    """The samples of a recording, telling how far it is."""
     samples = []
     for k, sample in enumerate(recording.samples()):
         samples.append(sample)
