@@ -235,6 +235,8 @@ _TABLE: tuple[_Row, ...] = (
         Command("dip_tip", "Dip the tip", ["Shift+D"]),
         Command("rinse", "Rinse", ["R"], icon="rinse", codec=PLAIN),
         Command("wipe", "Wipe", ["W"], codec=PLAIN),
+        Command("dip_water", "Dip in clear water", ["Shift+R"]),
+        Command("erase", "Erase", ["E"], icon="eraser", checkable=True),
         _PART,
         Command("swap_inks", "Swap inks", ["X"], icon="swap", codec=PLAIN, written_as="dip"),
         Command("pick_colour", "Pick the ink", ["I"], icon="pick", codec=PLAIN, written_as="dip"),
@@ -416,7 +418,8 @@ _TABLE: tuple[_Row, ...] = (
 )
 
 TOOLS = (
-    "open", "save", "-", "undo", "redo", "-", "dip", "rinse", "swap_inks", "pick_colour", "-",
+    "open", "save", "-", "undo", "redo", "-", "dip", "rinse", "erase", "swap_inks",
+    "pick_colour", "-",
     "mirror", "radial", "wet", "dry", "-", "frame_all", "brush", "screenshot", "record", "-",
     "shortcuts",
 )  # fmt: skip

@@ -45,6 +45,7 @@ from paint3d.app.model.score.words import Inks, Vocabulary, brush_named
 from paint3d.app.model.seal_press import PASTE, SealPress
 from paint3d.app.model.stroke_group import edit_group
 from paint3d.app.model.stroke_log import (
+    ERASES,
     Stroke,
     StrokeLog,
     checked_pairs,
@@ -568,6 +569,8 @@ class Document:
         ink: Ink | None = None,
         loads: Sequence[tuple[int, float]] = (),
         strengths: Sequence[tuple[int, float]] = (),
+        *,
+        erase: bool = False,
     ) -> None:
         """Start a stroke: a step that can be undone.
 
@@ -582,6 +585,8 @@ class Document:
         loads : sequence of (int, float)
             How much the brush comes to hold at samples of the stroke, counted from 0: a fraction, 0
             to 1, of what a dip gives.
+        erase : bool
+            Take paint off the layer with a full brush, instead of putting ink on it; see `Eraser`.
         strengths : sequence of (int, float)
             The same for what fraction of the ink it then is, the rest being water, until the next
             dip.
@@ -605,10 +610,13 @@ class Document:
         )
         stroke.loads, stroke.strengths = loads, strengths
         self._undo.begin(stroke)
+        if erase:
+            brush, ink = brush or painter.brush, ink or painter.dipped  # never an empty brush
+            stroke.tags[ERASES] = True
         if brush is not None or ink is not None:
             self._borrow(stroke, brush, ink)
         self._refused = self._dipped = False
-        self._strokes.begin(loads, strengths)
+        self._strokes.begin(loads, strengths, erase=erase)
 
     def _borrow(
         self,

@@ -14,6 +14,7 @@ from paint3d.app.window.playing.player import Player
 from paint3d.app.window.wording import say
 from paint3d.app.window.workspace import Workspace
 from paint3d.brush.presets import brush_names
+from paint3d.colour.pigments import WATER
 from paint3d.core.arrays import AnyArray
 from paint3d.mesh.refined_mesh import PaintMesh
 from paint3d.view.camera import picture_axes
@@ -91,6 +92,19 @@ class PaintActions:
     def do_dip_tip(self) -> None:
         """Load its tip again."""
         self._workspace.dip(None, _TIP_REACH)
+
+    def do_dip_water(self) -> None:
+        """Dip the brush in clear water: a water brush."""
+        self._workspace.dip({WATER.name: 1.0})
+
+    def do_erase(self, on: bool) -> None:
+        """Take paint off with the brush, or put ink on again."""
+        self._workspace.hand.erases = on
+        self._workspace.tell(
+            say("The brush takes paint off the layer; E puts ink on again")
+            if on
+            else say("The brush puts ink on again")
+        )
 
     def do_pick_colour(self) -> None:
         """Take the ink that lies under the pointer."""

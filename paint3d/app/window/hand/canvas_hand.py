@@ -65,6 +65,7 @@ class CanvasHand(QtCore.QObject):
         self.in_stroke = False
         self.held: set[str] = set()
         self.adjusted = False
+        self.erases = False  # whatever end of the pen
         self._surface: ClosestPoints | None = None
         self._place: Touch | None = None
         self._spent = False  # a stroke was taken back whose pen is still down
@@ -211,16 +212,14 @@ class CanvasHand(QtCore.QObject):
             paint_thread.feed(self._open_hand.move(event, brush))
         elif self.in_stroke:
             self.lift(event)
-        elif touch.down and not touch.eraser:
-            self._begin(event)
+        elif touch.down:
+            self._begin(event, erase=self.erases or touch.eraser)
         else:
             sample = self._open_hand.hover(event, brush)
             if sample is None:
                 self._stage.hide_brush()
             else:
                 paint_thread.hover(sample)
-        if touch.eraser and touch.down and (before is None or not before.down):
-            paint_thread.post("rinse")
 
     def _bent(self, touch: Touch) -> Touch:
         """The touch under the brush: with Shift the mouse turns the bend, and the brush stays.
@@ -279,14 +278,14 @@ class CanvasHand(QtCore.QObject):
             bend=self._bend,
         )
 
-    def _begin(self, event: PointerInput) -> None:
+    def _begin(self, event: PointerInput, *, erase: bool) -> None:
         paint_thread = self._stage.open_paint_thread
         samples = self._open_hand.begin(event, paint_thread.brush)
         if samples is None:
             return
         self.in_stroke, self._whole = True, None
         self.began.emit()
-        paint_thread.post("begin_stroke")
+        paint_thread.post("begin_stroke", **({"erase": True} if erase else {}))
         paint_thread.feed(samples)
 
     def lift(self, event: PointerInput | None = None) -> None:

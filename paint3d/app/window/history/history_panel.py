@@ -8,6 +8,7 @@ from typing import Any
 from PySide6 import QtCore, QtGui, QtWidgets
 
 from paint3d.app.model.frame import Frame, Snapshot
+from paint3d.app.model.stroke_log import ERASES
 from paint3d.app.window.brush.brush_panel import plain_icon, plain_name
 from paint3d.app.window.ink.ink_panel import ink_label, paint_dish
 from paint3d.app.window.theme import Theme
@@ -256,6 +257,7 @@ class HistoryPanel(QtWidgets.QWidget):
             for k, stroke in enumerate(self._strokes):
                 ink = " + ".join(ink_label(name) for name in stroke.ink)
                 brush = say_brush(plain_name(stroke.brush))
+                ink = say("eraser") if stroke.tags.get(ERASES) else ink
                 text = f"{k + 1}   {brush}, {ink}   {stroke.duration_s:.2f} s"
                 item = QtWidgets.QListWidgetItem(_dish_icon(stroke.ink, self._theme), text)
                 if k >= there:
