@@ -18,7 +18,6 @@ from tests.support.app.gestures import BUTTON, HAND, KIND, NO_KEY, drag, live, t
 from tests.support.app.hands import line
 from tests.support.app.windows import opened, settled
 
-
 BESIDE = 8.6  # mm, of the print of an upright brush from its root
 
 

@@ -79,6 +79,10 @@ class PaintActions:
         """Steady the stroke by a string, or not."""
         self._panels.hand.set_smoothing(_STEADY if on else 0.0)
 
+    def do_ruler(self, on: bool) -> None:
+        """Lead strokes along a ruler, or not."""
+        self._panels.hand.set_ruler(on)
+
     def do_number(self, k: int) -> None:
         """Take the k-th brush."""
         self._post("set_brush", brush_names()[k - 1])

@@ -17,6 +17,7 @@ from paint3d.app.window.history.history_panel import HistoryPanel
 from paint3d.app.window.ink.ink_panel import InkPanel
 from paint3d.app.window.layer_panel import LayerPanel
 from paint3d.app.window.object.surface_panel import SurfacePanel
+from paint3d.app.window.reference.reference_panel import ReferencePanel
 from paint3d.app.window.theme import Theme
 from paint3d.app.window.wording import say
 from paint3d.app.window.workspace import Workspace
@@ -49,10 +50,12 @@ class Panels:
         self.brushes, self.inks = BrushPanel(theme), InkPanel(theme)
         self.layers, self.history = LayerPanel(theme), HistoryPanel(theme)
         self.hand, self.copybook = HandPanel(theme), CopybookPanel(theme)
-        self.devices = DevicePanel(theme)
+        self.devices, self.reference = DevicePanel(theme), ReferencePanel(theme)
         self.surface = SurfacePanel(actions[name] for name in ("wet", "dry", "refine"))
         self.docks: dict[str, QtWidgets.QDockWidget] = {}
-        self._tall = (self.inks, self.hand, self.copybook, self.devices, self.surface)
+        self._tall = (
+            self.inks, self.hand, self.copybook, self.devices, self.surface, self.reference
+        )  # fmt: skip
         upper = [
             self._dock("brushes", say("Brushes"), self.brushes),
             self._dock("inks", say("Inks"), self.inks),
@@ -63,6 +66,7 @@ class Panels:
             self._dock("layers", say("Layers"), self.layers),
             self._dock("history", say("History"), self.history),
             self._dock("copybook", say("Copybook"), self.copybook),
+            self._dock("reference", say("Reference"), self.reference),
             self._dock("devices", say("Devices"), self.devices),
         ]
         for group in (upper, lower):
@@ -105,6 +109,7 @@ class Panels:
         self.history.told.connect(self._workspace.tell)
         self.hand.read.connect(lambda changes: self._workspace.hand.set_settings(**changes))
         self.hand.curve.changed.connect(self._keep_curve)
+        self.hand.ruled.connect(lambda on: self._workspace.actions["ruler"].setChecked(on))
 
     def _keep_curve(self, curve: PressureCurve) -> None:
         self._workspace.settings = dataclasses.replace(
@@ -116,6 +121,7 @@ class Panels:
         for panel in (self.brushes, self.inks, self.surface, self.layers, self.history):
             panel.setEnabled(is_open)
         self.copybook.setEnabled(is_open)
+        self.reference.setEnabled(is_open)
 
     # -- following the painting -------------------------------------------------------------
 
@@ -174,7 +180,7 @@ class Panels:
 
     def _all(self) -> tuple[_Themed, ...]:
         upper = self.brushes, self.inks, self.hand
-        lower = self.layers, self.history, self.copybook, self.devices
+        lower = self.layers, self.history, self.copybook, self.reference, self.devices
         return *upper, self.surface, *lower
 
     def toggle(self) -> None:

@@ -9,6 +9,7 @@ import threading
 import time
 import traceback
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 
 from PySide6 import QtCore, QtGui, QtWidgets
 
@@ -42,6 +43,7 @@ from paint3d.app.window.panels import Panels
 from paint3d.app.window.playing.pictures import Pictures
 from paint3d.app.window.playing.player import Player
 from paint3d.app.window.playing.recordings import Recordings
+from paint3d.app.window.reference.reference import Reference
 from paint3d.app.window.seal import Sealing
 from paint3d.app.window.status_line import ReplayBar, StatusLine
 from paint3d.app.window.theme import DARK_THEME
@@ -301,11 +303,14 @@ class StudioWindow(QtWidgets.QMainWindow):
         self.painting = PaintActions(self.workspace, self.panels, self.recalling, self.player)
         self.brushes = BrushMaking(self.workspace, self.panels)
         self.inks = InkMaking(self.workspace, self.panels)
+        self.reference = Reference(
+            self.workspace, self.panels.reference, self.copying, self.inks.mix_colour
+        )
         self.viewing = ViewActions(self.workspace, self.panels, self.steering)
         self.commands.bind(
             (self.opening, self.saving, self.exporting, self.pictures, self.recordings,
              self.standing, self.sealing, self.copying, self.writing, self.editing, self.painting,
-             self.brushes, self.inks, self.viewing)
+             self.brushes, self.inks, self.reference, self.viewing)
         )  # fmt: skip
         for name in ("brush", "grips", "show_mask"):
             self.commands.check(name, True)
@@ -315,7 +320,10 @@ class StudioWindow(QtWidgets.QMainWindow):
         settings = self.workspace.settings
         self.canvas.finger = settings.finger
         self.hand.set_settings(
-            curve=settings.curve, smoothing=settings.smoothing, pressure_by=settings.pressure_by
+            curve=settings.curve,
+            smoothing=settings.smoothing,
+            mouse_smoothing=settings.mouse_steadiness,
+            pressure_by=settings.pressure_by,
         )
         self.hand.first_force = settings.force_n
         self.panels.hand.show_settings(self.hand.settings)
@@ -527,6 +535,10 @@ class StudioWindow(QtWidgets.QMainWindow):
         self.brushes.close_down()
         self.inks.close_down()
         self.workspace.keep_in_hand()
-        self.workspace.keep(smoothing=self.hand.settings.smoothing, window=window_words(self))
+        now, settings = self.hand.settings, self.workspace.settings
+        if now.mouse_smoothing != settings.mouse_steadiness:
+            settings = replace(settings, mouse_smoothing=now.mouse_smoothing)
+        self.workspace.settings = settings
+        self.workspace.keep(smoothing=now.smoothing, window=window_words(self))
         self.stage.close()
         event.accept()

@@ -40,6 +40,8 @@ __all__ = [
 ]
 
 VERSION = 2
+MOUSE_STEADY = 0.3
+"""Steadiness of a mouse's strokes, 0 to 1, unless it was chosen otherwise."""
 WET_AT_FIRST = frozenset({"xuan", "tinted xuan"})
 """Materials on which ink spreads unless it was chosen otherwise."""
 _DRINKS = 0.9  # absorbency from which it spreads on a material of one's own, too
@@ -54,13 +56,14 @@ _CHOICES = {
 }
 _RANGES = {
     "smoothing": (0.0, 1.0),
+    "mouse_smoothing": (0.0, 1.0),
     "resolution_mm": (0.005, 100.0),
     "autosave_s": (10.0, 3600.0),
     "undo_megabytes": (1.0, 1e6),
     "force_n": (0.0, MAX_FORCE_N),
     "brush_mm": (1.0, 1000.0),
 }
-_MAYBE = ("brush_mm",)  # may also be None
+_MAYBE = ("brush_mm", "mouse_smoothing")  # may also be None
 
 
 @dataclass(frozen=True)
@@ -94,6 +97,8 @@ class Settings:
         Of a mouse, at first.
     smoothing : float
         0 to 1.
+    mouse_smoothing : float or None
+        At least so much for a mouse; None: `MOUSE_STEADY`.
     wet : bool or None
         Whether ink spreads and dries while painting; None: as the material asks for.
     dips_by_itself : bool
@@ -140,6 +145,7 @@ class Settings:
     finger: str = "auto"
     force_n: float = 1.5
     smoothing: float = 0.0
+    mouse_smoothing: float | None = None
     wet: bool | None = None
     dips_by_itself: bool = False
     autosave_s: float = 120.0
@@ -201,6 +207,11 @@ class Settings:
     def curve(self) -> PressureCurve:
         """The pressure curve, ready for use."""
         return PressureCurve(self.pressure_curve)
+
+    @property
+    def mouse_steadiness(self) -> float:
+        """How steady strokes of a mouse are, 0 to 1."""
+        return MOUSE_STEADY if self.mouse_smoothing is None else self.mouse_smoothing
 
     def wants_wet(self, material: Material) -> bool:
         """Whether ink spreads on a material: as was chosen, else as the material asks for."""

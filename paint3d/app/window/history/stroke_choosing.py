@@ -76,6 +76,7 @@ class StrokeChooser(QtCore.QObject):
         self._canvas.setCursor(QtCore.Qt.CursorShape.PointingHandCursor)
         self._canvas.setFocus()
         self._is_down = False
+        self._workspace.stage.hide_brush()
         self._workspace.tell(
             say(
                 "Draw a loop around strokes, or click them; drag them, their corner or their ring; "
