@@ -28,6 +28,7 @@ __all__ = ["Panels"]
 
 _WIDTH = 316
 _RIGHT = QtCore.Qt.DockWidgetArea.RightDockWidgetArea
+_LEFT = QtCore.Qt.DockWidgetArea.LeftDockWidgetArea
 
 
 class _Themed(Protocol):
@@ -66,13 +67,13 @@ class Panels:
             self._dock("layers", say("Layers"), self.layers),
             self._dock("history", say("History"), self.history),
             self._dock("copybook", say("Copybook"), self.copybook),
-            self._dock("reference", say("Reference"), self.reference),
             self._dock("devices", say("Devices"), self.devices),
         ]
         for group in (upper, lower):
             for dock in group[1:]:
                 window.tabifyDockWidget(group[0], dock)
             group[0].raise_()
+        self._dock("reference", say("Reference"), self.reference, _LEFT).hide()
         window.setTabPosition(_RIGHT, QtWidgets.QTabWidget.TabPosition.North)
         window.resizeDocks([upper[0], lower[0]], [440, 260], QtCore.Qt.Orientation.Vertical)
         window.resizeDocks([upper[0]], [_WIDTH], QtCore.Qt.Orientation.Horizontal)
@@ -81,13 +82,19 @@ class Panels:
         self._connect()
         workspace.theme_changed.connect(self._set_theme)
 
-    def _dock(self, name: str, title: str, panel: QtWidgets.QWidget) -> QtWidgets.QDockWidget:
+    def _dock(
+        self,
+        name: str,
+        title: str,
+        panel: QtWidgets.QWidget,
+        area: QtCore.Qt.DockWidgetArea = _RIGHT,
+    ) -> QtWidgets.QDockWidget:
         dock = QtWidgets.QDockWidget(title, self._workspace.window)
         dock.setObjectName(f"dock-{name}")
         dock.setWidget(_scrolled(panel) if panel in self._tall else panel)
         dock.setTitleBarWidget(QtWidgets.QWidget())  # the tab says it
         dock.setMinimumWidth(_WIDTH)
-        self._workspace.window.addDockWidget(_RIGHT, dock)
+        self._workspace.window.addDockWidget(area, dock)
         self.docks[name] = dock
         return dock
 
@@ -186,12 +193,16 @@ class Panels:
     def toggle(self) -> None:
         """Hide all, or show them again."""
         shown = [dock for dock in self.docks.values() if dock.isVisible()]
-        for dock in self.docks.values():
-            dock.setVisible(not shown)
+        for name, dock in self.docks.items():
+            dock.setVisible(not shown and not self._is_idle(name))
+
+    def _is_idle(self, name: str) -> bool:
+        """Whether a panel has nothing to show."""
+        return name == "reference" and self.reference.view.image is None
 
     def step(self, by: int) -> None:
         """Bring the focus to the next panel (by 1), or the one before (-1), or to the picture."""
-        names = list(self.docks)
+        names = [name for name in self.docks if not self._is_idle(name)]
         focus = self._workspace.window.focusWidget()
         inside = [n for n in names if focus is not None and self.docks[n].isAncestorOf(focus)]
         at = names.index(inside[0]) if inside else (-1 if by > 0 else len(names))

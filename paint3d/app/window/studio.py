@@ -48,6 +48,7 @@ from paint3d.app.window.seal import Sealing
 from paint3d.app.window.status_line import ReplayBar, StatusLine
 from paint3d.app.window.theme import DARK_THEME
 from paint3d.app.window.view_actions import ViewActions
+from paint3d.app.window.view_keeping import ViewKeeping
 from paint3d.app.window.wording import say, say_error
 from paint3d.app.window.workspace import Workspace
 from paint3d.colour.materials import Material
@@ -306,11 +307,12 @@ class StudioWindow(QtWidgets.QMainWindow):
         self.reference = Reference(
             self.workspace, self.panels.reference, self.copying, self.inks.mix_colour
         )
+        self.views = ViewKeeping(self.workspace)
         self.viewing = ViewActions(self.workspace, self.panels, self.steering)
         self.commands.bind(
             (self.opening, self.saving, self.exporting, self.pictures, self.recordings,
              self.standing, self.sealing, self.copying, self.writing, self.editing, self.painting,
-             self.brushes, self.inks, self.reference, self.viewing)
+             self.brushes, self.inks, self.reference, self.views, self.viewing)
         )  # fmt: skip
         for name in ("brush", "grips", "show_mask"):
             self.commands.check(name, True)
@@ -393,6 +395,7 @@ class StudioWindow(QtWidgets.QMainWindow):
         self._show_open(True)
         self.commands.check("wet", wet)
         self.hand.open(opened.surface)
+        self.views.recall_last(document)
         self.both_hands.open()
         self.panels.open()
         self._draw_first()

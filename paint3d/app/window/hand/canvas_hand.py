@@ -31,6 +31,9 @@ _FIRST_VIEW = View((0.12, -1.0, 0.62))
 _FLAT_VIEW = np.array([0.0, -0.45, 1.0])  # in the sheet's own axes
 _BENDS_PX = 6.0  # a motion that tells whither the tuft is to bend
 _CLOSE = 0.75  # tuft lengths that are seen all round of what is under the pointer
+_LEAST_SEEN_MM, _MOST_OBJECTS = 0.5, 10.0  # a picture is as high at least, and as high at most
+_AT = 1.0 + 1e-6
+_HIDDEN_MM = 1.0  # that what is seen may lie before a place that is seen, too
 _STAYS_PX = 6.0  # that a pointer moves which stays where it was
 
 
@@ -150,9 +153,28 @@ class CanvasHand(QtCore.QObject):
         self.look(fit_camera(self._stage.points, view, self._aspect()))
 
     def look(self, camera: Camera) -> None:
-        """Look from there."""
+        """Look from there, as near as a vertex and as far as ten objects."""
+        camera = self._within_reach(camera)
         self.camera = camera
         self._stage.set_camera(camera)
+
+    def _within_reach(self, camera: Camera) -> Camera:
+        """The camera, no nearer and no farther than there is something to see."""
+        points = self._stage.points
+        if not len(points):
+            return camera
+        away = float(np.linalg.norm(camera.position - camera.focus))
+        tall = 2.0 * math.tan(0.5 * camera.view_angle)  # of what is seen, over the distance
+        size = float(np.linalg.norm(np.ptp(points, axis=0)))
+        nearest, farthest = _LEAST_SEEN_MM / tall, _MOST_OBJECTS * size / tall
+        if nearest <= away <= farthest:
+            return camera
+        before = self.camera
+        if before is not None:  # further in the same way nothing moves
+            was = float(np.linalg.norm(before.position - before.focus))
+            if (away < nearest and was <= nearest * _AT) or (away > farthest <= was * _AT):
+                return before
+        return navigation.dolly(camera, away / min(max(away, nearest), farthest))
 
     def _aspect(self) -> float:
         return self._canvas.width() / max(1, self._canvas.height())
@@ -188,6 +210,15 @@ class CanvasHand(QtCore.QObject):
     def ray_at(self, x: float, y: float) -> navigation.Ray:
         """The ray of sight through a place in the picture (pixels, y down)."""
         return navigation.ray_at(self.open_camera, x, y, self._size())
+
+    def sees(self, points: AnyArray) -> NDArray[np.bool_]:
+        """(N,) bool: whether nothing of the object lies before points (N, 3) of it, mm."""
+        eye = self.open_camera.position
+        away = points - eye
+        far = np.linalg.norm(away, axis=1)
+        hits = self.surface.cast(np.tile(eye, (len(points), 1)), away / far[:, None])
+        seen: NDArray[np.bool_] = np.linalg.norm(hits.points - eye, axis=1) > far - _HIDDEN_MM
+        return seen | ~hits.hit
 
     def pixels_of(self, points: AnyArray) -> AnyArray:
         """Where points (N, 3), mm, are in the picture: (N, 2) pixels, y down."""

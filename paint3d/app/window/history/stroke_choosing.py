@@ -23,7 +23,6 @@ _KEYS = (_KIND.ShortcutOverride, _KIND.KeyPress)
 _CLICK = 5.0  # pixels that a hand goes at most while it only points
 _REACH, _GRIP, _AWAY, _ROOM = 14.0, 6.0, 26.0, 10.0  # pixels
 _INSIDE = 0.5  # share of a stroke's way within the loop
-_HIDDEN_MM = 1.0  # that what is seen may lie before a way that is seen, too
 _LEAST, _MOST = 0.1, 10.0  # of a scale by one drag
 
 
@@ -189,20 +188,13 @@ class StrokeChooser(QtCore.QObject):
                 continue
             points = np.concatenate(ways)
             inside = _within(self._workspace.hand.pixels_of(points), loop)
-            if inside.mean() >= _INSIDE and self._sees(points[inside]).mean() >= _INSIDE:
+            if (
+                inside.mean() >= _INSIDE
+                and self._workspace.hand.sees(points[inside]).mean() >= _INSIDE
+            ):
                 found.add(number)
         self._mark.choose_all(found)
         self._tell_chosen()
-
-    def _sees(self, points: AnyArray) -> NDArray[np.bool_]:
-        """(N,) bool: whether nothing of the object lies before points (N, 3) of it."""
-        hand = self._workspace.hand
-        eye = hand.open_camera.position
-        away = points - eye
-        far = np.linalg.norm(away, axis=1)
-        hits = hand.surface.cast(np.tile(eye, (len(points), 1)), away / far[:, None])
-        seen: NDArray[np.bool_] = np.linalg.norm(hits.points - eye, axis=1) > far - _HIDDEN_MM
-        return seen | ~hits.hit
 
     def _tell_chosen(self) -> None:
         n = len(self._mark.numbers)

@@ -71,10 +71,6 @@ class Reference:
 
     def do_reference(self) -> None:
         """Ask for a picture, and show it in the panel."""
-        for dock in self._workspace.window.findChildren(QtWidgets.QDockWidget):
-            if dock.isAncestorOf(self._panel):
-                dock.show()
-                dock.raise_()
         endings = " ".join("*" + kind for kind in PHOTOGRAPH_SUFFIXES)
         dialog = QtWidgets.QFileDialog(
             self._workspace.window, say("Open a picture…"), filter=f"{say('Pictures')} ({endings})"
@@ -99,11 +95,18 @@ class Reference:
         self._file, self._image = path, image
         self._grid = None
         self._panel.show_image(image)
+        self._show_panel(True)
         self._workspace.canvas.update()
+
+    def _show_panel(self, on: bool) -> None:
+        for dock in self._workspace.window.findChildren(QtWidgets.QDockWidget):
+            if dock.isAncestorOf(self._panel):
+                dock.setVisible(on)
 
     def close(self) -> None:
         """Show none any more."""
         self._let_go()
+        self._show_panel(False)
         self._keep()
         self._workspace.canvas.update()
 
@@ -203,6 +206,7 @@ class Reference:
         pixels = hand.pixels_of(self._grid.reshape(-1, 3)).reshape(n + 1, n + 1, 2)
         towards = hand.open_camera.position - self._grid
         faces = (towards * self._normals).sum(axis=2) > 0.0
+        faces &= hand.sees(self._grid.reshape(-1, 3)).reshape(n + 1, n + 1)
         width, height = image.width(), image.height()
         for row in range(n):
             for column in range(n):
