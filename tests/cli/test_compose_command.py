@@ -13,6 +13,7 @@ from paint3d.cli.batches.rows import fingerprint, placed
 from paint3d.cli.batches.table import read_table
 from paint3d.cli.batches.workers import run_here
 from paint3d.cli.main import main
+from paint3d.device.recorded import MODEL
 from paint3d.errors import InputError
 from paint3d.files.project.session import load_session
 
@@ -111,6 +112,21 @@ def test_going_on_paints_as_painting_anew_does() -> None:
     one, other = (load_session(name).surface for name in ("a.p3d", "b.p3d"))
     np.testing.assert_array_equal(one.srgb, other.srgb)
     np.testing.assert_array_equal(one.coverage, other.coverage)
+
+
+def test_a_recording_of_another_model_is_painted_and_said_to_be_one(capsys) -> None:
+    """Strokes name the version that painted them; where none is named none is said."""
+    on = ("--on", "plane", "--resolution", "0.6")
+    assert main(["write", "一", *on, "--recording", "a.jsonl", "--out", "a.p3d"]) == 0
+    head, *lines = Path("a.jsonl").read_text("utf-8").splitlines()
+    named = json.loads(head)
+    assert named["model"] == MODEL
+    for model in (None, MODEL, MODEL + 1):
+        own = {k: v for k, v in named.items() if k != "model"} | ({"model": model} if model else {})
+        Path("b.jsonl").write_text("\n".join([json.dumps(own), *lines]) + "\n", "utf-8")
+        capsys.readouterr()
+        assert main(["replay", "b.jsonl", *on, "--out", f"{model}.p3d"]) == 0
+        assert (f"version {model}" in capsys.readouterr().err) == (model == MODEL + 1)
 
 
 def test_a_recording_is_laid_on_another_object(capsys) -> None:

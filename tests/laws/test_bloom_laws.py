@@ -70,6 +70,19 @@ def test_water_goes_ahead_of_the_soot(share: float, coats: float) -> None:
     assert 0.0 < halo.max() < 0.3 * rings(surface)[0]
 
 
+def test_much_water_carries_soot_into_the_halo_and_little_does_not() -> None:
+    """Flocs fall apart in water: a thin wash colours its halo, a writer's ink hardly."""
+    in_halo = {}
+    for share in (0.1, 0.4):
+        surface = washed(share)
+        surface.diffuse(20.0)
+        water, _ = radii(surface)
+        inner = rings(surface)
+        in_halo[share] = inner[int(water / 0.5) - 2] / inner[0]
+    assert in_halo[0.1] > 0.2
+    assert in_halo[0.4] < 0.3 * in_halo[0.1]
+
+
 def test_where_nothing_holds_it_there_is_no_halo() -> None:
     surface = washed(material=dataclasses.replace(SMOOTH, passing=1.0))
     surface.diffuse(20.0)

@@ -88,6 +88,28 @@ def test_what_coarse_vertices_do_not_show_softens_them() -> None:
     assert coarse[1].std() < 0.65 * fine.std()
 
 
+@pytest.mark.parametrize("hairs", [0, 500])
+def test_a_dry_brush_that_is_pressed_in_its_place_leaves_flecks(hairs) -> None:
+    """Ink or paper, no mist: what is touched while it comes down stays the same places."""
+    surface = PaintedSurface(sheet(flat, (20.0, 20.0), 4.0), 0.15, "xuan")
+    painter = Painter(surface, "full", "pine soot", hairs=hairs)
+    painter.wipe(0.84)
+    n = 120
+    turned = np.tile([1.0, 0.0, 0.0, 0.0], (n, 1))
+    place, pressure = np.tile([0.0, 0.0, 30.0], (n, 1)), np.linspace(0.0, 0.35, n)
+    painter.replay(Recording(np.arange(n) * 4_000_000, place, turned, pressure))
+    values = painter.stamp.values[0]
+    away = np.linalg.norm(
+        surface.paint_mesh.vertices[:, :2]
+        - (values["origin"] + 0.5 * (values["heel"] + values["tip"]) * values["bend"])[:2],
+        axis=1,
+    )
+    within = away < 0.8 * values["widest"]
+    cover = surface.coverage[within]
+    assert 0.2 < cover.mean() < 0.7
+    assert ((cover < 0.2) | (cover > 0.8)).mean() > 0.75
+
+
 def test_less_ink_and_less_pressure_cover_less() -> None:
     """Law 12."""
     by_load = [covered(0.2, load=load).mean() for load in (0.08, 0.12, 0.16, 0.24)]

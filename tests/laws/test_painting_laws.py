@@ -138,6 +138,32 @@ def test_ink_is_kept(seed, brush, azimuth):
     assert painter.surface.amounts.min() >= 0.0
 
 
+@pytest.mark.parametrize("hairs", [0, 300])
+@pytest.mark.parametrize("material", ["porcelain", "xuan"])
+def test_a_wet_brush_leaves_a_film_where_it_comes_however_lightly(hairs, material):
+    """Starts and ends are not seen through: their film is not much thinner than the rest."""
+    surface = PaintedSurface(plane(30.0), 0.5, material)
+    Painter(surface, hairs=hairs).replay(line((-20, 0), (20, 0), 0.4, n=60))
+    whole = surface.coverage > 0.95
+    coats = surface.amounts[whole].sum(axis=1)
+    assert np.percentile(coats, 1) > 0.85 * np.median(coats)
+
+
+def test_paper_that_has_drunk_takes_less_and_glaze_does_not():
+    """A stroke runs into a wet one that it crosses instead of lying on it like a sheet of film."""
+    again = {}
+    for material in ("xuan", "porcelain"):
+        surface = PaintedSurface(plane(30.0), 0.5, material)
+        painter = Painter(surface)
+        recording = line((-20, 0), (20, 0), 0.4, n=60)
+        painter.replay(recording)
+        once = painter.surface.wet_ink()
+        painter.replay(recording)
+        again[material] = painter.surface.wet_ink() / once - 1.0
+    assert again["xuan"] < 0.25
+    assert again["xuan"] < 0.6 * again["porcelain"]
+
+
 def test_ink_runs_off_the_edge():
     inside = paint(plane(30.0), line((-15, 0), (10, 0)))
     across = paint(plane(30.0), line((10, 0), (36, 0), along=(1.0, 0.0, 0.0)))

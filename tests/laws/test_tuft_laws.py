@@ -201,6 +201,24 @@ def test_outline_falls_from_the_tip_and_closes(tuft, tilt, share):
     assert footprint.reach[0] <= tuft.length
 
 
+@settings(deadline=None, max_examples=40)
+@given(tuft=preset_tufts, tilt=tilts, share=st.floats(0.05, 1.0))
+def test_the_meniscus_rounds_the_tip_and_nothing_else(tuft, tilt, share):
+    """As long, as wide, nowhere narrower, and at the tip a circle and no wedge."""
+    plain = make_footprint(tuft, share * greatest_descent(tuft, tilt), tilt)
+    if plain.is_empty:
+        return
+    painted = plain.rounded()
+    assert (painted.length, painted.width) == (plain.length, plain.width)
+    at = np.linspace(plain.reach[-1], plain.reach[0], 300)
+    was, now = (np.interp(at, p.reach[::-1], p.half_width[::-1]) for p in (plain, painted))
+    assert (now >= was - 0.01 * plain.width).all()
+    assert plain.area < painted.area < 1.25 * plain.area  # most of it where the tip is slender
+    radius = 0.2 * plain.width
+    near = np.interp(plain.reach[0] - 0.3 * radius, painted.reach[::-1], painted.half_width[::-1])
+    assert near > 0.6 * radius  # of the circle .71
+
+
 # -- edges -------------------------------------------------------------------------------------
 
 
