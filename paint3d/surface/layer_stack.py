@@ -354,16 +354,40 @@ class LayerStack:
         """Fill `srgb` (cap, 3) for some distinct vertices (N,) int32."""
         for start in range(0, len(vertex_ids), _AT_ONCE):
             ids = vertex_ids[start : start + _AT_ONCE]
-            # The spectra become a ground that is shown bare, under a wet layer without ink.
-            n, spectra = len(ids), self.spectra(glaze, ids)
-            every = np.arange(n, dtype=np.int32)
-            ground = self._store.ground()._replace(
-                slots=every, spectra=spectra, linear_rgb=np.empty((0, 3), np.float32)
-            )
-            codes = np.empty((n, 3), np.uint8)
-            no_ink = np.zeros((n, len(self._store.pigments)), np.float32)
-            glaze.srgb(no_ink, np.zeros(n, np.float32), ground, codes, every)
-            srgb[ids] = codes
+            srgb[ids] = self._codes(glaze, self.spectra(glaze, ids))
+
+    def _codes(self, glaze: GlazeModel, spectra: AnyArray) -> NDArray[np.uint8]:
+        """Return the sRGB (N, 3) of reflectances (N, 31): a ground under wet paint without ink."""
+        n = len(spectra)
+        every = np.arange(n, dtype=np.int32)
+        ground = self._store.ground()._replace(
+            slots=every, spectra=spectra, linear_rgb=np.empty((0, 3), np.float32)
+        )
+        codes = np.empty((n, 3), np.uint8)
+        no_ink = np.zeros((n, len(self._store.pigments)), np.float32)
+        glaze.srgb(no_ink, np.zeros(n, np.float32), ground, codes, every)
+        return codes
+
+    def colours_alone(
+        self, glaze: GlazeModel, place: int
+    ) -> tuple[NDArray[np.int32], NDArray[np.uint8]]:
+        """Return the vertices (N,) with paint on a layer, and their sRGB (N, 3) with it alone.
+
+        Raises
+        ------
+        InputError
+            If there is no layer at that place.
+        """
+        key = self._key(place)
+        if key == self._active:
+            store = self._store
+            sets = [np.flatnonzero(store.coverage > 0.0), store.dry_layers.vertex_ids]
+        else:
+            sets = [self._contents[key].ids, self._contents[key].dry_ids]
+        ids = union(sets, self._store.paint_mesh.capacity)
+        spectra = self._store.bare_spectra(ids)
+        self._lay_plainly(glaze, key, ids, spectra)
+        return ids, self._codes(glaze, spectra)
 
     def spectra(self, glaze: GlazeModel, vertex_ids: AnyArray) -> NDArray[np.uint16]:
         """Return the reflectance (N, 31) uint16 of distinct vertices, in steps of 1/65535."""

@@ -53,6 +53,7 @@ def light_once(few_lights: None) -> Iterator[None]:
         for part in (*of_vertices, mesh.base_faces, light.axes):
             said.update(f"{part.dtype} {part.shape}".encode())
             said.update(np.ascontiguousarray(part).data)
+        said.update(repr(light.setting).encode())
         key = said.digest()
         if key not in _FOUND:
             _FOUND[key] = bake(light)

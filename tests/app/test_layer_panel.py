@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
-from PySide6 import QtCore, QtTest
+from PySide6 import QtCore, QtGui, QtTest, QtWidgets
 
 from tests.support.app.gestures import BUTTON, KIND, mouse, pen_stroke, type_key, wait_for
 from tests.support.app.windows import opened, settled
@@ -73,3 +74,32 @@ def test_buttons_and_keys_copy_merge_and_multiply(window) -> None:
     assert not panel.buttons["merge"].isEnabled()
     type_key(window.canvas, KEY.Key_J, HELD.ControlModifier)
     wait_for(lambda: panel.list.count() == 2)
+
+
+def picture(window, row: int) -> np.ndarray:
+    """The colours (28, 28, 3) that a row of the list shows of its layer."""
+    layers = window.panels.layers.list
+    label = layers.itemWidget(layers.item(row)).findChild(QtWidgets.QLabel, "thumbnail")
+    image = label.pixmap().toImage().convertToFormat(QtGui.QImage.Format.Format_RGB888)
+    rows = np.frombuffer(image.constBits(), np.uint8).reshape(image.height(), -1)
+    return rows[:, : 3 * image.width()].reshape(image.height(), image.width(), 3).astype(int)
+
+
+def test_each_row_shows_what_is_on_its_layer(window) -> None:
+    window.workspace.actions["look_top"].trigger()
+    window.stage.paint_thread.post("dip", "cinnabar").result(60)
+    pen_stroke(window.canvas, (0.4, 0.35), (0.6, 0.35), [0.5] * 12)
+    settled(window)
+    type_key(window.canvas, KEY.Key_N, HELD.ControlModifier | HELD.ShiftModifier)
+    wait_for(lambda: window.panels.layers.list.count() == 2)
+
+    def is_red(row: int) -> np.ndarray:
+        shown = picture(window, row)
+        return shown[:, :, 0] - shown[:, :, 2] > 80
+
+    wait_for(lambda: is_red(1).any())  # the lower one, in the upper half
+    assert np.argwhere(is_red(1))[:, 0].max() < 14
+    assert not is_red(0).any()
+    window.workspace.actions["hide_layer"].trigger()
+    settled(window)
+    assert is_red(1).any()

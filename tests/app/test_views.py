@@ -8,7 +8,7 @@ import pytest
 pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
 from PIL import Image
-from PySide6 import QtCore, QtGui, QtWidgets
+from PySide6 import QtCore, QtGui, QtTest, QtWidgets
 
 from paint3d.app.window.files.exporting import ExportDialog
 from tests.support.app.gestures import (
@@ -157,3 +157,43 @@ def test_a_picture_is_taken_flat_and_without_ground(window, tmp_path) -> None:
     shares = np.unique(seen, axis=0, return_counts=True)[1] / len(seen)
     assert shares.max() > 0.5  # the porcelain is one colour without light
     live()
+
+
+def test_shift_j_takes_another_light_and_j_held_turns_the_lamp(program, tmp_path) -> None:
+    with opened(program, "bowl", 4.0, "porcelain") as window:
+        stage, canvas = window.stage, window.canvas
+
+        def shown() -> np.ndarray:
+            wait_for(lambda: stage.is_lit)
+            settled(window)
+            live(0.3)
+            return stage.picture()[:, :, :3].astype(int)
+
+        studio = shown()
+        type_key(canvas, KEY.Key_J, HELD.ShiftModifier)
+        assert stage.light[0] == "soft"
+        soft = shown()
+        assert np.abs(soft - studio).max() > 20
+        type_key(canvas, KEY.Key_J, HELD.ShiftModifier)
+        low = shown()
+        x, y = 0.5 * canvas.width(), 0.5 * canvas.height()
+        mouse(canvas, KIND.MouseMove, x, y)
+        QtTest.QTest.keyPress(canvas, KEY.Key_J)
+        for k in range(1, 19):
+            mouse(canvas, KIND.MouseMove, x + 20.0 * k, y)
+        QtTest.QTest.keyRelease(canvas, KEY.Key_J)
+        assert stage.light[1] == pytest.approx(np.pi, abs=0.02)
+        turned = shown()
+        half = canvas.width() // 2
+        left, right = np.s_[:, : half - 60], np.s_[:, half + 60 :]
+        gain = [turned[part].mean() - low[part].mean() for part in (left, right)]
+        assert abs(gain[0] - gain[1]) > 2.0  # the lit side is the other one
+        type_key(canvas, KEY.Key_J, HELD.ShiftModifier)
+        even = shown()
+        assert even.std() < low.std()
+        assert window.saving.save_to(tmp_path / "lit.p3d")
+        light = stage.light
+        type_key(canvas, KEY.Key_J, HELD.ShiftModifier)
+        assert window.opening.open_path(tmp_path / "lit.p3d", asked=True)
+        assert stage.light == light
+        pretend_saved(stage.paint_thread)

@@ -301,6 +301,8 @@ _TABLE: tuple[_Row, ...] = (
         Command("roll_right", "Roll clockwise", ["Ctrl+]", "Num+*"]),
         Command("upright", "Hold upright", ["Shift+Home", "Num+0"]),
         _PART,
+        Command("next_light", "Another light", ["Shift+J"]),
+        _PART,
         Command("keep_view", "Keep this view…", ["Ctrl+Shift+B"]),
         Command("recall_view", "Kept views…", ["Ctrl+B"]),
         _PART,
@@ -363,11 +365,14 @@ _TABLE: tuple[_Row, ...] = (
         Command(
             "shortcuts", "Keyboard shortcuts", ["?", "F1"], icon="help", group="window", always=True
         ),
+        Command("tour", "A short tour", always=True),
+        Command("sample", "A sample painting", always=True),
         Command("about", "About paint3d", always=True),
     ),
     # what is done by a gesture alone, in no menu
     Command("size", "Brush size", drag=["F"], group="brush"),
     Command("water", "Water in the ink", drag=["V"], group="ink"),
+    Command("lamp", "Turn the lamp", drag=["J"], group="view"),
     Command("force", "Force without a pen", drag=["Shift+F"], group="brush"),
     Command("harder", "Press harder", hold=["."], group="brush"),
     Command("softer", "Press softer", hold=[","], group="brush"),

@@ -9,6 +9,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from functools import partial
 from itertools import count
 from pathlib import Path
 from typing import Any
@@ -883,7 +884,7 @@ class Document:
 
         def merge(stack: LayerStack) -> None:
             for k in both if len(both) == 2 else ():
-                self._undo.change(stack.state, lambda k=k: stack.activate(k))
+                self._undo.change(stack.state, partial(stack.activate, k))
                 self.surface.dry()
             # a part of its own: undo comes to the layer that dried last before it takes that back
             self._undo.change(stack.state, lambda: stack.merge(place, self.surface.glaze))

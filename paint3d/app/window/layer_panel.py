@@ -5,16 +5,21 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from PySide6 import QtCore, QtWidgets
+import numpy as np
+from numpy.typing import NDArray
+from PySide6 import QtCore, QtGui, QtWidgets
 
 from paint3d.app.window.theme import Theme, make_icon
 from paint3d.app.window.wording import say, say_layer
 from paint3d.errors import Message
 from paint3d.surface.layer_stack import BLENDS, Layer
 
-__all__ = ["LayerPanel"]
+__all__ = ["PICTURE", "LayerPanel"]
 
+PICTURE = 28
+"""Pixels along a side of a layer's picture."""
 _ROW = 34
+_SHEET = "#f2efe6"  # behind what is painted
 _BLENDS = {"normal": Message("Normal"), "multiply": Message("Multiply")}
 
 
@@ -34,6 +39,7 @@ class LayerPanel(QtWidgets.QWidget):
         self._theme = theme
         self._shown: tuple[Any, ...] = ()
         self._active = 0
+        self._pictures: tuple[NDArray[np.uint8], ...] = ()
         self.list = QtWidgets.QListWidget()
         self.list.setObjectName("layers")
         self.list.setHorizontalScrollBarPolicy(QtCore.Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
@@ -110,6 +116,28 @@ class LayerPanel(QtWidgets.QWidget):
         self.buttons["up"].setEnabled(active < len(layers) - 1)
         self.buttons["down"].setEnabled(active > 0)
 
+    def show_pictures(self, pictures: Sequence[NDArray[np.uint8]]) -> None:
+        """Show what is on each layer, (PICTURE, PICTURE, 4) uint8, the lowest first."""
+        self._pictures = tuple(pictures)
+        for row in range(self.list.count()):
+            item = self.list.item(row)
+            widget = self.list.itemWidget(item)
+            label = widget.findChild(QtWidgets.QLabel, "thumbnail")
+            if label is not None:
+                self._show_picture(label, item.data(QtCore.Qt.ItemDataRole.UserRole))
+
+    def _show_picture(self, label: QtWidgets.QLabel, place: int) -> None:
+        sheet = QtGui.QPixmap(PICTURE, PICTURE)
+        sheet.fill(QtGui.QColor(_SHEET))
+        if place < len(self._pictures):
+            pixels = np.ascontiguousarray(self._pictures[place])
+            height, width = pixels.shape[:2]
+            form = QtGui.QImage.Format.Format_RGBA8888
+            painter = QtGui.QPainter(sheet)
+            painter.drawImage(0, 0, QtGui.QImage(pixels.data, width, height, 4 * width, form))
+            painter.end()
+        label.setPixmap(sheet)
+
     def _show_look(self, layer: Layer) -> None:
         """Show how much of a layer shows, and how it lies on those below."""
         percent = round(100.0 * layer.opacity)
@@ -137,6 +165,10 @@ class LayerPanel(QtWidgets.QWidget):
             say("Unlock") if layer.locked else say("Lock"),
             lambda: self.asked.emit("set_locked", place, not layer.locked),
         )
+        picture = QtWidgets.QLabel()
+        picture.setObjectName("thumbnail")
+        picture.setFixedSize(PICTURE, PICTURE)
+        self._show_picture(picture, place)
         name = QtWidgets.QLineEdit(say_layer(layer.name))
         name.setFrame(False)
         name.setStyleSheet("QLineEdit { background: transparent; border: none; }")
@@ -145,6 +177,7 @@ class LayerPanel(QtWidgets.QWidget):
         name.setProperty("place", place)
         name.editingFinished.connect(lambda: self._renamed(place, name))
         layout.addWidget(eye)
+        layout.addWidget(picture)
         layout.addWidget(name, 1)
         layout.addWidget(lock)
         return row

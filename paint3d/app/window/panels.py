@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 import dataclasses
-from typing import Protocol
+from concurrent.futures import Future
+from typing import Any, Protocol
 
 from PySide6 import QtCore, QtWidgets
 
 from paint3d.app.model.frame import Frame
 from paint3d.app.model.input.pressure_curve import PressureCurve
+from paint3d.app.model.layer_pictures import layer_pictures
 from paint3d.app.window.brush.brush_panel import BrushPanel
 from paint3d.app.window.copybook.copybook_panel import CopybookPanel
 from paint3d.app.window.hand.device_panel import DevicePanel
 from paint3d.app.window.hand.hand_panel import HandPanel
 from paint3d.app.window.history.history_panel import HistoryPanel
 from paint3d.app.window.ink.ink_panel import InkPanel
-from paint3d.app.window.layer_panel import LayerPanel
+from paint3d.app.window.layer_panel import PICTURE, LayerPanel
 from paint3d.app.window.object.surface_panel import SurfacePanel
 from paint3d.app.window.reference.reference_panel import ReferencePanel
 from paint3d.app.window.theme import Theme
@@ -79,6 +81,8 @@ class Panels:
         window.resizeDocks([upper[0]], [_WIDTH], QtCore.Qt.Orientation.Horizontal)
         for dock in self.docks.values():
             menu.addAction(dock.toggleViewAction())
+        self._drawn: object = None  # what the layers' pictures show
+        self._drawing: Future[Any] | None = None
         self._connect()
         workspace.theme_changed.connect(self._set_theme)
 
@@ -135,6 +139,8 @@ class Panels:
     def open(self) -> None:
         """Show another document."""
         painting = self._workspace.painting
+        self._drawn = self._drawing = None
+        self.layers.show_pictures(())
         self.brushes.show_brush(painting.brush)
         self.inks.show_inks(painting.inks)
         self.brushes.set_ink(painting.inks[0])
@@ -152,12 +158,29 @@ class Panels:
         painting = frame.painting
         self.surface.show_surface(painting)
         self.layers.show_layers(painting.layers, painting.active_layer)
+        self._follow_layers(frame)
         self.history.follow(frame)
         self.inks.show_pickup(painting.pickup)
         self.inks.show_amount(painting.amount)
         if painting.inks[0] != self.inks.ink:
             self.inks.show_inks(painting.inks)
             self.brushes.set_ink(painting.inks[0])
+
+    def _follow_layers(self, frame: Frame) -> None:
+        """Have the layers' pictures drawn anew where something was painted, and nothing waits."""
+        if self._drawing is not None and self._drawing.done():
+            drawing, self._drawing = self._drawing, None
+            if not drawing.cancelled() and drawing.exception() is None:
+                self.layers.show_pictures(drawing.result())
+        painting = frame.painting
+        state = painting.layers, painting.active_layer, tuple(map(id, painting.strokes))
+        if state == self._drawn or self._drawing is not None or frame.queue_length:
+            return
+        if not self._workspace.hand.in_stroke:
+            self._drawn = state
+            self._drawing = self._workspace.paint_thread.post(
+                lambda document: layer_pictures(document.surface, PICTURE)
+            )
 
     def show_brush_asked(self, brush: BrushSpec) -> bool:
         """Show the brush that was asked for last; whether another one was shown before."""

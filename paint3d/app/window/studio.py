@@ -30,6 +30,7 @@ from paint3d.app.window.files.opening import Opening
 from paint3d.app.window.files.recovery import Recovery
 from paint3d.app.window.files.saving import RecentFiles, Saving
 from paint3d.app.window.files.target_dialog import Targets
+from paint3d.app.window.files.tour import Tour
 from paint3d.app.window.hand.device_input import DeviceInput
 from paint3d.app.window.hand.keys import HeldKeys
 from paint3d.app.window.hand.steering import Steering
@@ -37,6 +38,7 @@ from paint3d.app.window.history.stroke_editing import Recalling, StrokeEditing
 from paint3d.app.window.history.stroke_mark import StrokeMark
 from paint3d.app.window.hud import Hud
 from paint3d.app.window.ink.ink_making import InkMaking
+from paint3d.app.window.lamp import Lamp
 from paint3d.app.window.object.standing import Standing
 from paint3d.app.window.paint_actions import PaintActions
 from paint3d.app.window.panels import Panels
@@ -263,6 +265,7 @@ class StudioWindow(QtWidgets.QMainWindow):
         self.copying = CopybookGuide(workspace, self.panels.copybook)
         speed = self.panels.history.speed
         self.writing = TextWriting(workspace, self.player, speed, self.copying.held)
+        self.tour = Tour(workspace, self.opening, self.copying)
         self._bind_actions()
         self.both_hands = DeviceInput(workspace, self.panels.devices, plugged, feel)
         self.hud, self.status = Hud(workspace), StatusLine(workspace)
@@ -293,8 +296,9 @@ class StudioWindow(QtWidgets.QMainWindow):
         self.exporting = Exporting(workspace, self.targets, self.pictures)
         self.player = Player(workspace)
         self.recordings = Recordings(
-            workspace, self.targets, self.player, history.speed, self.saving.may_leave
-        )
+            workspace, self.targets, self.player, history.speed, self.saving.may_leave,
+            lambda mesh, mm, material: self.opening.open_path(mesh, mm, material, asked=True),
+        )  # fmt: skip
         self.recalling = Recalling(workspace, history.refuse)
         self.mark = StrokeMark(workspace)
         self.editing = StrokeEditing(workspace, self.mark)
@@ -307,12 +311,14 @@ class StudioWindow(QtWidgets.QMainWindow):
         self.reference = Reference(
             self.workspace, self.panels.reference, self.copying, self.inks.mix_colour
         )
-        self.views = ViewKeeping(self.workspace)
+        self.lamp = Lamp(self.workspace)
+        self.views = ViewKeeping(self.workspace, self.lamp)
         self.viewing = ViewActions(self.workspace, self.panels, self.steering)
         self.commands.bind(
             (self.opening, self.saving, self.exporting, self.pictures, self.recordings,
              self.standing, self.sealing, self.copying, self.writing, self.editing, self.painting,
-             self.brushes, self.inks, self.reference, self.views, self.viewing)
+             self.brushes, self.inks, self.reference, self.views, self.lamp, self.viewing,
+             self.tour)
         )  # fmt: skip
         for name in ("brush", "grips", "show_mask"):
             self.commands.check(name, True)

@@ -8,6 +8,7 @@ from typing import Any
 from PySide6 import QtWidgets
 
 from paint3d.app.model.document import Document
+from paint3d.app.window.lamp import Lamp
 from paint3d.app.window.wording import say
 from paint3d.app.window.workspace import Workspace
 from paint3d.core.arrays import as_array, as_number
@@ -23,8 +24,8 @@ _MOST = 100
 class ViewKeeping:
     """For one window; ``do_<action>`` for each."""
 
-    def __init__(self, workspace: Workspace) -> None:
-        self._workspace = workspace
+    def __init__(self, workspace: Workspace, lamp: Lamp) -> None:
+        self._workspace, self._lamp = workspace, lamp
         self.views: dict[str, Camera] = {}
         workspace.before_saving = self._words_now
 
@@ -67,6 +68,7 @@ class ViewKeeping:
     def recall_last(self, document: Document) -> None:
         """Look as when a painting was saved, and know the views that are kept with it."""
         self.views = {}
+        self._lamp.recall(document)
         words = document.settings.get(_NAMED)
         if isinstance(words, Mapping):
             for name, view in list(words.items())[:_MOST]:
@@ -85,6 +87,7 @@ class ViewKeeping:
         camera = self._workspace.hand.camera
         if camera is not None:
             document.settings[_LAST] = _words_of(camera)
+            self._lamp.keep(document)
 
 
 def _words_of(camera: Camera) -> dict[str, Any]:
@@ -101,8 +104,10 @@ def _camera_of(words: object) -> Camera | None:
     if not isinstance(words, Mapping):
         return None
     try:
-        places = (as_array(words[name], name, (3,)) for name in ("position", "focus", "up"))
-        camera = Camera(*places, as_number(words["angle"], "angle", 1e-3, 3.0))
+        position, focus, up = (
+            as_array(words[name], name, (3,)) for name in ("position", "focus", "up")
+        )
+        camera = Camera(position, focus, up, as_number(words["angle"], "angle", 1e-3, 3.0))
         picture_axes(camera)  # it looks somewhere
         return camera
     except (KeyError, InputError):

@@ -14,7 +14,14 @@ from paint3d.app.model.brush_in_hand import resized, size_limits
 from paint3d.app.window.job import is_waiting
 from paint3d.app.window.previews import stroke_preview
 from paint3d.app.window.theme import Theme
-from paint3d.app.window.wording import say, say_brush, say_error, say_hair, say_length
+from paint3d.app.window.wording import (
+    say,
+    say_brush,
+    say_error,
+    say_hair,
+    say_length,
+    say_purpose,
+)
 from paint3d.brush.presets import brush_names, load_brush
 from paint3d.brush.spec import BrushSpec
 from paint3d.core.arrays import AnyArray
@@ -261,14 +268,17 @@ def plain_name(brush: BrushSpec) -> str:
 
 
 def _told(brush: BrushSpec) -> str:
-    return f"{say_brush(brush.name)}\n{say_length(brush.length_mm)}"
+    purpose = say_purpose(plain_name(brush))
+    return f"{say_brush(brush.name)}  ·  {say_length(brush.length_mm)}\n{purpose}"
 
 
 def _list_item(brush: BrushSpec) -> QtWidgets.QListWidgetItem:
     item = QtWidgets.QListWidgetItem(_told(brush))
     item.setData(QtCore.Qt.ItemDataRole.UserRole, brush.name)
+    purpose = say_purpose(plain_name(brush))
     item.setToolTip(
-        say(
+        (purpose + "\n" if purpose else "")
+        + say(
             "{hair}, {length:g} mm long, {width:g} mm thick",
             hair=say_hair(brush.hair),
             length=brush.length_mm,

@@ -22,7 +22,7 @@ from paint3d.view.camera import Camera, View, fit_camera, is_flat, picture_axes,
 
 __all__ = ["ADJUSTED", "CanvasHand"]
 
-ADJUSTED = frozenset({"size", "force", "water"})
+ADJUSTED = frozenset({"size", "force", "water", "lamp"})
 """What a drag changes while its key is held."""
 
 _SIZE_A_PIXEL = 1.006  # growth of the brush a pixel of a drag with F
@@ -46,6 +46,8 @@ class CanvasHand(QtCore.QObject):
         The brush is to be so many times as large.
     watered : float
         Pixels of a drag by which its ink is to be lighter.
+    lamp_turned : float
+        Pixels of a drag by which the lamp is turned to the right.
     began : ()
         Of a stroke, before the painting thread hears of it.
     ended : Future
@@ -54,6 +56,7 @@ class CanvasHand(QtCore.QObject):
 
     sized = QtCore.Signal(float)
     watered = QtCore.Signal(float)
+    lamp_turned = QtCore.Signal(float)
     began = QtCore.Signal()
     ended = QtCore.Signal(object)
 
@@ -285,6 +288,8 @@ class CanvasHand(QtCore.QObject):
             self.sized.emit(_SIZE_A_PIXEL**pixels)
         elif "water" in self.held:
             self.watered.emit(pixels)
+        elif "lamp" in self.held:
+            self.lamp_turned.emit(pixels)
         else:
             hand = self._open_hand
             hand.force = min(7.9, max(0.0, hand.force + _FORCE_A_PIXEL * pixels))

@@ -166,12 +166,12 @@ class HandPanel(QtWidgets.QWidget):
         self.ruler.setToolTip(say("What strokes are led along; U switches it on and off"))
         self.ruler.setAccessibleName(say("Ruler"))
         self.ruler.currentIndexChanged.connect(self._choose_ruler)
-        for slider, text in (
+        for slider, name in (
             (self.smoothing, say("Steadiness")),
             (self.mouse, say("Steadiness of a mouse")),
             (self.trail, say("Trail of the tuft")),
         ):
-            slider.setAccessibleName(text)
+            slider.setAccessibleName(name)
         form.addRow(say("Steadiness"), self.smoothing)
         form.addRow(say("of a mouse"), self.mouse)
         form.addRow(say("Ruler"), self.ruler)

@@ -1,7 +1,7 @@
 """Keys that count while they are held, and those of the keypad, wherever the focus is.
 
-Size, water, force, harder, softer; Space, which steers. The keypad turns the view with NumLock or
-without: Qt would take its digits for those above the letters.
+Size, water, force, harder, softer, the lamp; Space, which steers. The keypad turns the view with
+NumLock or without: Qt would take its digits for those above the letters.
 """
 
 from __future__ import annotations

@@ -91,11 +91,12 @@ class ReferenceView(QtWidgets.QWidget):
             return None
         around = QtCore.QRect(pixel - QtCore.QPoint(1, 1), QtCore.QSize(3, 3))
         around &= self.image.rect()
-        codes = [
-            self.image.pixelColor(x, y).getRgb()[:3]
+        found = [
+            self.image.pixelColor(x, y)
             for y in range(around.top(), around.bottom() + 1)
             for x in range(around.left(), around.right() + 1)
         ]
+        codes = [(one.red(), one.green(), one.blue()) for one in found]
         red, green, blue = (round(float(part)) for part in np.mean(codes, axis=0))
         return QtGui.QColor(red, green, blue)
 
