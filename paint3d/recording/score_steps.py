@@ -21,7 +21,7 @@ _LAYERS = frozenset(
     {"add_layer", "duplicate_layer", "merge_layer", "move_layer", "remove_layer", "set_blend",
      "set_opacity"}
 )  # fmt: skip
-_ACTS = frozenset({"dry", "press_seal", "lay_text", "remove_text"})
+_ACTS = frozenset({"blot", "dry", "press_seal", "lay_text", "remove_text"})
 _WAYS = frozenset({"undo", "redo", "replay_history"})
 
 

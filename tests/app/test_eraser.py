@@ -12,6 +12,7 @@ from PySide6 import QtCore, QtGui, QtWidgets
 from paint3d.app.model.document import Document
 from paint3d.app.model.input.symmetry import MirrorPlane, Symmetry
 from paint3d.app.model.score.playing import painted, score_of_strokes
+from paint3d.errors import Paint3DError
 from tests.app.test_layers import ACROSS, ALONG, close, paint, shown, small_plane
 from tests.support.app.event_player import PENS
 from tests.support.app.gestures import BUTTON, HAND, KIND, NO_KEY, drag, live, type_key, wait_for
@@ -195,3 +196,41 @@ def test_a_water_brush_leaves_no_colour(window) -> None:
     assert set(stroke.ink) == {"water"}
     codes = window.document.surface.srgb.astype(int)
     assert np.ptp(codes, axis=0).max() <= 3
+
+
+def test_blotting_paper_lifts_what_is_wet_and_leaves_what_is_dry() -> None:
+    document = small_plane(material="xuan")
+    document.dip("cinnabar")
+    paint(document, (-15.0, -12.0), (15.0, -12.0))
+    document.dry()
+    document.dip("pine soot")
+    paint(document, (-15.0, 8.0), (15.0, 8.0))
+    document.let_time_pass(0.3)
+    before, surface = shown(document), document.surface
+    wet, dry = surface.wet_ink(), surface.dry_ink()
+    document.blot()
+    assert surface.wet_ink() == 0.0
+    assert surface.dry_ink() == pytest.approx(dry + 0.2 * wet, rel=0.02)
+    close(document)
+    after = shown(document)
+    vertices = surface.paint_mesh.vertices[: len(before)]
+    low, high = vertices[:, 1] < -2.0, vertices[:, 1] > -2.0
+    np.testing.assert_array_equal(after[: len(before)][low], before[low])
+    assert after[: len(before)][high].astype(int).sum() > before[high].astype(int).sum()
+    document.let_time_pass(5.0)
+    np.testing.assert_array_equal(shown(document)[: len(after)], after)  # no water is left
+    played = painted(document.score, surface.source)
+    np.testing.assert_array_equal(shown(played), shown(document))
+    document.undo()
+    np.testing.assert_array_equal(shown(document)[: len(before)], before)
+    with pytest.raises(Paint3DError):
+        document.blot(2.0)
+
+
+def test_its_key_blots(window) -> None:
+    window.stage.paint_thread.post("dip", "pine soot").result(60)
+    drag(window.canvas, (0.35, 0.5), (0.65, 0.5))
+    settled(window)
+    before = ink(window)
+    type_key(window.canvas, KEY.Key_E, QtCore.Qt.KeyboardModifier.ShiftModifier)
+    wait_for(lambda: ink(window) < 0.4 * before)

@@ -252,6 +252,9 @@ _TABLE: tuple[_Row, ...] = (
         Command(
             "dry", "Let everything dry", ["Shift+W"], icon="dry", codec=PLAIN, step=Message("dry")
         ),
+        Command(
+            "blot", "Blot what is wet", ["Shift+E"], codec=PLAIN, step=Message("blotting paper")
+        ),
         _PART,
         Command("seal", "Press a seal…"),
     ),

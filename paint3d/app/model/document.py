@@ -14,6 +14,7 @@ from itertools import count
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from paint3d.app.model.brush_in_hand import BrushLease, resized, scaled, stepped
@@ -86,6 +87,7 @@ from paint3d.view.pressed_tuft import TuftFollower
 
 __all__ = ["Document", "FileState"]
 
+_BLOTTED = 0.8  # of wet ink, that blotting paper lifts
 _MOST_PICKUP = 1000.0  # 1/mm, as in recordings
 _EDIT_STEP = COMMANDS["edit_stroke"].step
 # Label of a step of an edit that no stroke begins: it is taken back with the step before it, and
@@ -793,6 +795,34 @@ class Document:
         self._paintable()
         self._undo.begin(COMMANDS["dry"].step)
         self.surface.dry()
+        self.modified = True
+
+    @recorded
+    def blot(self, share: float = _BLOTTED) -> None:
+        """Lay blotting paper on what is wet, and take it up: a step that can be undone.
+
+        It lifts the water and a share of the ink, 0 to 1, where the mask allows; the rest dries.
+
+        Raises
+        ------
+        InputError
+            If a stroke is going on, the layer is locked or hidden, or it is no such share.
+        """
+        self._refuse_in_stroke(Message("blotting"))
+        share = as_number(share, "share", 0.0, 1.0)
+        self._come_back()
+        self._paintable()
+        self._undo.begin(COMMANDS["blot"].step)
+        surface = self.surface
+        surface.drop_flow()
+        before = surface.wet_ink()
+        ids = np.flatnonzero(surface.ink.coverage > 0.0).astype(np.int32)
+        if self.stencil is not None:
+            ids = ids[~self.stencil.covers(ids)]
+        surface.ink.amounts[ids] *= np.float32(1.0 - share)
+        self.painter.loaded += surface.wet_ink() - before
+        surface.touch(ids)
+        surface.dry()
         self.modified = True
 
     # -- layers -----------------------------------------------------------------------------

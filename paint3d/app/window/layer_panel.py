@@ -170,6 +170,7 @@ class LayerPanel(QtWidgets.QWidget):
         picture.setFixedSize(PICTURE, PICTURE)
         self._show_picture(picture, place)
         name = QtWidgets.QLineEdit(say_layer(layer.name))
+        name.setAccessibleName(say("Name of the layer"))
         name.setFrame(False)
         name.setStyleSheet("QLineEdit { background: transparent; border: none; }")
         name.setReadOnly(True)

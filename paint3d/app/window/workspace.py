@@ -95,6 +95,7 @@ class Workspace(QtCore.QObject):
         apply_theme(app, self.theme)
         self.actions: dict[str, QtGui.QAction] = {}
         self.canvas = Canvas()
+        self.canvas.setAccessibleName(say("Picture"))
         self.stage = Stage(self.canvas.pixel_size, DARK if dark else LIGHT)
         self.hand = CanvasHand(self.canvas, self.stage)
         self.error: BaseException | None = None

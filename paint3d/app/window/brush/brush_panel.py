@@ -83,6 +83,7 @@ class BrushPanel(QtWidgets.QWidget):
         self._list = self._make_list()
         self._size = QtWidgets.QSlider(QtCore.Qt.Orientation.Horizontal)
         self._size.setRange(0, 1000)
+        self._size.setAccessibleName(say("Tuft"))
         self.told = QtWidgets.QLabel()
         self._keep_room()
         self.told.setAlignment(QtCore.Qt.AlignmentFlag.AlignRight)
@@ -110,6 +111,7 @@ class BrushPanel(QtWidgets.QWidget):
     def _make_list(self) -> QtWidgets.QListWidget:
         view = QtWidgets.QListWidget()
         view.setObjectName("brushes")
+        view.setAccessibleName(say("Brushes"))
         view.setIconSize(_ICON)
         view.setUniformItemSizes(True)
         view.setHorizontalScrollBarPolicy(QtCore.Qt.ScrollBarPolicy.ScrollBarAlwaysOff)

@@ -177,6 +177,7 @@ class CopybookPanel(QtWidgets.QWidget):
         self.told.setObjectName("title")
         self.list = QtWidgets.QListWidget()
         self.list.setObjectName("copybook")
+        self.list.setAccessibleName(say("Characters"))
         small = QtWidgets.QComboBox.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon
         for choice in (self.direction, self.grid_box):
             choice.setSizeAdjustPolicy(small)
@@ -184,6 +185,16 @@ class CopybookPanel(QtWidgets.QWidget):
         numbers = (self.em, self.gap, self.between, self.right, self.up, self.across, self.down)
         for number in numbers:
             number.setMinimumWidth(_LEAST_WIDTH)
+        for box, text in (
+            (self.gap, say("Room between columns, or rows, in parts of the size")),
+            (self.between, say("Room between characters, in parts of the size")),
+            (self.right, say("To the right (x)")),
+            (self.up, say("Upwards (y)")),
+            (self.across, say("Squares across")),
+            (self.down, say("Squares down")),
+            (self.em, say("Size")),
+        ):
+            box.setAccessibleName(text)
         form = QtWidgets.QFormLayout()
         form.addRow(say("Laid out"), self.texts)
         form.addRow(say("Text"), self.text)
