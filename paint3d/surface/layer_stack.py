@@ -381,7 +381,9 @@ class LayerStack:
         key = self._key(place)
         if key == self._active:
             store = self._store
-            sets = [np.flatnonzero(store.coverage > 0.0), store.dry_layers.vertex_ids]
+            sets: list[AnyArray] = [
+                np.flatnonzero(store.coverage > 0.0), store.dry_layers.vertex_ids
+            ]  # fmt: skip
         else:
             sets = [self._contents[key].ids, self._contents[key].dry_ids]
         ids = union(sets, self._store.paint_mesh.capacity)

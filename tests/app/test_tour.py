@@ -9,6 +9,7 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
 from PySide6 import QtCore, QtTest, QtWidgets
 
+from paint3d.app.model.persistence.settings import load_settings
 from paint3d.app.window.studio import StudioWindow
 from tests.support.app.gestures import BUTTON, drag, live, pen_stroke, type_key, wait_for
 from tests.support.app.windows import SMALL, close_unasked, pretend_saved, settled
@@ -95,3 +96,26 @@ def test_brushes_say_what_they_are_for(window) -> None:
     assert "flying white" in rows["feibai"].toolTip()
     assert all("\n" in item.text() for item in rows.values())
     live()
+
+
+def test_favourites_come_first_and_are_kept(window) -> None:
+    panel = window.panels.brushes
+    view = panel.findChild(QtWidgets.QListWidget, "brushes")
+    names = [view.item(k).text() for k in range(view.count())]
+    row = next(k for k, text in enumerate(names) if text.startswith("gongbi"))
+
+    def choose() -> None:
+        place = view.visualItemRect(view.item(row)).center()
+        view.customContextMenuRequested.emit(place)
+        menu = next(m for m in view.findChildren(QtWidgets.QMenu) if m.isVisible())
+        menu.actions()[0].trigger()
+
+    choose()
+    assert view.item(0).text().startswith("★ gongbi")
+    assert window.workspace.settings.favourite_brushes == ("gongbi",)
+    assert load_settings()[0].favourite_brushes == ("gongbi",)
+    assert view.count() == len(names)
+    row = 0
+    choose()
+    assert [view.item(k).text() for k in range(view.count())] == names
+    assert window.workspace.settings.favourite_brushes == ()

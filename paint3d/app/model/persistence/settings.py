@@ -86,6 +86,8 @@ class Settings:
         In the hand when a new painting begins.
     brush_mm : float or None
         Its tuft's length; None: as it is made.
+    favourite_brushes : tuple of str
+        Listed first.
     inks : tuple of str, or of mappings of str to float
         At hand then, the one it is dipped in first; mixtures as parts by name.
     pressure_curve : tuple of (float, float)
@@ -138,6 +140,7 @@ class Settings:
     glyphs: str = ""
     brush: str = "full"
     brush_mm: float | None = None
+    favourite_brushes: tuple[str, ...] = ()
     inks: tuple[str | Mapping[str, float], ...] = ("pine soot", "cinnabar")
     resolution_mm: float = 0.4
     pressure_curve: tuple[tuple[float, float], ...] = ((0.0, 0.0), (1.0, 1.0))
@@ -179,6 +182,7 @@ class Settings:
                 dips_by_itself=self.dips_by_itself,
             )
         _check_words("recent", self.recent)
+        _check_words("favourite_brushes", self.favourite_brushes)
         for name in ("begun_on", "glyphs"):
             if not isinstance(getattr(self, name), str):
                 raise InputError(
@@ -313,7 +317,7 @@ def _parse(text: str) -> Settings:
         found.pop("wet", None)  # was written by itself, and never chosen
     known = {own.name for own in dataclasses.fields(Settings)}
     values = {name: value for name, value in found.items() if name in known}
-    for name in ("inks", "recent", "pressure_curve"):
+    for name in ("inks", "recent", "favourite_brushes", "pressure_curve"):
         if isinstance(values.get(name), list):
             values[name] = tuple(
                 tuple(item) if isinstance(item, list) else item for item in values[name]

@@ -185,7 +185,7 @@ class CopybookPanel(QtWidgets.QWidget):
         numbers = (self.em, self.gap, self.between, self.right, self.up, self.across, self.down)
         for number in numbers:
             number.setMinimumWidth(_LEAST_WIDTH)
-        for box, text in (
+        for asked, text in (
             (self.gap, say("Room between columns, or rows, in parts of the size")),
             (self.between, say("Room between characters, in parts of the size")),
             (self.right, say("To the right (x)")),
@@ -194,7 +194,7 @@ class CopybookPanel(QtWidgets.QWidget):
             (self.down, say("Squares down")),
             (self.em, say("Size")),
         ):
-            box.setAccessibleName(text)
+            asked.setAccessibleName(text)
         form = QtWidgets.QFormLayout()
         form.addRow(say("Laid out"), self.texts)
         form.addRow(say("Text"), self.text)
