@@ -231,7 +231,7 @@ class ReferencePanel(QtWidgets.QWidget):
         form = QtWidgets.QFormLayout()
         form.addRow(say("Shown"), self.place)
         form.addRow(say("Density"), self.opacity)
-        form.addRow(say("Size"), self.scale)
+        form.addRow(say("Scale"), self.scale)
         layout.addLayout(form)
         row = QtWidgets.QHBoxLayout()
         row.addWidget(self.open_button, 1)
