@@ -1,8 +1,8 @@
 """What becomes of the strokes of a score: which are there at its end, and what undo takes back.
 
 A step is what one undo takes back: a stroke, drying, a seal, a text that is laid or removed, a
-layer that comes, goes or moves. Who takes a stroke out of the middle of a score must know which of
-the undos and redos after it were for it.
+layer that comes, goes, moves or shows otherwise. Who takes a stroke out of the middle of a score
+must know which of the undos and redos after it were for it.
 """
 
 from __future__ import annotations
@@ -17,8 +17,11 @@ from paint3d.recording.score import Score
 
 __all__ = ["ScoreSteps", "ScoreStroke", "follow_steps", "stroke_of"]
 
-_LAYERS = frozenset({"add_layer", "remove_layer", "move_layer"})
-_ACTS = frozenset({"dry", "press_seal", "lay_text", "remove_text"})
+_LAYERS = frozenset(
+    {"add_layer", "duplicate_layer", "merge_layer", "move_layer", "remove_layer", "set_blend",
+     "set_opacity"}
+)  # fmt: skip
+_ACTS = frozenset({"blot", "dry", "press_seal", "lay_text", "remove_text"})
 _WAYS = frozenset({"undo", "redo", "replay_history"})
 
 

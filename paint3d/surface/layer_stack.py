@@ -6,10 +6,14 @@ its ink in the surface's own arrays, so the engine knows nothing of layers. Of a
 the painted vertices are stored: wet ink as it is, and dried rows as functions of what is below
 (`colour.kernels.glazing`). The visible result is composited from the bottom up, vertex by vertex,
 with the kernels that paint one layer. Water moves on the active layer and waits on the others.
+
+A layer's opacity mixes what shows with it and without it, band by band. A layer that multiplies
+shows what it would over white, times what is below: opaque paint then glazes, too.
 """
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple, Protocol
@@ -18,15 +22,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.colour.glazing import GlazeModel
-from paint3d.colour.kernels.glazing import GROUNDS, see_through
+from paint3d.colour.kernels.glazing import GROUNDS, SPECTRUM_STEPS, see_through
 from paint3d.colour.spectra import N_BANDS
-from paint3d.core.arrays import AnyArray
+from paint3d.core.arrays import AnyArray, as_number
 from paint3d.errors import InputError
 from paint3d.surface.dry_layers import DryLayers
 from paint3d.surface.flow import Water
 from paint3d.surface.ink_store import InkStore, union
 
-__all__ = ["Layer", "LayerStack", "StackState"]
+__all__ = ["BLENDS", "Layer", "LayerStack", "StackState"]
+
+BLENDS = ("normal", "multiply")
+"""How a layer lies on those below it."""
 
 _MOST_LAYERS = 256
 _LONGEST_NAME = 200
@@ -43,11 +50,21 @@ class Layer:
     visible : bool
     locked : bool
         Whether painting on it is refused.
+    opacity : float
+        How much of it shows, 0 to 1.
+    blend : {"normal", "multiply"}
     """
 
     name: str
     visible: bool = True
     locked: bool = False
+    opacity: float = 1.0
+    blend: str = "normal"
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether it shows as it was painted."""
+        return self.opacity == 1.0 and self.blend == "normal"
 
 
 @dataclass(eq=False)
@@ -64,10 +81,14 @@ class _Content:
 
 
 class StackState(NamedTuple):
-    """The layers in order, the lowest first, and the active one, by their keys."""
+    """The layers in order, the lowest first, and the active one, by their keys.
+
+    And the opacity and blend of each; empty where they stay as they are.
+    """
 
     keys: tuple[int, ...]
     active: int
+    looks: tuple[tuple[float, str], ...] = ()
 
     def exchange(self, surface: _Layered) -> tuple[StackState, AnyArray]:
         """Set the surface's stack to this state, as a part of an undo step."""
@@ -118,12 +139,13 @@ class LayerStack:
     @property
     def is_plain(self) -> bool:
         """Whether there is one layer, and it is visible: nothing has to be composited."""
-        return len(self._keys) == 1 and self._about[self._active].visible
+        about = self._about[self._active]
+        return len(self._keys) == 1 and about.visible and about.is_plain
 
     @property
-    def seen(self) -> tuple[int, ...]:
-        """The keys of the visible layers, the lowest first."""
-        return tuple(key for key in self._keys if self._about[key].visible)
+    def seen(self) -> tuple[tuple[int, float], ...]:
+        """The keys of the visible layers, the lowest first, and how much of each shows."""
+        return tuple((k, self._about[k].opacity) for k in self._keys if self._about[k].visible)
 
     # -- editing the stack ------------------------------------------------------------------
 
@@ -135,8 +157,7 @@ class LayerStack:
         InputError
             If the place or the name is invalid, or there are 256 layers.
         """
-        if len(self._keys) >= _MOST_LAYERS:
-            raise InputError("there are {most} layers; expected no more", most=_MOST_LAYERS)
+        self._check_room()
         if not 0 <= place <= len(self._keys):
             raise InputError("layer {place}; expected 0 to {n}", place=place, n=len(self._keys))
         key = max(self._about) + 1
@@ -144,6 +165,67 @@ class LayerStack:
         self._contents[key] = _Content(DryLayers(len(self._store.pigments), filters=True))
         self._keys.insert(place, key)
         self.activate(place)
+
+    def _check_room(self) -> None:
+        if len(self._keys) >= _MOST_LAYERS:
+            raise InputError("there are {most} layers; expected no more", most=_MOST_LAYERS)
+
+    def duplicate(self, place: int, name: str) -> None:
+        """Insert a copy of a layer above it, wet ink and water included, and make it active.
+
+        Raises
+        ------
+        InputError
+            If there is no layer at that place, the name is invalid, or there are 256 layers.
+        """
+        self._check_room()
+        key, new = self._key(place), max(self._about) + 1
+        about = replace(self._about[key], name=_checked_name(name), locked=False)
+        self._contents[self._active] = self._unload()
+        self._about[new] = about
+        self._keys.insert(place + 1, new)
+        self._active = new
+        self._load(copy.deepcopy(self._contents[key]))
+
+    def merge(self, place: int, glaze: GlazeModel | None) -> None:
+        """Lay a layer on the one below it for good, and make what comes of them active.
+
+        Both must have dried. What they show together is kept as one coat, with their opacities and
+        blends in it; the layer that comes of them shows plainly.
+
+        Raises
+        ------
+        InputError
+            If there is no layer at that place, or none below it.
+        """
+        upper = self._key(place)
+        if place == 0:
+            raise InputError("this is the lowest layer; expected one with another below it")
+        lower, store, new = self._keys[place - 1], self._store, max(self._about) + 1
+        self._contents[self._active] = self._unload()
+        contents = [self._contents[key] for key in (lower, upper)]
+        capacity, count = store.paint_mesh.capacity, len(store.pigments)
+        ids = union([content.dry_ids for content in contents], capacity)
+        over = tuple(
+            np.full((len(ids), N_BANDS), round(grey * SPECTRUM_STEPS), np.uint16)
+            for grey in GROUNDS
+        )
+        spectra = store.bare_spectra(ids)
+        amounts = np.zeros((len(ids), count), np.float32)
+        share = np.zeros(len(ids), np.float32)
+        self._active = -1  # both rest
+        for key in (lower, upper) if len(ids) else ():
+            assert glaze is not None, "something has dried, so a pigment is known"
+            for ground in (*over, spectra):
+                self._lay_over(glaze, key, ids, ground)
+            amounts += self._ink_of(key, ids)
+            share = np.maximum(share, self._share_of(key, ids))
+        dry = DryLayers(count, filters=True)
+        dry.restore(capacity, ids, spectra, amounts, share, over)
+        self._about[new] = Layer(self._about[lower].name)
+        self._keys[place - 1 : place + 1] = [new]
+        self._active = new
+        self._load(_Content(dry))
 
     def remove(self, place: int) -> None:
         """Remove a layer with its paint.
@@ -174,16 +256,24 @@ class LayerStack:
         self._keys.insert(to, key)
 
     def describe(self, place: int, **changes: Any) -> None:
-        """Change a layer's name, or whether it is visible or locked.
+        """Change a layer's name, whether it is visible or locked, its opacity, or its blend.
 
         Raises
         ------
         InputError
-            If there is no layer at that place, or the name is invalid.
+            If there is no layer at that place, or the name or another value is invalid.
         """
         key = self._key(place)
         if "name" in changes:
             _checked_name(changes["name"])
+        if "opacity" in changes:
+            changes["opacity"] = as_number(changes["opacity"], "opacity", 0.0, 1.0)
+        if changes.get("blend", BLENDS[0]) not in BLENDS:
+            raise InputError(
+                "blend is {blend!r}; expected {known}",
+                blend=changes["blend"],
+                known=" or ".join(BLENDS),
+            )
         self._about[key] = replace(self._about[key], **changes)
 
     def activate(self, place: int) -> None:
@@ -197,7 +287,8 @@ class LayerStack:
 
     def state(self) -> StackState:
         """Return the state of the stack; it can be put back even after layers were removed."""
-        return StackState(tuple(self._keys), self._active)
+        looks = tuple((self._about[key].opacity, self._about[key].blend) for key in self._keys)
+        return StackState(tuple(self._keys), self._active, looks)
 
     def exchange(self, state: StackState) -> tuple[StackState, AnyArray]:
         """Put a state; return the previous one and the vertices (N,) to recolour."""
@@ -212,6 +303,8 @@ class LayerStack:
         self._keys = [*dict.fromkeys([*state.keys, self._active])]
         self.activate(self._keys.index(state.active))
         self._keys = list(state.keys)
+        for key, (opacity, blend) in zip(state.keys, state.looks, strict=False):
+            self._about[key] = replace(self._about[key], opacity=opacity, blend=blend)
 
     def dry_by_key(self) -> dict[int, DryLayers]:
         """Return the dried paint of every known layer, including removed ones."""
@@ -261,16 +354,42 @@ class LayerStack:
         """Fill `srgb` (cap, 3) for some distinct vertices (N,) int32."""
         for start in range(0, len(vertex_ids), _AT_ONCE):
             ids = vertex_ids[start : start + _AT_ONCE]
-            # The spectra become a ground that is shown bare, under a wet layer without ink.
-            n, spectra = len(ids), self.spectra(glaze, ids)
-            every = np.arange(n, dtype=np.int32)
-            ground = self._store.ground()._replace(
-                slots=every, spectra=spectra, linear_rgb=np.empty((0, 3), np.float32)
-            )
-            codes = np.empty((n, 3), np.uint8)
-            no_ink = np.zeros((n, len(self._store.pigments)), np.float32)
-            glaze.srgb(no_ink, np.zeros(n, np.float32), ground, codes, every)
-            srgb[ids] = codes
+            srgb[ids] = self._codes(glaze, self.spectra(glaze, ids))
+
+    def _codes(self, glaze: GlazeModel, spectra: AnyArray) -> NDArray[np.uint8]:
+        """Return the sRGB (N, 3) of reflectances (N, 31): a ground under wet paint without ink."""
+        n = len(spectra)
+        every = np.arange(n, dtype=np.int32)
+        ground = self._store.ground()._replace(
+            slots=every, spectra=spectra, linear_rgb=np.empty((0, 3), np.float32)
+        )
+        codes = np.empty((n, 3), np.uint8)
+        no_ink = np.zeros((n, len(self._store.pigments)), np.float32)
+        glaze.srgb(no_ink, np.zeros(n, np.float32), ground, codes, every)
+        return codes
+
+    def colours_alone(
+        self, glaze: GlazeModel, place: int
+    ) -> tuple[NDArray[np.int32], NDArray[np.uint8]]:
+        """Return the vertices (N,) with paint on a layer, and their sRGB (N, 3) with it alone.
+
+        Raises
+        ------
+        InputError
+            If there is no layer at that place.
+        """
+        key = self._key(place)
+        if key == self._active:
+            store = self._store
+            sets: list[AnyArray] = [
+                np.flatnonzero(store.coverage > 0.0), store.dry_layers.vertex_ids
+            ]  # fmt: skip
+        else:
+            sets = [self._contents[key].ids, self._contents[key].dry_ids]
+        ids = union(sets, self._store.paint_mesh.capacity)
+        spectra = self._store.bare_spectra(ids)
+        self._lay_plainly(glaze, key, ids, spectra)
+        return ids, self._codes(glaze, spectra)
 
     def spectra(self, glaze: GlazeModel, vertex_ids: AnyArray) -> NDArray[np.uint16]:
         """Return the reflectance (N, 31) uint16 of distinct vertices, in steps of 1/65535."""
@@ -282,6 +401,21 @@ class LayerStack:
 
     def _lay_over(self, glaze: GlazeModel, key: int, ids: AnyArray, spectra: AnyArray) -> None:
         """Composite one layer over the spectra (N, 31) of vertices (N,), in place."""
+        about = self._about[key]
+        if about.is_plain:
+            self._lay_plainly(glaze, key, ids, spectra)
+            return
+        shown = spectra.copy()
+        if about.blend == "multiply":
+            shown.fill(SPECTRUM_STEPS)
+        self._lay_plainly(glaze, key, ids, shown)
+        below, above = spectra.astype(np.float64), shown.astype(np.float64)
+        if about.blend == "multiply":
+            above *= below / SPECTRUM_STEPS
+        spectra[:] = np.rint(below + about.opacity * (above - below))
+
+    def _lay_plainly(self, glaze: GlazeModel, key: int, ids: AnyArray, spectra: AnyArray) -> None:
+        """Composite one layer as it was painted; see `_lay_over`."""
         dry, rows, wet, amounts, coverage = self._paint_at(key, ids)
         dried = np.flatnonzero(rows >= 0).astype(np.int32)
         if len(dried):
@@ -349,7 +483,8 @@ class LayerStack:
         share = np.zeros(len(vertex_ids), np.float32)
         for key in self._keys:
             if self._about[key].visible:
-                share = np.maximum(share, self._share_of(key, vertex_ids))
+                shows = np.float32(self._about[key].opacity)
+                share = np.maximum(share, shows * self._share_of(key, vertex_ids))
         return share
 
     def _share_of(self, key: int, ids: AnyArray) -> NDArray[np.float32]:

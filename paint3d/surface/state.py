@@ -22,6 +22,7 @@ from paint3d.errors import InputError, Paint3DError, SessionError
 from paint3d.mesh.likeness import Original
 from paint3d.mesh.refined_mesh import refinement_log, repeat_refinement, saved_ids
 from paint3d.mesh.triangle_mesh import TriangleMesh
+from paint3d.surface.layer_stack import Layer
 from paint3d.surface.painted_surface import PaintedSurface
 
 __all__ = [
@@ -91,7 +92,7 @@ def surface_state(surface: PaintedSurface) -> State:
         the same fraction of all pigment is fine; nor flow_loose: none is. open_blocks (B,) int32
         are the blocks of its `FlowGraph` where water has been.
 
-        layers is None, or a list of name, visible and locked of each layer, the lowest first;
+        layers is None, or a list of what `Layer` says of each, the lowest first;
         active is the place of the one that the arrays above belong to. The arrays of any other
         layer, at place K, are prefixed with layerK_ (layerK_touched ...). With layers there are
         also dried_low, dried_middle and dried_high (D, 31) uint16: what dried rows show over the
@@ -307,7 +308,8 @@ def _put_layers(surface: PaintedSurface, state: State) -> None:
         about = dict(about)
         if place:
             stack.add(about["name"], place)
-        if set(about) != {"name", "visible", "locked"} or not all(
+        known = {field.name for field in fields(Layer)}
+        if not {"name", "visible", "locked"} <= set(about) <= known or not all(
             isinstance(about[name], bool) for name in ("visible", "locked")
         ):
             raise SessionError(

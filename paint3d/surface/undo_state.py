@@ -17,11 +17,11 @@ import numpy as np
 from numpy.typing import DTypeLike
 
 from paint3d.colour.spectra import N_BANDS
-from paint3d.core.arrays import AnyArray, as_array
+from paint3d.core.arrays import AnyArray, as_array, as_number
 from paint3d.errors import InputError, SessionError
 from paint3d.mesh.refined_mesh import saved_ids
 from paint3d.surface.dry_layers import DryRows
-from paint3d.surface.layer_stack import LayerStack, StackState
+from paint3d.surface.layer_stack import BLENDS, LayerStack, StackState
 from paint3d.surface.painted_surface import PaintedSurface
 from paint3d.surface.state import (
     BRUSH_TRANSFER,
@@ -175,7 +175,8 @@ def undo_state(surface: PaintedSurface, history: UndoHistory, most_bytes: int) -
         changes since an undo, undone) parts (S,) int32 is the number of parts; for the Q parts
         stack (Q,) int32 is the index in `stacks`, or -1 for a painting.
 
-        Each of the stacks is a list of layers, and the active one. Layers are numbered by their
+        Each of the stacks is a list of layers, the active one, and the opacity and blend of each;
+        older files lack these. Layers are numbered by their
         places in the present stack, and then by their indices in layers: that describes, as
         `surface_state` does, those that are not in the present stack; the arrays of their paint
         are prefixed with gone0_ and so on.
@@ -200,7 +201,10 @@ def undo_state(surface: PaintedSurface, history: UndoHistory, most_bytes: int) -
         "version": UNDO_VERSION,
         "done": len(chosen.done),
         "undone": len(chosen.undone),
-        "stacks": [[[numbers[k] for k in one.keys], numbers[one.active]] for one in stacks],
+        "stacks": [
+            [[numbers[k] for k in one.keys], numbers[one.active], [list(s) for s in one.looks]]
+            for one in stacks
+        ],
         "parts": np.array([len(step.parts) for step in steps], np.int32),
         "stack": kinds,
         **_columns(deltas, len(surface.pigments)),
@@ -344,7 +348,8 @@ def _rows(arrays: Sequence[AnyArray], width: int) -> AnyArray:
 _MOST_STEPS = 1_000_000
 _MOST_FLOWS = 100_000
 _MOST_FLOW_ROWS = 1 << 28  # of all flows together, since checking unpacks them
-_ABOUT = {"name": str, "visible": bool, "locked": bool}
+_ABOUT = {"name": str, "visible": bool, "locked": bool, "opacity": float, "blend": str}
+_USUAL = {"opacity": 1.0, "blend": "normal"}  # of older files
 
 ReadState = Mapping[str, Any]
 
@@ -462,6 +467,7 @@ def _stacks(surface: PaintedSurface, state: ReadState) -> list[StackState]:
     try:
         for k, one in enumerate(about):
             stack.put(now)
+            one = {**_USUAL, **one}
             if {name: type(value) for name, value in one.items()} != _ABOUT:
                 raise SessionError("a layer is described by {one!r:.80}", one=one)
             stack.add(one["name"], len(stack))
@@ -473,11 +479,18 @@ def _stacks(surface: PaintedSurface, state: ReadState) -> list[StackState]:
     finally:
         stack.put(now)
     stacks = []
-    for own, active in state["stacks"]:
+    for own, active, *rest in state["stacks"]:
         whole = all(type(k) is int and 0 <= k < len(keys) for k in [*own, active])
         if not whole or active not in own or len(set(own)) < len(own):
             raise SessionError("layers {own!r:.60} are none of {n}", own=own, n=len(keys))
-        stacks.append(StackState(tuple(keys[k] for k in own), keys[active]))
+        looks = tuple((opacity, blend) for opacity, blend in (rest[0] if rest else ()))
+        for opacity, blend in looks:
+            as_number(opacity, "opacity of a layer", 0.0, 1.0)
+            if blend not in BLENDS:
+                raise SessionError("a layer is blended by {blend!r:.40}", blend=blend)
+        if len(looks) not in (0, len(own)):
+            raise SessionError("{n} looks are for {own} layers", n=len(looks), own=len(own))
+        stacks.append(StackState(tuple(keys[k] for k in own), keys[active], looks))
     return stacks
 
 

@@ -41,6 +41,7 @@ _STEEPEST = 0.2  # least cosine of the surface's slope under a ring
 _ABOVE = 0.6  # height, in tuft lengths, that rays to the surface start from
 _BELOW = 2.3  # times that height: how far below the plane they end
 _DARKEST = 96  # of 255: opacity of the shadow where the brush touches
+_SEEN_THROUGH = 70  # of 255: how dense the handle is while it would hide what it paints
 _SHADOW_REACH = 220.0  # mm
 _SOFT = np.array([-1.6, -0.9, 0.0, 0.9, 1.6])  # radii across the shadow
 _SOFT_SHARE = np.array([0.0, 0.75, 1.0, 0.75, 0.0])
@@ -139,6 +140,10 @@ class LiveBrush:
             wet = 0.15 + 0.55 * min(1.0, 2.0 * fill) if ink is not None else 0.08
             self._parts["tuft"].actor.GetProperty().SetSpecular(wet)
         points, colours = handle_rings(self._tuft, stand)
+        actor = self._parts["handle"].actor
+        actor.ForceTranslucentOn() if stand.touches else actor.ForceTranslucentOff()
+        if stand.touches:
+            colours = np.pad(colours, ((0, 0), (0, 0), (0, 1)), constant_values=_SEEN_THROUGH)
         self._draw("handle", points, colours)
         self._draw_shadow(stand, rings, points, tree, up)
         self._draw_outline(stand, tree)
@@ -401,6 +406,8 @@ def _set_appearance(part: DrawnMesh, name: str) -> None:
         part.actor.ForceTranslucentOn()
         part.draw_before()
         return
+    if name == "handle":
+        look.BackfaceCullingOn()  # its far side does not show through the near one
     look.SetAmbient(0.55)
     look.SetDiffuse(0.72)
     look.SetSpecular(0.15 if name == "tuft" else 0.22)

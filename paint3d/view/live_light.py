@@ -6,7 +6,7 @@ Unshadowed light is available at once; `bake` computes soft shadows, and may run
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,9 +16,12 @@ from paint3d.mesh.refined_mesh import PaintMesh
 from paint3d.view.camera import find_view, studio_axes
 from paint3d.view.daylight import Ground, Occluder, light_ground, light_points
 from paint3d.view.kernels.chunks import light_of_added, shown_colours
-from paint3d.view.studio import light_samples, linear_to_srgb, srgb_to_linear
+from paint3d.view.studio import LIGHTS, Sun, light_samples, linear_to_srgb, srgb_to_linear
 
-__all__ = ["SHOULDER", "BakedLight", "LiveLight"]
+__all__ = ["LIVE_LIGHTS", "SHOULDER", "BakedLight", "LiveLight"]
+
+LIVE_LIGHTS = (*LIGHTS, "plain")
+"""Lights by name: those of pictures, and one that lights all places alike."""
 
 _N_DOME = 48
 _WHITE = 0.72  # linear brightness of ideal white where lit best
@@ -40,11 +43,14 @@ class BakedLight:
         In studio axes.
     axes : (3, 3) float64
         Rows: the studio's right, depth and up in the object's frame.
+    setting : (str, float)
+        As `LiveLight.setting`.
     """
 
     light: NDArray[np.float32]
     ground: Ground
     axes: NDArray[np.float64]
+    setting: tuple[str, float] = ("studio", 0.0)
 
 
 class LiveLight:
@@ -55,10 +61,13 @@ class LiveLight:
     mesh : PaintMesh
     axes : (3, 3) float64
         Rows: the studio's right, depth and up in the object's frame.
+    setting : (str, float)
+        One of `LIVE_LIGHTS`, and how far its lamps are turned about the upright axis, rad.
     """
 
     def __init__(self, mesh: PaintMesh) -> None:
         self.mesh = mesh
+        self.setting = ("studio", 0.0)
         n = mesh.n_base_vertices
         self._points, self._normals = mesh.vertices[:n], mesh.normals[:n]
         self._areas = np.maximum(mesh.vertex_areas[:n], 1e-12)
@@ -84,12 +93,24 @@ class LiveLight:
 
         Cost: 1 s, and 3 s more for each million vertices.
         """
+        setting = self.setting
         axes = self.axes.astype(np.float32)
         points, normals = self._points @ axes.T, self._normals @ axes.T
-        occluder, suns = Occluder(points, self.mesh.base_faces), light_samples(_N_DOME)
+        occluder, suns = Occluder(points, self.mesh.base_faces), _suns(*setting)
         ground = light_ground(occluder, suns)
+        if setting[0] == "plain":
+            return BakedLight(self._plain(), ground, self.axes, setting)
         light = light_points(occluder, ground, suns, points, normals, _ALBEDO)
-        return BakedLight(self._exposed(light), ground, self.axes)
+        return BakedLight(self._exposed(light), ground, self.axes, setting)
+
+    def change(self, setting: tuple[str, float]) -> None:
+        """Take another light, without shadows until it is baked."""
+        self.setting = setting
+        self.take(self._plain() if setting[0] == "plain" else self._unshadowed())
+
+    def _plain(self) -> AnyArray:
+        """Return light (B, 3) that is the same everywhere."""
+        return np.full((len(self._normals), 3), _WHITE, np.float32)
 
     def colours(self, vertex_ids: AnyArray, srgb: AnyArray) -> AnyArray:
         """Return lit colours (N, 3) uint8 of vertices (N,) int32; srgb (V, 3) is the paint."""
@@ -105,7 +126,7 @@ class LiveLight:
 
     def _unshadowed(self) -> AnyArray:
         """Return the light (B, 3) on every vertex without any shadows."""
-        suns = light_samples(_N_DOME)
+        suns = _suns(*self.setting)
         toward = np.stack([sun.direction for sun in suns]) @ self.axes
         shine = np.stack([sun.irradiance for sun in suns]) / np.pi
         toward, shine = toward.astype(np.float32), shine.astype(np.float32)
@@ -122,3 +143,16 @@ class LiveLight:
         fraction = np.cumsum(self._areas[order]) / self._areas.sum()
         best = brightness[order[min(int(np.searchsorted(fraction, _LIT_BEST)), len(order) - 1)]]
         return light * (_WHITE / max(float(best), 1e-6))
+
+
+def _suns(kind: str, turn: float) -> list[Sun]:
+    """Return a light as parallel ones, turned about the upright axis; overcast for a plain one."""
+    if kind == "studio":
+        suns = light_samples(_N_DOME)
+    else:
+        suns = light_samples(_N_DOME, LIGHTS["soft" if kind == "plain" else kind])
+    if turn == 0.0:
+        return suns
+    c, s = np.cos(turn), np.sin(turn)
+    about = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    return [replace(sun, direction=about @ sun.direction) for sun in suns]

@@ -113,6 +113,11 @@ class LiveObject:
         self._covers = covers
         self._all = True
 
+    def change_light(self, setting: tuple[str, float]) -> None:
+        """Use another light (`LiveLight.setting`); the next `uploads` returns every colour."""
+        self.light.change(setting)
+        self._all = True
+
     def relight(self, baked: BakedLight) -> None:
         """Use baked light; the next `uploads` returns every colour."""
         self.light.take(baked.light)

@@ -32,6 +32,14 @@ def dry_at_first() -> Iterator[None]:
 
 
 @pytest.fixture(autouse=True, scope="module")
+def mouse_as_it_is() -> Iterator[None]:
+    """Strokes of a mouse go where it goes, for tests that measure them."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(settings, "MOUSE_STEADY", 0.0)
+        yield
+
+
+@pytest.fixture(autouse=True, scope="module")
 def light_once(few_lights: None) -> Iterator[None]:
     """Look for the light on an object once, by few lights: the sheet is opened a hundred times.
 
@@ -45,6 +53,7 @@ def light_once(few_lights: None) -> Iterator[None]:
         for part in (*of_vertices, mesh.base_faces, light.axes):
             said.update(f"{part.dtype} {part.shape}".encode())
             said.update(np.ascontiguousarray(part).data)
+        said.update(repr(light.setting).encode())
         key = said.digest()
         if key not in _FOUND:
             _FOUND[key] = bake(light)

@@ -16,6 +16,7 @@ from PySide6 import QtCore, QtGui, QtTest, QtWidgets
 from paint3d.app.model.persistence.settings import Settings, load_settings, save_settings
 from paint3d.app.model.score.playing import painted
 from paint3d.app.window.ink.ink_panel import DishGrid
+from paint3d.app.window.ink.water_scale import MOST_WATER
 from paint3d.app.window.theme import LIGHT_THEME
 from paint3d.colour.inks import TONES
 from paint3d.colour.pigments import WATER, load_palette
@@ -87,8 +88,8 @@ def test_any_colour_is_mixed_of_the_inks_there_are(window) -> None:
     codes = window.document.surface.srgb[window.document.surface.painted]
     near = np.abs(codes.astype(int) - found.srgb).max(axis=1)
     assert near.min() <= 12  # where about a coat lies
-    window.panels.inks.water.setValue(90)  # stirred further by hand
-    assert window.panels.inks.mixture()[WATER.name] == pytest.approx(0.9)
+    window.panels.inks.water.setValue(100)  # stirred further by hand
+    assert window.panels.inks.mixture()[WATER.name] == pytest.approx(MOST_WATER)
     window.panels.inks.empty()
     assert window.panels.inks.mixture() == {}
     dialog.close()

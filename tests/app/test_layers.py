@@ -134,8 +134,9 @@ def close(document):
 
 
 ACTIONS = st.sampled_from(
-    ["stroke", "stroke", "dry", "time", "add", "remove", "up", "down", "select", "dip"]
-)
+    ["stroke", "stroke", "stroke", "erase", "dry", "blot", "time", "add", "copy", "merge", "remove",
+     "up", "down", "select", "dip", "opacity", "multiply"]
+)  # fmt: skip
 
 
 @settings(deadline=None, max_examples=examples(25))
@@ -160,6 +161,21 @@ def test_undo_leads_back_through_layers_to_the_bit(actions):
             document.select_layer(place)
         elif action == "add":
             document.add_layer(place=place)
+        elif action == "erase":
+            document.begin_stroke(erase=True)
+            document.feed(line((y, -15), (-y, 15), n=8))
+            document.end_stroke()
+        elif action == "blot":
+            document.blot()
+        elif action == "copy":
+            document.duplicate_layer(place)
+        elif action == "merge":
+            if place:
+                document.merge_layer(place)
+        elif action == "opacity":
+            document.set_opacity(place, abs(y) / 20.0)
+        elif action == "multiply":
+            document.set_blend(place, "multiply")
         elif len(document.layers) > 1 and action == "remove":
             document.remove_layer(place)
         elif len(document.layers) > 1:

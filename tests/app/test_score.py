@@ -84,6 +84,10 @@ COMMANDS_ASKED = st.one_of(
     st.tuples(st.just("set_brush"), st.sampled_from(["feibai", "full", load_brush("xiaobaiyun")])),
     st.tuples(st.just("step_brush"), st.integers(-2, 2)),
     st.tuples(st.just("add_layer")),
+    st.tuples(st.sampled_from(["duplicate_layer", "merge_layer"]), st.integers(0, 2)),
+    st.tuples(st.just("set_opacity"), st.integers(0, 1), st.sampled_from([0.0, 0.4, 1.0])),
+    st.tuples(st.just("set_blend"), st.integers(0, 1), st.sampled_from(["normal", "multiply"])),
+    st.tuples(st.just("blot")),
     st.tuples(st.sampled_from(["select_layer", "remove_layer", "set_locked", "set_visible"]),
               st.integers(0, 2)),
     st.tuples(st.just("set_visible"), st.integers(0, 1), st.booleans()),
@@ -311,7 +315,13 @@ def test_strokes_alone_keep_their_brushes_inks_and_layers(tmp_path) -> None:
 
 def test_the_registry_the_document_and_recordings_know_the_same_commands() -> None:
     changing = {name for name, one in COMMANDS.items() if one.codec is not None}
-    unwritten = {"edit_seal", "edit_stroke", "pick_colour", "swap_inks"}  # a score has the outcome
+    unwritten = {
+        "edit_seal",
+        "edit_stroke",
+        "edit_strokes",
+        "pick_colour",
+        "swap_inks",
+    }  # a score has the outcome
     assert set(command_names()) == changing - unwritten
     assert all(callable(getattr(Document, name)) for name in changing)
 

@@ -9,10 +9,12 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from functools import partial
 from itertools import count
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from paint3d.app.model.brush_in_hand import BrushLease, resized, scaled, stepped
@@ -43,7 +45,9 @@ from paint3d.app.model.score.keeping import ScoreKeeper, recorded
 from paint3d.app.model.score.stepping import play
 from paint3d.app.model.score.words import Inks, Vocabulary, brush_named
 from paint3d.app.model.seal_press import PASTE, SealPress
+from paint3d.app.model.stroke_group import edit_group
 from paint3d.app.model.stroke_log import (
+    ERASES,
     Stroke,
     StrokeLog,
     checked_pairs,
@@ -83,6 +87,7 @@ from paint3d.view.pressed_tuft import TuftFollower
 
 __all__ = ["Document", "FileState"]
 
+_BLOTTED = 0.8  # of wet ink, that blotting paper lifts
 _MOST_PICKUP = 1000.0  # 1/mm, as in recordings
 _EDIT_STEP = COMMANDS["edit_stroke"].step
 # Label of a step of an edit that no stroke begins: it is taken back with the step before it, and
@@ -567,6 +572,8 @@ class Document:
         ink: Ink | None = None,
         loads: Sequence[tuple[int, float]] = (),
         strengths: Sequence[tuple[int, float]] = (),
+        *,
+        erase: bool = False,
     ) -> None:
         """Start a stroke: a step that can be undone.
 
@@ -581,6 +588,8 @@ class Document:
         loads : sequence of (int, float)
             How much the brush comes to hold at samples of the stroke, counted from 0: a fraction, 0
             to 1, of what a dip gives.
+        erase : bool
+            Take paint off the layer with a full brush, instead of putting ink on it; see `Eraser`.
         strengths : sequence of (int, float)
             The same for what fraction of the ink it then is, the rest being water, until the next
             dip.
@@ -604,10 +613,13 @@ class Document:
         )
         stroke.loads, stroke.strengths = loads, strengths
         self._undo.begin(stroke)
+        if erase:
+            brush, ink = brush or painter.brush, ink or painter.dipped  # never an empty brush
+            stroke.tags[ERASES] = True
         if brush is not None or ink is not None:
             self._borrow(stroke, brush, ink)
         self._refused = self._dipped = False
-        self._strokes.begin(loads, strengths)
+        self._strokes.begin(loads, strengths, erase=erase)
 
     def _borrow(
         self,
@@ -785,6 +797,34 @@ class Document:
         self.surface.dry()
         self.modified = True
 
+    @recorded
+    def blot(self, share: float = _BLOTTED) -> None:
+        """Lay blotting paper on what is wet, and take it up: a step that can be undone.
+
+        It lifts the water and a share of the ink, 0 to 1, where the mask allows; the rest dries.
+
+        Raises
+        ------
+        InputError
+            If a stroke is going on, the layer is locked or hidden, or it is no such share.
+        """
+        self._refuse_in_stroke(Message("blotting"))
+        share = as_number(share, "share", 0.0, 1.0)
+        self._come_back()
+        self._paintable()
+        self._undo.begin(COMMANDS["blot"].step)
+        surface = self.surface
+        surface.drop_flow()
+        before = surface.wet_ink()
+        ids = np.flatnonzero(surface.ink.coverage > 0.0).astype(np.int32)
+        if self.stencil is not None:
+            ids = ids[~self.stencil.covers(ids)]
+        surface.ink.amounts[ids] *= np.float32(1.0 - share)
+        self.painter.loaded += surface.wet_ink() - before
+        surface.touch(ids)
+        surface.dry()
+        self.modified = True
+
     # -- layers -----------------------------------------------------------------------------
 
     @property
@@ -817,8 +857,7 @@ class Document:
         InputError
             If the name or the place is none, or there are too many.
         """
-        names = {layer.name for layer in self.layers}
-        name = name or next(str(n) for n in count(1) if str(n) not in names)
+        name = name or self._free_name()
         place = self.active_layer + 1 if place is None else place
         self._restack(COMMANDS["add_layer"].step, lambda stack: stack.add(name, place))
 
@@ -843,6 +882,73 @@ class Document:
             If there is no such place, or a stroke is going on.
         """
         self._restack(COMMANDS["move_layer"].step, lambda stack: stack.move(place, to))
+
+    @recorded
+    def duplicate_layer(self, place: int, name: str | None = None) -> None:
+        """Put a copy of a layer above it, and paint on it: a step that can be undone.
+
+        Raises
+        ------
+        InputError
+            If there is none at that place, the name is none, there are too many, or a stroke is
+            going on.
+        """
+        name = name or self._free_name()
+        step = COMMANDS["duplicate_layer"].step
+        self._restack(step, lambda stack: stack.duplicate(place, name))
+
+    @recorded
+    def merge_layer(self, place: int) -> None:
+        """Make one layer of this and the one below, which dry: a step that can be undone.
+
+        Raises
+        ------
+        InputError
+            If there is none at that place or below it, one of them is locked or hidden, or a stroke
+            is going on.
+        """
+        stack = self.surface.use_layers()
+        both = [k for k in (place - 1, place) if 0 <= k < len(stack)]
+        for k in both:
+            self._paintable(k)
+
+        def merge(stack: LayerStack) -> None:
+            for k in both if len(both) == 2 else ():
+                self._undo.change(stack.state, partial(stack.activate, k))
+                self.surface.dry()
+            # a part of its own: undo comes to the layer that dried last before it takes that back
+            self._undo.change(stack.state, lambda: stack.merge(place, self.surface.glaze))
+
+        self._restack(COMMANDS["merge_layer"].step, merge)
+
+    @recorded
+    def set_opacity(self, place: int, opacity: float) -> None:
+        """How much of a layer shows, 0 to 1: a step that can be undone.
+
+        Raises
+        ------
+        InputError
+            If there is none at that place, it is no such share, or a stroke is going on.
+        """
+        self._restack(
+            COMMANDS["set_opacity"].step, lambda stack: stack.describe(place, opacity=opacity)
+        )
+
+    @recorded
+    def set_blend(self, place: int, blend: str) -> None:
+        """How a layer lies on those below, "normal" or "multiply": a step that can be undone.
+
+        Raises
+        ------
+        InputError
+            If there is none at that place, it is neither, or a stroke is going on.
+        """
+        self._restack(COMMANDS["set_blend"].step, lambda stack: stack.describe(place, blend=blend))
+
+    def _free_name(self) -> str:
+        """The first number that no layer is called by."""
+        names = {layer.name for layer in self.layers}
+        return next(str(n) for n in count(1) if str(n) not in names)
 
     @recorded
     def rename_layer(self, place: int, name: str) -> None:
@@ -884,7 +990,12 @@ class Document:
         if step:
             self._undo.begin(step)
         before, shown = surface.wet_ink() + surface.dry_ink(), stack.painted_ids()
-        self._undo.change(stack.state, lambda: action(stack))
+        try:
+            self._undo.change(stack.state, lambda: action(stack))
+        except BaseException:
+            if step:
+                self._note(self._undo.revert())
+            raise
         painter.loaded += surface.wet_ink() + surface.dry_ink() - before
         if step:
             surface.touch(union([shown, stack.painted_ids()], surface.paint_mesh.capacity))
@@ -892,9 +1003,9 @@ class Document:
         else:
             self.differ_from_saved()
 
-    def _paintable(self) -> Layer:
-        """The layer that is painted on."""
-        layer = self.layers[self.active_layer]
+    def _paintable(self, place: int | None = None) -> Layer:
+        """The layer that is painted on, or another one that is to be changed."""
+        layer = self.layers[self.active_layer if place is None else place]
         told = Message("Layer {number}", number=layer.name) if layer.name.isdigit() else layer.name
         if layer.locked:
             raise LayerError(
@@ -1258,17 +1369,60 @@ class Document:
             If there is no such stroke, it is not known from the beginning what was painted, or the
             edit cannot be done; everything is as it was then.
         """
+        source = self.surface.source
+        return self._edit_strokes(
+            [number], edit, lambda score, own, words: edit_stroke(score, own[0], words, source)
+        )
+
+    def edit_strokes(self, numbers: Sequence[int], edit: Mapping[str, Any]) -> AnyArray:
+        """Edit several strokes as one, and paint everything after the first anew: one step.
+
+        Parameters
+        ----------
+        numbers : sequence of int
+            Places of the strokes, from 0; see `edit_stroke`.
+        edit : mapping
+            See `stroke_group.edit_group`; the ink may be one in hand, the brush a `BrushSpec`.
+
+        Returns
+        -------
+        (N,) int32
+            Vertices whose colours may have changed.
+
+        Raises
+        ------
+        InputError, RecordingError
+            As `edit_stroke`, or if no stroke is named; everything is as it was then.
+        """
+        chosen = sorted(dict.fromkeys(numbers))
+        if not chosen:
+            raise InputError("no stroke is chosen; expected one or several")
+        source = self.surface.source
+
+        def edited(score: Score, own: Sequence[int], words: Mapping[str, Any]) -> Score:
+            brushes = [self.strokes[k].brush for k in chosen]
+            return edit_group(score, own, brushes, words, source)
+
+        return self._edit_strokes(chosen, edit, edited)
+
+    def _edit_strokes(
+        self,
+        numbers: Sequence[int],
+        edit: Mapping[str, Any],
+        do: Callable[[Score, Sequence[int], Mapping[str, Any]], Score],
+    ) -> AnyArray:
+        """Have strokes (places from 0) of the score edited, which counts them otherwise."""
         score = self._score_to_edit()
         if self._looking:
             self.replay_history(len(self.strokes) + len(self.undone_strokes))
             score = self._score_to_edit()
         places = places_of(score, len(self.strokes), len(self.undone_strokes))
-        self._check_number(number, len(self.strokes))
-        words = self._in_words(edit, score)
-        edited = edit_stroke(score, places[number][0], words, self.surface.source)
+        for number in numbers:
+            self._check_number(number, len(self.strokes))
+        edited = do(score, [places[k][0] for k in numbers], self._in_words(edit, score))
         first = first_difference(score, edited)
         back = max((k for k, (_, begin) in enumerate(places) if begin <= first), default=0)
-        back = min(back, number)
+        back = min([back, *numbers])
         self._check_number(back, len(self.strokes))
         return self._paint_anew(
             edited, lambda: len(self.strokes) > back, min(places[back][1], first)

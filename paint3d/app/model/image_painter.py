@@ -8,6 +8,7 @@ from contextlib import contextmanager
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.app.model.eraser import Eraser
 from paint3d.app.model.input.symmetry import Symmetry, transformed
 from paint3d.app.model.mask import Mask, Stencil
 from paint3d.core.arrays import AnyArray
@@ -124,6 +125,7 @@ class StrokePainter:
         self.mask = Mask()
         self.stencil: Stencil | None = None
         self._images: list[ImagePainter] = []
+        self._eraser: Eraser | None = None
 
     def set_mask(self, mask: Mask) -> None:
         """Take paint only where a mask allows.
@@ -137,9 +139,17 @@ class StrokePainter:
         self.mask = mask
 
     def begin(
-        self, loads: Sequence[tuple[int, float]], strengths: Sequence[tuple[int, float]]
+        self,
+        loads: Sequence[tuple[int, float]],
+        strengths: Sequence[tuple[int, float]],
+        *,
+        erase: bool = False,
     ) -> None:
-        """Begin a stroke with what it is known to hold; see `Painter.expect`."""
+        """Begin a stroke, of which it is known what it holds, or one that erases.
+
+        See `Painter.expect` and `Eraser`.
+        """
+        self._eraser = Eraser(self._painter) if erase else None
         self._images = [ImagePainter(self._painter, image) for image in self.symmetry.images()]
         self._painter.expect(loads, strengths)
         for image in self._images:
@@ -147,7 +157,8 @@ class StrokePainter:
 
     def advance(self, samples: Sequence[DeviceSample]) -> None:
         """Paint samples, in the order of time."""
-        alone = self.stencil is None and not self._images  # else who comes first would matter
+        alone = self.stencil is None and self._eraser is None and not self._images
+        # else who comes first would matter
         for batch in [samples] if alone else [[sample] for sample in samples]:
             self._painter.advance(batch)
             self._wipe()
@@ -167,13 +178,15 @@ class StrokePainter:
         self._wipe()
         for image in self._images:
             image.finish(self._wipe)
-        self._images = []
+        self._images, self._eraser = [], None
 
     def abandon(self) -> None:
         """Forget the stroke; undo takes back what is painted of it."""
         self._painter.abandon()
-        self._images = []
+        self._images, self._eraser = [], None
 
     def _wipe(self) -> None:
         if self.stencil is not None:
             self.stencil.wipe(self._undo.before)
+        if self._eraser is not None:
+            self._eraser.wipe()

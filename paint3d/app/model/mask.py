@@ -21,7 +21,7 @@ from paint3d.errors import InputError
 from paint3d.mesh.refined_mesh import PaintMesh
 from paint3d.surface.painted_surface import PaintedSurface
 
-__all__ = ["AngleMask", "Mask", "RegionPick", "Stencil", "face_at", "nearest_vertex",
+__all__ = ["AngleMask", "Mask", "RegionPick", "Stencil", "face_at", "give_back", "nearest_vertex",
            "region_faces"]  # fmt: skip
 
 _KINDS = ("crease", "piece")
@@ -264,7 +264,7 @@ class Stencil:
         parts = self._surface.vertex_areas[ids[moved], None] * came[moved]
         caught = np.array([math.fsum(part) for part in parts.T])  # the same in any order
         ink.amounts[ids], ink.coverage[ids] = amounts, coverage
-        return self._give_back(caught)
+        return give_back(self._surface, caught)
 
     def _touched(self) -> AnyArray:
         """Masked vertices among those that were touched since colours were asked for last."""
@@ -278,19 +278,23 @@ class Stencil:
             self._looked = dirty.copy()
         return self._masked
 
-    def _give_back(self, caught: AnyArray) -> AnyArray:
-        """Let the brush hold `caught` (P,) more, wherever along the tuft such ink is."""
-        ink = self._surface.ink
-        wanted = ink.load + caught
-        held = np.maximum(wanted, 0.0)
-        given = held - ink.load
-        shares = np.divide(held, ink.load, out=np.zeros_like(held), where=ink.load > 0.0)
-        empty = (ink.load <= 0.0) & (held > 0.0)
-        ink.reservoirs[:] *= shares
-        if len(ink.reservoirs) > 1:
-            ink.reservoirs[:, empty] = held[empty] / len(ink.reservoirs)
-            level_reservoirs(ink.reservoirs)
-        ink.load[:] = held
-        ink.off_surface[:] += wanted - held  # what it drank and has left elsewhere already
-        result: AnyArray = given
-        return result
+
+def give_back(surface: PaintedSurface, caught: AnyArray) -> AnyArray:
+    """Let the brush hold `caught` (P,) more, wherever along the tuft such ink is.
+
+    Returns what it has more, (P,) float64.
+    """
+    ink = surface.ink
+    wanted = ink.load + caught
+    held = np.maximum(wanted, 0.0)
+    given = held - ink.load
+    shares = np.divide(held, ink.load, out=np.zeros_like(held), where=ink.load > 0.0)
+    empty = (ink.load <= 0.0) & (held > 0.0)
+    ink.reservoirs[:] *= shares
+    if len(ink.reservoirs) > 1:
+        ink.reservoirs[:, empty] = held[empty] / len(ink.reservoirs)
+        level_reservoirs(ink.reservoirs)
+    ink.load[:] = held
+    ink.off_surface[:] += wanted - held  # what it drank and has left elsewhere already
+    result: AnyArray = given
+    return result

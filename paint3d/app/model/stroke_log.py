@@ -23,6 +23,7 @@ from paint3d.painter.recorded_tools import told_at
 from paint3d.pose.brush_pose import contacts_of
 
 __all__ = [
+    "ERASES",
     "Stroke",
     "StrokeLog",
     "checked_pairs",
@@ -32,6 +33,9 @@ __all__ = [
     "strokes_of",
     "weights_of",
 ]
+
+ERASES = "erases"
+"""Tag of a stroke that took paint off."""
 
 _PAUSE_NS = 200_000_000  # before a stroke whose clock is not that of those before it
 _LANDING_NS = 1_000_000

@@ -5,15 +5,22 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from PySide6 import QtCore, QtWidgets
+import numpy as np
+from numpy.typing import NDArray
+from PySide6 import QtCore, QtGui, QtWidgets
 
 from paint3d.app.window.theme import Theme, make_icon
 from paint3d.app.window.wording import say, say_layer
-from paint3d.surface.layer_stack import Layer
+from paint3d.errors import Message
+from paint3d.surface.layer_stack import BLENDS, Layer
 
-__all__ = ["LayerPanel"]
+__all__ = ["PICTURE", "LayerPanel"]
 
+PICTURE = 28
+"""Pixels along a side of a layer's picture."""
 _ROW = 34
+_SHEET = "#f2efe6"  # behind what is painted
+_BLENDS = {"normal": Message("Normal"), "multiply": Message("Multiply")}
 
 
 class LayerPanel(QtWidgets.QWidget):
@@ -32,18 +39,43 @@ class LayerPanel(QtWidgets.QWidget):
         self._theme = theme
         self._shown: tuple[Any, ...] = ()
         self._active = 0
+        self._pictures: tuple[NDArray[np.uint8], ...] = ()
         self.list = QtWidgets.QListWidget()
         self.list.setObjectName("layers")
         self.list.setHorizontalScrollBarPolicy(QtCore.Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self.list.itemClicked.connect(self._select)
+        self.list.setAccessibleName(say("Layers"))
+        self.opacity = QtWidgets.QSlider(QtCore.Qt.Orientation.Horizontal)
+        self.opacity.setRange(0, 100)
+        self.opacity.setPageStep(10)
+        self.opacity.setToolTip(say("How much of the layer shows"))
+        self.opacity.setAccessibleName(say("Opacity"))
+        self.opacity.setTracking(False)  # a step of undo where it is let go
+        self.opacity.sliderMoved.connect(self._tell_opacity)
+        self.opacity.valueChanged.connect(self._set_opacity)
+        self.percent = QtWidgets.QLabel()
+        self.percent.setObjectName("faint")
+        self.percent.setMinimumWidth(self.percent.fontMetrics().horizontalAdvance("100 %"))
+        self.blend = QtWidgets.QComboBox()
+        for kind in BLENDS:
+            self.blend.addItem(say(_BLENDS[kind]), kind)
+        self.blend.setToolTip(say("How the layer lies on those below it"))
+        self.blend.setAccessibleName(say("Blend"))
+        self.blend.activated.connect(self._set_blend)
         layout = QtWidgets.QVBoxLayout(self)
         layout.setContentsMargins(8, 6, 8, 8)
+        looks = QtWidgets.QHBoxLayout()
+        for widget, stretch in ((self.blend, 0), (self.opacity, 1), (self.percent, 0)):
+            looks.addWidget(widget, stretch)
+        layout.addLayout(looks)
         layout.addWidget(self.list, 1)
         row = QtWidgets.QHBoxLayout()
         self.buttons = {
             "plus": self._button(
                 "plus", say("New layer"), lambda: self.asked.emit("add_layer", None, None)
             ),
+            "copy": self._button("copy", say("Duplicate layer"), self._duplicate),
+            "merge": self._button("merge", say("Merge with the layer below"), self._merge),
             "minus": self._button("minus", say("Remove layer"), self._remove),
             "up": self._button("up", say("Move up"), lambda: self._move(1)),
             "down": self._button("down", say("Move down"), lambda: self._move(-1)),
@@ -65,7 +97,7 @@ class LayerPanel(QtWidgets.QWidget):
 
     def show_layers(self, layers: Sequence[Layer], active: int) -> None:
         """Show these layers, the lowest first, and which is painted on."""
-        message = (tuple((x.name, x.visible, x.locked) for x in layers), active)
+        message = tuple(layers), active
         if message == self._shown:
             return
         self._shown, self._active = message, active
@@ -79,8 +111,43 @@ class LayerPanel(QtWidgets.QWidget):
             if place == active:
                 self.list.setCurrentItem(item)
         self.buttons["minus"].setEnabled(len(layers) > 1)
+        self.buttons["merge"].setEnabled(active > 0)
+        self._show_look(layers[active])
         self.buttons["up"].setEnabled(active < len(layers) - 1)
         self.buttons["down"].setEnabled(active > 0)
+
+    def show_pictures(self, pictures: Sequence[NDArray[np.uint8]]) -> None:
+        """Show what is on each layer, (PICTURE, PICTURE, 4) uint8, the lowest first."""
+        self._pictures = tuple(pictures)
+        for row in range(self.list.count()):
+            item = self.list.item(row)
+            widget = self.list.itemWidget(item)
+            label = widget.findChild(QtWidgets.QLabel, "thumbnail")
+            if label is not None:
+                self._show_picture(label, item.data(QtCore.Qt.ItemDataRole.UserRole))
+
+    def _show_picture(self, label: QtWidgets.QLabel, place: int) -> None:
+        sheet = QtGui.QPixmap(PICTURE, PICTURE)
+        sheet.fill(QtGui.QColor(_SHEET))
+        if place < len(self._pictures):
+            pixels = np.ascontiguousarray(self._pictures[place])
+            height, width = pixels.shape[:2]
+            form = QtGui.QImage.Format.Format_RGBA8888
+            painter = QtGui.QPainter(sheet)
+            painter.drawImage(0, 0, QtGui.QImage(pixels.data, width, height, 4 * width, form))
+            painter.end()
+        label.setPixmap(sheet)
+
+    def _show_look(self, layer: Layer) -> None:
+        """Show how much of a layer shows, and how it lies on those below."""
+        percent = round(100.0 * layer.opacity)
+        with QtCore.QSignalBlocker(self.opacity):
+            self.opacity.setValue(percent)
+        self._tell_opacity(percent)
+        self.blend.setCurrentIndex(self.blend.findData(layer.blend))
+
+    def _tell_opacity(self, percent: int) -> None:
+        self.percent.setText(f"{percent} %")
 
     def _row(self, place: int, layer: Layer) -> QtWidgets.QWidget:
         row = QtWidgets.QWidget()
@@ -98,7 +165,12 @@ class LayerPanel(QtWidgets.QWidget):
             say("Unlock") if layer.locked else say("Lock"),
             lambda: self.asked.emit("set_locked", place, not layer.locked),
         )
+        picture = QtWidgets.QLabel()
+        picture.setObjectName("thumbnail")
+        picture.setFixedSize(PICTURE, PICTURE)
+        self._show_picture(picture, place)
         name = QtWidgets.QLineEdit(say_layer(layer.name))
+        name.setAccessibleName(say("Name of the layer"))
         name.setFrame(False)
         name.setStyleSheet("QLineEdit { background: transparent; border: none; }")
         name.setReadOnly(True)
@@ -106,6 +178,7 @@ class LayerPanel(QtWidgets.QWidget):
         name.setProperty("place", place)
         name.editingFinished.connect(lambda: self._renamed(place, name))
         layout.addWidget(eye)
+        layout.addWidget(picture)
         layout.addWidget(name, 1)
         layout.addWidget(lock)
         return row
@@ -149,6 +222,19 @@ class LayerPanel(QtWidgets.QWidget):
 
     def _remove(self) -> None:
         self.asked.emit("remove_layer", self._active, None)
+
+    def _duplicate(self) -> None:
+        self.asked.emit("duplicate_layer", self._active, None)
+
+    def _merge(self) -> None:
+        self.asked.emit("merge_layer", self._active, None)
+
+    def _set_opacity(self, percent: int) -> None:
+        self._tell_opacity(percent)
+        self.asked.emit("set_opacity", self._active, percent / 100.0)
+
+    def _set_blend(self, _: int) -> None:
+        self.asked.emit("set_blend", self._active, self.blend.currentData())
 
     def _move(self, by: int) -> None:
         self.asked.emit("move_layer", self._active, self._active + by)

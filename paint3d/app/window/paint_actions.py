@@ -14,6 +14,7 @@ from paint3d.app.window.playing.player import Player
 from paint3d.app.window.wording import say
 from paint3d.app.window.workspace import Workspace
 from paint3d.brush.presets import brush_names
+from paint3d.colour.pigments import WATER
 from paint3d.core.arrays import AnyArray
 from paint3d.mesh.refined_mesh import PaintMesh
 from paint3d.view.camera import picture_axes
@@ -78,6 +79,10 @@ class PaintActions:
         """Steady the stroke by a string, or not."""
         self._panels.hand.set_smoothing(_STEADY if on else 0.0)
 
+    def do_ruler(self, on: bool) -> None:
+        """Lead strokes along a ruler, or not."""
+        self._panels.hand.set_ruler(on)
+
     def do_number(self, k: int) -> None:
         """Take the k-th brush."""
         self._post("set_brush", brush_names()[k - 1])
@@ -91,6 +96,19 @@ class PaintActions:
     def do_dip_tip(self) -> None:
         """Load its tip again."""
         self._workspace.dip(None, _TIP_REACH)
+
+    def do_dip_water(self) -> None:
+        """Dip the brush in clear water: a water brush."""
+        self._workspace.dip({WATER.name: 1.0})
+
+    def do_erase(self, on: bool) -> None:
+        """Take paint off with the brush, or put ink on again."""
+        self._workspace.hand.erases = on
+        self._workspace.tell(
+            say("The brush takes paint off the layer; E puts ink on again")
+            if on
+            else say("The brush puts ink on again")
+        )
 
     def do_pick_colour(self) -> None:
         """Take the ink that lies under the pointer."""
@@ -192,6 +210,14 @@ class PaintActions:
     def do_remove_layer(self) -> None:
         """Take the layer away that is painted on."""
         self._post("remove_layer", self._painting.active_layer)
+
+    def do_duplicate_layer(self) -> None:
+        """Put a copy of the layer that is painted on above it."""
+        self._post("duplicate_layer", self._painting.active_layer)
+
+    def do_merge_layer(self) -> None:
+        """Make one layer of it and the one below."""
+        self._post("merge_layer", self._painting.active_layer)
 
     def do_rename_layer(self) -> None:
         """Let its name be written."""

@@ -3,20 +3,23 @@
 from __future__ import annotations
 
 import dataclasses
-from typing import Protocol
+from concurrent.futures import Future
+from typing import Any, Protocol
 
 from PySide6 import QtCore, QtWidgets
 
 from paint3d.app.model.frame import Frame
 from paint3d.app.model.input.pressure_curve import PressureCurve
+from paint3d.app.model.layer_pictures import layer_pictures
 from paint3d.app.window.brush.brush_panel import BrushPanel
 from paint3d.app.window.copybook.copybook_panel import CopybookPanel
 from paint3d.app.window.hand.device_panel import DevicePanel
 from paint3d.app.window.hand.hand_panel import HandPanel
 from paint3d.app.window.history.history_panel import HistoryPanel
 from paint3d.app.window.ink.ink_panel import InkPanel
-from paint3d.app.window.layer_panel import LayerPanel
+from paint3d.app.window.layer_panel import PICTURE, LayerPanel
 from paint3d.app.window.object.surface_panel import SurfacePanel
+from paint3d.app.window.reference.reference_panel import ReferencePanel
 from paint3d.app.window.theme import Theme
 from paint3d.app.window.wording import say
 from paint3d.app.window.workspace import Workspace
@@ -27,6 +30,7 @@ __all__ = ["Panels"]
 
 _WIDTH = 316
 _RIGHT = QtCore.Qt.DockWidgetArea.RightDockWidgetArea
+_LEFT = QtCore.Qt.DockWidgetArea.LeftDockWidgetArea
 
 
 class _Themed(Protocol):
@@ -49,10 +53,12 @@ class Panels:
         self.brushes, self.inks = BrushPanel(theme), InkPanel(theme)
         self.layers, self.history = LayerPanel(theme), HistoryPanel(theme)
         self.hand, self.copybook = HandPanel(theme), CopybookPanel(theme)
-        self.devices = DevicePanel(theme)
+        self.devices, self.reference = DevicePanel(theme), ReferencePanel(theme)
         self.surface = SurfacePanel(actions[name] for name in ("wet", "dry", "refine"))
         self.docks: dict[str, QtWidgets.QDockWidget] = {}
-        self._tall = (self.inks, self.hand, self.copybook, self.devices, self.surface)
+        self._tall = (
+            self.inks, self.hand, self.copybook, self.devices, self.surface, self.reference
+        )  # fmt: skip
         upper = [
             self._dock("brushes", say("Brushes"), self.brushes),
             self._dock("inks", say("Inks"), self.inks),
@@ -69,21 +75,30 @@ class Panels:
             for dock in group[1:]:
                 window.tabifyDockWidget(group[0], dock)
             group[0].raise_()
+        self._dock("reference", say("Reference"), self.reference, _LEFT).hide()
         window.setTabPosition(_RIGHT, QtWidgets.QTabWidget.TabPosition.North)
         window.resizeDocks([upper[0], lower[0]], [440, 260], QtCore.Qt.Orientation.Vertical)
         window.resizeDocks([upper[0]], [_WIDTH], QtCore.Qt.Orientation.Horizontal)
         for dock in self.docks.values():
             menu.addAction(dock.toggleViewAction())
+        self._drawn: object = None  # what the layers' pictures show
+        self._drawing: Future[Any] | None = None
         self._connect()
         workspace.theme_changed.connect(self._set_theme)
 
-    def _dock(self, name: str, title: str, panel: QtWidgets.QWidget) -> QtWidgets.QDockWidget:
+    def _dock(
+        self,
+        name: str,
+        title: str,
+        panel: QtWidgets.QWidget,
+        area: QtCore.Qt.DockWidgetArea = _RIGHT,
+    ) -> QtWidgets.QDockWidget:
         dock = QtWidgets.QDockWidget(title, self._workspace.window)
         dock.setObjectName(f"dock-{name}")
         dock.setWidget(_scrolled(panel) if panel in self._tall else panel)
         dock.setTitleBarWidget(QtWidgets.QWidget())  # the tab says it
         dock.setMinimumWidth(_WIDTH)
-        self._workspace.window.addDockWidget(_RIGHT, dock)
+        self._workspace.window.addDockWidget(area, dock)
         self.docks[name] = dock
         return dock
 
@@ -92,6 +107,10 @@ class Panels:
         self.brushes.chosen.connect(self._take_brush)
         self.brushes.failed.connect(lambda why: self._workspace.tell(why, state="bad"))
         self._workspace.hand.sized.connect(self.brushes.resize_brush)
+        self._workspace.hand.watered.connect(self.inks.water_by)
+        self.inks.watering.connect(
+            lambda share: self._workspace.tell(say("Water {share:.0f} %", share=100.0 * share))
+        )
         self.surface.failed.connect(lambda why: self._workspace.tell(why, state="bad"))
         self.inks.dipped.connect(self._dip)
         self.inks.rinsed.connect(lambda: post("rinse"))
@@ -101,6 +120,7 @@ class Panels:
         self.history.told.connect(self._workspace.tell)
         self.hand.read.connect(lambda changes: self._workspace.hand.set_settings(**changes))
         self.hand.curve.changed.connect(self._keep_curve)
+        self.hand.ruled.connect(lambda on: self._workspace.actions["ruler"].setChecked(on))
 
     def _keep_curve(self, curve: PressureCurve) -> None:
         self._workspace.settings = dataclasses.replace(
@@ -112,12 +132,15 @@ class Panels:
         for panel in (self.brushes, self.inks, self.surface, self.layers, self.history):
             panel.setEnabled(is_open)
         self.copybook.setEnabled(is_open)
+        self.reference.setEnabled(is_open)
 
     # -- following the painting -------------------------------------------------------------
 
     def open(self) -> None:
         """Show another document."""
         painting = self._workspace.painting
+        self._drawn = self._drawing = None
+        self.layers.show_pictures(())
         self.brushes.show_brush(painting.brush)
         self.inks.show_inks(painting.inks)
         self.brushes.set_ink(painting.inks[0])
@@ -135,12 +158,29 @@ class Panels:
         painting = frame.painting
         self.surface.show_surface(painting)
         self.layers.show_layers(painting.layers, painting.active_layer)
+        self._follow_layers(frame)
         self.history.follow(frame)
         self.inks.show_pickup(painting.pickup)
         self.inks.show_amount(painting.amount)
         if painting.inks[0] != self.inks.ink:
             self.inks.show_inks(painting.inks)
             self.brushes.set_ink(painting.inks[0])
+
+    def _follow_layers(self, frame: Frame) -> None:
+        """Have the layers' pictures drawn anew where something was painted, and nothing waits."""
+        if self._drawing is not None and self._drawing.done():
+            drawing, self._drawing = self._drawing, None
+            if not drawing.cancelled() and drawing.exception() is None:
+                self.layers.show_pictures(drawing.result())
+        painting = frame.painting
+        state = painting.layers, painting.active_layer, tuple(map(id, painting.strokes))
+        if state == self._drawn or self._drawing is not None or frame.queue_length:
+            return
+        if not self._workspace.hand.in_stroke:
+            self._drawn = state
+            self._drawing = self._workspace.paint_thread.post(
+                lambda document: layer_pictures(document.surface, PICTURE)
+            )
 
     def show_brush_asked(self, brush: BrushSpec) -> bool:
         """Show the brush that was asked for last; whether another one was shown before."""
@@ -170,18 +210,22 @@ class Panels:
 
     def _all(self) -> tuple[_Themed, ...]:
         upper = self.brushes, self.inks, self.hand
-        lower = self.layers, self.history, self.copybook, self.devices
+        lower = self.layers, self.history, self.copybook, self.reference, self.devices
         return *upper, self.surface, *lower
 
     def toggle(self) -> None:
         """Hide all, or show them again."""
         shown = [dock for dock in self.docks.values() if dock.isVisible()]
-        for dock in self.docks.values():
-            dock.setVisible(not shown)
+        for name, dock in self.docks.items():
+            dock.setVisible(not shown and not self._is_idle(name))
+
+    def _is_idle(self, name: str) -> bool:
+        """Whether a panel has nothing to show."""
+        return name == "reference" and self.reference.view.image is None
 
     def step(self, by: int) -> None:
         """Bring the focus to the next panel (by 1), or the one before (-1), or to the picture."""
-        names = list(self.docks)
+        names = [name for name in self.docks if not self._is_idle(name)]
         focus = self._workspace.window.focusWidget()
         inside = [n for n in names if focus is not None and self.docks[n].isAncestorOf(focus)]
         at = names.index(inside[0]) if inside else (-1 if by > 0 else len(names))

@@ -59,6 +59,8 @@ class Stage:
         The last one.
     points : (N, 3) float32
         Of the object, to place the camera by, mm.
+    light : (str, float)
+        See `LiveLight.setting`.
     """
 
     def __init__(self, size: tuple[int, int], mood: Background = LIGHT) -> None:
@@ -75,6 +77,7 @@ class Stage:
         self._baker = ThreadPoolExecutor(1, thread_name_prefix="paint3d-light")
         self._baking: Future[BakedLight] | None = None
         self._unlit: LiveLight | None = None
+        self.light: tuple[str, float] = ("studio", 0.0)
         self._drawn = LivePicture(self.scene, self._prepare_coarse)
         self._pending: list[AnyArray] = []
         self._stood: tuple[Any, ...] = ()
@@ -113,6 +116,7 @@ class Stage:
         self.scene.clear(shown.centre, shown.radius, gloss, solid=shown.is_solid)
         self.scene.apply(opened.uploads)
         self._unlit = shown.light
+        self.light = shown.light.setting
         self.paint_thread = PaintThread(opened.document, wet, recovery, base_every_s)
         self.touch()
 
@@ -126,7 +130,7 @@ class Stage:
             self.show_lines(name, (), (0, 0, 0, 0))
         self.paint_thread = self.frame = self._object = self._brush = None
         self._brush_spec, self._stood, self._pending = None, (), []
-        self._stencil = self._unlit = None
+        self._stencil = self._unlit = self._baking = None
         self._seen = self._seen_at = None
         self._left_at = _NOWHERE
 
@@ -169,6 +173,15 @@ class Stage:
         """Change the colours around the object."""
         self.scene.set_mood(mood)
         self.touch()
+
+    def set_light(self, kind: str, turn: float) -> None:
+        """Show the object in another light: at once, and with soft shadows when they are found."""
+        if (kind, turn) != self.light and self._object is not None:
+            self.light = kind, turn
+            self._object.change_light(self.light)
+            self._unlit = self._object.light
+            self._pending.append(_NONE)
+            self.touch()
 
     def touch(self) -> None:
         """Have it drawn again."""
@@ -262,11 +275,13 @@ class Stage:
 
     def _take_light(self) -> None:
         """Show soft light once it is found; it is looked for when the first picture is there."""
-        if self._unlit is not None:
+        if self._unlit is not None and self._baking is None:
             self._baking, self._unlit = self._baker.submit(self._unlit.bake), None
         if self._baking is None or not self._baking.done():
             return
         baked, self._baking = self._baking.result(), None
+        if baked.setting != self.light:
+            return  # another one was chosen meanwhile
         self._open_object.relight(baked)
         self.scene.set_ground(baked)
         self._pending.append(_NONE)

@@ -9,6 +9,7 @@ import threading
 import time
 import traceback
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 
 from PySide6 import QtCore, QtGui, QtWidgets
 
@@ -21,6 +22,7 @@ from paint3d.app.model.persistence.settings import Settings
 from paint3d.app.window.actions import Actions
 from paint3d.app.window.brush.brush_making import BrushMaking
 from paint3d.app.window.copybook.copybook_guide import CopybookGuide
+from paint3d.app.window.copybook.text_writing import TextWriting
 from paint3d.app.window.files.begin_page import BeginPage
 from paint3d.app.window.files.exporting import Exporting
 from paint3d.app.window.files.open_result import OpenResult, described
@@ -28,6 +30,7 @@ from paint3d.app.window.files.opening import Opening
 from paint3d.app.window.files.recovery import Recovery
 from paint3d.app.window.files.saving import RecentFiles, Saving
 from paint3d.app.window.files.target_dialog import Targets
+from paint3d.app.window.files.tour import Tour
 from paint3d.app.window.hand.device_input import DeviceInput
 from paint3d.app.window.hand.keys import HeldKeys
 from paint3d.app.window.hand.steering import Steering
@@ -35,16 +38,19 @@ from paint3d.app.window.history.stroke_editing import Recalling, StrokeEditing
 from paint3d.app.window.history.stroke_mark import StrokeMark
 from paint3d.app.window.hud import Hud
 from paint3d.app.window.ink.ink_making import InkMaking
+from paint3d.app.window.lamp import Lamp
 from paint3d.app.window.object.standing import Standing
 from paint3d.app.window.paint_actions import PaintActions
 from paint3d.app.window.panels import Panels
 from paint3d.app.window.playing.pictures import Pictures
 from paint3d.app.window.playing.player import Player
 from paint3d.app.window.playing.recordings import Recordings
+from paint3d.app.window.reference.reference import Reference
 from paint3d.app.window.seal import Sealing
 from paint3d.app.window.status_line import ReplayBar, StatusLine
 from paint3d.app.window.theme import DARK_THEME
 from paint3d.app.window.view_actions import ViewActions
+from paint3d.app.window.view_keeping import ViewKeeping
 from paint3d.app.window.wording import say, say_error
 from paint3d.app.window.workspace import Workspace
 from paint3d.colour.materials import Material
@@ -257,6 +263,9 @@ class StudioWindow(QtWidgets.QMainWindow):
         self.panels = Panels(workspace, self.commands.menus["window"])
         self._make_jobs()
         self.copying = CopybookGuide(workspace, self.panels.copybook)
+        speed = self.panels.history.speed
+        self.writing = TextWriting(workspace, self.player, speed, self.copying.held)
+        self.tour = Tour(workspace, self.opening, self.copying)
         self._bind_actions()
         self.both_hands = DeviceInput(workspace, self.panels.devices, plugged, feel)
         self.hud, self.status = Hud(workspace), StatusLine(workspace)
@@ -287,8 +296,9 @@ class StudioWindow(QtWidgets.QMainWindow):
         self.exporting = Exporting(workspace, self.targets, self.pictures)
         self.player = Player(workspace)
         self.recordings = Recordings(
-            workspace, self.targets, self.player, history.speed, self.saving.may_leave
-        )
+            workspace, self.targets, self.player, history.speed, self.saving.may_leave,
+            lambda mesh, mm, material: self.opening.open_path(mesh, mm, material, asked=True),
+        )  # fmt: skip
         self.recalling = Recalling(workspace, history.refuse)
         self.mark = StrokeMark(workspace)
         self.editing = StrokeEditing(workspace, self.mark)
@@ -298,11 +308,17 @@ class StudioWindow(QtWidgets.QMainWindow):
         self.painting = PaintActions(self.workspace, self.panels, self.recalling, self.player)
         self.brushes = BrushMaking(self.workspace, self.panels)
         self.inks = InkMaking(self.workspace, self.panels)
+        self.reference = Reference(
+            self.workspace, self.panels.reference, self.copying, self.inks.mix_colour
+        )
+        self.lamp = Lamp(self.workspace)
+        self.views = ViewKeeping(self.workspace, self.lamp)
         self.viewing = ViewActions(self.workspace, self.panels, self.steering)
         self.commands.bind(
             (self.opening, self.saving, self.exporting, self.pictures, self.recordings,
-             self.standing, self.sealing, self.copying, self.painting, self.brushes, self.inks,
-             self.viewing)
+             self.standing, self.sealing, self.copying, self.writing, self.editing, self.painting,
+             self.brushes, self.inks, self.reference, self.views, self.lamp, self.viewing,
+             self.tour)
         )  # fmt: skip
         for name in ("brush", "grips", "show_mask"):
             self.commands.check(name, True)
@@ -312,7 +328,10 @@ class StudioWindow(QtWidgets.QMainWindow):
         settings = self.workspace.settings
         self.canvas.finger = settings.finger
         self.hand.set_settings(
-            curve=settings.curve, smoothing=settings.smoothing, pressure_by=settings.pressure_by
+            curve=settings.curve,
+            smoothing=settings.smoothing,
+            mouse_smoothing=settings.mouse_steadiness,
+            pressure_by=settings.pressure_by,
         )
         self.hand.first_force = settings.force_n
         self.panels.hand.show_settings(self.hand.settings)
@@ -349,6 +368,7 @@ class StudioWindow(QtWidgets.QMainWindow):
         panels.history.chosen.connect(self.mark.choose)
         self.mark.changed.connect(panels.history.mark)
         panels.history.exported.connect(self.recordings.do_save_recording)
+        panels.copybook.written.connect(self.writing.do_write_text)
         panels.hand.turns.connect(self.painting.set_turns)
         panels.hand.mask_degrees.connect(self.painting.set_mask_degrees)
 
@@ -381,6 +401,7 @@ class StudioWindow(QtWidgets.QMainWindow):
         self._show_open(True)
         self.commands.check("wet", wet)
         self.hand.open(opened.surface)
+        self.views.recall_last(document)
         self.both_hands.open()
         self.panels.open()
         self._draw_first()
@@ -523,6 +544,10 @@ class StudioWindow(QtWidgets.QMainWindow):
         self.brushes.close_down()
         self.inks.close_down()
         self.workspace.keep_in_hand()
-        self.workspace.keep(smoothing=self.hand.settings.smoothing, window=window_words(self))
+        now, settings = self.hand.settings, self.workspace.settings
+        if now.mouse_smoothing != settings.mouse_steadiness:
+            settings = replace(settings, mouse_smoothing=now.mouse_smoothing)
+        self.workspace.settings = settings
+        self.workspace.keep(smoothing=now.smoothing, window=window_words(self))
         self.stage.close()
         event.accept()

@@ -30,6 +30,7 @@ __all__ = [
     "say_length",
     "say_material",
     "say_object",
+    "say_purpose",
     "say_units",
     "system_language",
 ]
@@ -175,6 +176,23 @@ _BRUSHES = {
     "yanghao": Message("yanghao"),
     "jianhao": Message("jianhao"),
 }
+_PURPOSES = {
+    "full": Message("large, for trying out"),
+    "slender": Message("thin, for its side"),
+    "calibrated": Message("as one was measured"),
+    "xiaokai": Message("writing, 8 to 25 mm"),
+    "zhongkai": Message("writing, 30 to 60 mm"),
+    "dakai": Message("writing, over 80 mm"),
+    "gongbi": Message("for outlines"),
+    "baiyun": Message("for leaves and washes"),
+    "xiaobaiyun": Message("kaishu, 8 to 22 mm"),
+    "zhongbaiyun": Message("kaishu, 22 to 60 mm"),
+    "dabaiyun": Message("kaishu, 60 to 200 mm"),
+    "feibai": Message("flying white, hairs"),
+    "langhao": Message("elastic, sharp point"),
+    "yanghao": Message("soft, for washes"),
+    "jianhao": Message("for running script"),
+}
 _HAIRS = {
     "goat": Message("goat hair"),
     "weasel": Message("weasel hair"),
@@ -204,6 +222,11 @@ def say_material(material: Material) -> str:
 def say_brush(name: str) -> str:
     """What a brush is called: one of the user's own as its file says."""
     return say(_BRUSHES[name]) if name in _BRUSHES and name in brush_names() else name
+
+
+def say_purpose(name: str) -> str:
+    """What a brush that comes along is for; empty of one's own."""
+    return say(_PURPOSES[name]) if name in _PURPOSES and name in brush_names() else ""
 
 
 def say_hair(hair: str) -> str:

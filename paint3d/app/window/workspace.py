@@ -9,6 +9,7 @@ from typing import Any
 
 from PySide6 import QtCore, QtGui, QtWidgets
 
+from paint3d.app.model.document import Document
 from paint3d.app.model.frame import Snapshot
 from paint3d.app.model.paint_thread import PaintThread
 from paint3d.app.model.persistence.saved_settings import in_hand
@@ -52,6 +53,8 @@ class Workspace(QtCore.QObject):
         What went wrong last.
     may_drop : callable
         Asks whether what belongs to the painting and is not in it may be lost with it.
+    before_saving : callable
+        Called with a document that is about to be saved, by the painting thread.
     amount : dict of str to float, or None
         How much the next dip takes up, as `DipAmount.words` says it; None: as the dip before.
     quiet : bool
@@ -92,11 +95,13 @@ class Workspace(QtCore.QObject):
         apply_theme(app, self.theme)
         self.actions: dict[str, QtGui.QAction] = {}
         self.canvas = Canvas()
+        self.canvas.setAccessibleName(say("Picture"))
         self.stage = Stage(self.canvas.pixel_size, DARK if dark else LIGHT)
         self.hand = CanvasHand(self.canvas, self.stage)
         self.error: BaseException | None = None
         self.quiet = False
         self.may_drop: Callable[[], bool] = lambda: True
+        self.before_saving: Callable[[Document], None] = lambda _: None
         self.amount: Mapping[str, float] | None = None
         self._to_tell: list[str] = []
 

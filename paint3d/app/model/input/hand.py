@@ -259,6 +259,14 @@ class PointerInput:
     bend: Sequence[float] | AnyArray | None = None
 
 
+RULERS = ("none", "straight", "ring", "profile")
+"""What strokes are led along: nothing; a straight way; level around the object; up or down it, in a
+plane through its upright axis."""
+
+_RULED = 4  # steps to where the ruler and the surface meet
+_LEAST_ARM_MM = 2.0  # that tells whither a ruler leads
+
+
 @dataclass(frozen=True)
 class HandSettings:
     """How the hand is read.
@@ -268,7 +276,11 @@ class HandSettings:
     curve : PressureCurve
     smoothing : float
         0 to 1: the string's length over `longest_string_mm`.
+    mouse_smoothing : float
+        The same at least, for a device that has no pressure: a mouse, or a finger.
     longest_string_mm : float
+    ruler : str
+        One of `RULERS`: what a stroke is led along.
     trail : float
         Share of the tuft's length that its tip trails behind the brush.
     pressure_by : {"keys", "speed"}
@@ -288,6 +300,7 @@ class HandSettings:
 
     curve: PressureCurve = field(default_factory=PressureCurve)
     smoothing: float = 0.0
+    mouse_smoothing: float = 0.0
     longest_string_mm: float = 20.0
     trail: float = 0.12
     pressure_by: str = "keys"
@@ -295,9 +308,15 @@ class HandSettings:
     newtons_per_notch: float = 0.25
     steady_mm_s: float = 150.0
     landing_s: float = 0.06
+    ruler: str = "none"
 
     def __post_init__(self) -> None:
         as_number(self.smoothing, "smoothing", 0.0, 1.0)
+        as_number(self.mouse_smoothing, "smoothing of a mouse", 0.0, 1.0)
+        if self.ruler not in RULERS:
+            raise InputError(
+                "ruler is {ruler!r}; expected {known}", ruler=self.ruler, known=" or ".join(RULERS)
+            )
         as_number(self.longest_string_mm, "longest string (mm)", 0.0, 1000.0)
         as_number(self.trail, "trail", 0.01, 1.0)
         as_number(self.steady_mm_s, "steady speed (mm/s)", 1.0, 1e5)
@@ -315,6 +334,7 @@ class _State:
 
     time_ns: int
     target: AnyArray  # where the pointer is, on the surface
+    goal: AnyArray  # whither that leads the brush: by a ruler, elsewhere
     point: AnyArray  # where the brush is
     normal: AnyArray
     tip: AnyArray  # where the tuft's tip trails
@@ -323,6 +343,9 @@ class _State:
     beside: bool = False
     speed: float = 0.0
     sent_ns: int = 0
+    began_at: AnyArray | None = None  # where the stroke begins, on the surface
+    across: AnyArray | None = None  # unit, of the plane that a ruler keeps it in
+    has_pressure: bool = True  # of the device that paints
 
 
 @dataclass(frozen=True, eq=False)
@@ -395,6 +418,8 @@ class Hand:
         state = self._now
         state.began_ns = event.time_ns
         state.beside, state.speed, state.sent_ns = False, 0.0, event.time_ns
+        state.began_at, state.across = stand.point, None
+        state.has_pressure = event.pressure is not None
         pressure = self._pressure(event)
         self._waiting = [replace(stand, time_ns=stand.time_ns - _STEP_NS)]
         if pressure > 0.0:  # it was pressed when it was first heard of
@@ -444,6 +469,8 @@ class Hand:
         state.began_ns = None
         found = None if event is None or state.beside else self._meet(event)
         lifted = replace(self._latest, time_ns=max(time_ns, state.sent_ns + _STEP_NS), pressure=0.0)
+        if found is not None and self.settings.ruler != "none":
+            found = self._ruled(*found)
         if found is not None:
             far = length_of(found[0] - lifted.point) > _LIFTED_OVER * brush.length_mm
             if not far and event is not None and not self._is_apart(found[0], event):
@@ -541,10 +568,13 @@ class Hand:
         state = self._state
         if state is None:
             tip = point + any_tangent(normal, np.zeros(3))
-            state = self._state = _State(event.time_ns, point, point, normal, tip)
+            state = self._state = _State(event.time_ns, point, point, point, normal, tip)
         self._follow_speed(event.time_ns, point)
         state.time_ns, state.target, state.ray = event.time_ns, point, _ray_of(event)
-        string = self.settings.smoothing * self.settings.longest_string_mm if pulled else 0.0
+        if pulled and self.settings.ruler != "none":
+            point, normal = self._ruled(point, normal)
+        state.goal = point
+        string = self._string(event) if pulled else 0.0
         if string > 0.0:
             point, normal = self._pull(point, string)
         normal = self._normal_under(point, normal, brush)
@@ -552,7 +582,7 @@ class Hand:
         lean = lean_of(normal, event.right, event.up, event.x_tilt, event.y_tilt)
         return _Stand(
             event.time_ns,
-            state.target,
+            state.goal,
             point,
             normal,
             lean,
@@ -658,6 +688,51 @@ class Hand:
         result: AnyArray = mean / length_of(mean)
         return result
 
+    def _string(self, event: PointerInput) -> float:
+        """Length of the string that pulls the brush, mm."""
+        settings = self.settings
+        steady = settings.smoothing
+        if event.pressure is None:
+            steady = max(steady, settings.mouse_smoothing)
+        return steady * settings.longest_string_mm
+
+    def _ruled(self, point: AnyArray, normal: AnyArray) -> tuple[AnyArray, AnyArray]:
+        """The place nearest to a point where the ruler leads from the stroke's beginning.
+
+        Rulers are planes that the surface is cut by: through the first way and the normal there,
+        level, or through the object's axis.
+        """
+        state = self._now
+        start = state.began_at
+        if start is None:
+            return point, normal
+        if state.across is None:
+            state.across = self._plane_from(start, point)
+            if state.across is None:
+                return self._on_surface(start)
+        for _ in range(_RULED):
+            off = float((point - start) @ state.across)
+            point, normal = self._on_surface(point - off * state.across)
+        return point, normal
+
+    def _plane_from(self, start: AnyArray, point: AnyArray) -> AnyArray | None:
+        """The normal of the ruler's plane; None while it is not known whither it leads."""
+        if self.settings.ruler == "ring":
+            return np.array([0.0, 0.0, 1.0])
+        if self.settings.ruler == "profile":
+            corners = self._surface.mesh.vertices
+            middle = 0.5 * (corners.min(axis=0) + corners.max(axis=0))
+            arm = start[:2] - middle[:2]
+            if length_of(arm) < _LEAST_ARM_MM:  # on the axis every way is a profile
+                arm = point[:2] - middle[:2]
+            if length_of(arm) < _LEAST_ARM_MM:
+                return None
+            return np.array([-arm[1], arm[0], 0.0]) / length_of(arm)
+        if length_of(point - start) < _LEAST_ARM_MM:
+            return None
+        across: AnyArray = cross(self._on_surface(start)[1], point - start)
+        return across / max(length_of(across), 1e-12)
+
     def _pull(self, target: AnyArray, string: float) -> tuple[AnyArray, AnyArray]:
         """Where a string of this length pulls the brush."""
         state = self._now
@@ -670,18 +745,19 @@ class Hand:
     def _glide(self, brush: BrushSpec) -> list[DeviceSample]:
         """Samples on the way to where the pointer was last."""
         state = self._now
-        start, way = state.point, state.target - state.point
+        start, way = state.point, state.goal - state.point
         length = length_of(way)
         n = math.ceil(length / _GLIDE_STEP_MM)
         step_ns = round(length / max(n, 1) / _GLIDE_MM_S * 1e9)
-        samples = []
+        pressure, samples = self._latest.pressure, []
         for k in range(1, n + 1):
             state.point, normal = self._on_surface(start + (k / n) * way)
             state.normal = self._normal_under(state.point, normal, brush)
             state.sent_ns += max(step_ns, _STEP_NS)
             stand = replace(
-                self._latest, time_ns=state.sent_ns, point=state.point, normal=state.normal
-            )
+                self._latest, time_ns=state.sent_ns, point=state.point, normal=state.normal,
+                pressure=pressure if state.has_pressure else pressure * (1.0 - k / n),
+            )  # fmt: skip
             self._drag(stand, brush)
             samples.append(self._sample(stand, brush))
         return samples

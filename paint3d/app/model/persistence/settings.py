@@ -40,6 +40,8 @@ __all__ = [
 ]
 
 VERSION = 2
+MOUSE_STEADY = 0.3
+"""Steadiness of a mouse's strokes, 0 to 1, unless it was chosen otherwise."""
 WET_AT_FIRST = frozenset({"xuan", "tinted xuan"})
 """Materials on which ink spreads unless it was chosen otherwise."""
 _DRINKS = 0.9  # absorbency from which it spreads on a material of one's own, too
@@ -54,13 +56,14 @@ _CHOICES = {
 }
 _RANGES = {
     "smoothing": (0.0, 1.0),
+    "mouse_smoothing": (0.0, 1.0),
     "resolution_mm": (0.005, 100.0),
     "autosave_s": (10.0, 3600.0),
     "undo_megabytes": (1.0, 1e6),
     "force_n": (0.0, MAX_FORCE_N),
     "brush_mm": (1.0, 1000.0),
 }
-_MAYBE = ("brush_mm",)  # may also be None
+_MAYBE = ("brush_mm", "mouse_smoothing")  # may also be None
 
 
 @dataclass(frozen=True)
@@ -83,6 +86,8 @@ class Settings:
         In the hand when a new painting begins.
     brush_mm : float or None
         Its tuft's length; None: as it is made.
+    favourite_brushes : tuple of str
+        Listed first.
     inks : tuple of str, or of mappings of str to float
         At hand then, the one it is dipped in first; mixtures as parts by name.
     pressure_curve : tuple of (float, float)
@@ -94,6 +99,8 @@ class Settings:
         Of a mouse, at first.
     smoothing : float
         0 to 1.
+    mouse_smoothing : float or None
+        At least so much for a mouse; None: `MOUSE_STEADY`.
     wet : bool or None
         Whether ink spreads and dries while painting; None: as the material asks for.
     dips_by_itself : bool
@@ -133,6 +140,7 @@ class Settings:
     glyphs: str = ""
     brush: str = "full"
     brush_mm: float | None = None
+    favourite_brushes: tuple[str, ...] = ()
     inks: tuple[str | Mapping[str, float], ...] = ("pine soot", "cinnabar")
     resolution_mm: float = 0.4
     pressure_curve: tuple[tuple[float, float], ...] = ((0.0, 0.0), (1.0, 1.0))
@@ -140,6 +148,7 @@ class Settings:
     finger: str = "auto"
     force_n: float = 1.5
     smoothing: float = 0.0
+    mouse_smoothing: float | None = None
     wet: bool | None = None
     dips_by_itself: bool = False
     autosave_s: float = 120.0
@@ -173,6 +182,7 @@ class Settings:
                 dips_by_itself=self.dips_by_itself,
             )
         _check_words("recent", self.recent)
+        _check_words("favourite_brushes", self.favourite_brushes)
         for name in ("begun_on", "glyphs"):
             if not isinstance(getattr(self, name), str):
                 raise InputError(
@@ -201,6 +211,11 @@ class Settings:
     def curve(self) -> PressureCurve:
         """The pressure curve, ready for use."""
         return PressureCurve(self.pressure_curve)
+
+    @property
+    def mouse_steadiness(self) -> float:
+        """How steady strokes of a mouse are, 0 to 1."""
+        return MOUSE_STEADY if self.mouse_smoothing is None else self.mouse_smoothing
 
     def wants_wet(self, material: Material) -> bool:
         """Whether ink spreads on a material: as was chosen, else as the material asks for."""
@@ -302,7 +317,7 @@ def _parse(text: str) -> Settings:
         found.pop("wet", None)  # was written by itself, and never chosen
     known = {own.name for own in dataclasses.fields(Settings)}
     values = {name: value for name, value in found.items() if name in known}
-    for name in ("inks", "recent", "pressure_curve"):
+    for name in ("inks", "recent", "favourite_brushes", "pressure_curve"):
         if isinstance(values.get(name), list):
             values[name] = tuple(
                 tuple(item) if isinstance(item, list) else item for item in values[name]

@@ -10,7 +10,7 @@ from paint3d.app.model.document import Document
 from paint3d.app.model.persistence.saved_settings import DEFAULT_BRUSH, DEFAULT_INKS
 from paint3d.app.model.score.stepping import Step, play
 from paint3d.app.model.score.words import Inks, brush_in, brush_named, header_of, material_in
-from paint3d.app.model.stroke_log import Stroke, recording_of
+from paint3d.app.model.stroke_log import ERASES, Stroke, recording_of
 from paint3d.brush.spec import DipAmount
 from paint3d.colour.materials import Material
 from paint3d.errors import Message, Paint3DError, RecordingError
@@ -167,7 +167,9 @@ def score_of_strokes(strokes: Sequence[Stroke], surface: PaintedSurface) -> Scor
             amount = stroke.amount
         brush = stroke.brush
         pairs = {"loads": stroke.loads, "strengths": stroke.strengths}
-        told = {name: [list(one) for one in of] for name, of in pairs.items() if of}
+        told: dict[str, Any] = {name: [list(one) for one in of] for name, of in pairs.items() if of}
+        if stroke.tags.get(ERASES):
+            told["erase"] = True
         events.append({"do": "begin_stroke", "time_s": stroke.time_s, **told})
         events.append(recording_of(stroke.samples, {}))
         events.append({"do": "end_stroke"})

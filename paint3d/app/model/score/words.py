@@ -332,14 +332,15 @@ def _say_edit(asked: Mapping[str, Any], vocabulary: Vocabulary) -> Words:
     edit = dict(asked["edit"])
     if isinstance(edit.get("brush"), BrushSpec):
         edit["brush"] = brush_named(edit["brush"])
-    return {"number": _plain(asked["number"]), "edit": _say_ink(edit, vocabulary)}
+    which = {key: _plain(value) for key, value in asked.items() if key != "edit"}
+    return which | {"edit": _say_ink(edit, vocabulary)}
 
 
 EDIT = Codec(
     _say_edit,
     lambda said, vocabulary: {**said, "edit": _hear_ink(said["edit"], vocabulary)},
 )
-"""An edit of a stroke, as `recording.score_edits.edit_stroke` takes it."""
+"""An edit of a stroke, of several, or of a seal, as `recording.score_edits` takes it."""
 
 
 def _say_symmetry(asked: Mapping[str, Any], _: Vocabulary) -> Words:

@@ -34,12 +34,14 @@ class BrushMaking:
         panels.brushes.edit.connect(self.do_edit_brush)
         panels.brushes.open_file.connect(self.do_open_brush)
         panels.brushes.inked.connect(self._follow_ink)
+        panels.brushes.favoured.connect(lambda names: workspace.keep(favourite_brushes=names))
         self._list()
 
     def _list(self) -> None:
         """List the brushes that are kept; what cannot be used is told."""
         own, problems = own_brushes()
         self._panels.brushes.show_own(own)
+        self._panels.brushes.show_favourites(self._workspace.settings.favourite_brushes)
         for problem in problems[:1]:
             self._workspace.tell_first(say_error(problem))
 

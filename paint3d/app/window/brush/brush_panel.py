@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from typing import Any
 
@@ -14,7 +14,14 @@ from paint3d.app.model.brush_in_hand import resized, size_limits
 from paint3d.app.window.job import is_waiting
 from paint3d.app.window.previews import stroke_preview
 from paint3d.app.window.theme import Theme
-from paint3d.app.window.wording import say, say_brush, say_error, say_hair, say_length
+from paint3d.app.window.wording import (
+    say,
+    say_brush,
+    say_error,
+    say_hair,
+    say_length,
+    say_purpose,
+)
 from paint3d.brush.presets import brush_names, load_brush
 from paint3d.brush.spec import BrushSpec
 from paint3d.core.arrays import AnyArray
@@ -49,6 +56,8 @@ class BrushPanel(QtWidgets.QWidget):
     Signals
     -------
     chosen : BrushSpec
+    favoured : tuple of str
+        Brushes that are to be listed first from now on.
     failed : str
         A preview could not be painted; told once for each reason.
     inked : Ink
@@ -58,6 +67,7 @@ class BrushPanel(QtWidgets.QWidget):
     """
 
     chosen = QtCore.Signal(object)
+    favoured = QtCore.Signal(object)
     failed = QtCore.Signal(str)
     inked = QtCore.Signal(object)
     edit = QtCore.Signal()
@@ -72,10 +82,12 @@ class BrushPanel(QtWidgets.QWidget):
         self._is_due = False
         self._failures: set[str] = set()
         self._brushes = {name: load_brush(name) for name in brush_names()}
+        self._favourites: tuple[str, ...] = ()
         self.brush = next(iter(self._brushes.values()))
         self._list = self._make_list()
         self._size = QtWidgets.QSlider(QtCore.Qt.Orientation.Horizontal)
         self._size.setRange(0, 1000)
+        self._size.setAccessibleName(say("Tuft"))
         self.told = QtWidgets.QLabel()
         self._keep_room()
         self.told.setAlignment(QtCore.Qt.AlignmentFlag.AlignRight)
@@ -103,6 +115,7 @@ class BrushPanel(QtWidgets.QWidget):
     def _make_list(self) -> QtWidgets.QListWidget:
         view = QtWidgets.QListWidget()
         view.setObjectName("brushes")
+        view.setAccessibleName(say("Brushes"))
         view.setIconSize(_ICON)
         view.setUniformItemSizes(True)
         view.setHorizontalScrollBarPolicy(QtCore.Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
@@ -110,6 +123,8 @@ class BrushPanel(QtWidgets.QWidget):
             view.addItem(_list_item(brush))
         view.itemClicked.connect(self._item_chosen)
         view.itemActivated.connect(self._item_chosen)
+        view.setContextMenuPolicy(QtCore.Qt.ContextMenuPolicy.CustomContextMenu)
+        view.customContextMenuRequested.connect(self._show_menu)
         return view
 
     def _make_buttons(self) -> QtWidgets.QHBoxLayout:
@@ -136,13 +151,48 @@ class BrushPanel(QtWidgets.QWidget):
         if name in brush_names():
             return
         known, self._brushes[name] = name in self._brushes, dataclasses.replace(brush, name=name)
-        item = _list_item(self._brushes[name])
+        item = _list_item(self._brushes[name], name in self._favourites)
         row = list(self._brushes).index(name)
         if known:
             self._coming.pop(name, None)
             self._list.takeItem(row)
         self._list.insertItem(row, item)
         self.set_ink(self._ink)
+
+    def show_favourites(self, names: Sequence[str]) -> None:
+        """List brushes of these names first."""
+        self._favourites = tuple(name for name in names if name in self._brushes)
+        usual = [name for name in brush_names() if name in self._brushes]
+        own = [name for name in self._brushes if name not in usual]
+        order = [*dict.fromkeys([*self._favourites, *usual, *own])]
+        self._brushes = {name: self._brushes[name] for name in order}
+        icons = {self._name(row): self._list.item(row).icon() for row in range(self._list.count())}
+        self._list.clear()
+        for name, brush in self._brushes.items():
+            item = _list_item(brush, name in self._favourites)
+            if name in icons:
+                item.setIcon(icons[name])
+            self._list.addItem(item)
+        self.show_brush(self.brush)
+
+    def _show_menu(self, place: QtCore.QPoint) -> None:
+        item = self._list.itemAt(place)
+        if item is None:
+            return
+        name: str = item.data(QtCore.Qt.ItemDataRole.UserRole)
+        menu = QtWidgets.QMenu(self._list)
+        menu.setAttribute(QtCore.Qt.WidgetAttribute.WA_DeleteOnClose)
+        action = menu.addAction(say("Favourite"))
+        action.setObjectName("favourite")
+        action.setCheckable(True)
+        action.setChecked(name in self._favourites)
+        action.toggled.connect(lambda on: self._favour(name, on))
+        menu.popup(self._list.viewport().mapToGlobal(place))
+
+    def _favour(self, name: str, on: bool) -> None:
+        rest = [one for one in self._favourites if one != name]
+        self.show_favourites([*rest, name] if on else rest)
+        self.favoured.emit(self._favourites)
 
     # -- what is chosen ---------------------------------------------------------------------
 
@@ -161,7 +211,7 @@ class BrushPanel(QtWidgets.QWidget):
         """Tell lengths in the unit that is chosen now."""
         for row in range(self._list.count()):
             brush = self._brushes[self._name(row)]
-            self._list.item(row).setText(_told(brush))
+            self._list.item(row).setText(_told(brush, self._name(row) in self._favourites))
         self.told.setText(say_length(self._wanted))
         self._keep_room()
 
@@ -260,15 +310,19 @@ def plain_name(brush: BrushSpec) -> str:
     return brush.name.split(" @")[0]
 
 
-def _told(brush: BrushSpec) -> str:
-    return f"{say_brush(brush.name)}\n{say_length(brush.length_mm)}"
+def _told(brush: BrushSpec, favourite: bool = False) -> str:
+    mark = "★ " if favourite else ""
+    purpose = say_purpose(plain_name(brush))
+    return f"{mark}{say_brush(brush.name)}  ·  {say_length(brush.length_mm)}\n{purpose}"
 
 
-def _list_item(brush: BrushSpec) -> QtWidgets.QListWidgetItem:
-    item = QtWidgets.QListWidgetItem(_told(brush))
+def _list_item(brush: BrushSpec, favourite: bool = False) -> QtWidgets.QListWidgetItem:
+    item = QtWidgets.QListWidgetItem(_told(brush, favourite))
     item.setData(QtCore.Qt.ItemDataRole.UserRole, brush.name)
+    purpose = say_purpose(plain_name(brush))
     item.setToolTip(
-        say(
+        (purpose + "\n" if purpose else "")
+        + say(
             "{hair}, {length:g} mm long, {width:g} mm thick",
             hair=say_hair(brush.hair),
             length=brush.length_mm,

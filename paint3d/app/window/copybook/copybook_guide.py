@@ -79,7 +79,7 @@ class CopybookGuide:
         self._coming: Future[Any] | None = None  # a change of the texts
         self._making: Future[Any] | None = None  # copybooks of texts that came with the painting
         self._claimed: int | None = None  # the text that a stroke was for
-        self.mover = TextMover(workspace, self._held, self._choose_at)
+        self.mover = TextMover(workspace, self.held, self._choose_at)
         self.mover.changed.connect(self.change)
         self.mover.removed.connect(self.hide)
         self.mover.turned_on.connect(self._show_moving)
@@ -178,7 +178,7 @@ class CopybookGuide:
 
     def change(self, values: Mapping[str, Any]) -> None:
         """Give the chosen text other values: its size, place, turn, distances, grid."""
-        held = self._held()
+        held = self.held()
         if held is None:
             return
         laid = held.laid
@@ -200,7 +200,7 @@ class CopybookGuide:
 
     def nudge(self, right: float, up: float) -> None:
         """Move the chosen text so many mm."""
-        held = self._held()
+        held = self.held()
         if held is not None:
             frame = held.book.block.frame
             place = frame.origin + right * frame.x_axis + up * frame.y_axis
@@ -223,7 +223,7 @@ class CopybookGuide:
                 return True
         return False
 
-    def _held(self) -> HeldText | None:
+    def held(self) -> HeldText | None:
         """The text that is chosen, as it lies there."""
         if self._active is not None and self._active < len(self._shown):
             laid = self._shown[self._active]
@@ -298,7 +298,7 @@ class CopybookGuide:
 
     def _show_active(self) -> None:
         """Show in the panel what is chosen, and draw all."""
-        held = self._held()
+        held = self.held()
         book = None if held is None else held.book
         self._panel.show_texts([_title(text) for text in self._shown], self._active)
         self._panel.show_values(held.laid if held and self._active is not None else None)
@@ -373,7 +373,7 @@ class CopybookGuide:
 
     def correct(self) -> None:
         """Show the strokes over their picture; what was corrected is laid out instead."""
-        copybook, laid, held = self._panel.copybook, self._laid, self._held()
+        copybook, laid, held = self._panel.copybook, self._laid, self.held()
         if copybook is None or copybook.page is None or held is None:
             return
         workspace, number = self._workspace, self._active

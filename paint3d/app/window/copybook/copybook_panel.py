@@ -94,6 +94,8 @@ class CopybookPanel(QtWidgets.QWidget):
         Texts are to be moved on the object, or no longer.
     signed : ()
         A signature is to be laid beside it.
+    written : ()
+        The chosen text is to be written with the brush.
     """
 
     asked = QtCore.Signal(object, bool)
@@ -105,6 +107,7 @@ class CopybookPanel(QtWidgets.QWidget):
     nudged = QtCore.Signal(float, float)
     moving = QtCore.Signal(bool)
     signed = QtCore.Signal()
+    written = QtCore.Signal()
 
     def __init__(self, theme: Theme) -> None:
         super().__init__()
@@ -150,6 +153,11 @@ class CopybookPanel(QtWidgets.QWidget):
         self.add_button.clicked.connect(lambda: self._ask(True))
         self.sign_button = QtWidgets.QPushButton(say("Signature and date…"))
         self.sign_button.clicked.connect(self.signed)
+        self.write_button = QtWidgets.QPushButton(say("Write it with the brush"))
+        self.write_button.setToolTip(
+            say("The brush and the ink in hand write it, stroke by stroke; also by Shift+T")
+        )
+        self.write_button.clicked.connect(self.written)
         self.move_button = QtWidgets.QPushButton(say("Move on the object"))
         self.move_button.setCheckable(True)
         self.move_button.setToolTip(say("Drag, turn, scale and space texts; also by T"))
@@ -169,6 +177,7 @@ class CopybookPanel(QtWidgets.QWidget):
         self.told.setObjectName("title")
         self.list = QtWidgets.QListWidget()
         self.list.setObjectName("copybook")
+        self.list.setAccessibleName(say("Characters"))
         small = QtWidgets.QComboBox.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon
         for choice in (self.direction, self.grid_box):
             choice.setSizeAdjustPolicy(small)
@@ -176,6 +185,16 @@ class CopybookPanel(QtWidgets.QWidget):
         numbers = (self.em, self.gap, self.between, self.right, self.up, self.across, self.down)
         for number in numbers:
             number.setMinimumWidth(_LEAST_WIDTH)
+        for asked, text in (
+            (self.gap, say("Room between columns, or rows, in parts of the size")),
+            (self.between, say("Room between characters, in parts of the size")),
+            (self.right, say("To the right (x)")),
+            (self.up, say("Upwards (y)")),
+            (self.across, say("Squares across")),
+            (self.down, say("Squares down")),
+            (self.em, say("Size")),
+        ):
+            asked.setAccessibleName(text)
         form = QtWidgets.QFormLayout()
         form.addRow(say("Laid out"), self.texts)
         form.addRow(say("Text"), self.text)
@@ -191,6 +210,7 @@ class CopybookPanel(QtWidgets.QWidget):
         layout.addLayout(form)
         layout.addLayout(_side_by_side(layout_text, self.add_button))
         layout.addLayout(_side_by_side(self.move_button, hide))
+        layout.addWidget(self.write_button)
         layout.addWidget(self.sign_button)
         layout.addWidget(self.open_button)
         layout.addWidget(self.correct_button)

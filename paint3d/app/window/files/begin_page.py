@@ -19,6 +19,7 @@ __all__ = ["BeginPage"]
 
 _WIDTH = 380
 _MOST_RECENT = 5
+_SHEET, _SHEET_MM = "sheet:340x680", 0.5
 
 
 class BeginPage(QtWidgets.QFrame):
@@ -67,6 +68,14 @@ class BeginPage(QtWidgets.QFrame):
         actions = self._workspace.actions
         for name in ("new", "open"):
             self._add(actions[name].text(), actions[name].trigger)
+        begin = self._opening.open_path
+        for text, do in (
+            (say("A sheet of paper"), partial(begin, _SHEET, _SHEET_MM, "xuan")),
+            (say("A bowl"), partial(begin, "bowl", None, "porcelain")),
+            (actions["sample"].text(), actions["sample"].trigger),
+            (actions["tour"].text(), actions["tour"].trigger),
+        ):
+            self._add(text, do)
         left = recoverable()
         if left:
             name = left[0].path.name if left[0].path else say_object(left[0].object_name)

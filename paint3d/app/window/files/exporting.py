@@ -8,6 +8,7 @@ from typing import Any
 
 from PySide6 import QtWidgets
 
+from paint3d.app.model.document import Document
 from paint3d.app.window.files.target_dialog import Targets
 from paint3d.app.window.forms import FormDialog, SizeBoxes, kept_number
 from paint3d.app.window.job import Progress, result_of
@@ -18,8 +19,10 @@ from paint3d.colour.viewing import GAMUTS, Viewing
 from paint3d.errors import Message
 from paint3d.files.export import EXPORT_SUFFIXES, FORMATS
 from paint3d.files.export_options import MOST_FILAMENTS, UP_AXES, ExportOptions
+from paint3d.files.pictures import write_picture
 from paint3d.files.progress import part_of
 from paint3d.files.project.session import SESSION_SUFFIX
+from paint3d.view.shot import AUTO, FLAT, UNLIT, Shot
 
 __all__ = [
     "FORMAT_NAMES",
@@ -33,6 +36,21 @@ __all__ = [
 
 _PICTURES = (".png", ".jpg")
 _STUDIO_SIZE = (1600, 1200)
+_VIEWS = {
+    "front": Message("From the front"),
+    "right": Message("From the right"),
+    "back": Message("From behind"),
+    "left": Message("From the left"),
+    "above": Message("From the front and above"),
+    "top": Message("From above"),
+    FLAT: Message("The sheet to its edges, without light"),
+}
+_LIGHTS = {
+    "studio": Message("Studio"),
+    "soft": Message("Overcast sky"),
+    "raking": Message("Low from the left"),
+    UNLIT: Message("Flat: colours as they were painted"),
+}
 _TEXTURES = (1024, 2048, 4096, 8192)
 _QUALITY = 92
 _FILAMENTS = 6
@@ -87,6 +105,7 @@ class ExportDialog(FormDialog):
         views = {"screen": say("As on the screen")}
         if self.suffix in FORMATS:
             views["studio"] = say("The painted side, in the studio's light")
+            views |= {name: say(text) for name, text in _VIEWS.items()}
         view = self.add_box(say("View"), views, self._kept.get("view"))
         self.choices["view"] = view
         self.size_boxes = SizeBoxes(self._kept_size(self._screen), self._screen)
@@ -94,6 +113,10 @@ class ExportDialog(FormDialog):
         if self.suffix == ".jpg":
             quality = kept_number(self._kept, "quality", _QUALITY)
             self.numbers["quality"] = self.add_number(say("Quality"), 1, 100, quality, "%")
+        if self.suffix in FORMATS:
+            lights = {name: say(text) for name, text in _LIGHTS.items()}
+            self.choices["light"] = self.add_box(say("Light"), lights, self._kept.get("light"))
+            self._add_kept_check("transparent", say("Without ground and background"))
         view.currentIndexChanged.connect(self._view_chosen)
 
     def _kept_size(self, default: tuple[int, int]) -> tuple[int, int]:
@@ -165,6 +188,10 @@ class ExportDialog(FormDialog):
             self.choices["texture"].setEnabled(not few)
         if "gamut" in self.choices:
             self.choices["gamut"].setEnabled(not self.is_of_screen)
+        if "light" in self.choices:
+            is_flat = self.choices["view"].currentData() == FLAT
+            self.choices["light"].setEnabled(not self.is_of_screen and not is_flat)
+            self.checks["transparent"].setEnabled(not self.is_of_screen)
         if "tolerance" in self.numbers:
             whole = self._is_on("exact") or self._has_texture()
             self.numbers["tolerance"].setEnabled(not whole and not few)
@@ -183,6 +210,24 @@ class ExportDialog(FormDialog):
     def is_of_screen(self) -> bool:
         """Whether the picture is the one on the screen."""
         return "view" in self.choices and self.choices["view"].currentData() == "screen"
+
+    @property
+    def is_taken_otherwise(self) -> bool:
+        """Whether it is a picture of another view, light or ground than the studio's own."""
+        if "light" not in self.choices or self._is_on("few"):
+            return False
+        return self.shot() != Shot(size=self.picture_size())
+
+    def shot(self) -> Shot:
+        """How the object is taken, where that is not as on the screen."""
+        view = self.choices["view"].currentData()
+        light = self.choices["light"].currentData() if "light" in self.choices else "studio"
+        return Shot(
+            AUTO if view == "studio" else view,
+            self.picture_size(),
+            light,
+            self._is_on("transparent"),
+        )
 
     def picture_size(self) -> tuple[int, int]:
         """Of a picture, pixels."""
@@ -229,6 +274,9 @@ class ExportDialog(FormDialog):
         }  # fmt: skip
         if "quality" in self.numbers:
             kept["quality"] = self.quality()
+        if "light" in self.choices:
+            kept["light"] = self.choices["light"].currentData()
+            kept["transparent"] = self._is_on("transparent")
         return kept
 
 
@@ -277,6 +325,8 @@ class Exporting:
         workspace.keep(exports={**kept, "format": suffix, suffix: dialog.chosen()})
         if dialog.is_of_screen:
             self._pictures.picture_to(path, dialog.picture_size(), dialog.quality())
+        elif dialog.is_taken_otherwise:
+            self.shot_to(path, dialog.shot(), dialog.options().get("viewing"))
         else:
             self.export_to(path, **dialog.options())
 
@@ -302,6 +352,22 @@ class Exporting:
             n = f"{sum(clipped):,}"
             message += " " + say("{n} colours do not fit in and are the nearest that do.", n=n)
         workspace.tell(message, state="good")
+        return True
+
+    def shot_to(self, path: Path, shot: Shot, viewing: Any = None) -> bool:
+        """Write a picture by a named view and light; say whether that went well."""
+        workspace = self._workspace
+        paint_thread = workspace.paint_thread
+
+        def work(progress: Progress) -> None:
+            def write(document: Document) -> None:
+                write_picture(document.surface, path, shot, progress=progress, viewing=viewing)
+
+            result_of(paint_thread.post(write), progress)
+
+        if not workspace.went_well(workspace.run(say("Writing {name}…", name=path.name), work)):
+            return False
+        workspace.tell(say("Exported {name}", name=path.name), state="good")
         return True
 
     def _in_paint_thread(self, path: Path) -> Callable[[Progress], None]:

@@ -129,6 +129,7 @@ class Saving:
         paint_thread = workspace.paint_thread
 
         def work(progress: Progress) -> None:
+            paint_thread.post(workspace.before_saving)
             result_of(paint_thread.post("save", path, progress=progress), progress)
 
         if not workspace.went_well(workspace.run(say("Writing {name}…", name=path.name), work)):

@@ -20,7 +20,10 @@ from paint3d.device.sample import DeviceSample
 from paint3d.mesh.bvh import ClosestPoints
 from paint3d.view.camera import Camera, View, fit_camera, is_flat, picture_axes, studio_axes
 
-__all__ = ["CanvasHand"]
+__all__ = ["ADJUSTED", "CanvasHand"]
+
+ADJUSTED = frozenset({"size", "force", "water", "lamp"})
+"""What a drag changes while its key is held."""
 
 _SIZE_A_PIXEL = 1.006  # growth of the brush a pixel of a drag with F
 _FORCE_A_PIXEL = 0.02  # N a pixel of a drag with Shift+F
@@ -28,6 +31,9 @@ _FIRST_VIEW = View((0.12, -1.0, 0.62))
 _FLAT_VIEW = np.array([0.0, -0.45, 1.0])  # in the sheet's own axes
 _BENDS_PX = 6.0  # a motion that tells whither the tuft is to bend
 _CLOSE = 0.75  # tuft lengths that are seen all round of what is under the pointer
+_LEAST_SEEN_MM, _MOST_OBJECTS = 0.5, 10.0  # a picture is as high at least, and as high at most
+_AT = 1.0 + 1e-6
+_HIDDEN_MM = 1.0  # that what is seen may lie before a place that is seen, too
 _STAYS_PX = 6.0  # that a pointer moves which stays where it was
 
 
@@ -38,6 +44,10 @@ class CanvasHand(QtCore.QObject):
     -------
     sized : float
         The brush is to be so many times as large.
+    watered : float
+        Pixels of a drag by which its ink is to be lighter.
+    lamp_turned : float
+        Pixels of a drag by which the lamp is turned to the right.
     began : ()
         Of a stroke, before the painting thread hears of it.
     ended : Future
@@ -45,6 +55,8 @@ class CanvasHand(QtCore.QObject):
     """
 
     sized = QtCore.Signal(float)
+    watered = QtCore.Signal(float)
+    lamp_turned = QtCore.Signal(float)
     began = QtCore.Signal()
     ended = QtCore.Signal(object)
 
@@ -59,6 +71,7 @@ class CanvasHand(QtCore.QObject):
         self.in_stroke = False
         self.held: set[str] = set()
         self.adjusted = False
+        self.erases = False  # whatever end of the pen
         self._surface: ClosestPoints | None = None
         self._place: Touch | None = None
         self._spent = False  # a stroke was taken back whose pen is still down
@@ -143,9 +156,28 @@ class CanvasHand(QtCore.QObject):
         self.look(fit_camera(self._stage.points, view, self._aspect()))
 
     def look(self, camera: Camera) -> None:
-        """Look from there."""
+        """Look from there, as near as a vertex and as far as ten objects."""
+        camera = self._within_reach(camera)
         self.camera = camera
         self._stage.set_camera(camera)
+
+    def _within_reach(self, camera: Camera) -> Camera:
+        """The camera, no nearer and no farther than there is something to see."""
+        points = self._stage.points
+        if not len(points):
+            return camera
+        away = float(np.linalg.norm(camera.position - camera.focus))
+        tall = 2.0 * math.tan(0.5 * camera.view_angle)  # of what is seen, over the distance
+        size = float(np.linalg.norm(np.ptp(points, axis=0)))
+        nearest, farthest = _LEAST_SEEN_MM / tall, _MOST_OBJECTS * size / tall
+        if nearest <= away <= farthest:
+            return camera
+        before = self.camera
+        if before is not None:  # further in the same way nothing moves
+            was = float(np.linalg.norm(before.position - before.focus))
+            if (away < nearest and was <= nearest * _AT) or (away > farthest <= was * _AT):
+                return before
+        return navigation.dolly(camera, away / min(max(away, nearest), farthest))
 
     def _aspect(self) -> float:
         return self._canvas.width() / max(1, self._canvas.height())
@@ -182,6 +214,15 @@ class CanvasHand(QtCore.QObject):
         """The ray of sight through a place in the picture (pixels, y down)."""
         return navigation.ray_at(self.open_camera, x, y, self._size())
 
+    def sees(self, points: AnyArray) -> NDArray[np.bool_]:
+        """(N,) bool: whether nothing of the object lies before points (N, 3) of it, mm."""
+        eye = self.open_camera.position
+        away = points - eye
+        far = np.linalg.norm(away, axis=1)
+        hits = self.surface.cast(np.tile(eye, (len(points), 1)), away / far[:, None])
+        seen: NDArray[np.bool_] = np.linalg.norm(hits.points - eye, axis=1) > far - _HIDDEN_MM
+        return seen | ~hits.hit
+
     def pixels_of(self, points: AnyArray) -> AnyArray:
         """Where points (N, 3), mm, are in the picture: (N, 2) pixels, y down."""
         return navigation.pixels_of(self.open_camera, points, self._size())
@@ -197,7 +238,7 @@ class CanvasHand(QtCore.QObject):
         self._spent = self._spent and touch.down
         if self._spent:
             return
-        if before is not None and self.held & {"size", "force"} and not self.in_stroke:
+        if before is not None and self.held & ADJUSTED and not self.in_stroke:
             self._adjust(touch.x - before.x)
             return
         event, brush = self._input(self._bent(touch)), paint_thread.brush
@@ -205,16 +246,14 @@ class CanvasHand(QtCore.QObject):
             paint_thread.feed(self._open_hand.move(event, brush))
         elif self.in_stroke:
             self.lift(event)
-        elif touch.down and not touch.eraser:
-            self._begin(event)
+        elif touch.down:
+            self._begin(event, erase=self.erases or touch.eraser)
         else:
             sample = self._open_hand.hover(event, brush)
             if sample is None:
                 self._stage.hide_brush()
             else:
                 paint_thread.hover(sample)
-        if touch.eraser and touch.down and (before is None or not before.down):
-            paint_thread.post("rinse")
 
     def _bent(self, touch: Touch) -> Touch:
         """The touch under the brush: with Shift the mouse turns the bend, and the brush stays.
@@ -247,6 +286,10 @@ class CanvasHand(QtCore.QObject):
         self.adjusted = True
         if "size" in self.held:
             self.sized.emit(_SIZE_A_PIXEL**pixels)
+        elif "water" in self.held:
+            self.watered.emit(pixels)
+        elif "lamp" in self.held:
+            self.lamp_turned.emit(pixels)
         else:
             hand = self._open_hand
             hand.force = min(7.9, max(0.0, hand.force + _FORCE_A_PIXEL * pixels))
@@ -271,14 +314,14 @@ class CanvasHand(QtCore.QObject):
             bend=self._bend,
         )
 
-    def _begin(self, event: PointerInput) -> None:
+    def _begin(self, event: PointerInput, *, erase: bool) -> None:
         paint_thread = self._stage.open_paint_thread
         samples = self._open_hand.begin(event, paint_thread.brush)
         if samples is None:
             return
         self.in_stroke, self._whole = True, None
         self.began.emit()
-        paint_thread.post("begin_stroke")
+        paint_thread.post("begin_stroke", **({"erase": True} if erase else {}))
         paint_thread.feed(samples)
 
     def lift(self, event: PointerInput | None = None) -> None:

@@ -10,10 +10,16 @@ from paint3d.app.model.input.hand import HandSettings
 from paint3d.app.model.input.pressure_curve import PressureCurve
 from paint3d.app.window.theme import Theme
 from paint3d.app.window.wording import say
-from paint3d.errors import InputError
+from paint3d.errors import InputError, Message
 
 __all__ = ["CurveEditor", "HandPanel"]
 
+_RULER_NAMES = {
+    "none": Message("None"),
+    "straight": Message("Straight"),
+    "ring": Message("Around the object"),
+    "profile": Message("Along its profile"),
+}
 _GRIP = 6.0
 _NEAR = 12.0
 
@@ -123,17 +129,21 @@ class HandPanel(QtWidgets.QWidget):
     -------
     read : dict
         Changes of `HandSettings` by name.
+    ruled : bool
+        Whether strokes are led by a ruler from now on.
     turns : int
         Images of radial symmetry.
     mask_degrees : float
     """
 
     read = QtCore.Signal(object)
+    ruled = QtCore.Signal(bool)
     turns = QtCore.Signal(int)
     mask_degrees = QtCore.Signal(float)
 
     def __init__(self, theme: Theme) -> None:
         super().__init__()
+        self._last_ruler = "straight"
         form = QtWidgets.QFormLayout(self)
         form.setContentsMargins(10, 6, 10, 8)
         form.setVerticalSpacing(8)
@@ -148,7 +158,23 @@ class HandPanel(QtWidgets.QWidget):
         form.addRow(self.curve)
         self.smoothing = self._slider(0, 100, lambda v: self.read.emit({"smoothing": v / 100}))
         self.trail = self._slider(2, 40, lambda v: self.read.emit({"trail": v / 100}))
+        self.mouse = self._slider(0, 100, lambda v: self.read.emit({"mouse_smoothing": v / 100}))
+        self.mouse.setToolTip(say("At least so steady where nothing tells the pressure"))
+        self.ruler = QtWidgets.QComboBox()
+        for kind, text in _RULER_NAMES.items():
+            self.ruler.addItem(say(text), kind)
+        self.ruler.setToolTip(say("What strokes are led along; U switches it on and off"))
+        self.ruler.setAccessibleName(say("Ruler"))
+        self.ruler.currentIndexChanged.connect(self._choose_ruler)
+        for slider, name in (
+            (self.smoothing, say("Steadiness")),
+            (self.mouse, say("Steadiness of a mouse")),
+            (self.trail, say("Trail of the tuft")),
+        ):
+            slider.setAccessibleName(name)
         form.addRow(say("Steadiness"), self.smoothing)
+        form.addRow(say("of a mouse"), self.mouse)
+        form.addRow(say("Ruler"), self.ruler)
         form.addRow(say("Trail of the tuft"), self.trail)
         self.count = QtWidgets.QSpinBox()
         self.count.setRange(2, 24)
@@ -167,11 +193,25 @@ class HandPanel(QtWidgets.QWidget):
 
     def show_settings(self, settings: HandSettings) -> None:
         """Show how the hand is read."""
-        for slider, value in ((self.smoothing, settings.smoothing), (self.trail, settings.trail)):
+        for slider, value in (
+            (self.smoothing, settings.smoothing),
+            (self.mouse, settings.mouse_smoothing),
+            (self.trail, settings.trail),
+        ):
             with QtCore.QSignalBlocker(slider):
                 slider.setValue(round(100 * value))
         self.curve.curve = settings.curve
         self.curve.update()
+
+    def _choose_ruler(self, _: int) -> None:
+        kind = self.ruler.currentData()
+        self._last_ruler = kind if kind != "none" else self._last_ruler
+        self.read.emit({"ruler": kind})
+        self.ruled.emit(kind != "none")
+
+    def set_ruler(self, on: bool) -> None:
+        """Lead strokes along the ruler that was chosen last, or along none."""
+        self.ruler.setCurrentIndex(self.ruler.findData(self._last_ruler if on else "none"))
 
     def set_smoothing(self, fraction: float) -> None:
         """Steady the stroke so much, 0 to 1."""

@@ -1,7 +1,7 @@
 """Keys that count while they are held, and those of the keypad, wherever the focus is.
 
-Size, force, harder, softer; Space, which steers. The keypad turns the view with NumLock or without:
-Qt would take its digits for those above the letters.
+Size, water, force, harder, softer, the lamp; Space, which steers. The keypad turns the view with
+NumLock or without: Qt would take its digits for those above the letters.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from PySide6 import QtCore, QtGui, QtWidgets
 
 from paint3d.app.model.commands import SHORTCUTS
 from paint3d.app.window.hand.canvas import WRITING
-from paint3d.app.window.hand.canvas_hand import CanvasHand
+from paint3d.app.window.hand.canvas_hand import ADJUSTED, CanvasHand
 from paint3d.app.window.job import is_waiting
 
 __all__ = ["HeldKeys"]
@@ -65,7 +65,7 @@ class HeldKeys(QtCore.QObject):
         self._held = {
             _combined(keys): (keys, action)
             for keys, action in held.items()
-            if action in ("size", "force", "harder", "softer")
+            if action in (*ADJUSTED, "harder", "softer")
         }
         self._pad = {_combined(one.keys): one.action for one in SHORTCUTS if "Num+" in one.keys}
         self._everywhere = _Everywhere(self, self._look_at_keys)

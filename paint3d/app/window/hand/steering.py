@@ -12,7 +12,7 @@ from paint3d.app.model.commands import COMMANDS
 from paint3d.app.model.input import navigation
 from paint3d.app.model.input.fingers import Meaning
 from paint3d.app.window.hand.canvas import Canvas, Drag
-from paint3d.app.window.hand.canvas_hand import CanvasHand
+from paint3d.app.window.hand.canvas_hand import ADJUSTED, CanvasHand
 from paint3d.app.window.theme import Theme, make_icon
 from paint3d.app.window.wording import say
 from paint3d.view.camera import Camera
@@ -191,7 +191,7 @@ class Steering(QtCore.QObject):
 
     def mode_at(self, x: float, y: float, keys: QtCore.Qt.KeyboardModifier) -> str | None:
         """How a drag that begins here steers; None: it paints."""
-        if self._hand.camera is None or self._hand.held & {"size", "force"}:
+        if self._hand.camera is None or self._hand.held & ADJUSTED:
             return None
         if "steer" in self._hand.held:
             return _mode_with_space(keys)

@@ -8,6 +8,7 @@ from typing import Any
 from PySide6 import QtCore, QtGui, QtWidgets
 
 from paint3d.app.model.frame import Frame, Snapshot
+from paint3d.app.model.stroke_log import ERASES
 from paint3d.app.window.brush.brush_panel import plain_icon, plain_name
 from paint3d.app.window.ink.ink_panel import ink_label, paint_dish
 from paint3d.app.window.theme import Theme
@@ -81,9 +82,10 @@ class HistoryPanel(QtWidgets.QWidget):
         self._strokes: list[Any] = []
         self._wanted: int | None = None  # what was asked for and is not there yet
         self._is_playing = False
-        self._marked: int | None = None
+        self._marked: tuple[int, ...] = ()
         self.list = _StrokeList()
         self.list.setObjectName("strokes")
+        self.list.setAccessibleName(say("Strokes"))
         self.list.setIconSize(QtCore.QSize(_ICON, _ICON))
         self.list.itemClicked.connect(lambda item: self._choose_row(self.list.row(item)))
         self.list.currentRowChanged.connect(self._choose_row)
@@ -101,6 +103,7 @@ class HistoryPanel(QtWidgets.QWidget):
         self.seals.hide()
         self.slider = QtWidgets.QSlider(QtCore.Qt.Orientation.Horizontal)
         self.slider.setPageStep(1)
+        self.slider.setAccessibleName(say("Back and forth through the strokes"))
         self.slider.valueChanged.connect(self._slide)
         self.count = QtWidgets.QLabel()
         self.count.setObjectName("faint")
@@ -191,24 +194,24 @@ class HistoryPanel(QtWidgets.QWidget):
 
     def _row_to_edit(self) -> int:
         """The stroke that is marked, or else the one that is shown last."""
-        return self.list.currentRow() if self._marked is None else self._marked
+        return self._marked[0] if self._marked else self.list.currentRow()
 
     def _mark_row(self, row: int) -> None:
         """Have the stroke of a row marked in the picture, if there is one."""
         if 0 <= row < len(self._strokes):
             self.chosen.emit(row)
 
-    def mark(self, row: int | None) -> None:
-        """Show that this stroke is marked in the picture, or none."""
-        self._marked = row
+    def mark(self, rows: tuple[int, ...] | None) -> None:
+        """Show that these strokes are marked in the picture, or none."""
+        self._marked = rows or ()
         self._show_marked()
 
     def _show_marked(self) -> None:
         for k in range(self.list.count()):
             item = self.list.item(k)
             font = item.font()
-            if font.bold() != (k == self._marked):
-                font.setBold(k == self._marked)
+            if font.bold() != (k in self._marked):
+                font.setBold(k in self._marked)
                 item.setFont(font)
 
     # -- showing ----------------------------------------------------------------------------
@@ -256,6 +259,7 @@ class HistoryPanel(QtWidgets.QWidget):
             for k, stroke in enumerate(self._strokes):
                 ink = " + ".join(ink_label(name) for name in stroke.ink)
                 brush = say_brush(plain_name(stroke.brush))
+                ink = say("eraser") if stroke.tags.get(ERASES) else ink
                 text = f"{k + 1}   {brush}, {ink}   {stroke.duration_s:.2f} s"
                 item = QtWidgets.QListWidgetItem(_dish_icon(stroke.ink, self._theme), text)
                 if k >= there:

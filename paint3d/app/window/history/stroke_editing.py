@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from PySide6 import QtWidgets
+from PySide6 import QtCore, QtWidgets
 
 from paint3d.app.window.forms import FormDialog
+from paint3d.app.window.history.stroke_choosing import StrokeChooser
 from paint3d.app.window.history.stroke_mark import StrokeDrag, StrokeMark
 from paint3d.app.window.job import Progress
 from paint3d.app.window.wording import say
@@ -17,6 +18,7 @@ from paint3d.app.window.workspace import Workspace
 __all__ = [
     "MoveDialog",
     "Recalling",
+    "ShapeDialog",
     "StrokeEditing",
     "TimeDialog",
 ]
@@ -105,6 +107,38 @@ class MoveDialog(FormDialog):
         return {"do": "move", "along": along, "turn_deg": self.turn.value()}
 
 
+class ShapeDialog(FormDialog):
+    """Ask how far several strokes are moved along the surface, turned about it, and scaled.
+
+    Parameters
+    ----------
+    parent : QWidget
+    count : int
+        Of the strokes.
+    """
+
+    def __init__(self, parent: QtWidgets.QWidget, count: int) -> None:
+        title = say("Move, turn and scale {n} stroke", "Move, turn and scale {n} strokes", n=count)
+        super().__init__(parent, title)
+        far = _FARTHEST_MM
+        self.right = self.add_number(say("To the right (x)"), -far, far, 0.0, "mm", 2)
+        self.up = self.add_number(say("Upwards (y)"), -far, far, 0.0, "mm", 2)
+        self.turn = self.add_number(say("Turn to the left"), -360.0, 360.0, 0.0, "°", 1)
+        self.scale = self.add_number(say("Scale"), 5.0, 2000.0, 100.0, "%", 1)
+        self.finish(say("Change"))
+
+    @property
+    def edits(self) -> list[dict[str, Any]]:
+        """What was chosen, as `stroke_group.edit_group` takes it, one after the other."""
+        along, turn = [self.right.value(), self.up.value()], self.turn.value()
+        found: list[dict[str, Any]] = []
+        if any(along) or turn:
+            found.append({"do": "move", "along": along, "turn_deg": turn})
+        if self.scale.value() != 100.0:
+            found.append({"do": "scale", "factor": 0.01 * self.scale.value()})
+        return found
+
+
 class TimeDialog(FormDialog):
     """Ask how long a stroke is to take, and how much later it is to begin.
 
@@ -151,6 +185,8 @@ class StrokeEditing:
     ----------
     drag : StrokeDrag
         Of the next stroke that is to be moved so.
+    chooser : StrokeChooser
+        Of several.
     """
 
     def __init__(self, workspace: Workspace, mark: StrokeMark) -> None:
@@ -160,6 +196,60 @@ class StrokeEditing:
         drag.dragged.connect(
             lambda number, ends: self.edit(number, {"do": "move", "to": [e.tolist() for e in ends]})
         )
+        self.chooser = StrokeChooser(workspace, mark)
+        self.chooser.edited.connect(self.edit_chosen)
+        self.chooser.turned_on.connect(self._show_choosing)
+
+    # -- several ----------------------------------------------------------------------------
+
+    def do_choose_strokes(self, on: bool) -> None:
+        """Let drags choose strokes, or paint again."""
+        if on:
+            self.chooser.begin()
+        else:
+            self.chooser.end()
+
+    def _show_choosing(self, on: bool) -> None:
+        action = self._workspace.actions["choose_strokes"]
+        with QtCore.QSignalBlocker(action):
+            action.setChecked(on)
+
+    def do_mirror_strokes(self) -> None:
+        """Mirror what is chosen, left and right."""
+        self.edit_chosen({"do": "mirror"})
+
+    def do_ink_strokes(self) -> None:
+        """Paint what is chosen in the ink in hand."""
+        self.edit_chosen({"do": "ink", "ink": self._workspace.painting.dipped})
+
+    def do_brush_strokes(self) -> None:
+        """Paint what is chosen with the brush in hand."""
+        self.edit_chosen({"do": "brush", "brush": self._workspace.paint_thread.brush})
+
+    def do_delete_strokes(self) -> None:
+        """Delete what is chosen."""
+        self.edit_chosen({"do": "delete"})
+
+    def do_shape_strokes(self) -> None:
+        """Ask by how much what is chosen is moved, turned and scaled."""
+        if self._are_chosen():
+            dialog = ShapeDialog(self._workspace.window, len(self._mark.numbers))
+            if dialog.exec() == QtWidgets.QDialog.DialogCode.Accepted:
+                for edit in dialog.edits:
+                    if not self.edit_chosen(edit):
+                        break
+
+    def _are_chosen(self) -> bool:
+        if not self._mark.numbers:
+            self._workspace.tell(say("No stroke is chosen; press Q and draw a loop"), state="bad")
+        return bool(self._mark.numbers)
+
+    def edit_chosen(self, edit: Mapping[str, Any]) -> bool:
+        """Edit the strokes that are chosen as one; whether that went well."""
+        numbers = self._mark.numbers
+        return self._are_chosen() and self._edit("edit_strokes", numbers, edit)
+
+    # -- one --------------------------------------------------------------------------------
 
     def ask(self, what: str, number: int) -> None:
         """Do what was chosen for a stroke.
@@ -206,28 +296,41 @@ class StrokeEditing:
         edit : mapping
             See `Document.edit_stroke`.
         """
+        return self._edit("edit_stroke", (number,), edit)
+
+    def _edit(self, command: str, numbers: Sequence[int], edit: Mapping[str, Any]) -> bool:
         workspace = self._workspace
         paint_thread, painting = workspace.paint_thread, workspace.painting
+        which = numbers[0] if command == "edit_stroke" else list(numbers)
 
         def work(progress: Progress) -> None:
             with paint_thread.reporting(progress):
-                paint_thread.post("edit_stroke", number, edit).result()
+                paint_thread.post(command, which, edit).result()
 
         began = time.perf_counter()
+        number = min(numbers)
         after = len(painting.strokes) + len(painting.undone_strokes) - number - 1
         title = say("Repainting what follows stroke {n}…", n=number + 1)
         if not workspace.went_well(workspace.run(title, work)):
             return False
         seconds = time.perf_counter() - began
-        workspace.tell(
-            say("Stroke {n} edited; {after} after it repainted in {seconds:.1f} s; undo takes it "
-                "back until the painting is closed",
-                n=number + 1, after=after, seconds=seconds),
-            state="good",
+        message = say(
+            "Stroke {n} edited; {after} after it repainted in {seconds:.1f} s; undo takes it back "
+            "until the painting is closed",
+            n=number + 1, after=after, seconds=seconds,
         )  # fmt: skip
+        if len(numbers) > 1:
+            message = say(
+                "{n} stroke edited in {seconds:.1f} s; undo takes it back until the painting is "
+                "closed",
+                "{n} strokes edited in {seconds:.1f} s; undo takes it back until the painting is "
+                "closed",
+                n=len(numbers), seconds=seconds,
+            )  # fmt: skip
+        workspace.tell(message, state="good")
         self._mark.choose(None)
         if edit["do"] != "delete":
-            self._mark.choose(number)
+            self._mark.choose_all(numbers)
         return True
 
 

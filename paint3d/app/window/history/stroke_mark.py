@@ -1,8 +1,9 @@
-"""The stroke that is chosen, marked in the picture: a band along its way on the object."""
+"""The strokes that are chosen, marked in the picture: a band along the way of each."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from operator import is_
 
 import numpy as np
 from PySide6 import QtCore, QtGui
@@ -86,12 +87,17 @@ def _bands(
 
 
 class StrokeMark(QtCore.QObject):
-    """Marks one stroke or none.
+    """Marks one stroke, several, or none.
 
     Signals
     -------
     changed : (object)
-        The number of the stroke that is marked, from 0, or None.
+        The numbers (tuple of int) of the strokes that are marked, from 0; None for none.
+
+    Attributes
+    ----------
+    numbers : tuple of int
+        Of those that are marked.
     """
 
     changed = QtCore.Signal(object)
@@ -99,36 +105,42 @@ class StrokeMark(QtCore.QObject):
     def __init__(self, workspace: Workspace) -> None:
         super().__init__(workspace)
         self._workspace = workspace
-        self._stroke: Stroke | None = None
+        self._marked: list[Stroke] = []
         self._was_there = False
         self._pixel_mm = 0.0  # for which it was drawn
-        self.number: int | None = None
+        self.numbers: tuple[int, ...] = ()
         workspace.opened.connect(lambda _: self.choose(None))
         workspace.hand.began.connect(lambda: self.choose(None))
         workspace.theme_changed.connect(lambda _: self._draw())
 
     def choose(self, number: int | None) -> None:
         """Mark this stroke of the history, from 0, those that were undone among them; or none."""
-        strokes = [] if number is None else self._strokes()
-        stroke = strokes[number] if number is not None and 0 <= number < len(strokes) else None
-        if stroke is self._stroke:
+        self.choose_all(() if number is None else (number,))
+
+    def choose_all(self, numbers: Iterable[int]) -> None:
+        """Mark these strokes and no other; see `choose`."""
+        strokes = self._strokes() if numbers else []
+        numbers = sorted({number for number in numbers if 0 <= number < len(strokes)})
+        marked = [strokes[number] for number in numbers]
+        if len(marked) == len(self._marked) and all(map(is_, marked, self._marked)):
             return
-        self._stroke, self.number = stroke, None if stroke is None else number
+        self._marked, self.numbers = marked, tuple(numbers)
         self._was_there = False
         self._draw()
-        self.changed.emit(self.number)
+        self.changed.emit(self.numbers or None)
 
     def follow(self) -> None:
         """Let the mark go with its stroke: when that is undone, deleted, or painted anew."""
-        if self._stroke is None:
+        if not self._marked:
             return
         scale = self._workspace.stage.scene.nearest_mm() / self._pixel_mm
         if not 1.0 / _OTHER_SCALE < scale < _OTHER_SCALE:
             self._draw()
-        is_there = any(one is self._stroke for one in self._workspace.painting.strokes)
-        if is_there:
+        there = {id(one) for one in self._workspace.painting.strokes}
+        known = {id(one) for one in self._strokes()}
+        if all(id(one) in there for one in self._marked):
             self._was_there = True
-        elif self._was_there or all(one is not self._stroke for one in self._strokes()):
+        elif self._was_there or any(id(one) not in known for one in self._marked):
             self.choose(None)
 
     def stroke_at(self, place: AnyArray) -> int | None:
@@ -141,6 +153,11 @@ class StrokeMark(QtCore.QObject):
                 best, found = near, number
         return found
 
+    def ways(self) -> list[AnyArray]:
+        """The ways (K, 3) of the strokes that are marked, on the surface, mm."""
+        ground = self._workspace.hand.surface
+        return [way for stroke in self._marked for way in ways_of(stroke, ground)]
+
     def _strokes(self) -> Sequence[Stroke]:
         painting = self._workspace.painting
         return [*painting.strokes, *painting.undone_strokes]
@@ -149,9 +166,7 @@ class StrokeMark(QtCore.QObject):
         stage, theme = self._workspace.stage, self._workspace.theme
         if stage.paint_thread is None:
             return
-        ground, lines = self._workspace.hand.surface, []
-        if self._stroke is not None:
-            lines = ways_of(self._stroke, ground)
+        ground, lines = self._workspace.hand.surface, self.ways()
         pixel = self._pixel_mm = stage.scene.nearest_mm()
         inner, rim = QtGui.QColor(theme.accent), QtGui.QColor("#ffffff")
         colours = (inner, rim, inner)

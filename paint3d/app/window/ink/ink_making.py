@@ -267,6 +267,12 @@ class InkMaking:
         dialog.dipped.connect(self._dip)
         dialog.show()
 
+    def mix_colour(self, colour: QtGui.QColor) -> None:
+        """Mix what comes nearest to a colour."""
+        self.do_choose_colour()
+        assert self.dialog is not None, "it was opened"
+        self.dialog.picker.setCurrentColor(colour)
+
     def close_down(self) -> None:
         """Close the dialog, if it is open."""
         if self.dialog is not None:

@@ -10,6 +10,7 @@ import numpy as np
 from PySide6 import QtCore, QtGui, QtWidgets
 
 from paint3d.app.model.persistence.own_pigments import check_unlike_palette
+from paint3d.app.window.ink.water_scale import position_of, water_at
 from paint3d.app.window.previews import ink_coat, ink_swatch, sorted_parts
 from paint3d.app.window.theme import Theme
 from paint3d.app.window.wording import language, say
@@ -30,12 +31,16 @@ _ICON = QtCore.QSize(26, 18)
 
 def in_tone(parts: Mapping[str | Pigment, float], fraction: float) -> dict[str | Pigment, float]:
     """A mixture with so much of it ink, 0 to 1, and the rest water; the inks keep their ratio."""
-    inked = {k: part for k, part in parts.items() if k is not WATER and k != WATER.name}
+    inked = _without_water(parts)
     total = sum(inked.values())
     if not total:
         return {}
     toned = {ink: fraction * part / total for ink, part in inked.items()}
     return {**toned, WATER.name: 1.0 - fraction} if fraction < 1.0 else toned
+
+
+def _without_water(parts: Mapping[Any, float]) -> dict[Any, float]:
+    return {k: part for k, part in parts.items() if k is not WATER and k != WATER.name}
 
 
 class ToneRow(QtWidgets.QWidget):
@@ -100,7 +105,9 @@ class ToneRow(QtWidgets.QWidget):
 
 _DISH, _GAP, _LABEL = 56, 8, 18
 _TIP_REACH = 0.35  # of the tuft's length
-_MOST_WATER = 95  # parts in a hundred
+_WATER_STEPS = 100  # of the slider: even in lightness
+_WATER_PX = 300.0  # of a drag with the key for water, from ink to clear water
+_SETTLE_MS = 150  # after which the brush is dipped in what such a drag came to
 _LONG_MS = 500  # that a dish is pressed to stir
 _KEY = QtCore.Qt.Key
 
@@ -437,6 +444,8 @@ class InkPanel(QtWidgets.QWidget):
         How much the next dip takes up, as `DipAmount.words` says it; None: as the dip before.
     by_itself_chosen : bool
         Whether the brush is dipped before a stroke for which little is left.
+    watering : float
+        The share of water that a drag with its key has come to.
     colour_asked, table_asked : ()
         Any colour is to be mixed, or a table of pigments to be opened.
     """
@@ -446,6 +455,7 @@ class InkPanel(QtWidgets.QWidget):
     pickup_chosen = QtCore.Signal(float)
     amount_chosen = QtCore.Signal(object)
     by_itself_chosen = QtCore.Signal(bool)
+    watering = QtCore.Signal(float)
     colour_asked = QtCore.Signal()
     table_asked = QtCore.Signal()
 
@@ -465,7 +475,12 @@ class InkPanel(QtWidgets.QWidget):
         )
         self.told.linkActivated.connect(self._link)
         self.water = QtWidgets.QSlider(QtCore.Qt.Orientation.Horizontal)
-        self.water.setRange(0, _MOST_WATER)
+        self.water.setRange(0, _WATER_STEPS)
+        self.water.setAccessibleName(say("Water"))
+        self.water.setToolTip(say("Even steps of lightness; V held and a drag waters the brush"))
+        self._watered: float | None = None  # where a drag with the key for water has come
+        self._settle = QtCore.QTimer(self, interval=_SETTLE_MS, singleShot=True)
+        self._settle.timeout.connect(self._dip_watered)
         self.tip_only = QtWidgets.QCheckBox(say("Only the tip"))
         self.reach = QtWidgets.QSpinBox()
         self.reach.setRange(5, 95)
@@ -648,9 +663,12 @@ class InkPanel(QtWidgets.QWidget):
         if self._own_mixture:
             return dict(self._own_mixture)
         total = sum(self._stirred.values())
-        fraction = self.water.value() / 100.0
         if not total:
             return {}
+        inks = _without_water(self._stirred)
+        fraction = 0.0
+        if inks:
+            fraction = water_at(self._of_dishes(inks), self.water.value() / _WATER_STEPS)
         parts = {name: part / total * (1.0 - fraction) for name, part in self._stirred.items()}
         return {**parts, WATER.name: fraction} if fraction else parts
 
@@ -662,7 +680,8 @@ class InkPanel(QtWidgets.QWidget):
             return
         least = min(inked.values())
         with QtCore.QSignalBlocker(self.water):
-            self.water.setValue(min(round(100.0 * shares.get(WATER.name, 0.0)), _MOST_WATER))
+            water = shares.get(WATER.name, 0.0)
+            self.water.setValue(round(_WATER_STEPS * position_of(self._of_dishes(inked), water)))
         self._stirred = {name: part / least for name, part in inked.items()}
         self._own_mixture = shares
         self._show_mixture()
@@ -710,6 +729,25 @@ class InkPanel(QtWidgets.QWidget):
     def _dip_tone(self, fraction: float) -> None:
         """Dip in the ink that the brush was dipped in, in one of its tones."""
         self._dip(in_tone(self.ink if isinstance(self.ink, Mapping) else {self.ink: 1.0}, fraction))
+
+    def water_by(self, pixels: float) -> None:
+        """Have the ink in hand lighter or darker by a drag; the brush is dipped where it ends."""
+        parts = self.ink if isinstance(self.ink, Mapping) else {self.ink: 1.0}
+        inks = _without_water(parts)
+        if not inks:
+            return
+        if self._watered is None:
+            share = sum(inks.values()) / sum(parts.values())
+            self._watered = position_of(inks, 1.0 - share)
+        self._watered = min(1.0, max(0.0, self._watered + pixels / _WATER_PX))
+        self.watering.emit(water_at(inks, self._watered))
+        self._settle.start()
+
+    def _dip_watered(self) -> None:
+        inks = _without_water(self.ink if isinstance(self.ink, Mapping) else {self.ink: 1.0})
+        position, self._watered = self._watered, None
+        if position is not None and inks:
+            self._dip(in_tone(inks, 1.0 - water_at(inks, position)))
 
     def _dip(self, ink: Ink) -> None:
         if not ink:

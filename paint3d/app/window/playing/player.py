@@ -397,6 +397,7 @@ class Player(QtCore.QObject):
         if isinstance(self._replay, _Strokes):
             self._workspace.paint_thread.use_sample_time_alone(False)
         self._replay = None
+        self._workspace.stage.hide_brush()  # it would stand on what it has just painted
         self.moved.emit(-1.0)
 
     def _hear(self, _: str, state: str, __: bool) -> None:

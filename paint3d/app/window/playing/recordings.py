@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from importlib.resources import as_file, files
 from pathlib import Path
 
 from PySide6 import QtWidgets
@@ -19,6 +20,7 @@ from paint3d.app.window.playing.player import Asked, Player, Tools
 from paint3d.app.window.wording import say
 from paint3d.app.window.workspace import Workspace
 from paint3d.brush.spec import BrushSpec
+from paint3d.calligraphy.dips import dipped_as
 from paint3d.device.sample import DeviceSample
 from paint3d.errors import Message
 from paint3d.files.progress import part_of
@@ -32,7 +34,7 @@ from paint3d.painter.recorded_tools import (
 from paint3d.recording.recording import Recording, load_recording, save_recording
 from paint3d.recording.score import Score, is_score, load_score, save_score
 
-__all__ = ["FORMATS", "Recordings"]
+__all__ = ["FORMATS", "Recordings", "samples_of", "told_of", "tools_in_hand"]
 
 # What a file may be, by its ending, and how the dialog says it:
 FORMATS = {
@@ -42,6 +44,8 @@ FORMATS = {
     ".score.jsonl": Message("Whole painting, JSON Lines"),
     ".score.jsonl.gz": Message("Whole painting, JSON Lines, packed"),
 }
+_SAMPLE, _SAMPLE_DIPS = "data/demo.jsonl.gz", "auto"
+_SAMPLE_OBJECT, _SAMPLE_MM, _SAMPLE_MATERIAL = "bowl", 0.25, "porcelain"
 _READ = 0.6  # of the time that a recording takes to be made ready
 _AT_ONCE = 1000  # samples between two looks at whether it is still wanted
 
@@ -58,6 +62,8 @@ class Recordings:
         How many times its own speed a recording is to be played at; None: as fast as it goes.
     may_leave : callable
         Asks whether what is open may be left; see `Saving.may_leave`.
+    begin : callable
+        Begins a painting on an object, of vertices so many mm apart, of a material.
     """
 
     def __init__(
@@ -67,8 +73,10 @@ class Recordings:
         player: Player,
         speed: Callable[[], float | None],
         may_leave: Callable[[], bool],
+        begin: Callable[[str, float, str], bool],
     ) -> None:
         self._workspace, self._targets, self._may_leave = workspace, targets, may_leave
+        self._begin = begin
         self._player, self._speed = player, speed
         self._recorded_from = 0
 
@@ -119,7 +127,18 @@ class Recordings:
         if path:
             self.replay_file(path, self._speed())
 
-    def replay_file(self, path: str, speed: float | None = None) -> bool:
+    def do_sample(self) -> None:
+        """Open a bowl, and have poems written on it, to play with."""
+        workspace = self._workspace
+        if workspace.stage.paint_thread is not None and not self._may_leave():
+            return
+        if self._begin(_SAMPLE_OBJECT, _SAMPLE_MM, _SAMPLE_MATERIAL):
+            with as_file(files("paint3d.calligraphy").joinpath(_SAMPLE)) as path:
+                self.replay_file(str(path), None, dips=_SAMPLE_DIPS)
+
+    def replay_file(
+        self, path: str, speed: float | None = None, *, dips: str | int | None = None
+    ) -> bool:
         """Paint a recording on what is here, as if by hand; say whether that began.
 
         It is painted with its own brush, ink and azimuth, as `paint3d replay` does; the hand gets
@@ -131,6 +150,9 @@ class Recordings:
         path : str
         speed : float, optional
             Of the recording's own time; by default as fast as it goes.
+        dips : {"auto", "always"} or int, optional
+            Before which characters the brush is dipped, as `dipped_as` takes it; by default where
+            the recording says.
         """
         workspace = self._workspace
         title = say("Opening {name}…", name=Path(path).name)
@@ -142,14 +164,18 @@ class Recordings:
             recording = load_recording(path, progress=part_of(progress, 0.0, _READ))
             if recording.is_pad:
                 recording = lay_in_view(recording, surface, camera)
-            tools = Tools(_tools_of(recording), (), *_told_of(recording))
-            return _samples(recording, progress), tools
+            if dips is not None:
+                brush = recorded_brush(recording.header)
+                assert brush is not None, "it names the brush that it was planned for"
+                recording = dipped_as(recording, brush, dips)
+            tools = Tools(_tools_of(recording), (), *told_of(recording))
+            return samples_of(recording, progress), tools
 
         loaded = workspace.run(title, read)
         if not workspace.went_well(loaded):
             return False
         samples, tools = loaded.result()
-        after = _tools_in_hand(workspace.painting, workspace.paint_thread.brush)
+        after = tools_in_hand(workspace.painting, workspace.paint_thread.brush)
         self._player.play(samples, speed, replace(tools, after=after))
         return True
 
@@ -199,13 +225,13 @@ def _tools_of(recording: Recording) -> list[Asked]:
     return asked
 
 
-def _told_of(recording: Recording) -> tuple[list[tuple[int, float]], list[tuple[int, float]]]:
+def told_of(recording: Recording) -> tuple[list[tuple[int, float]], list[tuple[int, float]]]:
     """What the brush comes to hold at samples; one that is told again holds the last."""
     loads, strengths = told_at(recording.header, recording.time_ns)
     return list(dict(loads).items()), list(dict(strengths).items())
 
 
-def _tools_in_hand(painting: Snapshot, brush: BrushSpec) -> list[Asked]:
+def tools_in_hand(painting: Snapshot, brush: BrushSpec) -> list[Asked]:
     """What gives the hand back what it holds, freshly dipped."""
     asked: list[Asked] = [("set_azimuth", (painting.azimuth,)), ("set_brush", (brush,))]
     amount = painting.amount.words()
@@ -213,7 +239,8 @@ def _tools_in_hand(painting: Snapshot, brush: BrushSpec) -> list[Asked]:
     return asked + [("dip", (ink, reach, amount if reach is None else None)) for ink, reach in dips]
 
 
-def _samples(recording: Recording, progress: Progress) -> list[DeviceSample]:
+def samples_of(recording: Recording, progress: Progress) -> list[DeviceSample]:
+    """The samples of a recording, telling how far it is."""
     samples = []
     for k, sample in enumerate(recording.samples()):
         samples.append(sample)

@@ -1,0 +1,80 @@
+"""An eraser: a brush that takes dry paint off where it would have put ink.
+
+It paints as it always does, so its print is that of the brush; what fell on the surface goes back
+into the brush, and the share of each vertex that was covered loses so much of the paint of the
+layer. The rest of a row shows as it did, over any ground: `DryLayers` keeps it by three of them.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from paint3d.app.model.mask import give_back
+from paint3d.colour.kernels.glazing import GROUNDS, SPECTRUM_STEPS
+from paint3d.core.arrays import AnyArray
+from paint3d.painter.painter import Painter
+
+__all__ = ["Eraser"]
+
+_ALL = 0.98  # covered share from which nothing is left
+
+
+class Eraser:
+    """Erases the layer that is painted on, during one stroke; its wet paint dries first.
+
+    Parameters
+    ----------
+    painter : Painter
+        Of the hand; what is erased is no longer in its ledger.
+    """
+
+    def __init__(self, painter: Painter) -> None:
+        self._painter, self._surface = painter, painter.surface
+        self._surface.dry()
+        self._gone = np.zeros(0, np.float32)  # share of each vertex that has been erased
+
+    def wipe(self) -> None:
+        """Take off what lies where the brush has just been."""
+        surface = self._surface
+        ink, dry = surface.ink, surface.dry_layers
+        ids = ink.dirty_ids[: int(ink.n_dirty[0])]
+        ids = ids[(ink.coverage[ids] > 0.0) | ink.amounts[ids].any(axis=1)]
+        if not len(ids):
+            return
+        self._gone = np.pad(self._gone, (0, max(0, surface.n_vertices - len(self._gone))))
+        covered = np.where(ink.coverage[ids] >= _ALL, np.float32(1.0), ink.coverage[ids])
+        self._take_back_ink(ids)
+        more = (covered > self._gone[ids]) & dry.has_row(ids)
+        ids, covered = ids[more], covered[more]
+        if not len(ids):
+            return
+        stays = (1.0 - covered) / (1.0 - self._gone[ids])
+        self._gone[ids] = covered
+        rows = dry.reserve_rows(ids, surface.paint_mesh.capacity)
+        before = dry.amounts[rows]
+        dry.amounts[rows] = before * stays[:, None]
+        dry.share[rows] *= stays
+        bare = surface.bare_spectra(ids).astype(np.float64)
+        _fade(dry.spectra, rows, bare, stays)
+        for grey, over in zip(GROUNDS, dry.over, strict=True):
+            _fade(over, rows, grey * SPECTRUM_STEPS, stays)
+        dry.changes += 1
+        erased = (before - dry.amounts[rows]).sum(axis=1, dtype=np.float64)
+        self._painter.loaded -= math.fsum(surface.vertex_areas[ids] * erased)
+        surface.touch(ids)
+
+    def _take_back_ink(self, ids: AnyArray) -> None:
+        """Have the brush hold again what it left on vertices (N,)."""
+        ink = self._surface.ink
+        parts = self._surface.vertex_areas[ids, None] * ink.amounts[ids].astype(np.float64)
+        caught = np.array([math.fsum(part) for part in parts.T])  # the same in any order
+        ink.amounts[ids], ink.coverage[ids] = 0.0, 0.0
+        give_back(self._surface, caught)
+
+
+def _fade(spectra: AnyArray, rows: AnyArray, ground: AnyArray | float, stays: AnyArray) -> None:
+    """Bring rows of spectra, in `SPECTRUM_STEPS`, nearer to the ground."""
+    shown = ground + stays[:, None] * (spectra[rows].astype(np.float64) - ground)
+    spectra[rows] = np.rint(np.clip(shown, 0, SPECTRUM_STEPS))

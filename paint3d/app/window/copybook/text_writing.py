@@ -1,0 +1,116 @@
+"""Writing a text that is laid on the object with the brush in hand, as `paint3d write` does."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+from paint3d.app.model.frame import Snapshot
+from paint3d.app.window.copybook.text_moving import HeldText
+from paint3d.app.window.job import Progress
+from paint3d.app.window.playing.player import Asked, Player, Tools
+from paint3d.app.window.playing.recordings import samples_of, told_of, tools_in_hand
+from paint3d.app.window.wording import say
+from paint3d.app.window.workspace import Workspace
+from paint3d.core.machine import usable_cores
+
+if TYPE_CHECKING:
+    from paint3d.brush.spec import BrushSpec
+    from paint3d.recording.recording import Recording
+
+__all__ = ["TextWriting"]
+
+_DIPS = "auto"  # before the characters for which there is not enough ink left
+_VARIATION = 1.0  # as a practised hand's
+_PLANNED = 0.6  # of the time until the brush moves
+
+
+class TextWriting:
+    """For one window.
+
+    Parameters
+    ----------
+    workspace : Workspace
+    player : Player
+        Paints what was planned.
+    speed : callable
+        How many times the hand's own speed; None: as fast as it goes.
+    held : callable
+        The text that is chosen, as it lies there, or None.
+    """
+
+    def __init__(
+        self,
+        workspace: Workspace,
+        player: Player,
+        speed: Callable[[], float | None],
+        held: Callable[[], HeldText | None],
+    ) -> None:
+        self._workspace, self._player = workspace, player
+        self._speed, self._held = speed, held
+
+    def do_write_text(self) -> None:
+        """Plan the strokes of the text that is chosen, and paint them as a hand would."""
+        workspace, held = self._workspace, self._held()
+        if held is None or not held.book.ghosts:
+            workspace.tell(say("There is no text to write; lay one out first"), state="bad")
+            return
+        workspace.hand.interrupt()
+        painting, brush = workspace.painting, workspace.paint_thread.brush
+        folder = workspace.settings.glyphs or None
+        title = say("Planning the strokes…")
+        planned = workspace.run(title, partial(_made_ready, held, painting, brush, folder))
+        if workspace.went_well(planned):
+            samples, loads, strengths = planned.result()
+            after = tools_in_hand(painting, brush)
+            tools = Tools(_fresh(painting), after, loads, strengths)
+            self._player.play(samples, self._speed(), tools)
+
+
+def _fresh(painting: Snapshot) -> list[Asked]:
+    """The brush in hand, dipped as it was last, and turned by the handle."""
+    return [
+        ("set_azimuth", ("commanded",)),
+        ("dip", (painting.dipped, None, painting.amount.words())),
+    ]
+
+
+def _made_ready(
+    held: HeldText, painting: Snapshot, brush: BrushSpec, folder: str | None, progress: Progress
+) -> tuple[Any, ...]:
+    """The samples of a text that is written, and what the brush comes to hold at them."""
+    from paint3d.calligraphy.dips import dipped_as
+    from paint3d.calligraphy.flying_white import inked_as
+
+    def tell(_: str, fraction: float) -> None:
+        progress(_PLANNED * fraction)
+
+    written = _plan(held, painting, brush, folder, tell)
+    written = replace(written, recording=dipped_as(written.recording, brush, _DIPS))
+    recording: Recording = inked_as(
+        written.recording, written.dryness, written.strength, painting.material
+    )
+    return (samples_of(recording, progress), *told_of(recording))
+
+
+def _plan(
+    held: HeldText,
+    painting: Snapshot,
+    brush: BrushSpec,
+    folder: str | None,
+    tell: Callable[[str, float], None],
+) -> Any:
+    from paint3d.calligraphy.fonts.fallback import with_fallback
+    from paint3d.calligraphy.glyph_sources import open_glyphs
+    from paint3d.calligraphy.writing import Pen, write_page, write_text
+
+    laid, page = held.laid, held.book.page
+    pen = Pen(brush, laid.em_mm, variation=_VARIATION, seed=1)
+    options: dict[str, Any] = {"pen": pen, "layout": laid.layout, "progress": tell}
+    options["processes"] = usable_cores()
+    if page is not None:
+        return write_page(painting.source, page, **options)
+    source = with_fallback(open_glyphs(folder), laid.text)
+    return write_text(painting.source, laid.text, source, **options)

@@ -1,0 +1,299 @@
+"""Choosing several strokes in the picture, and moving, turning and scaling them there as one."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from PySide6 import QtCore, QtGui
+
+from paint3d.app.window.hand.canvas import Canvas, Touch
+from paint3d.app.window.history.stroke_mark import StrokeMark, ways_of
+from paint3d.app.window.wording import say
+from paint3d.app.window.workspace import Workspace
+from paint3d.core.arrays import AnyArray
+
+__all__ = ["StrokeChooser"]
+
+_KIND, _KEY = QtCore.QEvent.Type, QtCore.Qt.Key
+_KEYS = (_KIND.ShortcutOverride, _KIND.KeyPress)
+_CLICK = 5.0  # pixels that a hand goes at most while it only points
+_REACH, _GRIP, _AWAY, _ROOM = 14.0, 6.0, 26.0, 10.0  # pixels
+_INSIDE = 0.5  # share of a stroke's way within the loop
+_LEAST, _MOST = 0.1, 10.0  # of a scale by one drag
+
+
+class StrokeChooser(QtCore.QObject):
+    """For one window: while it is on, drags choose and move strokes and do not paint.
+
+    Parameters
+    ----------
+    workspace : Workspace
+    mark : StrokeMark
+        Has the strokes that are chosen.
+
+    Signals
+    -------
+    edited : dict
+        What is to be done with them; see `stroke_group.edit_group`.
+    turned_on : bool
+    """
+
+    edited = QtCore.Signal(object)
+    turned_on = QtCore.Signal(bool)
+
+    def __init__(self, workspace: Workspace, mark: StrokeMark) -> None:
+        super().__init__(workspace)
+        self._workspace, self._mark = workspace, mark
+        self._canvas: Canvas = workspace.canvas
+        self._doing = ""  # "loop", "move", or a grip
+        self._adds = False
+        self._loop: list[QtCore.QPointF] = []
+        self._place: AnyArray | None = None  # where the drag began on the object
+        self._is_down = False
+        self._mode_at: Callable[..., str | None] = self._canvas.mode_at
+        self._canvas.overlays.append(self._paint)
+        self._canvas.taken_back.connect(self._drop)
+        mark.changed.connect(lambda _: self._canvas.update())
+        workspace.opened.connect(lambda _: self.end())
+
+    @property
+    def is_on(self) -> bool:
+        """Whether drags choose strokes."""
+        return self._canvas.tool == self._take
+
+    def begin(self) -> None:
+        """Let drags choose and move strokes until `end`."""
+        if self.is_on:
+            return
+        self._canvas.take_up(self._take, self.end)
+        self._mode_at, self._canvas.mode_at = self._canvas.mode_at, self._mode
+        self._canvas.installEventFilter(self)
+        self._canvas.setCursor(QtCore.Qt.CursorShape.PointingHandCursor)
+        self._canvas.setFocus()
+        self._is_down = False
+        self._workspace.stage.hide_brush()
+        self._workspace.tell(
+            say(
+                "Draw a loop around strokes, or click them; drag them, their corner or their ring; "
+                "Del deletes; Esc ends"
+            ),
+            stays=True,
+        )
+        self.turned_on.emit(True)
+        self._canvas.update()
+
+    def end(self) -> None:
+        """Paint again with the next drag."""
+        if not self.is_on:
+            return
+        self._drop()
+        self._canvas.lay_down(self._take)
+        self._canvas.mode_at = self._mode_at
+        self._canvas.removeEventFilter(self)
+        self._canvas.setCursor(QtCore.Qt.CursorShape.CrossCursor)
+        self._mark.choose(None)
+        self._workspace.tell(say("Ready"))
+        self.turned_on.emit(False)
+
+    # -- keys and hands ---------------------------------------------------------------------
+
+    def eventFilter(self, watched: QtCore.QObject, event: QtCore.QEvent) -> bool:
+        """End by Esc, delete by Delete."""
+        if not self.is_on or event.type() not in _KEYS or not isinstance(event, QtGui.QKeyEvent):
+            return False
+        if event.key() not in (_KEY.Key_Escape, _KEY.Key_Delete):
+            return False
+        event.accept()
+        if event.type() == _KIND.ShortcutOverride:
+            return True
+        if event.key() == _KEY.Key_Escape:
+            self.end()
+        elif self._mark.numbers:
+            self.edited.emit({"do": "delete"})
+        return True
+
+    def _mode(self, x: float, y: float, keys: QtCore.Qt.KeyboardModifier) -> str | None:
+        """How a drag that begins here steers: by the view's grips and with Space."""
+        steers = self._canvas.grip_at(x, y) or "steer" in self._workspace.hand.held
+        return self._mode_at(x, y, keys) if steers or not self.is_on else None
+
+    def _take(self, touch: Touch) -> bool:
+        """Follow a mouse, a pen or a finger; False while it is only over the picture."""
+        was_down, self._is_down = self._is_down, touch.down
+        if not (was_down or touch.down):
+            return False
+        now = QtCore.QPointF(touch.x, touch.y)
+        if not was_down:
+            self._take_hold(now, adds=touch.bends)
+        else:
+            self._loop.append(now)
+            if not touch.down:
+                self._let_go()
+        self._canvas.update()
+        return True
+
+    def _drop(self) -> None:
+        """Hold nothing: what a finger began was the beginning of a gesture of several."""
+        self._doing, self._loop, self._is_down = "", [], False
+        self._canvas.update()
+
+    def _take_hold(self, now: QtCore.QPointF, *, adds: bool) -> None:
+        self._loop, self._adds = [now], adds
+        self._place = self._workspace.hand.place_at(now.x(), now.y())
+        self._doing = self._grip_at(now)
+        if not self._doing:
+            held = None if self._place is None or adds else self._mark.stroke_at(self._place)
+            self._doing = "move" if held is not None and held in self._mark.numbers else "loop"
+
+    def _let_go(self) -> None:
+        doing, way = self._doing, self._loop
+        first, last = way[0], way[-1]
+        place = self._place
+        reach = max(math.hypot((p - first).x(), (p - first).y()) for p in way)
+        change = self._change() if reach >= _CLICK else {}
+        self._drop()
+        if reach < _CLICK:
+            self._click(place)
+        elif doing == "loop":
+            self._choose_within(way)
+        elif doing == "move":
+            there = self._workspace.hand.place_at(last.x(), last.y())
+            if there is None or place is None:
+                self._workspace.tell(say("That is beside the object"), state="bad")
+            else:
+                self.edited.emit({"do": "move", "to": [place.tolist(), there.tolist()]})
+        elif doing == "turn":
+            self.edited.emit({"do": "move", "turn_deg": math.degrees(change["turn"])})
+        elif doing == "scale":
+            self.edited.emit({"do": "scale", "factor": change["scale"]})
+
+    def _click(self, place: AnyArray | None) -> None:
+        """Choose the stroke at a place besides those that are, or let it go; none beside all."""
+        number = None if place is None else self._mark.stroke_at(place)
+        self._mark.choose_all(() if number is None else {*self._mark.numbers} ^ {number})
+        self._tell_chosen()
+
+    def _choose_within(self, way: list[QtCore.QPointF]) -> None:
+        """Choose the strokes of which the most lies within a loop, and is seen."""
+        loop = np.array([[p.x(), p.y()] for p in way])
+        ground = self._workspace.hand.surface
+        found = set(self._mark.numbers) if self._adds else set()
+        for number, stroke in enumerate(self._workspace.painting.strokes):
+            ways = ways_of(stroke, ground)
+            if not ways:
+                continue
+            points = np.concatenate(ways)
+            inside = _within(self._workspace.hand.pixels_of(points), loop)
+            if (
+                inside.mean() >= _INSIDE
+                and self._workspace.hand.sees(points[inside]).mean() >= _INSIDE
+            ):
+                found.add(number)
+        self._mark.choose_all(found)
+        self._tell_chosen()
+
+    def _tell_chosen(self) -> None:
+        n = len(self._mark.numbers)
+        self._workspace.tell(
+            say("{n} stroke is chosen", "{n} strokes are chosen", n=n)
+            if n
+            else say("No stroke is chosen")
+        )
+
+    # -- the picture ------------------------------------------------------------------------
+
+    def grips(self) -> Mapping[str, QtCore.QPointF]:
+        """Where each grip is in the picture, pixels; none where no stroke is chosen."""
+        box = self._box()
+        if box is None:
+            return {}
+        middle = box.center()
+        return {
+            "scale": box.bottomRight(),
+            "turn": QtCore.QPointF(middle.x(), box.top() - _AWAY),
+        }
+
+    def _box(self) -> QtCore.QRectF | None:
+        lines = self._lines()
+        if not lines:
+            return None
+        points = np.concatenate(lines)
+        (x0, y0), (x1, y1) = points.min(axis=0), points.max(axis=0)
+        box = QtCore.QRectF(x0, y0, x1 - x0, y1 - y0)
+        return box.adjusted(-_ROOM, -_ROOM, _ROOM, _ROOM)
+
+    def _lines(self) -> list[AnyArray]:
+        """The ways (K, 2) of the chosen strokes in the picture, pixels."""
+        if self._workspace.hand.camera is None or not self._mark.numbers:
+            return []
+        found = [self._workspace.hand.pixels_of(way) for way in self._mark.ways()]
+        return [line for line in found if np.isfinite(line).all()]
+
+    def _grip_at(self, at: QtCore.QPointF) -> str:
+        for name, grip in self.grips().items():
+            if math.hypot(grip.x() - at.x(), grip.y() - at.y()) <= _REACH:
+                return name
+        return ""
+
+    def _change(self) -> dict[str, Any]:
+        """By how much the drag moves, turns (rad, to the left) or scales what is chosen."""
+        box = self._box()
+        if box is None or len(self._loop) < 2 or self._doing in ("", "loop"):
+            return {}
+        start, now, middle = self._loop[0], self._loop[-1], box.center()
+        if self._doing == "move":
+            return {"move": now - start}
+        before, after = start - middle, now - middle
+        if self._doing == "turn":
+            turn = math.atan2(-after.y(), after.x()) - math.atan2(-before.y(), before.x())
+            return {"turn": (turn + math.pi) % (2.0 * math.pi) - math.pi}
+        ratio = math.hypot(after.x(), after.y()) / max(1.0, math.hypot(before.x(), before.y()))
+        return {"scale": min(max(ratio, _LEAST), _MOST)}
+
+    def _paint(self, painter: QtGui.QPainter, _: QtCore.QRect) -> None:
+        """Draw the loop, the grips, and where the strokes would come to lie."""
+        if not self.is_on:
+            return
+        accent = QtGui.QColor(self._workspace.theme.accent)
+        painter.setBrush(QtCore.Qt.BrushStyle.NoBrush)
+        painter.setPen(QtGui.QPen(accent, 1.2, QtCore.Qt.PenStyle.DashLine))
+        if self._doing == "loop":
+            painter.drawPolygon(QtGui.QPolygonF(self._loop))
+        box = self._box()
+        if box is None:
+            return
+        painter.drawRect(box)
+        change, middle = self._change(), box.center()
+        if change:
+            painter.save()
+            painter.translate(middle + change.get("move", QtCore.QPointF()))
+            painter.rotate(-math.degrees(change.get("turn", 0.0)))
+            painter.scale(change.get("scale", 1.0), change.get("scale", 1.0))
+            painter.translate(-middle)
+            pen = QtGui.QPen(accent, 2.0)
+            pen.setCosmetic(True)
+            painter.setPen(pen)
+            for line in self._lines():
+                painter.drawPolyline(QtGui.QPolygonF([QtCore.QPointF(x, y) for x, y in line]))
+            painter.restore()
+        painter.setPen(QtGui.QPen(QtGui.QColor("#ffffff"), 1.5))
+        painter.setBrush(accent)
+        for name, at in self.grips().items():
+            spot = QtCore.QRectF(at.x() - _GRIP, at.y() - _GRIP, 2.0 * _GRIP, 2.0 * _GRIP)
+            (painter.drawEllipse if name == "turn" else painter.drawRect)(spot)
+
+
+def _within(points: AnyArray, loop: AnyArray) -> NDArray[np.bool_]:
+    """(N,) bool: whether points (N, 2) lie within a closed line (K, 2), by the even-odd rule."""
+    x, y = points[:, 0, None], points[:, 1, None]
+    x0, y0 = loop[:, 0], loop[:, 1]
+    x1, y1 = np.roll(x0, -1), np.roll(y0, -1)
+    crosses = (y0 <= y) != (y1 <= y)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        at = x0 + (y - y0) / (y1 - y0) * (x1 - x0)
+    inside: NDArray[np.bool_] = (crosses & (x < at)).sum(axis=1) % 2 == 1
+    return inside

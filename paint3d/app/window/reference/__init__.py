@@ -1,0 +1,1 @@
+"""The reference: a picture beside the work, over it, or laid on the object."""

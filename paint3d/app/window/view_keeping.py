@@ -1,0 +1,114 @@
+"""Views that are kept with a painting: by name, and the one that it was left in."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from PySide6 import QtWidgets
+
+from paint3d.app.model.document import Document
+from paint3d.app.window.lamp import Lamp
+from paint3d.app.window.wording import say
+from paint3d.app.window.workspace import Workspace
+from paint3d.core.arrays import as_array, as_number
+from paint3d.errors import InputError
+from paint3d.view.camera import Camera, picture_axes
+
+__all__ = ["ViewKeeping"]
+
+_NAMED, _LAST = "views", "view"  # among the settings of a painting
+_MOST = 100
+
+
+class ViewKeeping:
+    """For one window; ``do_<action>`` for each."""
+
+    def __init__(self, workspace: Workspace, lamp: Lamp) -> None:
+        self._workspace, self._lamp = workspace, lamp
+        self.views: dict[str, Camera] = {}
+        workspace.before_saving = self._words_now
+
+    def do_keep_view(self) -> None:
+        """Ask for a name, and keep what is seen by it."""
+        workspace = self._workspace
+        name, agreed = QtWidgets.QInputDialog.getText(
+            workspace.window, say("Keep this view…").rstrip("…"), say("Its name"),
+            text=say("View {n}", n=len(self.views) + 1),
+        )  # fmt: skip
+        name = name.strip()
+        if not agreed or not name:
+            return
+        if name not in self.views and len(self.views) >= _MOST:
+            workspace.tell(say("There are {n} views; expected no more", n=_MOST), state="bad")
+            return
+        self.views[name] = workspace.hand.open_camera
+        words = self._named_words()
+
+        def keep(document: Document) -> None:
+            document.settings[_NAMED] = words
+            document.differ_from_saved()
+
+        workspace.paint_thread.post(keep)
+        workspace.tell(say("The view is kept as {name}", name=name), state="good")
+
+    def do_recall_view(self) -> None:
+        """Ask which view, and look so."""
+        workspace = self._workspace
+        if not self.views:
+            workspace.tell(say("No view is kept; Ctrl+Shift+B keeps this one"), state="bad")
+            return
+        name, agreed = QtWidgets.QInputDialog.getItem(
+            workspace.window, say("Kept views…").rstrip("…"), say("View"), list(self.views),
+            editable=False,
+        )  # fmt: skip
+        if agreed and name in self.views:
+            workspace.hand.look(self.views[name])
+
+    def recall_last(self, document: Document) -> None:
+        """Look as when a painting was saved, and know the views that are kept with it."""
+        self.views = {}
+        self._lamp.recall(document)
+        words = document.settings.get(_NAMED)
+        if isinstance(words, Mapping):
+            for name, view in list(words.items())[:_MOST]:
+                camera = _camera_of(view)
+                if camera is not None:
+                    self.views[str(name)] = camera
+        last = _camera_of(document.settings.get(_LAST))
+        if last is not None:
+            self._workspace.hand.look(last)
+
+    def _named_words(self) -> dict[str, Any]:
+        return {name: _words_of(camera) for name, camera in self.views.items()}
+
+    def _words_now(self, document: Document) -> None:
+        """Have a painting that is about to be saved know how it is seen."""
+        camera = self._workspace.hand.camera
+        if camera is not None:
+            document.settings[_LAST] = _words_of(camera)
+            self._lamp.keep(document)
+
+
+def _words_of(camera: Camera) -> dict[str, Any]:
+    return {
+        "position": [float(x) for x in camera.position],
+        "focus": [float(x) for x in camera.focus],
+        "up": [float(x) for x in camera.up],
+        "angle": float(camera.view_angle),
+    }
+
+
+def _camera_of(words: object) -> Camera | None:
+    """The camera that was kept; None where it is none."""
+    if not isinstance(words, Mapping):
+        return None
+    try:
+        position, focus, up = (
+            as_array(words[name], name, (3,)) for name in ("position", "focus", "up")
+        )
+        camera = Camera(position, focus, up, as_number(words["angle"], "angle", 1e-3, 3.0))
+        picture_axes(camera)  # it looks somewhere
+        return camera
+    except (KeyError, InputError):
+        return None

@@ -1,0 +1,105 @@
+"""The panel of layers, by real events: opacity, blend, copies and merging, with their keys."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+pytest.importorskip("PySide6", reason="PySide6 is not installed")
+
+from PySide6 import QtCore, QtGui, QtTest, QtWidgets
+
+from tests.support.app.gestures import BUTTON, KIND, mouse, pen_stroke, type_key, wait_for
+from tests.support.app.windows import opened, settled
+
+KEY, HELD = QtCore.Qt.Key, QtCore.Qt.KeyboardModifier
+
+
+@pytest.fixture(scope="module")
+def window(program):
+    with opened(program, "sheet:120x120", 2.0, "xuan") as window:
+        window.panels.docks["layers"].raise_()
+        yield window
+
+
+@pytest.fixture(autouse=True)
+def bare(window) -> None:
+    while window.document.can_undo:
+        window.stage.paint_thread.post("undo").result(300)
+    settled(window)
+
+
+def click(button) -> None:
+    QtTest.QTest.mouseClick(button, BUTTON.LeftButton)
+
+
+def test_the_slider_is_dragged_and_is_one_step(window) -> None:
+    slider = window.panels.layers.opacity
+    wait_for(slider.isVisible)
+    middle = slider.height() // 2
+    here, there = (
+        QtCore.QPoint(slider.width() - 8, middle),
+        QtCore.QPoint(slider.width() // 2, middle),
+    )
+    QtTest.QTest.mousePress(slider, BUTTON.LeftButton, pos=here)
+    for k in range(1, 9):
+        at = here + (there - here) * k / 8
+        mouse(slider, KIND.MouseMove, at.x(), at.y(), buttons=BUTTON.LeftButton)
+    QtTest.QTest.mouseRelease(slider, BUTTON.LeftButton, pos=there)
+    wait_for(lambda: window.document.layers[0].opacity < 0.9)
+    settled(window)
+    assert window.document.layers[0].opacity == pytest.approx(0.5, abs=0.08)
+    assert len(window.document.steps.done) == 1
+    assert window.panels.layers.percent.text() == f"{slider.value()} %"
+    type_key(window.canvas, KEY.Key_Z, HELD.ControlModifier)
+    wait_for(lambda: slider.value() == 100)
+
+
+def test_buttons_and_keys_copy_merge_and_multiply(window) -> None:
+    panel = window.panels.layers
+    pen_stroke(window.canvas, (0.3, 0.5), (0.7, 0.5), [0.5] * 12)
+    settled(window)
+    click(panel.buttons["copy"])
+    wait_for(lambda: panel.list.count() == 2)
+    assert window.document.active_layer == 1
+    panel.blend.setFocus()
+    QtTest.QTest.keyClick(panel.blend, KEY.Key_Down)
+    QtTest.QTest.keyClick(panel.blend, KEY.Key_Return)
+    wait_for(lambda: window.document.layers[1].blend == "multiply")
+    settled(window)
+    type_key(window.canvas, KEY.Key_J, HELD.ControlModifier | HELD.ShiftModifier)
+    wait_for(lambda: panel.list.count() == 1)
+    settled(window)
+    assert window.document.layers[0].is_plain
+    assert not panel.buttons["merge"].isEnabled()
+    type_key(window.canvas, KEY.Key_J, HELD.ControlModifier)
+    wait_for(lambda: panel.list.count() == 2)
+
+
+def picture(window, row: int) -> np.ndarray:
+    """The colours (28, 28, 3) that a row of the list shows of its layer."""
+    layers = window.panels.layers.list
+    label = layers.itemWidget(layers.item(row)).findChild(QtWidgets.QLabel, "thumbnail")
+    image = label.pixmap().toImage().convertToFormat(QtGui.QImage.Format.Format_RGB888)
+    rows = np.frombuffer(image.constBits(), np.uint8).reshape(image.height(), -1)
+    return rows[:, : 3 * image.width()].reshape(image.height(), image.width(), 3).astype(int)
+
+
+def test_each_row_shows_what_is_on_its_layer(window) -> None:
+    window.workspace.actions["look_top"].trigger()
+    window.stage.paint_thread.post("dip", "cinnabar").result(60)
+    pen_stroke(window.canvas, (0.4, 0.35), (0.6, 0.35), [0.5] * 12)
+    settled(window)
+    type_key(window.canvas, KEY.Key_N, HELD.ControlModifier | HELD.ShiftModifier)
+    wait_for(lambda: window.panels.layers.list.count() == 2)
+
+    def is_red(row: int) -> np.ndarray:
+        shown = picture(window, row)
+        return shown[:, :, 0] - shown[:, :, 2] > 80
+
+    wait_for(lambda: is_red(1).any())  # the lower one, in the upper half
+    assert np.argwhere(is_red(1))[:, 0].max() < 14
+    assert not is_red(0).any()
+    window.workspace.actions["hide_layer"].trigger()
+    settled(window)
+    assert is_red(1).any()

@@ -1,0 +1,134 @@
+"""Rulers that lead strokes, and what steadies a mouse: straight, around, along the profile."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+pytest.importorskip("PySide6", reason="PySide6 is not installed")
+
+from PySide6 import QtCore
+
+from paint3d.app.model.input.hand import Hand, HandSettings
+from paint3d.app.model.persistence.settings import Settings
+from paint3d.errors import InputError
+from paint3d.files.load import load_mesh
+from paint3d.mesh.bvh import ClosestPoints
+from paint3d.pose.brush_pose import object_poses
+from tests.app.test_hand import draw, places
+from tests.support.app.gestures import BUTTON, KIND, mouse, type_key, wait_for
+from tests.support.app.windows import opened, settled
+
+KEY = QtCore.Qt.Key
+
+
+@pytest.fixture(scope="module")
+def plane() -> ClosestPoints:
+    return ClosestPoints(load_mesh("plane"))
+
+
+def test_a_straight_ruler_takes_the_wobble_out_and_keeps_the_length(plane) -> None:
+    rng = np.random.default_rng(3)
+    way = np.stack([np.linspace(-40, 40, 100), rng.normal(0.0, 1.5, 100)], axis=1)
+    way[:8, 1] = 0.0
+    at = places(draw(Hand(plane, HandSettings(ruler="straight")), way, pressure=0.5))
+    np.testing.assert_allclose(at[:, 1], 0.0, atol=1e-6)
+    assert at[-2, 0] == pytest.approx(40.0, abs=1.0)
+
+
+def test_what_is_no_ruler_is_refused() -> None:
+    with pytest.raises(InputError, match="ruler"):
+        HandSettings(ruler="french curve")
+
+
+STEADY = 0.3  # as a mouse is at first
+
+
+def test_a_mouse_is_steadied_and_tapers_at_both_ends(plane) -> None:
+    rng = np.random.default_rng(5)
+    way = np.stack([np.linspace(-40, 40, 160), np.round(rng.normal(0, 0.7, 160))], axis=1)
+    rough = draw(Hand(plane), way)
+    smooth = draw(Hand(plane, HandSettings(mouse_smoothing=STEADY)), way)
+    wobble = [np.abs(np.diff(places(s)[5:-15, 1])).mean() for s in (rough, smooth)]
+    assert wobble[1] < 0.25 * wobble[0]
+    pressures = np.array([s.pressure for s in smooth])
+    full = pressures.max()
+    assert pressures[0] == 0.0
+    assert pressures[-1] == 0.0
+    falls = pressures[-12:]
+    assert (np.diff(falls) <= 1e-9).all()
+    assert 0.0 < falls[4] < full
+    pens = [draw(Hand(plane, settings), way, pressure=0.5) for settings in
+            (HandSettings(), HandSettings(mouse_smoothing=STEADY))]  # fmt: skip
+    np.testing.assert_array_equal(places(pens[0]), places(pens[1]))
+
+
+def test_a_mouse_is_steady_at_first_and_as_it_was_left() -> None:
+    assert Settings().mouse_smoothing is None
+    assert Settings(mouse_smoothing=0.7).mouse_steadiness == 0.7
+    with pytest.raises(InputError, match="mouse_smoothing"):
+        Settings(mouse_smoothing=2.0)
+
+
+@pytest.fixture(scope="module")
+def bowl(program):
+    """A window with a bowl, seen from the front."""
+    with opened(program, "vase", 4.0, "porcelain", drawn=False) as window:
+        window.workspace.actions["look_front"].trigger()
+        yield window
+
+
+@pytest.fixture(autouse=True)
+def bare(request) -> None:
+    if "bowl" in request.fixturenames:
+        window = request.getfixturevalue("bowl")
+        while window.document.can_undo:
+            window.stage.paint_thread.post("undo").result(300)
+        window.panels.hand.set_ruler(False)
+        settled(window)
+
+
+def lead(window, start, end) -> np.ndarray:
+    """Lead the mouse over the picture (shares of it); where the brush went, (N, 3) mm."""
+    canvas, left = window.canvas, BUTTON.LeftButton
+    size = np.array([canvas.width(), canvas.height()])
+    way = np.linspace(np.array(start) * size, np.array(end) * size, 20)
+    mouse(canvas, KIND.MouseMove, *way[0])
+    mouse(canvas, KIND.MouseButtonPress, *way[0], left, left)
+    for place in way:
+        mouse(canvas, KIND.MouseMove, *place, buttons=left)
+    mouse(canvas, KIND.MouseButtonRelease, *way[-1], left)
+    settled(window)
+    (stroke,) = window.document.strokes
+    path = object_poses(stroke.samples)
+    assert path.contact is not None
+    return path.contact
+
+
+def choose(window, kind: str) -> None:
+    box = window.panels.hand.ruler
+    box.setCurrentIndex(box.findData(kind))
+    wait_for(lambda: window.hand.settings.ruler == kind)
+
+
+def test_around_the_object_a_stroke_stays_level(bowl) -> None:
+    choose(bowl, "ring")
+    assert bowl.workspace.actions["ruler"].isChecked()
+    at = lead(bowl, (0.42, 0.5), (0.58, 0.6))
+    assert np.ptp(at[:, 2]) < 0.5
+    assert np.ptp(at[:, 0]) > 10.0
+
+
+def test_along_the_profile_it_keeps_its_side(bowl) -> None:
+    choose(bowl, "profile")
+    at = lead(bowl, (0.55, 0.35), (0.42, 0.6))
+    angle = np.degrees(np.unwrap(np.arctan2(at[:, 1], at[:, 0])))
+    assert np.ptp(angle) < 2.0
+    assert np.ptp(at[:, 2]) > 15.0
+
+
+def test_u_switches_the_ruler_on_and_off(bowl) -> None:
+    type_key(bowl.canvas, KEY.Key_U)
+    wait_for(lambda: bowl.hand.settings.ruler != "none")
+    type_key(bowl.canvas, KEY.Key_U)
+    wait_for(lambda: bowl.hand.settings.ruler == "none")
