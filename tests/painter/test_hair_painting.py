@@ -638,7 +638,7 @@ def test_hairs_find_a_curved_surface_as_the_solid_tuft_does(radius, tilt, press)
     per_area = [
         p.ledger()["wet"] / (p.surface.coverage @ p.surface.vertex_areas) for p in (solid, hairs)
     ]  # the first film goes with what is covered
-    assert per_area[1] == pytest.approx(per_area[0], rel=0.15)
+    assert per_area[1] == pytest.approx(per_area[0], rel=0.2)
     wide = [np.count_nonzero(p.surface.coverage > 0.5) for p in (solid, hairs)]
     assert 0.8 < wide[1] / wide[0] < 1.5
 
