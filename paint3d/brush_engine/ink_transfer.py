@@ -259,6 +259,7 @@ AT_FIRST = 0.6  # of what a wet tuft leaves in all that its first film is
 PAPER_PULLS = 0.3  # of a full load; a tuft that holds as much gives .65 of what a full one does
 _FULL_COATS = 1.05  # of wet ink, at which paper takes half as much of what comes on the way
 _MOST_AT_FIRST = 0.1  # of what it holds, in one sweep
+_NOTHING = 1e-6  # beside the film
 _MOST_PASSES = 1000
 _SHARE = 0.45  # of a reservoir, the most that flows out of it on one side in one pass
 PAINTED = 3  # counter: vertices that ink was left on
@@ -385,9 +386,10 @@ def _under(stamp, field, v):
 
 @uncounted(error_model="numpy")
 def _lay_first_film(coats, unit, before, found, n, field, ink):
-    """Fill up to a film what the tuft comes to, however lightly and briefly it is touched.
+    """Lay a film at once where the tuft comes to, however lightly and briefly it is touched.
 
-    Ink that ran ahead of the tuft has covered a place already and counts for what it is.
+    What is newly covered gets all of it; where ink ran ahead of the tuft, or has dried, what that
+    falls short of it.
 
     Parameters
     ----------
@@ -396,7 +398,7 @@ def _lay_first_film(coats, unit, before, found, n, field, ink):
     unit : float
         Coats that a share of 1 gets of what is given on the way; 0 where nothing is.
     before : Stamp
-        What is covered and lies under it has got its film.
+        What lies under it has got its film.
     found : Found
         The first `n` of it; their shares grow.
     n : int
@@ -409,24 +411,22 @@ def _lay_first_film(coats, unit, before, found, n, field, ink):
     """
     ids, share, cover, coverage = found.ids, found.share, found.cover, ink.coverage
     film, most = np.float32(coats), _MOST_AT_FIRST * held_ink(ink)
-    way = np.float32(1.0 if unit > 0.0 else 0.0)
+    # where next to nothing is given on the way, that is shared out as the film is
+    way = np.float32(1.0 if unit > _NOTHING * coats else 0.0)
     lacking, scale = 0.0, 0.0
     for filling in range(2):
         if filling == 1:
             if lacking <= 0.0:
                 return 0.0
-            scale = np.float32(min(1.0, most / lacking) / (unit if unit > 0.0 else 1.0))
+            scale = np.float32(min(1.0, most / lacking) / (unit if way > 0.0 else 1.0))
         for k in range(n):
-            v, lacks = ids[k], film * field.take[ids[k]] * cover[k]
+            v, full = ids[k], film * field.take[ids[k]]
+            lacks = full * max(np.float32(0.0), cover[k] - coverage[v])
+            short = full * min(cover[k], coverage[v])
             for p in range(ink.load.shape[0]):
-                lacks -= ink.amounts[v, p]
-            if (
-                lacks > np.float32(0.0)
-                and coverage[v] > np.float32(0.0)
-                and _under(before, field, v)
-            ):
-                lacks *= max(np.float32(0.0), cover[k] - coverage[v]) / cover[k]
-            lacks = max(np.float32(0.0), lacks)
+                short -= ink.amounts[v, p]
+            if short > np.float32(0.0) and not _under(before, field, v):
+                lacks += short
             if filling == 0:
                 lacking += lacks * field.area_units[v] * field.area_unit
             else:
