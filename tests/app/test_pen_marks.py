@@ -416,10 +416,11 @@ def lines_on(window: StudioWindow, name: str, side: str, n: int) -> Iterator[Eve
 def wait_for_the_palm(window: StudioWindow) -> None:
     """For a moment after a pen was seen, what touches is the hand that holds it.
 
-    By the events' times, which the computer's own has to come to.
+    By the events' times, which the computer's own has to come to. Fingers that were played faster
+    than a hand goes are counted back by as much as they were ahead.
     """
-    ends_s = 1e-3 * player_of(window).now_ms + 0.25
-    time.sleep(max(0.25, ends_s - time.monotonic()))
+    ends_s = 1e-3 * player_of(window).now_ms + 1.0
+    time.sleep(max(1.0, ends_s - time.monotonic()))
 
 
 @pytest.mark.parametrize(("name", "side"), BY_HAND)

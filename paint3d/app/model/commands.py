@@ -434,7 +434,7 @@ _TABLE: tuple[_Row, ...] = (
 TOOLS = (
     "open", "save", "-", "undo", "redo", "-", "dip", "rinse", "erase", "swap_inks",
     "pick_colour", "-",
-    "mirror", "radial", "wet", "dry", "-", "frame_all", "brush", "screenshot", "record", "-",
+    "mirror", "radial", "wet", "dry", "-", "frame_all", "brush", "record",
     "shortcuts",
 )  # fmt: skip
 """What stands in the tool bar; "-" parts it."""
