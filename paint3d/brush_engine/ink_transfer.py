@@ -43,16 +43,16 @@ from paint3d.brush_engine.vertex_query import (
 from paint3d.core.kernel import kernel, uncounted
 
 __all__ = [
-    "AT_FIRST",
-    "AT_ONCE",
+    "FADING",
+    "FILM",
+    "FILM_SHARE",
     "LINES",
     "PAINTED",
-    "PAPER_PULLS",
     "TRANSFER",
     "Deposit",
     "InkField",
     "contact_level",
-    "drawn",
+    "drawn_rate",
     "first_film",
     "given_on_way",
     "held_ink",
@@ -205,7 +205,7 @@ def level_shares(before, after, level, grain, field, ink, n, scratch):
     first, apart = _fill_lines(after, way, lines)
     power = _ON_GLAZE + grain * (_ON_GRAIN - _ON_GLAZE)
     _fill_gains(lines, wet * carried, power)
-    streaks = wet * carried * _STREAKED * min(1.0, 2.0 * grain)
+    streaks = wet * carried * _STREAKED * absorbency(ink)
     _streak_gains(lines[2], first, apart, values.way, streaks, ink.bundles[1])
     _give_by_line(values, way, first, apart, lines[2], field, scratch.found, n)
     return True
@@ -254,12 +254,12 @@ _DRY_AT = 0.8  # share of a full load below which a light brush on grain 1 begin
 _DRY_PRESSED = 0.4  # less of it at full pressure
 _FLOWS_MM_S = 350.0  # speed of a hand at which it takes twice the load for the same contact
 _MOST_HASTE = 1.7
-AT_ONCE = 0.35  # pressure to a width of the root, on the way of which it gives the first film
-AT_FIRST = 0.6  # of what a wet tuft leaves in all that its first film is
-PAPER_PULLS = 0.3  # of a full load; a tuft that holds as much gives .65 of what a full one does
-_FULL_COATS = 1.05  # of wet ink, at which paper takes half as much of what comes on the way
-_MOST_AT_FIRST = 0.1  # of what it holds, in one sweep
-_NOTHING = 1e-6  # beside the film
+FADING = 0.3  # k of equation (10a): the larger, the paler a brush writes on paper as it empties
+FILM = 0.35  # of equation (12a): pressure under which a way as long as the root is wide gives it
+FILM_SHARE = 0.6  # of equation (12a): how much less a wet tuft gives on the way for its film
+_FILM_MOST = 0.1  # share of what the tuft holds that goes into films in one sweep at most
+_SATURATED = 1.05  # coats, h of equation (12b), at which paper takes half of what comes on the way
+_NOTHING = 1e-6  # share of a film
 _MOST_PASSES = 1000
 _SHARE = 0.45  # of a reservoir, the most that flows out of it on one side in one pass
 PAINTED = 3  # counter: vertices that ink was left on
@@ -302,28 +302,27 @@ def contact_level(before, after, ink):
 
 
 @uncounted(error_model="numpy")
-def _drunk(ink):
-    """How far the sheet drinks by its pores, whatever else the tuft holds: 0 on a glaze, to 1."""
+def absorbency(ink):
+    """How far the material's pores draw ink: 0 on a glaze, 1 from a grain of .5 on."""
     return min(1.0, 2.0 * ink.transfer[0].grain)
 
 
 @uncounted(error_model="numpy")
-def drawn(rate, ink):
-    """The y in R (1 - exp(-y)), what a tuft gives for a `rate` eta' pe ds: equation (10a).
+def drawn_rate(rate, ink):
+    """The y of docs/model.md, equation (10a): a tuft leaves 1 - exp(-y) of its ink.
 
-    Solves k y + f (1 - exp(-y)) = (1 + k) rate, f how full the tuft is, by Newton's steps, which
-    come from below; on a glaze, where k has no end, y is the rate.
+    Found by Newton's steps, which come from below; on a glaze it is `rate`, eta' pe ds.
     """
-    capacity, drinks = ink.transfer[0].capacity, _drunk(ink)
-    if drinks <= 0.0 or capacity <= 0.0:
+    capacity, draws = ink.transfer[0].capacity, absorbency(ink)
+    if draws <= 0.0 or capacity <= 0.0:
         return rate
-    kept = PAPER_PULLS / drinks
-    full = min(1.0, held_ink(ink) / capacity)
-    wanted = (1.0 + kept) * rate
-    y = wanted / (kept + full)
+    k = FADING / draws
+    f = min(1.0, held_ink(ink) / capacity)
+    wanted = (1.0 + k) * rate
+    y = wanted / (k + f)
     for _ in range(8):
-        missing = wanted - kept * y + full * np.expm1(-y)
-        y += missing / (kept + full * np.exp(-y))
+        missing = wanted - k * y + f * np.expm1(-y)
+        y += missing / (k + f * np.exp(-y))
         if missing <= 1e-12 * wanted:
             break
     return y
@@ -332,38 +331,36 @@ def drawn(rate, ink):
 @uncounted(error_model="numpy")
 def first_film(level, transfer_per_mm, root_mm, ink):
     """Coats that a tuft leaves at once where it comes first: docs/model.md, equation (12a)."""
-    return AT_ONCE * level * drawn(transfer_per_mm / root_mm, ink) * held_ink(ink)
+    return FILM * level * drawn_rate(transfer_per_mm / root_mm, ink) * held_ink(ink)
 
 
 @uncounted(error_model="numpy")
 def given_on_way(level):
     """Share of what equation (10) gives that is left for the way, beside the first film."""
-    return 1.0 - AT_FIRST * level
+    return 1.0 - FILM_SHARE * level
 
 
 @uncounted(error_model="numpy")
-def _soak(found, n, field, ink):
-    """Let paper that has drunk take less: the shares of what is wet fall with what it holds.
+def _saturate(found, n, field, ink):
+    """Let wet paper take less of what comes on the way: docs/model.md, equation (12b).
 
     So a stroke that crosses a wet one runs into it and does not lie on it like a film, and where
-    the brush dwells no more comes than the sheet holds, of whose places dense ones are full before
-    open ones. Nothing changes on a glaze.
+    the brush dwells no more comes than the sheet holds. Nothing changes on a glaze.
     """
-    grain = _drunk(ink)
-    if grain <= 0.0:
+    draws = np.float32(absorbency(ink))
+    if draws <= 0.0:
         return
     ids, share, amounts = found.ids, found.share, ink.amounts
-    part, per_full = np.float32(grain), np.float32(1.0 / _FULL_COATS)
-    one, n_pigments = np.float32(1.0), ink.load.shape[0]
+    per_coat, one = np.float32(1.0 / _SATURATED), np.float32(1.0)
     for k in range(n):
-        v, held = ids[k], np.float32(0.0)
-        for p in range(n_pigments):
-            held += amounts[v, p]
-        full = held * per_full / field.take[v]
-        full *= full
-        full *= full
-        full *= full
-        share[k] *= one - part * full / (one + full)
+        v, coats = ids[k], np.float32(0.0)
+        for p in range(ink.load.shape[0]):
+            coats += amounts[v, p]
+        wet = coats * per_coat / field.take[v]
+        wet2 = wet * wet
+        wet4 = wet2 * wet2
+        wet8 = wet4 * wet4
+        share[k] *= one - draws * wet8 / (one + wet8)
 
 
 @uncounted(error_model="numpy")
@@ -384,12 +381,27 @@ def _under(stamp, field, v):
     return abs(across) < widths[i] + (at - i) * (widths[i + 1] - widths[i])
 
 
+@uncounted(error_model="numpy", forceinline=True)
+def _lacks(film, k, before, found, field, ink):
+    """Coats of a first film that the k-th vertex found lacks, times its area's covered share.
+
+    What is newly covered lacks all of it; where ink ran ahead of the tuft, or has dried, what comes
+    under the tuft lacks what that falls short of it.
+    """
+    v, cover = found.ids[k], found.cover[k]
+    whole, covered = film * field.take[v], ink.coverage[v]
+    lacks = whole * max(np.float32(0.0), cover - covered)
+    short = whole * min(cover, covered)
+    for p in range(ink.load.shape[0]):
+        short -= ink.amounts[v, p]
+    if short > np.float32(0.0) and not _under(before, field, v):
+        lacks += short
+    return lacks
+
+
 @uncounted(error_model="numpy")
 def _lay_first_film(coats, unit, before, found, n, field, ink):
     """Lay a film at once where the tuft comes to, however lightly and briefly it is touched.
-
-    What is newly covered gets all of it; where ink ran ahead of the tuft, or has dried, what that
-    falls short of it.
 
     Parameters
     ----------
@@ -409,28 +421,20 @@ def _lay_first_film(coats, unit, before, found, n, field, ink):
     float
         What it takes, coats x mm2; a small part of what the tuft holds at most.
     """
-    ids, share, cover, coverage = found.ids, found.share, found.cover, ink.coverage
-    film, most = np.float32(coats), _MOST_AT_FIRST * held_ink(ink)
+    film, share = np.float32(coats), found.share
+    lacking = 0.0
+    for k in range(n):
+        lacks = _lacks(film, k, before, found, field, ink)
+        lacking += lacks * field.area_units[found.ids[k]] * field.area_unit
+    if lacking <= 0.0:
+        return 0.0
+    most = _FILM_MOST * held_ink(ink)
     # where next to nothing is given on the way, that is shared out as the film is
-    way = np.float32(1.0 if unit > _NOTHING * coats else 0.0)
-    lacking, scale = 0.0, 0.0
-    for filling in range(2):
-        if filling == 1:
-            if lacking <= 0.0:
-                return 0.0
-            scale = np.float32(min(1.0, most / lacking) / (unit if way > 0.0 else 1.0))
-        for k in range(n):
-            v, full = ids[k], film * field.take[ids[k]]
-            lacks = full * max(np.float32(0.0), cover[k] - coverage[v])
-            short = full * min(cover[k], coverage[v])
-            for p in range(ink.load.shape[0]):
-                short -= ink.amounts[v, p]
-            if short > np.float32(0.0) and not _under(before, field, v):
-                lacks += short
-            if filling == 0:
-                lacking += lacks * field.area_units[v] * field.area_unit
-            else:
-                share[k] = way * share[k] + scale * lacks
+    goes_on = unit > _NOTHING * coats
+    kept = np.float32(1.0 if goes_on else 0.0)
+    per_coat = np.float32(min(1.0, most / lacking) / (unit if goes_on else 1.0))
+    for k in range(n):
+        share[k] = kept * share[k] + per_coat * _lacks(film, k, before, found, field, ink)
     return min(lacking, most)
 
 
@@ -455,7 +459,7 @@ def take_in(coats, before, landing, weighed, found, n, field, ink):
     """
     rest = 1.0
     if landing > 0.0:
-        _soak(found, n, field, ink)
+        _saturate(found, n, field, ink)
         rest = weighed_area(field, found.ids, found.share, n) / weighed
     return rest, _lay_first_film(coats, landing / weighed, before, found, n, field, ink)
 
@@ -511,7 +515,7 @@ def _ink_released(before, after, tuft, ink):
         n += 1
     way = ink_way(before, after)
     total = held_ink(ink)
-    return total, -total * np.expm1(-drawn(tuft.transfer_per_mm * pressure / n * way, ink))
+    return total, -total * np.expm1(-drawn_rate(tuft.transfer_per_mm * pressure / n * way, ink))
 
 
 @uncounted(error_model="numpy")

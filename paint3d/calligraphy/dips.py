@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from paint3d.brush.bending import build_tuft
 from paint3d.brush.footprint import make_footprint
 from paint3d.brush.spec import BrushSpec, DipAmount
-from paint3d.brush_engine.ink_transfer import AT_FIRST, AT_ONCE, PAPER_PULLS
+from paint3d.brush_engine.ink_transfer import FADING, FILM, FILM_SHARE
 from paint3d.core.arrays import AnyArray, as_number
 from paint3d.core.quaternion import rotate
 from paint3d.device.recorded import Recording
@@ -128,7 +128,7 @@ def _wetted(share: float) -> float:
 
 def _lasts(least: float) -> float:
     """What `ink_taken` adds up to until `least` of a dip is left, on paper; on a glaze more is."""
-    return (1.0 - least - PAPER_PULLS * math.log(least)) / (1.0 + PAPER_PULLS)
+    return (1.0 - least - FADING * math.log(least)) / (1.0 + FADING)
 
 
 def ink_taken(recording: Recording, brush: BrushSpec) -> NDArray[np.float64]:
@@ -162,7 +162,7 @@ def ink_taken(recording: Recording, brush: BrushSpec) -> NDArray[np.float64]:
     known = np.linspace(0.0, 1.0, 33)
     prints = (make_footprint(tuft, p * brush.full_press_mm, 0.5 * math.pi, pe=p) for p in known)
     width = np.interp(mean, known, [footprint.width for footprint in prints])
-    per_mm = (1.0 - AT_FIRST) * mean + AT_ONCE * width / brush.root_diameter_mm
+    per_mm = (1.0 - FILM_SHARE) * mean + FILM * width / brush.root_diameter_mm
     taken[1:] = np.where(touches, brush.transfer_per_mm * per_mm * steps, 0.0)
     return taken
 

@@ -35,7 +35,7 @@ from paint3d.brush_engine.bristles.ink_transfer import (
 )
 from paint3d.brush_engine.bristles.state import CAUSES, TRACKED, TRACKED_POINTS
 from paint3d.brush_engine.footprint import ink_way, outline_motion
-from paint3d.brush_engine.ink_transfer import drawn, held_ink, mean_pressure
+from paint3d.brush_engine.ink_transfer import drawn_rate, held_ink, mean_pressure
 from paint3d.brush_engine.stroke_loop import (
     FINISHED,
     FOOTPRINTS,
@@ -412,7 +412,7 @@ def _deposit(before, after, tuft, touching, hairs, canvas, scratch):
     if wanted <= 0.0:
         return True
     rate = tuft.transfer_per_mm * mean_pressure(before, after)
-    rate = drawn(rate * ink_way(before, after), ink)
+    rate = drawn_rate(rate * ink_way(before, after), ink)
     if rate <= 0.0:  # what lies still gives nothing, nor covers what it has not inked
         return True
     count = hairs.load.shape[0]

@@ -3,14 +3,9 @@
 On a material with fibres or pores a wet edge does not run where the tuft's outline does: ink is
 drawn on along a fibre and stops before the next. And dense places of a sheet take less of it than
 open ones. Both are functions of the place alone, so every sweep meets the same paper, and two
-meshings of one object have the same. docs/model.md, equations (20) and (21):
-
-    W(x) = A sum_k a_k n_k(x / h_k),    T(x) = exp(A sum_k s_k m_k(x / h_k)),
-
-besides fibres, along each of which an edge is drawn on or kept back, and pores that take little.
-An outline meets a vertex at x + W(x), and the vertex takes T(x) times its share of what the sweep
-leaves; n_k are vectors, m_k numbers of smooth noise of mean 0 and deviation 1, A is the root of
-twice the material's grain. Octaves that the vertices cannot show are left out.
+meshings of one object have the same. An outline meets a vertex at x + W(x), and the vertex takes
+tau(x) times its share of what the sweep leaves: docs/model.md, equations (20) and (21), sums of
+octaves of smooth noise, besides fibres and pores. What the vertices cannot show is left out.
 """
 
 from __future__ import annotations
@@ -27,20 +22,22 @@ __all__ = ["MOST_ASIDE_MM", "lay_paper", "lay_paper_at"]
 _EDGE = ((0.09, 0.004), (0.19, 0.007), (0.38, 0.012), (0.75, 0.02), (1.7, 0.06))
 # An edge is clean here and torn there: h, deviation of the log, up to which h, and the most of it.
 _RAGGED_MM, _RAGGED, _SMOOTH_MM, _MOST_RAGGED = 4.0, 0.8, 1.0, 5.0
-# Fibres that draw ink on or keep it off: h of the noise along whose zero they lie, half their width
-# as a deviation of it, how far, mm, h of where they draw, and half the wavelength that shows them.
-_FIBRE_MM, _FIBRE_AT, _DRAWS_MM, _DRAWN_MM, _FINE_MM = 0.6, 0.13, 0.1, 0.9, 0.16
+# Fibres that draw an edge on or keep it off: h of the noise along whose zeros they lie, and half
+# their width as a deviation of it; how far, mm, h of the noise that says whither, and the most of
+# `ragged` that counts; half the wavelength that vertices have to show.
+_FIBRE_MM, _FIBRE_AT = 0.6, 0.13
+_PULL_MM, _PULL_WAY_MM, _PULL_RAGGED = 0.1, 0.9, 2.0
+_FIBRE_SHOWN_MM = 0.16
 MOST_ASIDE_MM = 0.6  # how far aside an outline may be met, whatever the noise on raw xuan
 _TAKE = ((0.1, 0.07), (0.25, 0.05), (0.7, 0.025), (2.5, 0.035))  # h_k, mm, and s_k: set by eye
 # Pores that take little: h, from which deviation on, and how much less by the square beyond it.
 _VOID_MM, _VOID_AT, _VOID = 0.16, 1.1, 0.06
 _PER_DEVIATION = 2.7  # value noise blended by smooth steps has a deviation of .37
-_TURN = (
+_TURN = (  # so that no octave's lattice lies along the object's axes
     (0.48, 0.64, -0.6),
     (-0.8, 0.6, 0.0),
     (0.36, 0.48, 0.8),
-)  # so that no octave's lattice lies
-# along the object's axes
+)
 
 
 @uncounted
@@ -105,11 +102,11 @@ def lay_paper_at(field, v):
             wx += shift * dx
             wy += shift * dy
             wz += shift * dz
-    fibre = amount * _DRAWS_MM * _shown(_FINE_MM, apart) * min(ragged, 2.0)
+    fibre = amount * _PULL_MM * _shown(_FIBRE_SHOWN_MM, apart) * min(ragged, _PULL_RAGGED)
     if fibre > 0.0:
         off = _noise3(c / _FIBRE_MM, b / _FIBRE_MM, a / _FIBRE_MM, 71)[0] / _FIBRE_AT
         if abs(off) < 1.0:
-            dx, dy, dz = _noise3(a / _DRAWN_MM, b / _DRAWN_MM, c / _DRAWN_MM, 73)
+            dx, dy, dz = _noise3(a / _PULL_WAY_MM, b / _PULL_WAY_MM, c / _PULL_WAY_MM, 73)
             fibre *= 1.0 - off * off
             wx, wy, wz = wx + fibre * dx, wy + fibre * dy, wz + fibre * dz
     for n in range(len(_TAKE)):
