@@ -616,7 +616,6 @@ class Touched(QtGui.QTouchEvent):
 def stroke_pressures(window, can, across_mm, pressure=1.0):
     """The pressures of a stroke by a finger whose contact is so large, mm."""
     canvas = window.canvas
-    canvas._clock = EventClock()
     device = QtGui.QPointingDevice(
         "screen", 7, QtGui.QInputDevice.DeviceType.TouchScreen,
         QtGui.QPointingDevice.PointerType.Finger, CAN.Position | can, 5, 1,
@@ -828,3 +827,27 @@ def test_a_stroke_of_another_device_begins_behind_the_last_and_keeps_its_pace():
     assert steps(found) == [10 * MS] * 19
     later = clock.time_ns("touch", START_MS + 4000, now + 3200 * MS, painting=False)
     assert later == now + 3200 * MS
+
+
+def test_a_device_that_begins_to_tell_the_time_tells_the_computers():
+    clock, now = EventClock(), START_MS * MS
+    for k in range(20):
+        clock.time_ns("pen", 0, now + 8 * k * MS, painting=k > 0)
+    found = [
+        clock.time_ns("pen", START_MS + 8 * k, now + 8 * k * MS, painting=True)
+        for k in range(20, 60)
+    ]
+    assert found[-1] == now + 8 * 59 * MS
+
+
+def test_a_stroke_without_times_of_its_own_keeps_its_pace_behind_a_clock_that_leads():
+    clock, now = EventClock(), 5 * 10**12
+    for k in range(100):  # handed over faster than the hand wrote: a minute ahead in the end
+        pen = clock.time_ns("pen", START_MS + 600 * k, now + k * MS, painting=k > 0)
+    found = [
+        clock.time_ns("mouse", 0, now + 1000 * MS + 8 * k * MS, painting=k > 0) for k in range(30)
+    ]
+    assert found[0] > pen
+    assert all(7 * MS <= step <= 9 * MS for step in steps(found)[1:])
+    later = now + 90_000 * MS
+    assert clock.time_ns("mouse", 0, later, painting=False) == later

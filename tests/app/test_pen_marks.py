@@ -20,7 +20,6 @@ from PySide6 import QtWidgets
 
 import paint3d
 from paint3d.app.model.document import Document
-from paint3d.app.model.input.event_clock import EventClock
 from paint3d.app.window.hand import canvas as canvases
 from paint3d.app.window.studio import StudioWindow
 from paint3d.brush.bending import build_tuft
@@ -414,17 +413,6 @@ def lines_on(window: StudioWindow, name: str, side: str, n: int) -> Iterator[Eve
     return random_strokes(window, np.random.default_rng(12), n, side)
 
 
-def wait_for_the_palm(window: StudioWindow) -> None:
-    """For a moment after a pen was seen, what touches is the hand that holds it.
-
-    By the events' times, which the computer's own has to come to. What was played faster than a
-    hand goes, by more and more over a file of tests, is ahead of it: the window counts anew.
-    """
-    ends_s = 1e-3 * player_of(window).now_ms + 0.25
-    time.sleep(max(0.25, ends_s - time.monotonic()))
-    window.canvas._clock, window.canvas.pen_seen_ns = EventClock(), None
-
-
 @pytest.mark.parametrize(("name", "side"), BY_HAND)
 def test_a_finger_paints_under_its_point(window, monkeypatch, name: str, side: str) -> None:
     monkeypatch.setattr(window.canvas, "finger", "paint")  # by itself it turns once a pen was seen
@@ -434,7 +422,7 @@ def test_a_finger_paints_under_its_point(window, monkeypatch, name: str, side: s
         player_of(window).play(stroke)  # pens are played faster than a hand writes
         window.workspace.post("undo")
         settle(window)
-        wait_for_the_palm(window)
+        time.sleep(1.25)  # so long what touches is the hand that holds the pen
         player_of(window).play(by_finger(stroke))
         told += faults(Trial(number, mark_now(window), way))
         window.workspace.post("undo")

@@ -32,7 +32,7 @@ _PULL, _LEARN = 0.1, 0.1  # how fast evened times follow the handing over, and i
 class _Kind:
     """What is known of one kind of device's times."""
 
-    offset_ns: int
+    offset_ns: int  # of its stamps to the monotonic clock; untimed: of the handing over
     stamp_ms: int
     n_same: int = 0
     untimed: bool = False
@@ -72,9 +72,9 @@ class EventClock:
         if known is None:
             known = self._kinds[kind] = _Kind(_offset_ns(stamp_ms, handled_ns), stamp_ms - 1)
             known.handled_ns = handled_ns - _FIRST_PERIOD_NS
-        self._judge(kind, known, stamp_ms)
+        self._judge(kind, known, stamp_ms, handled_ns)
         if known.untimed:
-            found = self._evened(known, handled_ns)
+            found = self._evened(known, handled_ns, painting)
         else:
             found = self._mapped(known, stamp_ms, handled_ns, painting)
             if not painting and self._last_ns is not None and found < self._last_ns - _MS:
@@ -85,14 +85,16 @@ class EventClock:
         self._last_ns = found
         return found
 
-    def _judge(self, kind: str, known: _Kind, stamp_ms: int) -> None:
+    def _judge(self, kind: str, known: _Kind, stamp_ms: int, handled_ns: int) -> None:
         """Find out whether a device tells the time."""
         known.n_same = known.n_same + 1 if stamp_ms == known.stamp_ms else 0
         if stamp_ms <= 0 or known.n_same >= _STUCK:
-            known.untimed = True
+            if not known.untimed:
+                known.untimed, known.offset_ns = True, 0
             self.untimed.add(kind)
         elif known.n_same == 0 and known.untimed and stamp_ms > known.stamp_ms > 0:
             known.untimed = False  # it has begun to
+            known.offset_ns = _offset_ns(stamp_ms, handled_ns)
 
     def _mapped(self, known: _Kind, stamp_ms: int, handled_ns: int, painting: bool) -> int:
         found = known.offset_ns + stamp_ms * _MS
@@ -104,15 +106,18 @@ class EventClock:
             return known.offset_ns + stamp_ms * _MS
         return found
 
-    def _evened(self, known: _Kind, handled_ns: int) -> int:
+    def _evened(self, known: _Kind, handled_ns: int, painting: bool) -> int:
+        if not painting:  # times that lead by more than evening out does are gone on with
+            lead = 0 if self._last_ns is None else self._last_ns - handled_ns
+            known.offset_ns = lead if lead > _AHEAD_NS else 0
         step = float(handled_ns - known.handled_ns)
         least, most = _PERIODS_NS
         if step <= most:  # a longer one is a pause, or a slow picture
             known.period_ns += _LEARN * (max(step, least) - known.period_ns)
         if self._last_ns is None or step > 5 * most:
-            return handled_ns
+            return handled_ns + known.offset_ns
         expected = self._last_ns + known.period_ns
-        return round(expected + _PULL * (handled_ns - expected))
+        return round(expected + _PULL * (handled_ns + known.offset_ns - expected))
 
 
 def _offset_ns(stamp_ms: int, handled_ns: int) -> int:

@@ -238,6 +238,7 @@ class Canvas(QtWidgets.QWidget):
         self._pen_touched_ns: int | None = None  # when a pen was down last, on whatever
         self._has_misread = False
         self.pen_seen_ns: int | None = None
+        self._pen_handled_ns = 0  # when its last event was handed over
         self._clock = EventClock()
 
     @property
@@ -333,7 +334,7 @@ class Canvas(QtWidgets.QWidget):
         place = event.position()
         time_ns = self._time_ns("mouse", event, handled)
         pressed = handled if "mouse" in self._clock.untimed else time_ns  # not evened out
-        if self._pen_touched_ns is not None and pressed - self._pen_touched_ns < _STRAY_NS:
+        if self._was_just(self._pen_touched_ns, pressed, _STRAY_NS):
             return
         self._pressed_ns = pressed
         mode = _mode_of(event) or self.mode_at(place.x(), place.y(), event.modifiers())
@@ -395,6 +396,7 @@ class Canvas(QtWidgets.QWidget):
         handled = time.perf_counter_ns()
         event.accept()
         self._take_focus()
+        self._pen_handled_ns = handled
         time_ns = self.pen_seen_ns = self._time_ns("pen", event, handled)
         self._look_at_pressure(event.pressure())
         place = event.position()
@@ -511,7 +513,16 @@ class Canvas(QtWidgets.QWidget):
 
     def _saw_pen(self, time_ns: int, within_ns: int) -> bool:
         """Whether a pen was here so shortly before."""
-        return self.pen_seen_ns is not None and time_ns - self.pen_seen_ns < within_ns
+        return self._was_just(self.pen_seen_ns, time_ns, within_ns)
+
+    def _was_just(self, pen_ns: int | None, time_ns: int, within_ns: int) -> bool:
+        """Whether the pen did something so shortly before, by its event's time.
+
+        Where a pen's times lie ahead, all that others do seems to follow at once; not later than a
+        picture takes after the pen's last event was handed over.
+        """
+        waited_ns = time.perf_counter_ns() - self._pen_handled_ns
+        return pen_ns is not None and time_ns - pen_ns < within_ns and waited_ns < within_ns + _S
 
     def _take_native(self, event: QtGui.QNativeGestureEvent) -> bool:
         """Fingers on a touch pad: pinch and roll."""
