@@ -147,7 +147,7 @@ def test_it_costs_nothing_while_nothing_is_chosen(window, monkeypatch) -> None:
 def test_a_click_on_its_paint_chooses_a_stroke_and_a_drag_moves_it(window) -> None:
     canvas, n_painted = window.canvas, window.stage.paint_thread.n_painted
     choose_in_menu(window, "pick")
-    assert window.editing.drag.is_waiting
+    assert window.editing.drag.is_on
     pen_stroke(canvas, (0.48, 0.58), (0.48, 0.58), [0.5, 0.5, 0.0])
     found = np.argwhere(accents(window))
     assert found[:, 0].mean() / canvas.pixels.shape[0] == pytest.approx(0.58, abs=0.02)
@@ -156,7 +156,7 @@ def test_a_click_on_its_paint_chooses_a_stroke_and_a_drag_moves_it(window) -> No
     settled(window)
     assert window.document.n_edits == 1
     assert window.stage.paint_thread.n_painted == n_painted  # neither painted
-    assert not window.editing.drag.is_waiting
+    assert not window.editing.drag.is_on
     found = np.argwhere(accents(window))  # the mark has gone with it
     assert found[:, 0].mean() / canvas.pixels.shape[0] == pytest.approx(0.70, abs=0.03)
 
@@ -174,10 +174,10 @@ def test_beside_all_paint_no_stroke_is_chosen(window) -> None:
     pen_stroke(window.canvas, (0.48, 0.75), (0.48, 0.75), [0.5, 0.5, 0.0])
     assert window.mark.numbers == ()
     assert "There is no stroke there" in window.status.told.text()
-    assert window.editing.drag.is_waiting
+    assert window.editing.drag.is_on
     window.canvas.setFocus()
     type_key(window.canvas, QtCore.Qt.Key.Key_Escape)
-    assert not window.editing.drag.is_waiting
+    assert not window.editing.drag.is_on
 
 
 @pytest.mark.parametrize("finger", ["auto", "turn"])
@@ -205,7 +205,7 @@ def test_two_fingers_move_the_view_while_a_drag_is_waited_for(window) -> None:
     move_view(window)
     settled(window)
     assert window.hand.camera is not camera
-    assert window.editing.drag.is_waiting
+    assert window.editing.drag.is_on
     assert window.document.n_edits == 0
     window.hand.look(camera)
 

@@ -305,9 +305,9 @@ def test_one_tool_lets_the_other_be(window) -> None:
     ask(window, "永")
     drag.begin()
     assert window.sealing.seal is None
-    assert drag.is_waiting
+    assert drag.is_on
     ask(window, "永")
-    assert not drag.is_waiting
+    assert not drag.is_on
     assert canvas.mode_at == steers
     window.sealing.let_be()
     assert canvas.tool is None

@@ -599,10 +599,10 @@ def test_what_else_takes_the_next_touch_ends_it_and_is_ended_by_it(pad_window, l
     drag.begin()
     assert not calibrating.is_on
     assert link.is_closed
-    assert drag.is_waiting
+    assert drag.is_on
     press(pad_window.panels.devices.stylus.calibrate)
     assert calibrating.is_on
-    assert not drag.is_waiting
+    assert not drag.is_on
     calibrating.stop()
     assert pad_window.canvas.tool is None
 

@@ -130,17 +130,17 @@ def test_a_stroke_is_dragged_on_the_object(window) -> None:
     assert window.stage.paint_thread.n_painted == n_samples  # the drag did not paint
     after = inked(window)
     assert after[:, 1].max() > before[:, 1].max() + 3.0
-    assert not window.editing.drag.is_waiting
+    assert not window.editing.drag.is_on
 
 
 def test_a_drag_beside_the_object_waits_and_esc_leaves_it(window) -> None:
     canvas, before = window.canvas, state(window)
     choose(window, 0, "drag")
     drag(canvas, (0.01, 0.02), (0.02, 0.03))
-    assert window.editing.drag.is_waiting
+    assert window.editing.drag.is_on
     assert "beside the object" in window.status.told.text()
     press(window, QtCore.Qt.Key.Key_Escape)
-    assert not window.editing.drag.is_waiting
+    assert not window.editing.drag.is_on
     same(window, before)
 
 

@@ -12,7 +12,7 @@ from PySide6 import QtCore, QtGui
 
 from paint3d.app.model.copybook import Copybook
 from paint3d.app.model.laid_text import LaidText
-from paint3d.app.window.hand.canvas import Touch
+from paint3d.app.window.hand.canvas_tool import CanvasTool, draw_grip
 from paint3d.app.window.wording import say
 from paint3d.app.window.workspace import Workspace
 from paint3d.core.arrays import AnyArray
@@ -21,8 +21,7 @@ from paint3d.mesh.chart import SurfaceFrame, frame_at
 
 __all__ = ["HeldText", "TextMover"]
 
-_KIND, _KEY = QtCore.QEvent.Type, QtCore.Qt.Key
-_KEYS = (_KIND.ShortcutOverride, _KIND.KeyPress)
+_KEY = QtCore.Qt.Key
 _GRIP, _REACH = 7.0, 14.0  # pixels: half of a grip, and how near it is taken
 _AWAY = 30.0  # pixels from the text to the ring that turns it
 _STEP_MM, _FAR_MM, _DEGREES, _GROWS, _APART = 1.0, 10.0, 1.0, 1.02, 0.02
@@ -51,7 +50,7 @@ class HeldText:
     shape: tuple[int, int]
 
 
-class TextMover(QtCore.QObject):
+class TextMover(CanvasTool):
     """Waits for drags and keys that move a text; the brush does not paint meanwhile.
 
     Parameters
@@ -67,13 +66,11 @@ class TextMover(QtCore.QObject):
     changed : dict
         Other values of the text.
     removed : ()
-    turned_on : bool
-        Whether it waits, from now on.
     """
 
     changed = QtCore.Signal(object)
     removed = QtCore.Signal()
-    turned_on = QtCore.Signal(bool)
+    keys = frozenset({*_ARROWS, _KEY.Key_Delete})
 
     def __init__(
         self,
@@ -82,79 +79,38 @@ class TextMover(QtCore.QObject):
         choose: Callable[[AnyArray], bool],
     ) -> None:
         super().__init__(workspace)
-        self._workspace, self._canvas = workspace, workspace.canvas
         self._held, self._choose = held, choose
         self._grip = ""  # that is dragged
         self._from = QtCore.QPointF()
         self._place: AnyArray | None = None  # where the drag began on the object
         self._changes: dict[str, Any] = {}
-        self._is_down = False
-        self._mode_at: Callable[..., str | None] = self._canvas.mode_at
         self._timer = QtCore.QTimer(self, interval=_PATIENCE_MS, singleShot=True)
         self._timer.timeout.connect(self._commit)
-        self._canvas.overlays.append(self._paint)
-        self._canvas.taken_back.connect(self._drop)
-        workspace.opened.connect(lambda _: self.end())
-
-    @property
-    def is_on(self) -> bool:
-        """Whether drags move texts."""
-        return self._canvas.tool == self._take
 
     def begin(self) -> None:
         """Let drags and keys move texts, until `end`."""
-        if self.is_on:
-            return
-        self._canvas.take_up(self._take, self.end)
-        self._mode_at, self._canvas.mode_at = self._canvas.mode_at, self._mode
-        self._canvas.installEventFilter(self)
-        self._canvas.setCursor(QtCore.Qt.CursorShape.OpenHandCursor)
-        self._canvas.setFocus()
-        self._is_down, self._changes = False, {}
-        self._workspace.tell(
+        self.turn_on(
             say(
                 "Drag a text to move it, its corner to scale it, the ring to turn it; arrows move, "
                 "with Ctrl turn and scale, with Alt space; Esc ends"
-            ),
-            stays=True,
+            )
         )
-        self.turned_on.emit(True)
-        self._canvas.update()
 
     def end(self) -> None:
-        """Paint again with the next drag."""
-        if not self.is_on:
-            return
-        self._commit()
-        self._canvas.lay_down(self._take)
-        self._canvas.mode_at = self._mode_at
-        self._canvas.removeEventFilter(self)
-        self._canvas.setCursor(QtCore.Qt.CursorShape.CrossCursor)
-        self._show(None)
-        self._workspace.tell(say("Ready"))
-        self.turned_on.emit(False)
+        """Paint again with the next drag; what keys have changed stays."""
+        if self.is_on:
+            self._commit()
+            super().end()
 
     # -- keys -------------------------------------------------------------------------------
 
-    def eventFilter(self, watched: QtCore.QObject, event: QtCore.QEvent) -> bool:
-        """Move by arrows, end by Esc, remove by Delete."""
-        if not self.is_on or event.type() not in _KEYS or not isinstance(event, QtGui.QKeyEvent):
-            return False
-        key, keys = event.key(), event.modifiers()
-        known = key in _ARROWS or key in (_KEY.Key_Escape, _KEY.Key_Delete)
-        if not known:
-            return False
-        event.accept()
-        if event.type() == _KIND.ShortcutOverride:
-            return True
-        if key == _KEY.Key_Escape:
-            self.end()
-        elif key == _KEY.Key_Delete:
+    def press_key(self, event: QtGui.QKeyEvent) -> None:
+        """Move by arrows, remove by Delete."""
+        if event.key() == _KEY.Key_Delete:
             self._changes = {}
             self.removed.emit()
         else:
-            self._nudge(*_ARROWS[_KEY(key)], keys)
-        return True
+            self._nudge(*_ARROWS[_KEY(event.key())], event.modifiers())
 
     def _nudge(self, right: int, up: int, keys: QtCore.Qt.KeyboardModifier) -> None:
         """Change the text by one key; it is laid anew when no further one comes."""
@@ -206,61 +162,49 @@ class TextMover(QtCore.QObject):
 
     # -- the hand ---------------------------------------------------------------------------
 
-    def _mode(self, x: float, y: float, keys: QtCore.Qt.KeyboardModifier) -> str | None:
-        """How a drag that begins here steers: beside a text and its grips as always."""
-        takes = self.is_on and "steer" not in self._workspace.hand.held
-        takes = takes and not self._canvas.grip_at(x, y)
-        if takes and (self._grip_at(QtCore.QPointF(x, y)) or self._on_object(x, y) is not None):
-            return None
-        return self._mode_at(x, y, keys)
+    def takes(self, at: QtCore.QPointF) -> bool:
+        """Whether a grip or the object is there; beside them a drag turns the view as always."""
+        return bool(self._grip_at(at)) or self._on_object(at.x(), at.y()) is not None
 
     def _on_object(self, x: float, y: float) -> AnyArray | None:
         return self._workspace.hand.place_at(x, y)
 
-    def _take(self, touch: Touch) -> bool:
-        """Follow a mouse, a pen or a finger; False while it is only over the picture."""
-        was_down, self._is_down = self._is_down, touch.down
-        if not (was_down or touch.down):
-            return False
-        now = QtCore.QPointF(touch.x, touch.y)
-        if not was_down:
-            self._take_hold(now)
-        elif touch.down:
-            self._drag(now)
-        else:
-            self._drag(now)
-            self._grip = ""
-            self._canvas.setCursor(QtCore.Qt.CursorShape.OpenHandCursor)
-            self._commit()
-        return True
-
-    def _take_hold(self, now: QtCore.QPointF) -> None:
+    def let_go(self, at: QtCore.QPointF) -> None:
+        """Have what was dragged laid there."""
+        self.drag(at)
+        self._grip = ""
+        self._canvas.setCursor(self.cursor)
         self._commit()
-        self._grip = self._grip_at(now)
-        self._place = self._on_object(now.x(), now.y())
+
+    def take_hold(self, at: QtCore.QPointF, *, adds: bool) -> None:
+        """Take hold of a grip, or of the text there."""
+        self._commit()
+        self._grip = self._grip_at(at)
+        self._place = self._on_object(at.x(), at.y())
         if not self._grip:
             if self._place is None or not self._choose(self._place):
                 self._workspace.tell(say("There is no text there"), state="bad")
                 return
             self._grip = "move"
-        self._from = now
+        self._from = at
         self._canvas.setCursor(QtCore.Qt.CursorShape.ClosedHandCursor)
 
-    def _drag(self, now: QtCore.QPointF) -> None:
+    def drag(self, at: QtCore.QPointF) -> None:
+        """Show what the drag so far would do."""
         held = self._held()
-        if held is None or not self._grip or now == self._from:
+        if held is None or not self._grip or at == self._from:
             return
         frame = held.book.block.frame
         changes: dict[str, Any] = {"point": tuple(frame.origin.tolist())}
         if self._grip == "move":
-            place = self._on_object(now.x(), now.y())
+            place = self._on_object(at.x(), at.y())
             if place is None or self._place is None:
                 return
             target = frame.origin + place - self._place
             found = self._workspace.hand.surface.find(target[None]).points[0]
             changes["point"] = tuple(found.tolist())
         else:
-            ahead = self._in_plane(frame, now)
+            ahead = self._in_plane(frame, at)
             before = self._in_plane(frame, self._from)
             if ahead is None or before is None:
                 return
@@ -293,9 +237,9 @@ class TextMover(QtCore.QObject):
         off = ray.origin + away * ray.direction - frame.origin
         return np.array([off @ frame.x_axis, off @ frame.y_axis])
 
-    def _drop(self) -> None:
-        """Hold nothing: what a finger began was the beginning of a gesture of several."""
-        self._is_down, self._grip, self._changes = False, "", {}
+    def drop(self) -> None:
+        """Hold nothing."""
+        self._grip, self._changes = "", {}
         self._show(None)
 
     # -- the picture ------------------------------------------------------------------------
@@ -375,9 +319,9 @@ class TextMover(QtCore.QObject):
         stage.show_lines(_LINES, lines, (accent.red(), accent.green(), accent.blue(), 200), 1.6)
         self._canvas.update()
 
-    def _paint(self, painter: QtGui.QPainter, _: QtCore.QRect) -> None:
+    def paint(self, painter: QtGui.QPainter) -> None:
         """Draw the text's outline and its grips."""
-        held = self._held() if self.is_on else None
+        held = self._held()
         if held is None:
             return
         accent = QtGui.QColor(self._workspace.theme.accent)
@@ -388,18 +332,7 @@ class TextMover(QtCore.QObject):
         painter.setPen(QtGui.QPen(QtGui.QColor("#ffffff"), 1.5))
         painter.setBrush(accent)
         for name, at in self.grips().items():
-            box = QtCore.QRectF(at.x() - _GRIP, at.y() - _GRIP, 2.0 * _GRIP, 2.0 * _GRIP)
-            if name == "turn":
-                painter.drawEllipse(box)
-            elif name == "scale":
-                painter.drawRect(box)
-            else:
-                thin = 0.5 * _GRIP
-                wide = name == "down"
-                painter.drawRoundedRect(
-                    box.adjusted(0, thin, 0, -thin) if wide else box.adjusted(thin, 0, -thin, 0),
-                    3, 3,
-                )  # fmt: skip
+            draw_grip(painter, name, at, _GRIP)
 
 
 def _spaced(laid: LaidText, level: bool) -> str:

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from PySide6 import QtCore, QtGui
 
-from paint3d.app.window.hand.canvas import Canvas, Touch
+from paint3d.app.window.hand.canvas_tool import CLICK, CanvasTool, draw_grip
 from paint3d.app.window.history.stroke_mark import StrokeMark, ways_of
 from paint3d.app.window.wording import say
 from paint3d.app.window.workspace import Workspace
@@ -18,15 +18,12 @@ from paint3d.core.arrays import AnyArray
 
 __all__ = ["StrokeChooser"]
 
-_KIND, _KEY = QtCore.QEvent.Type, QtCore.Qt.Key
-_KEYS = (_KIND.ShortcutOverride, _KIND.KeyPress)
-_CLICK = 5.0  # pixels that a hand goes at most while it only points
 _REACH, _GRIP, _AWAY, _ROOM = 14.0, 6.0, 26.0, 10.0  # pixels
 _INSIDE = 0.5  # share of a stroke's way within the loop
 _LEAST, _MOST = 0.1, 10.0  # of a scale by one drag
 
 
-class StrokeChooser(QtCore.QObject):
+class StrokeChooser(CanvasTool):
     """For one window: while it is on, drags choose and move strokes and do not paint.
 
     Parameters
@@ -39,124 +36,73 @@ class StrokeChooser(QtCore.QObject):
     -------
     edited : dict
         What is to be done with them; see `stroke_group.edit_group`.
-    turned_on : bool
     """
 
     edited = QtCore.Signal(object)
-    turned_on = QtCore.Signal(bool)
+    keys = frozenset({QtCore.Qt.Key.Key_Delete})
+    cursor = QtCore.Qt.CursorShape.PointingHandCursor
 
     def __init__(self, workspace: Workspace, mark: StrokeMark) -> None:
         super().__init__(workspace)
-        self._workspace, self._mark = workspace, mark
-        self._canvas: Canvas = workspace.canvas
+        self._mark = mark
         self._doing = ""  # "loop", "move", or a grip
         self._adds = False
         self._loop: list[QtCore.QPointF] = []
         self._place: AnyArray | None = None  # where the drag began on the object
-        self._is_down = False
-        self._mode_at: Callable[..., str | None] = self._canvas.mode_at
-        self._canvas.overlays.append(self._paint)
-        self._canvas.taken_back.connect(self._drop)
         mark.changed.connect(lambda _: self._canvas.update())
-        workspace.opened.connect(lambda _: self.end())
-
-    @property
-    def is_on(self) -> bool:
-        """Whether drags choose strokes."""
-        return self._canvas.tool == self._take
 
     def begin(self) -> None:
         """Let drags choose and move strokes until `end`."""
-        if self.is_on:
-            return
-        self._canvas.take_up(self._take, self.end)
-        self._mode_at, self._canvas.mode_at = self._canvas.mode_at, self._mode
-        self._canvas.installEventFilter(self)
-        self._canvas.setCursor(QtCore.Qt.CursorShape.PointingHandCursor)
-        self._canvas.setFocus()
-        self._is_down = False
         self._workspace.stage.hide_brush()
-        self._workspace.tell(
+        self.turn_on(
             say(
                 "Draw a loop around strokes, or click them; drag them, their corner or their ring; "
                 "Del deletes; Esc ends"
-            ),
-            stays=True,
+            )
         )
-        self.turned_on.emit(True)
-        self._canvas.update()
 
     def end(self) -> None:
-        """Paint again with the next drag."""
-        if not self.is_on:
-            return
-        self._drop()
-        self._canvas.lay_down(self._take)
-        self._canvas.mode_at = self._mode_at
-        self._canvas.removeEventFilter(self)
-        self._canvas.setCursor(QtCore.Qt.CursorShape.CrossCursor)
-        self._mark.choose(None)
-        self._workspace.tell(say("Ready"))
-        self.turned_on.emit(False)
+        """Paint again with the next drag; no stroke stays chosen."""
+        if self.is_on:
+            super().end()
+            self._mark.choose(None)
 
-    # -- keys and hands ---------------------------------------------------------------------
-
-    def eventFilter(self, watched: QtCore.QObject, event: QtCore.QEvent) -> bool:
-        """End by Esc, delete by Delete."""
-        if not self.is_on or event.type() not in _KEYS or not isinstance(event, QtGui.QKeyEvent):
-            return False
-        if event.key() not in (_KEY.Key_Escape, _KEY.Key_Delete):
-            return False
-        event.accept()
-        if event.type() == _KIND.ShortcutOverride:
-            return True
-        if event.key() == _KEY.Key_Escape:
-            self.end()
-        elif self._mark.numbers:
+    def press_key(self, event: QtGui.QKeyEvent) -> None:
+        """Delete what is chosen."""
+        if self._mark.numbers:
             self.edited.emit({"do": "delete"})
-        return True
 
-    def _mode(self, x: float, y: float, keys: QtCore.Qt.KeyboardModifier) -> str | None:
-        """How a drag that begins here steers: by the view's grips and with Space."""
-        steers = self._canvas.grip_at(x, y) or "steer" in self._workspace.hand.held
-        return self._mode_at(x, y, keys) if steers or not self.is_on else None
+    # -- the hand ---------------------------------------------------------------------------
 
-    def _take(self, touch: Touch) -> bool:
-        """Follow a mouse, a pen or a finger; False while it is only over the picture."""
-        was_down, self._is_down = self._is_down, touch.down
-        if not (was_down or touch.down):
-            return False
-        now = QtCore.QPointF(touch.x, touch.y)
-        if not was_down:
-            self._take_hold(now, adds=touch.bends)
-        else:
-            self._loop.append(now)
-            if not touch.down:
-                self._let_go()
-        self._canvas.update()
-        return True
+    def drop(self) -> None:
+        """Hold nothing."""
+        self._doing, self._loop = "", []
 
-    def _drop(self) -> None:
-        """Hold nothing: what a finger began was the beginning of a gesture of several."""
-        self._doing, self._loop, self._is_down = "", [], False
-        self._canvas.update()
-
-    def _take_hold(self, now: QtCore.QPointF, *, adds: bool) -> None:
-        self._loop, self._adds = [now], adds
-        self._place = self._workspace.hand.place_at(now.x(), now.y())
-        self._doing = self._grip_at(now)
+    def take_hold(self, at: QtCore.QPointF, *, adds: bool) -> None:
+        """Begin at a grip, at a chosen stroke, or with a loop."""
+        self._loop, self._adds = [at], adds
+        self._place = self._workspace.hand.place_at(at.x(), at.y())
+        self._doing = self._grip_at(at)
         if not self._doing:
             held = None if self._place is None or adds else self._mark.stroke_at(self._place)
             self._doing = "move" if held is not None and held in self._mark.numbers else "loop"
 
-    def _let_go(self) -> None:
+    def drag(self, at: QtCore.QPointF) -> None:
+        """Go on with a loop, or with what is held."""
+        self._loop.append(at)
+
+    def let_go(self, at: QtCore.QPointF) -> None:
+        """Choose what was clicked or lies within the loop, or have what was dragged edited."""
+        if not self._loop:
+            return
+        self._loop.append(at)
         doing, way = self._doing, self._loop
         first, last = way[0], way[-1]
         place = self._place
         reach = max(math.hypot((p - first).x(), (p - first).y()) for p in way)
-        change = self._change() if reach >= _CLICK else {}
-        self._drop()
-        if reach < _CLICK:
+        change = self._change() if reach >= CLICK else {}
+        self.drop()
+        if reach < CLICK:
             self._click(place)
         elif doing == "loop":
             self._choose_within(way)
@@ -254,10 +200,8 @@ class StrokeChooser(QtCore.QObject):
         ratio = math.hypot(after.x(), after.y()) / max(1.0, math.hypot(before.x(), before.y()))
         return {"scale": min(max(ratio, _LEAST), _MOST)}
 
-    def _paint(self, painter: QtGui.QPainter, _: QtCore.QRect) -> None:
+    def paint(self, painter: QtGui.QPainter) -> None:
         """Draw the loop, the grips, and where the strokes would come to lie."""
-        if not self.is_on:
-            return
         accent = QtGui.QColor(self._workspace.theme.accent)
         painter.setBrush(QtCore.Qt.BrushStyle.NoBrush)
         painter.setPen(QtGui.QPen(accent, 1.2, QtCore.Qt.PenStyle.DashLine))
@@ -283,8 +227,7 @@ class StrokeChooser(QtCore.QObject):
         painter.setPen(QtGui.QPen(QtGui.QColor("#ffffff"), 1.5))
         painter.setBrush(accent)
         for name, at in self.grips().items():
-            spot = QtCore.QRectF(at.x() - _GRIP, at.y() - _GRIP, 2.0 * _GRIP, 2.0 * _GRIP)
-            (painter.drawEllipse if name == "turn" else painter.drawRect)(spot)
+            draw_grip(painter, name, at, _GRIP)
 
 
 def _within(points: AnyArray, loop: AnyArray) -> NDArray[np.bool_]:

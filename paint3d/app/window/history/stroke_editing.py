@@ -191,7 +191,7 @@ class StrokeEditing:
 
     def __init__(self, workspace: Workspace, mark: StrokeMark) -> None:
         self._workspace, self._mark = workspace, mark
-        drag = self.drag = StrokeDrag(workspace, workspace.canvas, mark.stroke_at)
+        drag = self.drag = StrokeDrag(workspace, mark.stroke_at)
         drag.chosen.connect(mark.choose)
         drag.dragged.connect(
             lambda number, ends: self.edit(number, {"do": "move", "to": [e.tolist() for e in ends]})

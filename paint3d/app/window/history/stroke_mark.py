@@ -9,7 +9,7 @@ import numpy as np
 from PySide6 import QtCore, QtGui
 
 from paint3d.app.model.stroke_log import Stroke
-from paint3d.app.window.hand.canvas import Canvas, Touch
+from paint3d.app.window.hand.canvas_tool import CLICK, CanvasTool
 from paint3d.app.window.wording import say
 from paint3d.app.window.workspace import Workspace
 from paint3d.core.arrays import AnyArray
@@ -185,19 +185,15 @@ def _distance(ways: Sequence[AnyArray], place: AnyArray) -> float:
 # A stroke that is dragged to another place: where it is taken hold of, and where let go.
 
 
-_KIND = QtCore.QEvent.Type
-_KEYS = (_KIND.ShortcutOverride, _KIND.KeyPress)
 _RADIUS, _WIDTH = 6.0, 2.0  # of what is drawn, pixels
-_CLICK = 5.0  # pixels that a pen goes at most while it only chooses
 
 
-class StrokeDrag(QtCore.QObject):
+class StrokeDrag(CanvasTool):
     """Waits for one drag over the picture by mouse, pen or finger, which does not paint.
 
     Parameters
     ----------
     workspace : Workspace
-    canvas : Canvas
     stroke_at : callable
         The number of the stroke that lies at a place (3,) of the object, from 0, or None.
 
@@ -215,103 +211,36 @@ class StrokeDrag(QtCore.QObject):
     def __init__(
         self,
         workspace: Workspace,
-        canvas: Canvas,
         stroke_at: Callable[[AnyArray], int | None],
     ) -> None:
-        super().__init__(canvas)
-        self._workspace, self._canvas, self._stroke_at = workspace, canvas, stroke_at
+        super().__init__(workspace)
+        self._stroke_at = stroke_at
         self._named: int | None = None  # the stroke that is to be moved
         self._number: int | None = None  # the one that is held
         self._from: tuple[QtCore.QPointF, AnyArray] | None = None
         self._now = QtCore.QPointF()
-        self._is_down = False
-        self._mode_at: Callable[..., str | None] = canvas.mode_at
-        canvas.overlays.append(self._paint)
-        canvas.taken_back.connect(self._drop)
-        workspace.opened.connect(lambda _: self.end())
-
-    @property
-    def is_waiting(self) -> bool:
-        """Whether the next drag moves a stroke."""
-        return self._canvas.tool == self._take
 
     def begin(self, number: int | None = None) -> None:
         """Let the next drag move this stroke, or the one at which it begins."""
         self.end()
         self._named = number
-        self._is_down = False
-        self._canvas.take_up(self._take, self.end)
-        self._mode_at, self._canvas.mode_at = self._canvas.mode_at, self._mode
-        self._canvas.installEventFilter(self)
-        self._canvas.setCursor(QtCore.Qt.CursorShape.OpenHandCursor)
-        self._canvas.setFocus()
-        message = (
+        self.turn_on(
             say("Click a stroke on the object, or drag it to its new place; Esc cancels")
             if number is None
             else say("Drag stroke {n} to its new place; Esc cancels", n=number + 1)
         )
-        self._workspace.tell(message, stays=True)
 
-    def end(self) -> None:
-        """Paint again with the next drag."""
-        if not self.is_waiting:
-            return
-        self._named = self._number = self._from = None
-        self._canvas.lay_down(self._take)
-        self._canvas.mode_at = self._mode_at
-        self._canvas.removeEventFilter(self)
-        self._canvas.setCursor(QtCore.Qt.CursorShape.CrossCursor)
-        self._canvas.update()
-        self._workspace.tell(say("Ready"))
-
-    # -- what the hand does -----------------------------------------------------------------
-
-    def eventFilter(self, watched: QtCore.QObject, event: QtCore.QEvent) -> bool:
-        """Leave it by Esc."""
-        if not self.is_waiting or event.type() not in _KEYS:
-            return False
-        if not isinstance(event, QtGui.QKeyEvent):
-            return False
-        if event.key() != QtCore.Qt.Key.Key_Escape:
-            return False
-        event.accept()
-        if event.type() == _KIND.KeyPress:
-            self.end()
-        return True
-
-    def _mode(self, x: float, y: float, keys: QtCore.Qt.KeyboardModifier) -> str | None:
-        """How a drag that begins here steers: by grips and with Space; beside the object not."""
-        steers = self._canvas.grip_at(x, y) or "steer" in self._workspace.hand.held
-        return self._mode_at(x, y, keys) if steers or not self.is_waiting else None
-
-    def _take(self, touch: Touch) -> bool:
-        """Follow a mouse, a pen or a finger; False while it is only over the picture."""
-        was_down, self._is_down = self._is_down, touch.down
-        if not (was_down or touch.down):
-            return False
-        self._now = QtCore.QPointF(touch.x, touch.y)
-        if not was_down:
-            self._take_hold()
-        elif not touch.down:
-            self._let_go()
-        self._canvas.update()
-        return True
-
-    def _drop(self) -> None:
-        """Hold nothing: what a finger began was the beginning of a gesture of several."""
-        self._is_down = False
-        if self.is_waiting:
-            self._hold_nothing()
-            self._canvas.update()
-
-    def _hold_nothing(self) -> None:
+    def drop(self) -> None:
+        """Hold nothing."""
         self._number = self._from = None
-        self._canvas.setCursor(QtCore.Qt.CursorShape.OpenHandCursor)
+        self._canvas.setCursor(self.cursor)
 
     def _place(self) -> AnyArray | None:
         return self._workspace.hand.place_at(self._now.x(), self._now.y())
 
-    def _take_hold(self) -> None:
+    def take_hold(self, at: QtCore.QPointF, *, adds: bool) -> None:
+        """Take hold of the stroke there, or of the one that was named."""
+        self._now = at
         place = self._place()
         if place is None:
             self._workspace.tell(say("That is beside the object"), state="bad")
@@ -325,21 +254,27 @@ class StrokeDrag(QtCore.QObject):
         self._from = self._now, place
         self._canvas.setCursor(QtCore.Qt.CursorShape.ClosedHandCursor)
 
-    def _let_go(self) -> None:
+    def drag(self, at: QtCore.QPointF) -> None:
+        """Draw how far it is dragged."""
+        self._now = at
+
+    def let_go(self, at: QtCore.QPointF) -> None:
+        """Have it moved there."""
+        self._now = at
         held, place, number = self._from, self._place(), self._number
         if held is None or number is None:
             return
         way = self._now - held[0]
-        if self._named is None and abs(way.x()) + abs(way.y()) < _CLICK:
-            self._hold_nothing()
+        if self._named is None and abs(way.x()) + abs(way.y()) < CLICK:
+            self.drop()
         elif place is None:
-            self._hold_nothing()
+            self.drop()
             self._workspace.tell(say("That is beside the object"), state="bad")
         else:
             self.end()
             self.dragged.emit(number, (held[1], place))
 
-    def _paint(self, painter: QtGui.QPainter, _: QtCore.QRect) -> None:
+    def paint(self, painter: QtGui.QPainter) -> None:
         """Draw how far it is dragged."""
         if self._from is None:
             return
