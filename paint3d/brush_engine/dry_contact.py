@@ -39,6 +39,7 @@ _SIDE = _CELLS * _STEPS
 _MASK = _SIDE - 1
 _SHIFT, _SHIFT2 = 6, 12  # powers of 2 in the side of the table, and in a layer
 _UP, _DOWN = (np.int32(24), np.int32(16), np.int32(8)), np.int32(24)  # bits to a byte's place
+_APART = np.int32(23)  # steps along the way between periods of bundles that lie side by side
 _LEVELS = 32.0  # of the table, to a standard deviation
 _LAYERS = (3, 35)  # of it, that broad and narrow bundles are read from
 _ASKEW = np.array(  # a turn by 1 rad about (1, 2, 3): how the tooth lies in space
@@ -48,20 +49,21 @@ _ASKEW = np.array(  # a turn by 1 rad about (1, 2, 3): how the tooth lies in spa
         [-0.351279, 0.421906, 0.835822],
     ]
 )
-_TOOTH = (0.55, 0.35)  # standard deviations of its bumps, coarse and fine
+_TOOTH = (0.4, 0.25)  # standard deviations of its bumps, coarse and fine
 _FINER = 0.42  # length of the fine bumps over that of the coarse ones
-_DRAGGED = 0.18  # of the coarse bumps: how far apart the film is looked for
+_DRAGGED = 0.36  # of the coarse bumps: how far apart the film is looked for
 _LOOKS = 3  # places along the way where it is
-_THINS = 0.4  # what it loses from one to the next
-_TOOTH_MEAN, _TOOTH_SPREAD = 0.13, 0.56  # of the highest of them, all bumps seen
+_THINS = 0.35  # what it loses from one to the next
+_TOOTH_MEAN, _TOOTH_SPREAD = 0.14, 0.39  # of the highest of them, all bumps seen
 _BROAD, _BROAD_WAY, _BROAD_SPREAD = 1.25, 19.0, 0.72  # bundles: mm across, mm along, std. deviation
-BUNDLE_MM, _WAY, _SPREAD = 0.45, 9.0, 0.50  # the narrow ones of a solid tuft
+BUNDLE_MM, _WAY, _SPREAD = 0.45, 11.0, 0.5  # the narrow ones of a solid tuft
+_WANDER_MM = 0.35  # narrow ones lie aside by the supply of broad ones: they part and meet
 _BROADER = 2.2  # broad ones are at least so much broader than narrow ones
 _BELLY = 0.32  # of the root's diameter: half the width of a belly at whose scale bundles are told
 _NARROWEST = 0.35  # of it, below which hairs draw together no more
 _RIM = 0.35  # how much worse hairs at the rim are supplied
-_SOFT = 0.2  # standard deviation of the softness: contact comes about over .7
-_GAIN, _OFFSET = 2.4, 0.1  # of the contact level
+_SOFT = 0.16  # standard deviation of the softness: contact comes about over .55
+_GAIN, _OFFSET = 2.4, -0.1  # of the contact level
 _FLOODED, _FLOOD = 0.8, 1.5  # level from which the tuft begins to flood the rest, and by how much
 _STANDS = 1.0  # standard deviations that hairs which stand touch less than those dragged along
 _LEAST = np.float32(0.02)  # share below which nothing is touched
@@ -404,7 +406,9 @@ def _add_bundles(n, table, per_across, per_along, strength, block):
         x, y = a * across[k], b * along[k]
         p, q = np.floor(x), np.floor(y)
         side[k], ahead[k] = x - p, y - q
-        at[k] = ((np.int32(p) & _MASK) << _SHIFT) | (np.int32(q) & _MASK)
+        i, j = np.int32(p), np.int32(q)
+        j += _APART * (i >> _SHIFT)  # the table's next period is another part of it
+        at[k] = ((i & _MASK) << _SHIFT) | (j & _MASK)
     factor = np.float32(strength)
     for k in range(n):
         four = table[np.uint32(at[k])]  # no sign: no index from the table's end
@@ -435,9 +439,11 @@ def _touch(n, contact, after, ink, block):
     supply, high = block.rows[6], block.rows[3]
     values = after.values[0]
     _place_on_tuft(n, contact, values, block)
-    across = block.rows[4]
+    across, begin, wander = block.rows[4], np.float32(contact.supply), np.float32(_WANDER_MM)
     bundles, broad_way, way = ink.bundles, _STEPS / _BROAD_WAY, _STEPS / _WAY
     _add_bundles(n, bundles[0], contact.per_broad, broad_way, contact.broad, block)
+    for k in range(n):
+        across[k] += wander * (supply[k] - begin)
     _add_bundles(n, bundles[1], contact.per_narrow, way, contact.narrow, block)
     middle, half_extent = _extent_across(contact, values)
     per_rim, middle = np.float32(1.0 / max(half_extent, 0.15)), np.float32(middle)

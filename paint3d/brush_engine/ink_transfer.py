@@ -258,7 +258,9 @@ FADING = 0.3  # k of equation (10a): the larger, the paler a brush writes on pap
 FILM = 0.35  # of equation (12a): pressure under which a way as long as the root is wide gives it
 FILM_SHARE = 0.6  # of equation (12a): how much less a wet tuft gives on the way for its film
 _FILM_MOST = 0.1  # share of what the tuft holds that goes into films in one sweep at most
-_SATURATED = 1.05  # coats, h of equation (12b), at which paper takes half of what comes on the way
+_SATURATED = 0.9  # coats, h of equation (12b), at which paper takes half of what comes on the way
+_POOLED = 0.4  # how much more the middle of a tuft's liquid gives than its rim
+_EVEN_MM_S, _LINGERS = 60.0, 0.35  # speed of a hand at which h is that, and the power it falls with
 _NOTHING = 1e-6  # share of a film
 _MOST_PASSES = 1000
 _SHARE = 0.45  # of a reservoir, the most that flows out of it on one side in one pass
@@ -341,7 +343,30 @@ def given_on_way(level):
 
 
 @uncounted(error_model="numpy")
-def _saturate(found, n, field, ink):
+def _pools(stamp, field, v):
+    """How much of the liquid under a tuft stands over a vertex: 1 in the middle, 0 at the rim."""
+    values, widths = stamp.values[0], stamp.half_widths
+    dx = field.px[v] - values.origin[0]
+    dy = field.py[v] - values.origin[1]
+    dz = field.pz[v] - values.origin[2]
+    along = dx * values.bend[0] + dy * values.bend[1] + dz * values.bend[2]
+    across = dx * values.cross[0] + dy * values.cross[1] + dz * values.cross[2]
+    at = (along - values.heel) / (values.tip - values.heel)
+    if at <= 0.0 or at >= 1.0:
+        return 0.0
+    i = np.int64(at * PROFILE_CELLS)
+    across /= max(widths[i], widths[i + 1], 1e-9)
+    return 4.0 * at * (1.0 - at) * max(0.0, 1.0 - across * across)
+
+
+@uncounted(error_model="numpy")
+def dwelling(speed):
+    """How much longer than at an even hand's speed ink has to run into the paper, as a factor."""
+    return (_EVEN_MM_S / max(speed, _EVEN_MM_S / 16.0)) ** _LINGERS
+
+
+@uncounted(error_model="numpy")
+def _saturate(after, found, n, field, ink):
     """Let wet paper take less of what comes on the way: docs/model.md, equation (12b).
 
     So a stroke that crosses a wet one runs into it and does not lie on it like a film, and where
@@ -351,12 +376,17 @@ def _saturate(found, n, field, ink):
     if draws <= 0.0:
         return
     ids, share, amounts = found.ids, found.share, ink.amounts
-    per_coat, one = np.float32(1.0 / _SATURATED), np.float32(1.0)
+    per_coat, one = (
+        np.float32(1.0 / (_SATURATED * dwelling(after.values[0].speed))),
+        np.float32(1.0),
+    )
+    touches = after.values[0].touches > 0.0
     for k in range(n):
         v, coats = ids[k], np.float32(0.0)
         for p in range(ink.load.shape[0]):
             coats += amounts[v, p]
-        wet = coats * per_coat / field.take[v]
+        pools = _pools(after, field, v) if touches else 0.0
+        wet = coats * per_coat / (field.take[v] * np.float32(1.0 + _POOLED * (pools - 0.5)))
         wet2 = wet * wet
         wet4 = wet2 * wet2
         wet8 = wet4 * wet4
@@ -439,15 +469,15 @@ def _lay_first_film(coats, unit, before, found, n, field, ink):
 
 
 @uncounted(error_model="numpy")
-def take_in(coats, before, landing, weighed, found, n, field, ink):
+def take_in(coats, before, after, landing, weighed, found, n, field, ink):
     """Let the surface take in what lands on the way and the first film; shares are changed.
 
     Parameters
     ----------
     coats : float
         Of the first film.
-    before : Stamp
-        Where the sweep begins.
+    before, after : Stamp
+        Where the sweep begins and ends.
     landing, weighed : float
         Of what is given on the way, coats x mm2, and the area that it is shared by, mm2.
     found, n, field, ink : as for `level_shares`
@@ -459,7 +489,7 @@ def take_in(coats, before, landing, weighed, found, n, field, ink):
     """
     rest = 1.0
     if landing > 0.0:
-        _saturate(found, n, field, ink)
+        _saturate(after, found, n, field, ink)
         rest = weighed_area(field, found.ids, found.share, n) / weighed
     return rest, _lay_first_film(coats, landing / weighed, before, found, n, field, ink)
 
@@ -742,7 +772,7 @@ def sweep_deposit(before, after, tuft, field, ink, scratch):
         weighed = weighed_area(field, found.ids, found.share, n)
     if weighed > 0.0:
         coats = first_film(level, tuft.transfer_per_mm, tuft.diameters[-1], ink)
-        rest, first = take_in(coats, before, landing, weighed, found, n, field, ink)
+        rest, first = take_in(coats, before, after, landing, weighed, found, n, field, ink)
         released, landing = rest * released + first, rest * landing + first
         weighed = weighed_area(field, found.ids, found.share, n)
     if ink.reservoirs.shape[0] > 1:

@@ -596,7 +596,7 @@ def sweep_hairs(before, after, ready, transfer_per_mm, hairs, field, ink, scratc
     weighed = weighed_area(field, found.ids, found.share, n)
     if landing > 0.0 and weighed > 0.0:
         coats = first_film(level, transfer_per_mm, hairs.bristles.root_mm, ink)
-        rest, first = take_in(coats, before, landing, weighed, found, n, field, ink)
+        rest, first = take_in(coats, before, after, landing, weighed, found, n, field, ink)
         scale *= rest + first / landing
     _take_from_hairs(hairs.load, hairs.hair_contacts, scale, hairs.whole_sums, hairs.released)
     if ink.reservoirs.shape[0] > 1:

@@ -19,9 +19,11 @@ __all__ = ["MOST_ASIDE_MM", "lay_paper", "lay_paper_at"]
 
 # h_k, half a wavelength, and a_k along each axis: mm. Set so that edges of wet strokes on xuan are
 # as rough as those of ink on raw practice paper in each octave of .13 to 2.1 mm.
-_EDGE = ((0.09, 0.004), (0.19, 0.007), (0.38, 0.012), (0.75, 0.02), (1.7, 0.06))
-# An edge is clean here and torn there: h, deviation of the log, up to which h, and the most of it.
-_RAGGED_MM, _RAGGED, _SMOOTH_MM, _MOST_RAGGED = 4.0, 0.8, 1.0, 5.0
+_EDGE = ((0.09, 0.0025), (0.19, 0.0055), (0.38, 0.013), (0.75, 0.022), (1.4, 0.032), (3.1, 0.05))
+# An edge is clean here and torn there, on one side of a stroke and on the other, and on one part of
+# a sheet more than on another: h and deviation of the log of each, up to which h all of it counts,
+# from there on its root, and the most of it.
+_RAGGED, _SMOOTH_MM, _MOST_RAGGED = ((1.8, 0.8), (15.0, 0.5)), 1.0, 6.0
 # Fibres that draw an edge on or keep it off: h of the noise along whose zeros they lie, and half
 # their width as a deviation of it; how far, mm, h of the noise that says whither, and the most of
 # `ragged` that counts; half the wavelength that vertices have to show.
@@ -29,7 +31,8 @@ _FIBRE_MM, _FIBRE_AT = 0.6, 0.13
 _PULL_MM, _PULL_WAY_MM, _PULL_RAGGED = 0.1, 0.9, 2.0
 _FIBRE_SHOWN_MM = 0.16
 MOST_ASIDE_MM = 0.6  # how far aside an outline may be met, whatever the noise on raw xuan
-_TAKE = ((0.1, 0.07), (0.25, 0.05), (0.7, 0.025), (2.5, 0.035))  # h_k, mm, and s_k: set by eye
+_TAKE = ((0.1, 0.05), (0.25, 0.025), (0.7, 0.015), (3.0, 0.04))  # h_k, mm, and s_k: set by eye
+_COARSE = 0.4  # how much of that is grain as well, and pores: where an edge is torn ink is uneven
 # Pores that take little: h, from which deviation on, and how much less by the square beyond it.
 _VOID_MM, _VOID_AT, _VOID = 0.16, 1.1, 0.06
 _PER_DEVIATION = 2.7  # value noise blended by smooth steps has a deviation of .37
@@ -92,11 +95,15 @@ def lay_paper_at(field, v):
     b = _TURN[1][0] * x + _TURN[1][1] * y + _TURN[1][2] * z
     c = _TURN[2][0] * x + _TURN[2][1] * y + _TURN[2][2] * z
     wx, wy, wz, take = 0.0, 0.0, 0.0, 0.0
-    ragged = np.exp(_RAGGED * _noise3(a / _RAGGED_MM, b / _RAGGED_MM, c / _RAGGED_MM, 11)[0])
-    ragged = min(ragged, _MOST_RAGGED)
+    (side_mm, side), (part_mm, part) = _RAGGED
+    ragged = side * _noise3(a / side_mm, b / side_mm, c / side_mm, 11)[0]
+    open_here = _noise3(a / part_mm, b / part_mm, c / part_mm, 13)[0]
+    coarse = np.exp(_COARSE * (open_here + ragged))
+    ragged = min(np.exp(ragged + part * open_here), _MOST_RAGGED)
     for n in range(len(_EDGE)):
         length, shift = _EDGE[n]
-        shift *= amount * _shown(length, apart) * (ragged if length < _SMOOTH_MM else 1.0)
+        shift *= amount * _shown(length, apart)
+        shift *= ragged if length < _SMOOTH_MM else np.sqrt(ragged)
         if shift > 0.0:
             dx, dy, dz = _noise3(a / length, b / length, c / length, 17 + n)
             wx += shift * dx
@@ -111,13 +118,13 @@ def lay_paper_at(field, v):
             wx, wy, wz = wx + fibre * dx, wy + fibre * dy, wz + fibre * dz
     for n in range(len(_TAKE)):
         length, spread = _TAKE[n]
-        spread *= amount * _shown(length, apart)
+        spread *= amount * _shown(length, apart) * (coarse if length < _SMOOTH_MM else 1.0)
         if spread > 0.0:
             take += spread * _noise3(b / length, c / length, a / length, 37 + n)[0]
     shown = _shown(_VOID_MM, apart)
     if shown > 0.0:
         deep = max(0.0, _noise3(c / _VOID_MM, a / _VOID_MM, b / _VOID_MM, 57)[0] - _VOID_AT)
-        take -= _VOID * amount * shown * deep * deep
+        take -= _VOID * amount * coarse * shown * deep * deep
     far = np.sqrt(wx * wx + wy * wy + wz * wz)
     if far > MOST_ASIDE_MM * amount:
         less = MOST_ASIDE_MM * amount / far
