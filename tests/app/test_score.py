@@ -317,7 +317,6 @@ def test_the_registry_the_document_and_recordings_know_the_same_commands() -> No
     changing = {name for name, one in COMMANDS.items() if one.codec is not None}
     unwritten = {
         "edit_seal",
-        "edit_stroke",
         "edit_strokes",
         "pick_colour",
         "swap_inks",

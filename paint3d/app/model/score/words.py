@@ -340,7 +340,7 @@ EDIT = Codec(
     _say_edit,
     lambda said, vocabulary: {**said, "edit": _hear_ink(said["edit"], vocabulary)},
 )
-"""An edit of a stroke, of several, or of a seal, as `recording.score_edits` takes it."""
+"""Which strokes or which seal, and an edit as `Document.edit_strokes` or `edit_seal` takes it."""
 
 
 def _say_symmetry(asked: Mapping[str, Any], _: Vocabulary) -> Words:

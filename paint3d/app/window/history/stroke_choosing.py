@@ -35,7 +35,7 @@ class StrokeChooser(CanvasTool):
     Signals
     -------
     edited : dict
-        What is to be done with them; see `stroke_group.edit_group`.
+        What is to be done with them; see `score_edits.edit_strokes`.
     """
 
     edited = QtCore.Signal(object)
