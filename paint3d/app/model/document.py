@@ -342,6 +342,33 @@ class Document:
         """Know that something changed that no undo takes back."""
         self.modified, self._saved_at = True, None
 
+    # -- how it is looked at ----------------------------------------------------------------
+
+    def set_reference(self, reference: Mapping[str, Any] | None = None) -> None:
+        """Keep with the painting which picture is beside the work, and how; None: none."""
+        if self._keep_setting("reference", reference):
+            self.differ_from_saved()
+
+    def set_views(self, views: Mapping[str, Mapping[str, Any]]) -> None:
+        """Keep with the painting from where it is looked at, by name."""
+        if self._keep_setting("views", views):
+            self.differ_from_saved()
+
+    def set_light(self, kind: str, turn: float) -> None:
+        """Keep with the painting in which light it is seen, one of `LIVE_LIGHTS`, turned by rad.
+
+        That is no reason to save it.
+        """
+        self._keep_setting("light", {"kind": kind, "turn": turn})
+
+    def _keep_setting(self, name: str, words: Mapping[str, Any] | None) -> bool:
+        """Put words among `settings`, or take them out; whether they were others."""
+        self.check_access()
+        before = self.settings.pop(name, None)
+        if words is not None:
+            self.settings[name] = dict(words)
+        return bool(before != words)
+
     def _session(self) -> Session:
         settings = {**self.settings, "brush": brush_words(self.painter.brush)}
         settings |= {"ink": self.painter.ink.name, "unit": self.unit}
