@@ -25,7 +25,7 @@ _A_PIXEL = math.radians(0.5)
 
 
 class Lamp:
-    """For one window."""
+    """Commands that choose and turn the light; ``do_<action>`` for each."""
 
     def __init__(self, workspace: Workspace) -> None:
         self._workspace = workspace

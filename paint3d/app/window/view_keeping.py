@@ -21,7 +21,7 @@ _MOST = 100
 
 
 class ViewKeeping:
-    """For one window; ``do_<action>`` for each."""
+    """Keeps views by name and goes back to them; ``do_<action>`` for each."""
 
     def __init__(self, workspace: Workspace, lamp: Lamp) -> None:
         self._workspace, self._lamp = workspace, lamp

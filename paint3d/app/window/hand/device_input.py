@@ -207,7 +207,7 @@ def carried_camera(camera: Camera, before: ObjectPose, after: ObjectPose) -> Cam
 
 
 class DeviceInput:
-    """For one window.
+    """Hands the samples, buttons and forces of the devices of both hands on to the painting.
 
     Parameters
     ----------

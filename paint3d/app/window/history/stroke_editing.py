@@ -25,7 +25,7 @@ __all__ = [
 
 
 class Recalling:
-    """For one window.
+    """Going back in the history of strokes, which may paint them again.
 
     Parameters
     ----------
@@ -173,7 +173,7 @@ class TimeDialog(FormDialog):
 
 
 class StrokeEditing:
-    """For one window.
+    """Edits of strokes as they are asked for in the history, the menus and the picture.
 
     Parameters
     ----------

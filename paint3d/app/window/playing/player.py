@@ -292,7 +292,7 @@ def _ask_cue(paint_thread: PaintThread, cue: Cue) -> None:
 
 
 class Player(QtCore.QObject):
-    """For one window; `tick` hands on what is due.
+    """Plays recordings and whole paintings on the object; `tick` hands on what is due.
 
     Signals
     -------

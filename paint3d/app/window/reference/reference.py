@@ -34,7 +34,7 @@ _MOST_SCALE = 10.0
 
 
 class Reference:
-    """For one window.
+    """The picture that is painted after: in its panel, over the view, or on the object.
 
     Parameters
     ----------
