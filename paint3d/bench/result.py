@@ -1,4 +1,4 @@
-"""What a benchmark found: a table, and figures held against what is wanted of them."""
+"""Result of a benchmark: a table, and figures held against what is wanted of them."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class Check:
 
     @property
     def kept(self) -> bool:
-        """Whether the figure is as wanted."""
+        """Return whether the figure is as wanted."""
         return self.value <= self.bound if self.at_most else self.value >= self.bound
 
 

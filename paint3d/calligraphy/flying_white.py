@@ -1,4 +1,4 @@
-"""How much ink a brush holds along a stroke, so that it leaves as much bare as was asked for.
+"""Load of a brush along a stroke, so that it leaves as much bare as was asked for.
 
 A brush that runs dry touches only what stands out of a surface's grain (docs/model.md, equation
 (13)). What share of its footprint that is depends on the level λ alone: its load over the one at
@@ -104,7 +104,7 @@ def dryness_at(station: AnyArray, shares: AnyArray) -> NDArray[np.float64]:
 
 
 def _along(line: AnyArray, points: AnyArray) -> NDArray[np.float64]:
-    """How far along a line (M, 2) the nearest place to each point lies, 0 to 1, never going back.
+    """Station (0 to 1) on a line (M, 2) of the nearest place to each point, never going back.
 
     A stroke may cross itself: each point is looked for near the one before.
     """
@@ -200,7 +200,7 @@ def with_strengths(recording: Recording, strength: AnyArray | None) -> Recording
 
 
 def diluted(strength: AnyArray) -> NDArray[np.float64]:
-    """What share of ink, the rest being water, takes a share of the light that black ink takes.
+    """Share of ink in water that takes a share of the light that black ink takes.
 
     A written stroke is thicker than what would be black: strokes of soot with water come to a
     density of `DENSITY` times the share of soot, until the light that their surface reflects is

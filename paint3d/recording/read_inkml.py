@@ -119,7 +119,7 @@ def read_inkml(data: bytes, name: str, *, scale: float, y_down: bool) -> Recordi
 
 
 class _Format(NamedTuple):
-    """What the numbers of a point are.
+    """Channels: what the numbers of a point are.
 
     `channels` are attributes by name, in the points' order, of which the last `intermittent` may
     be missing; `resolutions` are counts to a unit, `step_ns` is from one point to the next.
@@ -201,7 +201,7 @@ def _continued(traces: list[_Trace]) -> list[_Trace]:
 def _starts(
     root: ElementTree.Element,
 ) -> Callable[[ElementTree.Element, str], tuple[float, float]]:
-    """What tells when a trace starts and how long it takes, ms; NaN where nothing is said."""
+    """Start and duration of a trace, ms; NaN where nothing is said."""
     named = {e.get(_ID) or e.get("id") or None: e for e in root.iter()}
 
     def of_timestamp(reference: str) -> float:
@@ -241,7 +241,7 @@ def _milliseconds(element: ElementTree.Element, key: str, otherwise: float = mat
 
 
 def _formats(root: ElementTree.Element, name: str) -> Callable[[str], _Format]:
-    """What tells the format of a trace by its context; by default it is the document's first."""
+    """Format of a trace by its context; by default it is the document's first."""
     named = {e.get(_ID) or e.get("id") or None: e for e in root.iter()}
 
     @cache

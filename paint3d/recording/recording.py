@@ -168,14 +168,14 @@ def _read(
 
 
 def _decompressed(raw: io.BufferedReader) -> io.BufferedReader:
-    """What a file holds, whether it is gzipped or not."""
+    """Bytes of a file, whether it is gzipped or not."""
     if raw.peek(2)[:2] == _GZIP_MAGIC:
         return io.BufferedReader(gzip.GzipFile(fileobj=raw))
     return raw
 
 
 def share_read(raw: BinaryIO, progress: Callable[[float], None]) -> Callable[[], None] | None:
-    """What tells how much of a file has been read, packed or not; nobody knows of a pipe."""
+    """Function that says how much of a file has been read, packed or not; None of a pipe."""
     if not raw.seekable():
         return None
     size = max(1, os.fstat(raw.fileno()).st_size)

@@ -142,7 +142,7 @@ def _middle_of(parts: Sequence[Recording], ground: ClosestPoints) -> tuple[AnyAr
 
 
 def _ends(to: ArrayLike) -> AnyArray:
-    """Where something goes (1, 3), or from where to where (2, 3)."""
+    """Place where something goes (1, 3), or from where and to where (2, 3)."""
     try:
         return as_array(to, "to (mm)", (2, 3))
     except InputError:
@@ -338,7 +338,7 @@ def delete_stroke(score: Score, number: int) -> Score:
 
 
 def _left_of(k: int, event: Event, stroke: ScoreStroke, goes_on: bool) -> list[Event]:
-    """What stays of an event of a stroke that is deleted."""
+    """Events that stay of an event of a stroke that is deleted."""
     if isinstance(event, Recording):
         return []
     if k == stroke.begin and stroke.began_anew:  # a stroke of nothing forgets as it did
@@ -516,7 +516,7 @@ def retime_stroke(
     seconds: float | None = None,
     shift_s: float = 0.0,
 ) -> Score:
-    """Let a stroke take another time, or begin earlier or later.
+    """Give a stroke another time, or have it begin earlier or later.
 
     Where ink runs meanwhile, its time in the stroke becomes longer or shorter with it, in pieces
     as they were; a shift takes from the pause on one side and gives to that on the other.
@@ -621,7 +621,7 @@ def _stretched(own: Sequence[Event], first: int, factor: float, shift: int) -> l
 
 
 def _give_time(events: list[Event], pieces: int, at: int, number: int) -> None:
-    """Let so many more pieces of time pass beside a stroke (less below 0), at one end of events."""
+    """Add so many pieces of time beside a stroke (remove below 0), at one end of events."""
     wanted, step = abs(pieces) * _PIECE_S, -1 if at else 1
     k = at + (step if at else 0)
     while pieces < 0 and 0 <= k < len(events):
@@ -817,4 +817,4 @@ EDITS: Mapping[str, Callable[..., Score]] = {
     "brush": _brush,
     "time": _time,
 }
-"""What can be done with strokes: of a score, their numbers, the object, and the edit's words."""
+"""Edits of strokes by name: of a score, their numbers, the object, and the edit's words."""

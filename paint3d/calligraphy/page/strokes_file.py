@@ -49,7 +49,7 @@ def save_strokes(page: Page, file: Path) -> None:
 
 
 def _told_photograph(photograph: Photograph, file: Path) -> dict[str, Any]:
-    """Where it lies seen from the file of strokes, and how its sheet lies in it."""
+    """Words for a photograph: its path from the file of strokes, and how its sheet lies in it."""
     try:
         where = photograph.file.parent.resolve() / photograph.file.name
         there = Path(os.path.relpath(where, file.parent.resolve())).as_posix()

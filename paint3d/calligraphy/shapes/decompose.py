@@ -177,7 +177,7 @@ def _ink_of(part: Polygon) -> Ink:
 
 
 def thinnest_within(places: AnyArray) -> float:
-    """How thin a part of a shape may be that reaches so far, places (N, 2), and be no hairline."""
+    """Least width of a part that reaches so far, places (N, 2), that is no hairline."""
     return float(max(_HAIRLINE * np.ptp(places, axis=0).max(), _GRAIN * np.abs(places).max()))
 
 
