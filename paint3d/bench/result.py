@@ -34,7 +34,7 @@ class Check:
     unit: str = ""
 
     @property
-    def kept(self) -> bool:
+    def is_met(self) -> bool:
         """Return whether the figure is as wanted."""
         return self.value <= self.bound if self.at_most else self.value >= self.bound
 
@@ -87,7 +87,7 @@ class Result:
                     "value": check.value,
                     "wanted": f"{'<=' if check.at_most else '>='} {check.bound:g}",
                     "unit": check.unit,
-                    "kept": check.kept,
+                    "kept": check.is_met,
                 }
                 for check in self.checks
             ],

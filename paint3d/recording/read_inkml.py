@@ -278,8 +278,8 @@ def _formats(root: ElementTree.Element, name: str) -> Callable[[str], _Format]:
             found.append(described(root))
         layout = next((layout for layout, _, _ in found if layout is not None), None)
         resolutions: dict[str, tuple[float, str]] = {}
-        for _, told, _ in reversed(found):
-            resolutions |= told
+        for _, counts, _ in reversed(found):
+            resolutions |= counts
         step_ns = next((step for _, _, step in found if step), _DEFAULT_STEP_NS)
         return _Format(*channels(layout), resolutions, step_ns)
 
@@ -387,9 +387,9 @@ def _points(text: str, layout: _Format) -> AnyArray:
 
 
 def _default(channel: Mapping[str, str]) -> float:
-    told = channel.get("default", "")
+    default = channel.get("default", "")
     try:
-        return _TRUTH[told] if told in _TRUTH else float(told)
+        return _TRUTH[default] if default in _TRUTH else float(default)
     except ValueError:
         return math.nan
 
@@ -596,8 +596,8 @@ def _steps(traces: list[_Trace], offsets: AnyArray) -> AnyArray:
     room = np.append(np.diff(offsets), np.iinfo(np.int64).max)
     usual = np.array([trace.layout.step_ns for trace in traces])
     lasts = np.array([1e6 * trace.duration_ms for trace in traces])
-    told = np.where(lasts > 0.0, lasts / np.maximum(n - 1, 1), usual)
-    result: AnyArray = np.minimum(np.round(told), room // n).astype(np.int64)
+    steps = np.where(lasts > 0.0, lasts / np.maximum(n - 1, 1), usual)
+    result: AnyArray = np.minimum(np.round(steps), room // n).astype(np.int64)
     return result
 
 

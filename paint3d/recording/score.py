@@ -335,8 +335,8 @@ def load_score(
     """
     name = Path(path).name
     with opened(path) as (raw, stream):
-        told = None if progress is None else share_read(raw, progress)
-        return _read(TextLines(stream, name, told), name)
+        on_read = None if progress is None else share_read(raw, progress)
+        return _read(TextLines(stream, name, on_read), name)
 
 
 def _read(lines: Iterator[tuple[int, str]], name: str) -> Score:

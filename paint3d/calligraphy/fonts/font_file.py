@@ -188,9 +188,9 @@ class FontFile:
     @cached_property
     def licence(self) -> str:
         """Whose shapes they are and under what licence, as the font says."""
-        told = [self.face.get_name(k) for k in (_COPYRIGHT, _LICENCE, _LICENCE_URL)]
+        notices = [self.face.get_name(k) for k in (_COPYRIGHT, _LICENCE, _LICENCE_URL)]
         version = self.face.get_name(_VERSION)
-        parts = [" ".join(part.split())[:200] for part in told if part]
+        parts = [" ".join(part.split())[:200] for part in notices if part]
         head = f"Font: {self.name}" + (f", {version}" if version else "")
         return "; ".join([head, *parts])
 

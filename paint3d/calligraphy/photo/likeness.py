@@ -70,8 +70,8 @@ class SheetLikeness:
     dryness_r: float
     dryness_error: float
 
-    def told(self) -> str:
-        """In one line."""
+    def summary(self) -> str:
+        """Return it in one line."""
         r = "none to compare" if np.isnan(self.dryness_r) else f"correlation {self.dryness_r:.2f}"
         return (
             f"strokes alike to {self.iou:.3f} (IoU), ink to {self.ink_iou:.3f}; dryness: {r}, "

@@ -245,10 +245,10 @@ def find_sheets(pixels: NDArray[np.uint8]) -> list[NDArray[np.float64]]:
     step = max(1, round(max(pixels.shape[:2]) / _SEARCHED))
     small = _planes(pixels, step)
     candidates = [one for one in _candidates(small) if shapely.Polygon(one).is_valid]
-    told = [(_weakest_side(small, corners), corners) for corners in candidates]
-    told.sort(key=lambda one: -one[0])
+    ranked = [(_weakest_side(small, corners), corners) for corners in candidates]
+    ranked.sort(key=lambda one: -one[0])
     chosen: list[tuple[NDArray[np.float64], Polygon]] = []
-    for contrast, corners in told:
+    for contrast, corners in ranked:
         area = shapely.Polygon(corners)
         if contrast < _WEAKEST:
             break
@@ -277,9 +277,9 @@ def _planes(pixels: NDArray[np.uint8], step: int) -> _Planes:
     # block by block of rows: never a picture's worth of floats
     rows = [linear_light(row).mean(axis=(0, 2)) for row in blocks]
     light = np.log(np.stack(rows) + 0.01)
-    told = (light.mean(axis=2), light[..., 0] - light[..., 2])
+    measures = (light.mean(axis=2), light[..., 0] - light[..., 2])
     planes = []
-    for plane, least in zip(told, (0.25, 0.15), strict=True):
+    for plane, least in zip(measures, (0.25, 0.15), strict=True):
         smooth = gaussian_filter(plane, 0.8)
         spread = float(np.subtract(*np.percentile(smooth, (90.0, 10.0))))
         planes.append((smooth / max(spread, least)).astype(np.float32))

@@ -25,7 +25,7 @@ __all__ = [
     "STARTS",
     "Fit",
     "KnownStrokes",
-    "Told",
+    "Labelled",
     "fit_of",
     "in_known_order",
     "label_chains",
@@ -313,14 +313,16 @@ class Fit(IntEnum):
     NONE = 2  # another shape
 
 
-def fit_of(inks: Sequence[Ink], known: KnownStrokes, told: Sequence[Told]) -> tuple[Fit, float]:
+def fit_of(
+    inks: Sequence[Ink], known: KnownStrokes, labelled: Sequence[Labelled]
+) -> tuple[Fit, float]:
     """Return how far a shape is a drawing of the known character, by how the lines lie on it.
 
     Parameters
     ----------
     inks : sequence of Ink
     known : KnownStrokes
-    told : sequence of Told
+    labelled : sequence of Labelled
         Of each ink.
 
     Returns
@@ -338,9 +340,9 @@ def fit_of(inks: Sequence[Ink], known: KnownStrokes, told: Sequence[Told]) -> tu
     total = sum(length * known.residual(line) for length, line in zip(lengths, lines, strict=True))
     away = total / max(sum(lengths), 1e-300)
     missed = known.missed(lines) if lines else 0.0
-    strokes = {stroke for part in told for _, stroke in part.chains}
-    dots = sum(not part.chains for part in told)
-    torn = sum(part.torn for part in told)
+    strokes = {stroke for part in labelled for _, stroke in part.chains}
+    dots = sum(not part.chains for part in labelled)
+    torn = sum(part.torn for part in labelled)
     complete = len(strokes) + dots >= _THERE * known.count
     if away <= _AWAY:
         fit = Fit.WHOLE if complete and torn <= _TORN * known.count else Fit.JOINED
@@ -351,7 +353,7 @@ def fit_of(inks: Sequence[Ink], known: KnownStrokes, told: Sequence[Told]) -> tu
 
 
 @dataclass(frozen=True, eq=False)
-class Told:
+class Labelled:
     """A part's branches divided among known strokes.
 
     Attributes
@@ -366,7 +368,7 @@ class Told:
     torn: int
 
 
-def label_chains(ink: Ink, known: KnownStrokes, *, tear: bool = True) -> Told:
+def label_chains(ink: Ink, known: KnownStrokes, *, tear: bool = True) -> Labelled:
     """Divide a part's branches among known strokes.
 
     Parameters
@@ -387,19 +389,20 @@ def label_chains(ink: Ink, known: KnownStrokes, *, tear: bool = True) -> Told:
         return _TOGETHER + _SKIPPED * abs(goes_on - at)
 
     chains = chains_of(ink.skeleton, ink.half_widths, cost)
-    told = [(chain, _stroke_of(chain, ink, known)) for chain in chains]
+    labelled = [(chain, _stroke_of(chain, ink, known)) for chain in chains]
     if not tear:
-        return Told(told, torn)
+        return Labelled(labelled, torn)
     lengths = [length_of(line_of(chain, ink)) for chain in chains]
     longest = {
-        k: max(n for n, (_, j) in zip(lengths, told, strict=True) if j == k) for _, k in told
+        k: max(n for n, (_, j) in zip(lengths, labelled, strict=True) if j == k)
+        for _, k in labelled
     }
     kept = [
         entry
-        for entry, length in zip(told, lengths, strict=True)
+        for entry, length in zip(labelled, lengths, strict=True)
         if length >= min(_SPUR * known.width, longest[entry[1]])
     ]
-    return Told(kept, torn)
+    return Labelled(kept, torn)
 
 
 def _stroke_of(chain: Chain, ink: Ink, known: KnownStrokes) -> int:
