@@ -103,7 +103,7 @@ class _Strokes:
     samples: Sequence[DeviceSample]
     when: list[float]
     tools: Tools
-    turns: dict[int, Sequence[int]]
+    turns: dict[int, list[int]]
     began: Future[Any]
     later_ns: int
     next: int = 0
