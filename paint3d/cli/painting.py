@@ -569,12 +569,14 @@ def paint_onto(
         first = 0
         for end in sorted({*ends.tolist(), *begins, n} - {0}):
             if first in begins:
-                document.end_stroke()
+                if first:
+                    document.end_stroke()
                 last, erases = begins[first]
+                said: dict[str, Any] = {"erase": True} if erases else {}  # a score says no false
                 document.begin_stroke(
                     loads=_within(loads, first, last),
                     strengths=_within(strengths, first, last),
-                    erase=erases,
+                    **said,
                 )
             document.feed(list(recording.part(first, end).samples()))
             if is_wet and end < n:
