@@ -123,7 +123,7 @@ def time_strokes(share: float = 1.0) -> tuple[dict[int, tuple[float, int, int]],
 
 
 def time_deposits(painter: Painter, recording: Recording, times: int) -> float:
-    """What hairs take to deposit the imprint of a stroke's last step, over a solid tuft's same one.
+    """Ratio of the time that hairs and a solid tuft take to deposit a stroke's last imprint.
 
     From the imprint drawn to ink on vertices, `times` times, by turns.
     """

@@ -36,7 +36,7 @@ _MOST_PEN_DOWN_MS = 1.0
 
 @dataclass(frozen=True)
 class DabTimes:
-    """What dabs cost on one surface.
+    """Cost of dabs on one surface.
 
     Attributes
     ----------

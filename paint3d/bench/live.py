@@ -23,7 +23,7 @@ FRAME_HZ = 30.0
 
 @dataclass(frozen=True)
 class LiveTimes:
-    """What a stroke cost, and how much of it the colours of a recording did (wall, s)."""
+    """Cost of a stroke, and how much of it the colours of a recording took (wall, s)."""
 
     whole: Times
     colour_s: float

@@ -1,4 +1,4 @@
-"""What a benchmark found: a table, and figures held against what is wanted of them."""
+"""Result of a benchmark: a table, and figures held against what is wanted of them."""
 
 from __future__ import annotations
 
@@ -34,8 +34,8 @@ class Check:
     unit: str = ""
 
     @property
-    def kept(self) -> bool:
-        """Whether the figure is as wanted."""
+    def is_met(self) -> bool:
+        """Return whether the figure is as wanted."""
         return self.value <= self.bound if self.at_most else self.value >= self.bound
 
 
@@ -87,7 +87,7 @@ class Result:
                     "value": check.value,
                     "wanted": f"{'<=' if check.at_most else '>='} {check.bound:g}",
                     "unit": check.unit,
-                    "kept": check.kept,
+                    "kept": check.is_met,
                 }
                 for check in self.checks
             ],

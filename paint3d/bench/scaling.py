@@ -1,4 +1,4 @@
-"""Whether a footprint costs more on a larger object.
+"""Cost of a footprint on larger and larger objects.
 
 The same footprint over the same number of vertices, along the same figure at the same steps, on
 grids of 100 thousand, 1 million and 4 million vertices. Only the object grows.

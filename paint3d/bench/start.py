@@ -1,4 +1,4 @@
-"""How long one waits: commands and the studio, each in a new process.
+"""Waiting times: commands and the studio, each in a new process.
 
 What is called *first* runs with an empty home and nothing compiled by numba, after the files of the
 program and its packages, byte code as pip leaves them, have been dropped from memory where the
@@ -52,7 +52,7 @@ _COLUMNS = ("what", "wall s", "CPU s", "wanted s")
 
 @dataclass(frozen=True)
 class Waited:
-    """What a process took.
+    """Time, memory and output of a process.
 
     Attributes
     ----------
@@ -71,7 +71,7 @@ class Waited:
     lines: list[tuple[float, str]]
 
     def until(self, what: str) -> float:
-        """When a line that ends so was written, s.
+        """Time at which a line that ends so was written, s.
 
         Raises
         ------
@@ -167,7 +167,7 @@ def _memory(process: int) -> int:
 
 
 def _forget_files() -> None:
-    """Let the system drop the program's files from memory, so that they are read from the disk."""
+    """Drop the program's files from the system's memory, so that they are read from the disk."""
     if not hasattr(os, "posix_fadvise"):
         return
     for folder in {Path(paint3d.__file__).parent, Path(np.__file__).parents[1]}:

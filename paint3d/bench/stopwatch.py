@@ -52,7 +52,7 @@ def best_of(
 
 
 def alternate(rounds: int, competitors: Mapping[str, Callable[[], object]]) -> dict[str, Times]:
-    """Let competitors take turns; the best of each."""
+    """Run competitors by turns; the best of each."""
     found = dict.fromkeys(competitors, Times(float("inf"), float("inf")))
     for _ in range(rounds):
         for name, function in competitors.items():
@@ -89,7 +89,7 @@ def taken_share() -> Callable[[], float | None]:
 
 
 def _processor_ticks() -> list[int] | None:
-    """What all processors have done since the machine started, by kind."""
+    """Time of all processors since the machine started, by kind."""
     try:
         ticks = _PROCESSOR_TIMES.read_text(encoding="ascii").split("\n", 1)[0].split()
         own = [int(word) for word in ticks[1 : _STEAL + 2]]  # what follows is in them already

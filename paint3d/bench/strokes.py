@@ -53,7 +53,7 @@ class Dab:
 
     @property
     def middle(self) -> float:
-        """How far along the bend the footprint's middle lies from the pen, mm."""
+        """Distance of the footprint's middle from the pen along the bend, mm."""
         return 0.5 * float(self.footprint.reach[0] + self.footprint.reach[-1])
 
     @property

@@ -51,7 +51,7 @@ _COLUMNS = (
 )  # fmt: skip
 
 Way = Callable[[float], tuple[AnyArray, AnyArray]]
-"""Where the brush's root is, mm, and how it is turned, at a share of the time."""
+"""Place of the brush's root, mm, and its orientation, at a share of the time."""
 
 
 @dataclass
@@ -97,7 +97,7 @@ class _Hand:
         return DeviceSample(time_ns, place, turned, pressure, 0, np.zeros(3), _UPRIGHT)
 
     def age(self) -> float:
-        """How long ago the hand did what it did last, s."""
+        """Time since the hand did what it did last, s."""
         newest = _paint_thread(self.stage).newest
         fed = math.nan if newest is None else self.fed.get(newest.time_ns, math.nan)
         return 0.0 if math.isnan(fed) else time.perf_counter() - fed
@@ -129,7 +129,7 @@ def _around_the_bowl(stage: Stage) -> Way:
 
 
 def _paint_thread(stage: Stage) -> PaintThread:
-    """What paints on a stage where a document is open."""
+    """Painting thread of a stage where a document is open."""
     assert stage.paint_thread is not None, "a document is open"
     return stage.paint_thread
 

@@ -33,7 +33,7 @@ _PATIENCE_S = 60.0
 
 @dataclass(frozen=True, eq=False)
 class Felt:
-    """What the device side saw.
+    """Measurements of the device's side.
 
     Attributes
     ----------
@@ -96,11 +96,11 @@ class VirtualStylus:
         self._go.set()
 
     def is_playing(self) -> bool:
-        """Whether the path is not yet over."""
+        """Return whether the path is not yet over."""
         return self._process.is_alive()
 
     def felt(self) -> Felt:
-        """What the device has measured so far."""
+        """Measurements of the device so far."""
         assert self._table is not None, "unplugged"
         table = self._table.copy()
         sent = np.nan_to_num(table[:, 5:6]).copy().astype(np.int64)[:, 0]

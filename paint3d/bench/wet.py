@@ -147,7 +147,7 @@ def _leave_alone(share: float) -> tuple[int, float]:
 
 
 def measure(share: float = 1.0) -> Result:
-    """How late 20 strokes at 0.25 mm are, how fast their ink's time goes, and undo.
+    """Lateness of 20 strokes at 0.25 mm, pace of their ink's time, and undo.
 
     Parameters
     ----------

@@ -53,7 +53,7 @@ class OutlineField:
 
     @property
     def inside(self) -> NDArray[np.bool_]:
-        """Which grid points lie inside (H, W)."""
+        """Grid points inside the outline, (H, W) bool."""
         return self.distance > 0.0
 
     def depths(self, points: AnyArray) -> NDArray[np.float64]:
@@ -64,7 +64,7 @@ class OutlineField:
         return result
 
     def room(self, points: AnyArray, directions: AnyArray, limit: float) -> NDArray[np.float64]:
-        """How far (mm) one can go from `points` (N, 2) along unit `directions` (N, 2)."""
+        """Distance (mm) from `points` (N, 2) to the outline along unit `directions` (N, 2)."""
         out = np.empty(len(points))
         scale = self.scale
         kernels.measure_room(
@@ -109,7 +109,7 @@ class CentreLine:
 
 
 def grid_step(outline: AnyArray, em_mm: float, holes: Sequence[AnyArray] = ()) -> float:
-    """How fine a grid an outline (N, 2) needs, mm: a 512th of the em, less where it is thin.
+    """Spacing of the grid that an outline (N, 2) needs, mm: a 512th of the em, less if thin.
 
     Half the width of a stroke is nearly its area by its perimeter.
     """

@@ -38,7 +38,7 @@ _LEAST_WETTED = 0.005  # share of a tuft: its point
 
 @dataclass(frozen=True)
 class DipPolicy:
-    """When the brush is dipped.
+    """Rule by which the brush is dipped.
 
     Attributes
     ----------
@@ -127,12 +127,12 @@ def _wetted(share: float) -> float:
 
 
 def _lasts(least: float) -> float:
-    """What `ink_taken` adds up to until `least` of a dip is left, on paper; on a glaze more is."""
+    """Sum of `ink_taken` until `least` of a dip is left, on paper; on a glaze more is."""
     return (1.0 - least - FADING * math.log(least)) / (1.0 + FADING)
 
 
 def ink_taken(recording: Recording, brush: BrushSpec) -> NDArray[np.float64]:
-    """How readily each sample takes ink of a fully wetted brush: its eta' pe ds.
+    """Rate at which each sample takes ink of a fully wetted brush: its eta' pe ds.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""How much ink a brush holds along a stroke, so that it leaves as much bare as was asked for.
+"""Load of a brush along a stroke, so that it leaves as much bare as was asked for.
 
 A brush that runs dry touches only what stands out of a surface's grain (docs/model.md, equation
 (13)). What share of its footprint that is depends on the level λ alone: its load over the one at
@@ -60,7 +60,7 @@ _DRIEST = 0.97  # share left bare, that a stroke is painted with at the most
 _WET = 0.03  # share left bare, below which ink is as full as it comes
 _FULLNESS = 3.0  # of a dip: streaks of a brush that is nearly dry are as black as wet ink
 _NEXT = 0.04  # of itself, or of a tenth of a dip: by how much a load must differ to be told anew
-_MOST_TOLD = 1500  # loads in a header, whose line has no more room
+_MOST_CHANGES = 1500  # loads in a header, whose line has no more room
 _DECIMALS = 4
 
 
@@ -104,7 +104,7 @@ def dryness_at(station: AnyArray, shares: AnyArray) -> NDArray[np.float64]:
 
 
 def _along(line: AnyArray, points: AnyArray) -> NDArray[np.float64]:
-    """How far along a line (M, 2) the nearest place to each point lies, 0 to 1, never going back.
+    """Station (0 to 1) on a line (M, 2) of the nearest place to each point, never going back.
 
     A stroke may cross itself: each point is looked for near the one before.
     """
@@ -185,22 +185,22 @@ def with_strengths(recording: Recording, strength: AnyArray | None) -> Recording
     share = diluted(np.asarray(strength)[known])
     first = np.ones(len(known), bool)
     first[1:] = (np.diff(known) > 1) | (np.diff(share) != 0.0)
-    told = [
+    changes = [
         [int(recording.time_ns[k]), round(float(s), _DECIMALS)]
         for k, s in zip(known[first], share[first], strict=True)
     ]
-    if len(told) > _MOST_TOLD:
+    if len(changes) > _MOST_CHANGES:
         raise InputError(
             "{n} strokes say how strong their ink is; expected {most} or fewer in a recording: "
             "write fewer characters at a time",
-            n=len(told),
-            most=_MOST_TOLD,
+            n=len(changes),
+            most=_MOST_CHANGES,
         )
-    return replace(recording, header={**recording.header, "strengths": told})
+    return replace(recording, header={**recording.header, "strengths": changes})
 
 
 def diluted(strength: AnyArray) -> NDArray[np.float64]:
-    """What share of ink, the rest being water, takes a share of the light that black ink takes.
+    """Share of ink in water that takes a share of the light that black ink takes.
 
     A written stroke is thicker than what would be black: strokes of soot with water come to a
     density of `DENSITY` times the share of soot, until the light that their surface reflects is
@@ -227,30 +227,30 @@ def with_loads(recording: Recording, loads: AnyArray, fullness: float = 1.0) -> 
     InputError
         If there are more strokes than a header has room for.
     """
-    step, told = _NEXT, _changes(recording, loads, _NEXT)
-    while len(told) > _MOST_TOLD and step < 1.0:
+    step, changes = _NEXT, _changes(recording, loads, _NEXT)
+    while len(changes) > _MOST_CHANGES and step < 1.0:
         step *= 1.5
-        told = _changes(recording, loads, step)
-    if len(told) > _MOST_TOLD:
+        changes = _changes(recording, loads, step)
+    if len(changes) > _MOST_CHANGES:
         raise InputError(
             "{n} strokes say how dry they are; expected {most} or fewer in a recording: write "
             "fewer characters at a time, or without dryness",
             hint="copy --dryness none",
-            n=len(told),
-            most=_MOST_TOLD,
+            n=len(changes),
+            most=_MOST_CHANGES,
         )
     amount = DipAmount(1.0, fullness).words()
-    return replace(recording, header={**recording.header, "dip": amount, "loads": told})
+    return replace(recording, header={**recording.header, "dip": amount, "loads": changes})
 
 
 def _changes(recording: Recording, loads: AnyArray, step: float) -> list[list[float]]:
     """Times (ns) and loads where they have changed by a share, and where each stroke begins."""
-    told: list[list[float]] = []
+    changes: list[list[float]] = []
     known = np.flatnonzero(np.isfinite(loads))
     for run in np.split(known, np.flatnonzero(np.diff(known) > 1) + 1):
         held = math.inf
         for k in run:
             if held == math.inf or abs(loads[k] - held) > step * max(held, 0.1):
                 held = float(loads[k])
-                told.append([int(recording.time_ns[k]), round(held, _DECIMALS)])
-    return told
+                changes.append([int(recording.time_ns[k]), round(held, _DECIMALS)])
+    return changes

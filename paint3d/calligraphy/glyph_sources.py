@@ -1,4 +1,4 @@
-"""Where glyphs come from: a folder of outlines, or a package of centre lines."""
+"""Sources of glyphs: a folder of outlines, or a package of centre lines."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class GlyphSource(Protocol):
 
     @property
     def name(self) -> str:
-        """What it is, for reports."""
+        """Name of the source, for reports."""
         ...
 
     @property
@@ -41,7 +41,7 @@ class GlyphSource(Protocol):
         ...
 
     def has(self, text: str) -> bool:
-        """Whether a character is known."""
+        """Return whether a character is known."""
         ...
 
     def load(self, text: str) -> Glyph:
@@ -61,7 +61,7 @@ class HanziWriterFolder:
     )
 
     def has(self, text: str) -> bool:
-        """Whether there is a file for a character."""
+        """Return whether there is a file for a character."""
         return text not in "/\\\0." and (self.folder / f"{text}.json").is_file()
 
     def load(self, text: str) -> Glyph:
@@ -81,7 +81,7 @@ class KanjiVGLines:
     )
 
     def has(self, text: str) -> bool:
-        """Whether there is a file for a character."""
+        """Return whether there is a file for a character."""
         return (self.folder / f"{ord(text):05x}.svg").is_file()
 
     def load(self, text: str) -> Glyph:

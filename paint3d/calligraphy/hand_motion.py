@@ -87,7 +87,7 @@ def to_hand_motion(
 
 
 def root_stretch(points: NDArray[np.float64], normals: NDArray[np.float64], tuft: Tuft) -> float:
-    """How much longer than the foot's way the root's is, at most, over a grid of a surface.
+    """Greatest ratio of the root's way to the foot's, over a grid of a surface.
 
     Parameters
     ----------
@@ -140,7 +140,7 @@ def travel(
 
 
 def _seconds(span: float, arc: float, start: HandMotion, end: HandMotion, tempo: Tempo) -> float:
-    """How long a way takes: as fast as the limits allow but not in a hurry."""
+    """Time that a way takes: as fast as the limits allow but not in a hurry."""
     cosine = abs(float(start.orientation[-1] @ end.orientation[0]))
     turn = 2.0 * math.acos(min(1.0, cosine))
     way = span + 4.0 * arc
@@ -171,7 +171,7 @@ def _turned(
 
 
 def _clear(surface: ClosestPoints, tips: AnyArray, roots: AnyArray, least: float) -> bool:
-    """Whether a tuft on its way stays outside of the object and off it."""
+    """Return whether a tuft on its way stays outside of the object and off it."""
     for points in (tips, 0.5 * (tips + roots), roots):
         found = surface.find(points)
         apart = points - found.points

@@ -36,7 +36,7 @@ _REVERSAL = 2.4  # rad of turn within the slack: the brush rises to its tip to t
 
 
 class Lead(NamedTuple):
-    """What a dragged brush is led along, and with what.
+    """Line that a dragged brush is led along, and the brush.
 
     Attributes
     ----------
@@ -96,7 +96,7 @@ def pulled_on(lead: Lead, course: Pulled, trial: int) -> Iterator[Pulled]:
 
 
 def _led(lead: Lead, level: AnyArray, aside: AnyArray) -> NDArray[np.float64]:
-    """Where the handle stands (N, 2), mm, so that footprints that are free follow the line."""
+    """Places of the handle (N, 2), mm, so that footprints that are free follow the line."""
     reach, slack = lead.footprints.centroid_at(level), lead.footprints.slack_at(level)
     ahead = np.minimum(reach, (1.0 - _SHORTEST) * slack)
     bend = _follow(lead.wanted, slack - ahead, lead.start)
@@ -105,7 +105,7 @@ def _led(lead: Lead, level: AnyArray, aside: AnyArray) -> NDArray[np.float64]:
 
 
 def _aside(course: Pulled, free: AnyArray) -> NDArray[np.float64]:
-    """How far the paper holds footprints aside (N, 2), mm, of where they would be if free."""
+    """Offsets (N, 2), mm, by which the paper holds footprints off where they would be free."""
     off, ahead = course.centre - free, free - course.handle
     along = (off * ahead).sum(axis=1) / np.maximum((ahead**2).sum(axis=1), 1e-18)
     off = off - along[:, None] * ahead
@@ -121,7 +121,7 @@ def _fitting(course: Pulled, light: NDArray[np.bool_], lead: Lead) -> NDArray[np
 
 
 def _light_poses(wanted: AnyArray, slack: float) -> NDArray[np.bool_]:
-    """Where only the tip touches: as the brush lands, and where the line turns back (N,)."""
+    """Samples (N,) where only the tip touches: as the brush lands, and at reversals of the line."""
     steps = np.diff(wanted, axis=0)
     length = np.linalg.norm(steps, axis=1)
     way = np.r_[0.0, np.cumsum(length)]
@@ -149,7 +149,7 @@ def _follow(line: AnyArray, slack: AnyArray, start: float) -> NDArray[np.float64
 
 
 def _laid(handle: AnyArray, level: AnyArray, lead: Lead) -> tuple[Pulled, NDArray[np.float64]]:
-    """How footprints lie by the laws, and their centres (N, 2), mm, if their tips were free."""
+    """Poses of footprints by the laws, and their centres (N, 2), mm, if their tips were free."""
     footprints = lead.footprints
     bend = _follow(handle, footprints.slack_at(level), lead.start)
     bent = np.unwrap(np.arctan2(bend[:, 1], bend[:, 0]))

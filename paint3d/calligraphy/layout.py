@@ -1,4 +1,4 @@
-"""Where on an object every character of a text goes: columns right to left, or rows.
+"""Layout of a text's characters on an object: columns right to left, or rows.
 
 The text becomes a grid of em squares. Its rows run along level lines of the surface and its
 columns straight down, so that a text around a body stays level; every square is then laid by
@@ -53,7 +53,7 @@ _STEPS_PER_EM, _LEAST_STEP_MM = 8.0, 0.1
 
 
 def walking_step(em_mm: float) -> float:
-    """How long a step (mm) of the lines is that a text of an em runs along."""
+    """Length (mm) of a step of the lines that a text of an em runs along."""
     return max(em_mm / _STEPS_PER_EM, _LEAST_STEP_MM)
 
 
@@ -131,7 +131,7 @@ _MOST_GRIDS = 8  # places without enough room after which the search is given up
 
 @dataclass(frozen=True)
 class Layout:
-    """How a text is laid out.
+    """Options of the layout of a text.
 
     Attributes
     ----------
@@ -165,7 +165,7 @@ class Layout:
 
     @property
     def is_placed(self) -> bool:
-        """Whether it is said where its middle goes."""
+        """Return whether it is said where its middle goes."""
         return self.at is not None or self.point is not None
 
 
@@ -206,12 +206,12 @@ class Ground:
         return upright_frame(self.surface, origin, self.upright(normal, layout))
 
     def upright(self, normal: AnyArray, layout: Layout) -> Upright:
-        """Which way is up around a place of a normal (3,)."""
+        """Direction of up around a place of a normal (3,)."""
         return Upright(upwards(normal), self.apex, math.radians(layout.turn))
 
 
 def grounds_of(surface: ClosestPoints, layout: Layout) -> tuple[tuple[Ground, ...], Layout]:
-    """What a text may be laid on, in the order in which it is filled, and the layout there.
+    """Surfaces that a text may be laid on, in the order in which they are filled, with the layout.
 
     Where it is said where the text goes, margins are the writer's own affair, and of several panels
     it is the nearest.
@@ -456,7 +456,7 @@ class _Grid:
 
     @property
     def room(self) -> float:
-        """How much of the surface the grid may use, mm2."""
+        """Area of the surface that the grid may use, mm2."""
         around = 1.0 if self.right.closed else 2.0
         return around * self.right.length * (self.span[1] - self.span[0] + self.em_mm)
 
@@ -481,7 +481,7 @@ class _Grid:
         raise fault or MeshError("{object}: no place to write", object=self.surface.mesh.name)
 
     def _reach(self, start: float, sign: float) -> float:
-        """How far up or down (mm up from the middle) squares can be laid, to a 40th of the em."""
+        """Farthest place (mm up from the middle) where a square can lie, to a 40th of the em."""
         line = self._climb(sign)
         known, step = start, 0.5 * self.em_mm
         while step > self.em_mm / 50.0:
@@ -518,7 +518,7 @@ class _Grid:
         return walk(self.surface, start, self.up, bearing, most, walking_step(self.em_mm))
 
     def _has_room(self, shape: tuple[int, int], pitch: AnyArray) -> bool:
-        """Whether so many squares fit, across and down, by the lines through the middle alone."""
+        """Return whether so many squares fit, across and down, by the middle lines alone."""
         if shape[1] > 1:
             low, high = self.span
             if (shape[1] - 1) * pitch[1] > high - low + 0.02 * pitch[1]:
@@ -532,7 +532,7 @@ class _Grid:
         return self.right.reaches(half) and self.left.reaches(half)
 
     def how_many(self, lines: Sequence[str]) -> int:
-        """How many characters of the text fit."""
+        """Number of the text's characters that fit."""
         few, many = 0, sum(map(len, lines))
         while many - few > 1:
             n = (few + many) // 2
@@ -594,7 +594,7 @@ class _Grid:
         return None
 
     def _cells(self, lines: Sequence[str]) -> list[_Cell]:
-        """Which place in the grid each character has."""
+        """Place of each character in the grid."""
         columns, longest = self.layout.order == "columns", max(map(len, lines))
         wide = len(lines) if columns else longest
         cells = []

@@ -1,4 +1,4 @@
-"""How like its copybook a painted character is.
+"""Likeness of a painted character to its copybook.
 
 Both are drawn on a raster of 512 pixels an em, each pixel from 4 by 4 samples; a pixel belongs to
 the character where at least half of it does.
@@ -32,7 +32,7 @@ _THINNEST = 1.5  # pixels of half width: thinner, and there is no middle line
 
 @dataclass(frozen=True)
 class Likeness:
-    """What two shapes have in common.
+    """Comparison of two shapes.
 
     Attributes
     ----------

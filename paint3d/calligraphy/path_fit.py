@@ -33,7 +33,7 @@ TECHNIQUES = {"zhongfeng": math.pi, "cefeng": 0.75 * math.pi, "pianfeng": 0.5 * 
 
 @dataclass(frozen=True)
 class PlanSettings:
-    """How a stroke is planned; lengths in shares of the em.
+    """Options of planning a stroke; lengths in shares of the em.
 
     Attributes
     ----------
@@ -169,7 +169,7 @@ class Followed:
 
 @dataclass(frozen=True, eq=False)
 class PathFitter:
-    """What stays the same while one stroke's course is improved; see `plan_stroke`."""
+    """Constants while one stroke's course is improved; see `plan_stroke`."""
 
     field: OutlineField
     footprints: FootprintTable
@@ -224,7 +224,7 @@ class PathFitter:
         return Lead(centre, self.footprints, self.target, start, level)
 
     def _painted(self, course: StrokePath) -> NDArray[np.bool_]:
-        """What a course covers (H, W), on the outline's grid."""
+        """Mask of what a course covers (H, W), on the outline's grid."""
         painted = np.zeros(self.field.distance.shape, np.bool_)
         kernels.cover(
             self.footprints.points, course.level, course.centre, course.azimuth, course.share,
@@ -264,7 +264,7 @@ def _rated(line: CentreLine, plan: PathFitter, known: Followed | None) -> NDArra
 
 
 def _samples(line: CentreLine) -> NDArray[np.float64]:
-    """What a footprint's fit depends on at every sample of a line (S, 6)."""
+    """Values that a footprint's fit depends on at every sample of a line (S, 6)."""
     return np.concatenate([line.points, line.normals, line.room], axis=1)
 
 

@@ -62,12 +62,12 @@ _ZONE_WIDTHS, _ZONE_SHARE = 4.0, 0.4
 
 
 def corners_of(kind: str) -> int:
-    """How many sharp corners a stroke of a type has."""
+    """Number of sharp corners of a stroke of a type."""
     return _CORNERS.get(kind[:1], 0)
 
 
 def is_hooked(kind: str) -> bool:
-    """Whether a stroke of a type ends in a hook."""
+    """Return whether a stroke of a type ends in a hook."""
     return kind[:1] != "" and kind[:1] in _HOOKED
 
 
@@ -239,7 +239,7 @@ def _shape_of(stroke: LineStroke) -> tuple[str, dict[str, Any]]:
 
 
 def _plain(line: AnyArray) -> tuple[str, dict[str, Any]]:
-    """What a line without a type is: level, falling to the left, to the right, or upright."""
+    """Type of a line that has none: level, falling to the left, to the right, or upright."""
     x, y = line[-1] - line[0]
     if abs(y) < 0.4 * abs(x):
         kind = "㇐"

@@ -172,7 +172,7 @@ def _headings(feet: AnyArray, prints: list[Footprint]) -> AnyArray:
 
 
 def _bands(feet: AnyArray, prints: list[Footprint], headings: AnyArray) -> Iterable[Polygon]:
-    """What lies between the effective points of neighbouring footprints."""
+    """Area between the effective points of neighbouring footprints."""
     points = [
         [foot + p for p in effective_points(f, heading)]
         for foot, f, heading in zip(feet, prints, headings, strict=True)

@@ -1,4 +1,4 @@
-"""When the brush is where: courses of strokes become one motion of the hand, sampled evenly.
+"""Timing: courses of strokes become one motion of the hand, sampled evenly.
 
 Within a stroke the hand follows v ~ curvature^-0.29, slows down to turn the holder, and starts and
 ends at rest; between strokes it lifts and moves over with least jerk; between characters it rises,
@@ -49,7 +49,7 @@ _REST = 6  # samples of rest looked at before and after
 
 @dataclass(frozen=True)
 class Limits:
-    """What a hand can do.
+    """Limits of a hand.
 
     Attributes
     ----------
@@ -171,7 +171,7 @@ def _bounded_by_bends(
 
 
 def _eased(speed: AnyArray, step: float) -> NDArray[np.float64]:
-    """Let speed change gently in time; never above what it was."""
+    """Smooth speed in time; never above what it was."""
     time = np.r_[0.0, np.cumsum(_spans(speed, step))]
     even = np.linspace(0.0, time[-1], len(speed))
     window = max(1, round(_EASE_S * (len(speed) - 1) / time[-1]))
@@ -223,7 +223,7 @@ _PAUSE = 3.0  # samples of rest between two parts, whose jerks would add up
 
 @dataclass(frozen=True)
 class Tempo:
-    """How fast a hand writes.
+    """Speed of a hand that writes.
 
     Attributes
     ----------
@@ -374,7 +374,7 @@ def _poses(course: StrokePath) -> NDArray[np.float64]:
 
 
 def least_jerk(t: AnyArray) -> AnyArray:
-    """How far a movement from rest to rest of the least jerk has come at times t, both 0 to 1."""
+    """Fraction of a minimum-jerk movement from rest to rest at times t, both 0 to 1."""
     return t**3 * (10.0 - 15.0 * t + 6.0 * t**2)
 
 

@@ -195,7 +195,7 @@ _FEW = 3  # characters that are not worth starting processes for
 
 @dataclass(frozen=True)
 class Pen:
-    """What is written with, and how.
+    """Brush, size and manner of writing.
 
     Attributes
     ----------
@@ -395,7 +395,7 @@ def _as_asked(
     parts: Sequence[HandMotion],
     stations: Callable[[Motion, Glyph], NDArray[np.float64]],
 ) -> Written:
-    """What is written, with how dry and how strong its strokes say that they are."""
+    """Recording of what is written, with how dry and how strong its strokes are."""
     glyphs = [piece.glyph for piece in written.placed]
     strokes = [stroke for glyph in glyphs for stroke in glyph.strokes]
     asked = [share for stroke in strokes for share in stroke.dryness]
@@ -424,7 +424,7 @@ def _counted_on(
     own: Callable[[Glyph], NDArray[np.float64]],
     count: Callable[[Glyph], int],
 ) -> NDArray[np.float64]:
-    """What glyphs count at their own samples, counted on through all of them (N,).
+    """Counts of glyphs at their own samples, counted on through all of them (N,).
 
     Every other part is the way to the next glyph: NaN.
     """
@@ -474,7 +474,7 @@ def _planned(glyph: Glyph, footprints: FootprintTable, pen: Pen, threads: int = 
 
 
 def _root_stretch(placed: list[PlacedPiece], tuft: Tuft) -> float:
-    """How much longer the root's ways are than those that are planned; rough spots count as 2."""
+    """Ratio of the root's ways to those that are planned; rough spots count as 2."""
     squares = [piece.square for piece in placed]
     return min(_MOST_STRETCH, max(root_stretch(s.points, s.normals, tuft) for s in squares))
 

@@ -240,4 +240,4 @@ def show_beside(
             kind = "PNG" if options.beside.suffix.lower() == ".png" else "JPEG"
             Image.fromarray(both).save(part, kind)
     if not options.quiet:
-        sys.stdout.write(f"{options.beside}: {figures.told()}\n")
+        sys.stdout.write(f"{options.beside}: {figures.summary()}\n")

@@ -531,6 +531,8 @@ def paint_onto(
 ) -> Painting:
     """Paint a recording on a painting, as a step that can be undone; see `paint`.
 
+    Where its pen is turned over, a step ends and one that erases, or paints again, begins.
+
     Raises
     ------
     InputError
@@ -540,7 +542,7 @@ def paint_onto(
 
     from paint3d.painter.flat_input import LaidPad
     from paint3d.painter.ink_time import PIECE_NS, PIECE_S
-    from paint3d.painter.recorded_tools import recorded_amount, told_at
+    from paint3d.painter.recorded_tools import eraser_runs, recorded_amount, told_at
 
     if isinstance(recording, LaidPad):
         recording = recording.whole()
@@ -563,11 +565,19 @@ def paint_onto(
         ends = np.arange(_AT_ONCE, n, _AT_ONCE)
     with timed(seconds, "paint"), ProgressBar("painting", enabled=not wanted.quiet) as progress:
         told = progress if watch is None else watch.over(recording, wanted.spread, progress)
-        document.begin_stroke(
-            loads=list(dict(loads).items()), strengths=list(dict(strengths).items())
-        )
+        begins = {begin: (end, erases) for begin, end, erases in eraser_runs(recording.buttons)}
         first = 0
-        for end in (*ends.tolist(), n):
+        for end in sorted({*ends.tolist(), *begins, n} - {0}):
+            if first in begins:
+                if first:
+                    document.end_stroke()
+                last, erases = begins[first]
+                said: dict[str, Any] = {"erase": True} if erases else {}  # a score says no false
+                document.begin_stroke(
+                    loads=_within(loads, first, last),
+                    strengths=_within(strengths, first, last),
+                    **said,
+                )
             document.feed(list(recording.part(first, end).samples()))
             if is_wet and end < n:
                 pieces = int(time_ns[end] // PIECE_NS - time_ns[end - 1] // PIECE_NS)
@@ -582,6 +592,11 @@ def paint_onto(
         counts = document.painter.report()
     counts["over_paint"] = round(over, 4)
     return Painting(document.surface, counts, seconds, document=document)
+
+
+def _within(pairs: Sequence[tuple[int, float]], first: int, last: int) -> list[tuple[int, float]]:
+    """What is told of samples from `first` to before `last`, counted from `first`."""
+    return [(k - first, share) for k, share in dict(pairs).items() if first <= k < last]
 
 
 def _with_hairs(brush: BrushSpec, hairs: int | None) -> BrushSpec:

@@ -144,7 +144,7 @@ def run(options: argparse.Namespace) -> None:
 
 def _edited(score: Score, edits: Sequence[_Edit], options: argparse.Namespace) -> Score:
     """All edits, with the numbers that strokes have in the file: so deleting comes last."""
-    from paint3d.recording.score_edits import edit_stroke
+    from paint3d.recording.score_edits import edit_strokes
 
     count = len(score.strokes())
     for edit in edits:
@@ -171,15 +171,13 @@ def _edited(score: Score, edits: Sequence[_Edit], options: argparse.Namespace) -
                 cause=cause,
             ) from None
         for number in edit.numbers:
-            score = edit_stroke(score, number, words, ground)  # type: ignore[arg-type]
+            score = edit_strokes(score, [number], words, ground)
     gone = {number for edit in edits if edit.kind == "delete" for number in edit.numbers}
-    for number in sorted(gone, reverse=True):
-        score = edit_stroke(score, number, {"do": "delete"}, ground)  # type: ignore[arg-type]
-    return score
+    return edit_strokes(score, sorted(gone), {"do": "delete"})
 
 
 def _words(edit: _Edit, score: Score) -> dict[str, Any]:
-    """An edit as `score_edits.edit_stroke` takes it."""
+    """An edit as `score_edits.edit_strokes` takes it."""
     text = edit.text
     if edit.kind == "move":
         x, y, *turn = _move(text)

@@ -29,7 +29,6 @@ from types import FunctionType
 from typing import Any
 
 from numba import config, njit
-from numba.core.dispatcher import Dispatcher
 
 from paint3d.core.own_folders import can_write, find_home, private_folder
 
@@ -94,7 +93,7 @@ def _cache_of(kernel: Any) -> Path:
     return Path(kernel.stats.cache_path)
 
 
-def is_kept(kernel: Dispatcher) -> bool:
+def is_kept(kernel: Any) -> bool:
     """Return whether code of a kernel is cached for this version of Python."""
     name = f"{kernel.py_func.__module__.rpartition('.')[2]}.{kernel.py_func.__qualname__}"
     version = f"py{sys.version_info.major}{sys.version_info.minor}"

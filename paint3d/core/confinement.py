@@ -89,15 +89,15 @@ def _give_up_files(libc: Any) -> bool:
 
 
 class _Processor(NamedTuple):
-    """Where `numbers` has the numbers of system calls, and what the kernel calls it."""
+    """A processor: its column of `_CALLS`, its AUDIT_ARCH, and its number of seccomp(2)."""
 
     column: int
-    audit: int
+    arch: int
     seccomp: int
 
 
 _PROCESSORS = {"x86_64": _Processor(0, 0xC000003E, 317), "aarch64": _Processor(1, 0xC00000B7, 277)}
-_NONE = -1
+_ABSENT = -1  # on that processor
 _CALLS = {  # their numbers on x86-64 and on 64-bit Arm
     # to reach others
     "socket": (41, 198), "socketpair": (53, 199), "connect": (42, 203), "bind": (49, 200),
@@ -105,17 +105,17 @@ _CALLS = {  # their numbers on x86-64 and on 64-bit Arm
     "ptrace": (101, 117), "process_vm_readv": (310, 270), "process_vm_writev": (311, 271),
     "pidfd_getfd": (438, 438), "kill": (62, 129), "pidfd_send_signal": (424, 424),
     # to start programs
-    "execve": (59, 221), "execveat": (322, 281), "fork": (57, _NONE), "vfork": (58, _NONE),
+    "execve": (59, 221), "execveat": (322, 281), "fork": (57, _ABSENT), "vfork": (58, _ABSENT),
     # to change files
-    "creat": (85, _NONE), "truncate": (76, 45), "mkdir": (83, _NONE), "mkdirat": (258, 34),
-    "mknod": (133, _NONE), "mknodat": (259, 33), "rmdir": (84, _NONE), "unlink": (87, _NONE),
-    "unlinkat": (263, 35), "rename": (82, _NONE), "renameat": (264, 38), "renameat2": (316, 276),
-    "link": (86, _NONE), "linkat": (265, 37), "symlink": (88, _NONE), "symlinkat": (266, 36),
-    "chmod": (90, _NONE), "fchmod": (91, 52), "fchmodat": (268, 53), "fchmodat2": (452, 452),
-    "chown": (92, _NONE), "lchown": (94, _NONE), "fchown": (93, 55), "fchownat": (260, 54),
+    "creat": (85, _ABSENT), "truncate": (76, 45), "mkdir": (83, _ABSENT), "mkdirat": (258, 34),
+    "mknod": (133, _ABSENT), "mknodat": (259, 33), "rmdir": (84, _ABSENT), "unlink": (87, _ABSENT),
+    "unlinkat": (263, 35), "rename": (82, _ABSENT), "renameat": (264, 38), "renameat2": (316, 276),
+    "link": (86, _ABSENT), "linkat": (265, 37), "symlink": (88, _ABSENT), "symlinkat": (266, 36),
+    "chmod": (90, _ABSENT), "fchmod": (91, 52), "fchmodat": (268, 53), "fchmodat2": (452, 452),
+    "chown": (92, _ABSENT), "lchown": (94, _ABSENT), "fchown": (93, 55), "fchownat": (260, 54),
     "setxattr": (188, 5), "lsetxattr": (189, 6), "fsetxattr": (190, 7),
     "removexattr": (197, 14), "lremovexattr": (198, 15), "fremovexattr": (199, 16),
-    "utime": (132, _NONE), "utimes": (235, _NONE), "utimensat": (280, 88),
+    "utime": (132, _ABSENT), "utimes": (235, _ABSENT), "utimensat": (280, 88),
     # to change the system, or go round the filter
     "mount": (165, 40), "umount2": (166, 39), "unshare": (272, 97), "setns": (308, 268),
     "chroot": (161, 51), "pivot_root": (155, 41), "bpf": (321, 280), "add_key": (248, 217),
@@ -125,21 +125,23 @@ _CALLS = {  # their numbers on x86-64 and on 64-bit Arm
 }  # fmt: skip
 # What these ask a filter cannot see; C libraries do without them.
 _HIDDEN = {"openat2": 437, "clone3": 435}
-_LOAD, _EQUAL, _AT_LEAST, _ANY_BIT, _ANSWER = 0x20, 0x15, 0x35, 0x45, 0x06  # instructions of BPF
+_LOAD, _EQUAL, _AT_LEAST, _ANY_BIT, _RETURN = 0x20, 0x15, 0x35, 0x45, 0x06
+# instructions of BPF: ld, jeq, jge, jset, ret
 _WRITING = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC
-_THREAD = 0x10000
+_CLONE_THREAD = 0x10000
+_TIOCSTI, _TIOCLINUX = 0x5412, 0x541C
 _ASKING = (  # calls that fail by an argument: its place, how it is looked at, and if so or if not
-    ((2, _NONE), 1, _ANY_BIT, _WRITING, True),  # open
+    ((2, _ABSENT), 1, _ANY_BIT, _WRITING, True),  # open
     ((257, 56), 2, _ANY_BIT, _WRITING, True),  # openat
-    ((56, 220), 0, _ANY_BIT, _THREAD, False),  # clone: a thread is all that may be
+    ((56, 220), 0, _ANY_BIT, _CLONE_THREAD, False),  # clone: a thread is all that may be
     ((302, 261), 0, _ANY_BIT, 0xFFFFFFFF, True),  # prlimit64 of another process
-    ((16, 29), 1, _EQUAL, 0x5412, True),  # ioctl: to type into a terminal
-    ((16, 29), 1, _EQUAL, 0x541C, True),
+    ((16, 29), 1, _EQUAL, _TIOCSTI, True),  # ioctl: to type into a terminal
+    ((16, 29), 1, _EQUAL, _TIOCLINUX, True),
 )
-_X32 = 0x40000000  # system calls of another kind on x86-64
-_SET_FILTER, _EVERY_THREAD = 1, 1
-_ALLOWED, _FAILS = 0x7FFF0000, 0x00050000  # and the error's number
-_NUMBER, _PROCESSOR, _ARGUMENTS = 0, 4, 16  # where a call has them, in bytes
+_X32_BIT = 0x40000000  # of the numbers of x86-64's other set of calls
+_SET_FILTER, _ALL_THREADS = 1, 1  # SECCOMP_SET_MODE_FILTER, SECCOMP_FILTER_FLAG_TSYNC
+_ALLOW, _FAIL = 0x7FFF0000, 0x00050000  # SECCOMP_RET_ALLOW, SECCOMP_RET_ERRNO with its number
+_NR_AT, _ARCH_AT, _ARGS_AT = 0, 4, 16  # bytes, in struct seccomp_data
 
 
 def _processor() -> _Processor | None:
@@ -179,31 +181,31 @@ def filter_calls(refused: Refused) -> bool:
     if processor is None:
         return False
     program = b"".join(struct.pack("=HBBI", *line) for line in _program(processor, refused))
-    held = ctypes.create_string_buffer(program, len(program))
-    told = struct.pack("@HP", len(program) // 8, ctypes.addressof(held))
+    instructions = ctypes.create_string_buffer(program, len(program))
+    struct_fprog = struct.pack("@HP", len(program) // 8, ctypes.addressof(instructions))
     call = ctypes.CDLL(None, use_errno=True).syscall
-    return bool(call(processor.seccomp, _SET_FILTER, _EVERY_THREAD, told) == 0)
+    return bool(call(processor.seccomp, _SET_FILTER, _ALL_THREADS, struct_fprog) == 0)
 
 
 def _program(processor: _Processor, refused: Refused) -> Iterator[tuple[int, int, int, int]]:
     """Yield instructions: what, how many to pass over if it is so and if not, and its number."""
-    refuse = (_ANSWER, 0, 0, _FAILS | errno.EPERM)
-    yield _LOAD, 0, 0, _PROCESSOR
-    yield _EQUAL, 1, 0, processor.audit
+    refuse = (_RETURN, 0, 0, _FAIL | errno.EPERM)
+    yield _LOAD, 0, 0, _ARCH_AT
+    yield _EQUAL, 1, 0, processor.arch
     yield refuse
-    yield _LOAD, 0, 0, _NUMBER
-    yield _AT_LEAST, 0, 1, _X32
+    yield _LOAD, 0, 0, _NR_AT
+    yield _AT_LEAST, 0, 1, _X32_BIT
     yield refuse
     for number in refused.always:
         yield _EQUAL, 0, 1, number
         yield refuse
     for number in refused.missing:
         yield _EQUAL, 0, 1, number
-        yield _ANSWER, 0, 0, _FAILS | errno.ENOSYS
+        yield _RETURN, 0, 0, _FAIL | errno.ENOSYS
     for number, place, look, value, if_so in refused.asking:
-        yield _LOAD, 0, 0, _NUMBER
+        yield _LOAD, 0, 0, _NR_AT
         yield _EQUAL, 0, 3, number
-        yield _LOAD, 0, 0, _ARGUMENTS + 8 * place  # the lower half, which comes first
+        yield _LOAD, 0, 0, _ARGS_AT + 8 * place  # the lower half, which comes first
         yield (look, 0, 1, value) if if_so else (look, 1, 0, value)
         yield refuse
-    yield _ANSWER, 0, 0, _ALLOWED
+    yield _RETURN, 0, 0, _ALLOW

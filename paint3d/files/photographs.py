@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib.util
 import io
+import logging
 import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
     from PIL.Image import Image
 from paint3d.errors import MeshError
 from paint3d.files.progress import Progress
-from paint3d.files.sandbox import PICTURE_SECONDS, Found, read_apart
+from paint3d.files.sandbox import PICTURE_SECONDS, Found, notes_of, read_apart
 
 __all__ = [
     "HEIF_SUFFIXES",
@@ -32,6 +33,8 @@ PHOTOGRAPH_SUFFIXES = (
     ".jpg", ".jpeg", ".png", ".tif", ".tiff", ".webp", ".bmp", ".gif", ".ppm", ".pgm",
     *HEIF_SUFFIXES,
 )  # fmt: skip
+log = logging.getLogger("paint3d")
+
 _KINDS = ("JPEG", "MPO", "PNG", "TIFF", "WEBP", "BMP", "GIF", "PPM", "HEIF")
 _MOST_BYTES = 400_000_000
 _MOST_PIXELS = 1 << 27
@@ -234,6 +237,8 @@ def load_photograph(
         arrays, facts = read_apart(path, reader, [_LONGEST], PICTURE_SECONDS, progress=progress)
     except MeshError as cause:
         raise InputError(cause) from None
+    for note in notes_of(facts):
+        log.warning("%s: %s", path, note)
     (height, width), full = facts["size"], facts["full"]
     pixels: NDArray[np.uint8] = arrays["pixels"].reshape(int(height), int(width), 3)
     return pixels, max(int(full[0]), int(full[1])) / max(pixels.shape[:2])

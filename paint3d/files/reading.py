@@ -20,7 +20,14 @@ from paint3d.files.detail import Draped, show_pictures
 from paint3d.files.package_meshes import package_class, read_object
 from paint3d.files.progress import Progress
 from paint3d.files.raw_mesh import RawMesh
-from paint3d.files.sandbox import MAX_IDLE_SECONDS, MAX_SECONDS, PICTURE_SECONDS, Found, read_apart
+from paint3d.files.sandbox import (
+    MAX_IDLE_SECONDS,
+    MAX_SECONDS,
+    PICTURE_SECONDS,
+    Found,
+    notes_of,
+    read_apart,
+)
 from paint3d.mesh.polygons import triangulate
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.mesh.upright import Upright, guess_up, turn_rows, turn_up
@@ -160,7 +167,7 @@ def read_surface_apart(
         str(facts["name"]),
         arrays.get("normals"),
     )
-    notes = tuple(map(Message.from_words, facts["notes"]))
+    notes = (*map(Message.from_words, facts["notes"]), *notes_of(facts))
     knows_up, unit_mm, up = facts["knows_up"], facts["unit_mm"], facts["up"]
     return Reading(mesh, notes, bool(knows_up), float(unit_mm), str(up))
 

@@ -17,6 +17,7 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Mapping
 from contextlib import suppress
@@ -27,7 +28,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from paint3d.core.arrays import AnyArray
-from paint3d.core.confinement import confine_process
+from paint3d.core.confinement import LANDLOCK, SECCOMP, confine_process
 from paint3d.core.machine import from_parent, handed_to_child, limit_process, make_memory_file
 from paint3d.errors import InputError, MeshError, Message
 from paint3d.files.progress import Progress
@@ -40,6 +41,7 @@ __all__ = [
     "Found",
     "Watch",
     "main",
+    "notes_of",
     "read_apart",
     "receive",
     "send",
@@ -54,6 +56,11 @@ MAX_IDLE_SECONDS = 60  # without computing: asleep, or waiting for a disk
 LOOK_S = 0.05  # how often it is looked what the child does, and whether it is still wanted
 START_S, BYTES_A_SECOND = 0.4, 20e6  # what reading takes, about
 PICTURE_SECONDS = 60  # where a mesh is made fine enough for its pictures
+_UNCONFINED = Message(
+    "its reader was held by limits of memory and time alone: this system has neither Landlock nor "
+    "seccomp; open only files that you trust"
+)
+_noted = threading.Event()  # that this process has said so
 START = "import sys, json; sys.path[:] = json.loads(sys.argv.pop()); \
 from paint3d.files.sandbox import main; main()"
 
@@ -76,7 +83,8 @@ def read_apart(
     path : Path
     reader : str
         ``module:function`` of the function that the child calls with `path` and `wanted`; it
-        returns arrays (N, 3) of the names in `TYPES`, and facts that JSON can hold.
+        returns arrays (N, 3) of the names in `TYPES`, and facts that JSON can hold. To these comes
+        ``is_confined``; see `notes_of`.
     wanted : list
         What JSON can hold.
     seconds, idle_seconds : float
@@ -106,6 +114,20 @@ def read_apart(
     if "error" in facts:
         raise MeshError(Message.from_words(facts["error"]), hint=facts["hint"])
     return arrays, facts
+
+
+def notes_of(facts: Mapping[str, Any]) -> tuple[Message, ...]:
+    """What is to be said of a child that read a file: the first time, if nothing confined it.
+
+    Parameters
+    ----------
+    facts : mapping
+        From `read_apart`.
+    """
+    if facts.get("is_confined") is True or _noted.is_set():
+        return ()
+    _noted.set()
+    return (_UNCONFINED,)
 
 
 def _run(
@@ -262,7 +284,7 @@ def main() -> None:
     request = json.loads(sys.argv[1])
     limit_process(int(request["memory"]), int(request["seconds"]))
     read = resolve_name(request["reader"])
-    confine_process()
+    is_confined = not {LANDLOCK, SECCOMP}.isdisjoint(confine_process())
 
     path = Path(os.fsdecode(bytes.fromhex(request["path"])))
     descriptor = from_parent(int(request["file"]))
@@ -271,7 +293,7 @@ def main() -> None:
     except InputError as cause:
         send(descriptor, {}, {"error": cause.message.to_words(), "hint": cause.hint})
         return
-    send(descriptor, arrays, facts)
+    send(descriptor, arrays, {**facts, "is_confined": is_confined})
 
 
 # ---- From the child to its parent ----------------------------------------------------------------

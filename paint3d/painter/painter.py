@@ -46,10 +46,12 @@ from paint3d.errors import InputError
 from paint3d.mesh.bvh import ClosestPoints
 from paint3d.painter.flat_input import LaidPad
 from paint3d.painter.ink_time import LOOKAHEAD, PIECE_S, Pauses, pieces_until
-from paint3d.painter.recorded_tools import LEAST_INK, told_at
+from paint3d.painter.recorded_tools import LEAST_INK, eraser_runs, told_at
 from paint3d.pose.brush_pose import BrushPath, brush_poses, joined_samples, object_poses, velocities
 from paint3d.recording.recording import Recording
+from paint3d.surface.eraser import Eraser
 from paint3d.surface.painted_surface import PaintedSurface
+from paint3d.surface.undo import BrushLoad
 
 if TYPE_CHECKING:
     from paint3d.painter.bristle_state import HairTuft  # brings the kernels of hairs
@@ -142,6 +144,8 @@ class Painter:
         self._origin_ns = 0
         self._n_samples = 0
         self._dip_down = False
+        self._eraser: Eraser | None = None  # while a recording's eraser end is down
+        self._waiting: tuple[dict[str, object], BrushLoad] | None = None  # the brush meanwhile
         self._dipped: Ink = {}
         self._dips: tuple[tuple[Ink, float | None], ...] = ()
         if pickup is not None:
@@ -526,7 +530,7 @@ class Painter:
         frame_rate: float | None = None,
         wet: bool = False,
     ) -> None:
-        """Paint a whole recording.
+        """Paint a whole recording; where its pen's eraser end is down, erase (`Eraser`).
 
         Parameters
         ----------
@@ -548,15 +552,15 @@ class Painter:
         ready = ahead(partial(self._prepare, recording, *span) for span in _spans(n))
         while True:
             last = min(n, first + _PART)
-            times_ns, samples, refills = next(ready)
+            times_ns, samples, refills, buttons = next(ready)
             time_s = (times_ns - start) * 1e-9
             known = last - first - 1 - (LOOKAHEAD if last < n else 0)
             pauses = Pauses(times_ns, samples.joined, passed - first)
             for stop, is_frame in _stops(time_s, int(at[0]), known, frame_rate):
                 for pause, pieces in pauses.until(stop) if wet else ():
-                    self._paint(samples, pause, refills)
+                    self._paint_by_ends(samples, pause, refills, buttons)
                     self._step_ink(pieces, progress, max(0, first + pause + 1) / n)
-                self._paint(samples, stop, refills)
+                self._paint_by_ends(samples, stop, refills, buttons)
                 if is_frame or (frame_rate is not None and first + stop == n - 1):
                     self._refresh()
                 if progress is not None:
@@ -566,6 +570,7 @@ class Painter:
             passed = first + pauses.passed
             first += known - LOOKAHEAD
             at[0] = LOOKAHEAD
+        self._turn(erases=False)
         self._n_samples += n
         self._begin()
 
@@ -609,8 +614,8 @@ class Painter:
 
     def _prepare(
         self, recording: Recording | LaidPad, first: int, last: int
-    ) -> tuple[AnyArray, Samples, list[_Refill]]:
-        """Prepare one part: its times (N,), ns, samples and refills.
+    ) -> tuple[AnyArray, Samples, list[_Refill], AnyArray]:
+        """Prepare one part: its times (N,), ns, samples, refills, and buttons (N,).
 
         Runs ahead on a thread. Parts must come in order: each needs the touch-down before it.
         """
@@ -622,7 +627,8 @@ class Painter:
         schedule, header = _Schedule(), recording.header
         if "loads" in header or "strengths" in header:
             schedule = _Schedule(*told_at(header, part.time_ns))
-        prepared = part.time_ns, samples, _refills(path.buttons, schedule)
+        buttons = np.asarray(path.buttons)
+        prepared = part.time_ns, samples, _refills(buttons, schedule), buttons
         self.seconds["poses"] += time.perf_counter() - started
         return prepared
 
@@ -644,7 +650,10 @@ class Painter:
         self._schedule = _Schedule(tuple(loads), tuple(strengths))
 
     def advance(self, samples: Iterable[DeviceSample]) -> None:
-        """Paint live; the last two samples stay pending until their successors arrive."""
+        """Paint live; the last two samples stay pending until their successors arrive.
+
+        Whichever end of the pen is down: who begins the stroke says whether it erases.
+        """
         if not self._pending:
             samples = list(samples)
             self._origin_ns = samples[0].time_ns if samples else 0
@@ -699,6 +708,36 @@ class Painter:
             self._run(samples, stop)
             fill(self)
         self._run(samples, last)
+
+    def _paint_by_ends(
+        self, samples: Samples, last: int, refills: list[_Refill], buttons: AnyArray
+    ) -> None:
+        """Paint up to sample `last` as `_paint` does, or erase where the eraser end is down."""
+        first = int(self._progress.at[0])
+        for begin, end, turned in eraser_runs(buttons[first : max(first, last) + 1]):
+            self._turn(erases=turned)
+            for k in range(first + begin, first + end) if turned else (first + end - 1,):
+                self._paint(samples, k, refills)
+                if self._eraser is not None:
+                    self.loaded -= self._eraser.wipe()
+
+    def _turn(self, *, erases: bool) -> None:
+        """Take the eraser end, which is as wet as a brush that is dipped, or the brush again."""
+        surface = self.surface
+        if erases and self._eraser is None:
+            self._waiting = self.keep(), BrushLoad.of(surface)
+            self.dip(self._dipped)
+            self._eraser = Eraser(surface)
+        elif not erases and self._eraser is not None:
+            assert self._waiting is not None, "it was turned over"
+            kept, load = self._waiting
+            before, loaded = self.in_brush(), self.loaded
+            off_surface = surface.ink.off_surface.copy()
+            load.put(surface)
+            surface.ink.off_surface[:] = off_surface
+            loaded += self.in_brush() - before
+            self.restore({**kept, "loaded": loaded})
+            self._eraser = None
 
     def _run(self, samples: Samples, last: int) -> None:
         """Run the stroke kernel up to sample `last`, growing the surface as often as it asks."""

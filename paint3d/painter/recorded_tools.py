@@ -1,4 +1,4 @@
-"""Brush and ink named in the header of a version 1 recording.
+"""Brush and ink that a version 1 recording names in its header; the end of the pen in its samples.
 
 A recording may come from a stranger, so these names never open a file of this machine.
 """
@@ -6,16 +6,18 @@ A recording may come from a stranger, so these names never open a file of this m
 from __future__ import annotations
 
 from collections.abc import Mapping
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from paint3d.brush.presets import load_brush
 from paint3d.brush.spec import BrushSpec, DipAmount
 from paint3d.colour.inks import load_ink
 from paint3d.colour.pigments import Pigment, load_pigment
 from paint3d.core.arrays import as_number
+from paint3d.device.sample import ERASER
 from paint3d.errors import (
     BrushError,
     InputError,
@@ -28,6 +30,7 @@ from paint3d.errors import (
 __all__ = [
     "LEAST_INK",
     "TIP_REACH",
+    "eraser_runs",
     "recorded_amount",
     "recorded_brush",
     "recorded_ink",
@@ -127,6 +130,19 @@ def told_at(
     """
     loads = _changes_in(header, "loads", 0.0, time_ns)
     return loads, _changes_in(header, "strengths", LEAST_INK, time_ns)
+
+
+def eraser_runs(buttons: ArrayLike) -> list[tuple[int, int, bool]]:
+    """Return the runs of samples (N,) in which one end of the pen is down, from their buttons.
+
+    Returns
+    -------
+    list of (int, int, bool)
+        The first sample, the one after the last, and whether the eraser end is down.
+    """
+    erases = (np.asarray(buttons) & ERASER) != 0
+    edges = [0, *(np.flatnonzero(np.diff(erases)) + 1).tolist(), len(erases)]
+    return [(a, b, bool(erases[a])) for a, b in pairwise(edges)]
 
 
 def _changes_in(

@@ -114,7 +114,7 @@ def spread_ties(time_ns: NDArray[np.int64]) -> tuple[AnyArray, int]:
 
 
 class Lifts:
-    """Where and when the pen is lifted between strokes, found before the samples are put together.
+    """Lifts of the pen between strokes, found before the samples are put together.
 
     Where two strokes meet and either end is pressed, a sample with pressure 0 is put at the first
     one's end and another at the second one's start, 1 ms away (or a quarter of the gap, if that is

@@ -99,7 +99,7 @@ class NumberTable:
             table, at = self._read_plain(data, delimiter, comment)
             if table is None:
                 table, at = self._read_singly(lines.cut(first, data), split, first)
-            self._lines.append(_told_briefly(first, at))
+            self._lines.append(_compact(first, at))
             for k, column in enumerate(self.names):
                 self._columns[column].add(table[str(k)])
 
@@ -239,7 +239,7 @@ def _with_nan(data: bytes, delimiter: bytes) -> bytes:
     return data + n if data.endswith(delimiter) else data
 
 
-def _told_briefly(first: int, lines: AnyArray) -> range | AnyArray:
+def _compact(first: int, lines: AnyArray) -> range | AnyArray:
     """Numbers of lines, from those counted in a block that begins with line `first`."""
     if len(lines) == 0 or lines[-1] - lines[0] == len(lines) - 1:  # they rise: all in between
         start = first + int(lines[0]) if len(lines) else first

@@ -119,7 +119,7 @@ def read_inkml(data: bytes, name: str, *, scale: float, y_down: bool) -> Recordi
 
 
 class _Format(NamedTuple):
-    """What the numbers of a point are.
+    """Channels: what the numbers of a point are.
 
     `channels` are attributes by name, in the points' order, of which the last `intermittent` may
     be missing; `resolutions` are counts to a unit, `step_ns` is from one point to the next.
@@ -201,7 +201,7 @@ def _continued(traces: list[_Trace]) -> list[_Trace]:
 def _starts(
     root: ElementTree.Element,
 ) -> Callable[[ElementTree.Element, str], tuple[float, float]]:
-    """What tells when a trace starts and how long it takes, ms; NaN where nothing is said."""
+    """Start and duration of a trace, ms; NaN where nothing is said."""
     named = {e.get(_ID) or e.get("id") or None: e for e in root.iter()}
 
     def of_timestamp(reference: str) -> float:
@@ -241,7 +241,7 @@ def _milliseconds(element: ElementTree.Element, key: str, otherwise: float = mat
 
 
 def _formats(root: ElementTree.Element, name: str) -> Callable[[str], _Format]:
-    """What tells the format of a trace by its context; by default it is the document's first."""
+    """Format of a trace by its context; by default it is the document's first."""
     named = {e.get(_ID) or e.get("id") or None: e for e in root.iter()}
 
     @cache
@@ -278,8 +278,8 @@ def _formats(root: ElementTree.Element, name: str) -> Callable[[str], _Format]:
             found.append(described(root))
         layout = next((layout for layout, _, _ in found if layout is not None), None)
         resolutions: dict[str, tuple[float, str]] = {}
-        for _, told, _ in reversed(found):
-            resolutions |= told
+        for _, counts, _ in reversed(found):
+            resolutions |= counts
         step_ns = next((step for _, _, step in found if step), _DEFAULT_STEP_NS)
         return _Format(*channels(layout), resolutions, step_ns)
 
@@ -387,9 +387,9 @@ def _points(text: str, layout: _Format) -> AnyArray:
 
 
 def _default(channel: Mapping[str, str]) -> float:
-    told = channel.get("default", "")
+    default = channel.get("default", "")
     try:
-        return _TRUTH[told] if told in _TRUTH else float(told)
+        return _TRUTH[default] if default in _TRUTH else float(default)
     except ValueError:
         return math.nan
 
@@ -596,8 +596,8 @@ def _steps(traces: list[_Trace], offsets: AnyArray) -> AnyArray:
     room = np.append(np.diff(offsets), np.iinfo(np.int64).max)
     usual = np.array([trace.layout.step_ns for trace in traces])
     lasts = np.array([1e6 * trace.duration_ms for trace in traces])
-    told = np.where(lasts > 0.0, lasts / np.maximum(n - 1, 1), usual)
-    result: AnyArray = np.minimum(np.round(told), room // n).astype(np.int64)
+    steps = np.where(lasts > 0.0, lasts / np.maximum(n - 1, 1), usual)
+    result: AnyArray = np.minimum(np.round(steps), room // n).astype(np.int64)
     return result
 
 

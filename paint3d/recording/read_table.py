@@ -339,7 +339,7 @@ def _rounded(values: AnyArray, unit: float, starts: AnyArray) -> tuple[AnyArray,
 
 
 def _starts_in_ms(values: AnyArray, starts: AnyArray, since: AnyArray) -> bool:
-    """Whether strokes start at times in ms, but count s `since` then."""
+    """Return whether strokes start at times in ms, but count s `since` then."""
     steps = np.diff(since)
     steps = steps[steps > 0]
     if len(steps) < 2 or np.median(steps) >= _TOO_FAST_MS:

@@ -107,8 +107,8 @@ def load_recording(
     name = Path(path).name
     with opened(path) as (raw, stream):
         start = stream.peek(512)[:512].lstrip(b"\xef\xbb\xbf \t\r\n")
-        told = None if progress is None else share_read(raw, progress)
-        return _read(stream, start, name, Path(path), scale, y_down, told)
+        on_read = None if progress is None else share_read(raw, progress)
+        return _read(stream, start, name, Path(path), scale, y_down, on_read)
 
 
 @contextmanager
@@ -145,13 +145,13 @@ def _read(
     path: Path,
     scale: float,
     y_down: bool,
-    told: Callable[[], None] | None,
+    on_read: Callable[[], None] | None,
 ) -> Recording:
     if start.startswith(b"<"):
         from paint3d.recording.read_inkml import read_inkml  # XML, which few recordings are in
 
         return read_inkml(_whole(stream, name), name, scale=scale, y_down=y_down)
-    lines = TextLines(stream, name, told)
+    lines = TextLines(stream, name, on_read)
     suffixes = [s.lower() for s in path.suffixes]
     if start.startswith(b"{") or ".jsonl" in suffixes or ".json" in suffixes or not start:
         return _read_jsonl(lines, name)
@@ -168,14 +168,14 @@ def _read(
 
 
 def _decompressed(raw: io.BufferedReader) -> io.BufferedReader:
-    """What a file holds, whether it is gzipped or not."""
+    """Bytes of a file, whether it is gzipped or not."""
     if raw.peek(2)[:2] == _GZIP_MAGIC:
         return io.BufferedReader(gzip.GzipFile(fileobj=raw))
     return raw
 
 
 def share_read(raw: BinaryIO, progress: Callable[[float], None]) -> Callable[[], None] | None:
-    """What tells how much of a file has been read, packed or not; nobody knows of a pipe."""
+    """Function that says how much of a file has been read, packed or not; None of a pipe."""
     if not raw.seekable():
         return None
     size = max(1, os.fstat(raw.fileno()).st_size)
@@ -201,7 +201,7 @@ class TextLines:
     stream : binary file
     name : str
         Of the file, for messages.
-    told : callable, optional
+    on_read : callable, optional
         Called now and then while lines are read.
 
     Raises
@@ -210,8 +210,10 @@ class TextLines:
         When iterated over: ``name:line: what is wrong``.
     """
 
-    def __init__(self, stream: BinaryIO, name: str, told: Callable[[], None] | None = None) -> None:
-        self._stream, self._name, self._told = stream, name, told
+    def __init__(
+        self, stream: BinaryIO, name: str, on_read: Callable[[], None] | None = None
+    ) -> None:
+        self._stream, self._name, self._on_read = stream, name, on_read
         self._number = self._n_bytes = 0
 
     def __iter__(self) -> Iterator[tuple[int, str]]:
@@ -222,8 +224,8 @@ class TextLines:
         if not line:
             raise StopIteration
         self._number += 1
-        if self._told is not None and self._number % _TELL_EVERY == 0:
-            self._told()
+        if self._on_read is not None and self._number % _TELL_EVERY == 0:
+            self._on_read()
         self._n_bytes += len(line)
         return self._number, self._checked(line, self._number, self._n_bytes)
 
@@ -237,8 +239,8 @@ class TextLines:
         RecordingError
             If the file is too long.
         """
-        if self._told is not None:
-            self._told()
+        if self._on_read is not None:
+            self._on_read()
         data = self._stream.read(_BLOCK)
         if data and not data.endswith(b"\n"):
             data += self._stream.readline(MAX_LINE + 1)

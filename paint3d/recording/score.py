@@ -69,7 +69,7 @@ def schema() -> Mapping[str, Any]:
 
 @lru_cache(maxsize=1)
 def command_names() -> tuple[str, ...]:
-    """What a line can ask for."""
+    """Names of the commands that a line can ask for."""
     definitions = schema()["$defs"]
     return tuple(name for name, rule in definitions.items() if "do" in rule.get("required", ()))
 
@@ -153,7 +153,7 @@ def _validator(kind: str) -> Callable[[Mapping[str, Any]], object]:
 
 
 def _in_words(rule: Mapping[str, Any]) -> str:
-    """What a rule of the schema allows."""
+    """Words for what a rule of the schema allows."""
     if "$ref" in rule:
         return _in_words(schema()["$defs"][rule["$ref"].rpartition("/")[2]])
     if "anyOf" in rule:
@@ -190,7 +190,7 @@ _ENDS = frozenset({"end_stroke", "cancel_stroke", "undo", "redo", "replay_histor
 
 @dataclass(frozen=True, eq=False)
 class Score:
-    """What happened to a painting, from the bare object on.
+    """Commands and samples of a painting, from the bare object on.
 
     Attributes
     ----------
@@ -236,7 +236,7 @@ class Score:
         return sum(len(event) for event in self.events if isinstance(event, Recording))
 
     def where(self, event: int) -> str:
-        """Where an event stands, for messages."""
+        """Place of an event, for messages."""
         if event < len(self.lines):
             return f"{self.name}:{self.lines[event]}"
         return f"{self.name}: event {event + 1}" if self.name else f"event {event + 1}"
@@ -253,7 +253,7 @@ class Score:
 
 
 class _Strokes:
-    """Whether samples come within strokes."""
+    """Check that samples come within strokes."""
 
     def __init__(self) -> None:
         self.is_open = False
@@ -305,7 +305,7 @@ def joined_parts(events: Iterable[Event]) -> list[Event]:
 
 
 def is_score(path: str | os.PathLike[str]) -> bool:
-    """Whether a file is a recording of version 2; False also where it cannot be read twice."""
+    """Return whether a file is a recording of version 2; False for one that is read only once."""
     if not os.path.isfile(path):  # what is looked at in a pipe would be gone
         return False
     try:
@@ -335,8 +335,8 @@ def load_score(
     """
     name = Path(path).name
     with opened(path) as (raw, stream):
-        told = None if progress is None else share_read(raw, progress)
-        return _read(TextLines(stream, name, told), name)
+        on_read = None if progress is None else share_read(raw, progress)
+        return _read(TextLines(stream, name, on_read), name)
 
 
 def _read(lines: Iterator[tuple[int, str]], name: str) -> Score:

@@ -1,14 +1,15 @@
-"""Edits of a whole painting afterwards: a stroke in the middle deleted, moved, in another ink.
+"""Edits of a whole painting afterwards: strokes in the middle deleted, moved, in another ink.
 
-Every function takes a score and gives a new one; what comes after the stroke stays as it was asked
+Every function takes a score and gives a new one; what comes after the strokes stays as it was asked
 for, and is painted anew when the score is played. Strokes count from 1, as `Score.strokes` has
-them.
+them. `EDITS` is all that can be done with strokes, by name: with one, or with several as one.
 """
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -29,33 +30,33 @@ from paint3d.recording.score_steps import ScoreSteps, ScoreStroke, follow_steps,
 
 __all__ = [
     "EDITS",
-    "carried",
     "change_brush",
     "change_ink",
     "delete_stroke",
     "edit_seal",
-    "edit_stroke",
-    "middle_of",
+    "edit_strokes",
     "move_stroke",
     "pressed_places",
     "retime_stroke",
     "tangents_at",
 ]
 
-# ---- Moves ---------------------------------------------------------------------------------------
-# A stroke carried along the surface of an object: places, and how the brush stands on it.
+# ---- Strokes on a surface ------------------------------------------------------------------------
+# Strokes carried along the surface of an object, scaled or mirrored on it: places, and how the
+# brush stands on it.
 #
-# The stroke is carried as a whole, like a stencil on a wall: from the tangent plane under its
-# middle to that at the place where it goes, by the smallest turn between the two normals. Then
-# every sample follows the surface under it: what lay under it comes to the nearest place, and the
-# pose of the brush to that place's normal as it was to the old one. On a plane this is a
-# translation and a turn, exactly.
+# They go as a whole, like a stencil on a wall: from the tangent plane under their middle to that
+# at the place where it goes, by the smallest turn between the two normals. Then every sample
+# follows the surface under it: what lay under it comes to the nearest place, and the pose of the
+# brush to that place's normal as it was to the old one. On a plane a move is a translation and a
+# turn, exactly.
 
 
 _STEPS = 64  # of the way along the surface
 _LEAST_STEP = 0.5  # a step that is shorter by so much has met an edge
 _NO_WAY_MM = 1e-9
 _MOST_TURN = 36000.0  # degrees
+_SMALLEST, _LARGEST = 0.05, 20.0  # scales
 _UPRIGHT = 0.9  # cosine to the vertical above which a normal is that of a table, not of a wall
 _BESIDE_MM, _BESIDE = 0.5, 0.35  # a place may be so far beside the nearest one's normal, and so
 # many times its distance: farther, and it lies beyond an edge
@@ -79,56 +80,45 @@ def tangents_at(normal: ArrayLike) -> AnyArray:
     return np.array([np.cross(second, normal), second])
 
 
-def middle_of(parts: Sequence[Recording], ground: ClosestPoints) -> tuple[AnyArray, AnyArray]:
-    """The place of the surface under the middle of a stroke, and its normal; object's frame, mm."""
-    places = np.concatenate([_in_object(part)[1] for part in parts])
-    pressed = np.concatenate([_pressed(part) for part in parts])
-    found = ground.find(places[pressed] if pressed.any() else places)
-    middle = ground.find(found.points.mean(axis=0)[None])
-    return middle.points[0], middle.normals[0]
-
-
 def pressed_places(part: Recording) -> tuple[AnyArray, AnyArray]:
     """The places (N, 3) that a recording means, in the object's frame, mm, and where it presses.
 
-    Both as `middle_of` counts them; the second is (N,) bool, all of it without a pressure.
+    The second is (N,) bool, all of it without a pressure.
     """
     return _in_object(part)[1], _pressed(part)
 
 
-def carried(
-    parts: Sequence[Recording],
-    mesh: TriangleMesh | ClosestPoints,
-    along: tuple[float, float] = (0.0, 0.0),
-    turn_deg: float = 0.0,
-    to: ArrayLike | None = None,
-) -> list[Recording]:
-    """Carry the samples of a stroke along the surface.
+@dataclass(frozen=True)
+class _Stencil:
+    """A map of the surface: from about one place of it to about another, in the object's frame.
 
-    Parameters
+    Attributes
     ----------
-    parts : sequence of Recording
-    mesh : TriangleMesh or ClosestPoints
-        The object.
-    along : (float, float)
-        mm along the surface; see `tangents_at`.
-    turn_deg : float
-        About the normal, counter-clockwise for who looks at the surface.
-    to : (3,) or (2, 3), optional
-        Where the middle of the stroke comes to, in the object's frame, mm; or the place where it is
-        taken hold of, and where that comes to; before `along`.
-
-    Raises
-    ------
-    RecordingError
-        If the brush would come down beyond an edge of the object.
-    InputError
-        If a length, the turn or a place is no such thing.
+    middle, place : (3,) float64
+        A place, and where it comes to, mm.
+    turn : (3, 3) float64
+        What it does to directions: a rotation, or a reflection of determinant -1.
+    factor : float
+        And to lengths.
     """
+
+    middle: AnyArray
+    place: AnyArray
+    turn: AnyArray
+    factor: float = 1.0
+
+
+def _moving(
+    parts: Sequence[Recording],
+    ground: ClosestPoints,
+    along: tuple[float, float],
+    turn_deg: float,
+    to: ArrayLike | None,
+) -> _Stencil:
+    """The map of a move; see `move_stroke`."""
     way = as_array(along, "along (mm)", (2,))
     angle = as_number(turn_deg, "turn (degrees)", -_MOST_TURN, _MOST_TURN)
-    ground = mesh if isinstance(mesh, ClosestPoints) else ClosestPoints(mesh)
-    middle, normal = middle_of(parts, ground)
+    middle, normal = _middle_of(parts, ground)
     place, up, turn = middle, normal, np.eye(3)
     if to is not None:
         ends = _ends(to)
@@ -139,12 +129,20 @@ def carried(
         turn = _smallest_turns(normal[None], up[None])[0]
     ahead = way @ tangents_at(up)
     place, after, walked = _walk(ground, place, up, ahead)
-    turn = _turn_about(after, np.radians(angle)) @ walked @ turn
-    return [_follow(part, ground, middle, place, turn) for part in parts]
+    return _Stencil(middle, place, _turn_about(after, np.radians(angle)) @ walked @ turn)
+
+
+def _middle_of(parts: Sequence[Recording], ground: ClosestPoints) -> tuple[AnyArray, AnyArray]:
+    """The place of the surface under the middle of strokes, and its normal; object's frame, mm."""
+    places = np.concatenate([_in_object(part)[1] for part in parts])
+    pressed = np.concatenate([_pressed(part) for part in parts])
+    found = ground.find(places[pressed] if pressed.any() else places)
+    middle = ground.find(found.points.mean(axis=0)[None])
+    return middle.points[0], middle.normals[0]
 
 
 def _ends(to: ArrayLike) -> AnyArray:
-    """Where something goes (1, 3), or from where to where (2, 3)."""
+    """Place where something goes (1, 3), or from where and to where (2, 3)."""
     try:
         return as_array(to, "to (mm)", (2, 3))
     except InputError:
@@ -176,13 +174,12 @@ def _walk(
     return place, start, turn
 
 
-def _follow(
-    part: Recording, ground: ClosestPoints, middle: AnyArray, place: AnyArray, turn: AnyArray
-) -> Recording:
-    """The samples of a part where the stencil's turn and the surface under it bring them."""
+def _follow(part: Recording, ground: ClosestPoints, stencil: _Stencil) -> Recording:
+    """The samples of a part where the stencil and the surface under it bring them."""
     position, places, own = _in_object(part)
+    turn, factor = stencil.turn, stencil.factor
     was = ground.find(places)
-    wanted = place + (was.points - middle) @ turn.T
+    wanted = stencil.place + factor * (was.points - stencil.middle) @ turn.T
     now = ground.find(wanted)
     beyond = _beyond(wanted - now.points, now.normals)
     refused = beyond & _pressed(part)
@@ -198,17 +195,53 @@ def _follow(
     turns = _smallest_turns(was.normals @ turn.T, now.normals) @ turn
     turns[beyond] = turn  # in the air beside the object
     below = np.where(beyond[:, None], wanted, now.points)
-    moved = below + np.einsum("nij,nj->ni", turns, position - was.points)
+    moved = below + factor * np.einsum("nij,nj->ni", turns, position - was.points)
     contact = part.contact
     if contact is not None:
-        kept = below + np.einsum("nij,nj->ni", turns, places - was.points)
+        kept = below + factor * np.einsum("nij,nj->ni", turns, places - was.points)
         contact = np.where(np.isnan(contact), np.nan, _to_world(part, kept))
-    orientation = multiply_quaternions(
-        part.object_orientation,
-        multiply_quaternions(quaternions_from_matrices(turns), own),
-    )
+    if np.linalg.det(turn) < 0.0:  # a mirrored brush is a brush again: its y the other way round
+        frames = turns @ matrices_from_quaternions(own)
+        frames[:, :, 1] *= -1.0
+        orientation = quaternions_from_matrices(frames)
+    else:
+        orientation = multiply_quaternions(quaternions_from_matrices(turns), own)
+    orientation = multiply_quaternions(part.object_orientation, orientation)
     orientation /= np.linalg.norm(orientation, axis=1)[:, None]
     return replace(part, position=_to_world(part, moved), orientation=orientation, contact=contact)
+
+
+def _put(
+    score: Score,
+    numbers: Sequence[int],
+    mesh: TriangleMesh | ClosestPoints | None,
+    stencil_of: Callable[[Sequence[Recording], ClosestPoints], _Stencil],
+) -> Score:
+    """Strokes taken along by one map of the surface, which is made of the samples of all."""
+    if mesh is None:
+        raise InputError("strokes lie on an object; expected one to move, scale or mirror them on")
+    ground = mesh if isinstance(mesh, ClosestPoints) else ClosestPoints(mesh)
+    events = list(score.events)
+    places = [
+        (number, k, event)
+        for number in numbers
+        for k in range(*_span(score, number))
+        if isinstance(event := events[k], Recording)
+    ]
+    which = ", ".join(map(str, numbers))
+    try:
+        stencil = stencil_of([part for _, _, part in places], ground)
+        for number, k, part in places:
+            which = str(number)
+            events[k] = _follow(part, ground, stencil)
+    except RecordingError as cause:
+        raise RecordingError("stroke {number}: {cause}", number=which, cause=cause) from None
+    return _with_events(score, events)
+
+
+def _span(score: Score, number: int) -> tuple[int, int]:
+    stroke, _ = stroke_of(score, number)
+    return stroke.begin, stroke.end
 
 
 def _beyond(offsets: AnyArray, normals: AnyArray) -> AnyArray:
@@ -305,7 +338,7 @@ def delete_stroke(score: Score, number: int) -> Score:
 
 
 def _left_of(k: int, event: Event, stroke: ScoreStroke, goes_on: bool) -> list[Event]:
-    """What stays of an event of a stroke that is deleted."""
+    """Events that stay of an event of a stroke that is deleted."""
     if isinstance(event, Recording):
         return []
     if k == stroke.begin and stroke.began_anew:  # a stroke of nothing forgets as it did
@@ -334,7 +367,7 @@ def move_stroke(
     turn_deg: float = 0.0,
     to: ArrayLike | None = None,
 ) -> Score:
-    """Carry a stroke along the surface; see `carried`.
+    """Carry a stroke along the surface.
 
     Parameters
     ----------
@@ -357,17 +390,60 @@ def move_stroke(
     InputError
         If a length, the turn or a place is no such thing.
     """
-    stroke, _ = stroke_of(score, number)
-    events = list(score.events)
-    places = [k for k in range(stroke.begin, stroke.end) if isinstance(events[k], Recording)]
-    parts = [event for event in events[stroke.begin : stroke.end] if isinstance(event, Recording)]
-    try:
-        moved = carried(parts, mesh, along, turn_deg, to)
-    except RecordingError as cause:
-        raise RecordingError("stroke {number}: {cause}", number=number, cause=cause) from None
-    for k, part in zip(places, moved, strict=True):
-        events[k] = part
-    return _with_events(score, events)
+    return _move(score, [number], mesh, along, turn_deg, to)
+
+
+def _move(
+    score: Score,
+    numbers: Sequence[int],
+    mesh: TriangleMesh | ClosestPoints | None,
+    along: tuple[float, float] = (0.0, 0.0),
+    turn_deg: float = 0.0,
+    to: ArrayLike | None = None,
+) -> Score:
+    return _put(score, numbers, mesh, lambda p, ground: _moving(p, ground, along, turn_deg, to))
+
+
+def _scale(
+    score: Score,
+    numbers: Sequence[int],
+    mesh: TriangleMesh | ClosestPoints | None,
+    factor: float,
+    brushes: Sequence[str | Mapping[str, Any]],
+) -> Score:
+    factor = as_number(factor, "factor", _SMALLEST, _LARGEST)
+    if len(brushes) != len(numbers):
+        raise InputError(
+            "there are {brushes} brushes for {strokes} strokes; expected one for each",
+            brushes=len(brushes),
+            strokes=len(numbers),
+        )
+
+    def stencil(parts: Sequence[Recording], ground: ClosestPoints) -> _Stencil:
+        middle, _ = _middle_of(parts, ground)
+        return _Stencil(middle, middle, np.eye(3), factor)
+
+    score = _put(score, numbers, mesh, stencil)
+    for number, brush in zip(numbers, brushes, strict=True):
+        score = change_brush(score, number, brush)
+    return score
+
+
+def _mirror(
+    score: Score,
+    numbers: Sequence[int],
+    mesh: TriangleMesh | ClosestPoints | None,
+    across: str = "x",
+) -> Score:
+    if across not in ("x", "y"):
+        raise InputError("across is {across!r}; expected 'x' or 'y'", across=across)
+
+    def stencil(parts: Sequence[Recording], ground: ClosestPoints) -> _Stencil:
+        middle, normal = _middle_of(parts, ground)
+        axis = tangents_at(normal)["xy".index(across)]
+        return _Stencil(middle, middle, np.eye(3) - 2.0 * np.outer(axis, axis))
+
+    return _put(score, numbers, mesh, stencil)
 
 
 def change_ink(
@@ -392,7 +468,7 @@ def change_ink(
     RecordingError
         If there is no such stroke, or this is no ink.
     """
-    said = ink if isinstance(ink, str) else dict(ink)
+    said = dict(ink) if isinstance(ink, Mapping) else ink
     changed = _begun_with(score, number, {"ink": said})
     if not pigments:
         return changed
@@ -415,7 +491,7 @@ def change_brush(score: Score, number: int, brush: str | Mapping[str, Any]) -> S
     RecordingError
         If there is no such stroke, or this is no brush.
     """
-    said = brush if isinstance(brush, str) else dict(brush)
+    said = dict(brush) if isinstance(brush, Mapping) else brush
     return _begun_with(score, number, {"brush": said})
 
 
@@ -440,7 +516,7 @@ def retime_stroke(
     seconds: float | None = None,
     shift_s: float = 0.0,
 ) -> Score:
-    """Let a stroke take another time, or begin earlier or later.
+    """Give a stroke another time, or have it begin earlier or later.
 
     Where ink runs meanwhile, its time in the stroke becomes longer or shorter with it, in pieces
     as they were; a shift takes from the pause on one side and gives to that on the other.
@@ -472,7 +548,8 @@ def retime_stroke(
                 "stroke {number} is one sample; expected several to give it time",
                 number=number,
             )
-        factor = seconds / ((last - first) * 1e-9)
+        factor = as_number(seconds, "time of a stroke (s)") / ((last - first) * 1e-9)
+    factor = as_number(factor, "factor")
     if not _SHORTEST <= factor <= _LONGEST:
         raise RecordingError(
             "stroke {number} would take {factor:.4g} times its time; expected {least:g} to "
@@ -544,7 +621,7 @@ def _stretched(own: Sequence[Event], first: int, factor: float, shift: int) -> l
 
 
 def _give_time(events: list[Event], pieces: int, at: int, number: int) -> None:
-    """Let so many more pieces of time pass beside a stroke (less below 0), at one end of events."""
+    """Add so many pieces of time beside a stroke (remove below 0), at one end of events."""
     wanted, step = abs(pieces) * _PIECE_S, -1 if at else 1
     k = at + (step if at else 0)
     while pieces < 0 and 0 <= k < len(events):
@@ -636,51 +713,108 @@ def edit_seal(score: Score, number: int, edit: Mapping[str, Any]) -> Score:
     return _with_events(replace(score, header=header), events)
 
 
-# -- an edit as words -------------------------------------------------------------------------
+# -- edits by name ----------------------------------------------------------------------------
 
 
-def edit_stroke(
-    score: Score, number: int, edit: Mapping[str, Any], mesh: TriangleMesh | ClosestPoints
+def edit_strokes(
+    score: Score,
+    numbers: Sequence[int],
+    edit: Mapping[str, Any],
+    mesh: TriangleMesh | ClosestPoints | None = None,
 ) -> Score:
-    """Do an edit that is said in words: ``{"do": "move", "along": [5, 0], "turn_deg": 30}``.
+    """Edit one stroke, or several as one: ``{"do": "move", "along": [5, 0], "turn_deg": 30}``.
 
     Parameters
     ----------
     score : Score
-    number : int
+    numbers : sequence of int
+        From 1, each once.
     edit : mapping
-        ``do``: one of "delete", "move", "ink", "brush", "time"; and what the function takes.
-    mesh : TriangleMesh or ClosestPoints
-        The object, for strokes that are moved.
+        ``do``, one of `EDITS`, and its words:
+
+        - "move": ``along``, ``turn_deg`` and ``to``, as `move_stroke` takes them, of the middle of
+          all strokes and about it;
+        - "scale": ``factor``, about the middle, and ``brushes``: with which each stroke is painted
+          then, a preset's name or all parameters;
+        - "mirror": ``across`` the first direction of `tangents_at`, "x", or the second, "y";
+        - "ink", "brush" and "time", as `change_ink`, `change_brush` and `retime_stroke` take them;
+        - "delete".
+    mesh : TriangleMesh or ClosestPoints, optional
+        The object, for strokes that are moved, scaled or mirrored.
 
     Raises
     ------
     InputError
-        If there is no such edit, or it takes something else.
+        If there is no such edit, it takes other words, or a word is no such thing.
     RecordingError
-        See the functions.
+        If there is no such stroke, or it would come to lie beyond an edge of the object.
     """
-    words = {key: value for key, value in edit.items() if key != "do"}
-    if edit.get("do") not in tuple(EDITS):
+    do, words = edit.get("do"), {key: value for key, value in edit.items() if key != "do"}
+    if not isinstance(do, str) or do not in EDITS:
         raise InputError(
-            "edit is {do!r:.40}; expected one of {edits}",
-            do=edit.get("do"),
-            edits=", ".join(EDITS),
+            "edit is {do!r:.40}; expected one of {edits}", do=do, edits=", ".join(EDITS)
         )
-    if edit["do"] == "move":
-        words["mesh"] = mesh
+    takes = inspect.signature(EDITS[do])
     try:
-        return EDITS[edit["do"]](score, number, **words)
+        takes.bind(score, numbers, mesh, **words)
     except TypeError:
         raise InputError(
-            "{do} does not take {words!r:.80}", do=edit["do"], words=", ".join(words)
+            "{do} does not take {words!r:.80}; it takes ({takes})",
+            do=do,
+            words=", ".join(words),
+            takes=", ".join(list(takes.parameters)[3:]),
         ) from None
+    return EDITS[do](score, numbers, mesh, **words)
+
+
+def _delete(score: Score, numbers: Sequence[int], _: object) -> Score:
+    for number in sorted(numbers, reverse=True):  # those before keep their numbers
+        score = delete_stroke(score, number)
+    return score
+
+
+def _ink(
+    score: Score,
+    numbers: Sequence[int],
+    _: object,
+    ink: str | Mapping[str, float],
+    pigments: Mapping[str, Any] | None = None,
+) -> Score:
+    for number in numbers:
+        score = change_ink(score, number, ink, pigments)
+    return score
+
+
+def _brush(
+    score: Score, numbers: Sequence[int], _: object, brush: str | Mapping[str, Any]
+) -> Score:
+    for number in numbers:
+        score = change_brush(score, number, brush)
+    return score
+
+
+def _time(
+    score: Score,
+    numbers: Sequence[int],
+    _: object,
+    factor: float = 1.0,
+    seconds: float | None = None,
+    shift_s: float = 0.0,
+) -> Score:
+    # A stroke is shifted into the pause beside it: the last one first where they begin later.
+    is_later = isinstance(shift_s, int | float) and shift_s > 0.0
+    for number in sorted(numbers, reverse=is_later):
+        score = retime_stroke(score, number, factor, seconds=seconds, shift_s=shift_s)
+    return score
 
 
 EDITS: Mapping[str, Callable[..., Score]] = {
-    "delete": delete_stroke,
-    "move": move_stroke,
-    "ink": change_ink,
-    "brush": change_brush,
-    "time": retime_stroke,
+    "delete": _delete,
+    "move": _move,
+    "scale": _scale,
+    "mirror": _mirror,
+    "ink": _ink,
+    "brush": _brush,
+    "time": _time,
 }
+"""Edits of strokes by name: of a score, their numbers, the object, and the edit's words."""

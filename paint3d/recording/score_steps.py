@@ -1,4 +1,4 @@
-"""What becomes of the strokes of a score: which are there at its end, and what undo takes back.
+"""Fate of the strokes of a score: which are there at its end, and what undo takes back.
 
 A step is what one undo takes back: a stroke, drying, a seal, a text that is laid or removed, a
 layer that comes, goes, moves or shows otherwise. Who takes a stroke out of the middle of a score
@@ -55,7 +55,7 @@ class ScoreStroke:
 
 @dataclass(eq=False)
 class ScoreSteps:
-    """What `follow_steps` finds.
+    """Steps that `follow_steps` finds.
 
     Attributes
     ----------

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from paint3d.colour.materials import Material, load_materials
 from paint3d.colour.pigments import USUAL_FINE, WATER, Pigment, load_palette
 from paint3d.colour.spectra import N_BANDS
+from paint3d.core.array_state import record_words
 from paint3d.core.arrays import AnyArray, as_array, as_number
 from paint3d.errors import InputError, Paint3DError, SessionError
 from paint3d.mesh.likeness import Original
@@ -106,8 +107,8 @@ def surface_state(surface: PaintedSurface) -> State:
     return {
         "version": STATE_VERSION,
         "resolution": surface.resolution,
-        "material": _as_dict(surface.material),
-        "pigments": [_as_dict(pigment) for pigment in surface.pigments],
+        "material": record_words(surface.material),
+        "pigments": [record_words(pigment) for pigment in surface.pigments],
         "splits": refinement_log(surface.paint_mesh),
         "load": ink.load.copy(),
         "off_surface": ink.off_surface.copy(),
@@ -504,12 +505,6 @@ def _integers(state: Mapping[str, Any], name: str) -> NDArray[np.int32]:
     return values
 
 
-def _as_dict(record: Material | Pigment) -> dict[str, object]:
-    """Return a frozen record's fields with arrays as lists; floats read back exactly."""
-    values = {field.name: getattr(record, field.name) for field in fields(record) if field.init}
-    return {k: v.tolist() if isinstance(v, np.ndarray) else v for k, v in values.items()}
-
-
 def _as_record(kind: type[_Record], entry: object, table: Mapping[str, _Record]) -> _Record:
     """Return the table's own record if it is equal (its colour tables apply), else a new one."""
     if not isinstance(entry, Mapping):
@@ -529,7 +524,7 @@ def _as_record(kind: type[_Record], entry: object, table: Mapping[str, _Record])
     own = table.get(record.name)
     if own is None:
         return record
-    theirs, ours = _as_dict(record), _as_dict(own)
+    theirs, ours = record_words(record), record_words(own)
     if all(theirs[key] == ours[key] for key in given):  # older files lack some fields
         return own
     return record

@@ -6,17 +6,15 @@ that are not in the stack at present but come back with a step.
 
 from __future__ import annotations
 
-import hashlib
 import itertools
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from numpy.typing import DTypeLike
 
 from paint3d.colour.spectra import N_BANDS
+from paint3d.core.array_state import pack_arrays, unpack_arrays
 from paint3d.core.arrays import AnyArray, as_array, as_number
 from paint3d.errors import InputError, SessionError
 from paint3d.mesh.refined_mesh import saved_ids
@@ -45,87 +43,10 @@ from paint3d.surface.undo import (
 __all__ = [
     "OVER",
     "UNDO_VERSION",
-    "Ragged",
     "SavedSteps",
-    "pack_arrays",
     "restore_undo",
     "undo_state",
-    "unpack_arrays",
 ]
-
-# ---- Ragged arrays -------------------------------------------------------------------------------
-# Many arrays of different lengths in one column, equal ones stored once.
-#
-# One file entry per array would be too many, and many steps share arrays that they left unchanged.
-
-
-Ragged = dict[str, AnyArray]
-"""NAME: the column; NAME_starts (U + 1,) int64: where its U distinct arrays start; NAME_of (K,)
-int32: the distinct array that each of the K arrays is."""
-
-
-def pack_arrays(
-    name: str, arrays: Sequence[AnyArray], dtype: DTypeLike, shape: tuple[int, ...] = ()
-) -> Ragged:
-    """Join K arrays of one type, each (n, *shape), to a column."""
-    index_of: dict[bytes, int] = {}
-    distinct: list[AnyArray] = []
-    of = np.empty(len(arrays), np.int32)
-    for k, array in enumerate(arrays):
-        array = np.ascontiguousarray(array, dtype).reshape(-1, *shape)
-        digest = hashlib.blake2b(array.view(np.uint8).data, digest_size=16).digest()
-        of[k] = index_of.setdefault(digest, len(distinct))
-        if of[k] == len(distinct):
-            distinct.append(array)
-    starts = np.concatenate([[0], np.cumsum([len(array) for array in distinct], dtype=np.int64)])
-    column = np.concatenate([np.empty((0, *shape), dtype), *distinct])
-    return {name: column, f"{name}_starts": starts.astype(np.int64), f"{name}_of": of}
-
-
-def unpack_arrays(
-    state: Mapping[str, object],
-    name: str,
-    count: int,
-    dtype: DTypeLike,
-    shape: tuple[Any, ...] = (),
-) -> list[AnyArray]:
-    """Return the K arrays of an untrusted column, as views of it.
-
-    Raises
-    ------
-    SessionError
-        If the column is not of this type, or not divided into `count` arrays.
-    """
-    column, starts, of = (np.asarray(state[name + end]) for end in ("", "_starts", "_of"))
-    if column.dtype != dtype or column.shape[1:] != shape or column.ndim != 1 + len(shape):
-        raise SessionError(
-            "{name} is {column_dtype} {column_shape}",
-            name=name,
-            column_dtype=column.dtype,
-            column_shape=column.shape,
-        )
-    whole = starts.dtype == np.int64 and starts.ndim == 1 and len(starts) > 0
-    if not whole or starts[0] != 0 or starts[-1] != len(column) or (np.diff(starts) < 0).any():
-        raise SessionError("{name} has {n} rows that are not shared out", name=name, n=len(column))
-    if column.dtype.kind == "f" and not np.isfinite(column).all():
-        raise SessionError("{name} holds what is no number", name=name)
-    if of.dtype != np.int32 or of.shape != (count,):
-        raise SessionError(
-            "{name} is given {of_shape} times; expected {count}",
-            name=name,
-            of_shape=of.shape,
-            count=count,
-        )
-    if count and not 0 <= of.min() <= of.max() < len(starts) - 1:
-        raise SessionError(
-            "{name} is given from {least} to {most}",
-            name=name,
-            least=of.min(),
-            most=of.max(),
-        )
-    distinct = [column[a:b] for a, b in pairwise(starts)]
-    return [distinct[k] for k in of]
-
 
 # ---- Writing -------------------------------------------------------------------------------------
 

@@ -42,7 +42,7 @@ def draw_photograph(file: Path, glyphs: Path) -> None:
         assert written.page is not None
         placed = list(zip(written.page.pieces, written.placed, strict=True))
         copy: PaintedSheet = painted_sheet(sheet, placed, surface)
-        print(f"{file.name}: {likeness_of(sheet, copy).told()}")
+        print(f"{file.name}: {likeness_of(sheet, copy).summary()}")
         rows.append(beside([_as_high(shown.pixels), _as_high(copy.picture)]))
     stacked(rows).save(file)
 

@@ -181,7 +181,7 @@ def test_a_session_without_steps_paints_strokes_again_with_their_amounts(tmp_pat
 def test_an_edit_and_its_undo_leave_the_amount_that_was_chosen_last(edit: dict) -> None:
     document = sitting()
     document.dip(amount=LITTLE)
-    document.edit_stroke(1, edit)
+    document.edit_strokes([1], edit)
     assert in_hand(document) == of_amount(document, DipAmount(**LITTLE))
     document.dip(amount={"wetted": 0.25})
     document.undo()

@@ -11,7 +11,7 @@ from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 from scipy.spatial import cKDTree
 
-from paint3d.app.model.commands import decode_command, encode_command
+from paint3d.app.model.commands import decode_command, do_again, encode_command
 from paint3d.app.model.document import Document
 from paint3d.app.model.input.symmetry import MirrorPlane, Symmetry
 from paint3d.app.model.mask import AngleMask, Mask
@@ -90,11 +90,11 @@ def test_any_stroke_of_any_sitting_is_edited_as_its_score_is(passages, number, e
     before, score = snap(document), list(write_score(document.score))
     if not document.strokes:
         with pytest.raises(InputError, match=r"stroke 1"):
-            document.edit_stroke(0, edit)
+            document.edit_strokes([0], edit)
         return
     number %= len(document.strokes)
     try:
-        document.edit_stroke(number, edit)
+        document.edit_strokes([number], edit)
     except Paint3DError:  # off the plane, or a later line cannot be done any more
         same(before, snap(document))
         assert list(write_score(document.score)) == score
@@ -122,13 +122,13 @@ def sitting(n: int = 5, **options) -> Document:
 def test_edits_are_steps_among_others() -> None:
     document = sitting()
     states = [snap(document)]
-    document.edit_stroke(1, {"do": "move", "along": (3.0, 0.0)})
+    document.edit_strokes([1], {"do": "move", "along": (3.0, 0.0)})
     states.append(snap(document))
-    document.edit_stroke(3, {"do": "delete"})
+    document.edit_strokes([3], {"do": "delete"})
     states.append(snap(document))
     paint(document, (-10, -10), (10, 10), t0=9_000_000_000)
     states.append(snap(document))
-    document.edit_stroke(0, {"do": "ink", "ink": "cinnabar"})
+    document.edit_strokes([0], {"do": "ink", "ink": "cinnabar"})
     states.append(snap(document))
     for state in reversed(states[:-1]):
         document.undo()
@@ -145,7 +145,7 @@ def test_edits_are_steps_among_others() -> None:
 
 def test_an_edit_that_was_undone_is_forgotten_with_the_next_stroke() -> None:
     document = sitting()
-    document.edit_stroke(2, {"do": "delete"})
+    document.edit_strokes([2], {"do": "delete"})
     document.undo()
     assert document.can_redo
     paint(document, (-10, -10), (10, 10), t0=9_000_000_000)
@@ -157,7 +157,7 @@ def test_an_edit_that_was_undone_is_forgotten_with_the_next_stroke() -> None:
 
 def test_the_history_goes_through_the_edited_strokes() -> None:
     document = sitting()
-    document.edit_stroke(1, {"do": "delete"})
+    document.edit_strokes([1], {"do": "delete"})
     whole = snap(document)
     for upto in (1, 3, 0, 4):
         document.replay_history(upto)
@@ -172,14 +172,14 @@ def test_strokes_that_one_only_looked_behind_come_back_for_an_edit() -> None:
     document = sitting()
     whole = snap(document)
     document.replay_history(2)
-    document.edit_stroke(3, {"do": "ink", "ink": "cinnabar"})
+    document.edit_strokes([3], {"do": "ink", "ink": "cinnabar"})
     assert [s.ink for s in document.strokes][2:4] == [{"indigo": 1.0}, {"cinnabar": 1.0}]
     assert len(document.strokes) == 5
     document.undo()
     same(whole, snap(document))
     document.undo()  # and one that was undone does not
     with pytest.raises(InputError, match="stroke 5 is undone; expected 1 to 4"):
-        document.edit_stroke(4, {"do": "delete"})
+        document.edit_strokes([4], {"do": "delete"})
 
 
 def test_symmetry_mask_and_layers_are_as_they_were_when_it_was_painted(tmp_path) -> None:
@@ -197,7 +197,7 @@ def test_symmetry_mask_and_layers_are_as_they_were_when_it_was_painted(tmp_path)
     document.save(tmp_path / "a.p3d")
     mask, layers = document.mask, document.layers
     for number in range(3):
-        document.edit_stroke(number, {"do": "move", "along": (1.0, 0.0)})
+        document.edit_strokes([number], {"do": "move", "along": (1.0, 0.0)})
         as_replayed(document)
         assert (document.mask, document.layers) == (mask, layers)
         assert document.modified
@@ -211,7 +211,7 @@ def test_strokes_of_single_hairs_are_edited_and_the_ledger_closes() -> None:
     document = sitting(brush=hairs)
     before = snap(document)
     for edit in ({"do": "ink", "ink": "cinnabar"}, {"do": "brush", "brush": "feibai"}):
-        document.edit_stroke(1, edit)
+        document.edit_strokes([1], edit)
         accounts = document.painter.ledger()
         loaded = accounts.pop("loaded")
         assert sum(accounts.values()) == pytest.approx(loaded)
@@ -234,7 +234,7 @@ def test_an_edit_that_is_stopped_or_fails_leaves_everything() -> None:
 
     document.progress = stop
     with pytest.raises(Stopped):
-        document.edit_stroke(1, {"do": "brush", "brush": "feibai"})
+        document.edit_strokes([1], {"do": "brush", "brush": "feibai"})
     document.progress = None
     for edit, error in (
         ({"do": "ink", "ink": "sut"}, Paint3DError),
@@ -243,30 +243,37 @@ def test_an_edit_that_is_stopped_or_fails_leaves_everything() -> None:
         ({"do": "colour"}, InputError),
     ):
         with pytest.raises(error):
-            document.edit_stroke(1, edit)
+            document.edit_strokes([1], edit)
     same(before, snap(document))
     assert list(write_score(document.score)) == score
     assert shares == sorted(shares)
-    assert document.edit_stroke(1, {"do": "delete"}).size
+    assert document.edit_strokes([1], {"do": "delete"}).size
 
 
 def test_a_journal_does_an_edit_again() -> None:
     documents = [sitting(), sitting()]
     edit = {"do": "ink", "ink": {OWN: 1.0, "cinnabar": 2.0}}
     name, given, options = decode_command(
-        encode_command(documents[0], "edit_stroke", (2, edit), {}), documents[1].surface
+        encode_command(documents[0], "edit_strokes", ([2], edit), {}), documents[1].surface
     )
-    documents[0].edit_stroke(2, edit)
+    documents[0].edit_strokes([2], edit)
     getattr(documents[1], name)(*given, **options)
+    same(snap(documents[0]), snap(documents[1]))
+
+
+def test_a_journal_of_before_edits_of_several_is_done_again() -> None:
+    documents = [sitting(), sitting()]
+    documents[0].edit_strokes([2], {"do": "delete"})
+    do_again(documents[1], {"do": "edit_stroke", "number": 2, "edit": {"do": "delete"}})
     same(snap(documents[0]), snap(documents[1]))
 
 
 def test_a_painting_that_was_saved_is_edited_on(tmp_path) -> None:
     document = sitting()
-    document.edit_stroke(3, {"do": "delete"})
+    document.edit_strokes([3], {"do": "delete"})
     document.save(tmp_path / "a.p3d")
     opened = Document.open(tmp_path / "a.p3d")
-    opened.edit_stroke(0, {"do": "move", "along": (0.0, 2.0)})
+    opened.edit_strokes([0], {"do": "move", "along": (0.0, 2.0)})
     as_replayed(opened)
     opened.undo()
     same(snap(document), snap(opened))
@@ -276,4 +283,4 @@ def test_strokes_of_which_the_score_is_not_known_are_not_edited() -> None:
     document = sitting(2)
     document.keeper = None
     with pytest.raises(InputError, match="only the strokes are known"):
-        document.edit_stroke(0, {"do": "delete"})
+        document.edit_strokes([0], {"do": "delete"})

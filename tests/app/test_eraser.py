@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+import dataclasses
+import struct
+import time
+from collections.abc import Sequence
+
 import numpy as np
 import pytest
 
@@ -10,14 +15,26 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 from PySide6 import QtCore, QtGui, QtWidgets
 
 from paint3d.app.model.document import Document
+from paint3d.app.model.input.devices import NoDevices
 from paint3d.app.model.input.symmetry import MirrorPlane, Symmetry
 from paint3d.app.model.score.playing import painted, score_of_strokes
+from paint3d.app.model.stroke_log import ERASES
+from paint3d.app.window.hand.device_input import DeviceInput
+from paint3d.cli.painting import PaintingOptions, paint_onto
+from paint3d.device.descriptor import parse_descriptor
+from paint3d.device.digitizer import find_digitizer_layout
+from paint3d.device.sample import ERASER, StylusReading
 from paint3d.errors import Paint3DError
+from paint3d.painter.painter import Painter
+from paint3d.painter.recorded_tools import eraser_runs
+from paint3d.recording.recording import load_recording, save_recording
+from paint3d.surface.painted_surface import PaintedSurface
 from tests.app.test_layers import ACROSS, ALONG, close, paint, shown, small_plane
 from tests.support.app.event_player import PENS
 from tests.support.app.gestures import BUTTON, HAND, KIND, NO_KEY, drag, live, type_key, wait_for
 from tests.support.app.hands import line
 from tests.support.app.windows import opened, settled
+from tests.support.descriptors import pen
 
 BESIDE = 8.6  # mm, of the print of an upright brush from its root
 
@@ -118,6 +135,33 @@ def test_files_and_scores_erase_again(document, tmp_path) -> None:
     assert [e.get("erase", False) for e in begun] == [False, False, True]
 
 
+def test_a_recording_of_a_pen_that_was_turned_over_erases_again(tmp_path) -> None:
+    """As one goes through a file, painted anew and onto a painting, and saved from strokes."""
+    document = small_plane()
+    paint(document, (-20.0, 0.0), (15.0, 0.0))
+    erase(document, (0.0, -10.0), (0.0, 10.0), n=24)
+    paint(document, (-20.0, 18.0), (15.0, 18.0))
+    save_recording(document.recording(), tmp_path / "turned.jsonl")
+    recording = load_recording(tmp_path / "turned.jsonl")
+    assert [turned for _, _, turned in eraser_runs(recording.buttons)] == [False, True, False]
+    painter = Painter(PaintedSurface(document.surface.source, resolution=1.5))
+    painter.replay(recording)
+    onto = small_plane()
+    paint_onto(onto, recording, PaintingOptions(on="plane", quiet=True), {})
+    assert [bool(stroke.tags.get(ERASES)) for stroke in onto.strokes] == [False, True, False]
+    for surface in (document.surface, painter.surface, onto.surface):
+        vertices = surface.paint_mesh.vertices[: surface.n_vertices]
+        shares = surface.share_painted()[: len(vertices)]
+        at = {y: (np.abs(vertices[:, :2] - [BESIDE, y]) < 0.5).all(axis=1) for y in (0.0, 18.0)}
+        assert shares[at[0.0]].max() < 0.05
+        assert shares[at[18.0]].max() > 0.5
+    unturned = Painter(PaintedSurface(document.surface.source, resolution=1.5))
+    unturned.replay(dataclasses.replace(recording, buttons=recording.buttons & ~ERASER))
+    ledger = painter.ledger()
+    assert sum(ledger.values()) - ledger["loaded"] == pytest.approx(ledger["loaded"])
+    assert ledger["dry"] + ledger["wet"] < 0.8 * unturned.ledger()["wet"]
+
+
 KEY = QtCore.Qt.Key
 
 
@@ -169,6 +213,57 @@ def test_the_pens_other_end_erases(window) -> None:
     assert ink(window) < 0.95 * before
     assert len(window.document.strokes) == 2
     assert "eraser" in window.panels.history.list.item(1).text()
+
+
+RUBBER, TURNED, TIP, NEAR = 8, 16, 1, 32  # bits of the report of `descriptors.pen`
+
+
+def read_from(flags: int, ends: Sequence[tuple[float, float]], t0: int) -> list[StylusReading]:
+    """What a HID pen sends that is led from place to place, mm on the pad, y towards the hand."""
+    layout = find_digitizer_layout(parse_descriptor(pen()))
+    places = np.round(100.0 * np.linspace(*ends, 24)).astype(int)
+    found = []
+    for k, (x, y) in enumerate(places):
+        is_down = 0 < k < 23
+        state = flags if is_down else (flags & TURNED) | NEAR
+        report = struct.pack("<BBHHHHbbH", 7, state, x, y, 0, 5000 * is_down, 0, 0, 0)
+        found.append(layout.decode(report, t0 + 8_000_000 * k))
+    return found
+
+
+class PenOnly(NoDevices):
+    """The pen's readings, once."""
+
+    def __init__(self, readings: list[StylusReading]) -> None:
+        super().__init__()
+        self.readings = readings
+
+    def take_stylus(self) -> list[StylusReading]:
+        taken, self.readings = self.readings, []
+        return taken
+
+
+def test_the_other_end_of_a_hid_pen_erases(window) -> None:
+    workspace, panel, before = window.workspace, window.panels.devices, window.both_hands
+    before.close()
+    inked = 0.0
+    ways = (
+        (TIP | NEAR, ((10.0, 80.0), (40.0, 80.0))),
+        (RUBBER | TURNED | NEAR, ((25, 95), (25, 65))),
+    )
+    for n, (flags, ends) in enumerate(ways, 1):
+        readings = read_from(flags, ends, time.monotonic_ns())
+        window.both_hands = DeviceInput(workspace, panel, PenOnly(readings))
+        wait_for(lambda n=n: len(window.document.strokes) == n)
+        settled(window)
+        window.both_hands.close()
+        inked, last = ink(window), inked
+    window.both_hands = DeviceInput(workspace, panel)
+    assert inked < 0.95 * last
+    assert [bool(s.tags.get(ERASES)) for s in window.document.strokes] == [False, True]
+    window.player.play(list(window.document.recording().samples()), None)
+    wait_for(lambda: not window.player.is_playing)
+    assert [bool(s.tags.get(ERASES)) for s in window.document.strokes[2:]] == [False, True]
 
 
 def test_e_turns_the_brush_into_an_eraser_and_back(window) -> None:

@@ -139,6 +139,36 @@ def test_ink_that_ran_by_the_clock_comes_back_to_the_bit(tmp_path):
     assert again.surface.flow.water == document.surface.flow.water > 0.0
 
 
+@pytest.mark.parametrize("new_base", [False, True])
+def test_the_reference_the_views_and_the_light_come_back(tmp_path, new_base):
+    document = small_plane()
+    paint_thread = PaintThread(document, recovery=RecoveryFolder(document, tmp_path))
+    camera = {
+        "position": [0.0, 0.0, 300.0],
+        "focus": [0.0] * 3,
+        "up": [0.0, 1.0, 0.0],
+        "angle": 0.5,
+    }
+    reference = {"file": "/a.png", "place": "laid", "opacity": 0.5, "scale": 1.0,
+                 "point": [1.0, 2.0, 3.0], "up": [0.0, 1.0, 0.0]}  # fmt: skip
+    paint_thread.post("set_reference", {**reference, "opacity": 0.2})
+    paint_thread.post("set_reference", reference)
+    if new_base:
+        keep_a_base(paint_thread)
+    paint_thread.post("set_views", {"正面": camera})
+    paint_thread.post("set_light", "raking", 0.25)
+    rested(paint_thread)
+    assert document.modified
+    paint_thread.stop(keep=True)
+    (unfinished,) = recoverable(tmp_path)
+    again = unfinished.recover().document
+    light = {"kind": "raking", "turn": 0.25}
+    kept = {"reference": reference, "views": {"正面": camera}, "light": light}
+    assert {name: again.settings.get(name) for name in kept} == kept
+    again.set_reference()
+    assert "reference" not in again.settings
+
+
 def test_undo_past_the_base_makes_a_new_one(tmp_path):
     document = small_plane()
     paint_thread = PaintThread(document, recovery=RecoveryFolder(document, tmp_path))

@@ -10,7 +10,11 @@ import pytest
 
 from paint3d.device.device_log import read_device_log
 from paint3d.device.force import haptic_stylus
+from paint3d.painter.painter import Painter
+from paint3d.painter.recorded_tools import eraser_runs
 from paint3d.recording.recording import load_recording
+from paint3d.surface.painted_surface import PaintedSurface
+from scripts.solids import make_plane
 from tests.support.descriptors import SPACENAVIGATOR, combined_mouse, pen
 from tests.support.plugged import device
 
@@ -470,6 +474,33 @@ def test_record_writes_a_recording_and_a_log(plugged, tmp_path) -> None:
     links = {link.node.kind: link for link in read_device_log(raw)}
     assert len(links["stylus"].entries) == 600
     assert len(links["mouse"].entries) == 60
+
+
+def test_a_pen_that_is_turned_over_is_recorded_so_and_erases(plugged, tmp_path) -> None:
+    """Along a line, and with the other end across its middle."""
+    ways = (((1000, 8000), (4000, 8000), 1 | 32), ((2500, 9500), (2500, 6500), 8 | 16 | 32))
+    script, at = [], 0.0
+    for start, end, down in ways:
+        for k, (x, y) in enumerate(np.linspace(start, end, 30).astype(int).tolist()):
+            flags, force = (down, 5000) if 0 < k < 29 else (down & 16 | 32, 0)
+            report = struct.pack("<BBHHHHbbH", 7, flags, x, y, 0, force, 0, 0, 0)
+            script.append([at, "send", report.hex()])
+            at = 0.01
+    file = tmp_path / "pen.jsonl"
+    devices = [device(0x1234, 0x5678, "tablet", pen(), script, starts="open")]
+    outcome = plugged(devices, ["devices", "record", str(file)], interrupt=True)
+    assert outcome.code == 0, outcome.stderr
+    recording = load_recording(file)
+    runs = eraser_runs(recording.buttons)
+    assert [(end - first, erases) for first, end, erases in runs] == [(30, False), (30, True)]
+    on_surface = []
+    for part in (recording.part(0, 30), recording):
+        painter = Painter(PaintedSurface(make_plane(), resolution=1.0))
+        painter.replay(part)
+        ledger = painter.ledger()
+        assert sum(ledger.values()) - ledger["loaded"] == pytest.approx(ledger["loaded"])
+        on_surface.append(ledger["wet"] + ledger["dry"])
+    assert 0.0 < on_surface[1] < 0.9 * on_surface[0]
 
 
 def test_record_leaves_nothing_where_nothing_came(plugged, tmp_path) -> None:

@@ -40,7 +40,7 @@ FOLDER = ROOT / "paint3d" / "core" / "machine_code"
 _FORMAT = 2  # as `paint3d.core.kernel_library` reads it
 _INDEX = "index.json"
 _HERE = Path(__file__).parent
-_COMPILERS = ("lowering", "optimising", "part", "processors", "quickening")
+_COMPILERS = ("lowering", "numba_inside", "optimising", "part", "processors")
 _VERSIONS = ("numba", "llvmlite", "numpy")
 # What is lowered by one process, the longest first: the groups of its entries, which are optimised
 # beside one another, by the rooms they are in.

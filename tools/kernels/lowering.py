@@ -28,17 +28,19 @@ os.environ["NUMBA_CPU_FEATURES"] = ""
 import llvmlite.binding as llvm
 import numpy as np
 from llvmlite import ir
-from numba import _dynfunc, njit
-from numba.core import callconv, cgutils, codegen, dispatcher, types
-from numba.core.dispatcher import Dispatcher
 from numba.core.errors import NumbaError
-from numba.core.registry import cpu_target
-from numba.core.runtime import rtsys
-from numba.core.runtime.nrtdynmod import compile_nrt_functions
 from numba.np.numpy_support import from_dtype
 
-from paint3d.core import kernel
-from tools.kernels.quickening import make_quick
+from tools.kernels.numba_inside import (
+    Dispatcher,
+    cgutils,
+    libraries_called,
+    lower_only,
+    make_quick,
+    module_of,
+    target,
+    types,
+)
 
 __all__ = ["Lowered", "Unit", "lower"]
 
@@ -63,50 +65,6 @@ class Lowered:
     gives: dict[str, tuple[str, int]]  # by their names: specification and number of slots
 
 
-class _ThinLibrary(codegen.JITCodeLibrary):
-    """Functions as they were lowered: neither optimised nor turned to machine code."""
-
-    def _optimize_functions(self, ll_module: llvm.ModuleRef) -> None:
-        ll_module.data_layout = self._codegen._data_layout
-
-    def finalize(self) -> None:
-        self._raise_if_finalized()
-        self._finalized = True
-
-    def _get_module_for_linking(self) -> llvm.ModuleRef:
-        return self._final_module
-
-
-def _make_thin() -> None:
-    """Have numba lower, and do no more. There is no way back for this process."""
-    context = cpu_target.target_context
-    context.refresh()
-    context.codegen()._library_class = _ThinLibrary
-    rtsys._library = compile_nrt_functions(context)  # as lowered, not for this very machine
-    context.get_executable = _stand_in
-    customized = dispatcher._FunctionCompiler._customize_flags
-
-    def without_wrappers(self: Any, flags: Any) -> Any:
-        flags = customized(self, flags)
-        flags.no_cpython_wrapper = flags.no_cfunc_wrapper = True
-        return flags
-
-    dispatcher._FunctionCompiler._customize_flags = without_wrappers
-    kernel.compile_with_numba = lambda function, options: njit(nogil=True, **options)(function)
-    described = callconv.CPUCallConv.build_excinfo_struct
-
-    def without_place(self: Any, exc: Any, args: Any, loc: Any, name: Any) -> Any:
-        return described(self, exc, args, None, name)  # no path of this machine
-
-    callconv.CPUCallConv.build_excinfo_struct = without_place
-
-
-def _stand_in(library: Any, described: Any, env: Any) -> Any:
-    """What numba knows a lowered function by; it has no code that could be called."""
-    name = described.qualname.rpartition(".")[2]
-    return _dynfunc.make_function(described.lookup_module(), name, "", 0, env, (library,))
-
-
 def lower(entries: dict[str, Entry], say: Callable[[], None] = lambda: None) -> Lowered:
     """Lower entries and all that they call. A process can do so once.
 
@@ -118,8 +76,8 @@ def lower(entries: dict[str, Entry], say: Callable[[], None] = lambda: None) -> 
         Called after each.
     """
     make_quick()
-    _make_thin()
-    context = cpu_target.target_context
+    lower_only()
+    context = target()
     own = ir.Module("entries")
     own.triple, own.data_layout = llvm.get_process_triple(), context.codegen()._data_layout
     libraries, gives = [], {}
@@ -281,12 +239,11 @@ def _in_order(libraries: list[Any]) -> list[Unit]:
         if id(library) in place:
             return
         place[id(library)] = -1
-        for other in library._linking_libraries:
+        for other in libraries_called(library):
             visit(other)
         place[id(library)] = len(units)
-        calls = [place[id(other)] for other in library._linking_libraries]
-        module = library._get_module_for_linking()
-        units.append(Unit(module, calls, id(library) in elementwise))
+        calls = [place[id(other)] for other in libraries_called(library)]
+        units.append(Unit(module_of(library), calls, id(library) in elementwise))
 
     sys.setrecursionlimit(10_000)
     for library in libraries:

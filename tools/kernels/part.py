@@ -12,9 +12,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numba.core.dispatcher import Dispatcher
 
 from tools.kernels.lowering import letter, lower
+from tools.kernels.numba_inside import Dispatcher
 from tools.kernels.optimising import Prepared, emit, optimise_for, prepare
 from tools.kernels.sources import ROOT, sources_of
 from tools.kernels.table import Array, Entry, Number, Row, dtype_of

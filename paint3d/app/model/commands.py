@@ -416,6 +416,9 @@ _TABLE: tuple[_Row, ...] = (
     Command("set_symmetry", codec=SYMMETRY),
     Command("set_mask", codec=MASK),
     Command("set_tags", codec=TAGS),
+    Command("set_reference", codec=PLAIN),
+    Command("set_views", codec=PLAIN),
+    Command("set_light", codec=PLAIN),
     Command("select_layer", codec=PLAIN),
     Command("move_layer", codec=PLAIN, step=Message("move layer")),
     Command("set_opacity", codec=PLAIN, step=Message("opacity of a layer")),
@@ -426,7 +429,6 @@ _TABLE: tuple[_Row, ...] = (
     Command("remove_text", codec=PLAIN, step=Message("text")),
     Command("press_seal", codec=SEAL, step=Message("seal")),
     Command("replay_history", codec=PLAIN),
-    Command("edit_stroke", codec=EDIT, step=Message("edit")),
     Command("edit_strokes", codec=EDIT, step=Message("edit")),
     Command("edit_seal", codec=EDIT, step=Message("edit")),
 )
@@ -552,6 +554,9 @@ def decode_command(
         If no document does such a thing, or the line is damaged.
     """
     name = line.get("do")
+    if name == "edit_stroke" and "number" in line:  # journals had one stroke's edits by themselves
+        rest = {key: value for key, value in line.items() if key != "number"}
+        name, line = "edit_strokes", {**rest, "do": "edit_strokes", "numbers": [line["number"]]}
     if not isinstance(name, str) or name not in COMMANDS or COMMANDS[name].codec is None:
         raise SessionError(
             "the journal asks for {name!r:.40}; expected what a document can do",

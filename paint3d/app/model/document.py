@@ -45,7 +45,6 @@ from paint3d.app.model.score.keeping import ScoreKeeper, recorded
 from paint3d.app.model.score.stepping import play
 from paint3d.app.model.score.words import Inks, Vocabulary, brush_named
 from paint3d.app.model.seal_press import PASTE, SealPress
-from paint3d.app.model.stroke_group import edit_group
 from paint3d.app.model.stroke_log import (
     ERASES,
     Stroke,
@@ -77,7 +76,7 @@ from paint3d.painter.ink_time import LOOKAHEAD
 from paint3d.painter.painter import Ink, Painter
 from paint3d.painter.recorded_tools import LEAST_INK
 from paint3d.recording.score import Score
-from paint3d.recording.score_edits import edit_seal, edit_stroke
+from paint3d.recording.score_edits import edit_seal, edit_strokes
 from paint3d.recording.score_steps import follow_steps
 from paint3d.surface.ink_store import union
 from paint3d.surface.layer_stack import Layer, LayerStack
@@ -89,7 +88,7 @@ __all__ = ["Document", "FileState"]
 
 _BLOTTED = 0.8  # of wet ink, that blotting paper lifts
 _MOST_PICKUP = 1000.0  # 1/mm, as in recordings
-_EDIT_STEP = COMMANDS["edit_stroke"].step
+_EDIT_STEP = COMMANDS["edit_strokes"].step
 # Label of a step of an edit that no stroke begins: it is taken back with the step before it, and
 # done again with the one after it.
 
@@ -342,6 +341,33 @@ class Document:
     def differ_from_saved(self) -> None:
         """Know that something changed that no undo takes back."""
         self.modified, self._saved_at = True, None
+
+    # -- how it is looked at ----------------------------------------------------------------
+
+    def set_reference(self, reference: Mapping[str, Any] | None = None) -> None:
+        """Keep with the painting which picture is beside the work, and how; None: none."""
+        if self._keep_setting("reference", reference):
+            self.differ_from_saved()
+
+    def set_views(self, views: Mapping[str, Mapping[str, Any]]) -> None:
+        """Keep with the painting from where it is looked at, by name."""
+        if self._keep_setting("views", views):
+            self.differ_from_saved()
+
+    def set_light(self, kind: str, turn: float) -> None:
+        """Keep with the painting in which light it is seen, one of `LIVE_LIGHTS`, turned by rad.
+
+        That is no reason to save it.
+        """
+        self._keep_setting("light", {"kind": kind, "turn": turn})
+
+    def _keep_setting(self, name: str, words: Mapping[str, Any] | None) -> bool:
+        """Put words among `settings`, or take them out; whether they were others."""
+        self.check_access()
+        before = self.settings.pop(name, None)
+        if words is not None:
+            self.settings[name] = dict(words)
+        return bool(before != words)
 
     def _session(self) -> Session:
         settings = {**self.settings, "brush": brush_words(self.painter.brush)}
@@ -1346,43 +1372,18 @@ class Document:
 
     # -- edits of strokes -------------------------------------------------------------------
 
-    def edit_stroke(self, number: int, edit: Mapping[str, Any]) -> AnyArray:
-        """Edit a stroke, and paint everything after it anew: a step that can be undone.
+    def edit_strokes(self, numbers: Sequence[int], edit: Mapping[str, Any]) -> AnyArray:
+        """Edit strokes, several as one, and paint everything after the first anew: one undo step.
 
         Strokes that were undone to look at what was before come back first.
 
         Parameters
         ----------
-        number : int
-            Place of the stroke, from 0, among `strokes` and, after them, `undone_strokes`.
-        edit : mapping
-            See `score_edits.edit_stroke`; the ink may be one in hand, the brush a `BrushSpec`.
-
-        Returns
-        -------
-        (N,) int32
-            Vertices whose colours may have changed.
-
-        Raises
-        ------
-        InputError, RecordingError
-            If there is no such stroke, it is not known from the beginning what was painted, or the
-            edit cannot be done; everything is as it was then.
-        """
-        source = self.surface.source
-        return self._edit_strokes(
-            [number], edit, lambda score, own, words: edit_stroke(score, own[0], words, source)
-        )
-
-    def edit_strokes(self, numbers: Sequence[int], edit: Mapping[str, Any]) -> AnyArray:
-        """Edit several strokes as one, and paint everything after the first anew: one step.
-
-        Parameters
-        ----------
         numbers : sequence of int
-            Places of the strokes, from 0; see `edit_stroke`.
+            Places of the strokes, from 0, among `strokes` and, after them, `undone_strokes`.
         edit : mapping
-            See `stroke_group.edit_group`; the ink may be one in hand, the brush a `BrushSpec`.
+            See `score_edits.edit_strokes`; the ink may be one in hand, the brush a `BrushSpec`, and
+            the brushes of strokes that are scaled are theirs, scaled.
 
         Returns
         -------
@@ -1392,37 +1393,27 @@ class Document:
         Raises
         ------
         InputError, RecordingError
-            As `edit_stroke`, or if no stroke is named; everything is as it was then.
+            If no stroke is named or there is no such stroke, it is not known from the beginning
+            what was painted, or the edit cannot be done; everything is as it was then.
         """
         chosen = sorted(dict.fromkeys(numbers))
         if not chosen:
             raise InputError("no stroke is chosen; expected one or several")
-        source = self.surface.source
-
-        def edited(score: Score, own: Sequence[int], words: Mapping[str, Any]) -> Score:
-            brushes = [self.strokes[k].brush for k in chosen]
-            return edit_group(score, own, brushes, words, source)
-
-        return self._edit_strokes(chosen, edit, edited)
-
-    def _edit_strokes(
-        self,
-        numbers: Sequence[int],
-        edit: Mapping[str, Any],
-        do: Callable[[Score, Sequence[int], Mapping[str, Any]], Score],
-    ) -> AnyArray:
-        """Have strokes (places from 0) of the score edited, which counts them otherwise."""
         score = self._score_to_edit()
         if self._looking:
             self.replay_history(len(self.strokes) + len(self.undone_strokes))
             score = self._score_to_edit()
         places = places_of(score, len(self.strokes), len(self.undone_strokes))
-        for number in numbers:
+        for number in chosen:
             self._check_number(number, len(self.strokes))
-        edited = do(score, [places[k][0] for k in numbers], self._in_words(edit, score))
+        words = self._in_words(edit, score)
+        if edit.get("do") == "scale" and "factor" in edit:
+            brushes = [scaled(self.strokes[k].brush, edit["factor"]) for k in chosen]
+            words = {**words, "brushes": [brush_named(brush) for brush in brushes]}
+        edited = edit_strokes(score, [places[k][0] for k in chosen], words, self.surface.source)
         first = first_difference(score, edited)
         back = max((k for k, (_, begin) in enumerate(places) if begin <= first), default=0)
-        back = min([back, *numbers])
+        back = min([back, *chosen])
         self._check_number(back, len(self.strokes))
         return self._paint_anew(
             edited, lambda: len(self.strokes) > back, min(places[back][1], first)

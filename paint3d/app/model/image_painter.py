@@ -8,12 +8,12 @@ from contextlib import contextmanager
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.app.model.eraser import Eraser
 from paint3d.app.model.input.symmetry import Symmetry, transformed
 from paint3d.app.model.mask import Mask, Stencil
 from paint3d.core.arrays import AnyArray
 from paint3d.device.sample import DeviceSample
 from paint3d.painter.painter import Painter
+from paint3d.surface.eraser import Eraser
 from paint3d.surface.undo import UndoHistory
 
 __all__ = ["ImagePainter", "StrokePainter"]
@@ -149,7 +149,7 @@ class StrokePainter:
 
         See `Painter.expect` and `Eraser`.
         """
-        self._eraser = Eraser(self._painter) if erase else None
+        self._eraser = Eraser(self._painter.surface) if erase else None
         self._images = [ImagePainter(self._painter, image) for image in self.symmetry.images()]
         self._painter.expect(loads, strengths)
         for image in self._images:
@@ -189,4 +189,4 @@ class StrokePainter:
         if self.stencil is not None:
             self.stencil.wipe(self._undo.before)
         if self._eraser is not None:
-            self._eraser.wipe()
+            self._painter.loaded -= self._eraser.wipe()

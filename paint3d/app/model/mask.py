@@ -15,13 +15,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.brush_engine.ink_transfer import level_reservoirs
 from paint3d.core.arrays import AnyArray, as_array, as_number
 from paint3d.errors import InputError
 from paint3d.mesh.refined_mesh import PaintMesh
+from paint3d.surface.eraser import give_back
 from paint3d.surface.painted_surface import PaintedSurface
 
-__all__ = ["AngleMask", "Mask", "RegionPick", "Stencil", "face_at", "give_back", "nearest_vertex",
+__all__ = ["AngleMask", "Mask", "RegionPick", "Stencil", "face_at", "nearest_vertex",
            "region_faces"]  # fmt: skip
 
 _KINDS = ("crease", "piece")
@@ -277,24 +277,3 @@ class Stencil:
             self._masked = np.concatenate([self._masked, fresh[self.covers(fresh)]])
             self._looked = dirty.copy()
         return self._masked
-
-
-def give_back(surface: PaintedSurface, caught: AnyArray) -> AnyArray:
-    """Let the brush hold `caught` (P,) more, wherever along the tuft such ink is.
-
-    Returns what it has more, (P,) float64.
-    """
-    ink = surface.ink
-    wanted = ink.load + caught
-    held = np.maximum(wanted, 0.0)
-    given = held - ink.load
-    shares = np.divide(held, ink.load, out=np.zeros_like(held), where=ink.load > 0.0)
-    empty = (ink.load <= 0.0) & (held > 0.0)
-    ink.reservoirs[:] *= shares
-    if len(ink.reservoirs) > 1:
-        ink.reservoirs[:, empty] = held[empty] / len(ink.reservoirs)
-        level_reservoirs(ink.reservoirs)
-    ink.load[:] = held
-    ink.off_surface[:] += wanted - held  # what it drank and has left elsewhere already
-    result: AnyArray = given
-    return result

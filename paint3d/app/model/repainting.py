@@ -10,10 +10,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from paint3d.app.model.eraser import Eraser
 from paint3d.app.model.stroke_log import ERASES, Stroke, weights_of
 from paint3d.colour.pigments import Pigment
 from paint3d.painter.painter import Ink, Painter
+from paint3d.surface.eraser import Eraser
 from paint3d.surface.undo import UndoHistory
 
 __all__ = ["Repainter", "dips_of", "names_of"]
@@ -57,12 +57,12 @@ class Repainter:
             self._undo.begin(stroke)
             self._make_ready(stroke)
             samples = stroke.samples
-            eraser = Eraser(painter) if stroke.tags.get(ERASES) else None
+            eraser = Eraser(painter.surface) if stroke.tags.get(ERASES) else None
             try:
                 for at in range(0, len(samples), _CHUNK):
                     painter.advance(samples[at : at + _CHUNK])
                     if eraser is not None:
-                        eraser.wipe()
+                        painter.loaded -= eraser.wipe()
                     if self._progress is not None:
                         self._progress((before + at) / total)
             except BaseException:
@@ -70,7 +70,7 @@ class Repainter:
                 raise
             painter.finish()
             if eraser is not None:
-                eraser.wipe()
+                painter.loaded -= eraser.wipe()
             before += len(samples)
 
     def _make_ready(self, stroke: Stroke) -> None:

@@ -16,7 +16,7 @@ from paint3d.brush.spec import BrushSpec, DipAmount
 from paint3d.colour.pigments import Pigment
 from paint3d.core.arrays import as_number
 from paint3d.device.recorded import Recording
-from paint3d.device.sample import DIP, DeviceSample
+from paint3d.device.sample import DIP, ERASER, DeviceSample
 from paint3d.errors import InputError, RecordingError, SessionError
 from paint3d.painter.ink_time import PIECE_NS
 from paint3d.painter.recorded_tools import told_at
@@ -260,8 +260,9 @@ def checked_pairs(
 
 
 def _whole(stroke: Stroke) -> list[DeviceSample]:
-    """A stroke's samples, dipped and with lifted ends."""
-    samples = list(stroke.samples)
+    """A stroke's samples, dipped and with lifted ends; with the eraser end where it erases."""
+    end = ERASER if stroke.tags.get(ERASES) else 0
+    samples = [_with(s, buttons=s.buttons & ~ERASER | end) for s in stroke.samples]
     first, last = samples[0], samples[-1]
     if first.pressure is None:
         return samples
@@ -270,7 +271,7 @@ def _whole(stroke: Stroke) -> list[DeviceSample]:
     if last.pressure is not None and last.pressure > 0.0:
         samples.append(_with(last, time_ns=last.time_ns + _LANDING_NS, pressure=0.0))
     if stroke.dipped:
-        dip = _with(samples[0], time_ns=samples[0].time_ns - _LANDING_NS, buttons=DIP)
+        dip = _with(samples[0], time_ns=samples[0].time_ns - _LANDING_NS, buttons=DIP | end)
         samples.insert(0, dip)
     return samples
 

@@ -15,7 +15,6 @@ from paint3d.view.live_light import LIVE_LIGHTS
 
 __all__ = ["Lamp"]
 
-_KEY = "light"  # among the settings of a painting
 _NAMES = {
     "studio": Message("Studio"),
     "soft": Message("Overcast sky"),
@@ -26,7 +25,7 @@ _A_PIXEL = math.radians(0.5)
 
 
 class Lamp:
-    """For one window."""
+    """Commands that choose and turn the light; ``do_<action>`` for each."""
 
     def __init__(self, workspace: Workspace) -> None:
         self._workspace = workspace
@@ -36,24 +35,24 @@ class Lamp:
         """Show the object in another light."""
         stage = self._workspace.stage
         kind = LIVE_LIGHTS[(LIVE_LIGHTS.index(stage.light[0]) + 1) % len(LIVE_LIGHTS)]
-        stage.set_light(kind, stage.light[1])
+        self._set(kind, stage.light[1])
         self._workspace.tell(say("Light: {name}", name=say(_NAMES[kind])))
 
     def turn_by(self, pixels: float) -> None:
         """Turn the lamp around the object by a drag."""
         kind, turn = self._workspace.stage.light
         turn = (turn + _A_PIXEL * pixels + math.pi) % (2.0 * math.pi) - math.pi
-        self._workspace.stage.set_light(kind, turn)
+        self._set(kind, turn)
         self._workspace.tell(say("Lamp turned by {degrees:.0f}°", degrees=math.degrees(turn)))
 
-    def keep(self, document: Document) -> None:
-        """Have a painting that is about to be saved know its light."""
-        kind, turn = self._workspace.stage.light
-        document.settings[_KEY] = {"kind": kind, "turn": turn}
+    def _set(self, kind: str, turn: float) -> None:
+        """Show the object in a light, which is kept with the painting."""
+        self._workspace.stage.set_light(kind, turn)
+        self._workspace.post("set_light", kind, turn)
 
     def recall(self, document: Document) -> None:
-        """Show a painting in the light that it was saved in; the studio's where it says none."""
-        kind, turn = _light_of(document.settings.get(_KEY))
+        """Show a painting in the light it was seen in last; the studio's where it says none."""
+        kind, turn = _light_of(document.settings.get("light"))
         self._workspace.stage.set_light(kind, turn)
 
 

@@ -29,7 +29,7 @@ _PATIENCE_S = 0.3  # that the window waits for a step of the painting
 
 
 class PaintActions:
-    """For one window; ``do_<action>`` for each."""
+    """Commands that act on the painting; ``do_<action>`` for each."""
 
     def __init__(
         self, workspace: Workspace, panels: Panels, recalling: Recalling, player: Player

@@ -189,7 +189,7 @@ _KEYS = (_KIND.ShortcutOverride, _KIND.KeyPress)
 
 
 class Sealing(QtCore.QObject):
-    """For one window.
+    """Chooses a seal, and presses it where the object is clicked.
 
     Attributes
     ----------

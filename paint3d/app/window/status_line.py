@@ -137,7 +137,7 @@ _WIDTH = 150  # pixels
 
 
 class ReplayBar(QtWidgets.QWidget):
-    """For one window; seen while something is played.
+    """Bar that pauses, stops and speeds up what is played; seen meanwhile.
 
     Parameters
     ----------

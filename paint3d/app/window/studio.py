@@ -30,7 +30,6 @@ from paint3d.app.window.files.opening import Opening
 from paint3d.app.window.files.recovery import Recovery
 from paint3d.app.window.files.saving import RecentFiles, Saving
 from paint3d.app.window.files.target_dialog import Targets
-from paint3d.app.window.files.tour import Tour
 from paint3d.app.window.hand.device_input import DeviceInput
 from paint3d.app.window.hand.keys import HeldKeys
 from paint3d.app.window.hand.steering import Steering
@@ -49,6 +48,7 @@ from paint3d.app.window.reference.reference import Reference
 from paint3d.app.window.seal import Sealing
 from paint3d.app.window.status_line import ReplayBar, StatusLine
 from paint3d.app.window.theme import DARK_THEME
+from paint3d.app.window.tour import Tour
 from paint3d.app.window.view_actions import ViewActions
 from paint3d.app.window.view_keeping import ViewKeeping
 from paint3d.app.window.wording import say, say_error

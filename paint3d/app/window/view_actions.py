@@ -14,7 +14,7 @@ __all__ = ["ViewActions"]
 
 
 class ViewActions:
-    """For one window; ``do_<action>`` for each."""
+    """Commands of the view, the panels and the window; ``do_<action>`` for each."""
 
     def __init__(self, workspace: Workspace, panels: Panels, steering: Steering) -> None:
         self._workspace, self._panels, self._steering = workspace, panels, steering

@@ -17,12 +17,11 @@ from paint3d.view.camera import Camera, picture_axes
 
 __all__ = ["ViewKeeping"]
 
-_NAMED, _LAST = "views", "view"  # among the settings of a painting
 _MOST = 100
 
 
 class ViewKeeping:
-    """For one window; ``do_<action>`` for each."""
+    """Keeps views by name and goes back to them; ``do_<action>`` for each."""
 
     def __init__(self, workspace: Workspace, lamp: Lamp) -> None:
         self._workspace, self._lamp = workspace, lamp
@@ -43,13 +42,8 @@ class ViewKeeping:
             workspace.tell(say("There are {n} views; expected no more", n=_MOST), state="bad")
             return
         self.views[name] = workspace.hand.open_camera
-        words = self._named_words()
-
-        def keep(document: Document) -> None:
-            document.settings[_NAMED] = words
-            document.differ_from_saved()
-
-        workspace.paint_thread.post(keep)
+        words = {name: _words_of(camera) for name, camera in self.views.items()}
+        workspace.paint_thread.post("set_views", words)
         workspace.tell(say("The view is kept as {name}", name=name), state="good")
 
     def do_recall_view(self) -> None:
@@ -69,25 +63,21 @@ class ViewKeeping:
         """Look as when a painting was saved, and know the views that are kept with it."""
         self.views = {}
         self._lamp.recall(document)
-        words = document.settings.get(_NAMED)
+        words = document.settings.get("views")
         if isinstance(words, Mapping):
             for name, view in list(words.items())[:_MOST]:
                 camera = _camera_of(view)
                 if camera is not None:
                     self.views[str(name)] = camera
-        last = _camera_of(document.settings.get(_LAST))
+        last = _camera_of(document.settings.get("view"))
         if last is not None:
             self._workspace.hand.look(last)
-
-    def _named_words(self) -> dict[str, Any]:
-        return {name: _words_of(camera) for name, camera in self.views.items()}
 
     def _words_now(self, document: Document) -> None:
         """Have a painting that is about to be saved know how it is seen."""
         camera = self._workspace.hand.camera
         if camera is not None:
-            document.settings[_LAST] = _words_of(camera)
-            self._lamp.keep(document)
+            document.settings["view"] = _words_of(camera)
 
 
 def _words_of(camera: Camera) -> dict[str, Any]:

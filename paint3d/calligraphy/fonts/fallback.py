@@ -102,7 +102,7 @@ class FallbackGlyphs:
 
     @property
     def characters(self) -> dict[str, str]:
-        """Which characters each font is taken for, by the font's name."""
+        """Characters that each font is taken for, by the font's name."""
         taken: dict[str, str] = {}
         for one, fitted in self.fonts.items():
             taken[fitted.font.name] = taken.get(fitted.font.name, "") + one
@@ -122,7 +122,7 @@ class FallbackGlyphs:
         return ". ".join([self.source.licence, *fonts])
 
     def has(self, text: str) -> bool:
-        """Whether a character is known."""
+        """Return whether a character is known."""
         return text in self.fonts or self.source.has(text)
 
     def load(self, text: str) -> Glyph:
@@ -178,7 +178,7 @@ def with_fallback(source: GlyphSource, text: str) -> GlyphSource:
 
 
 def _stands_in_a_square(character: str) -> bool:
-    """Whether it is a letter or number of Chinese, Japanese or Korean; marks need their column."""
+    """Return whether it is a letter or number of Chinese, Japanese or Korean, not a mark."""
     is_wide = unicodedata.east_asian_width(character) in "WF"
     return is_wide and unicodedata.category(character)[0] in "LN"
 

@@ -182,15 +182,15 @@ class FontFile:
 
     @cached_property
     def name(self) -> str:
-        """What the font calls itself."""
+        """Name that the font calls itself."""
         return str(self.face.get_name(_FULL_NAME) or self.path.name)
 
     @cached_property
     def licence(self) -> str:
         """Whose shapes they are and under what licence, as the font says."""
-        told = [self.face.get_name(k) for k in (_COPYRIGHT, _LICENCE, _LICENCE_URL)]
+        notices = [self.face.get_name(k) for k in (_COPYRIGHT, _LICENCE, _LICENCE_URL)]
         version = self.face.get_name(_VERSION)
-        parts = [" ".join(part.split())[:200] for part in told if part]
+        parts = [" ".join(part.split())[:200] for part in notices if part]
         head = f"Font: {self.name}" + (f", {version}" if version else "")
         return "; ".join([head, *parts])
 
@@ -211,7 +211,7 @@ class FontFile:
         return self._drawn[glyph]
 
     def is_mark(self, glyph: int) -> bool:
-        """Whether the font says that a glyph is a mark on another."""
+        """Return whether the font says that a glyph is a mark on another."""
         return int(self.face.get_layout_glyph_class(glyph)) == 3
 
     def check_has(self, text: str) -> None:
@@ -241,7 +241,7 @@ class FontFile:
         )
 
     def is_empty(self, character: str) -> bool:
-        """Whether the glyph of a character has no ink: some fonts list letters that they lack."""
+        """Return whether a character's glyph has no ink: some fonts list letters that they lack."""
         extents = self.font.get_glyph_extents(self.font.get_nominal_glyph(ord(character)))
         return extents is None or (extents.width == 0 and extents.height == 0)
 
@@ -252,7 +252,7 @@ class FontFile:
         return kind in "LN" and character not in _FILLERS and self.is_empty(character)
 
     def _has_parts(self, character: str) -> bool:
-        """Whether the font has what a character is made of, such as a letter and its accent."""
+        """Return whether the font has a character's parts, such as a letter and its accent."""
         parts = unicodedata.normalize("NFD", character)
         return len(parts) > 1 and all(ord(part) in self.face.unicodes for part in parts)
 
@@ -282,7 +282,7 @@ def fonts_that_draw(text: str) -> list[SystemFont]:
 
 
 def draws(one: SystemFont, text: str) -> bool:
-    """Whether a face has ink for all characters of a text; none that cannot be read has."""
+    """Return whether a face has ink for all characters of a text; none that cannot be read has."""
     hb = package_of_the_hand("uharfbuzz")
     try:
         face = hb.Face(hb.Blob(_font_data(one.path)), one.number)
@@ -293,7 +293,7 @@ def draws(one: SystemFont, text: str) -> bool:
 
 
 def _is_drawn(character: str) -> bool:
-    """Whether a character asks for ink: controls, formats and spaces do not."""
+    """Return whether a character asks for ink: controls, formats and spaces do not."""
     kind = unicodedata.category(character)
     variation = 0xFE00 <= ord(character) <= 0xFE0F or 0xE0100 <= ord(character) <= 0xE01EF
     return kind[0] not in "CZ" and not variation
@@ -424,7 +424,7 @@ def _check_is_drawn(path: Path, face: Any) -> None:
 
 
 def _has_any(face: Any, tags: tuple[str, ...]) -> bool:
-    """Whether a font has one of these tables; a damaged one may have others that have no name."""
+    """Return whether a font has one of these tables; a damaged one may have some without a name."""
     return any(face.reference_table(tag).data for tag in tags)
 
 

@@ -144,7 +144,7 @@ _SHARED = ("Zyyy", "Zinh", "Zzzz")  # characters of no script of their own
 
 @dataclass(frozen=True)
 class Style:
-    """How a text is set.
+    """Options of typesetting.
 
     Attributes
     ----------
@@ -205,11 +205,11 @@ class Shaper:
 
     @property
     def is_vertical(self) -> bool:
-        """Whether lines run down."""
+        """Return whether lines run down."""
         return self.style.direction == "ttb"
 
     def is_rtl(self, text: str) -> bool:
-        """Whether a line begins on the right."""
+        """Return whether a line begins on the right."""
         if self.style.direction is None:
             return base_level(text) == 1
         return self.style.direction == "rtl"
@@ -231,7 +231,7 @@ class Shaper:
         return [one for k in range(len(runs)) for one in shaped[k]]
 
     def advances(self, text: str) -> list[float]:
-        """How far each character leads on, glyph units; 0 for all but the first of a cluster."""
+        """Advance of each character, glyph units; 0 for all but the first of a cluster."""
         found = [0.0] * len(text)
         for one in self.shape(text):
             found[one.cluster] += one.advance

@@ -228,7 +228,7 @@ _IDEOGRAPHIC_SPACE = "\u3000"
 
 
 def may_break_after(text: str, k: int) -> bool:
-    """Whether a line may end after character k of a text, which has more."""
+    """Return whether a line may end after character k of a text, which has more."""
     here, after = text[k], text[k + 1]
     if unicodedata.category(after).startswith("M") or after == "\u200d" or here == "\u2060":
         return False
@@ -289,7 +289,7 @@ _ROUNDING = 3  # decimals of glyph units by which bodies are known again
 
 
 def is_written_down(text: str) -> bool:
-    """Whether a text is one that is written in columns: by its first letter."""
+    """Return whether a text is one that is written in columns: by its first letter."""
     for character in text:
         if unicodedata.category(character).startswith("L"):
             return unicodedata.name(character, "").startswith(_COLUMN_SCRIPTS)
@@ -336,7 +336,7 @@ class FontText:
 
     @property
     def runs_down(self) -> bool:
-        """Whether its lines are columns."""
+        """Return whether its lines are columns."""
         return self.style.direction == "ttb"
 
     def compose(self, room: float) -> Page:
@@ -347,7 +347,7 @@ class FontText:
         return self._pages[key]
 
     def least_size(self, room: float) -> tuple[float, float]:
-        """What the page is as long as and as high as at least, told by advances alone."""
+        """Least length and height of the page, by advances alone."""
         pitch = _COLUMN_PITCH * EM_UNITS if self.runs_down else self._pitch
         across = pitch * (len(self._lines(room)) - 1)
         return (max(map(sum, self._advances)) if math.isinf(room) else 0.0), across

@@ -26,7 +26,7 @@ _LEAST_AREA = 0.02  # of a square as wide as a band: what is left of it is not p
 
 
 def is_wide(stroke: GlyphStroke) -> bool:
-    """Whether most of a stroke is wider than a brush fills at once."""
+    """Return whether most of a stroke is wider than a brush fills at once."""
     from shapely import LineString, MultiLineString, points
 
     rings = (stroke.outline, *stroke.holes)

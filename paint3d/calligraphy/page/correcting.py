@@ -81,7 +81,7 @@ class CorrectedPage:
 
     @property
     def is_changed(self) -> bool:
-        """Whether anything is not as it was."""
+        """Return whether anything is not as it was."""
         return self.strokes != self._first
 
     def number(self, k: int) -> tuple[int, int]:
@@ -240,17 +240,17 @@ class Steps(Generic[State]):
 
     @property
     def first(self) -> State:
-        """What it began with."""
+        """State that it began with."""
         return self._states[0]
 
     @property
     def can_undo(self) -> bool:
-        """Whether there is a state before."""
+        """Return whether there is a state before."""
         return self._at > 0
 
     @property
     def can_redo(self) -> bool:
-        """Whether something was undone."""
+        """Return whether something was undone."""
         return self._at + 1 < len(self._states)
 
     def take(self, state: State) -> None:
@@ -271,7 +271,7 @@ class Steps(Generic[State]):
 
 
 def _to_page(piece: Piece) -> NDArray[np.float64]:
-    """What moves a piece's own units to the page."""
+    """Transform of a piece's own units to the page."""
     return np.array(piece.at) - piece.glyph.middle
 
 
@@ -312,7 +312,7 @@ def _as_stroke(
 
 
 def _way(line: AnyArray) -> NDArray[np.float64]:
-    """How far along a line (M, 2) each of its points lies."""
+    """Arc length of each point of a line (M, 2)."""
     steps = np.linalg.norm(np.diff(line, axis=0), axis=1)
     return np.concatenate([[0.0], np.cumsum(steps)])
 

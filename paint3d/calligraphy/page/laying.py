@@ -1,4 +1,4 @@
-"""Where on an object the pieces of a flat page go.
+"""Layout of the pieces of a flat page on an object.
 
 The middle of the page lies at a place of the surface. From there one goes straight up or down to a
 piece's height and then along the level line, so that lines of text lie level and pieces are as far
@@ -104,7 +104,7 @@ def lay_page(
 
 
 def _places(ground: Ground, layout: Layout) -> Iterator[SurfaceFrame]:
-    """Where the page's middle may lie: the place that was asked for, or one after another."""
+    """Places where the page's middle may lie: the one asked for, or one after another."""
     if layout.is_placed or layout.around:
         yield ground.middle(layout)
         return
@@ -180,7 +180,7 @@ class _Sheet:
                 yield page
 
     def _depth(self, text: Composer) -> float:
-        """How much room there is across the lines, mm."""
+        """Room across the lines, mm."""
         if not text.runs_down:
             return sum(self._climb(sign).length for sign in (1.0, -1.0))
         right = self._level(0.0, 1.0)
@@ -193,7 +193,7 @@ class _Sheet:
         )
 
     def _room(self, text: Composer) -> float:
-        """How long a line of text may be, mm."""
+        """Greatest length of a line of text, mm."""
         if text.runs_down:
             return sum(self._climb(sign).length for sign in (1.0, -1.0))
         right = self._level(0.0, 1.0)

@@ -64,7 +64,7 @@ def bezier_points(controls: AnyArray, flatness: float) -> NDArray[np.float64]:
 
 
 def fill_rings(rings: Sequence[AnyArray], *, even_odd: bool = False) -> MultiPolygon:
-    """What closed curves enclose, by how often each place is gone around.
+    """Area that closed curves enclose, by how often each place is gone around.
 
     Parameters
     ----------
@@ -91,7 +91,7 @@ def fill_rings(rings: Sequence[AnyArray], *, even_odd: bool = False) -> MultiPol
 
 
 def _turns(ring: AnyArray, points: AnyArray) -> NDArray[np.int64]:
-    """How often a closed ring (N, 2) goes around each of some points (M, 2), counter-clockwise."""
+    """Winding number of a closed ring (N, 2) around each of some points (M, 2)."""
     a, b = ring[:-1, None], ring[1:, None]
     side = (b[..., 0] - a[..., 0]) * (points[:, 1] - a[..., 1])
     side -= (points[:, 0] - a[..., 0]) * (b[..., 1] - a[..., 1])
@@ -236,7 +236,7 @@ class Composer(Protocol):
 
     @property
     def runs_down(self) -> bool:
-        """Whether its lines are columns."""
+        """Return whether its lines are columns."""
         ...
 
     def compose(self, room: float) -> Page:
@@ -247,7 +247,7 @@ class Composer(Protocol):
         ...
 
     def least_size(self, room: float) -> tuple[float, float]:
-        """What its page is as long as and as high as at least, glyph units, told by advances alone.
+        """Least length and height of its page, glyph units, by advances alone.
 
         Along the lines, of those that cannot be broken, and across them.
         """
@@ -255,7 +255,7 @@ class Composer(Protocol):
 
 
 def digest_of(file: Path) -> str:
-    """What tells a file's bytes from others (SHA-256); empty where it cannot be read."""
+    """Digest (SHA-256) of a file's bytes; empty where it cannot be read."""
     try:
         with file.open("rb") as data:
             return hashlib.file_digest(data, "sha256").hexdigest()

@@ -37,19 +37,19 @@ def save_strokes(page: Page, file: Path) -> None:
     ExportError
         If the file cannot be written.
     """
-    pieces = [_told_piece(piece) for piece in page.pieces]
+    pieces = [_piece_words(piece) for piece in page.pieces]
     head: dict[str, Any] = {"format": _FORMAT, "source": page.source, "licence": page.licence}
     if page.photograph is not None:
-        head["photograph"] = _told_photograph(page.photograph, file)
+        head["photograph"] = _photograph_words(page.photograph, file)
     lines = [f"{json.dumps(key)}: {_as_json(value)}," for key, value in head.items()]
-    told = ",\n".join(_piece_text(piece) for piece in pieces)
+    body = ",\n".join(_piece_text(piece) for piece in pieces)
     with write_atomically(file) as part:
-        text = "{\n" + "\n".join(lines) + f'\n"pieces": [\n{told}\n]\n}}\n'
+        text = "{\n" + "\n".join(lines) + f'\n"pieces": [\n{body}\n]\n}}\n'
         part.write_text(text, encoding="utf-8")
 
 
-def _told_photograph(photograph: Photograph, file: Path) -> dict[str, Any]:
-    """Where it lies seen from the file of strokes, and how its sheet lies in it."""
+def _photograph_words(photograph: Photograph, file: Path) -> dict[str, Any]:
+    """Words for a photograph: its path from the file of strokes, and how its sheet lies in it."""
     try:
         where = photograph.file.parent.resolve() / photograph.file.name
         there = Path(os.path.relpath(where, file.parent.resolve())).as_posix()
@@ -57,10 +57,10 @@ def _told_photograph(photograph: Photograph, file: Path) -> dict[str, Any]:
         there = photograph.file.name
     return {
         "file": there,
-        "corners": _told(photograph.corners),
+        "corners": _rounded(photograph.corners),
         "size": list(photograph.size),
         "per_unit": photograph.per_unit,
-        "origin": _told(photograph.origin),
+        "origin": _rounded(photograph.origin),
         "invert": photograph.invert,
         "sha256": photograph.digest,
     }
@@ -83,28 +83,28 @@ def _as_json(value: Any) -> str:
     return text
 
 
-def _told_piece(piece: Piece) -> dict[str, Any]:
+def _piece_words(piece: Piece) -> dict[str, Any]:
     glyph = piece.glyph
-    strokes = [_told_stroke(k + 1, stroke) for k, stroke in enumerate(glyph.strokes)]
+    strokes = [_stroke_words(k + 1, stroke) for k, stroke in enumerate(glyph.strokes)]
     return {
         "text": glyph.text,
-        "at": _told(np.array(piece.at)),
-        "box": _told(np.array(glyph.box)),
+        "at": _rounded(np.array(piece.at)),
+        "box": _rounded(np.array(glyph.box)),
         "strokes": strokes,
     }
 
 
-def _told_stroke(order: int, stroke: GlyphStroke) -> dict[str, Any]:
-    rings = [_told(ring) for ring in (stroke.outline, *stroke.holes)]
-    told: dict[str, Any] = {"order": order, "line": _told(stroke.median), "rings": rings}
+def _stroke_words(order: int, stroke: GlyphStroke) -> dict[str, Any]:
+    rings = [_rounded(ring) for ring in (stroke.outline, *stroke.holes)]
+    words: dict[str, Any] = {"order": order, "line": _rounded(stroke.median), "rings": rings}
     if stroke.dryness:
-        told["dryness"] = list(stroke.dryness)
+        words["dryness"] = list(stroke.dryness)
     if stroke.strength < 1.0:
-        told["strength"] = round(stroke.strength, _DECIMALS)
-    return told
+        words["strength"] = round(stroke.strength, _DECIMALS)
+    return words
 
 
-def _told(values: NDArray[np.float64]) -> Any:
+def _rounded(values: NDArray[np.float64]) -> Any:
     return (np.round(values, _DECIMALS) + 0.0).tolist()
 
 

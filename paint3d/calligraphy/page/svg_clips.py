@@ -1,4 +1,4 @@
-"""What clip paths leave of a drawing's elements.
+"""Clipping of a drawing's elements by clip paths.
 
 The package that reads drawings knows none of them. So each element below one is given its name in
 an attribute, which is inherited and comes out with its shape; and the path itself is a drawing of

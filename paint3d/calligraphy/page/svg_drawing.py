@@ -128,7 +128,7 @@ def check_numbers(root: ElementTree.Element, name: str) -> None:
 
 
 def _faults(element: ElementTree.Element, tag: str) -> Iterator[Message]:
-    """Which attribute of an element is no number, and what was expected."""
+    """Attribute of an element that is no number, and what was expected."""
     for attribute, text in element.attrib.items():
         value = text.strip()
         if not value:
@@ -159,7 +159,7 @@ def _faults(element: ElementTree.Element, tag: str) -> Iterator[Message]:
 
 
 def _is_view(value: str) -> bool:
-    """Whether a viewBox is four finite numbers, and has an area."""
+    """Return whether a viewBox is four finite numbers, and has an area."""
     words = [word for word in re.split(r"\s*,\s*|\s+", value) if word]
     if len(words) != 4 or not all(_NUMBER.fullmatch(word) for word in words):
         return False
@@ -195,7 +195,7 @@ def _faults_of_style(text: str) -> Iterator[Message]:
 
 
 def _fault_of_length(attribute: str, value: str) -> Message | None:
-    """What was expected of a length or share that is none; None where it is one."""
+    """Words for what was expected of a length or share that is none; None where it is one."""
     if value.lower() in _KEYWORDS or _CALLS.match(value):
         return None
     found = _LENGTH.fullmatch(value)
@@ -221,7 +221,7 @@ def _faults_of_list(
 
 
 def _faults_of_way(text: str) -> Iterator[Message]:
-    """Where a path of good words breaks off, or does not begin."""
+    """Place at which a path of good words breaks off, or does not begin."""
     before, *parts = _SIGNED.split(text)
     if before.strip() or parts[0] not in "Mm":
         yield _fault_within("d", text, Message("M first"))
@@ -509,7 +509,7 @@ def svg_shape(file: Path | str, ids: Sequence[str] = ()) -> MultiPolygon:
 
 
 def _inks_of(file: Path | str, ids: Sequence[str]) -> list[_Ink]:
-    """What a file inks, without what white covers."""
+    """Inked shapes of a file, without what white covers."""
     path = Path(file)
     try:
         data = path.read_bytes()
@@ -549,7 +549,7 @@ def _inks_of(file: Path | str, ids: Sequence[str]) -> list[_Ink]:
 
 
 def _fall_back(root: Element, names: set[str | None]) -> None:
-    """Let what refers to a paint that is not there have the colour that it names instead, or none.
+    """Give what refers to a paint that is not there the colour that it names instead, or none.
 
     The package takes any reference for black.
     """
@@ -564,7 +564,7 @@ def _fall_back(root: Element, names: set[str | None]) -> None:
 
 
 def _is_used(tag: str, root: Element) -> bool:
-    """Whether something in a drawing is filled or stroked by an element of this tag."""
+    """Return whether something in a drawing is filled or stroked by an element of this tag."""
     names = {element.get("id") for element in root.iter() if _tag(element) == tag}
     texts = (
         text for element in root.iter() for text in (element.text or "", *element.attrib.values())
@@ -779,7 +779,7 @@ def _opened(points: AnyArray) -> AnyArray:
 
 
 def _inks(lines: list[tuple[AnyArray, bool]], drawn: _Drawn, name: str) -> Iterator[_Ink]:
-    """What an element fills and strokes; white covers what was there before."""
+    """Shapes that an element fills and strokes; white covers what was there before."""
     from shapely import LineString, Point
 
     shape, width = drawn.shape, drawn.width

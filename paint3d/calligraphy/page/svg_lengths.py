@@ -88,7 +88,7 @@ def _plain(text: str, name: str, place: _Place) -> str:
 
 
 def _share(unit: str, name: str, place: _Place) -> float | None:
-    """What 1 of a relative unit is."""
+    """Length of 1 of a relative unit."""
     if unit == "%":
         return 0.01 * _side(name, place.width, place.height)
     width, height, font = place.root

@@ -1,4 +1,4 @@
-"""Which ink on a sheet is one character: by the gaps between them, or by how many there are."""
+"""Ink of a sheet divided into characters, by the gaps between them or by their number."""
 
 from __future__ import annotations
 
@@ -132,7 +132,7 @@ def _around(boxes: AnyArray) -> NDArray[np.float64]:
 
 
 def _gaps(spans: AnyArray, others: AnyArray) -> NDArray[np.float64]:
-    """How far boxes are apart from others: (K, L); negative where they overlap."""
+    """Distances of boxes from others: (K, L); negative where they overlap."""
     low, high = spans[:, None, :2], spans[:, None, 2:]
     apart = np.maximum(low - others[None, :, 2:], others[None, :, :2] - high)
     gaps: NDArray[np.float64] = np.where(
@@ -175,7 +175,7 @@ def _reading_order(spans: AnyArray, columns: bool) -> list[int]:
 
 
 def _in_lines(boxes: AnyArray, lines: list[str], columns: bool) -> list[list[int]]:
-    """Which boxes (K, 4) belong to each character; lines run along y, side by side along x."""
+    """Boxes (K, 4) of each character; lines run along y, side by side along x."""
     counts = [len(line) for line in lines]
     across = 0.5 * (boxes[:, 0] + boxes[:, 2])
     bounds = _line_spans(boxes, sum(counts))
@@ -218,7 +218,7 @@ def _line_spans(boxes: AnyArray, most: int) -> list[tuple[float, float]]:
 
 
 def _shared_out(boxes: AnyArray, bounds: list[tuple[float, float]], n: int) -> list[int]:
-    """How many of n characters stand in each line, by how long the lines are; at least one."""
+    """Number of n characters in each line, by the lines' lengths; at least one."""
     lengths = []
     for left, right in bounds:
         across = 0.5 * (boxes[:, 0] + boxes[:, 2])

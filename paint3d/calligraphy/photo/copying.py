@@ -58,7 +58,7 @@ _NEARLY = 0.88  # of it: camera and paper make so much of a difference
 
 @dataclass(frozen=True)
 class Asked:
-    """What is known of a photograph.
+    """Facts that are known of a photograph.
 
     Attributes
     ----------
@@ -277,7 +277,7 @@ def _sheets(pixels: NDArray[np.uint8], asked: Asked) -> list[NDArray[np.float64]
 def _note_on_others(
     taken: NDArray[np.float64], others: Sequence[NDArray[np.float64]]
 ) -> Message | None:
-    """Which sheets stand out besides the one that is copied; None where none does."""
+    """Note of sheets that stand out besides the one that is copied; None where none does."""
     if not others:
         return None
 
@@ -294,7 +294,7 @@ def _note_on_others(
 
 
 def _note_on_ground(sheet: NDArray[np.float32]) -> Message | None:
-    """What to say of a sheet that is taken for a rubbing, and is mostly white."""
+    """Note of a sheet that is taken for a rubbing, and is mostly white."""
     share, _ = white_on_dark(sheet)
     if share <= 0.5:
         return None
@@ -305,7 +305,7 @@ def _note_on_ground(sheet: NDArray[np.float32]) -> Message | None:
 
 
 def _note_on_lost_ink(sheet: CopiedSheet) -> Message | None:
-    """Which characters have ink that no stroke covers, and how much; None where hardly any."""
+    """Note of characters with ink that no stroke covers, and how much; None where hardly any."""
     from scipy.ndimage import distance_transform_edt
 
     pieces, drawn = sheet.page.pieces, iter(sheet.drawn())

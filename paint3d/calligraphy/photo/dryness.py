@@ -1,4 +1,4 @@
-"""How dry the brush was along a stroke: what share of its body the ink left bare."""
+"""Dryness of the brush along a stroke: the share of its body that the ink left bare."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def dryness_along(
     inked: NDArray[np.bool_],
     n: int | None = None,
 ) -> tuple[tuple[float, ...], float]:
-    """How dry a stroke is at even stations, and how strong its ink.
+    """Dryness of a stroke at even stations, and the strength of its ink.
 
     Parameters
     ----------
@@ -82,7 +82,7 @@ def dryness_along(
 def strength_of(
     stroke: GlyphStroke, density: NDArray[np.float32], inked: NDArray[np.bool_]
 ) -> float:
-    """What share of the paper's light the unbroken ink of a stroke takes.
+    """Share of the paper's light that the unbroken ink of a stroke takes.
 
     Parameters
     ----------

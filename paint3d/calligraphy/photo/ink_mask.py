@@ -1,4 +1,4 @@
-"""Where ink is on a sheet, and the strokes' bodies: as far as the brush went, flying white too."""
+"""Masks of a sheet's ink and of the strokes' bodies: as far as the brush went, flying white too."""
 
 from __future__ import annotations
 
@@ -118,7 +118,7 @@ def _streaks(mask: AnyArray, width: float) -> NDArray[np.bool_]:
 
 
 def _spread(streaks: AnyArray, reach: float) -> NDArray[np.float32]:
-    """What share of the places around each are streaks."""
+    """Share of streaks among the places around each."""
     from scipy.ndimage import gaussian_filter
 
     result: NDArray[np.float32] = gaussian_filter(streaks.astype(np.float32), reach)
@@ -161,7 +161,7 @@ def _ways(inked: AnyArray, width: float) -> NDArray[np.float32]:
 def _pixels_to_ink(
     inked: AnyArray, places: AnyArray, way: AnyArray, longest: int
 ) -> NDArray[np.float64]:
-    """How far (N,) the ways from places (N, 2) lead before ink; infinite where there is none."""
+    """Lengths (N,) of the ways from places (N, 2) to ink; infinite where there is none."""
     last = np.array(inked.shape) - 1
     far = np.full(len(places), np.inf)
     at, cell = places.astype(np.float64), places
@@ -300,7 +300,7 @@ def find_ink(density: NDArray[np.float32], darker: float = 0.0) -> InkMask:
 
 
 def _pieces_and_holes(mask: NDArray[np.bool_]) -> int:
-    """How many connected pieces a mask has, and holes in them."""
+    """Numbers of connected pieces of a mask, and of holes in them."""
     from scipy.ndimage import label
 
     _, pieces = label(mask, np.ones((3, 3)))
@@ -441,7 +441,7 @@ _LEAST_RED, _MOST_RED = 4e-3, 1.25  # shares of the light
 
 @dataclass(frozen=True, eq=False)
 class Inks:
-    """What lies on a sheet.
+    """Ink of a sheet, and what else lies on it.
 
     Attributes
     ----------

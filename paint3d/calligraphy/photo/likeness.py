@@ -1,4 +1,4 @@
-"""How like its photograph a painted copy is, both seen on the same flat sheet."""
+"""Likeness of a painted copy to its photograph, both seen on the same flat sheet."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ class PaintedSheet:
 
 @dataclass(frozen=True)
 class SheetLikeness:
-    """What a photograph and its painted copy have in common.
+    """Comparison of a photograph with its painted copy.
 
     Attributes
     ----------
@@ -70,8 +70,8 @@ class SheetLikeness:
     dryness_r: float
     dryness_error: float
 
-    def told(self) -> str:
-        """In one line."""
+    def summary(self) -> str:
+        """Return it in one line."""
         r = "none to compare" if np.isnan(self.dryness_r) else f"correlation {self.dryness_r:.2f}"
         return (
             f"strokes alike to {self.iou:.3f} (IoU), ink to {self.ink_iou:.3f}; dryness: {r}, "
@@ -117,7 +117,7 @@ def painted_sheet(
 def _on_page(
     piece: Piece, laid: PlacedPiece, closest: ClosestPoints, there: AnyArray, sheet: FlatPage
 ) -> NDArray[np.float64]:
-    """Where points of the surface lie on the sheet, pixels; NaN beyond the piece."""
+    """Places of points of the surface on the sheet, pixels; NaN beyond the piece."""
     square = laid.square
     em = square.em_mm
     box = 0.5 * np.array([square.width_mm, square.height_mm])
@@ -142,7 +142,7 @@ def likeness_of(sheet: CopiedSheet, painted: PaintedSheet) -> SheetLikeness:
 def strength_of_both(
     sheet: FlatPage, painted: PaintedSheet
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """How strong the ink of all strokes (K,) is: as they say, and painted."""
+    """Strength of the ink of all strokes (K,): as they say, and painted."""
     codes = np.arange(256) / 255.0
     table = np.where(codes <= 0.04045, codes / 12.92, ((codes + 0.055) / 1.055) ** 2.4)
     light = table[painted.picture].mean(axis=2)
@@ -175,7 +175,7 @@ def dryness_of_both(
 
 
 def _filled(mask: AnyArray, body: AnyArray) -> NDArray[np.bool_]:
-    """What is painted, with what it leaves bare within the body but for the body's rim.
+    """Painted mask, with what it leaves bare within the body but for the body's rim.
 
     A painted streak stands for the bare ones beside it, half a width to either side.
     """

@@ -173,7 +173,7 @@ _ROUNDS = ((0.03, 6), (0.008, 6))  # of the picture to either side, and how ofte
 
 @dataclass(frozen=True, eq=False)
 class _Planes:
-    """What is compared: (H, W) planes, each in units of how much it varies from place to place."""
+    """Planes (H, W) that are compared, each in units of how much it varies from place to place."""
 
     planes: tuple[NDArray[np.float32], ...]
 
@@ -245,10 +245,10 @@ def find_sheets(pixels: NDArray[np.uint8]) -> list[NDArray[np.float64]]:
     step = max(1, round(max(pixels.shape[:2]) / _SEARCHED))
     small = _planes(pixels, step)
     candidates = [one for one in _candidates(small) if shapely.Polygon(one).is_valid]
-    told = [(_weakest_side(small, corners), corners) for corners in candidates]
-    told.sort(key=lambda one: -one[0])
+    ranked = [(_weakest_side(small, corners), corners) for corners in candidates]
+    ranked.sort(key=lambda one: -one[0])
     chosen: list[tuple[NDArray[np.float64], Polygon]] = []
-    for contrast, corners in told:
+    for contrast, corners in ranked:
         area = shapely.Polygon(corners)
         if contrast < _WEAKEST:
             break
@@ -277,9 +277,9 @@ def _planes(pixels: NDArray[np.uint8], step: int) -> _Planes:
     # block by block of rows: never a picture's worth of floats
     rows = [linear_light(row).mean(axis=(0, 2)) for row in blocks]
     light = np.log(np.stack(rows) + 0.01)
-    told = (light.mean(axis=2), light[..., 0] - light[..., 2])
+    measures = (light.mean(axis=2), light[..., 0] - light[..., 2])
     planes = []
-    for plane, least in zip(told, (0.25, 0.15), strict=True):
+    for plane, least in zip(measures, (0.25, 0.15), strict=True):
         smooth = gaussian_filter(plane, 0.8)
         spread = float(np.subtract(*np.percentile(smooth, (90.0, 10.0))))
         planes.append((smooth / max(spread, least)).astype(np.float32))
@@ -359,7 +359,7 @@ def _cross(a: AnyArray, b: AnyArray) -> float:
 
 
 def _meeting(a: AnyArray, b: AnyArray, d: AnyArray, c: AnyArray) -> AnyArray | None:
-    """Where the lines from a through b and from d through c meet beyond b and c."""
+    """Intersection of the lines from a through b and from d through c, beyond b and c."""
     along, other = b - a, c - d
     turn = _cross(along, other)
     if abs(turn) < 1e-9:
@@ -373,7 +373,7 @@ def _meeting(a: AnyArray, b: AnyArray, d: AnyArray, c: AnyArray) -> AnyArray | N
 
 
 def _across(planes: _Planes, start: AnyArray, end: AnyArray, offsets: AnyArray) -> AnyArray:
-    """What planes show at offsets (K,) across a side: (planes, stations, K)."""
+    """Values of planes at offsets (K,) across a side: (planes, stations, K)."""
     from scipy.ndimage import map_coordinates
 
     share = np.linspace(_LEFT_OUT, 1.0 - _LEFT_OUT, _STATIONS)
@@ -453,7 +453,7 @@ def _fitted(planes: _Planes, start: AnyArray, end: AnyArray, reach: float) -> An
 
 
 def _between(strong: AnyArray, at: AnyArray) -> AnyArray:
-    """How far from a sample the greatest value lies, by a parabola through three, in offsets."""
+    """Offset of the greatest value from a sample, by a parabola through three."""
     n = strong.shape[1]
     k = np.clip(at, 1, n - 2)
     rows = np.arange(len(strong))
@@ -529,7 +529,7 @@ _DARKEST = 1e-3
 
 
 def flattened(sheet: NDArray[np.float32]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """What share of the paper's light every place of a sheet sends back.
+    """Reflectance of every place of a sheet, as a share of the paper's.
 
     Parameters
     ----------
@@ -612,7 +612,7 @@ def _spread(small: AnyArray, is_paper: AnyArray, longest: int) -> NDArray[np.flo
 
 
 def blur_matrix(n: int, sigma: float) -> NDArray[np.float64]:
-    """What each of n pixels in a row has of each when they are blurred by a Gaussian.
+    """Weights of n pixels in a row in each other when they are blurred by a Gaussian.
 
     The row is mirrored at its ends. The widest blur here reaches over all pixels there are: picture
     by picture, tap by tap, it would cost 2.7 times as much.
@@ -702,7 +702,7 @@ def check_ground(sheet: NDArray[np.float32]) -> None:
 
 
 def white_on_dark(sheet: NDArray[np.float32]) -> tuple[float, float]:
-    """What share of a sheet (H, W, 3) is the lighter, and by how much: a natural logarithm."""
+    """Share of a sheet (H, W, 3) that is the lighter, and by how much: a natural logarithm."""
     grey = np.log(sheet[::3, ::3].mean(axis=2) + 0.004)
     lighter = grey > otsu(grey)
     contrast = float(grey[lighter].mean() - grey[~lighter].mean()) if lighter.any() else 0.0

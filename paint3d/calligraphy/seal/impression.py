@@ -1,4 +1,4 @@
-"""What a seal leaves on a surface: paste where the stone met it, firmer here than there.
+"""Print of a seal on a surface: paste where the stone met it, firmer here than there.
 
 A pad below (or behind) the stone gives way, so that it lies on the surface as a sheet does and
 presses less where that falls away from it. Paste is uneven: thicker along the edges of what is cut,
@@ -48,7 +48,7 @@ _FINEST_MM = 0.05  # however small the stone
 
 @dataclass(frozen=True)
 class Pressing:
-    """How a seal is pressed.
+    """Options of pressing a seal.
 
     Attributes
     ----------
@@ -96,7 +96,7 @@ def find_impression(
     rings: Sequence[AnyArray],
     pressing: Pressing,
 ) -> Impression:
-    """Where a seal leaves how much paste; the surface is refined there, nothing is painted.
+    """Amounts of paste that a seal leaves; the surface is refined there, nothing is painted.
 
     Parameters
     ----------
@@ -159,7 +159,7 @@ def find_impression(
 
 
 def _refine(surface: PaintedSurface, chart: SurfaceChart, spacing: float) -> None:
-    """Let vertices appear wherever the chart goes, closer than elsewhere for a small seal.
+    """Refine the surface wherever the chart goes, finer than elsewhere for a small seal.
 
     Edges become no longer than `spacing`, mm, or the surface's resolution where that is finer.
     Paint keeps its vertices, and so do the cells around it: between them new ones would be bare.
@@ -210,7 +210,7 @@ def _vertices_under(surface: PaintedSurface, chart: SurfaceChart) -> tuple[AnyAr
 
 
 def _firmness(chart: SurfaceChart, xy: AnyArray, pad_mm: float) -> AnyArray:
-    """How firmly the stone presses, 0 to 1: less where the surface falls away from its plane."""
+    """Pressure of the stone, 0 to 1: less where the surface falls away from its plane."""
     frame = chart.frame
     fallen = np.abs((chart.points(xy) - frame.origin) @ frame.normal)
     result: AnyArray = np.clip(1.0 - fallen / pad_mm, 0.0, 1.0)
@@ -221,7 +221,7 @@ def _firmness(chart: SurfaceChart, xy: AnyArray, pad_mm: float) -> AnyArray:
 
 
 def _signed_distances(xy: AnyArray, rings: Sequence[AnyArray]) -> AnyArray:
-    """How far (mm) points (N, 2) lie inside what takes paste; negative outside."""
+    """Signed distance (mm) of points (N, 2) inside what takes paste; negative outside."""
     import shapely
 
     shape: Geometry = shapely.Polygon()
@@ -239,7 +239,7 @@ def _signed_distances(xy: AnyArray, rings: Sequence[AnyArray]) -> AnyArray:
 
 
 def _worn(xy: AnyArray, inside: AnyArray, half: AnyArray, seed: int) -> AnyArray:
-    """How much (mm) of what was cut has worn off: little everywhere, more along the rim."""
+    """Wear (mm) of what was cut: little everywhere, more along the rim."""
     ragged = _RAGGED_MM * (_noise(xy, _ROUGH_MM, seed) + 0.7 * _noise(xy, 0.3, seed + 1))
     from_rim = (half - _MARGIN_MM - np.abs(xy)).min(axis=1)
     knocked = np.maximum(_noise(xy, _CHIP_MM, seed + 2) - _CHIP_FROM, 0.0)
@@ -250,7 +250,7 @@ def _worn(xy: AnyArray, inside: AnyArray, half: AnyArray, seed: int) -> AnyArray
 
 
 def _patches(xy: AnyArray, seed: int) -> tuple[AnyArray, AnyArray]:
-    """How thickness varies (N,), and how bare it is (N,), 0 to 1 and more."""
+    """Variation of thickness (N,), and bareness (N,), 0 to 1 and more."""
     slow, quick = _noise(xy, _CELL_MM, seed + 4), _noise(xy, _GRAIN_MM, seed + 5)
     bare = np.maximum(0.9 * slow + 1.1 * quick - _BARE * 0.62, 0.0) * 2.4
     return _PATCHY * slow + _GRAINY * quick, bare

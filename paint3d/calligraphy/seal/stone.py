@@ -59,7 +59,7 @@ _DECIMALS = 3
 
 @dataclass(frozen=True, eq=False)
 class Seal:
-    """What of a stone takes paste.
+    """Face of a stone: what of it takes paste.
 
     Attributes
     ----------

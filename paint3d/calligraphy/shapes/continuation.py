@@ -1,4 +1,4 @@
-"""Which branches of a skeleton are one stroke: those that go on straight through a junction."""
+"""Branches of a skeleton joined to strokes, where they go on straight through a junction."""
 
 from __future__ import annotations
 
@@ -120,7 +120,7 @@ def mates_of(
     half_widths: Callable[[AnyArray], NDArray[np.float64]],
     cost: Callable[[End, End], float] | None = None,
 ) -> dict[tuple[int, int], tuple[int, int]]:
-    """Which end of a branch goes on in which other: (index, side) to (index, side)."""
+    """Pair the ends of branches that go on in one another: (index, side) to (index, side)."""
     ends: dict[int, list[tuple[int, int]]] = {}
     for k, branch in enumerate(skeleton.branches):
         for side in (0, 1):
@@ -150,7 +150,7 @@ def _end(
     junction: Junction,
     half_widths: Callable[[AnyArray], NDArray[np.float64]],
 ) -> End:
-    """How a branch leaves a junction, taken where it is clear of it."""
+    """Direction in which a branch leaves a junction, taken where it is clear of it."""
     line = resampled(branch.away_from(side), max(0.2 * junction.radius, 1e-3 * branch.length), 8)
     way = np.linspace(0.0, branch.length, len(line))
     low = min(_DIRECTION_FROM * junction.radius, 0.4 * branch.length)
@@ -165,7 +165,7 @@ def _end(
 
 
 def _turning(one: End, two: End) -> float:
-    """What it costs that one end goes on in another, degrees."""
+    """Cost of one end going on in another, degrees."""
     own = _turn_between(-one.way, two.way)
     gap = two.start - one.start
     if np.linalg.norm(gap) > 0.2 * (one.width + two.width):

@@ -76,7 +76,7 @@ def cut_branch(
 
 
 def _nearest(places: AnyArray, points: AnyArray) -> NDArray[np.int64]:
-    """Which of some points (M, 2) is nearest to each of some places (N, 2), a block at a time."""
+    """Index of the nearest of points (M, 2) to each of places (N, 2), a block at a time."""
     size = max(1, _AT_ONCE // len(points))
     found = np.empty(len(places), np.int64)
     for start in range(0, len(places), size):
@@ -129,7 +129,7 @@ def _sizes(ways: AnyArray) -> NDArray[np.float64]:
 
 
 def _ends_a_stroke(opening: AnyArray, branch: Branch, skeleton: Skeleton) -> bool:
-    """Whether one does at a corner of a branch, from the sum of the unit vectors of its legs."""
+    """Return whether a stroke ends at a branch's corner, by the sum of its legs' unit vectors."""
     angle = math.degrees(math.atan2(opening[1], opening[0]))
     if _BEGINNING[0] <= angle <= _BEGINNING[1]:
         return True
@@ -137,7 +137,7 @@ def _ends_a_stroke(opening: AnyArray, branch: Branch, skeleton: Skeleton) -> boo
 
 
 def _closes_a_ring(branch: Branch, skeleton: Skeleton) -> bool:
-    """Whether both ends of a branch are joined by others too."""
+    """Return whether both ends of a branch are joined by others too."""
     start, goal = branch.ends
     beyond: dict[int, list[int]] = {}
     for other in skeleton.branches:

@@ -19,7 +19,7 @@ from paint3d.calligraphy.shapes.skeleton import skeleton_of
 from paint3d.calligraphy.shapes.transfer import (
     Fit,
     KnownStrokes,
-    Told,
+    Labelled,
     fit_of,
     in_known_order,
     label_chains,
@@ -105,7 +105,7 @@ def _pieces_of(parts: list[Polygon], forms: Sequence[Glyph], runs_on: bool) -> l
     taken, own = set(dots.values()), list[tuple[Piece, int | None]]()
     for k, part in enumerate(parts):
         if best.fit is Fit.WHOLE:
-            mine = _by_template(best.inks[k], best.told[k].chains)
+            mine = _by_template(best.inks[k], best.labelled[k].chains)
         elif best.fit is Fit.JOINED:
             mine = [(piece, None) for piece in _by_own_lines(_ink_of(part), best.known)]
         else:
@@ -117,8 +117,8 @@ def _pieces_of(parts: list[Polygon], forms: Sequence[Glyph], runs_on: bool) -> l
 
 def _by_own_lines(ink: Ink, known: KnownStrokes) -> list[Piece]:
     """The strokes of a shape that joins known ones: only corners are cut where these change."""
-    told = label_chains(ink, known, tear=False)
-    return [piece for piece, _ in _by_template(ink, told.chains)]
+    labelled = label_chains(ink, known, tear=False)
+    return [piece for piece, _ in _by_template(ink, labelled.chains)]
 
 
 def _along_the_line(parts: list[Polygon], lines: Sequence[AnyArray]) -> list[Piece]:
@@ -137,7 +137,7 @@ class _Laid(NamedTuple):
     lines: Sequence[AnyArray]
     known: KnownStrokes
     inks: list[Ink]
-    told: list[Told]
+    labelled: list[Labelled]
 
 
 def _lines_of(form: Glyph) -> list[NDArray[np.float64]]:
@@ -159,8 +159,8 @@ def _best_of(parts: list[Polygon], forms: Sequence[Glyph]) -> _Laid:
 def _laid_over(parts: list[Polygon], lines: Sequence[AnyArray]) -> _Laid:
     inks = [_ink_of(part) for part in parts]
     known = lay_over(lines, inks, _width(parts))
-    told = [label_chains(ink, known) for ink in inks]
-    return _Laid(*fit_of(inks, known, told), lines, known, inks, told)
+    labelled = [label_chains(ink, known) for ink in inks]
+    return _Laid(*fit_of(inks, known, labelled), lines, known, inks, labelled)
 
 
 def _width(parts: list[Polygon]) -> float:
@@ -177,7 +177,7 @@ def _ink_of(part: Polygon) -> Ink:
 
 
 def thinnest_within(places: AnyArray) -> float:
-    """How thin a part of a shape may be that reaches so far, places (N, 2), and be no hairline."""
+    """Least width of a part that reaches so far, places (N, 2), that is no hairline."""
     return float(max(_HAIRLINE * np.ptp(places, axis=0).max(), _GRAIN * np.abs(places).max()))
 
 
@@ -215,14 +215,14 @@ def _by_shape(ink: Ink) -> list[Piece]:
     return shared_out(pieces_of(chains, ink), ink)
 
 
-def _by_template(ink: Ink, told: list[tuple[Chain, int]]) -> list[tuple[Piece, int | None]]:
+def _by_template(ink: Ink, labelled: list[tuple[Chain, int]]) -> list[tuple[Piece, int | None]]:
     """The strokes of one connected shape as those of a known character."""
-    told = [(chain, stroke) for chain, stroke in told if has_way(chain, ink)]
+    labelled = [(chain, stroke) for chain, stroke in labelled if has_way(chain, ink)]
     dots = dots_of(ink)
-    if dots or not told:
+    if dots or not labelled:
         return [(dot, None) for dot in dots or [as_dot(ink.shape)]]
-    pieces = shared_out(pieces_of((chain for chain, _ in told), ink), ink)
-    return [(piece, stroke) for piece, (_, stroke) in zip(pieces, told, strict=True)]
+    pieces = shared_out(pieces_of((chain for chain, _ in labelled), ink), ink)
+    return [(piece, stroke) for piece, (_, stroke) in zip(pieces, labelled, strict=True)]
 
 
 def _stroke(piece: Piece, low: NDArray[np.float64], size: float) -> GlyphStroke:

@@ -80,7 +80,7 @@ def _parted(ink: Ink) -> list[Piece]:
 
 
 def dot_among(parts: Sequence[Polygon], lines: Sequence[AnyArray]) -> dict[int, int]:
-    """Which part of a shape is the dot of a known character, with its stroke's number.
+    """Part of a shape that is the dot of a known character, with its stroke's number.
 
     Of two parts it is the smaller one, wherever it lies: an i's dot is the second stroke however
     far from its stem it is. Nothing where the character has no dot, or more strokes than two: a

@@ -267,7 +267,7 @@ class PlacedLetter(NamedTuple):
 
 
 def form_of(before: str, character: str, after: str) -> str:
-    """Whether a letter stands "alone", or "first", in the "middle" or "last" of joined ones.
+    """Position of a letter: "alone", or "first", in the "middle" or "last" of joined ones.
 
     Parameters
     ----------
@@ -352,7 +352,7 @@ def directed(line: AnyArray, region: Polygon | None = None) -> NDArray[np.float6
 
 
 def _taper(line: AnyArray, region: Polygon) -> float:
-    """How much wider the first part of a stroke is than its last: a logarithm, from -1 to 1."""
+    """Logarithm of how much wider a stroke's first part is than its last, -1 to 1."""
     import shapely
 
     way = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))]
@@ -366,7 +366,7 @@ def _taper(line: AnyArray, region: Polygon) -> float:
 
 
 def _ease(line: AnyArray) -> float:
-    """How easily a line is drawn."""
+    """Ease with which a line is drawn."""
     at = round(_FIRST_PART * (len(line) - 1)) or 1
     total = 0.0
     for end, share in zip((line[at], line[-1]), _SHARES, strict=True):

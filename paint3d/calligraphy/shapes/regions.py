@@ -78,7 +78,7 @@ def line_of(chain: Chain, ink: Ink) -> NDArray[np.float64]:
 
 
 def has_way(chain: Chain, ink: Ink) -> bool:
-    """Whether a stroke leads anywhere: junctions that fall together leave branches of no length."""
+    """Return whether a stroke has a length: junctions that fall together leave some without."""
     line = line_of(chain, ink)
     return bool(length_of(line) > _NO_WAY * ink.half_widths(line).max())
 
@@ -121,7 +121,7 @@ def _piece_of(chain: Chain, ink: Ink, degrees: Counter[int]) -> Piece:
 
 
 def _swept(branch: AnyArray, junction: Junction, line: AnyArray, ink: Ink) -> Polygon:
-    """What a stroke of the branch's width sweeps along its line near a junction."""
+    """Area that a stroke of the branch's width sweeps along its line near a junction."""
     import shapely
 
     way = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(branch, axis=0), axis=1))]

@@ -20,7 +20,7 @@ __all__ = ["Branch", "Junction", "Skeleton", "length_of", "skeleton_of", "tidy"]
 
 @dataclass(eq=False)
 class Junction:
-    """Where branches meet or end.
+    """Point where branches meet or end.
 
     Attributes
     ----------
@@ -103,16 +103,16 @@ class Skeleton:
         return number
 
     def is_ring(self, branch: Branch) -> bool:
-        """Whether a branch closes on itself, and no stroke is cut there."""
+        """Return whether a branch closes on itself, and no stroke is cut there."""
         one, two = branch.ends
         return one == two and one not in self.cuts and self.degrees()[one] == 2
 
     def is_shared(self, number: int, degrees: Counter[int]) -> bool:
-        """Whether strokes meet at a junction."""
+        """Return whether strokes meet at a junction."""
         return degrees[number] > 2 or number in self.cuts
 
     def degrees(self) -> Counter[int]:
-        """How many ends of branches are at each junction."""
+        """Number of ends of branches at each junction."""
         return Counter(number for branch in self.branches for number in branch.ends)
 
 
@@ -160,7 +160,7 @@ class _Tidying:
             self._add(branch)
 
     def degree(self, number: int) -> int:
-        """How many ends of branches are at a junction."""
+        """Number of ends of branches at a junction."""
         return len(self.here.get(number, ()))
 
     def _add(self, branch: Branch) -> None:
@@ -195,7 +195,7 @@ class _Tidying:
             out.set((branch, self._sticks_out(branch), self.came[branch]) for branch in changed)
 
     def _sticks_out(self, branch: Branch) -> float:
-        """How far a branch with a free end reaches out of its junction, in radii of that."""
+        """Reach of a branch with a free end out of its junction, in radii of that."""
         one, two = branch.ends
         tip, base = (one, two) if self.degree(one) == 1 else (two, one)
         if self.degree(tip) != 1 or self.degree(base) < 3:
@@ -270,7 +270,7 @@ class _Tidying:
         self.here[one] = dict.fromkeys(ends)
 
     def _apart(self, branch: Branch) -> float:
-        """How long a branch between two junctions is, in radii of the larger."""
+        """Length of a branch between two junctions, in radii of the larger."""
         one, two = branch.ends
         if min(self.degree(one), self.degree(two)) < 3:
             return math.inf
@@ -306,7 +306,7 @@ class _Least:
 
 
 def _is_fold(out: AnyArray, base: Junction, legs: list[AnyArray]) -> bool:
-    """Whether a spur is no longer than two legs of a stroke would run together there."""
+    """Return whether a spur is no longer than two legs of a stroke would run together there."""
     ways = []
     for line in (out, *legs):
         far = np.linalg.norm(line - line[0], axis=1) >= 2.0 * base.radius
@@ -364,7 +364,7 @@ def _traced(triangles: Triangles) -> Skeleton:
 
 
 def _node(triangles: Triangles, t: int, degree: int) -> NDArray[np.float64]:
-    """Where the skeleton ends or branches in a triangle."""
+    """Point where the skeleton ends or branches in a triangle."""
     if degree != 1:
         return triangles.middle(t)
     inner = int(np.argmax(triangles.neighbours[t] >= 0))

@@ -25,7 +25,7 @@ __all__ = [
     "STARTS",
     "Fit",
     "KnownStrokes",
-    "Told",
+    "Labelled",
     "fit_of",
     "in_known_order",
     "label_chains",
@@ -57,7 +57,7 @@ _OUTER = (2.0, 98.0)  # percentiles of the boxes that are laid over each other f
 _STRETCH = (0.4, 2.5)
 _SWASH = 15.0  # percent of a capital's skeleton that may be an ornament on its left
 STARTS = ("box", "slanted", "swash")
-"""How lines are first laid over a skeleton, in the order in which it is tried."""
+"""Ways to lay lines over a skeleton at first, in the order in which they are tried."""
 
 
 def tangents_of(line: AnyArray) -> NDArray[np.float64]:
@@ -213,18 +213,18 @@ class KnownStrokes:
     width: float
 
     def costs(self, line: AnyArray) -> NDArray[np.float64]:
-        """How far each point of a line (N, 2) is from each stroke (N, K), widths."""
+        """Distance of each point of a line (N, 2) from each stroke (N, K), widths."""
         away = np.linalg.norm(line[:, None] - self.points[None], axis=2) / self.width
         alike = np.abs(tangents_of(line) @ self.tangents.T)
         away += _ACROSS * (1.0 - alike)
         return np.stack([away[:, self.stroke == k].min(axis=1) for k in range(self.count)], axis=1)
 
     def residual(self, line: AnyArray) -> float:
-        """How far a line is from the strokes that it belongs to, in the mean, widths."""
+        """Mean distance of a line from the strokes that it belongs to, widths."""
         return float(self.costs(line).min(axis=1).mean())
 
     def missed(self, lines: Sequence[AnyArray]) -> float:
-        """How far the strokes are from the nearest of some lines, in the mean, widths."""
+        """Mean distance of the strokes from the nearest of some lines, widths."""
         there = np.concatenate(lines)
         away = np.linalg.norm(self.points[:, None] - there[None], axis=2)
         return float(away.min(axis=1).mean()) / self.width
@@ -237,7 +237,7 @@ class KnownStrokes:
     def placed(
         self, line: AnyArray, stroke: int | None = None, without: Collection[int] = ()
     ) -> tuple[float, float]:
-        """Where a line is, as stroke plus station, and how much of it is written forward, -1 to 1.
+        """Place of a line, as stroke plus station, and how much of it is written forward, -1 to 1.
 
         On the stroke, or on the nearest ones but for some.
 
@@ -306,21 +306,23 @@ def _known(lines: Sequence[NDArray[np.float64]], width: float) -> KnownStrokes:
 
 
 class Fit(IntEnum):
-    """How far a shape is a drawing of a known character."""
+    """Likeness of a shape to a known character."""
 
     WHOLE = 0  # stroke by stroke
     JOINED = 1  # its lines, but it runs on where another stroke begins, or leaves one out
     NONE = 2  # another shape
 
 
-def fit_of(inks: Sequence[Ink], known: KnownStrokes, told: Sequence[Told]) -> tuple[Fit, float]:
-    """Whether a shape is a drawing of the known character, by how the lines lie upon it.
+def fit_of(
+    inks: Sequence[Ink], known: KnownStrokes, labelled: Sequence[Labelled]
+) -> tuple[Fit, float]:
+    """Return how far a shape is a drawing of the known character, by how the lines lie on it.
 
     Parameters
     ----------
     inks : sequence of Ink
     known : KnownStrokes
-    told : sequence of Told
+    labelled : sequence of Labelled
         Of each ink.
 
     Returns
@@ -338,9 +340,9 @@ def fit_of(inks: Sequence[Ink], known: KnownStrokes, told: Sequence[Told]) -> tu
     total = sum(length * known.residual(line) for length, line in zip(lengths, lines, strict=True))
     away = total / max(sum(lengths), 1e-300)
     missed = known.missed(lines) if lines else 0.0
-    strokes = {stroke for part in told for _, stroke in part.chains}
-    dots = sum(not part.chains for part in told)
-    torn = sum(part.torn for part in told)
+    strokes = {stroke for part in labelled for _, stroke in part.chains}
+    dots = sum(not part.chains for part in labelled)
+    torn = sum(part.torn for part in labelled)
     complete = len(strokes) + dots >= _THERE * known.count
     if away <= _AWAY:
         fit = Fit.WHOLE if complete and torn <= _TORN * known.count else Fit.JOINED
@@ -351,7 +353,7 @@ def fit_of(inks: Sequence[Ink], known: KnownStrokes, told: Sequence[Told]) -> tu
 
 
 @dataclass(frozen=True, eq=False)
-class Told:
+class Labelled:
     """A part's branches divided among known strokes.
 
     Attributes
@@ -366,7 +368,7 @@ class Told:
     torn: int
 
 
-def label_chains(ink: Ink, known: KnownStrokes, *, tear: bool = True) -> Told:
+def label_chains(ink: Ink, known: KnownStrokes, *, tear: bool = True) -> Labelled:
     """Divide a part's branches among known strokes.
 
     Parameters
@@ -387,19 +389,20 @@ def label_chains(ink: Ink, known: KnownStrokes, *, tear: bool = True) -> Told:
         return _TOGETHER + _SKIPPED * abs(goes_on - at)
 
     chains = chains_of(ink.skeleton, ink.half_widths, cost)
-    told = [(chain, _stroke_of(chain, ink, known)) for chain in chains]
+    labelled = [(chain, _stroke_of(chain, ink, known)) for chain in chains]
     if not tear:
-        return Told(told, torn)
+        return Labelled(labelled, torn)
     lengths = [length_of(line_of(chain, ink)) for chain in chains]
     longest = {
-        k: max(n for n, (_, j) in zip(lengths, told, strict=True) if j == k) for _, k in told
+        k: max(n for n, (_, j) in zip(lengths, labelled, strict=True) if j == k)
+        for _, k in labelled
     }
     kept = [
         entry
-        for entry, length in zip(told, lengths, strict=True)
+        for entry, length in zip(labelled, lengths, strict=True)
         if length >= min(_SPUR * known.width, longest[entry[1]])
     ]
-    return Told(kept, torn)
+    return Labelled(kept, torn)
 
 
 def _stroke_of(chain: Chain, ink: Ink, known: KnownStrokes) -> int:
@@ -464,7 +467,7 @@ def _cut_where_strokes_change(ink: Ink, known: KnownStrokes, tear: bool) -> int:
 def _change_in(
     branch: Branch, known: KnownStrokes, tear: bool
 ) -> tuple[NDArray[np.float64], float] | None:
-    """Where in a branch a stroke first gives way to another, and its turn there, degrees.
+    """Place in a branch where a stroke gives way to another, and its turn there, degrees.
 
     Where smooth lines are not torn, at a corner.
     """
@@ -538,7 +541,7 @@ def in_known_order(
 
 
 def _runs_back(before: AnyArray, line: AnyArray, sure: float, width: float) -> bool:
-    """Whether a stroke ends, not begins, where the pen is, and nothing tells that it does.
+    """Return whether a stroke ends, not begins, where the pen is, and nothing tells that it does.
 
     The smoother the pen would run on, the more has to tell it.
     """

@@ -46,7 +46,7 @@ class Triangles:
     neighbours: NDArray[np.int64]
 
     def degrees(self) -> NDArray[np.int64]:
-        """How many neighbours each has (T,)."""
+        """Number of neighbours of each (T,)."""
         result: NDArray[np.int64] = (self.neighbours >= 0).sum(axis=1)
         return result
 

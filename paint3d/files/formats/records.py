@@ -12,6 +12,7 @@ where the object stands: the middle of its box in x and y, its lowest point in z
 
 from __future__ import annotations
 
+import logging
 import os
 import re
 from collections.abc import Sequence
@@ -25,7 +26,7 @@ from paint3d.core.arrays import AnyArray, as_array
 from paint3d.errors import MeshError, Message
 from paint3d.files.contents import plain_text, read_contents
 from paint3d.files.raw_mesh import RawMesh, parse_numbers
-from paint3d.files.sandbox import Found, read_apart
+from paint3d.files.sandbox import Found, notes_of, read_apart
 
 __all__ = [
     "Records",
@@ -39,6 +40,8 @@ __all__ = [
     "unpack_normals",
     "write_records",
 ]
+
+log = logging.getLogger("paint3d")
 
 NUMBER = r"\s*([-+0-9.eE]+)\s*"
 INITIAL = re.compile(rf"InitialPosition\s*=\s*\{{{NUMBER},{NUMBER},{NUMBER}\}}\.?\s*$")
@@ -147,6 +150,8 @@ def read_records(path: str | os.PathLike[str]) -> Records:
         ``file: line N: what`` if a line is neither, or rows differ in kind.
     """
     arrays, facts = read_apart(Path(path), f"{__name__}:{child_records.__name__}", [])
+    for note in notes_of(facts):
+        log.warning("%s: %s", path, note)
     arrays = {name: array.copy() for name, array in arrays.items()}
     start = np.array(facts["start"], np.float64)
     positions, directions, colours = (arrays[k] for k in ("positions", "directions", "colours"))

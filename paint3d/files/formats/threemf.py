@@ -26,9 +26,29 @@ from paint3d.files.raw_mesh import RawMesh, join_meshes, left_out
 
 __all__ = ["CORE", "Paint3mf", "Seen", "read_3mf", "write_3mf"]
 
-# ---- Colours -------------------------------------------------------------------------------------
-# What the triangles of 3MF parts look like: colour groups, base materials, textures.
+# ---- Tables --------------------------------------------------------------------------------------
+# Of packages, of colours, of what is written, and of slicers.
 
+
+UNITS_MM = {
+    "micron": 1e-3,
+    "millimeter": 1.0,
+    "centimeter": 10.0,
+    "inch": 25.4,
+    "foot": 304.8,
+    "meter": 1000.0,
+}
+SLICER_SETTINGS = (  # Bambu Studio's and Orca's, PrusaSlicer's
+    "Metadata/model_settings.config",
+    "Metadata/Slic3r_PE_model.config",
+)
+OTHER_FILAMENT = re.compile(rb'key="extruder"\s+value="0*(?:[2-9]|1\d)')
+LATTICE = "{http://schemas.microsoft.com/3dmanufacturing/beamlattice/2017/02}beamlattice"
+PRODUCTION = "{http://schemas.microsoft.com/3dmanufacturing/production/2015/06}"
+MODEL_RELATION = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"
+PACKINGS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
+MAX_UNPACKED = 1 << 30
+MAX_PARTS = 10_000
 
 CORE_SCHEMA = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
 MATERIAL_SCHEMA = "http://schemas.microsoft.com/3dmanufacturing/material/2015/02"
@@ -40,6 +60,33 @@ LEFT_OUT = {
 }
 PAINTED = ("paint_color", "mmu_segmentation")  # of triangles, by slicers: pieces of each
 TILED = {"wrap": "repeat", "mirror": "mirror", "clamp": "clamp", "none": "clamp"}
+
+CONTENT_TYPES = """<?xml version="1.0" encoding="UTF-8"?>
+<Types xmlns="http://schemas.openxmlformats.org/package/2006/content-types">
+<Default Extension="rels" ContentType="application/vnd.openxmlformats-package.relationships+xml"/>
+<Default Extension="model" ContentType="application/vnd.ms-package.3dmanufacturing-3dmodel+xml"/>
+<Default Extension="config" ContentType="text/plain"/>
+</Types>
+"""
+RELATIONS = """<?xml version="1.0" encoding="UTF-8"?>
+<Relationships xmlns="http://schemas.openxmlformats.org/package/2006/relationships">
+<Relationship Id="rel0" Target="/3D/3dmodel.model"
+ Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"/>
+</Relationships>
+"""
+UNIT_NAMES = {"mm": "millimeter", "cm": "centimeter", "m": "meter", "in": "inch"}
+EARLIEST = (1980, 1, 1, 0, 0, 0)  # a fixed date: the same painting gives the same bytes
+FASTEST = 1
+
+BAMBU = "BambuStudio-02.00.00.00"
+BAMBU_SCHEMA = "http://schemas.bambulab.com/package/2021"
+PRUSA_SCHEMA = "http://schemas.slic3r.org/3mf/2017/06"
+MOST_PAINTED = 16  # filaments that slicers know
+_CODED = 3  # the first filament that takes two digits
+
+
+# ---- Colours -------------------------------------------------------------------------------------
+# What the triangles of 3MF parts look like: colour groups, base materials, textures.
 
 
 class Seen(NamedTuple):
@@ -214,28 +261,7 @@ def _hex(text: str | None) -> tuple[int, int, int]:
         raise MeshError("a colour is {text!r:.40}; expected #RRGGBB", text=text) from None
 
 
-# --------------------------------------------------------------------------------------------------
-
-
-UNITS_MM = {
-    "micron": 1e-3,
-    "millimeter": 1.0,
-    "centimeter": 10.0,
-    "inch": 25.4,
-    "foot": 304.8,
-    "meter": 1000.0,
-}
-SLICER_SETTINGS = (  # Bambu Studio's and Orca's, PrusaSlicer's
-    "Metadata/model_settings.config",
-    "Metadata/Slic3r_PE_model.config",
-)
-OTHER_FILAMENT = re.compile(rb'key="extruder"\s+value="0*(?:[2-9]|1\d)')
-LATTICE = "{http://schemas.microsoft.com/3dmanufacturing/beamlattice/2017/02}beamlattice"
-PRODUCTION = "{http://schemas.microsoft.com/3dmanufacturing/production/2015/06}"
-MODEL_RELATION = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"
-PACKINGS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
-MAX_UNPACKED = 1 << 30
-MAX_PARTS = 10_000
+# ---- Reading -------------------------------------------------------------------------------------
 
 
 @dataclass
@@ -450,24 +476,6 @@ def _means(seen: Seen, faces: NDArray[np.int64], n_vertices: int) -> NDArray[np.
 # ---- Writing -------------------------------------------------------------------------------------
 
 
-CONTENT_TYPES = """<?xml version="1.0" encoding="UTF-8"?>
-<Types xmlns="http://schemas.openxmlformats.org/package/2006/content-types">
-<Default Extension="rels" ContentType="application/vnd.openxmlformats-package.relationships+xml"/>
-<Default Extension="model" ContentType="application/vnd.ms-package.3dmanufacturing-3dmodel+xml"/>
-<Default Extension="config" ContentType="text/plain"/>
-</Types>
-"""
-RELATIONS = """<?xml version="1.0" encoding="UTF-8"?>
-<Relationships xmlns="http://schemas.openxmlformats.org/package/2006/relationships">
-<Relationship Id="rel0" Target="/3D/3dmodel.model"
- Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"/>
-</Relationships>
-"""
-UNIT_NAMES = {"mm": "millimeter", "cm": "centimeter", "m": "meter", "in": "inch"}
-EARLIEST = (1980, 1, 1, 0, 0, 0)  # a fixed date: the same painting gives the same bytes
-FASTEST = 1
-
-
 def write_3mf(
     path: Path,
     vertices: NDArray[np.float32],
@@ -609,13 +617,6 @@ def _model(
 # names with their prefix, so that m and slic3rpe are part of them. Bambu Studio and Orca read their
 # own settings, among them the colours of filaments, only of a file that says that Bambu Studio made
 # it; of versions, 02.00.00.00 is one that both of them take.
-
-
-BAMBU = "BambuStudio-02.00.00.00"
-BAMBU_SCHEMA = "http://schemas.bambulab.com/package/2021"
-PRUSA_SCHEMA = "http://schemas.slic3r.org/3mf/2017/06"
-MOST_PAINTED = 16  # filaments that slicers know
-_CODED = 3  # the first filament that takes two digits
 
 
 def _in_filaments(

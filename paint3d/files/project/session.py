@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from paint3d.core.array_state import join_state, spans_of, split_state, starts_of
 from paint3d.core.arrays import AnyArray
 from paint3d.core.atomic import write_atomically
 from paint3d.device.recorded import Recording, checked_header
@@ -122,15 +123,16 @@ def save_session(
 
 
 def _parts(session: Session) -> Parts:
-    mesh, state = session.surface.source, surface_state(session.surface)
+    mesh = session.surface.source
     arrays = {f"mesh/{name}": getattr(mesh, name) for name in MESH}
-    arrays |= {f"surface/{k}": v for k, v in state.items() if isinstance(v, np.ndarray)}
+    state, own = split_state(surface_state(session.surface), "surface/")
+    arrays |= own
     for k, recording in enumerate(session.recordings):
         arrays |= {f"recordings/{k}/{name}": getattr(recording, name) for name in SAMPLES}
     arrays |= _packed(session.strokes)
     more: dict[str, object] = {}
     if session.history is not None:
-        more["history"], own = _split(session.history, "history/")
+        more["history"], own = split_state(session.history, "history/")
         more["undone"] = [_own_words(recording.header) for recording in session.undone]
         arrays |= own | _packed(session.undone, "undone/")
     if session.score is not None:
@@ -143,7 +145,7 @@ def _parts(session: Session) -> Parts:
         "format": FORMAT,
         "version": VERSION,
         "object": mesh.name,
-        "surface": {k: v for k, v in state.items() if not isinstance(v, np.ndarray)},
+        "surface": state,
         "recordings": [dict(recording.header) for recording in session.recordings],
         "settings": dict(session.settings),
         "strokes": [_own_words(recording.header) for recording in session.strokes],
@@ -152,37 +154,9 @@ def _parts(session: Session) -> Parts:
     return text, {name: array for name, array in arrays.items() if array is not None}
 
 
-def _split(state: Mapping[str, object], prefix: str) -> tuple[dict[str, Any], dict[str, AnyArray]]:
-    """Words and numbers by themselves, and the arrays by their way through the mappings."""
-    words, arrays = dict[str, Any](), dict[str, AnyArray]()
-    for name, value in state.items():
-        if isinstance(value, np.ndarray):
-            arrays[f"{prefix}{name}"] = value
-        elif isinstance(value, Mapping):
-            words[name], own = _split(value, f"{prefix}{name}/")
-            arrays |= own
-        else:
-            words[name] = value
-    return words, dict(sorted(arrays.items()))
-
-
-def _joined(
-    words: Mapping[str, object], arrays: Mapping[str, AnyArray], prefix: str
-) -> dict[str, Any]:
-    """What `_split` took apart: the arrays of this prefix, and those of one mapping in it."""
-    state: dict[str, object] = {}
-    for name, value in words.items():
-        way = f"{prefix}{name}/"
-        inner = {k.removeprefix(way): v for k, v in arrays.items() if k.startswith(way)}
-        state[name] = {**value, **inner} if inner and isinstance(value, Mapping) else value
-    own = {k.removeprefix(prefix): v for k, v in arrays.items() if k.startswith(prefix)}
-    return state | {name: array for name, array in own.items() if "/" not in name}
-
-
 def _packed(strokes: Sequence[Recording], prefix: str = "strokes/") -> dict[str, AnyArray]:
     """All strokes in one column each: an archive has no room for an entry a stroke."""
-    starts = np.concatenate([[0], np.cumsum([len(s) for s in strokes], dtype=np.int64)])
-    arrays = {f"{prefix}starts": starts.astype(np.int64)}
+    arrays = {f"{prefix}starts": starts_of([len(s) for s in strokes])}
     for name in SAMPLES if strokes else ():
         columns = [getattr(s, name) for s in strokes]
         if name in _MAY_LACK:
@@ -203,14 +177,12 @@ def _own_words(header: Mapping[str, object]) -> dict[str, object]:
 def _strokes(
     headers: Sequence[Mapping[str, Any]], arrays: dict[str, AnyArray], prefix: str = "strokes/"
 ) -> tuple[Recording, ...]:
-    starts = arrays[f"{prefix}starts"]
     n = len(arrays[f"{prefix}time_ns"]) if len(headers) else 0
-    whole = starts.dtype == np.int64 and starts.shape == (len(headers) + 1,)
-    if not whole or starts[0] != 0 or starts[-1] != n or (np.diff(starts) <= 0).any():
+    spans = spans_of(arrays[f"{prefix}starts"], n, least=1)
+    if spans is None or len(spans) != len(headers):
         raise SessionError("its {n} strokes do not share out {n_2} samples", n=len(headers), n_2=n)
     strokes = []
-    for k, header in enumerate(headers):
-        own = slice(int(starts[k]), int(starts[k + 1]))
+    for own, header in zip(spans, headers, strict=True):
         given = [name for name in SAMPLES if f"{prefix}{name}" in arrays]
         columns: dict[str, Any] = {name: arrays[f"{prefix}{name}"][own] for name in given}
         if np.isnan(columns["pressure"]).all():
@@ -289,14 +261,12 @@ def _session(parts: Parts, progress: Progress | None = None) -> Session:
         columns: dict[str, Any]
         columns = {name: arrays.get(f"recordings/{k}/{name}") for name in SAMPLES}
         recordings.append(Recording(**columns, header=dict(header)))
-    prefix = "surface/"
-    state = dict(text["surface"])
-    state |= {k.removeprefix(prefix): v for k, v in arrays.items() if k.startswith(prefix)}
+    state = join_state(text["surface"], arrays, "surface/")
     strokes, history = _strokes(text["strokes"], arrays), None
     undone: tuple[Recording, ...] = ()
     if isinstance(text.get("history"), Mapping):
         undone = _strokes(text["undone"], arrays, "undone/")
-        history = _joined(text["history"], arrays, "history/")
+        history = join_state(text["history"], arrays, "history/")
     score = _score(text["score"], arrays) if isinstance(text.get("score"), Mapping) else None
     surface = restore_surface(mesh, state, part_of(progress, 0.35, 0.9))
     return Session(surface, tuple(recordings), dict(settings), strokes, undone, history, score)

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from paint3d.brush.spec import BristleSpec, BrushSpec
+from paint3d.core.array_state import listed
 from paint3d.core.arrays import as_array
 from paint3d.errors import BrushError, SessionError
 from paint3d.painter.bristle_state import complete_memory
@@ -43,7 +44,7 @@ def hair_words(painter: Painter) -> dict[str, object] | None:
     """What the single hairs of a painter's tuft hold and remember; None for a solid tuft."""
     if painter.hairs is None:
         return None
-    return {name: array.tolist() for name, array in painter.hairs.keep().items()}
+    return listed(painter.hairs.keep())
 
 
 def restore_hairs(painter: Painter, words: Any) -> None:

@@ -40,9 +40,8 @@ __all__ = [
 ]
 
 _ABOUT, _LOCK = "about.json", "lock"
-_BEGINS_S = (
-    3600.0  # within which a studio has surely locked its folder and written what it is about
-)
+_BEGINS_S = 3600.0
+"""Within which a studio has surely locked its folder and written what it is about."""
 _OPENED = 0.2  # of recovering is opening the base
 _AT_ONCE = 256  # samples between two reports of progress
 

@@ -20,13 +20,14 @@ from paint3d.app.model.stroke_log import Stroke, weights_of
 from paint3d.brush.bending import tuft_on
 from paint3d.brush.spec import BristleSpec, BrushSpec, DipAmount, build_curves
 from paint3d.colour.pigments import WATER, load_palette
+from paint3d.core.array_state import pack_arrays, unpack_arrays
 from paint3d.core.arrays import AnyArray
 from paint3d.errors import Paint3DError, SessionError
 from paint3d.painter.bristle_state import HairTuft, complete_memory
 from paint3d.surface.painted_surface import PaintedSurface
 from paint3d.surface.state import MOST_INK
 from paint3d.surface.undo import UndoHistory
-from paint3d.surface.undo_state import pack_arrays, restore_undo, undo_state, unpack_arrays
+from paint3d.surface.undo_state import restore_undo, undo_state
 
 __all__ = ["MOST_BYTES", "restore_history", "saved_history"]
 

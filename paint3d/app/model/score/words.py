@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from itertools import count
 from typing import Any
 
@@ -24,6 +24,7 @@ from paint3d.brush.spec import BristleSpec, BrushSpec
 from paint3d.colour.ink_text import table_of
 from paint3d.colour.materials import Material, load_material, material_names
 from paint3d.colour.pigments import Pigment, load_pigment
+from paint3d.core.array_state import record_words
 from paint3d.errors import Paint3DError, PigmentError, RecordingError, UnknownNameError
 from paint3d.mesh.bvh import ClosestPoints
 from paint3d.mesh.likeness import digest_of
@@ -137,10 +138,8 @@ class Inks:
 
 
 def _pigment_words(pigment: Pigment) -> Words:
-    given = {f.name: getattr(pigment, f.name) for f in fields(pigment) if f.name != "name"}
-    return {
-        k: v.tolist() if isinstance(v, np.ndarray) else v for k, v in given.items() if v is not None
-    }
+    given = record_words(pigment)
+    return {k: v for k, v in given.items() if v is not None and k != "name"}
 
 
 def brush_named(brush: BrushSpec) -> str | Words:
@@ -198,8 +197,7 @@ def _mesh_said(mesh: TriangleMesh, resolution: float | None) -> Words:
 def _material_said(material: Material) -> str | Words:
     if material.name in material_names() and load_material(material.name) is material:
         return material.name
-    words = {f.name: getattr(material, f.name) for f in fields(material)}
-    return {k: v.tolist() if isinstance(v, np.ndarray) else v for k, v in words.items()}
+    return record_words(material)
 
 
 def material_in(header: Mapping[str, Any]) -> Material:
@@ -340,7 +338,7 @@ EDIT = Codec(
     _say_edit,
     lambda said, vocabulary: {**said, "edit": _hear_ink(said["edit"], vocabulary)},
 )
-"""An edit of a stroke, of several, or of a seal, as `recording.score_edits` takes it."""
+"""Which strokes or which seal, and an edit as `Document.edit_strokes` or `edit_seal` takes it."""
 
 
 def _say_symmetry(asked: Mapping[str, Any], _: Vocabulary) -> Words:

@@ -20,7 +20,7 @@ __all__ = ["BrushMaking"]
 
 
 class BrushMaking:
-    """For one window; ``do_<action>`` for each.
+    """Commands that edit and open brushes; ``do_<action>`` for each.
 
     Attributes
     ----------

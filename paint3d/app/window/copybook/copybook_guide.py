@@ -59,7 +59,7 @@ class _Laid:
 
 
 class CopybookGuide:
-    """For one window: what lies on the object to be written after.
+    """Lays on the object what is written after: texts, drawings, strokes, photographs.
 
     Texts belong to the painting, and are steps of its history; a drawing, strokes or a photograph
     lies there until something else takes its place.

@@ -28,7 +28,7 @@ _PLANNED = 0.6  # of the time until the brush moves
 
 
 class TextWriting:
-    """For one window.
+    """Has the brush write the text that lies on the object.
 
     Parameters
     ----------

@@ -300,7 +300,7 @@ _TAKEN = 0.5  # of an export's time, about, until the painting may go on
 
 
 class Exporting:
-    """For one window."""
+    """Asks how the painted object is exported, and exports it."""
 
     def __init__(self, workspace: Workspace, targets: Targets, pictures: Pictures) -> None:
         self._workspace, self._targets, self._pictures = workspace, targets, pictures

@@ -138,7 +138,7 @@ def _stand(document: Document, sample: DeviceSample) -> None:
 
 
 class Opening:
-    """For one window.
+    """Opens paintings and mesh files in the window, and begins new ones.
 
     Attributes
     ----------

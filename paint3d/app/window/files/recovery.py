@@ -25,7 +25,7 @@ __all__ = ["Recovery", "open_elsewhere"]
 
 
 class Recovery:
-    """For one window.
+    """Offers what crashes left, and brings it back or deletes it.
 
     Parameters
     ----------

@@ -22,7 +22,7 @@ __all__ = ["RecentFiles", "Saving"]
 
 
 class RecentFiles(QtCore.QObject):
-    """For one window.
+    """Submenu of the paintings that were opened or saved last.
 
     Signals
     -------
@@ -60,7 +60,7 @@ class RecentFiles(QtCore.QObject):
 
 
 class Saving:
-    """For one window."""
+    """Saves the painting that is open, and asks about what is not saved."""
 
     def __init__(self, workspace: Workspace, targets: Targets, recent: RecentFiles) -> None:
         self._workspace, self._targets, self._recent = workspace, targets, recent

@@ -150,7 +150,7 @@ def ask_target(
 
 
 class Targets:
-    """For one window.
+    """Asks under which name and where files are written.
 
     Attributes
     ----------

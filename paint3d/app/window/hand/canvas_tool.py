@@ -24,7 +24,7 @@ _KIND, _KEY = QtCore.QEvent.Type, QtCore.Qt.Key
 
 
 class CanvasTool(QtCore.QObject):
-    """For one window: while it is on, drags are this tool's and do not paint.
+    """Base of the picture's tools: while one is on, drags are its own and do not paint.
 
     Parameters
     ----------

@@ -22,7 +22,7 @@ from paint3d.app.window.workspace import Workspace
 from paint3d.core.arrays import AnyArray
 from paint3d.core.quaternion import matrices_from_quaternions, multiply_quaternions, rotate
 from paint3d.device.recorded import MAX_FORCE_N
-from paint3d.device.sample import DIP, DeviceSample, StylusReading
+from paint3d.device.sample import DIP, ERASER, DeviceSample, StylusReading
 from paint3d.errors import Message, Paint3DError
 from paint3d.haptics.settings import Feel
 from paint3d.haptics.stylus_choice import key_of_node
@@ -207,7 +207,7 @@ def carried_camera(camera: Camera, before: ObjectPose, after: ObjectPose) -> Cam
 
 
 class DeviceInput:
-    """For one window.
+    """Hands the samples, buttons and forces of the devices of both hands on to the painting.
 
     Parameters
     ----------
@@ -426,11 +426,13 @@ class DeviceInput:
         parts = self._cut(taken.samples)
         if dips and not parts:
             self._workspace.dip()  # in a stroke its samples ask for it themselves
-        for part in parts:
+        for k, part in enumerate(parts):
             if isinstance(part, str):
                 if part == "begin_stroke":
                     self._workspace.hand.began.emit()
-                    paint_thread.post(part)
+                    down = parts[k + 1][:2][-1]  # after the one above the surface, if there is one
+                    erase = self._workspace.hand.erases or bool(down.buttons & ERASER)
+                    paint_thread.post(part, **({"erase": True} if erase else {}))
                 else:
                     self._end_stroke()
             else:

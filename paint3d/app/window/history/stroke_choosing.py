@@ -24,7 +24,7 @@ _LEAST, _MOST = 0.1, 10.0  # of a scale by one drag
 
 
 class StrokeChooser(CanvasTool):
-    """For one window: while it is on, drags choose and move strokes and do not paint.
+    """Tool that chooses strokes: while it is on, drags choose and move them and do not paint.
 
     Parameters
     ----------
@@ -35,11 +35,10 @@ class StrokeChooser(CanvasTool):
     Signals
     -------
     edited : dict
-        What is to be done with them; see `stroke_group.edit_group`.
+        What is to be done with them; see `score_edits.edit_strokes`.
     """
 
     edited = QtCore.Signal(object)
-    keys = frozenset({QtCore.Qt.Key.Key_Delete})
     cursor = QtCore.Qt.CursorShape.PointingHandCursor
 
     def __init__(self, workspace: Workspace, mark: StrokeMark) -> None:
@@ -66,11 +65,6 @@ class StrokeChooser(CanvasTool):
         if self.is_on:
             super().end()
             self._mark.choose(None)
-
-    def press_key(self, event: QtGui.QKeyEvent) -> None:
-        """Delete what is chosen."""
-        if self._mark.numbers:
-            self.edited.emit({"do": "delete"})
 
     # -- the hand ---------------------------------------------------------------------------
 

@@ -25,7 +25,7 @@ __all__ = [
 
 
 class Recalling:
-    """For one window.
+    """Going back in the history of strokes, which may paint them again.
 
     Parameters
     ----------
@@ -102,7 +102,7 @@ class MoveDialog(FormDialog):
 
     @property
     def edit(self) -> dict[str, Any]:
-        """What was chosen, as `score_edits.edit_stroke` takes it."""
+        """What was chosen, as `score_edits.edit_strokes` takes it."""
         along = [self.right.value(), self.up.value()]
         return {"do": "move", "along": along, "turn_deg": self.turn.value()}
 
@@ -129,7 +129,7 @@ class ShapeDialog(FormDialog):
 
     @property
     def edits(self) -> list[dict[str, Any]]:
-        """What was chosen, as `stroke_group.edit_group` takes it, one after the other."""
+        """What was chosen, as `score_edits.edit_strokes` takes it, one after the other."""
         along, turn = [self.right.value(), self.up.value()], self.turn.value()
         found: list[dict[str, Any]] = []
         if any(along) or turn:
@@ -162,7 +162,7 @@ class TimeDialog(FormDialog):
 
     @property
     def edit(self) -> dict[str, Any]:
-        """What was chosen, as `score_edits.edit_stroke` takes it."""
+        """What was chosen, as `score_edits.edit_strokes` takes it."""
         words: dict[str, Any] = {"do": "time", "shift_s": self.shift.value()}
         if abs(self.seconds.value() - self._was) > 0.005:  # of what the box shows
             words["seconds"] = self.seconds.value()
@@ -173,7 +173,7 @@ class TimeDialog(FormDialog):
 
 
 class StrokeEditing:
-    """For one window.
+    """Edits of strokes as they are asked for in the history, the menus and the picture.
 
     Parameters
     ----------
@@ -194,7 +194,9 @@ class StrokeEditing:
         drag = self.drag = StrokeDrag(workspace, mark.stroke_at)
         drag.chosen.connect(mark.choose)
         drag.dragged.connect(
-            lambda number, ends: self.edit(number, {"do": "move", "to": [e.tolist() for e in ends]})
+            lambda number, ends: self.edit(
+                [number], {"do": "move", "to": [e.tolist() for e in ends]}
+            )
         )
         self.chooser = StrokeChooser(workspace, mark)
         self.chooser.edited.connect(self.edit_chosen)
@@ -246,8 +248,7 @@ class StrokeEditing:
 
     def edit_chosen(self, edit: Mapping[str, Any]) -> bool:
         """Edit the strokes that are chosen as one; whether that went well."""
-        numbers = self._mark.numbers
-        return self._are_chosen() and self._edit("edit_strokes", numbers, edit)
+        return self._are_chosen() and self.edit(self._mark.numbers, edit)
 
     # -- one --------------------------------------------------------------------------------
 
@@ -284,28 +285,24 @@ class StrokeEditing:
         elif what == "time":
             edit = _answer(TimeDialog(workspace.window, number + 1, strokes[number].duration_s))
         if edit is not None:
-            self.edit(number, edit)
+            self.edit([number], edit)
 
-    def edit(self, number: int, edit: Mapping[str, Any]) -> bool:
-        """Edit a stroke; say whether that went well.
+    def edit(self, numbers: Sequence[int], edit: Mapping[str, Any]) -> bool:
+        """Edit strokes, several as one; say whether that went well.
 
         Parameters
         ----------
-        number : int
-            Place of the stroke in the history, from 0.
+        numbers : sequence of int
+            Places of the strokes in the history, from 0.
         edit : mapping
-            See `Document.edit_stroke`.
+            See `Document.edit_strokes`.
         """
-        return self._edit("edit_stroke", (number,), edit)
-
-    def _edit(self, command: str, numbers: Sequence[int], edit: Mapping[str, Any]) -> bool:
         workspace = self._workspace
         paint_thread, painting = workspace.paint_thread, workspace.painting
-        which = numbers[0] if command == "edit_stroke" else list(numbers)
 
         def work(progress: Progress) -> None:
             with paint_thread.reporting(progress):
-                paint_thread.post(command, which, edit).result()
+                paint_thread.post("edit_strokes", list(numbers), edit).result()
 
         began = time.perf_counter()
         number = min(numbers)

@@ -203,7 +203,7 @@ class ColourDialog(QtWidgets.QDialog):
 
 
 class InkMaking:
-    """For one window; ``do_<action>`` for each.
+    """Commands that make inks of one's own: mixtures, tables; ``do_<action>`` for each.
 
     Attributes
     ----------

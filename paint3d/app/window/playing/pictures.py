@@ -347,7 +347,7 @@ class _Drawing:
 
 
 class Pictures:
-    """For one window."""
+    """Commands that save pictures and films of what is painted; ``do_<action>`` for each."""
 
     def __init__(self, workspace: Workspace, targets: Targets) -> None:
         self._workspace, self._targets = workspace, targets

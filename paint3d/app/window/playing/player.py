@@ -19,6 +19,7 @@ from paint3d.app.window.wording import say
 from paint3d.app.window.workspace import Workspace
 from paint3d.device.sample import DeviceSample
 from paint3d.painter.ink_time import PIECE_NS
+from paint3d.painter.recorded_tools import eraser_runs
 from paint3d.recording.recording import HandTime
 
 __all__ = ["Asked", "Player", "Tools"]
@@ -76,7 +77,7 @@ class _Clock:
 
 @dataclass(eq=False)
 class _Strokes:
-    """A recording of version 1 that is being played: one stroke.
+    """A recording of version 1 that is being played: one stroke for each turn of its pen.
 
     Attributes
     ----------
@@ -84,8 +85,11 @@ class _Strokes:
     when : list of float
         Of each, s since the first.
     tools : Tools
+    turns : dict of int to (int, bool)
+        From which samples on the other end of the pen is down, until before which, and whether that
+        is the eraser.
     began : Future
-        Of the command that begins the stroke.
+        Of the command that begins the first stroke.
     later_ns : int
         From the samples' clock to the hand's.
     next : int
@@ -93,12 +97,13 @@ class _Strokes:
     before : int
         How many samples had been painted when the first was.
     ended : Future or None
-        Of the command that ends the stroke.
+        Of the command that ends the last stroke.
     """
 
     samples: Sequence[DeviceSample]
     when: list[float]
     tools: Tools
+    turns: dict[int, list[int]]
     began: Future[Any]
     later_ns: int
     next: int = 0
@@ -116,11 +121,9 @@ class _Strokes:
         times = np.array([sample.time_ns for sample in samples], np.int64)
         when = HandTime(in_full=paint_thread.wet).pass_samples(times).tolist()
         _ask(paint_thread, tools.before)
-        message = {"loads": tuple(tools.loads), "strengths": tuple(tools.strengths)}
-        began = paint_thread.post(
-            "begin_stroke", **{name: pairs for name, pairs in message.items() if pairs}
-        )
-        playing = cls(samples, when, tools, began, later_ns, before=paint_thread.n_painted)
+        runs = {first: run for first, *run in eraser_runs([sample.buttons for sample in samples])}
+        began = _begin_stroke(paint_thread, tools, 0, *runs.pop(0))
+        playing = cls(samples, when, tools, runs, began, later_ns, before=paint_thread.n_painted)
         began.add_done_callback(lambda _: playing.count_from(paint_thread.n_painted))
         return playing
 
@@ -163,7 +166,11 @@ class _Strokes:
         for _ in range(_MOST_BATCHES):
             if self.next == due or paint_thread.queue_length > _AHEAD:
                 break
-            samples = self.samples[self.next : min(self.next + _BATCH, due)]
+            if self.next in self.turns:
+                paint_thread.post("end_stroke")
+                _begin_stroke(paint_thread, self.tools, self.next, *self.turns.pop(self.next))
+            turn = min(self.turns, default=due)
+            samples = self.samples[self.next : min(self.next + _BATCH, due, turn)]
             moved = [replace(s, time_ns=s.time_ns + self.later_ns) for s in samples]
             paint_thread.feed(moved, all_time=True)
             self.next += len(samples)
@@ -254,6 +261,18 @@ class _Score:
             self._end(paint_thread)
 
 
+def _begin_stroke(
+    paint_thread: PaintThread, tools: Tools, first: int, end: int, erases: int
+) -> Future[Any]:
+    """Begin the stroke of a recording's samples from `first` to before `end`."""
+    told: dict[str, Any] = {
+        name: tuple((k - first, share) for k, share in pairs if first <= k < end)
+        for name, pairs in (("loads", tools.loads), ("strengths", tools.strengths))
+    }
+    told["erase"] = bool(erases)
+    return paint_thread.post("begin_stroke", **{name: said for name, said in told.items() if said})
+
+
 def _done(_: object) -> None:
     """All that was asked for before is done."""
 
@@ -273,7 +292,7 @@ def _ask_cue(paint_thread: PaintThread, cue: Cue) -> None:
 
 
 class Player(QtCore.QObject):
-    """For one window; `tick` hands on what is due.
+    """Plays recordings and whole paintings on the object; `tick` hands on what is due.
 
     Signals
     -------

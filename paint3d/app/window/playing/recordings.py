@@ -51,7 +51,7 @@ _AT_ONCE = 1000  # samples between two looks at whether it is still wanted
 
 
 class Recordings:
-    """For one window.
+    """Commands that record, save and replay; ``do_<action>`` for each.
 
     Parameters
     ----------

@@ -24,7 +24,6 @@ from paint3d.view.camera import picture_axes
 
 __all__ = ["Reference"]
 
-_KEY = "reference"  # among the settings of a painting
 _EM_MM = 40.0  # of a copybook of it
 _OPACITY = 0.5  # at first
 _PINNED = 0.6  # share of the view
@@ -35,7 +34,7 @@ _MOST_SCALE = 10.0
 
 
 class Reference:
-    """For one window.
+    """The picture that is painted after: in its panel, over the view, or on the object.
 
     Parameters
     ----------
@@ -130,26 +129,18 @@ class Reference:
 
     def _keep(self) -> None:
         """Have the painting know its reference."""
-        words = None
+        words: dict[str, Any] | None = None
         if self._file is not None:
             words = {"file": str(self._file.absolute()), **self._panel.values()}
             if self._point is not None:
                 words |= {"point": self._point.tolist(), "up": self._up.tolist()}
-
-        def keep(document: Document) -> None:
-            before = document.settings.pop(_KEY, None)
-            if words is not None:
-                document.settings[_KEY] = words
-            if before != words:
-                document.differ_from_saved()
-
         if self._workspace.stage.paint_thread is not None:
-            self._workspace.paint_thread.post(keep)
+            self._workspace.paint_thread.post("set_reference", words)
 
     def _recall(self, document: Document) -> None:
         """Show the reference of a painting that is being opened, if its file is still there."""
         self._let_go()
-        words = document.settings.get(_KEY)
+        words = document.settings.get("reference")
         if isinstance(words, dict):
             try:
                 self._read(words)
@@ -180,11 +171,11 @@ class Reference:
         if image is None or place == "beside" or self._workspace.hand.camera is None:
             return
         painter.save()
-        painter.setOpacity(float(str(values["opacity"])))
+        painter.setOpacity(values["opacity"])
         painter.setRenderHint(QtGui.QPainter.RenderHint.SmoothPixmapTransform)
         if place == "pinned":
             size = QtCore.QSizeF(image.size()).scaled(
-                QtCore.QSizeF(rect.size()) * _PINNED * float(str(values["scale"])),
+                QtCore.QSizeF(rect.size()) * _PINNED * values["scale"],
                 QtCore.Qt.AspectRatioMode.KeepAspectRatio,
             )
             box = QtCore.QRectF(QtCore.QPointF(), size)
@@ -192,7 +183,7 @@ class Reference:
             painter.drawImage(box, image)
         else:
             painter.setCompositionMode(QtGui.QPainter.CompositionMode.CompositionMode_Multiply)
-            self._paint_laid(painter, image, float(str(values["scale"])))
+            self._paint_laid(painter, image, values["scale"])
         painter.restore()
 
     def _paint_laid(self, painter: QtGui.QPainter, image: QtGui.QImage, scale: float) -> None:

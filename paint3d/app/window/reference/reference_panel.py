@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import TypedDict
+
 import numpy as np
 from numpy.typing import NDArray
 from PySide6 import QtCore, QtGui, QtWidgets
@@ -10,7 +12,7 @@ from paint3d.app.window.theme import Theme
 from paint3d.app.window.wording import say
 from paint3d.errors import Message
 
-__all__ = ["PLACES", "ReferencePanel", "ReferenceView", "image_of"]
+__all__ = ["PLACES", "ReferencePanel", "ReferenceView", "Shown", "image_of"]
 
 PLACES = ("beside", "pinned", "laid")
 """Where the picture is shown: in the panel alone; over the view, too; on the object, too."""
@@ -22,6 +24,14 @@ _PLACE_NAMES = {
 _LOUPE, _TIMES = 46.0, 6.0  # radius, pixels; how many times as large
 _NEARER, _MOST_ZOOM = 1.2, 40.0
 _CLICK = 5.0  # pixels
+
+
+class Shown(TypedDict):
+    """How a reference is shown: one of `PLACES`, how densely (0 to 1), times its first size."""
+
+    place: str
+    opacity: float
+    scale: float
 
 
 def image_of(pixels: NDArray[np.uint8]) -> QtGui.QImage:
@@ -255,8 +265,8 @@ class ReferencePanel(QtWidgets.QWidget):
         for widget in (self.place, self.opacity, self.scale, self.close_button, self.copy_button):
             widget.setEnabled(image is not None)
 
-    def values(self) -> dict[str, object]:
-        """Where it is shown, how densely (0 to 1), and how many times its first size."""
+    def values(self) -> Shown:
+        """How it is shown."""
         return {
             "place": self.place.currentData(),
             "opacity": self.opacity.value() / 100.0,

@@ -11,12 +11,12 @@ import math
 
 import numpy as np
 
-from paint3d.app.model.mask import give_back
+from paint3d.brush_engine.ink_transfer import level_reservoirs
 from paint3d.colour.kernels.glazing import GROUNDS, SPECTRUM_STEPS
 from paint3d.core.arrays import AnyArray
-from paint3d.painter.painter import Painter
+from paint3d.surface.painted_surface import PaintedSurface
 
-__all__ = ["Eraser"]
+__all__ = ["Eraser", "give_back"]
 
 _ALL = 0.98  # covered share from which nothing is left
 
@@ -26,30 +26,35 @@ class Eraser:
 
     Parameters
     ----------
-    painter : Painter
-        Of the hand; what is erased is no longer in its ledger.
+    surface : PaintedSurface
     """
 
-    def __init__(self, painter: Painter) -> None:
-        self._painter, self._surface = painter, painter.surface
-        self._surface.dry()
+    def __init__(self, surface: PaintedSurface) -> None:
+        self._surface = surface
+        surface.dry()
         self._gone = np.zeros(0, np.float32)  # share of each vertex that has been erased
 
-    def wipe(self) -> None:
-        """Take off what lies where the brush has just been."""
+    def wipe(self) -> float:
+        """Take off what lies where the brush has just been.
+
+        Returns
+        -------
+        float
+            How much ink is gone, coats x mm2: for the ledger of who painted it.
+        """
         surface = self._surface
         ink, dry = surface.ink, surface.dry_layers
         ids = ink.dirty_ids[: int(ink.n_dirty[0])]
         ids = ids[(ink.coverage[ids] > 0.0) | ink.amounts[ids].any(axis=1)]
         if not len(ids):
-            return
+            return 0.0
         self._gone = np.pad(self._gone, (0, max(0, surface.n_vertices - len(self._gone))))
         covered = np.where(ink.coverage[ids] >= _ALL, np.float32(1.0), ink.coverage[ids])
         self._take_back_ink(ids)
         more = (covered > self._gone[ids]) & dry.has_row(ids)
         ids, covered = ids[more], covered[more]
         if not len(ids):
-            return
+            return 0.0
         stays = (1.0 - covered) / (1.0 - self._gone[ids])
         self._gone[ids] = covered
         rows = dry.reserve_rows(ids, surface.paint_mesh.capacity)
@@ -62,8 +67,8 @@ class Eraser:
             _fade(over, rows, grey * SPECTRUM_STEPS, stays)
         dry.changes += 1
         erased = (before - dry.amounts[rows]).sum(axis=1, dtype=np.float64)
-        self._painter.loaded -= math.fsum(surface.vertex_areas[ids] * erased)
         surface.touch(ids)
+        return math.fsum(surface.vertex_areas[ids] * erased)
 
     def _take_back_ink(self, ids: AnyArray) -> None:
         """Have the brush hold again what it left on vertices (N,)."""
@@ -78,3 +83,24 @@ def _fade(spectra: AnyArray, rows: AnyArray, ground: AnyArray | float, stays: An
     """Bring rows of spectra, in `SPECTRUM_STEPS`, nearer to the ground."""
     shown = ground + stays[:, None] * (spectra[rows].astype(np.float64) - ground)
     spectra[rows] = np.rint(np.clip(shown, 0, SPECTRUM_STEPS))
+
+
+def give_back(surface: PaintedSurface, caught: AnyArray) -> AnyArray:
+    """Let the brush hold `caught` (P,) more, wherever along the tuft such ink is.
+
+    Returns what it has more, (P,) float64.
+    """
+    ink = surface.ink
+    wanted = ink.load + caught
+    held = np.maximum(wanted, 0.0)
+    given = held - ink.load
+    shares = np.divide(held, ink.load, out=np.zeros_like(held), where=ink.load > 0.0)
+    empty = (ink.load <= 0.0) & (held > 0.0)
+    ink.reservoirs[:] *= shares
+    if len(ink.reservoirs) > 1:
+        ink.reservoirs[:, empty] = held[empty] / len(ink.reservoirs)
+        level_reservoirs(ink.reservoirs)
+    ink.load[:] = held
+    ink.off_surface[:] += wanted - held  # what it drank and has left elsewhere already
+    result: AnyArray = given
+    return result
