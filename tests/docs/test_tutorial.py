@@ -14,7 +14,7 @@ from paint3d.cli.main import main, make_parser
 
 TUTORIAL = Path(__file__).parents[2] / "docs" / "tutorial"
 BLOCK = re.compile(r'^```(\w+)(?: title="([\w.]+)")?\n(.*?)^```', re.MULTILINE | re.DOTALL)
-LONG = {"cups", "hands", "recording", "scroll"}  # half a minute of processor time and more
+LONG = {"cups", "hands", "recording", "scroll"}  # a quarter of a minute of processor time and more
 
 pytestmark = [
     pytest.mark.skipif(find_kanjivg() is None, reason="kanjivg is not installed"),
