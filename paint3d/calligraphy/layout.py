@@ -127,6 +127,7 @@ _LEAST_WIDENING, _LEAST_HEIGHTENING = 0.04, 0.005  # ems, of a pitch that is too
 _FARTHEST = 500.0  # ems from the middle: what lies beyond is not looked at for any text
 _MIDDLE = (0.5, 0.5)
 _MOST_GRIDS = 8  # places without enough room after which the search is given up
+_SMALLER = 16  # tenths off the em, one after the other, of which one may be proposed
 
 
 @dataclass(frozen=True)
@@ -408,14 +409,26 @@ def _searched(
 
 
 def _too_long(grid: _Grid, lines: Sequence[str], fits: int) -> InputError:
-    n = sum(map(len, lines))
+    smaller = grid.smaller(lines)
+    fields: dict[str, object] = {
+        "n": sum(map(len, lines)),
+        "object": grid.surface.mesh.name,
+        "em_mm": grid.em_mm,
+        "fits": fits,
+    }
     return InputError(
-        "the text of {n} characters does not fit on {object} at an em of {em_mm:g} mm: {fits} "
-        "would; expected a shorter text, a smaller size or another place",
-        n=n,
-        object=grid.surface.mesh.name,
-        em_mm=grid.em_mm,
-        fits=fits,
+        Message(
+            "the text of {n} characters does not fit on {object} at an em of {em_mm:g} mm: {fits} "
+            "would; expected a shorter text, a smaller size or another place",
+            **fields,
+        )
+        if smaller is None
+        else Message(
+            "the text of {n} characters does not fit on {object} at an em of {em_mm:g} mm: {fits} "
+            "would; expected a size of {smaller:g} mm, a shorter text or another place",
+            smaller=smaller,
+            **fields,
+        )
     )
 
 
@@ -430,7 +443,7 @@ class _Grid:
         limits: SquareLimits,
         middle: SurfaceFrame,
     ) -> None:
-        self.surface = surface = ground.surface
+        self.ground, self.surface = ground, (surface := ground.surface)
         self.em_mm, self.layout, self.limits = em_mm, layout, limits
         self.middle = middle
         self._climbed: dict[float, SurfaceLine] = {}
@@ -541,6 +554,18 @@ class _Grid:
             else:
                 few = n
         return few
+
+    def smaller(self, lines: Sequence[str]) -> float | None:
+        """The first smaller em, mm, at which all of a text fits here; None where none is found."""
+        for step in range(1, _SMALLER):
+            em_mm = float(f"{self.em_mm * 0.9**step:.2g}")
+            try:
+                grid = _Grid(self.ground, em_mm, self.layout, self.limits, self.middle)
+                if grid.fit(lines) is not None:
+                    return em_mm
+            except MeshError:
+                continue
+        return None
 
     # -- placing ----------------------------------------------------------------------------
 

@@ -149,7 +149,7 @@ def _describe_os_error(error: OSError) -> str:
 
 def _run(words: Sequence[str]) -> int:
     try:
-        options = make_parser(words[0] if words else "").parse_args(words)
+        options = make_parser(words[0] if words else "").parse_args(words or ["--help"])
         _tell_warnings(quiet=getattr(options, "quiet", False))
         options.run(options)
         sys.stdout.flush()

@@ -66,6 +66,13 @@ __all__ = [
 # ---- Parsing -------------------------------------------------------------------------------------
 
 
+_OTHER_WORDS = {  # by which commands are looked for
+    "studio": "paint", "gui": "paint", "open": "paint", "render": "picture", "view": "picture",
+    "film": "picture", "convert": "export", "text": "write", "stamp": "seal",
+    "colours": "inks", "colors": "inks", "pigments": "inks", "surfaces": "materials",
+}  # fmt: skip
+
+
 class UsageError(Exception):
     """A command line that argparse refused."""
 
@@ -180,9 +187,10 @@ class Parser(argparse.ArgumentParser):
         if choices is None or value in choices:
             return
         if isinstance(action, argparse._SubParsersAction):
+            meant = hint(_OTHER_WORDS.get(value, str(value)), choices)
             raise UsageError(
                 f"there is no {(action.metavar or 'command').lower()} {value!r}"  # type: ignore[union-attr]
-                f"{hint(str(value), choices)} (see {self.prog} --help)"
+                f"{meant} (see {self.prog} --help)"
             )
         listed = ", ".join(map(str, choices))
         raise argparse.ArgumentError(

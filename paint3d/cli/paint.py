@@ -22,6 +22,7 @@ __all__ = ["EXAMPLES", "add_arguments", "run"]
 
 EXAMPLES = """
 paint3d paint bowl
+paint3d paint jug.stl --unit cm --material bisque
 paint3d paint vase.p3d --stylus openhaptics
 """
 
@@ -40,7 +41,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "crash left, or a bowl)",
     )
     chosen = {"material": "as chosen last", "resolution": "as chosen last"}
-    PaintingOptions.add_to(parser, "material", "resolution", unsaid=chosen)
+    PaintingOptions.add_to(parser, "material", "resolution", "unit", unsaid=chosen)
     add_up_option(parser, "auto")
     add_stylus_option(parser, " (default: as chosen)")
     parser.add_argument("--language", choices=_LANGUAGES, help="of the window (default: as chosen)")
@@ -80,6 +81,7 @@ def run(options: argparse.Namespace) -> None:
         resolution=options.resolution,
         material=options.material,
         language=options.language,
+        unit=options.unit,
         up=None if options.up == "auto" else options.up,
         stylus=options.stylus,
     )

@@ -83,7 +83,12 @@ def _load_toned(name: str) -> dict[Pigment, float]:
             raise
         if tone is None:
             known = [*load_palette(), *TONES, WATER.name]
-            raise UnknownNameError("ink", name, known) from None
+            error = UnknownNameError("ink", name, known)
+            if name.startswith("#"):
+                error.hint = (
+                    f"paint3d inks --nearest {name!r} finds the mixture nearest to a colour"
+                )
+            raise error from None
     pigment = load_pigment(ink)
     if tone.share == 1.0 or pigment is WATER:
         return {pigment: 1.0}

@@ -28,7 +28,7 @@ _ROUNDING = 1e-12
 _CHOICES = {"space": ("world", "pad"), "azimuth": ("commanded", "dragged")}
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Recording:
     """N samples of the brush (right hand) and of the object (left hand), in time order.
 
@@ -101,6 +101,11 @@ class Recording:
                 array.setflags(write=False)
             object.__setattr__(self, name, array)
         object.__setattr__(self, "header", checked_header(self.header))
+
+    def __repr__(self) -> str:
+        kind = "pad" if self.is_pad else "poses"
+        seconds = (self.time_ns[-1] - self.time_ns[0]) / 1e9
+        return f"<Recording: {kind}, {len(self)} samples in {seconds:.3g} s>"
 
     def __len__(self) -> int:
         return len(self.time_ns)

@@ -9,7 +9,8 @@ time                time_ns                                               ns, ke
 ..                  time_ms, timestamp, sensor_timestamp                  ms
 ..                  time, time_s, t                                       s
 place               x_mm, y_mm, z_mm                                      mm, y upwards
-..                  x, y, z; spline_x, spline_y; pos_x, pos_y             `scale`, `y_down`
+..                  x, y, z; spline_x, spline_y; pos_x, pos_y             of pads `scale` and
+                                                                          `y_down`; else as _mm
 pressure            pressure, sensor_pressure, p                          0 to 1
 ..                  force, force_n                                        N, 0 to 7.9
 lean of the handle  altitude, azimuth, rotation; sensor_altitude, ...     rad
@@ -78,9 +79,9 @@ def read_csv(lines: Lines, name: str, *, scale: float, y_down: bool) -> Recordin
     name : str
         For messages.
     scale : float
-        mm per unit of x, y and z where their columns do not say mm.
+        mm per unit of x, y and z of a pad, where their columns do not say mm.
     y_down : bool
-        Whether y grows downwards where its column does not say mm.
+        Whether y of a pad grows downwards where its column does not say mm.
 
     Raises
     ------
@@ -152,6 +153,9 @@ def _assemble(table: NumberTable, header: dict[str, Any], scale: float, y_down: 
             "{table}: there are no samples; expected at least one",
             table=table.name,
         )
+    is_posed = table.column("qw") is not None
+    if is_posed:
+        scale, y_down = 1.0, False
     up = 1.0 if table.column("y_mm") or not y_down else -1.0
     for axis in "xyz":
         _check_place(table, axis)
@@ -165,7 +169,7 @@ def _assemble(table: NumberTable, header: dict[str, Any], scale: float, y_down: 
     pressure = _pressures(table)
     table.let_go(*_PRESSURES)
     try:
-        if table.column("qw"):
+        if is_posed:
             position = np.stack(list(_places(table, scale, up)), axis=1)
             return _posed(table, header, time_ns, position, pressure, pressed)
         orientation = _leaning(table, up)

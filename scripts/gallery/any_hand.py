@@ -71,7 +71,7 @@ def draw_any_hand(file: Path, _: Path) -> None:
         ):  # fmt: skip
             painting = at(f"{name}.p3d")
             run("write", *words, "--resolution", 0.2, "--out", painting)
-            run("picture", painting, "--view", view, "--zoom", zoom, "--size",
+            run("picture", painting, "--view", view, "--zoom", zoom, "--pixels",
                 f"{2 * TILE[0]}x{2 * TILE[1]}", "--out", at(f"{name}.png"))  # fmt: skip
             with Image.open(at(f"{name}.png")) as picture:
                 tiles.append(picture.convert("RGB").resize(TILE, Image.LANCZOS))

@@ -33,7 +33,7 @@ def draw_poem_with_seal(file: Path, _: Path) -> None:
         ):
             run("seal", words, "--style", style, "--on", at(f"{on}.p3d"), "--size", 13, "--at",
                 place, "--layer", "seal", "--out", at(f"{name}.p3d"))  # fmt: skip
-        run("picture", at("both.p3d"), "--view", "flat", "--size", "2400x2400",
+        run("picture", at("both.p3d"), "--view", "flat", "--pixels", "2400x2400",
             "--out", at("a.png"))  # fmt: skip
         whole = Image.open(at("a.png")).convert("RGB")
     n = whole.width

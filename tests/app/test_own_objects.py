@@ -19,6 +19,7 @@ from paint3d.app.window.object.standing import ObjectDialog
 from paint3d.app.window.start import open_first
 from paint3d.app.window.studio import StudioWindow
 from paint3d.app.window.wording import choose_language
+from paint3d.cli.main import make_parser
 from paint3d.files.export import export
 from paint3d.files.load import load_mesh, read_mesh
 from paint3d.files.project.session import load_session
@@ -381,10 +382,20 @@ def test_what_is_opened_without_asking_is_told(window, tmp_path: Path) -> None:
 
 def test_the_command_line_says_which_way_is_up(window, tmp_path: Path, monkeypatch) -> None:
     monkeypatch.setattr(window.recovery, "offer", lambda: False)
-    open_first(window, str(lying_jug(tmp_path)), 2.0, "xuan", "-y")
+    open_first(window, str(lying_jug(tmp_path)), 2.0, "xuan", up="-y")
     vertices = window.document.surface.source.vertices
     np.testing.assert_array_equal(vertices[:, 2], -jug().vertices[:, 2])
     assert (window.workspace.quiet, window.opening.up) == (False, None)
+
+
+def test_the_command_line_says_what_one_unit_is(window, tmp_path: Path, monkeypatch) -> None:
+    monkeypatch.setattr(window.recovery, "offer", lambda: False)
+    words = ["paint", str(lying_jug(tmp_path)), "--unit", "cm"]
+    said = make_parser("paint").parse_args(words)
+    open_first(window, said.target, 5.0, "xuan", said.unit, "y")
+    vertices = window.document.surface.source.vertices
+    np.testing.assert_allclose(vertices[:, 2], 10.0 * jug().vertices[:, 2], rtol=1e-6)
+    assert (window.workspace.quiet, window.opening.unit) == (False, None)
 
 
 def test_what_is_left_out_is_said_in_the_windows_language(window, tmp_path: Path) -> None:

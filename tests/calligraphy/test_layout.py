@@ -2,6 +2,7 @@
 
 import functools
 import math
+import re
 import time
 from concurrent.futures import ThreadPoolExecutor
 from threading import Barrier
@@ -151,6 +152,14 @@ def test_a_place_that_was_asked_for_is_kept():
 def test_a_text_that_does_not_fit_says_how_much_would():
     with pytest.raises(InputError, match=r"9 characters does not fit on plane .* 4 would"):
         layout_text(body("plane"), POEM[:9], 66.0)
+
+
+def test_a_text_that_does_not_fit_says_at_which_size_it_would():
+    with pytest.raises(InputError, match=r"a size of [\d.]+ mm") as fault:
+        layout_text(body("plane"), POEM[:9], 66.0)
+    proposed = float(re.search(r"a size of ([\d.]+) mm", str(fault.value))[1])
+    assert 40.0 < proposed < 60.0
+    assert len(layout_text(body("plane"), POEM[:9], proposed)) == 9
 
 
 @pytest.mark.parametrize(

@@ -53,10 +53,19 @@ def test_options_of_one_name_mean_one_thing() -> None:
     assert kinds["--pixels"] == {("WxH", (), None)}
 
 
+def test_the_program_by_itself_says_what_it_can_do(capsys) -> None:
+    with pytest.raises(SystemExit) as ended:
+        main([])
+    out, err = capsys.readouterr()
+    assert (ended.value.code, err) == (0, "")
+    assert all(f"\n    {name}" in out for name in COMMANDS)
+
+
 @pytest.mark.parametrize(
     ("words", "meant"),
     [
         (["wrte", "永"], "there is no command 'wrte'; did you mean write?"),
+        (["studio"], "there is no command 'studio'; did you mean paint?"),
         (["devices", "lst"], "there is no deed 'lst'; did you mean list?"),
         (["write", "永", "--on", "bowl", "--ot", "a.ply"], "required: --out; did you mean --out?"),
         (["write", "永", "--on", "bowl", "--out", "a.ply", "--sise", "3"], "did you mean --size?"),

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from paint3d.cli import main
 from paint3d.colour.difference import compare_spectra, delta_e, lab_from_xyz
 from paint3d.colour.illuminants import FINE_NM, OBSERVERS, find_illuminant
+from paint3d.colour.inks import load_ink
 from paint3d.colour.layers import mixture_reflectance
 from paint3d.colour.materials import load_material
 from paint3d.colour.pigments import load_palette, load_pigment
@@ -183,6 +184,20 @@ def test_metamerism_of_two_inks():
 def test_lab_is_relative_to_the_white_it_is_given():
     np.testing.assert_allclose(lab_from_xyz((0.5, 0.4, 0.3), (0.5, 0.4, 0.3)), (100.0, 0.0, 0.0))
     assert delta_e((50, 0, 0), (50, 0, 0)) == 0.0
+
+
+def test_the_command_finds_the_mixture_nearest_to_a_colour(capsys):
+    assert main.main(["inks", "--nearest", "#2244aa", "--material", "xuan"]) == 0
+    out, err = capsys.readouterr()
+    mixture = load_ink(out.strip())
+    film = mixture_reflectance(mixture, 1.0, load_material("xuan").reflectance)
+    shown = "#" + bytes(srgb_from_reflectance(film).tolist()).hex()
+    assert shown in err
+    assert 0.0 < float(err.split(", ")[1].split()[0]) < 5.0
+    assert main.main(["inks", "--nearest", "blue"]) == 2
+    assert "expected #RRGGBB" in capsys.readouterr().err
+    assert main.main(["write", "永", "--on", "bowl", "--ink", "#2244aa", "--out", "a.glb"]) == 2
+    assert "paint3d inks --nearest '#2244aa'" in capsys.readouterr().err
 
 
 def test_the_command_compares_two_inks(capsys):

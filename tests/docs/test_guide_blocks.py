@@ -6,9 +6,11 @@ import re
 import shutil
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import paint3d
+from paint3d.colour import load_ink, mixture_reflectance, srgb_from_reflectance
 
 ROOT = Path(__file__).parents[2]
 BLOCK = re.compile(r"^```python\n(.*?)^```", re.MULTILINE | re.DOTALL)
@@ -44,6 +46,16 @@ def test_a_block_of_the_guide_runs(code: str, monkeypatch: pytest.MonkeyPatch) -
     if ".plot(" in code:
         monkeypatch.setattr("pyvista.OFF_SCREEN", True)
     exec(compiled, {"__name__": "guide"})
+
+
+def test_the_ink_of_ones_own_is_one(tmp_path: Path) -> None:
+    page = (ROOT / "docs" / "ink.md").read_text("utf-8")
+    (table,) = re.findall(r'^```csv title="mine.csv"\n(.*?)^```', page, re.MULTILINE | re.DOTALL)
+    (tmp_path / "mine.csv").write_text(table)
+    assert "--ink mine.csv:sea" in page
+    (sea,) = load_ink(f"{tmp_path}/mine.csv:sea")
+    red, green, blue = srgb_from_reflectance(mixture_reflectance({sea: 1.0}, 1.0, np.ones(31)))
+    assert red < green < blue
 
 
 def test_the_guide_has_blocks() -> None:

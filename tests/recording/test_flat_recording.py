@@ -61,6 +61,14 @@ def test_strokes_of_a_table_are_joined_by_lifted_samples(tmp_path):
     ]  # fmt: skip
 
 
+def test_a_table_of_poses_is_in_mm_whatever_its_columns_are_called(tmp_path):
+    text = "time_s,{0}x,{0}y,{0}z,qw,qx,qy,qz,pressure\n0,1,2,70,1,0,0,0,.2\n.5,3,4,70,1,0,0,0,.4\n"
+    for prefix in ("", "pos_"):
+        recording = load_recording(table(tmp_path, text.format(prefix)))
+        assert recording.position.tolist() == [[1, 2, 70], [3, 4, 70]]
+        assert repr(recording) == "<Recording: poses, 2 samples in 0.5 s>"
+
+
 def test_without_an_azimuth_the_surface_drags_the_tip(tmp_path):
     bare = load_recording(table(tmp_path, "time_s,x,y\n0,1,2\n"))
     assert bare.header["azimuth"] == "dragged"

@@ -71,6 +71,7 @@ def run_studio(
     resolution: float | None = None,
     material: str | None = None,
     language: str | None = None,
+    unit: str | None = None,
     up: str | None = None,
     stylus: str | None = None,
 ) -> int:
@@ -86,6 +87,8 @@ def run_studio(
         Of a mesh; by default what was chosen last.
     language : str, optional
         "en" or "zh"; by default what was chosen last, or the system's.
+    unit : str, optional
+        What one unit of the mesh file is; by default as the file says, else mm.
     up : str, optional
         The axis of the mesh that points up; by default as its file says, or guessed.
     stylus : str, optional
@@ -121,7 +124,7 @@ def run_studio(
     window.show()
     window.recent.show()
     try:
-        open_first(window, target, resolution, material, up)
+        open_first(window, target, resolution, material, unit, up)
     except BaseException:
         window.close()
         raise
@@ -159,6 +162,7 @@ def open_first(
     target: str | None,
     resolution: float | None,
     material: str | None,
+    unit: str | None = None,
     up: str | None = None,
 ) -> None:
     """Open what a crash left, else what was asked for; stopped, the window stays empty."""
@@ -166,9 +170,10 @@ def open_first(
         return
     if target is None and isinstance(window.workspace.error, CancelledError):
         return  # the page in the empty window offers it again
-    window.workspace.quiet, window.opening.up = True, up
-    opened = window.opening.open_path(target or _FIRST, resolution, material, asked=True)
-    window.workspace.quiet, window.opening.up = False, None
+    opening = window.opening
+    window.workspace.quiet, opening.unit, opening.up = True, unit, up
+    opened = opening.open_path(target or _FIRST, resolution, material, asked=True)
+    window.workspace.quiet, opening.unit, opening.up = False, None, None
     error = window.workspace.error
     if opened:
         window.recovery.tell_unsaved()

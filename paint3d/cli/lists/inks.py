@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import re
 import sys
 from collections.abc import Iterable, Sequence
 from pathlib import Path
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
 
 EXAMPLES = """
 paint3d inks
+paint3d inks --nearest "#2f5d62"
 paint3d inks --compare azurite "indigo:0.6,lapis lazuli:0.4"
 """
 
@@ -33,6 +35,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=Path,
         help="check and list your own pigments (K and S, or R of a masstone; .spdx, .txt: measured "
         "masstones) instead",
+    )
+    parser.add_argument(
+        "--nearest",
+        metavar="#RRGGBB",
+        type=_parse_colour,
+        help="the mixture for --ink of which a coat comes nearest to this colour",
     )
     parser.add_argument(
         "--compare",
@@ -66,13 +74,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--material",
         metavar="NAME|FILE",
         default="porcelain",
-        help=f"with --compare, what they lie on: {', '.join(MATERIALS)}, or a file of your own "
-        "(default: porcelain)",
+        help=f"with --compare and --nearest, what they lie on: {', '.join(MATERIALS)}, or a file "
+        "of your own (default: porcelain)",
     )
 
 
 def run(options: argparse.Namespace) -> None:
-    """Write the table to stdout, with coloured swatches on a terminal; or compare two inks.
+    """Write the table to stdout, with coloured swatches on a terminal; or compare or find inks.
 
     Raises
     ------
@@ -83,6 +91,12 @@ def run(options: argparse.Namespace) -> None:
     """
     if options.compare is None and options.illuminant is not None:
         raise InputError("--illuminant is given without inks to compare; expected --compare A B")
+    if options.nearest is not None:
+        asked = (options.table, options.compare)
+        if asked != (None, None):
+            raise InputError("--nearest is given beside a table or --compare; expected it alone")
+        _tell_nearest(options.nearest, options.material)
+        return
     if options.compare is not None and options.table is not None:
         raise InputError(
             "{table} is given beside --compare; expected one of them (--compare takes "
@@ -97,6 +111,27 @@ def run(options: argparse.Namespace) -> None:
     pigments = load_palette() if options.table is None else load_pigments_csv(options.table)
     lines = swatches_table(pigments.values(), sys.stdout.isatty(), terminal_columns())
     sys.stdout.write("\n".join(lines) + "\n")
+
+
+def _parse_colour(text: str) -> tuple[int, ...]:
+    if re.fullmatch("#?[0-9a-fA-F]{6}", text) is None:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a colour; expected #RRGGBB")
+    return tuple(bytes.fromhex(text.lstrip("#")))
+
+
+def _tell_nearest(srgb: tuple[int, ...], material: str) -> None:
+    """Write the mixture to stdout, so that a shell can hand it on, and how near it comes after."""
+    from paint3d.colour.inks import describe_ink
+    from paint3d.colour.materials import load_material
+    from paint3d.colour.nearest_mixture import nearest_mixture
+
+    found = nearest_mixture(srgb, load_material(material).reflectance)
+    sys.stdout.write(describe_ink(found.parts) + "\n")
+    sys.stdout.flush()
+    sys.stderr.write(
+        f"a coat of it on {material} is {hexadecimal(found.srgb)}, {found.difference:.2g} dE00 "
+        f"from {hexadecimal(srgb)}\n"
+    )
 
 
 def comparison_table(options: argparse.Namespace) -> list[str]:

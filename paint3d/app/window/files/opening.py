@@ -142,8 +142,9 @@ class Opening:
 
     Attributes
     ----------
-    up : str or None
-        The axis of mesh files that points up, where that was said; see `load_mesh`.
+    unit, up : str or None
+        What one unit of mesh files is, and their axis that points up, where that was said; see
+        `load_mesh`.
     """
 
     def __init__(
@@ -151,6 +152,7 @@ class Opening:
     ) -> None:
         self._workspace, self._saving = workspace, saving
         self._standing, self._recent = standing, recent
+        self.unit: str | None = None
         self.up: str | None = None
 
     # -- asking -----------------------------------------------------------------------------
@@ -254,7 +256,8 @@ class Opening:
             material = parse_sheet(path).usual.material if suited else chosen_material(settings)
 
         def read(progress: Progress) -> Reading:
-            found = read_mesh(path, texture=True, up=self.up, progress=_before_one(progress))
+            message = _before_one(progress)
+            found = read_mesh(path, self.unit, texture=True, up=self.up, progress=message)
             _ = found.likely_up, found.mesh.face_normals, found.mesh.bounds  # found here, not in
             # the window's thread
             return found
@@ -276,7 +279,8 @@ class Opening:
         def make(progress: Progress) -> OpenResult:
             found = reading.mesh
             if not choice.coloured:  # as it was before it was refined for its picture
-                found = read_mesh(path, up=self.up, progress=part_of(progress, 0.0, 0.4)).mesh
+                message = part_of(progress, 0.0, 0.4)
+                found = read_mesh(path, self.unit, up=self.up, progress=message).mesh
             progress(0.0 if choice.coloured else 0.4)
             document = Document.new(
                 choice.apply(found),
