@@ -11,7 +11,7 @@ from PySide6 import QtCore, QtGui, QtTest, QtWidgets
 
 from tests.support.app.gestures import live, pen_stroke, type_key, wait_for, when
 from tests.support.app.pointers import Touching, move_view, places
-from tests.support.app.windows import faults, opened, settled
+from tests.support.app.windows import click_row, faults, opened, row_place, settled
 
 LEFT, RIGHT = QtCore.Qt.MouseButton.LeftButton, QtCore.Qt.MouseButton.RightButton
 PRESSURES = [0.1, *[0.4] * 12, 0.0]
@@ -23,18 +23,6 @@ def accents(window) -> np.ndarray:
     wait_for(lambda: window.stage.is_drawn)
     accent = QtGui.QColor(window.workspace.theme.accent).getRgb()[:3]
     return (np.abs(window.canvas.pixels[:, :, :3].astype(int) - accent) <= 8).all(axis=2)
-
-
-def row_place(window, row: int) -> QtCore.QPoint:
-    window.panels.docks["history"].raise_()
-    live(0.05)
-    rows = window.panels.history.list
-    return rows.visualItemRect(rows.item(row)).center()
-
-
-def click_row(window, row: int) -> None:
-    QtTest.QTest.mouseClick(window.panels.history.list.viewport(), LEFT, pos=row_place(window, row))
-    settled(window)
 
 
 def choose_in_menu(window, name: str) -> None:

@@ -167,7 +167,7 @@ KEY = QtCore.Qt.Key
 
 @pytest.fixture(scope="module")
 def window(program):
-    with opened(program, "sheet:120x120", 1.5, "xuan") as window:
+    with opened(program, "sheet:120x120", 1.5, "xuan", drawn=False) as window:
         yield window
 
 

@@ -207,7 +207,8 @@ def table(tmp_path: Path) -> Iterator[Path]:
 @contextmanager
 def started(program):
     """The studio as it starts anew, with what was kept."""
-    with faults() as found, opened(program, resolution=4.0, settings=load_settings()[0]) as window:
+    kept = load_settings()[0]
+    with faults() as found, opened(program, resolution=4.0, settings=kept, drawn=False) as window:
         window.panels.docks["inks"].raise_()
         settled(window)
         yield window

@@ -20,6 +20,7 @@ from tests.support.app.gestures import (
     BUTTON,
     KIND,
     answer,
+    click_button,
     mouse,
     pen,
     pen_stroke,
@@ -34,7 +35,7 @@ KEY, HELD = QtCore.Qt.Key, QtCore.Qt.KeyboardModifier
 @pytest.fixture(scope="module")
 def window(program):
     """A window with a sheet in it."""
-    with opened(program, "sheet:200x260", 1.5, "xuan") as window:
+    with opened(program, "sheet:200x260", 1.5, "xuan", drawn=False) as window:
         yield window
 
 
@@ -45,11 +46,6 @@ def bare(window) -> None:
         window.stage.paint_thread.post("undo").result(300)
     settled(window)
     wait_for(lambda: not window.copying._shown)
-
-
-def press(panel, text: str) -> None:
-    button = next(b for b in panel.findChildren(QtWidgets.QPushButton) if b.text() == text)
-    QtTest.QTest.mouseClick(button, BUTTON.LeftButton)
 
 
 def lay(window, text: str, em: float, columns: bool = True) -> None:
@@ -195,7 +191,7 @@ def test_several_texts_are_chosen_by_a_click_and_a_stroke_belongs_to_its_own(win
     wait_for(lambda: text_of(window).point is not None)
     type_key(window.canvas, KEY.Key_T)
     panel.text.setPlainText("二")
-    press(panel, "Another")
+    click_button(panel, "Another")
     wait_for(lambda: len(window.document.texts) == 2)
     settled(window)
     assert [panel.texts.itemText(k) for k in range(panel.texts.count())] == ["一", "二"]
@@ -217,7 +213,7 @@ def test_a_grid_lies_alone_and_around_characters(window) -> None:
     panel.across.setValue(3)
     panel.down.setValue(4)
     panel.grid_box.setCurrentIndex(panel.grid_box.findData("mi"))
-    press(panel, "Another")
+    click_button(panel, "Another")
     wait_for(lambda: len(window.document.texts) == 1)
     settled(window)
     assert text_of(window) == LaidText("", 25.0, grid="mi", cells=(3, 4))
@@ -299,7 +295,7 @@ def test_a_text_that_has_no_room_stays_where_it_was(window) -> None:
 
 
 def test_a_text_on_a_bowl_is_moved_over_its_wall(program) -> None:
-    with opened(program, "bowl", 4.0, "porcelain") as window:
+    with opened(program, "bowl", 4.0, "porcelain", drawn=False) as window:
         lay(window, "永和", 16.0)
         before = origins(window).mean(axis=0)
         begin(window)

@@ -29,7 +29,7 @@ from paint3d.mesh.upright import turn_mesh, turn_up
 from paint3d.view.preview import Preview
 from tests.mesh.test_upright import jug
 from tests.support.app.gestures import answer, drag, live, take_file, wait_for
-from tests.support.app.windows import SMALL, close_unasked, pretend_saved
+from tests.support.app.windows import SMALL, blind, close_unasked, pretend_saved, seen
 
 
 @pytest.fixture(scope="module")
@@ -40,7 +40,8 @@ def window(program):
     window.show()
     assert window.opening.open_path("plane", 2.0, "xuan", asked=True)
     wait_for(lambda: window.stage.is_lit)
-    yield window
+    with blind(window):
+        yield window
     close_unasked(window)
 
 
@@ -229,7 +230,9 @@ def painted_count(window: StudioWindow) -> int:
 
 def red_share(window: StudioWindow) -> float:
     """Share of the picture that is red."""
-    pixels = window.stage.picture()[..., :3].astype(int)
+    with seen(window):
+        window.stage.follow()
+        pixels = window.stage.picture()[..., :3].astype(int)
     return float(np.mean((pixels[..., 0] > 90) & (pixels[..., 0] > 2 * pixels[..., 2])))
 
 

@@ -40,7 +40,7 @@ from paint3d.core.machine import is_locked, lock
 from paint3d.errors import ExportError, InputError, Paint3DError, RecordingError, SessionError
 from paint3d.files.project.journal import Journal, read_events
 from scripts import kill_sitting
-from tests.support.app.hands import line, same_vertices, small_plane
+from tests.support.app.hands import line, same_vertices, small_plane, wait_until
 
 MIRROR = Symmetry((MirrorPlane((0, 0, 0), (0, 1, 0)),))
 
@@ -56,14 +56,6 @@ def stroke(paint_thread, start, end, **options):
 def rested(paint_thread):
     """Wait until everything is done."""
     paint_thread.post(lambda document: None).result(timeout=300)
-
-
-def wait_until(condition):
-    """Wait for what comes soon where the machine is not busy."""
-    until = time.monotonic() + 300.0
-    while not condition():
-        assert time.monotonic() < until
-        time.sleep(0.005)
 
 
 def n_written(folder):

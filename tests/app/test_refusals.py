@@ -32,7 +32,7 @@ def test_a_layer_is_refused_in_the_language_that_is_spoken() -> None:
 
 @pytest.fixture(scope="module")
 def window(program):
-    with opened(program) as window:
+    with opened(program, drawn=False) as window:
         yield window
 
 

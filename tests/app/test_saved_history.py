@@ -33,13 +33,19 @@ from tests.support.app.gestures import (
     BUTTON,
     KIND,
     drag,
-    live,
     mouse,
     pen_stroke,
-    type_key,
     wait_for,
 )
-from tests.support.app.windows import SMALL, close_unasked, pretend_saved
+from tests.support.app.windows import (
+    SMALL,
+    blind,
+    click_row,
+    close_unasked,
+    press,
+    pretend_saved,
+    settled,
+)
 
 ACTIONS = st.sampled_from(
     ["stroke", "stroke", "stroke", "undo", "undo", "redo", "dry", "time", "dip", "tip", "wipe",
@@ -418,7 +424,8 @@ def window(program):
     window.resize(*SMALL)
     window.show()
     window.workspace.quiet = True
-    yield window
+    with blind(window):
+        yield window
     close_unasked(window)
 
 
@@ -453,23 +460,9 @@ def painted(window, painting, tmp_path):
     return Path(shutil.copy(painting[0], tmp_path)), painting[1]
 
 
-def settled(window) -> None:
-    """Wait until everything asked for is painted and seen."""
-    window.stage.paint_thread.post(lambda document: None).result(300)
-    wait_for(lambda: window.stage.paint_thread.is_still)
-    live(0.05)
-
-
 def choose(window, name) -> None:
     wait_for(window.workspace.actions[name].isEnabled)
     window.workspace.actions[name].trigger()
-    settled(window)
-
-
-def press(window, *keys) -> None:
-    """Press keys, as a hand does."""
-    window.canvas.setFocus()
-    type_key(window.canvas, *keys)
     settled(window)
 
 
@@ -484,16 +477,6 @@ def looks(window, then) -> None:
     n, codes = state(window)
     assert n == then[0]
     np.testing.assert_array_equal(codes[: len(then[1])], then[1])
-
-
-def click(window, row) -> None:
-    """Click a row of the history with the mouse."""
-    shown = window.panels.history.list
-    window.panels.docks["history"].raise_()
-    live(0.05)
-    place = shown.visualItemRect(shown.item(row)).center()
-    QtTest.QTest.mouseClick(shown.viewport(), QtCore.Qt.MouseButton.LeftButton, pos=place)
-    settled(window)
 
 
 CTRL, SHIFT = QtCore.Qt.KeyboardModifier.ControlModifier, QtCore.Qt.KeyboardModifier.ShiftModifier
@@ -522,7 +505,7 @@ def test_a_click_shows_the_painting_as_it_was_after_a_stroke(window, painted):
     assert window.opening.open_path(str(path), asked=True)
     settled(window)
     for upto in (3, 1, 4, 1):
-        click(window, upto - 1)
+        click_row(window, upto - 1)
         looks(window, states[upto])
         assert window.panels.history.list.currentRow() == upto - 1
         assert window.panels.history.slider.value() == upto
@@ -532,7 +515,7 @@ def test_a_click_shows_the_painting_as_it_was_after_a_stroke(window, painted):
     settled(window)
     looks(window, states[1])
     assert window.panels.history.list.count() == len(ROWS)
-    click(window, 3)
+    click_row(window, 3)
     looks(window, states[4])
 
 
@@ -586,10 +569,10 @@ def test_strokes_of_an_older_file_are_painted_again_to_go_back(window, painted):
     save_session(dataclasses.replace(session, undone=(), history=None), path)
     assert window.opening.open_path(str(path), asked=True)
     settled(window)
-    click(window, 0)
+    click_row(window, 0)
     looks(window, states[1])
     assert "repainted" in window.status.told.text()
-    click(window, 3)
+    click_row(window, 3)
     looks(window, states[4])
     assert window.opening.open_path(str(path), asked=True)
     wait_for(window.workspace.actions["undo"].isEnabled)
@@ -631,7 +614,7 @@ def test_a_painting_brought_back_after_a_crash_has_its_history(window, painted, 
     looks(window, states[3])
     press(window, Z, CTRL | SHIFT)
     looks(window, states[4])
-    click(window, 0)
+    click_row(window, 0)
     looks(window, states[1])
 
 
@@ -661,7 +644,7 @@ def test_what_was_only_looked_at_in_the_history_is_as_saved(window, painted):
     path, _ = painted
     assert window.opening.open_path(str(path), asked=True)
     for row in (1, 0, len(ROWS) - 1):
-        click(window, row)
+        click_row(window, row)
     assert not window.isWindowModified()
 
 

@@ -30,7 +30,7 @@ LINES = (
 @pytest.fixture(scope="module")
 def window(program):
     """A sheet with three strokes, seen from above."""
-    with opened(program, "sheet:160x160", 2.0, "xuan") as window:
+    with opened(program, "sheet:160x160", 2.0, "xuan", drawn=False) as window:
         window.workspace.actions["look_top"].trigger()
         for start, end in LINES:
             lead(window, [start, end], press=True)

@@ -24,7 +24,7 @@ CONTROL = QtCore.Qt.KeyboardModifier.ControlModifier
 @pytest.fixture(scope="module")
 def window(program):
     """A window with a sheet in it."""
-    with opened(program) as window:
+    with opened(program, drawn=False) as window:
         yield window
 
 

@@ -21,7 +21,7 @@ from paint3d.app.window.theme import DARK_THEME, LIGHT_THEME
 from paint3d.view.camera import picture_axes
 from tests.support.app.gestures import ALT, BUTTON, KIND, drag, live, mouse, type_key, wait_for
 from tests.support.app.pointers import HAND, Touching, pen, pen_drag, tap
-from tests.support.app.windows import faults, opened, settled
+from tests.support.app.windows import faults, opened, seen, settled
 from tests.support.cases import long_but
 
 KEY, HELD = QtCore.Qt.Key, QtCore.Qt.KeyboardModifier
@@ -30,7 +30,7 @@ CORNER = (0.04, 0.05)  # beside the object, in shares of the canvas
 
 @pytest.fixture(scope="module")
 def window(program):
-    with opened(program, "sphere", 4.0, "porcelain") as window:
+    with opened(program, "sphere", 4.0, "porcelain", drawn=False) as window:
         yield window
 
 
@@ -208,8 +208,9 @@ def test_a_drag_beside_the_object_turns_it_and_one_near_its_edge_paints(window) 
 
 def is_brush_seen(window) -> bool:
     """Whether the brush stands in the picture once it has been drawn."""
-    settled(window)
-    return window.stage.brush_box is not None
+    with seen(window):
+        settled(window)
+        return window.stage.brush_box is not None
 
 
 def test_a_pointer_that_moves_the_view_is_no_brush(window) -> None:

@@ -19,7 +19,7 @@ from paint3d.painter import painter as engine
 from paint3d.painter.ink_time import PIECE_NS, PIECE_S
 from paint3d.painter.painter import Painter
 from paint3d.surface.painted_surface import PaintedSurface
-from tests.support.app.hands import line, paint, same_vertices, small_plane
+from tests.support.app.hands import line, paint, same_vertices, small_plane, wait_until
 
 LIMIT_S = 300.0  # for what comes at once where the machine is not busy
 
@@ -83,13 +83,6 @@ def clockwork(wall):
     clockwork.paint_thread.stop()
 
 
-def wait_for(condition):
-    until = time.monotonic() + LIMIT_S
-    while not condition():
-        assert time.monotonic() < until
-        time.sleep(0.005)
-
-
 @given(st.floats(1e-4, 1.0), st.floats(0.0, 1.0))
 def test_painting_stays_near_the_hand_however_long_the_ink_takes(piece_s, behind_s):
     """What passes at once has been followed soon, or takes less than the time that it is."""
@@ -126,7 +119,7 @@ def test_ink_that_moves_by_itself_is_nothing_that_was_asked_for(clockwork):
         paint_thread.post("follow_time", PIECE_S)
     clockwork.held.set()
     frames = []
-    wait_for(lambda: frames.append(paint_thread.take_frame()) or frames[-1] is not None)
+    wait_until(lambda: frames.append(paint_thread.take_frame()) or frames[-1] is not None)
     assert frames[-1].queue_length == 0
 
 
@@ -146,7 +139,7 @@ def test_switching_on_wakes_whoever_sleeps():
     paint_thread.post(lambda document: None).result(timeout=LIMIT_S)
     time.sleep(0.05)  # it sleeps until something is asked for
     paint_thread.wet = True
-    wait_for(lambda: document.surface.flow.steps > 0)
+    wait_until(lambda: document.surface.flow.steps > 0)
     paint_thread.stop()
 
 
@@ -167,7 +160,7 @@ def test_while_ink_cannot_be_followed_no_time_passes_for_it(monkeypatch):
 def test_time_is_left_out_where_a_piece_takes_long(clockwork, wall):
     wall.now += 10 * PIECE_S
     clockwork.held.set()
-    wait_for(lambda: clockwork.paint_thread.ink_clock.left_out > 0)
+    wait_until(lambda: clockwork.paint_thread.ink_clock.left_out > 0)
     for _ in range(3):
         clockwork.paint_thread.post(lambda document: None).result(timeout=LIMIT_S)
     with clockwork.paint_thread.paused():
@@ -209,7 +202,7 @@ def handed_over(wall, late_s, waits=False):
             paint_thread.post(lambda document: None).result(timeout=LIMIT_S)
             wall.now += PAUSES_S[number] - 0.05
             done = document.surface.flow.steps
-            wait_for(lambda done=done: document.surface.flow.steps > done)
+            wait_until(lambda done=done: document.surface.flow.steps > done)
     paint_thread.wet = False
     paint_thread.stop()
     return document
@@ -315,7 +308,7 @@ def wet_sitting(quick_wall, tmp_path, base_every_s):
     paint_thread.post("undo").result(timeout=LIMIT_S)
     done = document.surface.flow.steps
     quick_wall.now += LATE_S + 4.1 * PIECE_S
-    wait_for(lambda: document.surface.flow.steps > done)
+    wait_until(lambda: document.surface.flow.steps > done)
     paint_thread.stop(keep=True)
     return document
 

@@ -51,7 +51,7 @@ from tests.support.app.gestures import (
     pen_stroke,
     wait_for,
 )
-from tests.support.app.windows import opened, pretend_saved, settled
+from tests.support.app.windows import opened, pretend_saved, seen, settled
 
 ROOT = Path(__file__).parents[2]
 PAINTING = """
@@ -90,7 +90,7 @@ while True:
 @pytest.fixture(scope="module")
 def window(program):
     """A window with a sheet in it."""
-    with opened(program) as window:
+    with opened(program, drawn=False) as window:
         yield window
 
 
@@ -135,7 +135,9 @@ def painted(window) -> int:
 
 def picture(window) -> np.ndarray:
     window.stage.hide_brush()
-    return window.stage.picture(fine=False)[..., :3].astype(int)
+    with seen(window):
+        window.stage.follow()
+        return window.stage.picture(fine=False)[..., :3].astype(int)
 
 
 def test_a_mouse_paints_and_the_picture_shows_it(sheet) -> None:
@@ -436,12 +438,13 @@ def test_the_whole_surface_is_refined_on_demand(window) -> None:
 def test_it_fits_on_a_small_screen_in_both_themes_and_languages(window, program) -> None:
     assert window.minimumSizeHint().height() <= 760
     assert window.minimumSizeHint().width() <= 1280
-    window.workspace.actions["dark"].setChecked(True)
-    live(0.1)
-    dark = window.grab().toImage().pixelColor(5, 5).lightness()
-    window.workspace.actions["dark"].setChecked(False)
-    live(0.1)
-    assert dark < 80 < 180 < window.grab().toImage().pixelColor(5, 5).lightness()
+    with seen(window):
+        window.workspace.actions["dark"].setChecked(True)
+        live(0.1)
+        dark = window.grab().toImage().pixelColor(5, 5).lightness()
+        window.workspace.actions["dark"].setChecked(False)
+        live(0.1)
+        assert dark < 80 < 180 < window.grab().toImage().pixelColor(5, 5).lightness()
     choose_language("zh")
     other = StudioWindow(program)
     choose_language("en")
@@ -462,11 +465,13 @@ def test_save_export_and_pictures(window, tmp_path: Path) -> None:
     assert load_mesh(glb).n_vertices > 300
     assert not window.exporting.export_to(tmp_path / "no" / "a.glb")
     assert isinstance(window.workspace.error, Paint3DError)
-    window.pictures.screenshot_to(tmp_path / "a.png")
-    window.pictures.turntable_to(tmp_path / "a.gif", Film(0.2, 15.0))
+    with seen(window):
+        wait_for(lambda: window.stage.is_drawn)
+        window.pictures.screenshot_to(tmp_path / "a.png")
+        window.pictures.turntable_to(tmp_path / "a.gif", Film(0.2, 15.0))
+        shot = window.grab().toImage()
     assert (tmp_path / "a.png").stat().st_size > 1000
     assert (tmp_path / "a.gif").stat().st_size > 1000
-    shot = window.grab().toImage()
     assert len({shot.pixel(x, y) for x in range(0, 1280, 40) for y in range(0, 800, 40)}) > 20
 
 

@@ -18,7 +18,7 @@ from paint3d.app.window.wording import choose_language
 from paint3d.calligraphy.fonts.font_file import fonts_with
 from paint3d.calligraphy.page.strokes_file import save_strokes
 from paint3d.calligraphy.page.svg_drawing import load_svg
-from tests.support.app.gestures import BUTTON, answer, take_file, wait_for
+from tests.support.app.gestures import BUTTON, answer, click_button, take_file, wait_for
 from tests.support.app.windows import opened
 from tests.support.photographs import hairs_below_a_stroke
 
@@ -40,11 +40,6 @@ def window(program):
 def panel(window):
     window.copying.hide()
     return window.panels.copybook
-
-
-def press(panel, text: str) -> None:
-    button = next(b for b in panel.findChildren(QtWidgets.QPushButton) if b.text() == text)
-    QtTest.QTest.mouseClick(button, BUTTON.LeftButton)
 
 
 def type_in(panel, text: str) -> None:
@@ -73,7 +68,7 @@ def test_words_of_any_script_stand_as_ghosts_in_a_font(window, panel) -> None:
     panel.em.setValue(30)
     type_in(panel, "قلم")
     choose_font(panel, FONT)
-    press(panel, "Lay out")
+    click_button(panel, "Lay out")
     wait_for(lambda: panel.copybook is not None)
     ghosts = panel.copybook.ghosts
     assert [ghost.text for ghost in ghosts] == ["قلم"]
@@ -91,7 +86,7 @@ def test_characters_that_the_font_lacks_are_named(panel, monkeypatch) -> None:
     monkeypatch.setattr(QtWidgets.QMessageBox, "warning", lambda *words: told.append(words[-1]))
     type_in(panel, "龘")
     choose_font(panel, FONT)
-    press(panel, "Lay out")
+    click_button(panel, "Lay out")
     wait_for(lambda: told)
     assert "U+9F98" in told[0]
     assert panel.copybook is None
@@ -102,7 +97,7 @@ def test_characters_that_are_taken_from_a_font_are_told(window, panel, system_fo
     system_fonts.add("Test Kai", "步")
     panel.em.setValue(30)
     type_in(panel, "漫步")
-    press(panel, "Lay out")
+    click_button(panel, "Lay out")
     wait_for(lambda: panel.copybook is not None)
     assert [ghost.text for ghost in panel.copybook.ghosts] == ["漫", "步"]
     assert "步 taken from the font Test Kai" in window.status.told.text()
@@ -123,7 +118,7 @@ def test_what_a_painter_can_do_about_a_character_is_said(
     type_in(panel, "漫步")
     choose_language(language)
     try:
-        press(panel, "Lay out")
+        click_button(panel, "Lay out")
         wait_for(lambda: told)
     finally:
         choose_language("en")

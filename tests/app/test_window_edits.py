@@ -22,11 +22,10 @@ from tests.support.app.gestures import (
     live,
     mouse,
     pen_stroke,
-    type_key,
     wait_for,
     when,
 )
-from tests.support.app.windows import faults, opened, settled
+from tests.support.app.windows import faults, opened, press, row_place, settled
 
 ROWS = (0.40, 0.45, 0.50, 0.55, 0.60)
 LEFT, RIGHT = QtCore.Qt.MouseButton.LeftButton, QtCore.Qt.MouseButton.RightButton
@@ -78,18 +77,9 @@ def inked(window) -> np.ndarray:
         return surface.paint_mesh.vertices[surface.coverage > 0.0].copy()
 
 
-def press(window, *keys) -> None:
-    window.canvas.setFocus()
-    type_key(window.canvas, *keys)
-    settled(window)
-
-
 def choose(window, row: int, name: str) -> None:
     """Open the menu of a row by the right button, and choose an action by a click."""
-    window.panels.docks["history"].raise_()
-    live(0.05)
-    rows = window.panels.history.list
-    place = rows.visualItemRect(rows.item(row)).center()
+    rows, place = window.panels.history.list, row_place(window, row)
     chosen = rows.currentRow()
     QtTest.QTest.mouseClick(rows.viewport(), RIGHT, pos=place)
     assert rows.currentRow() == chosen  # it only asks for the menu, which the platform sends:

@@ -30,14 +30,14 @@ from paint3d.files.load import load_mesh
 from paint3d.files.project import painting
 from paint3d.files.project.session import load_session
 from tests.support.app.gestures import answer, drag, live, wait_for, when
-from tests.support.app.windows import opened, settled
+from tests.support.app.windows import opened, seen, settled
 from tests.support.full_disk import full_disk
 
 
 @pytest.fixture(scope="module")
 def window(program):
     """A window with a stroke on a sheet."""
-    with opened(program, resolution=2.0) as window:
+    with opened(program, resolution=2.0, drawn=False) as window:
         drag(window.canvas, (0.4, 0.45), (0.6, 0.5), n=8)
         settled(window)
         yield window
@@ -285,8 +285,11 @@ def test_a_picture_is_the_view_on_the_screen_in_the_size_that_is_asked(
             shown = np.array(picture.convert("L").resize((60, 50)), float)
     assert window.hand.camera is before
     assert window.stage.scene.size == (width, height)
-    seen = Image.fromarray(window.stage.picture()[::-1, :, :3]).convert("L").resize((60, 50))
-    assert np.abs(shown - np.array(seen, float)).mean() < 3.0  # not another view
+    with seen(window):
+        window.stage.follow()
+        pixels = window.stage.picture()[::-1, :, :3]
+    there = Image.fromarray(pixels).convert("L").resize((60, 50))
+    assert np.abs(shown - np.array(there, float)).mean() < 3.0  # not another view
 
 
 def test_the_studios_light_is_offered_too(window, tmp_path: Path) -> None:

@@ -31,7 +31,7 @@ POEMS = {
 @pytest.fixture(scope="module")
 def window(program):
     """A window with a small sheet in it."""
-    with opened(program, "sheet:160x200", 1.0, "xuan") as window:
+    with opened(program, "sheet:160x200", 1.0, "xuan", drawn=False) as window:
         window.panels.history.pace.setCurrentIndex(window.panels.history.pace.count() - 1)
         yield window
 

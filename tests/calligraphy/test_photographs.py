@@ -28,6 +28,7 @@ from paint3d.calligraphy.photo.sheet import (
     sheet_size,
 )
 from paint3d.errors import InputError
+from tests.support.cases import long_but
 from tests.support.copied_photographs import painted_copy
 from tests.support.photographs import (
     Camera,
@@ -96,7 +97,7 @@ def table(*papers: tuple[int, int, int, int], framed: bool = False) -> np.ndarra
 FOUR = ((60, 40, 400, 320), (480, 50, 840, 330), (70, 380, 410, 660), (490, 370, 830, 650))
 
 
-@pytest.mark.parametrize("n", [1, 2, 4])
+@pytest.mark.parametrize("n", long_but([1, 4], [1, 2, 4]))
 def test_every_sheet_in_a_picture_is_named(n: int) -> None:
     pixels = table(*FOUR[:n])
     found = find_sheets(pixels)
@@ -126,10 +127,10 @@ def stained() -> np.ndarray:
 @pytest.mark.parametrize(
     ("asked", "n"),
     [
-        (Asked(whole=True), 8),  # the blot is taken for three
+        pytest.param(Asked(whole=True), 8, marks=pytest.mark.long),  # the blot is taken for three
         (Asked(whole=True, darker=0.6), 5),
         (Asked(whole=True, least=0.01), 5),
-        (Asked(whole=True, least=0.01, darker=0.6), 2),
+        pytest.param(Asked(whole=True, least=0.01, darker=0.6), 2, marks=pytest.mark.long),
     ],
 )
 def test_what_is_pale_or_small_is_left_out_where_it_is_asked(asked: Asked, n: int) -> None:

@@ -18,6 +18,7 @@ import pytest
 from paint3d.calligraphy import writing
 from paint3d.calligraphy.writing import in_processes
 from paint3d.errors import InputError, Paint3DError
+from tests.support.cases import long_but
 
 PATIENCE_S = 300
 SLEEPERS = """
@@ -123,7 +124,9 @@ def test_one_whose_answer_nobody_awaits_ends_quietly(monkeypatch) -> None:
     writing.serve(abs, theirs)
 
 
-@pytest.mark.parametrize("later_s", [0.0, 0.05, 0.15, 0.4, None])  # while they start; at work
+@pytest.mark.parametrize(  # while they start; at work
+    "later_s", long_but([0.05, None], [0.0, 0.05, 0.15, 0.4, None])
+)
 def test_an_interrupt_is_told_by_one_alone(later_s: float | None, tmp_path: Path) -> None:
     with started(tmp_path) as running:
         assert running.stdout is not None

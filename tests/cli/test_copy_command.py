@@ -71,15 +71,17 @@ def test_a_full_brush_paints_without_flying_white(photo: Path, tmp_path: Path) -
     ("options", "words"),
     [
         (["--corners", "0,0", "300,300", "500,0", "500,500"], "one after another around"),
-        (["--corners", "0,0", "9000,0", "9000,700", "0,700"], "expected places in it"),
-        (["--corners", "0,0", "wide", "500,0", "500,500"], "'wide' is not a place"),
+        pytest.param(["--corners", "0,0", "9000,0", "9000,700", "0,700"], "expected places in it",
+                     marks=pytest.mark.long),
+        pytest.param(["--corners", "0,0", "wide", "500,0", "500,500"], "'wide' is not a place",
+                     marks=pytest.mark.long),
         (["--text", "十十十十十十"], "the text has 6 characters"),
         (["--size", "9", "--resolution", "2"], "the vertices lie 2 mm apart"),
         (["--brush", "gongbi", "--size", "300"], "larger brush"),
         (["--beside", "a.xyz"], "unknown kind of file"),
         (["--save-strokes", "a.json"], "unknown kind of file"),
     ],
-)
+)  # fmt: skip
 def test_what_cannot_be_copied_is_said_in_one_line(
     photo: Path, tmp_path: Path, capsys, monkeypatch, options: list[str], words: str
 ) -> None:

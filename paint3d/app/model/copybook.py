@@ -399,8 +399,7 @@ def _dense(line: AnyArray, closed: bool, step: float) -> AnyArray:
         line = np.concatenate([line, line[:1]])
     lengths = np.linalg.norm(np.diff(line, axis=0), axis=1)
     counts = np.maximum(1, np.ceil(lengths / step)).astype(int)
-    parts = [
-        a + np.arange(n)[:, None] / n * (b - a)
-        for a, b, n in zip(line[:-1], line[1:], counts, strict=True)
-    ]
-    return np.concatenate([*parts, line[-1:]])
+    before = np.repeat(np.cumsum(counts) - counts, counts)
+    share = (np.arange(counts.sum()) - before) / np.repeat(counts, counts)
+    start, way = (np.repeat(of, counts, axis=0) for of in (line[:-1], np.diff(line, axis=0)))
+    return np.concatenate([start + share[:, None] * way, line[-1:]])

@@ -165,6 +165,12 @@ def type_key(widget, key, held=NO_KEY) -> None:
     QtTest.QTest.keyClick(widget, key, held)
 
 
+def click_button(panel, text: str) -> None:
+    """Click the button that says this."""
+    button = next(b for b in panel.findChildren(QtWidgets.QPushButton) if b.text() == text)
+    QtTest.QTest.mouseClick(button, BUTTON.LeftButton)
+
+
 def mouse(canvas, kind, x, y, button=BUTTON.NoButton, buttons=BUTTON.NoButton, keys=NO_KEY):
     """Send one mouse event."""
     place = QtCore.QPointF(x, y)

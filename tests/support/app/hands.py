@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import time
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -37,6 +39,14 @@ def paint(document, start, end, **options):
     document.begin_stroke()
     document.feed(line(start, end, **options))
     document.end_stroke()
+
+
+def wait_until(condition):
+    """Wait for what another thread soon does."""
+    until = time.monotonic() + 300.0
+    while not condition():
+        assert time.monotonic() < until
+        time.sleep(0.005)
 
 
 def same_vertices(one, two):

@@ -7,13 +7,15 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
 
+from PySide6 import QtCore, QtTest
+
 from paint3d.app.model.document import Document
 from paint3d.app.model.paint_thread import PaintThread
 from paint3d.app.window import studio
 from paint3d.app.window.studio import StudioWindow
 from paint3d.view import live_light, live_picture, live_scene
 from paint3d.view.studio import light_samples
-from tests.support.app.gestures import live, wait_for
+from tests.support.app.gestures import live, type_key, wait_for
 
 SMALL = (900, 640)
 """Of a window whose canvas has half of the pixels that it has at first."""
@@ -45,7 +47,7 @@ def opened(
     window.activateWindow()
     window.canvas.setFocus()
     live(0.1)
-    with nullcontext() if drawn and not __import__("os").environ.get("BLIND") else blind(window):
+    with nullcontext() if drawn else blind(window):
         try:
             yield window
         finally:
@@ -68,6 +70,19 @@ def blind(window: StudioWindow) -> Iterator[None]:
         window.setUpdatesEnabled(True)
 
 
+@contextmanager
+def seen(window: StudioWindow) -> Iterator[None]:
+    """Draw meanwhile in a window that draws no pictures, for a test that looks at some."""
+    stage = vars(window.stage)
+    undrawn = {name: stage.pop(name) for name in ("draw", "_take")}
+    window.setUpdatesEnabled(True)
+    try:
+        yield
+    finally:
+        stage.update(undrawn)
+        window.setUpdatesEnabled(False)
+
+
 def close_unasked(window) -> None:
     """Close a window whatever is unsaved or still to be painted, as after a test that failed."""
     window.saving.may_leave = lambda: True
@@ -80,6 +95,28 @@ def settled(window) -> None:
     paint_thread.post(lambda document: None).result(300)
     wait_for(lambda: paint_thread.is_still or paint_thread.wet)
     live(0.1)
+
+
+def press(window, *keys) -> None:
+    """Press a key, with those that are held, over the picture, and wait for what it does."""
+    window.canvas.setFocus()
+    type_key(window.canvas, *keys)
+    settled(window)
+
+
+def row_place(window, row: int) -> QtCore.QPoint:
+    """The middle of a row of the history, which is put on top."""
+    window.panels.docks["history"].raise_()
+    live(0.05)
+    rows = window.panels.history.list
+    return rows.visualItemRect(rows.item(row)).center()
+
+
+def click_row(window, row: int) -> None:
+    """Click a row of the history, and wait for what it does."""
+    rows = window.panels.history.list.viewport()
+    QtTest.QTest.mouseClick(rows, QtCore.Qt.MouseButton.LeftButton, pos=row_place(window, row))
+    settled(window)
 
 
 @contextmanager
