@@ -67,7 +67,7 @@ __all__ = [
 ]
 
 DEFAULT_BRUSH, DEFAULT_INK = "full", "pine soot"
-WRITING_INK = "pine soot:0.35,water:0.65"  # as a writer grinds it
+WRITING_INK = "pine soot:0.26,water:0.74"  # as a writer grinds it
 
 
 def _option(default: Any, group: str, help: str, unsaid: str = "", **how: Any) -> Any:

@@ -468,6 +468,7 @@ def test_the_window_replays_it_as_the_command_does(program, tmp_path: Path) -> N
     file = tmp_path / "dry.jsonl"
     save_recording(dry_recording(), file)
     with opened(program, "plane", RESOLUTION, "xuan", drawn=False) as window:
+        window.workspace.post("dip", "pine soot")  # the command's, where a recording names none
         assert window.recordings.replay_file(str(file))
         wait_for(lambda: not window.player.is_playing)
         settled(window)

@@ -147,7 +147,7 @@ def test_menu_and_keys_mirror_ink_and_delete_them(window) -> None:
     window.workspace.actions["ink_strokes"].trigger()
     settled(window)
     inks = [set(s.ink) for s in window.document.strokes]
-    assert inks == [{"cinnabar"}, {"cinnabar"}, {"pine soot"}]
+    assert inks == [{"cinnabar"}, {"cinnabar"}, {"pine soot", "water"}]
     type_key(window.canvas, KEY.Key_Delete)
     wait_for(lambda: len(window.document.strokes) == 1)
     settled(window)

@@ -59,7 +59,7 @@ def disc(window) -> np.ndarray:
 def test_the_ink_in_the_brush_is_shown_before_the_pointer_came(fresh) -> None:
     assert fresh.stage.frame is None or fresh.stage.frame.brush is None
     assert held(fresh).fraction == pytest.approx(1.0)
-    assert fresh.hud.told(held(fresh)) == "ink 100 %  ·  pine soot"
+    assert fresh.hud.told(held(fresh)) == "ink 100 %  ·  pine soot 26 % + water 74 %"
     assert disc(fresh).max() < 90
 
 

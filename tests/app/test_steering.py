@@ -15,6 +15,7 @@ from PySide6 import QtCore, QtGui, QtTest, QtWidgets
 
 from paint3d.app.model.input.event_clock import EventClock
 from paint3d.app.model.input.navigation import dolly, roll_of
+from paint3d.app.window.hand import keys
 from paint3d.app.window.hand import steering as module
 from paint3d.app.window.hand.steering import GRIPS, Grips
 from paint3d.app.window.theme import DARK_THEME, LIGHT_THEME
@@ -568,7 +569,7 @@ def test_events_of_all_the_program_are_looked_at_only_while_the_window_is_active
 ) -> None:
     """To hand one to Python costs more than most of them do."""
     seen = SEEN
-    monkeypatch.setattr("paint3d.app.window.hand.keys._Everywhere.eventFilter", note)
+    monkeypatch.setattr(keys._Everywhere, "eventFilter", note)
     with opened(program, "plane", 4.0, drawn=False) as other:
         wait_for(other.isActiveWindow)
         type_key(other.canvas, KEY.Key_F24)

@@ -68,6 +68,7 @@ class Wall:
 def window(program):
     """A window that draws no pictures."""
     with blind_window(program) as window:
+        open_for(window, {"object": "plane"}, 4.0)  # its ink is at hand for what is opened next
         yield window
 
 

@@ -112,7 +112,7 @@ def test_usage_errors_are_one_line(capsys: pytest.CaptureFixture[str]) -> None:
     assert err.count("\n") == 1
 
 
-@pytest.mark.parametrize("arguments", [[], ["fly"], ["report", "--loud"], ["--nothing"]])
+@pytest.mark.parametrize("arguments", [["fly"], ["report", "--loud"], ["--nothing"]])
 def test_unknown_commands_and_options(
     arguments: list[str], capsys: pytest.CaptureFixture[str]
 ) -> None:

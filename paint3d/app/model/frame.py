@@ -84,7 +84,9 @@ def held_ink(painter: Painter) -> HeldInk:
     along = reservoirs if len(reservoirs) > 1 else load[None]
     shares = along / np.maximum(along.sum(axis=1, keepdims=True), 1e-30)
     bands = [ink_srgb(pigments, tuple(np.round(part, 3))) for part in shares]
-    parts = sorted(zip(pigments, load / total, strict=False), key=lambda part: -part[1])
+    parts = sorted(  # most first, water last
+        zip(pigments, load / total, strict=False), key=lambda part: (part[0] is WATER, -part[1])
+    )
     told = tuple((pigment, float(fraction)) for pigment, fraction in parts if fraction > _LEAST)
     return HeldInk(told, min(1.0, total / painter.tuft.load), tuple(dict.fromkeys(bands)))
 

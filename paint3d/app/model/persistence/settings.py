@@ -141,7 +141,10 @@ class Settings:
     brush: str = "full"
     brush_mm: float | None = None
     favourite_brushes: tuple[str, ...] = ()
-    inks: tuple[str | Mapping[str, float], ...] = ("pine soot", "cinnabar")
+    inks: tuple[str | Mapping[str, float], ...] = (
+        {"pine soot": 0.26, "water": 0.74},  # as a writer grinds it
+        "cinnabar",
+    )
     resolution_mm: float = 0.4
     pressure_curve: tuple[tuple[float, float], ...] = ((0.0, 0.0), (1.0, 1.0))
     pressure_by: str = "keys"
