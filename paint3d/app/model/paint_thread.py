@@ -3,7 +3,7 @@
 All samples are painted, in order, by kernels that release the interpreter's lock, while the view
 runs at whatever rate it can. Colours are computed once for each frame that is taken. An error
 becomes an event, and painting goes on. With a `RecoveryFolder`, another thread journals every
-sample and command as it is posted, possibly before it is painted.
+sample and command as it is posted, before it is painted or while it is.
 
 Wet ink runs by the hand's clock (`InkClock`): small time steps pass between the samples that are
 painted, and by the wall clock while the queue is empty. Where the flow is too large to follow, ink
@@ -685,7 +685,7 @@ class _JournalWriter:
         self, recovery: RecoveryFolder, document: Document, report: Callable[[str, Exception], None]
     ) -> None:
         self.recovery = recovery
-        self._document = document  # read only while the painting thread waits
+        self._document = document  # what changes of it `turn_page` alone reads: painting waits
         self.n_put = 0
         self.has_gap = self.had_gap = False
         self._leaving = False  # what is written would be deleted
