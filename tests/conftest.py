@@ -87,9 +87,9 @@ def pytest_runtest_setup(item: pytest.Item) -> None:
 def garbage_goes() -> Iterator[None]:
     """Collect garbage where a window has been: it leaves that to its own thread's events."""
     yield
-    window = sys.modules.get("paint3d.app.window.studio")
-    if window is not None:
-        window.collect_garbage()
+    garbage = sys.modules.get("paint3d.app.window.garbage")
+    if garbage is not None:
+        garbage.collect_garbage()
 
 
 @pytest.fixture(autouse=True, scope="module")

@@ -18,7 +18,8 @@ from typing import TypeVar
 import numpy as np
 
 from paint3d.app.model.document import Document
-from paint3d.app.model.paint_thread import InkClock, Pace
+from paint3d.app.model.ink_clock import InkClock
+from paint3d.app.model.paint_thread import Pace
 from paint3d.bench.result import Check, Result
 from paint3d.device.sample import DeviceSample
 from paint3d.painter.ink_time import PIECE_S

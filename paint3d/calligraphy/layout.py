@@ -116,7 +116,7 @@ def _scattered(surface: ClosestPoints) -> Iterator[SurfaceFrame]:
         yield frame_at(surface, point, upwards(normal))
 
 
-# --------------------------------------------------------------------------------------------------
+# ---- Layout --------------------------------------------------------------------------------------
 
 
 LAYOUTS = ("columns", "row")
@@ -256,7 +256,7 @@ def _panels(mesh: TriangleMesh, within_margins: bool) -> tuple[Ground, ...]:
     return tuple(Ground(ClosestPoints(area.mesh), area.apex) for area in areas)
 
 
-# --------------------------------------------------------------------------------------------------
+# ---- Characters in their places ------------------------------------------------------------------
 
 
 @dataclass(frozen=True, eq=False)

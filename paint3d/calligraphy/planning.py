@@ -164,7 +164,7 @@ def _to(tip: NDArray[np.float64], k: int, line: CentreLine, field: OutlineField)
     return measured(points, line.width, line.step, field)
 
 
-# --------------------------------------------------------------------------------------------------
+# ---- Planning ------------------------------------------------------------------------------------
 
 
 _FINEST = 1.0 / 9.0  # of the width: bare corners that are looked after

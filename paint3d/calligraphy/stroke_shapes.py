@@ -170,7 +170,7 @@ def _calmed(points: AnyArray) -> NDArray[np.float64]:
     return result
 
 
-# --------------------------------------------------------------------------------------------------
+# ---- Shapes of strokes ---------------------------------------------------------------------------
 
 
 SOURCE_OF_SHAPES = "widths learned from hanzi-writer-data (Arphic Public License)"

@@ -205,7 +205,7 @@ def _bounded_by_neighbours(speed: AnyArray, step: float, limits: Limits) -> NDAr
     return np.array(each)
 
 
-# --------------------------------------------------------------------------------------------------
+# ---- Time courses --------------------------------------------------------------------------------
 
 
 _LIFT_POSES = 301

@@ -5,15 +5,11 @@ Everything is told by the recording of the handle that comes out: replaying it p
 
 from __future__ import annotations
 
-import multiprocessing
-from collections.abc import Callable, Collection, Generator, Iterator, Mapping, Sequence
-from contextlib import closing, suppress
+from collections.abc import Callable, Collection, Generator, Mapping, Sequence
+from contextlib import closing
 from dataclasses import dataclass, field, replace
 from functools import lru_cache, partial
-from multiprocessing.connection import Connection, wait
-from multiprocessing.process import BaseProcess
-from multiprocessing.reduction import ForkingPickler
-from typing import Any, NamedTuple, TypeVar, cast
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,147 +35,17 @@ from paint3d.calligraphy.layout import Layout, layout_text
 from paint3d.calligraphy.page.laying import PlacedPiece, lay_page
 from paint3d.calligraphy.page.page import Composer, Page
 from paint3d.calligraphy.planning import PlanSettings, on_paper, plan_glyph
+from paint3d.calligraphy.processes import in_processes
 from paint3d.calligraphy.timing import Motion, Tempo, time_courses
 from paint3d.calligraphy.variation import vary_motion
 from paint3d.core.arrays import AnyArray, as_number
-from paint3d.core.ending import holding_interrupts
-from paint3d.core.machine import blocking_interrupts, end_with_parent, ignore_interrupts
 from paint3d.device.recorded import Recording
-from paint3d.errors import InputError, MeshError, Paint3DError
+from paint3d.errors import InputError, MeshError
 from paint3d.mesh.bvh import ClosestPoints
 from paint3d.mesh.chart import SquareLimits, make_chart
 from paint3d.mesh.triangle_mesh import TriangleMesh
 
-__all__ = ["Pen", "Written", "in_processes", "serve", "write_page", "write_text"]
-
-# ---- Processes -----------------------------------------------------------------------------------
-# Work for processes of their own, side by side, whose results come in order.
-#
-# A process that is started here ends with the one that started it, however that ends: being killed
-# leaves nothing behind. An interrupt is the starter's affair; it ends the others at once.
-
-
-_Answer = tuple[int, object, Exception | None]  # the item's number, what was found, what failed
-_Given = TypeVar("_Given")
-_Found = TypeVar("_Found")
-
-
-class _Worker(NamedTuple):
-    process: BaseProcess
-    connection: Connection[Any, Any]
-
-
-def _ready(workers: Sequence[_Worker]) -> list[_Worker]:
-    """Those who have an answer, after waiting for one."""
-    ready = wait([worker.connection for worker in workers])
-    return [worker for worker in workers if worker.connection in ready]
-
-
-def in_processes(
-    work: Callable[[_Given], _Found], items: Sequence[_Given], n: int
-) -> Iterator[_Found]:
-    """Yield what `work` gives for each item, in their order, found by `n` processes.
-
-    All of it must be such as can be sent to another process.
-
-    Raises
-    ------
-    Paint3DError
-        If a process dies, or finds what cannot be sent. What `work` raises is raised here.
-    """
-    workers = list[_Worker]()
-    left, found = iter(enumerate(items)), dict[int, _Found]()
-    try:
-        _start(workers, work, n)
-        busy = [w for w in workers if _give(w, left)]
-        for k in range(len(items)):
-            while k not in found:
-                for worker in _ready(busy):
-                    number, result, fault = _answer(worker)
-                    if fault is not None:
-                        raise fault
-                    found[number] = cast("_Found", result)
-                    if not _give(worker, left):
-                        busy.remove(worker)
-            yield found.pop(k)
-    finally:
-        for worker in workers:
-            worker.process.kill()  # it has nothing to end, and may hold back what asks it to
-        for worker in workers:
-            worker.process.join()
-            worker.connection.close()
-
-
-def _start(workers: list[_Worker], work: Callable[..., Any], n: int) -> None:
-    """Add so many: those that are there already are known where the next one fails."""
-    context = multiprocessing.get_context("spawn")
-    with holding_interrupts(), blocking_interrupts():
-        for _ in range(n):
-            ours, theirs = context.Pipe()
-            process = context.Process(target=serve, args=(work, theirs), daemon=True)
-            process.start()
-            theirs.close()
-            workers.append(_Worker(process, ours))
-
-
-def _give(worker: _Worker, left: Iterator[tuple[int, object]]) -> bool:
-    """Give a worker the next item; False where there is none."""
-    for numbered in left:
-        with suppress(OSError):  # it has died: `_answer` will find out
-            worker.connection.send(numbered)
-        return True
-    return False
-
-
-def _answer(worker: _Worker) -> _Answer:
-    try:
-        result: _Answer = worker.connection.recv()
-        return result
-    except (EOFError, ConnectionError):
-        worker.process.join()
-        raise Paint3DError(
-            "a process that was started to help died (exit status {exitcode})",
-            exitcode=worker.process.exitcode,
-        ) from None
-
-
-def serve(work: Callable[..., Any], connection: Connection) -> None:
-    """Do what comes until the other end is closed."""
-    ignore_interrupts()
-    end_with_parent()
-    while True:
-        try:
-            number, item = connection.recv()
-        except (EOFError, OSError):
-            return
-        try:
-            answer: _Answer = (number, work(item), None)
-        except Exception as fault:
-            answer = (number, None, fault)
-        try:
-            connection.send_bytes(_packed(answer))
-        except OSError:  # whoever asked is gone
-            return
-
-
-def _packed(answer: _Answer) -> memoryview | bytes:
-    """An answer as it is sent; one that cannot be sent becomes an error that says so."""
-    number, _, fault = answer
-    try:
-        packed = ForkingPickler.dumps(answer)
-        if fault is not None:
-            ForkingPickler.loads(packed)  # some errors can be sent, but not be made again
-    except Exception as cause:
-        told = f"{type(cause).__name__}: {cause}"
-        if fault is not None:
-            told = f"{type(fault).__name__}: {fault} ({told})"
-        unsent = Paint3DError("what a process found could not be sent back: {told}", told=told)
-        packed = ForkingPickler.dumps((number, None, unsent))
-    return packed
-
-
-# --------------------------------------------------------------------------------------------------
-
+__all__ = ["Pen", "Written", "write_page", "write_text"]
 
 LEAST_EM_MM, MOST_EM_MM = 2.0, 1000.0
 MOST_VARIATION = 3.0

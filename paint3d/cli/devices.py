@@ -152,9 +152,6 @@ class OpenedDevices(PluggedDevices):
         super().stop()
 
 
-# --------------------------------------------------------------------------------------------------
-
-
 # ---- Calibration ---------------------------------------------------------------------------------
 # `paint3d devices calibrate`: touch known points, see the error, keep where the stylus stands.
 
@@ -289,9 +286,6 @@ def _can_type() -> bool:
     except (OSError, ValueError):
         return False
     return True
-
-
-# --------------------------------------------------------------------------------------------------
 
 
 # ---- Settings ------------------------------------------------------------------------------------
@@ -477,7 +471,7 @@ def _show(mouse: Mapping[str, Any], buttons: Mapping[int, str], feel: Mapping[st
         sys.stdout.write(f"{name if name == 'stylus' else f'stylus {name}'}: {value}\n")
 
 
-# --------------------------------------------------------------------------------------------------
+# ---- The command ---------------------------------------------------------------------------------
 
 
 EXAMPLES = """

@@ -98,7 +98,7 @@ def viewing_of(options: argparse.Namespace) -> Viewing | None:
     return None if found.is_plain else found
 
 
-# --------------------------------------------------------------------------------------------------
+# ---- The command ---------------------------------------------------------------------------------
 
 
 EXAMPLES = """

@@ -66,7 +66,9 @@ UNREAD = {  # what other programs read, and ours does not
 DRAWINGS = {".svg": "SVG", ".dxf": "DXF"}
 RECORDS = ".p3d.txt"  # a suffix of two words, of which .txt alone is none
 BESIDE = (".gltf", ".glb", ".obj", ".ply", ".dae", ".zae")  # may refer to others in their folder
-TEXTURED = (".3mf", ".stl", ".off")  # say themselves all that there is of colours
+WANT_TEXTURE = (".3mf", ".stl", ".off")
+# Hold all that they say of colours, .stl and .off those of faces, and refer to no other file: their
+# readers take no folder, only whether colours are wanted.
 MESH_SUFFIXES = tuple(READERS)
 WIDE = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
 
@@ -225,7 +227,7 @@ def read_raw(path: Path, texture: bool = False) -> RawMesh:
         data = plain_text(data)
     if suffix in BESIDE:
         return read(data, path.parent, texture)
-    return read(data, texture) if suffix in TEXTURED else read(data)
+    return read(data, texture) if suffix in WANT_TEXTURE else read(data)
 
 
 def _in_words(cause: Exception) -> Message:

@@ -305,7 +305,7 @@ def _turn_about(axis: AnyArray, angle: float) -> AnyArray:
     return turn
 
 
-# --------------------------------------------------------------------------------------------------
+# ---- Edits ---------------------------------------------------------------------------------------
 
 
 _PIECE_S = 0.05  # of the ink's time beside a hand
@@ -452,7 +452,9 @@ def change_ink(
     ink: str | Mapping[str, float],
     pigments: Mapping[str, Any] | None = None,
 ) -> Score:
-    """Paint a stroke in another ink: of as much as the brush holds, which it holds of its own then.
+    """Paint a stroke in another ink.
+
+    The brush holds as much of it as it held of its own ink at that moment.
 
     Parameters
     ----------

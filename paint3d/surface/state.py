@@ -35,6 +35,7 @@ __all__ = [
     "STATE_VERSION",
     "UPGRADES",
     "checked_flow",
+    "integers_in",
     "layer_state",
     "restore_layer",
     "restore_surface",
@@ -251,7 +252,7 @@ def restore_surface(
                 "it has {n} pigments with repeated or too many names",
                 n=len(pigments),
             )
-        repeat_refinement(surface.paint_mesh, _integers(state, "splits"), progress)
+        repeat_refinement(surface.paint_mesh, integers_in(state, "splits"), progress)
         if surface.n_vertices > surface.paint_mesh.n_base_vertices:
             surface.make_room()
         for pigment in pigments:
@@ -446,7 +447,7 @@ def checked_flow(
 
 def _vertices(state: Mapping[str, Any], name: str, n: int) -> NDArray[np.int32]:
     """Return an array of distinct vertex numbers, 0 to n - 1."""
-    ids = _integers(state, name)
+    ids = integers_in(state, name)
     if len(ids) and not 0 <= int(ids.min()) <= int(ids.max()) < n:
         raise SessionError(
             "{name} holds {least} to {most}; expected 0 to {last}",
@@ -482,7 +483,7 @@ def _amounts(
 
 
 def _saved_blocks(state: Mapping[str, Any], surface: PaintedSurface) -> NDArray[np.int32]:
-    blocks = _integers(state, "open_blocks")
+    blocks = integers_in(state, "open_blocks")
     if len(blocks) and not 0 <= blocks.min() <= blocks.max() < surface.flow_graph.n_blocks:
         raise SessionError(
             "water was in blocks {least} to {most}; expected 0 to {n_blocks}",
@@ -493,7 +494,8 @@ def _saved_blocks(state: Mapping[str, Any], surface: PaintedSurface) -> NDArray[
     return blocks
 
 
-def _integers(state: Mapping[str, Any], name: str) -> NDArray[np.int32]:
+def integers_in(state: Mapping[str, Any], name: str) -> NDArray[np.int32]:
+    """A saved (n,) int32 array; a SessionError where it is another."""
     values = np.asarray(state[name])
     if values.dtype != np.int32 or values.ndim != 1:
         raise SessionError(

@@ -27,6 +27,7 @@ from paint3d.surface.state import (
     MOST_RESERVOIRS,
     ROUNDING,
     checked_flow,
+    integers_in,
     layer_state,
     restore_layer,
 )
@@ -309,7 +310,7 @@ def restore_undo(
                 version=version,
                 undo_version=UNDO_VERSION,
             )
-        counts, kinds = _integers(state, "parts"), _integers(state, "stack")
+        counts, kinds = integers_in(state, "parts"), integers_in(state, "stack")
         n_steps = len(done) + 1 + len(undone)
         numbers = state["done"], state["undone"]
         if numbers != (len(done), len(undone)) or len(counts) != n_steps:
@@ -445,9 +446,9 @@ def _deltas(surface: PaintedSurface, state: ReadState, count: int) -> list[Packe
         column("dry_spectra", np.uint16, bands), column("dry_amounts", np.float32, p),
         column("dry_share", np.float32), zip(*over, strict=True),
     ]  # fmt: skip
-    counts = _integers(state, "dry_count")
+    counts = integers_in(state, "dry_count")
     flows = _flows(surface, state)
-    of = _integers(state, "flow")
+    of = integers_in(state, "flow")
     if len(of) != count or len(counts) != count:
         raise SessionError(
             "{count} paintings have {n} flows, and dried {counts} times",
@@ -536,7 +537,7 @@ def _check_delta(delta: PackedDelta, distinct: _Distinct) -> None:
 
 def _flows(surface: PaintedSurface, state: ReadState) -> list[PackedFlow]:
     """Return the F flows of the steps, each checked."""
-    sizes, names = _integers(state, "flow_size"), state["flow_names"]
+    sizes, names = integers_in(state, "flow_size"), state["flow_names"]
     count, n, p = len(sizes), surface.n_vertices, len(surface.pigments)
     if count > _MOST_FLOWS or sizes.max(initial=0) > n or sizes.min(initial=0) < 0:
         raise SessionError(
@@ -644,15 +645,3 @@ def _exchange_ids(now: AnyArray, then: DryRows) -> AnyArray:
     after[: len(now)] = now
     after[rows[~shared]] = ids[~shared]
     return after
-
-
-def _integers(state: ReadState, name: str) -> AnyArray:
-    values = np.asarray(state[name])
-    if values.dtype != np.int32 or values.ndim != 1:
-        raise SessionError(
-            "{name} is {values_dtype} {values_shape}; expected (n,) int32",
-            name=name,
-            values_dtype=values.dtype,
-            values_shape=values.shape,
-        )
-    return values

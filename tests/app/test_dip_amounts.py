@@ -651,11 +651,11 @@ def test_it_is_dipped_by_itself_before_a_stroke_for_which_little_is_left(window)
         stroke(window, row)
     assert 0.0 < in_the_hand(window)[1] < 0.25 * full
     stroke(window, 0.45)  # it is not wanted yet
-    assert not window.document.strokes[-1].dipped
+    assert not window.document.strokes[-1].dipped_since_stroke
     window.panels.inks.by_itself.click()
     left = in_the_hand(window)[1]
     stroke(window, 0.50)
-    assert window.document.strokes[-1].dipped
+    assert window.document.strokes[-1].dipped_since_stroke
     assert in_the_hand(window)[1] > left
     assert window.document.painter.amount == DipAmount(wetted=0.01)
     with window.stage.paint_thread.paused() as document:
@@ -667,12 +667,12 @@ def test_it_is_not_dipped_by_itself_while_enough_is_left_or_when_it_was_rinsed(w
     window.panels.inks.by_itself.click()
     stroke(window, 0.35)
     stroke(window, 0.40)  # most is left of a whole dip
-    assert [one.dipped for one in window.document.strokes] == [True, False]
+    assert [one.dipped_since_stroke for one in window.document.strokes] == [True, False]
     window.workspace.actions["rinse"].trigger()
     settled(window)
     stroke(window, 0.45)
     assert in_the_hand(window)[1] == 0.0
-    assert not window.document.strokes[-1].dipped
+    assert not window.document.strokes[-1].dipped_since_stroke
 
 
 def test_the_boxes_follow_dips_that_took_up_other_amounts(window) -> None:

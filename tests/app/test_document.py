@@ -289,13 +289,13 @@ def test_a_stroke_knows_whether_the_brush_was_dipped_before_it():
     paint(document, (-20, 9), (20, 9))
     document.dip()
     paint(document, (-20, 18), (20, 18))
-    assert [stroke.dipped for stroke in document.strokes] == [True, False, True]
+    assert [stroke.dipped_since_stroke for stroke in document.strokes] == [True, False, True]
     document.undo()
     paint(document, (-20, 27), (20, 27))
-    assert document.strokes[-1].dipped
+    assert document.strokes[-1].dipped_since_stroke
     document.undo()
     document.undo()
     document.swap_inks()
     document.undo()
     paint(document, (-20, 27), (20, 27))
-    assert [stroke.dipped for stroke in document.strokes] == [True]
+    assert [stroke.dipped_since_stroke for stroke in document.strokes] == [True]

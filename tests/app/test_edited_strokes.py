@@ -268,6 +268,15 @@ def test_a_journal_of_before_edits_of_several_is_done_again() -> None:
     same(snap(documents[0]), snap(documents[1]))
 
 
+def test_a_journal_that_numbered_strokes_and_seals_from_0_is_done_again() -> None:
+    surface = small_plane().surface
+    edit = {"do": "delete"}
+    line = {"do": "edit_strokes", "numbers": [2], "edit": edit}
+    assert decode_command(line, surface)[2] == {"places": [2], "edit": edit}
+    line = {"do": "edit_seal", "number": 1, "edit": edit}
+    assert decode_command(line, surface)[2] == {"place": 1, "edit": edit}
+
+
 def test_a_painting_that_was_saved_is_edited_on(tmp_path) -> None:
     document = sitting()
     document.edit_strokes([3], {"do": "delete"})

@@ -8,11 +8,11 @@ import pytest
 from paint3d.app.model.brush_in_hand import scaled
 from paint3d.app.model.commands import decode_command, encode_command
 from paint3d.app.model.document import Document
-from paint3d.app.model.image_painter import ImagePainter
 from paint3d.app.model.input.symmetry import MirrorPlane, Symmetry
 from paint3d.app.model.paint_thread import PaintThread
 from paint3d.app.model.persistence.recovery_folder import RecoveryFolder, recoverable
 from paint3d.app.model.stroke_log import recording_of
+from paint3d.app.model.stroke_painter import ImagePainter
 from paint3d.brush.presets import load_brush
 from paint3d.brush.spec import BristleSpec
 from paint3d.cli.main import main

@@ -100,7 +100,9 @@ def everything(document):
         "layers": np.array([layer.name for layer in document.layers]),
         "active": np.array(document.active_layer), "brush": np.array(painter.brush.name),
         "steps": np.array([len(document.steps.done), len(document.steps.undone)]),
-        "strokes": np.array([[s.dipped, len(s.samples), s.duration_s] for s in document.strokes]),
+        "strokes": np.array([
+            [s.dipped_since_stroke, len(s.samples), s.duration_s] for s in document.strokes
+        ]),
     }  # fmt: skip
 
 

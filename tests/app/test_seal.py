@@ -158,6 +158,15 @@ def test_what_was_undone_only_to_look_at_it_is_there_below_a_seal(document: Docu
     assert document.surface.painted.any()
 
 
+def test_a_seal_is_edited_while_one_looks_at_what_was_before_it(document: Document) -> None:
+    document.press_seal(RINGS, HERE, UP)
+    paint(document, (-15, 6), (15, 6))
+    document.replay_history(0)
+    document.edit_seal(0, {"do": "delete"})
+    assert len(document.strokes) == 2
+    assert document.pressed_seals() == []
+
+
 # -- by the hand, in the window ----------------------------------------------------------------
 
 

@@ -25,7 +25,7 @@ from paint3d.app.window.wording import (
     system_language,
 )
 from paint3d.brush.presets import brush_names, load_brush
-from paint3d.calligraphy.writing import in_processes
+from paint3d.calligraphy.processes import in_processes
 from paint3d.colour.materials import load_materials
 from paint3d.core.atomic import write_atomically
 from paint3d.errors import (

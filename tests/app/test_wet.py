@@ -13,7 +13,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from paint3d.app.model import paint_thread as paint_threads
-from paint3d.app.model.paint_thread import LATE_S, InkClock, Pace, PaintThread
+from paint3d.app.model.ink_clock import LATE_S, InkClock
+from paint3d.app.model.paint_thread import Pace, PaintThread
 from paint3d.app.model.persistence.recovery_folder import RecoveryFolder, recoverable
 from paint3d.painter import painter as engine
 from paint3d.painter.ink_time import PIECE_NS, PIECE_S

@@ -15,8 +15,8 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 from PySide6 import QtTest
 
 from paint3d.app.model import paint_thread as paint_threads
+from paint3d.app.model.ink_clock import LATE_S
 from paint3d.app.model.input.event_clock import EventClock
-from paint3d.app.model.paint_thread import LATE_S
 from paint3d.app.window.hand import canvas as canvases
 from paint3d.app.window.playing import player as players
 from paint3d.cli.main import main

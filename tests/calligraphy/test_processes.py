@@ -15,15 +15,15 @@ from pathlib import Path
 
 import pytest
 
-from paint3d.calligraphy import writing
-from paint3d.calligraphy.writing import in_processes
+from paint3d.calligraphy import processes
+from paint3d.calligraphy.processes import in_processes, serve
 from paint3d.errors import InputError, Paint3DError
 from tests.support.cases import long_but
 
 PATIENCE_S = 300
 SLEEPERS = """
 import os, sys, time
-from paint3d.calligraphy.writing import in_processes
+from paint3d.calligraphy.processes import in_processes
 
 def work(item):
     os.write(1, b"%d\\n" % os.getpid())  # at once: two write at the same time
@@ -117,11 +117,11 @@ def test_none_outlives_the_one_that_started_it(number: int, tmp_path: Path) -> N
 
 def test_one_whose_answer_nobody_awaits_ends_quietly(monkeypatch) -> None:
     """As when who asked was killed a moment before."""
-    monkeypatch.setattr(writing, "ignore_interrupts", lambda: None)  # of the tests themselves
+    monkeypatch.setattr(processes, "ignore_interrupts", lambda: None)  # of the tests themselves
     ours, theirs = multiprocessing.Pipe()
     ours.send((0, -3))
     ours.close()
-    writing.serve(abs, theirs)
+    serve(abs, theirs)
 
 
 @pytest.mark.parametrize(  # while they start; at work

@@ -34,7 +34,7 @@ from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.pose.brush_pose import object_poses
 from paint3d.surface.painted_surface import PaintedSurface
 
-__all__ = ["Block", "Copybook", "Ghost", "Score"]
+__all__ = ["Block", "Copybook", "CopybookMark", "Ghost"]
 
 _REACH = 0.15  # ems that a chart goes beyond the em square, for what strays
 _NODES_PER_EM = 24.0
@@ -178,7 +178,7 @@ class Ghost:
 
 
 @dataclass(frozen=True)
-class Score:
+class CopybookMark:
     """What a stroke meant to a copybook.
 
     Attributes
@@ -256,7 +256,7 @@ class Copybook:
     lines : str
         The text with a line break after each column or row; empty of a page.
     block : Block
-    scores : dict of int to Score
+    marks : dict of int to CopybookMark
         Of characters by their place, the last of each.
     page : Page or None
         As it was composed; None of known characters.
@@ -301,7 +301,7 @@ class Copybook:
             self.page, placed = lay_page(surface, text, em_mm, layout)
         self._surface = surface
         self.squares = tuple(one.square for one in placed)
-        self.scores: dict[int, Score] = {}
+        self.marks: dict[int, CopybookMark] = {}
         self.ghosts = tuple(
             Ghost(one.glyph, one.square, surface) for one in placed if one.glyph.strokes
         )
@@ -355,7 +355,7 @@ class Copybook:
         best = int(np.argmax(counts))
         return best if counts[best] > 0 else None
 
-    def note(self, stroke: Stroke, surface: PaintedSurface) -> Score | None:
+    def note(self, stroke: Stroke, surface: PaintedSurface) -> CopybookMark | None:
         """Take a stroke that was painted; None where it belongs to no character."""
         place = self.place_of(stroke)
         if place is None:
@@ -364,8 +364,10 @@ class Copybook:
         ghost.strokes.append(stroke)
         stroke.tags |= {"character": ghost.text, "place": place}
         likeness = ghost.compare(surface) if ghost.is_written else None
-        self.scores[place] = Score(place, ghost.text, len(ghost.strokes), likeness, ghost.seconds)
-        return self.scores[place]
+        self.marks[place] = CopybookMark(
+            place, ghost.text, len(ghost.strokes), likeness, ghost.seconds
+        )
+        return self.marks[place]
 
     def follow(self, strokes: Sequence[Stroke]) -> None:
         """Forget strokes that were undone."""

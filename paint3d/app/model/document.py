@@ -27,7 +27,6 @@ from paint3d.app.model.edit_history import (
     places_of,
     without_refusals,
 )
-from paint3d.app.model.image_painter import StrokePainter
 from paint3d.app.model.input.symmetry import Symmetry
 from paint3d.app.model.laid_text import LaidText, packed_texts, unpacked_texts
 from paint3d.app.model.mask import Mask, Stencil
@@ -35,7 +34,7 @@ from paint3d.app.model.persistence.brush_words import brush_from_words, brush_wo
 from paint3d.app.model.persistence.saved_history import MOST_BYTES, restore_history, saved_history
 from paint3d.app.model.persistence.saved_settings import (
     DEFAULT_BRUSH,
-    DEFAULT_INKS,
+    PURE_INKS,
     saved_inks,
     saved_painter,
     saved_unit,
@@ -55,6 +54,7 @@ from paint3d.app.model.stroke_log import (
     strokes_of,
     weights_of,
 )
+from paint3d.app.model.stroke_painter import StrokePainter
 from paint3d.brush.presets import load_brush
 from paint3d.brush.spec import BrushSpec, DipAmount
 from paint3d.colour.materials import Material
@@ -147,7 +147,7 @@ class Document:
         self.unit = unit
         self.settings: dict[str, Any] = dict(saved.settings if saved else {})
         at_hand = saved_inks(surface, self.settings)
-        self.inks: list[Ink] = list(at_hand or (painter.dipped, DEFAULT_INKS[1]))
+        self.inks: list[Ink] = list(at_hand or (painter.dipped, PURE_INKS[1]))
         self.progress: Callable[[float], None] | None = None
         self.check_access: Callable[[], None] = lambda: None
         self.modified = False
@@ -157,7 +157,7 @@ class Document:
         self._texts = unpacked_texts(self.settings.pop("texts", []))
         self._log = StrokeLog(saved.strokes if saved else (), self.settings.get("brushes", {}))
         surface.use_layers()
-        self._dipped = self.settings.get("fresh", True) is not False
+        self._dipped_since_stroke = self.settings.get("fresh", True) is not False
         self._undo = UndoHistory(surface, undo_bytes, self._keep, self._restore)
         self._strokes = StrokePainter(painter, self._undo)
         self._lease: BrushLease | None = None
@@ -204,11 +204,11 @@ class Document:
     def _keep(self) -> dict[str, object]:
         """What undo brings back besides the surface."""
         texts = packed_texts(self._texts)
-        return {"painter": self.painter.keep(), "dipped": self._dipped, "texts": texts}
+        return {"painter": self.painter.keep(), "dipped": self._dipped_since_stroke, "texts": texts}
 
     def _restore(self, kept: Any) -> None:
         self.painter.restore(kept["painter"])
-        self._dipped = kept["dipped"]
+        self._dipped_since_stroke = kept["dipped"]
         self._texts = unpacked_texts(kept["texts"])
 
     # -- opening and saving ---------------------------------------------------------------
@@ -222,7 +222,7 @@ class Document:
         *,
         unit: str | None = None,
         brush: str | BrushSpec = DEFAULT_BRUSH,
-        ink: Ink = DEFAULT_INKS[0],
+        ink: Ink = PURE_INKS[0],
         undo_bytes: int = MEMORY_BUDGET,
     ) -> Document:
         """Start a painting on a mesh, its file, or a built-in object.
@@ -379,7 +379,7 @@ class Document:
         settings["dipped"] = weights_of(self.painter.dipped)
         settings["amount"] = self.painter.amount.words()
         settings["dips"] = [[weights_of(ink), reach] for ink, reach in self.painter.dips]
-        settings["fresh"] = self._dipped
+        settings["fresh"] = self._dipped_since_stroke
         if not self.surface.keeps_up:
             settings["behind"] = True
         settings["inks"] = [weights_of(ink) for ink in self.inks]
@@ -446,7 +446,7 @@ class Document:
         elif isinstance(brush, str):  # it may be that of a session, which names no file
             brush = load_brush(brush, own_files=False)
         self.painter.change_brush(brush)
-        self._dipped = True
+        self._dipped_since_stroke = True
 
     @recorded
     def scale_brush(self, factor: float) -> None:
@@ -510,7 +510,7 @@ class Document:
         `amount` is what `DipAmount.words` gives.
         """
         self.painter.dip(ink, reach, None if amount is None else DipAmount.of(amount))
-        self._dipped = True
+        self._dipped_since_stroke = True
         if ink is not None:
             self.inks[0] = ink
 
@@ -614,11 +614,10 @@ class Document:
         loads : sequence of (int, float)
             How much the brush comes to hold at samples of the stroke, counted from 0: a fraction, 0
             to 1, of what a dip gives.
+        strengths : sequence of (int, float)
+            As `loads`, but the fraction of ink in water, until the next dip.
         erase : bool
             Take paint off the layer with a full brush, instead of putting ink on it; see `Eraser`.
-        strengths : sequence of (int, float)
-            The same for what fraction of the ink it then is, the rest being water, until the next
-            dip.
 
         Raises
         ------
@@ -635,7 +634,12 @@ class Document:
         layer = self._paintable()
         painter = self.painter
         stroke = self._log.begin(
-            painter.brush, painter.dipped, layer.name, self._dipped, time_s, painter.amount
+            painter.brush,
+            painter.dipped,
+            layer.name,
+            self._dipped_since_stroke,
+            time_s,
+            painter.amount,
         )
         stroke.loads, stroke.strengths = loads, strengths
         self._undo.begin(stroke)
@@ -644,7 +648,7 @@ class Document:
             stroke.tags[ERASES] = True
         if brush is not None or ink is not None:
             self._borrow(stroke, brush, ink)
-        self._refused = self._dipped = False
+        self._refused = self._dipped_since_stroke = False
         self._strokes.begin(loads, strengths, erase=erase)
 
     def _borrow(
@@ -662,7 +666,7 @@ class Document:
             self._note(self._undo.revert())
             raise
         stroke.brush, stroke.ink = painter.brush, parts_of(painter.dipped)
-        stroke.dipped = True
+        stroke.dipped_since_stroke = True
 
     def feed(self, samples: Sequence[DeviceSample]) -> None:
         """Paint samples of both hands, in the order of time; the last two wait for more.
@@ -1200,7 +1204,7 @@ class Document:
         if held != (brush, weights_of(dipped), amount):
             painter.change_brush(brush)
             painter.dip(dipped, amount=amount)
-            self._dipped = True
+            self._dipped_since_stroke = True
         return self._stepped(union(touched, self.surface.paint_mesh.capacity))
 
     @recorded
@@ -1344,7 +1348,7 @@ class Document:
             )
         self._gather()
         painter = self.painter
-        brush, since_dip = painter.brush, self._dipped
+        brush, since_dip = painter.brush, self._dipped_since_stroke
         amount, dips = painter.amount, dips_of(painter)
         n_done = len(self._undo.done)
         touched = [self._undo.undo() for _ in range(n_done)]
@@ -1363,7 +1367,7 @@ class Document:
                 painter.change_brush(brush)
                 for ink, reach in dips:  # the belly, and then the tip
                     painter.dip(ink, reach, amount if reach is None else None)
-            self._dipped = since_dip
+            self._dipped_since_stroke = since_dip
             found = union(touched, self.surface.paint_mesh.capacity)
             self.surface.touch(found)
             self._note(found)
@@ -1372,15 +1376,18 @@ class Document:
 
     # -- edits of strokes -------------------------------------------------------------------
 
-    def edit_strokes(self, numbers: Sequence[int], edit: Mapping[str, Any]) -> AnyArray:
+    # Neither edit is `recorded`: the edited score takes the place of the one that was kept.
+
+    def edit_strokes(self, places: Sequence[int], edit: Mapping[str, Any]) -> AnyArray:
         """Edit strokes, several as one, and paint everything after the first anew: one undo step.
 
         Strokes that were undone to look at what was before come back first.
 
         Parameters
         ----------
-        numbers : sequence of int
-            Places of the strokes, from 0, among `strokes` and, after them, `undone_strokes`.
+        places : sequence of int
+            Of the strokes, from 0, among `strokes` and, after them, `undone_strokes`; scores number
+            theirs from 1.
         edit : mapping
             See `score_edits.edit_strokes`; the ink may be one in hand, the brush a `BrushSpec`, and
             the brushes of strokes that are scaled are theirs, scaled.
@@ -1396,27 +1403,27 @@ class Document:
             If no stroke is named or there is no such stroke, it is not known from the beginning
             what was painted, or the edit cannot be done; everything is as it was then.
         """
-        chosen = sorted(dict.fromkeys(numbers))
+        chosen = sorted(dict.fromkeys(places))
         if not chosen:
             raise InputError("no stroke is chosen; expected one or several")
         score = self._score_to_edit()
         if self._looking:
             self.replay_history(len(self.strokes) + len(self.undone_strokes))
             score = self._score_to_edit()
-        places = places_of(score, len(self.strokes), len(self.undone_strokes))
-        for number in chosen:
-            self._check_number(number, len(self.strokes))
+        spans = places_of(score, len(self.strokes), len(self.undone_strokes))
+        for place in chosen:
+            self._check_number(place, len(self.strokes))
         words = self._in_words(edit, score)
         if edit.get("do") == "scale" and "factor" in edit:
             brushes = [scaled(self.strokes[k].brush, edit["factor"]) for k in chosen]
             words = {**words, "brushes": [brush_named(brush) for brush in brushes]}
-        edited = edit_strokes(score, [places[k][0] for k in chosen], words, self.surface.source)
+        edited = edit_strokes(score, [spans[k][0] for k in chosen], words, self.surface.source)
         first = first_difference(score, edited)
-        back = max((k for k, (_, begin) in enumerate(places) if begin <= first), default=0)
+        back = max((k for k, (_, begin) in enumerate(spans) if begin <= first), default=0)
         back = min([back, *chosen])
         self._check_number(back, len(self.strokes))
         return self._paint_anew(
-            edited, lambda: len(self.strokes) > back, min(places[back][1], first)
+            edited, lambda: len(self.strokes) > back, min(spans[back][1], first)
         )
 
     @property
@@ -1432,14 +1439,13 @@ class Document:
         lines = [score.events[seal.begin] for seal in follow_steps(score).seals]
         return [dict(line) for line in lines if not isinstance(line, Recording)]
 
-    @recorded
-    def edit_seal(self, number: int, edit: Mapping[str, Any]) -> AnyArray:
+    def edit_seal(self, place: int, edit: Mapping[str, Any]) -> AnyArray:
         """Edit a seal, and paint everything after it anew: a step that can be undone.
 
         Parameters
         ----------
-        number : int
-            Of the seal, from 0, among those that are there.
+        place : int
+            Of the seal, from 0, among those that are there; scores number theirs from 1.
         edit : mapping
             See `score_edits.edit_seal`; the ink may be one in hand.
 
@@ -1460,22 +1466,23 @@ class Document:
             score = self._score_to_edit()
         seals = follow_steps(score).seals
         held = self.n_seals
-        if not 0 <= number < len(seals) or len(seals) != held:
+        if not 0 <= place < len(seals) or len(seals) != held:
             raise InputError(
                 "seal {number} is none of {count} that {steps} steps lead back to",
-                number=number + 1,
+                number=place + 1,
                 count=len(seals),
                 steps=held,
             )
         words = self._in_words(edit, score)
-        edited = edit_seal(score, number + 1, words)
+        edited = edit_seal(score, place + 1, words)
         step = COMMANDS["press_seal"].step
         return self._paint_anew(
-            edited, lambda: self._undo.done.count(step) > number, seals[number].begin
+            edited, lambda: self._undo.done.count(step) > place, seals[place].begin
         )
 
     def _score_to_edit(self) -> Score:
         """The score, during no stroke."""
+        self.check_access()
         self.break_off()
         if self.keeper is None:
             raise InputError(

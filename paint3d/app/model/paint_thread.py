@@ -3,7 +3,7 @@
 All samples are painted, in order, by kernels that release the interpreter's lock, while the view
 runs at whatever rate it can. Colours are computed once for each frame that is taken. An error
 becomes an event, and painting goes on. With a `RecoveryFolder`, another thread journals every
-sample and command as it is posted, possibly before it is painted.
+sample and command as it is posted, before it is painted or while it is.
 
 Wet ink runs by the hand's clock (`InkClock`): small time steps pass between the samples that are
 painted, and by the wall clock while the queue is empty. Where the flow is too large to follow, ink
@@ -31,101 +31,17 @@ from paint3d.app.model.brush_in_hand import BRUSH_COMMANDS, brush_after
 from paint3d.app.model.commands import COMMANDS, encode_command
 from paint3d.app.model.document import Document
 from paint3d.app.model.frame import Frame, Snapshot, view_brush
+from paint3d.app.model.ink_clock import InkClock
 from paint3d.app.model.persistence.recovery_folder import RecoveryFolder, refusal
 from paint3d.brush.spec import BrushSpec
 from paint3d.device.sample import DeviceSample
 from paint3d.errors import Paint3DError, RecordingError, SessionError
-from paint3d.painter.ink_time import LOOKAHEAD, PIECE_NS, PIECE_S, is_lifted, pieces_until
+from paint3d.painter.ink_time import LOOKAHEAD, PIECE_S, is_lifted
 
 CHECKS_ACCESS = bool(os.environ.get("PAINT3D_CHECKS"))
 """Whether it is checked that nobody but the painting thread uses the document, as tests have it."""
 
-__all__ = ["CHECKS_ACCESS", "LATE_S", "Event", "InkClock", "Pace", "PaintThread"]
-
-# ---- The clock of ink ----------------------------------------------------------------------------
-# Decides when time steps of wet ink pass while a hand paints (`painter.ink_time` says which steps).
-#
-# Samples carry the time at which they were made and arrive late, one frame at a time or many at
-# once. The steps before a sample follow from its timestamp, however late it arrives; the wall clock
-# takes over only when the hand has been silent for longer than it may be late. So the same samples
-# meet the same ink however they are delivered, and again when their recording is replayed.
-
-
-LATE_S = 0.25  # by which samples may arrive late
-_OTHER_S = 1.0  # a jump back in time by more means that another clock counts
-_NS = 1_000_000_000
-
-
-class InkClock:
-    """Counts the time steps that have passed for the ink.
-
-    Parameters
-    ----------
-    now_ns : int
-        Wall clock, which counts alone until the first sample.
-
-    Attributes
-    ----------
-    left_out : int
-        Steps that were skipped.
-    """
-
-    def __init__(self, now_ns: int) -> None:
-        self.left_out = 0
-        self._passed = pieces_until(now_ns)  # since the clock's zero
-        self._heard = self._heard_at = now_ns  # news
-        self._knows_hand = False
-
-    def hear(self, sample_ns: int, now_ns: int, most: int) -> int:
-        """Advance the clock to a sample.
-
-        Parameters
-        ----------
-        sample_ns : int
-            When it was made, ns by the device's clock.
-        now_ns : int
-            When it arrived, ns by the wall clock.
-        most : int
-            Steps that may pass; more are skipped.
-
-        Returns
-        -------
-        int
-            Time steps that pass before it is painted; none before the first sample.
-        """
-        self._heard, self._heard_at = sample_ns, now_ns
-        ended = pieces_until(sample_ns)
-        if not self._knows_hand or ended < self._passed - round(_OTHER_S / PIECE_S):
-            self._passed, self._knows_hand = ended, True
-        due = max(0, ended - self._passed)
-        passed = min(due, most)
-        self._passed += due
-        self.left_out += due - passed
-        return passed
-
-    def wait(self, now_ns: int, most: int) -> bool:
-        """Whether one more step has passed by the wall clock since the last sample.
-
-        Of steps that are due, `most` are kept for later calls; the rest are skipped.
-        """
-        due = max(0, pieces_until(self._hand_ns(now_ns)) - self._passed)
-        late = max(0, due - most)
-        self._passed += late + (due > 0)
-        self.left_out += late
-        return due > 0
-
-    def patience(self, now_ns: int) -> float:
-        """Seconds until `wait` has another step, 0 to one step."""
-        left = (self._passed + 1) * PIECE_NS - self._hand_ns(now_ns)
-        return min(max(0.0, left / _NS), PIECE_S)
-
-    def _hand_ns(self, now_ns: int) -> int:
-        """Up to when all input of the hand is known, by its own clock."""
-        return self._heard + now_ns - self._heard_at - round(LATE_S * _NS)
-
-
-# --------------------------------------------------------------------------------------------------
-
+__all__ = ["CHECKS_ACCESS", "Event", "Pace", "PaintThread"]
 
 _CHUNK = 64  # samples painted before it is looked whether a frame is wanted
 _MOST_BEHIND_S = 0.16  # that painting may be when the time that passes at once has been followed
@@ -769,7 +685,7 @@ class _JournalWriter:
         self, recovery: RecoveryFolder, document: Document, report: Callable[[str, Exception], None]
     ) -> None:
         self.recovery = recovery
-        self._document = document  # read only while the painting thread waits
+        self._document = document  # what changes of it `turn_page` alone reads: painting waits
         self.n_put = 0
         self.has_gap = self.had_gap = False
         self._leaving = False  # what is written would be deleted

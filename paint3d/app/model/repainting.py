@@ -84,7 +84,7 @@ class Repainter:
         if stroke.brush != painter.brush:
             painter.change_brush(stroke.brush)
             painter.dip(self._ink_of(stroke), amount=stroke.amount)
-        elif stroke.dipped:
+        elif stroke.dipped_since_stroke:
             painter.dip(self._ink_of(stroke), amount=stroke.amount)
 
     def _ink_of(self, stroke: Stroke) -> dict[str | Pigment, float]:

@@ -54,7 +54,7 @@ class Stroke:
         Parts of the inks that the brush was dipped in last, by name.
     layer : str
         Name of the layer.
-    dipped : bool
+    dipped_since_stroke : bool
         Whether the brush was dipped since the stroke before.
     amount : DipAmount
         How much ink its dips took up.
@@ -71,7 +71,7 @@ class Stroke:
     brush: BrushSpec
     ink: dict[str, float]
     layer: str
-    dipped: bool = True
+    dipped_since_stroke: bool = True
     amount: DipAmount = field(default_factory=DipAmount)
     samples: list[DeviceSample] = field(default_factory=list)
     tags: dict[str, object] = field(default_factory=dict)
@@ -99,7 +99,7 @@ class Stroke:
                 "parts": dict(self.ink),
                 "layer": self.layer,
                 "time_s": self.time_s,
-                "dipped": self.dipped,
+                "dipped": self.dipped_since_stroke,
                 "tags": dict(self.tags),
             }
         )
@@ -160,14 +160,20 @@ class StrokeLog:
         brush: BrushSpec,
         ink: str | Pigment | Mapping[Any, float],
         layer: str,
-        dipped: bool,
+        dipped_since_stroke: bool,
         time_s: float | None = None,
         amount: DipAmount | None = None,
     ) -> Stroke:
         """Start a stroke, now or at a time (s since 1970)."""
         at = time.time() if time_s is None else time_s
         self.current = Stroke(
-            at, brush, parts_of(ink), layer, dipped, amount or DipAmount(), tags=dict(self.tags)
+            at,
+            brush,
+            parts_of(ink),
+            layer,
+            dipped_since_stroke,
+            amount or DipAmount(),
+            tags=dict(self.tags),
         )
         return self.current
 
@@ -270,7 +276,7 @@ def _whole(stroke: Stroke) -> list[DeviceSample]:
         samples.insert(0, _with(first, time_ns=first.time_ns - _LANDING_NS, pressure=0.0))
     if last.pressure is not None and last.pressure > 0.0:
         samples.append(_with(last, time_ns=last.time_ns + _LANDING_NS, pressure=0.0))
-    if stroke.dipped:
+    if stroke.dipped_since_stroke:
         dip = _with(samples[0], time_ns=samples[0].time_ns - _LANDING_NS, buttons=DIP | end)
         samples.insert(0, dip)
     return samples

@@ -8,6 +8,7 @@ from paint3d.app.model.frame import Snapshot
 from paint3d.app.model.input.symmetry import MirrorPlane, RadialSymmetry, Symmetry
 from paint3d.app.model.mask import AngleMask, Mask, RegionPick, face_at, nearest_vertex
 from paint3d.app.window.history.stroke_editing import Recalling
+from paint3d.app.window.ink.ink_panel import TIP_REACH
 from paint3d.app.window.job import Progress, result_of
 from paint3d.app.window.panels import Panels
 from paint3d.app.window.playing.player import Player
@@ -21,7 +22,6 @@ from paint3d.view.camera import picture_axes
 
 __all__ = ["PaintActions"]
 
-_TIP_REACH = 0.35  # of the tuft's length
 _STEADY = 0.4
 _TURNS = 6
 _MASK_DEGREES = 75.0
@@ -95,7 +95,7 @@ class PaintActions:
 
     def do_dip_tip(self) -> None:
         """Load its tip again."""
-        self._workspace.dip(None, _TIP_REACH)
+        self._workspace.dip(None, TIP_REACH)
 
     def do_dip_water(self) -> None:
         """Dip the brush in clear water: a water brush."""

@@ -1,4 +1,4 @@
-"""What is on stage: the painted object, the brush and the camera, kept up with the paint_thread.
+"""What is on stage: the painted object, the brush and the camera, kept up with the painting thread.
 
 The only place where the painting thread's document and the renderer meet: between two of its steps
 the document is held still while what has changed is copied, patch by patch; then it paints on while
@@ -50,7 +50,7 @@ class Stage:
     ----------
     size : (int, int)
         Width and height, pixels.
-    mood : Mood
+    mood : Background
 
     Attributes
     ----------

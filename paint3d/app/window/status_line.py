@@ -32,7 +32,7 @@ def keeping_up(frame: Frame | None) -> tuple[str, str]:
     return "good", say("has caught up")
 
 
-# --------------------------------------------------------------------------------------------------
+# ---- The status line -----------------------------------------------------------------------------
 
 
 _EVERY_S = 0.25  # how the painting keeps up: oftener it cannot be read

@@ -2,13 +2,9 @@
 
 from __future__ import annotations
 
-import gc
 import math
-import sys
-import threading
 import time
-import traceback
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import replace
 
 from PySide6 import QtCore, QtGui, QtWidgets
@@ -30,6 +26,7 @@ from paint3d.app.window.files.opening import Opening
 from paint3d.app.window.files.recovery import Recovery
 from paint3d.app.window.files.saving import RecentFiles, Saving
 from paint3d.app.window.files.target_dialog import Targets
+from paint3d.app.window.garbage import collect_later
 from paint3d.app.window.hand.device_input import DeviceInput
 from paint3d.app.window.hand.keys import HeldKeys
 from paint3d.app.window.hand.steering import Steering
@@ -48,173 +45,17 @@ from paint3d.app.window.reference.reference import Reference
 from paint3d.app.window.seal import Sealing
 from paint3d.app.window.status_line import ReplayBar, StatusLine
 from paint3d.app.window.theme import DARK_THEME
+from paint3d.app.window.timer_faults import ReportOnce
 from paint3d.app.window.tour import Tour
 from paint3d.app.window.view_actions import ViewActions
 from paint3d.app.window.view_keeping import ViewKeeping
+from paint3d.app.window.window_geometry import first_size, restore_window, window_words
 from paint3d.app.window.wording import say, say_error
 from paint3d.app.window.workspace import Workspace
 from paint3d.colour.materials import Material
-from paint3d.core.machine import give_back_memory
 from paint3d.errors import Message, Paint3DError
 
-__all__ = [
-    "ReportOnce",
-    "StudioWindow",
-    "collect_all",
-    "collect_garbage",
-    "collect_here",
-    "collect_later",
-    "first_size",
-    "restore_window",
-    "window_words",
-]
-
-# ---- Garbage -------------------------------------------------------------------------------------
-# Garbage is collected in the window's thread alone.
-#
-# Python looks for cycles of objects that nobody holds in whatever thread happens to make the next
-# object. A window that was closed is such a cycle, and Qt's objects must not die in another thread
-# than their own: while the window's thread hands them an event, the program ends there and then.
-
-
-_LOOK_MS = 250
-_LATER_MS = 3000  # when what was opened instead has been drawn, and lit
-_YOUNG = 700  # objects, Python's own thresholds
-_ROUNDS = 10
-_REST_S = 60.0  # between searches among all objects, some .05 s each
-
-
-class _Search:
-    """When all objects were last searched."""
-
-    at_s = 0.0
-
-
-def collect_garbage() -> None:
-    """Collect what is due, as Python itself would, in the thread that calls."""
-    young, middle, old = gc.get_count()
-    now = time.monotonic()
-    if old > _ROUNDS and now - _Search.at_s > _REST_S:
-        _Search.at_s = now
-        gc.collect(2)
-    elif middle > _ROUNDS:
-        gc.collect(1)
-    elif young > _YOUNG:
-        gc.collect(0)
-
-
-def collect_all() -> None:
-    """Collect all that is due, and have its memory given back to the system.
-
-    That takes a tenth of a second where there is much, and is no thread's in particular.
-    """
-    _Search.at_s = time.monotonic()
-    gc.collect(2)
-    threading.Thread(target=give_back_memory, name="paint3d-memory", daemon=True).start()
-
-
-def collect_later(owner: QtCore.QObject) -> QtCore.QTimer:
-    """What collects all a while after it was last started, as long as its owner lives.
-
-    It is started when a painting is let go of: paintings are circles of objects too, of some
-    hundred megabytes.
-    """
-    timer = QtCore.QTimer(owner, interval=_LATER_MS, singleShot=True)
-    timer.timeout.connect(collect_all)
-    return timer
-
-
-def collect_here(owner: QtCore.QObject) -> None:
-    """From now on collect garbage in this thread only, as long as its owner lives."""
-    gc.disable()
-    gc.freeze()  # what was imported stays: half of what a whole search looks at
-    timer = QtCore.QTimer(owner, interval=_LOOK_MS)
-    timer.timeout.connect(collect_garbage)
-    timer.start()
-
-
-# --------------------------------------------------------------------------------------------------
-
-
-# ---- Size and position ---------------------------------------------------------------------------
-# Size, place and panels of a window, as words for the settings.
-
-
-_VERSION = 1  # of the arrangement of tool bars and panels: another one is not restored
-_SIZE = QtCore.QSize(1280, 800)
-_FRAME = QtCore.QSize(2, 38)  # that a window manager puts around it, about
-
-
-def first_size(window: QtWidgets.QMainWindow) -> QtCore.QSize:
-    """How large a window is that was never opened before: no larger than its screen."""
-    room = window.screen().availableGeometry().size() - _FRAME
-    return _SIZE.boundedTo(room).expandedTo(window.minimumSizeHint())
-
-
-def window_words(window: QtWidgets.QMainWindow) -> dict[str, object]:
-    """What `restore_window` needs, as JSON can hold it."""
-    return {
-        "geometry": _text(window.saveGeometry()),
-        "panels": _text(window.saveState(_VERSION)),
-    }
-
-
-def restore_window(window: QtWidgets.QMainWindow, words: Mapping[str, object]) -> None:
-    """Give a window the size, place and panels that it had; what cannot be used is passed over.
-
-    Qt moves what would lie beside the screens back onto one.
-    """
-    geometry, panels = words.get("geometry"), words.get("panels")
-    if isinstance(geometry, str):
-        window.restoreGeometry(_bytes(geometry))
-    if isinstance(panels, str):
-        window.restoreState(_bytes(panels), _VERSION)
-
-
-def _text(data: QtCore.QByteArray) -> str:
-    return bytes(data.toBase64().data()).decode("ascii")
-
-
-def _bytes(text: str) -> QtCore.QByteArray:
-    return QtCore.QByteArray.fromBase64(text.encode("utf-8", "replace"))
-
-
-# --------------------------------------------------------------------------------------------------
-
-
-# ---- Faults of timers ----------------------------------------------------------------------------
-# A timer repeats its action and must not repeat its error messages.
-
-
-class ReportOnce:
-    """Runs an action and reports each distinct exception once, by where it was raised.
-
-    Parameters
-    ----------
-    action : callable
-    tell : callable
-        Given the fault in words, for the user.
-    """
-
-    def __init__(self, action: Callable[[], object], tell: Callable[[str], object]) -> None:
-        self._action, self._tell = action, tell
-        self._known: set[tuple[object, ...]] = set()
-
-    def __call__(self) -> None:
-        """Do it."""
-        try:
-            self._action()
-        except Exception as error:  # the next call may well succeed
-            last = traceback.extract_tb(error.__traceback__)[-1]
-            place = type(error), last.filename, last.lineno
-            if place not in self._known:
-                self._known.add(place)
-                sys.excepthook(type(error), error, error.__traceback__)
-                self._tell(f"{type(error).__name__}: {error}")
-
-
-# --------------------------------------------------------------------------------------------------
-
+__all__ = ["StudioWindow"]
 
 _TICK_MS = 12
 _REST = 0.25  # of a picture's time, left to hand and painting before the next one

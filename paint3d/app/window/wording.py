@@ -1,7 +1,9 @@
 """What the window says, in the language that was chosen.
 
 All of it is written in English where it is said, and looked up by that in gettext's catalogue of
-the language (`locale/`): texts by `say`, and messages that errors, notes and tables bring.
+the language (`locale/`): texts by `say`, and messages that errors, notes and tables bring. Names of
+pigments come from the column `chinese` of `palette.csv` instead, those of one's own materials from
+their files, and what Qt's own dialogs say from Qt (`start.py`).
 """
 
 from __future__ import annotations

@@ -209,9 +209,6 @@ def _union(parts: Sequence[_Part]) -> MultiPolygon:
     return as_multipolygon(unary_union([part.shape for part in parts]))
 
 
-# --------------------------------------------------------------------------------------------------
-
-
 # ---- Line breaks ---------------------------------------------------------------------------------
 # Where a line of text may be broken: at spaces and hyphens, and between ideographs.
 #
@@ -277,7 +274,7 @@ def break_line(text: str, advances: Sequence[float], room: float) -> list[str]:
     return [line for line in lines if line]
 
 
-# --------------------------------------------------------------------------------------------------
+# ---- Setting of text -----------------------------------------------------------------------------
 
 
 _COLUMN_SCRIPTS = ("CJK UNIFIED", "CJK COMPATIBILITY", "HIRAGANA", "KATAKANA", "BOPOMOFO")

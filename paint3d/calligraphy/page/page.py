@@ -123,7 +123,7 @@ def rings_of(polygon: Polygon) -> tuple[NDArray[np.float64], Iterable[NDArray[np
     return outer, tuple(np.asarray(ring.coords, np.float64)[:-1] for ring in polygon.interiors)
 
 
-# --------------------------------------------------------------------------------------------------
+# ---- Pages ---------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, eq=False)

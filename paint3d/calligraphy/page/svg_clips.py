@@ -13,7 +13,7 @@ from copy import deepcopy
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element
 
-__all__ = ["CLIPS", "mark_clipped"]
+__all__ = ["CLIPS", "mark_clipped", "tag_like", "tag_of"]
 
 CLIPS = "data-paint3d-clips"
 """The attribute with the places, in what `mark_clipped` returns, of all paths that clip a shape."""
@@ -49,7 +49,7 @@ def mark_clipped(root: Element) -> tuple[list[bytes], set[str]]:
     others: set[str] = set()
 
     def walk(element: Element, above: Sequence[Element], clips: tuple[int, ...]) -> None:
-        if _tag(element) == "clipPath":
+        if tag_of(element) == "clipPath":
             return
         text = _said(element)
         here = [*above, element]
@@ -79,10 +79,10 @@ def _put_in_place(element: Element, named: dict[str, Element]) -> None:
     """Put what is used into the place of its uses, where it may be clipped otherwise."""
     for k, child in enumerate(element):
         href = next(filter(None, map(child.get, _HREFS)), "")
-        used = named.get(href.lstrip("#")) if _tag(child) == "use" else None
+        used = named.get(href.lstrip("#")) if tag_of(child) == "use" else None
         if used is not None:
             group = Element(
-                _like(child, "g"), {k: v for k, v in child.attrib.items() if k not in _USING}
+                tag_like(child, "g"), {k: v for k, v in child.attrib.items() if k not in _USING}
             )
             group.set("transform", _moved(child))
             group.append(deepcopy(used))
@@ -101,7 +101,8 @@ def _said(element: Element) -> str:
 
 def _is_plain(path: Element) -> bool:
     return (
-        _tag(path) == "clipPath" and path.get("clipPathUnits", "userSpaceOnUse") == "userSpaceOnUse"
+        tag_of(path) == "clipPath"
+        and path.get("clipPathUnits", "userSpaceOnUse") == "userSpaceOnUse"
     )
 
 
@@ -113,12 +114,12 @@ def _drawing(place: Sequence[Element], path: Element, named: dict[str, Element])
     for element in inner:
         attributes = {k: v for k, v in element.attrib.items() if k in _PLACING}
         tag = element.tag
-        if _tag(element) not in ("svg", "use"):  # of a shape its x and y are no place
+        if tag_of(element) not in ("svg", "use"):  # of a shape its x and y are no place
             attributes = {k: v for k, v in attributes.items() if k == "transform"}
-            tag = _like(element, "g")
+            tag = tag_like(element, "g")
         at = ElementTree.SubElement(at, tag, attributes)
     moved = {"transform": path.get("transform", "")}
-    at = ElementTree.SubElement(at, _like(path, "g"), moved)
+    at = ElementTree.SubElement(at, tag_like(path, "g"), moved)
     rule = _rule_of(path)
     at.extend(filled for child in path for filled in _filled(child, rule, named, 0))
     return ElementTree.tostring(drawing)
@@ -128,18 +129,18 @@ def _filled(
     element: Element, rule: str, named: dict[str, Element], depth: int
 ) -> Sequence[Element]:
     """An element of a clip path as it is filled; a use as what it is of."""
-    if _tag(element) == "clipPath" or depth > _MOST:
+    if tag_of(element) == "clipPath" or depth > _MOST:
         return ()
     rule = _rule_of(element) or rule
     hidden = element.get("display") == "none" or "display:none" in _bare(element.get("style", ""))
     if hidden:
         return ()
     kept = {k: v for k, v in element.attrib.items() if k not in _LOOKS}
-    if _tag(element) == "use":
+    if tag_of(element) == "use":
         used = named.get(next(filter(None, map(element.get, _HREFS)), "#").lstrip("#"))
         if used is None:
             return ()
-        group = Element(_like(element, "g"), {"transform": _moved(element)})
+        group = Element(tag_like(element, "g"), {"transform": _moved(element)})
         group.extend(_filled(used, rule, named, depth + 1))
         return (group,)
     copy = Element(element.tag, {**kept, "fill": "#000", "stroke": "none"})
@@ -159,10 +160,11 @@ def _bare(text: str) -> str:
     return re.sub(r"\s+", "", text.lower())
 
 
-def _tag(element: Element) -> str:
+def tag_of(element: Element) -> str:
+    """An element's tag without its namespace."""
     return element.tag.rpartition("}")[2]
 
 
-def _like(element: Element, tag: str) -> str:
+def tag_like(element: Element, tag: str) -> str:
     """A tag in the namespace of an element's."""
     return element.tag.rpartition("}")[0] + "}" * ("}" in element.tag) + tag

@@ -36,7 +36,7 @@ from paint3d.calligraphy.page.page import (
     polygons_of,
     rings_of,
 )
-from paint3d.calligraphy.page.svg_clips import CLIPS, mark_clipped
+from paint3d.calligraphy.page.svg_clips import CLIPS, mark_clipped, tag_like, tag_of
 from paint3d.calligraphy.page.svg_lengths import in_numbers
 from paint3d.calligraphy.shapes.decompose import decompose, thinnest_within
 from paint3d.core.arrays import AnyArray
@@ -243,9 +243,6 @@ def _unless_finite(call: re.Match[str]) -> str:
     return "" if finite else call[0]
 
 
-# --------------------------------------------------------------------------------------------------
-
-
 # ---- What is refused -----------------------------------------------------------------------------
 # What is refused of an SVG before it is read: entities, what lies outside of it, endless uses.
 
@@ -347,9 +344,6 @@ def _count(root: ElementTree.Element, name: str) -> None:
         )
 
 
-# --------------------------------------------------------------------------------------------------
-
-
 # ---- References ----------------------------------------------------------------------------------
 # A drawing with what it refers to in its place, and without what is only there to be referred to.
 #
@@ -385,7 +379,7 @@ def _placed(element: Element, named: dict[str, Element]) -> Element:
     placed = Element(element.tag, element.attrib)
     placed.text, placed.tail = element.text, element.tail
     for child in element:
-        tag = _tag(child)
+        tag = tag_of(child)
         if tag in _NOT_DRAWN:
             continue
         used = _used(child, named) if tag == "use" else None
@@ -401,16 +395,16 @@ def _used(use: Element, named: dict[str, Element]) -> Element | None:
     """The symbol or drawing that a use is of; none where it is of something else."""
     href = next(filter(None, map(use.get, HREFS)), "#")
     used = named.get(href.lstrip("#"))
-    return used if used is not None and _tag(used) in ("svg", "symbol") else None
+    return used if used is not None and tag_of(used) in ("svg", "symbol") else None
 
 
 def _drawing_at(use: Element, used: Element) -> Element:
     """A use that holds its symbol as a drawing as large as it says."""
     place = _without(use, (*HREFS, *_SIZES))
     drawing = deepcopy(used)
-    drawing.tag, drawing.tail = _like(use, "svg"), None
+    drawing.tag, drawing.tail = tag_like(use, "svg"), None
     for key in _SIZES:
-        asked = use.get(key) or drawing.get(key) or ("100%" if _tag(used) == "symbol" else "")
+        asked = use.get(key) or drawing.get(key) or ("100%" if tag_of(used) == "symbol" else "")
         if asked:
             drawing.set(key, asked)
     if drawing.get("viewBox") and not any(map(drawing.get, _PLACE)):
@@ -422,7 +416,7 @@ def _drawing_at(use: Element, used: Element) -> Element:
 
 def _moved(drawing: Element) -> Element:
     """A drawing without a viewBox, at its place."""
-    place = Element(_like(drawing, "use"), {key: drawing.get(key) or "0" for key in _PLACE})
+    place = Element(tag_like(drawing, "use"), {key: drawing.get(key) or "0" for key in _PLACE})
     place.append(_without(drawing, _PLACE))
     place[0].extend(drawing)
     return place
@@ -433,16 +427,7 @@ def _without(element: Element, attributes: tuple[str, ...]) -> Element:
     return Element(element.tag, {k: v for k, v in element.attrib.items() if k not in attributes})
 
 
-def _tag(element: Element) -> str:
-    return element.tag.rpartition("}")[2]
-
-
-def _like(element: Element, tag: str) -> str:
-    """A tag in the namespace of an element's."""
-    return element.tag.rpartition("}")[0] + "}" * ("}" in element.tag) + tag
-
-
-# --------------------------------------------------------------------------------------------------
+# ---- The drawing ---------------------------------------------------------------------------------
 
 
 _LOG = logging.getLogger(__name__)
@@ -565,7 +550,7 @@ def _fall_back(root: Element, names: set[str | None]) -> None:
 
 def _is_used(tag: str, root: Element) -> bool:
     """Return whether something in a drawing is filled or stroked by an element of this tag."""
-    names = {element.get("id") for element in root.iter() if _tag(element) == tag}
+    names = {element.get("id") for element in root.iter() if tag_of(element) == tag}
     texts = (
         text for element in root.iter() for text in (element.text or "", *element.attrib.values())
     )

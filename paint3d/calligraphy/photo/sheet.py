@@ -155,7 +155,7 @@ def straightened(
     return out
 
 
-# --------------------------------------------------------------------------------------------------
+# ---- Finding the sheet ---------------------------------------------------------------------------
 
 
 _SEARCHED, _DRAWN = 320, 1400  # pixels of the longer side: where it is looked for, and drawn

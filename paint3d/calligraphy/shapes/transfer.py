@@ -162,7 +162,7 @@ def _drifted(
     return np.split(points, cuts)
 
 
-# --------------------------------------------------------------------------------------------------
+# ---- Strokes of the ink --------------------------------------------------------------------------
 
 
 _STEP = 0.25  # widths between the points that are given to strokes

@@ -133,9 +133,6 @@ def vertex_accessor(
     return accessor
 
 
-# --------------------------------------------------------------------------------------------------
-
-
 # ---- What is packed ------------------------------------------------------------------------------
 # What is packed in a glTF: primitives by Draco (KHR_draco_mesh_compression, unpacked by DracoPy)
 # and buffer views by meshopt (EXT_meshopt_compression, unpacked by meshoptimizer).
@@ -262,9 +259,6 @@ def unpack_meshopt(data: bytes, packed: dict[str, Any]) -> bytes:
     )
 
 
-# --------------------------------------------------------------------------------------------------
-
-
 # ---- Kinds ---------------------------------------------------------------------------------------
 # Whether the parts of a glTF document are of the kinds that the specification asks for.
 
@@ -339,7 +333,7 @@ def _expect(value: object, kind: type, place: str) -> None:
         )
 
 
-# --------------------------------------------------------------------------------------------------
+# ---- The file ------------------------------------------------------------------------------------
 
 
 JSON_CHUNK, BIN_CHUNK = 0x4E4F534A, 0x004E4942
@@ -767,7 +761,7 @@ def _placed(uv: NDArray[np.float64], turned: dict[str, Any]) -> NDArray[np.float
     return uv + np.array(turned.get("offset", (0.0, 0.0)), np.float64)
 
 
-# --------------------------------------------------------------------------------------------------
+# ---- The mesh ------------------------------------------------------------------------------------
 
 
 TRIANGLES, STRIP, FAN = 4, 5, 6

@@ -250,7 +250,7 @@ def _pair(words: list[bytes], default: float) -> tuple[float, float]:
     return u, v
 
 
-# --------------------------------------------------------------------------------------------------
+# ---- The mesh ------------------------------------------------------------------------------------
 
 
 COLOURED = (6, 7, 8)  # numbers of a vertex line with a colour

@@ -169,9 +169,6 @@ def _face_colours(faces: Sequence[Element], sizes: NDArray[np.int64]) -> PlyLook
     return PlyLooks((Look(),), look_of, uv, np.repeat(every, sizes, axis=0), notes)
 
 
-# --------------------------------------------------------------------------------------------------
-
-
 # ---- Tables --------------------------------------------------------------------------------------
 # The tables of a PLY file: ASCII and binary of both byte orders, any types, any line ends.
 
@@ -466,7 +463,7 @@ def _cast(column: AnyArray, p: Property) -> AnyArray:
     return column.astype(p.dtype) if fit and (column == np.floor(column)).all() else column
 
 
-# --------------------------------------------------------------------------------------------------
+# ---- The mesh ------------------------------------------------------------------------------------
 
 
 WANTED = ("vertex", "face", "tristrips")

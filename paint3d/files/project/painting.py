@@ -168,7 +168,7 @@ def may_leave_srgb(pigments: Any) -> bool:
     return any(np.ptp(p.K) > 0.0 or np.ptp(p.S) > 0.0 for p in pigments)
 
 
-# --------------------------------------------------------------------------------------------------
+# ---- The painting --------------------------------------------------------------------------------
 
 
 UNIT_LENGTH = 1e-6  # a normal nearer to length 1 than this is left as it is

@@ -34,7 +34,7 @@ def _repeat(document: Document, stroke: Stroke, inks: dict[str, Pigment]) -> Non
         document.select_layer(names.index(stroke.layer))
     if stroke.brush != document.painter.brush:
         document.set_brush(stroke.brush)
-    if stroke.dipped:
+    if stroke.dipped_since_stroke:
         document.dip({inks.get(name, name): part for name, part in stroke.ink.items()})
     document.begin_stroke()
     document.feed(stroke.samples)

@@ -25,7 +25,7 @@ from paint3d.surface.painted_surface import PaintedSurface
 
 __all__ = [
     "DEFAULT_BRUSH",
-    "DEFAULT_INKS",
+    "PURE_INKS",
     "chosen_brush",
     "chosen_inks",
     "chosen_material",
@@ -35,7 +35,9 @@ __all__ = [
     "saved_unit",
 ]
 
-DEFAULT_BRUSH, DEFAULT_INKS = "full", ("pine soot", "cinnabar")
+DEFAULT_BRUSH = "full"
+PURE_INKS = ("pine soot", "cinnabar")
+"""Of files and programs that name none; the studio begins with `Settings.inks`, soot in water."""
 
 Mixture = dict[str | Pigment, float]
 
@@ -49,7 +51,7 @@ def saved_painter(surface: PaintedSurface, settings: Mapping[str, Any]) -> Paint
         If the settings describe no brush, ink or hairs.
     """
     ink = settings.get("ink")
-    ink = ink if isinstance(ink, str) else DEFAULT_INKS[0]
+    ink = ink if isinstance(ink, str) else PURE_INKS[0]
     azimuth = settings.get("azimuth", "commanded")
     brush = _brush(settings.get("brush"))
     pigment = None if surface.pigments else load_pigment(ink, own_tables=False)
@@ -129,7 +131,7 @@ def chosen_inks(settings: Settings) -> list[Mixture | str | Pigment]:
     palette = {*load_palette(), WATER.name}
     own = own_pigments(settings.pigment_tables).pigments if settings.pigment_tables else {}
     inks: list[Mixture | str | Pigment] = []
-    for ink, instead in zip_longest(settings.inks[:2], DEFAULT_INKS):
+    for ink, instead in zip_longest(settings.inks[:2], PURE_INKS):
         parts = dict(ink) if isinstance(ink, Mapping) else {ink: 1.0}
         whole = set(parts) <= palette | set(own) and sum(parts.values()) > 0.0
         chosen: Any = own.get(ink, ink) if isinstance(ink, str) else None

@@ -142,7 +142,10 @@ class Settings:
     brush_mm: float | None = None
     favourite_brushes: tuple[str, ...] = ()
     inks: tuple[str | Mapping[str, float], ...] = (
-        {"pine soot": 0.26, "water": 0.74},  # as a writer grinds it
+        {
+            "pine soot": 0.26,
+            "water": 0.74,
+        },  # as a writer grinds it; files: `PURE_INKS`
         "cinnabar",
     )
     resolution_mm: float = 0.4

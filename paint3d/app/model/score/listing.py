@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from paint3d.app.model.brush_in_hand import BRUSH_COMMANDS, brush_after
-from paint3d.app.model.persistence.saved_settings import DEFAULT_BRUSH, DEFAULT_INKS
+from paint3d.app.model.persistence.saved_settings import DEFAULT_BRUSH, PURE_INKS
 from paint3d.app.model.score.words import brush_in
 from paint3d.errors import Message, Paint3DError, RecordingError
 from paint3d.pose.brush_pose import brush_poses
@@ -61,7 +61,7 @@ def listed_strokes(score: Score) -> list[ListedStroke]:
             score=score.name or Message("the score"),
             cause=cause,
         ) from None
-    ink = score.header.get("ink", DEFAULT_INKS[0])
+    ink = score.header.get("ink", PURE_INKS[0])
     begun = {stroke.begin: stroke for stroke in follow_steps(score).strokes}
     listed = []
     for k, event in enumerate(score.events):

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from paint3d.app.model.document import Document
-from paint3d.app.model.persistence.saved_settings import DEFAULT_BRUSH, DEFAULT_INKS
+from paint3d.app.model.persistence.saved_settings import DEFAULT_BRUSH, PURE_INKS
 from paint3d.app.model.score.stepping import Step, play
 from paint3d.app.model.score.words import Inks, brush_in, brush_named, header_of, material_in
 from paint3d.app.model.stroke_log import ERASES, Stroke, recording_of
@@ -59,7 +59,7 @@ def begun(
     header = score.header
     try:
         brush = brush_in(header, DEFAULT_BRUSH)
-        ink = Inks(dict(header.get("pigments", {}))).mixture(header.get("ink", DEFAULT_INKS[0]))
+        ink = Inks(dict(header.get("pigments", {}))).mixture(header.get("ink", PURE_INKS[0]))
         made_of = material_in(header) if material is None else material
     except Paint3DError as cause:
         raise RecordingError(
@@ -161,7 +161,7 @@ def score_of_strokes(strokes: Sequence[Stroke], surface: PaintedSurface) -> Scor
         active = stroke.layer
         if stroke.brush != brush:
             events.append({"do": "set_brush", "brush": brush_named(stroke.brush)})
-        if stroke.brush != brush or stroke.dipped:
+        if stroke.brush != brush or stroke.dipped_since_stroke:
             amounts = {} if stroke.amount == amount else {"amount": stroke.amount.words()}
             events.append({"do": "dip", "ink": ink, **amounts})
             amount = stroke.amount

@@ -334,10 +334,13 @@ def _say_edit(asked: Mapping[str, Any], vocabulary: Vocabulary) -> Words:
     return which | {"edit": _say_ink(edit, vocabulary)}
 
 
-EDIT = Codec(
-    _say_edit,
-    lambda said, vocabulary: {**said, "edit": _hear_ink(said["edit"], vocabulary)},
-)
+def _hear_edit(said: Mapping[str, Any], vocabulary: Vocabulary) -> Words:
+    now = {"numbers": "places", "number": "place"}  # as older journals call them
+    which = {now.get(key, key): value for key, value in said.items()}
+    return {**which, "edit": _hear_ink(said["edit"], vocabulary)}
+
+
+EDIT = Codec(_say_edit, _hear_edit)
 """Which strokes or which seal, and an edit as `Document.edit_strokes` or `edit_seal` takes it."""
 
 

@@ -139,9 +139,6 @@ def _draw(brush: BrushSpec, ink: Ink, side: int, columns: int) -> Drawn:
         return Drawn(brush, None, None, error)
 
 
-# --------------------------------------------------------------------------------------------------
-
-
 # ---- Curves --------------------------------------------------------------------------------------
 # A curve to drag, by which an input of the hand drives a setting of the brush.
 
@@ -288,9 +285,6 @@ class FactorCurve(QtWidgets.QWidget):
         self.changed.emit(points)
 
 
-# --------------------------------------------------------------------------------------------------
-
-
 # ---- Numbers -------------------------------------------------------------------------------------
 # A number to be chosen: what it is, a slider, a box with its unit, and between what it may lie.
 
@@ -422,9 +416,6 @@ def _digits_for(low: float, high: float, even: bool) -> int:
     return min(max(_DIGITS - 1 - math.floor(math.log10(max(span, 1e-9))), 0), 7)
 
 
-# --------------------------------------------------------------------------------------------------
-
-
 # ---- Drafts --------------------------------------------------------------------------------------
 # A brush while its parameters are turned: one change at a time, each within its range.
 
@@ -501,7 +492,7 @@ def with_curve(brush: BrushSpec, setting: str, name: str, points: Points) -> Bru
     return dataclasses.replace(brush, inputs=inputs)
 
 
-# --------------------------------------------------------------------------------------------------
+# ---- The editor ----------------------------------------------------------------------------------
 
 
 _SIDE, _COLUMNS = 208, 440  # pixels of the pictures

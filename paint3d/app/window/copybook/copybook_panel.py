@@ -337,10 +337,10 @@ class CopybookPanel(QtWidgets.QWidget):
 
     def percent(self, place: int) -> float | None:
         """How like its copybook a character is, 0 to 100; None before it is written."""
-        score = None if self.copybook is None else self.copybook.scores.get(place)
-        if score is None or score.likeness is None:
+        mark = None if self.copybook is None else self.copybook.marks.get(place)
+        if mark is None or mark.likeness is None:
             return None
-        return 100.0 * score.likeness.iou
+        return 100.0 * mark.likeness.iou
 
     def _fill(self) -> None:
         self.list.clear()

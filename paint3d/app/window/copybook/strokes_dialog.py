@@ -357,9 +357,6 @@ def _arrow(line: Sequence[QtCore.QPointF], way: float, size: float) -> QtGui.QPo
     return QtGui.QPolygonF([tip, foot + side * size, foot - side * size])
 
 
-# --------------------------------------------------------------------------------------------------
-
-
 # ---- Corners of the sheet ------------------------------------------------------------------------
 # The corners of a sheet over its photograph, to be dragged.
 
@@ -449,7 +446,7 @@ class CornerView(PictureView):
             painter.drawText(box, QtCore.Qt.AlignmentFlag.AlignCenter, str(k + 1))
 
 
-# --------------------------------------------------------------------------------------------------
+# ---- The dialog ----------------------------------------------------------------------------------
 
 
 _REACH = 14.0  # pixels of the widget that a click may miss a stroke by

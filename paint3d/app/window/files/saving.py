@@ -56,7 +56,7 @@ class RecentFiles(QtCore.QObject):
         return [path for path in self._workspace.settings.recent if Path(path).exists()]
 
 
-# --------------------------------------------------------------------------------------------------
+# ---- Saving --------------------------------------------------------------------------------------
 
 
 class Saving:

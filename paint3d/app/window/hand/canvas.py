@@ -125,7 +125,7 @@ def touch_of_tablet(event: QtGui.QTabletEvent, time_ns: int) -> Touch:
     )
 
 
-# --------------------------------------------------------------------------------------------------
+# ---- The canvas ----------------------------------------------------------------------------------
 
 
 WRITING = (QtWidgets.QLineEdit, QtWidgets.QAbstractSpinBox, QtWidgets.QPlainTextEdit)

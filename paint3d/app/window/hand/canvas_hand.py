@@ -38,7 +38,7 @@ _STAYS_PX = 6.0  # that a pointer moves which stays where it was
 
 
 class CanvasHand(QtCore.QObject):
-    """Joins the canvas's events to the paint_thread.
+    """Joins the canvas's events to the painting thread.
 
     Signals
     -------

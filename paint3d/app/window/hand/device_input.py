@@ -183,7 +183,7 @@ class Calibrating:
         self._form.show_calibrating(f"{problem}\n{asked}".strip(), True)
 
 
-# --------------------------------------------------------------------------------------------------
+# ---- Painting with devices -----------------------------------------------------------------------
 
 
 _PATIENCE_S = 0.02  # that the window waits for a step of the painting

@@ -20,7 +20,7 @@ from paint3d.colour.pigments import WATER, Pigment, load_palette, load_pigment
 from paint3d.errors import Message
 from paint3d.painter.painter import Ink
 
-__all__ = ["DishGrid", "InkPanel", "ToneRow", "in_tone", "ink_label", "paint_dish"]
+__all__ = ["TIP_REACH", "DishGrid", "InkPanel", "ToneRow", "in_tone", "ink_label", "paint_dish"]
 
 # ---- Tones ---------------------------------------------------------------------------------------
 # The five tones of one ink as buttons: burnt, thick, heavy, light, clear.
@@ -100,11 +100,11 @@ class ToneRow(QtWidgets.QWidget):
         return pixmap
 
 
-# --------------------------------------------------------------------------------------------------
+# ---- Dishes and the panel ------------------------------------------------------------------------
 
 
 _DISH, _GAP, _LABEL = 56, 8, 18
-_TIP_REACH = 0.35  # of the tuft's length
+TIP_REACH = 0.35  # of the tuft's length, when the tip alone is dipped
 _WATER_STEPS = 100  # of the slider: even in lightness
 _WATER_PX = 300.0  # of a drag with the key for water, from ink to clear water
 _SETTLE_MS = 150  # after which the brush is dipped in what such a drag came to
@@ -485,7 +485,7 @@ class InkPanel(QtWidgets.QWidget):
         self.reach = QtWidgets.QSpinBox()
         self.reach.setRange(5, 95)
         self.reach.setSuffix(" %")
-        self.reach.setValue(round(100 * _TIP_REACH))
+        self.reach.setValue(round(100 * TIP_REACH))
         self.reach.setToolTip(say("How much of the tuft is dipped, from the tip"))
         self.reach.setAccessibleName(say("Only the tip"))
         self._amount = DipAmount()  # of the dip before

@@ -147,7 +147,7 @@ class FilmDialog(FormDialog):
         return {"seconds": film.seconds, "rate": film.rate, "width": width, "height": height}
 
 
-# --------------------------------------------------------------------------------------------------
+# ---- A turntable ---------------------------------------------------------------------------------
 
 
 _AHEAD = 3  # pictures that are drawn before they are written
@@ -284,7 +284,7 @@ def write_growth_film(workspace: Workspace, path: Path, film: Film) -> Future[An
     return workspace.run(say("Drawing the film…"), work)
 
 
-# --------------------------------------------------------------------------------------------------
+# ---- Pictures, and what is asked for -------------------------------------------------------------
 
 
 # What a file may be, by its ending, and how the dialog says it:

@@ -1,0 +1,139 @@
+"""Work for processes of their own, side by side, whose results come in order.
+
+A process that is started here ends with the one that started it, however that ends: being killed
+leaves nothing behind. An interrupt is the starter's affair; it ends the others at once.
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
+from multiprocessing.connection import Connection, wait
+from multiprocessing.process import BaseProcess
+from multiprocessing.reduction import ForkingPickler
+from typing import Any, NamedTuple, TypeVar, cast
+
+from paint3d.core.ending import holding_interrupts
+from paint3d.core.machine import blocking_interrupts, end_with_parent, ignore_interrupts
+from paint3d.errors import Paint3DError
+
+__all__ = ["in_processes", "serve"]
+
+_Answer = tuple[int, object, Exception | None]  # the item's number, what was found, what failed
+_Given = TypeVar("_Given")
+_Found = TypeVar("_Found")
+
+
+class _Worker(NamedTuple):
+    process: BaseProcess
+    connection: Connection[Any, Any]
+
+
+def _ready(workers: Sequence[_Worker]) -> list[_Worker]:
+    """Those who have an answer, after waiting for one."""
+    ready = wait([worker.connection for worker in workers])
+    return [worker for worker in workers if worker.connection in ready]
+
+
+def in_processes(
+    work: Callable[[_Given], _Found], items: Sequence[_Given], n: int
+) -> Iterator[_Found]:
+    """Yield what `work` gives for each item, in their order, found by `n` processes.
+
+    All of it must be such as can be sent to another process.
+
+    Raises
+    ------
+    Paint3DError
+        If a process dies, or finds what cannot be sent. What `work` raises is raised here.
+    """
+    workers = list[_Worker]()
+    left, found = iter(enumerate(items)), dict[int, _Found]()
+    try:
+        _start(workers, work, n)
+        busy = [w for w in workers if _give(w, left)]
+        for k in range(len(items)):
+            while k not in found:
+                for worker in _ready(busy):
+                    number, result, fault = _answer(worker)
+                    if fault is not None:
+                        raise fault
+                    found[number] = cast("_Found", result)
+                    if not _give(worker, left):
+                        busy.remove(worker)
+            yield found.pop(k)
+    finally:
+        for worker in workers:
+            worker.process.kill()  # it has nothing to end, and may hold back what asks it to
+        for worker in workers:
+            worker.process.join()
+            worker.connection.close()
+
+
+def _start(workers: list[_Worker], work: Callable[..., Any], n: int) -> None:
+    """Add so many: those that are there already are known where the next one fails."""
+    context = multiprocessing.get_context("spawn")
+    with holding_interrupts(), blocking_interrupts():
+        for _ in range(n):
+            ours, theirs = context.Pipe()
+            process = context.Process(target=serve, args=(work, theirs), daemon=True)
+            process.start()
+            theirs.close()
+            workers.append(_Worker(process, ours))
+
+
+def _give(worker: _Worker, left: Iterator[tuple[int, object]]) -> bool:
+    """Give a worker the next item; False where there is none."""
+    for numbered in left:
+        with suppress(OSError):  # it has died: `_answer` will find out
+            worker.connection.send(numbered)
+        return True
+    return False
+
+
+def _answer(worker: _Worker) -> _Answer:
+    try:
+        result: _Answer = worker.connection.recv()
+        return result
+    except (EOFError, ConnectionError):
+        worker.process.join()
+        raise Paint3DError(
+            "a process that was started to help died (exit status {exitcode})",
+            exitcode=worker.process.exitcode,
+        ) from None
+
+
+def serve(work: Callable[..., Any], connection: Connection) -> None:
+    """Do what comes until the other end is closed."""
+    ignore_interrupts()
+    end_with_parent()
+    while True:
+        try:
+            number, item = connection.recv()
+        except (EOFError, OSError):
+            return
+        try:
+            answer: _Answer = (number, work(item), None)
+        except Exception as fault:
+            answer = (number, None, fault)
+        try:
+            connection.send_bytes(_packed(answer))
+        except OSError:  # whoever asked is gone
+            return
+
+
+def _packed(answer: _Answer) -> memoryview | bytes:
+    """An answer as it is sent; one that cannot be sent becomes an error that says so."""
+    number, _, fault = answer
+    try:
+        packed = ForkingPickler.dumps(answer)
+        if fault is not None:
+            ForkingPickler.loads(packed)  # some errors can be sent, but not be made again
+    except Exception as cause:
+        told = f"{type(cause).__name__}: {cause}"
+        if fault is not None:
+            told = f"{type(fault).__name__}: {fault} ({told})"
+        unsent = Paint3DError("what a process found could not be sent back: {told}", told=told)
+        packed = ForkingPickler.dumps((number, None, unsent))
+    return packed
