@@ -260,7 +260,8 @@ FILM_SHARE = 0.6  # of equation (12a): how much less a wet tuft gives on the way
 _FILM_MOST = 0.1  # share of what the tuft holds that goes into films in one sweep at most
 _SATURATED = 0.9  # coats, h of equation (12b), at which paper takes half of what comes on the way
 _POOLED = 0.4  # how much more the middle of a tuft's liquid gives than its rim
-_EVEN_MM_S, _LINGERS = 60.0, 0.35  # speed of a hand at which h is that, and the power it falls with
+# speed of a hand at which h is that, the power it falls with, and the least speed that counts
+_EVEN_MM_S, _LINGERS, _SLOWEST_MM_S = 60.0, 0.35, 4.0
 _NOTHING = 1e-6  # share of a film
 _MOST_PASSES = 1000
 _SHARE = 0.45  # of a reservoir, the most that flows out of it on one side in one pass
@@ -343,26 +344,25 @@ def given_on_way(level):
 
 
 @uncounted(error_model="numpy")
-def _pools(stamp, field, v):
-    """How much of the liquid under a tuft stands over a vertex: 1 in the middle, 0 at the rim."""
+def _liquid_over(stamp, field, v):
+    """How high a tuft's liquid stands over a vertex: 1 in the middle of the outline, 0 outside."""
     values, widths = stamp.values[0], stamp.half_widths
-    dx = field.px[v] - values.origin[0]
-    dy = field.py[v] - values.origin[1]
-    dz = field.pz[v] - values.origin[2]
+    if values.touches <= 0.0:
+        return 0.0
+    dx = field.mx[v] - values.origin[0]
+    dy = field.my[v] - values.origin[1]
+    dz = field.mz[v] - values.origin[2]
     along = dx * values.bend[0] + dy * values.bend[1] + dz * values.bend[2]
     across = dx * values.cross[0] + dy * values.cross[1] + dz * values.cross[2]
-    at = (along - values.heel) / (values.tip - values.heel)
-    if at <= 0.0 or at >= 1.0:
+    if along <= values.heel or along >= values.tip:
         return 0.0
-    i = np.int64(at * PROFILE_CELLS)
-    across /= max(widths[i], widths[i + 1], 1e-9)
-    return 4.0 * at * (1.0 - at) * max(0.0, 1.0 - across * across)
-
-
-@uncounted(error_model="numpy")
-def dwelling(speed):
-    """How much longer than at an even hand's speed ink has to run into the paper, as a factor."""
-    return (_EVEN_MM_S / max(speed, _EVEN_MM_S / 16.0)) ** _LINGERS
+    part = (along - values.heel) / (values.tip - values.heel)
+    at = part * PROFILE_CELLS
+    i = min(np.int64(at), PROFILE_CELLS - 1)
+    width = widths[i] + (at - i) * (widths[i + 1] - widths[i])
+    if abs(across) >= width:
+        return 0.0
+    return 4.0 * part * (1.0 - part) * (1.0 - (across / width) ** 2)
 
 
 @uncounted(error_model="numpy")
@@ -376,39 +376,19 @@ def _saturate(after, found, n, field, ink):
     if draws <= 0.0:
         return
     ids, share, amounts = found.ids, found.share, ink.amounts
-    per_coat, one = (
-        np.float32(1.0 / (_SATURATED * dwelling(after.values[0].speed))),
-        np.float32(1.0),
-    )
-    touches = after.values[0].touches > 0.0
+    one = np.float32(1.0)
+    speed = max(after.values[0].speed, _SLOWEST_MM_S)
+    per_coat = np.float32((speed / _EVEN_MM_S) ** _LINGERS / _SATURATED)
     for k in range(n):
         v, coats = ids[k], np.float32(0.0)
         for p in range(ink.load.shape[0]):
             coats += amounts[v, p]
-        pools = _pools(after, field, v) if touches else 0.0
-        wet = coats * per_coat / (field.take[v] * np.float32(1.0 + _POOLED * (pools - 0.5)))
+        stands = np.float32(1.0 + _POOLED * (_liquid_over(after, field, v) - 0.5))
+        wet = coats * per_coat / (field.take[v] * stands)
         wet2 = wet * wet
         wet4 = wet2 * wet2
         wet8 = wet4 * wet4
         share[k] *= one - draws * wet8 / (one + wet8)
-
-
-@uncounted(error_model="numpy")
-def _under(stamp, field, v):
-    """Whether a vertex lies under the outline of a stamp."""
-    values, widths = stamp.values[0], stamp.half_widths
-    if values.touches <= 0.0:
-        return False
-    dx = field.mx[v] - values.origin[0]
-    dy = field.my[v] - values.origin[1]
-    dz = field.mz[v] - values.origin[2]
-    along = dx * values.bend[0] + dy * values.bend[1] + dz * values.bend[2]
-    across = dx * values.cross[0] + dy * values.cross[1] + dz * values.cross[2]
-    if along <= values.heel or along >= values.tip:
-        return False
-    at = (along - values.heel) / (values.tip - values.heel) * PROFILE_CELLS
-    i = min(np.int64(at), PROFILE_CELLS - 1)
-    return abs(across) < widths[i] + (at - i) * (widths[i + 1] - widths[i])
 
 
 @uncounted(error_model="numpy", forceinline=True)
@@ -424,7 +404,7 @@ def _lacks(film, k, before, found, field, ink):
     short = whole * min(cover, covered)
     for p in range(ink.load.shape[0]):
         short -= ink.amounts[v, p]
-    if short > np.float32(0.0) and not _under(before, field, v):
+    if short > np.float32(0.0) and _liquid_over(before, field, v) <= 0.0:
         lacks += short
     return lacks
 

@@ -61,7 +61,7 @@ def test_the_readme_runs_in_an_empty_folder(folder: Path, capsys, monkeypatch) -
     run("README.md", capsys)
     (code,) = blocks("README.md", "python")
     exec(compile(code, "README.md", "exec"), {})
-    for name in ("bowl.p3d", "vase.glb", "signed.html", "mug.glb", "one.glb", "two.glb"):
+    for name in ("poem.glb", "vase.glb", "signed.html", "signed.3mf", "one.glb", "two.glb"):
         assert (folder / name).stat().st_size > 1000
 
 

@@ -108,3 +108,32 @@ def test_a_fast_brush_flies_white_and_the_last_of_its_ink_still_marks() -> None:
     slow = inked(60.0)
     assert inked(600.0) < 0.95 * slow
     assert inked(300.0, 0.125) > 0.1 * slow
+
+
+def coats_within(material: str, speed: float) -> tuple[float, float]:
+    """Mean coats along the middle of a stroke's shaft, and beside it, just within its edge."""
+    surface = PaintedSurface(load_mesh("plane"), 0.2, material)
+    Painter(surface, "full", "pine soot").replay(stroke(speed))
+    vertices = surface.paint_mesh.vertices
+    shaft = (np.abs(vertices[:, 0]) < 6.0) & (surface.coverage > 0.95)
+    aside = np.abs(vertices[:, 1])
+    edge = aside[shaft].max()
+    coats = surface.amounts.sum(axis=1)
+    middle, rim = shaft & (aside < 0.2 * edge), shaft & (aside > 0.7 * edge)
+    return float(coats[middle].mean()), float(coats[rim].mean())
+
+
+def test_paper_takes_more_where_the_hand_lingers_and_a_glaze_does_not() -> None:
+    """docs/model.md, equation (12b)."""
+    slow, fast = coats_within("xuan", 15.0)[0], coats_within("xuan", 120.0)[0]
+    assert slow > 1.15 * fast
+    slow, fast = coats_within("porcelain", 15.0)[0], coats_within("porcelain", 120.0)[0]
+    assert slow == pytest.approx(fast, rel=0.01)
+
+
+def test_paper_takes_most_under_the_middle_of_a_tuft_and_a_glaze_at_the_rim() -> None:
+    """Equation (12b); on a glaze the film is drawn to its rims (12)."""
+    (middle, rim), (glazed_middle, glazed_rim) = (
+        coats_within(material, 30.0) for material in ("xuan", "porcelain")
+    )
+    assert middle / rim > 1.05 > glazed_middle / glazed_rim
