@@ -829,12 +829,14 @@ def test_a_stroke_of_another_device_begins_behind_the_last_and_keeps_its_pace():
     assert later == now + 3200 * MS
 
 
-def test_a_device_that_begins_to_tell_the_time_tells_the_computers():
+@pytest.mark.parametrize("begins_ms", [START_MS, 50])
+def test_a_device_that_begins_to_tell_the_time_is_heard_at_its_time(begins_ms: int) -> None:
+    """By the computer's clock or by one of its own, in a stroke that had begun without."""
     clock, now = EventClock(), START_MS * MS
     for k in range(20):
         clock.time_ns("pen", 0, now + 8 * k * MS, painting=k > 0)
     found = [
-        clock.time_ns("pen", START_MS + 8 * k, now + 8 * k * MS, painting=True)
+        clock.time_ns("pen", begins_ms + 8 * k, now + 8 * k * MS, painting=True)
         for k in range(20, 60)
     ]
     assert found[-1] == now + 8 * 59 * MS
