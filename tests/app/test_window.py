@@ -26,7 +26,7 @@ from PySide6 import QtCore, QtWidgets
 import paint3d
 from paint3d.app.model.input.devices import Feeling
 from paint3d.app.model.persistence.recovery_folder import recoverable
-from paint3d.app.window import studio
+from paint3d.app.window import garbage
 from paint3d.app.window.hand.device_input import DeviceInput, carried_camera
 from paint3d.app.window.playing.pictures import Film
 from paint3d.app.window.studio import StudioWindow
@@ -539,9 +539,9 @@ def test_a_painting_that_was_let_go_of_goes_with_its_memory(
     program, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     given_back: list[threading.Thread] = []
-    monkeypatch.setattr(studio, "_LATER_MS", 200)
+    monkeypatch.setattr(garbage, "_LATER_MS", 200)
     monkeypatch.setattr(
-        studio, "give_back_memory", lambda: given_back.append(threading.current_thread())
+        garbage, "give_back_memory", lambda: given_back.append(threading.current_thread())
     )
     with opened(program, "plane", 4.0) as window:
         left = weakref.ref(window.document)
