@@ -38,7 +38,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="MESH | SESSION",
         nargs="?",
         help=f"what to paint on: a mesh file, a saved painting, {BUILT_IN_HELP} (default: what a "
-        "crash left, or a bowl)",
+        "crash left, or a page that asks)",
     )
     chosen = {"material": "as chosen last", "resolution": "as chosen last"}
     PaintingOptions.add_to(parser, "material", "resolution", "unit", unsaid=chosen)

@@ -47,6 +47,7 @@ if TYPE_CHECKING:
     from paint3d.mesh.triangle_mesh import TriangleMesh
     from paint3d.painter.flat_input import LaidPad
     from paint3d.painter.painter import Painter
+    from paint3d.painter.stroke_table import StrokeTable
     from paint3d.recording.recording import Recording
     from paint3d.surface.painted_surface import PaintedSurface
 
@@ -346,10 +347,11 @@ def paint(
     wanted: PaintingOptions,
     seconds: dict[str, float],
     watch: Watch | None = None,
+    table: StrokeTable | None = None,
 ) -> Painting:
     """Paint a recording on a surface of `prepare`, showing a progress bar on a terminal.
 
-    A `watch` sees how it grows, for a film.
+    A `watch` sees how it grows, for a film; a `table` takes a row for every stroke.
 
     Raises
     ------
@@ -380,7 +382,7 @@ def paint(
         with ProgressBar("painting", enabled=is_shown) as progress:
             told = progress if watch is None else watch.over(recording, rest_s, progress)
             rate = None if watch is None else 1.0 / watch.step_s
-            painter.replay(recording, told, rate, rest_s is not None)
+            painter.replay(recording, told, rate, rest_s is not None, table)
         if rest_s is not None:
             with ProgressBar("spreading", enabled=is_shown) as progress:
                 told = progress if watch is None else watch.resting(progress)

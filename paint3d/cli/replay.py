@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 from paint3d.cli.films import add_film_options, film_of
 from paint3d.cli.options import (
+    FILES,
     PLACE,
     add_force_option,
     add_quiet_option,
@@ -87,6 +88,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_layer_option(parser)
     add_out_option(parser, required=False)
     add_report_option(parser)
+    group_of(parser, FILES).add_argument(
+        "--stroke-table",
+        metavar="FILE.csv",
+        type=Path,
+        help="write a table of the strokes: times, length, force, ink that each left",
+    )
     add_film_options(parser)
     add_force_option(parser)
     add_quiet_option(parser)
@@ -108,8 +115,10 @@ def run(options: argparse.Namespace) -> None:
     film = film_of(options)
     if options.report is not None:
         check_output_file(options.report, (".json",))
+    if options.stroke_table is not None:
+        check_output_file(options.stroke_table, (".csv",))
     check_overwriting(
-        (options.out, options.film, options.report),
+        (options.out, options.film, options.report, options.stroke_table),
         (options.recording, *wanted.files()),
         force=options.force,
     )
@@ -117,9 +126,18 @@ def run(options: argparse.Namespace) -> None:
     wanted.check_object()
     from paint3d.device.recorded import MODEL
     from paint3d.files.project.session import is_session_path
+    from paint3d.painter.stroke_table import StrokeTable
     from paint3d.recording.recording import load_recording
     from paint3d.recording.score import is_score
 
+    if options.stroke_table is not None and (
+        is_score(options.recording) or is_session_path(wanted.on)
+    ):
+        raise InputError(
+            "--stroke-table is of a recording on an object; {file} is a painting that has its "
+            "history",
+            file=options.recording if is_score(options.recording) else wanted.on,
+        )
     if is_score(options.recording):
         from paint3d.cli.scores import replay_score
 
@@ -134,6 +152,8 @@ def run(options: argparse.Namespace) -> None:
     wanted.check()
     with ProgressBar("reading", enabled=not options.quiet) as progress:
         recording = load_recording(options.recording, progress=progress)
+    for note in recording.header.get("notes", ()):
+        _LOG.warning("%s: %s", options.recording, note)
     if recording.header["model"] != MODEL:
         _LOG.warning(
             "%s was recorded with version %d of brush and ink; this program paints with version "
@@ -152,13 +172,16 @@ def run(options: argparse.Namespace) -> None:
     with ProgressBar("laying", enabled=not options.quiet):
         laid = lay_on(mesh, _for_this(recording, mesh, options), options.at, options.size)
     watch = None if film is None else film.of_recording(surface, laid, wanted.spread)
+    table = None if options.stroke_table is None else StrokeTable()
     if document is None:
-        painting = paint(surface, laid, wanted, seconds, watch)
+        painting = paint(surface, laid, wanted, seconds, watch, table)
     else:
         painting = paint_onto(document, laid, wanted, seconds, watch)
     with ProgressBar("looking", enabled=not options.quiet):
         refuse_untouched(painting, laid, mesh, str(options.recording))
     finish(painting, options, watch)
+    if table is not None:
+        table.write(options.stroke_table)
     if not options.quiet:
         sys.stdout.write(f"{options.out or options.film}: {painting.summarize()}\n")
 

@@ -55,6 +55,7 @@ from paint3d.surface.undo import BrushLoad
 
 if TYPE_CHECKING:
     from paint3d.painter.bristle_state import HairTuft  # brings the kernels of hairs
+    from paint3d.painter.stroke_table import StrokeTable
 
 __all__ = ["Painter"]
 
@@ -476,7 +477,7 @@ class Painter:
             mm, carried to the surface's closest points, or places U,V from 0 to 1 as ``--at`` of
             the command line has them. They are joined by straight lines that lie on the surface.
         pressure : float or (M,) array_like
-            0 to 1; several spread evenly along the line.
+            0 to 1; several spread evenly along the line, with smooth ways between them.
         tilt : float or (M,) array_like
             The handle's lean off the surface's normal, degrees, up to 60 in the direction of the
             line and down to -60 against it.
@@ -529,6 +530,7 @@ class Painter:
         progress: Callable[[float], None] | None = None,
         frame_rate: float | None = None,
         wet: bool = False,
+        table: StrokeTable | None = None,
     ) -> None:
         """Paint a whole recording; where its pen's eraser end is down, erase (`Eraser`).
 
@@ -544,8 +546,12 @@ class Painter:
             the painting is the same without.
         wet : bool
             Let the ink spread and dry meanwhile, in the recording's own time (`painter.ink_time`).
+        table : StrokeTable, optional
+            Takes a row for every stroke; the painting is the same without.
         """
         self.finish()
+        if table is not None:
+            table.begin(self, recording)
         n, first, passed = len(recording), 0, 0
         start, at = int(recording.time_ns[0]), self._progress.at
         self._origin_ns = start
@@ -558,9 +564,9 @@ class Painter:
             pauses = Pauses(times_ns, samples.joined, passed - first)
             for stop, is_frame in _stops(time_s, int(at[0]), known, frame_rate):
                 for pause, pieces in pauses.until(stop) if wet else ():
-                    self._paint_by_ends(samples, pause, refills, buttons)
+                    self._paint_to(pause, samples, refills, buttons, times_ns, table)
                     self._step_ink(pieces, progress, max(0, first + pause + 1) / n)
-                self._paint_by_ends(samples, stop, refills, buttons)
+                self._paint_to(stop, samples, refills, buttons, times_ns, table)
                 if is_frame or (frame_rate is not None and first + stop == n - 1):
                     self._refresh()
                 if progress is not None:
@@ -573,6 +579,25 @@ class Painter:
         self._turn(erases=False)
         self._n_samples += n
         self._begin()
+        if table is not None:
+            table.end()
+
+    def _paint_to(
+        self,
+        last: int,
+        samples: Samples,
+        refills: list[_Refill],
+        buttons: AnyArray,
+        times_ns: AnyArray,
+        table: StrokeTable | None,
+    ) -> None:
+        """Paint up to sample `last`, one by one where a table looks at each."""
+        if table is None:
+            self._paint_by_ends(samples, last, refills, buttons)
+            return
+        for k in range(min(int(self._progress.at[0]) + 1, last), last + 1):
+            self._paint_by_ends(samples, k, refills, buttons)
+            table.see(int(times_ns[k]), float(samples.pressure[k]))
 
     def _step_ink(
         self, pieces: int, progress: Callable[[float], None] | None, fraction: float

@@ -8,7 +8,7 @@ meaning             names                                                 unit
 time                time_ns                                               ns, kept exactly
 ..                  time_ms, timestamp, sensor_timestamp                  ms
 ..                  time, time_s, t                                       s
-place               x_mm, y_mm, z_mm                                      mm, y upwards
+place               x_mm, y_mm, z_mm; x_cm, ...; x_m, ...                 by name, y upwards
 ..                  x, y, z; spline_x, spline_y; pos_x, pos_y             of pads `scale` and
                                                                           `y_down`; else as _mm
 pressure            pressure, sensor_pressure, p                          0 to 1
@@ -23,7 +23,8 @@ buttons             buttons                                               bits
 ==================  ====================================================  ===================
 
 A first line ``# {...}`` holds the header as JSON. Tables without quaternions are pads;
-without an azimuth the surface drags the tip.
+without an azimuth the surface drags the tip. Of a pad that tells z or newtons, as robots do and
+screens do not, x and y are mm, y upwards, unless the caller says what they are.
 """
 
 from __future__ import annotations
@@ -41,6 +42,7 @@ from paint3d.device.recorded import MAX_FORCE_N, Recording
 from paint3d.errors import RecordingError
 from paint3d.recording.flat_recording import (
     DEFAULT_LEAN,
+    MM_PER_PIXEL,
     Lifts,
     orientations_from_angles,
     spread_ties,
@@ -55,9 +57,13 @@ _TIMES = {
     **dict.fromkeys(("time", "time_s", "t"), 1e9),
 }
 _PLACES = {
-    axis: (f"{axis}_mm", axis, f"spline_{axis}", f"pos_{axis}", f"position_{axis}")
+    axis: (
+        *(f"{axis}_{unit}" for unit in ("mm", "cm", "m")),
+        *(axis, f"spline_{axis}", f"pos_{axis}", f"position_{axis}"),
+    )
     for axis in "xyz"
 }
+_UNITS = {"_mm": 1.0, "_cm": 10.0, "_m": 1000.0}  # mm, by how a column's name ends
 _PRESSURES = ("pressure", "sensor_pressure", "p", "force", "force_n")
 _STROKES = ("idx", "stroke", "stroke_id")
 _AZIMUTHS = ("azimuth", "sensor_azimuth", "azimuth_deg")
@@ -79,9 +85,9 @@ def read_csv(lines: Lines, name: str, *, scale: float, y_down: bool) -> Recordin
     name : str
         For messages.
     scale : float
-        mm per unit of x, y and z of a pad, where their columns do not say mm.
+        mm per unit of x, y and z of a pad, where their columns do not say it.
     y_down : bool
-        Whether y of a pad grows downwards where its column does not say mm.
+        Whether y of a pad grows downwards where its column does not say a unit.
 
     Raises
     ------
@@ -156,11 +162,17 @@ def _assemble(table: NumberTable, header: dict[str, Any], scale: float, y_down: 
     is_posed = table.column("qw") is not None
     if is_posed:
         scale, y_down = 1.0, False
-    up = 1.0 if table.column("y_mm") or not y_down else -1.0
     for axis in "xyz":
         _check_place(table, axis)
+    told: list[str] = []
+    if not is_posed and scale == MM_PER_PIXEL and y_down:
+        scale, y_down, told = _pad_unit(table)
+    y = table.column(*_PLACES["y"])
+    assert y is not None, "it was checked"
+    up = 1.0 if _unit_of(y[0]) or not y_down else -1.0
     changes = _changes(table)
     time_ns, notes = _times(table, np.concatenate([[0], changes]))
+    notes = [*notes, *told]
     table.let_go(*_TIMES, *_STROKES)
     if notes:
         header = {**header, "notes": [*_listed(header.get("notes")), *notes]}
@@ -233,6 +245,30 @@ def _columns(table: NumberTable, names: tuple[str, ...]) -> AnyArray:
     return np.stack(checked, axis=1)
 
 
+def _unit_of(column: str) -> float | None:
+    """Length in mm that a column's name says it counts in; None where it says none."""
+    return _UNITS.get(column[column.rfind("_") :]) if "_" in column else None
+
+
+def _pad_unit(table: NumberTable) -> tuple[float, bool, list[str]]:
+    """Scale and direction of y of a pad that does not tell them, and what is to be told of it."""
+    found = table.column(*_PLACES["x"])
+    if found is None or _unit_of(found[0]):
+        return MM_PER_PIXEL, True, []
+    force, height = table.column("force", "force_n"), table.column(*_PLACES["z"])
+    if force is None and height is None:
+        note = (
+            "x and y are taken for pixels of 1/96 inch, y downwards, as a screen counts; columns "
+            "named x_mm and y_mm are mm, y upwards"
+        )
+        return MM_PER_PIXEL, True, [note]
+    reason = "z" if force is None else "a force in newtons"
+    notes = [f"x and y are taken for mm, y upwards, for there is {reason}"]
+    if height is not None and table.column(*_PRESSURES) is not None:
+        notes.append("how deep the brush goes is told by its pressure, not by z")
+    return 1.0, False, notes
+
+
 def _check_place(table: NumberTable, axis: str) -> None:
     found = table.column(*_PLACES[axis])
     if found is not None:
@@ -257,8 +293,9 @@ def _places(table: NumberTable, scale: float, up: float) -> Iterator[AnyArray]:
         name, values = found
         table.let_go(*_PLACES[axis])
         del found
-        if not name.endswith("_mm"):
-            values = values * scale
+        unit = _unit_of(name) or scale
+        if unit != 1.0:
+            values = values * unit
         yield -values if axis == "y" and up < 0.0 else values
 
 

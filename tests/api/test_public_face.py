@@ -196,3 +196,15 @@ def test_arrays_that_are_no_mesh_are_refused(vertices, faces, words) -> None:
     for take in (paint3d.PaintedSurface, paint3d.load_mesh):
         with pytest.raises(MeshError, match=words):
             take((vertices, faces))
+
+
+def test_a_strokes_pressures_are_met_and_joined_without_a_kink() -> None:
+    painter = paint3d.Painter(paint3d.PaintedSurface(paint3d.load_mesh("plane"), resolution=2.0))
+    told = (0.1, 0.5, 0.2, 0.05)
+    pressure = painter.stroke([(-30, 0, 0), (30, 0, 0)], pressure=told).pressure
+    ends = np.linspace(0, len(pressure) - 1, len(told)).round().astype(int)
+    assert pressure[ends] == pytest.approx(told, abs=0.01)
+    assert pressure.max() <= 0.5 + 1e-12
+    assert pressure.min() >= 0.05 - 1e-12
+    turns = np.abs(np.diff(pressure, 2))
+    assert turns.max() < 5.0 * np.median(turns[turns > 0])  # straight lines: 100 times and more

@@ -343,6 +343,15 @@ def test_a_recovery_that_is_stopped_at_the_start_opens_nothing_instead(
         left.discard()
 
 
+def test_without_an_object_the_page_asks_what_to_paint_on(empty) -> None:
+    start.open_first(empty, None, None, None)
+    wait_for(empty.begin_page.isVisible)
+    assert empty.stage.paint_thread is None
+    empty.begin_page.buttons[0].click()
+    wait_for(lambda: empty.stage.paint_thread is not None)
+    assert empty.document.surface.source.name == "bowl"
+
+
 def test_what_is_brought_back_and_cannot_be_kept_anew_stays(
     empty, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -511,7 +520,8 @@ def test_a_first_opening_that_is_stopped_leaves_an_empty_window_that_works(
     gate.set()
     monkeypatch.undo()
     wait_for(empty.begin_page.isVisible)
-    assert [button.text() for button in empty.begin_page.buttons][:2] == ["New painting…", "Open…"]
+    texts = [button.text() for button in empty.begin_page.buttons]
+    assert texts[:4] == ["A bowl", "A sheet of paper", "New painting…", "Open…"]
     for name, action in empty.workspace.actions.items():
         assert action.isEnabled() == COMMANDS[name].always, name
         if not COMMANDS[name].always:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import dataclasses
 import math
 
@@ -12,9 +13,11 @@ from numpy.typing import NDArray
 from paint3d.brush.bending import build_tuft
 from paint3d.brush.presets import load_brush
 from paint3d.colour.pigments import load_pigment
+from paint3d.device.recorded import MAX_FORCE_N
 from paint3d.errors import InputError, RecordingError, UnknownNameError
 from paint3d.painter import painter as engine
 from paint3d.painter.painter import DIP, Painter
+from paint3d.painter.stroke_table import StrokeTable
 from paint3d.recording.recording import Recording
 from paint3d.surface.painted_surface import PaintedSurface
 from tests.support.outlines import lift_off
@@ -485,3 +488,49 @@ def test_a_tail_is_as_long_as_the_way_that_a_footprint_is_narrow(hairs, narrower
     slope = -np.diff(width) / COLUMN
     assert slope.min() > 0.0
     assert np.abs(np.diff(slope)).max() < 0.06
+
+
+# -- the table of strokes ----------------------------------------------------------------------
+
+
+def two_strokes(force: float = 0.3) -> Recording:
+    """Two lines of 30 mm, the second pressed twice as hard, with air between."""
+    first, second = (stroke(np.clip(factor * LANDING, 0.0, force * factor)) for factor in (1, 2))
+    later = first.time_ns[-1] + 500_000_000 + second.time_ns - second.time_ns[0]
+    joined = [np.concatenate([getattr(first, name), getattr(second, name)])
+              for name in ("position", "orientation", "pressure")]  # fmt: skip
+    return Recording(np.concatenate([first.time_ns, later]), *joined)
+
+
+@pytest.mark.parametrize("hairs", [0, 60])
+def test_a_table_has_a_row_for_every_stroke_and_changes_nothing(hairs: int, tmp_path) -> None:
+    recording, table = two_strokes(), StrokeTable()
+    with_table, without = (Painter(surface(), "full", "pine soot", hairs=hairs) for _ in range(2))
+    with_table.replay(recording, table=table)
+    without.replay(recording)
+    assert np.array_equal(with_table.surface.amounts, without.surface.amounts)
+    assert [row.stroke for row in table.rows] == [1, 2]
+    soft, firm = table.rows
+    assert soft.ink_left < firm.ink_left
+    assert soft.most_force_n == pytest.approx(0.3 * MAX_FORCE_N)
+    assert firm.mean_force_n == pytest.approx(2.0 * soft.mean_force_n, rel=0.1)
+    ledger = with_table.ledger()
+    given = ledger["wet"] + ledger["dry"] + ledger["off_surface"]
+    assert soft.ink_left + firm.ink_left == pytest.approx(given)
+    assert firm.ink_in_brush == pytest.approx(ledger["in_brush"])
+    assert sum(row.footprints for row in table.rows) == with_table.report()["footprints"]
+    assert 0.0 <= soft.start_s < soft.end_s <= firm.start_s < firm.end_s
+    assert soft.end_s == pytest.approx(1e-9 * (recording.time_ns[6] - recording.time_ns[0]))
+    table.write(tmp_path / "strokes.csv")
+    with open(tmp_path / "strokes.csv", newline="") as file:
+        read = list(csv.DictReader(file))
+    assert [float(row["ink_left"]) for row in read] == [row.ink_left for row in table.rows]
+
+
+def test_a_tables_length_is_the_way_that_was_drawn() -> None:
+    painter, table = Painter(surface(), "full", "pine soot"), StrokeTable()
+    line = painter.stroke([(-20, 0, 0), (20, 0, 0)], pressure=(0.2, 0.4, 0.2))
+    painter.replay(line, table=table)
+    assert table.rows[0].length_mm == pytest.approx(40.0, rel=0.1)
+    painter.replay(line, table=table)  # goes on
+    assert [row.stroke for row in table.rows] == [1, 2]

@@ -592,3 +592,36 @@ def test_a_large_pad_takes_little_more_than_its_numbers(tmp_path: Path) -> None:
         assert getattr(recording, name).strides[0] == 0, name
     with pytest.raises(ValueError, match="read-only"):
         recording.orientation[0] = 1.0
+
+
+# -- units of a table that does not tell them ----------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("columns", "row", "place", "told"),
+    [
+        ("time,x,y,pressure", "10,20,0.5", (10 * 25.4 / 96, -20 * 25.4 / 96), "1/96 inch"),
+        ("time,x,y,force", "10,20,0.5", (10, 20), "a force in newtons"),
+        ("time,x,y,z,pressure", "10,20,30,0.5", (10, 20), "there is z"),
+        ("time,x_mm,y_mm,force", "10,20,0.5", (10, 20), ""),
+        ("time,x_m,y_m,z_m,force", "0.01,0.02,0,0.5", (10, 20), ""),
+        ("time,x_cm,y_cm", "1,2", (10, 20), ""),
+        ("time,x,y,z,qw,qx,qy,qz", "10,20,30,1,0,0,0", (10, 20), ""),
+    ],
+)
+def test_a_robots_table_is_mm_and_a_screens_is_pixels(
+    tmp_path: Path, columns: str, row: str, place: tuple[float, float], told: str
+) -> None:
+    recording = load_recording(table(tmp_path, f"{columns}\n0,{row}\n1,{row}\n"))
+    assert recording.position[0, :2] == pytest.approx(place)
+    notes = " ".join(recording.header.get("notes", ()))
+    assert told in notes if told else not notes
+    deep = columns == "time,x,y,z,pressure"
+    assert ("not by z" in notes) == deep
+
+
+def test_a_callers_unit_is_taken_at_its_word(tmp_path: Path) -> None:
+    path = table(tmp_path, "time,x,y,force\n0,1,2,1\n1,1,2,1\n")
+    recording = load_recording(path, scale=10.0, y_down=True)
+    assert recording.position[0, :2] == pytest.approx((10.0, -20.0))
+    assert "notes" not in recording.header

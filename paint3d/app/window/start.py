@@ -81,7 +81,8 @@ def run_studio(
     Parameters
     ----------
     target : str or None
-        A mesh, a painting or a built-in object; None: what a crash left, or a bowl.
+        A mesh, a painting or a built-in object; None: what a crash left, or the page that asks
+        what to paint on (a bowl where a resolution or a material is given).
     resolution : float, optional
         Of a mesh, mm; by default what was chosen last.
     material : str, optional
@@ -166,11 +167,13 @@ def open_first(
     unit: str | None = None,
     up: str | None = None,
 ) -> None:
-    """Open what a crash left, else what was asked for; stopped, the window stays empty."""
+    """Open what a crash left, else what was asked for; the empty window has a page that asks."""
     if window.recovery.offer():
         return
+    if target is None and resolution is None and material is None:
+        return
     if target is None and isinstance(window.workspace.error, CancelledError):
-        return  # the page in the empty window offers it again
+        return  # the page offers it again
     opening = window.opening
     window.workspace.quiet, opening.unit, opening.up = True, unit, up
     opened = opening.open_path(target or _FIRST, resolution, material, asked=True)

@@ -61,21 +61,15 @@ class BeginPage(QtWidgets.QFrame):
             if row is not None:
                 row.deleteLater()
         self.buttons = []
-        head = QtWidgets.QLabel(say("Open an object, or drop a file here"))
+        head = QtWidgets.QLabel(say("What will you paint on? Choose, or drop a file here"))
         head.setObjectName("title")
         head.setAlignment(QtCore.Qt.AlignmentFlag.AlignCenter)
         self._rows.addWidget(head)
-        actions = self._workspace.actions
-        for name in ("new", "open"):
+        actions, begin = self._workspace.actions, self._opening.open_path
+        self._add(say("A bowl"), partial(begin, "bowl", None, "porcelain"))
+        self._add(say("A sheet of paper"), partial(begin, _SHEET, _SHEET_MM, "xuan"))
+        for name in ("new", "open", "sample", "tour"):
             self._add(actions[name].text(), actions[name].trigger)
-        begin = self._opening.open_path
-        for text, do in (
-            (say("A sheet of paper"), partial(begin, _SHEET, _SHEET_MM, "xuan")),
-            (say("A bowl"), partial(begin, "bowl", None, "porcelain")),
-            (actions["sample"].text(), actions["sample"].trigger),
-            (actions["tour"].text(), actions["tour"].trigger),
-        ):
-            self._add(text, do)
         left = recoverable()
         if left:
             name = left[0].path.name if left[0].path else say_object(left[0].object_name)
