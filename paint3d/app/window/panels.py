@@ -256,7 +256,8 @@ class Panels:
 def _takes_keys(widget: QtWidgets.QWidget) -> bool:
     """Whether keys can do something with a widget, besides scrolling it."""
     tab = bool(widget.focusPolicy() & QtCore.Qt.FocusPolicy.TabFocus)
-    return tab and widget.isEnabled() and not isinstance(widget, QtWidgets.QScrollArea)
+    can = tab and widget.isEnabled() and not widget.isHidden()
+    return can and not isinstance(widget, QtWidgets.QScrollArea)
 
 
 def _scrolled(panel: QtWidgets.QWidget) -> QtWidgets.QScrollArea:

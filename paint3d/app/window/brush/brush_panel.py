@@ -124,7 +124,7 @@ class BrushPanel(QtWidgets.QWidget):
         self.set_ink(self._ink)
 
     def _make_list(self) -> QtWidgets.QListWidget:
-        view = QtWidgets.QListWidget()
+        view = QtWidgets.QListWidget(self)  # the panel's first: keys that step to it come here
         view.setObjectName("brushes")
         view.setAccessibleName(say("Brushes"))
         view.setIconSize(_ICON)

@@ -464,6 +464,7 @@ class MixtureRow(QtWidgets.QWidget):
         for index in range(_MOST_MIXTURES):
             button = QtWidgets.QToolButton()
             button.setObjectName(f"mixture_{index}")
+            button.setAccessibleName(say("A last mixture"))
             button.setIconSize(QtCore.QSize(_SMALL_DISH, _SMALL_DISH))
             button.setAutoRaise(True)
             button.setContextMenuPolicy(QtCore.Qt.ContextMenuPolicy.CustomContextMenu)
