@@ -387,9 +387,9 @@ def copy_stamp(source, target):
     target.values[0] = source.values[0]
     for k in range(PROFILE_CELLS + 2):
         target.half_widths[k] = source.half_widths[k]
-    for k in range(PROFILE_CELLS):
-        for part in range(4):
-            target.lines[k, part] = source.lines[k, part]
+    for part in range(4):
+        for k in range(PROFILE_CELLS):
+            target.lines[part, k] = source.lines[part, k]
 
 
 @uncounted

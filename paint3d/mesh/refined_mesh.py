@@ -58,7 +58,7 @@ _PAIRS_PER_FACE, _PAIRS_PER_CELL, _LINKS_PER_PAIR = 4, 2.0, 5  # capacity, nearl
 _CRACK_MM = 0.1  # widest gap that paint goes over: no hair fits in
 _PER_VERTEX = (
     "px", "py", "pz", "nx", "ny", "nz", "mx", "my", "mz", "take", "key", "parents",
-    "vertex_sheet", "area_units", "next_in_cell",
+    "vertex_sheet", "area_units", "area", "next_in_cell",
 )  # fmt: skip
 _GROWTH = 1 << 15  # least number of vertices to reserve
 
@@ -167,6 +167,7 @@ class PaintMesh:
             parents=np.full((n, 2), -1, np.int32),
             vertex_sheet=lattice.vertex_sheets,
             area_units=area_units,
+            area=(area_units * (unit / 2.0**shift)).astype(np.float32),
             next_in_cell=np.full(n, -1, np.int32),
             node_vertices=self.base_faces[:forest].copy(),
             node_root=np.arange(forest, dtype=np.int32),
