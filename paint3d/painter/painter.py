@@ -851,6 +851,8 @@ class _Schedule(NamedTuple):
 
     def part(self, first: int, count: int) -> _Schedule:
         """Return the entries of `count` samples from `first` on, renumbered from 0."""
+        if not self.loads and not self.strengths:
+            return self
         return _Schedule(
             *(
                 [(k - first, fraction) for k, fraction in entries if 0 <= k - first < count]
@@ -861,8 +863,8 @@ class _Schedule(NamedTuple):
 
 def _refills(buttons: AnyArray, schedule: _Schedule) -> list[_Refill]:
     """List dips (the button goes down), loads and strengths by sample; at one, in this order."""
-    down = (np.asarray(buttons) & DIP) != 0
-    dips = np.flatnonzero(down[1:] & ~down[:-1]) + 1 if down.any() else ()
+    down = np.asarray(buttons) & DIP
+    dips = np.flatnonzero(down[1:] > down[:-1]) + 1 if down.any() else ()
     refills: list[_Refill] = [(int(k), Painter.dip) for k in dips]
     refills += [(k, partial(Painter.fill_to, share=load)) for k, load in schedule.loads]
     refills += [(k, partial(Painter.thin_to, share=part)) for k, part in schedule.strengths]
