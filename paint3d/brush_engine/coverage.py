@@ -29,8 +29,10 @@ WORK_ROWS = 14  # of the same, that `weigh_block` works in: rows 6 and 7 are sha
 _SLOW = np.float32(4.0)  # box widths: an edge that passes faster passes as good as straight
 _NEAR = 1.5  # times as far as the outline moved: distances beyond its ends are no true ones
 _STILL = np.float32(1e-3)  # box widths: a shorter way is judged by its middle
-_NOT, _WHOLE, _STRAIGHT, _SLOWLY = np.uint8(0), np.uint8(1), np.uint8(2), np.uint8(3)
-_NONE_OF_EIGHT, _ALL_OF_EIGHT = np.uint64(0), np.uint64(0x0101010101010101)  # as one number
+_NOT, _WHOLE, _STRAIGHT, _SLOWLY = np.uint8(0), np.uint8(1), np.uint8(2), np.uint8(4)
+_NONE = np.uint64(0)  # of eight; and where each of eight is of a kind, as one number:
+_WHOLES = np.uint64(0x0101010101010101)
+_STRAIGHTS, _SLOW_ONES = np.uint64(2) * _WHOLES, np.uint64(4) * _WHOLES
 _HALF = np.float32(0.5)
 _ONE = np.float32(1.0)
 _ZERO = np.float32(0.0)
@@ -341,25 +343,32 @@ def _sort(n, block, found, at):
     out_ids, out_share, out_cover = found.ids, found.share, found.cover
     straight, slow = 0, 0
     for g in range((n + 7) // 8):
-        if eights[g] == _NONE_OF_EIGHT:
+        eight = eights[g]
+        if eight == _NONE:
             continue
         first = 8 * g
-        if eights[g] == _ALL_OF_EIGHT:
+        if eight == _WHOLES:
             for k in range(8):
                 out_ids[at + k] = ids[first + k]
                 out_share[at + k] = stretch[first + k]
                 out_cover[at + k] = _ONE
             at += 8
             continue
-        for k in range(first, min(n, first + 8)):  # no branch: what comes cannot be foretold
-            out_ids[at] = ids[k]
-            out_share[at] = stretch[k]
-            out_cover[at] = _ONE
-            at += np.int64(kinds[k] == _WHOLE)
-            straight_ones[straight] = k
-            straight += np.int64(kinds[k] == _STRAIGHT)
-            slow_ones[slow] = k
-            slow += np.int64(kinds[k] == _SLOWLY)
+        last = min(n, first + 8)  # no branch for one: what comes cannot be foretold
+        if eight & _WHOLES != _NONE:
+            for k in range(first, last):
+                out_ids[at] = ids[k]
+                out_share[at] = stretch[k]
+                out_cover[at] = _ONE
+                at += np.int64(kinds[k] == _WHOLE)
+        if eight & _STRAIGHTS != _NONE:
+            for k in range(first, last):
+                straight_ones[straight] = k
+                straight += np.int64(kinds[k] == _STRAIGHT)
+        if eight & _SLOW_ONES != _NONE:
+            for k in range(first, last):
+                slow_ones[slow] = k
+                slow += np.int64(kinds[k] == _SLOWLY)
     return at, straight, slow
 
 

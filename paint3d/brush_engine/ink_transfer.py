@@ -371,12 +371,14 @@ def given_on_way(level):
 @uncounted(error_model="numpy", apart=True)
 def _fetch_coats(n, ids, amounts, coats):
     """Fill how much wet ink lies on vertices, of all pigments, coats times the covered share."""
+    if amounts.shape[1] == 1:
+        fetch(n, ids, amounts.reshape(amounts.size), coats)
+        return
     for k in range(n):
         coats[k] = np.float32(0.0)
     for p in range(amounts.shape[1]):
-        pigment = amounts[:, p]
         for k in range(n):
-            coats[k] += pigment[as_index(ids[k])]
+            coats[k] += amounts[as_index(ids[k]), p]
 
 
 @uncounted(error_model="numpy", apart=True)
