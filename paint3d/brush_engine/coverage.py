@@ -20,9 +20,7 @@ from paint3d.mesh.kernels.mesh_arrays import as_index
 
 __all__ = ["ROWS", "WORK_ROWS", "fetch", "weigh_block", "weigh_passing", "weighed_area"]
 
-AREA_STEPS = 2.0**36  # whole numbers to a mm2 in sums of areas
-_WHOLE_BITS = 1.5 * 2.0**52 / AREA_STEPS  # the last bit of numbers near to it is one of these
-_NO_STEPS = np.float64(_WHOLE_BITS).view(np.int64)
+_MIDDLE = 1.5 * 2.0**52  # whole numbers near to it are apart by one
 ROWS = 7  # float32 rows of a block's length: plane x, y and stretch of each vertex, and its
 # distances at the stamp before and at the stamp after, to the near side and to the far side
 WORK_ROWS = 14  # of the same, that `weigh_block` works in: rows 6 and 7 are share and cover
@@ -520,15 +518,16 @@ def fetch(n, ids, values, out):
 
 
 @uncounted(error_model="numpy", apart=True)
-def weighed_area(n, area, share):
+def weighed_area(n, area, share, step):
     """Area that vertices stand for, weighed, mm2.
 
-    Summed in whole numbers, so that the order in which vertices are found, which depends on what
-    was refined before, cannot change a bit of it. A sum with `_WHOLE_BITS` (below 2^15 mm2) has the
-    whole number of steps in its last bits.
+    Summed in whole numbers of steps (mm2, a power of two, see `SurfaceField`), so that the order in
+    which vertices are found, which depends on what was refined before, cannot change a bit of it.
+    The sum of a number and `_MIDDLE` steps has its whole number of steps in its last bits.
     """
+    middle = np.float64(_MIDDLE * step)
     total = np.int64(0)
     for k in range(n):
-        steps = np.float64(share[k] * area[k] + _WHOLE_BITS)
-        total += steps.view(np.int64)
-    return (total - n * _NO_STEPS) / AREA_STEPS
+        near = np.float64(share[k] * area[k] + middle)
+        total += near.view(np.int64)
+    return (total - n * middle.view(np.int64)) * step

@@ -502,7 +502,7 @@ def _lay_first_film(coats, unit, before, found, n, field, ink):
                 n, ids, field.mx, field.my, field.mz, before.values[0], before.lines, heights
             )
         _add_short(n, found.coats, heights, lacks)
-    lacking = weighed_area(n, found.area, lacks)
+    lacking = weighed_area(n, found.area, lacks, field.area_step)
     if lacking <= 0.0:
         return 0.0
     most = _FILM_MOST * held_ink(ink)
@@ -538,11 +538,11 @@ def take_in(coats, before, after, landing, weighed, found, n, field, ink):
     """
     rest, whole = 1.0, weighed
     if landing > 0.0 and _saturate(after, found, n, field, ink):
-        weighed = weighed_area(n, found.area, found.share)
+        weighed = weighed_area(n, found.area, found.share, field.area_step)
         rest = weighed / whole
     first = _lay_first_film(coats, landing / whole, before, found, n, field, ink)
     if first > 0.0:
-        weighed = weighed_area(n, found.area, found.share)
+        weighed = weighed_area(n, found.area, found.share, field.area_step)
     return rest, first, weighed
 
 
@@ -804,7 +804,7 @@ def sweep_deposit(before, after, tuft, field, ink, scratch):
     if n < 0:
         return False
     fetch(n, found.ids, field.area, found.area)
-    weighed = weighed_area(n, found.area, found.share)
+    weighed = weighed_area(n, found.area, found.share, field.area_step)
     a = before.values[0]
     b = after.values[0]
     area = 0.5 * (a.area + b.area)
@@ -822,7 +822,7 @@ def sweep_deposit(before, after, tuft, field, ink, scratch):
         contact = dry_contact(level, find_way(before, after)[0], after, bundles, field, ink)
         n = thin_contact(contact, after, found, n, field, ink, scratch.block)
         whole = weighed
-        weighed = weighed_area(n, found.area, found.share)
+        weighed = weighed_area(n, found.area, found.share, field.area_step)
         released *= weighed / whole
         landing *= weighed / whole
     if weighed <= 0.0:
@@ -832,7 +832,7 @@ def sweep_deposit(before, after, tuft, field, ink, scratch):
     if ink.transfer[0].pickup > 0.0:
         take_up_ink(before, after, released, found, n, field, ink, scratch.taken)
     if level_shares(before, after, level, ink.transfer[0].grain, field, ink, n, scratch):
-        weighed = weighed_area(n, found.area, found.share)
+        weighed = weighed_area(n, found.area, found.share, field.area_step)
     if weighed > 0.0:
         coats = first_film(level, tuft.transfer_per_mm, tuft.diameters[-1], ink)
         rest, first, weighed = take_in(coats, before, after, landing, weighed, found, n, field, ink)

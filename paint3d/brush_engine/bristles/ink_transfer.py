@@ -473,7 +473,7 @@ def _gather_under_hairs(imprint, whole_from, before, after, field, scratch):
         m = weigh_passing(n, sweep, moved, block)
         within += m
         fetch(m, block.packed_ids, field.area, areas)
-        weighed += weighed_area(m, areas, packed[2])
+        weighed += weighed_area(m, areas, packed[2], field.area_step)
         _find_stations(m, tip, per_cell, imprint.cells, imprint.widths, packed[0], places, parts)
         _find_lanes(m, packed[1], places, parts)
         _read_map(m, map_, places, parts, packed[4], packed[5])
@@ -488,12 +488,12 @@ def _share_in(n, share, lanes, inks, out):
 
 
 @uncounted(error_model="numpy")
-def _leave(mix, landing, found, n, ink):
+def _leave(mix, landing, found, n, field, ink):
     """Leave `landing` (P,) on the vertices, by their shares and by what is in their lanes."""
     for p in range(landing.shape[0]):
         if landing[p] > 0.0:
             _share_in(n, found.share, found.lanes, mix[:, p], found.coats)
-            weighed = weighed_area(n, found.area, found.coats)
+            weighed = weighed_area(n, found.area, found.coats, field.area_step)
             if weighed > 0.0:
                 coats = np.float32(landing[p] / weighed)
                 add_ink(n, found.ids, found.coats, coats, ink.amounts[:, p])
@@ -511,7 +511,7 @@ def _leave_along(before, after, lands, n, hairs, field, ink, scratch):
     found, released = scratch.found, 0.0
     for p in range(hairs.released.shape[0]):
         released += hairs.released[p]
-    weighed = weighed_area(n, found.area, found.share)
+    weighed = weighed_area(n, found.area, found.share, field.area_step)
     landing = released * lands if weighed > 0.0 else 0.0
     if released > 0.0 or ink.transfer[0].pickup > 0.0:
         deposit = Deposit(released, landing, weighed)
@@ -573,20 +573,20 @@ def sweep_hairs(before, after, ready, transfer_per_mm, hairs, field, ink, scratc
     lands = landing_share(area, width, weighed, within)
     note_way(before, after)
     if level < 1.0 and n > 0:  # hairs that run dry give less, and only to the heights
-        whole = weighed_area(n, found.area, found.share)
+        whole = weighed_area(n, found.area, found.share, field.area_step)
         bristles = hairs.bristles
         bundles = (bristles.root_mm, bristles.bundle_mm, _BUNDLES, dry * _DIFFER)
         reached = min(1.0, _OWN_GAPS * level)
         contact = dry_contact(reached, find_way(before, after)[0], after, bundles, field, ink)
         n = thin_contact(contact, after, found, n, field, ink, scratch.block)
-        rest = weighed_area(n, found.area, found.share)
+        rest = weighed_area(n, found.area, found.share, field.area_step)
         scale *= rest / whole if whole > 0.0 else 0.0
     scratch.taken[:] = 0.0
     if ink.transfer[0].pickup > 0.0:
         take_up_ink(before, after, ready * scale, found, n, field, ink, scratch.taken)
     level_shares(before, after, level, ink.transfer[0].grain, field, ink, n, scratch)
     landing = ready * scale * lands
-    weighed = weighed_area(n, found.area, found.share)
+    weighed = weighed_area(n, found.area, found.share, field.area_step)
     if landing > 0.0 and weighed > 0.0:
         coats = first_film(level, transfer_per_mm, hairs.bristles.root_mm, ink)
         rest, first, _ = take_in(coats, before, after, landing, weighed, found, n, field, ink)
@@ -598,7 +598,7 @@ def sweep_hairs(before, after, ready, transfer_per_mm, hairs, field, ink, scratc
         for p in range(hairs.left.shape[0]):
             hairs.left[p] = hairs.released[p] * lands
             ink.off_surface[p] += hairs.released[p] - hairs.left[p]
-        _leave(hairs.imprint.mix, hairs.left, found, n, ink)
+        _leave(hairs.imprint.mix, hairs.left, found, n, field, ink)
         for p in range(hairs.left.shape[0]):  # what found no vertex
             ink.off_surface[p] += hairs.left[p]
         if ink.transfer[0].pickup > 0.0:

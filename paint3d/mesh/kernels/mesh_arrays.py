@@ -97,6 +97,7 @@ class SurfaceField(NamedTuple):
     cell_size: float  # mm
     soft_edge: float  # width of a footprint's edge, mm
     area_unit: float  # mm2, of `area_units`
+    area_step: float  # mm2, a power of two: of weighed areas, where these are summed
     paper: float  # how uneven fibres make edge and film: 0 on a glaze, 1 on raw xuan
     px: NDArray  # (cap,) float32 positions, mm
     py: NDArray
