@@ -95,6 +95,8 @@ def paint_plainly(hairs: int) -> None:
     surface.ink = surface.ink._replace(transfer=transfer.view((Record, transfer.dtype)))
     painter = Painter(surface, "full", hairs=hairs)
     painter.replay(stroke)
+    surface.ink.amounts[:] *= 0.1  # as where it has dried
+    painter.replay(stroke)
     painter.fill_to(0.05)
     painter.replay(stroke)
     assert np.count_nonzero(surface.coverage) > 20
