@@ -14,33 +14,35 @@ from __future__ import annotations
 
 import numpy as np
 
-from paint3d.brush_engine.footprint import PROFILE_CELLS
+from paint3d.brush_engine.footprint import LAST_PLACE, PROFILE_CELLS, profile_cell
 from paint3d.core.kernel import uncounted
+from paint3d.mesh.kernels.mesh_arrays import as_index
 
-__all__ = ["AREA_STEPS", "ROWS", "WORK_ROWS", "weigh_block", "weigh_passing", "weighed_area"]
+__all__ = ["ROWS", "WORK_ROWS", "fetch", "weigh_block", "weigh_passing", "weighed_area"]
 
-AREA_STEPS = 2.0**36  # whole numbers to a mm2 in sums of areas
+_MIDDLE = 1.5 * 2.0**52  # whole numbers near to it are apart by one
 ROWS = 7  # float32 rows of a block's length: plane x, y and stretch of each vertex, and its
 # distances at the stamp before and at the stamp after, to the near side and to the far side
 WORK_ROWS = 14  # of the same, that `weigh_block` works in: rows 6 and 7 are share and cover
-_LAST_PLACE = PROFILE_CELLS - 1e-4  # on the profile, in cells: within the last
 _SLOW = np.float32(4.0)  # box widths: an edge that passes faster passes as good as straight
 _NEAR = 1.5  # times as far as the outline moved: distances beyond its ends are no true ones
 _STILL = np.float32(1e-3)  # box widths: a shorter way is judged by its middle
-_NOT, _WHOLE, _STRAIGHT, _SLOWLY = np.uint8(0), np.uint8(1), np.uint8(2), np.uint8(3)
-_NONE_OF_EIGHT, _ALL_OF_EIGHT = np.uint64(0), np.uint64(0x0101010101010101)  # as one number
+_NOT, _WHOLE, _STRAIGHT, _SLOWLY = np.uint8(0), np.uint8(1), np.uint8(2), np.uint8(4)
+_NONE = np.uint64(0)  # of eight; and where each of eight is of a kind, as one number:
+_WHOLES = np.uint64(0x0101010101010101)
+_STRAIGHTS, _SLOW_ONES = np.uint64(2) * _WHOLES, np.uint64(4) * _WHOLES
 _HALF = np.float32(0.5)
 _ONE = np.float32(1.0)
 _ZERO = np.float32(0.0)
 
 
-@uncounted(error_model="numpy")
+@uncounted(error_model="numpy", forceinline=True)
 def _covered(edge):
     """Share of the unit box on the inner side of an edge at a signed distance (box widths)."""
     return min(_ONE, max(_ZERO, _HALF + edge))
 
 
-@uncounted(error_model="numpy")
+@uncounted(error_model="numpy", forceinline=True)
 def _mean_covered(a, b):
     """Mean of `_covered` while the edge's distance goes evenly from a to b: both antiderivatives.
 
@@ -55,7 +57,7 @@ def _mean_covered(a, b):
     return _covered(_HALF * (a + b)) if still else mean
 
 
-@uncounted(error_model="numpy")
+@uncounted(error_model="numpy", apart=True)
 def _place_block(n, rows, stand, spots):
     """Where vertices of the plane lie on a stamp's profile: rows of place (cells), side and beyond.
 
@@ -70,7 +72,7 @@ def _place_block(n, rows, stand, spots):
     c, s = np.float32(cosine), np.float32(sine)
     first, last = np.float32(heel), np.float32(tip)
     per_step = np.float32(PROFILE_CELLS / (tip - heel))
-    top = np.float32(_LAST_PLACE)
+    top = np.float32(LAST_PLACE)
     for k in range(n):
         u = xs[k] - ox
         v = ys[k] - oy
@@ -101,53 +103,55 @@ def _part_way(sweep, part):
     return row[0], row[1], row[2], row[3], row[4], row[5]
 
 
-@uncounted(error_model="numpy")
+@uncounted(error_model="numpy", apart=True)
 def _stamp_edges(n, spots, lines, scale, inner, far):
     """Signed distances (box widths) to the near and to the far side of one stamp's outline."""
     places, sides, beyond = spots[0], spots[1], spots[2]
+    starts, rises, steep = lines[0], lines[1], lines[2]
     factor = np.float32(scale)
     for k in range(n):
         at = places[k]
-        i = np.uint32(np.int32(at))  # an index that may be negative would count from the end
-        width, steepness = lines[i, 0] + at * lines[i, 1], lines[i, 2]
+        i = profile_cell(at)
+        width, steepness = starts[i] + at * rises[i], steep[i]
         side = abs(sides[k])
         inner[k] = ((width - side) * steepness - beyond[k]) * factor
         far[k] = ((width + side) * steepness - beyond[k]) * factor
 
 
-@uncounted(error_model="numpy")
+@uncounted(error_model="numpy", apart=True)
 def _way_edges(n, spots, sweep, back, inner, far):
     """`_stamp_edges` for the outline a share `back` of the way before its end."""
     places, sides, beyond = spots[0], spots[1], spots[2]
-    lines, lines_before = sweep.after.lines, sweep.before.lines
+    lines, before = sweep.after.lines, sweep.before.lines
+    starts, rises, steep = lines[0], lines[1], lines[2]
+    starts_before, rises_before, steep_before = before[0], before[1], before[2]
     then = np.float32(back)
     now = np.float32(1.0 - back)
     factor = np.float32(sweep.values[0].scale)
     for k in range(n):
         at = places[k]
-        i = np.uint32(np.int32(at))  # an index that may be negative would count from the end
-        width = now * (lines[i, 0] + at * lines[i, 1])
-        width += then * (lines_before[i, 0] + at * lines_before[i, 1])
-        steepness = now * lines[i, 2] + then * lines_before[i, 2]
+        i = profile_cell(at)
+        width = now * (starts[i] + at * rises[i])
+        width += then * (starts_before[i] + at * rises_before[i])
+        steepness = now * steep[i] + then * steep_before[i]
         side = abs(sides[k])
         inner[k] = ((width - side) * steepness - beyond[k]) * factor
         far[k] = ((width + side) * steepness - beyond[k]) * factor
 
 
-@uncounted(error_model="numpy")
-def _pack(n, near, ids, rows, block):
+@uncounted(error_model="numpy", apart=True)
+def _pack(n, near, ids, rows, packed_ids, packed):
     """Copy the columns `near` of rows, and their ids, to the front of the packed ones."""
-    chosen_ids, chosen = block.packed_ids, block.packed
     for i in range(n):
-        chosen_ids[i] = ids[near[i]]
+        packed_ids[i] = ids[as_index(near[i])]
     for row in range(ROWS):
         source = rows[row]
-        target = chosen[row]
+        target = packed[row]
         for i in range(n):
-            target[i] = source[near[i]]
+            target[i] = source[as_index(near[i])]
 
 
-@uncounted(error_model="numpy")
+@uncounted(error_model="numpy", apart=True)
 def _find_crossings(n, spots, later, sweep, back, crossings):
     """When in a part of the way the outline's middle line passes over vertices, and how deep.
 
@@ -157,11 +161,13 @@ def _find_crossings(n, spots, later, sweep, back, crossings):
     of the part, 0 where it does not pass over, the distance (box widths) to the edge then, which is
     as far to both sides, and the place on the profile, cells.
     """
-    a, b, lines, lines_before = spots, later, sweep.after.lines, sweep.before.lines
+    a, b, lines, before = spots, later, sweep.after.lines, sweep.before.lines
+    starts, rises, steep = lines[0], lines[1], lines[2]
+    starts_before, rises_before, steep_before = before[0], before[1], before[2]
     values, when, peak, where = sweep.values[0], crossings[0], crossings[1], crossings[2]
     length = 0.5 * (values.after_tip - values.after_heel + values.before_tip - values.before_heel)
     per_step, step = np.float32(PROFILE_CELLS / length), np.float32(length / PROFILE_CELLS)
-    middle, top = np.float32(0.5 * PROFILE_CELLS), np.float32(_LAST_PLACE)
+    middle, top = np.float32(0.5 * PROFILE_CELLS), np.float32(LAST_PLACE)
     first, each, factor = (
         np.float32(back[0]),
         np.float32(back[1] - back[0]),
@@ -175,15 +181,39 @@ def _find_crossings(n, spots, later, sweep, back, crossings):
         end = b[0, k] + (b[2, k] if b[0, k] > middle else -b[2, k]) * per_step
         at = begin + t * (end - begin)
         place = min(max(at, _ZERO), top)
-        i = np.int32(place)
+        i = profile_cell(place)
         then = first + t * each
         now = _ONE - then
-        width = now * (lines[i, 0] + place * lines[i, 1])
-        width += then * (lines_before[i, 0] + place * lines_before[i, 1])
-        steepness = now * lines[i, 2] + then * lines_before[i, 2]
+        width = now * (starts[i] + place * rises[i])
+        width += then * (starts_before[i] + place * rises_before[i])
+        steepness = now * steep[i] + then * steep_before[i]
         when[k] = t if passes else _ZERO
         peak[k] = (width * steepness - abs(at - place) * step) * factor
         where[k] = place
+
+
+@uncounted(error_model="numpy", apart=True)
+def _share_straight(n, a, b, share):
+    """Mean share covered of vertices that the edge passes evenly, between two distances."""
+    for k in range(n):
+        share[k] = _mean_covered(a[k], b[k])
+
+
+@uncounted(error_model="numpy", apart=True)
+def _add_part(n, when, peak, inner, far, last, share, cover):
+    """Add what a part of the way covers to the sum of shares, and to the greatest.
+
+    Of each vertex: its distance (box widths) at the part's beginning, `last`, which goes on to its
+    end, there to both sides, and when and how deep it was passed over meanwhile.
+    """
+    for k in range(n):
+        t, deep, a, b = when[k], peak[k], last[k], inner[k]  # read, used or not: no branch
+        top = deep if t > _ZERO else a
+        share[k] += t * _mean_covered(a, top) + (_ONE - t) * _mean_covered(top, b)
+        seen = _covered(b) + _covered(far[k]) - _ONE
+        passed = _covered(top) + _covered(top) - _ONE
+        cover[k] = max(cover[k], max(seen, passed if t > _ZERO else _ZERO))
+        last[k] = b
 
 
 @uncounted(error_model="numpy")
@@ -208,23 +238,18 @@ def _follow(n, sweep, rows, work):
                 inner[k], far[k] = b[k], -_HALF  # the greatest share knows the end already
         back = 1.0 - (part - 1) / parts, 1.0 - part / parts
         _find_crossings(n, spots, later, sweep, back, work[11:14])
-        for k in range(n):
-            t = when[k]
-            top = peak[k] if t > _ZERO else last[k]
-            share[k] += t * _mean_covered(last[k], top)
-            share[k] += (_ONE - t) * _mean_covered(top, inner[k])
-            seen = _covered(inner[k]) + _covered(far[k]) - _ONE
-            passed = _covered(top) + _covered(top) - _ONE if t > _ZERO else _ZERO
-            cover[k] = max(cover[k], max(seen, passed))
-            last[k] = inner[k]
+        _add_part(n, when, peak, inner, far, last, share, cover)
         spots, later = later, spots
     for k in range(n):
         share[k] *= each
 
 
 @uncounted(error_model="numpy")
-def _drop_far(n, sweep, rows, work, near):
-    """List which of these the outline can reach on its way, by where it is half the way."""
+def _drop_far(n, sweep, rows, work, near, kept_ones):
+    """List which of those `near` the outline can reach on its way, by where it is half the way.
+
+    The rows are theirs, packed.
+    """
     inner, far, spots = work[0], work[1], work[2:5]
     a, b = rows[3], rows[4]
     _place_block(n, rows, _part_way(sweep, 0), spots)
@@ -232,7 +257,7 @@ def _drop_far(n, sweep, rows, work, near):
     rise = np.float32(0.5 * sweep.values[0].end_rise)
     kept = 0
     for k in range(n):
-        near[kept] = k
+        kept_ones[kept] = near[k]
         kept += np.int64(max(max(a[k], b[k]), inner[k] + rise) > -_HALF)
     return kept
 
@@ -251,7 +276,7 @@ def _append(n, block, found, at):
     return at
 
 
-@uncounted(error_model="numpy")
+@uncounted(error_model="numpy", apart=True)
 def _stamp_cover(n, rows, cover):
     """Greatest share covered at the two stamps: whole where the middle of the box ever was."""
     a, b, far_a, far_b = rows[3], rows[4], rows[5], rows[6]
@@ -316,25 +341,32 @@ def _sort(n, block, found, at):
     out_ids, out_share, out_cover = found.ids, found.share, found.cover
     straight, slow = 0, 0
     for g in range((n + 7) // 8):
-        if eights[g] == _NONE_OF_EIGHT:
+        eight = eights[g]
+        if eight == _NONE:
             continue
         first = 8 * g
-        if eights[g] == _ALL_OF_EIGHT:
+        if eight == _WHOLES:
             for k in range(8):
                 out_ids[at + k] = ids[first + k]
                 out_share[at + k] = stretch[first + k]
                 out_cover[at + k] = _ONE
             at += 8
             continue
-        for k in range(first, min(n, first + 8)):  # no branch: what comes cannot be foretold
-            out_ids[at] = ids[k]
-            out_share[at] = stretch[k]
-            out_cover[at] = _ONE
-            at += np.int64(kinds[k] == _WHOLE)
-            straight_ones[straight] = k
-            straight += np.int64(kinds[k] == _STRAIGHT)
-            slow_ones[slow] = k
-            slow += np.int64(kinds[k] == _SLOWLY)
+        last = min(n, first + 8)  # no branch for one: what comes cannot be foretold
+        if eight & _WHOLES != _NONE:
+            for k in range(first, last):
+                out_ids[at] = ids[k]
+                out_share[at] = stretch[k]
+                out_cover[at] = _ONE
+                at += np.int64(kinds[k] == _WHOLE)
+        if eight & _STRAIGHTS != _NONE:
+            for k in range(first, last):
+                straight_ones[straight] = k
+                straight += np.int64(kinds[k] == _STRAIGHT)
+        if eight & _SLOW_ONES != _NONE:
+            for k in range(first, last):
+                slow_ones[slow] = k
+                slow += np.int64(kinds[k] == _SLOWLY)
     return at, straight, slow
 
 
@@ -367,16 +399,15 @@ def weigh_block(n, sweep, block, found, at):
     _measure(n, sweep, block)
     _judge(n, sweep.values[0], block)
     at, straight, slow = _sort(n, block, found, at)
-    _pack(straight, straight_ones, ids, rows, block)
+    _pack(straight, straight_ones, ids, rows, block.packed_ids, packed)
     _stamp_cover(straight, packed, cover)
-    for k in range(straight):
-        share[k] = _mean_covered(packed[3, k], packed[4, k])
+    _share_straight(straight, packed[3], packed[4], share)
     at = _append(straight, block, found, at)
     if slow == 0:
         return at
-    _pack(slow, slow_ones, ids, rows, block)
-    left = _drop_far(slow, sweep, packed, work, slow_ones)
-    _pack(left, slow_ones, block.packed_ids, packed, block)
+    _pack(slow, slow_ones, ids, rows, block.packed_ids, packed)
+    left = _drop_far(slow, sweep, packed, work, slow_ones, straight_ones)
+    _pack(left, straight_ones, ids, rows, block.packed_ids, packed)
     _stamp_cover(left, packed, cover)
     _follow(left, sweep, packed, work)
     return _append(left, block, found, at)
@@ -464,7 +495,7 @@ def weigh_passing(n, sweep, moved, block):
         n_near += np.int64((b[k] > -reach) & (b[k] < reach))
         n_whole += np.int64(b[k] >= reach)
     packed_ids, packed = block.packed_ids, block.packed
-    _pack(n_near, near, block.ids, rows, block)
+    _pack(n_near, near, block.ids, rows, packed_ids, packed)
     _weigh_near(n_near, sweep, packed, work)
     xs, ys, stretch, shares, covers = packed[0], packed[1], packed[2], packed[2], packed[3]
     kept = 0
@@ -479,15 +510,24 @@ def weigh_passing(n, sweep, moved, block):
     return kept + n_whole
 
 
-@uncounted(error_model="numpy")
-def weighed_area(field, ids, share, n):
-    """Area that the found vertices stand for, weighed, mm2.
+@uncounted(error_model="numpy", apart=True)
+def fetch(n, ids, values, out):
+    """Fill the values that vertices have; `values` holds those of all."""
+    for k in range(n):
+        out[k] = values[as_index(ids[k])]
 
-    Summed in whole numbers, so that the order in which vertices are found, which depends on what
-    was refined before, cannot change a bit of it.
+
+@uncounted(error_model="numpy", apart=True)
+def weighed_area(n, area, share, step):
+    """Area that vertices stand for, weighed, mm2.
+
+    Summed in whole numbers of steps (mm2, a power of two, see `SurfaceField`), so that the order in
+    which vertices are found, which depends on what was refined before, cannot change a bit of it.
+    The sum of a number and `_MIDDLE` steps has its whole number of steps in its last bits.
     """
-    areas, unit = field.area_units, field.area_unit
+    middle = np.float64(_MIDDLE * step)
     total = np.int64(0)
     for k in range(n):
-        total += np.int64(share[k] * areas[ids[k]] * unit * AREA_STEPS)
-    return total / AREA_STEPS
+        near = np.float64(share[k] * area[k] + middle)
+        total += near.view(np.int64)
+    return (total - n * middle.view(np.int64)) * step

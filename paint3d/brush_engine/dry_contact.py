@@ -19,6 +19,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.brush_engine.coverage import fetch
 from paint3d.core.kernel import kernel, uncounted
 from paint3d.mesh.kernels.mesh_arrays import mix
 
@@ -478,21 +479,21 @@ def thin_contact(contact, after, found, n, field, ink, block):
     block : Block
         Overwritten.
     """
-    ids, share, cover, lanes = found.ids, found.share, found.cover, found.lanes
+    ids, share, cover, lanes, area = found.ids, found.share, found.cover, found.lanes, found.area
     xs, ys, zs, touched = block.rows[0], block.rows[1], block.rows[2], block.rows[6]
     kept = np.uint32(0)
     for first in range(0, n, xs.shape[0]):
         m = min(xs.shape[0], n - first)
         last = first + m
-        own_ids, own_lanes = ids[first:last], lanes[first:last]
+        own_ids, own_lanes, own_area = ids[first:last], lanes[first:last], area[first:last]
         own_share, own_cover = share[first:last], cover[first:last]
-        for k in range(m):
-            v = np.uint32(own_ids[k])
-            xs[k], ys[k], zs[k] = field.px[v], field.py[v], field.pz[v]
+        fetch(m, own_ids, field.px, xs)
+        fetch(m, own_ids, field.py, ys)
+        fetch(m, own_ids, field.pz, zs)
         _begin_supply(m, contact, found.under[first:last], touched)
         _touch(m, contact, after, ink, block)
         for k in range(m):
-            ids[kept], lanes[kept] = own_ids[k], own_lanes[k]
+            ids[kept], lanes[kept], area[kept] = own_ids[k], own_lanes[k], own_area[k]
             share[kept] = own_share[k] * touched[k]
             cover[kept] = own_cover[k] * touched[k]
             kept += np.uint32(touched[k] > _LEAST)

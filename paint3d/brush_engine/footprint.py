@@ -21,6 +21,7 @@ from paint3d.core.kernel import uncounted
 __all__ = [
     "BETWEEN_SHAPE",
     "GEOMETRY",
+    "LAST_PLACE",
     "PROFILE_CELLS",
     "SWEEP",
     "Stamp",
@@ -35,10 +36,12 @@ __all__ = [
     "make_stamp",
     "outline_area",
     "outline_motion",
+    "profile_cell",
     "sweep_bounds",
 ]
 
 PROFILE_CELLS = 64
+LAST_PLACE = PROFILE_CELLS - 1e-4  # on the profile, in cells: within the last
 _LEAST_WAY = 1e-9  # mm
 _IN_PLACE = 0.35  # of the motion of a footprint that turns or grows where it stands: gives ink
 _FIRM = 0.4  # pressure from which a footprint that grows gives ink for all of its growth
@@ -127,15 +130,25 @@ class Stamp(NamedTuple):
 
     values: NDArray  # (1,) of GEOMETRY
     half_widths: NDArray  # (PROFILE_CELLS + 2,) float64, mm, even steps from heel to tip
-    lines: NDArray  # (PROFILE_CELLS, 4) float32: in each step half width = first + second x place
+    lines: NDArray  # (4, PROFILE_CELLS) float32: in each step half width = first + second x place
     # (place in steps from the heel), third = 1/sqrt(1 + slope^2), for distances to the edge, and
     # fourth: by how much that makes distances less from there to where it is widest, 1 / third - 1
 
 
 def make_stamp() -> Stamp:
     """An empty stamp that touches nothing."""
-    lines = np.zeros((PROFILE_CELLS, 4), np.float32)
+    lines = np.zeros((4, PROFILE_CELLS), np.float32)
     return Stamp(np.zeros(1, GEOMETRY), np.zeros(PROFILE_CELLS + 2), lines)
+
+
+@uncounted(forceinline=True)
+def profile_cell(place):
+    """The cell of a profile in which a place of it (up to LAST_PLACE, cells) lies.
+
+    As an index of so few bits that compilers know it for none from an array's end, and look eight
+    up at once.
+    """
+    return np.uint32(np.int32(place)) & np.uint32(PROFILE_CELLS - 1)
 
 
 @uncounted
@@ -177,9 +190,9 @@ def keep_profile(stamp, heel, tip):
     for i in range(PROFILE_CELLS):
         rise = widths[i + 1] - widths[i]
         slope = rise / step if step > 0.0 else 0.0
-        stamp.lines[i, 0] = widths[i] - i * rise
-        stamp.lines[i, 1] = rise
-        stamp.lines[i, 2] = 1.0 / np.sqrt(1.0 + slope * slope)
+        stamp.lines[0, i] = widths[i] - i * rise
+        stamp.lines[1, i] = rise
+        stamp.lines[2, i] = 1.0 / np.sqrt(1.0 + slope * slope)
         values.area += (widths[i] + widths[i + 1]) * step
         if widths[i] > values.widest:
             values.widest, values.widest_at = widths[i], heel + i * step
@@ -193,12 +206,12 @@ def _note_bluntness(stamp, step):
     one, most = np.float32(1.0), np.float32(0.0)
     middle = int((values.widest_at - values.heel) / step + 0.5) if step > 0.0 else 0
     for i in range(middle - 1, -1, -1):
-        most = max(most, one / lines[i, 2] - one)
-        lines[i, 3] = most
+        most = max(most, one / lines[2, i] - one)
+        lines[3, i] = most
     most = np.float32(0.0)
     for i in range(middle, PROFILE_CELLS):
-        most = max(most, one / lines[i, 2] - one)
-        lines[i, 3] = most
+        most = max(most, one / lines[2, i] - one)
+        lines[3, i] = most
 
 
 @uncounted

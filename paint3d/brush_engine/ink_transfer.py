@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.brush_engine.coverage import weigh_block, weighed_area
+from paint3d.brush_engine.coverage import fetch, weigh_block, weighed_area
 from paint3d.brush_engine.dry_contact import (
     BUNDLE_MM,
     bundle_at,
@@ -26,21 +26,25 @@ from paint3d.brush_engine.dry_contact import (
     thin_contact,
 )
 from paint3d.brush_engine.footprint import (
+    LAST_PLACE,
     PROFILE_CELLS,
     Sweep,
     find_way,
     ink_way,
     outline_motion,
+    profile_cell,
 )
 from paint3d.brush_engine.vertex_query import (
     INSIDE,
     VISITED,
     find_candidates,
     next_block,
+    single,
     take_run,
     vertices_of,
 )
 from paint3d.core.kernel import kernel, uncounted
+from paint3d.mesh.kernels.mesh_arrays import as_index
 
 __all__ = [
     "FADING",
@@ -51,6 +55,7 @@ __all__ = [
     "TRANSFER",
     "Deposit",
     "InkField",
+    "add_ink",
     "contact_level",
     "drawn_rate",
     "first_film",
@@ -155,22 +160,34 @@ def _streak_gains(gains, first, apart, way, strength, table):
         gains[line] *= max(0.0, 1.0 + strength * bundle_at(across, along, table))
 
 
-@uncounted(error_model="numpy")
-def _give_by_line(values, way, first, apart, gains, field, found, n):
-    """Multiply the shares of vertices by what the lines on which they lie get."""
-    ids, share = found.ids, found.share
-    ax = (way[0] * values.cross[0] - way[1] * values.bend[0]) / apart
-    ay = (way[0] * values.cross[1] - way[1] * values.bend[1]) / apart
-    az = (way[0] * values.cross[2] - way[1] * values.bend[2]) / apart
-    start = ax * values.origin[0] + ay * values.origin[1] + az * values.origin[2]
-    start += first / apart + 0.5
+@uncounted(error_model="numpy", apart=True)
+def _give_by_line(n, ids, px, py, pz, across, start, gains, share):
+    """Multiply the shares of vertices by what the lines on which they lie get.
+
+    Lines are counted along a vector, `across`, from a place, `start` (mm), where the middle of the
+    first lies. Between the middles of a line and the next, the gain is that of the first of
+    `gains`, and so many times as the place says that of the second.
+    """
+    ax, ay, az = single(across)
+    x, y, z = single(start)
+    starts, rises, last = gains[0], gains[1], np.float32(LINES - 1.001)
     for k in range(n):
-        v = ids[k]
-        at = ax * field.px[v] + ay * field.py[v] + az * field.pz[v] - start
-        at = min(max(at, 0.0), LINES - 1.001)
-        line = np.int64(at)
-        gain = gains[line] + (at - line) * (gains[line + 1] - gains[line])
-        share[k] *= np.float32(gain)
+        v = as_index(ids[k])
+        at = ax * (px[v] - x) + ay * (py[v] - y) + az * (pz[v] - z)
+        at = min(max(at, np.float32(0.0)), last)
+        line = np.uint32(np.int32(at)) & np.uint32(LINES - 1)
+        share[k] *= starts[line] + at * rises[line]
+
+
+@uncounted(error_model="numpy")
+def _count_lines(values, way, first, apart):
+    """How places are counted in a footprint's lines: `across` and `start` of `_give_by_line`."""
+    x = way[0] * values.cross[0] - way[1] * values.bend[0]
+    y = way[0] * values.cross[1] - way[1] * values.bend[1]
+    z = way[0] * values.cross[2] - way[1] * values.bend[2]
+    middle, origin = first + 0.5 * apart, values.origin
+    start = origin[0] + middle * x, origin[1] + middle * y, origin[2] + middle * z
+    return (x / apart, y / apart, z / apart), start
 
 
 @uncounted(error_model="numpy")
@@ -201,13 +218,20 @@ def level_shares(before, after, level, grain, field, ink, n, scratch):
     carried, along, across = find_way(before, after)
     if wet <= 0.0 or carried <= 0.0:
         return False
-    way, lines = (along, across), scratch.lines
+    way, lines, found = (along, across), scratch.lines, scratch.found
     first, apart = _fill_lines(after, way, lines)
     power = _ON_GLAZE + grain * (_ON_GRAIN - _ON_GLAZE)
     _fill_gains(lines, wet * carried, power)
     streaks = wet * carried * _STREAKED * absorbency(ink)
     _streak_gains(lines[2], first, apart, values.way, streaks, ink.bundles[1])
-    _give_by_line(values, way, first, apart, lines[2], field, scratch.found, n)
+    for line in range(LINES - 1):
+        rise = lines[2, line + 1] - lines[2, line]
+        scratch.gains[0, line] = lines[2, line] - line * rise
+        scratch.gains[1, line] = rise
+    across, start = _count_lines(values, way, first, apart)
+    _give_by_line(
+        n, found.ids, field.px, field.py, field.pz, across, start, scratch.gains, found.share
+    )
     return True
 
 
@@ -262,6 +286,7 @@ _SATURATED = 0.9  # coats, h of equation (12b), at which paper takes half of wha
 _POOLED = 0.4  # how much more the middle of a tuft's liquid gives than its rim
 # speed of a hand at which h is that, the power it falls with, and the least speed that counts
 _EVEN_MM_S, _LINGERS, _SLOWEST_MM_S = 60.0, 0.35, 4.0
+_LEAST_WIDTH = 1e-6  # mm, of a tuft whose liquid is looked for
 _NOTHING = 1e-6  # share of a film
 _MOST_PASSES = 1000
 _SHARE = 0.45  # of a reservoir, the most that flows out of it on one side in one pass
@@ -343,26 +368,56 @@ def given_on_way(level):
     return 1.0 - FILM_SHARE * level
 
 
-@uncounted(error_model="numpy")
-def _liquid_over(stamp, field, v):
-    """How high a tuft's liquid stands over a vertex: 1 in the middle of the outline, 0 outside."""
-    values, widths = stamp.values[0], stamp.half_widths
-    if values.touches <= 0.0:
-        return 0.0
-    dx = field.mx[v] - values.origin[0]
-    dy = field.my[v] - values.origin[1]
-    dz = field.mz[v] - values.origin[2]
-    along = dx * values.bend[0] + dy * values.bend[1] + dz * values.bend[2]
-    across = dx * values.cross[0] + dy * values.cross[1] + dz * values.cross[2]
-    if along <= values.heel or along >= values.tip:
-        return 0.0
-    part = (along - values.heel) / (values.tip - values.heel)
-    at = part * PROFILE_CELLS
-    i = min(np.int64(at), PROFILE_CELLS - 1)
-    width = widths[i] + (at - i) * (widths[i + 1] - widths[i])
-    if abs(across) >= width:
-        return 0.0
-    return 4.0 * part * (1.0 - part) * (1.0 - (across / width) ** 2)
+@uncounted(error_model="numpy", apart=True)
+def _fetch_coats(n, ids, amounts, coats):
+    """Fill how much wet ink lies on vertices, of all pigments, coats times the covered share."""
+    if amounts.shape[1] == 1:
+        fetch(n, ids, amounts.reshape(amounts.size), coats)
+        return
+    for k in range(n):
+        coats[k] = np.float32(0.0)
+    for p in range(amounts.shape[1]):
+        for k in range(n):
+            coats[k] += amounts[as_index(ids[k]), p]
+
+
+@uncounted(error_model="numpy", apart=True)
+def _find_liquid(n, ids, mx, my, mz, values, lines, heights):
+    """Fill how high a tuft's liquid stands over vertices: 1 in an outline's middle, 0 outside.
+
+    `values` and `lines` are those of a stamp that touches.
+    """
+    ox, oy, oz = single(values.origin)
+    bx, by, bz = single(values.bend)
+    cx, cy, cz = single(values.cross)
+    heel, per_length = np.float32(values.heel), np.float32(1.0 / (values.tip - values.heel))
+    cells, last = np.float32(PROFILE_CELLS), np.float32(LAST_PLACE)
+    zero, one, four = np.float32(0.0), np.float32(1.0), np.float32(4.0)
+    least, starts, rises = np.float32(_LEAST_WIDTH), lines[0], lines[1]
+    for k in range(n):
+        v = as_index(ids[k])
+        dx, dy, dz = mx[v] - ox, my[v] - oy, mz[v] - oz
+        part = (dx * bx + dy * by + dz * bz - heel) * per_length
+        at = min(max(part * cells, zero), last)
+        i = profile_cell(at)
+        width = max(starts[i] + at * rises[i], least)
+        aside = (dx * cx + dy * cy + dz * cz) / width
+        height = four * part * (one - part) * (one - aside * aside)
+        over = (part > zero) & (part < one) & (aside * aside < one)
+        heights[k] = height if over else zero
+
+
+@uncounted(error_model="numpy", apart=True)
+def _take_less(n, ids, take, coats, heights, draws, per_coat, share):
+    """Let wet paper take less: docs/model.md, equation (12b)."""
+    one, half, pooled = np.float32(1.0), np.float32(0.5), np.float32(_POOLED)
+    for k in range(n):
+        stands = one + pooled * (heights[k] - half)
+        wet = coats[k] * per_coat / (take[as_index(ids[k])] * stands)
+        wet2 = wet * wet
+        wet4 = wet2 * wet2
+        wet8 = wet4 * wet4
+        share[k] *= one - draws * wet8 / (one + wet8)
 
 
 @uncounted(error_model="numpy")
@@ -370,48 +425,53 @@ def _saturate(after, found, n, field, ink):
     """Let wet paper take less of what comes on the way: docs/model.md, equation (12b).
 
     So a stroke that crosses a wet one runs into it and does not lie on it like a film, and where
-    the brush dwells no more comes than the sheet holds. Nothing changes on a glaze.
+    the brush dwells no more comes than the sheet holds. Nothing changes on a glaze: False.
     """
     draws = np.float32(absorbency(ink))
     if draws <= 0.0:
-        return
-    ids, share, amounts = found.ids, found.share, ink.amounts
-    one = np.float32(1.0)
-    speed = max(after.values[0].speed, _SLOWEST_MM_S)
+        return False
+    values, ids, coats, heights = after.values[0], found.ids, found.coats, found.heights
+    speed = max(values.speed, _SLOWEST_MM_S)
     per_coat = np.float32((speed / _EVEN_MM_S) ** _LINGERS / _SATURATED)
-    for k in range(n):
-        v, coats = ids[k], np.float32(0.0)
-        for p in range(ink.load.shape[0]):
-            coats += amounts[v, p]
-        stands = np.float32(1.0 + _POOLED * (_liquid_over(after, field, v) - 0.5))
-        wet = coats * per_coat / (field.take[v] * stands)
-        wet2 = wet * wet
-        wet4 = wet2 * wet2
-        wet8 = wet4 * wet4
-        share[k] *= one - draws * wet8 / (one + wet8)
+    _fetch_coats(n, ids, ink.amounts, coats)
+    heights[:n] = 0.0
+    if values.touches > 0.0:
+        _find_liquid(n, ids, field.mx, field.my, field.mz, values, after.lines, heights)
+    _take_less(n, ids, field.take, coats, heights, draws, per_coat, found.share)
+    return True
 
 
-@uncounted(error_model="numpy", forceinline=True)
-def _lacks(film, k, before, found, field, ink):
-    """Coats of a first film that the k-th vertex found lacks, times its area's covered share.
+@uncounted(error_model="numpy", apart=True)
+def _find_lacking(n, film, ids, cover, take, coverage, coats, lacks):
+    """Fill coats of a first film that vertices lack, times the area's share that is newly covered.
 
-    What is newly covered lacks all of it; where ink ran ahead of the tuft, or has dried, what comes
-    under the tuft lacks what that falls short of it.
+    `coats`, what lies on each, becomes what it falls short of the film where it was covered
+    already. Returns whether any does.
     """
-    v, cover = found.ids[k], found.cover[k]
-    whole, covered = film * field.take[v], ink.coverage[v]
-    lacks = whole * max(np.float32(0.0), cover - covered)
-    short = whole * min(cover, covered)
-    for p in range(ink.load.shape[0]):
-        short -= ink.amounts[v, p]
-    if short > np.float32(0.0) and _liquid_over(before, field, v) <= 0.0:
-        lacks += short
-    return lacks
+    zero, short = np.float32(0.0), np.int32(0)
+    for k in range(n):
+        v = as_index(ids[k])
+        whole, covered = film * take[v], coverage[v]
+        lacks[k] = whole * max(zero, cover[k] - covered)
+        coats[k] = whole * min(cover[k], covered) - coats[k]
+        short = max(short, np.int32(coats[k] > zero))
+    return short > 0
+
+
+@uncounted(error_model="numpy", apart=True)
+def _add_short(n, coats, heights, lacks):
+    """Add what vertices fall short of a film, but for those that lay under the tuft already."""
+    zero = np.float32(0.0)
+    for k in range(n):
+        lacks[k] += coats[k] if (coats[k] > zero) & (heights[k] <= zero) else zero
 
 
 @uncounted(error_model="numpy")
 def _lay_first_film(coats, unit, before, found, n, field, ink):
     """Lay a film at once where the tuft comes to, however lightly and briefly it is touched.
+
+    What is newly covered lacks all of it; where ink ran ahead of the tuft, or has dried, what comes
+    under the tuft lacks what that falls short of it.
 
     Parameters
     ----------
@@ -431,11 +491,18 @@ def _lay_first_film(coats, unit, before, found, n, field, ink):
     float
         What it takes, coats x mm2; a small part of what the tuft holds at most.
     """
-    film, share = np.float32(coats), found.share
-    lacking = 0.0
-    for k in range(n):
-        lacks = _lacks(film, k, before, found, field, ink)
-        lacking += lacks * field.area_units[found.ids[k]] * field.area_unit
+    ids, share, lacks, heights = found.ids, found.share, found.lacks, found.heights
+    _fetch_coats(n, ids, ink.amounts, found.coats)
+    film = np.float32(coats)
+    short = _find_lacking(n, film, ids, found.cover, field.take, ink.coverage, found.coats, lacks)
+    if short:
+        heights[:n] = 0.0
+        if before.values[0].touches > 0.0:
+            _find_liquid(
+                n, ids, field.mx, field.my, field.mz, before.values[0], before.lines, heights
+            )
+        _add_short(n, found.coats, heights, lacks)
+    lacking = weighed_area(n, found.area, lacks, field.area_step)
     if lacking <= 0.0:
         return 0.0
     most = _FILM_MOST * held_ink(ink)
@@ -444,7 +511,7 @@ def _lay_first_film(coats, unit, before, found, n, field, ink):
     kept = np.float32(1.0 if goes_on else 0.0)
     per_coat = np.float32(min(1.0, most / lacking) / (unit if goes_on else 1.0))
     for k in range(n):
-        share[k] = kept * share[k] + per_coat * _lacks(film, k, before, found, field, ink)
+        share[k] = kept * share[k] + per_coat * lacks[k]
     return min(lacking, most)
 
 
@@ -466,12 +533,17 @@ def take_in(coats, before, after, landing, weighed, found, n, field, ink):
     -------
     rest, first : float
         How much of what lands on the way is taken in, 0 to 1, and of the film, coats x mm2.
+    weighed : float
+        The area that is shared by now.
     """
-    rest = 1.0
-    if landing > 0.0:
-        _saturate(after, found, n, field, ink)
-        rest = weighed_area(field, found.ids, found.share, n) / weighed
-    return rest, _lay_first_film(coats, landing / weighed, before, found, n, field, ink)
+    rest, whole = 1.0, weighed
+    if landing > 0.0 and _saturate(after, found, n, field, ink):
+        weighed = weighed_area(n, found.area, found.share, field.area_step)
+        rest = weighed / whole
+    first = _lay_first_film(coats, landing / whole, before, found, n, field, ink)
+    if first > 0.0:
+        weighed = weighed_area(n, found.area, found.share, field.area_step)
+    return rest, first, weighed
 
 
 @uncounted(error_model="numpy")
@@ -543,32 +615,42 @@ def landing_share(area, width, weighed_area, found):
     return min(1.0, weighed_area / area / (1.0 - slack))
 
 
+@uncounted(error_model="numpy", apart=True)
+def add_ink(n, ids, share, coats, pigment):
+    """Add so many coats, times its share, to what every vertex has of a pigment."""
+    for k in range(n):
+        pigment[as_index(ids[k])] += coats * share[k]
+
+
 @uncounted(error_model="numpy")
 def _leave_ink(found, n, part, ink):
     """Add every vertex's share of each pigment, `part` (P,) of it, and note what is covered."""
-    ids, share, amounts = found.ids, found.share, ink.amounts
     for p in range(part.shape[0]):
-        column = np.float32(part[p])
-        if column != 0.0:
-            for k in range(n):
-                amounts[ids[k], p] += column * share[k]
+        coats = np.float32(part[p])
+        if coats != 0.0:
+            add_ink(n, found.ids, found.share, coats, ink.amounts[:, p])
     note_covered(found, n, ink)
 
 
 @uncounted(error_model="numpy")
 def note_covered(found, n, ink):
     """Note how much of each vertex's area is covered, and whose colour is out of date."""
-    ids, cover, coverage = found.ids, found.cover, ink.coverage
-    dirty, dirty_ids, count = ink.dirty, ink.dirty_ids, ink.n_dirty[0]
+    ink.n_dirty[0] = _note(
+        n, found.ids, found.cover, ink.coverage, ink.dirty, ink.dirty_ids, ink.n_dirty[0]
+    )
+
+
+@uncounted(error_model="numpy", apart=True)
+def _note(n, ids, cover, coverage, dirty, dirty_ids, count):
+    """`note_covered` for arrays; returns how many colours are out of date then."""
     for k in range(n):
-        v = ids[k]
-        if cover[k] > coverage[v]:
-            coverage[v] = cover[k]
+        v = as_index(ids[k])
+        coverage[v] = max(coverage[v], cover[k])
         if dirty[v] == 0:
             dirty[v] = 1
             dirty_ids[count] = v
             count += 1
-    ink.n_dirty[0] = count
+    return count
 
 
 @uncounted(error_model="numpy")
@@ -721,7 +803,8 @@ def sweep_deposit(before, after, tuft, field, ink, scratch):
     n = _gather(before, after, field, scratch)
     if n < 0:
         return False
-    weighed = weighed_area(field, found.ids, found.share, n)
+    fetch(n, found.ids, field.area, found.area)
+    weighed = weighed_area(n, found.area, found.share, field.area_step)
     a = before.values[0]
     b = after.values[0]
     area = 0.5 * (a.area + b.area)
@@ -739,7 +822,7 @@ def sweep_deposit(before, after, tuft, field, ink, scratch):
         contact = dry_contact(level, find_way(before, after)[0], after, bundles, field, ink)
         n = thin_contact(contact, after, found, n, field, ink, scratch.block)
         whole = weighed
-        weighed = weighed_area(field, found.ids, found.share, n)
+        weighed = weighed_area(n, found.area, found.share, field.area_step)
         released *= weighed / whole
         landing *= weighed / whole
     if weighed <= 0.0:
@@ -749,12 +832,11 @@ def sweep_deposit(before, after, tuft, field, ink, scratch):
     if ink.transfer[0].pickup > 0.0:
         take_up_ink(before, after, released, found, n, field, ink, scratch.taken)
     if level_shares(before, after, level, ink.transfer[0].grain, field, ink, n, scratch):
-        weighed = weighed_area(field, found.ids, found.share, n)
+        weighed = weighed_area(n, found.area, found.share, field.area_step)
     if weighed > 0.0:
         coats = first_film(level, tuft.transfer_per_mm, tuft.diameters[-1], ink)
-        rest, first = take_in(coats, before, after, landing, weighed, found, n, field, ink)
+        rest, first, weighed = take_in(coats, before, after, landing, weighed, found, n, field, ink)
         released, landing = rest * released + first, rest * landing + first
-        weighed = weighed_area(field, found.ids, found.share, n)
     if ink.reservoirs.shape[0] > 1:
         deposit = Deposit(released, landing, weighed)
         leave_from_reservoirs(before, after, deposit, found, n, field, ink, scratch.taken)

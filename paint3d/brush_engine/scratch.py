@@ -58,6 +58,10 @@ class Found(NamedTuple):
     cover: NDArray  # (cap + 1,) float32, greatest share covered, 0 to 1
     lanes: NDArray  # (cap + 1,) int16, of the hairs' map; a solid tuft has none
     under: NDArray  # (cap + 1,) float32, share that hairs cover there; a solid tuft has none
+    area: NDArray  # (cap + 1,) float32, that the vertex stands for, mm2
+    coats: NDArray  # (cap + 1,) float32, wet ink that lies there
+    heights: NDArray  # (cap + 1,) float32, of the tuft's liquid over it
+    lacks: NDArray  # (cap + 1,) float32, coats of a first film that it lacks
 
 
 class Scratch(NamedTuple):
@@ -84,6 +88,7 @@ class Scratch(NamedTuple):
     block: Block
     found: Found
     lines: NDArray  # (3, LINES), of the footprint, along its way: both ends and what each gets
+    gains: NDArray  # (2, LINES) float32, the last as straight lines: first + second x place
 
 
 def make_scratch(mesh: PaintMesh, n_pigments: int) -> Scratch:
@@ -109,6 +114,7 @@ def make_scratch(mesh: PaintMesh, n_pigments: int) -> Scratch:
         block=_make_block(),
         found=_make_found(mesh),
         lines=np.zeros((3, LINES)),
+        gains=np.zeros((2, LINES), np.float32),
     )
 
 
@@ -155,5 +161,5 @@ def _make_found(mesh: PaintMesh) -> Found:
         np.zeros(n, np.float32),
         np.zeros(n, np.float32),
         np.zeros(n, np.int16),
-        np.zeros(n, np.float32),
+        *(np.zeros(n, np.float32) for _ in range(5)),
     )

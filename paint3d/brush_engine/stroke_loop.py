@@ -41,6 +41,7 @@ from paint3d.brush_engine.tuft import (
 from paint3d.core.kernel import kernel, uncounted
 from paint3d.mesh.kernels.bvh import ContactTree
 from paint3d.mesh.kernels.mesh_arrays import SurfaceField
+from paint3d.pose.kernels.hand_path import fill_tangents, join_samples
 
 __all__ = [
     "FINISHED",
@@ -59,6 +60,7 @@ __all__ = [
     "next_interval",
     "paint_samples",
     "place_at",
+    "prepare_samples",
 ]
 
 SAMPLES, FOOTPRINTS = 0, 1  # counters
@@ -108,6 +110,41 @@ class Progress(NamedTuple):
     before: Stamp
     after: Stamp
     noted: NDArray  # (8,) position mm, quaternion and pressure of the sample where `before` stands
+
+
+@uncounted(error_model="numpy")
+def prepare_samples(time_ns, origin_ns, orientation, way, samples, origins):
+    """Fill what of samples follows from a path, once `pressure` and `on_surface` are there.
+
+    Parameters
+    ----------
+    time_ns : (N,) int64
+    origin_ns : int
+        Time of the latest touch-down before the first sample, from which its time counts.
+    orientation : (N, 4) float64
+        Unit quaternions; their signs may differ from neighbour to neighbour.
+    way : (N, 3) float64
+    samples : Samples
+    origins : (N,) int64
+        Filled with the time of the latest touch-down before each sample.
+    """
+    join_samples(samples.pressure, samples.on_surface, samples.joined)
+    latest, sign = origin_ns, 1.0
+    for i in range(time_ns.shape[0]):
+        if i > 0 and not samples.joined[i]:
+            latest = time_ns[i]
+        origins[i] = latest
+        samples.time[i] = (time_ns[i] - latest) * 1e-9
+        for axis in range(3):
+            samples.position[i, axis] = way[i, axis]
+        if i > 0:
+            dot = 0.0
+            for k in range(4):
+                dot += orientation[i, k] * orientation[i - 1, k]
+            sign = -sign if dot < 0.0 else sign
+        for k in range(4):
+            samples.orientation[i, k] = sign * orientation[i, k]
+    fill_tangents(samples.time, samples.position, samples.joined, samples.velocity)
 
 
 def make_progress() -> Progress:
@@ -350,9 +387,9 @@ def copy_stamp(source, target):
     target.values[0] = source.values[0]
     for k in range(PROFILE_CELLS + 2):
         target.half_widths[k] = source.half_widths[k]
-    for k in range(PROFILE_CELLS):
-        for part in range(4):
-            target.lines[k, part] = source.lines[k, part]
+    for part in range(4):
+        for k in range(PROFILE_CELLS):
+            target.lines[part, k] = source.lines[part, k]
 
 
 @uncounted

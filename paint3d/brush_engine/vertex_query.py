@@ -14,10 +14,17 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.brush_engine.footprint import PROFILE_CELLS, fill_between, fill_sweep, sweep_bounds
+from paint3d.brush_engine.footprint import (
+    LAST_PLACE,
+    PROFILE_CELLS,
+    fill_between,
+    fill_sweep,
+    profile_cell,
+    sweep_bounds,
+)
 from paint3d.brush_engine.placement import start_sheet
 from paint3d.core.kernel import uncounted
-from paint3d.mesh.kernels.mesh_arrays import BLOCK_VERTICES, flood_patch
+from paint3d.mesh.kernels.mesh_arrays import BLOCK_VERTICES, as_index, flood_patch
 from paint3d.mesh.kernels.paper import MOST_ASIDE_MM
 from paint3d.mesh.kernels.refine import activate_cell
 
@@ -28,6 +35,7 @@ __all__ = [
     "VISITED",
     "find_candidates",
     "next_block",
+    "single",
     "take_run",
     "vertices_of",
 ]
@@ -46,7 +54,7 @@ _RUN, _IN_RUN, _CELL, _IN_CELL = range(4)
 CURSOR_SIZE = 4
 
 
-@uncounted(error_model="numpy")
+@uncounted(error_model="numpy", apart=True)
 def _judge_discs(n, discs, turn, stamp, rises, fates):
     """Where each disc lies to one stamp: OUTSIDE, on its EDGE, or INSIDE.
 
@@ -72,25 +80,26 @@ def _judge_discs(n, discs, turn, stamp, rises, fates):
     along, low, high, blunt = discs[3], discs[4], discs[5], discs[6]
     ox, oy = np.float32(turn[0]), np.float32(turn[1])
     c, s = np.float32(turn[2]), np.float32(turn[3])
-    values, widths, lines = stamp.values[0], stamp.half_widths, stamp.lines
+    values, starts, slopes, bluntest = (
+        stamp.values[0], stamp.lines[0], stamp.lines[1], stamp.lines[3]
+    )  # fmt: skip
     heel, length = np.float32(values.heel), np.float32(values.tip - values.heel)
     widest = np.float32(values.widest)
     middle = np.float32(values.widest_at - values.heel)
     per_step = np.float32(PROFILE_CELLS / (values.tip - values.heel))
-    nothing, top = np.float32(0.0), np.float32(PROFILE_CELLS)
+    nothing, top = np.float32(0.0), np.float32(LAST_PLACE)
     rise, rise_at_end = np.float32(rises[0]), np.float32(rises[1])
     begin, end = np.float32(rises[3]), length - np.float32(rises[4])
-    half_edge, last = np.float32(rises[2]), np.int32(PROFILE_CELLS - 1)
+    half_edge = np.float32(rises[2])
     for k in range(n):
         along[k] = c * (xs[k] - ox) + s * (ys[k] - oy) - heel
         low[k] = min(max((along[k] - radii[k]) * per_step, nothing), top)
         high[k] = min(max((along[k] + radii[k]) * per_step, nothing), top)
     for k in range(n):
-        i = np.int32(low[k])
-        j = np.int32(high[k])
-        blunt[k] = max(lines[min(i, last), 3], lines[min(j, last), 3])
-        low[k] = widths[i] + (low[k] - np.float32(i)) * (widths[i + 1] - widths[i])
-        high[k] = widths[j] + (high[k] - np.float32(j)) * (widths[j + 1] - widths[j])
+        i, j = profile_cell(low[k]), profile_cell(high[k])
+        blunt[k] = max(bluntest[i], bluntest[j])
+        low[k] = starts[i] + low[k] * slopes[i]
+        high[k] = starts[j] + high[k] * slopes[j]
     for k in range(n):
         side = abs(c * (ys[k] - oy) - s * (xs[k] - ox))
         r = radii[k]
@@ -298,12 +307,12 @@ def vertices_of(field):
 
 
 @uncounted
-def _single(vector):
+def single(vector):
     """The numbers of a vector (3,) in single precision."""
     return np.float32(vector[0]), np.float32(vector[1]), np.float32(vector[2])
 
 
-@uncounted(error_model="numpy")
+@uncounted(error_model="numpy", apart=True)
 def _project_run(vertices, first, n, sweep, rows, at):
     """Carry a run of vertices to the plane along their own normals (Guo 2017, 4.2.1).
 
@@ -324,14 +333,14 @@ def _project_run(vertices, first, n, sweep, rows, at):
         area for one of the surface there, as on a cylinder: 1 / cosine^2.
     at : int
     """
-    ox, oy, oz = _single(sweep.origin)
-    ux, uy, uz = _single(sweep.normal)
-    bx, by, bz = _single(sweep.bend)
-    cx, cy, cz = _single(sweep.cross)
-    sx, sy, sz = _single(sweep.sphere_centre)
+    ox, oy, oz = single(sweep.origin)
+    ux, uy, uz = single(sweep.normal)
+    bx, by, bz = single(sweep.bend)
+    cx, cy, cz = single(sweep.cross)
+    sx, sy, sz = single(sweep.sphere_centre)
     r2 = np.float32(sweep.radius2)
     farthest2 = np.float32(sweep.carry2)
-    mx, my, mz = _single(sweep.ball)
+    mx, my, mz = single(sweep.ball)
     ball2 = np.float32(sweep.ball2)
     least = np.float32(_LEAST_FACING)
     away = np.float32(_AWAY)
@@ -367,7 +376,7 @@ def _project_run(vertices, first, n, sweep, rows, at):
         stretch[k] = inverse * inverse * take[k]
 
 
-@uncounted(error_model="numpy")
+@uncounted(error_model="numpy", apart=True)
 def take_run(vertices, first, last, sweep, found, at):
     """All vertices of a run that lands well inside the outline, but those facing away.
 
@@ -383,11 +392,11 @@ def take_run(vertices, first, last, sweep, found, at):
         Filled from `at` on; returned is how many there are then.
     at : int
     """
-    ox, oy, oz = _single(sweep.origin)
-    ux, uy, uz = _single(sweep.normal)
+    ox, oy, oz = single(sweep.origin)
+    ux, uy, uz = single(sweep.normal)
     r2 = np.float32(sweep.radius2)
     farthest2 = np.float32(sweep.carry2)
-    mx, my, mz = _single(sweep.ball)
+    mx, my, mz = single(sweep.ball)
     ball2 = np.float32(sweep.ball2)
     least = np.float32(_LEAST_FACING)
     one = np.float32(1.0)
@@ -412,10 +421,11 @@ def take_run(vertices, first, last, sweep, found, at):
         hz = dz - mz
         beside = hx * hx + hy * hy + hz * hz > ball2
         bad = (cosine < least) | (height * height > r2) | (t * t > farthest2) | beside
-        refused += np.int32(bad)
-        ids[k] = first + k
+        refused = max(refused, np.int32(bad))  # a sum would be of int64, and halve the lanes
         share[k] = inverse * inverse * take[k]
         cover[k] = -one if bad else one
+    for k in range(n):
+        ids[k] = first + k
     if refused == 0:
         return at + n
     kept = 0
@@ -574,13 +584,13 @@ def _list_from_cells(n_cells, filled, field, scratch):
     return filled
 
 
-@uncounted(error_model="numpy")
+@uncounted(error_model="numpy", apart=True)
 def _fetch(n, ids, vertices, out):
     """Copy scattered vertices side by side."""
     px, py, pz, nx, ny, nz, take = vertices
     x, y, z, u, v, w, t = out
     for k in range(n):
-        i = np.uint32(ids[k])
+        i = as_index(ids[k])
         x[k] = px[i]
         y[k] = py[i]
         z[k] = pz[i]

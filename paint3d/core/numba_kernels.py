@@ -12,6 +12,7 @@ from typing import Any
 from paint3d.errors import KernelError
 
 __all__ = [
+    "APART",
     "ONLY",
     "DeferredKernel",
     "can_compile",
@@ -21,6 +22,7 @@ __all__ = [
 ]
 
 ONLY = "PAINT3D_KERNELS"  # "numba" or "library": the only source of kernels
+APART = "apart"  # the option that numba's `njit` does not know: see `paint3d.core.kernel.uncounted`
 _LEVEL_3 = {"avx2", "bmi", "bmi2", "f16c", "fma", "lzcnt", "movbe"}  # of x86-64
 _LEVEL_2 = {"cx16", "popcnt", "sse4.1", "sse4.2", "ssse3"}
 
@@ -55,7 +57,8 @@ def compile_with_numba(function: Callable[..., Any], options: dict[str, Any]) ->
     _prepare()
     from numba import njit
 
-    return njit(**{"cache": True, "nogil": True, **options})(function)
+    told = {name: value for name, value in options.items() if name != APART}
+    return njit(**{"cache": True, "nogil": True, **told})(function)
 
 
 @cache

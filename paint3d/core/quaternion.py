@@ -24,6 +24,7 @@ from paint3d.core.kernel import kernel
 __all__ = [
     "Quaternion",
     "Vector",
+    "compiled_multiply",
     "compiled_relative",
     "compiled_turn",
     "compiled_turn_back",
@@ -198,7 +199,7 @@ def slerp(a: AnyArray, b: AnyArray, fraction: AnyArray) -> AnyArray:
 # -- in kernels: tuples of four, or arrays ------------------------------------------------------
 
 compiled_x_axis, compiled_y_axis, compiled_z_axis = map(kernel, (_x_axis, _y_axis, _z_axis))
-_turn, _multiply = kernel(turn), kernel(multiply)
+_turn, compiled_multiply = kernel(turn), kernel(multiply)
 
 
 @kernel
@@ -217,4 +218,4 @@ def compiled_turn_back(q, x, y, z):  # type: ignore[no-untyped-def]
 def compiled_relative(a, b, out):  # type: ignore[no-untyped-def]
     """inverse(a) b of two quaternions (4,)."""
     inverse, other = (a[0], -a[1], -a[2], -a[3]), (b[0], b[1], b[2], b[3])
-    out[0], out[1], out[2], out[3] = _multiply(inverse, other)
+    out[0], out[1], out[2], out[3] = compiled_multiply(inverse, other)

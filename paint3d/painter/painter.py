@@ -34,20 +34,21 @@ from paint3d.brush_engine.stroke_loop import (
     Samples,
     make_progress,
     paint_samples,
+    prepare_samples,
 )
 from paint3d.brush_engine.tuft import Tuft
 from paint3d.brush_engine.vertex_query import VISITED
 from paint3d.colour.inks import load_ink
 from paint3d.colour.pigments import Pigment, load_pigment
 from paint3d.core.ahead import ahead
-from paint3d.core.arrays import AnyArray, as_number, dots_of
+from paint3d.core.arrays import AnyArray, as_number
 from paint3d.device.sample import DIP, DeviceSample
 from paint3d.errors import InputError
 from paint3d.mesh.bvh import ClosestPoints
 from paint3d.painter.flat_input import LaidPad
 from paint3d.painter.ink_time import LOOKAHEAD, PIECE_S, Pauses, pieces_until
 from paint3d.painter.recorded_tools import LEAST_INK, eraser_runs, told_at
-from paint3d.pose.brush_pose import BrushPath, brush_poses, joined_samples, object_poses, velocities
+from paint3d.pose.brush_pose import BrushPath, brush_poses, object_poses
 from paint3d.recording.recording import Recording
 from paint3d.surface.eraser import Eraser
 from paint3d.surface.painted_surface import PaintedSurface
@@ -875,6 +876,8 @@ class _Schedule(NamedTuple):
 
     def part(self, first: int, count: int) -> _Schedule:
         """Return the entries of `count` samples from `first` on, renumbered from 0."""
+        if not self.loads and not self.strengths:
+            return self
         return _Schedule(
             *(
                 [(k - first, fraction) for k, fraction in entries if 0 <= k - first < count]
@@ -885,10 +888,9 @@ class _Schedule(NamedTuple):
 
 def _refills(buttons: AnyArray, schedule: _Schedule) -> list[_Refill]:
     """List dips (the button goes down), loads and strengths by sample; at one, in this order."""
-    down = (np.asarray(buttons) & DIP) != 0
-    refills: list[_Refill] = [
-        (int(k), Painter.dip) for k in np.flatnonzero(down[1:] & ~down[:-1]) + 1
-    ]
+    down = np.asarray(buttons) & DIP
+    dips = np.flatnonzero(down[1:] > down[:-1]) + 1 if down.any() else ()
+    refills: list[_Refill] = [(int(k), Painter.dip) for k in dips]
     refills += [(k, partial(Painter.fill_to, share=load)) for k, load in schedule.loads]
     refills += [(k, partial(Painter.thin_to, share=part)) for k, part in schedule.strengths]
     return sorted(refills, key=lambda refill: refill[0])  # stable
@@ -934,30 +936,17 @@ def _samples(
     origins : (N,) int64
         Time of the latest touch-down before each sample, ns.
     """
-    pressure = path.pressure
-    if pressure is None:
-        pressure = np.full(len(path.time_s), np.nan)
-    joined = joined_samples(path)
-    came_down = np.where(joined, 0, np.arange(len(path)))
-    origins = np.where(came_down > 0, time_ns, origin_ns)[np.maximum.accumulate(came_down)]
-    since = np.asarray((time_ns - origins) * 1e-9, np.float64)
-    path = dataclasses.replace(path, time_s=since)
+    n = len(path)
     samples = Samples(
-        time=np.ascontiguousarray(path.time_s, np.float64),
-        position=np.ascontiguousarray(path.way, np.float64),
-        velocity=velocities(path, joined),
-        orientation=_one_hemisphere(path.orientation),
-        pressure=np.array(pressure, np.float64),  # a read-only array is another type to the kernel
-        joined=joined,
+        time=np.empty(n),
+        position=np.empty((n, 3)),
+        velocity=np.empty((n, 3)),
+        orientation=np.empty((n, 4)),
+        pressure=np.array(path.pressures),  # a read-only one is another type to the kernel
+        joined=np.empty(n, bool),
         on_surface=path.has_contact,
     )
+    origins = np.empty(n, np.int64)
+    way = np.ascontiguousarray(path.way)
+    prepare_samples(time_ns, origin_ns, path.orientation, way, samples, origins)
     return samples, origins
-
-
-def _one_hemisphere(quaternions: AnyArray) -> AnyArray:
-    """Flip signs so that neighbouring quaternions (N, 4) lie less than a right angle apart."""
-    q = np.array(quaternions, dtype=np.float64)
-    flips = dots_of(q[1:], q[:-1]) < 0.0
-    signs = np.where(np.cumsum(flips) % 2 == 1, -1.0, 1.0)
-    q[1:] *= signs[:, None]
-    return q

@@ -141,6 +141,8 @@ def eraser_runs(buttons: ArrayLike) -> list[tuple[int, int, bool]]:
         The first sample, the one after the last, and whether the eraser end is down.
     """
     erases = (np.asarray(buttons) & ERASER) != 0
+    if not erases.any():
+        return [(0, len(erases), False)]
     edges = [0, *(np.flatnonzero(np.diff(erases)) + 1).tolist(), len(erases)]
     return [(a, b, bool(erases[a])) for a, b in pairwise(edges)]
 

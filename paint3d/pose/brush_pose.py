@@ -17,11 +17,16 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.core.arrays import AnyArray, lengths_of
-from paint3d.core.quaternion import multiply_quaternions, rotate
+from paint3d.core.arrays import AnyArray
 from paint3d.device.recorded import Recording
 from paint3d.device.sample import DeviceSample
 from paint3d.errors import RecordingError
+from paint3d.pose.kernels.hand_path import (
+    carry_points,
+    carry_to_object,
+    fill_tangents,
+    join_samples,
+)
 
 __all__ = [
     "BrushPath",
@@ -31,12 +36,6 @@ __all__ = [
     "object_poses",
     "velocities",
 ]
-
-_CONJUGATE = np.array([1.0, -1.0, -1.0, -1.0])
-_MAX_CURVED_GAP_S = 0.1
-"""Longer intervals than this are bridged by a straight line (two periods of a 20 Hz device)."""
-_STEEPEST = 3.0
-"""Tangents of at most three chord speeds cannot overshoot (Fritsch and Carlson 1980)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,6 +65,13 @@ class BrushPath:
 
     def __len__(self) -> int:
         return len(self.time_s)
+
+    @property
+    def pressures(self) -> NDArray[np.float64]:
+        """(N,) float64, NaN where the device has none."""
+        if self.pressure is None:
+            return np.full(len(self), np.nan)
+        return _rows(self.pressure)
 
     @property
     def has_contact(self) -> NDArray[np.bool_]:
@@ -127,7 +133,7 @@ def object_poses(samples: Sequence[DeviceSample]) -> BrushPath:
             i_times=times[i - 1],
         )
     pressures = [sample.pressure for sample in samples]
-    n_given = sum(pressure is not None for pressure in pressures)
+    n_given = len(pressures) - pressures.count(None)
     if n_given not in (0, len(samples)):
         raise RecordingError(
             "{n_given} of {n} samples have a pressure; expected all or none",
@@ -164,16 +170,27 @@ def _path(
     object_orientation: AnyArray,
     contact: AnyArray | None,
 ) -> BrushPath:
-    object_from_world = object_orientation * _CONJUGATE
-    turned = multiply_quaternions(object_from_world, orientation)
+    origin, frame = _rows(object_position), _rows(object_orientation)
+    turned = np.empty((len(time_ns), 4))
+    carry_to_object(_rows(orientation), frame, turned)
     return BrushPath(
         (time_ns - time_ns[0]) * 1e-9,
-        rotate(object_from_world, position - object_position),
-        turned / lengths_of(turned)[:, None],
+        _carried(position, origin, frame),
+        turned,
         pressure,
         buttons,
-        None if contact is None else rotate(object_from_world, contact - object_position),
+        None if contact is None else _carried(contact, origin, frame),
     )
+
+
+def _rows(array: AnyArray) -> NDArray[np.float64]:
+    return np.ascontiguousarray(array, np.float64)
+
+
+def _carried(points: AnyArray, origin: AnyArray, frame: AnyArray) -> NDArray[np.float64]:
+    out = np.empty((len(points), 3))
+    carry_points(_rows(points), origin, frame, out)
+    return out
 
 
 def joined_samples(path: BrushPath) -> AnyArray:
@@ -182,12 +199,8 @@ def joined_samples(path: BrushPath) -> AnyArray:
     Not joined are the first sample, an interval with pressure 0 at both ends, and one with an
     intended contact point at only one end.
     """
-    joined = np.ones(len(path), dtype=bool)
-    joined[0] = False
-    if path.pressure is not None:
-        joined[1:] = (path.pressure[1:] > 0.0) | (path.pressure[:-1] > 0.0)
-    has_contact = path.has_contact
-    joined[1:] &= has_contact[1:] == has_contact[:-1]
+    joined = np.empty(len(path), bool)
+    join_samples(path.pressures, path.has_contact, joined)
     return joined
 
 
@@ -206,56 +219,6 @@ def velocities(path: BrushPath, joined: NDArray[np.bool_]) -> AnyArray:
     joined : (N,) bool
         From `joined_samples`.
     """
-    n = len(path)
-    velocity = np.zeros((n, 3))
-    if n < 2:
-        return velocity
-    time, way = path.time_s, path.way
-    steps = np.where(joined[1:], time[1:] - time[:-1], 1.0)  # the others are not used
-    chords = (way[1:] - way[:-1]) / steps[:, None]
-    curved = joined[1:] & (steps <= _MAX_CURVED_GAP_S)
-    left, right = np.zeros(n, bool), np.zeros(n, bool)
-    left[1:] = right[:-1] = curved
-    i = np.flatnonzero(left & right)
-    # Each chord is weighted by the other's duration:
-    total = (steps[i] + steps[i - 1])[:, None]
-    velocity[i] = (steps[i][:, None] * chords[i - 1] + steps[i - 1][:, None] * chords[i]) / total
-    _set_ends(velocity, chords, steps, curved, np.flatnonzero(right & ~left), 1)
-    _set_ends(velocity, chords, steps, curved, np.flatnonzero(left & ~right), -1)
-    straight = joined[1:] & ~curved
-    before, after = np.zeros(n, bool), np.zeros(n, bool)
-    before[1:] = after[:-1] = straight
-    one = np.flatnonzero(after & ~before)
-    velocity[one] = chords[one]
-    one = np.flatnonzero(before & ~after)
-    velocity[one] = chords[one - 1]
-    velocity[before & after] = 0.0
-    return velocity * _limit(velocity, chords, joined)[:, None]
-
-
-def _set_ends(
-    velocity: AnyArray,
-    chords: AnyArray,
-    steps: AnyArray,
-    curved: AnyArray,
-    ends: AnyArray,
-    side: int,
-) -> None:
-    """Fill the tangents at `ends` of curved runs that lie after (`side` 1) or before them (-1)."""
-    near = ends if side == 1 else ends - 1
-    far = np.minimum(np.maximum(near + side, 0), len(chords) - 1)
-    has_far = (far == near + side) & curved[far]
-    weight = np.where(has_far, steps[near] / (steps[near] + steps[far]), 0.0)
-    velocity[ends] = chords[near] + (chords[near] - chords[far]) * weight[:, None]
-
-
-def _limit(velocity: AnyArray, chords: AnyArray, joined: AnyArray) -> AnyArray:
-    """Factors (N,) in [0, 1] that keep the tangents from overshooting."""
-    speed = lengths_of(chords)
-    speed[~joined[1:]] = np.inf
-    slowest = np.full(len(velocity), np.inf)
-    slowest[1:] = speed
-    slowest[:-1] = np.minimum(slowest[:-1], speed)
-    length = lengths_of(velocity)
-    over = length > _STEEPEST * slowest
-    return np.where(over, _STEEPEST * slowest, 1.0) / np.where(over, length, 1.0)
+    velocity = np.empty((len(path), 3))
+    fill_tangents(path.time_s, _rows(path.way), joined, velocity)
+    return velocity

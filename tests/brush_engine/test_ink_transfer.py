@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 
 import numpy as np
 import pytest
 
+from paint3d.brush_engine.coverage import weighed_area
 from paint3d.brush_engine.ink_transfer import level_reservoirs
 from paint3d.colour.materials import load_material
 from paint3d.colour.pigments import load_pigment
@@ -344,3 +346,17 @@ def test_a_brush_turned_on_the_spot_draws_no_dark_rim():
     at, coats = surface.paint_mesh.vertices[whole, :2].astype(np.float64), coats[whole]
     away = np.linalg.norm(at - np.median(at, axis=0), axis=1)
     assert coats[away > np.quantile(away, 0.8)].max() < 1.6 * np.median(coats)
+
+
+@pytest.mark.parametrize("size", [1e-4, 0.1, 1e6])
+def test_weighed_areas_sum_to_the_same_bytes_in_any_order(size):
+    """Of vertices that stand for so much (mm2), one of them for 200 times as much by its share."""
+    rng = np.random.default_rng(6)
+    area = (size * rng.uniform(0.2, 1.0, 3000)).astype(np.float32)
+    share = rng.uniform(0.0, 2.0, 3000).astype(np.float32)
+    share[7] = 200.0
+    step = 2.0 ** math.ceil(math.log2(size * 2.0**-43))
+    total = weighed_area(3000, area, share, step)
+    assert total == pytest.approx(math.fsum((share * area).tolist()), abs=3000 * step)
+    other = rng.permutation(3000)
+    assert weighed_area(3000, area[other], share[other], step) == total

@@ -26,6 +26,7 @@ typedef struct {
     int32_t (*code)(const int64_t *, int64_t *);
     void (*release)(void *);
     PyObject *takes, *gives, *records; /* str as bytes, str as bytes, tuple of dtypes */
+    PyObject **met;                    /* of each record, the other dtype that was last found alike */
     Py_ssize_t n_takes, n_gives;       /* slots */
 } Entry;
 
@@ -56,16 +57,23 @@ static int pack(const Entry *self, const char **spec, PyObject *value, int64_t *
         return write_array(array, at);
     }
     case '{': {
+        PyObject **met = self->met + ((*spec)[0] - 'A');
         PyObject *record = PyTuple_GetItem(self->records, (*spec)[0] - 'A');
         int axes = (*spec)[1] - '0';
         *spec += 2;
         if (!record || !PyArray_Check(value))
             return record ? 0 : -1;
         PyArrayObject *array = (PyArrayObject *)value;
-        PyArray_Descr *of = PyArray_DESCR(array);
-        if (!fits_array(array, axes) ||
-            ((PyObject *)of != record && !PyArray_EquivTypes(of, (PyArray_Descr *)record)))
+        PyObject *of = (PyObject *)PyArray_DESCR(array);
+        if (!fits_array(array, axes))
             return 0;
+        if (of != record && of != *met) { /* to compare fields takes a microsecond */
+            if (!PyArray_EquivTypes((PyArray_Descr *)of, (PyArray_Descr *)record))
+                return 0;
+            Py_IncRef(of);
+            Py_DecRef(*met);
+            *met = of;
+        }
         return write_array(array, at);
     }
     case '(': {
@@ -212,6 +220,9 @@ static int entry_init(PyObject *object, PyObject *args, PyObject *kwargs) {
         return -1;
     self->code = (int32_t(*)(const int64_t *, int64_t *))(uintptr_t)address;
     self->release = (void (*)(void *))(uintptr_t)release;
+    self->met = PyMem_Calloc((size_t)PyTuple_Size(self->records) + 1, sizeof(PyObject *));
+    if (!self->met)
+        return PyErr_NoMemory(), -1;
     Py_IncRef(self->takes); /* kernels live as long as the process does */
     Py_IncRef(self->gives);
     Py_IncRef(self->records);

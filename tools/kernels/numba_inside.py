@@ -43,6 +43,7 @@ from numba.extending import overload
 from numba.np import arrayobj
 
 from paint3d.core import kernel
+from paint3d.core.numba_kernels import APART
 
 __all__ = [
     "REPLACED",
@@ -126,16 +127,25 @@ def lower_only() -> None:
     rtsys._library = compile_nrt_functions(context)  # as lowered, not for this very machine
     context.get_executable = _stand_in
 
-    # numba's own sets the flags of a dispatcher's options: without wrappers for Python and C
+    # numba's own sets the flags of a dispatcher's options: without wrappers for Python and C, and
+    # with the one that `njit` has no option for
     customized = dispatcher._FunctionCompiler._customize_flags
+    apart: set[Any] = set()
 
-    def without_wrappers(self: Any, flags: Any) -> Any:
+    def customize(self: Any, flags: Any) -> Any:
         flags = customized(self, flags)
         flags.no_cpython_wrapper = flags.no_cfunc_wrapper = True
+        flags.noalias = self.py_func in apart
         return flags
 
-    dispatcher._FunctionCompiler._customize_flags = without_wrappers
-    kernel.compile_with_numba = lambda function, options: njit(nogil=True, **options)(function)
+    def compile_with_numba(function: Any, options: dict[str, Any]) -> Any:
+        if options.get(APART):
+            apart.add(function)
+        told = {name: value for name, value in options.items() if name != APART}
+        return njit(nogil=True, **told)(function)
+
+    dispatcher._FunctionCompiler._customize_flags = customize
+    kernel.compile_with_numba = compile_with_numba
 
     # numba's own puts the file and line of a ``raise`` into the code
     described = callconv.CPUCallConv.build_excinfo_struct

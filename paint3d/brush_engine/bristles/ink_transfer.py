@@ -30,12 +30,13 @@ from paint3d.brush_engine.bristles.contact import (
     add_up,
 )
 from paint3d.brush_engine.bristles.imprint import CELLS, LANES, PER_CELL, STATIONS, TIP
-from paint3d.brush_engine.coverage import AREA_STEPS, weigh_passing, weighed_area
+from paint3d.brush_engine.coverage import fetch, weigh_passing, weighed_area
 from paint3d.brush_engine.dry_contact import dry_contact, note_way, thin_contact
 from paint3d.brush_engine.footprint import Sweep, find_way, outline_motion
 from paint3d.brush_engine.ink_transfer import (
     PAINTED,
     Deposit,
+    add_ink,
     contact_level,
     first_film,
     given_on_way,
@@ -46,7 +47,6 @@ from paint3d.brush_engine.ink_transfer import (
     take_in,
     take_up_ink,
 )
-from paint3d.brush_engine.scratch import Found
 from paint3d.brush_engine.vertex_query import VISITED, find_candidates, next_block
 from paint3d.core.kernel import kernel, uncounted
 
@@ -404,12 +404,15 @@ def _read_map(n, map_, places, parts, inks, covers):
 
 
 @uncounted(error_model="numpy")
-def _keep(n, places, whole_from, block, found):
-    """Weigh vertices by what they found, and close up over those that found nothing."""
+def _keep(n, places, whole_from, block, found, at):
+    """Append vertices to those found, weighed by what they found, but for those that found nothing.
+
+    Returns how many are found then, `at` of them before.
+    """
     ids, share, cover = block.packed_ids, block.packed[2], block.packed[3]
     inks, covers = block.packed[4], block.packed[5]
     out_ids, out_share, out_cover, lanes = found.ids, found.share, found.cover, found.lanes
-    kept = np.uint32(0)
+    kept = np.uint32(at)
     for k in range(n):
         covered = covers[k]
         most = covered if covered > whole_from else whole_from
@@ -460,6 +463,7 @@ def _gather_under_hairs(imprint, whole_from, before, after, field, scratch):
     map_ = imprint.map.reshape(imprint.map.size)
     tip, per_cell = np.float32(imprint.numbers[TIP]), np.float32(imprint.numbers[PER_CELL])
     packed, places, parts = block.packed, block.near[1], block.work[:3]
+    areas = block.work[3]
     found, within, weighed = 0, 0, 0.0
     while True:
         n = next_block(n_runs, n_cells, False, scratch.sweep[0], field, scratch)
@@ -468,44 +472,32 @@ def _gather_under_hairs(imprint, whole_from, before, after, field, scratch):
         scratch.counters[VISITED] += n
         m = weigh_passing(n, sweep, moved, block)
         within += m
-        weighed += weighed_area(field, block.packed_ids, packed[2], m)
+        fetch(m, block.packed_ids, field.area, areas)
+        weighed += weighed_area(m, areas, packed[2], field.area_step)
         _find_stations(m, tip, per_cell, imprint.cells, imprint.widths, packed[0], places, parts)
         _find_lanes(m, packed[1], places, parts)
         _read_map(m, map_, places, parts, packed[4], packed[5])
-        all_ = scratch.found
-        rest = Found(
-            all_.ids[found:],
-            all_.share[found:],
-            all_.cover[found:],
-            all_.lanes[found:],
-            all_.under[found:],
-        )
-        found += _keep(m, places, whole_from, block, rest)
+        found = _keep(m, places, whole_from, block, scratch.found, found)
+
+
+@uncounted(error_model="numpy", apart=True)
+def _share_in(n, share, lanes, inks, out):
+    """Fill the shares of vertices times how much of an ink is in their lanes (of `inks`)."""
+    for k in range(n):
+        out[k] = share[k] * inks[np.uint32(lanes[k])]
 
 
 @uncounted(error_model="numpy")
-def _leave(mix, landing, found, n, field, weights, ink):
+def _leave(mix, landing, found, n, field, ink):
     """Leave `landing` (P,) on the vertices, by their shares and by what is in their lanes."""
-    n_pigments = landing.shape[0]
-    ids, share, lanes = found.ids, found.share, found.lanes
-    areas, unit = field.area_units, field.area_unit
-    for p in range(n_pigments):
-        weights[p] = 0.0
-        if landing[p] <= 0.0:
-            continue
-        total = np.int64(0)  # in whole numbers: the order of the vertices changes nothing
-        for k in range(n):
-            part = share[k] * mix[lanes[k], p]
-            total += np.int64(part * areas[ids[k]] * unit * AREA_STEPS)
-        if total > 0:
-            weights[p] = landing[p] / (total / AREA_STEPS)
-            landing[p] = 0.0
-    amounts = ink.amounts
-    for p in range(n_pigments):
-        if weights[p] > 0.0:
-            for k in range(n):
-                part = share[k] * mix[lanes[k], p]
-                amounts[ids[k], p] += np.float32(weights[p] * part)
+    for p in range(landing.shape[0]):
+        if landing[p] > 0.0:
+            _share_in(n, found.share, found.lanes, mix[:, p], found.coats)
+            weighed = weighed_area(n, found.area, found.coats, field.area_step)
+            if weighed > 0.0:
+                coats = np.float32(landing[p] / weighed)
+                add_ink(n, found.ids, found.coats, coats, ink.amounts[:, p])
+                landing[p] = 0.0
     note_covered(found, n, ink)
 
 
@@ -519,7 +511,7 @@ def _leave_along(before, after, lands, n, hairs, field, ink, scratch):
     found, released = scratch.found, 0.0
     for p in range(hairs.released.shape[0]):
         released += hairs.released[p]
-    weighed = weighed_area(field, found.ids, found.share, n)
+    weighed = weighed_area(n, found.area, found.share, field.area_step)
     landing = released * lands if weighed > 0.0 else 0.0
     if released > 0.0 or ink.transfer[0].pickup > 0.0:
         deposit = Deposit(released, landing, weighed)
@@ -571,6 +563,7 @@ def sweep_hairs(before, after, ready, transfer_per_mm, hairs, field, ink, scratc
     )
     if n < 0:
         return False
+    fetch(n, found.ids, field.area, found.area)
     come_from = before.values[0]
     area = after.values[0].area
     if come_from.touches > 0.0:
@@ -580,23 +573,23 @@ def sweep_hairs(before, after, ready, transfer_per_mm, hairs, field, ink, scratc
     lands = landing_share(area, width, weighed, within)
     note_way(before, after)
     if level < 1.0 and n > 0:  # hairs that run dry give less, and only to the heights
-        whole = weighed_area(field, found.ids, found.share, n)
+        whole = weighed_area(n, found.area, found.share, field.area_step)
         bristles = hairs.bristles
         bundles = (bristles.root_mm, bristles.bundle_mm, _BUNDLES, dry * _DIFFER)
         reached = min(1.0, _OWN_GAPS * level)
         contact = dry_contact(reached, find_way(before, after)[0], after, bundles, field, ink)
         n = thin_contact(contact, after, found, n, field, ink, scratch.block)
-        rest = weighed_area(field, found.ids, found.share, n)
+        rest = weighed_area(n, found.area, found.share, field.area_step)
         scale *= rest / whole if whole > 0.0 else 0.0
     scratch.taken[:] = 0.0
     if ink.transfer[0].pickup > 0.0:
         take_up_ink(before, after, ready * scale, found, n, field, ink, scratch.taken)
     level_shares(before, after, level, ink.transfer[0].grain, field, ink, n, scratch)
     landing = ready * scale * lands
-    weighed = weighed_area(field, found.ids, found.share, n)
+    weighed = weighed_area(n, found.area, found.share, field.area_step)
     if landing > 0.0 and weighed > 0.0:
         coats = first_film(level, transfer_per_mm, hairs.bristles.root_mm, ink)
-        rest, first = take_in(coats, before, after, landing, weighed, found, n, field, ink)
+        rest, first, _ = take_in(coats, before, after, landing, weighed, found, n, field, ink)
         scale *= rest + first / landing
     _take_from_hairs(hairs.load, hairs.hair_contacts, scale, hairs.whole_sums, hairs.released)
     if ink.reservoirs.shape[0] > 1:
@@ -605,7 +598,7 @@ def sweep_hairs(before, after, ready, transfer_per_mm, hairs, field, ink, scratc
         for p in range(hairs.left.shape[0]):
             hairs.left[p] = hairs.released[p] * lands
             ink.off_surface[p] += hairs.released[p] - hairs.left[p]
-        _leave(hairs.imprint.mix, hairs.left, found, n, field, scratch.part, ink)
+        _leave(hairs.imprint.mix, hairs.left, found, n, field, ink)
         for p in range(hairs.left.shape[0]):  # what found no vertex
             ink.off_surface[p] += hairs.left[p]
         if ink.transfer[0].pickup > 0.0:

@@ -14,6 +14,7 @@ __all__ = [
     "Cells",
     "Patch",
     "SurfaceField",
+    "as_index",
     "build_table",
     "find_cell",
     "find_pair",
@@ -36,6 +37,15 @@ def mix(x):
     x *= np.uint64(0x94D049BB133111EB)
     x ^= x >> np.uint64(31)
     return x
+
+
+@uncounted(forceinline=True)
+def as_index(v):
+    """The number of a vertex as an index of 31 bits, which is known for none from an array's end.
+
+    Compilers then look eight vertices up at once.
+    """
+    return np.uint32(v) & np.uint32(0x7FFFFFFF)
 
 
 class Patch(NamedTuple):
@@ -87,6 +97,7 @@ class SurfaceField(NamedTuple):
     cell_size: float  # mm
     soft_edge: float  # width of a footprint's edge, mm
     area_unit: float  # mm2, of `area_units`
+    area_step: float  # mm2, a power of two: of weighed areas, where these are summed
     paper: float  # how uneven fibres make edge and film: 0 on a glaze, 1 on raw xuan
     px: NDArray  # (cap,) float32 positions, mm
     py: NDArray
@@ -102,6 +113,7 @@ class SurfaceField(NamedTuple):
     parents: NDArray  # (cap, 2) int32, ends of the edge a vertex halved; -1 for base vertices
     vertex_sheet: NDArray  # (cap,) int32
     area_units: NDArray  # (cap,) int64, a third of the area around a vertex, in area units
+    area: NDArray  # (cap,) float32, the same in mm2
     next_in_cell: NDArray  # (cap,) int32, -1 ends
     node_vertices: NDArray  # (N, 3) int32
     node_root: NDArray  # (N,) int32

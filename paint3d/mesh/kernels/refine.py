@@ -201,6 +201,9 @@ def _split_node(field, h, m):
     field.area_units[a] -= share
     field.area_units[b] -= share
     field.area_units[m] += 2 * share
+    field.area[a] = field.area_units[a] * field.area_unit
+    field.area[b] = field.area_units[b] * field.area_unit
+    field.area[m] = field.area_units[m] * field.area_unit
     radial = field.radial
     radial[3 * left + 1] = 3 * right + 2
     radial[3 * right + 2] = 3 * left + 1

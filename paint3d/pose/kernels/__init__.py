@@ -1,0 +1,1 @@
+"""The hot loops of poses: a stroke that comes in is made ready anew with every frame."""
