@@ -8,7 +8,7 @@ apart along them as on the page; every piece is then laid by geodesics around it
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from paint3d.calligraphy.glyphs import EM_UNITS, Glyph
@@ -19,11 +19,12 @@ from paint3d.calligraphy.layout import (
     grounds_of,
     upright_frame,
     walking_step,
+    with_remedy,
 )
 from paint3d.calligraphy.page.page import Composer, Page, Piece
 from paint3d.errors import InputError, MeshError
 from paint3d.mesh.bvh import ClosestPoints
-from paint3d.mesh.chart import EmSquare, SquareLimits, SurfaceFrame, lay_square
+from paint3d.mesh.chart import EmSquare, SquareLimits, SurfaceFrame, lay_square, overlapping
 from paint3d.mesh.placement import SurfaceLine, walk
 
 __all__ = ["PlacedPiece", "lay_page"]
@@ -32,6 +33,7 @@ _SHARES = (1.0, 0.8, 0.65, 0.5, 0.4, 0.3, 0.2)  # of the room there is: lines th
 _MOVES = (0.0, 0.3, -0.3, 0.6, -0.6, 1.0, -1.0, 1.5, -1.5)  # ems up from the place: tried in turn
 _MOST_PLACES = 12
 _ROUNDING = 1e-6  # of a length
+_SHARED = 0.02  # of the em: corners of boxes that share this much more than on the page are apart
 _FAR = 1.5  # times the room, which other heights may have more of: what is larger is not composed
 
 
@@ -78,12 +80,31 @@ def lay_page(
         If there is no such place.
     """
     layout, limits = layout or Layout(), limits or SquareLimits()
+    try:
+        return _laid_page(surface, text, em_mm, layout, limits)
+    except InputError as cause:
+        fault = cause
+
+    def fits(em_mm: float, layout: Layout) -> bool:
+        return bool(_laid_page(surface, text, em_mm, layout, limits, most_places=1))
+
+    raise with_remedy(fault, em_mm, layout, fits)
+
+
+def _laid_page(
+    surface: ClosestPoints,
+    text: Composer,
+    em_mm: float,
+    layout: Layout,
+    limits: SquareLimits,
+    most_places: int = _MOST_PLACES,
+) -> tuple[Page, list[PlacedPiece]]:
     fault: MeshError | None = None
     composed: Page | None = None  # in one line, or broken as little as was tried
     grounds, layout = grounds_of(surface, layout)
     ground = grounds[0]  # of a couplet, the panel on the right
     for n, frame in enumerate(_places(ground, layout)):
-        if n == _MOST_PLACES:
+        if n == most_places:
             break
         sheet = _Sheet(ground, em_mm, layout, limits, frame)
         for page in sheet.pages(text):
@@ -214,11 +235,34 @@ class _Sheet:
         fault: MeshError | None = None
         for move in (0.0,) if self.layout.is_placed else _MOVES:
             try:
-                return [self._laid(piece, page, move * self.em_mm) for piece in page.pieces]
+                placed = [self._laid(piece, page, move * self.em_mm) for piece in page.pieces]
+                self._check_apart(page, placed)
+                return placed
             except MeshError as cause:
                 fault = fault or cause
         assert fault is not None
         raise fault
+
+    def _check_apart(self, page: Page, placed: Sequence[PlacedPiece]) -> None:
+        """Refuse pieces that lie on each other farther than they do on the page."""
+        boxes = [piece.box for piece in page.pieces]
+
+        def shared(one: int, two: int) -> float:
+            """How far two boxes would have to be moved until they are apart on the page, mm."""
+            (l1, b1, r1, u1), (l2, b2, r2, u2) = boxes[one], boxes[two]
+            depth = min(r1 - l2, r2 - l1, u1 - b2, u2 - b1)
+            return self.scale * max(depth, 0.0) + _SHARED * self.em_mm
+
+        found = overlapping([one.square for one in placed], shared)
+        if found is not None:
+            one, two = (placed[k].glyph.text for k in found)
+            raise MeshError(
+                "{object}: the lines of the surface run together there, so that {one!r} and "
+                "{two!r} would lie on each other",
+                object=self.surface.mesh.name,
+                one=one,
+                two=two,
+            )
 
     def _spread(self, page: Page) -> Page:
         """A page drawn out until it goes all around the body."""
@@ -249,12 +293,11 @@ class _Sheet:
         y = self.scale * (piece.at[1] - 0.5 * (lower + upper)) + move
         level = self._level(round(y, 6), 1.0)
         if not level.closed and x < 0.0:
-            level = self._level(round(y, 6), -1.0)
-        distance = x if level.closed else abs(x)
+            level, x = self._level(round(y, 6), -1.0), -x
         too_wide = self.scale * (right - left) > level.length * (1.0 + _ROUNDING)
-        if too_wide if level.closed else distance > level.length:
+        if too_wide if level.closed else x > level.length:
             raise self._ends()
-        frame = upright_frame(self.surface, level.at(distance), self.up)
+        frame = upright_frame(self.surface, level.at(x), self.up)
         size = [self.scale * (high - low) for low, high in zip(*_corners(piece), strict=True)]
         square = lay_square(self.surface, frame, self.em_mm, self.limits, (size[0], size[1]))
         return PlacedPiece(piece.glyph, square)
