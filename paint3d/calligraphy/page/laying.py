@@ -21,7 +21,7 @@ from paint3d.calligraphy.layout import (
     walking_step,
     with_remedy,
 )
-from paint3d.calligraphy.page.page import Composer, Page, Piece
+from paint3d.calligraphy.page.page import Box, Composer, Page, Piece, bounds_of
 from paint3d.errors import InputError, MeshError
 from paint3d.mesh.bvh import ClosestPoints
 from paint3d.mesh.chart import EmSquare, SquareLimits, SurfaceFrame, lay_square, overlapping
@@ -34,6 +34,7 @@ _MOVES = (0.0, 0.3, -0.3, 0.6, -0.6, 1.0, -1.0, 1.5, -1.5)  # ems up from the pl
 _MOST_PLACES = 12
 _ROUNDING = 1e-6  # of a length
 _SHARED = 0.02  # of the em: corners of boxes that share this much more than on the page are apart
+_SEAM = 0.5  # ems between the end of a text and where it begins anew, all around a body: at least
 _FAR = 1.5  # times the room, which other heights may have more of: what is larger is not composed
 
 
@@ -230,13 +231,15 @@ class _Sheet:
         MeshError
             If the surface ends within the page, or a piece has no place on it.
         """
-        if self.layout.around:
+        in_words = self.layout.around and all(piece.word is not None for piece in page.pieces)
+        if self.layout.around and not in_words:
             page = self._spread(page)
         fault: MeshError | None = None
         for move in (0.0,) if self.layout.is_placed else _MOVES:
             try:
-                placed = [self._laid(piece, page, move * self.em_mm) for piece in page.pieces]
-                self._check_apart(page, placed)
+                laid = self._ribbon(page, move * self.em_mm) if in_words else page
+                placed = [self._laid(piece, laid, move * self.em_mm) for piece in laid.pieces]
+                self._check_apart(laid, placed)
                 return placed
             except MeshError as cause:
                 fault = fault or cause
@@ -266,35 +269,82 @@ class _Sheet:
 
     def _spread(self, page: Page) -> Page:
         """A page drawn out until it goes all around the body."""
-        ring = self._level(0.0, 1.0)
+        left, _, right, _ = page.bounds
+        gap = self.layout.gap * EM_UNITS
+        wanted = self._ring(0.0, right - left + gap)
+        more = wanted / (right - left + gap)
+        pieces = [Piece(piece.glyph, (more * piece.at[0], piece.at[1])) for piece in page.pieces]
+        return replace(page, pieces=tuple(pieces))
+
+    def _ribbon(self, page: Page, move: float) -> Page:
+        """A page of words all around the body, as often as it goes round.
+
+        The room that is left is shared evenly by the gaps between words; a copy's middle lies at
+        the place. x is counted from there.
+        """
+        _, lower, _, upper = page.bounds
+        seam = max(self.layout.gap, _SEAM) * EM_UNITS
+        lines: dict[int, dict[int, list[Box]]] = {}
+        rings: dict[int, float] = {}
+        widths: dict[int, float] = {}
+        for piece in page.pieces:
+            line, word = piece.word or (0, 0)
+            lines.setdefault(line, {}).setdefault(word, []).append(piece.box)
+            rings[line] = self.scale * (piece.at[1] - 0.5 * (lower + upper)) + move
+        for line, words in lines.items():
+            left, _, right, _ = bounds_of(box for boxes in words.values() for box in boxes)
+            widths[line] = right - left
+            rings[line] = self._ring(rings[line], widths[line] + seam)
+        copies = min(int(rings[line] * (1.0 + _ROUNDING) / (widths[line] + seam)) for line in lines)
+        shifts: dict[tuple[int, int], float] = {}
+        for line, words in lines.items():
+            more = (rings[line] / copies - widths[line] - seam) / len(words)
+            starts = {word: bounds_of(boxes)[0] for word, boxes in words.items()}
+            whole = widths[line] + more * (len(words) - 1)
+            for k, word in enumerate(sorted(starts, key=lambda word: starts[word])):
+                shifts[line, word] = k * more - 0.5 * whole - min(starts.values())
+        pieces = []
+        for copy in range(copies):
+            for piece in page.pieces:
+                line, word = piece.word or (0, 0)
+                x = piece.at[0] + shifts[line, word] + copy * rings[line] / copies
+                pieces.append(replace(piece, at=(x, piece.at[1])))
+        return replace(page, pieces=tuple(pieces))
+
+    def _ring(self, height: float, least: float) -> float:
+        """Length of the level line so many mm above the middle, glyph units, if it is closed.
+
+        Raises
+        ------
+        MeshError
+            If it does not come back to its start, or is shorter than `least`, glyph units.
+        """
+        ring = self._level(round(height, 6), 1.0)
         if not ring.closed:
             raise MeshError(
                 "{object}: the level line of the place does not come back to its start; expected a "
                 "body that can be written around",
                 object=self.surface.mesh.name,
             )
-        left, _, right, _ = page.bounds
         wanted = ring.length / self.scale
-        gap = self.layout.gap * EM_UNITS
-        if right - left + gap > wanted * (1.0 + _ROUNDING):
+        if least > wanted * (1.0 + _ROUNDING):
             raise MeshError(
                 "{object} is {length:.0f} mm around; expected no less than {scale:.0f} mm",
                 object=self.surface.mesh.name,
                 length=ring.length,
-                scale=self.scale * (right - left + gap),
+                scale=self.scale * least,
             )
-        more = wanted / (right - left + gap)
-        pieces = [Piece(piece.glyph, (more * piece.at[0], piece.at[1])) for piece in page.pieces]
-        return replace(page, pieces=tuple(pieces))
+        return wanted
 
     def _laid(self, piece: Piece, page: Page, move: float) -> PlacedPiece:
         left, lower, right, upper = page.bounds
-        x = self.scale * (piece.at[0] - 0.5 * (left + right))
+        in_ribbon = self.layout.around and piece.word is not None
+        x = self.scale * (piece.at[0] - (0.0 if in_ribbon else 0.5 * (left + right)))
         y = self.scale * (piece.at[1] - 0.5 * (lower + upper)) + move
         level = self._level(round(y, 6), 1.0)
         if not level.closed and x < 0.0:
             level, x = self._level(round(y, 6), -1.0), -x
-        too_wide = self.scale * (right - left) > level.length * (1.0 + _ROUNDING)
+        too_wide = not in_ribbon and self.scale * (right - left) > level.length * (1.0 + _ROUNDING)
         if too_wide if level.closed else x > level.length:
             raise self._ends()
         frame = upright_frame(self.surface, level.at(x), self.up)
