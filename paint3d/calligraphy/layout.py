@@ -456,19 +456,28 @@ def with_remedy(
         u, v = layout.at
         places = [(round((u + turn) % 1.0, 3), v) for turn in _TURNS_ASIDE]
     other = next((at for at in places if does(em_mm, replace(layout, at=at))), None)
-    made = type(fault)
-    if smaller is not None and other is not None:
-        return made(
-            "{cause}; a size of {smaller:g} mm would do, and this size at {u:g},{v:g}",
-            cause=fault, smaller=smaller, u=other[0], v=other[1],
-        )  # fmt: skip
-    if smaller is not None:
-        return made("{cause}; a size of {smaller:g} mm would do", cause=fault, smaller=smaller)
-    if other is not None:
-        return made(
-            "{cause}; this size would do at {u:g},{v:g}", cause=fault, u=other[0], v=other[1]
+    if smaller is None and other is None:
+        return fault
+    if other is None:
+        told = Message(
+            "{cause}; a size of {smaller:g} mm would do", cause=fault.message, smaller=smaller
         )
-    return fault
+    elif smaller is None:
+        told = Message(
+            "{cause}; this size would do at {u:g},{v:g}",
+            cause=fault.message,
+            u=other[0],
+            v=other[1],
+        )
+    else:
+        told = Message(
+            "{cause}; a size of {smaller:g} mm would do, and this size at {u:g},{v:g}",
+            cause=fault.message,
+            smaller=smaller,
+            u=other[0],
+            v=other[1],
+        )
+    return type(fault)(told, hint=fault.hint)
 
 
 def _too_long(grid: _Grid, lines: Sequence[str], fits: int) -> InputError:
