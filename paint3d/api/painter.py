@@ -105,7 +105,7 @@ class Painter(StrokePainter):
         MeshError
             If the surface has no place for it.
         """
-        from paint3d.calligraphy.fonts.fallback import with_fallback
+        from paint3d.calligraphy.fonts.fallback import set_whole, with_fallback
         from paint3d.calligraphy.glyph_sources import missing_glyphs, open_glyphs
 
         folder = None if glyphs is None else Path(glyphs)
@@ -120,9 +120,13 @@ class Painter(StrokePainter):
             plan = partial(write_page, text=page)
         else:
             source = open_glyphs(folder)
-            if missing_glyphs(source, text):
-                source = with_fallback(source, text)
+            whole = None
+            if around or missing_glyphs(source, text):
+                whole = set_whole(source, text, layout, around=around)
+                source = with_fallback(source, text) if whole is None else source
             plan = partial(write_text, text=text, source=source)
+            if whole is not None:
+                plan = partial(write_page, text=whole)
         where = Layout(layout or "columns", at, around, side)
         return self._write(plan, where, size, brush, dip, wet, progress)
 

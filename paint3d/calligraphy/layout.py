@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 import unicodedata
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from itertools import product
@@ -21,7 +21,14 @@ from numpy.typing import NDArray
 from paint3d.core.arrays import AnyArray, as_array
 from paint3d.errors import InputError, MeshError, Message, Paint3DError
 from paint3d.mesh.bvh import ClosestPoints
-from paint3d.mesh.chart import EmSquare, SquareLimits, SurfaceFrame, frame_at, lay_square
+from paint3d.mesh.chart import (
+    EmSquare,
+    SquareLimits,
+    SurfaceFrame,
+    frame_at,
+    lay_square,
+    overlapping,
+)
 from paint3d.mesh.placement import SIDES, SurfaceLine, Upright, is_flat, place, upwards, walk
 from paint3d.mesh.sheet_mesh import sheet_of, writing_areas
 from paint3d.mesh.triangle_mesh import TriangleMesh
@@ -38,6 +45,7 @@ __all__ = [
     "split_text",
     "upright_frame",
     "walking_step",
+    "with_remedy",
 ]
 
 # ---- Places to try -------------------------------------------------------------------------------
@@ -127,6 +135,8 @@ _LEAST_WIDENING, _LEAST_HEIGHTENING = 0.04, 0.005  # ems, of a pitch that is too
 _FARTHEST = 500.0  # ems from the middle: what lies beyond is not looked at for any text
 _MIDDLE = (0.5, 0.5)
 _MOST_GRIDS = 8  # places without enough room after which the search is given up
+_SMALLER_SHARES = (0.85, 0.7, 0.55, 0.4)  # of the em, tried in turn for what may be proposed
+_TURNS_ASIDE = (0.0625, -0.0625, 0.125, -0.125, 0.1875, -0.1875, 0.25, -0.25, 0.375, -0.375, 0.5)
 _SMALLER = 16  # tenths off the em, one after the other, of which one may be proposed
 
 
@@ -361,6 +371,13 @@ def _laid_on(
         fits = grid.how_many(lines)
         fault = _too_long(grid, lines, fits)
         fixed = fixed or fits > 0
+    if fixed and isinstance(fault, MeshError):
+
+        def fits(em_mm: float, layout: Layout) -> bool:
+            grid = _Grid(ground, em_mm, layout, limits, ground.middle(layout))
+            return grid.fit(lines) is not None
+
+        raise with_remedy(fault, em_mm, layout, fits)
     if fixed:
         raise fault
     return _searched(ground, lines, em_mm, layout, limits, fault)
@@ -406,6 +423,61 @@ def _searched(
             Message("{cause}; {n} other places were no better", cause=fault, n=n_seen)
         ) from None
     raise _too_long(roomiest, lines, roomiest.how_many(lines))
+
+
+def with_remedy(
+    fault: InputError, em_mm: float, layout: Layout, fits: Callable[[float, Layout], bool]
+) -> InputError:
+    """A fault with a smaller size, and a place beside the one asked for, at which a text fits.
+
+    Without them where a hand moves the text about, who sees where it fits.
+
+    Parameters
+    ----------
+    fault : InputError
+    em_mm : float
+    layout : Layout
+    fits : callable
+        Whether it fits at an em, mm, and by a layout; may raise `InputError`, too.
+    """
+    if layout.point is not None:
+        return fault
+
+    def does(em_mm: float, layout: Layout) -> bool:
+        try:
+            return fits(em_mm, layout)
+        except InputError:
+            return False
+
+    sizes = [float(f"{em_mm * share:.2g}") for share in _SMALLER_SHARES]
+    smaller = next((size for size in sizes if does(size, layout)), None)
+    places = []
+    if layout.at is not None:
+        u, v = layout.at
+        places = [(round((u + turn) % 1.0, 3), v) for turn in _TURNS_ASIDE]
+    other = next((at for at in places if does(em_mm, replace(layout, at=at))), None)
+    if smaller is None and other is None:
+        return fault
+    if other is None:
+        told = Message(
+            "{cause}; a size of {smaller:g} mm would do", cause=fault.message, smaller=smaller
+        )
+    elif smaller is None:
+        told = Message(
+            "{cause}; this size would do at {u:g},{v:g}",
+            cause=fault.message,
+            u=other[0],
+            v=other[1],
+        )
+    else:
+        told = Message(
+            "{cause}; a size of {smaller:g} mm would do, and this size at {u:g},{v:g}",
+            cause=fault.message,
+            smaller=smaller,
+            u=other[0],
+            v=other[1],
+        )
+    return type(fault)(told, hint=fault.hint)
 
 
 def _too_long(grid: _Grid, lines: Sequence[str], fits: int) -> InputError:
@@ -610,6 +682,8 @@ class _Grid:
             except MeshError:
                 return None
             if not apart.any():
+                if overlapping(placed, lambda *_: _TOUCHING * self.em_mm) is not None:
+                    return None  # two that are no neighbours: level lines may run together
                 squares = zip(cells, placed, strict=True)
                 return [PlacedCharacter(cell.text, square, cell.line) for cell, square in squares]
             if self.layout.around and apart[0] > 0.0:

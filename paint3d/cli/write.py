@@ -387,9 +387,12 @@ def planner(options: argparse.Namespace) -> tuple[Callable[..., Written], dict[s
     if page is not None:
         return partial(write_page, text=page), {}
     source = open_glyphs(options.glyphs)
-    if missing_glyphs(source, options.text):
-        from paint3d.calligraphy.fonts.fallback import with_fallback
+    if options.around or missing_glyphs(source, options.text):
+        from paint3d.calligraphy.fonts.fallback import set_whole, with_fallback
 
+        page = set_whole(source, options.text, options.layout, around=options.around)
+        if page is not None:
+            return partial(write_page, text=page), {}
         source = with_fallback(source, options.text)
     return partial(write_text, text=options.text, source=source), {"glyphs": source.name}
 

@@ -261,7 +261,7 @@ def _write_3mf(path: Path, painting: Painting, options: ExportOptions, unit: str
         painting.vertices,
         painting.faces,
         painting.srgb,
-        name=painting.material,
+        name=painting.title,
         unit=unit,
         palette=painting.palette,
         face_filaments=painting.face_filaments,

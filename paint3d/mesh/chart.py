@@ -9,6 +9,7 @@ a sphere). Between the nodes the map is a bicubic spline.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -28,6 +29,7 @@ __all__ = [
     "frame_at",
     "lay_square",
     "make_chart",
+    "overlapping",
     "unroll",
 ]
 
@@ -547,7 +549,8 @@ class EmSquare:
     def overlap(self, other: EmSquare) -> float:
         """Return how far the other square extends into this one, mm; 0 where they are apart."""
         edge = other.points
-        rim = np.concatenate([edge[:, 0], edge[-1], edge[::-1, -1], edge[0, ::-1]])
+        middle = edge[edge.shape[0] // 2, edge.shape[1] // 2]  # of one that lies upon this
+        rim = np.concatenate([edge[:, 0], edge[-1], edge[::-1, -1], edge[0, ::-1], [middle]])
         flat = self.points.reshape(-1, 3)
         apart = np.linalg.norm(rim[:, None] - flat, axis=2)
         nearest = apart.argmin(axis=1)
@@ -562,6 +565,21 @@ class EmSquare:
         thin = np.abs(local[:, 2]) < 0.5 * spacing  # excludes the other side of a thin wall
         inside = (0.5 * size - np.abs(at + local[:, :2])).min(axis=1)
         return float(np.max(inside[thin], initial=0.0))
+
+
+def overlapping(
+    squares: Sequence[EmSquare], allowed: Callable[[int, int], float]
+) -> tuple[int, int] | None:
+    """The first two squares that share more than is allowed (mm, by their numbers); or None."""
+    corners = np.array([[s.points.min(axis=(0, 1)), s.points.max(axis=(0, 1))] for s in squares])
+    low, high = corners[:, 0], corners[:, 1]
+    for k, square in enumerate(squares):
+        near = (low[k + 1 :] < high[k]) & (high[k + 1 :] > low[k])
+        for other in (k + 1 + np.flatnonzero(near.all(axis=1))).tolist():
+            most, one = allowed(k, other), squares[other]
+            if square.overlap(one) > most or one.overlap(square) > most:
+                return k, other
+    return None
 
 
 def lay_square(
@@ -605,22 +623,34 @@ def lay_square(
     points, normals = chart.points(xy).reshape(shape), chart.normals(xy).reshape(shape)
     square = EmSquare(chart, em_mm, width, height, points, normals)
     fault = square.fault(limits)
-    if fault is None and not _is_free(surface, square, limits.room_mm):
-        fault = Message("there is no room for the brush above it")
+    if fault is None:
+        fault = _in_the_way(surface, square, limits.room_mm)
     if fault is not None:
         raise _no_place(surface, frame, em_mm, fault)
     return square
 
 
-def _is_free(surface: ClosestPoints, square: EmSquare, height: float) -> bool:
-    """Return whether nothing is nearer to points `height` mm above the square than the square."""
+def _in_the_way(surface: ClosestPoints, square: EmSquare, height: float) -> Message | None:
+    """Say what is nearer to points `height` mm above the square than it is; None if nothing."""
     if height <= 0.0:
-        return True
+        return None
     sparse = tuple(slice(None, None, min(_EM_PROBES // 4, n // 2)) for n in square.points.shape[:2])
     foot = square.points[sparse].reshape(-1, 3)
     above = foot + height * square.normals[sparse].reshape(-1, 3)
-    nearest = np.linalg.norm(surface.find(above).points - above, axis=1)
-    return bool((nearest > _FREE * height).all())
+    found = surface.find(above).points
+    away = np.linalg.norm(found - above, axis=1)
+    worst = int(away.argmin())
+    if away[worst] > _FREE * height:
+        return None
+    x, y, z = found[worst]
+    return Message(
+        "there is no room for the brush above it, which takes {height:.0f} mm: another part of the "
+        "object is in the way at ({x:.1f}, {y:.1f}, {z:.1f})",
+        height=height,
+        x=x,
+        y=y,
+        z=z,
+    )
 
 
 def _no_place(surface: ClosestPoints, frame: SurfaceFrame, em_mm: float, why: Message) -> MeshError:

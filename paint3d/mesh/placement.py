@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from paint3d.core.arrays import AnyArray, as_array, as_number
 from paint3d.errors import InputError, MeshError, Message
+from paint3d.mesh.body_axis import find_axis
 from paint3d.mesh.bvh import ClosestPoints
 from paint3d.mesh.chart import SurfaceFrame, frame_at
 
@@ -87,9 +88,10 @@ def place(
     at : (2,) or (3,) array_like
         Two fractions (u, v) in [0, 1]. Seen from the top or the bottom they run along x and y of
         the bounding box. Seen from the outside or the inside u is the turn about the vertical
-        axis, counter-clockwise seen from above, with 0.5 at the front (-y), and v the height from
-        bottom to top. Three numbers are a direction from the object's middle, to the outermost
-        point along it or, on the inside, the first.
+        axis of the body (see `body_axis`; a handle does not count), counter-clockwise seen from
+        above, with 0.5 at the front (-y), and v the height from bottom to top. Three numbers are a
+        direction from the middle of that axis, to the outermost point along it or, on the inside,
+        the first.
     side : {"outside", "inside", "top", "bottom"}, optional
         The side it is seen from; by default the top of a flat object and the outside of others.
 
@@ -137,7 +139,8 @@ def place(
 def _ray(surface: ClosestPoints, at: AnyArray, side: str) -> tuple[AnyArray, AnyArray]:
     """Return start and unit direction of the ray to a position, from outside or the axis."""
     low, high = surface.mesh.bounds
-    middle, far = 0.5 * (low + high), float(np.linalg.norm(high - low)) + 1.0
+    far = float(np.linalg.norm(high - low)) + 1.0
+    middle = np.array([*find_axis(surface.mesh), 0.5 * (low[2] + high[2])])
     if len(at) == 3:
         length = np.linalg.norm(at)
         if length == 0.0:

@@ -30,6 +30,8 @@ FLAT_RATIO = 0.05  # thickness over length below which an object counts as a she
 PAINT_STEP = 12  # least difference from the bare colour, sRGB steps, of a painted vertex
 LEVEL_RATIO = 0.3  # horizontal over vertical part of a normal below which it points up or down
 LOWEST, HIGHEST, RAISED = np.radians([16.0, 58.0, 14.0])  # elevations: bounds, and offset
+_TURNS = 24  # level directions that are tried
+_ALIKE = 0.97  # of the most paint that is seen: as good, where it is nearer to the front
 Z_AXIS = np.array([0.0, 0.0, 1.0])
 
 
@@ -124,7 +126,8 @@ def find_view(
     """Return the view onto the painted side, from slightly above; a sheet is viewed squarely.
 
     A vertex is painted if it differs from the colour covering the largest area. Without paint the
-    object is viewed from the front (-y).
+    object is viewed from the front (-y). Paint that faces no side more than others is viewed from
+    the side that shows most of it, or from above where that shows more, as within a bowl.
 
     Parameters
     ----------
@@ -137,8 +140,13 @@ def find_view(
     if is_flat(vertices):
         return _sheet_view(vertices, facing if weights.any() else areas @ normals)
     total = weights.sum()
-    if total > 0 and np.linalg.norm(facing) < 0.25 * total:
-        facing = weights @ (vertices - areas @ vertices / areas.sum())  # paint all around
+    level = np.hypot(facing[0], facing[1])
+    if total > 0 and (
+        np.linalg.norm(facing) < 0.25 * total or level <= LEVEL_RATIO * abs(facing[2])
+    ):
+        painted = weights > 0
+        away = vertices[painted] - areas @ vertices / areas.sum()
+        facing = _most_seen(weights[painted], normals[painted], away)
     return _raised_view(facing)
 
 
@@ -208,6 +216,33 @@ def _sheet_view(vertices: AnyArray, facing: AnyArray) -> View:
     normal = normal if normal @ facing >= 0 else -normal
     up = Z_AXIS if abs(normal[2]) < 0.7 else np.array([0.0, 1.0, 0.0])
     return View(normal, _unit(up - (up @ normal) * normal, "up"))
+
+
+def _most_seen(weights: AnyArray, normals: AnyArray, away: AnyArray) -> NDArray[np.float64]:
+    """Return what faces most of the paint that is seen: a level direction (3,), or straight up.
+
+    From the side, paint that faces the object's middle is hidden by what is before it; from above
+    one looks over the rim.
+
+    Parameters
+    ----------
+    weights : (N,), of painted vertices
+    normals : (N, 3)
+    away : (N, 3)
+        Their places from the object's middle.
+    """
+    turn = 2 * np.pi * np.arange(_TURNS) / _TURNS
+    turn = np.where(turn > np.pi, turn - 2 * np.pi, turn)  # from the front
+    turn = turn[np.argsort(np.abs(turn), kind="stable")]
+    level = np.stack([np.sin(turn), -np.cos(turn), np.zeros(_TURNS)], axis=1)
+    low, high = (np.cos(rise) * level + np.sin(rise) * Z_AXIS for rise in (LOWEST, HIGHEST))
+    outward = np.sum(normals[:, :2] * away[:, :2], axis=1) > 0
+    from_side = weights[outward] @ np.maximum(normals[outward] @ low.T, 0.0)
+    from_above = float(weights @ np.maximum(normals @ high[0], 0.0))
+    if from_above > from_side.max():
+        return Z_AXIS
+    found: NDArray[np.float64] = level[np.argmax(from_side >= _ALIKE * from_side.max())]
+    return found
 
 
 def _raised_view(facing: AnyArray) -> View:

@@ -12,8 +12,15 @@ import pytest
 from paint3d.calligraphy.fonts import font_file
 from paint3d.calligraphy.fonts.font_file import SystemFont, open_font
 from paint3d.calligraphy.fonts.shaping import Shaper, Style, base_level, levels_of, visual_order
-from paint3d.calligraphy.fonts.typesetting import FontText, bodies_of, break_line, set_text
+from paint3d.calligraphy.fonts.typesetting import (
+    FontText,
+    bodies_of,
+    break_line,
+    has_words,
+    set_text,
+)
 from paint3d.calligraphy.glyph_sources import open_glyphs
+from paint3d.calligraphy.layout import Layout
 from paint3d.calligraphy.page.laying import lay_page
 from paint3d.calligraphy.shapes.ductus import known_strokes
 from paint3d.errors import InputError
@@ -141,6 +148,56 @@ def test_pieces_lie_level_and_apart_as_on_the_page() -> None:
     ways = np.linalg.norm(np.diff(origins, axis=0), axis=1)
     wanted = 12.0 / 1024.0 * np.diff([piece.at[0] for piece in page.pieces])
     np.testing.assert_allclose(ways, wanted, rtol=0.05)
+
+
+def test_words_go_around_whole_and_evenly_as_often_as_there_is_room() -> None:
+    surface = ClosestPoints(load_mesh("vase"))
+    text, em, layout = FontText("Hi hello", dejavu()), 45.0, Layout(around=True)
+    page, placed = lay_page(surface, text, em, layout)
+    origins = np.array([piece.square.chart.frame.origin for piece in placed])
+    turn = np.unwrap(np.arctan2(origins[:, 1], origins[:, 0]))
+    radius = np.linalg.norm(origins[:, :2], axis=1).mean()
+    boxes = np.array([piece.box for piece in page.pieces])
+    copies, left = divmod(len(placed), len(boxes))
+    assert left == 0
+    length = em * (0.5 + (boxes[:, 2].max() - boxes[:, 0].min()) / 1024.0)
+    assert copies == pytest.approx(2.0 * np.pi * radius / length - 0.5, abs=0.5)
+    middles = radius * turn.reshape(copies, -1)
+    halves = 0.5 * em / 1024.0 * (boxes[:, 2] - boxes[:, 0])
+    gaps = []
+    for first, last in ((0, 2), (2, len(boxes))):
+        steps = em / 1024.0 * np.diff([piece.at[0] for piece in page.pieces[first:last]])
+        for copy in middles:
+            np.testing.assert_allclose(np.diff(copy[first:last]), steps, rtol=0.05)
+    for copy, after in zip(middles, np.roll(middles, -1, axis=0), strict=True):
+        gaps.append(copy[2] - halves[2] - copy[1] - halves[1])
+        gaps.append((after[0] - halves[0] - copy[-1] - halves[-1]) % (2.0 * np.pi * radius))
+    space = em / 1024.0 * (boxes[2, 0] - boxes[1, 2])
+    np.testing.assert_allclose(np.array(gaps[::2]) - space, gaps[0] - space, atol=0.5)
+    np.testing.assert_allclose(np.array(gaps[1::2]) - 0.5 * em, gaps[0] - space, atol=1.0)
+    front = 0.5 * (middles[:, 0] - halves[0] + middles[:, -1] + halves[-1])
+    assert np.abs(np.sin(0.5 * (front / radius + 0.5 * np.pi))).min() < 0.02
+
+
+def test_a_text_too_long_to_go_around_says_how_long_it_is() -> None:
+    surface = ClosestPoints(load_mesh("vase"))
+    with pytest.raises(InputError, match=r"mm around; expected no less than \d+ mm"):
+        lay_page(surface, FontText("H" * 30, dejavu()), 45.0, Layout(around=True))
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("Hi", True),
+        ("A 永", False),
+        ("永和九年", False),
+        ("永 ab", True),
+        ("سلام", True),
+        ("ab\n永", True),
+    ],
+)
+def test_words_are_of_letters_that_stand_in_no_squares(text, words) -> None:
+    assert has_words(text) is words
 
 
 @pytest.mark.parametrize(

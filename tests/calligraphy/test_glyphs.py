@@ -12,7 +12,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from shapely import LineString, Point, Polygon, unary_union
 
-from paint3d.calligraphy.fonts.fallback import with_fallback
+from paint3d.calligraphy.fonts.fallback import set_whole, with_fallback
 from paint3d.calligraphy.glyph_sources import KanjiVGLines, load_glyphs, open_glyphs
 from paint3d.calligraphy.glyphs import flatten_path, load_glyph
 from paint3d.calligraphy.kanjivg import LineStroke, find_kanjivg, parse_lines
@@ -360,3 +360,28 @@ def test_letters_that_join_and_marks_need_a_font_of_the_whole_text(system_fonts,
     system_fonts.add("Test Kai", text)
     with pytest.raises(GlyphError, match="--font FONT"):
         with_fallback(SOURCE, text)
+
+
+def test_a_text_of_letters_that_no_squares_hold_is_set_whole_in_one_font(
+    system_fonts, caplog
+) -> None:
+    system_fonts.add("Alpha Kai", "Mariöowe永")
+    system_fonts.add("Beta Serif", "MariöoweL")
+    system_fonts.add("Gamma Sans", "MariöoweLш")
+    set_text = set_whole(SOURCE, "Maria Löwe", None)
+    assert set_text is not None
+    assert (set_text.text, set_text.font.name) == ("Maria Löwe", "Beta Serif")
+    assert [one.getMessage() for one in caplog.records] == [
+        "kanjivg lacks ö: the text is written in Beta Serif"
+    ]
+    for text in ("Maria", "永和", "步", "Mariaα"):
+        assert set_whole(SOURCE, text, None) is None
+    with pytest.raises(GlyphError, match=r"which fonts have.* such as Beta Serif"):
+        with_fallback(SOURCE, "Maria Löwe")
+
+
+def test_words_that_go_around_are_set_in_a_font_and_squares_are_not(system_fonts) -> None:
+    assert set_whole(SOURCE, "Maria", None, around=True) is None
+    system_fonts.add("Beta Serif", "Maria永和")
+    assert set_whole(SOURCE, "Maria", None, around=True) is not None
+    assert set_whole(SOURCE, "永和", None, around=True) is None

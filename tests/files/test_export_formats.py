@@ -2,6 +2,8 @@
 
 import json
 import os
+import re
+import zipfile
 from types import SimpleNamespace
 
 import numpy as np
@@ -76,6 +78,15 @@ def test_trimesh_reads_3mf(painted, tmp_path):
     other = trimesh.load(tmp_path / "a.3mf", process=False, force="mesh")
     np.testing.assert_allclose(other.vertices, painted.vertices, atol=1e-6)
     np.testing.assert_array_equal(other.faces, painted.faces[:-1])
+
+
+@pytest.mark.parametrize("filaments", [None, ["#ffffff", "#000000"]])
+def test_a_3mf_s_object_is_called_as_its_file(painted, tmp_path, filaments):
+    export(painted, tmp_path / "mug & saucer.3mf", ExportOptions(filaments=filaments))
+    with zipfile.ZipFile(tmp_path / "mug & saucer.3mf") as archive:
+        model = archive.read("3D/3dmodel.model").decode()
+    names = set(re.findall(r'<object id="\d+" name="([^"]*)"', model))
+    assert names == {"mug &amp; saucer"}
 
 
 @pytest.mark.parametrize("suffix", ["ply", "obj", "glb", "3mf"])

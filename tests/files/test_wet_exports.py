@@ -150,7 +150,7 @@ def test_on_glaze_ink_is_glossy_while_wet_and_matt_when_dry(tmp_path):
     export(pine, tmp_path / "dry.glb", ExportOptions(exact=True))
     (read,) = trimesh.load(tmp_path / "dry.glb", process=False).geometry.values()
     again = read_surface_apart(tmp_path / "dry.glb", Wanted(texture=True))
-    assert again.notes == ("left out: how its ink shines",)  # no stranger's picture
+    assert again.notes == ("left out: the gloss of its ink (a painting, .p3d, keeps it)",)
     picture = np.asarray(read.visual.material.metallicRoughnessTexture.convert("RGB"))
     found = picture[0, np.rint(read.visual.uv[:, 0] * 256.0 - 0.5).astype(int), 1] / 255.0
     assert picture.shape == (1, 256, 3)

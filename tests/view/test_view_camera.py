@@ -73,6 +73,32 @@ def test_a_bare_object_is_seen_from_the_front():
     assert direction[1] < -0.5 < 0 < direction[2]
 
 
+@pytest.mark.parametrize("height", [-0.4, 0.0, 0.15])
+def test_paint_all_around_is_seen_from_the_side(height):
+    vertices, faces, normals = ball()
+    srgb = np.where(np.abs(normals[:, 2:] - height) < 0.1, INK, BARE).astype(np.uint8)
+    direction = find_view(vertices, normals, srgb, vertex_areas(vertices, faces)).direction
+    assert direction[1] < -0.9
+    assert 0.0 < direction[2] < np.sin(np.radians(20.0))
+
+
+def test_of_paint_all_around_the_side_that_shows_most_is_seen():
+    vertices, faces, normals = ball()
+    band = np.abs(normals[:, 2]) < 0.15
+    thicker = (np.abs(normals[:, 2]) < 0.3) & (normals[:, 0] > 0.85)
+    srgb = np.where((band | thicker)[:, None], INK, BARE).astype(np.uint8)
+    direction = find_view(vertices, normals, srgb, vertex_areas(vertices, faces)).direction
+    assert direction[0] > 0.7
+    assert direction[2] < np.sin(np.radians(20.0))
+
+
+def test_paint_all_around_within_a_hollow_is_seen_from_above():
+    vertices, faces, normals = ball()
+    srgb = np.where(np.abs(normals[:, 2:] + 0.1) < 0.15, INK, BARE).astype(np.uint8)
+    direction = find_view(vertices, -normals, srgb, vertex_areas(vertices, faces)).direction
+    assert direction[2] > np.sin(np.radians(45.0))
+
+
 @pytest.mark.parametrize("axis", [0, 1, 2])
 def test_a_sheet_is_looked_at_squarely_from_its_painted_side(axis):
     vertices, faces, normals = sheet(30.0, 20.0)

@@ -18,6 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.calligraphy.fonts.font_file import FontFile, SystemFont, draws, fonts_with, open_font
+from paint3d.calligraphy.fonts.shaping import Style
+from paint3d.calligraphy.fonts.typesetting import FontText, has_words, set_text
 from paint3d.calligraphy.glyph_sources import GlyphSource, missing_glyphs, names_of
 from paint3d.calligraphy.glyphs import Glyph
 from paint3d.calligraphy.hand_packages import package_of_the_hand
@@ -28,7 +30,7 @@ from paint3d.errors import GlyphError, InputError
 if TYPE_CHECKING:
     from shapely import Geometry, MultiPolygon
 
-__all__ = ["FallbackGlyphs", "FittedFont", "with_fallback"]
+__all__ = ["FallbackGlyphs", "FittedFont", "set_whole", "with_fallback"]
 
 _LOG = logging.getLogger(__name__)
 _KAI = re.compile(r"楷|kai(ti)?(?![a-z])", re.IGNORECASE)
@@ -158,6 +160,16 @@ def with_fallback(source: GlyphSource, text: str) -> GlyphSource:
         ) from None
     found = _fonts_for([one for one in missing if _stands_in_a_square(one)])
     lacking = [one for one in missing if one not in found]
+    if lacking and (whole := _best_font(text)) is not None:
+        raise GlyphError(
+            "{font} has no glyph for {names}, which fonts have, but set in lines, not in squares: "
+            "choose one that has them all, such as {whole}",
+            hint="--font FONT; paint3d fonts TEXT lists them",
+            font=source.name,
+            names=names_of(lacking),
+            whole=whole.family,
+            characters="".join(lacking),
+        )
     if lacking:
         raise GlyphError(
             "{font} has no glyph for {names}, and no font that is installed has one: install one, "
@@ -177,6 +189,54 @@ def with_fallback(source: GlyphSource, text: str) -> GlyphSource:
     return result
 
 
+def set_whole(
+    source: GlyphSource, text: str, order: str | None, *, around: bool = False
+) -> FontText | None:
+    """A text that is to be set whole in a font of the system, and in which is logged in one line.
+
+    It is one with letters or marks that the source lacks and that do not stand in squares; and one
+    of words that goes around an object, since letters in squares would go there one by one.
+
+    Parameters
+    ----------
+    source : GlyphSource
+    text : str
+    order : {"columns", "row"} or None
+        See `set_text`.
+    around : bool
+        Whether it goes around an object.
+
+    Returns
+    -------
+    FontText or None
+        None where it can be written in squares, no font has all of it, or fonts cannot be read.
+
+    Raises
+    ------
+    InputError
+        If the font cannot be used.
+    """
+    lacking = [one for one in missing_glyphs(source, text) if not _stands_in_a_square(one)]
+    in_words = around and has_words(text)
+    if not (lacking or in_words):
+        return None
+    try:
+        package_of_the_hand("uharfbuzz")
+    except InputError:  # with_fallback says so, where it matters
+        return None
+    font = _best_font(text)
+    if font is None:
+        return None
+    found = set_text(text, open_font(font.path, font.number), Style(), source, order)
+    if lacking:
+        _LOG.warning(
+            "%s lacks %s: the text is written in %s", source.name, "".join(lacking), font.family
+        )
+    else:
+        _LOG.warning("words that go around are written in a font: in %s", font.family)
+    return found
+
+
 def _stands_in_a_square(character: str) -> bool:
     """Return whether it is a letter or number of Chinese, Japanese or Korean, not a mark."""
     is_wide = unicodedata.east_asian_width(character) in "WF"
@@ -193,15 +253,22 @@ def _fonts_for(characters: Sequence[str]) -> dict[str, SystemFont]:
 
 
 def _best_font(text: str) -> SystemFont | None:
-    """The font that comes first of those that have ink for all characters of a text."""
+    """The font that comes first of those that have ink for all characters of a text.
+
+    Of a text of words that is one without Chinese characters, where there is one.
+    """
     regions = _SIMPLIFIED if _is_simplified(text) else _TRADITIONAL
+
+    in_words = not any(map(_stands_in_a_square, text))
+    chinese = {font.path for font in fonts_with(_REFERENCE[0])} if in_words else set()
 
     def rank(font: SystemFont) -> tuple[object, ...]:
         family = font.family
         kind = 0 if _KAI.search(family) else 1 if _SONG.search(family) else 2
         is_plain = font.style.casefold() in _PLAIN
         is_ours = bool(regions & set(family.casefold().split()))
-        return kind, not is_plain, not is_ours, family, font.style, str(font.path), font.number
+        first = font.path in chinese, kind, not is_plain, not is_ours
+        return *first, family, font.style, str(font.path), font.number
 
     return next((font for font in sorted(fonts_with(text), key=rank) if draws(font, text)), None)
 

@@ -8,6 +8,7 @@ from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -32,6 +33,7 @@ __all__ = [
     "FontText",
     "bodies_of",
     "break_line",
+    "has_words",
     "is_written_down",
     "may_break_after",
     "set_text",
@@ -293,6 +295,20 @@ def is_written_down(text: str) -> bool:
     return False
 
 
+def has_words(text: str) -> bool:
+    """Return whether letters of a text are set together as words, as those of alphabets are."""
+    letters = [unicodedata.category(one)[0] in "LM" and not _is_wide(one) for one in text]
+    return any(map(all, pairwise(letters)))
+
+
+def _word_of(line: str, k: int) -> int:
+    """The word, from 0, of character k of a line; a character that stands in a square is one."""
+    return sum(
+        _is_wide(one) or _is_wide(after) or (one.isspace() and not after.isspace())
+        for one, after in pairwise(line[: k + 1])
+    )
+
+
 @dataclass(frozen=True, eq=False)
 class FontText:
     """A text that is set in a font, in the room there is.
@@ -380,6 +396,7 @@ class FontText:
         """Lines below each other, or columns beside each other from the right."""
         ascender, descender, _ = self.font.extents
         pitch = self._pitch
+        in_words = not shaper.is_vertical and has_words(self.text)
         pieces: list[Piece] = []
         for k, line in enumerate(lines):
             if not line:
@@ -393,7 +410,10 @@ class FontText:
                 at, middle = np.array([start, -pitch * k]), 0.5 * (ascender + descender)
             starts = sorted({one.cluster for one in shaped})
             for body in bodies_of(shaped, self.font):
-                pieces.append(self._piece(body, text_of(body.glyphs, starts, line), at, middle))
+                piece = self._piece(body, text_of(body.glyphs, starts, line), at, middle)
+                if in_words:
+                    piece = replace(piece, word=(k, _word_of(line, body.glyphs[0].cluster)))
+                pieces.append(piece)
         return Page(tuple(pieces), self.font.name, self._licence())
 
     def _licence(self) -> str:

@@ -8,7 +8,7 @@ apart along them as on the page; every piece is then laid by geodesics around it
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from paint3d.calligraphy.glyphs import EM_UNITS, Glyph
@@ -19,11 +19,12 @@ from paint3d.calligraphy.layout import (
     grounds_of,
     upright_frame,
     walking_step,
+    with_remedy,
 )
-from paint3d.calligraphy.page.page import Composer, Page, Piece
+from paint3d.calligraphy.page.page import Box, Composer, Page, Piece, bounds_of
 from paint3d.errors import InputError, MeshError
 from paint3d.mesh.bvh import ClosestPoints
-from paint3d.mesh.chart import EmSquare, SquareLimits, SurfaceFrame, lay_square
+from paint3d.mesh.chart import EmSquare, SquareLimits, SurfaceFrame, lay_square, overlapping
 from paint3d.mesh.placement import SurfaceLine, walk
 
 __all__ = ["PlacedPiece", "lay_page"]
@@ -32,6 +33,8 @@ _SHARES = (1.0, 0.8, 0.65, 0.5, 0.4, 0.3, 0.2)  # of the room there is: lines th
 _MOVES = (0.0, 0.3, -0.3, 0.6, -0.6, 1.0, -1.0, 1.5, -1.5)  # ems up from the place: tried in turn
 _MOST_PLACES = 12
 _ROUNDING = 1e-6  # of a length
+_SHARED = 0.02  # of the em: corners of boxes that share this much more than on the page are apart
+_SEAM = 0.5  # ems between the end of a text and where it begins anew, all around a body: at least
 _FAR = 1.5  # times the room, which other heights may have more of: what is larger is not composed
 
 
@@ -78,12 +81,31 @@ def lay_page(
         If there is no such place.
     """
     layout, limits = layout or Layout(), limits or SquareLimits()
+    try:
+        return _laid_page(surface, text, em_mm, layout, limits)
+    except InputError as cause:
+        fault = cause
+
+    def fits(em_mm: float, layout: Layout) -> bool:
+        return bool(_laid_page(surface, text, em_mm, layout, limits, most_places=1))
+
+    raise with_remedy(fault, em_mm, layout, fits)
+
+
+def _laid_page(
+    surface: ClosestPoints,
+    text: Composer,
+    em_mm: float,
+    layout: Layout,
+    limits: SquareLimits,
+    most_places: int = _MOST_PLACES,
+) -> tuple[Page, list[PlacedPiece]]:
     fault: MeshError | None = None
     composed: Page | None = None  # in one line, or broken as little as was tried
     grounds, layout = grounds_of(surface, layout)
     ground = grounds[0]  # of a couplet, the panel on the right
     for n, frame in enumerate(_places(ground, layout)):
-        if n == _MOST_PLACES:
+        if n == most_places:
             break
         sheet = _Sheet(ground, em_mm, layout, limits, frame)
         for page in sheet.pages(text):
@@ -209,52 +231,123 @@ class _Sheet:
         MeshError
             If the surface ends within the page, or a piece has no place on it.
         """
-        if self.layout.around:
+        in_words = self.layout.around and all(piece.word is not None for piece in page.pieces)
+        if self.layout.around and not in_words:
             page = self._spread(page)
         fault: MeshError | None = None
         for move in (0.0,) if self.layout.is_placed else _MOVES:
             try:
-                return [self._laid(piece, page, move * self.em_mm) for piece in page.pieces]
+                laid = self._ribbon(page, move * self.em_mm) if in_words else page
+                placed = [self._laid(piece, laid, move * self.em_mm) for piece in laid.pieces]
+                self._check_apart(laid, placed)
+                return placed
             except MeshError as cause:
                 fault = fault or cause
         assert fault is not None
         raise fault
 
+    def _check_apart(self, page: Page, placed: Sequence[PlacedPiece]) -> None:
+        """Refuse pieces that lie on each other farther than they do on the page."""
+        boxes = [piece.box for piece in page.pieces]
+
+        def shared(one: int, two: int) -> float:
+            """How far two boxes would have to be moved until they are apart on the page, mm."""
+            (l1, b1, r1, u1), (l2, b2, r2, u2) = boxes[one], boxes[two]
+            depth = min(r1 - l2, r2 - l1, u1 - b2, u2 - b1)
+            return self.scale * max(depth, 0.0) + _SHARED * self.em_mm
+
+        found = overlapping([one.square for one in placed], shared)
+        if found is not None:
+            one, two = (placed[k].glyph.text for k in found)
+            raise MeshError(
+                "{object}: the lines of the surface run together there, so that {one!r} and "
+                "{two!r} would lie on each other",
+                object=self.surface.mesh.name,
+                one=one,
+                two=two,
+            )
+
     def _spread(self, page: Page) -> Page:
         """A page drawn out until it goes all around the body."""
-        ring = self._level(0.0, 1.0)
+        left, _, right, _ = page.bounds
+        gap = self.layout.gap * EM_UNITS
+        wanted = self._ring(0.0, right - left + gap)
+        more = wanted / (right - left + gap)
+        pieces = [Piece(piece.glyph, (more * piece.at[0], piece.at[1])) for piece in page.pieces]
+        return replace(page, pieces=tuple(pieces))
+
+    def _ribbon(self, page: Page, move: float) -> Page:
+        """A page of words all around the body, as often as it goes round.
+
+        The room that is left is shared evenly by the gaps between words; a copy's middle lies at
+        the place. x is counted from there.
+        """
+        _, lower, _, upper = page.bounds
+        seam = max(self.layout.gap, _SEAM) * EM_UNITS
+        lines: dict[int, dict[int, list[Box]]] = {}
+        rings: dict[int, float] = {}
+        widths: dict[int, float] = {}
+        for piece in page.pieces:
+            line, word = piece.word or (0, 0)
+            lines.setdefault(line, {}).setdefault(word, []).append(piece.box)
+            rings[line] = self.scale * (piece.at[1] - 0.5 * (lower + upper)) + move
+        for line, words in lines.items():
+            left, _, right, _ = bounds_of(box for boxes in words.values() for box in boxes)
+            widths[line] = right - left
+            rings[line] = self._ring(rings[line], widths[line] + seam)
+        copies = min(int(rings[line] * (1.0 + _ROUNDING) / (widths[line] + seam)) for line in lines)
+        shifts: dict[tuple[int, int], float] = {}
+        for line, words in lines.items():
+            more = (rings[line] / copies - widths[line] - seam) / len(words)
+            starts = {word: bounds_of(boxes)[0] for word, boxes in words.items()}
+            whole = widths[line] + more * (len(words) - 1)
+            for k, word in enumerate(sorted(starts, key=lambda word: starts[word])):
+                shifts[line, word] = k * more - 0.5 * whole - min(starts.values())
+        pieces = []
+        for copy in range(copies):
+            for piece in page.pieces:
+                line, word = piece.word or (0, 0)
+                x = piece.at[0] + shifts[line, word] + copy * rings[line] / copies
+                pieces.append(replace(piece, at=(x, piece.at[1])))
+        return replace(page, pieces=tuple(pieces))
+
+    def _ring(self, height: float, least: float) -> float:
+        """Length of the level line so many mm above the middle, glyph units, if it is closed.
+
+        Raises
+        ------
+        MeshError
+            If it does not come back to its start, or is shorter than `least`, glyph units.
+        """
+        ring = self._level(round(height, 6), 1.0)
         if not ring.closed:
             raise MeshError(
                 "{object}: the level line of the place does not come back to its start; expected a "
                 "body that can be written around",
                 object=self.surface.mesh.name,
             )
-        left, _, right, _ = page.bounds
         wanted = ring.length / self.scale
-        gap = self.layout.gap * EM_UNITS
-        if right - left + gap > wanted * (1.0 + _ROUNDING):
+        if least > wanted * (1.0 + _ROUNDING):
             raise MeshError(
                 "{object} is {length:.0f} mm around; expected no less than {scale:.0f} mm",
                 object=self.surface.mesh.name,
                 length=ring.length,
-                scale=self.scale * (right - left + gap),
+                scale=self.scale * least,
             )
-        more = wanted / (right - left + gap)
-        pieces = [Piece(piece.glyph, (more * piece.at[0], piece.at[1])) for piece in page.pieces]
-        return replace(page, pieces=tuple(pieces))
+        return wanted
 
     def _laid(self, piece: Piece, page: Page, move: float) -> PlacedPiece:
         left, lower, right, upper = page.bounds
-        x = self.scale * (piece.at[0] - 0.5 * (left + right))
+        in_ribbon = self.layout.around and piece.word is not None
+        x = self.scale * (piece.at[0] - (0.0 if in_ribbon else 0.5 * (left + right)))
         y = self.scale * (piece.at[1] - 0.5 * (lower + upper)) + move
         level = self._level(round(y, 6), 1.0)
         if not level.closed and x < 0.0:
-            level = self._level(round(y, 6), -1.0)
-        distance = x if level.closed else abs(x)
-        too_wide = self.scale * (right - left) > level.length * (1.0 + _ROUNDING)
-        if too_wide if level.closed else distance > level.length:
+            level, x = self._level(round(y, 6), -1.0), -x
+        too_wide = not in_ribbon and self.scale * (right - left) > level.length * (1.0 + _ROUNDING)
+        if too_wide if level.closed else x > level.length:
             raise self._ends()
-        frame = upright_frame(self.surface, level.at(distance), self.up)
+        frame = upright_frame(self.surface, level.at(x), self.up)
         size = [self.scale * (high - low) for low, high in zip(*_corners(piece), strict=True)]
         square = lay_square(self.surface, frame, self.em_mm, self.limits, (size[0], size[1]))
         return PlacedPiece(piece.glyph, square)

@@ -136,10 +136,13 @@ class Piece:
         May stand on the page several times; it is planned once.
     at : (float, float)
         Where the middle of its box lies on the page, glyph units, y upwards.
+    word : (int, int), optional
+        The line and the word in it, from 0, that it is kept together with.
     """
 
     glyph: Glyph
     at: tuple[float, float]
+    word: tuple[int, int] | None = None
 
     @property
     def box(self) -> Box:

@@ -632,7 +632,7 @@ LEFT_OUT = {  # what of a material is left out, by its key
     "emissiveTexture": Message("light of its own"),
 }
 OWN_SHINE = Message(
-    "how its ink shines"
+    "the gloss of its ink (a painting, .p3d, keeps it)"
 )  # of a painting: what it is painted on anew says how it shines
 TURNED = "KHR_texture_transform"
 GLOSSY = "KHR_materials_pbrSpecularGlossiness"

@@ -1,0 +1,87 @@
+"""Text on mugs with a handle: nothing lies on anything else, and what is in the way is said."""
+
+import itertools
+import re
+from pathlib import Path
+
+import pytest
+
+from paint3d.calligraphy.fonts.font_file import open_font
+from paint3d.calligraphy.fonts.shaping import Style
+from paint3d.calligraphy.fonts.typesetting import set_text
+from paint3d.calligraphy.layout import Layout, layout_text
+from paint3d.calligraphy.page.laying import lay_page
+from paint3d.errors import InputError
+from paint3d.mesh.bvh import ClosestPoints
+from paint3d.mesh.chart import SquareLimits
+from tests.support.cases import long_but
+from tests.support.mugs import make_mug
+
+DEJAVU = Path("/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf")
+TEXTS = ("Maria Löwe", "The quick brown\nfox jumps", "山高水長")
+LIMITS = SquareLimits(room_mm=20.0)
+TURNS, SIZES = (0.0, 63.0, 180.0, 270.0, 318.0), (9.0, 14.0, 20.0, 27.0)
+CASES = [
+    *itertools.product(TURNS, SIZES, ("row",), TEXTS),
+    *itertools.product(TURNS, SIZES, ("columns",), TEXTS[2:]),
+]
+KEPT = [
+    (0.0, 20.0, "row", TEXTS[0]), (318.0, 14.0, "row", TEXTS[1]), (270.0, 20.0, "columns", TEXTS[2])
+]  # fmt: skip
+
+
+def laid(degrees, em, order, text, **place):
+    """The squares of a text on a mug, with the boxes that they have on the page."""
+    surface, layout = ClosestPoints(make_mug(degrees)), Layout(order, **place)
+    if text == TEXTS[2]:
+        placed = layout_text(surface, text, em, layout, LIMITS)
+        return [one.square for one in placed], None
+    font = open_font(DEJAVU)
+    page, pieces = lay_page(surface, set_text(text, font, Style(), None, order), em, layout, LIMITS)
+    return [one.square for one in pieces], [piece.box for piece in page.pieces]
+
+
+@pytest.mark.parametrize(("degrees", "em", "order", "text"), long_but(KEPT, CASES))
+def test_boxes_lie_apart_as_they_do_on_the_page(degrees, em, order, text):
+    if not DEJAVU.exists():
+        pytest.skip("DejaVu is not installed")
+    try:
+        squares, boxes = laid(degrees, em, order, text)
+    except InputError as refusal:
+        if "not fit" not in str(refusal):
+            raise
+        return
+    check_apart(squares, boxes, em)
+
+
+def test_a_level_line_that_closes_to_the_left_alone_is_followed_to_the_left():
+    """To the right it goes astray on the handle."""
+    squares, boxes = laid(0.0, 20.0, "row", "Löwe", point=(22.0, -34.58, 30.16))
+    check_apart(squares, boxes, 20.0)
+
+
+def check_apart(squares, boxes, em):
+    """Check that squares share no more than their boxes do on the page."""
+    for one, two in itertools.permutations(range(len(squares)), 2):
+        shared = 0.0
+        if boxes is not None:
+            (l1, b1, r1, u1), (l2, b2, r2, u2) = boxes[one], boxes[two]
+            shared = max(0.0, min(r1 - l2, r2 - l1, u1 - b2, u2 - b1)) * em / 1024.0
+        assert squares[one].overlap(squares[two]) < shared + 0.03 * em
+
+
+@pytest.mark.parametrize(
+    ("order", "text", "at"), [("row", TEXTS[0], (0.5, 0.2)), ("columns", TEXTS[2], (0.72, 0.5))]
+)
+def test_a_handle_in_the_way_is_said_with_what_would_do(order, text, at):
+    with pytest.raises(InputError, match="another part of the object is in the way at") as fault:
+        laid(0.0, 20.0, order, text, at=at)
+    told = str(fault.value)
+    sizes, places = (
+        re.findall(pattern, told) for pattern in (r"size of ([\d.]+) mm would", r"([\d.]+,[\d.]+)$")
+    )
+    u, v = map(float, places[0].split(","))
+    assert v == at[1]
+    assert len(laid(0.0, 20.0, order, text, at=(u, v))[0]) == len(text.replace(" ", ""))
+    for size in map(float, sizes):
+        assert len(laid(0.0, size, order, text, at=at)[0]) == len(text.replace(" ", ""))
