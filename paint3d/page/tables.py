@@ -29,7 +29,7 @@ from paint3d.colour.spectra import rgb_weights, srgb_from_reflectance
 from paint3d.colour.vertex_colours import ColourModel, live_bands, srgb_codes
 from paint3d.core.arrays import AnyArray
 from paint3d.mesh.bvh import ClosestPoints, build_contact_tree
-from paint3d.mesh.kernels.bvh import ContactTree
+from paint3d.mesh.kernels.bvh import FACES_PER_LEAF, LEAF_SIZE, ContactTree
 from paint3d.mesh.kernels.paper import MOST_ASIDE_MM
 from paint3d.mesh.kernels.refine import MOST_AROUND_EDGE
 from paint3d.mesh.likeness import digest_of
@@ -45,8 +45,10 @@ Table = tuple[dict[str, Any], dict[str, AnyArray]]
 _RAYS = 96  # that the openness of a vertex is found by
 _GOLDEN_ANGLE = np.pi * (3.0 - np.sqrt(5.0))
 _LIFTED_MM = 0.05
+_SMOOTHINGS = 12
 _UNREFINED = {"px", "py", "pz", "nx", "ny", "nz", "mx", "my", "mz", "take", "key", "parents",
               "vertex_sheet", "area_units", "next_in_cell"}  # fmt: skip
+_MEASURED = {"sheet_area", "sheet_normal", "sheet_centre", "sheet_pack"}  # by the page's kernels
 _NODES = {"node_vertices", "node_root", "child", "longest", "node_area"}
 
 
@@ -158,15 +160,18 @@ def object_table(mesh: TriangleMesh, resolution: float) -> Table:
         "usual_material": "porcelain" if sheet is None else sheet.usual.material,
         "most_around_edge": MOST_AROUND_EDGE,
         "most_aside_mm": MOST_ASIDE_MM,
+        "leaf_sizes": {"contact": LEAF_SIZE, "closest": FACES_PER_LEAF},
         "field": {k: v for k, v in field._asdict().items() if isinstance(v, float)},
     }
     closest = ClosestPoints(mesh)
     arrays: dict[str, AnyArray] = {
         "base_faces": paint_mesh.base_faces,
-        "openness": _openness(closest, paint_mesh.vertices[:n], paint_mesh.normals[:n]),
+        "openness": _openness(
+            closest, paint_mesh.vertices[:n], paint_mesh.normals[:n], paint_mesh.base_faces
+        ),
     }
     for name, array in field._asdict().items():
-        if isinstance(array, np.ndarray):
+        if isinstance(array, np.ndarray) and name not in _MEASURED:
             used = n if name in _UNREFINED else roots if name in _NODES else len(array)
             arrays[f"field.{name}"] = array[: 3 * roots if name == "radial" else used]
     arrays["field.path"] = np.zeros_like(field.path)  # scratch
@@ -174,7 +179,9 @@ def object_table(mesh: TriangleMesh, resolution: float) -> Table:
     return words, arrays | _tree(closest.tree, "closest")
 
 
-def _openness(surface: ClosestPoints, points: AnyArray, normals: AnyArray) -> NDArray[np.uint8]:
+def _openness(
+    surface: ClosestPoints, points: AnyArray, normals: AnyArray, faces: AnyArray
+) -> NDArray[np.uint8]:
     """How much light of an even sky each vertex gets (N,), 255 where nothing is in its way."""
     k = np.arange(_RAYS)
     share, turn = (k + 0.5) / _RAYS, _GOLDEN_ANGLE * k
@@ -188,8 +195,23 @@ def _openness(surface: ClosestPoints, points: AnyArray, normals: AnyArray) -> ND
     starts = points + _LIFTED_MM * normal
     for a, h, u in zip(across * np.cos(turn), across * np.sin(turn), up, strict=True):
         seen += ~surface.cast(starts, a * aside + h * ahead + u * normal).hit
-    return np.rint(255.0 * seen / _RAYS).astype(np.uint8)
+    return np.rint(255.0 * _smoothed(seen / _RAYS, faces)).astype(np.uint8)
+
+
+def _smoothed(values: AnyArray, faces: AnyArray) -> AnyArray:
+    """Values of vertices (N,) without the grain of the rays: means over neighbours, a few times."""
+    for _ in range(_SMOOTHINGS):
+        sums, counts = values.copy(), np.ones(len(values))
+        means = values[faces].mean(axis=1)
+        for corner in faces.T:
+            sums += np.bincount(corner, means, len(values))
+            counts += np.bincount(corner, minlength=len(values))
+        values = sums / counts
+    return values
 
 
 def _tree(tree: ContactTree, name: str) -> dict[str, AnyArray]:
-    return {f"{name}.{key}": value for key, value in tree._asdict().items()}
+    """All of a tree but its boxes, which the page builds again."""
+    arrays = tree._asdict()
+    del arrays["boxes"]
+    return {f"{name}.{key}": value for key, value in arrays.items()}

@@ -82,7 +82,7 @@ class Browser:
     def wait_for(self, script: str) -> None:
         """Wait until an expression is true."""
         until = time.monotonic() + _WAIT_S
-        while not self.evaluate(script):
+        while not self.evaluate(f"Boolean({script})"):
             assert time.monotonic() < until, f"{script}: {self.complaints()}"
             time.sleep(0.05)
 
@@ -105,23 +105,37 @@ class Browser:
         data = self.call("Page.captureScreenshot", format="png")["data"]
         path.write_bytes(base64.b64decode(data))
 
-    def pen(self, kind: str, x: float, y: float, force: float = 0.0, **words: Any) -> None:
-        """Let a pen press, move or be lifted: ``mousePressed``, ``mouseMoved``, ``mouseReleased``."""
-        buttons = int(kind != "mouseReleased")
-        pointer = {"pointerType": "pen", "force": force, "button": "left", "buttons": buttons}
-        self.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, clickCount=1,
-                  **(pointer | words))  # fmt: skip
+    def call_all(self, asked: list[tuple[str, dict[str, Any]]]) -> None:
+        """Ask for several things at once, and wait for all answers."""
+        waiting = set()
+        for method, words in asked:
+            self._number += 1
+            waiting.add(self._number)
+            line = {"id": self._number, "method": method, "params": words}
+            self._socket.send(json.dumps(line))
+        while waiting:
+            answer = json.loads(self._socket.recv(timeout=_WAIT_S))
+            assert "error" not in answer, answer
+            waiting.discard(answer.get("id"))
+            if "id" not in answer:
+                self.heard.append(answer)
 
     def stroke(self, way: list[tuple[float, float, float]], **words: Any) -> None:
-        """Let a pen go along places (x, y) with forces."""
-        self.pen("mousePressed", *way[0], **words)
-        for place in way[1:]:
-            self.pen("mouseMoved", *place, **words)
-        self.pen("mouseReleased", *way[-1][:2], **words)
+        """Let a pen press, go along places (x, y) with forces, and be lifted."""
+        pointer = {"pointerType": "pen", "button": "left", "buttons": 1, "clickCount": 1} | words
+        kinds = ["mousePressed", *["mouseMoved"] * (len(way) - 1)]
+        asked = [
+            ("Input.dispatchMouseEvent", {"type": kind, "x": x, "y": y, "force": force, **pointer})
+            for kind, (x, y, force) in zip(kinds, way, strict=True)
+        ]
+        lifted = {**asked[-1][1], "type": "mouseReleased", "force": 0.0, "buttons": 0}
+        self.call_all([*asked, ("Input.dispatchMouseEvent", lifted)])
 
 
 @contextmanager
-def opened(url: str, profile: Path, size: tuple[int, int] = (1280, 900), *flags: str) -> Iterator[Browser]:
+def opened(
+    url: str, profile: Path, size: tuple[int, int] = (1280, 900), *flags: str
+) -> Iterator[Browser]:
     """A browser without a window, with one page."""
     path = browser_path()
     assert path is not None, "there is a browser"

@@ -8,6 +8,7 @@ interface Place {
   kind: Kind;
   shape: number[];
   at: number;
+  lags: number[];
 }
 
 /** A file that is not what `paint3d page build` wrote. */
@@ -54,12 +55,13 @@ export class Bundle<Words = Record<string, unknown>> {
     if (place.kind !== kind)
       throw new BundleError(`${this.name}: ${name} is ${place.kind}; expected ${kind}`);
     const size = place.shape.reduce((a, b) => a * b, 1);
+    const bytes = unpackedNumbers(new Uint8Array(this.data, place.at), size, Number(kind[1]), place.lags);
     const types = {
       f4: Float32Array, f8: Float64Array, i1: Int8Array, u1: Uint8Array, b1: Uint8Array,
       i2: Int16Array, u2: Uint16Array, i4: Int32Array, u4: Uint32Array, i8: BigInt64Array,
       u8: BigUint64Array,
-    };
-    return new types[kind](this.data, place.at, size) as Views[K];
+    }; // prettier-ignore
+    return new types[kind](bytes) as Views[K];
   }
 
   /** An array, copied into the kernels' memory. */
@@ -77,6 +79,22 @@ export class Bundle<Words = Record<string, unknown>> {
     if (place === undefined) throw new BundleError(`${this.name} has no ${name}`);
     return place;
   }
+}
+
+/** Numbers of `width` bytes, of which first bytes stand first, added up over their lags. */
+function unpackedNumbers(
+  planes: Uint8Array, size: number, width: number, lags: readonly number[],
+): ArrayBuffer {
+  const result = new ArrayBuffer(size * width);
+  const bytes = new Uint8Array(result);
+  for (let k = 0; k < width; k++)
+    for (let i = 0, at = k, from = k * size; i < size; i++, at += width) bytes[at] = planes[from + i];
+  const types = { 1: Uint8Array, 2: Uint16Array, 4: Uint32Array };
+  if (lags.length > 0) {
+    const numbers = new types[width as 1 | 2 | 4](result);
+    for (const lag of lags) for (let i = lag; i < size; i++) numbers[i] += numbers[i - lag];
+  }
+  return result;
 }
 
 function text(data: ArrayBuffer, at: number, length: number): string {

@@ -4,7 +4,7 @@ import { NDArray } from "../core/arrays";
 import type { Bundle } from "../core/bundle";
 import type { Kernels } from "../core/kernels";
 import type { Vector } from "../core/quaternion";
-import { readTree, type ContactTree } from "./refined_mesh";
+import { readTree, type ContactTree, type ObjectWords } from "./refined_mesh";
 
 /** A place on the surface. */
 export interface Found {
@@ -19,9 +19,9 @@ export class ClosestPoints {
 
   constructor(
     private readonly kernels: Kernels,
-    object: Bundle<unknown>,
+    object: Bundle<ObjectWords>,
   ) {
-    this.tree = readTree(kernels, object, "closest.");
+    this.tree = readTree(kernels, object, "closest");
     this.#row = {
       query: kernels.zeros("f8", 1, 3),
       point: kernels.zeros("f8", 1, 3),

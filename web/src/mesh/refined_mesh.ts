@@ -32,6 +32,7 @@ export interface ObjectWords {
   usual_material: string;
   most_around_edge: number;
   most_aside_mm: number;
+  leaf_sizes: { contact: number; closest: number };
   field: Record<string, number>;
   mesh: string;
 }
@@ -72,7 +73,38 @@ export class PaintMesh {
     for (const name of object.names("field."))
       arrays[name] = object.anyArray(kernels, `field.${name}`);
     this.arrays = arrays as SurfaceField;
+    this.#measureSheets(object);
     if (this.refines) this.reserve();
+  }
+
+  /** Area, normal and centre of every sheet. */
+  #measureSheets(object: Bundle<ObjectWords>): void {
+    const { kernels, arrays: field } = this;
+    const n = this.nSheets;
+    const [area, normal, centre] = [
+      kernels.zeros("f8", n), kernels.zeros("f8", n, 3), kernels.zeros("f8", n, 3),
+    ]; // prettier-ignore
+    const given = [
+      object.array(kernels, "contact.points", "f4"),
+      object.array(kernels, "contact.normals", "f4"),
+      object.array(kernels, "base_faces", "i4"),
+    ];
+    kernels.call(
+      "mesh.kernels.cell_components.measure_sheets", ...given, field, area, normal, centre,
+    ); // prettier-ignore
+    for (const array of given) array.free();
+    const pack = kernels.zeros("f4", n, 8);
+    const [rows, a, v, c] = [pack.data, area.data, normal.data, centre.data];
+    for (let i = 0; i < n; i++) {
+      for (let k = 0; k < 3; k++) {
+        rows[8 * i + k] = v[3 * i + k];
+        rows[8 * i + 4 + k] = c[3 * i + k];
+      }
+      rows[8 * i + 3] = a[i];
+    }
+    Object.assign(field, {
+      sheet_area: area, sheet_normal: normal, sheet_centre: centre, sheet_pack: pack,
+    }); // prettier-ignore
   }
 
   /** Make edge and film of the ink uneven, as fibres do; before anything is refined. */
@@ -136,9 +168,22 @@ export class PaintMesh {
   }
 }
 
-/** A tree of boxes in an object's data, by the prefix of its arrays. */
-export function readTree(kernels: Kernels, object: Bundle<unknown>, prefix: string): ContactTree {
-  const tree: Record<string, NDArray> = {};
-  for (const name of object.names(prefix)) tree[name] = object.anyArray(kernels, prefix + name);
-  return tree as ContactTree;
+/** A tree of boxes over an object's triangles. */
+export function readTree(
+  kernels: Kernels, object: Bundle<ObjectWords>, kind: "contact" | "closest",
+): ContactTree {
+  const triangles = object.array(kernels, `${kind}.triangles`, "i4");
+  const points = object.array(kernels, `${kind}.points`, "f4");
+  const leafSize = object.words.leaf_sizes[kind];
+  let leaves = 1;
+  while (leaves * leafSize < triangles.length) leaves *= 2;
+  const boxes = kernels.zeros("f4", 2 * leaves, 6);
+  kernels.call("mesh.kernels.bvh.build_boxes", triangles, points, boxes, leafSize);
+  return {
+    order: object.array(kernels, `${kind}.order`, "i4"),
+    boxes,
+    triangles,
+    points,
+    normals: object.array(kernels, `${kind}.normals`, "f4"),
+  };
 }

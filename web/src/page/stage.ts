@@ -45,9 +45,9 @@ void main() {
   vec3 n = normalize(normal), v = normalize(eye - place);
   if (dot(n, v) < 0.0 && !gl_FrontFacing) n = -n;
   vec3 paint = decoded(code);
-  float seen = open * (0.35 + 0.65 * open);  // light that walls throw back brightens hollows again
-  float soft = max(0.0, dot(n, LAMP)) * smoothstep(0.15, 0.75, open);
-  vec3 round = paint * (0.78 * seen * (0.72 + 0.28 * n.z) + 0.34 * soft);
+  float seen = open / (1.0 - 0.72 * (1.0 - open));  // light that white walls throw back comes again
+  float soft = max(0.0, dot(n, LAMP)) * smoothstep(0.1, 0.9, open);
+  vec3 round = paint * (0.86 * seen * (0.80 + 0.20 * n.z) + 0.24 * soft);
   vec3 even = paint * (0.86 + 0.14 * max(0.0, dot(n, LAMP)));
   vec3 lit = mix(round, even, flatness);
   float grazing = pow(1.0 - max(dot(n, v), 0.0), 5.0);

@@ -57,7 +57,7 @@ export class PaintedSurface {
     this.material = ground.material;
     this.paintMesh = new PaintMesh(kernels, object);
     this.paintMesh.layPaper(Math.sqrt(2.0 * this.material.grain));
-    this.contactTree = readTree(kernels, object, "contact.");
+    this.contactTree = readTree(kernels, object, "contact");
     const capacity = this.paintMesh.capacity;
     this.codes = kernels.zeros("u1", capacity, 3);
     this.#fillBare(0);
