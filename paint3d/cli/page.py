@@ -104,13 +104,22 @@ def run(options: argparse.Namespace) -> None:
 
 def _build(options: argparse.Namespace) -> None:
     check_output_folder(options.out)
-    from paint3d.page.folder import BRUSHES, INKS, OBJECTS, PageObject, build_page
+    from paint3d.page import folder
+    from paint3d.page.folder import PageObject
 
     objects: list[PageObject] = [
-        PageObject(name, options.resolution) for name in options.on or [one.name for one in OBJECTS]
+        PageObject(name, options.resolution)
+        for name in options.on or [one.name for one in folder.OBJECTS]
     ]
     with ProgressBar("building", enabled=not options.quiet) as progress:
-        build_page(options.out, objects, options.brush or BRUSHES, options.ink or INKS, progress)
+        folder.build_page(
+            options.out,
+            objects,
+            options.brush or folder.BRUSHES,
+            options.ink or folder.INKS,
+            progress,
+            page=folder.BUILT,
+        )
     if not options.quiet:
         size = sum(path.stat().st_size for path in options.out.rglob("*") if path.is_file())
         sys.stdout.write(f"wrote {options.out}, {size / 1e6:.1f} MB: paint3d page serve it\n")

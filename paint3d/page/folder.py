@@ -17,6 +17,7 @@ from paint3d.app.window.wording import (
     say_brush,
     say_object,
 )
+from paint3d.brush.presets import load_brush
 from paint3d.colour.inks import load_ink
 from paint3d.colour.materials import load_material
 from paint3d.colour.pigments import WATER, Pigment, load_pigment
@@ -63,6 +64,7 @@ def build_page(
     inks: Sequence[str] = INKS,
     progress: Callable[[float], None] = lambda share: None,
     *,
+    materials: Sequence[str] = (),
     page: Path | None = BUILT,
     kernels: Path = KERNELS,
 ) -> None:
@@ -80,6 +82,8 @@ def build_page(
         As `load_ink` takes them; without coarse pigments, whose grains a page does not show.
     progress : callable
         Called with the share that is done.
+    materials : sequence of str
+        Beside those that suit the objects.
     page, kernels : Path
         Where ``npm run build`` and ``python -m tools.kernels --for wasm32`` have written to;
         without a page only its data are written.
@@ -101,7 +105,15 @@ def build_page(
     pigments, stirred = _pigments_of(inks)
     loaded = [(one, load_mesh(one.name)) for one in objects]
     sheets = [sheet_of(mesh) for _, mesh in loaded]
-    usual = ["porcelain" if s is None else s.usual.material for s in sheets]
+    usual = ["porcelain" if sheet is None else sheet.usual.material for sheet in sheets]
+    made_of = [load_material(name) for name in dict.fromkeys([*usual, *materials])]
+    for name in brushes:
+        if load_brush(name).bristles is not None:
+            raise InputError(
+                "the brush {brush} has single hairs, which a page does not paint with; expected "
+                "one with a solid tuft",
+                brush=name,
+            )
     files: dict[str, Callable[[], Table]] = {"common.bin.gz": lambda: common_table(pigments)}
     contents: dict[str, Any] = {"version": __version__, "objects": [], "brushes": []}
     with _in_chinese():
@@ -116,12 +128,10 @@ def build_page(
             file, chinese = f"brushes/{_plain(name)}.bin.gz", say_brush(name)
             contents["brushes"].append({"name": name, "chinese": chinese, "file": file})
             files[file] = lambda name=name, chinese=chinese: brush_table(name, chinese)  # type: ignore[misc]
-    materials = [load_material(name) for name in dict.fromkeys(usual)]
     contents["materials"] = {
-        material.name: {"file": f"materials/{_plain(material.name)}.bin.gz"}
-        for material in materials
+        material.name: {"file": f"materials/{_plain(material.name)}.bin.gz"} for material in made_of
     }
-    for material in materials:
+    for material in made_of:
         file = contents["materials"][material.name]["file"]
         files[file] = lambda material=material: material_table(material, pigments)  # type: ignore[misc]
     contents["inks"] = [
@@ -141,6 +151,8 @@ def build_page(
     _write_json(out / "kernels.json", _page_index(index))
     _write_json(out / "contents.json", contents)
     if page is not None:
+        for path in (out / "assets").glob("index-*"):
+            path.unlink()  # of an earlier page
         for path in sorted(page.rglob("*")):
             if path.is_file():
                 (out / path.relative_to(page)).parent.mkdir(exist_ok=True, parents=True)

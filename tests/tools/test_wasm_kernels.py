@@ -66,7 +66,8 @@ said.bands = rows.map((at) => Buffer.from(memory.buffer, at, 8 * asked.bands[0].
   .toString("hex"));
 said.drag = call(asked.symbols.drag, [0, 0, 0])[0];
 const before = memory.buffer.byteLength;
-for (let k = 0; k < 100000; k++) release(Number(call(asked.symbols.radial, [faces, n, 3, 4])[1][2]));
+for (let k = 0; k < 100000; k++)
+  release(Number(call(asked.symbols.radial, [faces, n, 3, 4])[1][2]));
 said.grown = memory.buffer.byteLength - before;
 said.imports = WebAssembly.Module.imports(new WebAssembly.Module(readFileSync(asked.module)));
 process.stdout.write(JSON.stringify(said));
