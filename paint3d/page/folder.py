@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 import shutil
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -52,7 +53,7 @@ class PageObject(NamedTuple):
 
 
 OBJECTS = (PageObject("bowl", 0.4), PageObject("square", 0.4))
-BRUSHES = ("zhongkai", "full", "xiaokai", "zhongbaiyun", "gongbi")
+BRUSHES = ("zhongkai", "full", "xiaokai", "zhongbaiyun", "gongbi", "feibai")
 INKS = ("pine soot", "heavy", "light", "clear", "cinnabar", "indigo", "gamboge", "carmine")
 _CHINESE_OF_TONES = {"heavy": "重墨", "light": "淡墨", "clear": "清墨"}
 
@@ -77,7 +78,7 @@ def build_page(
     objects : sequence of PageObject
         By the names that `load_mesh` takes, built-in ones or files, each with its spacing.
     brushes : sequence of str
-        Presets of solid tufts.
+        Presets.
     inks : sequence of str
         As `load_ink` takes them; without coarse pigments, whose grains a page does not show.
     progress : callable
@@ -108,12 +109,7 @@ def build_page(
     usual = ["porcelain" if sheet is None else sheet.usual.material for sheet in sheets]
     made_of = [load_material(name) for name in dict.fromkeys([*usual, *materials])]
     for name in brushes:
-        if load_brush(name).bristles is not None:
-            raise InputError(
-                "the brush {brush} has single hairs, which a page does not paint with; expected "
-                "one with a solid tuft",
-                brush=name,
-            )
+        load_brush(name)  # what is not known is said before anything is made
     files: dict[str, Callable[[], Table]] = {"common.bin.gz": lambda: common_table(pigments)}
     contents: dict[str, Any] = {"version": __version__, "objects": [], "brushes": []}
     with _in_chinese():
@@ -208,7 +204,7 @@ def _record(record: Mapping[str, Any]) -> dict[str, Any]:
     ):
         of, shape = (kind, [1]) if isinstance(kind, str) else kind
         assert of == "<f8", f"{name} is {of}"
-        fields[name] = {"offset": offset, "count": shape[0]}
+        fields[name] = {"offset": offset, "count": math.prod(shape)}
     return {"itemsize": record["itemsize"], "fields": fields}
 
 

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from paint3d.brush.bending import FARTHEST_DRAG, build_tuft
 from paint3d.brush.presets import load_brush
 from paint3d.brush.spec import build_curves
+from paint3d.brush_engine.bristles.state import make_hairs
 from paint3d.brush_engine.coverage import ROWS, WORK_ROWS
 from paint3d.brush_engine.dry_contact import bundle_noise, contact_noise
 from paint3d.brush_engine.footprint import BETWEEN_SHAPE, PROFILE_CELLS
@@ -36,6 +37,7 @@ from paint3d.mesh.likeness import digest_of
 from paint3d.mesh.refined_mesh import PaintMesh
 from paint3d.mesh.sheet_mesh import sheet_of
 from paint3d.mesh.triangle_mesh import TriangleMesh
+from paint3d.painter.bristle_state import HairTuft
 
 __all__ = ["Table", "brush_table", "common_table", "material_table", "object_table"]
 
@@ -108,7 +110,7 @@ def brush_table(name: str, chinese: str) -> Table:
     brush = load_brush(name)
     tuft, curves = build_tuft(brush)._asdict(), build_curves(brush.inputs)._asdict()
     arrays = {f"tuft.{key}": value for key, value in tuft.items() if isinstance(value, np.ndarray)}
-    words = {
+    words: dict[str, Any] = {
         "name": name,
         "chinese": chinese,
         "length_mm": brush.length_mm,
@@ -116,7 +118,43 @@ def brush_table(name: str, chinese: str) -> Table:
         "farthest_drag": FARTHEST_DRAG,
         "tuft": {key: value for key, value in tuft.items() if isinstance(value, float)},
     }
-    return words, arrays | {f"curves.{key}": value for key, value in curves.items()}
+    arrays |= {f"curves.{key}": value for key, value in curves.items()}
+    if brush.bristles is not None:
+        words["hairs"], hairs = _hairs_table(HairTuft(brush, brush.bristles))
+        arrays |= hairs
+    return words, arrays
+
+
+def _hairs_table(tuft: HairTuft) -> Table:
+    """The hairs of a tuft, and what kernels work in, as `make_hairs` makes it."""
+    one, two = (
+        _leaves(make_hairs(tuft.bristles, np.zeros((tuft.spec.n_hairs, n)), tuft.memory))
+        for n in (1, 2)
+    )
+    arrays: dict[str, AnyArray] = {}
+    words: dict[str, Any] = {"count": tuft.spec.n_hairs, "numbers": {}, "shapes": {}}
+    for name, value in one.items():
+        if not isinstance(value, np.ndarray):
+            words["numbers"][name] = value
+        elif value.dtype.names is None:
+            if value.shape == two[name].shape:
+                arrays[f"hairs.{name}"] = value
+            elif name != "load":  # zeros, so many for each pigment
+                pairs = zip(value.shape, two[name].shape, strict=True)
+                shape = [[2 * a - b, b - a] for a, b in pairs]
+                words["shapes"][name] = {"kind": value.dtype.str[1:], "shape": shape}
+    return words, arrays
+
+
+def _leaves(row: Any, before: str = "") -> dict[str, Any]:
+    """What is in a named tuple of named tuples, by dotted names."""
+    found: dict[str, Any] = {}
+    for name, value in row._asdict().items():
+        if hasattr(value, "_asdict"):
+            found |= _leaves(value, f"{before}{name}.")
+        else:
+            found[before + name] = value
+    return found
 
 
 def material_table(material: Material, pigments: Sequence[Pigment]) -> Table:

@@ -1,8 +1,8 @@
 /** A brush, which Python has prepared: its tuft on a material (`paint3d/brush/bending.py`). */
 
-import type { NDArray } from "../core/arrays";
+import type { NDArray, Records } from "../core/arrays";
 import type { Bundle } from "../core/bundle";
-import type { Kernels } from "../core/kernels";
+import type { Argument, Kernels } from "../core/kernels";
 import type { Material } from "../colour/materials";
 
 export interface Tuft {
@@ -23,14 +23,27 @@ export interface BrushWords {
   rubbing: number;
   farthest_drag: number;
   tuft: Record<string, number>;
+  hairs?: HairWords; // of a tuft of single hairs
+}
+
+/** What is said of hairs beside their arrays. */
+export interface HairWords {
+  count: number;
+  numbers: Record<string, number>;
+  // of zeros: so long, and so much longer for each pigment
+  shapes: Record<string, { kind: "f4" | "f8"; shape: [number, number][] }>;
 }
 
 export class Brush {
   readonly words: BrushWords;
   readonly curves: { [name: string]: NDArray };
   readonly #tables: { [name: string]: NDArray };
+  readonly #bristles: { [name: string]: NDArray } = {};
 
-  constructor(kernels: Kernels, bundle: Bundle<BrushWords>) {
+  constructor(
+    private readonly kernels: Kernels,
+    private readonly bundle: Bundle<BrushWords>,
+  ) {
     this.words = bundle.words;
     const read = (prefix: string): { [name: string]: NDArray } =>
       Object.fromEntries(
@@ -46,6 +59,41 @@ export class Brush {
 
   get lengthMm(): number {
     return this.words.length_mm;
+  }
+
+  get hasHairs(): boolean {
+    return this.words.hairs !== undefined;
+  }
+
+  get hairs(): HairWords {
+    if (this.words.hairs === undefined) throw new Error(`${this.name} has no single hairs`);
+    return this.words.hairs;
+  }
+
+  /** Arrays for painting with its hairs (`make_hairs`). */
+  makeHairs(load: NDArray<"f8">, memory: Records): { [name: string]: Argument } {
+    const { kernels, bundle } = this;
+    const { numbers, shapes } = this.hairs;
+    const made: { [name: string]: Argument } = { bristles: {}, imprint: {} };
+    const put = (name: string, value: Argument): void => {
+      const [first, second] = name.split(".");
+      if (second === undefined) made[first] = value;
+      else (made[first] as { [name: string]: Argument })[second] = value;
+    };
+    for (const [name, value] of Object.entries(numbers)) put(name, value);
+    for (const name of bundle.names("hairs."))
+      put(name, this.#heldHairs(name) ?? bundle.anyArray(kernels, `hairs.${name}`));
+    for (const [name, { kind, shape }] of Object.entries(shapes))
+      put(name, kernels.zeros(kind, ...shape.map(([base, each]) => base + each * load.shape[1])));
+    const state = "brush_engine.bristles.state";
+    const bend = kernels.records("brush_engine.bristles.bend.BEND");
+    return { ...made, load, memory, bend, kept: kernels.records(`${state}.KEPT`) };
+  }
+
+  /** Arrays of the hairs themselves, which nobody changes: they are read once. */
+  #heldHairs(name: string): NDArray | null {
+    if (!name.startsWith("bristles.")) return null;
+    return (this.#bristles[name] ??= this.bundle.anyArray(this.kernels, `hairs.${name}`));
   }
 
   /** Its tuft as it is, before a material draws at it. */

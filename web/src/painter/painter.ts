@@ -1,6 +1,6 @@
 /**
  * The painter: moves one inked brush over a surface along timed poses; `paint3d/painter/painter.py`
- * for a solid tuft, and ink that stands as it is put.
+ * for ink that stands as it is put.
  */
 
 import { NDArray } from "../core/arrays";
@@ -12,6 +12,7 @@ import {
 import type { Pigment } from "../colour/materials";
 import { joinedSamples, objectPoses, velocities, type BrushPath } from "../pose/brush_pose";
 import { DIP, ERASER, RecordingError, type DeviceSample, type Recording } from "../recording/recording";
+import { HairTuft, type KeptHairs } from "./bristle_state";
 import type { PaintedSurface, Snapshot } from "../surface/painted_surface";
 
 /** Parts of an ink by pigment. */
@@ -34,11 +35,14 @@ export interface Kept {
   loaded: number;
   dipped: Ink;
   dips: readonly (readonly [Ink, number | null])[];
+  hairs: HairTuft | null;
+  ofHairs: KeptHairs | null;
 }
 
 export class Painter {
   tuft: Tuft;
   loaded = 0.0;
+  #hairs: HairTuft | null;
   #progress: Progress;
   #scratch: Scratch;
   #pending: DeviceSample[] = [];
@@ -57,6 +61,7 @@ export class Painter {
     pickup: number | null = null,
   ) {
     this.tuft = this.#dippedTuft(brush);
+    this.#hairs = this.#makeHairs();
     this.#progress = makeProgress(kernels, sizes);
     this.#scratch = makeScratch(kernels, sizes, surface.paintMesh, surface.pigments.length);
     if (pickup !== null) surface.ink.transfer.field("pickup")[0] = pickup;
@@ -78,6 +83,10 @@ export class Painter {
     const parts = this.#mixture(ink);
     const depth = reach ?? 1.0;
     const surface = this.surface;
+    const hairs = this.#hairs;
+    if (hairs !== null && reach !== null)
+      throw new RangeError("a page does not dip the tip of single hairs; expected a whole dip");
+    hairs?.hold(surface.ink.load.data.slice());
     if (reach === null) this.#hold(parts.map((part) => part * this.tuft.load));
     else {
       const count = parts.length;
@@ -93,6 +102,11 @@ export class Painter {
           for (let p = 0; p < count; p++) along[k * count + p] = (parts[p] * this.tuft.load) / n;
       this.#holdAlong(along, n);
     }
+    if (hairs !== null) {
+      hairs.dip(surface.ink.load.data.slice());
+      surface.ink.load.data.set(hairs.held());
+      hairs.shape();
+    }
     // A dip hides earlier ones of the same reach or less:
     const deeper =
       reach === null ? [] : this.#dips.filter(([, other]) => other === null || other > depth);
@@ -105,13 +119,20 @@ export class Painter {
   changeBrush(brush: Brush): void {
     this.tuft = this.#dippedTuft(brush);
     this.brush = brush;
+    this.#hairs = this.#makeHairs();
     this.dip(this.#dipped);
+  }
+
+  #makeHairs(): HairTuft | null {
+    return this.brush.hasHairs ? new HairTuft(this.kernels, this.brush) : null;
   }
 
   /** Snapshot, for `restore`, all state between strokes except the surface. */
   keep(): Kept {
     const { brush, tuft, amount, loaded } = this;
-    return { brush, tuft, amount, loaded, dipped: this.#dipped, dips: this.#dips };
+    const hairs = this.#hairs;
+    const ofHairs = hairs?.keep() ?? null;
+    return { brush, tuft, amount, loaded, dipped: this.#dipped, dips: this.#dips, hairs, ofHairs };
   }
 
   /** Return to snapshots of the painter and of the surface. */
@@ -119,6 +140,8 @@ export class Painter {
     ({ brush: this.brush, tuft: this.tuft, amount: this.amount, loaded: this.loaded } = kept);
     this.#dipped = kept.dipped;
     this.#dips = kept.dips;
+    this.#hairs = kept.hairs;
+    if (kept.ofHairs !== null) this.#hairs?.restore(kept.ofHairs);
     this.surface.restore(surface);
     this.#fitScratch();
   }
@@ -282,10 +305,12 @@ export class Painter {
       const canvas: Argument = {
         tree: surface.contactTree, field: surface.paintMesh.arrays, ink: surface.ink,
       }; // prettier-ignore
-      const state = this.kernels.call(
-        "brush_engine.stroke_loop.paint_samples",
-        samples, last, brush, canvas, this.#progress, this.#scratch,
-      ); // prettier-ignore
+      const given = [samples, last, brush, canvas, this.#progress, this.#scratch];
+      const hairs = this.#hairs?.work(surface.ink);
+      const state =
+        hairs === undefined
+          ? this.kernels.call("brush_engine.stroke_loop.paint_samples", ...given)
+          : this.kernels.call("brush_engine.bristles.stroke_loop.paint_with_hairs", ...given, hairs);
       if (state === FINISHED) break;
       surface.makeRoom();
       this.#fitScratch();
