@@ -23,7 +23,7 @@ pytestmark = [
     pytest.mark.skipif(bool(why_no_kernels(KERNELS)), reason=why_no_kernels(KERNELS)),
 ]
 OPEN = "!!window.paint3d && document.getElementById('message').hidden"
-MESSAGE = "document.getElementById('message').hidden ? '' : document.getElementById('message').textContent"  # noqa: E501
+MESSAGE = "(m => m.hidden ? '' : m.textContent)(document.getElementById('message'))"
 SHEET, BOWL = 0, 1
 
 
@@ -147,12 +147,12 @@ def test_a_mouse_paints_by_a_made_pressure_and_the_right_button_turns(browser: B
     begin_with(browser, BOWL)
     bare = settled(browser)
     for kind, button in (("right", 2), ("left", 1)):
-        words = {"button": kind, "clickCount": 1, "pointerType": "mouse"}
+        words = {"button": kind, "buttons": button, "clickCount": 1, "pointerType": "mouse"}
         ways = [("mousePressed", 420.0), *(("mouseMoved", 420.0 + 5.0 * k) for k in range(20))]
         asked = [
-            ("Input.dispatchMouseEvent", {"type": what, "x": x, "y": 380.0, "buttons": button} | words)
+            ("Input.dispatchMouseEvent", {"type": what, "x": x, "y": 380.0, **words})
             for what, x in [*ways, ("mouseReleased", 515.0)]
-        ]  # fmt: skip
+        ]
         asked[-1][1]["buttons"] = 0
         browser.call_all(asked)
         strokes = browser.evaluate("paint3d.score()").count("begin_stroke")
@@ -190,4 +190,4 @@ def test_a_browser_that_cannot_is_told_so_in_words(
         one.call("Emulation.setLocaleOverride", locale="en")
         one.call("Page.navigate", url=address)
         one.wait_for("document.readyState === 'complete'")
-        one.wait_for(f"({MESSAGE}).includes({said!r})")
+        one.wait_for(f"{MESSAGE}.includes({said!r})")

@@ -2,7 +2,6 @@
 
 import { KernelError } from "../core/kernels";
 import type { Vector } from "../core/quaternion";
-import { RecordingError } from "../recording/recording";
 import { Studio, type Contents, type Fetch } from "../studio";
 import { ballAround, Camera } from "./camera";
 import { Document } from "./document";
@@ -88,8 +87,7 @@ class Page {
 
   /** Say something in place of the picture. */
   tell(key: keyof Texts, fields: Record<string, string | number> = {}): void {
-    this.#message.textContent = say(key, fields);
-    this.#message.hidden = false;
+    showMessage(say(key, fields));
   }
 
   /** Say what went wrong. */
@@ -271,7 +269,14 @@ class Page {
   async savePicture(): Promise<void> {
     const { camera } = this.#opened();
     this.#stage.draw(camera);
-    const blob = await new Promise<Blob | null>((done) => this.#canvas.toBlob(done, "image/png"));
+    const seen = document.createElement("canvas");
+    Object.assign(seen, { width: this.#canvas.width, height: this.#canvas.height });
+    const context = seen.getContext("2d");
+    if (context === null) return;
+    context.fillStyle = getComputedStyle(document.documentElement).getPropertyValue("--ground");
+    context.fillRect(0, 0, seen.width, seen.height);
+    context.drawImage(this.#canvas, 0, 0);
+    const blob = await new Promise<Blob | null>((done) => seen.toBlob(done, "image/png"));
     if (blob !== null) save(blob, `${this.#name()}.png`);
   }
 
@@ -569,28 +574,29 @@ function save(blob: Blob, name: string): void {
   setTimeout(() => URL.revokeObjectURL(link.href), 60_000);
 }
 
+/** Say something in place of the picture. */
+function showMessage(text: string): void {
+  const message = element("message");
+  message.textContent = text;
+  message.classList.add("said");
+  message.hidden = false;
+}
+
 /** Begin, or say what this browser lacks. */
 function start(): void {
   choose(language());
-  const say_ = (key: keyof Texts): void => {
-    const message = element("message");
-    message.textContent = say(key);
-    message.hidden = false;
-  };
-  if (typeof WebAssembly !== "object" || !WebAssembly.validate(SIMD)) return say_("noWasm");
-  if (typeof DecompressionStream !== "function") return say_("noUnpacking");
+  if (typeof WebAssembly !== "object" || !WebAssembly.validate(SIMD))
+    return showMessage(say("noWasm"));
+  if (typeof DecompressionStream !== "function") return showMessage(say("noUnpacking"));
   let page: Page;
   try {
     page = new Page();
   } catch (cause) {
-    if (cause instanceof StageError) return say_("noWebGl");
+    if (cause instanceof StageError) return showMessage(say("noWebGl"));
     throw cause;
   }
   Object.assign(window, { paint3d: page });
-  page.begin().catch((cause: unknown) => {
-    if (cause instanceof RecordingError) console.error(cause);
-    page.fail(cause);
-  });
+  page.begin().catch((cause: unknown) => page.fail(cause));
 }
 
 start();
