@@ -20,6 +20,7 @@ from paint3d.calligraphy.kernels import raster
 from paint3d.calligraphy.layout import Layout
 from paint3d.calligraphy.planning import TECHNIQUES, PlanSettings
 from paint3d.calligraphy.writing import Pen, write_text
+from paint3d.cli.painting import WRITING_INK
 from paint3d.files.load import load_mesh
 from paint3d.painter.painter import Painter
 from paint3d.recording.recording import Recording
@@ -33,7 +34,7 @@ def painted(recording: Recording, name: str, resolution: float, material: str) -
     """An object with a recording on it."""
     surface = PaintedSurface(load_mesh(name), resolution=resolution, material=material)
     header = recording.header
-    painter = Painter(surface, header.get("brush", "full"), header.get("ink", "pine soot"))
+    painter = Painter(surface, header.get("brush", "full"), header.get("ink", WRITING_INK))
     painter.replay(recording)
     return surface
 

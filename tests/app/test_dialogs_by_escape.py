@@ -63,8 +63,8 @@ MODAL: dict[str, Callable[..., object]] = {
         name: by_action(name)
         for name in (
             "new", "open", "save_as", "export", "screenshot", "turntable", "growth", "replay",
-            "save_recording", "preferences", "stand", "seal", "open_brush", "open_pigments",
-            "shortcuts", "about",
+            "save_recording", "preferences", "test_pen", "stand", "seal", "open_brush",
+            "open_pigments", "shortcuts", "about",
         )
     },
     "correct": correct,

@@ -119,3 +119,33 @@ def test_favourites_come_first_and_are_kept(window) -> None:
     choose()
     assert [view.item(k).text() for k in range(view.count())] == names
     assert window.workspace.settings.favourite_brushes == ()
+
+
+def test_brushes_lie_in_folders(window, monkeypatch: pytest.MonkeyPatch) -> None:
+    panel = window.panels.brushes
+    view = panel.findChild(QtWidgets.QListWidget, "brushes")
+    assert not panel.folder.isVisibleTo(panel)  # there is none yet
+
+    def choose(row: int, text: str) -> None:
+        view.customContextMenuRequested.emit(view.visualItemRect(view.item(row)).center())
+        *_, menu = view.findChildren(QtWidgets.QMenu, "brush_menu")
+        folders = menu.findChild(QtWidgets.QMenu, "folders")
+        next(action for action in folders.actions() if action.text() == text).trigger()
+        menu.close()
+
+    def listed() -> list[int]:
+        return [row for row in range(view.count()) if not view.isRowHidden(row)]
+
+    name = view.item(1).data(QtCore.Qt.ItemDataRole.UserRole)
+    monkeypatch.setattr(QtWidgets.QInputDialog, "getText", lambda *_: (" Flowers ", True))
+    choose(1, "New folder…")
+    choose(3, "Flowers")
+    assert load_settings()[0].brush_folders[name] == "Flowers"
+    panel.folder.setCurrentIndex(panel.folder.findText("Flowers"))
+    assert listed() == [1, 3]
+    choose(3, "None")
+    assert listed() == [1]
+    choose(1, "None")  # an empty folder is gone, and all are listed
+    assert len(listed()) == view.count()
+    assert not panel.folder.isVisibleTo(panel)
+    assert load_settings()[0].brush_folders == {}

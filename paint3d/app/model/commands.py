@@ -217,6 +217,7 @@ _TABLE: tuple[_Row, ...] = (
         _PART,
         Command("stand", "Turn and scale the object…"),
         _PART,
+        Command("test_pen", "Test the pen…", always=True),
         Command("preferences", "Preferences…", ["Ctrl+,"], always=True),
     ),
     *_menu(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from PySide6 import QtCore, QtWidgets
 
+from paint3d.app.window.hand.pen_test import PenTestDialog
 from paint3d.app.window.hand.steering import STEPS, Steering
 from paint3d.app.window.panels import Panels
 from paint3d.app.window.questions import KeysDialog, PreferencesDialog
@@ -96,6 +97,11 @@ class ViewActions:
         """Change the theme."""
         self._workspace.set_dark(on)
         self._workspace.keep(theme="dark" if on else "light")
+
+    def do_test_pen(self) -> None:
+        """Show what a pen tells."""
+        workspace = self._workspace
+        PenTestDialog(workspace.window, workspace.theme, workspace.settings.curve).exec()
 
     def do_preferences(self) -> None:
         """Ask for language, theme, units, and how much is kept."""

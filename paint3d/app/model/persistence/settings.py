@@ -88,8 +88,12 @@ class Settings:
         Its tuft's length; None: as it is made.
     favourite_brushes : tuple of str
         Listed first.
+    brush_folders : dict of str to str
+        Folders of the list by the brushes that are in them.
     inks : tuple of str, or of mappings of str to float
         At hand then, the one it is dipped in first; mixtures as parts by name.
+    mixtures : tuple of mappings of str to float
+        That the brush was dipped in last, the newest first.
     pressure_curve : tuple of (float, float)
         See `PressureCurve`.
     pressure_by : {"keys", "speed"}
@@ -141,6 +145,7 @@ class Settings:
     brush: str = "full"
     brush_mm: float | None = None
     favourite_brushes: tuple[str, ...] = ()
+    brush_folders: Mapping[str, str] = field(default_factory=dict)
     inks: tuple[str | Mapping[str, float], ...] = (
         {
             "pine soot": 0.26,
@@ -148,6 +153,7 @@ class Settings:
         },  # as a writer grinds it; files: `PURE_INKS`
         "cinnabar",
     )
+    mixtures: tuple[Mapping[str, float], ...] = ()
     resolution_mm: float = 0.4
     pressure_curve: tuple[tuple[float, float], ...] = ((0.0, 0.0), (1.0, 1.0))
     pressure_by: str = "keys"
@@ -196,17 +202,20 @@ class Settings:
                     name=name,
                     value=f"{getattr(self, name)!r:.40}",
                 )
-        _check_inks(self.inks)
+        _check_inks("inks", self.inks)
+        _check_inks("mixtures", self.mixtures)
         _check_words("brush", (self.brush,))
         _check_words("material", (self.material,))
-        for name in ("mouse", "feel", "window", "exports", "pigment_tables"):
+        for name in ("mouse", "feel", "window", "exports", "pigment_tables", "brush_folders"):
             if not isinstance(getattr(self, name), Mapping):
                 raise InputError(
                     "{name} is {value!r:.40}; expected names, values",
                     name=name,
                     value=getattr(self, name),
                 )
-        _check_words("pigment_tables", (*self.pigment_tables, *self.pigment_tables.values()))
+        for name in ("pigment_tables", "brush_folders"):
+            words: Mapping[str, str] = getattr(self, name)
+            _check_words(name, (*words, *words.values()))
         PressureCurve(self.pressure_curve)
         object.__setattr__(self, "buttons", checked_actions(self.buttons))
         MouseSettings.from_words(self.mouse)
@@ -243,16 +252,16 @@ def _check_words(name: str, words: object) -> None:
         raise InputError("{name} is {words!r:.60}; expected names", name=name, words=words)
 
 
-def _check_inks(inks: object) -> None:
+def _check_inks(name: str, inks: object) -> None:
     if not isinstance(inks, tuple):
-        raise InputError("inks is {inks!r:.60}; expected names or mixtures", inks=inks)
+        raise InputError("{name} is {inks!r:.60}; expected names or mixtures", name=name, inks=inks)
     for ink in inks:
         if not isinstance(ink, Mapping):
-            _check_words("inks", (ink,))
+            _check_words(name, (ink,))
             continue
-        _check_words("inks", tuple(ink))
-        for name, part in ink.items():
-            as_number(part, f"part of {name}", 0.0, 1e9)
+        _check_words(name, tuple(ink))
+        for pigment, part in ink.items():
+            as_number(part, f"part of {pigment}", 0.0, 1e9)
 
 
 def _file(folder: Path | None) -> Path:
@@ -323,7 +332,7 @@ def _parse(text: str) -> Settings:
         found.pop("wet", None)  # was written by itself, and never chosen
     known = {own.name for own in dataclasses.fields(Settings)}
     values = {name: value for name, value in found.items() if name in known}
-    for name in ("inks", "recent", "favourite_brushes", "pressure_curve"):
+    for name in ("inks", "mixtures", "recent", "favourite_brushes", "pressure_curve"):
         if isinstance(values.get(name), list):
             values[name] = tuple(
                 tuple(item) if isinstance(item, list) else item for item in values[name]

@@ -35,6 +35,7 @@ class BrushMaking:
         panels.brushes.open_file.connect(self.do_open_brush)
         panels.brushes.inked.connect(self._follow_ink)
         panels.brushes.favoured.connect(lambda names: workspace.keep(favourite_brushes=names))
+        panels.brushes.filed.connect(lambda folders: workspace.keep(brush_folders=folders))
         self._list()
 
     def _list(self) -> None:
@@ -42,6 +43,7 @@ class BrushMaking:
         own, problems = own_brushes()
         self._panels.brushes.show_own(own)
         self._panels.brushes.show_favourites(self._workspace.settings.favourite_brushes)
+        self._panels.brushes.show_folders(self._workspace.settings.brush_folders)
         for problem in problems[:1]:
             self._workspace.tell_first(say_error(problem))
 

@@ -32,6 +32,7 @@ __all__ = ["BrushPanel", "pixmap_of", "plain_icon", "plain_name"]
 
 _ICON = QtCore.QSize(132, 42)
 _SHORTEST_MM, _LONGEST_MM = 5.0, 200.0  # the slider's ends
+_FAVOURITES = 0  # in the place of a folder's name
 _SETTLE_MS = 160  # a new size is taken when the slider has stood so long
 
 
@@ -58,6 +59,8 @@ class BrushPanel(QtWidgets.QWidget):
     chosen : BrushSpec
     favoured : tuple of str
         Brushes that are to be listed first from now on.
+    filed : dict of str to str
+        Folders by the brushes that are in them from now on.
     failed : str
         A preview could not be painted; told once for each reason.
     inked : Ink
@@ -68,6 +71,7 @@ class BrushPanel(QtWidgets.QWidget):
 
     chosen = QtCore.Signal(object)
     favoured = QtCore.Signal(object)
+    filed = QtCore.Signal(object)
     failed = QtCore.Signal(str)
     inked = QtCore.Signal(object)
     edit = QtCore.Signal()
@@ -83,8 +87,14 @@ class BrushPanel(QtWidgets.QWidget):
         self._failures: set[str] = set()
         self._brushes = {name: load_brush(name) for name in brush_names()}
         self._favourites: tuple[str, ...] = ()
+        self._folders: dict[str, str] = {}
         self.brush = next(iter(self._brushes.values()))
         self._list = self._make_list()
+        self.folder = QtWidgets.QComboBox()
+        self.folder.setObjectName("brush_folder")
+        self.folder.setAccessibleName(say("Folder"))
+        self.folder.setToolTip(say("Which brushes are listed; the right button files one"))
+        self.folder.currentIndexChanged.connect(lambda _: self._show_listed())
         self._size = QtWidgets.QSlider(QtCore.Qt.Orientation.Horizontal)
         self._size.setRange(0, 1000)
         self._size.setAccessibleName(say("Tuft"))
@@ -97,6 +107,7 @@ class BrushPanel(QtWidgets.QWidget):
         row.addWidget(self.told)
         layout = QtWidgets.QVBoxLayout(self)
         layout.setContentsMargins(8, 6, 8, 8)
+        layout.addWidget(self.folder)
         layout.addWidget(self._list, 1)
         layout.addLayout(row)
         layout.addLayout(self._make_buttons())
@@ -157,6 +168,7 @@ class BrushPanel(QtWidgets.QWidget):
             self._coming.pop(name, None)
             self._list.takeItem(row)
         self._list.insertItem(row, item)
+        self._show_listed()
         self.set_ink(self._ink)
 
     def show_favourites(self, names: Sequence[str]) -> None:
@@ -174,6 +186,48 @@ class BrushPanel(QtWidgets.QWidget):
                 item.setIcon(icons[name])
             self._list.addItem(item)
         self.show_brush(self.brush)
+        self.show_folders(self._folders)
+
+    def show_folders(self, folders: Mapping[str, str]) -> None:
+        """Offer these folders, by the brushes that are in them, above the list."""
+        self._folders = dict(folders)
+        asked = self.folder.currentData()
+        with QtCore.QSignalBlocker(self.folder):
+            self.folder.clear()
+            self.folder.addItem(say("All brushes"), None)
+            if self._favourites:
+                self.folder.addItem(f"★ {say('Favourites')}", _FAVOURITES)
+            for name in sorted(set(self._folders.values())):
+                self.folder.addItem(name, name)
+            self.folder.setCurrentIndex(max(0, self.folder.findData(asked)))
+        self.folder.setVisible(self.folder.count() > 1)
+        self._show_listed()
+
+    def _show_listed(self) -> None:
+        """List the brushes of the folder that is chosen."""
+        asked = self.folder.currentData()
+        for row in range(self._list.count()):
+            name = self._name(row)
+            filed = name in self._favourites if asked == _FAVOURITES else True
+            if asked not in (None, _FAVOURITES):
+                filed = self._folders.get(name) == asked
+            self._list.setRowHidden(row, not filed)
+
+    def _file(self, name: str, folder: str) -> None:
+        """Put a brush into a folder; the empty name takes it out."""
+        folders = {one: at for one, at in self._folders.items() if one != name}
+        if folder:
+            folders[name] = folder
+        self.show_folders(folders)
+        self.filed.emit(folders)
+
+    def _file_anew(self, name: str) -> None:
+        """Ask for the name of a folder, and put a brush into it."""
+        folder, done = QtWidgets.QInputDialog.getText(
+            self, say("New folder"), say("Name of the folder")
+        )
+        if done and folder.strip():
+            self._file(name, folder.strip())
 
     def _show_menu(self, place: QtCore.QPoint) -> None:
         item = self._list.itemAt(place)
@@ -181,12 +235,25 @@ class BrushPanel(QtWidgets.QWidget):
             return
         name: str = item.data(QtCore.Qt.ItemDataRole.UserRole)
         menu = QtWidgets.QMenu(self._list)
+        menu.setObjectName("brush_menu")
         menu.setAttribute(QtCore.Qt.WidgetAttribute.WA_DeleteOnClose)
         action = menu.addAction(say("Favourite"))
         action.setObjectName("favourite")
         action.setCheckable(True)
         action.setChecked(name in self._favourites)
         action.toggled.connect(lambda on: self._favour(name, on))
+        folders = menu.addMenu(say("Folder"))
+        folders.setObjectName("folders")
+        inside = self._folders.get(name, "")
+        for folder in ("", *sorted(set(self._folders.values()))):
+            action = folders.addAction(folder or say("None"))
+            action.setCheckable(True)
+            action.setChecked(folder == inside)
+            action.triggered.connect(lambda _=False, folder=folder: self._file(name, folder))
+        folders.addSeparator()
+        action = folders.addAction(say("New folder…"))
+        action.setObjectName("new_folder")
+        action.triggered.connect(lambda _=False: self._file_anew(name))
         menu.popup(self._list.viewport().mapToGlobal(place))
 
     def _favour(self, name: str, on: bool) -> None:

@@ -221,8 +221,10 @@ class InkMaking:
         panels.inks.amount_chosen.connect(self._choose_amount)
         panels.inks.by_itself_chosen.connect(lambda on: workspace.keep(dips_by_itself=on))
         panels.inks.show_by_itself(workspace.settings.dips_by_itself)
+        panels.inks.mixtures_changed.connect(lambda mixtures: workspace.keep(mixtures=mixtures))
         workspace.hand.began.connect(self._dip_by_itself)
         self._take_kept()
+        panels.inks.show_last(workspace.settings.mixtures)
 
     def _choose_amount(self, words: Mapping[str, float] | None) -> None:
         self._workspace.amount = words

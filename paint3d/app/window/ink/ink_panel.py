@@ -20,7 +20,16 @@ from paint3d.colour.pigments import WATER, Pigment, load_palette, load_pigment
 from paint3d.errors import Message
 from paint3d.painter.painter import Ink
 
-__all__ = ["TIP_REACH", "DishGrid", "InkPanel", "ToneRow", "in_tone", "ink_label", "paint_dish"]
+__all__ = [
+    "TIP_REACH",
+    "DishGrid",
+    "InkPanel",
+    "MixtureRow",
+    "ToneRow",
+    "in_tone",
+    "ink_label",
+    "paint_dish",
+]
 
 # ---- Tones ---------------------------------------------------------------------------------------
 # The five tones of one ink as buttons: burnt, thick, heavy, light, clear.
@@ -104,6 +113,7 @@ class ToneRow(QtWidgets.QWidget):
 
 
 _DISH, _GAP, _LABEL = 56, 8, 18
+_SMALL_DISH, _MOST_MIXTURES = 24, 8
 TIP_REACH = 0.35  # of the tuft's length, when the tip alone is dipped
 _WATER_STEPS = 100  # of the slider: even in lightness
 _WATER_PX = 300.0  # of a drag with the key for water, from ink to clear water
@@ -430,6 +440,85 @@ class _MixingDish(QtWidgets.QWidget):
         painter.end()
 
 
+class MixtureRow(QtWidgets.QWidget):
+    """The mixtures that the brush was dipped in last as small dishes, the newest first.
+
+    Signals
+    -------
+    chosen : int
+        One was clicked: the brush is to be dipped in it.
+    asked_back : int
+        It was clicked with the other button or with Ctrl: it is to be in the mixing dish.
+    """
+
+    chosen = QtCore.Signal(int)
+    asked_back = QtCore.Signal(int)
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.mixtures: list[dict[str, float]] = []
+        self.buttons: list[QtWidgets.QToolButton] = []
+        row = QtWidgets.QHBoxLayout(self)
+        row.setContentsMargins(0, 0, 0, 0)
+        row.setSpacing(2)
+        for index in range(_MOST_MIXTURES):
+            button = QtWidgets.QToolButton()
+            button.setObjectName(f"mixture_{index}")
+            button.setIconSize(QtCore.QSize(_SMALL_DISH, _SMALL_DISH))
+            button.setAutoRaise(True)
+            button.setContextMenuPolicy(QtCore.Qt.ContextMenuPolicy.CustomContextMenu)
+            button.clicked.connect(lambda _=False, index=index: self._clicked(index))
+            button.customContextMenuRequested.connect(
+                lambda _, index=index: self.asked_back.emit(index)
+            )
+            row.addWidget(button)
+            self.buttons.append(button)
+        row.addStretch(1)
+
+    def _clicked(self, index: int) -> None:
+        held = QtWidgets.QApplication.keyboardModifiers()
+        back = bool(held & QtCore.Qt.KeyboardModifier.ControlModifier)
+        (self.asked_back if back else self.chosen).emit(index)
+
+    def remember(self, parts: Mapping[str, float]) -> None:
+        """Put a mixture at the head, once; the oldest goes when the row is full."""
+        shares = _rounded(parts)
+        others = [other for other in self.mixtures if _rounded(other) != shares]
+        self.mixtures = [dict(parts), *others][:_MOST_MIXTURES]
+
+    def show_mixtures(self, pigments: Mapping[str, Pigment], theme: Theme) -> None:
+        """Draw the dishes; those of pigments that are not at hand are not shown."""
+        pigments = {WATER.name: WATER, **pigments}
+        for index, button in enumerate(self.buttons):
+            parts = self.mixtures[index] if index < len(self.mixtures) else {}
+            button.setVisible(bool(parts) and all(name in pigments for name in parts))
+            if not button.isVisibleTo(self):
+                continue
+            pixmap = QtGui.QPixmap(2 * _SMALL_DISH, 2 * _SMALL_DISH)
+            pixmap.fill(QtCore.Qt.GlobalColor.transparent)
+            painter = QtGui.QPainter(pixmap)
+            painter.setRenderHint(QtGui.QPainter.RenderHint.Antialiasing)
+            box = QtCore.QRectF(pixmap.rect()).adjusted(2, 2, -2, -2)
+            paint_dish(painter, box, {pigments[name]: part for name, part in parts.items()}, theme)
+            painter.end()
+            pixmap.setDevicePixelRatio(2.0)
+            button.setIcon(QtGui.QIcon(pixmap))
+            total = sum(parts.values())
+            called = ", ".join(
+                f"{ink_label(pigments[name])} {_percent(part / total)} %"
+                for name, part in parts.items()
+            )
+            button.setAccessibleName(called)
+            hint = say("Click: dip. Right button or Ctrl: back into the mixing dish")
+            button.setToolTip(f"{called}\n{hint}")
+
+
+def _rounded(parts: Mapping[str, float]) -> dict[str, float]:
+    """Shares of a mixture to a thousandth: those that nobody can tell apart are one."""
+    total = sum(parts.values())
+    return {name: round(part / total, 3) for name, part in parts.items() if part > 0.0}
+
+
 class InkPanel(QtWidgets.QWidget):
     """Dishes, mixing dish, and what the brush can do over them.
 
@@ -448,6 +537,8 @@ class InkPanel(QtWidgets.QWidget):
         The share of water that a drag with its key has come to.
     colour_asked, table_asked : ()
         Any colour is to be mixed, or a table of pigments to be opened.
+    mixtures_changed : tuple of dict of str to float
+        The mixtures that the brush was dipped in last.
     """
 
     dipped = QtCore.Signal(object, object)
@@ -458,6 +549,7 @@ class InkPanel(QtWidgets.QWidget):
     watering = QtCore.Signal(float)
     colour_asked = QtCore.Signal()
     table_asked = QtCore.Signal()
+    mixtures_changed = QtCore.Signal(object)
 
     def __init__(self, theme: Theme) -> None:
         super().__init__()
@@ -497,6 +589,7 @@ class InkPanel(QtWidgets.QWidget):
             say("Dip automatically when less than a quarter is left")
         )
         self.tones = ToneRow(theme)
+        self.last = MixtureRow()
         layout = QtWidgets.QVBoxLayout(self)
         layout.setContentsMargins(8, 6, 8, 8)
         scroll = QtWidgets.QScrollArea()
@@ -504,10 +597,13 @@ class InkPanel(QtWidgets.QWidget):
         scroll.setWidget(self.dishes)
         scroll.setMinimumHeight(_DISH + _LABEL + 3 * _GAP)
         layout.addWidget(scroll, 1)
+        layout.addWidget(self.last)
         layout.addWidget(self.tones)
         layout.addWidget(self._make_mixing_card())
         layout.addLayout(self._make_ways())
         self.tones.chosen.connect(self._dip_tone)
+        self.last.chosen.connect(lambda at: self._dip(self._of_dishes(self.last.mixtures[at])))
+        self.last.asked_back.connect(self._put_back)
         self.dishes.taken.connect(lambda name: self._dip(next(iter(self._of_dishes({name: 1.0})))))
         self.dishes.stirred.connect(self.stir)
         self.dishes.taken_out.connect(self.take_out)
@@ -611,6 +707,11 @@ class InkPanel(QtWidgets.QWidget):
         with QtCore.QSignalBlocker(self.by_itself):
             self.by_itself.setChecked(on)
 
+    def show_last(self, mixtures: Iterable[Mapping[str, float]]) -> None:
+        """Show the mixtures that the brush was dipped in last, the newest first."""
+        self.last.mixtures = [dict(parts) for parts in mixtures][:_MOST_MIXTURES]
+        self.last.show_mixtures(self.dishes.pigments, self.dishes.theme)
+
     def add_pigments(self, pigments: Iterable[Pigment], source: str) -> None:
         """Put pigments of one's own among the dishes.
 
@@ -623,12 +724,14 @@ class InkPanel(QtWidgets.QWidget):
         check_unlike_palette(pigments, source)
         for pigment in pigments:
             self.dishes.add(pigment)
+        self.last.show_mixtures(self.dishes.pigments, self.dishes.theme)
 
     def put_away_own(self) -> None:
         """Take the dishes of one's own pigments away, and what is stirred of them."""
         if {*self._stirred, *self._own_mixture} - {*load_palette(), WATER.name}:
             self.empty()
         self.dishes.put_away_own()
+        self.last.show_mixtures(self.dishes.pigments, self.dishes.theme)
 
     # -- stirring ---------------------------------------------------------------------------
 
@@ -685,6 +788,11 @@ class InkPanel(QtWidgets.QWidget):
         self._stirred = {name: part / least for name, part in inked.items()}
         self._own_mixture = shares
         self._show_mixture()
+
+    def _put_back(self, at: int) -> None:
+        """Put one of the last mixtures into the mixing dish."""
+        pigments = {WATER.name: WATER, **self.dishes.pigments}
+        self.show_mixture({pigments[name]: part for name, part in self.last.mixtures[at].items()})
 
     def _water_moved(self) -> None:
         self._own_mixture = {}
@@ -755,6 +863,10 @@ class InkPanel(QtWidgets.QWidget):
         reach = self.reach.value() / 100.0 if self.tip_only.isChecked() else None
         self.show_inks([ink])
         self.dipped.emit(ink, reach)
+        if len(parts := _parts(ink)) > 1:
+            self.last.remember(parts)
+            self.last.show_mixtures(self.dishes.pigments, self.dishes.theme)
+            self.mixtures_changed.emit(tuple(self.last.mixtures))
 
     def show_inks(self, inks: Sequence[Ink]) -> None:
         """Show what the brush is dipped in."""
@@ -775,4 +887,5 @@ class InkPanel(QtWidgets.QWidget):
         self.dishes.theme = self._mixing.theme = theme
         self._show_mixture()
         self.show_inks([self.ink])
+        self.last.show_mixtures(self.dishes.pigments, theme)
         self.update()
