@@ -16,7 +16,7 @@ import gzip
 import json
 import math
 import zlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -29,6 +29,7 @@ __all__ = ["write_bundle"]
 
 _MAGIC = b"P3DPAGE1"
 _ALIGNED = 16
+_TRIED = 1 << 16  # numbers
 _KINDS = {"f4", "f8", "i1", "u1", "b1", "i2", "u2", "i4", "u4", "i8", "u8"}
 
 
@@ -57,7 +58,8 @@ def write_bundle(path: Path, words: Mapping[str, Any], arrays: Mapping[str, AnyA
         assert kind in _KINDS, f"{name} is {row.dtype}"
         alike = (kind, row.shape, row.tobytes())
         if alike not in known:
-            lags, data = min(_codings(row), key=lambda coding: len(zlib.compress(coding[1], 1)))
+            lags = _shortest_lags(row)
+            data = _coded(row, lags)
             rows.append(data + bytes(-len(data) % _ALIGNED))
             known[alike] = {"kind": kind, "shape": list(row.shape), "at": size, "lags": lags}
             size += len(rows[-1])
@@ -77,21 +79,25 @@ def write_bundle(path: Path, words: Mapping[str, Any], arrays: Mapping[str, AnyA
         file.writelines(rows)
 
 
-def _codings(row: AnyArray) -> Iterator[tuple[list[int], bytes]]:
-    """The lags and the bytes of an array, in each way that may be the shortest."""
-    width = row.dtype.itemsize
-    plain = row.reshape(-1).view(f"u{width}")
+def _shortest_lags(row: AnyArray) -> list[int]:
+    """The lags by which the beginning of an array is the shortest."""
     steps = {math.prod(row.shape[axis:]) for axis in range(1, row.ndim + 1)}
+    start = row.reshape(-1)[:_TRIED]
     ways: list[list[int]] = [[]]
-    if width < 8:  # JavaScript has no fast numbers of 64 bits
-        ways += [[lag] * n for lag in sorted(steps) for n in (1, 2) if 0 < lag < plain.size]
-    for lags in ways:
-        numbers = plain
-        for lag in lags:
-            differences = numbers.copy()
-            differences[lag:] -= numbers[:-lag]
-            numbers = differences
-        yield lags, numbers.view(np.uint8).reshape(-1, width).T.tobytes()
+    if row.dtype.itemsize < 8:  # JavaScript has no fast numbers of 64 bits
+        ways += [[lag] * n for lag in sorted(steps) for n in (1, 2) if 0 < lag < row.size]
+    return min(ways, key=lambda lags: len(zlib.compress(_coded(start, lags), 1)))
+
+
+def _coded(row: AnyArray, lags: list[int]) -> bytes:
+    """The bytes of differences over lags, all first ones first."""
+    width = row.dtype.itemsize
+    numbers = row.reshape(-1).view(f"u{width}")
+    for lag in lags:
+        differences = numbers.copy()
+        differences[lag:] -= numbers[:-lag]
+        numbers = differences
+    return numbers.view(np.uint8).reshape(-1, width).T.tobytes()
 
 
 def _head(words: Mapping[str, Any], places: Mapping[str, Any]) -> bytes:

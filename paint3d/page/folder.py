@@ -113,11 +113,11 @@ def build_page(
     files: dict[str, Callable[[], Table]] = {"common.bin.gz": lambda: common_table(pigments)}
     contents: dict[str, Any] = {"version": __version__, "objects": [], "brushes": []}
     with _in_chinese():
-        for (one, mesh), material in zip(loaded, usual, strict=True):
+        for (one, mesh), suits in zip(loaded, usual, strict=True):
             file = f"objects/{_plain(one.name)}-{one.resolution:g}.bin.gz"
             contents["objects"].append(
                 {"name": one.name, "chinese": say_object(one.name), "file": file}
-                | {"resolution": one.resolution, "material": material}
+                | {"resolution": one.resolution, "material": suits}
             )
             files[file] = lambda mesh=mesh, mm=one.resolution: object_table(mesh, mm)  # type: ignore[misc]
         for name in brushes:

@@ -72,7 +72,7 @@ def common_table(pigments: Sequence[Pigment]) -> Table:
             for pigment in pigments
         ],
     }
-    arrays = {
+    arrays: dict[str, AnyArray] = {
         "noise": contact_noise(),
         "bundles": bundle_noise(),
         "srgb_codes": srgb_codes(),

@@ -15,14 +15,16 @@ import numpy as np
 import pytest
 
 from paint3d.colour.kernels.kubelka_munk import layer_bands
-from paint3d.mesh.kernels.topology import link_radial
+from paint3d.mesh.kernels.topology import link_radial, measure_faces
 from tools.kernels import building
 from tools.kernels.building import BuildError, link_wasm, parts
 
 ROOT = Path(__file__).parents[2]
 FACES = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]], np.int32)
+POINTS = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0.2, 0.3, 0.9]], np.float32)
 SYMBOLS = {
     "radial": "paint3d_mesh_kernels_topology_link_radial_0",
+    "measures": "paint3d_mesh_kernels_topology_measure_faces_0",
     "bands": "paint3d_colour_kernels_kubelka_munk_layer_bands_0",
     "drag": "paint3d_brush_engine_tuft_drag_length_0",
 }
@@ -64,6 +66,11 @@ const rows = asked.bands.map((row) => put(row, Float64Array));
 said.status = call(asked.symbols.bands, rows.flatMap((at) => [at, asked.bands[0].length]))[0];
 said.bands = rows.map((at) => Buffer.from(memory.buffer, at, 8 * asked.bands[0].length)
   .toString("hex"));
+const points = put(asked.points, Float32Array), normals = put(asked.points, Float32Array);
+const areas = put([0, 0, 0, 0], Float64Array);
+call(asked.symbols.measures, [points, 4, 3, faces, n, 3, normals, n, 3, areas, n]);
+said.measures = [[normals, 12 * n], [areas, 8 * n]].map(([at, size]) =>
+  Buffer.from(memory.buffer, at, size).toString("hex"));
 said.drag = call(asked.symbols.drag, [0, 0, 0])[0];
 const before = memory.buffer.byteLength;
 for (let k = 0; k < 100000; k++)
@@ -90,6 +97,7 @@ def said(module: Path) -> dict[str, Any]:
     """What Node says of it."""
     bands = np.random.default_rng(3).uniform(0.01, 0.9, (7, 36)).tolist()
     asked = {"module": os.fspath(module), "symbols": SYMBOLS, "faces": FACES.ravel().tolist(),
+             "points": POINTS.ravel().tolist(),
              "bands": bands}  # fmt: skip
     done = subprocess.run(
         ["node", "--input-type=module", "--eval", RUN],
@@ -104,10 +112,19 @@ def said(module: Path) -> dict[str, Any]:
 @needs_node
 def test_kernels_give_the_bytes_of_the_library(said: dict[str, Any]) -> None:
     assert said["radial"] == [0, *link_radial(FACES, 4).tolist()]
+    normals, areas = np.empty((4, 3), np.float32), np.empty(4)
+    measure_faces(POINTS, FACES, normals, areas)
+    assert said["measures"] == [normals.tobytes().hex(), areas.tobytes().hex()]
+
+
+@needs_zig
+@needs_node
+def test_what_a_c_library_computes_differs_in_last_bits_at_most(said: dict[str, Any]) -> None:
     rows = np.random.default_rng(3).uniform(0.01, 0.9, (7, 36))
     layer_bands(*rows)
     assert said["status"] == 0
-    assert said["bands"] == [row.tobytes().hex() for row in rows]
+    found = [np.frombuffer(bytes.fromhex(row)) for row in said["bands"]]
+    np.testing.assert_allclose(found, rows, rtol=1e-14, atol=0.0)
 
 
 @needs_zig

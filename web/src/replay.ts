@@ -3,8 +3,9 @@
  * desktop's. `node replay.mjs FOLDER '{"recording": .., "object": .., "resolution": ..}' ...`
  */
 
+import { Buffer } from "node:buffer";
 import { createHash } from "node:crypto";
-import { readFile } from "node:fs/promises";
+import { readFile, writeFile } from "node:fs/promises";
 import { join } from "node:path";
 import process from "node:process";
 import { gunzipSync } from "node:zlib";
@@ -24,6 +25,7 @@ interface Asked {
   azimuth?: "commanded" | "dragged";
   amount?: DipAmount;
   pickup?: number;
+  save?: string; // a file for the codes, and after them the amounts
   live?: number; // samples handed over at once, as a hand does; a whole recording without
 }
 
@@ -53,6 +55,10 @@ async function paint(studio: Studio, asked: Asked): Promise<unknown> {
   const seconds = (performance.now() - began) / 1000;
   const n = surface.nVertices;
   const count = surface.pigments.length;
+  if (asked.save !== undefined) {
+    const codes = surface.codes.bytes.subarray(0, 3 * n);
+    await writeFile(asked.save, Buffer.concat([codes, surface.ink.amounts.bytes.subarray(0, 4 * n * count)]));
+  }
   return {
     vertices: n,
     srgb: sha(surface.codes.bytes.subarray(0, 3 * n)),
