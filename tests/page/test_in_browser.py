@@ -143,6 +143,15 @@ def test_a_stroke_in_the_bowl_is_painted_by_the_desktop_to_the_bit(
     assert found == by_the_desktop(browser, tmp_path)
 
 
+def test_strokes_that_follow_each_other_within_a_frame_are_all_painted(browser: Browser) -> None:
+    begin_with(browser, SHEET)
+    for y in (330.0, 420.0, 500.0):
+        browser.stroke(wave(350.0, y)[::8])
+    settled(browser)
+    score = browser.evaluate("paint3d.score()")
+    assert score.count("begin_stroke") == score.count("end_stroke") == 3
+
+
 def test_a_mouse_paints_by_a_made_pressure_and_the_right_button_turns(browser: Browser) -> None:
     begin_with(browser, BOWL)
     bare = settled(browser)

@@ -49,8 +49,8 @@ class Page {
   #press = 0.5;
   #drawn = false; // whether a frame is asked for
   #changed: Int32Array[] = [];
-  // Of the stroke in hand:
-  #stroke: { pointer: number; begun: boolean } | null = null;
+  #pointer: number | null = null; // that is down and paints, as far as was heard
+  #inStroke = false; // as far as was painted
   #events: PointerEvent[] = [];
   #touches = new Map<number, { x: number; y: number }>();
   #turning: { pointer: number; pans: boolean; x: number; y: number } | null = null;
@@ -92,7 +92,9 @@ class Page {
 
   /** Say what went wrong. */
   fail(cause: unknown): void {
-    this.#stroke = null;
+    this.#pointer = null;
+    this.#inStroke = false;
+    this.#events = [];
     if (cause instanceof Missing) this.tell(cause.key, cause.fields);
     else if (cause instanceof StageError) this.tell("noWebGl");
     else if (cause instanceof RangeError || (cause instanceof KernelError && /memory/.test(cause.message)))
@@ -236,7 +238,7 @@ class Page {
 
   undo(): void {
     const { painting } = this.#opened();
-    if (this.#stroke === null && painting.canUndo) this.#act(() => painting.undo());
+    if (this.#pointer === null && this.#events.length === 0 && painting.canUndo) this.#act(() => painting.undo());
   }
 
   /** Do something to the painting, and show it. */
@@ -391,22 +393,23 @@ class Page {
       this.#turning = { pointer: event.pointerId, pans, x: event.clientX, y: event.clientY };
       return;
     }
-    if (this.#stroke !== null) return;
-    this.#stroke = { pointer: event.pointerId, begun: false };
+    if (this.#pointer !== null) return;
+    this.#pointer = event.pointerId;
     this.#hear(event);
   }
 
   #strokeIsAPens(): boolean {
-    return this.#stroke !== null && !this.#touches.has(this.#stroke.pointer);
+    return this.#pointer !== null && !this.#touches.has(this.#pointer);
   }
 
   /** A second finger came: what the first has painted was no stroke. */
   #takeBack(): void {
-    if (this.#stroke === null) return;
-    this.#events = [];
-    const begun = this.#stroke.begun;
-    this.#stroke = null;
-    if (!begun) return;
+    if (this.#pointer === null) return;
+    const pointer = this.#pointer;
+    this.#pointer = null;
+    this.#events = this.#events.filter((event) => event.pointerId !== pointer);
+    if (!this.#inStroke) return;
+    this.#inStroke = false;
     const { painting, hand } = this.#opened();
     painting.advance(hand.end(painting.lastNs, painting.painter.brush));
     painting.endStroke();
@@ -416,7 +419,7 @@ class Page {
 
   #move(event: PointerEvent): void {
     if (event.pointerType === "pen") this.#penAt = event.timeStamp;
-    if (this.#stroke?.pointer === event.pointerId) return this.#hear(event);
+    if (this.#pointer === event.pointerId) return this.#hear(event);
     const touch = this.#touches.get(event.pointerId);
     if (touch !== undefined && this.#touches.size === 2) {
       this.#pinch(touch, event);
@@ -447,7 +450,9 @@ class Page {
   #up(event: PointerEvent): void {
     this.#touches.delete(event.pointerId);
     if (this.#turning?.pointer === event.pointerId) this.#turning = null;
-    if (this.#stroke?.pointer === event.pointerId) this.#hear(event);
+    if (this.#pointer !== event.pointerId) return;
+    this.#pointer = null;
+    this.#hear(event);
   }
 
   #hear(event: PointerEvent): void {
@@ -462,31 +467,38 @@ class Page {
     const { painting, hand, studio } = this.#opened();
     const { painter } = painting;
     for (const event of events) {
-      if (this.#stroke === null) break;
       if (event.type === "pointerdown") {
         const input = this.#inputOf(event);
         if (this.#dipAlways) painting.dip(studio, this.#ink);
         const samples = hand.begin(input, painter.brush);
         if (samples === null) {
-          this.#stroke = null; // beside the object
-          this.#turning = { pointer: event.pointerId, pans: false, x: event.clientX, y: event.clientY };
-          break;
+          this.#turnBeside(event);
+          continue;
         }
         painting.beginStroke();
-        this.#stroke.begun = true;
+        this.#inStroke = true;
         painting.advance(samples);
-      } else if (event.type === "pointermove") {
+      } else if (!this.#inStroke) continue;
+      else if (event.type === "pointermove") {
         const all = event.getCoalescedEvents();
         for (const one of all.length > 0 ? all : [event])
           painting.advance(hand.move(this.#inputOf(one), painter.brush));
       } else {
         painting.advance(hand.end(this.#timeOf(event), painter.brush));
         painting.endStroke();
-        this.#stroke = null;
+        this.#inStroke = false;
       }
     }
     this.#changed.push(painting.surface.refresh());
     this.#showState();
+  }
+
+  /** Who comes down beside the object turns it. */
+  #turnBeside(event: PointerEvent): void {
+    if (this.#pointer !== event.pointerId) return; // it is up again
+    this.#pointer = null;
+    const { clientX: x, clientY: y, pointerId: pointer } = event;
+    this.#turning = { pointer, pans: false, x, y };
   }
 
   #timeOf(event: PointerEvent): bigint {
