@@ -164,8 +164,8 @@ def test_a_mouse_paints_by_a_made_pressure_and_the_right_button_turns(browser: B
         ]
         asked[-1][1]["buttons"] = 0
         browser.call_all(asked)
-        strokes = browser.evaluate("paint3d.score()").count("begin_stroke")
         assert (settled(browser)["amounts"] == bare["amounts"]) == (kind == "right")
+        strokes = browser.evaluate("paint3d.score()").count("begin_stroke")
         assert strokes == (kind == "left")
 
 

@@ -17,11 +17,11 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from websockets.sync.client import connect
+from websockets.sync.client import ClientConnection, connect
 
 __all__ = ["Browser", "browser_path", "opened", "served"]
 
-_WAIT_S = 300.0
+_WAIT_S = 120.0
 
 
 def browser_path() -> str | None:
@@ -53,8 +53,8 @@ def served(folder: Path) -> Iterator[str]:
 class Browser:
     """One page of a browser."""
 
-    def __init__(self, address: str) -> None:
-        self._socket = connect(address, max_size=1 << 28, open_timeout=_WAIT_S)
+    def __init__(self, socket: ClientConnection) -> None:
+        self._socket = socket
         self._number = 0
         self.heard: list[dict[str, Any]] = []
 
@@ -147,14 +147,16 @@ def opened(
     with subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as run:
         try:
             port = _port_in(profile / "DevToolsActivePort", run)
-            browser = Browser(_page_at(port))
-            browser.call("Runtime.enable")
-            browser.call("Log.enable")
-            browser.call("Page.enable")
-            browser.call("Emulation.setDeviceMetricsOverride", width=size[0], height=size[1],
-                         deviceScaleFactor=1, mobile=False)  # fmt: skip
-            browser.call("Page.navigate", url=url)
-            yield browser
+            with connect(_page_at(port), max_size=1 << 28, open_timeout=_WAIT_S) as socket:
+                browser = Browser(socket)
+                for domain in ("Runtime", "Log", "Page"):
+                    browser.call(f"{domain}.enable")
+                browser.call(
+                    "Emulation.setDeviceMetricsOverride", width=size[0], height=size[1],
+                    deviceScaleFactor=1, mobile=False,
+                )  # fmt: skip
+                browser.call("Page.navigate", url=url)
+                yield browser
         finally:
             run.terminate()
 
