@@ -238,7 +238,11 @@ class Page {
 
   undo(): void {
     const { painting } = this.#opened();
-    if (this.#pointer === null && this.#events.length === 0 && painting.canUndo) this.#act(() => painting.undo());
+    if (this.#pointer !== null) return; // a stroke goes on
+    this.#act(() => {
+      this.#paint(); // what was heard since the last frame
+      painting.undo();
+    });
   }
 
   /** Do something to the painting, and show it. */
