@@ -35,6 +35,7 @@ from paint3d.core.arrays import AnyArray
 from paint3d.errors import BrushError
 
 __all__ = [
+    "FARTHEST_DRAG",
     "GREATEST_FRACTION",
     "LOWEST_TILT",
     "BendingTable",
@@ -50,7 +51,7 @@ _N_DESCENTS = 129
 _N_ARCS = 2 * (STATIONS - 1)
 _CROWDING = 2.6  # exponent of the arcs' spacing: even the lightest touch bends several at the tip
 Chain = tuple[float, float, float, float]
-_FARTHEST_DRAG = 0.5  # the upper end of `BrushSpec.drag_fraction`
+FARTHEST_DRAG = 0.5  # the upper end of `BrushSpec.drag_fraction`
 _LEAST_COSINE = 1e-3  # of a section's angle; a steeper section is clear of the plane
 
 
@@ -199,7 +200,7 @@ def tuft_on(spec: BrushSpec, material: Material) -> Tuft:
     return tuft._replace(
         transfer_per_mm=tuft.transfer_per_mm * material.uptake,
         spread=tuft.spread + (material.slip - 1.0) * rubbing,
-        drag_fraction=min(_FARTHEST_DRAG, tuft.drag_fraction * material.slip),
+        drag_fraction=min(FARTHEST_DRAG, tuft.drag_fraction * material.slip),
     )
 
 

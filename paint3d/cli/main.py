@@ -50,6 +50,7 @@ COMMANDS = {  # each by its module, which is imported when the command is asked 
     "picture": ("paint3d.cli.picture", "a picture of a painting, or a film of it turning"),
     "compose": ("paint3d.cli.compose", "several texts, drawings and seals on one object"),
     "batch": ("paint3d.cli.batch", "one painting a row of a table"),
+    "page": ("paint3d.cli.page", "the studio as a page that any browser paints in"),
     "devices": (
         "paint3d.cli.devices",
         "6-DOF mice and styli: what is plugged in, live values, a recording, settings",

@@ -3,7 +3,7 @@
 `ColourModel` has two paths, and two methods for the live one:
 
 - `reference`: all 31 bands, any mixture;
-- `live`, several pigments: 12 bands chosen for the palette (`scripts/search_live_bands.py`),
+- `live`, several pigments: 12 bands chosen for the palette (`scripts/searchlive_bands.py`),
   twice as fast, within mean 0.09 and maximum 0.5 dE00 of the reference on random mixtures;
   mixtures with any other pigment, where these bands could be wrong by 4 dE00, take all 31;
 - `live`, one pigment: a table over the layer's thickness, three times as fast, within 0.001 dE00.
@@ -39,7 +39,7 @@ from paint3d.colour.spectra import (
 from paint3d.core.arrays import AnyArray, as_array
 from paint3d.errors import InputError
 
-__all__ = ["ColourModel", "srgb_codes"]
+__all__ = ["ColourModel", "live_bands", "srgb_codes"]
 
 _LIVE = Path(__file__).parent / "data" / "live_bands.csv"
 _N_CODES, _N_THICKNESSES, _N_SHADES = 1 << 14, 2048, 1 << 15
@@ -47,7 +47,7 @@ _NO_RGB = np.empty((0, 3), np.float32)
 
 
 @lru_cache(maxsize=1)
-def _live_bands() -> tuple[AnyArray, AnyArray]:
+def live_bands() -> tuple[AnyArray, AnyArray]:
     """Return indices (12,) of the live bands among the 31, and their weights (12, 3)."""
     table = np.loadtxt(_LIVE, delimiter=",", skiprows=1)
     return np.searchsorted(WAVELENGTHS, table[:, 0]), table[:, 1:]
@@ -118,7 +118,7 @@ class ColourModel:
         if path == "live" and len(pigments) == 1:
             self._look = self._table()
         elif path == "live" and all(load_palette().get(p.name) is p for p in pigments):
-            self._look = self._film(*_live_bands())
+            self._look = self._film(*live_bands())
         else:
             self._look = self._film(np.arange(N_BANDS), rgb_weights())
 
@@ -148,6 +148,12 @@ class ColourModel:
         between = np.stack([np.interp(fine, y, band) for band in rgb.T], axis=1)
         shades = srgb_from_linear(np.clip(between, 0.0, 1.0))
         return OneInk(rgb.astype(np.float32), shades, bend, self.bare_linear_rgb[None])
+
+    @property
+    def single(self) -> OneInk:
+        """The table of one pigment alone, on the live path."""
+        assert isinstance(self._look, OneInk), "there are several, or it is the reference"
+        return self._look
 
     def srgb(
         self,

@@ -8,7 +8,7 @@ import sys
 import time
 from pathlib import Path
 
-from tools.kernels.building import FOLDER, BuildError, build, is_built, parts
+from tools.kernels.building import FOLDER, PAGE_FOLDER, BuildError, build, is_built, parts
 from tools.kernels.processors import ARCHITECTURES, architecture_of, own_processor
 from tools.kernels.table import TableError
 
@@ -27,7 +27,7 @@ def main() -> int:
         help="kinds of processor of one architecture, or all of one; own: all of this machine's; "
         "default: what this machine is",
     )
-    parser.add_argument("--into", type=Path, default=FOLDER, help=argparse.SUPPRESS)
+    parser.add_argument("--into", type=Path, help=argparse.SUPPRESS)
     parser.add_argument("--part", help=argparse.SUPPRESS)
     options = parser.parse_args()
     try:
@@ -38,17 +38,19 @@ def main() -> int:
             raise BuildError(
                 f"expected processors of one architecture, {' or '.join(ARCHITECTURES)}"
             )
+        architecture = architecture_of(processors[0])
+        into = options.into or (PAGE_FOLDER if architecture == "wasm32" else FOLDER)
         if options.part:
             from tools.kernels.part import compile_part
 
-            (part,) = (part for part in parts() if part.name == options.part)
-            compile_part(part.groups, processors, options.into, lambda: os.write(1, b"\n") and None)
+            (part,) = (part for part in parts(architecture) if part.name == options.part)
+            compile_part(part.groups, processors, into, lambda: os.write(1, b"\n") and None)
             return 0
-        if is_built(processors, options.into):
+        if is_built(processors, into):
             return 0
         start = time.monotonic()
         sys.stderr.write("kernels: compiling them, about a minute\n")
-        build(processors, options.into, _show if sys.stderr.isatty() else lambda done, of: None)
+        build(processors, into, _show if sys.stderr.isatty() else lambda done, of: None)
         sys.stderr.write(f"kernels: compiled in {time.monotonic() - start:.0f} s\n")
     except (BuildError, TableError, ImportError) as error:
         sys.stderr.write(f"kernels: not compiled: {error}\n")

@@ -7,6 +7,7 @@ are made again, and a second run makes nothing.
 from __future__ import annotations
 
 import hashlib
+import importlib.util
 import json
 import platform
 import shutil
@@ -29,14 +30,17 @@ from tools.kernels.table import Entry, read_table
 
 __all__ = [
     "FOLDER",
+    "PAGE_FOLDER",
     "BuildError",
     "Part",
     "build",
     "is_built",
+    "link_wasm",
     "parts",
 ]
 
 FOLDER = ROOT / "paint3d" / "core" / "machine_code"
+PAGE_FOLDER = ROOT / "paint3d" / "page" / "machine_code"
 _FORMAT = 2  # as `paint3d.core.kernel_library` reads it
 _INDEX = "index.json"
 _HERE = Path(__file__).parent
@@ -44,6 +48,7 @@ _COMPILERS = ("lowering", "numba_inside", "optimising", "part", "processors")
 _VERSIONS = ("numba", "llvmlite", "numpy")
 # What is lowered by one process, the longest first: the groups of its entries, which are optimised
 # beside one another, by the rooms they are in.
+_ROOMS = {"wasm32": ("brush_engine", "colour", "mesh", "surface")}  # others have all
 _PARTS = {
     "brush": [
         ("brush_engine.bristles", "bench.kernels.standing_bristles"),
@@ -85,13 +90,14 @@ def _of(entry: Entry) -> list[str]:
     return sources_of(entry.modules, entry.tuples)
 
 
-def parts() -> list[Part]:
-    """All entries of the table in their parts."""
+def parts(architecture: str) -> list[Part]:
+    """All entries of the table that an architecture has, in their parts."""
     waiting = {}
     for entry in read_table().entries:
         symbol = f"paint3d_{entry.module.replace('.', '_')}_{entry.name}"
         count = sum(name.startswith(symbol) for name in waiting)
-        waiting[f"{symbol}_{count}"] = entry
+        if entry.module.startswith(_ROOMS.get(architecture, ("",))):
+            waiting[f"{symbol}_{count}"] = entry
     found = []
     for name, rooms in _PARTS.items():
         groups = []
@@ -106,7 +112,7 @@ def parts() -> list[Part]:
 def _stamps(processors: list[str]) -> dict[str, Any]:
     c = [digest(path.relative_to(ROOT).as_posix()) for path in sorted(_HERE.glob("*.c"))]
     return {
-        "parts": {part.name: part.stamp() for part in parts()},
+        "parts": {part.name: part.stamp() for part in parts(architecture_of(processors[0]))},
         "processors": processors,
         "c": [*c, sys.version_info[:2]],
     }
@@ -116,7 +122,7 @@ def is_built(processors: list[str], folder: Path = FOLDER) -> bool:
     """Whether the library is there, made from all as it is now."""
     try:
         index = json.loads((folder / _INDEX).read_text("utf-8"))
-        names = [index["caller"], *index["code"].values()]
+        names = [*filter(None, [index["caller"]]), *index["code"].values()]
     except (OSError, ValueError, LookupError):
         return False
     is_whole = all((folder / name).is_file() for name in names)
@@ -133,7 +139,8 @@ def build(
     Parameters
     ----------
     processors : list of str
-        Of one architecture: ``x86-64-v2`` (2009), ``x86-64-v3`` (2013, AVX2), ``aarch64``.
+        Of one architecture: ``x86-64-v2`` (2009), ``x86-64-v3`` (2013, AVX2), ``aarch64``,
+        ``wasm32``.
     folder : Path
         Beside the package's decorators, where they look for it.
     say : callable
@@ -156,8 +163,11 @@ def build(
     kept = folder / "parts"
     with tempfile.TemporaryDirectory(dir=folder, prefix="building-") as work:
         caller = Path(work) / f"caller-{_short(stamps['c'])}.abi3.so"
-        _compile_caller(caller, architecture)  # says first of all what is missing
-        wanted = parts()
+        if architecture == "wasm32":
+            _find_zig()  # says first of all what is missing
+        else:
+            _compile_caller(caller, architecture)
+        wanted = parts(architecture)
         places = {part.name: kept / _part_folder(part, processors) for part in wanted}
         waiting = [part for part in wanted if not places[part.name].is_dir()]
         steps = _Steps(1 + sum(part.steps(processors) for part in waiting), say)
@@ -169,13 +179,14 @@ def build(
             for one in made:
                 one.result()
         code = {one: _link(one, list(places.values()), Path(work)) for one in processors}
-        index = _index(places, stamps, caller.name, code)
-        for path in (caller, *(Path(work) / name for name in code.values())):
-            path.replace(folder / path.name)
+        callers = [caller.name] if caller.is_file() else []  # what runs WebAssembly calls it itself
+        index = _index(places, stamps, next(iter(callers), None), code)
+        for name in (*callers, *code.values()):
+            (Path(work) / name).replace(folder / name)
         text = Path(work) / _INDEX
         text.write_text(json.dumps(index), "utf-8")
         text.replace(folder / _INDEX)
-    _drop_old(folder, {_INDEX, "parts", caller.name, *code.values()})
+    _drop_old(folder, {_INDEX, "parts", *callers, *code.values()})
     _drop_old(kept, {place.name for place in places.values()})
     steps.next()
 
@@ -229,6 +240,8 @@ def _compile(part: Part, processors: list[str], place: Path, say: Callable[[], N
 def _link(processor: str, places: list[Path], work: Path) -> str:
     """Make the shared library for a processor; its name."""
     objects = [path for place in places for path in sorted(place.glob(f"*-{processor}.o"))]
+    if architecture_of(processor) == "wasm32":
+        return link_wasm(objects, [*places], work)
     exports = work / "exports"
     exports.write_text("{ global: paint3d_*; local: *; };\n")
     target = work / "kernels.so"
@@ -238,6 +251,44 @@ def _link(processor: str, places: list[Path], work: Path) -> str:
     name = f"{processor}-{hashlib.sha256(target.read_bytes()).hexdigest()[:12]}.so"
     target.rename(work / name)
     return name
+
+
+def link_wasm(objects: list[Path], places: list[Path], work: Path) -> str:
+    """Make the module of WebAssembly, with zig's C library; its name.
+
+    Parameters
+    ----------
+    objects, places : list of Path
+        Object files, and the folders that `part.compile_part` has filled.
+    work : Path
+        The folder that gets it.
+
+    Raises
+    ------
+    BuildError
+        If zig is missing, or cannot link.
+    """
+    symbols = [
+        symbol
+        for place in places
+        for symbol in json.loads((place / "entries.json").read_text("utf-8"))
+    ]
+    target = work / "kernels.wasm"
+    exports = [f"-Wl,--export={name}" for name in ("malloc", "free", "paint3d_release", *symbols)]
+    _run_compiler(
+        [*_find_zig(), "cc", "-target", "wasm32-wasi", "-O2", "-mexec-model=reactor", "-s"],
+        *objects, _HERE / "runtime.c", *exports, "-o", target,
+    )  # fmt: skip
+    name = f"wasm32-{hashlib.sha256(target.read_bytes()).hexdigest()[:12]}.wasm"
+    target.rename(work / name)
+    return name
+
+
+def _find_zig() -> list[str]:
+    """The words that call zig, whose package is an extra."""
+    if importlib.util.find_spec("ziglang") is None:
+        raise BuildError("ziglang is missing: pip install 'paint3d[page]'")
+    return [sys.executable, "-m", "ziglang"]
 
 
 def _compile_caller(target: Path, architecture: str) -> None:
@@ -257,21 +308,23 @@ def _gcc(architecture: str, *words: str | Path) -> None:
     compiler = next(filter(None, map(shutil.which, names)), None)
     if compiler is None:
         raise BuildError(f"{names[0]} is missing")
-    flags = ["-O2", "-fPIC", "-fvisibility=hidden"]
-    run = subprocess.run(
-        [compiler, *flags, *map(str, words)], capture_output=True, text=True, check=False
-    )
+    _run_compiler([compiler, "-O2", "-fPIC", "-fvisibility=hidden"], *words)
+
+
+def _run_compiler(compiler: list[str], *words: str | Path) -> None:
+    run = subprocess.run([*compiler, *map(str, words)], capture_output=True, text=True, check=False)
     if run.returncode:
-        raise BuildError(f"{Path(compiler).name}: {run.stderr[-2000:]}")
+        raise BuildError(f"{Path(compiler[0]).name}: {run.stderr[-2000:]}")
 
 
 def _index(
-    places: dict[str, Path], stamps: dict[str, Any], caller: str, code: dict[str, str]
+    places: dict[str, Path], stamps: dict[str, Any], caller: str | None, code: dict[str, str]
 ) -> dict[str, Any]:
     """What `paint3d.core.kernel_library` reads."""
     sources: dict[str, int] = {}
     kernels: dict[str, Any] = {}
-    for part in parts():
+    architecture = architecture_of(next(iter(code)))
+    for part in parts(architecture):
         described = json.loads((places[part.name] / "entries.json").read_text("utf-8"))
         for group in part.groups:
             for symbol, entry in group.items():
@@ -281,7 +334,7 @@ def _index(
     return {
         "format": _FORMAT,
         "made_from": stamps,
-        "architecture": architecture_of(next(iter(code))),
+        "architecture": architecture,
         "caller": caller,
         "code": code,
         "sources": [[path, digest(path)] for path in sources],

@@ -27,6 +27,8 @@ __all__ = ["Prepared", "emit", "optimise_for", "prepare"]
 
 # LLVM takes look-ups by eight for dear on this kind, and leaves loops scalar that have one
 _FEATURES = {"x86-64-v3": "+fast-gather"}
+# Without relaxed SIMD, whose results differ between machines.
+_WASM_FEATURES = "+simd128,+bulk-memory,+sign-ext,+nontrapping-fptoint,+mutable-globals"
 
 
 @dataclass
@@ -102,6 +104,11 @@ def _machine(processor: str) -> llvm.TargetMachine:
     """What makes code for a processor, on whatever other one."""
     llvm.initialize_all_targets()
     llvm.initialize_all_asmprinters()
+    if architecture_of(processor) == "wasm32":
+        target = llvm.Target.from_triple("wasm32-unknown-wasi")
+        return target.create_target_machine(
+            cpu="generic", features=_WASM_FEATURES, opt=3, reloc="static", codemodel="default"
+        )
     target = llvm.Target.from_triple(f"{architecture_of(processor)}-unknown-linux-gnu")
     return target.create_target_machine(
         cpu=llvm_name(processor),

@@ -7,8 +7,13 @@ import sys
 
 __all__ = ["ARCHITECTURES", "architecture_of", "own_least", "own_processor"]
 
-ARCHITECTURES = {"x86_64": ("x86-64-v2", "x86-64-v3"), "aarch64": ("aarch64",)}
-"""The processors of each, the least first, as `paint3d.core.kernel_library` names them."""
+ARCHITECTURES = {
+    "x86_64": ("x86-64-v2", "x86-64-v3"),
+    "aarch64": ("aarch64",),
+    "wasm32": ("wasm32",),
+}
+"""The processors of each, the least first, as `paint3d.core.kernel_library` names them; wasm32 is
+WebAssembly with its vectors of 128 bits, for pages."""
 
 
 def architecture_of(processor: str) -> str:

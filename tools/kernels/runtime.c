@@ -1,6 +1,7 @@
 /* What compiled kernels ask of numba's runtime, over malloc and without Python: arrays that they
    make for themselves or give back, and lists. The head of a block is as numba knows it (its references come
-   first; counting them is part of the kernels). */
+   first; counting them is part of the kernels): its words, like all that kernels count in, have 64
+   bits on every machine. */
 
 #include <math.h>
 #include <stddef.h>
@@ -11,19 +12,21 @@
 #define EXPORTED __attribute__((visibility("default")))
 
 typedef struct {
-    size_t references;
-    void (*destroy)(void *data, size_t size, void *info);
+    uint64_t references;
+    void (*destroy)(void *data, uint64_t size, void *info);
     void *info;
     void *data;
-    size_t size;
+    uint64_t size;
     void *external;
 } Block;
 
-HIDDEN void *NRT_Allocate(size_t size) { return malloc(size ? size : 1); }
+HIDDEN void *NRT_Allocate(uint64_t size) {
+    return size > SIZE_MAX ? NULL : malloc(size ? size : 1);
+}
 
 HIDDEN void NRT_Free(void *data) { free(data); }
 
-HIDDEN void *NRT_MemInfo_alloc_aligned(size_t size, uint32_t align) {
+HIDDEN void *NRT_MemInfo_alloc_aligned(uint64_t size, uint32_t align) {
     if (size > SIZE_MAX - sizeof(Block) - align)
         return NULL;
     Block *block = malloc(sizeof(Block) + size + align);
@@ -36,7 +39,7 @@ HIDDEN void *NRT_MemInfo_alloc_aligned(size_t size, uint32_t align) {
     return block;
 }
 
-static void destroy_list(void *data, size_t size, void *info) {
+static void destroy_list(void *data, uint64_t size, void *info) {
     (void)size;
     if (info)
         ((void (*)(void *))info)(data); /* lets go of what the list holds */
@@ -44,7 +47,7 @@ static void destroy_list(void *data, size_t size, void *info) {
 }
 
 /* A list: its elements stand in a block of their own. */
-HIDDEN void *NRT_MemInfo_new_varsize_dtor(size_t size, void *info) {
+HIDDEN void *NRT_MemInfo_new_varsize_dtor(uint64_t size, void *info) {
     Block *block = malloc(sizeof(Block));
     void *data = NRT_Allocate(size);
     if (!block || !data) {
@@ -72,13 +75,13 @@ EXPORTED void paint3d_release(Block *block) {
 HIDDEN double numba_ldexp(double x, int exponent) { return ldexp(x, exponent); }
 
 /* Strides for a new shape of as many elements; kernels reshape C-contiguous arrays only. */
-HIDDEN int numba_attempt_nocopy_reshape(intptr_t n, const intptr_t *shape, const intptr_t *strides,
-                                        intptr_t new_n, const intptr_t *new_shape,
-                                        intptr_t *new_strides, intptr_t item, int fortran) {
+HIDDEN int numba_attempt_nocopy_reshape(int64_t n, const int64_t *shape, const int64_t *strides,
+                                        int64_t new_n, const int64_t *new_shape,
+                                        int64_t *new_strides, int64_t item, int fortran) {
     (void)n, (void)shape, (void)strides;
     if (fortran)
         return 0;
-    for (intptr_t k = new_n - 1; k >= 0; k--) {
+    for (int64_t k = new_n - 1; k >= 0; k--) {
         new_strides[k] = item;
         item *= new_shape[k];
     }

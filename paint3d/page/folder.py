@@ -1,0 +1,263 @@
+"""The folder of static files that is the studio as a page."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+import shutil
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from paint3d import __version__
+from paint3d.app.window.wording import (
+    choose_language,
+    language,
+    say_brush,
+    say_object,
+)
+from paint3d.brush.presets import load_brush
+from paint3d.colour.inks import load_ink
+from paint3d.colour.materials import load_material
+from paint3d.colour.pigments import WATER, Pigment, load_pigment
+from paint3d.core.atomic import write_atomically
+from paint3d.core.kernel_library import FORMAT, INDEX
+from paint3d.errors import ExportError, InputError
+from paint3d.files.load import load_mesh
+from paint3d.mesh.sheet_mesh import sheet_of
+from paint3d.page.bundle import write_bundle
+from paint3d.page.tables import (
+    Table,
+    brush_table,
+    common_table,
+    material_table,
+    object_table,
+)
+from paint3d.surface.granulation import COARSE_UM
+
+__all__ = ["BRUSHES", "INKS", "OBJECTS", "PageObject", "build_page"]
+
+KERNELS = Path(__file__).with_name("machine_code")
+"""Where ``python -m tools.kernels --for wasm32`` puts the kernels."""
+BUILT = Path(__file__).with_name("built")
+"""Where ``npm run build`` in web/ puts the page."""
+
+
+class PageObject(NamedTuple):
+    """An object, and the longest edge where there is paint, mm."""
+
+    name: str
+    resolution: float
+
+
+OBJECTS = (PageObject("bowl", 0.4), PageObject("square", 0.4))
+BRUSHES = ("zhongkai", "full", "xiaokai", "zhongbaiyun", "gongbi", "feibai")
+INKS = ("pine soot", "heavy", "light", "clear", "cinnabar", "indigo", "gamboge", "carmine")
+_CHINESE_OF_TONES = {"heavy": "重墨", "light": "淡墨", "clear": "清墨"}
+
+
+def build_page(
+    out: Path,
+    objects: Sequence[PageObject] = OBJECTS,
+    brushes: Sequence[str] = BRUSHES,
+    inks: Sequence[str] = INKS,
+    progress: Callable[[float], None] = lambda share: None,
+    *,
+    materials: Sequence[str] = (),
+    page: Path | None = BUILT,
+    kernels: Path = KERNELS,
+) -> None:
+    """Write the studio as a page into a folder, which any web server can hand out.
+
+    Parameters
+    ----------
+    out : Path
+        It is made where missing; files of an earlier build are replaced.
+    objects : sequence of PageObject
+        By the names that `load_mesh` takes, built-in ones or files, each with its spacing.
+    brushes : sequence of str
+        Presets.
+    inks : sequence of str
+        As `load_ink` takes them; without coarse pigments, whose grains a page does not show.
+    progress : callable
+        Called with the share that is done.
+    materials : sequence of str
+        Beside those that suit the objects.
+    page, kernels : Path
+        Where ``npm run build`` and ``python -m tools.kernels --for wasm32`` have written to;
+        without a page only its data are written.
+
+    Raises
+    ------
+    ExportError
+        If the page or its kernels are not built, or the folder cannot be written.
+    InputError, UnknownNameError, MeshError
+        If an object, a brush or an ink is not known, or is one that a page cannot have.
+    """
+    index = _read_index(kernels)
+    if page is not None and not (page / "index.html").is_file():
+        raise ExportError(
+            "the page is not built: {page} has no index.html; expected it to be",
+            page=page,
+            hint="npm install && npm run build, in web/",
+        )
+    pigments, stirred = _pigments_of(inks)
+    loaded = [(one, load_mesh(one.name)) for one in objects]
+    sheets = [sheet_of(mesh) for _, mesh in loaded]
+    usual = ["porcelain" if sheet is None else sheet.usual.material for sheet in sheets]
+    made_of = [load_material(name) for name in dict.fromkeys([*usual, *materials])]
+    for name in brushes:
+        load_brush(name)  # what is not known is said before anything is made
+    files: dict[str, Callable[[], Table]] = {"common.bin.gz": lambda: common_table(pigments)}
+    contents: dict[str, Any] = {"version": __version__, "objects": [], "brushes": []}
+    with _in_chinese():
+        for (one, mesh), suits in zip(loaded, usual, strict=True):
+            file = f"objects/{_plain(one.name)}-{one.resolution:g}.bin.gz"
+            contents["objects"].append(
+                {"name": one.name, "chinese": say_object(one.name), "file": file}
+                | {"resolution": one.resolution, "material": suits}
+            )
+            files[file] = lambda mesh=mesh, mm=one.resolution: object_table(mesh, mm)  # type: ignore[misc]
+        for name in brushes:
+            file, chinese = f"brushes/{_plain(name)}.bin.gz", say_brush(name)
+            contents["brushes"].append({"name": name, "chinese": chinese, "file": file})
+            files[file] = lambda name=name, chinese=chinese: brush_table(name, chinese)  # type: ignore[misc]
+    contents["materials"] = {
+        material.name: {"file": f"materials/{_plain(material.name)}.bin.gz"} for material in made_of
+    }
+    for material in made_of:
+        file = contents["materials"][material.name]["file"]
+        files[file] = lambda material=material: material_table(material, pigments)  # type: ignore[misc]
+    contents["inks"] = [
+        {
+            "name": name,
+            "chinese": _CHINESE_OF_TONES.get(name, _chinese_of(stirred[name])),
+            "parts": {pigment.name: part for pigment, part in stirred[name].items()},
+        }
+        for name in inks
+    ]
+    _make_folder(out)
+    for done, (file, make) in enumerate(files.items()):
+        (out / file).parent.mkdir(exist_ok=True)
+        write_bundle(out / file, *make())
+        progress((done + 1) / (len(files) + 1))
+    _copy(kernels / index["code"]["wasm32"], out / "kernels.wasm")
+    _write_json(out / "kernels.json", _page_index(index))
+    _write_json(out / "contents.json", contents)
+    if page is not None:
+        for path in (out / "assets").glob("index-*"):
+            path.unlink()  # of an earlier page
+        for path in sorted(page.rglob("*")):
+            if path.is_file():
+                (out / path.relative_to(page)).parent.mkdir(exist_ok=True, parents=True)
+                _copy(path, out / path.relative_to(page))
+    progress(1.0)
+
+
+def _read_index(kernels: Path) -> dict[str, Any]:
+    try:
+        index: dict[str, Any] = json.loads((kernels / INDEX).read_text("utf-8"))
+        is_there = index["format"] == FORMAT and (kernels / index["code"]["wasm32"]).is_file()
+    except (OSError, ValueError, LookupError):
+        is_there = False
+    if not is_there:
+        raise ExportError(
+            "the kernels of the page are not compiled: {kernels} has none; expected them to be",
+            kernels=kernels,
+            hint="python -m tools.kernels --for wasm32",
+        )
+    return index
+
+
+def _page_index(index: Mapping[str, Any]) -> dict[str, Any]:
+    """What the page knows of the kernels: how each is called, and the records that they take."""
+    kernels: dict[str, Any] = {}
+    records: dict[str, Any] = {}
+    for name, kernel in index["kernels"].items():
+        kernels[name] = []
+        for code in kernel["codes"]:
+            kernels[name].append({key: code[key] for key in ("symbol", "gives", "n_takes",
+                                                              "n_gives", "expected")})  # fmt: skip
+            arrays = re.findall(r"[\[{](.)\d", code["takes"])
+            kinds = re.findall(r"[\[{]", code["takes"])
+            leaves = [leaf for leaf in _leaves(code["expected"]) if "[" in leaf]
+            for letter, kind, leaf in zip(arrays, kinds, leaves, strict=True):
+                if kind == "{":
+                    records[leaf.split("[")[0]] = _record(code["records"][ord(letter) - ord("A")])
+    return {"kernels": kernels, "records": records}
+
+
+def _leaves(expected: Mapping[str, Any]) -> Iterator[str]:
+    for value in expected.values():
+        if isinstance(value, str):
+            yield value
+        else:
+            yield from _leaves(value)
+
+
+def _record(record: Mapping[str, Any]) -> dict[str, Any]:
+    fields = {}
+    for name, kind, offset in zip(
+        record["names"], record["formats"], record["offsets"], strict=True
+    ):
+        of, shape = (kind, [1]) if isinstance(kind, str) else kind
+        assert of == "<f8", f"{name} is {of}"
+        fields[name] = {"offset": offset, "count": math.prod(shape)}
+    return {"itemsize": record["itemsize"], "fields": fields}
+
+
+def _pigments_of(
+    inks: Sequence[str],
+) -> tuple[list[Pigment], dict[str, dict[Pigment, float]]]:
+    """The pigments of some inks and water, and the parts of each ink."""
+    stirred = {name: load_ink(name) for name in inks}
+    pigments = list(dict.fromkeys(p for parts in stirred.values() for p in parts))
+    coarse = [p.name for p in pigments if p.grain_um >= COARSE_UM]
+    if coarse:
+        raise InputError(
+            "the grains of {pigment} are seen, which a page does not show; expected a finer "
+            "pigment",
+            pigment=coarse[0],
+        )
+    return list(dict.fromkeys([*pigments, load_pigment(WATER.name)])), stirred
+
+
+def _chinese_of(parts: Mapping[Pigment, float]) -> str:
+    return "、".join(p.chinese or p.name for p in parts if p is not WATER)
+
+
+@contextmanager
+def _in_chinese() -> Iterator[None]:
+    """Within, names are said in Chinese."""
+    before = language()
+    choose_language("zh")
+    try:
+        yield
+    finally:
+        choose_language(before)
+
+
+def _plain(name: str) -> str:
+    """A name as part of a file's."""
+    return re.sub(r"[^0-9A-Za-z._-]+", "-", Path(name).stem if "/" in name else name)
+
+
+def _make_folder(out: Path) -> None:
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+    except OSError as cause:
+        raise ExportError(
+            "{file}: cannot make the folder: {cause}", file=out, cause=cause
+        ) from None
+
+
+def _copy(source: Path, target: Path) -> None:
+    with write_atomically(target) as temporary:
+        shutil.copyfile(source, temporary)
+
+
+def _write_json(path: Path, words: Mapping[str, Any]) -> None:
+    with write_atomically(path) as temporary:
+        temporary.write_text(json.dumps(words, ensure_ascii=False), "utf-8")

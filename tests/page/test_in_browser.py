@@ -1,0 +1,202 @@
+"""The page in Chromium: a pen paints, the desktop paints the same, and what cannot be is said."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from paint3d.app.model.score.playing import painted
+from paint3d.files.load import load_mesh
+from paint3d.page.folder import KERNELS, PageObject, build_page
+from paint3d.recording.score import load_score
+from tests.support.chromium import Browser, browser_path, opened, served
+from tests.support.web_page import built_page, hashes_of, why_no_kernels
+
+pytestmark = [
+    pytest.mark.skipif(browser_path() is None, reason="neither Chromium nor Chrome is installed"),
+    pytest.mark.skipif(bool(why_no_kernels(KERNELS)), reason=why_no_kernels(KERNELS)),
+]
+OPEN = "!!window.paint3d && document.getElementById('message').hidden"
+MESSAGE = "(m => m.hidden ? '' : m.textContent)(document.getElementById('message'))"
+SHEET, BOWL = 0, 1
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    page = built_page(tmp_path_factory.mktemp("built"))
+    out = tmp_path_factory.mktemp("page")
+    objects = [PageObject("square", 0.8), PageObject("bowl", 0.8)]
+    build_page(out, objects, ["zhongkai", "xiaokai"], ["pine soot", "cinnabar"], page=page)
+    return out
+
+
+@pytest.fixture(scope="module")
+def address(folder: Path) -> Iterator[str]:
+    with served(folder) as url:
+        yield url
+
+
+@pytest.fixture(scope="module")
+def browser(address: str, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
+    with opened(address, tmp_path_factory.mktemp("profile"), (960, 720)) as one:
+        one.wait_for(OPEN)
+        yield one
+        assert one.complaints() == []
+
+
+def begin_with(browser: Browser, place: int) -> None:
+    """Open an object, fresh."""
+    browser.evaluate("window.confirm = () => true")
+    choose(browser, "object", place)
+    browser.wait_for("!document.getElementById('message').hidden")
+    browser.wait_for(OPEN)
+
+
+def choose(browser: Browser, name: str, place: int) -> None:
+    browser.evaluate(
+        f"(() => {{ const s = document.getElementById('{name}'); s.selectedIndex = {place};"
+        "s.dispatchEvent(new Event('change')); })()"
+    )
+
+
+def wave(x: float, y: float, length: float = 240.0) -> list[tuple[float, float, float]]:
+    """A way of a pen with its forces, which begins at a place of the window."""
+    n = 48
+    return [
+        (x + length * k / n, y + 14.0 * math.sin(k / 6.0), 0.1 + 0.5 * math.sin(math.pi * k / n))
+        for k in range(n + 1)
+    ]
+
+
+def settled(browser: Browser) -> dict[str, Any]:
+    """The page's hashes, when all that was heard is painted."""
+    frame = "new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))"
+    browser.evaluate(frame)
+    hashes: dict[str, Any] = browser.evaluate("paint3d.hashes()")
+    return hashes
+
+
+def by_the_desktop(browser: Browser, tmp_path: Path) -> dict[str, Any]:
+    """The same of what the desktop paints by the page's score."""
+    path = tmp_path / "page.score.jsonl"
+    path.write_text(browser.evaluate("paint3d.score()"), "utf-8")
+    score = load_score(path)
+    hashes = hashes_of(painted(score, load_mesh(score.header["object"])).surface)
+    return {name: hashes[name] for name in ("vertices", "srgb", "amounts")}
+
+
+def picture(browser: Browser, path: Path) -> np.ndarray:
+    browser.screenshot(path)
+    return np.asarray(Image.open(path).convert("L"), np.float64)
+
+
+def test_what_a_pen_paints_on_a_sheet_the_desktop_paints_to_the_bit(
+    browser: Browser, tmp_path: Path
+) -> None:
+    begin_with(browser, SHEET)
+    bare = settled(browser)
+    before = picture(browser, tmp_path / "before.png")
+    browser.stroke(wave(350.0, 330.0), tiltX=30, tiltY=20)
+    first = settled(browser)
+    browser.stroke(wave(350.0, 420.0), tiltX=-45, tiltY=0)
+    browser.evaluate("document.getElementById('undo').click()")
+    assert settled(browser)["srgb"] != bare["srgb"]
+    choose(browser, "brush", 1)
+    browser.wait_for("paint3d.score().includes('set_brush')")
+    choose(browser, "inks", 1)
+    browser.stroke(wave(350.0, 500.0))
+    found = settled(browser)
+    after = picture(browser, tmp_path / "after.png")
+    assert found["vertices"] >= first["vertices"] > bare["vertices"]
+    dark = (before - after) > 60.0
+    assert dark[300:360, 340:600].any(axis=0).sum() > 200  # pixels of a stroke's length
+    assert not dark[395:440, 340:600].any()  # where it was taken back
+    assert found == by_the_desktop(browser, tmp_path)
+
+
+def test_a_tilted_pen_paints_under_its_point(browser: Browser, tmp_path: Path) -> None:
+    begin_with(browser, SHEET)
+    before = picture(browser, tmp_path / "before.png")
+    for x, tilt in ((420.0, 0), (480.0, 30), (540.0, 60)):
+        down = [(x, 350.0 + 2.0 * k, 0.35) for k in range(60)]
+        browser.stroke(down, tiltX=tilt, tiltY=0)
+    settled(browser)
+    dark = before - picture(browser, tmp_path / "after.png") > 60.0
+    for x in (420, 480, 540):
+        row = np.flatnonzero(dark[410, x - 28 : x + 28]) + x - 28
+        assert len(row)
+        assert abs(row.mean() - x) < 8.0, x
+
+
+def test_a_stroke_in_the_bowl_is_painted_by_the_desktop_to_the_bit(
+    browser: Browser, tmp_path: Path
+) -> None:
+    begin_with(browser, BOWL)
+    browser.stroke(wave(380.0, 360.0, 200.0), tiltX=20, tiltY=10)
+    found = settled(browser)
+    assert found == by_the_desktop(browser, tmp_path)
+
+
+def test_strokes_that_follow_each_other_within_a_frame_are_all_painted(browser: Browser) -> None:
+    begin_with(browser, SHEET)
+    for y in (330.0, 420.0, 500.0):
+        browser.stroke(wave(350.0, y)[::8])
+    settled(browser)
+    score = browser.evaluate("paint3d.score()")
+    assert score.count("begin_stroke") == score.count("end_stroke") == 3
+
+
+def test_a_mouse_paints_by_a_made_pressure_and_the_right_button_turns(browser: Browser) -> None:
+    begin_with(browser, BOWL)
+    bare = settled(browser)
+    for kind, button in (("right", 2), ("left", 1)):
+        words = {"button": kind, "buttons": button, "clickCount": 1, "pointerType": "mouse"}
+        ways = [("mousePressed", 420.0), *(("mouseMoved", 420.0 + 5.0 * k) for k in range(20))]
+        asked = [
+            ("Input.dispatchMouseEvent", {"type": what, "x": x, "y": 380.0, **words})
+            for what, x in [*ways, ("mouseReleased", 515.0)]
+        ]
+        asked[-1][1]["buttons"] = 0
+        browser.call_all(asked)
+        assert (settled(browser)["amounts"] == bare["amounts"]) == (kind == "right")
+        strokes = browser.evaluate("paint3d.score()").count("begin_stroke")
+        assert strokes == (kind == "left")
+
+
+def test_it_speaks_both_languages(browser: Browser) -> None:
+    texts = []
+    for _ in range(2):
+        browser.evaluate("document.getElementById('language').click()")
+        texts.append(browser.evaluate("document.getElementById('bar').innerText"))
+    chinese, english = sorted(texts, key=lambda text: "Undo" in text)
+    assert "撤销" in chinese
+    assert "中楷" in chinese
+    assert "Undo" in english
+    assert "zhongkai" in english
+
+
+@pytest.mark.parametrize(
+    ("lacks", "said"),
+    [
+        ("WebAssembly.validate = () => false", "WebAssembly with vectors (SIMD)"),
+        ("HTMLCanvasElement.prototype.getContext = () => null", "no WebGL 2"),
+        ("delete window.DecompressionStream", "DecompressionStream"),
+        ("const f = window.fetch; window.fetch = n => f(n === 'kernels.wasm' ? 'none' : n)",
+         "kernels.wasm cannot be had from this host (404)"),
+    ],
+)  # fmt: skip
+def test_a_browser_that_cannot_is_told_so_in_words(
+    lacks: str, said: str, address: str, tmp_path: Path
+) -> None:
+    with opened("about:blank", tmp_path / "profile", (640, 480)) as one:
+        one.call("Page.addScriptToEvaluateOnNewDocument", source=lacks)
+        one.call("Emulation.setLocaleOverride", locale="en")
+        one.call("Page.navigate", url=address)
+        one.wait_for("document.readyState === 'complete'")
+        one.wait_for(f"{MESSAGE}.includes({said!r})")

@@ -1,0 +1,191 @@
+"""The page's painter in Node against the desktop's: the same recording gives the same bytes."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import os
+import shutil
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from paint3d.brush.spec import DipAmount
+from paint3d.device.recorded import Recording
+from paint3d.files.load import load_mesh
+from paint3d.page.folder import KERNELS, PageObject, build_page
+from paint3d.painter.painter import Painter
+from paint3d.recording.recording import load_recording, save_recording
+from paint3d.surface.painted_surface import PaintedSurface
+from tests.support.web_page import hashes_of, replay_script, why_no_kernels
+
+ROOT = Path(__file__).parents[2]
+DEMO = ROOT / "paint3d" / "calligraphy" / "data" / "demo.jsonl.gz"
+pytestmark = [
+    pytest.mark.skipif(shutil.which("node") is None, reason="Node is not installed"),
+    pytest.mark.skipif(bool(why_no_kernels(KERNELS)), reason=why_no_kernels(KERNELS)),
+]
+SOOT = {"pine soot": 1.0}
+OBJECTS = [
+    PageObject("bowl", 0.5), PageObject("bowl", 0.3), PageObject("square", 0.4),
+    PageObject("sheet:60x60", 30.0),
+]  # fmt: skip
+CASES: dict[str, dict[str, Any]] = {
+    "demo on the bowl, .5 mm": {"resolution": 0.5},
+    "demo on the bowl, .3 mm": {"resolution": 0.3},
+    "lines in the bowl, dragged, in thin ink": {
+        "recording": "in the bowl", "resolution": 0.5, "brush": "full", "azimuth": "dragged",
+        "parts": {"pine soot": 1.0, "water": 3.0},
+    },
+    "lines of two pigments, live": {
+        "recording": "lines", "object": "square", "resolution": 0.4, "brush": "zhongkai",
+        "parts": {"cinnabar": 1.0, "indigo": 2.0}, "live": 7,
+    },
+    "lines on paper": {"recording": "lines", "object": "square", "resolution": 0.4},
+    "lines on paper, as a pen says": {"recording": "lines", "object": "square", "resolution": 0.4,
+                                      "live": 1},
+    "lines on paper, thirsty brush": {
+        "recording": "lines", "object": "square", "resolution": 0.4, "pickup": 0.05,
+        "brush": "full", "amount": {"wetted": 0.4, "fullness": 1.5},
+    },
+    "lines on porcelain": {"recording": "lines", "object": "square", "resolution": 0.4,
+                           "material": "porcelain", "brush": "zhongkai"},
+    "lines without pressure": {"recording": "unpressed", "object": "square", "resolution": 0.4,
+                               "brush": "zhongkai"},
+    "one vertex at each corner": {"recording": "lines", "object": "sheet:60x60",
+                                  "resolution": 30.0},
+}  # fmt: skip
+
+HAIRS = "lines by single hairs"
+HAIR_CASE = {"recording": "lines", "object": "square", "resolution": 0.4, "brush": "feibai",
+             "live": 50}  # fmt: skip
+
+
+def lines(on: str) -> Recording:
+    """Lines of changing pressure and lean on an object, in one recording."""
+    surface = PaintedSurface(load_mesh(on), 4.0)
+    painter = Painter(surface, "zhongkai")
+    parts, start = [], 0
+    for k, tilt in enumerate((0.0, 30.0, -30.0)):
+        ways = [(-25.0, 20.0 - 20.0 * k, 0.0), (0.0, 26.0 - 20.0 * k, 0.0),
+                (25.0, 18.0 - 20.0 * k, 0.0)]  # fmt: skip
+        part = painter.stroke(ways, pressure=(0.0, 0.5, 0.15, 0.6, 0.0), tilt=tilt)
+        parts.append(dataclasses.replace(part, time_ns=part.time_ns + start))
+        start += int(part.time_ns[-1]) + 300_000_000
+    joined = {
+        name: np.concatenate([getattr(part, name) for part in parts])
+        for name in ("time_ns", "position", "orientation", "pressure", "contact", "buttons")
+    }
+    joined["buttons"] = joined["buttons"].copy()
+    joined["buttons"][len(parts[0]) : len(parts[0]) + 3] = 2  # dipped between two of them
+    return Recording(**joined, header=parts[0].header)
+
+
+@pytest.fixture(scope="module")
+def recordings(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    folder = tmp_path_factory.mktemp("recordings")
+    drawn = lines("square")
+    save_recording(lines("bowl"), folder / "bowl.jsonl")
+    descending = drawn.position - np.array([0.0, 0.0, 12.0])
+    unpressed = Recording(drawn.time_ns, descending, drawn.orientation, header=drawn.header)
+    save_recording(drawn, folder / "lines.jsonl")
+    save_recording(unpressed, folder / "unpressed.jsonl.gz")
+    return {"demo": DEMO, "lines": folder / "lines.jsonl",
+            "in the bowl": folder / "bowl.jsonl",
+            "unpressed": folder / "unpressed.jsonl.gz"}  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("page")
+
+
+@pytest.fixture(scope="module")
+def in_node(
+    recordings: dict[str, Path], folder: Path, tmp_path_factory: pytest.TempPathFactory
+) -> dict[str, dict[str, Any]]:
+    """What Node paints, by the names of the cases."""
+    script = replay_script(tmp_path_factory.mktemp("replay"))
+    brushes = sorted(
+        {HAIR_CASE["brush"]} | {case.get("brush", "xiaobaiyun") for case in CASES.values()}
+    )
+    inks = ["pine soot", "cinnabar", "indigo"]
+    build_page(folder, OBJECTS, brushes, inks, page=None, materials=["porcelain", "xuan"])
+    by_hairs = words(HAIR_CASE, recordings) | {"save": os.fspath(folder / HAIRS)}
+    asked = [words(case, recordings) for case in CASES.values()]
+    done = subprocess.run(
+        ["node", script, os.fspath(folder), *map(json.dumps, [*asked, by_hairs])],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    names = [*CASES, HAIRS]
+    return dict(zip(names, map(json.loads, done.stdout.splitlines()), strict=True))
+
+
+def words(case: dict[str, Any], recordings: dict[str, Path]) -> dict[str, Any]:
+    usual = {"object": "bowl", "brush": "xiaobaiyun", "parts": SOOT}
+    recording = os.fspath(recordings[case.get("recording", "demo")])
+    return usual | case | {"recording": recording}
+
+
+def in_python(case: dict[str, Any]) -> tuple[PaintedSurface, dict[str, float]]:
+    surface = PaintedSurface(load_mesh(case["object"]), case["resolution"], case.get("material"))
+    painter = Painter(
+        surface, case["brush"], case["parts"], case.get("azimuth", "commanded"),
+        case.get("pickup"), amount=DipAmount(**case.get("amount", {})),
+    )  # fmt: skip
+    recording = load_recording(case["recording"])
+    if "live" in case:
+        samples = list(recording.samples())
+        for k in range(0, len(samples), case["live"]):
+            painter.advance(samples[k : k + case["live"]])
+        painter.finish()
+    else:
+        painter.replay(recording)
+    return surface, painter.ledger()
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_a_recording_gives_the_same_bytes_in_the_page(
+    name: str, in_node: dict[str, dict[str, Any]], recordings: dict[str, Path]
+) -> None:
+    surface, ledger = in_python(words(CASES[name], recordings))
+    hashes, found = hashes_of(surface), in_node[name]
+    assert {key: found[key] for key in hashes} == hashes
+    assert ledger["wet"] > 0.0
+    accounts = {
+        "loaded": "loaded",
+        "in_brush": "inBrush",
+        "wet": "wet",
+        "off_surface": "offSurface",
+    }
+    for ours, theirs in accounts.items():
+        assert found["ledger"][theirs] == pytest.approx(ledger[ours], rel=1e-9, abs=1e-6), ours
+
+
+def test_single_hairs_paint_the_same_but_for_the_estimate_of_a_root(
+    in_node: dict[str, dict[str, Any]], folder: Path, recordings: dict[str, Path]
+) -> None:
+    """In Python the processor estimates 1 / sqrt, in the page nothing is estimated."""
+    surface, _ = in_python(words(HAIR_CASE, recordings))
+    n = surface.n_vertices
+    assert in_node[HAIRS]["vertices"] == n
+    raw = (folder / HAIRS).read_bytes()
+    codes = np.frombuffer(raw, np.uint8, 3 * n).reshape(n, 3).astype(int)
+    amounts = np.frombuffer(raw[3 * n :], np.float32)
+    apart = np.abs(codes - surface.srgb.astype(int)).max(axis=1)
+    assert apart.max() <= 1
+    assert np.count_nonzero(apart) <= 1e-3 * n
+    np.testing.assert_allclose(amounts, surface.amounts.ravel(), rtol=0.0, atol=1e-3)
+
+
+def test_a_painting_in_the_page_loses_no_ink(in_node: dict[str, dict[str, Any]]) -> None:
+    for name, found in in_node.items():
+        accounts = found["ledger"]
+        rest = accounts["inBrush"] + accounts["wet"] + accounts["offSurface"]
+        assert accounts["loaded"] == pytest.approx(rest, rel=1e-6), name

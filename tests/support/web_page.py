@@ -1,0 +1,82 @@
+"""The studio as a page: its data decoded, its scripts built, its paintings compared."""
+
+from __future__ import annotations
+
+import gzip
+import hashlib
+import json
+import os
+import shutil
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from paint3d.core.arrays import AnyArray
+from paint3d.surface.painted_surface import PaintedSurface
+from tools.kernels.building import is_built
+
+__all__ = ["built_page", "decoded_bundle", "hashes_of", "replay_script", "why_no_kernels"]
+
+WEB = Path(__file__).parents[2] / "web"
+
+
+def why_no_kernels(folder: Path) -> str:
+    """Why a page cannot be painted in; "" where its kernels are those of the sources."""
+    if not (folder / "index.json").is_file():
+        return "no kernels for a page: python -m tools.kernels --for wasm32"
+    if not is_built(["wasm32"], folder):
+        return "the page's kernels are those of other sources: python -m tools.kernels --for wasm32"
+    return ""
+
+
+def replay_script(folder: Path) -> Path:
+    """The painter alone, for Node, built into a folder."""
+    _run_vite("--config", "vite.replay.config.ts", "--outDir", os.fspath(folder))
+    return folder / "replay.mjs"
+
+
+def built_page(folder: Path) -> Path:
+    """The page as `npm run build` makes it, in a folder."""
+    _run_vite("--outDir", os.fspath(folder))
+    return folder
+
+
+def _run_vite(*words: str) -> None:
+    if shutil.which("npx") is None or not (WEB / "node_modules" / "vite").is_dir():
+        pytest.skip("what builds the page is not installed: npm install, in web/")
+    done = subprocess.run(
+        ["npx", "vite", "build", *words], cwd=WEB, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+
+
+def hashes_of(surface: PaintedSurface) -> dict[str, Any]:
+    """What a page says of its painting."""
+    arrays = {"srgb": surface.srgb, "amounts": surface.amounts, "coverage": surface.coverage}
+    hashes = {
+        name: hashlib.sha256(np.ascontiguousarray(array).tobytes()).hexdigest()
+        for name, array in arrays.items()
+    }
+    return {"vertices": surface.n_vertices, **hashes}
+
+
+def decoded_bundle(path: Path) -> tuple[dict[str, Any], dict[str, AnyArray]]:
+    """Words and arrays of a file of the page, as its format says."""
+    data = gzip.decompress(path.read_bytes())
+    assert data[:8] == b"P3DPAGE1"
+    head = json.loads(data[16 : 16 + int.from_bytes(data[8:12], "little")])
+    arrays = {}
+    for name, place in head["arrays"].items():
+        dtype = np.dtype(f"<{place['kind']}") if place["kind"] != "b1" else np.dtype(bool)
+        size, width = int(np.prod(place["shape"])), dtype.itemsize
+        assert place["at"] % 16 == 0
+        planes = np.frombuffer(data, np.uint8, size * width, place["at"])
+        numbers = planes.reshape(width, size).T.copy().view(f"u{width}").reshape(size)
+        for lag in place["lags"]:
+            for start in range(lag):
+                numbers[start::lag] = np.cumsum(numbers[start::lag], dtype=numbers.dtype)
+        arrays[name] = numbers.view(dtype).reshape(place["shape"])
+    return head["words"], arrays

@@ -1,0 +1,141 @@
+/** The scratch arrays of the kernels that place and paint: `paint3d/brush_engine/scratch.py`. */
+
+import { NDArray, type Records } from "../core/arrays";
+import type { Argument, Kernels } from "../core/kernels";
+import type { PaintMesh } from "../mesh/refined_mesh";
+
+/** Sizes that Python's modules name. */
+export interface Sizes {
+  block: number;
+  counters: number;
+  rows: number;
+  work_rows: number;
+  cursor: number;
+  disc_rows: number;
+  tuft_scratch: number;
+  outline: number;
+  between: [number, number];
+  lines: number;
+  profile_cells: number;
+}
+
+export interface Stamp {
+  [name: string]: Argument;
+  values: Records;
+  half_widths: NDArray<"f8">;
+  lines: NDArray<"f4">;
+}
+
+/** Where the stroke stands, so that painting can be taken up again. */
+export interface Progress {
+  [name: string]: Argument;
+  at: NDArray<"i8">;
+  before: Stamp;
+  after: Stamp;
+  noted: NDArray<"f8">;
+}
+
+export interface Scratch {
+  [name: string]: Argument;
+  counters: NDArray<"i8">;
+  warm: NDArray<"f8">;
+  part: NDArray<"f8">;
+  taken: NDArray<"f8">;
+  found: { [name: string]: NDArray };
+}
+
+export function makeStamp(kernels: Kernels, sizes: Sizes): Stamp {
+  return {
+    values: kernels.records("brush_engine.footprint.GEOMETRY"),
+    half_widths: kernels.zeros("f8", sizes.profile_cells + 2),
+    lines: kernels.zeros("f4", sizes.profile_cells, 4),
+  };
+}
+
+export function makeProgress(kernels: Kernels, sizes: Sizes): Progress {
+  return {
+    at: kernels.zeros("i8", 3),
+    before: makeStamp(kernels, sizes),
+    after: makeStamp(kernels, sizes),
+    noted: kernels.zeros("f8", 8),
+  };
+}
+
+export function makeScratch(
+  kernels: Kernels, sizes: Sizes, mesh: PaintMesh, nPigments: number,
+): Scratch {
+  const { nSheets: sheets, nCells: cells, nBlocks: blocks } = mesh;
+  const n = sizes.block;
+  const kinds = kernels.zeros("u1", n);
+  const zeros = kernels.zeros.bind(kernels);
+  return {
+    counters: zeros("i8", sizes.counters),
+    pose: zeros("f8", 9),
+    foot: zeros("f8", 6),
+    warm: zeros("f8", 5),
+    vector: zeros("f8", 3),
+    drag: zeros("f8", 3),
+    held: zeros("f8", 3),
+    tuft: zeros("f8", sizes.tuft_scratch),
+    reach: zeros("f8", sizes.outline),
+    half_width: zeros("f8", sizes.outline),
+    bounds: zeros("f8", 8),
+    sweep: kernels.records("brush_engine.footprint.SWEEP"),
+    between: zeros("f8", ...sizes.between),
+    part: zeros("f8", nPigments),
+    taken: zeros("f8", nPigments),
+    patch: {
+      tick: zeros("i8", 1),
+      count: zeros("i8", 1),
+      sheets: zeros("i4", sheets),
+      ticks: zeros("i8", sheets),
+    },
+    query: {
+      tick: zeros("i8", 1),
+      cell_ticks: zeros("i8", cells),
+      cells: zeros("i4", sheets),
+      slopes: zeros("f4", sheets),
+      discs: zeros("f4", sizes.disc_rows, Math.max(sheets, blocks)),
+      where: zeros("u1", 2, Math.max(sheets, blocks)),
+      blocks: zeros("i4", blocks, 3),
+      runs: zeros("i4", cells + blocks, 3),
+      cursor: zeros("i8", sizes.cursor),
+    },
+    block: {
+      ids: zeros("i4", n),
+      rows: zeros("f4", sizes.rows, n),
+      packed_ids: zeros("i4", n),
+      packed: zeros("f4", sizes.rows, n),
+      work: zeros("f4", sizes.work_rows, n),
+      near: zeros("i4", 2, n),
+      kinds,
+      eights: kinds.seenAs("u8"),
+    },
+    found: makeFound(kernels, mesh),
+    lines: zeros("f8", 3, sizes.lines),
+  };
+}
+
+/** The same scratch, for a mesh that has grown or a pigment more; what was begun goes on. */
+export function growScratch(
+  kernels: Kernels, scratch: Scratch, mesh: PaintMesh, nPigments: number,
+): Scratch {
+  for (const array of [...Object.values(scratch.found), scratch.part, scratch.taken]) array.free();
+  return {
+    ...scratch,
+    found: makeFound(kernels, mesh),
+    part: kernels.zeros("f8", nPigments),
+    taken: kernels.zeros("f8", nPigments),
+  };
+}
+
+function makeFound(kernels: Kernels, mesh: PaintMesh): { [name: string]: NDArray } {
+  const n = mesh.capacity + 1;
+  return {
+    ids: kernels.zeros("i4", n),
+    share: kernels.zeros("f4", n),
+    cover: kernels.zeros("f4", n),
+    lanes: kernels.zeros("i2", n),
+    under: kernels.zeros("f4", n),
+  };
+}

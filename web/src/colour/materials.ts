@@ -1,0 +1,33 @@
+/** What surfaces are made of, and the inks that are painted with, as Python has prepared them. */
+
+import type { NDArray } from "../core/arrays";
+
+export interface Material {
+  name: string;
+  chinese: string;
+  grain: number;
+  tooth_mm: number;
+  uptake: number;
+  slip: number;
+  seen_roughness: number;
+}
+
+/** A pigment: a column of the ink's arrays. */
+export interface Pigment {
+  name: string;
+  chinese: string;
+  saunderson: boolean;
+  lasting: boolean; // not water
+  in_palette: boolean;
+  K: Float64Array;
+  S: Float64Array;
+}
+
+/** Tables of a single pigment on a material. */
+export interface OneInk {
+  [name: string]: NDArray | number;
+  table: NDArray<"f4">;
+  shades: NDArray<"u1">;
+  bend: number;
+  bare: NDArray<"f4">;
+}

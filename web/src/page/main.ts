@@ -1,0 +1,618 @@
+/** The studio as a page. */
+
+import { KernelError } from "../core/kernels";
+import type { Vector } from "../core/quaternion";
+import { Studio, type Contents, type Fetch } from "../studio";
+import { ballAround, Camera } from "./camera";
+import { Document } from "./document";
+import { Hand, type PointerInput } from "./hand";
+import { Stage, StageError } from "./stage";
+import { choose, language, named, say, type Texts } from "./texts";
+
+// What SIMD is tried by: a function whose body is one instruction of it.
+const SIMD = new Uint8Array([
+  0, 97, 115, 109, 1, 0, 0, 0, 1, 5, 1, 96, 0, 1, 123, 3, 2, 1, 0, 10, 10, 1, 8, 0, 65, 0, 253, 15,
+  253, 98, 11,
+]); // prettier-ignore
+const WHEEL_NOTCH = 1.0015; // nearer by this a unit of the wheel
+const PALM_MS = 700; // after a pen's last word a touch is a palm
+
+function element<T extends HTMLElement = HTMLElement>(id: string): T {
+  const found = document.getElementById(id);
+  if (found === null) throw new Error(`the page has no ${id}`);
+  return found as T;
+}
+
+/** What the page cannot do without. */
+class Missing extends Error {
+  constructor(
+    readonly key: keyof Texts,
+    readonly fields: Record<string, string | number> = {},
+  ) {
+    super(key);
+  }
+}
+
+class Page {
+  readonly #canvas = element<HTMLCanvasElement>("canvas");
+  readonly #message = element("message");
+  readonly #files = new Map<string, Promise<ArrayBuffer>>();
+  readonly #stage: Stage;
+  #studio: Studio | null = null;
+  #painting: Document | null = null;
+  #camera: Camera | null = null;
+  #hand: Hand | null = null;
+  #object = 0;
+  #brush = "";
+  #ink = "";
+  #dipAlways = true;
+  #press = 0.5;
+  #drawn = false; // whether a frame is asked for
+  #changed: Int32Array[] = [];
+  #pointer: number | null = null; // that is down and paints, as far as was heard
+  #inStroke = false; // as far as was painted
+  #events: PointerEvent[] = [];
+  #touches = new Map<number, { x: number; y: number }>();
+  #turning: { pointer: number; pans: boolean; x: number; y: number } | null = null;
+  #penAt = -Infinity;
+
+  constructor() {
+    this.#stage = new Stage(this.#canvas);
+    const lost = (event: Event): void => {
+      event.preventDefault();
+      this.tell("noWebGl");
+    };
+    this.#canvas.addEventListener("webglcontextlost", lost);
+    this.#listen();
+    new ResizeObserver(() => this.#resize()).observe(this.#canvas);
+  }
+
+  readonly #fetch: Fetch = (name) => {
+    let file = this.#files.get(name);
+    if (file === undefined) {
+      file = fetch(name).then(
+        (answer) => {
+          if (!answer.ok) throw new Missing("noFile", { name, status: answer.status });
+          return answer.arrayBuffer();
+        },
+        (cause: unknown) => {
+          throw new Missing("noFile", { name, status: String(cause) });
+        },
+      );
+      file.catch(() => this.#files.delete(name)); // it may be had later
+      this.#files.set(name, file);
+    }
+    return file;
+  };
+
+  /** Say something in place of the picture. */
+  tell(key: keyof Texts, fields: Record<string, string | number> = {}): void {
+    showMessage(say(key, fields));
+  }
+
+  /** Say what went wrong. */
+  fail(cause: unknown): void {
+    this.#pointer = null;
+    this.#inStroke = false;
+    this.#events = [];
+    if (cause instanceof Missing) this.tell(cause.key, cause.fields);
+    else if (cause instanceof StageError) this.tell("noWebGl");
+    else if (cause instanceof RangeError || (cause instanceof KernelError && /memory/.test(cause.message)))
+      this.tell("noMemory");
+    else this.tell("failed", { cause: cause instanceof Error ? cause.message : String(cause) });
+    console.error(cause);
+  }
+
+  /** Open the folder's first object. */
+  async begin(): Promise<void> {
+    const contents = JSON.parse(
+      new TextDecoder().decode(await this.#fetch("contents.json")),
+    ) as Contents;
+    this.#brush = contents.brushes[0].name;
+    this.#ink = contents.inks[0].name;
+    await this.open(contents, 0);
+  }
+
+  /** Open an object, fresh. */
+  async open(contents: Contents, place: number): Promise<void> {
+    const about = contents.objects[place];
+    this.tell("loading", { name: named(about) });
+    // its own kernels, whose memory goes with them
+    const studio = await Studio.open(this.#fetch);
+    const painting = await Document.open(studio, about, this.#brush, this.#ink);
+    this.#object = place;
+    this.#studio = studio;
+    this.#painting = painting;
+    const { arrays, nBaseVertices: n } = painting.surface.paintMesh;
+    const [middle, radius] = ballAround(arrays.px.data, arrays.py.data, arrays.pz.data, n);
+    const z = arrays.pz.data;
+    let [low, high] = [Infinity, -Infinity];
+    for (let i = 0; i < n; i++) [low, high] = [Math.min(low, z[i]), Math.max(high, z[i])];
+    const flat = high - low < 0.01 * radius;
+    this.#camera = new Camera(middle, radius, flat);
+    this.#hand = new Hand(studio.kernels, studio.sizes, painting.closest, {
+      firmness: 1.0, mousePressure: 0.0,
+    }); // prettier-ignore
+    this.#setPress(this.#press);
+    this.#stage.open(painting, flat);
+    this.#message.hidden = true;
+    this.#resize();
+    this.#camera.showAll(this.#aspect());
+    this.showBar();
+    this.draw();
+  }
+
+  // -- the bar --------------------------------------------------------------------------------
+
+  /** Show what there is to choose, in the language that is spoken. */
+  showBar(): void {
+    const studio = this.#studio;
+    if (studio === null) return;
+    const { contents } = studio;
+    document.title = say("title");
+    element("hint").textContent = say("hint");
+    element("ink").setAttribute("aria-label", say("inkLeft"));
+    const objects = contents.objects.map((one) => `${named(one)} · ${say("size", { mm: one.resolution })}`);
+    const bar = element("bar");
+    bar.replaceChildren(
+      choice("object", say("object"), objects, this.#object, (k) => this.#change(k)),
+      choice("brush", say("brush"), contents.brushes.map(named),
+        contents.brushes.findIndex((one) => one.name === this.#brush),
+        (k) => this.#takeBrush(contents.brushes[k].name)),
+      choice("inks", say("ink"), contents.inks.map(named),
+        contents.inks.findIndex((one) => one.name === this.#ink),
+        (k) => this.#takeInk(contents.inks[k].name)),
+      slider("press", say("press"), this.#press, (value) => this.#setPress(value)),
+      button("dip", say("dip"), () => this.#act(() => this.#dip())),
+      tick("always", say("dipAlways"), this.#dipAlways, (on) => (this.#dipAlways = on)),
+      group([
+        button("undo", say("undo"), () => this.undo()),
+        button("fresh", say("fresh"), () => this.#change(this.#object)),
+        button("whole", say("view"), () => this.#showAll()),
+      ]),
+      group([
+        button("picture", say("picture"), () => void this.savePicture()),
+        button("score", say("score"), () => this.saveScore()),
+      ]),
+      button("language", say("language"), () => this.#speak()),
+    ); // prettier-ignore
+    bar.lastElementChild?.classList.add("end");
+    this.#showState();
+  }
+
+  #showState(): void {
+    const painting = this.#painting;
+    if (painting === null) return;
+    element<HTMLButtonElement>("undo").disabled = !painting.canUndo;
+    const share = Math.round(100 * Math.min(1.0, painting.painter.inkLeft()));
+    element("ink").setAttribute("aria-valuenow", String(share));
+    (element("ink").firstElementChild as HTMLElement).style.height = `${share}%`;
+  }
+
+  #speak(): void {
+    choose(language() === "en" ? "zh" : "en");
+    this.showBar();
+  }
+
+  #change(place: number): void {
+    const painting = this.#painting;
+    if (this.#studio === null) return;
+    if (painting?.isPainted === true && !confirm(say("leave"))) return this.showBar();
+    this.open(this.#studio.contents, place).catch((cause: unknown) => this.fail(cause));
+  }
+
+  #takeBrush(name: string): void {
+    const { studio, painting } = this.#opened();
+    studio.brush(name).then(
+      (brush) =>
+        this.#act(() => {
+          this.#brush = name;
+          painting.setBrush(brush);
+        }),
+      (cause: unknown) => this.fail(cause),
+    );
+  }
+
+  #takeInk(name: string): void {
+    this.#ink = name;
+    this.#act(() => this.#dip());
+  }
+
+  #dip(): void {
+    const { studio, painting } = this.#opened();
+    painting.dip(studio, this.#ink);
+  }
+
+  /** 0 to 1: how firm a pen, and how heavy a mouse, presses. */
+  #setPress(value: number): void {
+    this.#press = value;
+    if (this.#hand === null) return;
+    this.#hand.settings.firmness = 2.0 * value;
+    this.#hand.settings.mousePressure = 0.7 * value;
+  }
+
+  #showAll(): void {
+    this.#camera?.showAll(this.#aspect());
+    this.draw();
+  }
+
+  undo(): void {
+    const { painting } = this.#opened();
+    if (this.#pointer !== null) return; // a stroke goes on
+    this.#act(() => {
+      this.#paint(); // what was heard since the last frame
+      painting.undo();
+    });
+  }
+
+  /** Do something to the painting, and show it. */
+  #act(work: () => void): void {
+    try {
+      work();
+      this.#refresh();
+    } catch (cause) {
+      this.fail(cause);
+    }
+  }
+
+  #refresh(): void {
+    const { painting } = this.#opened();
+    this.#changed.push(painting.surface.refresh());
+    this.#showState();
+    this.draw();
+  }
+
+  #opened(): { studio: Studio; painting: Document; camera: Camera; hand: Hand } {
+    const [studio, painting, camera, hand] = [this.#studio, this.#painting, this.#camera, this.#hand];
+    if (studio === null || painting === null || camera === null || hand === null)
+      throw new Error("nothing is open");
+    return { studio, painting, camera, hand };
+  }
+
+  // -- files ----------------------------------------------------------------------------------
+
+  /** Save what is seen, as PNG. */
+  async savePicture(): Promise<void> {
+    const { camera } = this.#opened();
+    this.#stage.draw(camera);
+    const seen = document.createElement("canvas");
+    Object.assign(seen, { width: this.#canvas.width, height: this.#canvas.height });
+    const context = seen.getContext("2d");
+    if (context === null) return;
+    context.fillStyle = getComputedStyle(document.documentElement).getPropertyValue("--ground");
+    context.fillRect(0, 0, seen.width, seen.height);
+    context.drawImage(this.#canvas, 0, 0);
+    const blob = await new Promise<Blob | null>((done) => seen.toBlob(done, "image/png"));
+    if (blob !== null) save(blob, `${this.#name()}.png`);
+  }
+
+  /** Save what was done, for `paint3d replay`. */
+  saveScore(): void {
+    const text = this.score();
+    save(new Blob([text], { type: "application/jsonl" }), `${this.#name()}.score.jsonl`);
+  }
+
+  score(): string {
+    return this.#opened().painting.score();
+  }
+
+  /** The SHA-256 of the colours and of the amounts, as the tests compare them. */
+  async hashes(): Promise<Record<string, string | number>> {
+    const { surface } = this.#opened().painting;
+    surface.refresh();
+    const n = surface.nVertices;
+    const sha = async (bytes: Uint8Array): Promise<string> => {
+      const digest = await crypto.subtle.digest("SHA-256", bytes.slice());
+      return [...new Uint8Array(digest)].map((b) => b.toString(16).padStart(2, "0")).join("");
+    };
+    return {
+      vertices: n,
+      srgb: await sha(surface.codes.bytes.subarray(0, 3 * n)),
+      amounts: await sha(surface.ink.amounts.bytes.subarray(0, 4 * n * surface.pigments.length)),
+    };
+  }
+
+  #name(): string {
+    const when = new Date().toISOString().slice(0, 19).replace(/[:T]/g, "-");
+    return `${this.#opened().painting.about.name}-${when}`;
+  }
+
+  // -- the picture ----------------------------------------------------------------------------
+
+  #aspect(): number {
+    return this.#canvas.width / Math.max(1, this.#canvas.height);
+  }
+
+  #resize(): void {
+    const ratio = Math.min(2.0, devicePixelRatio);
+    this.#canvas.width = Math.max(1, Math.round(this.#canvas.clientWidth * ratio));
+    this.#canvas.height = Math.max(1, Math.round(this.#canvas.clientHeight * ratio));
+    this.draw();
+  }
+
+  /** Ask for a frame: paint what was heard, and draw. */
+  draw(): void {
+    if (this.#drawn) return;
+    this.#drawn = true;
+    requestAnimationFrame(() => {
+      this.#drawn = false;
+      if (this.#camera === null) return;
+      try {
+        this.#paint();
+        for (const ids of this.#changed.splice(0)) this.#stage.follow(ids);
+        this.#stage.draw(this.#camera);
+      } catch (cause) {
+        this.fail(cause);
+      }
+    });
+  }
+
+  // -- the hand -------------------------------------------------------------------------------
+
+  #listen(): void {
+    const canvas = this.#canvas;
+    const heard = (work: (event: PointerEvent) => void) => (event: PointerEvent) => {
+      if (this.#painting === null) return;
+      event.preventDefault();
+      try {
+        work(event);
+      } catch (cause) {
+        this.fail(cause);
+      }
+    };
+    canvas.addEventListener("pointerdown", heard((event) => this.#down(event)));
+    canvas.addEventListener("pointermove", heard((event) => this.#move(event)));
+    canvas.addEventListener("pointerup", heard((event) => this.#up(event)));
+    canvas.addEventListener("pointercancel", heard((event) => this.#up(event)));
+    canvas.addEventListener("contextmenu", (event) => event.preventDefault());
+    const wheel = (event: WheelEvent): void => {
+      event.preventDefault();
+      const [x, y] = this.#placeOf(event);
+      this.#camera?.zoom(WHEEL_NOTCH ** -event.deltaY, x, y, this.#aspect());
+      this.draw();
+    };
+    canvas.addEventListener("wheel", wheel, { passive: false });
+    addEventListener("keydown", (event) => {
+      if ((event.ctrlKey || event.metaKey) && event.key.toLowerCase() === "z" && this.#painting) {
+        event.preventDefault();
+        this.undo();
+      }
+    });
+    addEventListener("beforeunload", (event) => {
+      if (this.#painting?.isPainted === true) event.preventDefault();
+    });
+  }
+
+  #down(event: PointerEvent): void {
+    this.#canvas.setPointerCapture(event.pointerId);
+    if (event.pointerType === "pen") this.#penAt = event.timeStamp;
+    if (event.pointerType === "touch") {
+      if (event.timeStamp - this.#penAt < PALM_MS || this.#strokeIsAPens()) return; // a palm
+      this.#touches.set(event.pointerId, { x: event.clientX, y: event.clientY });
+      if (this.#touches.size > 1) return this.#takeBack();
+    }
+    const turns = event.button !== 0 || event.altKey;
+    if (turns) {
+      const pans = event.button === 1 || event.shiftKey;
+      this.#turning = { pointer: event.pointerId, pans, x: event.clientX, y: event.clientY };
+      return;
+    }
+    if (this.#pointer !== null) return;
+    this.#pointer = event.pointerId;
+    this.#hear(event);
+  }
+
+  #strokeIsAPens(): boolean {
+    return this.#pointer !== null && !this.#touches.has(this.#pointer);
+  }
+
+  /** A second finger came: what the first has painted was no stroke. */
+  #takeBack(): void {
+    if (this.#pointer === null) return;
+    const pointer = this.#pointer;
+    this.#pointer = null;
+    this.#events = this.#events.filter((event) => event.pointerId !== pointer);
+    if (!this.#inStroke) return;
+    this.#inStroke = false;
+    const { painting, hand } = this.#opened();
+    painting.advance(hand.end(painting.lastNs, painting.painter.brush));
+    painting.endStroke();
+    painting.undo();
+    this.#refresh();
+  }
+
+  #move(event: PointerEvent): void {
+    if (event.pointerType === "pen") this.#penAt = event.timeStamp;
+    if (this.#pointer === event.pointerId) return this.#hear(event);
+    const touch = this.#touches.get(event.pointerId);
+    if (touch !== undefined && this.#touches.size === 2) {
+      this.#pinch(touch, event);
+      return;
+    }
+    const turning = this.#turning;
+    if (turning === null || turning.pointer !== event.pointerId) return;
+    const [x, y] = [event.clientX - turning.x, event.clientY - turning.y];
+    Object.assign(turning, { x: event.clientX, y: event.clientY });
+    if (turning.pans) this.#camera?.pan(x, y, this.#canvas.clientHeight);
+    else this.#camera?.turn(x, y);
+    this.draw();
+  }
+
+  /** Two fingers: apart, nearer; both along, turn. */
+  #pinch(touch: { x: number; y: number }, event: PointerEvent): void {
+    const [a, b] = [...this.#touches.values()];
+    const apart = (): number => Math.max(10, Math.hypot(a.x - b.x, a.y - b.y));
+    const before = apart();
+    const [x, y] = [event.clientX - touch.x, event.clientY - touch.y];
+    Object.assign(touch, { x: event.clientX, y: event.clientY });
+    const at = this.#placeOf({ clientX: 0.5 * (a.x + b.x), clientY: 0.5 * (a.y + b.y) });
+    this.#camera?.zoom(apart() / before, at[0], at[1], this.#aspect());
+    this.#camera?.turn(0.5 * x, 0.5 * y);
+    this.draw();
+  }
+
+  #up(event: PointerEvent): void {
+    this.#touches.delete(event.pointerId);
+    if (this.#turning?.pointer === event.pointerId) this.#turning = null;
+    if (this.#pointer !== event.pointerId) return;
+    this.#pointer = null;
+    this.#hear(event);
+  }
+
+  #hear(event: PointerEvent): void {
+    this.#events.push(event);
+    this.draw();
+  }
+
+  /** Paint what was heard since the last frame. */
+  #paint(): void {
+    const events = this.#events.splice(0);
+    if (events.length === 0) return;
+    const { painting, hand, studio } = this.#opened();
+    const { painter } = painting;
+    for (const event of events) {
+      if (event.type === "pointerdown") {
+        const input = this.#inputOf(event);
+        if (this.#dipAlways) painting.dip(studio, this.#ink);
+        const samples = hand.begin(input, painter.brush);
+        if (samples === null) {
+          this.#turnBeside(event);
+          continue;
+        }
+        painting.beginStroke();
+        this.#inStroke = true;
+        painting.advance(samples);
+      } else if (!this.#inStroke) continue;
+      else if (event.type === "pointermove") {
+        const all = event.getCoalescedEvents();
+        for (const one of all.length > 0 ? all : [event])
+          painting.advance(hand.move(this.#inputOf(one), painter.brush));
+      } else {
+        painting.advance(hand.end(this.#timeOf(event), painter.brush));
+        painting.endStroke();
+        this.#inStroke = false;
+      }
+    }
+    this.#changed.push(painting.surface.refresh());
+    this.#showState();
+  }
+
+  /** Who comes down beside the object turns it. */
+  #turnBeside(event: PointerEvent): void {
+    if (this.#pointer !== event.pointerId) return; // it is up again
+    this.#pointer = null;
+    const { clientX: x, clientY: y, pointerId: pointer } = event;
+    this.#turning = { pointer, pans: false, x, y };
+  }
+
+  #timeOf(event: PointerEvent): bigint {
+    const time = BigInt(Math.round(event.timeStamp * 1e6));
+    const least = (this.#painting?.lastNs ?? 0n) + 2_000_000n;
+    return event.type === "pointerdown" && time < least ? least : time;
+  }
+
+  #inputOf(event: PointerEvent): PointerInput {
+    const { camera } = this.#opened();
+    const [x, y] = this.#placeOf(event);
+    const [right, up] = camera.axes;
+    return {
+      timeNs: this.#timeOf(event),
+      origin: camera.eye,
+      direction: camera.ray(x, y, this.#aspect()) as Vector,
+      right,
+      up,
+      pressure: event.pointerType === "pen" ? event.pressure : null,
+      xTilt: event.tiltX,
+      yTilt: event.tiltY,
+    };
+  }
+
+  /** A place of the picture, -1 to 1, y upwards. */
+  #placeOf(event: { clientX: number; clientY: number }): [number, number] {
+    const box = this.#canvas.getBoundingClientRect();
+    return [
+      (2.0 * (event.clientX - box.left)) / box.width - 1.0,
+      1.0 - (2.0 * (event.clientY - box.top)) / box.height,
+    ];
+  }
+}
+
+function choice(
+  id: string, text: string, names: string[], chosen: number, then: (place: number) => void,
+): HTMLElement {
+  const label = document.createElement("label");
+  const select = document.createElement("select");
+  select.id = id;
+  select.append(...names.map((name, k) => new Option(name, String(k), k === chosen, k === chosen)));
+  select.addEventListener("change", () => then(select.selectedIndex));
+  label.append(text, select);
+  return label;
+}
+
+function slider(id: string, text: string, value: number, then: (value: number) => void): HTMLElement {
+  const label = document.createElement("label");
+  const input = document.createElement("input");
+  Object.assign(input, { id, type: "range", min: "0.1", max: "1", step: "0.05" });
+  input.value = String(value);
+  input.addEventListener("input", () => then(Number(input.value)));
+  label.append(text, input);
+  return label;
+}
+
+function tick(id: string, text: string, on: boolean, then: (on: boolean) => void): HTMLElement {
+  const label = document.createElement("label");
+  const input = document.createElement("input");
+  Object.assign(input, { id, type: "checkbox", checked: on });
+  input.addEventListener("change", () => then(input.checked));
+  label.append(input, text);
+  return label;
+}
+
+function button(id: string, text: string, then: () => void): HTMLButtonElement {
+  const made = document.createElement("button");
+  Object.assign(made, { id, textContent: text, type: "button" });
+  made.addEventListener("click", then);
+  return made;
+}
+
+function group(parts: HTMLElement[]): HTMLElement {
+  const made = document.createElement("span");
+  made.className = "group";
+  made.append(...parts);
+  return made;
+}
+
+function save(blob: Blob, name: string): void {
+  const link = document.createElement("a");
+  link.href = URL.createObjectURL(blob);
+  link.download = name;
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 60_000);
+}
+
+/** Say something in place of the picture. */
+function showMessage(text: string): void {
+  const message = element("message");
+  message.textContent = text;
+  message.classList.add("said");
+  message.hidden = false;
+}
+
+/** Begin, or say what this browser lacks. */
+function start(): void {
+  choose(language());
+  if (typeof WebAssembly !== "object" || !WebAssembly.validate(SIMD))
+    return showMessage(say("noWasm"));
+  if (typeof DecompressionStream !== "function") return showMessage(say("noUnpacking"));
+  let page: Page;
+  try {
+    page = new Page();
+  } catch (cause) {
+    if (cause instanceof StageError) return showMessage(say("noWebGl"));
+    throw cause;
+  }
+  Object.assign(window, { paint3d: page });
+  page.begin().catch((cause: unknown) => page.fail(cause));
+}
+
+start();

@@ -1,0 +1,308 @@
+/** The picture of the object, by WebGL 2, kept in step with the painting. */
+
+import type { NDArray } from "../core/arrays";
+import type { Vector } from "../core/quaternion";
+import type { Camera } from "./camera";
+import type { Document } from "./document";
+
+const AXES = ["px", "py", "pz", "nx", "ny", "nz"] as const;
+
+// The sky is white above, greyer at the horizon, and the table below throws a little light back. A
+// lamp to the upper left gives the form; what a glaze mirrors of both is added.
+const LIGHT = `
+const vec3 LAMP = normalize(vec3(-0.45, -0.35, 0.82));
+vec3 sky(vec3 d) {
+  float up = d.z;
+  vec3 high = mix(vec3(0.74, 0.75, 0.77), vec3(1.0), smoothstep(-0.1, 0.9, up));
+  float window = smoothstep(0.90, 0.96, dot(d, normalize(vec3(-0.55, -0.25, 0.75))));
+  return mix(vec3(0.42, 0.40, 0.38), high, smoothstep(-0.25, 0.1, up)) + 1.5 * window;
+}
+vec3 encoded(vec3 c) {
+  c = clamp(c, 0.0, 1.0);
+  return mix(12.92 * c, 1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, step(0.0031308, c));
+}
+vec3 decoded(vec3 c) {
+  return mix(c / 12.92, pow((c + 0.055) / 1.055, vec3(2.4)), step(0.04045, c));
+}`;
+
+const VERTEX = `#version 300 es
+in float px; in float py; in float pz; in float nx; in float ny; in float nz;
+in vec3 colour; in float openness;
+uniform mat4 view;
+out vec3 place; out vec3 normal; out vec3 code; out float open;
+void main() {
+  place = vec3(px, py, pz); normal = vec3(nx, ny, nz); code = colour; open = openness;
+  gl_Position = view * vec4(place, 1.0);
+}`;
+
+const FRAGMENT = `#version 300 es
+precision highp float;
+in vec3 place; in vec3 normal; in vec3 code; in float open;
+uniform vec3 eye; uniform float roughness; uniform float flatness;
+out vec4 shown;
+${LIGHT}
+void main() {
+  vec3 n = normalize(normal), v = normalize(eye - place);
+  if (dot(n, v) < 0.0 && !gl_FrontFacing) n = -n;
+  vec3 paint = decoded(code);
+  float seen = open / (1.0 - 0.72 * (1.0 - open));  // light that white walls throw back comes again
+  float soft = max(0.0, dot(n, LAMP)) * smoothstep(0.1, 0.9, open);
+  vec3 round = paint * (0.86 * seen * (0.80 + 0.20 * n.z) + 0.24 * soft);
+  vec3 even = paint * (0.86 + 0.14 * max(0.0, dot(n, LAMP)));
+  vec3 lit = mix(round, even, flatness);
+  float grazing = pow(1.0 - max(dot(n, v), 0.0), 5.0);
+  float mirrored = (0.035 + 0.4 * grazing * (1.0 - roughness)) * (1.0 - roughness);
+  vec3 r = reflect(-v, n);
+  vec3 seen_sky = mix(sky(r), vec3(0.85), roughness);
+  lit += mirrored * seen_sky * mix(0.25, 1.0, seen);
+  shown = vec4(encoded(lit), 1.0);
+}`;
+
+const GROUND_VERTEX = `#version 300 es
+in vec2 corner;
+uniform mat4 view; uniform vec3 middle; uniform vec2 half_size; uniform float margin;
+out vec2 at;
+void main() {
+  at = corner * (half_size + margin);
+  gl_Position = view * vec4(middle + vec3(at, 0.0), 1.0);
+}`;
+
+// The shadow of what stands there: dark under it, soft around.
+const GROUND_FRAGMENT = `#version 300 es
+precision highp float;
+in vec2 at;
+uniform vec2 half_size; uniform float round_by; uniform float margin; uniform float depth;
+out vec4 shown;
+void main() {
+  vec2 q = abs(at) - half_size + round_by;
+  float off = length(max(q, 0.0)) + min(max(q.x, q.y), 0.0) - round_by;
+  float dark = depth * pow(1.0 - clamp(off / margin, 0.0, 1.0), 2.4);
+  shown = vec4(vec3(0.0), dark);
+}`;
+
+/** A browser that cannot show the object. */
+export class StageError extends Error {
+  override name = "StageError";
+}
+
+export class Stage {
+  readonly #gl: WebGL2RenderingContext;
+  readonly #program: WebGLProgram;
+  readonly #ground: WebGLProgram;
+  #buffers: Record<string, WebGLBuffer> = {};
+  #array: WebGLVertexArrayObject | null = null;
+  #groundArray: WebGLVertexArrayObject | null = null;
+  #capacity = 0;
+  #known = 0; // vertices that were sent
+  #nodes = -1;
+  #corners = 0;
+  #openness = new Uint8Array();
+  #document: Document | null = null;
+  #foot: { middle: Vector; half: [number, number]; round: number; margin: number; depth: number } =
+    { middle: [0, 0, 0], half: [1, 1], round: 1, margin: 1, depth: 0 }; // prettier-ignore
+  flat = false;
+
+  constructor(readonly canvas: HTMLCanvasElement) {
+    const gl = canvas.getContext("webgl2", {
+      antialias: true, alpha: true, premultipliedAlpha: true, preserveDrawingBuffer: true,
+    }); // prettier-ignore
+    if (gl === null) throw new StageError("WebGL 2");
+    this.#gl = gl;
+    this.#program = linked(gl, VERTEX, FRAGMENT);
+    this.#ground = linked(gl, GROUND_VERTEX, GROUND_FRAGMENT);
+  }
+
+  /** Show another painting. */
+  open(document: Document, flat: boolean): void {
+    const gl = this.#gl;
+    for (const buffer of Object.values(this.#buffers)) gl.deleteBuffer(buffer);
+    if (this.#array !== null) gl.deleteVertexArray(this.#array);
+    this.#buffers = {};
+    this.#array = null;
+    this.#capacity = this.#known = this.#corners = 0;
+    this.#nodes = -1;
+    this.#document = document;
+    this.flat = flat;
+    this.#place(document);
+    this.follow([]);
+  }
+
+  /** Where it stands, and the shadow that it throws. */
+  #place(document: Document): void {
+    const mesh = document.surface.paintMesh;
+    const [x, y, z] = [mesh.arrays.px.data, mesh.arrays.py.data, mesh.arrays.pz.data];
+    const n = mesh.nBaseVertices;
+    let bottom = Infinity;
+    let top = -Infinity;
+    for (let i = 0; i < n; i++) [bottom, top] = [Math.min(bottom, z[i]), Math.max(top, z[i])];
+    const low = [Infinity, Infinity];
+    const high = [-Infinity, -Infinity];
+    for (let i = 0; i < n; i++) {
+      if (z[i] > bottom + 0.06 * (top - bottom) + 1e-3) continue;
+      for (const [k, axis] of [x, y].entries()) {
+        low[k] = Math.min(low[k], axis[i]);
+        high[k] = Math.max(high[k], axis[i]);
+      }
+    }
+    const half: [number, number] = [0.5 * (high[0] - low[0]), 0.5 * (high[1] - low[1])];
+    const size = Math.min(half[0], half[1]);
+    this.#foot = {
+      middle: [0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1]), bottom - (this.flat ? 0.3 : 0.01)],
+      half,
+      round: this.flat ? 0.02 * size : size,
+      margin: this.flat ? 0.09 * size : 1.1 * size,
+      depth: this.flat ? 0.24 : 0.5,
+    };
+  }
+
+  /** Send what has changed: colours of these vertices, and all that came since. */
+  follow(changed: ArrayLike<number>): void {
+    const document = this.#document;
+    if (document === null) return;
+    const gl = this.#gl;
+    const { paintMesh: mesh, codes } = document.surface;
+    const field = mesh.arrays;
+    if (mesh.capacity !== this.#capacity) this.#allocate(mesh.capacity);
+    const n = mesh.nVertices;
+    const first = this.#known;
+    if (n > first) {
+      for (const name of AXES) {
+        gl.bindBuffer(gl.ARRAY_BUFFER, this.#buffers[name]);
+        gl.bufferSubData(gl.ARRAY_BUFFER, 4 * first, field[name].data, first, n - first);
+      }
+      this.#letLightIn(document, first, n);
+      gl.bindBuffer(gl.ARRAY_BUFFER, this.#buffers.openness);
+      gl.bufferSubData(gl.ARRAY_BUFFER, first, this.#openness, first, n - first);
+      this.#known = n;
+    }
+    let [low, high] = n > first ? [first, n] : [n, 0];
+    for (let k = 0; k < changed.length; k++) {
+      low = Math.min(low, changed[k]);
+      high = Math.max(high, changed[k] + 1);
+    }
+    if (high > low) {
+      gl.bindBuffer(gl.ARRAY_BUFFER, this.#buffers.colour);
+      gl.bufferSubData(gl.ARRAY_BUFFER, 3 * low, codes.data, 3 * low, 3 * (high - low));
+    }
+    const nodes = mesh.refines ? Number(field.counts.data[1]) : 0;
+    if (nodes !== this.#nodes) {
+      const faces = mesh.leafFaces();
+      gl.bindVertexArray(this.#array);
+      gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, this.#buffers.faces);
+      gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, faces, gl.DYNAMIC_DRAW);
+      gl.bindVertexArray(null);
+      this.#nodes = nodes;
+      this.#corners = faces.length;
+    }
+  }
+
+  /** How open new vertices are: as the ends of the edges that they halve. */
+  #letLightIn(document: Document, first: number, last: number): void {
+    if (this.#openness.length < last) {
+      const larger = new Uint8Array(this.#capacity);
+      larger.set(this.#openness);
+      this.#openness = larger;
+    }
+    const parents = (document.surface.paintMesh.arrays.parents as NDArray<"i4">).data;
+    for (let id = first; id < last; id++)
+      this.#openness[id] =
+        id < document.openness.length
+          ? document.openness[id]
+          : (this.#openness[parents[2 * id]] + this.#openness[parents[2 * id + 1]]) >> 1;
+  }
+
+  #allocate(capacity: number): void {
+    const gl = this.#gl;
+    for (const buffer of Object.values(this.#buffers)) gl.deleteBuffer(buffer);
+    if (this.#array !== null) gl.deleteVertexArray(this.#array);
+    this.#buffers = { faces: gl.createBuffer() };
+    this.#array = gl.createVertexArray();
+    gl.bindVertexArray(this.#array);
+    const attribute = (name: string, size: number, type: number, bytes: number): void => {
+      const buffer = (this.#buffers[name] = gl.createBuffer());
+      gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
+      gl.bufferData(gl.ARRAY_BUFFER, bytes * size * capacity, gl.DYNAMIC_DRAW);
+      const at = gl.getAttribLocation(this.#program, name);
+      gl.enableVertexAttribArray(at);
+      gl.vertexAttribPointer(at, size, type, type !== gl.FLOAT, 0, 0);
+    };
+    for (const name of AXES) attribute(name, 1, gl.FLOAT, 4);
+    attribute("colour", 3, gl.UNSIGNED_BYTE, 1);
+    attribute("openness", 1, gl.UNSIGNED_BYTE, 1);
+    gl.bindVertexArray(null);
+    this.#capacity = capacity;
+    this.#known = 0;
+    this.#nodes = -1;
+  }
+
+  /** Draw the picture as large as the canvas is shown. */
+  draw(camera: Camera): void {
+    const gl = this.#gl;
+    const { width, height } = this.canvas;
+    gl.viewport(0, 0, width, height);
+    gl.clearColor(0, 0, 0, 0);
+    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+    if (this.#document === null) return;
+    const view = camera.matrix(width / height);
+    this.#drawGround(view);
+    gl.enable(gl.DEPTH_TEST);
+    gl.disable(gl.BLEND);
+    gl.useProgram(this.#program);
+    const at = (name: string): WebGLUniformLocation | null =>
+      gl.getUniformLocation(this.#program, name);
+    gl.uniformMatrix4fv(at("view"), false, view);
+    gl.uniform3fv(at("eye"), camera.eye);
+    gl.uniform1f(at("roughness"), this.#document.surface.material.seen_roughness);
+    gl.uniform1f(at("flatness"), Number(this.flat));
+    gl.bindVertexArray(this.#array);
+    gl.drawElements(gl.TRIANGLES, this.#corners, gl.UNSIGNED_INT, 0);
+    gl.bindVertexArray(null);
+  }
+
+  #drawGround(view: Float32Array): void {
+    const gl = this.#gl;
+    if (this.#groundArray === null) {
+      this.#groundArray = gl.createVertexArray();
+      gl.bindVertexArray(this.#groundArray);
+      gl.bindBuffer(gl.ARRAY_BUFFER, gl.createBuffer());
+      gl.bufferData(gl.ARRAY_BUFFER, new Float32Array([-1, -1, 1, -1, -1, 1, 1, 1]), gl.STATIC_DRAW);
+      gl.enableVertexAttribArray(gl.getAttribLocation(this.#ground, "corner"));
+      gl.vertexAttribPointer(gl.getAttribLocation(this.#ground, "corner"), 2, gl.FLOAT, false, 0, 0);
+    }
+    const { middle, half, round, margin, depth } = this.#foot;
+    gl.disable(gl.DEPTH_TEST);
+    gl.enable(gl.BLEND);
+    gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
+    gl.useProgram(this.#ground);
+    const at = (name: string): WebGLUniformLocation | null =>
+      gl.getUniformLocation(this.#ground, name);
+    gl.uniformMatrix4fv(at("view"), false, view);
+    gl.uniform3fv(at("middle"), middle);
+    gl.uniform2fv(at("half_size"), half);
+    gl.uniform1f(at("round_by"), round);
+    gl.uniform1f(at("margin"), margin);
+    gl.uniform1f(at("depth"), depth);
+    gl.bindVertexArray(this.#groundArray);
+    gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
+  }
+}
+
+function linked(gl: WebGL2RenderingContext, vertex: string, fragment: string): WebGLProgram {
+  const program = gl.createProgram();
+  for (const [kind, source] of [
+    [gl.VERTEX_SHADER, vertex],
+    [gl.FRAGMENT_SHADER, fragment],
+  ] as const) {
+    const shader = gl.createShader(kind);
+    if (shader === null) throw new StageError("WebGL 2");
+    gl.shaderSource(shader, source);
+    gl.compileShader(shader);
+    if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS))
+      throw new StageError(gl.getShaderInfoLog(shader) ?? "a shader");
+    gl.attachShader(program, shader);
+  }
+  gl.linkProgram(program);
+  if (!gl.getProgramParameter(program, gl.LINK_STATUS))
+    throw new StageError(gl.getProgramInfoLog(program) ?? "a program");
+  return program;
+}

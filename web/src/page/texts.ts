@@ -1,0 +1,82 @@
+/** What the page says, in English and in Chinese. */
+
+const ENGLISH = {
+  title: "paint3d",
+  object: "On",
+  brush: "Brush",
+  ink: "Ink",
+  press: "Pressure",
+  size: "{mm} mm",
+  dip: "Dip",
+  dipAlways: "for every stroke",
+  undo: "Undo",
+  fresh: "Anew",
+  view: "Whole",
+  picture: "Picture",
+  score: "Recording",
+  language: "中文",
+  inkLeft: "Ink in the brush",
+  hint: "Paint with a pen, a mouse or a finger. Two fingers, or the right button, turn; pinch or wheel: nearer. Ctrl+Z takes back.",
+  loading: "The studio is being loaded: {name}",
+  leave: "What is painted here is lost if it was not saved. Begin anew?",
+  noWasm: "This browser does not run WebAssembly with vectors (SIMD), by which the brush is computed.\nA newer Chrome, Edge, Firefox or Safari (16.4 or later) does.",
+  noWebGl: "This browser gives no WebGL 2, by which the object is shown.\nIt may be turned off in its settings, or the graphics driver is too old.",
+  noUnpacking: "This browser cannot unpack the studio's data (DecompressionStream).\nA newer Chrome, Edge, Firefox (113 or later) or Safari (16.4 or later) can.",
+  noFile: "{name} cannot be had from this host ({status}).\nIs the folder whole that “paint3d page build” wrote, and is it handed out by a web server, not opened as a file?",
+  failed: "Painting has ended: {cause}\nThe recording of what was painted can still be saved.",
+  noMemory: "This browser has no memory left for the painting.\nThe recording of what was painted can still be saved.",
+};
+
+export type Texts = { [key in keyof typeof ENGLISH]: string };
+
+const CHINESE: Texts = {
+  title: "paint3d",
+  object: "作于",
+  brush: "笔",
+  ink: "墨",
+  press: "力度",
+  size: "{mm} 毫米",
+  dip: "蘸墨",
+  dipAlways: "每笔先蘸",
+  undo: "撤销",
+  fresh: "重来",
+  view: "全貌",
+  picture: "存图",
+  score: "存谱",
+  language: "English",
+  inkLeft: "笔中墨量",
+  hint: "用压感笔、鼠标或手指作画。双指或右键旋转，捏合或滚轮缩放，Ctrl+Z 撤销。",
+  loading: "正在载入画室：{name}",
+  leave: "未保存的作品将会丢失。要重新开始吗？",
+  noWasm: "此浏览器不支持带向量（SIMD）的 WebAssembly，无法计算笔触。\n请使用较新的 Chrome、Edge、Firefox 或 Safari（16.4 以上）。",
+  noWebGl: "此浏览器没有 WebGL 2，无法显示物体。\n可能已在设置中关闭，或显卡驱动过旧。",
+  noUnpacking: "此浏览器无法解压画室的数据（DecompressionStream）。\n请使用较新的 Chrome、Edge、Firefox（113 以上）或 Safari（16.4 以上）。",
+  noFile: "无法从此主机取得 {name}（{status}）。\n“paint3d page build” 写出的文件夹是否完整？是否由网页服务器提供，而非直接打开文件？",
+  failed: "作画已中断：{cause}\n已画部分的谱仍可保存。",
+  noMemory: "浏览器内存不足。\n已画部分的谱仍可保存。",
+};
+
+const LANGUAGES = { en: ENGLISH as Texts, zh: CHINESE };
+export type Language = keyof typeof LANGUAGES;
+
+let spoken: Language = navigator.language.startsWith("zh") ? "zh" : "en";
+
+export function language(): Language {
+  return spoken;
+}
+
+export function choose(code: Language): void {
+  spoken = code;
+  document.documentElement.lang = code;
+}
+
+/** A text in the language that is spoken, with its fields put in. */
+export function say(key: keyof Texts, fields: Record<string, string | number> = {}): string {
+  return LANGUAGES[spoken][key].replace(/\{(\w+)\}/g, (_, name: string) => String(fields[name]));
+}
+
+/** A name in it. */
+export function named(thing: { name: string; chinese: string }): string {
+  if (spoken === "zh" && thing.chinese !== "") return thing.chinese;
+  return thing.name;
+}

@@ -1,0 +1,79 @@
+/**
+ * Paint recordings in Node, and print what came of it as JSON: what the tests compare with the
+ * desktop's. `node replay.mjs FOLDER '{"recording": .., "object": .., "resolution": ..}' ...`
+ */
+
+import { Buffer } from "node:buffer";
+import { createHash } from "node:crypto";
+import { readFile, writeFile } from "node:fs/promises";
+import { join } from "node:path";
+import process from "node:process";
+import { gunzipSync } from "node:zlib";
+
+import { FULL_DIP, type DipAmount } from "./brush/brush";
+import { Painter } from "./painter/painter";
+import { readRecording } from "./recording/recording";
+import { Studio } from "./studio";
+
+interface Asked {
+  recording: string;
+  object: string;
+  resolution: number;
+  material?: string;
+  brush: string;
+  parts: Record<string, number>;
+  azimuth?: "commanded" | "dragged";
+  amount?: DipAmount;
+  pickup?: number;
+  save?: string; // a file for the codes, and after them the amounts
+  live?: number; // samples handed over at once, as a hand does; a whole recording without
+}
+
+function sha(bytes: Uint8Array): string {
+  return createHash("sha256").update(bytes).digest("hex");
+}
+
+async function paint(studio: Studio, asked: Asked): Promise<unknown> {
+  const { surface } = await studio.surface(asked.object, asked.resolution, asked.material);
+  const painter = new Painter(
+    studio.kernels, studio.sizes, surface, await studio.brush(asked.brush),
+    studio.mixture(asked.parts), asked.azimuth, asked.amount ?? FULL_DIP, asked.pickup ?? null,
+  ); // prettier-ignore
+  const bytes = await readFile(asked.recording);
+  const text = (bytes[0] === 0x1f ? gunzipSync(bytes) : bytes).toString("utf-8");
+  const recording = readRecording(text, asked.recording);
+  const began = performance.now();
+  if (asked.live === undefined) painter.replay(recording);
+  else {
+    for (let k = 0; k < recording.samples.length; k += asked.live) {
+      painter.advance(recording.samples.slice(k, k + asked.live));
+      surface.refresh();
+    }
+    painter.finish();
+  }
+  surface.refresh();
+  const seconds = (performance.now() - began) / 1000;
+  const n = surface.nVertices;
+  const count = surface.pigments.length;
+  if (asked.save !== undefined) {
+    const codes = surface.codes.bytes.subarray(0, 3 * n);
+    await writeFile(asked.save, Buffer.concat([codes, surface.ink.amounts.bytes.subarray(0, 4 * n * count)]));
+  }
+  return {
+    vertices: n,
+    srgb: sha(surface.codes.bytes.subarray(0, 3 * n)),
+    amounts: sha(surface.ink.amounts.bytes.subarray(0, 4 * n * count)),
+    coverage: sha(surface.ink.coverage.bytes.subarray(0, 4 * n)),
+    ledger: painter.ledger(),
+    seconds,
+  };
+}
+
+const [folder, ...cases] = process.argv.slice(2);
+const fetch = async (name: string): Promise<ArrayBuffer> => {
+  const bytes = await readFile(join(folder, name));
+  return bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.byteLength) as ArrayBuffer;
+};
+const studio = await Studio.open(fetch);
+for (const words of cases)
+  process.stdout.write(`${JSON.stringify(await paint(studio, JSON.parse(words) as Asked))}\n`);

@@ -1,0 +1,183 @@
+/** What Python has made of colours, brushes and objects, opened by name (`paint3d/page`). */
+
+import { NDArray } from "./core/arrays";
+import { Bundle } from "./core/bundle";
+import { Kernels, type KernelIndex } from "./core/kernels";
+import { Brush, type BrushWords } from "./brush/brush";
+import type { Sizes } from "./brush_engine/scratch";
+import type { Material, Pigment } from "./colour/materials";
+import type { Backing, ColourTables } from "./colour/vertex_colours";
+import type { ObjectWords } from "./mesh/refined_mesh";
+import type { Ink } from "./painter/painter";
+import { PaintedSurface } from "./surface/painted_surface";
+
+/** What there is, by name: `contents.json`. */
+export interface Contents {
+  version: string;
+  objects: { name: string; chinese: string; resolution: number; material: string; file: string }[];
+  brushes: { name: string; chinese: string; file: string }[];
+  inks: { name: string; chinese: string; parts: Record<string, number>; srgb: number[] }[];
+  materials: Record<string, { file: string }>;
+}
+
+/** What lies below the ink: a material, and its tables. */
+export interface Ground {
+  material: Material;
+  bare: Uint8Array;
+  backing: Backing;
+}
+
+interface StudioWords {
+  sizes: Sizes;
+  saunderson: [number, number];
+  pigments: Omit<Pigment, "K" | "S">[];
+}
+
+/** Reads a file of the folder that `paint3d page build` wrote. */
+export type Fetch = (name: string) => Promise<ArrayBuffer>;
+
+/** A name that the folder does not hold. */
+export class UnknownNameError extends Error {
+  override name = "UnknownNameError";
+}
+
+export class Studio {
+  readonly noise: NDArray<"i1">;
+  readonly bundles: NDArray<"i4">;
+  readonly colourTables: ColourTables;
+  readonly sizes: Sizes;
+  readonly #pigments: Map<string, Pigment>;
+  readonly #brushes = new Map<string, Promise<Brush>>();
+
+  private constructor(
+    readonly kernels: Kernels,
+    readonly contents: Contents,
+    private readonly fetch: Fetch,
+    common: Bundle<StudioWords>,
+  ) {
+    this.sizes = common.words.sizes;
+    this.noise = common.array(kernels, "noise", "i1");
+    this.bundles = common.array(kernels, "bundles", "i4");
+    this.colourTables = {
+      codes: common.array(kernels, "srgb_codes", "u1"),
+      noRgb: NDArray.zeros(kernels, "f4", [0, 3]),
+      liveBands: common.numbers("live_bands", "i4"),
+      liveWeights: common.numbers("live_weights", "f8"),
+      rgbWeights: common.numbers("rgb_weights", "f8"),
+      saunderson: common.words.saunderson,
+    };
+    this.#pigments = new Map(
+      common.words.pigments.map((words) => [
+        words.name,
+        {
+          ...words,
+          K: common.numbers(`K.${words.name}`, "f8"),
+          S: common.numbers(`S.${words.name}`, "f8"),
+        },
+      ]),
+    );
+  }
+
+  /** Load the kernels and what all paintings share. */
+  static async open(fetch: Fetch): Promise<Studio> {
+    const [wasm, index, contents, common] = await Promise.all([
+      fetch("kernels.wasm"),
+      fetch("kernels.json").then(json<KernelIndex>),
+      fetch("contents.json").then(json<Contents>),
+      fetch("common.bin.gz"),
+    ]);
+    const kernels = await Kernels.load(wasm, index);
+    const bundle = await Bundle.read<StudioWords>(common, "common.bin.gz");
+    return new Studio(kernels, contents, fetch, bundle);
+  }
+
+  /** A brush; it is read once. */
+  brush(name: string): Promise<Brush> {
+    let brush = this.#brushes.get(name);
+    if (brush === undefined) {
+      const { file } = named(this.contents.brushes, "brush", name);
+      brush = this.fetch(file)
+        .then((bytes) => Bundle.read<BrushWords>(bytes, file))
+        .then((bundle) => new Brush(this.kernels, bundle));
+      this.#brushes.set(name, brush);
+    }
+    return brush;
+  }
+
+  /** The parts, by pigment, of an ink by its name. */
+  ink(name: string): Ink {
+    return this.mixture(named(this.contents.inks, "ink", name).parts);
+  }
+
+  /** The same by the pigments' names. */
+  partsOf(name: string): Record<string, number> {
+    return named(this.contents.inks, "ink", name).parts;
+  }
+
+  /** The parts, by pigment, of parts by names of pigments. */
+  mixture(parts: Record<string, number>): Ink {
+    return new Map(
+      Object.entries(parts).map(([name, part]) => {
+        const pigment = this.#pigments.get(name);
+        if (pigment === undefined) throw new UnknownNameError(`no pigment is called ${name}`);
+        return [pigment, part];
+      }),
+    );
+  }
+
+  /** A fresh object to paint on, and what ClosestPoints needs of it. */
+  async surface(
+    name: string, resolution: number, materialName?: string,
+  ): Promise<{ surface: PaintedSurface; object: Bundle<ObjectWords> }> {
+    const found = this.contents.objects.find((o) => o.name === name && o.resolution === resolution);
+    if (found === undefined)
+      throw new UnknownNameError(
+        `no object is called ${name} at ${resolution} mm; expected ` +
+          this.contents.objects.map((o) => `${o.name} at ${o.resolution} mm`).join(", "),
+      );
+    const material = this.contents.materials[materialName ?? found.material];
+    if (material === undefined) throw new UnknownNameError(`no material is called ${materialName}`);
+    const [object, tables] = await Promise.all([
+      this.fetch(found.file).then((bytes) => Bundle.read<ObjectWords>(bytes, found.file)),
+      this.fetch(material.file).then((bytes) => Bundle.read<Material>(bytes, material.file)),
+    ]);
+    const surface = new PaintedSurface(this.kernels, this, object, groundOf(tables));
+    return { surface, object };
+  }
+}
+
+function groundOf(tables: Bundle<Material & { bends?: Record<string, number> }>): Ground {
+  const bends = tables.words.bends ?? {};
+  return {
+    material: tables.words,
+    bare: tables.numbers("bare", "u1"),
+    backing: {
+      bareLinearRgb: tables.numbers("bare_linear_rgb", "f4"),
+      ground: tables.numbers("ground", "f8"),
+      glossyGround: tables.numbers("glossy_ground", "f8"),
+      tables: Object.fromEntries(
+        Object.entries(bends).map(([name, bend]) => [
+          name,
+          {
+            table: tables.numbers(`table.${name}`, "f4"),
+            shades: tables.numbers(`shades.${name}`, "u1"),
+            bend,
+          },
+        ]),
+      ),
+    },
+  };
+}
+
+function json<T>(bytes: ArrayBuffer): T {
+  return JSON.parse(new TextDecoder().decode(bytes)) as T;
+}
+
+function named<T extends { name: string }>(list: T[], kind: string, name: string): T {
+  const found = list.find((one) => one.name === name);
+  if (found === undefined)
+    throw new UnknownNameError(
+      `no ${kind} is called ${name}; expected ${list.map((one) => one.name).join(", ")}`,
+    );
+  return found;
+}

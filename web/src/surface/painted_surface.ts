@@ -1,0 +1,249 @@
+/**
+ * The painted object: ink on a mesh, and what it looks like. What a page paints is one layer of wet
+ * ink: the way of a stroke through `InkStore` and `PaintedSurface` of `paint3d/surface`.
+ */
+
+import { NDArray, type Records } from "../core/arrays";
+import type { Bundle } from "../core/bundle";
+import type { Argument, Kernels } from "../core/kernels";
+import type { Material, Pigment } from "../colour/materials";
+import { ColourModel } from "../colour/vertex_colours";
+import { PaintMesh, readTree, type ContactTree, type ObjectWords } from "../mesh/refined_mesh";
+import type { Ground, Studio } from "../studio";
+
+export interface InkField {
+  [name: string]: Argument;
+  amounts: NDArray<"f4">;
+  coverage: NDArray<"f4">;
+  dirty: NDArray<"u1">;
+  dirty_ids: NDArray<"i4">;
+  n_dirty: NDArray<"i8">;
+  load: NDArray<"f8">;
+  off_surface: NDArray<"f8">;
+  reservoirs: NDArray<"f8">;
+  transfer: Records;
+}
+
+/** A painting at an instant, for undo. */
+export interface Snapshot {
+  n: number;
+  amounts: Float32Array;
+  nPigments: number;
+  coverage: Float32Array;
+  load: Float64Array;
+  offSurface: Float64Array;
+  reservoirs: Float64Array;
+  nReservoirs: number;
+  capacity: number;
+  reservoirMm: number;
+}
+
+export class PaintedSurface {
+  readonly paintMesh: PaintMesh;
+  readonly contactTree: ContactTree;
+  readonly pigments: Pigment[] = [];
+  readonly material: Material;
+  ink: InkField;
+  codes: NDArray<"u1">;
+  #colours: ColourModel | null = null;
+  #looksOtherwise = false;
+
+  constructor(
+    private readonly kernels: Kernels,
+    private readonly studio: Studio,
+    readonly object: Bundle<ObjectWords>,
+    private readonly ground: Ground,
+  ) {
+    this.material = ground.material;
+    this.paintMesh = new PaintMesh(kernels, object);
+    this.paintMesh.layPaper(Math.sqrt(2.0 * this.material.grain));
+    this.contactTree = readTree(kernels, object, "contact");
+    const capacity = this.paintMesh.capacity;
+    this.codes = kernels.zeros("u1", capacity, 3);
+    this.#fillBare(0);
+    const transfer = kernels.records("brush_engine.ink_transfer.TRANSFER");
+    transfer.field("grain")[0] = this.material.grain;
+    transfer.field("tooth_mm")[0] = this.material.tooth_mm;
+    transfer.field("reservoir_mm")[0] = 1.0;
+    this.ink = {
+      amounts: kernels.zeros("f4", capacity, 0),
+      coverage: kernels.zeros("f4", capacity),
+      dirty: kernels.zeros("u1", capacity),
+      dirty_ids: kernels.zeros("i4", capacity),
+      n_dirty: kernels.zeros("i8", 1),
+      load: kernels.zeros("f8", 0),
+      off_surface: kernels.zeros("f8", 0),
+      reservoirs: kernels.zeros("f8", 1, 0),
+      transfer,
+      noise: studio.noise,
+      bundles: studio.bundles,
+    };
+  }
+
+  get nVertices(): number {
+    return this.paintMesh.nVertices;
+  }
+
+  /** Reserve capacity for more vertices. */
+  makeRoom(): void {
+    const n = this.paintMesh.capacity;
+    this.paintMesh.reserve();
+    const capacity = this.paintMesh.capacity;
+    this.codes = this.codes.grown(n, capacity);
+    this.#fillBare(n);
+    const ink = this.ink;
+    ink.amounts = ink.amounts.grown(n, capacity);
+    ink.coverage = ink.coverage.grown(n, capacity);
+    ink.dirty = ink.dirty.grown(n, capacity);
+    ink.dirty_ids = ink.dirty_ids.grown(n, capacity);
+  }
+
+  #fillBare(first: number): void {
+    const codes = this.codes.data;
+    for (let k = 3 * first; k < codes.length; k++) codes[k] = this.ground.bare[k % 3];
+  }
+
+  /** The column of a pigment in the ink's arrays; a new one is added at the end. */
+  columnOf(pigment: Pigment): number {
+    const known = this.pigments.findIndex((other) => other.name === pigment.name);
+    if (known >= 0) return known;
+    this.pigments.push(pigment);
+    const count = this.pigments.length;
+    const ink = this.ink;
+    ink.amounts = this.#widened(ink.amounts, count);
+    ink.load = this.#widened(ink.load, count);
+    ink.off_surface = this.#widened(ink.off_surface, count);
+    ink.reservoirs = this.#widened(ink.reservoirs, count);
+    this.#colours?.free();
+    this.#colours = new ColourModel(
+      this.kernels, this.studio.colourTables, this.pigments, this.ground.backing,
+    ); // prettier-ignore
+    this.#looksOtherwise = count > 1;
+    return count - 1;
+  }
+
+  /** The same with a column of zeros more at the end; the old array is let go. */
+  #widened<K extends "f4" | "f8">(array: NDArray<K>, columns: number): NDArray<K> {
+    const shape = [...array.shape.slice(0, -1), columns];
+    const wider = NDArray.zeros(this.kernels, array.kind, shape);
+    const [from, to] = [array.data, wider.data];
+    const before = columns - 1;
+    for (let k = 0; k < from.length; k++)
+      to[Math.floor(k / before) * columns + (k % before)] = from[k];
+    array.free();
+    return wider;
+  }
+
+  /** Bring colours up to date; the vertices that may have changed. */
+  refresh(): Int32Array {
+    const { n_dirty, dirty, dirty_ids } = this.ink;
+    const fresh = dirty_ids.data.slice(0, Number(n_dirty.data[0]));
+    if (this.#colours === null) return fresh;
+    let seen = fresh;
+    if (this.#looksOtherwise) {
+      const coverage = this.ink.coverage.data;
+      const marks = new Uint8Array(this.paintMesh.capacity);
+      for (const id of fresh) marks[id] = 1;
+      for (let id = 0; id < this.nVertices; id++) if (coverage[id] > 0.0) marks[id] = 1;
+      seen = Int32Array.from(marks.keys()).filter((id) => marks[id] === 1);
+      this.#looksOtherwise = false;
+    }
+    if (seen.length > 0) {
+      const ids = NDArray.of(this.kernels, "i4", seen);
+      this.#colours.srgb(this.ink.amounts, this.ink.coverage, this.codes, ids);
+      ids.free();
+      const marks = dirty.data;
+      for (const id of fresh) marks[id] = 0;
+      n_dirty.data[0] = 0n;
+    }
+    return seen;
+  }
+
+  /** Mark the colours of some vertices as out of date. */
+  touch(vertexIds: Iterable<number>): void {
+    const { n_dirty, dirty, dirty_ids } = this.ink;
+    const [marks, list] = [dirty.data, dirty_ids.data];
+    let n = Number(n_dirty.data[0]);
+    for (const id of vertexIds) {
+      if (marks[id] !== 0) continue;
+      marks[id] = 1;
+      list[n++] = id;
+    }
+    n_dirty.data[0] = BigInt(n);
+  }
+
+  /** The sum of a quantity over the pigments, without water. */
+  lasting(perPigment: ArrayLike<number>): number {
+    return this.pigments.reduce((sum, p, k) => sum + (p.lasting ? perPigment[k] : 0.0), 0.0);
+  }
+
+  /** The wet pigment on the surface, coats x mm2. */
+  wetInk(): number {
+    const { area_units, area_unit } = this.paintMesh.arrays;
+    const [areas, amounts] = [area_units.data, this.ink.amounts.data];
+    const count = this.pigments.length;
+    let sum = 0.0;
+    for (let id = 0; id < this.nVertices; id++) {
+      let own = 0.0;
+      for (let p = 0; p < count; p++)
+        if (this.pigments[p].lasting) own += amounts[id * count + p];
+      if (own !== 0.0) sum += Number(areas[id]) * area_unit * own;
+    }
+    return sum;
+  }
+
+  keep(): Snapshot {
+    const ink = this.ink;
+    const n = this.nVertices;
+    return {
+      n,
+      amounts: ink.amounts.data.slice(0, n * this.pigments.length),
+      nPigments: this.pigments.length,
+      coverage: ink.coverage.data.slice(0, n),
+      load: ink.load.data.slice(),
+      offSurface: ink.off_surface.data.slice(),
+      reservoirs: ink.reservoirs.data.slice(),
+      nReservoirs: ink.reservoirs.length,
+      capacity: ink.transfer.field("capacity")[0],
+      reservoirMm: ink.transfer.field("reservoir_mm")[0],
+    };
+  }
+
+  /** Return to a painting that was kept; vertices that came since stay, bare. */
+  restore(kept: Snapshot): void {
+    const ink = this.ink;
+    const count = this.pigments.length;
+    const [amounts, coverage] = [ink.amounts.data, ink.coverage.data];
+    const changed: number[] = [];
+    for (let id = 0; id < this.nVertices; id++) {
+      const before = id < kept.n ? kept.coverage[id] : 0.0;
+      let differs = coverage[id] !== before;
+      coverage[id] = before;
+      for (let p = 0; p < count; p++) {
+        const was = id < kept.n && p < kept.nPigments ? kept.amounts[id * kept.nPigments + p] : 0.0;
+        differs ||= amounts[id * count + p] !== was;
+        amounts[id * count + p] = was;
+      }
+      if (differs) changed.push(id);
+    }
+    const wide = (row: Float64Array, rows: number): Float64Array => {
+      const to = new Float64Array(rows * count);
+      for (let k = 0; k < row.length; k++)
+        to[Math.floor(k / kept.nPigments) * count + (k % kept.nPigments)] = row[k];
+      return to;
+    };
+    ink.load.data.set(wide(kept.load, 1));
+    ink.off_surface.data.set(wide(kept.offSurface, 1));
+    this.setReservoirs(wide(kept.reservoirs, kept.nReservoirs), kept.nReservoirs);
+    ink.transfer.field("capacity")[0] = kept.capacity;
+    ink.transfer.field("reservoir_mm")[0] = kept.reservoirMm;
+    this.touch(changed);
+  }
+
+  /** Replace the ink along the tuft, tip first. */
+  setReservoirs(values: Float64Array, rows: number): void {
+    this.ink.reservoirs.free();
+    const shape = [rows, this.pigments.length];
+    this.ink.reservoirs = NDArray.of(this.kernels, "f8", values, shape);
+  }
+}
