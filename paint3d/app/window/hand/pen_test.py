@@ -91,17 +91,16 @@ class PenPad(QtWidgets.QWidget):
         event.accept()
         touch = touch_of_tablet(event, event.timestamp() * _NS_PER_MS)
         self._hear(event.pointingDevice().name(), event.timestamp(), mouse=False)
-        self.pressure = touch.pressure
+        pressure = self.pressure = touch.pressure or 0.0
         self.tilts = touch.tilt_x * _DEG, touch.tilt_y * _DEG
         self.turn = touch.twist * _DEG
         self.leaned |= self.tilts != (0.0, 0.0)
         self.turned |= self.turn != 0.0
         self.is_eraser = event.pointerType() == _ERASER
         self.buttons = event.buttons().value
-        if touch.down and touch.pressure > 0.0:
-            self.least = min(self.least, touch.pressure)
-            self.most = max(self.most, touch.pressure)
-        self._draw_to(event.position(), touch.down, self._curve(touch.pressure))
+        if touch.down and pressure > 0.0:
+            self.least, self.most = min(self.least, pressure), max(self.most, pressure)
+        self._draw_to(event.position(), touch.down, self._curve(pressure))
 
     def mousePressEvent(self, event: QtGui.QMouseEvent) -> None:
         """Draw with a mouse, which tells no pressure."""
@@ -150,13 +149,13 @@ class PenPad(QtWidgets.QWidget):
         painter.drawRect(self.rect().adjusted(0, 0, -1, -1))
         if self._place is not None and not self.is_mouse:
             across, along = (math.sin(angle / _DEG) for angle in self.tilts)
-            end = self._place + 90.0 * QtCore.QPointF(across, along)
+            end = self._place + QtCore.QPointF(90.0 * across, 90.0 * along)
             painter.setPen(QtGui.QPen(QtGui.QColor(self._theme.good), 3))
             painter.drawLine(self._place, end)
             painter.drawEllipse(self._place, 6.0, 6.0)
             if self.turned:
                 angle = self.turn / _DEG
-                side = 14.0 * QtCore.QPointF(math.sin(angle), -math.cos(angle))
+                side = QtCore.QPointF(14.0 * math.sin(angle), -14.0 * math.cos(angle))
                 painter.drawLine(end, end + side)
         painter.end()
 
