@@ -373,11 +373,11 @@ def _laid_on(
         fixed = fixed or fits > 0
     if fixed and isinstance(fault, MeshError):
 
-        def does(em_mm: float, layout: Layout) -> bool:
+        def lies(em_mm: float, layout: Layout) -> bool:
             grid = _Grid(ground, em_mm, layout, limits, ground.middle(layout))
             return grid.fit(lines) is not None
 
-        raise with_remedy(fault, em_mm, layout, does)
+        raise with_remedy(fault, em_mm, layout, lies)
     if fixed:
         raise fault
     return _searched(ground, lines, em_mm, layout, limits, fault)

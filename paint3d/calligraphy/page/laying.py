@@ -11,7 +11,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from paint3d.calligraphy.glyphs import EM_UNITS, Glyph
+from paint3d.calligraphy.glyphs import EM_UNITS, Box, Glyph
 from paint3d.calligraphy.layout import (
     Ground,
     Layout,
@@ -21,7 +21,7 @@ from paint3d.calligraphy.layout import (
     walking_step,
     with_remedy,
 )
-from paint3d.calligraphy.page.page import Box, Composer, Page, Piece, bounds_of
+from paint3d.calligraphy.page.page import Composer, Page, Piece, bounds_of
 from paint3d.errors import InputError, MeshError
 from paint3d.mesh.bvh import ClosestPoints
 from paint3d.mesh.chart import EmSquare, SquareLimits, SurfaceFrame, lay_square, overlapping
