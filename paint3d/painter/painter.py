@@ -48,6 +48,7 @@ from paint3d.mesh.bvh import ClosestPoints
 from paint3d.painter.flat_input import LaidPad
 from paint3d.painter.ink_time import LOOKAHEAD, PIECE_S, Pauses, pieces_until
 from paint3d.painter.recorded_tools import LEAST_INK, eraser_runs, told_at
+from paint3d.painter.stroke_table import BrushState, StrokeTable
 from paint3d.pose.brush_pose import BrushPath, brush_poses, object_poses
 from paint3d.recording.recording import Recording
 from paint3d.surface.eraser import Eraser
@@ -56,7 +57,6 @@ from paint3d.surface.undo import BrushLoad
 
 if TYPE_CHECKING:
     from paint3d.painter.bristle_state import HairTuft  # brings the kernels of hairs
-    from paint3d.painter.stroke_table import StrokeTable
 
 __all__ = ["Painter"]
 
@@ -551,8 +551,6 @@ class Painter:
             Takes a row for every stroke; the painting is the same without.
         """
         self.finish()
-        if table is not None:
-            table.begin(self, recording)
         n, first, passed = len(recording), 0, 0
         start, at = int(recording.time_ns[0]), self._progress.at
         self._origin_ns = start
@@ -563,6 +561,8 @@ class Painter:
             time_s = (times_ns - start) * 1e-9
             known = last - first - 1 - (LOOKAHEAD if last < n else 0)
             pauses = Pauses(times_ns, samples.joined, passed - first)
+            if table is not None and first == 0:
+                table.begin(start, float(samples.pressure[0]), self._brush_state())
             for stop, is_frame in _stops(time_s, int(at[0]), known, frame_rate):
                 for pause, pieces in pauses.until(stop) if wet else ():
                     self._paint_to(pause, samples, refills, buttons, times_ns, table)
@@ -580,8 +580,6 @@ class Painter:
         self._turn(erases=False)
         self._n_samples += n
         self._begin()
-        if table is not None:
-            table.end()
 
     def _paint_to(
         self,
@@ -598,7 +596,15 @@ class Painter:
             return
         for k in range(min(int(self._progress.at[0]) + 1, last), last + 1):
             self._paint_by_ends(samples, k, refills, buttons)
-            table.see(int(times_ns[k]), float(samples.pressure[k]))
+            table.see(int(times_ns[k]), float(samples.pressure[k]), self._brush_state())
+
+    def _brush_state(self) -> BrushState:
+        """What the brush has done so far, for a table of strokes."""
+        stamp, held = self.stamp.values[0], self.in_brush()
+        footprints = int(self.scratch.counters[FOOTPRINTS])
+        return BrushState(
+            bool(stamp["touches"] > 0.0), float(stamp["way"]), self.loaded - held, held, footprints
+        )
 
     def _step_ink(
         self, pieces: int, progress: Callable[[float], None] | None, fraction: float

@@ -6,18 +6,22 @@ import csv
 import math
 import os
 from dataclasses import astuple, dataclass, fields
-from typing import TYPE_CHECKING
+from typing import NamedTuple
 
-from paint3d.brush_engine.stroke_loop import FOOTPRINTS
 from paint3d.core.atomic import write_atomically
 from paint3d.device.recorded import MAX_FORCE_N
 
-if TYPE_CHECKING:
-    from paint3d.painter.flat_input import LaidPad
-    from paint3d.painter.painter import Painter
-    from paint3d.recording.recording import Recording
+__all__ = ["BrushState", "StrokeRow", "StrokeTable"]
 
-__all__ = ["StrokeRow", "StrokeTable"]
+
+class BrushState(NamedTuple):
+    """What a painter's brush has done so far."""
+
+    touches: bool
+    way_mm: float  # since it touched
+    ink_given: float  # coats x mm2, ever
+    ink_held: float
+    footprints: int  # ever
 
 
 @dataclass
@@ -75,56 +79,38 @@ class StrokeTable:
     def __init__(self) -> None:
         self.rows: list[StrokeRow] = []
 
-    def begin(self, painter: Painter, recording: Recording | LaidPad) -> None:
-        """Take the rows that come from a recording."""
-        self._painter, self._start_ns = painter, int(recording.time_ns[0])
+    def begin(self, time_ns: int, pressure: float, brush: BrushState) -> None:
+        """Take the first sample of a recording, before it is painted; a pressure of NaN is none."""
+        self._start_ns, self._before = time_ns, brush
         self._open: StrokeRow | None = None
-        self._last = -1.0, 0.0  # time and force of the sample before
+        self._last = 0.0, MAX_FORCE_N * pressure  # time and force of the sample before
         self._impulse = 0.0  # N s
-        self._note_before()
-        if recording.pressure is not None:
-            self._last = 0.0, MAX_FORCE_N * float(recording.pressure[0])
 
-    def see(self, time_ns: int, pressure: float) -> None:
-        """Take the sample that the painter has just come to; a pressure of NaN is none."""
+    def see(self, time_ns: int, pressure: float, brush: BrushState) -> None:
+        """Take the sample up to which has been painted."""
         time_s, force = 1e-9 * (time_ns - self._start_ns), MAX_FORCE_N * pressure
         before_s, before = self._last
         if time_s <= before_s:
             return
         self._last = time_s, force
-        stamp = self._painter.stamp.values[0]
-        if not stamp["touches"] > 0.0:
-            self._account()  # of what it gave while it left the surface
-            self.end()
-            self._note_before()
-            return
-        if self._open is None:
-            self._open = StrokeRow(len(self.rows) + 1, max(before_s, 0.0), time_s)
+        if brush.touches and self._open is None:
+            self._open = StrokeRow(len(self.rows) + 1, before_s, time_s)
             self.rows.append(self._open)
             self._impulse = 0.0
         row = self._open
-        row.end_s, row.length_mm = time_s, float(stamp["way"])
-        self._account()
-        if not math.isnan(pressure):
-            self._impulse += 0.5 * (before + force) * (time_s - max(before_s, 0.0))
-            row.most_force_n = max(before, force, row.most_force_n or 0.0)
-            row.mean_force_n = self._impulse / max(row.end_s - row.start_s, 1e-9)
-
-    def _account(self) -> None:
-        row, painter = self._open, self._painter
         if row is not None:
-            row.ink_in_brush = painter.in_brush()
-            row.ink_left = painter.loaded - row.ink_in_brush - self._before[0]
-            row.footprints = int(painter.scratch.counters[FOOTPRINTS]) - self._before[1]
-
-    def end(self) -> None:
-        """Close the row of the stroke that was painted last."""
-        self._open = None
-
-    def _note_before(self) -> None:
-        painter = self._painter
-        counters = painter.scratch.counters
-        self._before = painter.loaded - painter.in_brush(), int(counters[FOOTPRINTS])
+            row.ink_left = brush.ink_given - self._before.ink_given  # also while it lifts off
+            row.ink_in_brush = brush.ink_held
+            row.footprints = brush.footprints - self._before.footprints
+        if not brush.touches:
+            self._open, self._before = None, brush
+            return
+        assert row is not None, "it touches"
+        row.end_s, row.length_mm = time_s, brush.way_mm
+        if not math.isnan(pressure):
+            self._impulse += 0.5 * (before + force) * (time_s - before_s)
+            row.most_force_n = max(before, force, row.most_force_n or 0.0)
+            row.mean_force_n = self._impulse / (row.end_s - row.start_s)
 
     def write(self, path: str | os.PathLike[str]) -> None:
         """Write the rows as CSV, whole or not at all; what is not told is an empty cell.
