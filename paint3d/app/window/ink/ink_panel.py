@@ -467,6 +467,7 @@ class MixtureRow(QtWidgets.QWidget):
             button.setAccessibleName(say("A last mixture"))
             button.setIconSize(QtCore.QSize(_SMALL_DISH, _SMALL_DISH))
             button.setAutoRaise(True)
+            button.setFixedSize(_SMALL_DISH + 6, _SMALL_DISH + 6)
             button.setContextMenuPolicy(QtCore.Qt.ContextMenuPolicy.CustomContextMenu)
             button.clicked.connect(lambda _=False, index=index: self._clicked(index))
             button.customContextMenuRequested.connect(
@@ -586,9 +587,8 @@ class InkPanel(QtWidgets.QWidget):
         self.fullness = _percents(
             5.0, 300.0, say("How full that part becomes; 100 % as it is made")
         )
-        self.by_itself = QtWidgets.QCheckBox(
-            say("Dip automatically when less than a quarter is left")
-        )
+        self.by_itself = QtWidgets.QCheckBox(say("Dip automatically"))
+        self.by_itself.setToolTip(say("Before a stroke, when less than a quarter is left"))
         self.tones = ToneRow(theme)
         self.last = MixtureRow()
         layout = QtWidgets.QVBoxLayout(self)
