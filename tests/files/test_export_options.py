@@ -172,8 +172,11 @@ def test_dried_paint_is_exported_too(tmp_path):
 @pytest.mark.parametrize("suffix", [".ply", ".obj", ".3mf", ".glb"])
 def test_round_trips_through_our_own_reader_change_nothing(tmp_path, suffix):
     surface = spotted("sphere")
-    export(surface, tmp_path / f"0{suffix}")
-    first = load_mesh(tmp_path / f"0{suffix}")
+    files = [tmp_path / str(trip) / f"ball{suffix}" for trip in range(TRIPS + 1)]  # one name each
+    for file in files:
+        file.parent.mkdir()
+    export(surface, files[0])
+    first = load_mesh(files[0])
     vertices, faces, normals, srgb = surface.export_arrays()
     np.testing.assert_array_equal(first.vertices, vertices)
     np.testing.assert_array_equal(first.faces, faces)
@@ -181,14 +184,14 @@ def test_round_trips_through_our_own_reader_change_nothing(tmp_path, suffix):
     mesh = first
     for trip in range(1, TRIPS + 1):
         again = paint3d.PaintedSurface(mesh, resolution=4.0) if trip == 2 else mesh
-        export(again, tmp_path / f"{trip}{suffix}")
-        mesh = load_mesh(tmp_path / f"{trip}{suffix}")
+        export(again, files[trip])
+        mesh = load_mesh(files[trip])
     np.testing.assert_array_equal(mesh.vertices, first.vertices)
     np.testing.assert_array_equal(mesh.faces, faces)
     np.testing.assert_array_equal(mesh.colours, srgb)
     if suffix in (".ply", ".glb"):  # from which normals are read
         np.testing.assert_array_equal(mesh.normals, normals)
-    assert (tmp_path / f"{TRIPS}{suffix}").read_bytes() == (tmp_path / f"1{suffix}").read_bytes()
+    assert files[TRIPS].read_bytes() == files[1].read_bytes()
 
 
 @given(
