@@ -136,10 +136,12 @@ def test_glb_meets_the_specification(painted, tmp_path):
 
 
 def test_the_same_painting_gives_the_same_bytes(painted, tmp_path):
+    (tmp_path / "again").mkdir()
     for suffix in (".ply", ".glb", ".obj", ".3mf", ".usdz", ".p3d.txt"):
-        export(painted, tmp_path / f"a{suffix}")
-        export(painted, tmp_path / f"b{suffix}")
-        assert (tmp_path / f"a{suffix}").read_bytes() == (tmp_path / f"b{suffix}").read_bytes()
+        file, again = tmp_path / f"bowl{suffix}", tmp_path / "again" / f"bowl{suffix}"
+        export(painted, file)
+        export(painted, again)  # of the same name: a 3MF calls its object so
+        assert file.read_bytes() == again.read_bytes()
 
 
 def test_unknown_suffix_and_folder(painted, tmp_path):
