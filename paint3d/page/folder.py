@@ -101,7 +101,7 @@ def build_page(
         raise ExportError(
             "the page is not built: {page} has no index.html; expected it to be",
             page=page,
-            hint="npm install && npm run build, in web/",
+            hint="npm ci && npm run build, in web/",
         )
     pigments, stirred = _pigments_of(inks)
     loaded = [(one, load_mesh(one.name)) for one in objects]

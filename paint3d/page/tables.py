@@ -49,7 +49,7 @@ _GOLDEN_ANGLE = np.pi * (3.0 - np.sqrt(5.0))
 _LIFTED_MM = 0.05
 _SMOOTHINGS = 12
 _UNREFINED = {"px", "py", "pz", "nx", "ny", "nz", "mx", "my", "mz", "take", "key", "parents",
-              "vertex_sheet", "area_units", "next_in_cell"}  # fmt: skip
+              "vertex_sheet", "area_units", "area", "next_in_cell"}  # fmt: skip
 _MEASURED = {"sheet_area", "sheet_normal", "sheet_centre", "sheet_pack"}  # by the page's kernels
 _NODES = {"node_vertices", "node_root", "child", "longest", "node_area"}
 

@@ -156,6 +156,8 @@ def test_a_recording_gives_the_same_bytes_in_the_page(
 ) -> None:
     surface, ledger = in_python(words(CASES[name], recordings))
     hashes, found = hashes_of(surface), in_node[name]
+    for key, ours in hashes.items():  # seen with -s
+        print(f"{name}: {key}: {str(ours)[:16]} in Python, {str(found[key])[:16]} in the page")
     assert {key: found[key] for key in hashes} == hashes
     assert ledger["wet"] > 0.0
     accounts = {

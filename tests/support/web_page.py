@@ -46,7 +46,7 @@ def built_page(folder: Path) -> Path:
 
 def _run_vite(*words: str) -> None:
     if shutil.which("npx") is None or not (WEB / "node_modules" / "vite").is_dir():
-        pytest.skip("what builds the page is not installed: npm install, in web/")
+        pytest.skip("what builds the page is not installed: npm ci, in web/")
     done = subprocess.run(
         ["npx", "vite", "build", *words], cwd=WEB, capture_output=True, text=True, check=False
     )

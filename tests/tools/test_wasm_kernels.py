@@ -142,7 +142,7 @@ def test_the_module_asks_for_nothing(said: dict[str, Any]) -> None:
 
 def test_a_page_has_the_kernels_that_paint_and_no_others() -> None:
     rooms = {e.module.split(".")[0] for p in parts("wasm32") for g in p.groups for e in g.values()}
-    assert rooms == {"brush_engine", "colour", "mesh", "surface"}
+    assert rooms == {"brush_engine", "colour", "mesh", "pose", "surface"}
 
 
 def test_without_zig_it_is_said_what_to_install(tmp_path: Path, monkeypatch) -> None:

@@ -48,7 +48,7 @@ _COMPILERS = ("lowering", "numba_inside", "optimising", "part", "processors")
 _VERSIONS = ("numba", "llvmlite", "numpy")
 # What is lowered by one process, the longest first: the groups of its entries, which are optimised
 # beside one another, by the rooms they are in.
-_ROOMS = {"wasm32": ("brush_engine", "colour", "mesh", "surface")}  # others have all
+_ROOMS = {"wasm32": ("brush_engine", "colour", "mesh", "pose", "surface")}  # others have all
 _PARTS = {
     "brush": [
         ("brush_engine.bristles", "bench.kernels.standing_bristles"),

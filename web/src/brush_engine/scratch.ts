@@ -48,7 +48,7 @@ export function makeStamp(kernels: Kernels, sizes: Sizes): Stamp {
   return {
     values: kernels.records("brush_engine.footprint.GEOMETRY"),
     half_widths: kernels.zeros("f8", sizes.profile_cells + 2),
-    lines: kernels.zeros("f4", sizes.profile_cells, 4),
+    lines: kernels.zeros("f4", 4, sizes.profile_cells),
   };
 }
 
@@ -113,6 +113,7 @@ export function makeScratch(
     },
     found: makeFound(kernels, mesh),
     lines: zeros("f8", 3, sizes.lines),
+    gains: zeros("f4", 2, sizes.lines),
   };
 }
 
@@ -137,5 +138,9 @@ function makeFound(kernels: Kernels, mesh: PaintMesh): { [name: string]: NDArray
     cover: kernels.zeros("f4", n),
     lanes: kernels.zeros("i2", n),
     under: kernels.zeros("f4", n),
+    area: kernels.zeros("f4", n),
+    coats: kernels.zeros("f4", n),
+    heights: kernels.zeros("f4", n),
+    lacks: kernels.zeros("f4", n),
   };
 }

@@ -27,6 +27,7 @@ export interface KernelIndex {
 /** What may be handed to a kernel. */
 export type Argument =
   | number
+  | bigint
   | boolean
   | NDArray
   | Records
@@ -174,6 +175,12 @@ export class Kernels implements Memory {
     if (expected === "b1") {
       if (typeof value !== "boolean") return `${name}: expected a bool, got ${typeof value}`;
       this.#putInt(Number(value));
+      return "";
+    }
+    if (expected === "i8" && typeof value === "bigint") {
+      this.#ints[this.#at] = Number(BigInt.asIntN(32, value));
+      this.#ints[this.#at + 1] = Number(value >> 32n);
+      this.#at += 2;
       return "";
     }
     if (typeof value !== "number") return `${name}: expected ${expected}, got ${typeof value}`;

@@ -3,32 +3,6 @@
 export type Quaternion = readonly [number, number, number, number];
 export type Vector = readonly [number, number, number];
 
-/** The rotation `b` followed by the rotation `a`. */
-export function multiply(a: Quaternion, b: Quaternion): Quaternion {
-  const [aw, ax, ay, az] = a;
-  const [bw, bx, by, bz] = b;
-  return [
-    aw * bw - ax * bx - ay * by - az * bz,
-    aw * bx + ax * bw + ay * bz - az * by,
-    aw * by - ax * bz + ay * bw + az * bx,
-    aw * bz + ax * by - ay * bx + az * bw,
-  ];
-}
-
-/** The vector `v` turned by the unit quaternion `q`. */
-export function turn(q: Quaternion, v: Vector): Vector {
-  const [w, x, y, z] = q;
-  const [vx, vy, vz] = v;
-  const tx = 2.0 * (y * vz - z * vy);
-  const ty = 2.0 * (z * vx - x * vz);
-  const tz = 2.0 * (x * vy - y * vx);
-  return [
-    vx + w * tx + (y * tz - z * ty),
-    vy + w * ty + (z * tx - x * tz),
-    vz + w * tz + (x * ty - y * tx),
-  ];
-}
-
 /** The unit quaternion, w not negative, of the rotation whose matrix has these columns. */
 export function fromAxes(x: Vector, y: Vector, z: Vector): Quaternion {
   const trace = x[0] + y[1] + z[2];

@@ -49,7 +49,7 @@ export interface ContactTree {
 
 const PER_VERTEX = [
   "px", "py", "pz", "nx", "ny", "nz", "mx", "my", "mz", "take", "key", "parents",
-  "vertex_sheet", "area_units", "next_in_cell",
+  "vertex_sheet", "area_units", "area", "next_in_cell",
 ]; // prettier-ignore
 const PER_NODE = ["node_vertices", "node_root", "child", "longest", "node_area"];
 const GROWTH = 1 << 15; // least number of vertices to reserve

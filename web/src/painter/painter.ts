@@ -10,7 +10,7 @@ import {
   growScratch, makeProgress, makeScratch, type Progress, type Scratch, type Sizes,
 } from "../brush_engine/scratch"; // prettier-ignore
 import type { Pigment } from "../colour/materials";
-import { joinedSamples, objectPoses, velocities, type BrushPath } from "../pose/brush_pose";
+import { objectPoses } from "../pose/brush_pose";
 import { DIP, ERASER, RecordingError, type DeviceSample, type Recording } from "../recording/recording";
 import { HairTuft, type KeptHairs } from "./bristle_state";
 import type { PaintedSurface, Snapshot } from "../surface/painted_surface";
@@ -251,12 +251,11 @@ export class Painter {
   }
 
   /** Paint up to sample `last`, dipping where the button goes down; origins of time by sample. */
-  #paint(given: readonly DeviceSample[], last: number): bigint[] {
-    const path = objectPoses(given);
-    const [samples, origins] = this.#samples(path, given);
+  #paint(given: readonly DeviceSample[], last: number): BigInt64Array {
+    const [samples, origins] = this.#samples(given);
     const first = Number(this.#progress.at.data[0]);
     for (let k = 1; k < given.length; k++) {
-      const down = (path.buttons[k] & DIP) !== 0 && (path.buttons[k - 1] & DIP) === 0;
+      const down = (given[k].buttons & DIP) !== 0 && (given[k - 1].buttons & DIP) === 0;
       if (!down || !(first < k && k <= last)) continue;
       this.#run(samples, k);
       this.dip();
@@ -266,33 +265,29 @@ export class Painter {
     return origins;
   }
 
-  /** Prepare a path for interpolation by the kernels: time counts from the latest touch-down. */
-  #samples(path: BrushPath, given: readonly DeviceSample[]): [Samples, bigint[]] {
+  /** Prepare samples for interpolation by the kernels: time counts from the latest touch-down. */
+  #samples(given: readonly DeviceSample[]): [Samples, BigInt64Array] {
+    const { kernels } = this;
     const n = given.length;
-    const joined = joinedSamples(path);
-    const origins: bigint[] = [];
-    const since = new Float64Array(n);
-    let origin = this.#originNs;
-    for (let i = 0; i < n; i++) {
-      if (joined[i] === 0 && i > 0) origin = given[i].timeNs;
-      origins.push(origin);
-      since[i] = Number(given[i].timeNs - origin) * 1e-9;
-    }
-    path = { ...path, timeS: since };
-    const of = NDArray.of;
-    const pressure = path.pressure ?? new Float64Array(n).fill(NaN);
-    return [
-      {
-        time: of(this.kernels, "f8", since),
-        position: of(this.kernels, "f8", path.way, [n, 3]),
-        velocity: of(this.kernels, "f8", velocities(path, joined), [n, 3]),
-        orientation: of(this.kernels, "f8", oneHemisphere(path.orientation), [n, 4]),
-        pressure: of(this.kernels, "f8", pressure),
-        joined: of(this.kernels, "b1", joined),
-        on_surface: of(this.kernels, "b1", path.hasContact),
-      },
-      origins,
-    ];
+    const path = objectPoses(kernels, given);
+    const samples = {
+      time: kernels.zeros("f8", n),
+      position: kernels.zeros("f8", n, 3),
+      velocity: kernels.zeros("f8", n, 3),
+      orientation: kernels.zeros("f8", n, 4),
+      pressure: path.pressures,
+      joined: kernels.zeros("b1", n),
+      on_surface: path.hasContact,
+    };
+    const timeNs = NDArray.of(kernels, "i8", BigInt64Array.from(given, (sample) => sample.timeNs));
+    const origins = kernels.zeros("i8", n);
+    kernels.call(
+      "brush_engine.stroke_loop.prepare_samples",
+      timeNs, this.#originNs, path.orientation, path.way, samples, origins,
+    ); // prettier-ignore
+    const since = origins.data.slice();
+    for (const array of [path.orientation, path.way, timeNs, origins]) array.free();
+    return [samples, since];
   }
 
   /** Run the stroke kernel up to sample `last`, growing the surface as often as it asks. */
@@ -322,17 +317,4 @@ export class Painter {
     const { paintMesh, pigments } = this.surface;
     this.#scratch = growScratch(this.kernels, this.#scratch, paintMesh, pigments.length);
   }
-}
-
-/** Signs of quaternions flipped so that neighbours lie less than a right angle apart. */
-function oneHemisphere(quaternions: Float64Array): Float64Array {
-  const q = quaternions.slice();
-  let sign = 1.0;
-  for (let i = 4; i < q.length; i += 4) {
-    let dot = quaternions[i] * quaternions[i - 4];
-    for (let k = 1; k < 4; k++) dot = dot + quaternions[i + k] * quaternions[i - 4 + k];
-    if (dot < 0.0) sign = -sign;
-    for (let k = 0; k < 4; k++) q[i + k] *= sign;
-  }
-  return q;
 }
