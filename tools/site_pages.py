@@ -224,8 +224,8 @@ def _number(value: float | str) -> str:
 _SCREEN = 'xvfb-run -a -s "-screen 0 1400x900x24" python'
 BY_OTHERS = (  # the pictures that build_gallery.py does not draw
     {
-        "stroke.webp": "paint3d write 永 --on bowl --size 40 --at 0.5,0.58 --out yong.p3d --film stroke.webp "
-        "--pixels 480x360",
+        "stroke.webp": "paint3d write 永 --on bowl --size 40 --at 0.5,0.58 --out yong.p3d "
+        "--film stroke.webp --pixels 480x360",
         "palette.png": "python scripts/gallery/palette.py",
         "ink_flowers.png": "python scripts/gallery/ink.py flowers",
         "brush_editor.png": f"{_SCREEN} scripts/gallery/brush_editor.py",
