@@ -127,6 +127,7 @@ def run(options: argparse.Namespace) -> None:
     from paint3d.device.recorded import MODEL
     from paint3d.files.project.session import is_session_path
     from paint3d.painter.stroke_table import StrokeTable
+    from paint3d.recording.flat_recording import notes_of
     from paint3d.recording.recording import load_recording
     from paint3d.recording.score import is_score
 
@@ -152,7 +153,7 @@ def run(options: argparse.Namespace) -> None:
     wanted.check()
     with ProgressBar("reading", enabled=not options.quiet) as progress:
         recording = load_recording(options.recording, progress=progress)
-    for note in recording.header.get("notes", ()):
+    for note in notes_of(recording.header):
         _LOG.warning("%s: %s", options.recording, note)
     if recording.header["model"] != MODEL:
         _LOG.warning(

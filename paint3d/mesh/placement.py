@@ -14,7 +14,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from paint3d.core.arrays import AnyArray, as_array, as_number
 from paint3d.errors import InputError, MeshError, Message
-from paint3d.mesh.body_axis import find_axis
 from paint3d.mesh.bvh import ClosestPoints
 from paint3d.mesh.chart import SurfaceFrame, frame_at
 
@@ -140,7 +139,7 @@ def _ray(surface: ClosestPoints, at: AnyArray, side: str) -> tuple[AnyArray, Any
     """Return start and unit direction of the ray to a position, from outside or the axis."""
     low, high = surface.mesh.bounds
     far = float(np.linalg.norm(high - low)) + 1.0
-    middle = np.array([*find_axis(surface.mesh), 0.5 * (low[2] + high[2])])
+    middle = np.array([*surface.mesh.body_axis, 0.5 * (low[2] + high[2])])
     if len(at) == 3:
         length = np.linalg.norm(at)
         if length == 0.0:

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from paint3d.core.arrays import AnyArray, as_array
 from paint3d.errors import MeshError
+from paint3d.mesh.body_axis import find_axis
 from paint3d.mesh.kernels.topology import pieces_of
 
 __all__ = ["TriangleMesh"]
@@ -129,6 +130,11 @@ class TriangleMesh:
         box = np.array([[x.min() for x in along], [x.max() for x in along]], np.float64)
         box.setflags(write=False)
         return box
+
+    @cached_property
+    def body_axis(self) -> tuple[float, float]:
+        """Where the vertical axis of its body is, which a handle does not move: x and y, mm."""
+        return find_axis(self.vertices, self.faces, self.bounds)
 
     @cached_property
     def is_solid(self) -> bool:

@@ -594,16 +594,20 @@ class Painter:
         if table is None:
             self._paint_by_ends(samples, last, refills, buttons)
             return
-        for k in range(min(int(self._progress.at[0]) + 1, last), last + 1):
+        for k in range(max(0, min(int(self._progress.at[0]) + 1, last)), last + 1):
             self._paint_by_ends(samples, k, refills, buttons)
             table.see(int(times_ns[k]), float(samples.pressure[k]), self._brush_state())
 
     def _brush_state(self) -> BrushState:
         """What the brush has done so far, for a table of strokes."""
-        stamp, held = self.stamp.values[0], self.in_brush()
-        footprints = int(self.scratch.counters[FOOTPRINTS])
+        stamp, held, counters = self.stamp.values[0], self.in_brush(), self.scratch.counters
         return BrushState(
-            bool(stamp["touches"] > 0.0), float(stamp["way"]), self.loaded - held, held, footprints
+            touches=bool(stamp["touches"] > 0.0),
+            way_mm=float(stamp["way"]),
+            ink_given=self.loaded - held,
+            ink_held=held,
+            footprints=int(counters[FOOTPRINTS]),
+            contacts=int(counters[SAMPLES]),
         )
 
     def _step_ink(

@@ -22,6 +22,7 @@ class BrushState(NamedTuple):
     ink_given: float  # coats x mm2, ever
     ink_held: float
     footprints: int  # ever
+    contacts: int  # samples that met the surface, ever
 
 
 @dataclass
@@ -36,12 +37,13 @@ class StrokeRow:
         Times of the last sample before it touched and of the last one that did, since the
         recording's first.
     length_mm : float
-        That the footprint went on the surface.
+        The way of the footprint on the surface, up to the last sample that touches.
     mean_force_n, most_force_n : float or None
         Over its time; None where the recording tells none.
     footprints : int
     ink_left : float
-        Pigment that went from the brush to the surface, coats x mm2.
+        Pigment that went from the brush to the surface, coats x mm2; below 0 where the pen's
+        eraser end takes it off.
     ink_in_brush : float
         That the brush holds where the stroke ends, coats x mm2.
     """
@@ -85,6 +87,7 @@ class StrokeTable:
         self._open: StrokeRow | None = None
         self._last = 0.0, MAX_FORCE_N * pressure  # time and force of the sample before
         self._impulse = 0.0  # N s
+        self._contacts = brush.contacts
 
     def see(self, time_ns: int, pressure: float, brush: BrushState) -> None:
         """Take the sample up to which has been painted."""
@@ -93,7 +96,9 @@ class StrokeTable:
         if time_s <= before_s:
             return
         self._last = time_s, force
-        if brush.touches and self._open is None:
+        # `touches` alone may be left from before
+        painted, self._contacts = brush.contacts > self._contacts, brush.contacts
+        if painted and self._open is None:
             self._open = StrokeRow(len(self.rows) + 1, before_s, time_s)
             self.rows.append(self._open)
             self._impulse = 0.0
@@ -102,7 +107,7 @@ class StrokeTable:
             row.ink_left = brush.ink_given - self._before.ink_given  # also while it lifts off
             row.ink_in_brush = brush.ink_held
             row.footprints = brush.footprints - self._before.footprints
-        if not brush.touches:
+        if not (painted and brush.touches):
             self._open, self._before = None, brush
             return
         assert row is not None, "it touches"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
@@ -24,6 +24,7 @@ __all__ = [
     "Lifts",
     "angles_from_orientations",
     "join_strokes",
+    "notes_of",
     "orientations_from_angles",
     "spread_ties",
 ]
@@ -198,6 +199,12 @@ def join_strokes(
         lifts.put_pressure(pressed),
         header={"space": "pad", **header},
     )
+
+
+def notes_of(header: Mapping[str, object]) -> list[str]:
+    """What was assumed or put right when a recording was read, to be told; a file may hold more."""
+    notes = header.get("notes")
+    return [note for note in notes if isinstance(note, str)] if isinstance(notes, list) else []
 
 
 def _frozen(array: AnyArray) -> AnyArray:

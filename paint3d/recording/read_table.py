@@ -18,7 +18,7 @@ lean of the handle  altitude, azimuth, rotation; sensor_altitude, ...     rad
 orientation         qw, qx, qy, qz                                        unit quaternion
 object              object_x_mm ..., object_qw ...                        mm, unit quaternion
 contact             contact_x_mm ..., an empty cell for none              mm
-stroke              idx, stroke, stroke_id                                a new number lifts
+stroke              idx, stroke, stroke_id                                of pads, a new one lifts
 buttons             buttons                                               bits
 ==================  ====================================================  ===================
 
@@ -44,6 +44,7 @@ from paint3d.recording.flat_recording import (
     DEFAULT_LEAN,
     MM_PER_PIXEL,
     Lifts,
+    notes_of,
     orientations_from_angles,
     spread_ties,
 )
@@ -175,7 +176,7 @@ def _assemble(table: NumberTable, header: dict[str, Any], scale: float, y_down: 
     notes = [*notes, *told]
     table.let_go(*_TIMES, *_STROKES)
     if notes:
-        header = {**header, "notes": [*_listed(header.get("notes")), *notes]}
+        header = {**header, "notes": [*notes_of(header), *notes]}
     buttons = table.column("buttons")
     pressed = None if buttons is None else table.check("buttons", buttons[1], 0, 2**31 - 1)
     pressure = _pressures(table)
@@ -210,10 +211,6 @@ def _changes(table: NumberTable) -> AnyArray:
         return np.array([], np.int64)
     stroke = found[1]
     return np.flatnonzero(stroke[1:] != stroke[:-1]) + 1
-
-
-def _listed(notes: object) -> list[Any]:
-    return list(notes) if isinstance(notes, list) else []
 
 
 def _posed(

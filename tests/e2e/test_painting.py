@@ -236,3 +236,15 @@ def test_an_object_is_stood_up_on_request(paint3d, recording: Path, tmp_path: Pa
     done = paint3d("replay", recording, "--on", lying, "--out", out, "--up=w")
     assert done.returncode == 2
     assert "--up" in done.stderr
+
+
+def test_notes_that_a_stranger_wrote_into_a_header_break_nothing(
+    paint3d, save, lines, tmp_path: Path
+) -> None:
+    for k, notes in enumerate((5, "text", [1, None, "told"])):
+        header, *samples = (dict(line) for line in lines)
+        file = save(tmp_path / f"{k}.jsonl", [{**header, "notes": notes}, *samples])
+        done = paint3d("replay", file, "--on", "plane", "--out", tmp_path / f"{k}.ply")
+        assert done.returncode == 0
+        assert "Traceback" not in done.stderr
+        assert ("told" in done.stderr) == (k == 2)

@@ -534,3 +534,28 @@ def test_a_tables_length_is_the_way_that_was_drawn() -> None:
     assert table.rows[0].length_mm == pytest.approx(40.0, rel=0.1)
     painter.replay(line, table=table)  # goes on
     assert [row.stroke for row in table.rows] == [1, 2]
+
+
+def test_a_tables_mean_force_is_that_of_an_even_press() -> None:
+    painter, table = Painter(surface(), "full", "pine soot"), StrokeTable()
+    painter.replay(painter.stroke([(-20, 0, 0), (20, 0, 0)], pressure=0.4), table=table)
+    assert table.rows[0].mean_force_n == pytest.approx(0.4 * MAX_FORCE_N, rel=0.02)
+    assert table.rows[0].most_force_n == pytest.approx(0.4 * MAX_FORCE_N)
+
+
+def test_a_table_of_a_wet_replay_has_the_same_strokes() -> None:
+    tables = [StrokeTable(), StrokeTable()]
+    for wet, table in enumerate(tables):
+        Painter(surface(), "full", "pine soot").replay(two_strokes(), wet=bool(wet), table=table)
+    dry, wet_rows = (table.rows for table in tables)
+    assert [row.length_mm for row in wet_rows] == [row.length_mm for row in dry]
+    assert len(dry) == 2
+
+
+def test_a_table_has_no_row_of_a_stroke_that_ended_pressed_before() -> None:
+    painter, table = Painter(surface(), "full", "pine soot"), StrokeTable()
+    painter.replay(stroke(LANDING[:5]), table=table)  # it ends on the surface
+    in_air = stroke(np.concatenate([np.zeros(4), LANDING]))
+    painter.replay(in_air, table=table)
+    assert len(table.rows) == 2
+    assert table.rows[1].start_s > 0.0

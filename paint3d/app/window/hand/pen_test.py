@@ -177,8 +177,8 @@ class PenTestDialog(QtWidgets.QDialog):
             ("device", say("Device")),
             ("end", say("End")),
             ("pressure", say("Pressure")),
-            ("lean", say("Leans")),
-            ("turn", say("Turned about its axis")),
+            ("lean", say("Tilt")),
+            ("turn", say("Rotation")),
             ("buttons", say("Buttons")),
             ("rate", say("Events a second")),
         ):
@@ -210,7 +210,7 @@ class PenTestDialog(QtWidgets.QDialog):
         rows["device"].setText(pad.device or "–")
         eraser = say("the eraser") if pad.is_eraser else say("the tip")
         rows["end"].setText(eraser if pad.device and not pad.is_mouse else "–")
-        pressure = say("none told") if pad.is_mouse else f"{100.0 * pad.pressure:.0f} %"
+        pressure = say("none") if pad.is_mouse else f"{100.0 * pad.pressure:.0f} %"
         if pad.most > 0.0:
             pressure += "   " + say(
                 "so far {least:.1f} to {most:.1f} %", least=100 * pad.least, most=100 * pad.most
@@ -229,8 +229,8 @@ class PenTestDialog(QtWidgets.QDialog):
         else:
             aside = say("{angle:.0f}° to the left", angle=-across)
         if along >= 0.0:
-            return f"{aside}, " + say("{angle:.0f}° to the hand", angle=along)
-        return f"{aside}, " + say("{angle:.0f}° away from it", angle=-along)
+            return f"{aside}, " + say("{angle:.0f}° towards you", angle=along)
+        return f"{aside}, " + say("{angle:.0f}° away from you", angle=-along)
 
     def _verdict(self) -> str:
         pad = self.pad
@@ -244,9 +244,9 @@ class PenTestDialog(QtWidgets.QDialog):
         if pad.most == 0.0:
             return say("The pen is seen; press it on the sheet.")
         if pad.most - pad.least < 0.02:
-            return say("The pen tells one pressure only so far: press softly, then firmly.")
+            return say("Only one pressure has arrived so far: press softly, then firmly.")
         if not pad.leaned:
             return say(
-                "Pressure is told. Lean the pen: if nothing is told then, the brush stands upright."
+                "Pressure arrives. Tilt the pen: if nothing arrives then, the brush stands upright."
             )
-        return say("Pressure and lean are told: the brush follows both.")
+        return say("Pressure and tilt arrive: the brush follows both.")
