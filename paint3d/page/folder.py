@@ -115,6 +115,8 @@ def build_page(
     with _in_chinese():
         for (one, mesh), suits in zip(loaded, usual, strict=True):
             file = f"objects/{_plain(one.name)}-{one.resolution:g}.bin.gz"
+            if file in files:  # of two files called alike, or in a script that names lose
+                file = f"objects/{len(files)}-{_plain(one.name)}-{one.resolution:g}.bin.gz"
             contents["objects"].append(
                 {"name": one.name, "chinese": say_object(one.name), "file": file}
                 | {"resolution": one.resolution, "material": suits}
