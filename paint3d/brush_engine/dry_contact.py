@@ -40,6 +40,8 @@ _SIDE = _CELLS * _STEPS
 _MASK = _SIDE - 1
 _SHIFT, _SHIFT2 = 6, 12  # powers of 2 in the side of the table, and in a layer
 _UP, _DOWN = (np.int32(24), np.int32(16), np.int32(8)), np.int32(24)  # bits to a byte's place
+_FROM = 0.5 * _CELLS  # bundles from the edge of a period to a tuft's middle: no seam lies there
+_EACH_SIDE = 4  # places to each side of it, at which the mean of broad bundles is taken
 _APART = np.int32(23)  # steps along the way between periods of bundles that lie side by side
 _LEVELS = 32.0  # of the table, to a standard deviation
 _LAYERS = (3, 35)  # of it, that broad and narrow bundles are read from
@@ -50,21 +52,21 @@ _ASKEW = np.array(  # a turn by 1 rad about (1, 2, 3): how the tooth lies in spa
         [-0.351279, 0.421906, 0.835822],
     ]
 )
-_TOOTH = (0.4, 0.25)  # standard deviations of its bumps, coarse and fine
+_TOOTH = (0.3, 0.3)  # standard deviations of its bumps, coarse and fine
 _FINER = 0.42  # length of the fine bumps over that of the coarse ones
-_DRAGGED = 0.36  # of the coarse bumps: how far apart the film is looked for
+_DRAGGED = 0.45  # of the coarse bumps: how far apart the film is looked for
 _LOOKS = 3  # places along the way where it is
 _THINS = 0.35  # what it loses from one to the next
-_TOOTH_MEAN, _TOOTH_SPREAD = 0.14, 0.39  # of the highest of them, all bumps seen
+_TOOTH_MEAN, _TOOTH_SPREAD = 0.1, 0.36  # of the highest of them, all bumps seen
 _BROAD, _BROAD_WAY, _BROAD_SPREAD = 1.25, 19.0, 0.72  # bundles: mm across, mm along, std. deviation
-BUNDLE_MM, _WAY, _SPREAD = 0.45, 11.0, 0.5  # the narrow ones of a solid tuft
-_WANDER_MM = 0.35  # narrow ones lie aside by the supply of broad ones: they part and meet
+BUNDLE_MM, _WAY, _SPREAD = 0.32, 16.0, 0.58  # the narrow ones of a solid tuft
+_WANDER_MM = 0.5  # narrow ones lie aside by the supply of broad ones: they part and meet
 _BROADER = 2.2  # broad ones are at least so much broader than narrow ones
 _BELLY = 0.32  # of the root's diameter: half the width of a belly at whose scale bundles are told
 _NARROWEST = 0.35  # of it, below which hairs draw together no more
 _RIM = 0.35  # how much worse hairs at the rim are supplied
-_SOFT = 0.16  # standard deviation of the softness: contact comes about over .55
-_GAIN, _OFFSET = 2.4, -0.1  # of the contact level
+_SOFT = 0.145  # standard deviation of the softness: contact comes about over .5
+_GAIN, _OFFSET = 2.4, 0.1  # of the contact level
 _FLOODED, _FLOOD = 0.8, 1.5  # level from which the tuft begins to flood the rest, and by how much
 _STANDS = 1.0  # standard deviations that hairs which stand touch less than those dragged along
 _LEAST = np.float32(0.02)  # share below which nothing is touched
@@ -81,7 +83,7 @@ class DryContact(NamedTuple):
     ahead_x: float  # direction of the way in the stamp's frame, along the bend and across
     ahead_y: float
     curve: float  # of the way to the left, 1/mm
-    way: float  # mm that the tuft has gone
+    way: float  # mm that the tuft has gone, from where on the bundles' noise it came down
     per_broad: float  # steps of the noise to the mm across the way, for broad bundles
     per_narrow: float
     coarse: float  # how much of the bumps and bundles the vertices show
@@ -224,6 +226,17 @@ def _ahead(values):
 
 
 @uncounted(error_model="numpy")
+def _mean_supply(ahead_x, ahead_y, values, per_mm, ink):
+    """What broad bundles bring, the mean across the way: they share what the tuft holds."""
+    middle, half = _extent_across(ahead_x, ahead_y, values)
+    along, total = (values.parted + values.way) / _BROAD_WAY, 0.0
+    for n in range(-_EACH_SIDE, _EACH_SIDE + 1):
+        across = middle + half * n / (_EACH_SIDE + 0.5)
+        total += bundle_at(_FROM + per_mm * across, along, ink.bundles[0])
+    return total / (2 * _EACH_SIDE + 1)
+
+
+@uncounted(error_model="numpy")
 def dry_contact(level, carried, after, bundles, field, ink):
     """What the vertices of a sweep share; docs/model.md, equation (13).
 
@@ -260,6 +273,7 @@ def dry_contact(level, carried, after, bundles, field, ink):
         unseen2 += _TOOTH_SPREAD**2 * (1.0 - shown)
     broad_spread, spread = differ * _BROAD_SPREAD, differ * _SPREAD
     unseen2 += broad_spread**2 * (1.0 - broad * broad) + spread**2 * (1.0 - narrow * narrow)
+    supply -= broad_spread * broad * _mean_supply(ahead_x, ahead_y, a, per_width / broad_mm, ink)
     step = _STEPS / tooth if tooth > 0.0 else 0.0
     back = -_DRAGGED * tooth
     return DryContact(
@@ -268,7 +282,7 @@ def dry_contact(level, carried, after, bundles, field, ink):
         ahead_x,
         ahead_y,
         a.curve,
-        a.way,
+        a.parted + a.way,
         _STEPS * per_width / broad_mm,
         _STEPS * per_width / bundle,
         _TOOTH[0] * coarse / _LEVELS,
@@ -363,15 +377,15 @@ def _place_on_tuft(n, contact, values, block):
 
 
 @uncounted(error_model="numpy")
-def _extent_across(contact, values):
+def _extent_across(ahead_x, ahead_y, values):
     """Where the footprint's middle lies across the way, and how far it reaches from there, mm.
 
     Half the width where the tuft trails, half the length where it goes sideways (pianfeng): as an
     ellipse of the footprint's length and width would.
     """
     long, middle = 0.5 * (values.tip - values.heel), 0.5 * (values.tip + values.heel)
-    side, ahead = contact.ahead_y * long, contact.ahead_x * values.widest
-    return -contact.ahead_y * middle, np.sqrt(side * side + ahead * ahead)
+    side, ahead = ahead_y * long, ahead_x * values.widest
+    return -ahead_y * middle, np.sqrt(side * side + ahead * ahead)
 
 
 @uncounted(error_model="numpy")
@@ -402,9 +416,9 @@ def _add_bundles(n, table, per_across, per_along, strength, block):
         return
     across, along, supply = block.rows[4], block.rows[5], block.rows[6]
     side, ahead, at = block.work[0], block.work[1], block.near[0]
-    a, b = np.float32(per_across), np.float32(per_along)
+    begin, a, b = np.float32(_STEPS * _FROM), np.float32(per_across), np.float32(per_along)
     for k in range(n):
-        x, y = a * across[k], b * along[k]
+        x, y = begin + a * across[k], b * along[k]
         p, q = np.floor(x), np.floor(y)
         side[k], ahead[k] = x - p, y - q
         i, j = np.int32(p), np.int32(q)
@@ -446,7 +460,7 @@ def _touch(n, contact, after, ink, block):
     for k in range(n):
         across[k] += wander * (supply[k] - begin)
     _add_bundles(n, bundles[1], contact.per_narrow, way, contact.narrow, block)
-    middle, half_extent = _extent_across(contact, values)
+    middle, half_extent = _extent_across(contact.ahead_x, contact.ahead_y, values)
     per_rim, middle = np.float32(1.0 / max(half_extent, 0.15)), np.float32(middle)
     worse = np.float32(_RIM)
     for k in range(n):

@@ -44,6 +44,7 @@ PROFILE_CELLS = 64
 LAST_PLACE = PROFILE_CELLS - 1e-4  # on the profile, in cells: within the last
 _LEAST_WAY = 1e-9  # mm
 _IN_PLACE = 0.35  # of the motion of a footprint that turns or grows where it stands: gives ink
+_ROUGH_MM = 3.5  # width from which a footprint's edge is as rough as paper makes it; set by eye
 _FIRM = 0.4  # pressure from which a footprint that grows gives ink for all of its growth
 
 _VECTOR = ("f8", (3,))
@@ -73,6 +74,7 @@ GEOMETRY = np.dtype(
         ("drag", *_VECTOR),  # dragged point relative to P'_m, mm; zero until the first contact
         ("foot", *_VECTOR),  # foot point P'_m, or the place that the hand means, mm
         ("way", "f8"),  # that the outline has gone since it came down, mm
+        ("parted", "f8"),  # and where along the noise of the bundles it came down, mm
         ("twist", "f8"),  # angle by which a commanded tuft lags behind its azimuth, rad
         ("bent", "f8"),  # how far the tuft lies in its bend, from 0, in a heap under its root, to 1
         ("held", *_VECTOR),  # where the paper holds a dragged tuft's tip, mm
@@ -117,6 +119,7 @@ SWEEP = np.dtype(
         ("carry2", "f8"),  # square of how far a vertex may be carried into the plane, mm2
         ("ball", "f8", 3),  # middle of the ball in which vertices are carried, from the origin, mm
         ("ball2", "f8"),  # square of its radius
+        ("steady", "f8"),  # share of what paper moves the outlines by that these are too narrow for
     ],
     align=True,
 )
@@ -401,6 +404,8 @@ def fill_sweep(before, after, plane, scale, bounds, sweep):
     last, first = after.values[0], before.values[0]
     sweep.after_touches, sweep.after_heel, sweep.after_tip = last.touches, last.heel, last.tip
     sweep.before_touches, sweep.before_heel, sweep.before_tip = first.touches, first.heel, first.tip
+    broad = 2.0 * max(last.widest, first.widest) / _ROUGH_MM
+    sweep.steady = max(0.0, 1.0 - broad * np.sqrt(broad))
     for k in range(4):
         sweep.to_after[k] = 1.0 if k == 2 else 0.0
 

@@ -87,7 +87,7 @@ LINES = 64  # along the way, side by side, that a footprint is cut into
 _RUNS_DRY = (0.15, 0.3)  # contact level below which a tuft has no film, and from which it has one
 _MOST = 6.0  # times a share that a line gets
 _ON_GLAZE, _ON_GRAIN = 1.15, 0.8  # power of a line's length that what it gets falls with
-_STREAKED = 0.09  # deviation of what bundles of hairs bring on paper, over their mean
+_STREAKED = 0.14  # deviation of what bundles of hairs bring on paper, over their mean
 _BUNDLE_WAY = 9.0  # mm: how far along the way they bring alike
 
 
@@ -223,7 +223,7 @@ def level_shares(before, after, level, grain, field, ink, n, scratch):
     power = _ON_GLAZE + grain * (_ON_GRAIN - _ON_GLAZE)
     _fill_gains(lines, wet * carried, power)
     streaks = wet * carried * _STREAKED * absorbency(ink)
-    _streak_gains(lines[2], first, apart, values.way, streaks, ink.bundles[1])
+    _streak_gains(lines[2], first, apart, values.parted + values.way, streaks, ink.bundles[1])
     for line in range(LINES - 1):
         rise = lines[2, line + 1] - lines[2, line]
         scratch.gains[0, line] = lines[2, line] - line * rise
@@ -278,7 +278,7 @@ _DRY_AT = 0.8  # share of a full load below which a light brush on grain 1 begin
 _DRY_PRESSED = 0.4  # less of it at full pressure
 _FLOWS_MM_S = 350.0  # speed of a hand at which it takes twice the load for the same contact
 _MOST_HASTE = 1.7
-FADING = 0.3  # k of equation (10a): the larger, the paler a brush writes on paper as it empties
+FADING = 0.2  # k of equation (10a): the larger, the paler a brush writes on paper as it empties
 FILM = 0.35  # of equation (12a): pressure under which a way as long as the root is wide gives it
 FILM_SHARE = 0.6  # of equation (12a): how much less a wet tuft gives on the way for its film
 _FILM_MOST = 0.1  # share of what the tuft holds that goes into films in one sweep at most
@@ -413,7 +413,8 @@ def _take_less(n, ids, take, coats, heights, draws, per_coat, share):
     one, half, pooled = np.float32(1.0), np.float32(0.5), np.float32(_POOLED)
     for k in range(n):
         stands = one + pooled * (heights[k] - half)
-        wet = coats[k] * per_coat / (take[as_index(ids[k])] * stands)
+        takes = take[as_index(ids[k])]
+        wet = coats[k] * per_coat / (takes * takes * stands)
         wet2 = wet * wet
         wet4 = wet2 * wet2
         wet8 = wet4 * wet4

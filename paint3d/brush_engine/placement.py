@@ -62,6 +62,9 @@ _OVER = 0.1  # of a far root's distance: farther beside its foot's normal it is 
 _LEAST_FADE = 0.25  # of a cell: over which a sheet of surface comes to count
 _OTHER_SIDE = -0.5  # cosine to the foot's normal: what faces farther away is a wall's other side
 _FIRST_DRAG = 0.35  # of the slack: how far a tuft that comes down is dragged towards its bend
+# Where along the noise of the bundles a tuft comes down: mm of it, and waves to the mm of the place.
+_PARTS_MM = 150.0
+_PARTS = ((0.31, 0.17, 0.23), (-0.13, 0.29, 0.19), (0.21, -0.24, 0.27))
 _TRAIL = 0.5  # of the footprint's half width: a way so long tells whither a brush goes
 
 
@@ -89,6 +92,7 @@ def place_stamp(pose, dragged, before, after, tuft, tree, field, scratch):
     values.way = last.way if was_touching else 0.0
     if not _find_place(pose, up, tuft, tree, values, scratch):
         return
+    values.parted = last.parted if was_touching else _part_hairs(values.foot)
     if centred and not dragged:
         _follow_way(values, trail, scratch)
     _bend_along_pose(values, pose)
@@ -118,6 +122,19 @@ def place_stamp(pose, dragged, before, after, tuft, tree, field, scratch):
         if dragged and not centred:
             _hold_tip(after, scratch.held, aside, short, descent, scratch.vector, was_touching)
         _hold_outline(values)
+
+
+@uncounted
+def _part_hairs(foot):
+    """Where along the noise of the bundles a tuft comes down, mm: each press parts hairs anew.
+
+    By folds of the place, which have the same bits on every machine.
+    """
+    total = 0.0
+    for x, y, z in _PARTS:
+        waves = x * foot[0] + y * foot[1] + z * foot[2]
+        total += abs(waves - np.floor(waves) - 0.5)
+    return _PARTS_MM * total
 
 
 @uncounted

@@ -27,7 +27,7 @@ from paint3d.errors import InputError
 
 __all__ = ["LEAST_LOAD", "DipPolicy", "dipped_as", "ink_taken", "redipped"]
 
-LEAST_LOAD = 0.25
+LEAST_LOAD = 0.2
 """Of what a dip gave: a writer dips before less is left; set by eye."""
 
 _CHARACTERS = 4.0  # of a middle size that a dip is for

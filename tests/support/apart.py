@@ -86,7 +86,9 @@ def paint_plainly(hairs: int) -> None:
     t = np.linspace(0.0, 1.0, 3)
     position = np.stack([4.0 * t - 2.0, t * t, 30.0 + 0.0 * t], axis=1)
     orientation = np.stack([np.cos(0.2 * t), 0.0 * t, 0.0 * t, np.sin(0.2 * t)], axis=1)
-    stroke = Recording((t * 1.2e8).astype(np.int64), position, orientation, 0.0 * t + 0.8)
+    time_ns = (t * 1.2e8).astype(np.int64)
+    stroke = Recording(time_ns, position, orientation, 0.0 * t + 0.8)
+    narrow = Recording(time_ns, position, orientation, 0.0 * t + 0.1)
     corners = [[-40.0, -40.0, 0.0], [40.0, -40.0, 0.0], [40.0, 40.0, 0.0], [-40.0, 40.0, 0.0]]
     plane = TriangleMesh(np.array(corners), np.array([[0, 1, 2], [0, 2, 3]], np.int32))
     surface = PaintedSurface(plane, resolution=0.6, material="plaster")
@@ -95,6 +97,7 @@ def paint_plainly(hairs: int) -> None:
     surface.ink = surface.ink._replace(transfer=transfer.view((Record, transfer.dtype)))
     painter = Painter(surface, "full", hairs=hairs)
     painter.replay(stroke)
+    painter.replay(narrow)
     surface.ink.amounts[:] *= 0.1  # as where it has dried
     painter.replay(stroke)
     painter.fill_to(0.05)

@@ -31,10 +31,10 @@ _FIBRE_MM, _FIBRE_AT = 0.6, 0.13
 _PULL_MM, _PULL_WAY_MM, _PULL_RAGGED = 0.1, 0.9, 2.0
 _FIBRE_SHOWN_MM = 0.16
 MOST_ASIDE_MM = 0.6  # how far aside an outline may be met, whatever the noise on raw xuan
-_TAKE = ((0.1, 0.05), (0.25, 0.025), (0.7, 0.015), (3.0, 0.04))  # h_k, mm, and s_k: set by eye
+_TAKE = ((0.1, 0.03), (0.25, 0.025), (0.7, 0.015), (3.0, 0.04))  # h_k, mm, and s_k: set by eye
 _COARSE = 0.4  # how much of that is grain as well, and pores: where an edge is torn ink is uneven
 # Pores that take little: h, from which deviation on, and how much less by the square beyond it.
-_VOID_MM, _VOID_AT, _VOID = 0.16, 1.1, 0.06
+_VOID_MM, _VOID_AT, _VOID = 0.16, 1.1, 0.04
 _PER_DEVIATION = 2.7  # value noise blended by smooth steps has a deviation of .37
 _TURN = (  # so that no octave's lattice lies along the object's axes
     (0.48, 0.64, -0.6),

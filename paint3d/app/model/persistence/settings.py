@@ -108,7 +108,7 @@ class Settings:
     wet : bool or None
         Whether ink spreads and dries while painting; None: as the material asks for.
     dips_by_itself : bool
-        Whether the brush is dipped before a stroke where under a quarter of a dip is left.
+        Whether the brush is dipped before a stroke where less than a fifth of a dip is left.
     autosave_s : float
         The least time between two bases of a recovery folder.
     undo_megabytes : float
