@@ -306,7 +306,7 @@ def test_a_scan_in_black_and_white_is_read() -> None:
     assert len(sheet.page.pieces) == 2
 
 
-@pytest.mark.parametrize("whole", [True, False])
+@pytest.mark.parametrize("whole", long_but([True], [True, False]))
 def test_a_dithered_one_is_told(whole: bool) -> None:
     there = shot("永和", 4, 0.0, Camera(size=700, fills=whole), seals=0)
     told = refused(one_bit(there.pixels, Image.Dither.FLOYDSTEINBERG), whole=whole)
