@@ -43,7 +43,11 @@ from tests.support.app.gestures import answer
 from tests.support.app.windows import opened
 from tools.texts import CATALOGUES, Text, faults_of, find_texts, update
 
-TEXTS = find_texts()
+
+@pytest.fixture(scope="module")
+def texts():
+    """All that is said, looked for once, by the one process that asks."""
+    return find_texts()
 
 
 @pytest.fixture
@@ -57,8 +61,10 @@ def chinese():
 
 
 @pytest.mark.parametrize("catalogue", CATALOGUES, ids=lambda path: path.parts[-3])
-def test_a_catalogue_has_all_that_is_said_with_the_same_fields_and_nothing_else(catalogue) -> None:
-    assert faults_of(catalogue, TEXTS) == []
+def test_a_catalogue_has_all_that_is_said_with_the_same_fields_and_nothing_else(
+    catalogue, texts
+) -> None:
+    assert faults_of(catalogue, texts) == []
 
 
 def test_what_is_wrong_with_a_catalogue_is_told(tmp_path) -> None:
@@ -76,9 +82,9 @@ def test_what_is_wrong_with_a_catalogue_is_told(tmp_path) -> None:
     assert [*faults_of(file, texts)] == [line for line in told.split("\n") if "gone" not in line]
 
 
-def test_no_text_asks_a_painter_to_type_commands() -> None:
+def test_no_text_asks_a_painter_to_type_commands(texts) -> None:
     typed = re.compile(r"(?<![\w-])--[a-z]|\b(pip|npm|apt) |paint3d [a-z]+ ")
-    assert [text.text for text in TEXTS if typed.search(text.text)] == []
+    assert [text.text for text in texts if typed.search(text.text)] == []
 
 
 @pytest.mark.parametrize("code", LANGUAGES)

@@ -1,5 +1,8 @@
 """The contact of one pose, by name."""
 
+import dataclasses
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 import pytest
 
@@ -70,3 +73,24 @@ def test_on_a_sphere_the_normal_is_the_radius():
 def test_a_pose_must_be_one(painter, position, orientation, pressure, said):
     with pytest.raises(InputError, match=said):
         painter.contact(position, orientation, pressure)
+
+
+def test_a_contact_is_that_of_a_thread_that_has_found_none_before(painter):
+    """A thread keeps its scratch from one contact to the next: nothing of the last one stays."""
+    ball = paint3d.Painter(paint3d.PaintedSurface(paint3d.load_mesh("sphere"), 2.0), "full")
+    rng, touching = np.random.default_rng(4), 0
+    for _ in range(60):
+        one = (painter, ball)[rng.integers(2)]
+        middle = (0.0, 0.0, 35.0 if one is painter else 100.0)
+        place, q = middle + rng.uniform(-12.0, 12.0, 3), rng.normal(UPRIGHT, 0.2)
+        pose = place, q / np.linalg.norm(q)
+        with ThreadPoolExecutor(1) as new:
+            anew = new.submit(one.contact, *pose).result()
+        found = one.contact(*pose)
+        assert (found is None) == (anew is None)
+        if found is not None:
+            touching += found.area > 0.0
+            for field in dataclasses.fields(found):
+                was, now = getattr(anew, field.name), getattr(found, field.name)
+                np.testing.assert_array_equal(now, was, err_msg=field.name)
+    assert 10 < touching < 50

@@ -294,7 +294,7 @@ def joined_ink(form, slant: float = 0.0, thick: float = 1.8) -> MultiPolygon:
 
 @pytest.mark.parametrize(
     ("slant", "text"),
-    long_but([(0.0, "b"), (20.0, "f"), (0.0, "k"), (20.0, "r")], product((0.0, 20.0), "bfkr")),
+    long_but([(20.0, "f"), (0.0, "k")], product((0.0, 20.0), "bfkr")),
 )
 def test_a_letter_of_a_joined_hand_is_one_way_to_the_right(text, slant) -> None:
     """Its loops are not torn into a stem and a bow, and its end is not written backwards."""

@@ -13,9 +13,14 @@ from paint3d.colour.difference import delta_e, lab_from_linear_rgb, lab_from_srg
 from paint3d.colour.pigments import load_palette
 from paint3d.errors import InputError
 
-with warnings.catch_warnings():
-    warnings.simplefilter("ignore")
-    import colour
+
+@pytest.fixture(scope="module")
+def colour():
+    """colour-science, which takes seconds to import: only where these tests run."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        import colour
+    return colour
 
 
 def masstones():
@@ -29,7 +34,7 @@ def test_perfect_reflector_is_white_and_darkness_black():
     assert spectra.srgb_from_reflectance(np.zeros(31)).tolist() == [0, 0, 0]
 
 
-def test_xyz_agrees_with_colour_science():
+def test_xyz_agrees_with_colour_science(colour):
     daylight = colour.SDS_ILLUMINANTS["D65"]
     observer = colour.MSDS_CMFS["CIE 1931 2 Degree Standard Observer"]
     films = masstones()
@@ -47,7 +52,7 @@ def test_xyz_agrees_with_colour_science():
     assert apart.max() < 0.5
 
 
-def test_observer_table_is_the_cie_table():
+def test_observer_table_is_the_cie_table(colour):
     shape = colour.SpectralShape(400, 700, 10)
     path = files("paint3d.colour").joinpath("data", "observer.csv")
     table = np.loadtxt(path, delimiter=",", skiprows=1)
@@ -55,7 +60,7 @@ def test_observer_table_is_the_cie_table():
     np.testing.assert_allclose(table[:, 1:4], observer.values, rtol=1e-8)
 
 
-def test_matrix_agrees_with_the_standard():
+def test_matrix_agrees_with_the_standard(colour):
     srgb = colour.RGB_COLOURSPACES["sRGB"]
     computed = colour.normalised_primary_matrix(srgb.primaries, srgb.whitepoint)
     np.testing.assert_allclose(np.linalg.inv(spectra.RGB_FROM_XYZ), computed, atol=1e-12)
@@ -63,7 +68,7 @@ def test_matrix_agrees_with_the_standard():
     np.testing.assert_allclose(spectra.RGB_FROM_XYZ, printed_to_four_digits, atol=5e-4)
 
 
-def test_transfer_function_agrees_and_inverts():
+def test_transfer_function_agrees_and_inverts(colour):
     linear = np.linspace(0, 1, 4001)
     theirs = colour.cctf_encoding(linear, function="sRGB")
     np.testing.assert_allclose(spectra.encode_srgb(linear), theirs, atol=1e-12)
@@ -90,11 +95,6 @@ def test_decode_refuses_integers_of_unknown_range():
 # -- differences of colours --------------------------------------------------------------------
 
 
-with warnings.catch_warnings():
-    warnings.simplefilter("ignore")
-    import colour
-
-
 @pytest.mark.parametrize(
     ("one", "two", "expected"),
     [
@@ -110,7 +110,7 @@ def test_pairs_of_sharma_wu_and_dalal(one, two, expected):
     assert delta_e(two, one) == pytest.approx(expected, abs=5e-5)
 
 
-def test_agrees_with_colour_science_on_random_pairs():
+def test_agrees_with_colour_science_on_random_pairs(colour):
     rng = np.random.default_rng(5)
     one = rng.uniform([0, -100, -100], [100, 100, 100], (5000, 3))
     two = one + rng.normal(0, 1, one.shape) * rng.choice([0.1, 3, 40], (5000, 1))
@@ -124,7 +124,7 @@ def test_same_colour_has_no_difference():
     assert (delta_e(lab, lab) == 0).all()
 
 
-def test_lab_agrees_with_colour_science():
+def test_lab_agrees_with_colour_science(colour):
     xyz = np.random.default_rng(1).uniform(0, 1, (200, 3))
     theirs = colour.XYZ_to_Lab(xyz, illuminant=(0.3127, 0.3290))
     np.testing.assert_allclose(lab_from_xyz(xyz), theirs, atol=1e-9)

@@ -156,12 +156,18 @@ class Restless(Loop):
 
 def test_a_fault_in_the_servo_ends_in_no_force() -> None:
     cable, plug = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
-    fault = threading.Timer(0.05, lambda: cable.send(encode_pose([0, 0, 0], [1, 0, 0, 0])))
-    fault.start()
+    felt = []
+
+    def be_felt_and_move() -> None:
+        felt.append(decode_force(cable.recv(64))[0])
+        cable.send(encode_pose([0, 0, 0], [1, 0, 0, 0]))
+
+    hand = threading.Thread(target=be_felt_and_move)
+    hand.start()
     loop = Restless(1, fault=ValueError("broken"))
     with pytest.raises(ValueError, match="broken"):
         SocketForcePort(plug).run(loop)
-    felt = []
+    hand.join()
     while report := cable.recv(64):
         felt.append(decode_force(report)[0])
     cable.close()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import json
 import os
 import shutil
@@ -20,8 +21,9 @@ from paint3d.cli.batches.cluster import run_on_cluster
 from paint3d.cli.batches.rows import Row
 from paint3d.errors import InputError
 
-Client = pytest.importorskip("distributed").Client
-dask = pytest.importorskip("dask")
+pytestmark = pytest.mark.skipif(
+    importlib.util.find_spec("distributed") is None, reason="distributed is not installed"
+)
 
 PATIENCE_S = 300
 # Loaded by every worker: what rows do is told by their output's name.
@@ -141,6 +143,8 @@ def test_a_worker_that_does_not_see_the_folder_is_passed_over(cluster: Cluster) 
     outcome = next(run_on_cluster(rows("x"), cluster.address))
     assert outcome.message == f"no worker sees the folder {Path.cwd()}"
     cluster.add_worker("seeing")
+    from distributed import Client
+
     with Client(cluster.address) as client:
         client.wait_for_workers(2, PATIENCE_S)
     outcomes = list(run_on_cluster(rows(*"abcd"), cluster.address))
@@ -179,6 +183,8 @@ def test_a_cluster_with_certificates_is_closed_to_those_without(tmp_path, monkey
         with pytest.raises(InputError, match="does not answer"):
             list(run_on_cluster(rows("a"), cluster.address))
         cluster.add_worker("one")
+        import dask
+
         with dask.config.set(settings):
             (outcome,) = run_on_cluster(rows("a"), cluster.address)
         assert outcome.message == ""

@@ -21,6 +21,7 @@ from paint3d.view.live_scene import LIGHT, LiveScene
 from paint3d.view.scene import Frame, draw_flat
 from paint3d.view.studio import Gloss
 from tests.support import surface_cases
+from tests.support.cases import long_but
 
 NONE = np.empty(0, np.int32)
 SPACING = 0.4  # mm, as in the studio
@@ -104,7 +105,7 @@ def waves_at_pitch(places: NDArray, scale: float) -> float:
     return float(np.sqrt(2.0 * power[chosen].sum()) / len(places) / scale)
 
 
-@pytest.mark.parametrize("scale", [15.0, 60.0])
+@pytest.mark.parametrize("scale", long_but([15.0], [15.0, 60.0]))
 @settings(max_examples=4, deadline=None)
 @given(turn=st.floats(0.0, 2.0 * math.pi), offset=st.floats(-1.0, 1.0))
 def test_an_edge_is_two_pixels_wide_in_pictures(surface, scale, turn, offset) -> None:
