@@ -77,7 +77,7 @@ class Panels:
             group[0].raise_()
         self._dock("reference", say("Reference"), self.reference, _LEFT).hide()
         window.setTabPosition(_RIGHT, QtWidgets.QTabWidget.TabPosition.North)
-        window.resizeDocks([upper[0], lower[0]], [440, 260], QtCore.Qt.Orientation.Vertical)
+        window.resizeDocks([upper[0], lower[0]], [480, 220], QtCore.Qt.Orientation.Vertical)
         window.resizeDocks([upper[0]], [_WIDTH], QtCore.Qt.Orientation.Horizontal)
         for dock in self.docks.values():
             menu.addAction(dock.toggleViewAction())

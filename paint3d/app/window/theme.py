@@ -126,6 +126,9 @@ QToolBar[tight="2"]::separator {{ margin: 0px 6px; }}
 QToolBar[tight="2"] QToolButton {{ padding: 2px 3px; }}
 QToolButton#qt_toolbar_ext_button {{ background: {raised}; border: 1px solid {line};
     min-height: 14px; padding: 1px; }}
+QToolButton#fold, QToolButton#fold:checked {{ background: transparent; border: none; padding: 1px;
+    color: {faint}; }}
+QToolButton#fold:hover, QToolButton#fold:focus {{ color: {accent}; }}
 QToolButton:focus, QPushButton:focus {{ border-color: {accent}; }}
 QSlider:focus, QCheckBox:focus {{ background: {chosen}; border-radius: 4px; }}
 QListView:focus {{ border-color: {accent}; }}
