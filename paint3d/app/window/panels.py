@@ -114,9 +114,7 @@ class Panels:
         self.surface.failed.connect(lambda why: self._workspace.tell(why, state="bad"))
         self.inks.dipped.connect(self._dip)
         self.inks.rinsed.connect(lambda: post("rinse"))
-        self.layers.asked.connect(
-            lambda what, *message: post(what, *(x for x in message if x is not None))
-        )
+        self.layers.asked.connect(lambda what, arguments: post(what, *arguments))
         self.history.told.connect(self._workspace.tell)
         self.hand.read.connect(lambda changes: self._workspace.hand.set_settings(**changes))
         self.hand.curve.changed.connect(self._keep_curve)
