@@ -65,5 +65,25 @@ def test_what_is_folded_away_is_reached_by_a_click_and_stays(window) -> None:
     assert panel.pickup.isVisible(), "who unfolded it wants it"
 
 
+def click_tab(window, text: str) -> None:
+    """Click the tab of a panel."""
+    for bar in window.findChildren(QtWidgets.QTabBar):
+        for k in range(bar.count()):
+            if bar.tabText(k) == text and bar.isVisible():
+                QtTest.QTest.mouseClick(bar, BUTTON.LeftButton, pos=bar.tabRect(k).center())
+
+
+def test_a_panel_gets_the_height_that_it_needs_where_its_tab_is_clicked(window) -> None:
+    window.resize(1280, 800)
+    live(0.1)
+    copybook, inks = window.panels.docks["copybook"], window.panels.docks["inks"]
+    before = window.panels.docks["layers"].height()
+    click_tab(window, "Copybook")
+    wait_for(lambda: copybook.height() > before + 200)
+    click_tab(window, "Hand")
+    click_tab(window, "Inks")
+    wait_for(lambda: inks.widget().verticalScrollBar().maximum() == 0)
+
+
 def button(panel, text: str) -> QtWidgets.QPushButton:
     return next(b for b in panel.findChildren(QtWidgets.QPushButton) if b.text() == text)

@@ -29,6 +29,7 @@ from paint3d.painter.painter import Ink
 __all__ = ["Panels"]
 
 _WIDTH = 316
+_LEAST = 160  # pixels of height that stay for the other panels
 _RIGHT = QtCore.Qt.DockWidgetArea.RightDockWidgetArea
 _LEFT = QtCore.Qt.DockWidgetArea.LeftDockWidgetArea
 
@@ -83,6 +84,8 @@ class Panels:
             menu.addAction(dock.toggleViewAction())
         self._drawn: object = None  # what the layers' pictures show
         self._drawing: Future[Any] | None = None
+        self._groups = upper, lower
+        window.tabifiedDockWidgetActivated.connect(self._give_room)
         self._connect()
         workspace.theme_changed.connect(self._set_theme)
 
@@ -101,6 +104,26 @@ class Panels:
         self._workspace.window.addDockWidget(area, dock)
         self.docks[name] = dock
         return dock
+
+    def _give_room(self, dock: QtWidgets.QDockWidget) -> None:
+        """Give a panel whose tab was clicked the height that it needs, of what others can spare."""
+        upper, lower = self._groups
+        if dock not in upper and dock not in lower:
+            return
+        others = lower if dock in upper else upper
+        beside = [one for one in others if one.isVisible() and not one.visibleRegion().isEmpty()]
+        content = dock.widget()
+        if isinstance(content, QtWidgets.QScrollArea):
+            content = content.widget()
+        if not beside or dock.isFloating():
+            return
+        wide = content.heightForWidth(dock.width())
+        need = wide if wide > 0 else content.sizeHint().height()
+        there, both = dock.height(), dock.height() + beside[0].height()
+        if there < need:
+            given = max(there, min(need, both - _LEAST))
+            vertical = QtCore.Qt.Orientation.Vertical
+            self._workspace.window.resizeDocks([dock, beside[0]], [given, both - given], vertical)
 
     def _connect(self) -> None:
         post = self._workspace.post
