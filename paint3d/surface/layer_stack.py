@@ -563,8 +563,7 @@ class LayerStack:
             self._join(key, 0 if group is None else group.key)
             if group is not None:  # its name and the like are no steps
                 own = self._groups.get(group.key, group)
-                looks = {"opacity": group.opacity, "blend": group.blend}
-                self._groups[group.key] = replace(own, **looks)
+                self._groups[group.key] = replace(own, opacity=group.opacity, blend=group.blend)
 
     def dry_by_key(self) -> dict[int, DryLayers]:
         """Return the dried paint of every known layer, including removed ones."""

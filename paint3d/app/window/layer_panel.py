@@ -85,8 +85,8 @@ class LayerPanel(QtWidgets.QWidget):
             "copy": self._button("copy", say("Duplicate layer"), self.duplicate),
             "merge": self._button("merge", say("Merge with the layer below"), self._merge),
             "minus": self._button("minus", say("Remove layer"), self.remove),
-            "up": self._button("up", say("Move up"), lambda: self.move(1)),
-            "down": self._button("down", say("Move down"), lambda: self.move(-1)),
+            "up": self._button("up", say("Move up"), lambda: self.step(1)),
+            "down": self._button("down", say("Move down"), lambda: self.step(-1)),
         }
         for button in self.buttons.values():
             row.addWidget(button)
@@ -386,7 +386,7 @@ class LayerPanel(QtWidgets.QWidget):
         else:
             self._ask("set_visible", place, not layer.visible)
 
-    def move(self, by: int) -> None:
+    def step(self, by: int) -> None:
         """Move the layer that is painted on, or the chosen group, one step up (1) or down (-1)."""
         place = self._chosen_place()
         if self._group:

@@ -246,11 +246,11 @@ class PaintActions:
 
     def do_raise_layer(self) -> None:
         """Put it above the next one, or into a group or out of it."""
-        self._panels.layers.move(1)
+        self._panels.layers.step(1)
 
     def do_lower_layer(self) -> None:
         """Put it below the next one, or into a group or out of it."""
-        self._panels.layers.move(-1)
+        self._panels.layers.step(-1)
 
     def do_hide_layer(self) -> None:
         """Show or hide it, or the chosen group."""

@@ -112,10 +112,9 @@ class Panels:
             return
         others = lower if dock in upper else upper
         beside = [one for one in others if one.isVisible() and not one.visibleRegion().isEmpty()]
-        content = dock.widget()
-        if isinstance(content, QtWidgets.QScrollArea):
-            content = content.widget()
-        if not beside or dock.isFloating():
+        shown = dock.widget()
+        content = shown.widget() if isinstance(shown, QtWidgets.QScrollArea) else shown
+        if content is None or not beside or dock.isFloating():
             return
         wide = content.heightForWidth(dock.width())
         need = wide if wide > 0 else content.sizeHint().height()

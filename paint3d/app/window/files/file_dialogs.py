@@ -29,7 +29,7 @@ class NamesOnly(QtWidgets.QFileIconProvider):
         super().__init__()
         self.setOptions(self.Option.DontUseCustomDirectoryIcons)
 
-    def icon(self, file: Any) -> QtGui.QIcon:  # type: ignore[override]
+    def icon(self, file: Any) -> QtGui.QIcon:
         """The plain icon of a folder or a file."""
         if isinstance(file, QtCore.QFileInfo):
             is_folder = file.isDir()
