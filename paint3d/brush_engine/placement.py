@@ -62,7 +62,7 @@ _OVER = 0.1  # of a far root's distance: farther beside its foot's normal it is 
 _LEAST_FADE = 0.25  # of a cell: over which a sheet of surface comes to count
 _OTHER_SIDE = -0.5  # cosine to the foot's normal: what faces farther away is a wall's other side
 _FIRST_DRAG = 0.35  # of the slack: how far a tuft that comes down is dragged towards its bend
-# Where along the noise of the bundles a tuft comes down: mm of it, and waves to the mm of the place.
+# Where along the noise of the bundles a tuft comes down: mm of it, and waves to the mm of place.
 _PARTS_MM = 150.0
 _PARTS = ((0.31, 0.17, 0.23), (-0.13, 0.29, 0.19), (0.21, -0.24, 0.27))
 _TRAIL = 0.5  # of the footprint's half width: a way so long tells whither a brush goes

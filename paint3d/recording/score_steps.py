@@ -19,7 +19,8 @@ __all__ = ["ScoreSteps", "ScoreStroke", "follow_steps", "stroke_of"]
 
 _LAYERS = frozenset(
     {"add_layer", "duplicate_layer", "merge_layer", "move_layer", "remove_layer", "set_blend",
-     "set_opacity"}
+     "set_opacity", "add_group", "ungroup", "duplicate_group", "move_group", "remove_group",
+     "set_group_opacity", "set_group_blend"}
 )  # fmt: skip
 _ACTS = frozenset({"blot", "dry", "press_seal", "lay_text", "remove_text"})
 _WAYS = frozenset({"undo", "redo", "replay_history"})

@@ -9,6 +9,10 @@ with the kernels that paint one layer. Water moves on the active layer and waits
 
 A layer's opacity mixes what shows with it and without it, band by band. A layer that multiplies
 shows what it would over white, times what is below: opaque paint then glazes, too.
+
+Layers that lie next to each other can be a group. A normal group passes through: its layers lie on
+what is below the group as if there were none, and its opacity mixes what shows with all of them and
+without. A group that multiplies is composited over white first.
 """
 
 from __future__ import annotations
@@ -30,14 +34,45 @@ from paint3d.surface.dry_layers import DryLayers
 from paint3d.surface.flow import Water
 from paint3d.surface.ink_store import InkStore, union
 
-__all__ = ["BLENDS", "Layer", "LayerStack", "StackState"]
+__all__ = ["BLENDS", "MOST_NAME", "Group", "Layer", "LayerStack", "StackState"]
 
 BLENDS = ("normal", "multiply")
 """How a layer lies on those below it."""
 
+MOST_NAME = 200
+"""Characters in the name of a layer or a group."""
+
 _MOST_LAYERS = 256
-_LONGEST_NAME = 200
 _AT_ONCE = 1 << 16  # vertices composited per chunk
+
+
+@dataclass(frozen=True)
+class Group:
+    """What is said of layers that are a group.
+
+    Attributes
+    ----------
+    key : int
+        From 1; identifies it in its stack.
+    name : str
+    visible : bool
+    folded : bool
+        Whether a list shows the group without its layers.
+    opacity : float
+    blend : {"normal", "multiply"}
+    """
+
+    key: int
+    name: str
+    visible: bool = True
+    folded: bool = False
+    opacity: float = 1.0
+    blend: str = "normal"
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether its layers show as if they were in no group."""
+        return self.visible and self.opacity == 1.0 and self.blend == "normal"
 
 
 @dataclass(frozen=True)
@@ -53,6 +88,8 @@ class Layer:
     opacity : float
         How much of it shows, 0 to 1.
     blend : {"normal", "multiply"}
+    group : Group or None
+        That it is in.
     """
 
     name: str
@@ -60,6 +97,12 @@ class Layer:
     locked: bool = False
     opacity: float = 1.0
     blend: str = "normal"
+    group: Group | None = None
+
+    @property
+    def is_seen(self) -> bool:
+        """Whether it is shown, and so is its group."""
+        return self.visible and (self.group is None or self.group.visible)
 
     @property
     def is_plain(self) -> bool:
@@ -83,12 +126,13 @@ class _Content:
 class StackState(NamedTuple):
     """The layers in order, the lowest first, and the active one, by their keys.
 
-    And the opacity and blend of each; empty where they stay as they are.
+    And the opacity and blend of each, and its group; empty where they stay as they are.
     """
 
     keys: tuple[int, ...]
     active: int
     looks: tuple[tuple[float, str], ...] = ()
+    groups: tuple[Group | None, ...] = ()
 
     def exchange(self, surface: _Layered) -> tuple[StackState, AnyArray]:
         """Set the surface's stack to this state, as a part of an undo step."""
@@ -121,6 +165,8 @@ class LayerStack:
         self._about = {0: Layer("1")}
         self._contents: dict[int, _Content] = {}
         self._keys, self._active = [0], 0
+        self._group_of: dict[int, int] = {}  # key of a layer to that of its group
+        self._groups: dict[int, Group] = {}
         _add_filters(store)
 
     def __len__(self) -> int:
@@ -129,7 +175,11 @@ class LayerStack:
     @property
     def layers(self) -> tuple[Layer, ...]:
         """Name and flags of each layer, the lowest first."""
-        return tuple(self._about[key] for key in self._keys)
+        return tuple(
+            replace(self._about[key], group=self._groups[self._group_of[key]])
+            if key in self._group_of else self._about[key]
+            for key in self._keys
+        )  # fmt: skip
 
     @property
     def active(self) -> int:
@@ -139,18 +189,33 @@ class LayerStack:
     @property
     def is_plain(self) -> bool:
         """Whether there is one layer, and it is visible: nothing has to be composited."""
-        about = self._about[self._active]
-        return len(self._keys) == 1 and about.visible and about.is_plain
+        (about, *others) = self.layers
+        plain = about.group is None or about.group.is_plain
+        return not others and about.visible and about.is_plain and plain
 
     @property
     def seen(self) -> tuple[tuple[int, float], ...]:
         """The keys of the visible layers, the lowest first, and how much of each shows."""
-        return tuple((k, self._about[k].opacity) for k in self._keys if self._about[k].visible)
+        return tuple((k, self._opacity(k)) for k in self._keys if self._is_seen(k))
+
+    def _group(self, key: int) -> Group | None:
+        """Return the group of a layer."""
+        return self._groups[self._group_of[key]] if key in self._group_of else None
+
+    def _is_seen(self, key: int) -> bool:
+        group = self._group(key)
+        return self._about[key].visible and (group is None or group.visible)
+
+    def _opacity(self, key: int) -> float:
+        group = self._group(key)
+        return self._about[key].opacity * (1.0 if group is None else group.opacity)
 
     # -- editing the stack ------------------------------------------------------------------
 
     def add(self, name: str, place: int) -> None:
         """Insert an empty layer at a place and make it the active one.
+
+        It joins the group that it comes to lie in, or the active layer's next to it.
 
         Raises
         ------
@@ -163,8 +228,23 @@ class LayerStack:
         key = max(self._about) + 1
         self._about[key] = Layer(_checked_name(name))
         self._contents[key] = _Content(DryLayers(len(self._store.pigments), filters=True))
+        beside = self._active in self._keys[max(place - 1, 0) : place + 1]
+        group = self._group_of.get(self._active, 0) if beside else 0
         self._keys.insert(place, key)
+        self._join(key, group or self._group_around(place))
         self.activate(place)
+
+    def _group_around(self, place: int) -> int:
+        """Return the key of the group that both neighbours of a place are in; 0 for none."""
+        sides = self._keys[max(place - 1, 0) : place], self._keys[place + 1 : place + 2]
+        below, above = (self._group_of.get(side[0], 0) if side else 0 for side in sides)
+        return below if below == above else 0
+
+    def _join(self, key: int, group: int) -> None:
+        """Put a layer in a group, or in none (0)."""
+        self._group_of.pop(key, None)
+        if group:
+            self._group_of[key] = group
 
     def _check_room(self) -> None:
         if len(self._keys) >= _MOST_LAYERS:
@@ -184,6 +264,7 @@ class LayerStack:
         self._contents[self._active] = self._unload()
         self._about[new] = about
         self._keys.insert(place + 1, new)
+        self._join(new, self._group_of.get(key, 0))
         self._active = new
         self._load(copy.deepcopy(self._contents[key]))
 
@@ -196,11 +277,16 @@ class LayerStack:
         Raises
         ------
         InputError
-            If there is no layer at that place, or none below it.
+            If there is no layer at that place, or none below it, or one of them is in a group
+            without the other.
         """
         upper = self._key(place)
         if place == 0:
             raise InputError("this is the lowest layer; expected one with another below it")
+        if self._group_of.get(upper) != self._group_of.get(self._keys[place - 1]):
+            raise InputError(
+                "the layer below is in another group; expected both in one: move this one first"
+            )
         lower, store, new = self._keys[place - 1], self._store, max(self._about) + 1
         self._contents[self._active] = self._unload()
         contents = [self._contents[key] for key in (lower, upper)]
@@ -224,6 +310,7 @@ class LayerStack:
         dry.restore(capacity, ids, spectra, amounts, share, over)
         self._about[new] = Layer(self._about[lower].name)
         self._keys[place - 1 : place + 1] = [new]
+        self._join(new, self._group_of.get(lower, 0))
         self._active = new
         self._load(_Content(dry))
 
@@ -242,18 +329,194 @@ class LayerStack:
             self.activate(place - 1 if place else 1)
         self._keys.remove(key)
 
-    def move(self, place: int, to: int) -> None:
+    def move(self, place: int, to: int, within: int | None = None) -> None:
         """Move a layer to another place; the others keep their order.
+
+        Parameters
+        ----------
+        place, to : int
+        within : int, optional
+            Place, before the move, of a layer whose group it joins; -1 for no group. By default it
+            joins the group that it comes to lie in, else stays in its own where that is next to it.
 
         Raises
         ------
         InputError
-            If there is no such place.
+            If there is no such place, or a group would lie in two parts.
         """
         key = self._key(place)
         self._key(to)
+        if within is None or within < 0:
+            group = 0
+        else:
+            group = self._group_key(within)
+        before = list(self._keys), dict(self._group_of)
         self._keys.remove(key)
         self._keys.insert(to, key)
+        if within is None:
+            own = self._group_of.get(key, 0)
+            beside = [*self._keys[max(to - 1, 0) : to], *self._keys[to + 1 : to + 2]]
+            stays = own and any(self._group_of.get(other) == own for other in beside)
+            group = self._group_around(to) or (own if stays else 0)
+        self._join(key, group)
+        self._check_groups(before)
+
+    def _check_groups(self, before: tuple[list[int], dict[int, int]]) -> None:
+        """Raise, and put keys and groups back, if a group lies in two parts."""
+        order = [self._group_of.get(key, 0) for key in self._keys]
+        if not _is_whole(order):
+            self._keys, self._group_of = before
+            raise InputError("a group would lie in two parts; expected its layers next to it")
+
+    # -- groups -----------------------------------------------------------------------------
+
+    def group(self, place: int, last: int, name: str) -> None:
+        """Make a group of the layers from a place to the last.
+
+        Raises
+        ------
+        InputError
+            If there is no such layer, the name is invalid, or another group would lie in two parts.
+        """
+        self._key(place)
+        self._key(last)
+        if last < place:
+            raise InputError("layers {place} to {last}; expected the lowest first",
+                             place=place, last=last)  # fmt: skip
+        new = Group(max(self._groups, default=0) + 1, _checked_name(name))
+        before = list(self._keys), dict(self._group_of)
+        for key in self._keys[place : last + 1]:
+            self._group_of[key] = new.key
+        self._check_groups(before)
+        self._groups[new.key] = new
+
+    def ungroup(self, place: int) -> None:
+        """Dissolve the group of a layer; its layers stay where they are.
+
+        Raises
+        ------
+        InputError
+            If there is no layer at that place, or it is in no group.
+        """
+        group = self._group_key(place)
+        for key in [key for key, own in self._group_of.items() if own == group]:
+            if key in self._keys:
+                del self._group_of[key]
+
+    def duplicate_group(self, place: int, name: str) -> None:
+        """Copy a group with its layers above it, and make the copy of its uppermost active.
+
+        Raises
+        ------
+        InputError
+            If there is no layer at that place, it is in no group, the name is invalid, or there are
+            too many layers.
+        """
+        group, (first, last) = self._group_key(place), self.group_span(place)
+        if len(self._keys) + last - first + 1 > _MOST_LAYERS:
+            raise InputError("there are {most} layers; expected no more", most=_MOST_LAYERS)
+        about = replace(
+            self._groups[group], key=max(self._groups) + 1, name=_checked_name(name), folded=False
+        )
+        self._groups[about.key] = about
+        for k in range(first, last + 1):
+            self.duplicate(k, self._about[self._keys[k]].name)
+            self._keys.insert(last + 1 + k - first, self._keys.pop(k + 1))
+            self._group_of[self._active] = about.key
+
+    def move_group(self, place: int, to: int) -> None:
+        """Move a group so that its lowest layer comes to lie at a place.
+
+        Raises
+        ------
+        InputError
+            If there is no layer at either place, the first is in no group, or another group would
+            lie in two parts.
+        """
+        self._group_key(place)
+        first, last = self.group_span(place)
+        if not 0 <= to < len(self._keys) - (last - first):
+            raise InputError(
+                "layer {place}; expected 0 to {n}", place=to, n=len(self._keys) - 1 - (last - first)
+            )
+        before, moved = (list(self._keys), dict(self._group_of)), self._keys[first : last + 1]
+        del self._keys[first : last + 1]
+        self._keys[to:to] = moved
+        self._check_groups(before)
+
+    def remove_group(self, place: int) -> None:
+        """Remove a group with its layers.
+
+        Raises
+        ------
+        InputError
+            If there is no layer at that place, it is in no group, or no other layer would stay.
+        """
+        self._group_key(place)
+        first, last = self.group_span(place)
+        if last - first + 1 == len(self._keys):
+            raise InputError("these are all layers; expected another one to stay")
+        for _ in range(first, last + 1):
+            self.remove(first)
+
+    def describe_group(self, place: int, **changes: Any) -> None:
+        """Change what is said of the group of a layer: any attribute of a `Group` but its key.
+
+        Raises
+        ------
+        InputError
+            If there is no layer at that place, it is in no group, or a value is invalid.
+        """
+        group = self._group_key(place)
+        self._groups[group] = replace(self._groups[group], **_checked(changes))
+
+    def put_in_group(self, place: int, group: Group | None) -> None:
+        """Have a layer in a group that is known from a file, or in none.
+
+        Raises
+        ------
+        InputError
+            If there is no layer at that place.
+        """
+        self._join(self._key(place), 0 if group is None else group.key)
+        if group is not None:
+            self._groups[group.key] = group
+
+    def know_groups(self, groups: Sequence[Group | None]) -> None:
+        """Hold groups for steps that lead back to them, so that no other takes the key of one.
+
+        Raises
+        ------
+        InputError
+            If one of them would lie in two parts.
+        """
+        if not _is_whole([0 if group is None else group.key for group in groups]):
+            raise InputError("a group would lie in two parts; expected its layers next to it")
+        for group in filter(None, groups):
+            self._groups.setdefault(group.key, group)
+
+    @property
+    def has_whole_groups(self) -> bool:
+        """Whether the layers of each group lie next to each other."""
+        return _is_whole([self._group_of.get(key, 0) for key in self._keys])
+
+    def group_span(self, place: int) -> tuple[int, int]:
+        """Return the places of the lowest and the uppermost layer of a group.
+
+        Raises
+        ------
+        InputError
+            If there is no layer at that place, or it is in no group.
+        """
+        group = self._group_key(place)
+        places = [k for k, key in enumerate(self._keys) if self._group_of.get(key) == group]
+        return places[0], places[-1]
+
+    def _group_key(self, place: int) -> int:
+        key = self._key(place)
+        if key not in self._group_of:
+            raise InputError("layer {place} is in no group; expected one of a group", place=place)
+        return self._group_of[key]
 
     def describe(self, place: int, **changes: Any) -> None:
         """Change a layer's name, whether it is visible or locked, its opacity, or its blend.
@@ -264,17 +527,7 @@ class LayerStack:
             If there is no layer at that place, or the name or another value is invalid.
         """
         key = self._key(place)
-        if "name" in changes:
-            _checked_name(changes["name"])
-        if "opacity" in changes:
-            changes["opacity"] = as_number(changes["opacity"], "opacity", 0.0, 1.0)
-        if changes.get("blend", BLENDS[0]) not in BLENDS:
-            raise InputError(
-                "blend is {blend!r}; expected {known}",
-                blend=changes["blend"],
-                known=" or ".join(BLENDS),
-            )
-        self._about[key] = replace(self._about[key], **changes)
+        self._about[key] = replace(self._about[key], **_checked(changes))
 
     def activate(self, place: int) -> None:
         """Make the layer at a place the active one; nothing visible changes."""
@@ -288,7 +541,8 @@ class LayerStack:
     def state(self) -> StackState:
         """Return the state of the stack; it can be put back even after layers were removed."""
         looks = tuple((self._about[key].opacity, self._about[key].blend) for key in self._keys)
-        return StackState(tuple(self._keys), self._active, looks)
+        groups = tuple(self._group(key) for key in self._keys)
+        return StackState(tuple(self._keys), self._active, looks, groups)
 
     def exchange(self, state: StackState) -> tuple[StackState, AnyArray]:
         """Put a state; return the previous one and the vertices (N,) to recolour."""
@@ -305,6 +559,11 @@ class LayerStack:
         self._keys = list(state.keys)
         for key, (opacity, blend) in zip(state.keys, state.looks, strict=False):
             self._about[key] = replace(self._about[key], opacity=opacity, blend=blend)
+        for key, group in zip(state.keys, state.groups, strict=False):
+            self._join(key, 0 if group is None else group.key)
+            if group is not None:  # its name and the like are no steps
+                own = self._groups.get(group.key, group)
+                self._groups[group.key] = replace(own, opacity=group.opacity, blend=group.blend)
 
     def dry_by_key(self) -> dict[int, DryLayers]:
         """Return the dried paint of every known layer, including removed ones."""
@@ -394,10 +653,29 @@ class LayerStack:
     def spectra(self, glaze: GlazeModel, vertex_ids: AnyArray) -> NDArray[np.uint16]:
         """Return the reflectance (N, 31) uint16 of distinct vertices, in steps of 1/65535."""
         spectra = self._store.bare_spectra(vertex_ids)
-        for key in self._keys:
-            if self._about[key].visible:
-                self._lay_over(glaze, key, vertex_ids, spectra)
+        for group, keys in self._runs():
+            if group is None or group.is_plain:
+                for key in keys:
+                    self._lay_over(glaze, key, vertex_ids, spectra)
+                continue
+            shown = spectra.copy()
+            if group.blend == "multiply":
+                shown.fill(SPECTRUM_STEPS)
+            for key in keys:
+                self._lay_over(glaze, key, vertex_ids, shown)
+            _mix(spectra, shown, group.opacity, group.blend)
         return spectra
+
+    def _runs(self) -> list[tuple[Group | None, list[int]]]:
+        """Return the visible layers, the lowest first, those of a group together with it."""
+        runs: list[tuple[Group | None, list[int]]] = []
+        for key in filter(self._is_seen, self._keys):
+            group = self._group(key)
+            if runs and runs[-1][0] == group:
+                runs[-1][1].append(key)
+            else:
+                runs.append((group, [key]))
+        return runs
 
     def _lay_over(self, glaze: GlazeModel, key: int, ids: AnyArray, spectra: AnyArray) -> None:
         """Composite one layer over the spectra (N, 31) of vertices (N,), in place."""
@@ -409,10 +687,7 @@ class LayerStack:
         if about.blend == "multiply":
             shown.fill(SPECTRUM_STEPS)
         self._lay_plainly(glaze, key, ids, shown)
-        below, above = spectra.astype(np.float64), shown.astype(np.float64)
-        if about.blend == "multiply":
-            above *= below / SPECTRUM_STEPS
-        spectra[:] = np.rint(below + about.opacity * (above - below))
+        _mix(spectra, shown, about.opacity, about.blend)
 
     def _lay_plainly(self, glaze: GlazeModel, key: int, ids: AnyArray, spectra: AnyArray) -> None:
         """Composite one layer as it was painted; see `_lay_over`."""
@@ -481,10 +756,9 @@ class LayerStack:
     def share_at(self, vertex_ids: AnyArray) -> NDArray[np.float32]:
         """Return the greatest fraction (N,) of vertices that paint on visible layers covers."""
         share = np.zeros(len(vertex_ids), np.float32)
-        for key in self._keys:
-            if self._about[key].visible:
-                shows = np.float32(self._about[key].opacity)
-                share = np.maximum(share, shows * self._share_of(key, vertex_ids))
+        for key in filter(self._is_seen, self._keys):
+            shows = np.float32(self._opacity(key))
+            share = np.maximum(share, shows * self._share_of(key, vertex_ids))
         return share
 
     def _share_of(self, key: int, ids: AnyArray) -> NDArray[np.float32]:
@@ -502,9 +776,8 @@ class LayerStack:
         In coats times the covered fraction.
         """
         coats = np.zeros((len(vertex_ids), len(self._store.pigments)))
-        for key in self._keys:
-            if self._about[key].visible:
-                coats += self._ink_of(key, vertex_ids)
+        for key in filter(self._is_seen, self._keys):
+            coats += self._ink_of(key, vertex_ids)
         return coats
 
     def _ink_of(self, key: int, ids: AnyArray) -> NDArray[np.float32]:
@@ -520,7 +793,7 @@ class LayerStack:
         """Return the wet, else dry ink (P,) of the topmost visible layer with any on a vertex."""
         ids = np.array([vertex_id], np.int32)
         for key in reversed(self._keys):
-            if not self._about[key].visible:
+            if not self._is_seen(key):
                 continue
             dry, rows, _, amounts, _ = self._paint_at(key, ids)
             if amounts.any():
@@ -554,8 +827,37 @@ class LayerStack:
         return [self._contents[key] for key in self._keys if key != self._active]
 
 
+def _mix(below: AnyArray, shown: AnyArray, opacity: float, blend: str) -> None:
+    """Mix reflectances (N, 31) with what they show under a layer or a group, in place."""
+    without, above = below.astype(np.float64), shown.astype(np.float64)
+    if blend == "multiply":
+        above *= without / SPECTRUM_STEPS
+    below[:] = np.rint(without + opacity * (above - without))
+
+
+def _is_whole(groups: Sequence[int]) -> bool:
+    """Whether equal numbers, but 0, lie next to each other."""
+    runs = [g for k, g in enumerate(groups) if g and (k == 0 or groups[k - 1] != g)]
+    return len(runs) == len(set(runs))
+
+
+def _checked(changes: dict[str, Any]) -> dict[str, Any]:
+    """Changes to a layer or a group, once they are valid."""
+    if "name" in changes:
+        _checked_name(changes["name"])
+    if "opacity" in changes:
+        changes["opacity"] = as_number(changes["opacity"], "opacity", 0.0, 1.0)
+    if changes.get("blend", BLENDS[0]) not in BLENDS:
+        raise InputError(
+            "blend is {blend!r}; expected {known}",
+            blend=changes["blend"],
+            known=" or ".join(BLENDS),
+        )
+    return changes
+
+
 def _checked_name(name: object) -> str:
-    if not isinstance(name, str) or not 0 < len(name.strip()) <= _LONGEST_NAME:
+    if not isinstance(name, str) or not 0 < len(name.strip()) <= MOST_NAME:
         raise InputError("a layer's name is {name!r:.60}; expected a word", name=name)
     return name
 

@@ -360,7 +360,7 @@ class PaintedSurface(InkStore):
 
         None without any, or while the active layer is hidden.
         """
-        is_hidden = self.layers is not None and not self.layers.layers[self.layers.active].visible
+        is_hidden = self.layers is not None and not self.layers.layers[self.layers.active].is_seen
         return None if is_hidden else self._water.depths()
 
     def coats_at(self, vertex_ids: AnyArray) -> NDArray[np.float64]:

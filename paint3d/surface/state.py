@@ -23,7 +23,7 @@ from paint3d.errors import InputError, Paint3DError, SessionError
 from paint3d.mesh.likeness import Original
 from paint3d.mesh.refined_mesh import refinement_log, repeat_refinement, saved_ids
 from paint3d.mesh.triangle_mesh import TriangleMesh
-from paint3d.surface.layer_stack import Layer
+from paint3d.surface.layer_stack import BLENDS, MOST_NAME, Group, Layer
 from paint3d.surface.painted_surface import PaintedSurface
 
 __all__ = [
@@ -175,7 +175,11 @@ def _resting_layers(surface: PaintedSurface, ids: AnyArray) -> State:
     if stack is None:
         return {"layers": None, "active": 0}
     active = stack.active
-    state: State = {"layers": [asdict(layer) for layer in stack.layers], "active": active}
+    layers = [asdict(layer) for layer in stack.layers]
+    for about in layers:
+        if about["group"] is None:
+            del about["group"]
+    state: State = {"layers": layers, "active": active}
     for place in range(len(stack)):
         if place != active:
             stack.activate(place)
@@ -319,7 +323,9 @@ def _put_layers(surface: PaintedSurface, state: State) -> None:
                 place=place,
                 about=about,
             )
+        group = about.pop("group", None)
         stack.describe(place, **about)
+        stack.put_in_group(place, None if group is None else read_group(group))
         prefix = "" if place == active else f"layer{place}_"
         own = {
             name.removeprefix(prefix): value
@@ -327,8 +333,29 @@ def _put_layers(surface: PaintedSurface, state: State) -> None:
             if name.startswith(prefix)
         }
         restore_layer(surface, own, now)
+    if not stack.has_whole_groups:
+        raise SessionError("a group of layers lies in two parts")
     stack.activate(active)
     surface.touch(stack.painted_ids())
+
+
+def read_group(about: object) -> Group:
+    """A group of layers as a file describes it.
+
+    Raises
+    ------
+    SessionError
+        If it describes none.
+    """
+    kinds = {"key": int, "name": str, "visible": bool, "folded": bool, "opacity": float,
+             "blend": str}  # fmt: skip
+    if not isinstance(about, dict) or {k: type(v) for k, v in about.items()} != kinds:
+        raise SessionError("a group of layers is described by {about!r:.80}", about=about)
+    group = Group(**about)
+    in_range = 0.0 <= group.opacity <= 1.0 and 0 < len(group.name.strip()) <= MOST_NAME
+    if group.key < 1 or group.blend not in BLENDS or not in_range:
+        raise SessionError("a group of layers is described by {about!r:.80}", about=about)
+    return group
 
 
 def restore_layer(surface: PaintedSurface, state: State, now: NDArray[np.int32]) -> None:

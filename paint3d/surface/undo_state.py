@@ -29,6 +29,7 @@ from paint3d.surface.state import (
     checked_flow,
     integers_in,
     layer_state,
+    read_group,
     restore_layer,
 )
 from paint3d.surface.undo import (
@@ -97,8 +98,8 @@ def undo_state(surface: PaintedSurface, history: UndoHistory, most_bytes: int) -
         changes since an undo, undone) parts (S,) int32 is the number of parts; for the Q parts
         stack (Q,) int32 is the index in `stacks`, or -1 for a painting.
 
-        Each of the stacks is a list of layers, the active one, and the opacity and blend of each;
-        older files lack these. Layers are numbered by their
+        Each of the stacks is a list of layers, the active one, the opacity and blend of each, and
+        the group of each where there are any; older files lack these. Layers are numbered by their
         places in the present stack, and then by their indices in layers: that describes, as
         `surface_state` does, those that are not in the present stack; the arrays of their paint
         are prefixed with gone0_ and so on.
@@ -124,7 +125,12 @@ def undo_state(surface: PaintedSurface, history: UndoHistory, most_bytes: int) -
         "done": len(chosen.done),
         "undone": len(chosen.undone),
         "stacks": [
-            [[numbers[k] for k in one.keys], numbers[one.active], [list(s) for s in one.looks]]
+            [
+                [numbers[k] for k in one.keys],
+                numbers[one.active],
+                [list(s) for s in one.looks],
+                *([[group and asdict(group) for group in one.groups]] if any(one.groups) else []),
+            ]
             for one in stacks
         ],
         "parts": np.array([len(step.parts) for step in steps], np.int32),
@@ -192,7 +198,9 @@ def _gone_layers(surface: PaintedSurface, keys: Sequence[int]) -> State:
     now, ids = stack.state(), saved_ids(surface.paint_mesh)
     for k, key in enumerate([key for key in keys if key not in now.keys]):
         stack.put(StackState((*now.keys, key), key))
-        state["layers"].append(asdict(stack.layers[-1]))
+        about = asdict(stack.layers[-1])
+        del about["group"]  # each stack says which it is in
+        state["layers"].append(about)
         state |= {f"gone{k}_{name}": value for name, value in layer_state(surface, ids).items()}
     stack.put(now)
     return state
@@ -412,7 +420,12 @@ def _stacks(surface: PaintedSurface, state: ReadState) -> list[StackState]:
                 raise SessionError("a layer is blended by {blend!r:.40}", blend=blend)
         if len(looks) not in (0, len(own)):
             raise SessionError("{n} looks are for {own} layers", n=len(looks), own=len(own))
-        stacks.append(StackState(tuple(keys[k] for k in own), keys[active], looks))
+        told = rest[1] if len(rest) > 1 else [None] * len(own)
+        groups = tuple(None if group is None else read_group(group) for group in told)
+        if len(groups) != len(own):
+            raise SessionError("{n} groups are for {own} layers", n=len(groups), own=len(own))
+        stack.know_groups(groups)
+        stacks.append(StackState(tuple(keys[k] for k in own), keys[active], looks, groups))
     return stacks
 
 

@@ -40,8 +40,14 @@ _LYING = 0.45  # height, in tuft lengths, up to which rings follow the surface
 _STEEPEST = 0.2  # least cosine of the surface's slope under a ring
 _ABOVE = 0.6  # height, in tuft lengths, that rays to the surface start from
 _BELOW = 2.3  # times that height: how far below the plane they end
-_DARKEST = 96  # of 255: opacity of the shadow where the brush touches
-_SEEN_THROUGH = 70  # of 255: how dense the handle is while it would hide what it paints
+_DARKEST = 140  # of 255: opacity of the shadow where the brush is pressed hardest
+_DENSE = {
+    "handle": (40.0, 150.0, 255.0), "tuft": (105.0, 215.0, 255.0), "hairs": (26.0, 130.0, 255.0),
+}  # fmt: skip
+"""Of 255: how dense a part is over what was painted just now, else while painting, and lifted."""
+_CLEAR, _FADE = 1.5, 3.0  # radii of a section beside what was painted: clear up to, dense from
+_SOLID = 254.0
+_SECTION = 0.05  # tuft lengths between two sections of the handle that fade by themselves
 _SHADOW_REACH = 220.0  # mm
 _SOFT = np.array([-1.6, -0.9, 0.0, 0.9, 1.6])  # radii across the shadow
 _SOFT_SHARE = np.array([0.0, 0.75, 1.0, 0.75, 0.0])
@@ -49,6 +55,7 @@ _PARTS = ("tuft", "hairs", "handle", "shadow", "outline")
 _LINE_WIDTHS = (1.0, 24.0)  # pixels
 _OUTLINE = (198, 60, 40, 235)  # seal red
 _HOVER = (60, 60, 60, 200)
+_NOTHING = np.empty((0, 3))
 
 
 class LiveBrush:
@@ -113,8 +120,9 @@ class LiveBrush:
         up: AnyArray,
         ink: tuple[int, int, int] | None,
         fill: float,
+        painted: AnyArray = _NOTHING,
     ) -> None:
-        """Draw the brush.
+        """Draw the brush, seen through where it stands before what was painted just now.
 
         Parameters
         ----------
@@ -127,26 +135,82 @@ class LiveBrush:
             sRGB of the ink that it holds.
         fill : float
             Ink over the most that it holds, 0 to 1.
+        painted : (N, 3)
+            Places along what was painted just now, mm.
         """
         self._seen, self._seen_from = [], None
         rings, arc = tuft_rings(self._tuft, stand)
         if stand.touches:  # the model bends the tuft on a plane; the surface may be curved
             rings = laid_rings(self._tuft, rings, stand, tree)
         if self.hairs is not None:
-            self._draw_hairs(self.hairs, rings, stand.root, up, (ink, fill))
+            dense = np.interp(self.hairs.arc, arc, self._density("hairs", rings, painted, stand))
+            self._draw_hairs(self.hairs, rings, stand.root, up, (ink, fill), dense)
         else:
             torn = torn_faces(self._tuft, stand.pressed) if stand.pressed is not None else None
-            self._draw("tuft", rings, self._tuft_colours(arc, _hair_shades(), ink, fill), torn)
+            colours = self._tuft_colours(arc, _hair_shades(), ink, fill)
+            self._draw_faded("tuft", rings, colours, painted, stand, torn)
             wet = 0.15 + 0.55 * min(1.0, 2.0 * fill) if ink is not None else 0.08
             self._parts["tuft"].actor.GetProperty().SetSpecular(wet)
         points, colours = handle_rings(self._tuft, stand)
-        actor = self._parts["handle"].actor
-        actor.ForceTranslucentOn() if stand.touches else actor.ForceTranslucentOff()
-        if stand.touches:
-            colours = np.pad(colours, ((0, 0), (0, 0), (0, 1)), constant_values=_SEEN_THROUGH)
-        self._draw("handle", points, colours)
+        self._draw_faded(
+            "handle", *_in_sections(points, colours, self._tuft.length), painted, stand
+        )
         self._draw_shadow(stand, rings, points, tree, up)
         self._draw_outline(stand, tree)
+
+    def _draw_faded(
+        self,
+        name: str,
+        rings: AnyArray,
+        colours: AnyArray,
+        painted: AnyArray,
+        stand: BrushStand,
+        faces: AnyArray | None = None,
+    ) -> None:
+        """Draw one part so dense, section by section, that it hides nothing that was painted."""
+        dense = self._density(name, rings, painted, stand)
+        is_solid = self._set_solid(name, dense)
+        if name == "tuft":  # its far side would show through the near one; split, it shows inside
+            self._parts[name].actor.GetProperty().SetBackfaceCulling(not is_solid)
+        columns = np.broadcast_to(dense[:, None, None], (*rings.shape[:2], 1))
+        self._draw(name, rings, np.concatenate([colours, columns], axis=2), faces)
+
+    def _set_solid(self, name: str, dense: AnyArray) -> bool:
+        """Have a part drawn as solid if all of it is; whether it is."""
+        is_solid = bool(dense.min() > _SOLID)
+        actor = self._parts[name].actor
+        actor.SetForceOpaque(is_solid)
+        actor.SetForceTranslucent(not is_solid)
+        return is_solid
+
+    def _density(
+        self, name: str, rings: AnyArray, painted: AnyArray, stand: BrushStand
+    ) -> AnyArray:
+        """Return how dense (R,), 0 to 255, each section of a part is drawn."""
+        over, painting, lifted = _DENSE[name]
+        most = painting if stand.touches else lifted
+        off = self._off_in_picture(rings, painted)
+        share = np.clip((off - _CLEAR) / (_FADE - _CLEAR), 0.0, 1.0)
+        result: AnyArray = over + (most - over) * share * share * (3.0 - 2.0 * share)
+        return result
+
+    def _off_in_picture(self, rings: AnyArray, painted: AnyArray) -> AnyArray:
+        """Return how far (R,) sections are from painted places in the picture, in their radii."""
+        if not len(painted):
+            return np.full(len(rings), np.inf)
+        camera = self._scene.camera
+        axes = np.stack(picture_axes(camera))
+        centres = rings.mean(axis=1)
+        radii = np.linalg.norm(rings - centres[:, None], axis=2).max(axis=1)
+        seen, there = ((points - camera.position) @ axes.T for points in (centres, painted))
+        depth = np.maximum(-seen[:, 2], 1e-3)
+        there = there[there[:, 2] < 0.0]
+        if not len(there):
+            return np.full(len(rings), np.inf)
+        apart = seen[:, None, :2] / depth[:, None, None] - there[:, :2] / -there[:, 2:]
+        nearest = np.sqrt((apart**2).sum(axis=2).min(axis=1))
+        result: AnyArray = nearest * depth / np.maximum(radii, 0.5 * radii.max())
+        return result
 
     def _draw(
         self, name: str, rings: AnyArray, colours: AnyArray, faces: AnyArray | None = None
@@ -166,8 +230,12 @@ class LiveBrush:
         root: AnyArray,
         up: AnyArray,
         ink_and_fill: tuple[tuple[int, int, int] | None, float],
+        dense: AnyArray,
     ) -> None:
-        """Draw the hairs as lines of their projected width, lit by the key light."""
+        """Draw the hairs as lines of their projected width, lit by the key light.
+
+        `dense` is how dense each is, 0 to 255, as long as `hairs.arc`.
+        """
         part = self._parts["hairs"]
         points, outward = hairs.points(rings)
         light = -_SHADOW_FALL @ up
@@ -177,7 +245,9 @@ class LiveBrush:
         colours[:] = np.swapaxes(self._tuft_colours(hairs.arc.T, shades, *ink_and_fill), 0, 1)
         colours *= (0.82 + 0.3 * np.clip(lit, -0.6, 1.0))[..., None]
         part.set_strands(points)
-        part.set_colours(np.clip(colours, 0, 255).reshape(-1, 3).astype(np.uint8))
+        self._set_solid("hairs", dense)
+        colours = np.concatenate([colours, dense[..., None]], axis=2)
+        part.set_colours(np.clip(colours, 0, 255).reshape(-1, 4).astype(np.uint8))
         camera = self._scene.camera
         ahead = float((camera.position - root) @ picture_axes(camera)[2])
         seen = 2.0 * max(ahead, 1e-3) * np.tan(0.5 * camera.view_angle)  # picture height, mm
@@ -238,7 +308,8 @@ class LiveBrush:
         faint = 1.0 / (1.0 + height / 28.0)
         steep = np.clip(-(hits[:, 3:] @ fall) / _GRAZING, 0.0, 1.0).reshape(landed.shape)
         fade = fade_along(centre)[:, None]
-        alpha = _DARKEST * _SOFT_SHARE * faint * steep**2 * fade * landed
+        press = 0.6 + 0.4 * min(1.0, stand.pressure) if stand.touches else 0.6
+        alpha = press * _DARKEST * _SOFT_SHARE * faint * steep**2 * fade * landed
         colours = np.zeros((landed.size, 4), np.uint8)
         colours[:, 3] = alpha.reshape(-1)
         lifted = hits[:, :3] + _SHADOW_LIFT * hits[:, 3:]
@@ -269,6 +340,20 @@ class LiveBrush:
         radius = 0.22 * self._tuft.diameters[-1]
         ring = radius * np.stack([np.cos(turn), np.sin(turn), np.zeros(36)], axis=1)
         return stand.place(ring)
+
+
+def _in_sections(rings: AnyArray, colours: AnyArray, length: float) -> tuple[AnyArray, AnyArray]:
+    """Return the rings (R, AROUND, 3) of a handle and their colours with more of them between."""
+    steps = np.linalg.norm(np.diff(rings.mean(axis=1), axis=0), axis=1)
+    counts = np.maximum(1, np.ceil(steps / (_SECTION * length)).astype(int))
+    at = np.concatenate([np.linspace(k, k + 1, n, endpoint=False) for k, n in enumerate(counts)])
+    at = np.append(at, len(rings) - 1)
+    low = np.minimum(at.astype(int), len(rings) - 2)
+    share = (at - low)[:, None, None]
+    return (
+        rings[low] + share * (rings[low + 1] - rings[low]),
+        colours[low] + share * (colours[low + 1] - colours[low]),
+    )
 
 
 def fade_along(centres: AnyArray) -> AnyArray:

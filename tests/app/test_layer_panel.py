@@ -103,3 +103,76 @@ def test_each_row_shows_what_is_on_its_layer(window) -> None:
     window.workspace.actions["hide_layer"].trigger()
     settled(window)
     assert is_red(1).any()
+
+
+def row_of(panel, text: str):
+    """The row of the list whose name this is."""
+    for k in range(panel.list.count()):
+        row = panel.list.itemWidget(panel.list.item(k))
+        if row.findChild(QtWidgets.QLineEdit).text() == text:
+            return row
+    raise AssertionError(f"no row {text}: {names(panel)}")
+
+
+def names(panel) -> list[str]:
+    rows = (panel.list.itemWidget(panel.list.item(k)) for k in range(panel.list.count()))
+    return [row.findChild(QtWidgets.QLineEdit).text() for row in rows]
+
+
+def click_name(panel, text: str, held=HELD.NoModifier) -> None:
+    QtTest.QTest.mouseClick(row_of(panel, text).findChild(QtWidgets.QLineEdit),
+                            BUTTON.LeftButton, held)  # fmt: skip
+
+
+def test_groups_are_made_folded_shown_moved_copied_and_dissolved(window) -> None:
+    panel, document = window.panels.layers, lambda: window.document
+    for n in (2, 3):
+        type_key(window.canvas, KEY.Key_N, HELD.ControlModifier | HELD.ShiftModifier)
+        wait_for(lambda n=n: panel.list.count() == n)
+    settled(window)
+    click_name(panel, "Layer 2", HELD.ShiftModifier)
+    type_key(window.canvas, KEY.Key_G, HELD.ControlModifier)
+    wait_for(lambda: names(panel) == ["Group 1", "Layer 3", "Layer 2", "Layer 1"])
+    click_name(panel, "Group 1")
+    settled(window)
+    panel.opacity.setFocus()
+    QtTest.QTest.keyClick(panel.opacity, KEY.Key_Left)  # a page goes to another layer
+    wait_for(lambda: document().layers[2].group.opacity == 0.99)
+    assert document().layers[2].opacity == 1.0
+    click(row_of(panel, "Group 1").findChildren(QtWidgets.QToolButton)[0])  # the eye
+    wait_for(lambda: not document().layers[1].is_seen)
+    type_key(window.canvas, KEY.Key_H)
+    wait_for(lambda: document().layers[1].is_seen)
+    click(row_of(panel, "Group 1").findChild(QtWidgets.QToolButton, "fold_group"))
+    wait_for(lambda: names(panel) == ["Group 1", "Layer 1"])
+    click(panel.buttons["down"])
+    wait_for(lambda: names(panel) == ["Layer 1", "Group 1"])
+    click(row_of(panel, "Group 1").findChild(QtWidgets.QToolButton, "fold_group"))
+    wait_for(lambda: names(panel) == ["Layer 1", "Group 1", "Layer 3", "Layer 2"])
+    click_name(panel, "Layer 1")
+    wait_for(lambda: document().active_layer == 2)
+    settled(window)
+    click(panel.buttons["down"])  # into the group
+    wait_for(lambda: names(panel) == ["Group 1", "Layer 1", "Layer 3", "Layer 2"])
+    type_key(window.canvas, KEY.Key_PageUp, HELD.ControlModifier)  # and out again
+    wait_for(lambda: names(panel) == ["Layer 1", "Group 1", "Layer 3", "Layer 2"])
+    click_name(panel, "Group 1")
+    click(panel.buttons["copy"])
+    wait_for(lambda: len(document().layers) == 5)
+    settled(window)
+    assert names(panel)[:4] == ["Layer 1", "Group 2", "Layer 3", "Layer 2"]
+    type_key(window.canvas, KEY.Key_Z, HELD.ControlModifier)
+    wait_for(lambda: len(document().layers) == 3)
+    settled(window)
+    click_name(panel, "Group 1")
+    click(panel.buttons["group"])  # is to ungroup there
+    wait_for(lambda: names(panel) == ["Layer 1", "Layer 3", "Layer 2"])
+    type_key(window.canvas, KEY.Key_Z, HELD.ControlModifier)
+    wait_for(lambda: "Group 1" in names(panel))
+    settled(window)
+    click_name(panel, "Group 1")
+    name = row_of(panel, "Group 1").findChild(QtWidgets.QLineEdit)
+    QtTest.QTest.mouseDClick(name, BUTTON.LeftButton)
+    QtTest.QTest.keyClicks(name, "branch")
+    QtTest.QTest.keyClick(name, KEY.Key_Return)
+    wait_for(lambda: document().layers[0].group.name == "branch")

@@ -257,6 +257,7 @@ def test_space_held_steers_over_the_object(window, keys, what, by) -> None:
 
 def test_space_presses_a_button_that_has_the_focus(window) -> None:
     window.panels.docks["inks"].raise_()
+    window.panels.inks.fold.setChecked(True)
     window.panels.inks.tip_only.setFocus()
     before = window.panels.inks.tip_only.isChecked()
     type_key(window.panels.inks.tip_only, KEY.Key_Space)

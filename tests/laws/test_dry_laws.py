@@ -157,7 +157,8 @@ def test_each_press_parts_the_hairs_anew() -> None:
     profiles = [picture[:, 200:280].mean(axis=1) for picture in strokes]
     assert all(profile.std() > 0.1 for profile in profiles)  # there are streaks
     alike = np.corrcoef(profiles)[np.triu_indices(4, 1)]
-    assert alike.mean() < 0.8 and alike.min() < 0.6
+    assert alike.mean() < 0.8
+    assert alike.min() < 0.6
     assert np.array_equal(covered.__wrapped__(0.2, load=0.13), strokes[0])
 
 

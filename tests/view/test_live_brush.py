@@ -276,7 +276,31 @@ def test_a_shadow_is_as_dense_as_it_fades(
         monkeypatch.setattr(live_brush, "fade_along", lambda at, k=times: k * fade_along(at))
         given.clear()
         brush.show(stand, tree, np.eye(3), None, 0.0)
-        shadow = max((colours for colours in given if colours.shape[1] == 4), key=len)
+        black = (colours for colours in given if not colours[:, :3].any())
+        shadow = max(black, key=len)
         dense.append(int(shadow[:, 3].max()))
     scene.close()
     assert dense[0] > dense[1] > dense[2] == 0
+
+
+@pytest.mark.parametrize("n_hairs", [0, 300])
+def test_the_brush_hides_nothing_that_was_painted_just_now(painter: Painter, n_hairs: int) -> None:
+    scene, surface = LiveScene((240, 180)), painter.surface
+    scene.clear(np.zeros(3), 140.0, Gloss.of("xuan"))
+    scene.set_camera(fit_camera(surface.source.vertices, View((0, -1, 0.6)), 4 / 3))
+    bare = scene.draw()[..., :3].astype(int)
+    brush = LiveBrush(scene, painter.tuft, "goat", bristles_of(n_hairs) if n_hairs else None)
+    hidden = {}
+    for pressure in (None, 0.6):  # lifted just above, and pressed
+        stand = stand_at(painter, 38.0 if pressure is None else 20.0, pressure)
+        way = np.linspace(0.0, 1.0, 200)[:, None] * 4.5 * TUFT.length * stand.handle
+        way = stand.root - TUFT.length * stand.handle + way  # seen all along the brush
+        for name, painted in (("nothing", np.empty((0, 3))), ("way", way)):
+            brush.show(stand, surface.contact_tree, np.eye(3), (10, 10, 10), 1.0, painted)
+            seen = scene.draw()[..., :3].astype(int)
+            hidden[name] = np.abs(seen - bare).sum()
+        assert hidden["way"] < 0.65 * hidden["nothing"]
+        far = way + 400.0 * np.array([1.0, 0.0, 0.0])
+        brush.show(stand, surface.contact_tree, np.eye(3), (10, 10, 10), 1.0, far)
+        assert np.abs(scene.draw()[..., :3].astype(int) - bare).sum() == hidden["nothing"]
+    scene.close()

@@ -903,15 +903,144 @@ class Document:
         self._restack(COMMANDS["remove_layer"].step, lambda stack: stack.remove(place))
 
     @recorded
-    def move_layer(self, place: int, to: int) -> None:
-        """Put a layer at another place: a step that can be undone.
+    def move_layer(self, place: int, to: int, within: int | None = None) -> None:
+        """Put a layer at another place, or into a group or out of it: a step that can be undone.
+
+        Parameters
+        ----------
+        place, to : int
+        within : int, optional
+            Place of a layer whose group it joins, -1 for none; see `LayerStack.move`.
 
         Raises
         ------
         InputError
-            If there is no such place, or a stroke is going on.
+            If there is no such place, a group would lie in two parts, or a stroke is going on.
         """
-        self._restack(COMMANDS["move_layer"].step, lambda stack: stack.move(place, to))
+        self._restack(COMMANDS["move_layer"].step, lambda stack: stack.move(place, to, within))
+
+    # A group is named by the place of any of its layers.
+
+    @recorded
+    def add_group(self, place: int, last: int | None = None, name: str | None = None) -> None:
+        """Make a group of the layers from a place to the last: a step that can be undone.
+
+        Raises
+        ------
+        InputError
+            If there is no such layer, the name is none, another group would lie in two parts, or a
+            stroke is going on.
+        """
+        last = place if last is None else last
+        name = name or self._free_group_name()
+        step = COMMANDS["add_group"].step
+        self._restack(step, lambda stack: stack.group(place, last, name))
+
+    @recorded
+    def ungroup(self, place: int) -> None:
+        """Dissolve a group; its layers stay: a step that can be undone.
+
+        Raises
+        ------
+        InputError
+            If there is no layer at that place, it is in no group, or a stroke is going on.
+        """
+        self._restack(COMMANDS["ungroup"].step, lambda stack: stack.ungroup(place))
+
+    @recorded
+    def duplicate_group(self, place: int, name: str | None = None) -> None:
+        """Put a copy of a group above it, and paint on its uppermost: a step that can be undone.
+
+        Raises
+        ------
+        InputError
+            If there is no layer at that place, it is in no group, the name is none, there are too
+            many, or a stroke is going on.
+        """
+        name = name or self._free_group_name()
+        step = COMMANDS["duplicate_group"].step
+        self._restack(step, lambda stack: stack.duplicate_group(place, name))
+
+    @recorded
+    def move_group(self, place: int, to: int) -> None:
+        """Put a group so that its lowest layer is at a place: a step that can be undone.
+
+        Raises
+        ------
+        InputError
+            If there is no such place, the layer is in no group, another group would lie in two
+            parts, or a stroke is going on.
+        """
+        self._restack(COMMANDS["move_group"].step, lambda stack: stack.move_group(place, to))
+
+    @recorded
+    def remove_group(self, place: int) -> None:
+        """Take a group away with what is on its layers: a step that can be undone.
+
+        Raises
+        ------
+        InputError
+            If there is no layer at that place, it is in no group, no other layer would stay, or a
+            stroke is going on.
+        """
+        self._restack(COMMANDS["remove_group"].step, lambda stack: stack.remove_group(place))
+
+    @recorded
+    def set_group_opacity(self, place: int, opacity: float) -> None:
+        """How much of a group shows, 0 to 1: a step that can be undone.
+
+        Raises
+        ------
+        InputError
+            If there is no layer at that place, it is in no group, it is no such share, or a stroke
+            is going on.
+        """
+        step = COMMANDS["set_group_opacity"].step
+        self._restack(step, lambda stack: stack.describe_group(place, opacity=opacity))
+
+    @recorded
+    def set_group_blend(self, place: int, blend: str) -> None:
+        """How a group lies on what is below, "normal" or "multiply": a step that can be undone.
+
+        Raises
+        ------
+        InputError
+            If there is no layer at that place, it is in no group, it is neither, or a stroke is
+            going on.
+        """
+        step = COMMANDS["set_group_blend"].step
+        self._restack(step, lambda stack: stack.describe_group(place, blend=blend))
+
+    @recorded
+    def rename_group(self, place: int, name: str) -> None:
+        """Name a group."""
+        self.surface.use_layers().describe_group(place, name=name)
+        self.differ_from_saved()
+
+    @recorded
+    def set_group_visible(self, place: int, visible: bool = True) -> None:
+        """Show or hide a group.
+
+        Raises
+        ------
+        InputError
+            If there is no layer at that place, it is in no group, or a stroke is going on.
+        """
+        self._refuse_in_stroke(Message("showing or hiding a layer"))
+        self.surface.use_layers().describe_group(place, visible=bool(visible))
+        self.surface.touch(self.surface.use_layers().painted_ids())
+        self.differ_from_saved()
+
+    @recorded
+    def set_group_folded(self, place: int, folded: bool = True) -> None:
+        """List a group without its layers, or with them again."""
+        self.surface.use_layers().describe_group(place, folded=bool(folded))
+        self.differ_from_saved()
+
+    def _free_group_name(self) -> str:
+        """The first number that no group is called by."""
+        names = {layer.group.name for layer in self.layers if layer.group is not None}
+        return next(str(n) for n in count(1) if str(n) not in names)
 
     @recorded
     def duplicate_layer(self, place: int, name: str | None = None) -> None:
@@ -1043,6 +1172,10 @@ class Document:
             )
         if not layer.visible:
             raise LayerError("“{layer}” is hidden; show it, or paint on another layer", layer=told)
+        if not layer.is_seen:
+            raise LayerError(
+                "the group of “{layer}” is hidden; show it, or paint on another layer", layer=told
+            )
         return layer
 
     # -- texts ------------------------------------------------------------------------------
@@ -1582,6 +1715,8 @@ class Document:
         self._set_up(score, begin)
         for place in range(len(stack.layers)):
             stack.describe(place, visible=True, locked=False)
+            if stack.layers[place].group is not None:
+                stack.describe_group(place, visible=True)
         try:
             yield
         finally:
@@ -1595,6 +1730,11 @@ class Document:
         if len(stack.layers) == len(layers):
             for place, layer in enumerate(layers):
                 stack.describe(place, name=layer.name, visible=layer.visible, locked=layer.locked)
+                group, now = layer.group, stack.layers[place].group
+                if group is not None and now is not None:
+                    stack.describe_group(
+                        place, name=group.name, visible=group.visible, folded=group.folded
+                    )
 
     def _set_up(self, score: Score, begin: int) -> None:
         """Have the symmetry, the mask and the like that the score had at an event."""

@@ -1,4 +1,4 @@
-"""The layers: which are seen, which are locked, and which one is painted on."""
+"""The layers and their groups: which are seen, which are locked, and which one is painted on."""
 
 from __future__ import annotations
 
@@ -9,40 +9,49 @@ import numpy as np
 from numpy.typing import NDArray
 from PySide6 import QtCore, QtGui, QtWidgets
 
+from paint3d.app.model.layer_steps import group_span, group_step, layer_step
 from paint3d.app.window.theme import Theme, make_icon
-from paint3d.app.window.wording import say, say_layer
+from paint3d.app.window.wording import say, say_group, say_layer
 from paint3d.errors import Message
-from paint3d.surface.layer_stack import BLENDS, Layer
+from paint3d.surface.layer_stack import BLENDS, Group, Layer
 
 __all__ = ["PICTURE", "LayerPanel"]
 
 PICTURE = 28
 """Pixels along a side of a layer's picture."""
 _ROW = 34
+_INDENT = 14  # pixels of the rows of a group's layers
+_PLACE, _GROUP = QtCore.Qt.ItemDataRole.UserRole, QtCore.Qt.ItemDataRole.UserRole + 1
 _SHEET = "#f2efe6"  # behind what is painted
 _BLENDS = {"normal": Message("Normal"), "multiply": Message("Multiply")}
 
 
 class LayerPanel(QtWidgets.QWidget):
-    """A list of layers, the uppermost on top.
+    """A list of layers, the uppermost on top; a group has a row above those of its layers.
+
+    Slider, blend and buttons are for the layer that is painted on; after a click on the row of a
+    group they are for the group, until a layer is clicked.
 
     Signals
     -------
-    asked : (str, ...)
+    asked : (str, tuple)
         A method of the document, and its arguments.
     """
 
-    asked = QtCore.Signal(str, object, object)
+    asked = QtCore.Signal(str, object)
 
     def __init__(self, theme: Theme) -> None:
         super().__init__()
         self._theme = theme
         self._shown: tuple[Any, ...] = ()
+        self._layers: tuple[Layer, ...] = ()
         self._active = 0
+        self._group = 0  # key of the one that was clicked; 0 for none
         self._pictures: tuple[NDArray[np.uint8], ...] = ()
         self.list = QtWidgets.QListWidget()
         self.list.setObjectName("layers")
         self.list.setHorizontalScrollBarPolicy(QtCore.Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self.list.setSelectionMode(QtWidgets.QAbstractItemView.SelectionMode.ContiguousSelection)
         self.list.itemClicked.connect(self._select)
         self.list.setAccessibleName(say("Layers"))
         self.opacity = QtWidgets.QSlider(QtCore.Qt.Orientation.Horizontal)
@@ -71,14 +80,13 @@ class LayerPanel(QtWidgets.QWidget):
         layout.addWidget(self.list, 1)
         row = QtWidgets.QHBoxLayout()
         self.buttons = {
-            "plus": self._button(
-                "plus", say("New layer"), lambda: self.asked.emit("add_layer", None, None)
-            ),
-            "copy": self._button("copy", say("Duplicate layer"), self._duplicate),
+            "plus": self._button("plus", say("New layer"), lambda: self._ask("add_layer")),
+            "group": self._button("group", say("Group layers"), self.group_or_ungroup),
+            "copy": self._button("copy", say("Duplicate layer"), self.duplicate),
             "merge": self._button("merge", say("Merge with the layer below"), self._merge),
-            "minus": self._button("minus", say("Remove layer"), self._remove),
-            "up": self._button("up", say("Move up"), lambda: self._move(1)),
-            "down": self._button("down", say("Move down"), lambda: self._move(-1)),
+            "minus": self._button("minus", say("Remove layer"), self.remove),
+            "up": self._button("up", say("Move up"), lambda: self.step(1)),
+            "down": self._button("down", say("Move down"), lambda: self.step(-1)),
         }
         for button in self.buttons.values():
             row.addWidget(button)
@@ -97,24 +105,69 @@ class LayerPanel(QtWidgets.QWidget):
 
     def show_layers(self, layers: Sequence[Layer], active: int) -> None:
         """Show these layers, the lowest first, and which is painted on."""
-        message = tuple(layers), active
+        if self._group and active != self._active:
+            self._group = 0  # another one is painted on
+        message = tuple(layers), active, self._group
         if message == self._shown:
             return
-        self._shown, self._active = message, active
+        self._layers, self._active = tuple(layers), active
+        if self._group not in {layer.group.key for layer in layers if layer.group is not None}:
+            self._group = 0
+        self._shown = self._layers, active, self._group
+        bar = self.list.verticalScrollBar()
+        scrolled = bar.value()
         self.list.clear()
         for place in reversed(range(len(layers))):
-            item = QtWidgets.QListWidgetItem()
-            item.setData(QtCore.Qt.ItemDataRole.UserRole, place)
-            item.setSizeHint(QtCore.QSize(100, _ROW))
-            self.list.addItem(item)
-            self.list.setItemWidget(item, self._row(place, layers[place]))
-            if place == active:
-                self.list.setCurrentItem(item)
-        self.buttons["minus"].setEnabled(len(layers) > 1)
-        self.buttons["merge"].setEnabled(active > 0)
-        self._show_look(layers[active])
-        self.buttons["up"].setEnabled(active < len(layers) - 1)
-        self.buttons["down"].setEnabled(active > 0)
+            group = layers[place].group
+            if group is not None and group_span(layers, place)[1] == place:
+                self._add(self._group_row(place, group), place, group.key)
+            if group is None or not group.folded:
+                self._add(self._row(place, layers[place]), place, 0)
+        bar.setValue(scrolled)
+        self._show_choice()
+
+    def _add(self, row: QtWidgets.QWidget, place: int, group: int) -> None:
+        item = QtWidgets.QListWidgetItem()
+        item.setData(_PLACE, place)
+        item.setData(_GROUP, group)
+        item.setSizeHint(QtCore.QSize(100, _ROW))
+        self.list.addItem(item)
+        self.list.setItemWidget(item, row)
+        is_it = group == self._group if self._group else not group and place == self._active
+        if is_it:
+            self.list.setCurrentItem(item)
+
+    def _show_choice(self) -> None:
+        """Show what the slider and the buttons are for, and which of them can be used."""
+        layers, active, place = self._layers, self._active, self._chosen_place()
+        group = layers[place].group
+        at_group = self._group != 0
+        first, last = group_span(layers, place)
+        self._show_look(group if at_group and group is not None else layers[active])
+        whole = at_group and last - first + 1 == len(layers)
+        self.buttons["minus"].setEnabled(len(layers) > 1 and not whole)
+        below = layers[active - 1].group if active else None
+        self.buttons["merge"].setEnabled(
+            not at_group and active > 0 and below == layers[active].group
+        )
+        for name, by in (("up", 1), ("down", -1)):
+            step = group_step(layers, place, by) if at_group else layer_step(layers, active, by)
+            self.buttons[name].setEnabled(step is not None)
+        for name, layer_text, group_text in (
+            ("group", say("Group layers"), say("Ungroup layers")),
+            ("copy", say("Duplicate layer"), say("Duplicate group")),
+            ("minus", say("Remove layer"), say("Remove group")),
+        ):
+            text = group_text if at_group else layer_text
+            self.buttons[name].setToolTip(text)
+            self.buttons[name].setAccessibleName(text)
+        self.buttons["group"].setIcon(make_icon("ungroup" if at_group else "group", self._theme))
+
+    def _chosen_place(self) -> int:
+        """Place of the layer that is painted on, or of one of the group that was clicked."""
+        own = (k for k, one in enumerate(self._layers) if one.group is not None
+               and one.group.key == self._group)  # fmt: skip
+        return next(own, self._active) if self._group else self._active
 
     def show_pictures(self, pictures: Sequence[NDArray[np.uint8]]) -> None:
         """Show what is on each layer, (PICTURE, PICTURE, 4) uint8, the lowest first."""
@@ -124,7 +177,7 @@ class LayerPanel(QtWidgets.QWidget):
             widget = self.list.itemWidget(item)
             label = widget.findChild(QtWidgets.QLabel, "thumbnail")
             if label is not None:
-                self._show_picture(label, item.data(QtCore.Qt.ItemDataRole.UserRole))
+                self._show_picture(label, item.data(_PLACE))
 
     def _show_picture(self, label: QtWidgets.QLabel, place: int) -> None:
         sheet = QtGui.QPixmap(PICTURE, PICTURE)
@@ -138,8 +191,8 @@ class LayerPanel(QtWidgets.QWidget):
             painter.end()
         label.setPixmap(sheet)
 
-    def _show_look(self, layer: Layer) -> None:
-        """Show how much of a layer shows, and how it lies on those below."""
+    def _show_look(self, layer: Layer | Group) -> None:
+        """Show how much of a layer or a group shows, and how it lies on those below."""
         percent = round(100.0 * layer.opacity)
         with QtCore.QSignalBlocker(self.opacity):
             self.opacity.setValue(percent)
@@ -150,38 +203,73 @@ class LayerPanel(QtWidgets.QWidget):
         self.percent.setText(f"{percent} %")
 
     def _row(self, place: int, layer: Layer) -> QtWidgets.QWidget:
-        row = QtWidgets.QWidget()
-        row.setAttribute(QtCore.Qt.WidgetAttribute.WA_StyledBackground)
-        layout = QtWidgets.QHBoxLayout(row)
-        layout.setContentsMargins(4, 0, 4, 0)
-        layout.setSpacing(2)
+        row, layout = self._make_row(_INDENT if layer.group is not None else 0)
         eye = self._button(
             "eye" if layer.visible else "hidden",
             say("Hide") if layer.visible else say("Show"),
-            lambda: self.asked.emit("set_visible", place, not layer.visible),
+            lambda: self._ask("set_visible", place, not layer.visible),
         )
         lock = self._button(
             "lock" if layer.locked else "unlocked",
             say("Unlock") if layer.locked else say("Lock"),
-            lambda: self.asked.emit("set_locked", place, not layer.locked),
+            lambda: self._ask("set_locked", place, not layer.locked),
         )
         picture = QtWidgets.QLabel()
         picture.setObjectName("thumbnail")
         picture.setFixedSize(PICTURE, PICTURE)
         self._show_picture(picture, place)
-        name = QtWidgets.QLineEdit(say_layer(layer.name))
-        name.setAccessibleName(say("Name of the layer"))
-        name.setFrame(False)
-        name.setStyleSheet("QLineEdit { background: transparent; border: none; }")
-        name.setReadOnly(True)
-        name.installEventFilter(self)
-        name.setProperty("place", place)
-        name.editingFinished.connect(lambda: self._renamed(place, name))
+        name = self._name(say_layer(layer.name), say("Name of the layer"), place, 0)
+        name.setEnabled(layer.is_seen)
         layout.addWidget(eye)
         layout.addWidget(picture)
         layout.addWidget(name, 1)
         layout.addWidget(lock)
         return row
+
+    def _group_row(self, place: int, group: Group) -> QtWidgets.QWidget:
+        row, layout = self._make_row(0)
+        eye = self._button(
+            "eye" if group.visible else "hidden",
+            say("Hide") if group.visible else say("Show"),
+            lambda: self._ask("set_group_visible", place, not group.visible),
+        )
+        fold = self._button(
+            "folded" if group.folded else "unfolded",
+            say("Show its layers") if group.folded else say("Fold"),
+            lambda: self._ask("set_group_folded", place, not group.folded),
+        )
+        fold.setObjectName("fold_group")
+        name = self._name(say_group(group.name), say("Name of the group"), place, group.key)
+        count = group_span(self._layers, place)
+        told = QtWidgets.QLabel(str(count[1] - count[0] + 1))
+        told.setObjectName("faint")
+        told.setToolTip(say("Layers in the group"))
+        layout.addWidget(eye)
+        layout.addWidget(fold)
+        layout.addWidget(name, 1)
+        layout.addWidget(told)
+        layout.addSpacing(8)
+        return row
+
+    def _make_row(self, indent: int) -> tuple[QtWidgets.QWidget, QtWidgets.QHBoxLayout]:
+        row = QtWidgets.QWidget()
+        row.setAttribute(QtCore.Qt.WidgetAttribute.WA_StyledBackground)
+        layout = QtWidgets.QHBoxLayout(row)
+        layout.setContentsMargins(4 + indent, 0, 4, 0)
+        layout.setSpacing(2)
+        return row, layout
+
+    def _name(self, text: str, called: str, place: int, group: int) -> QtWidgets.QLineEdit:
+        name = QtWidgets.QLineEdit(text)
+        name.setAccessibleName(called)
+        name.setFrame(False)
+        name.setStyleSheet("QLineEdit { background: transparent; border: none; }")
+        name.setReadOnly(True)
+        name.installEventFilter(self)
+        name.setProperty("place", place)
+        name.setProperty("group", group)
+        name.editingFinished.connect(lambda: self._renamed(place, group, name))
+        return name
 
     def set_theme(self, theme: Theme) -> None:
         """Use other colours."""
@@ -198,43 +286,114 @@ class LayerPanel(QtWidgets.QWidget):
         if isinstance(watched, QtWidgets.QLineEdit):
             if event.type() == kind.MouseButtonDblClick:
                 watched.setReadOnly(False)
+                watched.setFocus()
                 watched.selectAll()
-            elif event.type() == kind.MouseButtonPress and watched.isReadOnly():
-                self.asked.emit("select_layer", watched.property("place"), None)
+                return True  # the line would choose the word under the pointer
+            elif (
+                isinstance(event, QtGui.QMouseEvent)
+                and event.type() == kind.MouseButtonPress
+                and watched.isReadOnly()
+            ):
+                place, group = watched.property("place"), watched.property("group")
+                if event.modifiers() & QtCore.Qt.KeyboardModifier.ShiftModifier:
+                    self._extend(place)
+                else:
+                    self._choose(place, group)
         return super().eventFilter(watched, event)
 
-    def _renamed(self, place: int, name: QtWidgets.QLineEdit) -> None:
+    def _renamed(self, place: int, group: int, name: QtWidgets.QLineEdit) -> None:
         if not name.isReadOnly() and name.text().strip():
             name.setReadOnly(True)
-            self.asked.emit("rename_layer", place, name.text().strip())
+            self._ask("rename_group" if group else "rename_layer", place, name.text().strip())
 
     def rename(self) -> None:
-        """Let the name of the layer that is painted on be written."""
+        """Let the name of the layer that is painted on, or of the chosen group, be written."""
         row = self.list.itemWidget(self.list.currentItem())
-        name = row.findChild(QtWidgets.QLineEdit)
-        assert name is not None, "every row has one"
-        name.setReadOnly(False)
-        name.setFocus()
-        name.selectAll()
+        name = row.findChild(QtWidgets.QLineEdit) if row is not None else None
+        if name is not None:
+            name.setReadOnly(False)
+            name.setFocus()
+            name.selectAll()
+
+    def _ask(self, what: str, *arguments: object) -> None:
+        self.asked.emit(what, arguments)
 
     def _select(self, item: QtWidgets.QListWidgetItem) -> None:
-        self.asked.emit("select_layer", item.data(QtCore.Qt.ItemDataRole.UserRole), None)
+        held = QtWidgets.QApplication.keyboardModifiers()
+        if not held & QtCore.Qt.KeyboardModifier.ShiftModifier:
+            self._choose(item.data(_PLACE), item.data(_GROUP))
 
-    def _remove(self) -> None:
-        self.asked.emit("remove_layer", self._active, None)
+    def _choose(self, place: int, group: int) -> None:
+        """Have a layer painted on, or what is asked for be for a group."""
+        self._group = group
+        self.show_layers(self._layers, self._active)
+        if not group:
+            self._ask("select_layer", place)
 
-    def _duplicate(self) -> None:
-        self.asked.emit("duplicate_layer", self._active, None)
+    def _extend(self, place: int) -> None:
+        """Choose the rows between that of the layer that is painted on and another."""
+        low, high = sorted((place, self._active))
+        self.list.clearSelection()
+        for row in range(self.list.count()):
+            item = self.list.item(row)
+            item.setSelected(low <= item.data(_PLACE) <= high and not item.data(_GROUP))
+
+    # -- what buttons and keys ask for ------------------------------------------------------
+
+    def group_or_ungroup(self) -> None:
+        """Make a group of the chosen layers, or dissolve the chosen group."""
+        if self._group:
+            self._ask("ungroup", self._chosen_place())
+        else:
+            self.group()
+
+    def group(self) -> None:
+        """Make a group of the chosen layers: of the one that is painted on, or several."""
+        items = [item for item in self.list.selectedItems() if not item.data(_GROUP)]
+        places = [self._active, *(item.data(_PLACE) for item in items)]
+        self._ask("add_group", min(places), max(places))
+
+    def ungroup(self) -> None:
+        """Dissolve the chosen group, or that of the layer that is painted on."""
+        self._ask("ungroup", self._chosen_place())
+
+    def remove(self) -> None:
+        """Take the layer away that is painted on, or the chosen group."""
+        self._ask("remove_group" if self._group else "remove_layer", self._chosen_place())
+
+    def duplicate(self) -> None:
+        """Copy the layer that is painted on, or the chosen group."""
+        self._ask("duplicate_group" if self._group else "duplicate_layer", self._chosen_place())
 
     def _merge(self) -> None:
-        self.asked.emit("merge_layer", self._active, None)
+        self._ask("merge_layer", self._active)
 
     def _set_opacity(self, percent: int) -> None:
         self._tell_opacity(percent)
-        self.asked.emit("set_opacity", self._active, percent / 100.0)
+        what = "set_group_opacity" if self._group else "set_opacity"
+        self._ask(what, self._chosen_place(), percent / 100.0)
 
     def _set_blend(self, _: int) -> None:
-        self.asked.emit("set_blend", self._active, self.blend.currentData())
+        what = "set_group_blend" if self._group else "set_blend"
+        self._ask(what, self._chosen_place(), self.blend.currentData())
 
-    def _move(self, by: int) -> None:
-        self.asked.emit("move_layer", self._active, self._active + by)
+    def hide_or_show(self) -> None:
+        """Hide the layer that is painted on, or the chosen group, or show it."""
+        place = self._chosen_place()
+        layer = self._layers[place]
+        if self._group and layer.group is not None:
+            self._ask("set_group_visible", place, not layer.group.visible)
+        else:
+            self._ask("set_visible", place, not layer.visible)
+
+    def step(self, by: int) -> None:
+        """Move the layer that is painted on, or the chosen group, one step up (1) or down (-1)."""
+        place = self._chosen_place()
+        if self._group:
+            to = group_step(self._layers, place, by)
+            if to is not None:
+                self._ask("move_group", place, to)
+            return
+        step = layer_step(self._layers, place, by)
+        if step is not None:
+            self._ask("move_layer", place, *step)

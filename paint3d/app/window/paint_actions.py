@@ -208,16 +208,24 @@ class PaintActions:
     # -- layers -----------------------------------------------------------------------------
 
     def do_remove_layer(self) -> None:
-        """Take the layer away that is painted on."""
-        self._post("remove_layer", self._painting.active_layer)
+        """Take the layer away that is painted on, or the chosen group."""
+        self._panels.layers.remove()
 
     def do_duplicate_layer(self) -> None:
-        """Put a copy of the layer that is painted on above it."""
-        self._post("duplicate_layer", self._painting.active_layer)
+        """Put a copy of the layer that is painted on, or of the chosen group, above it."""
+        self._panels.layers.duplicate()
 
     def do_merge_layer(self) -> None:
         """Make one layer of it and the one below."""
         self._post("merge_layer", self._painting.active_layer)
+
+    def do_add_group(self) -> None:
+        """Make a group of the chosen layers."""
+        self._panels.layers.group()
+
+    def do_ungroup(self) -> None:
+        """Dissolve the chosen group, or that of the layer that is painted on."""
+        self._panels.layers.ungroup()
 
     def do_rename_layer(self) -> None:
         """Let its name be written."""
@@ -237,22 +245,16 @@ class PaintActions:
             self._post("select_layer", place)
 
     def do_raise_layer(self) -> None:
-        """Put it above the next one."""
-        self._move(1)
+        """Put it above the next one, or into a group or out of it."""
+        self._panels.layers.step(1)
 
     def do_lower_layer(self) -> None:
-        """Put it below the next one."""
-        self._move(-1)
-
-    def _move(self, by: int) -> None:
-        place = self._painting.active_layer
-        if 0 <= place + by < len(self._painting.layers):
-            self._post("move_layer", place, place + by)
+        """Put it below the next one, or into a group or out of it."""
+        self._panels.layers.step(-1)
 
     def do_hide_layer(self) -> None:
-        """Show or hide it."""
-        place = self._painting.active_layer
-        self._post("set_visible", place, not self._painting.layers[place].visible)
+        """Show or hide it, or the chosen group."""
+        self._panels.layers.hide_or_show()
 
     def do_lock_layer(self) -> None:
         """Lock or unlock it."""

@@ -29,6 +29,7 @@ from paint3d.painter.painter import Ink
 __all__ = ["Panels"]
 
 _WIDTH = 316
+_LEAST = 160  # pixels of height that stay for the other panels
 _RIGHT = QtCore.Qt.DockWidgetArea.RightDockWidgetArea
 _LEFT = QtCore.Qt.DockWidgetArea.LeftDockWidgetArea
 
@@ -77,12 +78,14 @@ class Panels:
             group[0].raise_()
         self._dock("reference", say("Reference"), self.reference, _LEFT).hide()
         window.setTabPosition(_RIGHT, QtWidgets.QTabWidget.TabPosition.North)
-        window.resizeDocks([upper[0], lower[0]], [440, 260], QtCore.Qt.Orientation.Vertical)
+        window.resizeDocks([upper[0], lower[0]], [480, 220], QtCore.Qt.Orientation.Vertical)
         window.resizeDocks([upper[0]], [_WIDTH], QtCore.Qt.Orientation.Horizontal)
         for dock in self.docks.values():
             menu.addAction(dock.toggleViewAction())
         self._drawn: object = None  # what the layers' pictures show
         self._drawing: Future[Any] | None = None
+        self._groups = upper, lower
+        window.tabifiedDockWidgetActivated.connect(self._give_room)
         self._connect()
         workspace.theme_changed.connect(self._set_theme)
 
@@ -102,6 +105,25 @@ class Panels:
         self.docks[name] = dock
         return dock
 
+    def _give_room(self, dock: QtWidgets.QDockWidget) -> None:
+        """Give a panel whose tab was clicked the height that it needs, of what others can spare."""
+        upper, lower = self._groups
+        if dock not in upper and dock not in lower:
+            return
+        others = lower if dock in upper else upper
+        beside = [one for one in others if one.isVisible() and not one.visibleRegion().isEmpty()]
+        shown = dock.widget()
+        content = shown.widget() if isinstance(shown, QtWidgets.QScrollArea) else shown
+        if content is None or not beside or dock.isFloating():
+            return
+        wide = content.heightForWidth(dock.width())
+        need = wide if wide > 0 else content.sizeHint().height()
+        there, both = dock.height(), dock.height() + beside[0].height()
+        if there < need:
+            given = max(there, min(need, both - _LEAST))
+            vertical = QtCore.Qt.Orientation.Vertical
+            self._workspace.window.resizeDocks([dock, beside[0]], [given, both - given], vertical)
+
     def _connect(self) -> None:
         post = self._workspace.post
         self.brushes.chosen.connect(self._take_brush)
@@ -114,9 +136,7 @@ class Panels:
         self.surface.failed.connect(lambda why: self._workspace.tell(why, state="bad"))
         self.inks.dipped.connect(self._dip)
         self.inks.rinsed.connect(lambda: post("rinse"))
-        self.layers.asked.connect(
-            lambda what, *message: post(what, *(x for x in message if x is not None))
-        )
+        self.layers.asked.connect(lambda what, arguments: post(what, *arguments))
         self.history.told.connect(self._workspace.tell)
         self.hand.read.connect(lambda changes: self._workspace.hand.set_settings(**changes))
         self.hand.curve.changed.connect(self._keep_curve)

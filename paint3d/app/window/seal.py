@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from PySide6 import QtCore, QtGui, QtWidgets
 
+from paint3d.app.window.files.file_dialogs import look_at_names_only
 from paint3d.app.window.font_box import FontBox
 from paint3d.app.window.forms import FormDialog
 from paint3d.app.window.hand.canvas import Touch
@@ -102,6 +103,7 @@ class SealDialog(FormDialog):
         dialog = QtWidgets.QFileDialog(self, say("A drawing"), filter="SVG (*.svg)")
         dialog.setOption(QtWidgets.QFileDialog.Option.DontUseNativeDialog)
         dialog.setFileMode(QtWidgets.QFileDialog.FileMode.ExistingFile)
+        look_at_names_only(dialog)
         if self.drawing.text():
             dialog.setDirectory(str(Path(self.drawing.text()).parent))
         if dialog.exec() and dialog.selectedFiles():

@@ -41,6 +41,9 @@ __all__ = ["Stage"]
 _PATIENCE_S = 0.02  # that the picture waits for a step of the painting
 _NONE = np.empty(0, np.int32)
 _NOWHERE = object()
+_NOWHERE_YET = np.empty((0, 3))
+_APART_MM, _JUMP_MM = 1.0, 60.0  # between places that are kept; beyond the last, another stroke
+_KEPT = 300
 
 
 class Stage:
@@ -84,6 +87,8 @@ class Stage:
         self._seen: BrushView | None = None
         self._seen_at: DeviceSample | None = None
         self._left_at: DeviceSample | object = _NOWHERE
+        self._painted: list[AnyArray] = []  # places where the brush was pressed last, mm
+        self._stood_before: Camera | None = None
 
     # -- one document -----------------------------------------------------------------------
 
@@ -133,6 +138,7 @@ class Stage:
         self._stencil = self._unlit = self._baking = None
         self._seen = self._seen_at = None
         self._left_at = _NOWHERE
+        self._painted = []
 
     def close(self) -> None:
         """Let go of everything."""
@@ -391,9 +397,9 @@ class Stage:
             held = (seen.pressure, seen.load, *seen.srgb, seen.painting)
             stood += (*seen.position, *seen.orientation, *held)
             stood += seen.pressed.numbers if seen.pressed is not None else ()
-        if stood == self._stood:
+        if stood == self._stood and self._stood_before is self.scene.camera:
             return
-        self._stood = stood
+        self._stood, self._stood_before = stood, self.scene.camera
         if self._brush is None or self._brush_spec != painting.brush:
             if self._brush is not None:
                 self._drawn.touch_front(self.brush_box)
@@ -406,6 +412,8 @@ class Stage:
         if seen is None or not self.shows_brush:
             self._brush.hide()
             return
+        if seen.painting and seen.pressed is not None:
+            self._remember(seen.pressed.origin)
         axes = matrices_from_quaternions(seen.orientation[None])[0]
         stand = BrushStand.of(painting.tuft, seen.position, axes, seen.pressed)
         red, green, blue = (int(code) for code in seen.srgb)
@@ -415,8 +423,20 @@ class Stage:
             self._open_object.light.axes,
             (red, green, blue),
             seen.load,
+            np.concatenate(self._painted) if self._painted else _NOWHERE_YET,
         )
         self._drawn.touch_front(self._brush.screen_box())
+
+    def _remember(self, place: AnyArray) -> None:
+        """Keep where something is painted now, so that the brush does not hide it."""
+        last = self._painted[-1][-1] if self._painted else place
+        apart = float(np.linalg.norm(place - last))
+        if self._painted and apart < _APART_MM:
+            return
+        n = max(1, round(apart / _APART_MM)) if apart < _JUMP_MM else 1
+        share = np.arange(1, n + 1)[:, None] / n
+        self._painted.append(last + share * (place - last))
+        del self._painted[:-_KEPT]
 
     def hide_brush(self) -> None:
         """Let the brush leave the picture, as the pointer did, until the hand moves again."""

@@ -364,9 +364,10 @@ class StudioWindow(QtWidgets.QMainWindow):
     # -- the window's own events ------------------------------------------------------------
 
     def resizeEvent(self, event: QtGui.QResizeEvent) -> None:
-        """Make room for all tools."""
+        """Make room for all tools, and for the inks."""
         super().resizeEvent(event)
         self.commands.fit(event.size().height())
+        self.panels.inks.fit(event.size().height())
 
     def event(self, event: QtCore.QEvent) -> bool:
         """End a stroke that a dialog or a bar interrupts: it will not hear of the pen's lift."""

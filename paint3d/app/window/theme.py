@@ -126,6 +126,9 @@ QToolBar[tight="2"]::separator {{ margin: 0px 6px; }}
 QToolBar[tight="2"] QToolButton {{ padding: 2px 3px; }}
 QToolButton#qt_toolbar_ext_button {{ background: {raised}; border: 1px solid {line};
     min-height: 14px; padding: 1px; }}
+QToolButton#fold, QToolButton#fold:checked {{ background: transparent; border: none; padding: 1px;
+    color: {faint}; }}
+QToolButton#fold:hover, QToolButton#fold:focus {{ color: {accent}; }}
 QToolButton:focus, QPushButton:focus {{ border-color: {accent}; }}
 QSlider:focus, QCheckBox:focus {{ background: {chosen}; border-radius: 4px; }}
 QListView:focus {{ border-color: {accent}; }}
@@ -209,6 +212,10 @@ ICONS = {
     "mask": "M4 4h16v16H4z M4 14L14 4 M8 20L20 8 M4 20L20 4",
     "refine": "M12 3l9 16H3z M12 3v16 M7.5 11l4.5 8 M16.5 11L12 19",
     "layers": "M12 4l9 5-9 5-9-5z M3 13.500l9 5 9-5",
+    "group": "M3 6h6l2 2h10v11H3z M12 11v5 M9.500 13.500h5",
+    "ungroup": "M3 6h6l2 2h10v11H3z M9.500 13.500h5",
+    "folded": "M9 6l6 6-6 6",
+    "unfolded": "M6 9l6 6 6-6",
     "camera": "M4 8h4l2-3h4l2 3h4v11H4z M12 10a3.5 3.5 0 1 0 0 7 3.5 3.5 0 0 0 0-7z",
     "record": "M12 5a7 7 0 1 0 0 14 7 7 0 0 0 0-14z M12 9.500a2.5 2.5 0 1 0 0 5 2.5 2.5 0 0 0 0-5z",
     "play": "M7 4l13 8-13 8z",

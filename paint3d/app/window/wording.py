@@ -27,6 +27,7 @@ __all__ = [
     "say",
     "say_brush",
     "say_error",
+    "say_group",
     "say_hair",
     "say_layer",
     "say_length",
@@ -239,6 +240,11 @@ def say_hair(hair: str) -> str:
 def say_layer(name: str) -> str:
     """What a layer is called: one that nobody named has only a number."""
     return say("Layer {number}", number=name) if name.isdigit() else name
+
+
+def say_group(name: str) -> str:
+    """What a group of layers is called: one that nobody named has only a number."""
+    return say("Group {number}", number=name) if name.isdigit() else name
 
 
 def choose_unit(unit: str) -> None:

@@ -12,6 +12,7 @@ import io
 import json
 import os
 import re
+import stat
 import zipfile
 from collections.abc import Mapping
 from pathlib import Path
@@ -94,6 +95,8 @@ def read_archive(
         If it is no such archive, or is damaged.
     """
     try:
+        if not stat.S_ISREG(os.stat(path).st_mode):  # opening a named pipe waits for a writer
+            raise SessionError("it is no plain file; expected a painting")
         with open(path, "rb") as file, zipfile.ZipFile(file) as archive:
             entries = _checked(archive, os.fstat(file.fileno()).st_size)
             text = _parse(archive.read(entries.pop(TEXT)))

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from PySide6 import QtWidgets
-
 from paint3d.app.model.persistence.own_brushes import keep_brush, own_brush_folder, own_brushes
 from paint3d.app.window.brush.brush_editor import BrushEditor
+from paint3d.app.window.files.file_dialogs import ask_file
 from paint3d.app.window.panels import Panels
 from paint3d.app.window.wording import say, say_error
 from paint3d.app.window.workspace import Workspace
@@ -93,11 +92,11 @@ class BrushMaking:
     def do_open_brush(self) -> None:
         """Ask for a brush file, and paint with it."""
         folder = own_brush_folder()
-        path, _ = QtWidgets.QFileDialog.getOpenFileName(
+        path = ask_file(
             self._workspace.window,
             say("Open a brush…").rstrip("…"),
-            str(folder) if folder.is_dir() else "",
             f"{say('Brush files')} (*.toml *.json);;{say('All files')} (*)",
+            str(folder) if folder.is_dir() else "",
         )
         if path:
             self.open_file(path)

@@ -10,6 +10,7 @@ from PySide6 import QtCore, QtGui, QtWidgets
 
 from paint3d.app.model.copybook import Copybook
 from paint3d.app.model.laid_text import GRIDS, LaidText
+from paint3d.app.window.files.file_dialogs import look_at_names_only
 from paint3d.app.window.font_box import FontBox
 from paint3d.app.window.theme import Theme
 from paint3d.app.window.wording import say
@@ -312,6 +313,7 @@ class CopybookPanel(QtWidgets.QWidget):
         )
         dialog.setOption(QtWidgets.QFileDialog.Option.DontUseNativeDialog)
         dialog.setFileMode(QtWidgets.QFileDialog.FileMode.ExistingFile)
+        look_at_names_only(dialog)
         if dialog.exec() and dialog.selectedFiles():
             self.opened.emit(dialog.selectedFiles()[0], self.em.value())
 

@@ -9,11 +9,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from PySide6 import QtWidgets
 
 from paint3d.app.model.document import Document
 from paint3d.app.model.input.hand import Hand, PointerInput
 from paint3d.app.model.persistence.saved_settings import chosen_brush, chosen_inks, chosen_material
+from paint3d.app.window.files.file_dialogs import ask_file
 from paint3d.app.window.files.open_result import OpenResult, open_with_progress
 from paint3d.app.window.files.recovery import open_elsewhere
 from paint3d.app.window.files.saving import RecentFiles, Saving
@@ -175,9 +175,7 @@ class Opening:
         """Ask for a file, and open it; see `open_path`."""
         meshes = " ".join(f"*{suffix}" for suffix in (SESSION_SUFFIX, *MESH_SUFFIXES))
         kinds = f"{say('Objects and paintings')} ({meshes});;{say('All files')} (*)"
-        path, _ = QtWidgets.QFileDialog.getOpenFileName(
-            self._workspace.window, say("Open…").rstrip("…"), "", kinds
-        )
+        path = ask_file(self._workspace.window, say("Open…").rstrip("…"), kinds)
         if path:
             self.open_path(path, resolution, material, asked=asked)
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from PySide6 import QtCore, QtWidgets
 
+from paint3d.app.window.files.file_dialogs import that_exist
 from paint3d.app.window.files.target_dialog import Targets
 from paint3d.app.window.job import Progress, result_of
 from paint3d.app.window.questions import Answer, ask
@@ -53,7 +54,7 @@ class RecentFiles(QtCore.QObject):
 
     def paths(self) -> list[str]:
         """Those that are still there, the last opened first."""
-        return [path for path in self._workspace.settings.recent if Path(path).exists()]
+        return that_exist(self._workspace.settings.recent)
 
 
 # ---- Saving --------------------------------------------------------------------------------------

@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 from PySide6 import QtWidgets
 
+from paint3d.app.window.files.file_dialogs import answers, look_at_names_only
 from paint3d.app.window.questions import Answer, ask
 from paint3d.app.window.wording import say, say_object
 from paint3d.app.window.workspace import Workspace
@@ -82,7 +83,9 @@ class TargetDialog(QtWidgets.QFileDialog):
             (label.Reject, say("Cancel")),
         ):
             self.setLabelText(place, text)
-        folder = start.parent if start.parent.is_dir() else Path.cwd()
+        look_at_names_only(self)
+        there = answers(start.parent) and start.parent.is_dir()
+        folder = start.parent if there else Path.cwd()
         self.setDirectory(os.path.abspath(folder))
         self.selectFile(start.name)
         self.filterSelected.connect(self._rename)
@@ -105,6 +108,11 @@ class TargetDialog(QtWidgets.QFileDialog):
     def accept(self) -> None:
         """Ask whether a file that is there is to be replaced; stay if not."""
         named = self.selectedFiles()
+        if named and not answers(named[0]):
+            folder = os.path.dirname(named[0])
+            told = say("“{folder}” does not answer; choose another folder", folder=folder)
+            ask(self, told, warns=True)
+            return
         if not named or Path(named[0]).is_dir():
             super().accept()
             return
@@ -180,7 +188,7 @@ class Targets:
         beside = painting.path.parent if painting.path else Path.cwd()
         suffix = preferred if preferred in names else next(iter(names))
         start = (self.folder or beside) / f"{stem}{suffix}"
-        if painting.path is None:
+        if painting.path is None and answers(start.parent):
             start = _free(start, suffix)
         kinds = [Kind(say(name), suffix) for suffix, name in names.items()]
         path = ask_target(self._workspace.window, title.rstrip("…"), start, kinds, suffix)

@@ -10,6 +10,7 @@ from pathlib import Path
 from PySide6 import QtCore, QtGui, QtWidgets
 
 from paint3d.app.model.persistence.own_pigments import fingerprint_of, own_pigments
+from paint3d.app.window.files.file_dialogs import ask_file
 from paint3d.app.window.ink.ink_panel import ink_label
 from paint3d.app.window.panels import Panels
 from paint3d.app.window.theme import Theme
@@ -291,10 +292,9 @@ class InkMaking:
 
     def do_open_pigments(self) -> None:
         """Ask for a table of pigments, and put them among the dishes."""
-        path, _ = QtWidgets.QFileDialog.getOpenFileName(
+        path = ask_file(
             self._workspace.window,
             say("Open a table of pigments…").rstrip("…"),
-            "",
             f"{say('Tables of pigments')} (*.csv);;{say('All files')} (*)",
         )
         if path:

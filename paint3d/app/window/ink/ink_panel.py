@@ -80,13 +80,20 @@ class ToneRow(QtWidgets.QWidget):
             button.setToolTip(message)
             button.setAccessibleName(called)
             button.setText(called)
-            button.setToolButtonStyle(QtCore.Qt.ToolButtonStyle.ToolButtonTextUnderIcon)
             button.setSizePolicy(
                 QtWidgets.QSizePolicy.Policy.Expanding, QtWidgets.QSizePolicy.Policy.Fixed
             )
             button.clicked.connect(lambda _=False, fraction=tone.share: self.chosen.emit(fraction))
             row.addWidget(button)
             self.buttons[name] = button
+
+    def show_names(self, shown: bool) -> None:
+        """Show what the tones are called, or leave that to the tips."""
+        style = QtCore.Qt.ToolButtonStyle
+        for button in self.buttons.values():
+            button.setToolButtonStyle(
+                style.ToolButtonTextUnderIcon if shown else style.ToolButtonIconOnly
+            )
 
     def show_ink(self, parts: Mapping[str | Pigment, float], theme: Theme) -> None:
         """Show the tones of this mixture; none where it is only water."""
@@ -113,7 +120,8 @@ class ToneRow(QtWidgets.QWidget):
 
 
 _DISH, _GAP, _LABEL = 56, 8, 18
-_SMALL_DISH, _MOST_MIXTURES = 24, 8
+_LOW, _LOWEST = 790, 750  # pixels of a window with little room for the panel, and with less
+_SMALL_DISH, _MOST_MIXTURES = 26, 8
 TIP_REACH = 0.35  # of the tuft's length, when the tip alone is dipped
 _WATER_STEPS = 100  # of the slider: even in lightness
 _WATER_PX = 300.0  # of a drag with the key for water, from ink to clear water
@@ -430,13 +438,19 @@ class _MixingDish(QtWidgets.QWidget):
         super().__init__()
         self.theme = theme
         self.parts: dict[str | Pigment, float] = {}
-        self.setFixedSize(74, 74)
+        self.fit(True)
+
+    def fit(self, has_room: bool) -> None:
+        """Be large, or smaller where room is short."""
+        side = 74 if has_room else 60
+        self.setFixedSize(side, side)
 
     def paintEvent(self, event: QtGui.QPaintEvent) -> None:
         """Draw it."""
         painter = QtGui.QPainter(self)
         painter.setRenderHint(QtGui.QPainter.RenderHint.Antialiasing)
-        paint_dish(painter, QtCore.QRectF(3, 3, 68, 68), self.parts, self.theme)
+        box = QtCore.QRectF(self.rect()).adjusted(3, 3, -3, -3)
+        paint_dish(painter, box, self.parts, self.theme)
         painter.end()
 
 
@@ -467,7 +481,7 @@ class MixtureRow(QtWidgets.QWidget):
             button.setAccessibleName(say("A last mixture"))
             button.setIconSize(QtCore.QSize(_SMALL_DISH, _SMALL_DISH))
             button.setAutoRaise(True)
-            button.setFixedSize(_SMALL_DISH + 6, _SMALL_DISH + 6)
+            button.setFixedSize(_SMALL_DISH + 2, _SMALL_DISH + 2)
             button.setContextMenuPolicy(QtCore.Qt.ContextMenuPolicy.CustomContextMenu)
             button.clicked.connect(lambda _=False, index=index: self._clicked(index))
             button.customContextMenuRequested.connect(
@@ -575,13 +589,13 @@ class InkPanel(QtWidgets.QWidget):
         self._watered: float | None = None  # where a drag with the key for water has come
         self._settle = QtCore.QTimer(self, interval=_SETTLE_MS, singleShot=True)
         self._settle.timeout.connect(self._dip_watered)
-        self.tip_only = QtWidgets.QCheckBox(say("Only the tip"))
+        self.tip_only = QtWidgets.QCheckBox(say("Tip only"))
         self.reach = QtWidgets.QSpinBox()
         self.reach.setRange(5, 95)
         self.reach.setSuffix(" %")
         self.reach.setValue(round(100 * TIP_REACH))
         self.reach.setToolTip(say("How much of the tuft is dipped, from the tip"))
-        self.reach.setAccessibleName(say("Only the tip"))
+        self.reach.setAccessibleName(say("Tip only"))
         self._amount = DipAmount()  # of the dip before
         self.wetted = _percents(0.1, 100.0, say("How much of the tuft a dip wets, from the tip"))
         self.fullness = _percents(
@@ -592,16 +606,28 @@ class InkPanel(QtWidgets.QWidget):
         self.tones = ToneRow(theme)
         self.last = MixtureRow()
         layout = QtWidgets.QVBoxLayout(self)
-        layout.setContentsMargins(8, 6, 8, 8)
+        layout.setContentsMargins(8, 6, 8, 6)
+        layout.setSpacing(5)
         scroll = QtWidgets.QScrollArea()
         scroll.setWidgetResizable(True)
         scroll.setWidget(self.dishes)
-        scroll.setMinimumHeight(_DISH + _LABEL + 3 * _GAP)
+        scroll.setMinimumHeight(_DISH + _LABEL + _GAP)
+        self.fold = QtWidgets.QToolButton()
+        self.fold.setObjectName("fold")
+        self.fold.setText(say("How the brush is dipped"))
+        self.fold.setToolButtonStyle(QtCore.Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
+        self.fold.setCheckable(True)
+        self.fold.setChecked(True)
+        self.fold.toggled.connect(lambda _: self._fold())
+        self._folded_by_hand = False
+        self._ways = self._make_ways()
         layout.addWidget(scroll, 1)
         layout.addWidget(self.last)
         layout.addWidget(self.tones)
         layout.addWidget(self._make_mixing_card())
-        layout.addLayout(self._make_ways())
+        layout.addWidget(self.fold)
+        layout.addWidget(self._ways)
+        self._show_ways()
         self.tones.chosen.connect(self._dip_tone)
         self.last.chosen.connect(lambda at: self._dip(self._of_dishes(self.last.mixtures[at])))
         self.last.asked_back.connect(self._put_back)
@@ -616,42 +642,54 @@ class InkPanel(QtWidgets.QWidget):
         card = QtWidgets.QFrame()
         card.setObjectName("card")
         grid = QtWidgets.QGridLayout(card)
-        grid.setContentsMargins(8, 6, 8, 8)
+        grid.setContentsMargins(8, 5, 8, 6)
+        grid.setVerticalSpacing(4)
         grid.addWidget(self._mixing, 0, 0, 2, 1)
-        grid.addWidget(self.told, 0, 1, 1, 3)
+        grid.addWidget(self.told, 0, 1)
         row = QtWidgets.QHBoxLayout()
-        row.addWidget(QtWidgets.QLabel(say("Water")))
+        self._water_told = QtWidgets.QLabel()
+        row.addWidget(self._water_told)
         row.addWidget(self.water, 1)
-        grid.addLayout(row, 1, 1, 1, 3)
+        grid.addLayout(row, 1, 1)
         self._dip_button = QtWidgets.QPushButton(say("Dip"))
         empty, rinse = QtWidgets.QPushButton(say("Empty")), QtWidgets.QPushButton(say("Rinse"))
-        tip = QtWidgets.QHBoxLayout()
-        tip.addWidget(self.tip_only)
-        tip.addWidget(self.reach)
-        tip.addStretch(1)
-        grid.addLayout(tip, 2, 0, 1, 4)
         row = QtWidgets.QHBoxLayout()
-        for text, box in ((say("Tuft wet"), self.wetted), (say("Full"), self.fullness)):
-            row.addWidget(QtWidgets.QLabel(text))
-            row.addWidget(box)
-            box.setAccessibleName(text)
-            box.setValue(100.0)
-            self.tip_only.toggled.connect(box.setDisabled)  # a tip takes up what it needs
-            box.valueChanged.connect(lambda _: self.amount_chosen.emit(self.amount().words()))
-        row.addStretch(1)
-        grid.addLayout(row, 4, 0, 1, 4)
-        grid.addWidget(self.by_itself, 5, 0, 1, 4)
-        self.by_itself.toggled.connect(self.by_itself_chosen)
-        row = QtWidgets.QHBoxLayout()
+        row.setSpacing(6)
         for button in (self._dip_button, empty, rinse):
             row.addWidget(button, 1)
-        grid.addLayout(row, 3, 0, 1, 4)
+        grid.addLayout(row, 2, 0, 1, 2)
+        grid.setColumnStretch(1, 1)
         self._dip_button.clicked.connect(self.dip_mixture)
         empty.clicked.connect(self.empty)
         rinse.clicked.connect(self.rinsed)
         return card
 
-    def _make_ways(self) -> QtWidgets.QHBoxLayout:
+    def _make_ways(self) -> QtWidgets.QWidget:
+        """How the brush takes up ink: what is set once, and folded away where room is short."""
+        ways = QtWidgets.QWidget()
+        column = QtWidgets.QVBoxLayout(ways)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.setSpacing(4)
+        row = QtWidgets.QHBoxLayout()
+        row.addWidget(self.tip_only)
+        row.addWidget(self.reach)
+        row.addStretch(1)
+        row.addWidget(self.by_itself)
+        column.addLayout(row)
+        self.by_itself.toggled.connect(self.by_itself_chosen)
+        row = QtWidgets.QHBoxLayout()
+        for text, box in ((say("Tuft wet"), self.wetted), (say("Full"), self.fullness)):
+            row.addWidget(QtWidgets.QLabel(text))
+            row.addWidget(box, 1)
+            box.setAccessibleName(text)
+            box.setValue(100.0)
+            self.tip_only.toggled.connect(box.setDisabled)  # a tip takes up what it needs
+            box.valueChanged.connect(lambda _: self.amount_chosen.emit(self.amount().words()))
+        column.addLayout(row)
+        column.addLayout(self._make_sources())
+        return ways
+
+    def _make_sources(self) -> QtWidgets.QHBoxLayout:
         row = QtWidgets.QHBoxLayout()
         self.pickup = QtWidgets.QDoubleSpinBox()
         self.pickup.setRange(0.0, 1.0)
@@ -681,6 +719,35 @@ class InkPanel(QtWidgets.QWidget):
             button.clicked.connect(lambda _=False, asked=asked: asked.emit())
             row.addWidget(button, 1)
         return row
+
+    def fit(self, height: int) -> None:
+        """Draw closer together in a window of few pixels.
+
+        What is set once is folded away there, until a hand has folded or unfolded it.
+        """
+        self.tones.show_names(height >= _LOW)
+        self._mixing.fit(height >= _LOW)
+        if not self._folded_by_hand:
+            with QtCore.QSignalBlocker(self.fold):
+                self.fold.setChecked(height >= _LOWEST)
+            self._show_ways()
+
+    def _fold(self) -> None:
+        self._folded_by_hand = True
+        self._show_ways()
+
+    def _show_ways(self) -> None:
+        arrow = QtCore.Qt.ArrowType
+        is_open = self.fold.isChecked()
+        self.fold.setArrowType(arrow.DownArrow if is_open else arrow.RightArrow)
+        self._ways.setVisible(is_open)
+        self.updateGeometry()
+
+    def heightForWidth(self, width: int) -> int:
+        """The least that the panel needs: the dishes scroll by themselves."""
+        layout = self.layout()
+        assert layout is not None, "it was made with one"
+        return layout.minimumHeightForWidth(width)
 
     def show_pickup(self, fraction: float) -> None:
         """Show how much wet ink the brush takes up, 1/mm, and tell nothing."""
@@ -810,18 +877,20 @@ class InkPanel(QtWidgets.QWidget):
         self._mixing.update()
         self._dip_button.setEnabled(bool(parts))
         if not parts:
+            self._water_told.setText(say("Water"))
             self.told.setText(
                 say("Mixing dish: stir inks in with a long press or the right button")
             )
             return
-        self.told.setText("<br>".join(self._line(name, part) for name, part in parts.items()))
+        water = 100.0 * parts.get(WATER.name, 0.0)
+        self._water_told.setText(say("Water {share:.0f} %", share=water))
+        stirred = (name for name in parts if name != WATER.name or name in self._stirred)
+        self.told.setText("<br>".join(self._line(name, parts[name]) for name in stirred))
 
     def _line(self, name: str, part: float) -> str:
         """An ink of the mixing dish, with signs to put a part in and to take one out."""
         pigment = self.dishes.pigments.get(name, name)
         message = f"{html.escape(ink_label(pigment))} {_percent(part)} %"
-        if name == WATER.name and name not in self._stirred:
-            return message
         style = f"color:{self.dishes.theme.accent}; text-decoration:none"
         signs = (
             f'<a href="{sign}{html.escape(name)}" style="{style}">&nbsp;<b>{shown}</b>&nbsp;</a>'

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from PySide6 import QtCore, QtGui, QtWidgets
 
+from paint3d.app.window.files.file_dialogs import ask_file
 from paint3d.app.window.wording import say, say_error, say_material
 from paint3d.colour.materials import Material, load_material, load_materials
 from paint3d.errors import Paint3DError
@@ -67,9 +68,7 @@ class MaterialBox(QtWidgets.QComboBox):
             return
         self.setCurrentIndex(self._before)
         words = f"{say('Materials')} (*.toml *.json)"
-        path, _ = QtWidgets.QFileDialog.getOpenFileName(
-            self.window(), say("From a file…").rstrip("…"), "", words
-        )
+        path = ask_file(self.window(), say("From a file…").rstrip("…"), words)
         if not path:
             return
         try:

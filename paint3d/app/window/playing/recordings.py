@@ -7,12 +7,11 @@ from dataclasses import replace
 from importlib.resources import as_file, files
 from pathlib import Path
 
-from PySide6 import QtWidgets
-
 from paint3d.app.model.frame import Snapshot
 from paint3d.app.model.pad_in_view import lay_in_view
 from paint3d.app.model.score.playing import begun, painted, score_of_strokes
 from paint3d.app.model.score.stepping import Cue, cues_of
+from paint3d.app.window.files.file_dialogs import ask_file
 from paint3d.app.window.files.open_result import OpenResult, open_with_progress
 from paint3d.app.window.files.target_dialog import Targets
 from paint3d.app.window.job import Progress
@@ -121,9 +120,7 @@ class Recordings:
     def do_replay(self) -> None:
         """Ask for a recording, and paint it on what is here."""
         kinds = f"{say('Recordings')} (*.jsonl *.jsonl.gz *.inkml *.csv);;{say('All files')} (*)"
-        path, _ = QtWidgets.QFileDialog.getOpenFileName(
-            self._workspace.window, say("Replay"), "", kinds
-        )
+        path = ask_file(self._workspace.window, say("Replay"), kinds)
         if path:
             self.replay_file(path, self._speed())
 

@@ -13,6 +13,7 @@ from PySide6 import QtCore, QtGui, QtWidgets
 
 from paint3d.app.model.document import Document
 from paint3d.app.window.copybook.copybook_guide import CopybookGuide
+from paint3d.app.window.files.file_dialogs import look_at_names_only
 from paint3d.app.window.reference.reference_panel import PLACES, ReferencePanel, image_of
 from paint3d.app.window.wording import say, say_error
 from paint3d.app.window.workspace import Workspace
@@ -76,6 +77,7 @@ class Reference:
         )
         dialog.setOption(QtWidgets.QFileDialog.Option.DontUseNativeDialog)
         dialog.setFileMode(QtWidgets.QFileDialog.FileMode.ExistingFile)
+        look_at_names_only(dialog)
         if dialog.exec() and dialog.selectedFiles():
             self.open(dialog.selectedFiles()[0])
 

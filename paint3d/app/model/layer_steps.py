@@ -1,0 +1,43 @@
+"""Where a layer or a group of layers goes by one step up or down, into groups and out of them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from paint3d.surface.layer_stack import Layer
+
+__all__ = ["group_span", "group_step", "layer_step"]
+
+
+def layer_step(layers: Sequence[Layer], place: int, by: int) -> tuple[int, int] | None:
+    """What a layer's step by 1 or -1 asks `Document.move_layer` for: to, and within.
+
+    Before a group it goes into it, and at the end of its own it goes out of it, each by a step
+    of its own. None where there is no way to go.
+    """
+    own, beside = layers[place].group, place + by
+    if not 0 <= beside < len(layers):
+        return None if own is None else (place, -1)
+    other = layers[beside].group
+    if own is not None:
+        return (beside, place) if other == own else (place, -1)
+    return (beside, -1) if other is None else (place, beside)
+
+
+def group_step(layers: Sequence[Layer], place: int, by: int) -> int | None:
+    """Where a group's step by 1 or -1 puts its lowest layer: beyond a layer, or another group."""
+    first, last = group_span(layers, place)
+    beside = last + 1 if by > 0 else first - 1
+    if not 0 <= beside < len(layers):
+        return None
+    low, high = group_span(layers, beside)
+    return first + by * (high - low + 1)
+
+
+def group_span(layers: Sequence[Layer], place: int) -> tuple[int, int]:
+    """The places of the lowest and the uppermost layer of a group; of a layer in none, its own."""
+    group = layers[place].group
+    if group is None:
+        return place, place
+    places = [k for k, layer in enumerate(layers) if layer.group == group]
+    return places[0], places[-1]

@@ -1,0 +1,89 @@
+"""In a low window nothing of the inks is cut off, whatever is stirred, by real events."""
+
+from __future__ import annotations
+
+import pytest
+
+pytest.importorskip("PySide6", reason="PySide6 is not installed")
+
+from PySide6 import QtCore, QtTest, QtWidgets
+
+from tests.support.app.gestures import BUTTON, live, wait_for
+from tests.support.app.windows import opened
+
+SIZES = [(1280, 800), (1366, 768), (1024, 640), (1093, 614)]
+"""Of screens, the last two as a scale of 1.25 leaves them of the first."""
+
+
+@pytest.fixture(scope="module")
+def window(program):
+    with opened(program, "plane", 3.0, "xuan", drawn=False) as window:
+        window.panels.docks["inks"].raise_()
+        yield window
+
+
+def stir(window, name: str) -> None:
+    dishes = window.panels.inks.dishes
+    place = dishes.box(dishes.names.index(name)).center().toPoint()
+    QtTest.QTest.mouseClick(dishes, BUTTON.RightButton, pos=place)
+
+
+@pytest.mark.parametrize("size", SIZES)
+def test_mixing_dish_and_all_below_it_are_seen_whole(window, size) -> None:
+    panel, area = window.panels.inks, window.panels.docks["inks"].widget()
+    panel.empty()
+    window.resize(*size)
+    wait_for(lambda: (window.width(), window.height()) == size)
+    for name in ("cinnabar", "pine soot", "azurite"):
+        stir(window, name)
+    panel.water.setValue(40)
+    QtTest.QTest.mouseClick(button(panel, "Dip"), BUTTON.LeftButton)
+    wait_for(lambda: panel.last.buttons[0].isVisible())
+    live(0.1)
+    seen = QtCore.QRect(QtCore.QPoint(), area.viewport().size())
+    direct = QtCore.Qt.FindChildOption.FindDirectChildrenOnly
+    for widget in panel.findChildren(QtWidgets.QWidget, options=direct):
+        if widget.isVisible():
+            box = QtCore.QRect(widget.mapTo(area.viewport(), QtCore.QPoint()), widget.size())
+            assert seen.contains(box), f"{widget.objectName() or widget} at {box} of {seen}"
+    assert panel.fold.isChecked() == (size[1] >= 750)
+    assert panel.pickup.isVisible() == panel.fold.isChecked()
+
+
+def test_what_is_folded_away_is_reached_by_a_click_and_stays(window) -> None:
+    panel, area = window.panels.inks, window.panels.docks["inks"].widget()
+    window.resize(1024, 640)
+    wait_for(lambda: not panel.pickup.isVisible())
+    QtTest.QTest.mouseClick(panel.fold, BUTTON.LeftButton)
+    wait_for(panel.pickup.isVisible)
+    wait_for(lambda: area.verticalScrollBar().maximum() > 0)
+    area.ensureWidgetVisible(panel.pickup)
+    box = QtCore.QRect(panel.pickup.mapTo(area.viewport(), QtCore.QPoint()), panel.pickup.size())
+    assert area.viewport().rect().contains(box)
+    window.resize(1024, 700)
+    live(0.1)
+    assert panel.pickup.isVisible(), "who unfolded it wants it"
+
+
+def click_tab(window, text: str) -> None:
+    """Click the tab of a panel."""
+    for bar in window.findChildren(QtWidgets.QTabBar):
+        for k in range(bar.count()):
+            if bar.tabText(k) == text and bar.isVisible():
+                QtTest.QTest.mouseClick(bar, BUTTON.LeftButton, pos=bar.tabRect(k).center())
+
+
+def test_a_panel_gets_the_height_that_it_needs_where_its_tab_is_clicked(window) -> None:
+    window.resize(1280, 800)
+    live(0.1)
+    copybook, inks = window.panels.docks["copybook"], window.panels.docks["inks"]
+    before = window.panels.docks["layers"].height()
+    click_tab(window, "Copybook")
+    wait_for(lambda: copybook.height() > before + 200)
+    click_tab(window, "Hand")
+    click_tab(window, "Inks")
+    wait_for(lambda: inks.widget().verticalScrollBar().maximum() == 0)
+
+
+def button(panel, text: str) -> QtWidgets.QPushButton:
+    return next(b for b in panel.findChildren(QtWidgets.QPushButton) if b.text() == text)
