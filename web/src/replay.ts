@@ -13,6 +13,7 @@ import { gunzipSync } from "node:zlib";
 import { FULL_DIP, type DipAmount } from "./brush/brush";
 import { Painter } from "./painter/painter";
 import { readRecording } from "./recording/recording";
+import type { PaintedSurface } from "./surface/painted_surface";
 import { Studio } from "./studio";
 
 interface Asked {
@@ -26,11 +27,21 @@ interface Asked {
   amount?: DipAmount;
   pickup?: number;
   save?: string; // a file for the codes, and after them the amounts
+  wet?: number; // the ink spreads, and goes on for so many seconds
   live?: number; // samples handed over at once, as a hand does; a whole recording without
 }
 
 function sha(bytes: Uint8Array): string {
   return createHash("sha256").update(bytes).digest("hex");
+}
+
+/** Of what has dried: the vertices, and what they show. */
+function dried({ dryLayers: { ids, count, spectra, amounts } }: PaintedSurface): string {
+  const bytes = [ids.subarray(0, count), spectra.data.subarray(0, 31 * count), amounts].map(
+    (array) => new Uint8Array(array.buffer, array.byteOffset, array.byteLength),
+  );
+  const n = count === 0 ? 0 : (amounts.length / ids.length) * count;
+  return sha(Buffer.concat([bytes[0], bytes[1], bytes[2].subarray(0, 4 * n)]));
 }
 
 async function paint(studio: Studio, asked: Asked): Promise<unknown> {
@@ -43,7 +54,10 @@ async function paint(studio: Studio, asked: Asked): Promise<unknown> {
   const text = (bytes[0] === 0x1f ? gunzipSync(bytes) : bytes).toString("utf-8");
   const recording = readRecording(text, asked.recording);
   const began = performance.now();
-  if (asked.live === undefined) painter.replay(recording);
+  if (asked.live === undefined) {
+    painter.replay(recording, asked.wet !== undefined);
+    painter.rest(recording.samples[recording.samples.length - 1].timeNs, asked.wet ?? 0.0);
+  }
   else {
     for (let k = 0; k < recording.samples.length; k += asked.live) {
       painter.advance(recording.samples.slice(k, k + asked.live));
@@ -64,6 +78,7 @@ async function paint(studio: Studio, asked: Asked): Promise<unknown> {
     srgb: sha(surface.codes.bytes.subarray(0, 3 * n)),
     amounts: sha(surface.ink.amounts.bytes.subarray(0, 4 * n * count)),
     coverage: sha(surface.ink.coverage.bytes.subarray(0, 4 * n)),
+    ...(asked.wet === undefined ? {} : { dried: dried(surface) }),
     ledger: painter.ledger(),
     seconds,
   };

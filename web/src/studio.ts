@@ -46,6 +46,7 @@ export class Studio {
   readonly bundles: NDArray<"i4">;
   readonly colourTables: ColourTables;
   readonly sizes: Sizes;
+  readonly fibreFrames: Float64Array;
   readonly #pigments: Map<string, Pigment>;
   readonly #brushes = new Map<string, Promise<Brush>>();
 
@@ -65,7 +66,9 @@ export class Studio {
       liveWeights: common.numbers("live_weights", "f8"),
       rgbWeights: common.numbers("rgb_weights", "f8"),
       saunderson: common.words.saunderson,
+      primaries: common.numbers("srgb_primaries", "f4"),
     };
+    this.fibreFrames = common.numbers("fibre_frames", "f8");
     this.#pigments = new Map(
       common.words.pigments.map((words) => [
         words.name,
@@ -152,6 +155,7 @@ function groundOf(tables: Bundle<Material & { bends?: Record<string, number> }>)
     material: tables.words,
     bare: tables.numbers("bare", "u1"),
     backing: {
+      reflectance: tables.numbers("reflectance", "f4"),
       bareLinearRgb: tables.numbers("bare_linear_rgb", "f4"),
       ground: tables.numbers("ground", "f8"),
       glossyGround: tables.numbers("glossy_ground", "f8"),

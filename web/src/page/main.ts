@@ -4,6 +4,7 @@ import { KernelError } from "../core/kernels";
 import type { Vector } from "../core/quaternion";
 import { Studio, type Contents, type Fetch } from "../studio";
 import { ballAround, Camera } from "./camera";
+import { button, choice, element, save, section, slider, tick } from "./controls";
 import { Document } from "./document";
 import { Hand, type PointerInput } from "./hand";
 import { Stage, StageError } from "./stage";
@@ -15,13 +16,8 @@ const SIMD = new Uint8Array([
   253, 98, 11,
 ]); // prettier-ignore
 const WHEEL_NOTCH = 1.0015; // nearer by this a unit of the wheel
+const SEEN = 2000; // vertices, at most, that the picture is fitted to
 const PALM_MS = 700; // after a pen's last word a touch is a palm
-
-function element<T extends HTMLElement = HTMLElement>(id: string): T {
-  const found = document.getElementById(id);
-  if (found === null) throw new Error(`the page has no ${id}`);
-  return found as T;
-}
 
 /** What the page cannot do without. */
 class Missing extends Error {
@@ -48,6 +44,7 @@ class Page {
   #dipAlways = true;
   #press = 0.5;
   #drawn = false; // whether a frame is asked for
+  #isMoved = false; // whether the object is seen as somebody has turned it
   #changed: Int32Array[] = [];
   #pointer: number | null = null; // that is down and paints, as far as was heard
   #inStroke = false; // as far as was painted
@@ -64,6 +61,7 @@ class Page {
     };
     this.#canvas.addEventListener("webglcontextlost", lost);
     this.#listen();
+    element("panel").hidden = !matchMedia("(min-width: 1081px) and (min-height: 481px)").matches;
     new ResizeObserver(() => this.#resize()).observe(this.#canvas);
   }
 
@@ -129,16 +127,18 @@ class Page {
     let [low, high] = [Infinity, -Infinity];
     for (let i = 0; i < n; i++) [low, high] = [Math.min(low, z[i]), Math.max(high, z[i])];
     const flat = high - low < 0.01 * radius;
-    this.#camera = new Camera(middle, radius, flat);
+    const points: Vector[] = [];
+    for (let i = 0; i < n; i += Math.ceil(n / SEEN)) points.push([arrays.px.data[i], arrays.py.data[i], z[i]]);
+    this.#camera = new Camera(middle, radius, flat, points);
+    this.#isMoved = false;
     this.#hand = new Hand(studio.kernels, studio.sizes, painting.closest, {
       firmness: 1.0, mousePressure: 0.0,
     }); // prettier-ignore
     this.#setPress(this.#press);
     this.#stage.open(painting, flat);
     this.#message.hidden = true;
-    this.#resize();
-    this.#camera.showAll(this.#aspect());
     this.showBar();
+    this.#showAll();
     this.draw();
   }
 
@@ -150,40 +150,59 @@ class Page {
     if (studio === null) return;
     const { contents } = studio;
     document.title = say("title");
-    element("hint").textContent = say("hint");
-    element("ink").setAttribute("aria-label", say("inkLeft"));
+    element("hint").textContent = say(matchMedia("(pointer: coarse)").matches ? "hintTouch" : "hint");
     const objects = contents.objects.map((one) => `${named(one)} · ${say("size", { mm: one.resolution })}`);
-    const bar = element("bar");
-    bar.replaceChildren(
-      choice("object", say("object"), objects, this.#object, (k) => this.#change(k)),
+    const about = button("more", say("more"), () => this.#showPanel(element("panel").hidden !== false), "more");
+    const filled = document.createElement("span");
+    filled.id = "ink";
+    for (const [key, value] of Object.entries({ role: "meter", "aria-valuemin": "0", "aria-valuemax": "100" }))
+      filled.setAttribute(key, value);
+    filled.setAttribute("aria-label", say("inkLeft"));
+    filled.append(document.createElement("div"));
+    const dip = button("dip", say("dip"), () => this.#act(() => this.#dip()), "dip");
+    dip.append(filled);
+    const view = button("whole", say("view"), () => this.#showAll(), "whole");
+    about.classList.add("end");
+    element("bar").replaceChildren(
       choice("brush", say("brush"), contents.brushes.map(named),
         contents.brushes.findIndex((one) => one.name === this.#brush),
         (k) => this.#takeBrush(contents.brushes[k].name)),
       choice("inks", say("ink"), contents.inks.map(named),
         contents.inks.findIndex((one) => one.name === this.#ink),
         (k) => this.#takeInk(contents.inks[k].name)),
-      slider("press", say("press"), this.#press, (value) => this.#setPress(value)),
-      button("dip", say("dip"), () => this.#act(() => this.#dip())),
-      tick("always", say("dipAlways"), this.#dipAlways, (on) => (this.#dipAlways = on)),
-      group([
-        button("undo", say("undo"), () => this.undo()),
-        button("fresh", say("fresh"), () => this.#change(this.#object)),
-        button("whole", say("view"), () => this.#showAll()),
-      ]),
-      group([
-        button("picture", say("picture"), () => void this.savePicture()),
-        button("score", say("score"), () => this.saveScore()),
-      ]),
-      button("language", say("language"), () => this.#speak()),
+      dip,
+      button("undo", say("undo"), () => this.undo(), "undo"),
+      view,
+      about,
     ); // prettier-ignore
-    bar.lastElementChild?.classList.add("end");
+    element("panel").replaceChildren(
+      section(say("piece"),
+        choice("object", say("object"), objects, this.#object, (k) => this.#change(k)),
+        button("fresh", say("fresh"), () => this.#change(this.#object))),
+      section(say("hand"),
+        slider("press", say("press"), this.#press, (value) => this.#setPress(value)),
+        tick("always", say("dipAlways"), this.#dipAlways, (on) => (this.#dipAlways = on))),
+      section(say("keep"),
+        button("picture", say("picture"), () => void this.savePicture()),
+        button("score", say("score"), () => this.saveScore())),
+      section(say("page"), button("language", say("language"), () => this.#speak())),
+    ); // prettier-ignore
+    this.#showPanel(element("panel").hidden === false);
     this.#showState();
+  }
+
+  /** Show what there is no room for in the row of tools, or hide it. */
+  #showPanel(shown: boolean): void {
+    element("panel").hidden = element("veil").hidden = !shown;
+    element("more").setAttribute("aria-expanded", String(shown));
+    this.#resize();
   }
 
   #showState(): void {
     const painting = this.#painting;
     if (painting === null) return;
     element<HTMLButtonElement>("undo").disabled = !painting.canUndo;
+    element("hint").classList.toggle("done", painting.isPainted);
     const share = Math.round(100 * Math.min(1.0, painting.painter.inkLeft()));
     element("ink").setAttribute("aria-valuenow", String(share));
     (element("ink").firstElementChild as HTMLElement).style.height = `${share}%`;
@@ -232,8 +251,8 @@ class Page {
   }
 
   #showAll(): void {
-    this.#camera?.showAll(this.#aspect());
-    this.draw();
+    this.#isMoved = false;
+    this.#resize();
   }
 
   undo(): void {
@@ -327,7 +346,24 @@ class Page {
     const ratio = Math.min(2.0, devicePixelRatio);
     this.#canvas.width = Math.max(1, Math.round(this.#canvas.clientWidth * ratio));
     this.#canvas.height = Math.max(1, Math.round(this.#canvas.clientHeight * ratio));
+    this.#camera?.setFree(this.#free());
+    if (!this.#isMoved) this.#camera?.showAll(this.#aspect());
     this.draw();
+  }
+
+  /** What of the picture nothing lies over: left, right, bottom and top, -1 to 1. */
+  #free(): [number, number, number, number] {
+    const [all, bar, panel] = [this.#canvas, element("bar"), element("panel")].map((one) =>
+      one.getBoundingClientRect(),
+    );
+    const isBelow = bar.top > 0.5 * all.height;
+    let [right, bottom] = [all.right, isBelow ? bar.top : all.bottom];
+    const top = isBelow ? all.top : bar.bottom;
+    if (panel.width >= all.width) bottom = Math.min(bottom, panel.top);
+    else if (panel.width > 0) right = panel.left;
+    const x = (at: number): number => (2.0 * (at - all.left)) / Math.max(1, all.width) - 1.0;
+    const y = (at: number): number => 1.0 - (2.0 * (at - all.top)) / Math.max(1, all.height);
+    return [x(all.left), x(right), y(bottom), y(top)];
   }
 
   /** Ask for a frame: paint what was heard, and draw. */
@@ -368,11 +404,14 @@ class Page {
     const wheel = (event: WheelEvent): void => {
       event.preventDefault();
       const [x, y] = this.#placeOf(event);
+      this.#isMoved = true;
       this.#camera?.zoom(WHEEL_NOTCH ** -event.deltaY, x, y, this.#aspect());
       this.draw();
     };
     canvas.addEventListener("wheel", wheel, { passive: false });
+    element("veil").addEventListener("pointerdown", () => this.#showPanel(false));
     addEventListener("keydown", (event) => {
+      if (event.key === "Escape" && this.#painting) this.#showPanel(false);
       if ((event.ctrlKey || event.metaKey) && event.key.toLowerCase() === "z" && this.#painting) {
         event.preventDefault();
         this.undo();
@@ -433,6 +472,7 @@ class Page {
     if (turning === null || turning.pointer !== event.pointerId) return;
     const [x, y] = [event.clientX - turning.x, event.clientY - turning.y];
     Object.assign(turning, { x: event.clientX, y: event.clientY });
+    this.#isMoved = true;
     if (turning.pans) this.#camera?.pan(x, y, this.#canvas.clientHeight);
     else this.#camera?.turn(x, y);
     this.draw();
@@ -446,6 +486,7 @@ class Page {
     const [x, y] = [event.clientX - touch.x, event.clientY - touch.y];
     Object.assign(touch, { x: event.clientX, y: event.clientY });
     const at = this.#placeOf({ clientX: 0.5 * (a.x + b.x), clientY: 0.5 * (a.y + b.y) });
+    this.#isMoved = true;
     this.#camera?.zoom(apart() / before, at[0], at[1], this.#aspect());
     this.#camera?.turn(0.5 * x, 0.5 * y);
     this.draw();
@@ -535,59 +576,6 @@ class Page {
       1.0 - (2.0 * (event.clientY - box.top)) / box.height,
     ];
   }
-}
-
-function choice(
-  id: string, text: string, names: string[], chosen: number, then: (place: number) => void,
-): HTMLElement {
-  const label = document.createElement("label");
-  const select = document.createElement("select");
-  select.id = id;
-  select.append(...names.map((name, k) => new Option(name, String(k), k === chosen, k === chosen)));
-  select.addEventListener("change", () => then(select.selectedIndex));
-  label.append(text, select);
-  return label;
-}
-
-function slider(id: string, text: string, value: number, then: (value: number) => void): HTMLElement {
-  const label = document.createElement("label");
-  const input = document.createElement("input");
-  Object.assign(input, { id, type: "range", min: "0.1", max: "1", step: "0.05" });
-  input.value = String(value);
-  input.addEventListener("input", () => then(Number(input.value)));
-  label.append(text, input);
-  return label;
-}
-
-function tick(id: string, text: string, on: boolean, then: (on: boolean) => void): HTMLElement {
-  const label = document.createElement("label");
-  const input = document.createElement("input");
-  Object.assign(input, { id, type: "checkbox", checked: on });
-  input.addEventListener("change", () => then(input.checked));
-  label.append(input, text);
-  return label;
-}
-
-function button(id: string, text: string, then: () => void): HTMLButtonElement {
-  const made = document.createElement("button");
-  Object.assign(made, { id, textContent: text, type: "button" });
-  made.addEventListener("click", then);
-  return made;
-}
-
-function group(parts: HTMLElement[]): HTMLElement {
-  const made = document.createElement("span");
-  made.className = "group";
-  made.append(...parts);
-  return made;
-}
-
-function save(blob: Blob, name: string): void {
-  const link = document.createElement("a");
-  link.href = URL.createObjectURL(blob);
-  link.download = name;
-  link.click();
-  setTimeout(() => URL.revokeObjectURL(link.href), 60_000);
 }
 
 /** Say something in place of the picture. */
