@@ -37,7 +37,7 @@ from paint3d.page.tables import (
 )
 from paint3d.surface.granulation import COARSE_UM
 
-__all__ = ["BRUSHES", "INKS", "OBJECTS", "PageObject", "build_page"]
+__all__ = ["BRUSHES", "INKS", "MATERIALS", "OBJECTS", "PageObject", "build_page"]
 
 KERNELS = Path(__file__).with_name("machine_code")
 """Where ``python -m tools.kernels --for wasm32`` puts the kernels."""
@@ -55,6 +55,7 @@ class PageObject(NamedTuple):
 OBJECTS = (PageObject("bowl", 0.4), PageObject("square", 0.4))
 BRUSHES = ("zhongkai", "full", "xiaokai", "zhongbaiyun", "gongbi", "feibai")
 INKS = ("pine soot", "heavy", "light", "clear", "cinnabar", "indigo", "gamboge", "carmine")
+MATERIALS = ("porcelain", "bisque", "xuan", "sized xuan", "silk")
 _CHINESE_OF_TONES = {"heavy": "重墨", "light": "淡墨", "clear": "清墨"}
 
 
@@ -127,11 +128,11 @@ def build_page(
             file, chinese = f"brushes/{_plain(name)}.bin.gz", say_brush(name)
             contents["brushes"].append({"name": name, "chinese": chinese, "file": file})
             files[file] = lambda name=name, chinese=chinese: brush_table(name, chinese)  # type: ignore[misc]
-    contents["materials"] = {
-        material.name: {"file": f"materials/{_plain(material.name)}.bin.gz"} for material in made_of
-    }
+    contents["materials"] = []
     for material in made_of:
-        file = contents["materials"][material.name]["file"]
+        file = f"materials/{_plain(material.name)}.bin.gz"
+        words = {"name": material.name, "chinese": material.chinese, "file": file}
+        contents["materials"].append(words)
         files[file] = lambda material=material: material_table(material, pigments)  # type: ignore[misc]
     contents["inks"] = [
         {

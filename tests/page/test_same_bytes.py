@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import hashlib
 import json
 import os
 import shutil
@@ -31,7 +32,7 @@ pytestmark = [
 SOOT = {"pine soot": 1.0}
 OBJECTS = [
     PageObject("bowl", 0.5), PageObject("bowl", 0.3), PageObject("square", 0.4),
-    PageObject("sheet:60x60", 30.0),
+    PageObject("square", 0.8), PageObject("bowl", 0.8), PageObject("sheet:60x60", 30.0),
 ]  # fmt: skip
 CASES: dict[str, dict[str, Any]] = {
     "demo on the bowl, .5 mm": {"resolution": 0.5},
@@ -55,6 +56,22 @@ CASES: dict[str, dict[str, Any]] = {
                            "material": "porcelain", "brush": "zhongkai"},
     "lines without pressure": {"recording": "unpressed", "object": "square", "resolution": 0.4,
                                "brush": "zhongkai"},
+    "lines in wet ink": {
+        "recording": "lines", "object": "square", "resolution": 0.8, "brush": "zhongkai",
+        "parts": {"pine soot": 1.0, "water": 2.0}, "wet": 1.0,
+    },
+    "lines in wet ink of two pigments, some of it dry": {
+        "recording": "lines", "object": "square", "resolution": 0.8, "brush": "full",
+        "parts": {"cinnabar": 1.0, "indigo": 1.0, "water": 3.0}, "wet": 25.0,
+    },
+    "wet ink in a bowl of paper": {
+        "recording": "in the bowl", "resolution": 0.8, "material": "xuan", "brush": "zhongkai",
+        "parts": {"pine soot": 1.0, "water": 1.0}, "wet": 0.5,
+    },
+    "wet ink on porcelain": {
+        "recording": "lines", "object": "square", "resolution": 0.8, "brush": "zhongkai",
+        "material": "porcelain", "wet": 0.5,
+    },
     "one vertex at each corner": {"recording": "lines", "object": "sheet:60x60",
                                   "resolution": 30.0},
 }  # fmt: skip
@@ -146,7 +163,8 @@ def in_python(case: dict[str, Any]) -> tuple[PaintedSurface, dict[str, float]]:
             painter.advance(samples[k : k + case["live"]])
         painter.finish()
     else:
-        painter.replay(recording)
+        painter.replay(recording, wet="wet" in case)
+        painter.rest(int(recording.time_ns[-1]), case.get("wet", 0.0))
     return surface, painter.ledger()
 
 
@@ -156,12 +174,17 @@ def test_a_recording_gives_the_same_bytes_in_the_page(
 ) -> None:
     surface, ledger = in_python(words(CASES[name], recordings))
     hashes, found = hashes_of(surface), in_node[name]
+    if "wet" in CASES[name]:
+        dry = surface.dry_layers
+        rows = (dry.vertex_ids, dry.spectra, dry.amounts)
+        hashes["dried"] = hashlib.sha256(b"".join(row.tobytes() for row in rows)).hexdigest()
     for key, ours in hashes.items():  # seen with -s
         print(f"{name}: {key}: {str(ours)[:16]} in Python, {str(found[key])[:16]} in the page")
     assert {key: found[key] for key in hashes} == hashes
     assert ledger["wet"] > 0.0
     accounts = {
         "loaded": "loaded",
+        "dry": "dry",
         "in_brush": "inBrush",
         "wet": "wet",
         "off_surface": "offSurface",
@@ -189,5 +212,5 @@ def test_single_hairs_paint_the_same_but_for_the_estimate_of_a_root(
 def test_a_painting_in_the_page_loses_no_ink(in_node: dict[str, dict[str, Any]]) -> None:
     for name, found in in_node.items():
         accounts = found["ledger"]
-        rest = accounts["inBrush"] + accounts["wet"] + accounts["offSurface"]
+        rest = accounts["inBrush"] + accounts["wet"] + accounts["dry"] + accounts["offSurface"]
         assert accounts["loaded"] == pytest.approx(rest, rel=1e-6), name

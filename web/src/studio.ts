@@ -17,7 +17,7 @@ export interface Contents {
   objects: { name: string; chinese: string; resolution: number; material: string; file: string }[];
   brushes: { name: string; chinese: string; file: string }[];
   inks: { name: string; chinese: string; parts: Record<string, number>; srgb: number[] }[];
-  materials: Record<string, { file: string }>;
+  materials: { name: string; chinese: string; file: string }[];
 }
 
 /** What lies below the ink: a material, and its tables. */
@@ -138,8 +138,7 @@ export class Studio {
         `no object is called ${name} at ${resolution} mm; expected ` +
           this.contents.objects.map((o) => `${o.name} at ${o.resolution} mm`).join(", "),
       );
-    const material = this.contents.materials[materialName ?? found.material];
-    if (material === undefined) throw new UnknownNameError(`no material is called ${materialName}`);
+    const material = named(this.contents.materials, "material", materialName ?? found.material);
     const [object, tables] = await Promise.all([
       this.fetch(found.file).then((bytes) => Bundle.read<ObjectWords>(bytes, found.file)),
       this.fetch(material.file).then((bytes) => Bundle.read<Material>(bytes, material.file)),

@@ -81,6 +81,12 @@ export function button(
   return made;
 }
 
+export function note(text: string): HTMLElement {
+  const made = document.createElement("p");
+  Object.assign(made, { className: "note", textContent: text });
+  return made;
+}
+
 /** Controls that belong together, below a heading. */
 export function section(heading: string, ...parts: HTMLElement[]): HTMLElement {
   const made = document.createElement("section");

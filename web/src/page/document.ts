@@ -4,8 +4,8 @@ import type { Kernels } from "../core/kernels";
 import type { Brush } from "../brush/brush";
 import type { Contents, Studio } from "../studio";
 import { ClosestPoints } from "../mesh/closest_points";
-import { Painter, type Kept } from "../painter/painter";
-import type { DeviceSample } from "../recording/recording";
+import { Painter, PIECE_S, type Kept } from "../painter/painter";
+import { AT_REST, RecordingError, type DeviceSample } from "../recording/recording";
 import type { PaintedSurface, Snapshot } from "../surface/painted_surface";
 
 const MOST_STEPS = 30;
@@ -24,6 +24,8 @@ export class Document {
   #steps: Step[] = [];
   #inStroke = false;
   #lastNs = 0n;
+  dipped: Record<string, number> = {}; // parts of the last dip, by pigment
+  #taken = 0; // lines that were handed out, and do not change any more
 
   private constructor(
     kernels: Kernels,
@@ -40,9 +42,10 @@ export class Document {
   /** Open a fresh object. */
   static async open(
     studio: Studio, about: Contents["objects"][number], brushName: string, ink: string,
+    material: string = about.material,
   ): Promise<Document> {
     const [{ surface }, brush] = await Promise.all([
-      studio.surface(about.name, about.resolution),
+      studio.surface(about.name, about.resolution, material),
       studio.brush(brushName),
     ]);
     const painter = new Painter(studio.kernels, studio.sizes, surface, brush, studio.ink(ink));
@@ -79,13 +82,17 @@ export class Document {
 
   dip(studio: Studio, ink: string = this.ink): void {
     this.ink = ink;
-    this.painter.dip(studio.ink(ink));
-    this.#lines.push({ do: "dip", ink: studio.partsOf(ink) });
+    this.#dipIn(studio, studio.partsOf(ink));
+  }
+
+  #dipIn(studio: Studio, parts: Record<string, number>): void {
+    this.painter.dip(studio.mixture(parts));
+    this.dipped = parts;
+    this.#lines.push({ do: "dip", ink: parts });
   }
 
   beginStroke(): void {
-    this.#steps.push({ painter: this.painter.keep(), surface: this.surface.keep() });
-    if (this.#steps.length > MOST_STEPS) this.#steps.shift();
+    this.#begin();
     this.#inStroke = true;
     this.#lines.push({ do: "begin_stroke" });
   }
@@ -104,7 +111,7 @@ export class Document {
     this.#lines.push({ do: "end_stroke" });
   }
 
-  /** Take the last stroke back. */
+  /** Take the last stroke, or drying, back. */
   undo(): void {
     const step = this.#steps.pop();
     if (step === undefined) return;
@@ -112,9 +119,62 @@ export class Document {
     this.#lines.push({ do: "undo" });
   }
 
+  /** Let wet ink spread and dry for a time step. */
+  followTime(): void {
+    this.surface.water.followTime(PIECE_S);
+    const last = this.#lines[this.#lines.length - 1];
+    if (last.do === "follow_time" && this.#lines.length > this.#taken) last.times = Number(last.times ?? 1) + 1;
+    else this.#lines.push({ do: "follow_time", seconds: PIECE_S });
+  }
+
+  /** Let all wet paint dry at once: a step that can be undone. */
+  dry(): void {
+    if (this.#inStroke) return;
+    this.#begin();
+    this.surface.dry();
+    this.#lines.push({ do: "dry" });
+  }
+
+  #begin(): void {
+    this.#steps.push({ painter: this.painter.keep(), surface: this.surface.keep() });
+    if (this.#steps.length > MOST_STEPS) this.#steps.shift();
+  }
+
   /** When the last sample was, which the next has to come after. */
   get lastNs(): bigint {
     return this.#lastNs;
+  }
+
+  /** What was done since this was last asked, to be kept. */
+  takeNew(): string {
+    const lines = this.#lines.slice(this.#taken);
+    this.#taken = this.#lines.length;
+    return lines.map((line) => `${textOf(line)}\n`).join("");
+  }
+
+  /**
+   * Do what a score of a page says; `progress` is told the share that is done. Ends at a line that
+   * a page has not written.
+   */
+  async repeat(studio: Studio, text: string, progress: (share: number) => Promise<void>): Promise<void> {
+    const lines = text.split("\n").filter((line) => line !== "");
+    for (const [k, line] of lines.entries()) {
+      if (k === 0) continue; // the head, which this document was opened by
+      const row = JSON.parse(line) as Line;
+      if (row.do === undefined) this.advance([sampleOf(line, row)]);
+      else if (row.do === "set_brush") this.setBrush(await studio.brush(row.brush as string));
+      else if (row.do === "dip") this.#dipIn(studio, row.ink as Record<string, number>);
+      else if (row.do === "begin_stroke") this.beginStroke();
+      else if (row.do === "end_stroke") this.endStroke();
+      else if (row.do === "undo") this.undo();
+      else if (row.do === "dry") this.dry();
+      else if (row.do === "follow_time")
+        for (let n = Number(row.times ?? 1); n > 0; n--) this.followTime();
+      else throw new RecordingError(`line ${k + 1}: a page does not know ${String(row.do)}`);
+      if (row.do !== undefined) await progress((k + 1) / lines.length);
+    }
+    if (this.#inStroke) this.endStroke();
+    this.surface.refresh();
   }
 
   /** What was done, one thing a line. */
@@ -133,4 +193,19 @@ function textOf(line: Line): string {
   const time = line.time_ns as bigint | undefined;
   if (time === undefined) return JSON.stringify(line);
   return `{"time_ns": ${time}, ${JSON.stringify({ ...line, time_ns: undefined }).slice(1)}`;
+}
+
+function sampleOf(line: string, row: Line): DeviceSample {
+  const time = /"time_ns"\s*:\s*(-?\d+)/.exec(line);
+  if (time === null) throw new RecordingError("a sample has no time_ns");
+  return {
+    timeNs: BigInt(time[1]),
+    position: row.position as DeviceSample["position"],
+    orientation: row.orientation as DeviceSample["orientation"],
+    pressure: row.pressure as number,
+    buttons: row.buttons as number,
+    objectPosition: AT_REST.position,
+    objectOrientation: AT_REST.orientation,
+    contact: row.contact as DeviceSample["contact"],
+  };
 }

@@ -2,11 +2,14 @@
 
 import { KernelError } from "../core/kernels";
 import type { Vector } from "../core/quaternion";
+import { PIECE_S } from "../painter/painter";
 import { Studio, type Contents, type Fetch } from "../studio";
 import { ballAround, Camera } from "./camera";
-import { button, choice, element, save, section, slider, tick } from "./controls";
+import { button, choice, element, note, save, section, slider, tick } from "./controls";
 import { Document } from "./document";
+import { glbOf, plyOf } from "./export";
 import { Hand, type PointerInput } from "./hand";
+import { Keeper } from "./keeper";
 import { Stage, StageError } from "./stage";
 import { choose, language, named, say, type Texts } from "./texts";
 
@@ -17,6 +20,7 @@ const SIMD = new Uint8Array([
 ]); // prettier-ignore
 const WHEEL_NOTCH = 1.0015; // nearer by this a unit of the wheel
 const SEEN = 2000; // vertices, at most, that the picture is fitted to
+const MOST_BEHIND_MS = 200; // of wet ink's time, that is caught up with
 const PALM_MS = 700; // after a pen's last word a touch is a palm
 
 /** What the page cannot do without. */
@@ -42,6 +46,8 @@ class Page {
   #brush = "";
   #ink = "";
   #dipAlways = true;
+  #spreads = false; // whether time passes for wet ink
+  #passedMs = 0.0; // of that time
   #press = 0.5;
   #drawn = false; // whether a frame is asked for
   #isMoved = false; // whether the object is seen as somebody has turned it
@@ -52,6 +58,7 @@ class Page {
   #touches = new Map<number, { x: number; y: number }>();
   #turning: { pointer: number; pans: boolean; x: number; y: number } | null = null;
   #penAt = -Infinity;
+  #keeper: Keeper | null = null;
 
   constructor() {
     this.#stage = new Stage(this.#canvas);
@@ -108,16 +115,56 @@ class Page {
     ) as Contents;
     this.#brush = contents.brushes[0].name;
     this.#ink = contents.inks[0].name;
+    this.#keeper = await Keeper.open();
+    const text = (await this.#keeper?.read().catch(() => "")) ?? "";
+    if (text.includes("begin_stroke") && (await this.#goOn(contents, text))) return;
     await this.open(contents, 0);
   }
 
+  /** Open the piece that was in hand when the page was left; whether it could be. */
+  async #goOn(contents: Contents, text: string): Promise<boolean> {
+    try {
+      const head = JSON.parse(text.slice(0, text.indexOf("\n"))) as Record<string, unknown>;
+      const place = contents.objects.findIndex(
+        (one) => one.name === head.object && one.resolution === head.resolution_mm,
+      );
+      const [brush, material] = [head.brush, head.material] as string[];
+      const ink = inkOf(contents, head.ink);
+      if (place < 0 || ink === undefined) return false;
+      this.#brush = brush;
+      this.#ink = ink.name;
+      await this.open(contents, place, material, text);
+      return true;
+    } catch (cause) {
+      console.warn("the last piece cannot be opened again:", cause);
+      this.#brush = contents.brushes[0].name;
+      this.#ink = contents.inks[0].name;
+      return false;
+    }
+  }
+
   /** Open an object, fresh. */
-  async open(contents: Contents, place: number): Promise<void> {
+  async open(contents: Contents, place: number, material?: string, score = ""): Promise<void> {
     const about = contents.objects[place];
     this.tell("loading", { name: named(about) });
     // its own kernels, whose memory goes with them
     const studio = await Studio.open(this.#fetch);
-    const painting = await Document.open(studio, about, this.#brush, this.#ink);
+    const painting = await Document.open(studio, about, this.#brush, this.#ink, material);
+    if (score !== "") {
+      let shown = performance.now();
+      await painting.repeat(studio, score, async (share) => {
+        if (performance.now() - shown < 100.0) return;
+        this.tell("repeating", { percent: Math.round(100 * share) });
+        await new Promise((done) => setTimeout(done));
+        shown = performance.now();
+      });
+      this.#brush = painting.painter.brush.name;
+      this.#ink = inkOf(contents, painting.dipped)?.name ?? this.#ink;
+      painting.takeNew(); // which is kept
+    } else {
+      this.#keeper?.begin();
+      this.#keeper?.append(painting.takeNew());
+    }
     this.#object = place;
     this.#studio = studio;
     this.#painting = painting;
@@ -131,6 +178,7 @@ class Page {
     for (let i = 0; i < n; i += Math.ceil(n / SEEN)) points.push([arrays.px.data[i], arrays.py.data[i], z[i]]);
     this.#camera = new Camera(middle, radius, flat, points);
     this.#isMoved = false;
+    this.#spreads = painting.surface.material.pores_mm > 0.0;
     this.#hand = new Hand(studio.kernels, studio.sizes, painting.closest, {
       firmness: 1.0, mousePressure: 0.0,
     }); // prettier-ignore
@@ -162,6 +210,7 @@ class Page {
     const dip = button("dip", say("dip"), () => this.#act(() => this.#dip()), "dip");
     dip.append(filled);
     const view = button("whole", say("view"), () => this.#showAll(), "whole");
+    view.classList.add("wide");
     about.classList.add("end");
     element("bar").replaceChildren(
       choice("brush", say("brush"), contents.brushes.map(named),
@@ -178,13 +227,23 @@ class Page {
     element("panel").replaceChildren(
       section(say("piece"),
         choice("object", say("object"), objects, this.#object, (k) => this.#change(k)),
-        button("fresh", say("fresh"), () => this.#change(this.#object))),
+        choice("material", say("material"), contents.materials.map(named),
+          contents.materials.findIndex((one) => one.name === this.#painting?.surface.material.name),
+          (k) => this.#change(this.#object, contents.materials[k].name)),
+        button("fresh", say("fresh"), () => this.#change(this.#object, this.#painting?.surface.material.name))),
+      section(say("water"),
+        tick("wet", say("spreads"), this.#spreads, (on) => this.#setSpreads(on)),
+        button("dry", say("dry"), () => this.#act(() => this.#opened().painting.dry()))),
       section(say("hand"),
         slider("press", say("press"), this.#press, (value) => this.#setPress(value)),
-        tick("always", say("dipAlways"), this.#dipAlways, (on) => (this.#dipAlways = on))),
+        tick("always", say("dipAlways"), this.#dipAlways, (on) => (this.#dipAlways = on)),
+        button("fit", say("view"), () => this.#showAll())),
       section(say("keep"),
         button("picture", say("picture"), () => void this.savePicture()),
-        button("score", say("score"), () => this.saveScore())),
+        button("score", say("score"), () => this.saveScore()),
+        button("glb", "GLB", () => save(glbOf(this.#opened().painting.surface, this.#name()), `${this.#name()}.glb`)),
+        button("ply", "PLY", () => save(plyOf(this.#opened().painting.surface), `${this.#name()}.ply`)),
+        note(say(this.#keeper === null ? "notKept" : "kept"))),
       section(say("page"), button("language", say("language"), () => this.#speak())),
     ); // prettier-ignore
     this.#showPanel(element("panel").hidden === false);
@@ -213,11 +272,11 @@ class Page {
     this.showBar();
   }
 
-  #change(place: number): void {
+  #change(place: number, material?: string): void {
     const painting = this.#painting;
     if (this.#studio === null) return;
     if (painting?.isPainted === true && !confirm(say("leave"))) return this.showBar();
-    this.open(this.#studio.contents, place).catch((cause: unknown) => this.fail(cause));
+    this.open(this.#studio.contents, place, material).catch((cause: unknown) => this.fail(cause));
   }
 
   #takeBrush(name: string): void {
@@ -250,6 +309,26 @@ class Page {
     this.#hand.settings.mousePressure = 0.7 * value;
   }
 
+  #setSpreads(on: boolean): void {
+    this.#spreads = on;
+    this.draw();
+  }
+
+  /** Let time pass for wet ink: as much as a frame has room for, and none where all is dry. */
+  #letPass(now: number): void {
+    const painting = this.#painting;
+    const since = now - this.#passedMs;
+    if (painting === null || !this.#spreads || painting.surface.water.isStill) {
+      this.#passedMs = now;
+      return;
+    }
+    this.draw(); // again, until it is dry
+    if (since < 1000.0 * PIECE_S) return;
+    this.#passedMs = Math.max(this.#passedMs + 1000.0 * PIECE_S, now - MOST_BEHIND_MS);
+    painting.followTime();
+    this.#changed.push(painting.surface.refresh());
+  }
+
   #showAll(): void {
     this.#isMoved = false;
     this.#resize();
@@ -264,10 +343,20 @@ class Page {
     });
   }
 
+  /** Keep in the browser what was done. */
+  #keep(): void {
+    if (!this.#inStroke) this.#keeper?.append(this.#painting?.takeNew() ?? "");
+  }
+
+  get isKept(): boolean {
+    return this.#keeper?.isUpToDate === true;
+  }
+
   /** Do something to the painting, and show it. */
   #act(work: () => void): void {
     try {
       work();
+      this.#keep();
       this.#refresh();
     } catch (cause) {
       this.fail(cause);
@@ -370,11 +459,12 @@ class Page {
   draw(): void {
     if (this.#drawn) return;
     this.#drawn = true;
-    requestAnimationFrame(() => {
+    requestAnimationFrame((now) => {
       this.#drawn = false;
       if (this.#camera === null) return;
       try {
         this.#paint();
+        this.#letPass(now);
         for (const ids of this.#changed.splice(0)) this.#stage.follow(ids);
         this.#stage.draw(this.#camera);
       } catch (cause) {
@@ -417,8 +507,10 @@ class Page {
         this.undo();
       }
     });
+    addEventListener("visibilitychange", () => this.#keep());
     addEventListener("beforeunload", (event) => {
-      if (this.#painting?.isPainted === true) event.preventDefault();
+      this.#keep();
+      if (this.#painting?.isPainted === true && !this.isKept) event.preventDefault();
     });
   }
 
@@ -532,6 +624,7 @@ class Page {
         painting.advance(hand.end(this.#timeOf(event), painter.brush));
         painting.endStroke();
         this.#inStroke = false;
+        this.#keep();
       }
     }
     this.#changed.push(painting.surface.refresh());
@@ -576,6 +669,11 @@ class Page {
       1.0 - (2.0 * (event.clientY - box.top)) / box.height,
     ];
   }
+}
+
+/** The ink of these parts. */
+function inkOf(contents: Contents, parts: unknown): Contents["inks"][number] | undefined {
+  return contents.inks.find((one) => JSON.stringify(one.parts) === JSON.stringify(parts));
 }
 
 /** Say something in place of the picture. */

@@ -5,7 +5,7 @@
 
 import { NDArray } from "../core/arrays";
 import type { Kernels } from "../core/kernels";
-import { distinct } from "./flow_graph";
+import { distinct, joined } from "./flow_graph";
 import type { PaintedSurface } from "./painted_surface";
 import { capacityOf, clip, filmOf } from "./pores";
 import { FIRST_PACE, WET_COAT_MM, WetPatch, type KeptPatch } from "./wet_patch";
@@ -194,7 +194,7 @@ export class Flow {
   }
 
   #listed(...lists: Int32Array[]): NDArray<"i4"> {
-    return NDArray.of(this.kernels, "i4", Int32Array.from(lists.flatMap((list) => Array.from(list))));
+    return NDArray.of(this.kernels, "i4", joined(lists));
   }
 
   /** Blocks in bundles of which none touches another, of so many nodes where there are. */
@@ -336,16 +336,16 @@ export class Water {
   /** Let time pass, or not until the water has caught up; whether it keeps up. */
   followTime(seconds: number): boolean {
     const flow = this.flow;
-    const fresh = [...(this.fresh ?? []), this.#dirty()].flatMap((ids) => Array.from(ids));
+    const fresh = joined([...(this.fresh ?? []), this.#dirty()]);
     this.fresh = [];
-    this.keepsUp = flow.follow(this.keepsUp ? seconds : 0.0, Int32Array.from(fresh));
+    this.keepsUp = flow.follow(this.keepsUp ? seconds : 0.0, fresh);
     this.fresh.push(flow.waiting);
     return this.keepsUp;
   }
 
   keep(): KeptFlow | null {
     if (this.#flow === null) return null;
-    const fresh = [...(this.fresh ?? []), this.#dirty()].flatMap((ids) => Array.from(ids));
+    const fresh = joined([...(this.fresh ?? []), this.#dirty()]);
     return { patch: this.#flow.patch.keep(), fresh: distinct(fresh) };
   }
 

@@ -18,6 +18,17 @@ export function distinct(values: Iterable<number>): Int32Array {
   return Int32Array.from(new Set(values)).sort();
 }
 
+/** Lists one after the other. */
+export function joined(lists: readonly Int32Array[]): Int32Array {
+  const all = new Int32Array(lists.reduce((n, list) => n + list.length, 0));
+  let n = 0;
+  for (const list of lists) {
+    all.set(list, n);
+    n += list.length;
+  }
+  return all;
+}
+
 /** The first place in ascending numbers at which one is not below a value. */
 function firstAt(values: Int32Array, n: number, value: number): number {
   let [low, high] = [0, n];
@@ -138,19 +149,18 @@ export class FlowGraph {
     return firstAt(this.nodeOf.data, this.nPlaces, node);
   }
 
-  /** The cell in which a vertex lies. */
-  #cellOf(id: number): number {
-    return this.#field<"i4">("sheet_cell").data[this.#field<"i4">("vertex_sheet").data[id]];
-  }
-
+  /** The cells in which vertices lie, ascending. */
   cellsOf(ids: Iterable<number>): Int32Array {
+    const [cell, sheet] = [this.#field<"i4">("sheet_cell").data, this.#field<"i4">("vertex_sheet").data];
     const cells = new Set<number>();
-    for (const id of ids) cells.add(this.#cellOf(id));
+    for (const id of ids) cells.add(cell[sheet[id]]);
     return Int32Array.from(cells).sort();
   }
 
-  blockOf(id: number): number {
-    return this.#cellBlock[this.#cellOf(id)];
+  /** The blocks in which vertices lie, one for each. */
+  blockOf(ids: Int32Array): Int32Array {
+    const [cell, sheet] = [this.#field<"i4">("sheet_cell").data, this.#field<"i4">("vertex_sheet").data];
+    return ids.map((id) => this.#cellBlock[cell[sheet[id]]]);
   }
 
   blocksOf(cells: Int32Array): Int32Array {
@@ -171,10 +181,8 @@ export class FlowGraph {
   }
 
   #cellsIn(blocks: Int32Array): Int32Array {
-    const found: number[] = [];
-    for (const block of blocks)
-      found.push(...this.#cells.subarray(this.#cellRuns[block], this.#cellRuns[block + 1]));
-    return Int32Array.from(found);
+    const runs = this.#cellRuns;
+    return joined(Array.from(blocks, (block) => this.#cells.subarray(runs[block], runs[block + 1])));
   }
 
   blocksAround(blocks: Int32Array): Int32Array {
@@ -199,18 +207,19 @@ export class FlowGraph {
 
   /** The known nodes of blocks, always in the same order. */
   nodesOf(blocks: Int32Array): Int32Array {
-    const found: number[] = [];
-    for (const cell of this.#cellsIn(blocks))
-      if (this.#known[cell] !== 0)
-        for (let node = this.#start[cell]; node < this.#stop[cell]; node++) found.push(node);
-    return Int32Array.from(found);
+    const cells = this.#cellsIn(blocks).filter((cell) => this.#known[cell] !== 0);
+    const nodes = new Int32Array(
+      cells.reduce((sum, cell) => sum + this.#stop[cell] - this.#start[cell], 0),
+    );
+    let n = 0;
+    for (const cell of cells)
+      for (let node = this.#start[cell]; node < this.#stop[cell]; node++) nodes[n++] = node;
+    return nodes;
   }
 
   /** The nodes beside open blocks; one may occur twice. */
   rimsOf(blocks: Int32Array): Int32Array {
-    const found: number[] = [];
-    for (const block of blocks) for (const node of this.#rims.get(block) ?? []) found.push(node);
-    return Int32Array.from(found);
+    return joined(Array.from(blocks, (block) => this.#rims.get(block) ?? new Int32Array(0)));
   }
 
   // -- growth -------------------------------------------------------------------------------

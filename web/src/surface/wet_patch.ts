@@ -196,8 +196,8 @@ export class WetPatch {
     for (const array of [...given, isNew]) array.free();
     const news = fresh.filter((_, k) => marks[k] !== 0);
     const count = this.#count;
-    const wet = news.filter((id) => this.#isWetAt(id, count));
-    if (wet.some((id) => !this.#isOpen(graph.placeOf(id)))) this.reach(wet);
+    const wet = this.#wetOf(news);
+    if (this.#closedOf(wet).length > 0) this.reach(wet);
     const [amounts, written, vertices] = [surface.ink.amounts.data, this.written.data, graph.vertices.data];
     const places = distinct(news.map((id) => graph.placeOf(id)).filter((place) => place >= 0));
     return places.filter((place) => {
@@ -207,10 +207,24 @@ export class WetPatch {
     });
   }
 
-  #isWetAt(id: number, count: number): boolean {
+  /** Those of some vertices that have ink. */
+  #wetOf(ids: Int32Array): Int32Array {
     const amounts = this.surface.ink.amounts.data;
-    for (let p = 0; p < count; p++) if (amounts[id * count + p] !== 0.0) return true;
-    return false;
+    const count = this.surface.pigments.length;
+    return ids.filter((id) => {
+      for (let k = id * count; k < (id + 1) * count; k++) if (amounts[k] !== 0.0) return true;
+      return false;
+    });
+  }
+
+  /** Those of some vertices that are in no open block. */
+  #closedOf(ids: Int32Array): Int32Array {
+    const { graph } = this;
+    const [open, block, nodeOf] = [graph.blockOpen.data, graph.block.data, graph.nodeOf.data];
+    return ids.filter((id) => {
+      const place = graph.placeOf(id);
+      return place < 0 || open[block[nodeOf[place]]] === 0;
+    });
   }
 
   /** Apply changes of the ink at places to water and pigment. */
@@ -400,26 +414,24 @@ export class WetPatch {
 
   // -- growth -----------------------------------------------------------------------------------
 
-  #isOpen(place: number): boolean {
-    if (place < 0) return false;
-    const { graph } = this;
-    return graph.blockOpen.data[graph.block.data[graph.nodeOf.data[place]]] !== 0;
-  }
-
   /** Extend the patch to vertices. */
   reach(ids: Int32Array): void {
     this.open(this.graph.blocksOf(this.graph.cellsOf(ids)));
   }
 
-  /** Extend it to vertices with ink, by so many blocks at most: those that can be taken up now, and those that wait. */
+  /**
+   * Extend it to vertices with ink, by so many blocks at most. Those that can be taken up now, and
+   * those that wait.
+   */
   openSome(ids: Int32Array, most: number): [Int32Array, Int32Array] {
+    const wanted = this.#closedOf(this.#wetOf(ids));
+    if (wanted.length === 0) return [ids, new Int32Array(0)];
     const { graph } = this;
-    const count = this.surface.pigments.length;
-    const wanted = ids.map((id) => Number(this.#isWetAt(id, count) && !this.#isOpen(graph.placeOf(id))));
-    if (!wanted.includes(1)) return [ids, new Int32Array(0)];
-    const waiting = new Set(this.#openOf(distinct(ids.filter((_, k) => wanted[k] === 1).map((id) => graph.blockOf(id))), most));
-    const waits = ids.map((id, k) => Number(wanted[k] === 1 && waiting.has(graph.blockOf(id))));
-    return [ids.filter((_, k) => waits[k] === 0), ids.filter((_, k) => waits[k] === 1)];
+    const waiting = new Set(this.#openOf(distinct(graph.blockOf(wanted)), most));
+    const block = graph.blockOf(wanted);
+    const later = wanted.filter((_, k) => waiting.has(block[k]));
+    const waits = new Set(later);
+    return [ids.filter((id) => !waits.has(id)), later];
   }
 
   /** Open at most so many blocks with water; whether all are open now. */
