@@ -157,6 +157,22 @@ def test_wet_ink_spreads_while_one_looks_as_on_the_desktop(
     assert settled(browser) == by_the_desktop(browser, tmp_path)
 
 
+def test_what_is_erased_goes_as_on_the_desktop(browser: Browser, tmp_path: Path) -> None:
+    begin_with(browser, SHEET)
+    browser.stroke(wave(350.0, 330.0))
+    browser.stroke(wave(350.0, 360.0))
+    painted_before = settled(browser)
+    browser.evaluate("document.getElementById('erase').click()")
+    browser.stroke([(450.0, 280.0 + 2.5 * k, 0.5) for k in range(60)])
+    erased = settled(browser)
+    assert erased["srgb"] != painted_before["srgb"]
+    browser.evaluate("document.getElementById('erase').click()")
+    browser.stroke(wave(350.0, 420.0))
+    found = settled(browser)
+    assert browser.evaluate("paint3d.score()").count('"erase":true') == 1
+    assert found == by_the_desktop(browser, tmp_path)
+
+
 def test_a_piece_is_there_again_when_the_page_is_opened_again(
     browser: Browser, address: str
 ) -> None:

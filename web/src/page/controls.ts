@@ -10,6 +10,7 @@ export function element<T extends HTMLElement = HTMLElement>(id: string): T {
 // Strokes of a pen 24 wide: what a button shows where there is no room for its name.
 const ICONS = {
   dip: "M12 3c3.5 4.5 6 7.6 6 11a6 6 0 0 1-12 0c0-3.400 2.500-6.500 6-11z",
+  erase: "M8 20 3.500 15.500a2 2 0 0 1 0-2.800L12.700 3.500a2 2 0 0 1 2.800 0l5 5a2 2 0 0 1 0 2.800L11.800 20zM8 8.200l7.800 7.800M8 20h12",
   undo: "M9 6 4 11l5 5M4.500 11H14a5.500 5.500 0 0 1 0 11h-3",
   whole: "M4 9V4h5M20 9V4h-5M4 15v5h5M20 15v5h-5",
   more: "M4 7h9M19 7h1M4 17h1M11 17h9M16 4.500v5M8 14.500v5",

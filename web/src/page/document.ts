@@ -6,6 +6,7 @@ import type { Contents, Studio } from "../studio";
 import { ClosestPoints } from "../mesh/closest_points";
 import { Painter, PIECE_S, type Kept } from "../painter/painter";
 import { AT_REST, RecordingError, type DeviceSample } from "../recording/recording";
+import { Eraser } from "../surface/eraser";
 import type { PaintedSurface, Snapshot } from "../surface/painted_surface";
 
 const MOST_STEPS = 30;
@@ -23,12 +24,14 @@ export class Document {
   #lines: Line[] = [];
   #steps: Step[] = [];
   #inStroke = false;
+  #eraser: Eraser | null = null; // while a stroke erases
+  #giveBack: (() => void) | null = null; // the brush that waits meanwhile
   #lastNs = 0n;
   dipped: Record<string, number> = {}; // parts of the last dip, by pigment
   #taken = 0; // lines that were handed out, and do not change any more
 
   private constructor(
-    kernels: Kernels,
+    private readonly kernels: Kernels,
     readonly about: Contents["objects"][number],
     readonly surface: PaintedSurface,
     readonly painter: Painter,
@@ -91,10 +94,14 @@ export class Document {
     this.#lines.push({ do: "dip", ink: parts });
   }
 
-  beginStroke(): void {
+  /** Begin a stroke, or one that takes paint off with a full brush. */
+  beginStroke(erases = false): void {
     this.#begin();
     this.#inStroke = true;
-    this.#lines.push({ do: "begin_stroke" });
+    this.#lines.push({ do: "begin_stroke", ...(erases ? { erase: true } : {}) });
+    if (!erases) return;
+    this.#giveBack = this.painter.lend();
+    this.#eraser = new Eraser(this.kernels, this.surface);
   }
 
   advance(samples: readonly DeviceSample[]): void {
@@ -102,11 +109,21 @@ export class Document {
       this.#lastNs = sample.timeNs;
       this.#lines.push(lineOf(sample));
     }
-    if (samples.length > 0) this.painter.advance(samples);
+    if (this.#eraser === null) {
+      if (samples.length > 0) this.painter.advance(samples);
+      return;
+    }
+    for (const sample of samples) {
+      this.painter.advance([sample]);
+      this.painter.loaded -= this.#eraser.wipe();
+    }
   }
 
   endStroke(): void {
     this.painter.finish();
+    if (this.#eraser !== null) this.painter.loaded -= this.#eraser.wipe();
+    this.#giveBack?.();
+    this.#giveBack = this.#eraser = null;
     this.#inStroke = false;
     this.#lines.push({ do: "end_stroke" });
   }
@@ -164,7 +181,7 @@ export class Document {
       if (row.do === undefined) this.advance([sampleOf(line, row)]);
       else if (row.do === "set_brush") this.setBrush(await studio.brush(row.brush as string));
       else if (row.do === "dip") this.#dipIn(studio, row.ink as Record<string, number>);
-      else if (row.do === "begin_stroke") this.beginStroke();
+      else if (row.do === "begin_stroke") this.beginStroke(row.erase === true);
       else if (row.do === "end_stroke") this.endStroke();
       else if (row.do === "undo") this.undo();
       else if (row.do === "dry") this.dry();

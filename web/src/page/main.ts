@@ -21,6 +21,7 @@ const SIMD = new Uint8Array([
 const WHEEL_NOTCH = 1.0015; // nearer by this a unit of the wheel
 const SEEN = 2000; // vertices, at most, that the picture is fitted to
 const MOST_BEHIND_MS = 200; // of wet ink's time, that is caught up with
+const ERASER_END = 5; // the button that a pen's other end says
 const PALM_MS = 700; // after a pen's last word a touch is a palm
 
 /** What the page cannot do without. */
@@ -46,6 +47,7 @@ class Page {
   #brush = "";
   #ink = "";
   #dipAlways = true;
+  #erases = false;
   #spreads = false; // whether time passes for wet ink
   #passedMs = 0.0; // of that time
   #press = 0.5;
@@ -212,6 +214,8 @@ class Page {
     const view = button("whole", say("view"), () => this.#showAll(), "whole");
     view.classList.add("wide");
     about.classList.add("end");
+    const erase = button("erase", say("erase"), () => this.#setErases(!this.#erases), "erase");
+    erase.setAttribute("aria-pressed", String(this.#erases));
     element("bar").replaceChildren(
       choice("brush", say("brush"), contents.brushes.map(named),
         contents.brushes.findIndex((one) => one.name === this.#brush),
@@ -220,6 +224,7 @@ class Page {
         contents.inks.findIndex((one) => one.name === this.#ink),
         (k) => this.#takeInk(contents.inks[k].name)),
       dip,
+      erase,
       button("undo", say("undo"), () => this.undo(), "undo"),
       view,
       about,
@@ -293,6 +298,7 @@ class Page {
 
   #takeInk(name: string): void {
     this.#ink = name;
+    this.#setErases(false);
     this.#act(() => this.#dip());
   }
 
@@ -307,6 +313,11 @@ class Page {
     if (this.#hand === null) return;
     this.#hand.settings.firmness = 2.0 * value;
     this.#hand.settings.mousePressure = 0.7 * value;
+  }
+
+  #setErases(on: boolean): void {
+    this.#erases = on;
+    element("erase").setAttribute("aria-pressed", String(on));
   }
 
   #setSpreads(on: boolean): void {
@@ -522,7 +533,7 @@ class Page {
       this.#touches.set(event.pointerId, { x: event.clientX, y: event.clientY });
       if (this.#touches.size > 1) return this.#takeBack();
     }
-    const turns = event.button !== 0 || event.altKey;
+    const turns = (event.button !== 0 && event.button !== ERASER_END) || event.altKey;
     if (turns) {
       const pans = event.button === 1 || event.shiftKey;
       this.#turning = { pointer: event.pointerId, pans, x: event.clientX, y: event.clientY };
@@ -606,13 +617,14 @@ class Page {
     for (const event of events) {
       if (event.type === "pointerdown") {
         const input = this.#inputOf(event);
-        if (this.#dipAlways) painting.dip(studio, this.#ink);
+        const erases = this.#erases || event.button === ERASER_END;
+        if (this.#dipAlways && !erases) painting.dip(studio, this.#ink);
         const samples = hand.begin(input, painter.brush);
         if (samples === null) {
           this.#turnBeside(event);
           continue;
         }
-        painting.beginStroke();
+        painting.beginStroke(erases);
         this.#inStroke = true;
         painting.advance(samples);
       } else if (!this.#inStroke) continue;

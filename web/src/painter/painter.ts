@@ -135,15 +135,34 @@ export class Painter {
     return { brush, tuft, amount, loaded, dipped: this.#dipped, dips: this.#dips, hairs, ofHairs };
   }
 
+  /** Take a full brush for a while; what is called then gives back the one in hand, as it was. */
+  lend(): () => void {
+    const [kept, load] = [this.keep(), this.surface.keepLoad()];
+    this.changeBrush(this.brush);
+    this.dip(this.#dipped);
+    return () => {
+      const [before, loaded] = [this.inBrush(), this.loaded];
+      const off = this.surface.ink.off_surface.data.slice();
+      this.surface.takeLoad(load);
+      this.surface.ink.off_surface.data.set(off);
+      this.#take({ ...kept, loaded: loaded + this.inBrush() - before });
+      this.#fitScratch();
+    };
+  }
+
   /** Return to snapshots of the painter and of the surface. */
   restore(kept: Kept, surface: Snapshot): void {
+    this.#take(kept);
+    this.surface.restore(surface);
+    this.#fitScratch();
+  }
+
+  #take(kept: Kept): void {
     ({ brush: this.brush, tuft: this.tuft, amount: this.amount, loaded: this.loaded } = kept);
     this.#dipped = kept.dipped;
     this.#dips = kept.dips;
     this.#hairs = kept.hairs;
     if (kept.ofHairs !== null) this.#hairs?.restore(kept.ofHairs);
-    this.surface.restore(surface);
-    this.#fitScratch();
   }
 
   #dippedTuft(brush: Brush): Tuft {

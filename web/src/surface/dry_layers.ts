@@ -5,6 +5,7 @@ import type { Kernels } from "../core/kernels";
 
 const FIRST_ROWS = 1024;
 const BANDS = 31;
+const SPECTRUM_STEPS = 65535;
 
 /** Dried paint at an instant, for undo. */
 export interface KeptRows {
@@ -98,6 +99,24 @@ export class DryLayers {
     }
   }
 
+  /** Leave of a row this share, nearer to the bare ground; how much ink goes. */
+  fade(row: number, stays: number, bare: Float64Array): number {
+    const n = this.#nPigments;
+    const lost: number[] = [];
+    for (let k = row * n; k < (row + 1) * n; k++) {
+      const before = this.amounts[k];
+      this.amounts[k] = before * stays;
+      lost.push(Math.fround(before - this.amounts[k]));
+    }
+    this.share[row] *= stays;
+    const spectra = this.spectra.data;
+    for (let k = 0; k < BANDS; k++) {
+      const shown = bare[k] + stays * (spectra[BANDS * row + k] - bare[k]);
+      spectra[BANDS * row + k] = rounded(Math.min(Math.max(shown, 0.0), SPECTRUM_STEPS));
+    }
+    return rowSum(lost);
+  }
+
   keep(): KeptRows {
     const n = this.count;
     return {
@@ -150,4 +169,12 @@ export function rowSum(row: ArrayLike<number>, round: (x: number) => number = (x
   }
   for (; k < n; k++) sum = round(sum + row[k]);
   return sum;
+}
+
+/** The nearest whole number, the even one of two. */
+function rounded(x: number): number {
+  const low = Math.floor(x);
+  const over = x - low;
+  if (over !== 0.5) return over < 0.5 ? low : low + 1.0;
+  return low % 2.0 === 0.0 ? low : low + 1.0;
 }

@@ -28,18 +28,22 @@ export interface InkField {
   transfer: Records;
 }
 
-/** A painting at an instant, for undo. */
-export interface Snapshot {
-  n: number;
-  amounts: Float32Array;
+/** The ink in the brush, and that which went off the surface. */
+export interface BrushLoad {
   nPigments: number;
-  coverage: Float32Array;
   load: Float64Array;
   offSurface: Float64Array;
   reservoirs: Float64Array;
   nReservoirs: number;
   capacity: number;
   reservoirMm: number;
+}
+
+/** A painting at an instant, for undo. */
+export interface Snapshot extends BrushLoad {
+  n: number;
+  amounts: Float32Array;
+  coverage: Float32Array;
   dried: KeptRows;
   water: KeptFlow | null;
 }
@@ -90,6 +94,11 @@ export class PaintedSurface {
       noise: studio.noise,
       bundles: studio.bundles,
     };
+  }
+
+  /** What the material reflects, as measured: 31 bands. */
+  get reflectance(): Float32Array {
+    return this.ground.backing.reflectance;
   }
 
   get nVertices(): number {
@@ -287,16 +296,10 @@ export class PaintedSurface {
     const ink = this.ink;
     const n = this.nVertices;
     return {
+      ...this.keepLoad(),
       n,
       amounts: ink.amounts.data.slice(0, n * this.pigments.length),
-      nPigments: this.pigments.length,
       coverage: ink.coverage.data.slice(0, n),
-      load: ink.load.data.slice(),
-      offSurface: ink.off_surface.data.slice(),
-      reservoirs: ink.reservoirs.data.slice(),
-      nReservoirs: ink.reservoirs.length,
-      capacity: ink.transfer.field("capacity")[0],
-      reservoirMm: ink.transfer.field("reservoir_mm")[0],
       dried: this.dryLayers.keep(),
       water: this.water.keep(),
     };
@@ -319,6 +322,32 @@ export class PaintedSurface {
       }
       if (differs) changed.push(id);
     }
+    this.takeLoad(kept);
+    const dried = this.dryLayers;
+    const ids = [...dried.ids.subarray(0, dried.count), ...kept.dried.ids];
+    if (ids.length > 0) dried.restore(kept.dried, this.paintMesh.capacity);
+    this.touch([...changed, ...ids]);
+    this.water.restore(kept.water);
+  }
+
+  /** What the brush holds, and what went off the surface. */
+  keepLoad(): BrushLoad {
+    const { ink } = this;
+    return {
+      nPigments: this.pigments.length,
+      load: ink.load.data.slice(),
+      offSurface: ink.off_surface.data.slice(),
+      reservoirs: ink.reservoirs.data.slice(),
+      nReservoirs: ink.reservoirs.length,
+      capacity: ink.transfer.field("capacity")[0],
+      reservoirMm: ink.transfer.field("reservoir_mm")[0],
+    };
+  }
+
+  /** Have the brush hold what was kept; of pigments that came since, nothing. */
+  takeLoad(kept: BrushLoad): void {
+    const { ink } = this;
+    const count = this.pigments.length;
     const wide = (row: Float64Array, rows: number): Float64Array => {
       const to = new Float64Array(rows * count);
       for (let k = 0; k < row.length; k++)
@@ -330,11 +359,6 @@ export class PaintedSurface {
     this.setReservoirs(wide(kept.reservoirs, kept.nReservoirs), kept.nReservoirs);
     ink.transfer.field("capacity")[0] = kept.capacity;
     ink.transfer.field("reservoir_mm")[0] = kept.reservoirMm;
-    const dried = this.dryLayers;
-    const ids = [...dried.ids.subarray(0, dried.count), ...kept.dried.ids];
-    if (ids.length > 0) dried.restore(kept.dried, this.paintMesh.capacity);
-    this.touch([...changed, ...ids]);
-    this.water.restore(kept.water);
   }
 
   /** Replace the ink along the tuft, tip first. */
