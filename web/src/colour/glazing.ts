@@ -2,6 +2,7 @@
 
 import { NDArray } from "../core/arrays";
 import type { Argument, Kernels } from "../core/kernels";
+import { GROUNDS } from "../surface/dry_layers";
 import type { Backing, ColourTables } from "./vertex_colours";
 import type { Pigment } from "./materials";
 
@@ -14,6 +15,7 @@ export interface Below {
 export class GlazeModel {
   readonly #glaze: { [name: string]: NDArray };
   readonly #ground: { [name: string]: NDArray };
+  readonly #greys: NDArray<"f4">[];
 
   constructor(
     private readonly kernels: Kernels,
@@ -37,6 +39,7 @@ export class GlazeModel {
       primaries: of(kernels, "f4", tables.primaries, [bands, 3]),
       material: of(kernels, "f4", backing.reflectance),
     };
+    this.#greys = GROUNDS.map((grey) => of(kernels, "f4", new Float32Array(bands).fill(grey)));
   }
 
   /** Fill the rows of `out` of some vertices. */
@@ -49,13 +52,18 @@ export class GlazeModel {
     this.kernels.call("colour.kernels.glazing.glazed_colours", wet, this.#glaze, this.#on(below), shown);
   }
 
-  /** Put what some vertices reflect now into rows of the spectra below. */
+  /**
+   * Put what some vertices reflect now into rows of the spectra below; `grey`: over which of the
+   * grey grounds in place of the material.
+   */
   dry(
     amounts: NDArray<"f4">, coverage: NDArray<"f4">, below: Below, vertexIds: NDArray<"i4">,
-    rows: NDArray<"i4">,
+    rows: NDArray<"i4">, grey: number | null = null,
   ): void {
     const wet = { vertex_ids: vertexIds, amounts, coverage };
-    this.kernels.call("colour.kernels.glazing.dry_vertices", wet, this.#glaze, this.#on(below), rows);
+    const material = grey === null ? {} : { material: this.#greys[grey] };
+    const ground = { ...(this.#on(below) as object), ...material } as Argument;
+    this.kernels.call("colour.kernels.glazing.dry_vertices", wet, this.#glaze, ground, rows);
   }
 
   #on(below: Below): Argument {
@@ -64,6 +72,7 @@ export class GlazeModel {
 
   /** Let its tables go. */
   free(): void {
-    for (const array of [...Object.values(this.#glaze), ...Object.values(this.#ground)]) array.free();
+    for (const array of [...Object.values(this.#glaze), ...Object.values(this.#ground), ...this.#greys])
+      array.free();
   }
 }

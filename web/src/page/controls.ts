@@ -100,6 +100,17 @@ export function section(heading: string, ...parts: HTMLElement[]): HTMLElement {
   return made;
 }
 
+/** Ask for a file. */
+export function askForFile(kinds: string, then: (file: File) => void): void {
+  const input = document.createElement("input");
+  Object.assign(input, { type: "file", accept: kinds });
+  input.addEventListener("change", () => {
+    const file = input.files?.[0];
+    if (file !== undefined) then(file);
+  });
+  input.click();
+}
+
 /** Hand a file to the browser, to be saved. */
 export function save(blob: Blob, name: string): void {
   const link = document.createElement("a");

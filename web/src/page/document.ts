@@ -7,9 +7,22 @@ import { ClosestPoints } from "../mesh/closest_points";
 import { Painter, PIECE_S, type Kept } from "../painter/painter";
 import { AT_REST, RecordingError, type DeviceSample } from "../recording/recording";
 import { Eraser } from "../surface/eraser";
+import type { LayerStack } from "../surface/layer_stack";
 import type { PaintedSurface, Snapshot } from "../surface/painted_surface";
 
 const MOST_STEPS = 30;
+
+/** What is done to the layers, as a score says it. */
+export type LayerEdit =
+  | { do: "add_layer" }
+  | { do: "remove_layer"; place: number }
+  | { do: "select_layer"; place: number }
+  | { do: "move_layer"; place: number; to: number }
+  | { do: "set_visible"; place: number; visible: boolean }
+  | { do: "set_opacity"; place: number; opacity: number };
+const LAYER_EDITS = new Set(
+  ["add_layer", "remove_layer", "select_layer", "move_layer", "set_visible", "set_opacity"],
+); // prettier-ignore
 
 type Line = Record<string, unknown>;
 
@@ -51,6 +64,7 @@ export class Document {
       studio.surface(about.name, about.resolution, material),
       studio.brush(brushName),
     ]);
+    surface.useLayers();
     const painter = new Painter(studio.kernels, studio.sizes, surface, brush, studio.ink(ink));
     const document = new Document(studio.kernels, about, surface, painter, ink);
     document.#lines.push({
@@ -152,6 +166,27 @@ export class Document {
     this.#lines.push({ do: "dry" });
   }
 
+  get layers(): LayerStack {
+    return this.surface.useLayers();
+  }
+
+  /** Add, remove, move, hide or fade a layer, or paint on another one. */
+  restack(edit: LayerEdit): void {
+    if (this.#inStroke) return;
+    const { layers, surface } = this;
+    const isStep = edit.do !== "select_layer" && edit.do !== "set_visible";
+    if (isStep) this.#begin();
+    const shown = layers.paintedIds();
+    if (edit.do === "add_layer") layers.add();
+    else if (edit.do === "remove_layer") layers.remove(edit.place);
+    else if (edit.do === "move_layer") layers.move(edit.place, edit.to);
+    else if (edit.do === "select_layer") layers.activate(edit.place);
+    else if (edit.do === "set_visible") layers.describe(edit.place, { visible: edit.visible });
+    else layers.describe(edit.place, { opacity: edit.opacity });
+    if (edit.do !== "select_layer") surface.touch([...shown, ...layers.paintedIds()]);
+    this.#lines.push({ ...edit });
+  }
+
   #begin(): void {
     this.#steps.push({ painter: this.painter.keep(), surface: this.surface.keep() });
     if (this.#steps.length > MOST_STEPS) this.#steps.shift();
@@ -185,6 +220,7 @@ export class Document {
       else if (row.do === "end_stroke") this.endStroke();
       else if (row.do === "undo") this.undo();
       else if (row.do === "dry") this.dry();
+      else if (LAYER_EDITS.has(String(row.do))) this.restack(row as unknown as LayerEdit);
       else if (row.do === "follow_time")
         for (let n = Number(row.times ?? 1); n > 0; n--) this.followTime();
       else throw new RecordingError(`line ${k + 1}: a page does not know ${String(row.do)}`);

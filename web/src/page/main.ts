@@ -5,7 +5,7 @@ import type { Vector } from "../core/quaternion";
 import { PIECE_S } from "../painter/painter";
 import { Studio, type Contents, type Fetch } from "../studio";
 import { ballAround, Camera } from "./camera";
-import { button, choice, element, note, save, section, slider, tick } from "./controls";
+import { askForFile, button, choice, element, note, save, section, slider, tick } from "./controls";
 import { Document } from "./document";
 import { glbOf, plyOf } from "./export";
 import { Hand, type PointerInput } from "./hand";
@@ -123,8 +123,31 @@ class Page {
     await this.open(contents, 0);
   }
 
-  /** Open the piece that was in hand when the page was left; whether it could be. */
+  /** Open what was recorded in a page. */
+  async #load(file: File): Promise<void> {
+    const { studio, painting } = this.#opened();
+    if (painting.isPainted && !confirm(say("leave"))) return;
+    const text = await file.text();
+    const isOpen = text.startsWith("{") && (await this.#goOn(studio.contents, text));
+    if (!isOpen) {
+      if (this.#painting === painting) this.#message.hidden = true;
+      return this.#notice(say("notOpened", { name: file.name }));
+    }
+    this.#keeper?.begin();
+    this.#keeper?.append(this.score());
+  }
+
+  /** Say something below the picture for a while. */
+  #notice(text: string): void {
+    const hint = element("hint");
+    hint.textContent = text;
+    hint.classList.remove("done");
+    setTimeout(() => hint.classList.add("done"), 8000);
+  }
+
+  /** Open the piece that a score of a page says; whether it could be. */
   async #goOn(contents: Contents, text: string): Promise<boolean> {
+    const [brushBefore, inkBefore] = [this.#brush, this.#ink];
     try {
       const head = JSON.parse(text.slice(0, text.indexOf("\n"))) as Record<string, unknown>;
       const place = contents.objects.findIndex(
@@ -138,9 +161,8 @@ class Page {
       await this.open(contents, place, material, text);
       return true;
     } catch (cause) {
-      console.warn("the last piece cannot be opened again:", cause);
-      this.#brush = contents.brushes[0].name;
-      this.#ink = contents.inks[0].name;
+      console.warn("the piece cannot be opened:", cause);
+      [this.#brush, this.#ink] = [brushBefore, inkBefore];
       return false;
     }
   }
@@ -153,6 +175,8 @@ class Page {
     const studio = await Studio.open(this.#fetch);
     const painting = await Document.open(studio, about, this.#brush, this.#ink, material);
     if (score !== "") {
+      const head = JSON.parse(score.slice(0, score.indexOf("\n"))) as { mesh?: string };
+      if (head.mesh !== painting.surface.object.words.mesh) throw new Error("it is of another mesh");
       let shown = performance.now();
       await painting.repeat(studio, score, async (share) => {
         if (performance.now() - shown < 100.0) return;
@@ -246,6 +270,7 @@ class Page {
       section(say("keep"),
         button("picture", say("picture"), () => void this.savePicture()),
         button("score", say("score"), () => this.saveScore()),
+        button("load", say("load"), () => askForFile(".jsonl", (file) => void this.#load(file))),
         button("glb", "GLB", () => save(glbOf(this.#opened().painting.surface, this.#name()), `${this.#name()}.glb`)),
         button("ply", "PLY", () => save(plyOf(this.#opened().painting.surface), `${this.#name()}.ply`)),
         note(say(this.#keeper === null ? "notKept" : "kept"))),

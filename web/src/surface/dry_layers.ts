@@ -6,11 +6,14 @@ import type { Kernels } from "../core/kernels";
 const FIRST_ROWS = 1024;
 const BANDS = 31;
 const SPECTRUM_STEPS = 65535;
+/** Reflectances of the grey grounds over which a dried row says what it shows. */
+export const GROUNDS = [0.04, 0.52, 1.0];
 
 /** Dried paint at an instant, for undo. */
 export interface KeptRows {
   ids: Int32Array;
   spectra: Uint16Array;
+  over: Uint16Array[]; // the same over grey grounds
   amounts: Float32Array;
   share: Float32Array;
   nPigments: number;
@@ -26,7 +29,10 @@ export class DryLayers {
   share: Float32Array = new Float32Array(0);
   #nPigments = 0;
 
-  constructor(kernels: Kernels) {
+  over: NDArray<"u2">[]; // shown over `GROUNDS`; none where nothing below can change
+
+  constructor(kernels: Kernels, hasFilters = false) {
+    this.over = hasFilters ? GROUNDS.map(() => kernels.zeros("u2", 0, BANDS)) : [];
     this.slots = kernels.zeros("i4", 0);
     this.spectra = kernels.zeros("u2", 0, BANDS);
   }
@@ -76,6 +82,7 @@ export class DryLayers {
     if (wanted <= this.ids.length) return;
     const room = Math.max(FIRST_ROWS, wanted + Math.floor(wanted / 2));
     this.spectra = this.spectra.grown(this.count, room);
+    this.over = this.over.map((array) => array.grown(this.count, room));
     const longer = <T extends Int32Array | Float32Array>(array: T, to: T): T => {
       to.set(array);
       return to;
@@ -109,11 +116,14 @@ export class DryLayers {
       lost.push(Math.fround(before - this.amounts[k]));
     }
     this.share[row] *= stays;
-    const spectra = this.spectra.data;
-    for (let k = 0; k < BANDS; k++) {
-      const shown = bare[k] + stays * (spectra[BANDS * row + k] - bare[k]);
-      spectra[BANDS * row + k] = rounded(Math.min(Math.max(shown, 0.0), SPECTRUM_STEPS));
-    }
+    const fade = (spectra: Uint16Array, ground: (band: number) => number): void => {
+      for (let k = 0; k < BANDS; k++) {
+        const shown = ground(k) + stays * (spectra[BANDS * row + k] - ground(k));
+        spectra[BANDS * row + k] = rounded(Math.min(Math.max(shown, 0.0), SPECTRUM_STEPS));
+      }
+    };
+    fade(this.spectra.data, (band) => bare[band]);
+    for (const [k, over] of this.over.entries()) fade(over.data, () => GROUNDS[k] * SPECTRUM_STEPS);
     return rowSum(lost);
   }
 
@@ -122,6 +132,7 @@ export class DryLayers {
     return {
       ids: this.ids.slice(0, n),
       spectra: this.spectra.data.slice(0, BANDS * n),
+      over: this.over.map((array) => array.data.slice(0, BANDS * n)),
       amounts: this.amounts.slice(0, n * this.#nPigments),
       share: this.share.slice(0, n),
       nPigments: this.#nPigments,
@@ -137,6 +148,7 @@ export class DryLayers {
     this.share.fill(0.0);
     this.ids.set(kept.ids);
     this.spectra.data.set(kept.spectra);
+    for (const [k, array] of this.over.entries()) array.data.set(kept.over[k]);
     this.amounts.set(widened(kept.amounts, kept.nPigments, this.#nPigments));
     this.share.set(kept.share);
     const slots = this.slots.data;
@@ -172,7 +184,7 @@ export function rowSum(row: ArrayLike<number>, round: (x: number) => number = (x
 }
 
 /** The nearest whole number, the even one of two. */
-function rounded(x: number): number {
+export function rounded(x: number): number {
   const low = Math.floor(x);
   const over = x - low;
   if (over !== 0.5) return over < 0.5 ? low : low + 1.0;

@@ -15,9 +15,7 @@ export class Eraser {
     private readonly surface: PaintedSurface,
   ) {
     surface.dry();
-    this.#bare = Float64Array.from(surface.reflectance, (r) =>
-      Math.trunc(Math.fround(Math.fround(Math.min(Math.max(r, 0.0), 1.0) * 65535.0) + 0.5)),
-    );
+    this.#bare = surface.bareSteps;
   }
 
   /** Take off what lies where the brush has just been; how much ink is gone, coats x mm2. */

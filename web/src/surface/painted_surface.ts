@@ -14,6 +14,7 @@ import type { Ground, Studio } from "../studio";
 import { DryLayers, type KeptRows } from "./dry_layers";
 import { Water, type KeptFlow } from "./flow";
 import { FlowGraph } from "./flow_graph";
+import { LayerStack, type KeptStack } from "./layer_stack";
 
 export interface InkField {
   [name: string]: Argument;
@@ -46,6 +47,7 @@ export interface Snapshot extends BrushLoad {
   coverage: Float32Array;
   dried: KeptRows;
   water: KeptFlow | null;
+  stack: KeptStack | null;
 }
 
 export class PaintedSurface {
@@ -55,7 +57,8 @@ export class PaintedSurface {
   readonly material: Material;
   ink: InkField;
   codes: NDArray<"u1">;
-  readonly dryLayers: DryLayers;
+  dryLayers: DryLayers;
+  layers: LayerStack | null = null;
   readonly water: Water;
   #flowGraph: FlowGraph | null = null;
   #colours: ColourModel | null = null;
@@ -94,6 +97,37 @@ export class PaintedSurface {
       noise: studio.noise,
       bundles: studio.bundles,
     };
+  }
+
+  /** The layers; existing paint becomes the first. */
+  useLayers(): LayerStack {
+    if (this.layers === null) {
+      if (this.dryLayers.count > 0) throw new RangeError("something has dried before there were layers");
+      this.dryLayers = new DryLayers(this.kernels, true);
+      this.dryLayers.fit(this.paintMesh.capacity, this.pigments.length);
+      this.layers = new LayerStack(this.kernels, this);
+    }
+    return this.layers;
+  }
+
+  /** The vertices with wet ink. */
+  inked(): Int32Array {
+    const [amounts, coverage] = [this.ink.amounts.data, this.ink.coverage.data];
+    const count = this.pigments.length;
+    const found: number[] = [];
+    for (let id = 0; id < this.nVertices; id++) {
+      let any = coverage[id] > 0.0;
+      for (let k = id * count; !any && k < (id + 1) * count; k++) any = amounts[k] !== 0.0;
+      if (any) found.push(id);
+    }
+    return Int32Array.from(found);
+  }
+
+  /** What the bare surface reflects: 31 bands, in steps of 1/65535. */
+  get bareSteps(): Float64Array {
+    return Float64Array.from(this.reflectance, (r) =>
+      Math.trunc(Math.fround(Math.fround(Math.min(Math.max(r, 0.0), 1.0) * 65535.0) + 0.5)),
+    );
   }
 
   /** What the material reflects, as measured: 31 bands. */
@@ -180,30 +214,36 @@ export class PaintedSurface {
       for (const id of fresh) marks[id] = 1;
       for (const id of this.dryLayers.ids.subarray(0, this.dryLayers.count)) marks[id] = 1;
       for (let id = 0; id < this.nVertices; id++) if (coverage[id] > 0.0) marks[id] = 1;
+      for (const id of this.layers?.paintedIds() ?? []) marks[id] = 1;
       seen = Int32Array.from(marks.keys()).filter((id) => marks[id] === 1);
       this.#looksOtherwise = false;
     }
     if (seen.length > 0) {
-      const { amounts, coverage } = this.ink;
-      const isDried = (id: number): boolean => this.dryLayers.rowOf(id) >= 0;
-      const own = this.dryLayers.count > 0 ? seen.filter(isDried) : seen.subarray(0, 0);
-      const plain = own.length > 0 ? seen.filter((id) => !isDried(id)) : seen;
-      if (plain.length > 0) {
-        const ids = NDArray.of(this.kernels, "i4", plain);
-        colours.srgb(amounts, coverage, this.codes, ids);
-        ids.free();
-      }
-      if (own.length > 0) {
-        const ids = NDArray.of(this.kernels, "i4", own);
-        glaze.srgb(amounts, coverage, this.dryLayers, this.codes, ids);
-        ids.free();
-      }
+      if (this.layers !== null && !this.layers.isPlain) this.layers.colour(glaze, seen, this.codes);
+      else this.#colourAsOne(colours, glaze, seen);
       this.water.fresh?.push(fresh);
       const marks = dirty.data;
       for (const id of fresh) marks[id] = 0;
       n_dirty.data[0] = 0n;
     }
     return seen;
+  }
+
+  #colourAsOne(colours: ColourModel, glaze: GlazeModel, seen: Int32Array): void {
+    const { amounts, coverage } = this.ink;
+    const isDried = (id: number): boolean => this.dryLayers.rowOf(id) >= 0;
+    const own = this.dryLayers.count > 0 ? seen.filter(isDried) : seen.subarray(0, 0);
+    const plain = own.length > 0 ? seen.filter((id) => !isDried(id)) : seen;
+    if (plain.length > 0) {
+      const ids = NDArray.of(this.kernels, "i4", plain);
+      colours.srgb(amounts, coverage, this.codes, ids);
+      ids.free();
+    }
+    if (own.length > 0) {
+      const ids = NDArray.of(this.kernels, "i4", own);
+      glaze.srgb(amounts, coverage, this.dryLayers, this.codes, ids);
+      ids.free();
+    }
   }
 
   /** Dry the wet paint of some vertices. */
@@ -229,6 +269,8 @@ export class PaintedSurface {
     };
     const below = { slots: given.slots, spectra: dry.spectra };
     glaze.dry(given.amounts, given.share, below, given.every, given.rows);
+    for (const [k, over] of dry.over.entries())
+      glaze.dry(given.amounts, given.share, { slots: given.slots, spectra: over }, given.every, given.rows, k);
     for (const array of Object.values(given)) array.free();
     for (let k = 0; k < own.length; k++) if (!this.pigments[k % count].lasting) own[k] = 0.0;
     dry.settle(ids, rows, own, share);
@@ -302,11 +344,14 @@ export class PaintedSurface {
       coverage: ink.coverage.data.slice(0, n),
       dried: this.dryLayers.keep(),
       water: this.water.keep(),
+      stack: this.layers?.keep() ?? null,
     };
   }
 
   /** Return to a painting that was kept; vertices that came since stay, bare. */
   restore(kept: Snapshot): void {
+    const shown = this.layers?.paintedIds() ?? [];
+    if (kept.stack !== null) this.layers?.restore(kept.stack);
     const ink = this.ink;
     const count = this.pigments.length;
     const [amounts, coverage] = [ink.amounts.data, ink.coverage.data];
@@ -326,7 +371,7 @@ export class PaintedSurface {
     const dried = this.dryLayers;
     const ids = [...dried.ids.subarray(0, dried.count), ...kept.dried.ids];
     if (ids.length > 0) dried.restore(kept.dried, this.paintMesh.capacity);
-    this.touch([...changed, ...ids]);
+    this.touch([...changed, ...ids, ...shown, ...(this.layers?.paintedIds() ?? [])]);
     this.water.restore(kept.water);
   }
 

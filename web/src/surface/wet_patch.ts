@@ -2,7 +2,7 @@
 
 import { NDArray } from "../core/arrays";
 import type { Argument, Kernels } from "../core/kernels";
-import { rowSum, widened } from "./dry_layers";
+import { rowSum, widened, type DryLayers } from "./dry_layers";
 import { distinct, withRoom, type FlowGraph } from "./flow_graph";
 import type { PaintedSurface } from "./painted_surface";
 import { clip, closePore, evenExp, PoreFinder } from "./pores";
@@ -56,7 +56,7 @@ export class WetPatch {
   #count: number; // pigments
   #nNodes = 0;
   #nLinks = 0;
-  #seen: number;
+  #seen: readonly [DryLayers, number];
   readonly #pores: PoreFinder;
 
   constructor(
@@ -96,7 +96,7 @@ export class WetPatch {
     const blocks = this.graph.nBlocks;
     this.owed = NDArray.of(kernels, "f4", new Float32Array(blocks).fill(Infinity));
     this.pace = NDArray.of(kernels, "f4", new Float32Array(blocks).fill(FIRST_PACE));
-    this.#seen = surface.dryLayers.changes;
+    this.#seen = [surface.dryLayers, surface.dryLayers.changes];
     this.#follow();
   }
 
@@ -394,7 +394,7 @@ export class WetPatch {
       }
     }
     surface.settle(ids.filter((_, i) => covered[i] > 0.0));
-    this.#seen = surface.dryLayers.changes;
+    this.#seen = [surface.dryLayers, surface.dryLayers.changes];
     this.#closePores(nodes);
     this.#weigh(nodes);
     surface.touch(ids.filter((_, i) => !(covered[i] > 0.0)));
@@ -510,9 +510,9 @@ export class WetPatch {
 
   /** Update all pores if dried paint came or went by other means than `dry`. */
   seeGlue(): void {
-    const { changes } = this.surface.dryLayers;
-    if (changes === this.#seen) return;
-    this.#seen = changes;
+    const { dryLayers } = this.surface;
+    if (dryLayers === this.#seen[0] && dryLayers.changes === this.#seen[1]) return;
+    this.#seen = [dryLayers, dryLayers.changes];
     const before = this.ways.data.slice();
     this.#closePores(Int32Array.from({ length: this.#nNodes }, (_, k) => k));
     const ways = this.ways.data;
