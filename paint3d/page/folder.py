@@ -154,9 +154,7 @@ def build_page(
         if page is not None:
             _copy_page(page, out)
     except OSError as cause:
-        raise ExportError(
-            "{file}: cannot write the page: {cause}", file=out, cause=cause
-        ) from None
+        raise ExportError("{file}: cannot write the page: {cause}", file=out, cause=cause) from None
     progress(1.0)
 
 

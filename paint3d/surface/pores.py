@@ -99,8 +99,9 @@ def fibre_relief(points: NDArray[np.float64], width_mm: float) -> NDArray[np.flo
     x, y, z = bent.T
     turned = np.empty_like(points)
     for k, frame in enumerate(_FRAMES):
-        for axis, (a, b, c) in enumerate(frame):  # a product of matrices sums in an order of its own
+        for axis, (a, b, c) in enumerate(frame):
             size = width_mm if axis else _LONG * width_mm
+            # not a product of matrices, which sums in an order of its own
             turned[:, axis] = (x * a + y * b + z * c) / size + 7.7 * k
         fill_grain(turned, 1.0, height)
         np.maximum(strongest, height, out=strongest)

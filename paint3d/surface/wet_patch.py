@@ -208,7 +208,7 @@ class WetPatch:
         node, share = graph.node_of[at], self.share[at]
         depths = [WET_COAT_MM if p is WATER else WET_INK_MM for p in self._store.pigments]
         came = np.zeros(len(at))
-        for column, depth in enumerate(depths):  # a product of matrices sums in an order of its own
+        for column, depth in enumerate(depths):  # see `fibre_relief`: no product of matrices
             came += np.maximum(change[:, column], 0.0) * depth
         went = np.maximum(-change, 0.0).sum(axis=1)
         before = self.written[at].sum(axis=1, dtype=np.float64)

@@ -6,7 +6,7 @@ import { PIECE_S } from "../painter/painter";
 import { Studio, type Contents, type Fetch } from "../studio";
 import { ballAround, Camera } from "./camera";
 import { askForFile, button, choice, element, note, save, section, slider, tick } from "./controls";
-import { Document } from "./document";
+import { Document, type LayerEdit } from "./document";
 import { glbOf, plyOf } from "./export";
 import { Hand, type PointerInput } from "./hand";
 import { Keeper } from "./keeper";
@@ -263,6 +263,7 @@ class Page {
       section(say("water"),
         tick("wet", say("spreads"), this.#spreads, (on) => this.#setSpreads(on)),
         button("dry", say("dry"), () => this.#act(() => this.#opened().painting.dry()))),
+      this.#layerSection(),
       section(say("hand"),
         slider("press", say("press"), this.#press, (value) => this.#setPress(value)),
         tick("always", say("dipAlways"), this.#dipAlways, (on) => (this.#dipAlways = on)),
@@ -278,6 +279,51 @@ class Page {
     ); // prettier-ignore
     this.#showPanel(element("panel").hidden === false);
     this.#showState();
+  }
+
+  /** The layers, the uppermost first, and what can be done to them. */
+  #layerSection(): HTMLElement {
+    const made = section(say("layers"));
+    made.id = "layers";
+    const { layers } = this.#opened().painting;
+    const edit = (words: LayerEdit): void => {
+      this.#act(() => {
+        this.#paint(); // what was heard since the last frame
+        this.#opened().painting.restack(words);
+      });
+      this.#showLayers();
+    };
+    const all = layers.layers;
+    const rows = all.map(({ name, visible }, place) => {
+      const row = document.createElement("div");
+      row.className = "layer";
+      const seen = button(`seen${place}`, say(visible ? "hide" : "show"),
+        () => edit({ do: "set_visible", place, visible: !visible }), visible ? "eye" : "shut"); // prettier-ignore
+      const chosen = button(`layer${place}`, say("layer", { name }), () => edit({ do: "select_layer", place }));
+      chosen.setAttribute("aria-pressed", String(place === layers.active));
+      const up = button(`up${place}`, say("up"), () => edit({ do: "move_layer", place, to: place + 1 }), "up");
+      up.disabled = place === all.length - 1;
+      const gone = button(`gone${place}`, say("remove"), () => edit({ do: "remove_layer", place }), "close");
+      gone.disabled = all.length === 1;
+      row.append(seen, chosen, up, gone);
+      return row;
+    });
+    const place = layers.active;
+    made.replaceChildren(
+      made.firstElementChild as HTMLElement,
+      ...rows.reverse(),
+      slider("opacity", say("opacity"), all[place].opacity, () => {}, [0.0, 1.0, 0.05]),
+      button("add", say("addLayer"), () => edit({ do: "add_layer" })),
+    );
+    const opacity = made.querySelector("#opacity") as HTMLInputElement;
+    opacity.addEventListener("change", () =>
+      edit({ do: "set_opacity", place, opacity: Number(opacity.value) }),
+    );
+    return made;
+  }
+
+  #showLayers(): void {
+    element("layers").replaceWith(this.#layerSection());
   }
 
   /** Show what there is no room for in the row of tools, or hide it. */
@@ -377,6 +423,7 @@ class Page {
       this.#paint(); // what was heard since the last frame
       painting.undo();
     });
+    this.#showLayers();
   }
 
   /** Keep in the browser what was done. */
@@ -645,6 +692,13 @@ class Page {
         const erases = this.#erases || event.button === ERASER_END;
         if (this.#dipAlways && !erases) painting.dip(studio, this.#ink);
         const samples = hand.begin(input, painter.brush);
+        const { layers } = painting;
+        if (!layers.layers[layers.active].visible) {
+          hand.end(painting.lastNs, painter.brush);
+          this.#pointer = null;
+          this.#notice(say("isHidden"));
+          continue;
+        }
         if (samples === null) {
           this.#turnBeside(event);
           continue;
