@@ -11,6 +11,7 @@ import type { LayerStack } from "../surface/layer_stack";
 import type { PaintedSurface, Snapshot } from "../surface/painted_surface";
 
 const MOST_STEPS = 30;
+const MOST_BYTES = 1 << 28; // of the steps that can be undone, but for the last
 
 /** What is done to the layers, as a score says it. */
 export type LayerEdit =
@@ -189,7 +190,9 @@ export class Document {
 
   #begin(): void {
     this.#steps.push({ painter: this.painter.keep(), surface: this.surface.keep() });
-    if (this.#steps.length > MOST_STEPS) this.#steps.shift();
+    const isTooMuch = (): boolean =>
+      this.#steps.reduce((sum, { surface }) => sum + bytesIn({ ...surface, stack: null }), 0) > MOST_BYTES;
+    while (this.#steps.length > 1 && (this.#steps.length > MOST_STEPS || isTooMuch())) this.#steps.shift();
   }
 
   /** When the last sample was, which the next has to come after. */
@@ -234,6 +237,13 @@ export class Document {
   score(): string {
     return `${this.#lines.map(textOf).join("\n")}\n`;
   }
+}
+
+/** The bytes of the arrays in something. */
+function bytesIn(what: unknown): number {
+  if (ArrayBuffer.isView(what)) return what.byteLength;
+  if (typeof what !== "object" || what === null) return 0;
+  return Object.values(what).reduce((sum: number, part) => sum + bytesIn(part), 0);
 }
 
 function lineOf(sample: DeviceSample): Line {
