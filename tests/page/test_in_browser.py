@@ -204,7 +204,8 @@ def test_what_is_saved_other_programs_read(browser: Browser, tmp_path: Path) -> 
             f"document.getElementById('{kind}').click()"
         )
         (tmp_path / f"a.{kind}").write_bytes(base64.b64decode(browser.evaluate("saved")))
-        mesh = trimesh.load(tmp_path / f"a.{kind}", force="mesh", process=False)
+        scene = trimesh.load_scene(tmp_path / f"a.{kind}", process=False)
+        (mesh,) = scene.geometry.values()
         scale = 1000.0 if kind == "glb" else 1.0
         x, y, z = scale * mesh.vertices.T
         points = np.column_stack([x, -z, y]) if kind == "glb" else mesh.vertices
