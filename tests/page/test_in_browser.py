@@ -173,6 +173,47 @@ def test_what_is_erased_goes_as_on_the_desktop(browser: Browser, tmp_path: Path)
     assert found == by_the_desktop(browser, tmp_path)
 
 
+def test_strokes_on_layers_look_as_on_the_desktop(browser: Browser, tmp_path: Path) -> None:
+    begin_with(browser, SHEET)
+    browser.stroke(wave(350.0, 330.0))
+    browser.evaluate("document.getElementById('add').click()")
+    choose(browser, "inks", 1)
+    browser.stroke(wave(350.0, 350.0))
+    both = settled(browser)
+    browser.evaluate("document.getElementById('seen0').click()")
+    assert settled(browser)["srgb"] != both["srgb"]
+    browser.evaluate("document.getElementById('up0').click()")
+    assert settled(browser) == by_the_desktop(browser, tmp_path)
+
+
+@pytest.mark.parametrize(("width", "height"), [(390, 844), (844, 390)])
+def test_on_a_phone_the_tools_are_one_row_and_say_nothing_of_keys(
+    width: int, height: int, browser: Browser
+) -> None:
+    begin_with(browser, SHEET)
+    at = {"deviceScaleFactor": 1, "mobile": True}
+    try:
+        browser.call("Emulation.setDeviceMetricsOverride", width=width, height=height, **at)
+        browser.call("Emulation.setTouchEmulationEnabled", enabled=True)
+        browser.evaluate("(b => { b.click(); b.click(); })(document.getElementById('language'))")
+        bar, *tools = browser.evaluate(
+            "[document.getElementById('bar'), ...document.querySelectorAll('#bar > *')].map(e =>"
+            " (b => [b.left, b.top, b.right, b.bottom])(e.getBoundingClientRect()))"
+            ".filter(b => b[2] > b[0])"
+        )
+        assert bar[3] - bar[1] <= 60
+        for left, top, right, bottom in tools:
+            assert bar[0] <= left < right <= width
+            assert bar[1] <= top < bottom <= bar[3]
+        assert "Ctrl" not in browser.evaluate("document.getElementById('hint').textContent")
+    finally:
+        browser.call("Emulation.setTouchEmulationEnabled", enabled=False)
+        browser.call(
+            "Emulation.setDeviceMetricsOverride", width=960, height=720, deviceScaleFactor=1,
+            mobile=False,
+        )  # fmt: skip
+
+
 def test_a_piece_is_there_again_when_the_page_is_opened_again(
     browser: Browser, address: str
 ) -> None:
