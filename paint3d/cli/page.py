@@ -73,6 +73,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="append",
         help="an ink of fine pigments; given several times, a choice",
     )
+    build.add_argument(
+        "--material",
+        metavar="NAME",
+        action="append",
+        help="what objects may be made of, beside what suits them; given several times, a choice",
+    )
     add_quiet_option(build)
     serve = add("serve", "hand a built page out to browsers of this machine", _SERVE_EXAMPLES)
     serve.add_argument("folder", metavar="DIR", type=Path, help="what `build` has written")
@@ -118,6 +124,7 @@ def _build(options: argparse.Namespace) -> None:
             options.brush or folder.BRUSHES,
             options.ink or folder.INKS,
             progress,
+            materials=options.material or folder.MATERIALS,
             page=folder.BUILT,
         )
     if not options.quiet:

@@ -25,7 +25,7 @@ import numpy as np
 
 from paint3d.core.numba_kernels import DeferredKernel, can_compile
 
-__all__ = ["FOLDER", "INDEX", "Library", "library"]
+__all__ = ["FOLDER", "INDEX", "Library", "is_unchanged", "library"]
 
 FOLDER = Path(__file__).with_name("machine_code")
 INDEX = "index.json"  # written last: the files that it names are complete
@@ -92,7 +92,7 @@ class Library:
         """
         name = f"{function.__module__}.{function.__qualname__}"
         kernel = self._kernels.get(name)
-        if kernel is None or not all(_is_unchanged(*self._sources[k]) for k in kernel["sources"]):
+        if kernel is None or not all(is_unchanged(*self._sources[k]) for k in kernel["sources"]):
             return None
         first = None  # of a chain: each entry passes arguments that do not fit to its `other`
         for code in reversed(kernel["codes"]):
@@ -124,7 +124,7 @@ def _load_caller(path: Path) -> ModuleType:
 
 
 @cache
-def _is_unchanged(path: str, digest: str) -> bool:
+def is_unchanged(path: str, digest: str) -> bool:
     """Return whether a source still has the digest of the one that was compiled."""
     try:
         return hashlib.sha256((_ROOT / path).read_bytes()).hexdigest() == digest

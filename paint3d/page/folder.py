@@ -23,7 +23,7 @@ from paint3d.colour.inks import load_ink
 from paint3d.colour.materials import load_material
 from paint3d.colour.pigments import WATER, Pigment, load_pigment
 from paint3d.core.atomic import write_atomically
-from paint3d.core.kernel_library import FORMAT, INDEX
+from paint3d.core.kernel_library import FORMAT, INDEX, is_unchanged
 from paint3d.errors import ExportError, InputError
 from paint3d.files.load import load_mesh
 from paint3d.mesh.sheet_mesh import sheet_of
@@ -37,7 +37,7 @@ from paint3d.page.tables import (
 )
 from paint3d.surface.granulation import COARSE_UM
 
-__all__ = ["BRUSHES", "INKS", "OBJECTS", "PageObject", "build_page"]
+__all__ = ["BRUSHES", "INKS", "MATERIALS", "OBJECTS", "PageObject", "build_page"]
 
 KERNELS = Path(__file__).with_name("machine_code")
 """Where ``python -m tools.kernels --for wasm32`` puts the kernels."""
@@ -55,6 +55,7 @@ class PageObject(NamedTuple):
 OBJECTS = (PageObject("bowl", 0.4), PageObject("square", 0.4))
 BRUSHES = ("zhongkai", "full", "xiaokai", "zhongbaiyun", "gongbi", "feibai")
 INKS = ("pine soot", "heavy", "light", "clear", "cinnabar", "indigo", "gamboge", "carmine")
+MATERIALS = ("porcelain", "bisque", "xuan", "sized xuan", "silk")
 _CHINESE_OF_TONES = {"heavy": "重墨", "light": "淡墨", "clear": "清墨"}
 
 
@@ -92,7 +93,8 @@ def build_page(
     Raises
     ------
     ExportError
-        If the page or its kernels are not built, or the folder cannot be written.
+        If the page or its kernels are not built, or the kernels are those of other sources, or
+        the folder cannot be written.
     InputError, UnknownNameError, MeshError
         If an object, a brush or an ink is not known, or is one that a page cannot have.
     """
@@ -126,11 +128,11 @@ def build_page(
             file, chinese = f"brushes/{_plain(name)}.bin.gz", say_brush(name)
             contents["brushes"].append({"name": name, "chinese": chinese, "file": file})
             files[file] = lambda name=name, chinese=chinese: brush_table(name, chinese)  # type: ignore[misc]
-    contents["materials"] = {
-        material.name: {"file": f"materials/{_plain(material.name)}.bin.gz"} for material in made_of
-    }
+    contents["materials"] = []
     for material in made_of:
-        file = contents["materials"][material.name]["file"]
+        file = f"materials/{_plain(material.name)}.bin.gz"
+        words = {"name": material.name, "chinese": material.chinese, "file": file}
+        contents["materials"].append(words)
         files[file] = lambda material=material: material_table(material, pigments)  # type: ignore[misc]
     contents["inks"] = [
         {
@@ -140,21 +142,19 @@ def build_page(
         }
         for name in inks
     ]
-    _make_folder(out)
-    for done, (file, make) in enumerate(files.items()):
-        (out / file).parent.mkdir(exist_ok=True)
-        write_bundle(out / file, *make())
-        progress((done + 1) / (len(files) + 1))
-    _copy(kernels / index["code"]["wasm32"], out / "kernels.wasm")
-    _write_json(out / "kernels.json", _page_index(index))
-    _write_json(out / "contents.json", contents)
-    if page is not None:
-        for path in (out / "assets").glob("index-*"):
-            path.unlink()  # of an earlier page
-        for path in sorted(page.rglob("*")):
-            if path.is_file():
-                (out / path.relative_to(page)).parent.mkdir(exist_ok=True, parents=True)
-                _copy(path, out / path.relative_to(page))
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+        for done, (file, make) in enumerate(files.items()):
+            (out / file).parent.mkdir(exist_ok=True)
+            write_bundle(out / file, *make())
+            progress((done + 1) / (len(files) + 1))
+        _copy(kernels / index["code"]["wasm32"], out / "kernels.wasm")
+        _write_json(out / "kernels.json", _page_index(index))
+        _write_json(out / "contents.json", contents)
+        if page is not None:
+            _copy_page(page, out)
+    except OSError as cause:
+        raise ExportError("{file}: cannot write the page: {cause}", file=out, cause=cause) from None
     progress(1.0)
 
 
@@ -168,6 +168,15 @@ def _read_index(kernels: Path) -> dict[str, Any]:
         raise ExportError(
             "the kernels of the page are not compiled: {kernels} has none; expected them to be",
             kernels=kernels,
+            hint="python -m tools.kernels --for wasm32",
+        )
+    changed = [path for path, digest in index["sources"] if not is_unchanged(path, digest)]
+    if changed:
+        raise ExportError(
+            "the kernels of the page in {kernels} are those of other sources: {path} is not what "
+            "they were compiled from; expected them to be compiled again",
+            kernels=kernels,
+            path=changed[0],
             hint="python -m tools.kernels --for wasm32",
         )
     return index
@@ -246,13 +255,13 @@ def _plain(name: str) -> str:
     return re.sub(r"[^0-9A-Za-z._-]+", "-", Path(name).stem if "/" in name else name)
 
 
-def _make_folder(out: Path) -> None:
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-    except OSError as cause:
-        raise ExportError(
-            "{file}: cannot make the folder: {cause}", file=out, cause=cause
-        ) from None
+def _copy_page(page: Path, out: Path) -> None:
+    for path in (out / "assets").glob("index-*"):
+        path.unlink()  # of an earlier page
+    for path in sorted(page.rglob("*")):
+        if path.is_file():
+            (out / path.relative_to(page)).parent.mkdir(exist_ok=True, parents=True)
+            _copy(path, out / path.relative_to(page))
 
 
 def _copy(source: Path, target: Path) -> None:

@@ -23,6 +23,7 @@ from paint3d.brush_engine.ink_transfer import LINES
 from paint3d.brush_engine.scratch import make_scratch
 from paint3d.brush_engine.tuft import OUTLINE_CAPACITY, SCRATCH_SIZE
 from paint3d.brush_engine.vertex_query import CURSOR_SIZE, DISC_ROWS
+from paint3d.colour.glazing import srgb_primaries
 from paint3d.colour.layers import SAUNDERSON, to_internal
 from paint3d.colour.materials import Material
 from paint3d.colour.pigments import WATER, Pigment, load_palette
@@ -38,6 +39,7 @@ from paint3d.mesh.refined_mesh import PaintMesh
 from paint3d.mesh.sheet_mesh import sheet_of
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.painter.bristle_state import HairTuft
+from paint3d.surface.pores import fibre_frames, mobility_of, sieve_of
 
 __all__ = ["Table", "brush_table", "common_table", "material_table", "object_table"]
 
@@ -67,6 +69,7 @@ def common_table(pigments: Sequence[Pigment]) -> Table:
                 "chinese": pigment.chinese,
                 "saunderson": pigment.saunderson,
                 "lasting": pigment is not WATER,
+                "fine": pigment.fine,
                 "in_palette": palette.get(pigment.name) is pigment,
             }
             for pigment in pigments
@@ -79,6 +82,8 @@ def common_table(pigments: Sequence[Pigment]) -> Table:
         "live_bands": bands.astype(np.int32),
         "live_weights": weights,
         "rgb_weights": rgb_weights(),
+        "srgb_primaries": srgb_primaries().astype(np.float32),
+        "fibre_frames": fibre_frames(),
         **{f"K.{pigment.name}": pigment.K for pigment in pigments},
         **{f"S.{pigment.name}": pigment.S for pigment in pigments},
     }
@@ -167,10 +172,22 @@ def material_table(material: Material, pigments: Sequence[Pigment]) -> Table:
         "uptake": material.uptake,
         "slip": material.slip,
         "seen_roughness": material.seen_roughness,
+        "pores_mm": material.pores_mm,
+        "residual": material.residual,
+        "advance": material.advance,
+        "spread_mm2_s": material.spread_mm2_s,
+        "passing": material.passing,
+        "drying_mm_s": material.drying_mm_s,
+        "sieve": sieve_of(material),
+        "mobility": {
+            pigment.name: float(mobility_of(material, np.array([pigment.grain_um], float))[0])
+            for pigment in pigments
+        },
         "bends": {},
     }
     reflectance = np.asarray(material.reflectance, np.float64)
     arrays: dict[str, AnyArray] = {
+        "reflectance": reflectance.astype(np.float32),
         "bare": srgb_from_reflectance(material.reflectance),
         "bare_linear_rgb": ColourModel(pigments[:1], reflectance).bare_linear_rgb,
         "ground": np.maximum(to_internal(reflectance, 0.0, 0.0), 0.0),

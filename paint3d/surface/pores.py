@@ -27,11 +27,35 @@ __all__ = [
     "Pores",
     "capacity_of",
     "close_pores",
+    "even_exp",
+    "fibre_frames",
     "fibre_relief",
     "film_of",
     "find_pores",
     "mobility_of",
+    "sieve_of",
 ]
+
+# ---- The same on all machines --------------------------------------------------------------------
+
+_LN2_HIGH, _LN2_LOW = float.fromhex("0x1.62e42feep-1"), float.fromhex("0x1.a39ef35793c76p-33")
+_TERMS = 14
+
+
+def even_exp(x: AnyArray) -> NDArray[np.float64]:
+    """Return e to the power of x (N,), -700 to 700, to a unit of the last digit.
+
+    NumPy's differs in last bits between processors, and from a browser's: this one is made of sums
+    and products alone, which nobody rounds otherwise. `web/src/surface/pores.ts` has the same.
+    """
+    k = np.floor(x * (1.0 / (_LN2_HIGH + _LN2_LOW)) + 0.5)
+    r = (x - k * _LN2_HIGH) - k * _LN2_LOW
+    series = np.ones_like(r)
+    for n in range(_TERMS, 0, -1):
+        series = 1.0 + series * r / n
+    result: NDArray[np.float64] = np.ldexp(series, k.astype(np.int32))
+    return result
+
 
 # ---- Fibres --------------------------------------------------------------------------------------
 # The fibres of a sheet: streaks of solid noise along which water advances further.
@@ -50,7 +74,7 @@ _USUAL, _SPAN = 0.74, 0.12  # of the maximum of so many noises: mean, and twice 
 _ASKEW = np.array([0.3, 0.5, 0.8])  # along none of the directions
 
 
-def _frames() -> NDArray[np.float64]:
+def fibre_frames() -> NDArray[np.float64]:
     """Return (K, 3, 3) frames whose first rows are evenly spread over a half sphere."""
     i = np.arange(_DIRECTIONS) + 0.5
     turn, z = np.pi * (1.0 + 5.0**0.5) * i, 1.0 - i / _DIRECTIONS  # Fibonacci lattice
@@ -61,7 +85,7 @@ def _frames() -> NDArray[np.float64]:
     return np.stack([along, across, np.cross(along, across)], axis=1)
 
 
-_FRAMES = _frames()
+_FRAMES = fibre_frames()
 
 
 def fibre_relief(points: NDArray[np.float64], width_mm: float) -> NDArray[np.float64]:
@@ -72,9 +96,14 @@ def fibre_relief(points: NDArray[np.float64], width_mm: float) -> NDArray[np.flo
         fill_grain(points + 31.7 * axis, _BENDS_MM, height)
         bent[:, axis] += _BENT * _BENDS_MM * (height - 0.5)
     strongest = np.zeros(len(points))
-    scale = np.array([_LONG * width_mm, width_mm, width_mm])
+    x, y, z = bent.T
+    turned = np.empty_like(points)
     for k, frame in enumerate(_FRAMES):
-        fill_grain(np.ascontiguousarray(bent @ frame.T / scale + 7.7 * k), 1.0, height)
+        for axis, (a, b, c) in enumerate(frame):
+            size = width_mm if axis else _LONG * width_mm
+            # not a product of matrices, which sums in an order of its own
+            turned[:, axis] = (x * a + y * b + z * c) / size + 7.7 * k
+        fill_grain(turned, 1.0, height)
         np.maximum(strongest, height, out=strongest)
     relief: NDArray[np.float64] = np.clip((strongest - _USUAL) / _SPAN, -1.0, 1.0)
     return relief
@@ -136,6 +165,11 @@ def mobility_of(drink: Material, grain_um: AnyArray) -> NDArray[np.float64]:
     return result
 
 
+def sieve_of(drink: Material) -> float:
+    """Return the potential above which pores let all pigment pass, as a part of their strength."""
+    return float(np.clip(_SIEVE * (1.0 - drink.passing), 0.0, 1.0)) ** 3
+
+
 class Pores(NamedTuple):
     """Pore properties at points, (N,) float64 each; see the same names in `WetPatch`."""
 
@@ -159,15 +193,15 @@ def find_pores(points: AnyArray, drink: Material, spacing: float) -> Pores:
     residual = np.clip(drink.residual * (1.0 + relief), 0.0, 0.95)
     strength = capacity_of(drink) * drink.spread_mm2_s * (1.0 - residual) / 3.0
     held = capacity_of(drink) * np.maximum(residual, drink.advance * (1.0 + relief))
-    sieve = strength * np.clip(_SIEVE * (1.0 - drink.passing), 0.0, 1.0) ** 3
+    sieve = strength * sieve_of(drink)
     ways = np.maximum(0.05, 1.0 + _GRAIN_OF_WAYS * bump)
     if fibres is not None:
-        sieve *= np.exp(-_FIBRES_OF_SIEVE * drink.grain * fibres)
-        ways *= np.exp(_FIBRES_OF_WAYS * drink.grain * fibres - _FLOCS_OF_WAYS * relief)
+        sieve *= even_exp(-_FIBRES_OF_SIEVE * drink.grain * fibres)
+        ways *= even_exp(_FIBRES_OF_WAYS * drink.grain * fibres - _FLOCS_OF_WAYS * relief)
     tight = min(1.0, drink.pores_mm / _RAW_MM) if drink.pores_mm else 1.0  # sized: narrower pores
     catch = np.full(len(points), _CATCH_MM * tight)
     if fibres is not None:
-        catch *= np.exp(_FIBRES_OF_CATCH * drink.grain * fibres - _FLOCS_OF_CATCH * relief)
+        catch *= even_exp(_FIBRES_OF_CATCH * drink.grain * fibres - _FLOCS_OF_CATCH * relief)
     return Pores(residual, strength, sieve, catch, held, ways)
 
 
@@ -191,7 +225,7 @@ def close_pores(
     low, high = _SHEDS
     sheds = np.clip((drink.advance - low) / (high - low), 0.0, 1.0) if drink.pores_mm else 1.0
     pinned = film_of(drink) * _POOL_MM * sheds
-    return held, pores.strength * s**3 + pinned, pores.ways * (1.0 - _GLUE_OF_WAYS * closed)
+    return held, pores.strength * (s * s * s) + pinned, pores.ways * (1.0 - _GLUE_OF_WAYS * closed)
 
 
 def _floc_relief(points: AnyArray) -> AnyArray:

@@ -14,7 +14,7 @@ from paint3d.surface.flow_graph import with_room
 from paint3d.surface.ink_store import InkStore
 from paint3d.surface.kernels.diffusion import give_back, mark_news
 from paint3d.surface.kernels.wet_step import WetFields
-from paint3d.surface.pores import Pores, close_pores, find_pores, mobility_of
+from paint3d.surface.pores import Pores, close_pores, even_exp, find_pores, mobility_of
 
 __all__ = ["FIRST_PACE", "WetPatch"]
 
@@ -207,7 +207,9 @@ class WetPatch:
         change = (now - self.written[at]).astype(np.float64)
         node, share = graph.node_of[at], self.share[at]
         depths = [WET_COAT_MM if p is WATER else WET_INK_MM for p in self._store.pigments]
-        came = np.maximum(change, 0.0) @ np.array(depths)
+        came = np.zeros(len(at))
+        for column, depth in enumerate(depths):  # see `fibre_relief`: no product of matrices
+            came += np.maximum(change[:, column], 0.0) * depth
         went = np.maximum(-change, 0.0).sum(axis=1)
         before = self.written[at].sum(axis=1, dtype=np.float64)
         kept = 1.0 - share * np.divide(went, before, out=np.zeros_like(went), where=before > 0)
@@ -366,7 +368,7 @@ class WetPatch:
             spacing = float(self._store.paint_mesh.arrays.resolution)
             pores = find_pores(graph.points[nodes], self.material, spacing)
             self.residual[nodes], self.strength[nodes], self.sieve[nodes] = pores[:3]
-            self.catch[nodes] = 1.0 - np.exp(-np.sqrt(graph.area[nodes]) / pores.catch)
+            self.catch[nodes] = 1.0 - even_exp(-np.sqrt(graph.area[nodes]) / pores.catch)
             self.bare_held[nodes], self.bare_ways[nodes] = pores.held, pores.ways
             self._close_pores(np.arange(nodes.start, nodes.stop))
             # Each vertex has the fraction of its node's area that is its own.

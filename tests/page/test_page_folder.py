@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gzip
+import hashlib
 import json
 import re
 import shutil
@@ -12,12 +13,14 @@ from typing import Any
 import numpy as np
 import pytest
 
+import paint3d
 from paint3d.cli.main import main
 from paint3d.errors import ExportError, InputError, UnknownNameError
 from paint3d.page.bundle import write_bundle
 from paint3d.page.folder import KERNELS, PageObject, build_page
 from tests.support.web_page import decoded_bundle
 
+SOURCE = Path(paint3d.__file__).parent / "mesh" / "kernels" / "bvh.py"
 SMALL = [PageObject("sheet:40x30", 2.0)]
 
 
@@ -34,7 +37,9 @@ def kernels(tmp_path_factory: pytest.TempPathFactory) -> Path:
         ],
     }  # fmt: skip
     kernel = {"sources": [], "codes": [code]}
-    index = {"format": 2, "code": {"wasm32": "k.wasm"}, "kernels": {"paint3d.a": kernel}}
+    source = ["paint3d/mesh/kernels/bvh.py", hashlib.sha256(SOURCE.read_bytes()).hexdigest()]
+    index = {"format": 2, "code": {"wasm32": "k.wasm"}, "kernels": {"paint3d.a": kernel},
+             "sources": [source]}  # fmt: skip
     (folder / "index.json").write_text(json.dumps(index))
     (folder / "k.wasm").write_bytes(b"\0asm")
     return folder
@@ -53,7 +58,7 @@ def test_what_there_is_can_be_chosen_by_its_names_in_both_languages(folder: Path
     assert (sheet["name"], sheet["resolution"], sheet["material"]) == ("sheet:40x30", 2.0, "xuan")
     assert (brush["name"], brush["chinese"]) == ("xiaokai", "小楷")
     assert contents["inks"][1]["parts"] == {"pine soot": 0.09, "water": 0.91}
-    for file in (sheet["file"], brush["file"], contents["materials"]["xuan"]["file"]):
+    for file in (sheet["file"], brush["file"], contents["materials"][0]["file"]):
         assert re.fullmatch(r"[\w/.-]+", file)
         assert (folder / file).is_file()
 
@@ -138,6 +143,27 @@ def test_what_is_to_be_built_first_is_said(kernels: Path, tmp_path: Path) -> Non
         build_page(tmp_path / "out", page=tmp_path, kernels=kernels)
     assert "npm run build" in str(lacking.value)
     assert not (tmp_path / "out").exists()
+
+
+def test_kernels_of_other_sources_are_not_shipped(kernels: Path, tmp_path: Path) -> None:
+    old = shutil.copytree(kernels, tmp_path / "old")
+    index = json.loads((old / "index.json").read_text())
+    index["sources"][0][1] = "0" * 64
+    (old / "index.json").write_text(json.dumps(index))
+    with pytest.raises(ExportError, match="are those of other sources") as stale:
+        build_page(tmp_path / "out", page=None, kernels=old)
+    assert "mesh/kernels/bvh.py is not what they were compiled from" in str(stale.value)
+    assert "python -m tools.kernels --for wasm32" in str(stale.value)
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_file_where_a_folder_is_needed_is_said_in_a_line(kernels: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    out.mkdir()
+    (out / "objects").write_text("a file")
+    with pytest.raises(ExportError, match="out: cannot write the page: ") as cannot:
+        build_page(out, SMALL, ["xiaokai"], ["pine soot"], page=None, kernels=kernels)
+    assert len(str(cannot.value).splitlines()) == 1
 
 
 @pytest.mark.parametrize(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import hashlib
 import json
 import os
 import shutil
@@ -13,12 +14,15 @@ from typing import Any
 import numpy as np
 import pytest
 
+from paint3d.app.model.score.playing import painted
 from paint3d.brush.spec import DipAmount
 from paint3d.device.recorded import Recording
 from paint3d.files.load import load_mesh
+from paint3d.mesh.likeness import digest_of
 from paint3d.page.folder import KERNELS, PageObject, build_page
 from paint3d.painter.painter import Painter
 from paint3d.recording.recording import load_recording, save_recording
+from paint3d.recording.score import load_score
 from paint3d.surface.painted_surface import PaintedSurface
 from tests.support.web_page import hashes_of, replay_script, why_no_kernels
 
@@ -31,7 +35,7 @@ pytestmark = [
 SOOT = {"pine soot": 1.0}
 OBJECTS = [
     PageObject("bowl", 0.5), PageObject("bowl", 0.3), PageObject("square", 0.4),
-    PageObject("sheet:60x60", 30.0),
+    PageObject("square", 0.8), PageObject("bowl", 0.8), PageObject("sheet:60x60", 30.0),
 ]  # fmt: skip
 CASES: dict[str, dict[str, Any]] = {
     "demo on the bowl, .5 mm": {"resolution": 0.5},
@@ -55,10 +59,46 @@ CASES: dict[str, dict[str, Any]] = {
                            "material": "porcelain", "brush": "zhongkai"},
     "lines without pressure": {"recording": "unpressed", "object": "square", "resolution": 0.4,
                                "brush": "zhongkai"},
+    "lines in wet ink": {
+        "recording": "lines", "object": "square", "resolution": 0.8, "brush": "zhongkai",
+        "parts": {"pine soot": 1.0, "water": 2.0}, "wet": 1.0,
+    },
+    "lines in wet ink of two pigments, some of it dry": {
+        "recording": "lines", "object": "square", "resolution": 0.8, "brush": "full",
+        "parts": {"cinnabar": 1.0, "indigo": 1.0, "water": 3.0}, "wet": 25.0,
+    },
+    "wet ink in a bowl of paper": {
+        "recording": "in the bowl", "resolution": 0.8, "material": "xuan", "brush": "zhongkai",
+        "parts": {"pine soot": 1.0, "water": 1.0}, "wet": 0.5,
+    },
+    "wet ink on porcelain": {
+        "recording": "lines", "object": "square", "resolution": 0.8, "brush": "zhongkai",
+        "material": "porcelain", "wet": 0.5,
+    },
     "one vertex at each corner": {"recording": "lines", "object": "sheet:60x60",
                                   "resolution": 30.0},
 }  # fmt: skip
 
+RUNS = {"do": "follow_time", "seconds": 0.05, "times": 6}
+RED = {"do": "dip", "ink": {"cinnabar": 1.0}}
+# whole paintings: strokes by where they are shifted to, mm, between what a page can do
+SCORES: dict[str, list[Any]] = {
+    "strokes that erase": [
+        (0, 0), (5, -10), ("erase", 0, -5), {"do": "undo"}, ("erase", 3, -4), (0, -6),
+    ],
+    "layers, one of them hidden, one faded": [
+        (0, 0), {"do": "add_layer"}, RED, (5, -3), RUNS,
+        {"do": "set_opacity", "place": 1, "opacity": 0.5}, {"do": "select_layer", "place": 0},
+        (2, -5), {"do": "move_layer", "place": 1, "to": 0}, {"do": "add_layer"}, (1, -7),
+        {"do": "dry"}, {"do": "set_visible", "place": 0, "visible": False},
+    ],
+    "layers with ink that runs, undone": [
+        (0, 0), RUNS, {"do": "dry"}, {"do": "add_layer"}, RED, (5, -3), RUNS,
+        {"do": "select_layer", "place": 0}, {"do": "undo"}, (2, -5),
+        {"do": "remove_layer", "place": 1}, {"do": "undo"}, ("erase", 2, -6),
+        {"do": "set_opacity", "place": 0, "opacity": 0.3}, RUNS,
+    ],
+}  # fmt: skip
 HAIRS = "lines by single hairs"
 HAIR_CASE = {"recording": "lines", "object": "square", "resolution": 0.4, "brush": "feibai",
              "live": 50}  # fmt: skip
@@ -99,13 +139,50 @@ def recordings(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
 
 
 @pytest.fixture(scope="module")
+def scores(
+    recordings: dict[str, Path], tmp_path_factory: pytest.TempPathFactory
+) -> dict[str, Path]:
+    folder, mesh = tmp_path_factory.mktemp("scores"), load_mesh("square")
+    head = {
+        "format": "paint3d-recording", "version": 2, "object": "square", "mesh": digest_of(mesh),
+        "resolution_mm": 0.8, "material": "xuan", "brush": "zhongkai", "ink": SOOT,
+        "azimuth": "commanded", "space": "world",
+        "units": {"position": "mm", "time": "ns", "force": "N"},
+    }  # fmt: skip
+    rows = list(map(json.loads, recordings["lines"].read_text().splitlines()))[1:]
+    first = [row | {"buttons": 0} for row in rows[: len(rows) // 3 : 2]]
+    paths = {}
+    for name, events in SCORES.items():
+        said: list[dict[str, Any]] = [head]
+        for k, event in enumerate(events):
+            if isinstance(event, dict):
+                said.append(event)
+                continue
+            x, y = event[-2:]
+            said.append({"do": "begin_stroke"} | ({"erase": True} if len(event) == 3 else {}))
+            for row in first:
+                shifted = {
+                    key: [row[key][0] + x, row[key][1] + y, row[key][2]]
+                    for key in ("position", "contact")
+                }
+                said.append(row | shifted | {"time_ns": row["time_ns"] + 10_000_000_000 * k})
+            said.append({"do": "end_stroke"})
+        paths[name] = folder / f"{len(paths)}.score.jsonl"
+        paths[name].write_text("\n".join(map(json.dumps, said)) + "\n")
+    return paths
+
+
+@pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return tmp_path_factory.mktemp("page")
 
 
 @pytest.fixture(scope="module")
 def in_node(
-    recordings: dict[str, Path], folder: Path, tmp_path_factory: pytest.TempPathFactory
+    recordings: dict[str, Path],
+    scores: dict[str, Path],
+    folder: Path,
+    tmp_path_factory: pytest.TempPathFactory,
 ) -> dict[str, dict[str, Any]]:
     """What Node paints, by the names of the cases."""
     script = replay_script(tmp_path_factory.mktemp("replay"))
@@ -116,6 +193,7 @@ def in_node(
     build_page(folder, OBJECTS, brushes, inks, page=None, materials=["porcelain", "xuan"])
     by_hairs = words(HAIR_CASE, recordings) | {"save": os.fspath(folder / HAIRS)}
     asked = [words(case, recordings) for case in CASES.values()]
+    asked += [{"score": os.fspath(path)} for path in scores.values()]
     done = subprocess.run(
         ["node", script, os.fspath(folder), *map(json.dumps, [*asked, by_hairs])],
         capture_output=True,
@@ -123,7 +201,7 @@ def in_node(
         check=False,
     )
     assert done.returncode == 0, done.stderr
-    names = [*CASES, HAIRS]
+    names = [*CASES, *SCORES, HAIRS]
     return dict(zip(names, map(json.loads, done.stdout.splitlines()), strict=True))
 
 
@@ -146,7 +224,8 @@ def in_python(case: dict[str, Any]) -> tuple[PaintedSurface, dict[str, float]]:
             painter.advance(samples[k : k + case["live"]])
         painter.finish()
     else:
-        painter.replay(recording)
+        painter.replay(recording, wet="wet" in case)
+        painter.rest(int(recording.time_ns[-1]), case.get("wet", 0.0))
     return surface, painter.ledger()
 
 
@@ -156,18 +235,32 @@ def test_a_recording_gives_the_same_bytes_in_the_page(
 ) -> None:
     surface, ledger = in_python(words(CASES[name], recordings))
     hashes, found = hashes_of(surface), in_node[name]
+    if "wet" in CASES[name]:
+        dry = surface.dry_layers
+        rows = (dry.vertex_ids, dry.spectra, dry.amounts)
+        hashes["dried"] = hashlib.sha256(b"".join(row.tobytes() for row in rows)).hexdigest()
     for key, ours in hashes.items():  # seen with -s
         print(f"{name}: {key}: {str(ours)[:16]} in Python, {str(found[key])[:16]} in the page")
     assert {key: found[key] for key in hashes} == hashes
     assert ledger["wet"] > 0.0
     accounts = {
         "loaded": "loaded",
+        "dry": "dry",
         "in_brush": "inBrush",
         "wet": "wet",
         "off_surface": "offSurface",
     }
     for ours, theirs in accounts.items():
         assert found["ledger"][theirs] == pytest.approx(ledger[ours], rel=1e-9, abs=1e-6), ours
+
+
+@pytest.mark.parametrize("name", SCORES)
+def test_a_whole_painting_gives_the_same_bytes_in_the_page(
+    name: str, in_node: dict[str, dict[str, Any]], scores: dict[str, Path]
+) -> None:
+    surface = painted(load_score(scores[name]), load_mesh("square")).surface
+    hashes, found = hashes_of(surface), in_node[name]
+    assert {key: found[key] for key in hashes} == hashes
 
 
 def test_single_hairs_paint_the_same_but_for_the_estimate_of_a_root(
@@ -187,7 +280,8 @@ def test_single_hairs_paint_the_same_but_for_the_estimate_of_a_root(
 
 
 def test_a_painting_in_the_page_loses_no_ink(in_node: dict[str, dict[str, Any]]) -> None:
-    for name, found in in_node.items():
+    for name in [*CASES, HAIRS]:
+        found = in_node[name]
         accounts = found["ledger"]
-        rest = accounts["inBrush"] + accounts["wet"] + accounts["offSurface"]
+        rest = accounts["inBrush"] + accounts["wet"] + accounts["dry"] + accounts["offSurface"]
         assert accounts["loaded"] == pytest.approx(rest, rel=1e-6), name

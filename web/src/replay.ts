@@ -1,5 +1,5 @@
 /**
- * Paint recordings in Node, and print what came of it as JSON: what the tests compare with the
+ * Paint recordings and scores in Node, and print what came of it as JSON: what the tests compare with the
  * desktop's. `node replay.mjs FOLDER '{"recording": .., "object": .., "resolution": ..}' ...`
  */
 
@@ -10,12 +10,15 @@ import { join } from "node:path";
 import process from "node:process";
 import { gunzipSync } from "node:zlib";
 
+import { Document } from "./page/document";
 import { FULL_DIP, type DipAmount } from "./brush/brush";
 import { Painter } from "./painter/painter";
 import { readRecording } from "./recording/recording";
+import type { PaintedSurface } from "./surface/painted_surface";
 import { Studio } from "./studio";
 
 interface Asked {
+  score?: string; // a whole painting, by a page
   recording: string;
   object: string;
   resolution: number;
@@ -26,6 +29,7 @@ interface Asked {
   amount?: DipAmount;
   pickup?: number;
   save?: string; // a file for the codes, and after them the amounts
+  wet?: number; // the ink spreads, and goes on for so many seconds
   live?: number; // samples handed over at once, as a hand does; a whole recording without
 }
 
@@ -33,7 +37,41 @@ function sha(bytes: Uint8Array): string {
   return createHash("sha256").update(bytes).digest("hex");
 }
 
+/** Of what has dried: the vertices, and what they show. */
+function dried({ dryLayers: { ids, count, spectra, amounts } }: PaintedSurface): string {
+  const bytes = [ids.subarray(0, count), spectra.data.subarray(0, 31 * count), amounts].map(
+    (array) => new Uint8Array(array.buffer, array.byteOffset, array.byteLength),
+  );
+  const n = count === 0 ? 0 : (amounts.length / ids.length) * count;
+  return sha(Buffer.concat([bytes[0], bytes[1], bytes[2].subarray(0, 4 * n)]));
+}
+
+/** What a score gives. */
+async function repeat(studio: Studio, path: string): Promise<unknown> {
+  const text = await readFile(path, "utf-8");
+  const head = JSON.parse(text.slice(0, text.indexOf("\n"))) as Record<string, unknown>;
+  const about = studio.contents.objects.find(
+    (one) => one.name === head.object && one.resolution === head.resolution_mm,
+  );
+  const ink = studio.contents.inks.find((one) => JSON.stringify(one.parts) === JSON.stringify(head.ink));
+  if (about === undefined || ink === undefined) throw new Error(`${path}: the page has none of it`);
+  const document = await Document.open(studio, about, head.brush as string, ink.name, head.material as string);
+  await document.repeat(studio, text, async () => {});
+  return { ...hashes(document.surface), ledger: document.painter.ledger() };
+}
+
+function hashes(surface: PaintedSurface): Record<string, unknown> {
+  const n = surface.nVertices;
+  return {
+    vertices: n,
+    srgb: sha(surface.codes.bytes.subarray(0, 3 * n)),
+    amounts: sha(surface.ink.amounts.bytes.subarray(0, 4 * n * surface.pigments.length)),
+    coverage: sha(surface.ink.coverage.bytes.subarray(0, 4 * n)),
+  };
+}
+
 async function paint(studio: Studio, asked: Asked): Promise<unknown> {
+  if (asked.score !== undefined) return repeat(studio, asked.score);
   const { surface } = await studio.surface(asked.object, asked.resolution, asked.material);
   const painter = new Painter(
     studio.kernels, studio.sizes, surface, await studio.brush(asked.brush),
@@ -43,7 +81,10 @@ async function paint(studio: Studio, asked: Asked): Promise<unknown> {
   const text = (bytes[0] === 0x1f ? gunzipSync(bytes) : bytes).toString("utf-8");
   const recording = readRecording(text, asked.recording);
   const began = performance.now();
-  if (asked.live === undefined) painter.replay(recording);
+  if (asked.live === undefined) {
+    painter.replay(recording, asked.wet !== undefined);
+    painter.rest(recording.samples[recording.samples.length - 1].timeNs, asked.wet ?? 0.0);
+  }
   else {
     for (let k = 0; k < recording.samples.length; k += asked.live) {
       painter.advance(recording.samples.slice(k, k + asked.live));
@@ -60,10 +101,8 @@ async function paint(studio: Studio, asked: Asked): Promise<unknown> {
     await writeFile(asked.save, Buffer.concat([codes, surface.ink.amounts.bytes.subarray(0, 4 * n * count)]));
   }
   return {
-    vertices: n,
-    srgb: sha(surface.codes.bytes.subarray(0, 3 * n)),
-    amounts: sha(surface.ink.amounts.bytes.subarray(0, 4 * n * count)),
-    coverage: sha(surface.ink.coverage.bytes.subarray(0, 4 * n)),
+    ...hashes(surface),
+    ...(asked.wet === undefined ? {} : { dried: dried(surface) }),
     ledger: painter.ledger(),
     seconds,
   };

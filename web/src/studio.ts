@@ -17,7 +17,7 @@ export interface Contents {
   objects: { name: string; chinese: string; resolution: number; material: string; file: string }[];
   brushes: { name: string; chinese: string; file: string }[];
   inks: { name: string; chinese: string; parts: Record<string, number>; srgb: number[] }[];
-  materials: Record<string, { file: string }>;
+  materials: { name: string; chinese: string; file: string }[];
 }
 
 /** What lies below the ink: a material, and its tables. */
@@ -46,6 +46,7 @@ export class Studio {
   readonly bundles: NDArray<"i4">;
   readonly colourTables: ColourTables;
   readonly sizes: Sizes;
+  readonly fibreFrames: Float64Array;
   readonly #pigments: Map<string, Pigment>;
   readonly #brushes = new Map<string, Promise<Brush>>();
 
@@ -65,7 +66,9 @@ export class Studio {
       liveWeights: common.numbers("live_weights", "f8"),
       rgbWeights: common.numbers("rgb_weights", "f8"),
       saunderson: common.words.saunderson,
+      primaries: common.numbers("srgb_primaries", "f4"),
     };
+    this.fibreFrames = common.numbers("fibre_frames", "f8");
     this.#pigments = new Map(
       common.words.pigments.map((words) => [
         words.name,
@@ -135,8 +138,7 @@ export class Studio {
         `no object is called ${name} at ${resolution} mm; expected ` +
           this.contents.objects.map((o) => `${o.name} at ${o.resolution} mm`).join(", "),
       );
-    const material = this.contents.materials[materialName ?? found.material];
-    if (material === undefined) throw new UnknownNameError(`no material is called ${materialName}`);
+    const material = named(this.contents.materials, "material", materialName ?? found.material);
     const [object, tables] = await Promise.all([
       this.fetch(found.file).then((bytes) => Bundle.read<ObjectWords>(bytes, found.file)),
       this.fetch(material.file).then((bytes) => Bundle.read<Material>(bytes, material.file)),
@@ -152,6 +154,7 @@ function groundOf(tables: Bundle<Material & { bends?: Record<string, number> }>)
     material: tables.words,
     bare: tables.numbers("bare", "u1"),
     backing: {
+      reflectance: tables.numbers("reflectance", "f4"),
       bareLinearRgb: tables.numbers("bare_linear_rgb", "f4"),
       ground: tables.numbers("ground", "f8"),
       glossyGround: tables.numbers("glossy_ground", "f8"),

@@ -10,6 +10,14 @@ export interface Material {
   uptake: number;
   slip: number;
   seen_roughness: number;
+  pores_mm: number;
+  residual: number;
+  advance: number;
+  spread_mm2_s: number;
+  passing: number;
+  drying_mm_s: number;
+  sieve: number; // potential above which the pores let all pigment pass, by their strength
+  mobility: Record<string, number>; // of the pigments' grains
 }
 
 /** A pigment: a column of the ink's arrays. */
@@ -19,6 +27,7 @@ export interface Pigment {
   saunderson: boolean;
   lasting: boolean; // not water
   in_palette: boolean;
+  fine: number; // the part that goes with the water
   K: Float64Array;
   S: Float64Array;
 }

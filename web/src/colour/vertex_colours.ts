@@ -12,11 +12,13 @@ export interface ColourTables {
   liveWeights: Float64Array; // (bands, 3)
   rgbWeights: Float64Array; // (31, 3)
   saunderson: readonly [number, number];
+  primaries: Float32Array; // (31, 3) spectra of red, green and blue
 }
 
 /** What it says of one. */
 export interface Backing {
   bareLinearRgb: Float32Array;
+  reflectance: Float32Array; // (31,) as measured
   ground: Float64Array; // (31,) behind a matt film
   glossyGround: Float64Array; // and behind a glossy one
   tables: Record<string, { table: Float32Array; shades: Uint8Array; bend: number }>;

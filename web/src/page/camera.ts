@@ -1,11 +1,12 @@
 /** From where the object is seen: a perspective camera that turns about a place. */
 
 import type { Vector } from "../core/quaternion";
-import { cross, lengthOf, minus, plus, times, turned, unit } from "../core/vectors";
+import { cross, dot, lengthOf, minus, plus, times, turned, unit } from "../core/vectors";
 
 const VIEW_ANGLE = (28.0 * Math.PI) / 180.0;
 const TURN_A_PIXEL = 0.006; // rad
 const NEAREST_TO_POLE = 0.02; // rad
+const FILLED = 0.9; // of what is free of the picture, by the object
 
 /** A column-major matrix (4, 4). */
 export type Matrix = Float32Array;
@@ -16,20 +17,50 @@ export class Camera {
   #toEye: Vector = [0, 0, 1]; // unit
   #up: Vector = [0, 1, 0]; // unit, about
 
+  #free: readonly [number, number, number, number] = [-1, 1, -1, 1];
+
   constructor(
-    private middle: Vector,
-    private radius: number,
+    private readonly middle: Vector,
+    private readonly radius: number,
     private readonly flat: boolean,
+    private readonly points: readonly Vector[], // some, all over the object
   ) {
     this.showAll(1.0);
+  }
+
+  /** Have the focus in the middle of a part of the picture: left, right, bottom, top, -1 to 1. */
+  setFree(part: readonly [number, number, number, number]): void {
+    this.#free = part;
+  }
+
+  /** Where the focus is in the picture. */
+  get #centre(): [number, number] {
+    const [left, right, bottom, top] = this.#free;
+    return [0.5 * (left + right), 0.5 * (bottom + top)];
   }
 
   /** See the whole object, from where it is painted best. */
   showAll(aspect: number): void {
     this.focus = this.middle;
-    this.#toEye = this.flat ? unit([0.0, -0.28, 1.0]) : unit([0.12, -1.0, 0.75]);
+    this.#toEye = this.flat ? unit([0.0, -0.28, 1.0]) : unit([0.1, -1.0, 1.08]);
     this.#up = this.flat ? [0, 1, 0] : [0, 0, 1];
-    this.away = (1.06 * this.radius) / Math.sin(0.5 * VIEW_ANGLE) / Math.min(1.0, aspect);
+    const [left, right, bottom, top] = this.#free;
+    const tall = Math.tan(0.5 * VIEW_ANGLE) * FILLED;
+    const half = [0.5 * (right - left) * aspect * tall, 0.5 * (top - bottom) * tall];
+    const axes = this.axes;
+    const seen = this.points.map((point) => axes.map((axis) => dot(axis, minus(point, this.middle))));
+    const shift = [0.0, 0.0];
+    for (let again = 0; again < 6; again++) {
+      this.away = 0.0;
+      for (const at of seen)
+        for (let k = 0; k < 2; k++)
+          this.away = Math.max(this.away, at[2] + Math.abs(at[k] - shift[k]) / half[k]);
+      for (let k = 0; k < 2; k++) {
+        const sides = seen.map((at) => (at[k] - shift[k]) / (this.away - at[2]));
+        shift[k] += 0.5 * this.away * (Math.min(...sides) + Math.max(...sides));
+      }
+    }
+    this.focus = plus(this.middle, plus(times(axes[0], shift[0]), times(axes[1], shift[1])));
   }
 
   get eye(): Vector {
@@ -64,7 +95,9 @@ export class Camera {
     const away = Math.min(Math.max(this.away / factor, 0.05 * this.radius), 12.0 * this.radius);
     const [right, up] = this.axes;
     const step = (this.away - away) * Math.tan(0.5 * VIEW_ANGLE);
-    this.focus = plus(this.focus, plus(times(right, x * aspect * step), times(up, y * step)));
+    const [cx, cy] = this.#centre;
+    const [aside, above] = [(x - cx) * aspect * step, (y - cy) * step];
+    this.focus = plus(this.focus, plus(times(right, aside), times(up, above)));
     this.away = away;
   }
 
@@ -72,7 +105,8 @@ export class Camera {
   ray(x: number, y: number, aspect: number): Vector {
     const [right, up, back] = this.axes;
     const tall = Math.tan(0.5 * VIEW_ANGLE);
-    const aside = plus(times(right, x * tall * aspect), times(up, y * tall));
+    const [cx, cy] = this.#centre;
+    const aside = plus(times(right, (x - cx) * tall * aspect), times(up, (y - cy) * tall));
     return unit(minus(aside, back));
   }
 
@@ -87,9 +121,10 @@ export class Camera {
     const at = (axis: Vector): number => -(axis[0] * eye[0] + axis[1] * eye[1] + axis[2] * eye[2]);
     const rows = [right, up, back].map((axis) => [...axis, at(axis)]);
     const result = new Float32Array(16);
+    const [cx, cy] = this.#centre;
     for (let k = 0; k < 4; k++) {
-      result[4 * k] = (f / aspect) * rows[0][k];
-      result[4 * k + 1] = f * rows[1][k];
+      result[4 * k] = (f / aspect) * rows[0][k] - cx * rows[2][k];
+      result[4 * k + 1] = f * rows[1][k] - cy * rows[2][k];
       result[4 * k + 2] = a * rows[2][k] + (k === 3 ? b : 0.0);
       result[4 * k + 3] = -rows[2][k];
     }

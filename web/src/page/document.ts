@@ -4,11 +4,26 @@ import type { Kernels } from "../core/kernels";
 import type { Brush } from "../brush/brush";
 import type { Contents, Studio } from "../studio";
 import { ClosestPoints } from "../mesh/closest_points";
-import { Painter, type Kept } from "../painter/painter";
-import type { DeviceSample } from "../recording/recording";
+import { Painter, PIECE_S, type Kept } from "../painter/painter";
+import { AT_REST, RecordingError, type DeviceSample } from "../recording/recording";
+import { Eraser } from "../surface/eraser";
+import type { LayerStack } from "../surface/layer_stack";
 import type { PaintedSurface, Snapshot } from "../surface/painted_surface";
 
 const MOST_STEPS = 30;
+const MOST_BYTES = 1 << 28; // of the steps that can be undone, but for the last
+
+/** What is done to the layers, as a score says it. */
+export type LayerEdit =
+  | { do: "add_layer" }
+  | { do: "remove_layer"; place: number }
+  | { do: "select_layer"; place: number }
+  | { do: "move_layer"; place: number; to: number }
+  | { do: "set_visible"; place: number; visible: boolean }
+  | { do: "set_opacity"; place: number; opacity: number };
+const LAYER_EDITS = new Set(
+  ["add_layer", "remove_layer", "select_layer", "move_layer", "set_visible", "set_opacity"],
+); // prettier-ignore
 
 type Line = Record<string, unknown>;
 
@@ -23,10 +38,14 @@ export class Document {
   #lines: Line[] = [];
   #steps: Step[] = [];
   #inStroke = false;
+  #eraser: Eraser | null = null; // while a stroke erases
+  #giveBack: (() => void) | null = null; // the brush that waits meanwhile
   #lastNs = 0n;
+  dipped: Record<string, number> = {}; // parts of the last dip, by pigment
+  #taken = 0; // lines that were handed out, and do not change any more
 
   private constructor(
-    kernels: Kernels,
+    private readonly kernels: Kernels,
     readonly about: Contents["objects"][number],
     readonly surface: PaintedSurface,
     readonly painter: Painter,
@@ -40,11 +59,13 @@ export class Document {
   /** Open a fresh object. */
   static async open(
     studio: Studio, about: Contents["objects"][number], brushName: string, ink: string,
+    material: string = about.material,
   ): Promise<Document> {
     const [{ surface }, brush] = await Promise.all([
-      studio.surface(about.name, about.resolution),
+      studio.surface(about.name, about.resolution, material),
       studio.brush(brushName),
     ]);
+    surface.useLayers();
     const painter = new Painter(studio.kernels, studio.sizes, surface, brush, studio.ink(ink));
     const document = new Document(studio.kernels, about, surface, painter, ink);
     document.#lines.push({
@@ -79,15 +100,23 @@ export class Document {
 
   dip(studio: Studio, ink: string = this.ink): void {
     this.ink = ink;
-    this.painter.dip(studio.ink(ink));
-    this.#lines.push({ do: "dip", ink: studio.partsOf(ink) });
+    this.#dipIn(studio, studio.partsOf(ink));
   }
 
-  beginStroke(): void {
-    this.#steps.push({ painter: this.painter.keep(), surface: this.surface.keep() });
-    if (this.#steps.length > MOST_STEPS) this.#steps.shift();
+  #dipIn(studio: Studio, parts: Record<string, number>): void {
+    this.painter.dip(studio.mixture(parts));
+    this.dipped = parts;
+    this.#lines.push({ do: "dip", ink: parts });
+  }
+
+  /** Begin a stroke, or one that takes paint off with a full brush. */
+  beginStroke(erases = false): void {
+    this.#begin();
     this.#inStroke = true;
-    this.#lines.push({ do: "begin_stroke" });
+    this.#lines.push({ do: "begin_stroke", ...(erases ? { erase: true } : {}) });
+    if (!erases) return;
+    this.#giveBack = this.painter.lend();
+    this.#eraser = new Eraser(this.kernels, this.surface);
   }
 
   advance(samples: readonly DeviceSample[]): void {
@@ -95,16 +124,26 @@ export class Document {
       this.#lastNs = sample.timeNs;
       this.#lines.push(lineOf(sample));
     }
-    if (samples.length > 0) this.painter.advance(samples);
+    if (this.#eraser === null) {
+      if (samples.length > 0) this.painter.advance(samples);
+      return;
+    }
+    for (const sample of samples) {
+      this.painter.advance([sample]);
+      this.painter.loaded -= this.#eraser.wipe();
+    }
   }
 
   endStroke(): void {
     this.painter.finish();
+    if (this.#eraser !== null) this.painter.loaded -= this.#eraser.wipe();
+    this.#giveBack?.();
+    this.#giveBack = this.#eraser = null;
     this.#inStroke = false;
     this.#lines.push({ do: "end_stroke" });
   }
 
-  /** Take the last stroke back. */
+  /** Take the last stroke, or drying, back. */
   undo(): void {
     const step = this.#steps.pop();
     if (step === undefined) return;
@@ -112,15 +151,99 @@ export class Document {
     this.#lines.push({ do: "undo" });
   }
 
+  /** Let wet ink spread and dry for a time step. */
+  followTime(): void {
+    this.surface.water.followTime(PIECE_S);
+    const last = this.#lines[this.#lines.length - 1];
+    if (last.do === "follow_time" && this.#lines.length > this.#taken) last.times = Number(last.times ?? 1) + 1;
+    else this.#lines.push({ do: "follow_time", seconds: PIECE_S });
+  }
+
+  /** Let all wet paint dry at once: a step that can be undone. */
+  dry(): void {
+    if (this.#inStroke) return;
+    this.#begin();
+    this.surface.dry();
+    this.#lines.push({ do: "dry" });
+  }
+
+  get layers(): LayerStack {
+    return this.surface.useLayers();
+  }
+
+  /** Add, remove, move, hide or fade a layer, or paint on another one. */
+  restack(edit: LayerEdit): void {
+    if (this.#inStroke) return;
+    const { layers, surface } = this;
+    const isStep = edit.do !== "select_layer" && edit.do !== "set_visible";
+    if (isStep) this.#begin();
+    const shown = layers.paintedIds();
+    if (edit.do === "add_layer") layers.add();
+    else if (edit.do === "remove_layer") layers.remove(edit.place);
+    else if (edit.do === "move_layer") layers.move(edit.place, edit.to);
+    else if (edit.do === "select_layer") layers.activate(edit.place);
+    else if (edit.do === "set_visible") layers.describe(edit.place, { visible: edit.visible });
+    else layers.describe(edit.place, { opacity: edit.opacity });
+    if (edit.do !== "select_layer") surface.touch([...shown, ...layers.paintedIds()]);
+    this.#lines.push({ ...edit });
+  }
+
+  #begin(): void {
+    this.#steps.push({ painter: this.painter.keep(), surface: this.surface.keep() });
+    const isTooMuch = (): boolean =>
+      this.#steps.reduce((sum, { surface }) => sum + bytesIn({ ...surface, stack: null }), 0) > MOST_BYTES;
+    while (this.#steps.length > 1 && (this.#steps.length > MOST_STEPS || isTooMuch())) this.#steps.shift();
+  }
+
   /** When the last sample was, which the next has to come after. */
   get lastNs(): bigint {
     return this.#lastNs;
+  }
+
+  /** What was done since this was last asked, to be kept. */
+  takeNew(): string {
+    const lines = this.#lines.slice(this.#taken);
+    this.#taken = this.#lines.length;
+    return lines.map((line) => `${textOf(line)}\n`).join("");
+  }
+
+  /**
+   * Do what a score of a page says; `progress` is told the share that is done. Ends at a line that
+   * a page has not written.
+   */
+  async repeat(studio: Studio, text: string, progress: (share: number) => Promise<void>): Promise<void> {
+    const lines = text.split("\n").filter((line) => line !== "");
+    for (const [k, line] of lines.entries()) {
+      if (k === 0) continue; // the head, which this document was opened by
+      const row = JSON.parse(line) as Line;
+      if (row.do === undefined) this.advance([sampleOf(line, row)]);
+      else if (row.do === "set_brush") this.setBrush(await studio.brush(row.brush as string));
+      else if (row.do === "dip") this.#dipIn(studio, row.ink as Record<string, number>);
+      else if (row.do === "begin_stroke") this.beginStroke(row.erase === true);
+      else if (row.do === "end_stroke") this.endStroke();
+      else if (row.do === "undo") this.undo();
+      else if (row.do === "dry") this.dry();
+      else if (LAYER_EDITS.has(String(row.do))) this.restack(row as unknown as LayerEdit);
+      else if (row.do === "follow_time")
+        for (let n = Number(row.times ?? 1); n > 0; n--) this.followTime();
+      else throw new RecordingError(`line ${k + 1}: a page does not know ${String(row.do)}`);
+      if (row.do !== undefined) await progress((k + 1) / lines.length);
+    }
+    if (this.#inStroke) this.endStroke();
+    this.surface.refresh();
   }
 
   /** What was done, one thing a line. */
   score(): string {
     return `${this.#lines.map(textOf).join("\n")}\n`;
   }
+}
+
+/** The bytes of the arrays in something. */
+function bytesIn(what: unknown): number {
+  if (ArrayBuffer.isView(what)) return what.byteLength;
+  if (typeof what !== "object" || what === null) return 0;
+  return Object.values(what).reduce((sum: number, part) => sum + bytesIn(part), 0);
 }
 
 function lineOf(sample: DeviceSample): Line {
@@ -133,4 +256,19 @@ function textOf(line: Line): string {
   const time = line.time_ns as bigint | undefined;
   if (time === undefined) return JSON.stringify(line);
   return `{"time_ns": ${time}, ${JSON.stringify({ ...line, time_ns: undefined }).slice(1)}`;
+}
+
+function sampleOf(line: string, row: Line): DeviceSample {
+  const time = /"time_ns"\s*:\s*(-?\d+)/.exec(line);
+  if (time === null) throw new RecordingError("a sample has no time_ns");
+  return {
+    timeNs: BigInt(time[1]),
+    position: row.position as DeviceSample["position"],
+    orientation: row.orientation as DeviceSample["orientation"],
+    pressure: row.pressure as number,
+    buttons: row.buttons as number,
+    objectPosition: AT_REST.position,
+    objectOrientation: AT_REST.orientation,
+    contact: row.contact as DeviceSample["contact"],
+  };
 }

@@ -2,10 +2,14 @@
 
 import { KernelError } from "../core/kernels";
 import type { Vector } from "../core/quaternion";
+import { PIECE_S } from "../painter/painter";
 import { Studio, type Contents, type Fetch } from "../studio";
 import { ballAround, Camera } from "./camera";
-import { Document } from "./document";
+import { askForFile, button, choice, element, note, save, section, slider, tick } from "./controls";
+import { Document, type LayerEdit } from "./document";
+import { glbOf, plyOf } from "./export";
 import { Hand, type PointerInput } from "./hand";
+import { Keeper } from "./keeper";
 import { Stage, StageError } from "./stage";
 import { choose, language, named, say, type Texts } from "./texts";
 
@@ -15,13 +19,10 @@ const SIMD = new Uint8Array([
   253, 98, 11,
 ]); // prettier-ignore
 const WHEEL_NOTCH = 1.0015; // nearer by this a unit of the wheel
+const SEEN = 2000; // vertices, at most, that the picture is fitted to
+const MOST_BEHIND_MS = 200; // of wet ink's time, that is caught up with
+const ERASER_END = 5; // the button that a pen's other end says
 const PALM_MS = 700; // after a pen's last word a touch is a palm
-
-function element<T extends HTMLElement = HTMLElement>(id: string): T {
-  const found = document.getElementById(id);
-  if (found === null) throw new Error(`the page has no ${id}`);
-  return found as T;
-}
 
 /** What the page cannot do without. */
 class Missing extends Error {
@@ -46,8 +47,12 @@ class Page {
   #brush = "";
   #ink = "";
   #dipAlways = true;
+  #erases = false;
+  #spreads = false; // whether time passes for wet ink
+  #passedMs = 0.0; // of that time
   #press = 0.5;
   #drawn = false; // whether a frame is asked for
+  #isMoved = false; // whether the object is seen as somebody has turned it
   #changed: Int32Array[] = [];
   #pointer: number | null = null; // that is down and paints, as far as was heard
   #inStroke = false; // as far as was painted
@@ -55,6 +60,7 @@ class Page {
   #touches = new Map<number, { x: number; y: number }>();
   #turning: { pointer: number; pans: boolean; x: number; y: number } | null = null;
   #penAt = -Infinity;
+  #keeper: Keeper | null = null;
 
   constructor() {
     this.#stage = new Stage(this.#canvas);
@@ -64,6 +70,7 @@ class Page {
     };
     this.#canvas.addEventListener("webglcontextlost", lost);
     this.#listen();
+    element("panel").hidden = !matchMedia("(min-width: 1081px) and (min-height: 481px)").matches;
     new ResizeObserver(() => this.#resize()).observe(this.#canvas);
   }
 
@@ -110,16 +117,80 @@ class Page {
     ) as Contents;
     this.#brush = contents.brushes[0].name;
     this.#ink = contents.inks[0].name;
+    this.#keeper = await Keeper.open();
+    const text = (await this.#keeper?.read().catch(() => "")) ?? "";
+    if (text.includes("begin_stroke") && (await this.#goOn(contents, text))) return;
     await this.open(contents, 0);
   }
 
+  /** Open what was recorded in a page. */
+  async #load(file: File): Promise<void> {
+    const { studio, painting } = this.#opened();
+    if (painting.isPainted && !confirm(say("leave"))) return;
+    const text = await file.text();
+    const isOpen = text.startsWith("{") && (await this.#goOn(studio.contents, text));
+    if (!isOpen) {
+      if (this.#painting === painting) this.#message.hidden = true;
+      return this.#notice(say("notOpened", { name: file.name }));
+    }
+    this.#keeper?.begin();
+    this.#keeper?.append(this.score());
+  }
+
+  /** Say something below the picture for a while. */
+  #notice(text: string): void {
+    const hint = element("hint");
+    hint.textContent = text;
+    hint.classList.remove("done");
+    setTimeout(() => hint.classList.add("done"), 8000);
+  }
+
+  /** Open the piece that a score of a page says; whether it could be. */
+  async #goOn(contents: Contents, text: string): Promise<boolean> {
+    const [brushBefore, inkBefore] = [this.#brush, this.#ink];
+    try {
+      const head = JSON.parse(text.slice(0, text.indexOf("\n"))) as Record<string, unknown>;
+      const place = contents.objects.findIndex(
+        (one) => one.name === head.object && one.resolution === head.resolution_mm,
+      );
+      const [brush, material] = [head.brush, head.material] as string[];
+      const ink = inkOf(contents, head.ink);
+      if (place < 0 || ink === undefined) return false;
+      this.#brush = brush;
+      this.#ink = ink.name;
+      await this.open(contents, place, material, text);
+      return true;
+    } catch (cause) {
+      console.warn("the piece cannot be opened:", cause);
+      [this.#brush, this.#ink] = [brushBefore, inkBefore];
+      return false;
+    }
+  }
+
   /** Open an object, fresh. */
-  async open(contents: Contents, place: number): Promise<void> {
+  async open(contents: Contents, place: number, material?: string, score = ""): Promise<void> {
     const about = contents.objects[place];
     this.tell("loading", { name: named(about) });
     // its own kernels, whose memory goes with them
     const studio = await Studio.open(this.#fetch);
-    const painting = await Document.open(studio, about, this.#brush, this.#ink);
+    const painting = await Document.open(studio, about, this.#brush, this.#ink, material);
+    if (score !== "") {
+      const head = JSON.parse(score.slice(0, score.indexOf("\n"))) as { mesh?: string };
+      if (head.mesh !== painting.surface.object.words.mesh) throw new Error("it is of another mesh");
+      let shown = performance.now();
+      await painting.repeat(studio, score, async (share) => {
+        if (performance.now() - shown < 100.0) return;
+        this.tell("repeating", { percent: Math.round(100 * share) });
+        await new Promise((done) => setTimeout(done));
+        shown = performance.now();
+      });
+      this.#brush = painting.painter.brush.name;
+      this.#ink = inkOf(contents, painting.dipped)?.name ?? this.#ink;
+      painting.takeNew(); // which is kept
+    } else {
+      this.#keeper?.begin();
+      this.#keeper?.append(painting.takeNew());
+    }
     this.#object = place;
     this.#studio = studio;
     this.#painting = painting;
@@ -129,16 +200,19 @@ class Page {
     let [low, high] = [Infinity, -Infinity];
     for (let i = 0; i < n; i++) [low, high] = [Math.min(low, z[i]), Math.max(high, z[i])];
     const flat = high - low < 0.01 * radius;
-    this.#camera = new Camera(middle, radius, flat);
+    const points: Vector[] = [];
+    for (let i = 0; i < n; i += Math.ceil(n / SEEN)) points.push([arrays.px.data[i], arrays.py.data[i], z[i]]);
+    this.#camera = new Camera(middle, radius, flat, points);
+    this.#isMoved = false;
+    this.#spreads = painting.surface.material.pores_mm > 0.0;
     this.#hand = new Hand(studio.kernels, studio.sizes, painting.closest, {
       firmness: 1.0, mousePressure: 0.0,
     }); // prettier-ignore
     this.#setPress(this.#press);
     this.#stage.open(painting, flat);
     this.#message.hidden = true;
-    this.#resize();
-    this.#camera.showAll(this.#aspect());
     this.showBar();
+    this.#showAll();
     this.draw();
   }
 
@@ -150,40 +224,120 @@ class Page {
     if (studio === null) return;
     const { contents } = studio;
     document.title = say("title");
-    element("hint").textContent = say("hint");
-    element("ink").setAttribute("aria-label", say("inkLeft"));
+    element("hint").textContent = say(matchMedia("(pointer: coarse)").matches ? "hintTouch" : "hint");
     const objects = contents.objects.map((one) => `${named(one)} · ${say("size", { mm: one.resolution })}`);
-    const bar = element("bar");
-    bar.replaceChildren(
-      choice("object", say("object"), objects, this.#object, (k) => this.#change(k)),
+    const about = button("more", say("more"), () => this.#showPanel(element("panel").hidden !== false), "more");
+    const filled = document.createElement("span");
+    filled.id = "ink";
+    for (const [key, value] of Object.entries({ role: "meter", "aria-valuemin": "0", "aria-valuemax": "100" }))
+      filled.setAttribute(key, value);
+    filled.setAttribute("aria-label", say("inkLeft"));
+    filled.append(document.createElement("div"));
+    const dip = button("dip", say("dip"), () => this.#act(() => this.#dip()), "dip");
+    dip.append(filled);
+    const view = button("whole", say("view"), () => this.#showAll(), "whole");
+    view.classList.add("wide");
+    about.classList.add("end");
+    const erase = button("erase", say("erase"), () => this.#setErases(!this.#erases), "erase");
+    erase.setAttribute("aria-pressed", String(this.#erases));
+    element("bar").replaceChildren(
       choice("brush", say("brush"), contents.brushes.map(named),
         contents.brushes.findIndex((one) => one.name === this.#brush),
         (k) => this.#takeBrush(contents.brushes[k].name)),
       choice("inks", say("ink"), contents.inks.map(named),
         contents.inks.findIndex((one) => one.name === this.#ink),
         (k) => this.#takeInk(contents.inks[k].name)),
-      slider("press", say("press"), this.#press, (value) => this.#setPress(value)),
-      button("dip", say("dip"), () => this.#act(() => this.#dip())),
-      tick("always", say("dipAlways"), this.#dipAlways, (on) => (this.#dipAlways = on)),
-      group([
-        button("undo", say("undo"), () => this.undo()),
-        button("fresh", say("fresh"), () => this.#change(this.#object)),
-        button("whole", say("view"), () => this.#showAll()),
-      ]),
-      group([
+      dip,
+      erase,
+      button("undo", say("undo"), () => this.undo(), "undo"),
+      view,
+      about,
+    ); // prettier-ignore
+    element("panel").replaceChildren(
+      section(say("piece"),
+        choice("object", say("object"), objects, this.#object, (k) => this.#change(k)),
+        choice("material", say("material"), contents.materials.map(named),
+          contents.materials.findIndex((one) => one.name === this.#painting?.surface.material.name),
+          (k) => this.#change(this.#object, contents.materials[k].name)),
+        button("fresh", say("fresh"), () => this.#change(this.#object, this.#painting?.surface.material.name))),
+      section(say("water"),
+        tick("wet", say("spreads"), this.#spreads, (on) => this.#setSpreads(on)),
+        button("dry", say("dry"), () => this.#act(() => this.#opened().painting.dry()))),
+      this.#layerSection(),
+      section(say("hand"),
+        slider("press", say("press"), this.#press, (value) => this.#setPress(value)),
+        tick("always", say("dipAlways"), this.#dipAlways, (on) => (this.#dipAlways = on)),
+        button("fit", say("view"), () => this.#showAll())),
+      section(say("keep"),
         button("picture", say("picture"), () => void this.savePicture()),
         button("score", say("score"), () => this.saveScore()),
-      ]),
-      button("language", say("language"), () => this.#speak()),
+        button("load", say("load"), () => askForFile(".jsonl", (file) => void this.#load(file))),
+        button("glb", "GLB", () => save(glbOf(this.#opened().painting.surface, this.#name()), `${this.#name()}.glb`)),
+        button("ply", "PLY", () => save(plyOf(this.#opened().painting.surface), `${this.#name()}.ply`)),
+        note(say(this.#keeper === null ? "notKept" : "kept"))),
+      section(say("page"), button("language", say("language"), () => this.#speak())),
     ); // prettier-ignore
-    bar.lastElementChild?.classList.add("end");
+    this.#showPanel(element("panel").hidden === false);
     this.#showState();
+  }
+
+  /** The layers, the uppermost first, and what can be done to them. */
+  #layerSection(): HTMLElement {
+    const made = section(say("layers"));
+    made.id = "layers";
+    const { layers } = this.#opened().painting;
+    const edit = (words: LayerEdit): void => {
+      this.#act(() => {
+        this.#paint(); // what was heard since the last frame
+        this.#opened().painting.restack(words);
+      });
+      this.#showLayers();
+    };
+    const all = layers.layers;
+    const rows = all.map(({ name, visible }, place) => {
+      const row = document.createElement("div");
+      row.className = "layer";
+      const seen = button(`seen${place}`, say(visible ? "hide" : "show"),
+        () => edit({ do: "set_visible", place, visible: !visible }), visible ? "eye" : "shut"); // prettier-ignore
+      const chosen = button(`layer${place}`, say("layer", { name }), () => edit({ do: "select_layer", place }));
+      chosen.setAttribute("aria-pressed", String(place === layers.active));
+      const up = button(`up${place}`, say("up"), () => edit({ do: "move_layer", place, to: place + 1 }), "up");
+      up.disabled = place === all.length - 1;
+      const gone = button(`gone${place}`, say("remove"), () => edit({ do: "remove_layer", place }), "close");
+      gone.disabled = all.length === 1;
+      row.append(seen, chosen, up, gone);
+      return row;
+    });
+    const place = layers.active;
+    made.replaceChildren(
+      made.firstElementChild as HTMLElement,
+      ...rows.reverse(),
+      slider("opacity", say("opacity"), all[place].opacity, () => {}, [0.0, 1.0, 0.05]),
+      button("add", say("addLayer"), () => edit({ do: "add_layer" })),
+    );
+    const opacity = made.querySelector("#opacity") as HTMLInputElement;
+    opacity.addEventListener("change", () =>
+      edit({ do: "set_opacity", place, opacity: Number(opacity.value) }),
+    );
+    return made;
+  }
+
+  #showLayers(): void {
+    element("layers").replaceWith(this.#layerSection());
+  }
+
+  /** Show what there is no room for in the row of tools, or hide it. */
+  #showPanel(shown: boolean): void {
+    element("panel").hidden = element("veil").hidden = !shown;
+    element("more").setAttribute("aria-expanded", String(shown));
+    this.#resize();
   }
 
   #showState(): void {
     const painting = this.#painting;
     if (painting === null) return;
     element<HTMLButtonElement>("undo").disabled = !painting.canUndo;
+    element("hint").classList.toggle("done", painting.isPainted);
     const share = Math.round(100 * Math.min(1.0, painting.painter.inkLeft()));
     element("ink").setAttribute("aria-valuenow", String(share));
     (element("ink").firstElementChild as HTMLElement).style.height = `${share}%`;
@@ -194,11 +348,11 @@ class Page {
     this.showBar();
   }
 
-  #change(place: number): void {
+  #change(place: number, material?: string): void {
     const painting = this.#painting;
     if (this.#studio === null) return;
     if (painting?.isPainted === true && !confirm(say("leave"))) return this.showBar();
-    this.open(this.#studio.contents, place).catch((cause: unknown) => this.fail(cause));
+    this.open(this.#studio.contents, place, material).catch((cause: unknown) => this.fail(cause));
   }
 
   #takeBrush(name: string): void {
@@ -215,6 +369,7 @@ class Page {
 
   #takeInk(name: string): void {
     this.#ink = name;
+    this.#setErases(false);
     this.#act(() => this.#dip());
   }
 
@@ -231,9 +386,34 @@ class Page {
     this.#hand.settings.mousePressure = 0.7 * value;
   }
 
-  #showAll(): void {
-    this.#camera?.showAll(this.#aspect());
+  #setErases(on: boolean): void {
+    this.#erases = on;
+    element("erase").setAttribute("aria-pressed", String(on));
+  }
+
+  #setSpreads(on: boolean): void {
+    this.#spreads = on;
     this.draw();
+  }
+
+  /** Let time pass for wet ink: as much as a frame has room for, and none where all is dry. */
+  #letPass(now: number): void {
+    const painting = this.#painting;
+    const since = now - this.#passedMs;
+    if (painting === null || !this.#spreads || painting.surface.water.isStill) {
+      this.#passedMs = now;
+      return;
+    }
+    this.draw(); // again, until it is dry
+    if (since < 1000.0 * PIECE_S) return;
+    this.#passedMs = Math.max(this.#passedMs + 1000.0 * PIECE_S, now - MOST_BEHIND_MS);
+    painting.followTime();
+    this.#changed.push(painting.surface.refresh());
+  }
+
+  #showAll(): void {
+    this.#isMoved = false;
+    this.#resize();
   }
 
   undo(): void {
@@ -243,12 +423,23 @@ class Page {
       this.#paint(); // what was heard since the last frame
       painting.undo();
     });
+    this.#showLayers();
+  }
+
+  /** Keep in the browser what was done. */
+  #keep(): void {
+    if (!this.#inStroke) this.#keeper?.append(this.#painting?.takeNew() ?? "");
+  }
+
+  get isKept(): boolean {
+    return this.#keeper?.isUpToDate === true;
   }
 
   /** Do something to the painting, and show it. */
   #act(work: () => void): void {
     try {
       work();
+      this.#keep();
       this.#refresh();
     } catch (cause) {
       this.fail(cause);
@@ -327,18 +518,36 @@ class Page {
     const ratio = Math.min(2.0, devicePixelRatio);
     this.#canvas.width = Math.max(1, Math.round(this.#canvas.clientWidth * ratio));
     this.#canvas.height = Math.max(1, Math.round(this.#canvas.clientHeight * ratio));
+    this.#camera?.setFree(this.#free());
+    if (!this.#isMoved) this.#camera?.showAll(this.#aspect());
     this.draw();
+  }
+
+  /** What of the picture nothing lies over: left, right, bottom and top, -1 to 1. */
+  #free(): [number, number, number, number] {
+    const [all, bar, panel] = [this.#canvas, element("bar"), element("panel")].map((one) =>
+      one.getBoundingClientRect(),
+    );
+    const isBelow = bar.top > 0.5 * all.height;
+    let [right, bottom] = [all.right, isBelow ? bar.top : all.bottom];
+    const top = isBelow ? all.top : bar.bottom;
+    if (panel.width >= all.width) bottom = Math.min(bottom, panel.top);
+    else if (panel.width > 0) right = panel.left;
+    const x = (at: number): number => (2.0 * (at - all.left)) / Math.max(1, all.width) - 1.0;
+    const y = (at: number): number => 1.0 - (2.0 * (at - all.top)) / Math.max(1, all.height);
+    return [x(all.left), x(right), y(bottom), y(top)];
   }
 
   /** Ask for a frame: paint what was heard, and draw. */
   draw(): void {
     if (this.#drawn) return;
     this.#drawn = true;
-    requestAnimationFrame(() => {
+    requestAnimationFrame((now) => {
       this.#drawn = false;
       if (this.#camera === null) return;
       try {
         this.#paint();
+        this.#letPass(now);
         for (const ids of this.#changed.splice(0)) this.#stage.follow(ids);
         this.#stage.draw(this.#camera);
       } catch (cause) {
@@ -368,18 +577,23 @@ class Page {
     const wheel = (event: WheelEvent): void => {
       event.preventDefault();
       const [x, y] = this.#placeOf(event);
+      this.#isMoved = true;
       this.#camera?.zoom(WHEEL_NOTCH ** -event.deltaY, x, y, this.#aspect());
       this.draw();
     };
     canvas.addEventListener("wheel", wheel, { passive: false });
+    element("veil").addEventListener("pointerdown", () => this.#showPanel(false));
     addEventListener("keydown", (event) => {
+      if (event.key === "Escape" && this.#painting) this.#showPanel(false);
       if ((event.ctrlKey || event.metaKey) && event.key.toLowerCase() === "z" && this.#painting) {
         event.preventDefault();
         this.undo();
       }
     });
+    addEventListener("visibilitychange", () => this.#keep());
     addEventListener("beforeunload", (event) => {
-      if (this.#painting?.isPainted === true) event.preventDefault();
+      this.#keep();
+      if (this.#painting?.isPainted === true && !this.isKept) event.preventDefault();
     });
   }
 
@@ -391,7 +605,7 @@ class Page {
       this.#touches.set(event.pointerId, { x: event.clientX, y: event.clientY });
       if (this.#touches.size > 1) return this.#takeBack();
     }
-    const turns = event.button !== 0 || event.altKey;
+    const turns = (event.button !== 0 && event.button !== ERASER_END) || event.altKey;
     if (turns) {
       const pans = event.button === 1 || event.shiftKey;
       this.#turning = { pointer: event.pointerId, pans, x: event.clientX, y: event.clientY };
@@ -433,6 +647,7 @@ class Page {
     if (turning === null || turning.pointer !== event.pointerId) return;
     const [x, y] = [event.clientX - turning.x, event.clientY - turning.y];
     Object.assign(turning, { x: event.clientX, y: event.clientY });
+    this.#isMoved = true;
     if (turning.pans) this.#camera?.pan(x, y, this.#canvas.clientHeight);
     else this.#camera?.turn(x, y);
     this.draw();
@@ -446,6 +661,7 @@ class Page {
     const [x, y] = [event.clientX - touch.x, event.clientY - touch.y];
     Object.assign(touch, { x: event.clientX, y: event.clientY });
     const at = this.#placeOf({ clientX: 0.5 * (a.x + b.x), clientY: 0.5 * (a.y + b.y) });
+    this.#isMoved = true;
     this.#camera?.zoom(apart() / before, at[0], at[1], this.#aspect());
     this.#camera?.turn(0.5 * x, 0.5 * y);
     this.draw();
@@ -473,13 +689,21 @@ class Page {
     for (const event of events) {
       if (event.type === "pointerdown") {
         const input = this.#inputOf(event);
-        if (this.#dipAlways) painting.dip(studio, this.#ink);
+        const erases = this.#erases || event.button === ERASER_END;
+        if (this.#dipAlways && !erases) painting.dip(studio, this.#ink);
         const samples = hand.begin(input, painter.brush);
+        const { layers } = painting;
+        if (!layers.layers[layers.active].visible) {
+          hand.end(painting.lastNs, painter.brush);
+          this.#pointer = null;
+          this.#notice(say("isHidden"));
+          continue;
+        }
         if (samples === null) {
           this.#turnBeside(event);
           continue;
         }
-        painting.beginStroke();
+        painting.beginStroke(erases);
         this.#inStroke = true;
         painting.advance(samples);
       } else if (!this.#inStroke) continue;
@@ -491,6 +715,7 @@ class Page {
         painting.advance(hand.end(this.#timeOf(event), painter.brush));
         painting.endStroke();
         this.#inStroke = false;
+        this.#keep();
       }
     }
     this.#changed.push(painting.surface.refresh());
@@ -537,57 +762,9 @@ class Page {
   }
 }
 
-function choice(
-  id: string, text: string, names: string[], chosen: number, then: (place: number) => void,
-): HTMLElement {
-  const label = document.createElement("label");
-  const select = document.createElement("select");
-  select.id = id;
-  select.append(...names.map((name, k) => new Option(name, String(k), k === chosen, k === chosen)));
-  select.addEventListener("change", () => then(select.selectedIndex));
-  label.append(text, select);
-  return label;
-}
-
-function slider(id: string, text: string, value: number, then: (value: number) => void): HTMLElement {
-  const label = document.createElement("label");
-  const input = document.createElement("input");
-  Object.assign(input, { id, type: "range", min: "0.1", max: "1", step: "0.05" });
-  input.value = String(value);
-  input.addEventListener("input", () => then(Number(input.value)));
-  label.append(text, input);
-  return label;
-}
-
-function tick(id: string, text: string, on: boolean, then: (on: boolean) => void): HTMLElement {
-  const label = document.createElement("label");
-  const input = document.createElement("input");
-  Object.assign(input, { id, type: "checkbox", checked: on });
-  input.addEventListener("change", () => then(input.checked));
-  label.append(input, text);
-  return label;
-}
-
-function button(id: string, text: string, then: () => void): HTMLButtonElement {
-  const made = document.createElement("button");
-  Object.assign(made, { id, textContent: text, type: "button" });
-  made.addEventListener("click", then);
-  return made;
-}
-
-function group(parts: HTMLElement[]): HTMLElement {
-  const made = document.createElement("span");
-  made.className = "group";
-  made.append(...parts);
-  return made;
-}
-
-function save(blob: Blob, name: string): void {
-  const link = document.createElement("a");
-  link.href = URL.createObjectURL(blob);
-  link.download = name;
-  link.click();
-  setTimeout(() => URL.revokeObjectURL(link.href), 60_000);
+/** The ink of these parts. */
+function inkOf(contents: Contents, parts: unknown): Contents["inks"][number] | undefined {
+  return contents.inks.find((one) => JSON.stringify(one.parts) === JSON.stringify(parts));
 }
 
 /** Say something in place of the picture. */

@@ -1,7 +1,4 @@
-/**
- * The painter: moves one inked brush over a surface along timed poses; `paint3d/painter/painter.py`
- * for ink that stands as it is put.
- */
+/** The painter: moves one inked brush over a surface along timed poses; `paint3d/painter/painter.py`. */
 
 import { NDArray } from "../core/arrays";
 import type { Argument, Kernels } from "../core/kernels";
@@ -20,6 +17,9 @@ export type Ink = ReadonlyMap<Pigment, number>;
 
 /** Samples that must be known beyond an interval before it is painted. */
 export const LOOKAHEAD = 2;
+/** A time step of wet ink. */
+export const PIECE_S = 0.05;
+const PIECE_NS = 50_000_000n;
 const FINISHED = 0;
 const RESERVOIRS = 12; // segments of a tuft whose load varies along its length
 
@@ -135,15 +135,34 @@ export class Painter {
     return { brush, tuft, amount, loaded, dipped: this.#dipped, dips: this.#dips, hairs, ofHairs };
   }
 
+  /** Take a full brush for a while; what is called then gives back the one in hand, as it was. */
+  lend(): () => void {
+    const [kept, load] = [this.keep(), this.surface.keepLoad()];
+    this.changeBrush(this.brush);
+    this.dip(this.#dipped);
+    return () => {
+      const [before, loaded] = [this.inBrush(), this.loaded];
+      const off = this.surface.ink.off_surface.data.slice();
+      this.surface.takeLoad(load);
+      this.surface.ink.off_surface.data.set(off);
+      this.#take({ ...kept, loaded: loaded + this.inBrush() - before });
+      this.#fitScratch();
+    };
+  }
+
   /** Return to snapshots of the painter and of the surface. */
   restore(kept: Kept, surface: Snapshot): void {
+    this.#take(kept);
+    this.surface.restore(surface);
+    this.#fitScratch();
+  }
+
+  #take(kept: Kept): void {
     ({ brush: this.brush, tuft: this.tuft, amount: this.amount, loaded: this.loaded } = kept);
     this.#dipped = kept.dipped;
     this.#dips = kept.dips;
     this.#hairs = kept.hairs;
     if (kept.ofHairs !== null) this.#hairs?.restore(kept.ofHairs);
-    this.surface.restore(surface);
-    this.#fitScratch();
   }
 
   #dippedTuft(brush: Brush): Tuft {
@@ -194,29 +213,56 @@ export class Painter {
     return this.surface.ink.load.data.reduce((a, b) => a + b, 0.0) / this.tuft.load;
   }
 
-  /** The ink balance, coats x mm2: loaded = inBrush + wet + offSurface. */
-  ledger(): { loaded: number; inBrush: number; wet: number; offSurface: number } {
+  /** The ink balance, coats x mm2: loaded = inBrush + wet + dry + offSurface. */
+  ledger(): Record<"loaded" | "inBrush" | "wet" | "dry" | "offSurface", number> {
     return {
       loaded: this.loaded,
       inBrush: this.inBrush(),
       wet: this.surface.wetInk(),
+      dry: this.surface.dryInk(),
       offSurface: this.surface.lasting(this.surface.ink.off_surface.data),
     };
   }
 
   // -- painting -----------------------------------------------------------------------------
 
-  /** Paint a whole recording. */
-  replay(recording: Recording): void {
+  /** Paint a whole recording; `wet`: let the ink spread and dry meanwhile, in its own time. */
+  replay(recording: Recording, wet = false): void {
     this.finish();
-    const { header, samples } = recording;
-    if ("loads" in header || "strengths" in header || samples.some((s) => (s.buttons & ERASER) !== 0))
+    const { header, samples: given } = recording;
+    if ("loads" in header || "strengths" in header || given.some((s) => (s.buttons & ERASER) !== 0))
       throw new RecordingError(
         "it changes its load, or erases, which a page does not replay; expected strokes alone",
       );
-    this.#originNs = samples[0].timeNs;
-    this.#paint(samples, samples.length - 1);
+    this.#originNs = given[0].timeNs;
+    const [samples] = this.#samples(given);
+    for (const [pause, pieces] of wet ? pausesOf(given, samples.joined.data as Uint8Array) : []) {
+      if (pause >= 0) this.#paintTo(samples, given, pause);
+      this.#stepInk(pieces);
+    }
+    this.#paintTo(samples, given, given.length - 1);
+    for (const array of Object.values(samples)) array.free();
     this.#begin();
+  }
+
+  /** Let the ink of a wet replay go on for so long after the last sample. */
+  rest(lastNs: bigint, seconds: number): void {
+    const n = Number((lastNs + BigInt(Math.round(1e9 * seconds))) / PIECE_NS - lastNs / PIECE_NS);
+    let [passed, isDry] = [0, false];
+    while (passed < n && !isDry) {
+      passed += Number(this.surface.water.keepsUp);
+      isDry = this.#stepInk(1);
+    }
+  }
+
+  /** Let so many time steps pass; whether all is dry. */
+  #stepInk(pieces: number): boolean {
+    const { water } = this.surface;
+    for (let k = 0; k < pieces; k++) {
+      water.followTime(PIECE_S);
+      if (water.flow.isDry) return true;
+    }
+    return false;
   }
 
   /** Paint live; the last two samples stay pending until their successors arrive. */
@@ -250,9 +296,16 @@ export class Painter {
     this.#progress.at.data[0] -= BigInt(done);
   }
 
-  /** Paint up to sample `last`, dipping where the button goes down; origins of time by sample. */
+  /** Prepare samples and paint up to one of them; origins of time by sample. */
   #paint(given: readonly DeviceSample[], last: number): BigInt64Array {
     const [samples, origins] = this.#samples(given);
+    this.#paintTo(samples, given, last);
+    for (const array of Object.values(samples)) array.free();
+    return origins;
+  }
+
+  /** Paint up to sample `last`, dipping where the button goes down. */
+  #paintTo(samples: Samples, given: readonly DeviceSample[], last: number): void {
     const first = Number(this.#progress.at.data[0]);
     for (let k = 1; k < given.length; k++) {
       const down = (given[k].buttons & DIP) !== 0 && (given[k - 1].buttons & DIP) === 0;
@@ -261,8 +314,6 @@ export class Painter {
       this.dip();
     }
     this.#run(samples, last);
-    for (const array of Object.values(samples)) array.free();
-    return origins;
   }
 
   /** Prepare samples for interpolation by the kernels: time counts from the latest touch-down. */
@@ -317,4 +368,16 @@ export class Painter {
     const { paintMesh, pigments } = this.surface;
     this.#scratch = growScratch(this.kernels, this.#scratch, paintMesh, pigments.length);
   }
+}
+
+/** At which samples painting pauses for time steps of the ink, and for how many: `painter.ink_time`. */
+function pausesOf(samples: readonly DeviceSample[], joined: Uint8Array): [number, number][] {
+  const pauses: [number, number][] = [];
+  let cameDown = 0;
+  for (let k = 1; k < samples.length; k++) {
+    if (joined[k] === 0) cameDown = k;
+    const due = samples[k].timeNs / PIECE_NS - samples[k - 1].timeNs / PIECE_NS;
+    if (due > 0n) pauses.push([Math.max(k - LOOKAHEAD, cameDown) - 1, Number(due)]);
+  }
+  return pauses;
 }

@@ -1,15 +1,20 @@
 /**
- * The painted object: ink on a mesh, and what it looks like. What a page paints is one layer of wet
- * ink: the way of a stroke through `InkStore` and `PaintedSurface` of `paint3d/surface`.
+ * The painted object: ink on a mesh, wet over dry, and what it looks like: `InkStore` and
+ * `PaintedSurface` of `paint3d/surface`, with one layer.
  */
 
 import { NDArray, type Records } from "../core/arrays";
 import type { Bundle } from "../core/bundle";
 import type { Argument, Kernels } from "../core/kernels";
 import type { Material, Pigment } from "../colour/materials";
+import { GlazeModel } from "../colour/glazing";
 import { ColourModel } from "../colour/vertex_colours";
 import { PaintMesh, readTree, type ContactTree, type ObjectWords } from "../mesh/refined_mesh";
 import type { Ground, Studio } from "../studio";
+import { DryLayers, type KeptRows } from "./dry_layers";
+import { Water, type KeptFlow } from "./flow";
+import { FlowGraph } from "./flow_graph";
+import { LayerStack, type KeptStack } from "./layer_stack";
 
 export interface InkField {
   [name: string]: Argument;
@@ -24,18 +29,25 @@ export interface InkField {
   transfer: Records;
 }
 
-/** A painting at an instant, for undo. */
-export interface Snapshot {
-  n: number;
-  amounts: Float32Array;
+/** The ink in the brush, and that which went off the surface. */
+export interface BrushLoad {
   nPigments: number;
-  coverage: Float32Array;
   load: Float64Array;
   offSurface: Float64Array;
   reservoirs: Float64Array;
   nReservoirs: number;
   capacity: number;
   reservoirMm: number;
+}
+
+/** A painting at an instant, for undo. */
+export interface Snapshot extends BrushLoad {
+  n: number;
+  amounts: Float32Array;
+  coverage: Float32Array;
+  dried: KeptRows;
+  water: KeptFlow | null;
+  stack: KeptStack | null;
 }
 
 export class PaintedSurface {
@@ -45,7 +57,12 @@ export class PaintedSurface {
   readonly material: Material;
   ink: InkField;
   codes: NDArray<"u1">;
+  dryLayers: DryLayers;
+  layers: LayerStack | null = null;
+  readonly water: Water;
+  #flowGraph: FlowGraph | null = null;
   #colours: ColourModel | null = null;
+  #glaze: GlazeModel | null = null;
   #looksOtherwise = false;
 
   constructor(
@@ -61,6 +78,8 @@ export class PaintedSurface {
     const capacity = this.paintMesh.capacity;
     this.codes = kernels.zeros("u1", capacity, 3);
     this.#fillBare(0);
+    this.dryLayers = new DryLayers(kernels);
+    this.water = new Water(kernels, this, studio.fibreFrames);
     const transfer = kernels.records("brush_engine.ink_transfer.TRANSFER");
     transfer.field("grain")[0] = this.material.grain;
     transfer.field("tooth_mm")[0] = this.material.tooth_mm;
@@ -80,8 +99,50 @@ export class PaintedSurface {
     };
   }
 
+  /** The layers; existing paint becomes the first. */
+  useLayers(): LayerStack {
+    if (this.layers === null) {
+      if (this.dryLayers.count > 0) throw new RangeError("something has dried before there were layers");
+      this.dryLayers = new DryLayers(this.kernels, true);
+      this.dryLayers.fit(this.paintMesh.capacity, this.pigments.length);
+      this.layers = new LayerStack(this.kernels, this);
+    }
+    return this.layers;
+  }
+
+  /** The vertices with wet ink. */
+  inked(): Int32Array {
+    const [amounts, coverage] = [this.ink.amounts.data, this.ink.coverage.data];
+    const count = this.pigments.length;
+    const found: number[] = [];
+    for (let id = 0; id < this.nVertices; id++) {
+      let any = coverage[id] > 0.0;
+      for (let k = id * count; !any && k < (id + 1) * count; k++) any = amounts[k] !== 0.0;
+      if (any) found.push(id);
+    }
+    return Int32Array.from(found);
+  }
+
+  /** What the bare surface reflects: 31 bands, in steps of 1/65535. */
+  get bareSteps(): Float64Array {
+    return Float64Array.from(this.reflectance, (r) =>
+      Math.trunc(Math.fround(Math.fround(Math.min(Math.max(r, 0.0), 1.0) * 65535.0) + 0.5)),
+    );
+  }
+
+  /** What the material reflects, as measured: 31 bands. */
+  get reflectance(): Float32Array {
+    return this.ground.backing.reflectance;
+  }
+
   get nVertices(): number {
     return this.paintMesh.nVertices;
+  }
+
+  /** The graph on which liquids move over the shape, built where any has come. */
+  get flowGraph(): FlowGraph {
+    this.#flowGraph ??= new FlowGraph(this.kernels, this.paintMesh, () => this.makeRoom());
+    return this.#flowGraph;
   }
 
   /** Reserve capacity for more vertices. */
@@ -96,6 +157,7 @@ export class PaintedSurface {
     ink.coverage = ink.coverage.grown(n, capacity);
     ink.dirty = ink.dirty.grown(n, capacity);
     ink.dirty_ids = ink.dirty_ids.grown(n, capacity);
+    this.dryLayers.fit(capacity, this.pigments.length);
   }
 
   #fillBare(first: number): void {
@@ -118,6 +180,11 @@ export class PaintedSurface {
     this.#colours = new ColourModel(
       this.kernels, this.studio.colourTables, this.pigments, this.ground.backing,
     ); // prettier-ignore
+    this.#glaze?.free();
+    this.#glaze = new GlazeModel(
+      this.kernels, this.studio.colourTables, this.pigments, this.ground.backing,
+    ); // prettier-ignore
+    this.dryLayers.fit(this.paintMesh.capacity, count);
     this.#looksOtherwise = count > 1;
     return count - 1;
   }
@@ -138,25 +205,88 @@ export class PaintedSurface {
   refresh(): Int32Array {
     const { n_dirty, dirty, dirty_ids } = this.ink;
     const fresh = dirty_ids.data.slice(0, Number(n_dirty.data[0]));
-    if (this.#colours === null) return fresh;
+    const [colours, glaze] = [this.#colours, this.#glaze];
+    if (colours === null || glaze === null) return fresh;
     let seen = fresh;
     if (this.#looksOtherwise) {
       const coverage = this.ink.coverage.data;
       const marks = new Uint8Array(this.paintMesh.capacity);
       for (const id of fresh) marks[id] = 1;
+      for (const id of this.dryLayers.ids.subarray(0, this.dryLayers.count)) marks[id] = 1;
       for (let id = 0; id < this.nVertices; id++) if (coverage[id] > 0.0) marks[id] = 1;
+      for (const id of this.layers?.paintedIds() ?? []) marks[id] = 1;
       seen = Int32Array.from(marks.keys()).filter((id) => marks[id] === 1);
       this.#looksOtherwise = false;
     }
     if (seen.length > 0) {
-      const ids = NDArray.of(this.kernels, "i4", seen);
-      this.#colours.srgb(this.ink.amounts, this.ink.coverage, this.codes, ids);
-      ids.free();
+      if (this.layers !== null && !this.layers.isPlain) this.layers.colour(glaze, seen, this.codes);
+      else this.#colourAsOne(colours, glaze, seen);
+      this.water.fresh?.push(fresh);
       const marks = dirty.data;
       for (const id of fresh) marks[id] = 0;
       n_dirty.data[0] = 0n;
     }
     return seen;
+  }
+
+  #colourAsOne(colours: ColourModel, glaze: GlazeModel, seen: Int32Array): void {
+    const { amounts, coverage } = this.ink;
+    const isDried = (id: number): boolean => this.dryLayers.rowOf(id) >= 0;
+    const own = this.dryLayers.count > 0 ? seen.filter(isDried) : seen.subarray(0, 0);
+    const plain = own.length > 0 ? seen.filter((id) => !isDried(id)) : seen;
+    if (plain.length > 0) {
+      const ids = NDArray.of(this.kernels, "i4", plain);
+      colours.srgb(amounts, coverage, this.codes, ids);
+      ids.free();
+    }
+    if (own.length > 0) {
+      const ids = NDArray.of(this.kernels, "i4", own);
+      glaze.srgb(amounts, coverage, this.dryLayers, this.codes, ids);
+      ids.free();
+    }
+  }
+
+  /** Dry the wet paint of some vertices. */
+  settle(ids: Int32Array): void {
+    const glaze = this.#glaze;
+    if (ids.length === 0 || glaze === null) return;
+    const { kernels, dryLayers: dry } = this;
+    const count = this.pigments.length;
+    const rows = dry.reserveRows(ids, this.paintMesh.capacity);
+    const own = new Float32Array(ids.length * count);
+    const share = new Float32Array(ids.length);
+    const [amounts, coverage] = [this.ink.amounts.data, this.ink.coverage.data];
+    for (const [k, id] of ids.entries()) {
+      own.set(amounts.subarray(id * count, (id + 1) * count), k * count);
+      share[k] = coverage[id];
+    }
+    const given = {
+      amounts: NDArray.of(kernels, "f4", own, [ids.length, count]),
+      share: NDArray.of(kernels, "f4", share),
+      slots: NDArray.of(kernels, "i4", ids.map((id) => dry.rowOf(id))),
+      every: NDArray.of(kernels, "i4", ids.map((_, k) => k)),
+      rows: NDArray.of(kernels, "i4", rows),
+    };
+    const below = { slots: given.slots, spectra: dry.spectra };
+    glaze.dry(given.amounts, given.share, below, given.every, given.rows);
+    for (const [k, over] of dry.over.entries())
+      glaze.dry(given.amounts, given.share, { slots: given.slots, spectra: over }, given.every, given.rows, k);
+    for (const array of Object.values(given)) array.free();
+    for (let k = 0; k < own.length; k++) if (!this.pigments[k % count].lasting) own[k] = 0.0;
+    dry.settle(ids, rows, own, share);
+    const [wet, covered] = [this.ink.amounts.data, this.ink.coverage.data];
+    for (const id of ids) {
+      wet.fill(0.0, id * count, (id + 1) * count);
+      covered[id] = 0.0;
+    }
+    this.touch(ids);
+  }
+
+  /** Dry all wet paint at once where it is; water is let go. */
+  dry(): void {
+    const coverage = this.ink.coverage.data;
+    this.settle(Int32Array.from({ length: this.nVertices }, (_, id) => id).filter((id) => coverage[id] > 0.0));
+    this.water.drop();
   }
 
   /** Mark the colours of some vertices as out of date. */
@@ -192,25 +322,36 @@ export class PaintedSurface {
     return sum;
   }
 
+  /** The pigment that has dried on the surface, coats x mm2. */
+  dryInk(): number {
+    const { area_units, area_unit } = this.paintMesh.arrays;
+    const areas = area_units.data;
+    const { ids, amounts, count } = this.dryLayers;
+    const n = this.pigments.length;
+    let sum = 0.0;
+    for (let k = 0; k < n * count; k++)
+      sum += Number(areas[ids[Math.floor(k / n)]]) * area_unit * amounts[k]; // water leaves nothing
+    return sum;
+  }
+
   keep(): Snapshot {
     const ink = this.ink;
     const n = this.nVertices;
     return {
+      ...this.keepLoad(),
       n,
       amounts: ink.amounts.data.slice(0, n * this.pigments.length),
-      nPigments: this.pigments.length,
       coverage: ink.coverage.data.slice(0, n),
-      load: ink.load.data.slice(),
-      offSurface: ink.off_surface.data.slice(),
-      reservoirs: ink.reservoirs.data.slice(),
-      nReservoirs: ink.reservoirs.length,
-      capacity: ink.transfer.field("capacity")[0],
-      reservoirMm: ink.transfer.field("reservoir_mm")[0],
+      dried: this.dryLayers.keep(),
+      water: this.water.keep(),
+      stack: this.layers?.keep() ?? null,
     };
   }
 
   /** Return to a painting that was kept; vertices that came since stay, bare. */
   restore(kept: Snapshot): void {
+    const shown = this.layers?.paintedIds() ?? [];
+    if (kept.stack !== null) this.layers?.restore(kept.stack);
     const ink = this.ink;
     const count = this.pigments.length;
     const [amounts, coverage] = [ink.amounts.data, ink.coverage.data];
@@ -226,6 +367,32 @@ export class PaintedSurface {
       }
       if (differs) changed.push(id);
     }
+    this.takeLoad(kept);
+    const dried = this.dryLayers;
+    const ids = [...dried.ids.subarray(0, dried.count), ...kept.dried.ids];
+    if (ids.length > 0) dried.restore(kept.dried, this.paintMesh.capacity);
+    this.touch([...changed, ...ids, ...shown, ...(this.layers?.paintedIds() ?? [])]);
+    this.water.restore(kept.water);
+  }
+
+  /** What the brush holds, and what went off the surface. */
+  keepLoad(): BrushLoad {
+    const { ink } = this;
+    return {
+      nPigments: this.pigments.length,
+      load: ink.load.data.slice(),
+      offSurface: ink.off_surface.data.slice(),
+      reservoirs: ink.reservoirs.data.slice(),
+      nReservoirs: ink.reservoirs.length,
+      capacity: ink.transfer.field("capacity")[0],
+      reservoirMm: ink.transfer.field("reservoir_mm")[0],
+    };
+  }
+
+  /** Have the brush hold what was kept; of pigments that came since, nothing. */
+  takeLoad(kept: BrushLoad): void {
+    const { ink } = this;
+    const count = this.pigments.length;
     const wide = (row: Float64Array, rows: number): Float64Array => {
       const to = new Float64Array(rows * count);
       for (let k = 0; k < row.length; k++)
@@ -237,7 +404,6 @@ export class PaintedSurface {
     this.setReservoirs(wide(kept.reservoirs, kept.nReservoirs), kept.nReservoirs);
     ink.transfer.field("capacity")[0] = kept.capacity;
     ink.transfer.field("reservoir_mm")[0] = kept.reservoirMm;
-    this.touch(changed);
   }
 
   /** Replace the ink along the tuft, tip first. */
