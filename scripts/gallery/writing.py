@@ -34,17 +34,20 @@ def painted(recording: Recording, name: str, resolution: float, material: str) -
     """An object with a recording on it."""
     surface = PaintedSurface(load_mesh(name), resolution=resolution, material=material)
     header = recording.header
-    painter = Painter(surface, header.get("brush", "full"), header.get("ink", WRITING_INK))
-    painter.replay(recording)
+    brush, ink = header.get("brush", "full"), header.get("ink", WRITING_INK)
+    amount = DipAmount.of(header.get("dip", {}))
+    Painter(surface, brush, ink, amount=amount).replay(recording)
     return surface
 
 
 def written(text: str, name: str, em: float, glyphs: Path | None, layout: Layout, **look):
     """A text on an object."""
     settings = PlanSettings(technique=look.pop("technique", None))
-    pen = Pen(load_brush(look.pop("brush", choose_brush(em))), em, settings)
+    pen = Pen(load_brush(look.pop("brush", choose_brush(em))), em, settings, variation=1.0)
     told = write_text(load_mesh(name), text, open_glyphs(glyphs), pen, layout, header=look)
-    return painted(told.recording, name, em / 150.0, "xuan" if name == "plane" else "porcelain")
+    recording = dipped_as(told.recording, pen.brush, "auto")
+    material = "xuan" if "plane" in name or "sheet" in name else "porcelain"
+    return painted(recording, name, em / 200.0, material)
 
 
 def seen_from_above(surface: PaintedSurface, box: tuple[float, ...], width: int) -> Image.Image:
@@ -141,9 +144,10 @@ def draw_poem(file: Path, glyphs: Path) -> None:
 
 
 def draw_poem_on_paper(file: Path, glyphs: Path) -> None:
-    """The same poem on paper, from centre lines."""
-    surface = written(POEM.replace("絕", "絶"), "plane", 36.0, None, Layout(gap=0.2))
-    seen_from_above(surface, (-90, -95, 90, 95), 760).save(file)
+    """The same poem on paper, from centre lines, as `paint3d write` varies and dips it."""
+    layout = Layout(gap=0.25, between=0.12)
+    surface = written(POEM.replace("絕", "絶"), "sheet:150x180", 26.0, None, layout)
+    seen_from_above(surface, (-75, -90, 75, 90), 900).save(file)
 
 
 def titled(picture: Image.Image, title: str) -> Image.Image:

@@ -141,6 +141,7 @@ def test_groups_are_made_folded_shown_moved_copied_and_dissolved(window) -> None
     assert document().layers[2].opacity == 1.0
     click(row_of(panel, "Group 1").findChildren(QtWidgets.QToolButton)[0])  # the eye
     wait_for(lambda: not document().layers[1].is_seen)
+    settled(window)
     type_key(window.canvas, KEY.Key_H)
     wait_for(lambda: document().layers[1].is_seen)
     click(row_of(panel, "Group 1").findChild(QtWidgets.QToolButton, "fold_group"))
