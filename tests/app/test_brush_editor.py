@@ -217,7 +217,7 @@ def test_a_brush_file_is_opened_and_a_bad_one_told_in_one_line(
         button = window.findChild(QtWidgets.QPushButton, "open_brush")
         for path in (good, bad):
             monkeypatch.setattr(
-                QtWidgets.QFileDialog, "getOpenFileName", lambda *_, path=path: (str(path), "")
+                "paint3d.app.window.brush.brush_making.ask_file", lambda *_, path=path: str(path)
             )
             click(button)
             settled(window)

@@ -117,7 +117,7 @@ def test_pigments_of_ones_own_are_dishes_to_dip_in(window, tmp_path: Path, monke
     button = window.findChild(QtWidgets.QPushButton, "open_pigments")
     for path in (table, bad):
         monkeypatch.setattr(
-            QtWidgets.QFileDialog, "getOpenFileName", lambda *_, path=path: (str(path), "")
+            "paint3d.app.window.ink.ink_making.ask_file", lambda *_, path=path: str(path)
         )
         click(button)
     dishes = window.panels.inks.dishes
@@ -216,7 +216,7 @@ def started(program):
 
 
 def open_table(window, path: Path, monkeypatch) -> None:
-    monkeypatch.setattr(QtWidgets.QFileDialog, "getOpenFileName", lambda *_: (str(path), ""))
+    monkeypatch.setattr("paint3d.app.window.ink.ink_making.ask_file", lambda *_: str(path))
     button = window.findChild(QtWidgets.QPushButton, "open_pigments")
     QtTest.QTest.mouseClick(button, QtCore.Qt.MouseButton.LeftButton)
 
