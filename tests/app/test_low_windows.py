@@ -6,7 +6,7 @@ import pytest
 
 pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
-from PySide6 import QtCore, QtTest, QtWidgets
+from PySide6 import QtCore, QtGui, QtTest, QtWidgets
 
 from tests.support.app.gestures import BUTTON, live, wait_for
 from tests.support.app.windows import opened
@@ -87,3 +87,30 @@ def test_a_panel_gets_the_height_that_it_needs_where_its_tab_is_clicked(window) 
 
 def button(panel, text: str) -> QtWidgets.QPushButton:
     return next(b for b in panel.findChildren(QtWidgets.QPushButton) if b.text() == text)
+
+
+def turn_wheel(widget: QtWidgets.QWidget) -> None:
+    """One click of the wheel down over a widget; what does not take it hands it on."""
+    middle = QtCore.QPointF(widget.rect().center())
+    event = QtGui.QWheelEvent(
+        middle, widget.mapToGlobal(middle), QtCore.QPoint(), QtCore.QPoint(0, -120),
+        BUTTON.NoButton, QtCore.Qt.KeyboardModifier.NoModifier,
+        QtCore.Qt.ScrollPhase.NoScrollPhase, False,
+    )  # fmt: skip
+    QtWidgets.QApplication.sendEvent(widget, event)
+
+
+def test_a_wheel_that_scrolls_a_panel_changes_no_number_in_it(window) -> None:
+    window.panels.docks["copybook"].raise_()
+    window.resize(1024, 640)
+    panel = window.panels.copybook
+    number = panel.findChild(QtWidgets.QDoubleSpinBox)
+    wait_for(number.isVisible)
+    window.canvas.setFocus()
+    before = number.value()
+    turn_wheel(number)
+    assert number.value() == before
+    number.setFocus()
+    wait_for(number.hasFocus)
+    turn_wheel(number)
+    assert number.value() != before

@@ -6,11 +6,11 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from PySide6 import QtWidgets
+from PySide6 import QtCore, QtWidgets
 
 from paint3d.app.window.wording import say
 
-__all__ = ["FormDialog", "SizeBoxes", "buttons", "kept_number"]
+__all__ = ["FormDialog", "SizeBoxes", "buttons", "kept_number", "leave_wheel_to_scrolling"]
 
 LEAST_PIXELS, MOST_PIXELS = 64, 4096
 
@@ -32,6 +32,27 @@ def kept_number(kept: Mapping[str, object], name: str, default: float) -> float:
     if not isinstance(value, int | float) or isinstance(value, bool) or not math.isfinite(value):
         return default
     return float(value)
+
+
+class _WithoutWheel(QtCore.QObject):
+    """Leaves the wheel to what scrolls, where nobody has clicked into a number or a list."""
+
+    def eventFilter(self, watched: QtCore.QObject, event: QtCore.QEvent) -> bool:
+        """Stop a wheel over what has no focus, and hand it on to what it lies in."""
+        if event.type() != QtCore.QEvent.Type.Wheel or watched.hasFocus():  # type: ignore[attr-defined]
+            return False
+        event.ignore()
+        return True
+
+
+def leave_wheel_to_scrolling(parent: QtWidgets.QWidget) -> None:
+    """Let no number, slider or list of a panel change by a wheel that scrolls over it."""
+    guard = _WithoutWheel(parent)
+    for kind in (QtWidgets.QAbstractSpinBox, QtWidgets.QComboBox, QtWidgets.QSlider):
+        for child in parent.findChildren(kind):
+            if child.focusPolicy() == QtCore.Qt.FocusPolicy.WheelFocus:
+                child.setFocusPolicy(QtCore.Qt.FocusPolicy.StrongFocus)
+            child.installEventFilter(guard)
 
 
 class FormDialog(QtWidgets.QDialog):

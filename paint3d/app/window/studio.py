@@ -26,6 +26,7 @@ from paint3d.app.window.files.opening import Opening
 from paint3d.app.window.files.recovery import Recovery
 from paint3d.app.window.files.saving import RecentFiles, Saving
 from paint3d.app.window.files.target_dialog import Targets
+from paint3d.app.window.forms import leave_wheel_to_scrolling
 from paint3d.app.window.garbage import collect_later
 from paint3d.app.window.hand.device_input import DeviceInput
 from paint3d.app.window.hand.keys import HeldKeys
@@ -102,6 +103,8 @@ class StudioWindow(QtWidgets.QMainWindow):
         self.keys = HeldKeys(self, self.canvas, self.hand)
         self.commands = Actions(workspace, self.keys.taps())
         self.panels = Panels(workspace, self.commands.menus["window"])
+        for dock in self.panels.docks.values():
+            leave_wheel_to_scrolling(dock)
         self._make_jobs()
         self.copying = CopybookGuide(workspace, self.panels.copybook)
         speed = self.panels.history.speed

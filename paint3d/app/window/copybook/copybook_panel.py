@@ -171,7 +171,7 @@ class CopybookPanel(QtWidgets.QWidget):
         )
         self.correct_button.clicked.connect(self.corrected)
         self.correct_button.setEnabled(False)
-        hide = QtWidgets.QPushButton(say("Take away"))
+        hide = QtWidgets.QPushButton(say("Take the guide away"))
         layout_text.clicked.connect(self.ask)
         hide.clicked.connect(self.hidden)
         self.told = QtWidgets.QLabel()
