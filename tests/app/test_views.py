@@ -125,6 +125,28 @@ def test_from_above_a_sheet_fills_the_picture(program) -> None:
         assert share.max() > 0.8
 
 
+def test_a_picture_of_a_sheet_to_its_edges_has_its_shape(program, tmp_path) -> None:
+    def choose(dialog: ExportDialog) -> None:
+        view = dialog.choices["view"]
+        view.setCurrentIndex(view.findData("flat"))
+        assert dialog.picture_size() == (800, 2400)
+        dialog.accept()
+
+    def name(dialog: QtWidgets.QFileDialog) -> None:
+        take_file(tmp_path / "sheet.png")(dialog)
+        answer(choose, ExportDialog)
+
+    with opened(program, "sheet:60x180", 8.0, "xuan", drawn=False) as window:
+        window.workspace.keep(exports={})
+        answer(name, QtWidgets.QFileDialog)
+        window.workspace.actions["export"].trigger()
+        wait_for((tmp_path / "sheet.png").exists)
+    with Image.open(tmp_path / "sheet.png") as picture:
+        assert picture.size == (800, 2400)
+        pixels = np.array(picture.convert("RGB"))[8:-8, 8:-8].reshape(-1, 3)
+    assert np.ptp(pixels.astype(int), axis=0).max() < 12  # paper alone, and nothing beside it
+
+
 def test_a_picture_is_taken_flat_and_without_ground(window, tmp_path) -> None:
     pen_stroke(window.canvas, (0.4, 0.5), (0.6, 0.5), [0.5] * 12)
     settled(window)

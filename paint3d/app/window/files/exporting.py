@@ -6,11 +6,12 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from PySide6 import QtWidgets
 
 from paint3d.app.model.document import Document
 from paint3d.app.window.files.target_dialog import Targets
-from paint3d.app.window.forms import FormDialog, SizeBoxes, kept_number
+from paint3d.app.window.forms import LEAST_PIXELS, FormDialog, SizeBoxes, kept_number
 from paint3d.app.window.job import Progress, result_of
 from paint3d.app.window.playing.pictures import Pictures
 from paint3d.app.window.wording import say, say_units
@@ -22,6 +23,8 @@ from paint3d.files.export_options import MOST_FILAMENTS, UP_AXES, ExportOptions
 from paint3d.files.pictures import write_picture
 from paint3d.files.progress import part_of
 from paint3d.files.project.session import SESSION_SUFFIX
+from paint3d.mesh.sheet_mesh import sheet_of
+from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.view.shot import AUTO, FLAT, UNLIT, Shot
 
 __all__ = [
@@ -36,6 +39,7 @@ __all__ = [
 
 _PICTURES = (".png", ".jpg")
 _STUDIO_SIZE = (1600, 1200)
+_SHEET_SIDE = 2400  # pixels of a sheet's longer side
 _VIEWS = {
     "front": Message("From the front"),
     "right": Message("From the right"),
@@ -74,6 +78,8 @@ class ExportDialog(FormDialog):
         What `chosen` returned the last time.
     screen : (int, int)
         Width and height of the picture on the screen, pixels.
+    sheet : (float, float), optional
+        Width and height of the sheet that is painted on, mm.
     """
 
     def __init__(
@@ -82,9 +88,10 @@ class ExportDialog(FormDialog):
         suffix: str,
         kept: Mapping[str, object],
         screen: tuple[int, int],
+        sheet: tuple[float, float] | None = None,
     ) -> None:
         super().__init__(parent, f"{say('Export…').rstrip('…')}  {suffix}")
-        self.suffix, self._kept, self._screen = suffix, kept, screen
+        self.suffix, self._kept, self._screen, self._sheet = suffix, kept, screen, sheet
         self._takes = FORMATS[suffix].takes if suffix in FORMATS else frozenset()
         self.choices: dict[str, QtWidgets.QComboBox] = {}
         self.checks: dict[str, QtWidgets.QCheckBox] = {}
@@ -130,6 +137,9 @@ class ExportDialog(FormDialog):
         boxes = self._sizes()
         boxes.kept.setChecked(self.is_of_screen)
         width, height = self._screen if self.is_of_screen else _STUDIO_SIZE
+        if self._sheet is not None and self.choices["view"].currentData() == FLAT:
+            scale = _SHEET_SIDE / max(self._sheet)
+            width, height = (max(LEAST_PIXELS, round(scale * mm)) for mm in self._sheet)
         boxes.width_box.setValue(width)
         boxes.height_box.setValue(height)
         self._follow()
@@ -280,6 +290,14 @@ class ExportDialog(FormDialog):
         return kept
 
 
+def _extent(mesh: TriangleMesh) -> tuple[float, float] | None:
+    """Width and height of a sheet with all that frames it, mm; None for an object."""
+    if sheet_of(mesh) is None:
+        return None
+    width, height, _ = np.ptp(mesh.vertices, axis=0)
+    return float(width), float(height)
+
+
 # ---- The work ------------------------------------------------------------------------------------
 
 
@@ -318,8 +336,9 @@ class Exporting:
             self.export_to(path)
             return
         dialog = ExportDialog(
-            workspace.window, suffix, kept_options(kept, suffix), workspace.canvas.pixel_size
-        )
+            workspace.window, suffix, kept_options(kept, suffix), workspace.canvas.pixel_size,
+            _extent(workspace.painting.source),
+        )  # fmt: skip
         if not dialog.exec():
             return
         workspace.keep(exports={**kept, "format": suffix, suffix: dialog.chosen()})
