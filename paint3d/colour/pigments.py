@@ -10,6 +10,7 @@ Users' own tables have the same columns (`load_pigments_csv`); a pigment of one 
 from __future__ import annotations
 
 import csv
+import difflib
 import math
 import re
 from collections.abc import Mapping
@@ -267,6 +268,10 @@ def _luminous_efficiency() -> AnyArray:
 
 _NUMBER = re.compile(r"\d+(\.\d*)?|\.\d+")
 _DARKEST = 1e-6  # of a reflectance; nothing is as black
+_COLUMNS = (
+    "name", "chinese", "source", "basis", "licence", "saunderson", "gloss", "fine", "grain_um",
+    "density",
+)  # fmt: skip
 _BAND = re.compile(r"\s*([KSR])_(\d+(?:\.\d+)?)\s*")
 
 
@@ -289,7 +294,8 @@ def load_pigments_csv(path: str | Path) -> Mapping[str, Pigment]:
     Raises
     ------
     PigmentError
-        Naming file and line, if it cannot be read, holds no pigment, a name is empty or occurs
+        Naming file and line, if it cannot be read, holds no pigment, a column is spelt like one of
+        these or named by a wavelength and is none, a name is empty or occurs
         twice, the wavelengths do not rise or cover 400-700 nm, K or S is negative, not finite
         or not a number, R is not from 1e-6 to less than 1, gloss or fine are not between 0 and 1,
         grain_um is not between 0 and 1000, or density is not from 0.01 to 30.
@@ -359,6 +365,17 @@ def _read_bands(header: list[str], path: Path) -> tuple[AnyArray, dict[str, list
         if match:
             columns[match[1]].append(column)
             bands[match[1]].append(float(match[2]))
+        elif column not in _COLUMNS and (
+            re.fullmatch(r"\s*\w+_\d+(\.\d+)?\s*", column)
+            or difflib.get_close_matches(column, _COLUMNS, 1, 0.75)
+        ):
+            raise PigmentError(
+                "{file}:1: {column!r} is no column of a table of pigments; expected K_<nm>, S_<nm> "
+                "or R_<nm>, {known}",
+                file=path,
+                column=column,
+                known=", ".join(_COLUMNS),
+            )
     masstone = bool(bands["R"]) and not (bands["K"] or bands["S"])
     if not masstone and (bands["R"] or not bands["K"] or bands["K"] != bands["S"]):
         raise PigmentError(

@@ -385,3 +385,13 @@ def test_a_name_that_somebody_else_wrote_leads_to_no_file(tmp_path):
     with pytest.raises(PigmentError, match=r"mine\.csv:mine' is of a table on this machine"):
         load_pigment(own, own_tables=False)
     assert load_pigment("pine soot", own_tables=False).name == "pine soot"
+
+
+@pytest.mark.parametrize("column", ["thin_400", "T_400.5", "saundersn", "grain"])
+def test_a_column_that_would_be_passed_over_is_refused(tmp_path, column) -> None:
+    path = tmp_path / "a.csv"
+    path.write_text(f"name,R_400,R_700,{column},remark\nred,0.05,0.7,0.3,mine\n", encoding="utf-8")
+    with pytest.raises(PigmentError, match=f"a.csv:1: '{column}' is no column.*grain_um"):
+        load_pigments_csv(path)
+    path.write_text("name,R_400,R_700,remark\nred,0.05,0.7,mine\n", encoding="utf-8")
+    assert list(load_pigments_csv(path)) == ["red"]

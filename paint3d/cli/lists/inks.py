@@ -111,6 +111,12 @@ def run(options: argparse.Namespace) -> None:
     pigments = load_palette() if options.table is None else load_pigments_csv(options.table)
     lines = swatches_table(pigments.values(), sys.stdout.isatty(), terminal_columns())
     sys.stdout.write("\n".join(lines) + "\n")
+    if options.table is not None and any(p.basis == "masstone" for p in pigments.values()):
+        sys.stderr.write(
+            "note: of a masstone the full coat is as it was measured; how it thins is guessed, and "
+            "washes and tints may be off by 10 dE00 (docs/ink.md, How far the colours can be "
+            "trusted)\n"
+        )
 
 
 def _parse_colour(text: str) -> tuple[int, ...]:
