@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import io
+import logging
 import os
 import pickle
 from collections.abc import Callable, Mapping, Sequence
@@ -56,6 +57,7 @@ __all__ = [
     "WRITING_INK",
     "PaintingOptions",
     "add_out_option",
+    "check_poses",
     "fraction_over",
     "keep_bare_surfaces",
     "load_object",
@@ -341,6 +343,28 @@ class _SharingPickler(pickle.Pickler):
 # ---- Painting ------------------------------------------------------------------------------------
 
 
+def check_poses(
+    recording: Recording, mesh: TriangleMesh, wished: str | None, name: str, *, tells: bool
+) -> None:
+    """Refuse poses whose handle points into the object; other doubts are logged if it `tells`.
+
+    Raises
+    ------
+    RecordingError
+        If it does in most samples near the surface; it says what to do.
+    """
+    from paint3d.mesh.bvh import ClosestPoints
+    from paint3d.painter.pose_check import doubts_of, rooted
+
+    length_mm = _brush(recording, wished).length_mm
+    doubts = doubts_of(rooted(recording, length_mm), ClosestPoints(mesh), length_mm)
+    if doubts.handle is not None:
+        raise RecordingError("{name}: {handle}", name=name, handle=doubts.handle)
+    for doubt in doubts[1:] if tells else ():
+        if doubt is not None:
+            logging.getLogger("paint3d").warning("%s", doubt)
+
+
 def paint(
     surface: PaintedSurface,
     recording: Recording | LaidPad,
@@ -544,11 +568,13 @@ def paint_onto(
 
     from paint3d.painter.flat_input import LaidPad
     from paint3d.painter.ink_time import PIECE_NS, PIECE_S
+    from paint3d.painter.pose_check import rooted
     from paint3d.painter.recorded_tools import eraser_runs, recorded_amount, told_at
 
     if isinstance(recording, LaidPad):
         recording = recording.whole()
     brush, ink = _brush(recording, wanted.brush), _ink(recording, wanted.ink)
+    recording = rooted(recording, brush.length_mm)
     tip, reach = _tip(recording, wanted)
     document.set_azimuth(recording.header["azimuth"])
     document.set_brush(_with_hairs(brush, wanted.hairs))

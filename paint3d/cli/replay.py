@@ -29,6 +29,7 @@ from paint3d.cli.options import (
 from paint3d.cli.painting import (
     PaintingOptions,
     add_out_option,
+    check_poses,
     load_object,
     open_document,
     paint,
@@ -127,8 +128,7 @@ def run(options: argparse.Namespace) -> None:
     from paint3d.device.recorded import MODEL
     from paint3d.files.project.session import is_session_path
     from paint3d.painter.stroke_table import StrokeTable
-    from paint3d.recording.flat_recording import notes_of
-    from paint3d.recording.recording import load_recording
+    from paint3d.recording.recording import Recording, load_recording
     from paint3d.recording.score import is_score
 
     if options.stroke_table is not None and (
@@ -153,8 +153,6 @@ def run(options: argparse.Namespace) -> None:
     wanted.check()
     with ProgressBar("reading", enabled=not options.quiet) as progress:
         recording = load_recording(options.recording, progress=progress)
-    for note in notes_of(recording.header):
-        _LOG.warning("%s: %s", options.recording, note)
     if recording.header["model"] != MODEL:
         _LOG.warning(
             "%s was recorded with version %d of brush and ink; this program paints with version "
@@ -172,6 +170,9 @@ def run(options: argparse.Namespace) -> None:
     take_layer(document or surface, options.layer)
     with ProgressBar("laying", enabled=not options.quiet):
         laid = lay_on(mesh, _for_this(recording, mesh, options), options.at, options.size)
+    if isinstance(laid, Recording) and not recording.is_pad:
+        name, by_steps = str(options.recording), document is not None
+        check_poses(laid, mesh, wanted.brush, name, tells=by_steps)
     watch = None if film is None else film.of_recording(surface, laid, wanted.spread)
     table = None if options.stroke_table is None else StrokeTable()
     if document is None:
