@@ -178,10 +178,8 @@ def _assemble(table: NumberTable, header: dict[str, Any], scale: float, y_down: 
             "{table}: there are no samples; expected at least one",
             table=table.name,
         )
-    quaternion = next(
-        (names for names in (_QUATERNION, tuple(f"tool_{q}" for q in _QUATERNION))
-         if table.column(names[0]) is not None), None,
-    )  # fmt: skip
+    both = (_QUATERNION, tuple(f"tool_{q}" for q in _QUATERNION))
+    quaternion = next((names for names in both if _first(table, names)), None)
     units = _said_units(table, header)
     header = {key: value for key, value in header.items() if key != "units"}
     notes: list[str] = []
@@ -253,7 +251,10 @@ def _unread(table: NumberTable) -> list[str]:
 
 def _said_units(table: NumberTable, header: dict[str, Any]) -> dict[str, Any]:
     """The header's units of places and times; they may not contradict the columns' names."""
-    units = units_of(header, tuple(TO_NS))
+    try:
+        units = units_of(header, tuple(TO_NS))
+    except RecordingError as cause:
+        raise RecordingError("{table}: {cause}", table=table.name, cause=cause) from None
     unknown = set(units) - {"position", "time", "force"}
     if unknown:
         raise RecordingError(
@@ -320,7 +321,7 @@ def _posed(
     if _is_there(table, "object_"):
         given = given | {"object_position": _points(table, "object_", scale)}
         names = tuple(f"object_{q}" for q in _QUATERNION)
-        if table.column(names[0]) is not None:
+        if _first(table, names):
             given["object_orientation"] = _columns(table, names)
     notes += _small(position, pressure, tip)
     if contact is not None and contact is not position and not tip:
@@ -517,6 +518,7 @@ def _pressures(table: NumberTable, time_ns: AnyArray, notes: list[str]) -> AnyAr
     if low.any():
         notes.append(
             Message(
+                "{name} is {low:.2g} N in a sample: it counts as 0",
                 "{name} lies between {low:.2g} and 0 N in {n} samples: they count as 0",
                 name=name,
                 low=float(values.min()),
@@ -536,6 +538,8 @@ def _pressures(table: NumberTable, time_ns: AnyArray, notes: list[str]) -> AnyAr
                 values[first:end] = 0.0
             notes.append(
                 Message(
+                    "a touch of less than {seconds:g} s and at most {noise:.2g} N is left out: "
+                    "noise in the air",
                     "{n} touches of less than {seconds:g} s and at most {noise:.2g} N are left "
                     "out: noise in the air",
                     n=int(np.count_nonzero(touches)),

@@ -158,6 +158,15 @@ def test_a_tools_z_points_at_the_work(tmp_path: Path) -> None:
     assert np.linalg.det(axes) == pytest.approx(1.0)
 
 
+@pytest.mark.parametrize(
+    "columns", ["x_m,y_m,z_m,qx,qy,qz,q", f"{NAMED[:-2]}qw,object_x,object_qx"]
+)
+def test_half_an_orientation_is_refused(tmp_path: Path, columns: str) -> None:
+    rows = [row + ",0,1" if "object" in columns else row for row in WAY]
+    with pytest.raises(RecordingError, match=r"robot\.csv: there is no column"):
+        read(tmp_path, columns, rows)
+
+
 @pytest.mark.parametrize("with_force", [True, False])
 def test_a_tip_is_the_place_that_is_meant(tmp_path: Path, with_force: bool) -> None:
     force = ",fz" if with_force else ""
