@@ -432,9 +432,7 @@ def _small(places: AnyArray, pressure: AnyArray | None, prefix: str) -> list[str
 
 def _runs(flags: AnyArray) -> tuple[AnyArray, AnyArray]:
     """First samples of runs of true flags (N,), and those after their last."""
-    edges = np.flatnonzero(flags[1:] != flags[:-1]) + 1
-    first, last = ([0], []) if flags[0] else ([], [])
-    edges = np.concatenate([first, edges, [len(flags)] if flags[-1] else last]).astype(np.int64)
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]])))
     return edges[::2], edges[1::2]
 
 
@@ -593,8 +591,9 @@ def _times(table: NumberTable, starts: AnyArray, unit: str | None) -> tuple[AnyA
     if name == "time_ns":
         times, notes = values, list[str]()
     else:
-        is_bare = unit is not None and name not in ("time_ms", "time_s")
-        times, notes = _rounded(values, TO_NS[unit] if is_bare else _TIMES[name], starts)
+        is_bare = name not in ("time_ms", "time_s")
+        unit_ns = TO_NS[unit] if unit is not None and is_bare else _TIMES[name]
+        times, notes = _rounded(values, unit_ns, starts)
     times, n_moved = spread_ties(times)
     if n_moved:
         notes.append(f"{n_moved} samples shared a time stamp; spread evenly up to the next one")
