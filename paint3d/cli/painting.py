@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import io
-import logging
 import os
 import pickle
 from collections.abc import Callable, Mapping, Sequence
@@ -48,6 +47,7 @@ if TYPE_CHECKING:
     from paint3d.mesh.triangle_mesh import TriangleMesh
     from paint3d.painter.flat_input import LaidPad
     from paint3d.painter.painter import Painter
+    from paint3d.painter.pose_check import Doubts
     from paint3d.painter.stroke_table import StrokeTable
     from paint3d.recording.recording import Recording
     from paint3d.surface.painted_surface import PaintedSurface
@@ -343,10 +343,8 @@ class _SharingPickler(pickle.Pickler):
 # ---- Painting ------------------------------------------------------------------------------------
 
 
-def check_poses(
-    recording: Recording, mesh: TriangleMesh, wished: str | None, name: str, *, tells: bool
-) -> None:
-    """Refuse poses whose handle points into the object; other doubts are logged if it `tells`.
+def check_poses(recording: Recording, mesh: TriangleMesh, wished: str | None, name: str) -> Doubts:
+    """Refuse poses whose handle points into the object; return what else seems to be wrong.
 
     Raises
     ------
@@ -360,9 +358,7 @@ def check_poses(
     doubts = doubts_of(rooted(recording, length_mm), ClosestPoints(mesh), length_mm)
     if doubts.handle is not None:
         raise RecordingError("{name}: {handle}", name=name, handle=doubts.handle)
-    for doubt in doubts[1:] if tells else ():
-        if doubt is not None:
-            logging.getLogger("paint3d").warning("%s", doubt)
+    return doubts
 
 
 def paint(

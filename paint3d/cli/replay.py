@@ -48,6 +48,7 @@ from paint3d.cli.sources import lay_on
 from paint3d.errors import InputError
 
 if TYPE_CHECKING:
+    from paint3d.errors import Message
     from paint3d.mesh.triangle_mesh import TriangleMesh
     from paint3d.recording.recording import Recording
 
@@ -127,6 +128,7 @@ def run(options: argparse.Namespace) -> None:
     wanted.check_object()
     from paint3d.device.recorded import MODEL
     from paint3d.files.project.session import is_session_path
+    from paint3d.painter.pose_check import log_doubts
     from paint3d.painter.stroke_table import StrokeTable
     from paint3d.recording.recording import Recording, load_recording
     from paint3d.recording.score import is_score
@@ -170,9 +172,9 @@ def run(options: argparse.Namespace) -> None:
     take_layer(document or surface, options.layer)
     with ProgressBar("laying", enabled=not options.quiet):
         laid = lay_on(mesh, _for_this(recording, mesh, options), options.at, options.size)
+    doubts: tuple[Message | None, ...] = ()
     if isinstance(laid, Recording) and not recording.is_pad:
-        name, by_steps = str(options.recording), document is not None
-        check_poses(laid, mesh, wanted.brush, name, tells=by_steps)
+        doubts = check_poses(laid, mesh, wanted.brush, str(options.recording))
     watch = None if film is None else film.of_recording(surface, laid, wanted.spread)
     table = None if options.stroke_table is None else StrokeTable()
     if document is None:
@@ -181,6 +183,8 @@ def run(options: argparse.Namespace) -> None:
         painting = paint_onto(document, laid, wanted, seconds, watch)
     with ProgressBar("looking", enabled=not options.quiet):
         refuse_untouched(painting, laid, mesh, str(options.recording))
+    if document is not None:  # else the painter has told them
+        log_doubts(doubts)
     finish(painting, options, watch)
     if table is not None:
         table.write(options.stroke_table)

@@ -433,5 +433,6 @@ def _reason(
         )
     return (
         f"where it presses, the tuft's root is beside the surface, {near:.1f} mm off at the least, "
-        "or behind it; expected another object, or another unit"
+        "or behind it; expected another object, another unit, or columns object_x_mm, .. that say "
+        "where the object lies"
     )

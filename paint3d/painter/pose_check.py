@@ -7,6 +7,8 @@ nobody drew.
 
 from __future__ import annotations
 
+import logging
+from collections.abc import Iterable
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -19,7 +21,7 @@ from paint3d.mesh.bvh import ClosestPoints
 from paint3d.pose.brush_pose import brush_poses
 from paint3d.recording.recording import Recording
 
-__all__ = ["Doubts", "doubts_of", "rooted"]
+__all__ = ["Doubts", "doubts_of", "log_doubts", "rooted"]
 
 _MOST = 2000  # samples that are looked at
 _FAR = 3.0  # times the tuft's length: half of what presses is further off
@@ -55,6 +57,13 @@ def rooted(recording: Recording, length_mm: float) -> Recording:
         position=recording.position + (length_mm - meant) * up,
         header={**recording.header, "tuft_mm": length_mm},
     )
+
+
+def log_doubts(doubts: Iterable[Message | None]) -> None:
+    """Log those that there are."""
+    for doubt in doubts:
+        if doubt is not None:
+            logging.getLogger("paint3d").warning("%s", doubt)
 
 
 def doubts_of(recording: Recording, surface: ClosestPoints, length_mm: float) -> Doubts:

@@ -189,6 +189,14 @@ def _assemble(table: NumberTable, header: dict[str, Any], scale: float, y_down: 
         if "position" not in units:
             notes += _unit_note(table, tip)
     else:
+        if _is_there(table, "tip_"):
+            raise RecordingError(
+                "{table}: a tip is told without an orientation; expected columns {names} or those "
+                "of a tool whose z points at the work, {tools}",
+                table=table.name,
+                names=", ".join(both[0]),
+                tools=", ".join(both[1]),
+            )
         for axis in "xyz":
             _check_place(table, axis)
         if "position" in units:

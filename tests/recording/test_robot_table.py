@@ -167,6 +167,11 @@ def test_half_an_orientation_is_refused(tmp_path: Path, columns: str) -> None:
         read(tmp_path, columns, rows)
 
 
+def test_a_tip_without_an_orientation_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(RecordingError, match=r"robot\.csv: a tip is told without an orientation"):
+        read(tmp_path, "tip_x,tip_y,tip_z,fz", ["1,2,3,1"])
+
+
 @pytest.mark.parametrize("with_force", [True, False])
 def test_a_tip_is_the_place_that_is_meant(tmp_path: Path, with_force: bool) -> None:
     force = ",fz" if with_force else ""
