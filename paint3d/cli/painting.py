@@ -47,6 +47,7 @@ if TYPE_CHECKING:
     from paint3d.mesh.triangle_mesh import TriangleMesh
     from paint3d.painter.flat_input import LaidPad
     from paint3d.painter.painter import Painter
+    from paint3d.painter.pose_check import Doubts
     from paint3d.painter.stroke_table import StrokeTable
     from paint3d.recording.recording import Recording
     from paint3d.surface.painted_surface import PaintedSurface
@@ -56,6 +57,7 @@ __all__ = [
     "WRITING_INK",
     "PaintingOptions",
     "add_out_option",
+    "check_poses",
     "fraction_over",
     "keep_bare_surfaces",
     "load_object",
@@ -341,6 +343,24 @@ class _SharingPickler(pickle.Pickler):
 # ---- Painting ------------------------------------------------------------------------------------
 
 
+def check_poses(recording: Recording, mesh: TriangleMesh, wished: str | None, name: str) -> Doubts:
+    """Refuse poses whose handle points into the object; return what else seems to be wrong.
+
+    Raises
+    ------
+    RecordingError
+        If it does in most samples near the surface; it says what to do.
+    """
+    from paint3d.mesh.bvh import ClosestPoints
+    from paint3d.painter.pose_check import doubts_of, rooted
+
+    length_mm = _brush(recording, wished).length_mm
+    doubts = doubts_of(rooted(recording, length_mm), ClosestPoints(mesh), length_mm)
+    if doubts.handle is not None:
+        raise RecordingError("{name}: {handle}", name=name, handle=doubts.handle)
+    return doubts
+
+
 def paint(
     surface: PaintedSurface,
     recording: Recording | LaidPad,
@@ -544,11 +564,13 @@ def paint_onto(
 
     from paint3d.painter.flat_input import LaidPad
     from paint3d.painter.ink_time import PIECE_NS, PIECE_S
+    from paint3d.painter.pose_check import rooted
     from paint3d.painter.recorded_tools import eraser_runs, recorded_amount, told_at
 
     if isinstance(recording, LaidPad):
         recording = recording.whole()
     brush, ink = _brush(recording, wanted.brush), _ink(recording, wanted.ink)
+    recording = rooted(recording, brush.length_mm)
     tip, reach = _tip(recording, wanted)
     document.set_azimuth(recording.header["azimuth"])
     document.set_brush(_with_hairs(brush, wanted.hairs))

@@ -29,6 +29,7 @@ from paint3d.cli.options import (
 from paint3d.cli.painting import (
     PaintingOptions,
     add_out_option,
+    check_poses,
     load_object,
     open_document,
     paint,
@@ -47,6 +48,7 @@ from paint3d.cli.sources import lay_on
 from paint3d.errors import InputError
 
 if TYPE_CHECKING:
+    from paint3d.errors import Message
     from paint3d.mesh.triangle_mesh import TriangleMesh
     from paint3d.recording.recording import Recording
 
@@ -126,9 +128,9 @@ def run(options: argparse.Namespace) -> None:
     wanted.check_object()
     from paint3d.device.recorded import MODEL
     from paint3d.files.project.session import is_session_path
+    from paint3d.painter.pose_check import log_doubts
     from paint3d.painter.stroke_table import StrokeTable
-    from paint3d.recording.flat_recording import notes_of
-    from paint3d.recording.recording import load_recording
+    from paint3d.recording.recording import Recording, load_recording
     from paint3d.recording.score import is_score
 
     if options.stroke_table is not None and (
@@ -153,8 +155,6 @@ def run(options: argparse.Namespace) -> None:
     wanted.check()
     with ProgressBar("reading", enabled=not options.quiet) as progress:
         recording = load_recording(options.recording, progress=progress)
-    for note in notes_of(recording.header):
-        _LOG.warning("%s: %s", options.recording, note)
     if recording.header["model"] != MODEL:
         _LOG.warning(
             "%s was recorded with version %d of brush and ink; this program paints with version "
@@ -172,6 +172,9 @@ def run(options: argparse.Namespace) -> None:
     take_layer(document or surface, options.layer)
     with ProgressBar("laying", enabled=not options.quiet):
         laid = lay_on(mesh, _for_this(recording, mesh, options), options.at, options.size)
+    doubts: tuple[Message | None, ...] = ()
+    if isinstance(laid, Recording) and not recording.is_pad:
+        doubts = check_poses(laid, mesh, wanted.brush, str(options.recording))
     watch = None if film is None else film.of_recording(surface, laid, wanted.spread)
     table = None if options.stroke_table is None else StrokeTable()
     if document is None:
@@ -180,6 +183,8 @@ def run(options: argparse.Namespace) -> None:
         painting = paint_onto(document, laid, wanted, seconds, watch)
     with ProgressBar("looking", enabled=not options.quiet):
         refuse_untouched(painting, laid, mesh, str(options.recording))
+    if document is not None:  # else the painter has told them
+        log_doubts(doubts)
     finish(painting, options, watch)
     if table is not None:
         table.write(options.stroke_table)

@@ -369,15 +369,26 @@ _MOST = 20_000  # samples whose distances are looked at
 def refuse_untouched(
     painting: Painting, recording: Recording | LaidPad, mesh: TriangleMesh, name: str
 ) -> None:
-    """Refuse a painting of one recording that left no footprint.
+    """Refuse a painting of one recording that left no footprint, or painted nothing with ink.
 
     Raises
     ------
     RecordingError
         If there is none; it says how far the brush was, or that it never pressed.
     """
-    if painting.counts["footprints"]:
+    from paint3d.device.sample import ERASER
+    from paint3d.painter.flat_input import LaidPad
+
+    counts = painting.counts
+    buttons = (recording.pad if isinstance(recording, LaidPad) else recording).buttons
+    is_ink = counts["ink_ledger"]["loaded"] > 0.0 and not (buttons & ERASER).any()  # no water
+    if counts["footprints"] and (counts["vertices_painted"] or not is_ink):
         return
+    if counts["footprints"]:
+        raise RecordingError(
+            f"{name}: the brush touches {mesh.name} and paints no vertex of it: its way there is "
+            "too short or too light; expected another unit, a harder press or a finer --resolution"
+        )
     if painting.document is not None:
         brush = painting.document.painter.brush
         what, length_mm = brush.name, brush.length_mm
@@ -422,5 +433,6 @@ def _reason(
         )
     return (
         f"where it presses, the tuft's root is beside the surface, {near:.1f} mm off at the least, "
-        "or behind it; expected another object, or another unit"
+        "or behind it; expected another object, another unit, or columns object_x_mm, .. that say "
+        "where the object lies"
     )

@@ -253,10 +253,6 @@ def save_written(written: Written, file: Path) -> None:
 # Recordings from a flat pad: where on the object, and how large, they are laid.
 
 
-_MIDDLE = (0.5, 0.5)
-_MARGIN_MM = 1.0
-
-
 def lay_on(
     mesh: TriangleMesh,
     recording: Recording,
@@ -287,14 +283,6 @@ def lay_on(
                 "--at and --size lay a pad's recording; this one has its own place in the world"
             )
         return recording
-    from paint3d.mesh.bvh import ClosestPoints
-    from paint3d.mesh.chart import make_chart
-    from paint3d.mesh.placement import place as find_place
-    from paint3d.painter.flat_input import LaidPad, dipped, size_of
+    from paint3d.painter.flat_input import lay_at
 
-    middle, half, scale = size_of(recording, width_mm)
-    half_width, half_height = half + _MARGIN_MM
-    surface = ClosestPoints(mesh)
-    frame = find_place(surface, place or _MIDDLE)
-    chart = make_chart(surface, frame, half_width, half_height)
-    return LaidPad(dipped(recording), chart, middle, scale)
+    return lay_at(recording, mesh, place or (0.5, 0.5), width_mm)

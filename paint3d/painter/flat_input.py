@@ -15,11 +15,14 @@ from paint3d.device.sample import DIP
 from paint3d.errors import InputError, RecordingError
 from paint3d.mesh.bvh import ClosestPoints
 from paint3d.mesh.chart import SurfaceChart, frame_at, make_chart
+from paint3d.mesh.placement import place as find_place
 from paint3d.mesh.placement import upwards
+from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.pose.brush_pose import brush_poses
 
-__all__ = ["LaidPad", "dipped", "lay", "lift_off", "size_of"]
+__all__ = ["LaidPad", "dipped", "lay", "lay_at", "lift_off", "size_of"]
 
+_MARGIN_MM = 1.0  # around what is laid
 _ROOM = 1.4  # times the strokes' reach: half the side of the sheet
 _MOST_OFF_MM = 0.5  # of a foot from the sheet's surface
 
@@ -121,6 +124,38 @@ class LaidPad:
     def whole(self) -> Recording:
         """Map all samples; raises as `part`."""
         return self.part(0, len(self))
+
+
+def lay_at(
+    recording: Recording,
+    mesh: TriangleMesh,
+    place: tuple[float, float] = (0.5, 0.5),
+    width_mm: float | None = None,
+) -> LaidPad:
+    """Lay a pad's recording on an object; one that knows no dips gets one before every stroke.
+
+    Parameters
+    ----------
+    recording : Recording
+        In pad space.
+    mesh : TriangleMesh
+    place : (float, float)
+        Where its middle goes, U,V as ``--at`` of the command line has them.
+    width_mm : float, optional
+        By default as wide as it was drawn.
+
+    Raises
+    ------
+    RecordingError
+        If the recording is not a pad's, or has no width to scale.
+    InputError
+        If it does not fit there, or there is no surface at the place.
+    """
+    middle, half, scale = size_of(recording, width_mm)
+    surface = ClosestPoints(mesh)
+    half_width, half_height = half + _MARGIN_MM
+    chart = make_chart(surface, find_place(surface, place), half_width, half_height)
+    return LaidPad(dipped(recording), chart, middle, scale)
 
 
 def size_of(

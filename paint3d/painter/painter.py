@@ -43,10 +43,11 @@ from paint3d.colour.pigments import Pigment, load_pigment
 from paint3d.core.ahead import ahead
 from paint3d.core.arrays import AnyArray, as_number
 from paint3d.device.sample import DIP, DeviceSample
-from paint3d.errors import InputError
+from paint3d.errors import InputError, Message, RecordingError
 from paint3d.mesh.bvh import ClosestPoints
 from paint3d.painter.flat_input import LaidPad
 from paint3d.painter.ink_time import LOOKAHEAD, PIECE_S, Pauses, pieces_until
+from paint3d.painter.pose_check import Doubts, doubts_of, log_doubts, rooted
 from paint3d.painter.recorded_tools import LEAST_INK, eraser_runs, told_at
 from paint3d.painter.stroke_table import BrushState, StrokeTable
 from paint3d.pose.brush_pose import BrushPath, brush_poses, object_poses
@@ -535,6 +536,9 @@ class Painter:
     ) -> None:
         """Paint a whole recording; where its pen's eraser end is down, erase (`Eraser`).
 
+        What seems to be wrong with its poses is logged: a handle that points into the surface, and
+        of what is painted a tip that is taken for the ferrule, and places in another frame.
+
         Parameters
         ----------
         recording : Recording or LaidPad
@@ -551,6 +555,10 @@ class Painter:
             Takes a row for every stroke; the painting is the same without.
         """
         self.finish()
+        doubts: tuple[Message | None, ...] = ()
+        if isinstance(recording, Recording):
+            recording, doubts = self._for_brush(recording)
+        laid = int(self.scratch.counters[FOOTPRINTS])
         n, first, passed = len(recording), 0, 0
         start, at = int(recording.time_ns[0]), self._progress.at
         self._origin_ns = start
@@ -580,6 +588,19 @@ class Painter:
         self._turn(erases=False)
         self._n_samples += n
         self._begin()
+        log_doubts(doubts if self.scratch.counters[FOOTPRINTS] > laid else doubts[:1])
+
+    def _for_brush(self, recording: Recording) -> tuple[Recording, Doubts]:
+        """The recording for this brush's length, and what seems to be wrong with its poses."""
+        if recording.is_pad:
+            raise RecordingError(
+                "the recording's space is 'pad'; expected 'world': lay it on the object first, by "
+                "paint3d.painter.flat_input.lay_at, as in painter.replay(lay_at(recording, mesh, "
+                "(0.5, 0.5), width_mm=60))"
+            )
+        length_mm = self.brush.length_mm
+        recording = rooted(recording, length_mm)
+        return recording, doubts_of(recording, self._closest, length_mm)
 
     def _paint_to(
         self,

@@ -27,7 +27,7 @@ class BrushState(NamedTuple):
 
 @dataclass
 class StrokeRow:
-    """One stroke: from where the tuft touches the surface to where it leaves it.
+    """One stroke: from where the tuft touches the surface to where it leaves it, with a footprint.
 
     Attributes
     ----------
@@ -100,13 +100,14 @@ class StrokeTable:
         painted, self._contacts = brush.contacts > self._contacts, brush.contacts
         if painted and self._open is None:
             self._open = StrokeRow(len(self.rows) + 1, before_s, time_s)
-            self.rows.append(self._open)
             self._impulse = 0.0
         row = self._open
         if row is not None:
             row.ink_left = brush.ink_given - self._before.ink_given  # also while it lifts off
             row.ink_in_brush = brush.ink_held
             row.footprints = brush.footprints - self._before.footprints
+            if row.footprints and row.stroke > len(self.rows):
+                self.rows.append(row)
         if not (painted and brush.touches):
             self._open, self._before = None, brush
             return

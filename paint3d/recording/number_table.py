@@ -60,6 +60,7 @@ class NumberTable:
         kinds = [np.int64 if exact else np.float64 for exact in self._exact]
         self._row = np.dtype([(str(k), kind) for k, kind in enumerate(kinds)])
         self._lines: list[range | AnyArray] = []
+        self._asked: set[str] = set()
         self._columns = {
             column: _Column(np.int64 if exact else np.float64)
             for column, exact in zip(names, self._exact, strict=True)
@@ -197,8 +198,13 @@ class NumberTable:
         """The first of the named columns that is there, and its values."""
         for name in names:
             if name in self._columns:
+                self._asked.add(name)
                 return name, self._columns[name].values()
         return None
+
+    def unread(self) -> list[str]:
+        """Columns that nobody asked for."""
+        return [name for name in self.names if name not in self._asked]
 
     def let_go(self, *names: str) -> None:
         """Forget the values of columns that are not asked for again."""

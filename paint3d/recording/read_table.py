@@ -1,30 +1,33 @@
 """Recordings as tables: CSV with named columns, and plain columns of time, x, y, pressure.
 
-Columns are found by name, without regard to case; others are passed over:
+Columns are found by name, without regard to case; others are passed over, which is noted:
 
 ==================  ====================================================  ===================
 meaning             names                                                 unit
 ==================  ====================================================  ===================
 time                time_ns                                               ns, kept exactly
-..                  time_ms, timestamp, sensor_timestamp                  ms
-..                  time, time_s, t                                       s
+..                  time_ms; timestamp, sensor_timestamp                  ms
+..                  time_s; time, t                                       s
 place               x_mm, y_mm, z_mm; x_cm, ...; x_m, ...                 by name, y upwards
 ..                  x, y, z; spline_x, spline_y; pos_x, pos_y             of pads `scale` and
                                                                           `y_down`; else as _mm
+of the tuft's tip   tip_x_mm, ..., with an orientation                    as x, y, z
 pressure            pressure, sensor_pressure, p                          0 to 1
-..                  force, force_n                                        N, 0 to 7.9
+..                  force, force_n, fz, fz_n, force_z                     N, 0 to 7.9
 lean of the handle  altitude, azimuth, rotation; sensor_altitude, ...     rad
 ..                  altitude_deg, azimuth_deg, rotation_deg               degrees
 orientation         qw, qx, qy, qz                                        unit quaternion
-object              object_x_mm ..., object_qw ...                        mm, unit quaternion
-contact             contact_x_mm ..., an empty cell for none              mm
+.. of a tool        tool_qw, ...: its z points at the work                unit quaternion
+object              object_x_mm ..., object_qw ... (upright without)      as x, y, z
+contact             contact_x_mm ..., an empty cell for none              as x, y, z
 stroke              idx, stroke, stroke_id                                of pads, a new one lifts
 buttons             buttons                                               bits
 ==================  ====================================================  ===================
 
-A first line ``# {...}`` holds the header as JSON. Tables without quaternions are pads;
-without an azimuth the surface drags the tip. Of a pad that tells z or newtons, as robots do and
-screens do not, x and y are mm, y upwards, unless the caller says what they are.
+A first line ``# {...}`` holds the header as JSON; its ``units`` are those of columns whose names
+say none. Tables without quaternions are pads; without an azimuth the surface drags the tip. Of a
+pad that tells z or newtons, as robots do and screens do not, x and y are mm, y upwards, unless the
+caller says what they are.
 """
 
 from __future__ import annotations
@@ -37,9 +40,11 @@ from typing import Any
 
 import numpy as np
 
+from paint3d.brush.presets import load_brush
 from paint3d.core.arrays import AnyArray
+from paint3d.core.quaternion import matrices_from_quaternions, multiply_quaternions
 from paint3d.device.recorded import MAX_FORCE_N, Recording
-from paint3d.errors import RecordingError
+from paint3d.errors import Message, RecordingError
 from paint3d.recording.flat_recording import (
     DEFAULT_LEAN,
     MM_PER_PIXEL,
@@ -49,6 +54,7 @@ from paint3d.recording.flat_recording import (
     spread_ties,
 )
 from paint3d.recording.number_table import Lines, NumberTable
+from paint3d.recording.units import TO_MM, TO_NS, units_of
 
 __all__ = ["read_csv", "read_plain_table", "write_csv"]
 
@@ -65,16 +71,28 @@ _PLACES = {
     for axis in "xyz"
 }
 _UNITS = {"_mm": 1.0, "_cm": 10.0, "_m": 1000.0}  # mm, by how a column's name ends
-_PRESSURES = ("pressure", "sensor_pressure", "p", "force", "force_n")
+_FORCES = ("force", "force_n", "fz", "fz_n", "force_z")
+_PRESSURES = ("pressure", "sensor_pressure", "p", *_FORCES)
 _STROKES = ("idx", "stroke", "stroke_id")
 _AZIMUTHS = ("azimuth", "sensor_azimuth", "azimuth_deg")
 _QUATERNION = ("qw", "qx", "qy", "qz")
 _OBJECT = ("object_x_mm", "object_y_mm", "object_z_mm", *(f"object_{q}" for q in _QUATERNION))
 _CONTACT = ("contact_x_mm", "contact_y_mm", "contact_z_mm")
+_PREFIXES = ("tip_", "contact_", "object_")
+_MAY_LACK = tuple(f"contact_{axis}{unit}" for axis in "xyz" for unit in (*_UNITS, ""))
+_TURNED = (0.0, 1.0, 0.0, 0.0)  # half a turn about x: from a z at the work to one up the handle
 _EXACT = ("time_ns", "buttons")
 _LARGEST = 1e9
 _TOO_FAST_MS = 0.05
 """A pad read more often than every 0.05 ms does not exist: such steps are seconds."""
+
+
+_LEAST_MM = 0.5
+"""A path or a stroke that spans less is hardly in the unit that it is taken for."""
+_NOISE_N, _NOISE_SHARE = 0.2, 0.1
+"""Forces up to 0.2 N, and up to a tenth of the greatest, may be noise of a sensor."""
+_TOUCH_NS = 200_000_000
+"""A touch by noise is shorter."""
 
 
 def read_csv(lines: Lines, name: str, *, scale: float, y_down: bool) -> Recording:
@@ -112,7 +130,7 @@ def read_csv(lines: Lines, name: str, *, scale: float, y_down: bool) -> Recordin
             names=", ".join(names)[:200],
             times=", ".join(_TIMES),
         )
-    table = NumberTable(names, name, _EXACT, _CONTACT)
+    table = NumberTable(names, name, _EXACT, _MAY_LACK)
     table.read(lines, delimiter, partial(_cells, delimiter=delimiter))
     return _assemble(table, header, scale, y_down)
 
@@ -160,31 +178,53 @@ def _assemble(table: NumberTable, header: dict[str, Any], scale: float, y_down: 
             "{table}: there are no samples; expected at least one",
             table=table.name,
         )
-    is_posed = table.column("qw") is not None
-    if is_posed:
-        scale, y_down = 1.0, False
-    for axis in "xyz":
-        _check_place(table, axis)
-    told: list[str] = []
-    if not is_posed and scale == MM_PER_PIXEL and y_down:
-        scale, y_down, told = _pad_unit(table)
-    y = table.column(*_PLACES["y"])
-    assert y is not None, "it was checked"
-    up = 1.0 if _unit_of(y[0]) or not y_down else -1.0
+    both = (_QUATERNION, tuple(f"tool_{q}" for q in _QUATERNION))
+    quaternion = next((names for names in both if _first(table, names)), None)
+    units = _said_units(table, header)
+    header = {key: value for key, value in header.items() if key != "units"}
+    notes: list[str] = []
+    if quaternion is not None:
+        scale, y_down = TO_MM[units.get("position", "mm")], False
+        tip = "tip_" if _is_there(table, "tip_") else ""
+        if "position" not in units:
+            notes += _unit_note(table, tip)
+    else:
+        if _is_there(table, "tip_"):
+            raise RecordingError(
+                "{table}: a tip is told without an orientation; expected columns {names} or those "
+                "of a tool whose z points at the work, {tools}",
+                table=table.name,
+                names=", ".join(both[0]),
+                tools=", ".join(both[1]),
+            )
+        for axis in "xyz":
+            _check_place(table, axis)
+        if "position" in units:
+            scale, y_down = TO_MM[units["position"]], False
+        elif scale == MM_PER_PIXEL and y_down:
+            scale, y_down, notes = _pad_unit(table)
+        if table.column(*_PLACES["z"]) and table.column(*_PRESSURES):
+            notes.append(
+                Message(
+                    "without an orientation (qw, qx, qy, qz) x and y are those of a sheet that is "
+                    "laid on the object; how deep the brush goes is told by its pressure, not by z"
+                )
+            )
+        y = table.column(*_PLACES["y"])
+        assert y is not None, "it was checked"
+        up = 1.0 if _unit_of(y[0]) or not y_down else -1.0
     changes = _changes(table)
-    time_ns, notes = _times(table, np.concatenate([[0], changes]))
-    notes = [*notes, *told]
+    time_ns, told = _times(table, np.concatenate([[0], changes]), units.get("time"))
+    notes = [*told, *notes]
     table.let_go(*_TIMES, *_STROKES)
-    if notes:
-        header = {**header, "notes": [*notes_of(header), *notes]}
     buttons = table.column("buttons")
     pressed = None if buttons is None else table.check("buttons", buttons[1], 0, 2**31 - 1)
-    pressure = _pressures(table)
+    pressure = _pressures(table, time_ns, notes)
     table.let_go(*_PRESSURES)
     try:
-        if is_posed:
-            position = np.stack(list(_places(table, scale, up)), axis=1)
-            return _posed(table, header, time_ns, position, pressure, pressed)
+        if quaternion is not None:
+            given = {} if pressed is None else {"buttons": pressed}
+            return _posed(table, header, notes, time_ns, quaternion, tip, scale, pressure, given)
         orientation = _leaning(table, up)
         if table.column(*_AZIMUTHS) is None:
             header = {"azimuth": "dragged", **header}
@@ -192,16 +232,59 @@ def _assemble(table: NumberTable, header: dict[str, Any], scale: float, y_down: 
             pressure = np.full(len(table), 0.5)
         lifts = Lifts(time_ns, pressure, changes - 1)
         position = lifts.put_columns(_places(table, scale, up))
+        pressure = lifts.put_pressure(pressure)
+        notes += [*_small(position, pressure, ""), *_unread(table)]
         return Recording(
             lifts.put_times(time_ns),
             position,
             lifts.put(orientation),
-            lifts.put_pressure(pressure),
+            pressure,
             **({} if pressed is None else {"buttons": lifts.put(pressed)}),
-            header={"space": "pad", **header},
+            header=_noted({"space": "pad", **header}, notes),
         )
     except RecordingError as cause:
         raise RecordingError("{table}: {cause}", table=table.name, cause=cause) from None
+
+
+def _noted(header: dict[str, Any], notes: list[str]) -> dict[str, Any]:
+    """The header with notes of its own and these."""
+    return {**header, "notes": [*notes_of(header), *notes]} if notes else header
+
+
+def _unread(table: NumberTable) -> list[str]:
+    """What is to be told of columns that are passed over."""
+    names = ", ".join(table.unread())[:200]
+    return [Message("columns not read: {names}", names=names)] if names else []
+
+
+def _said_units(table: NumberTable, header: dict[str, Any]) -> dict[str, Any]:
+    """The header's units of places and times; they may not contradict the columns' names."""
+    try:
+        units = units_of(header, tuple(TO_NS))
+    except RecordingError as cause:
+        raise RecordingError("{table}: {cause}", table=table.name, cause=cause) from None
+    unknown = set(units) - {"position", "time", "force"}
+    if unknown:
+        raise RecordingError(
+            "{table}: units has {unknown}; expected position, time, force",
+            table=table.name,
+            unknown=", ".join(sorted(unknown)),
+        )
+    places = [f"{prefix}{axis}" for prefix in ("", *_PREFIXES) for axis in "xyz"]
+    for key, starts, wanted in (("position", places, TO_MM), ("time", ["time"], TO_NS)):
+        columns = [
+            f"{start}_{unit}" for start in starts for unit in wanted if unit != units.get(key, unit)
+        ]
+        other = _first(table, tuple(columns))
+        if other is not None:
+            raise RecordingError(
+                "{table}: units: {key} is {unit}, and a column is {column}; expected one unit",
+                table=table.name,
+                key=key,
+                unit=units[key],
+                column=other,
+            )
+    return units
 
 
 def _changes(table: NumberTable) -> AnyArray:
@@ -216,20 +299,46 @@ def _changes(table: NumberTable) -> AnyArray:
 def _posed(
     table: NumberTable,
     header: dict[str, Any],
+    notes: list[str],
     time_ns: AnyArray,
-    position: AnyArray,
+    quaternion: tuple[str, ...],
+    tip: str,
+    scale: float,
     pressure: AnyArray | None,
-    buttons: AnyArray | None,
+    given: dict[str, AnyArray],
 ) -> Recording:
-    orientation = _columns(table, _QUATERNION)
-    given = {} if buttons is None else {"buttons": buttons}
-    if table.column(_OBJECT[0]):
-        held = _columns(table, _OBJECT)
-        given |= {"object_position": held[:, :3], "object_orientation": held[:, 3:]}
-    contact = _columns(table, _CONTACT) if table.column(_CONTACT[0]) else None
+    """A recording of poses; `tip` begins the names of its places where the tuft's tip is told."""
+    orientation = _columns(table, quaternion)
+    if quaternion != _QUATERNION:
+        orientation = multiply_quaternions(orientation, np.array(_TURNED))
+    position = _points(table, tip, scale)
+    contact = _points(table, "contact_", scale) if _is_there(table, "contact_") else None
+    if tip:
+        if pressure is not None and contact is None:
+            contact = position
+        length_mm = load_brush("full").length_mm
+        position = position + length_mm * matrices_from_quaternions(orientation)[:, :, 2]
+        header = {**header, "tuft_mm": length_mm}
+    if contact is not None and pressure is None and not np.isnan(contact).all():
+        raise RecordingError(
+            "a contact is given without a force (columns not read: {unread}); expected a column "
+            "{names}",
+            unread=", ".join(table.unread())[:200] or "-",
+            names=", ".join(_PRESSURES),
+        )
+    if _is_there(table, "object_"):
+        given = given | {"object_position": _points(table, "object_", scale)}
+        names = tuple(f"object_{q}" for q in _QUATERNION)
+        if _first(table, names):
+            given["object_orientation"] = _columns(table, names)
+    notes += _small(position, pressure, tip)
+    if contact is not None and contact is not position and not tip:
+        notes += _small(contact, pressure, "contact_")
+    notes += _unread(table)
     return Recording(
-        time_ns, position, orientation, pressure, header=header, contact=contact, **given
-    )
+        time_ns, position, orientation, pressure, header=_noted(header, notes), contact=contact,
+        **given,
+    )  # fmt: skip
 
 
 def _columns(table: NumberTable, names: tuple[str, ...]) -> AnyArray:
@@ -242,6 +351,99 @@ def _columns(table: NumberTable, names: tuple[str, ...]) -> AnyArray:
     return np.stack(checked, axis=1)
 
 
+def _names(prefix: str, axis: str) -> tuple[str, ...]:
+    """Names that a column of places may have."""
+    if prefix:
+        return tuple(f"{prefix}{axis}{unit}" for unit in (*_UNITS, ""))
+    return _PLACES[axis]
+
+
+def _is_there(table: NumberTable, prefix: str) -> bool:
+    return any(name in table.names for axis in "xyz" for name in _names(prefix, axis))
+
+
+def _points(table: NumberTable, prefix: str, scale: float) -> AnyArray:
+    """Places (N, 3) in mm; z of the brush's own is 0 where there is no column for it."""
+    columns = []
+    for axis in "xyz":
+        found = table.column(*_names(prefix, axis))
+        if found is None and (prefix or axis != "z"):
+            raise RecordingError(
+                "there is no column for {axis}; expected one of {names}",
+                axis=f"{prefix}{axis}",
+                names=", ".join(_names(prefix, axis)),
+            )
+        if found is None:
+            columns.append(np.zeros(len(table)))
+        else:
+            values = table.check(*found, -_LARGEST, _LARGEST)
+            columns.append(values * (_unit_of(found[0]) or scale))
+    return np.stack(columns, axis=1)
+
+
+def _unit_note(table: NumberTable, tip: str) -> list[str]:
+    """What is to be told of poses whose columns say no unit."""
+    of = [_names(prefix, axis) for prefix in (tip, *_PREFIXES[1:]) for axis in "xyz"]
+    bare = [name for name in (_first(table, names) for names in of) if name and not _unit_of(name)]
+    if not bare:
+        return []
+    return [
+        Message(
+            "{columns} are taken for mm, along the axes of the object (z upwards on a built-in "
+            "one); metres are named {metres}",
+            columns=", ".join(bare),
+            metres=", ".join(f"{tip}{axis}_m" for axis in "xyz"),
+        )
+    ]
+
+
+def _first(table: NumberTable, names: tuple[str, ...]) -> str | None:
+    """The one of these columns that is read."""
+    return next((name for name in names if name in table.names), None)
+
+
+def _small(places: AnyArray, pressure: AnyArray | None, prefix: str) -> list[str]:
+    """What is to be told of a path (N, 3), mm, that is hardly in the unit it is taken for."""
+    metres = ", ".join(f"{prefix}{axis}_m" for axis in "xyz")
+    what = ", ".join(f"{prefix}{axis}" for axis in "xyz")
+    if np.isnan(places).all():
+        return []
+    span = float((np.nanmax(places, axis=0) - np.nanmin(places, axis=0)).max())
+    if 0.0 < span < _LEAST_MM:
+        return [
+            Message(
+                "{what} span {span:.2g} mm in all; expected metres? name the columns {metres}",
+                what=what,
+                span=span,
+                metres=metres,
+            )
+        ]
+    starts, ends = _runs(np.ones(len(places), bool) if pressure is None else pressure > 0.0)
+    if span == 0.0 or not len(starts):
+        return []
+    cuts = np.column_stack([starts, ends]).ravel()
+    cuts = cuts[:-1] if cuts[-1] == len(places) else cuts
+    high, low = (f.reduceat(places, cuts, axis=0)[::2] for f in (np.fmax, np.fmin))
+    most = float(np.nan_to_num(high - low).max())
+    if not 0.0 < most < _LEAST_MM:
+        return []
+    return [
+        Message(
+            "no stroke spans more than {span:.2g} mm in {what}; expected metres? name the columns "
+            "{metres}",
+            what=what,
+            span=most,
+            metres=metres,
+        )
+    ]
+
+
+def _runs(flags: AnyArray) -> tuple[AnyArray, AnyArray]:
+    """First samples of runs of true flags (N,), and those after their last."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]])))
+    return edges[::2], edges[1::2]
+
+
 def _unit_of(column: str) -> float | None:
     """Length in mm that a column's name says it counts in; None where it says none."""
     return _UNITS.get(column[column.rfind("_") :]) if "_" in column else None
@@ -252,7 +454,7 @@ def _pad_unit(table: NumberTable) -> tuple[float, bool, list[str]]:
     found = table.column(*_PLACES["x"])
     if found is None or _unit_of(found[0]):
         return MM_PER_PIXEL, True, []
-    force, height = table.column("force", "force_n"), table.column(*_PLACES["z"])
+    force, height = table.column(*_FORCES), table.column(*_PLACES["z"])
     if force is None and height is None:
         note = (
             "x and y are taken for pixels of 1/96 inch, y downwards, as a screen counts; columns "
@@ -261,8 +463,6 @@ def _pad_unit(table: NumberTable) -> tuple[float, bool, list[str]]:
         return MM_PER_PIXEL, True, [note]
     reason = "z" if force is None else "a force in newtons"
     notes = [f"x and y are taken for mm, y upwards, for there is {reason}"]
-    if height is not None and table.column(*_PRESSURES) is not None:
-        notes.append("how deep the brush goes is told by its pressure, not by z")
     return 1.0, False, notes
 
 
@@ -296,14 +496,64 @@ def _places(table: NumberTable, scale: float, up: float) -> Iterator[AnyArray]:
         yield -values if axis == "y" and up < 0.0 else values
 
 
-def _pressures(table: NumberTable) -> AnyArray | None:
+def _pressures(table: NumberTable, time_ns: AnyArray, notes: list[str]) -> AnyArray | None:
+    """Pressures, 0 to 1; of a force without the noise of its sensor, which is told in `notes`."""
     found = table.column(*_PRESSURES)
     if found is None:
         return None
     name, values = found
-    most = MAX_FORCE_N if name.startswith("force") else 1.0
-    checked = table.check(name, values, 0.0, most)
-    return checked if most == 1.0 else checked / most
+    if name not in _FORCES:
+        return table.check(name, values, 0.0, 1.0)
+    noise = min(_NOISE_N, _NOISE_SHARE * float(np.abs(values).max()))
+    if values.max() <= noise and values.min() < -noise:
+        values = -values
+        notes.append(Message("{name} is negative throughout: its sign is turned", name=name))
+    low = values < 0.0
+    beyond = np.flatnonzero(values < -noise)
+    if len(beyond):
+        raise RecordingError(
+            "{table}:{line}: {name} is {value:.6g}; expected 0 to {most:g} N, how hard the brush "
+            "presses: take the offset off that the sensor has in the air, and turn the sign where "
+            "pressing is negative",
+            table=table.name,
+            line=table.line(int(beyond[0])),
+            name=name,
+            value=found[1][beyond[0]],
+            most=MAX_FORCE_N,
+        )
+    if low.any():
+        notes.append(
+            Message(
+                "{name} is {low:.2g} N in a sample: it counts as 0",
+                "{name} lies between {low:.2g} and 0 N in {n} samples: they count as 0",
+                name=name,
+                low=float(values.min()),
+                n=int(np.count_nonzero(low)),
+            )
+        )
+        values = np.where(low, 0.0, values)
+    values = table.check(name, values, 0.0, MAX_FORCE_N)
+    starts, ends = _runs(values > 0.0)
+    if len(starts):
+        cuts = np.column_stack([starts, ends]).ravel()
+        peaks = np.maximum.reduceat(values, cuts[:-1] if cuts[-1] == len(values) else cuts)[::2]
+        touches = (peaks <= noise) & (time_ns[ends - 1] - time_ns[starts] < _TOUCH_NS)
+        if touches.any():
+            values = values.copy()
+            for first, end in zip(starts[touches], ends[touches], strict=True):
+                values[first:end] = 0.0
+            notes.append(
+                Message(
+                    "a touch of less than {seconds:g} s and at most {noise:.2g} N is left out: "
+                    "noise in the air",
+                    "{n} touches of less than {seconds:g} s and at most {noise:.2g} N are left "
+                    "out: noise in the air",
+                    n=int(np.count_nonzero(touches)),
+                    seconds=_TOUCH_NS * 1e-9,
+                    noise=noise,
+                )
+            )
+    return values / MAX_FORCE_N
 
 
 def _leaning(table: NumberTable, up: float) -> AnyArray:
@@ -326,8 +576,11 @@ def _leaning(table: NumberTable, up: float) -> AnyArray:
     return np.broadcast_to(same, (len(table), 4))
 
 
-def _times(table: NumberTable, starts: AnyArray) -> tuple[AnyArray, list[str]]:
-    """Times in ns, and what had to be done to them; `starts` are the strokes' first samples."""
+def _times(table: NumberTable, starts: AnyArray, unit: str | None) -> tuple[AnyArray, list[str]]:
+    """Times in ns, and what had to be done to them.
+
+    `starts` are the strokes' first samples, `unit` what the header says of a column without one.
+    """
     found = table.column(*_TIMES)
     assert found is not None, "the reader asks for one"
     name, values = found
@@ -346,7 +599,9 @@ def _times(table: NumberTable, starts: AnyArray) -> tuple[AnyArray, list[str]]:
     if name == "time_ns":
         times, notes = values, list[str]()
     else:
-        times, notes = _rounded(values, _TIMES[name], starts)
+        is_bare = name not in ("time_ms", "time_s")
+        unit_ns = TO_NS[unit] if unit is not None and is_bare else _TIMES[name]
+        times, notes = _rounded(values, unit_ns, starts)
     times, n_moved = spread_ties(times)
     if n_moved:
         notes.append(f"{n_moved} samples shared a time stamp; spread evenly up to the next one")

@@ -20,6 +20,7 @@ import difflib
 import gzip
 import io
 import json
+import logging
 import math
 import os
 import zlib
@@ -36,8 +37,9 @@ from paint3d.core.arrays import AnyArray
 from paint3d.core.atomic import write_atomically
 from paint3d.device.recorded import FORMAT, MAX_FORCE_N, UNIT_TOLERANCE, Recording, checked_header
 from paint3d.errors import ExportError, RecordingError
-from paint3d.recording.flat_recording import MM_PER_PIXEL
+from paint3d.recording.flat_recording import MM_PER_PIXEL, notes_of
 from paint3d.recording.read_table import read_csv, read_plain_table, write_csv
+from paint3d.recording.units import TO_MM, units_of
 
 __all__ = [
     "AT_REST",
@@ -57,9 +59,9 @@ __all__ = [
     "write_jsonl",
 ]
 
+_LOG = logging.getLogger("paint3d")
 _GZIP_MAGIC = b"\x1f\x8b"
 _MAX_XML_BYTES = 1 << 26
-_TO_MM = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4}
 _RIGHT = ("right", "right_hand")
 _LEFT = ("object", "left", "left_hand")
 _KEYS = {
@@ -85,7 +87,7 @@ def load_recording(
     y_down: bool = True,
     progress: Callable[[float], None] | None = None,
 ) -> Recording:
-    """Read a recording.
+    """Read a recording; what was assumed or put right is logged, and in the header's ``notes``.
 
     Parameters
     ----------
@@ -108,7 +110,10 @@ def load_recording(
     with opened(path) as (raw, stream):
         start = stream.peek(512)[:512].lstrip(b"\xef\xbb\xbf \t\r\n")
         on_read = None if progress is None else share_read(raw, progress)
-        return _read(stream, start, name, Path(path), scale, y_down, on_read)
+        recording = _read(stream, start, name, Path(path), scale, y_down, on_read)
+    for note in notes_of(recording.header):
+        _LOG.warning("%s: %s", path, note)
+    return recording
 
 
 @contextmanager
@@ -320,7 +325,7 @@ def _read_jsonl(lines: Iterator[tuple[int, str]], name: str) -> Recording:
                 "load_score reads"
             )
         header = checked_header(header)
-        scale = _TO_MM[header["units"]["position"]]
+        scale = TO_MM[header["units"]["position"]]
     except RecordingError as cause:
         raise RecordingError(
             "{name}:{first}: {cause}", name=name, first=first[0], cause=cause
@@ -382,26 +387,7 @@ def _file_header(header: dict[str, Any]) -> dict[str, Any]:
                 key=key,
                 expected=FORMAT,
             )
-    units = header.get("units", {})
-    if isinstance(units, str):
-        units = {"position": units}
-    if not isinstance(units, dict):
-        raise RecordingError(
-            "units is {units!r}; expected an object such as {{'position': 'mm'}}",
-            units=units,
-        )
-    units = dict(units)
-    length = units.pop("length", None)
-    merged = {"position": length or "mm", "time": "ns", "force": "N", **units}
-    known = {"position": tuple(_TO_MM), "time": ("ns",), "force": ("N",)}
-    for key, names in known.items():
-        if merged[key] not in names:
-            raise RecordingError(
-                "units: {key} is {merged!r}; expected {names}",
-                key=key,
-                merged=merged[key],
-                names=" or ".join(names),
-            )
+    merged = {"position": "mm", "time": "ns", "force": "N", **units_of(header)}
     return {**header, "units": merged}
 
 

@@ -604,9 +604,10 @@ def test_a_large_pad_takes_little_more_than_its_numbers(tmp_path: Path) -> None:
         ("time,x,y,force", "10,20,0.5", (10, 20), "a force in newtons"),
         ("time,x,y,z,pressure", "10,20,30,0.5", (10, 20), "there is z"),
         ("time,x_mm,y_mm,force", "10,20,0.5", (10, 20), ""),
-        ("time,x_m,y_m,z_m,force", "0.01,0.02,0,0.5", (10, 20), ""),
+        ("time,x_m,y_m,z_m,force", "0.01,0.02,0,0.5", (10, 20), "not by z"),
         ("time,x_cm,y_cm", "1,2", (10, 20), ""),
-        ("time,x,y,z,qw,qx,qy,qz", "10,20,30,1,0,0,0", (10, 20), ""),
+        ("time,x,y,z,qw,qx,qy,qz", "10,20,30,1,0,0,0", (10, 20), "x, y, z are taken for mm"),
+        ("time,x_mm,y_mm,z_mm,qw,qx,qy,qz", "10,20,30,1,0,0,0", (10, 20), ""),
     ],
 )
 def test_a_robots_table_is_mm_and_a_screens_is_pixels(
@@ -616,7 +617,7 @@ def test_a_robots_table_is_mm_and_a_screens_is_pixels(
     assert recording.position[0, :2] == pytest.approx(place)
     notes = " ".join(recording.header.get("notes", ()))
     assert told in notes if told else not notes
-    deep = columns == "time,x,y,z,pressure"
+    deep = columns in ("time,x,y,z,pressure", "time,x_m,y_m,z_m,force")
     assert ("not by z" in notes) == deep
 
 
