@@ -293,7 +293,7 @@ class Painter(StrokePainter):
         from paint3d.mesh.chart import frame_at
 
         stone = cut_seal(text, svg, style, size, font=font)
-        closest, angle = self._closest, math.radians(rotate)
+        closest, angle = self.surface.closest_points, math.radians(rotate)
         frames = places_for(closest, at, side)
         pressing = Pressing(coats=coats, wear=wear, seed=seed)
         fault: Paint3DError | None = None

@@ -343,7 +343,9 @@ class _SharingPickler(pickle.Pickler):
 # ---- Painting ------------------------------------------------------------------------------------
 
 
-def check_poses(recording: Recording, mesh: TriangleMesh, wished: str | None, name: str) -> Doubts:
+def check_poses(
+    recording: Recording, surface: PaintedSurface, wished: str | None, name: str
+) -> Doubts:
     """Refuse poses whose handle points into the object; return what else seems to be wrong.
 
     Raises
@@ -351,11 +353,10 @@ def check_poses(recording: Recording, mesh: TriangleMesh, wished: str | None, na
     RecordingError
         If it does in most samples near the surface; it says what to do.
     """
-    from paint3d.mesh.bvh import ClosestPoints
     from paint3d.painter.pose_check import doubts_of, rooted
 
     length_mm = _brush(recording, wished).length_mm
-    doubts = doubts_of(rooted(recording, length_mm), ClosestPoints(mesh), length_mm)
+    doubts = doubts_of(rooted(recording, length_mm), surface.closest_points, length_mm)
     if doubts.handle is not None:
         raise RecordingError("{name}: {handle}", name=name, handle=doubts.handle)
     return doubts

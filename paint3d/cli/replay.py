@@ -174,7 +174,7 @@ def run(options: argparse.Namespace) -> None:
         laid = lay_on(mesh, _for_this(recording, mesh, options), options.at, options.size)
     doubts: tuple[Message | None, ...] = ()
     if isinstance(laid, Recording) and not recording.is_pad:
-        doubts = check_poses(laid, mesh, wanted.brush, str(options.recording))
+        doubts = check_poses(laid, surface, wanted.brush, str(options.recording))
     watch = None if film is None else film.of_recording(surface, laid, wanted.spread)
     table = None if options.stroke_table is None else StrokeTable()
     if document is None:

@@ -244,7 +244,6 @@ def _frames(document: Document, options: argparse.Namespace) -> Iterator[Surface
     from itertools import islice
 
     from paint3d.calligraphy.layout import places_for
-    from paint3d.mesh.bvh import ClosestPoints
 
-    closest = ClosestPoints(document.surface.source)
+    closest = document.surface.closest_points
     yield from islice(places_for(closest, options.at, options.side), _MOST_PLACES)

@@ -11,7 +11,7 @@ from __future__ import annotations
 import dataclasses
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from functools import cached_property, partial
+from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -44,7 +44,6 @@ from paint3d.core.ahead import ahead
 from paint3d.core.arrays import AnyArray, as_number
 from paint3d.device.sample import DIP, DeviceSample
 from paint3d.errors import InputError, Message, RecordingError
-from paint3d.mesh.bvh import ClosestPoints
 from paint3d.painter.flat_input import LaidPad
 from paint3d.painter.ink_time import LOOKAHEAD, PIECE_S, Pauses, pieces_until
 from paint3d.painter.pose_check import Doubts, doubts_of, log_doubts, rooted
@@ -514,17 +513,12 @@ class Painter:
         from paint3d.painter.line import record_line
 
         recording = record_line(
-            self._closest, points, pressure, tilt, length_mm=self.brush.length_mm, speed=speed,
-            side=side,
+            self.surface.closest_points, points, pressure, tilt,
+            length_mm=self.brush.length_mm, speed=speed, side=side,
             header={"brush": self.brush.name, "ink": self.ink.name, "azimuth": self.azimuth},
         )  # fmt: skip
         self.replay(recording, wet=wet)
         return recording
-
-    @cached_property
-    def _closest(self) -> ClosestPoints:
-        """The object's closest points, found when they are first asked for."""
-        return ClosestPoints(self.surface.source)
 
     def replay(
         self,
@@ -600,7 +594,7 @@ class Painter:
             )
         length_mm = self.brush.length_mm
         recording = rooted(recording, length_mm)
-        return recording, doubts_of(recording, self._closest, length_mm)
+        return recording, doubts_of(recording, self.surface.closest_points, length_mm)
 
     def _paint_to(
         self,

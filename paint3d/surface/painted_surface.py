@@ -15,7 +15,7 @@ from paint3d.colour.spectra import srgb_from_reflectance
 from paint3d.colour.wet_look import WetLook
 from paint3d.core.arrays import AnyArray, as_array, as_number
 from paint3d.errors import InputError
-from paint3d.mesh.bvh import build_contact_tree
+from paint3d.mesh.bvh import ClosestPoints, build_contact_tree
 from paint3d.mesh.foreign import as_mesh
 from paint3d.mesh.kernels.bvh import ContactTree
 from paint3d.mesh.likeness import Original
@@ -97,6 +97,11 @@ class PaintedSurface(InkStore):
     def contact_tree(self) -> ContactTree:
         """The tree for brush contact, built on first access (.2 s for a million faces)."""
         return build_contact_tree(self.paint_mesh)
+
+    @cached_property
+    def closest_points(self) -> ClosestPoints:
+        """Closest points and ray hits on the object, found when they are first asked for."""
+        return ClosestPoints(self.source)
 
     def refresh(self) -> AnyArray:
         """Bring colours up to date; return the ids (N,) int32 of vertices that may have changed.

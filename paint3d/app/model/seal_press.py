@@ -18,7 +18,6 @@ from paint3d.colour.ink_text import table_of
 from paint3d.colour.pigments import load_pigment
 from paint3d.core.arrays import AnyArray, as_array, as_number
 from paint3d.errors import InputError
-from paint3d.mesh.bvh import ClosestPoints
 from paint3d.mesh.chart import frame_at
 from paint3d.painter.painter import Ink, Painter
 from paint3d.surface.painted_surface import PaintedSurface
@@ -47,7 +46,6 @@ class SealPress:
 
     def __init__(self, painter: Painter, undo: UndoHistory) -> None:
         self._painter, self._undo = painter, undo
-        self._closest: ClosestPoints | None = None
 
     def check(
         self, rings: Sequence[ArrayLike], coats: float, pad_mm: float, wear: float, seed: int
@@ -88,10 +86,8 @@ class SealPress:
         """
         surface = self._painter.surface
         at, up = as_array(at, "at", (3,)), as_array(up, "up", (3,))
-        if self._closest is None or self._closest.mesh is not surface.source:
-            self._closest = ClosestPoints(surface.source)
-        frame = frame_at(self._closest, at, up)
-        left = find_impression(surface, self._closest, frame, *seal)
+        closest = surface.closest_points
+        left = find_impression(surface, closest, frame_at(closest, at, up), *seal)
         if stencil is not None:
             free = ~stencil.covers(left.vertex_ids)
             left = replace(

@@ -97,7 +97,7 @@ def painted_sheet(
     plain = np.median(colour[~surface.painted], axis=0) if (~surface.painted).any() else 255.0
     planes = [np.full((height, width), level, np.float32) for level in np.broadcast_to(plain, 3)]
     cover = np.zeros((height, width), np.float32)
-    closest = ClosestPoints(surface.source)
+    closest = surface.closest_points
     faces, covered = surface.paint_mesh.leaf_faces(), surface.coverage
     faces = faces[(covered[faces] > 0.0).any(axis=1)]
     used = np.unique(faces)

@@ -79,7 +79,7 @@ class OpenResult:
         progress(0.4)
         uploads = shown.uploads(document.refresh())
         progress(0.6)
-        surface = ClosestPoints(document.surface.source)
+        surface = document.surface.closest_points
         _ = document.surface.contact_tree  # built here, beside the window
         progress(0.9)
         return cls(document, shown, uploads, surface, some_points(document.surface.source.vertices))

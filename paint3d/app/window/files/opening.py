@@ -29,7 +29,6 @@ from paint3d.files.load import MESH_SUFFIXES, is_built_in, read_mesh
 from paint3d.files.progress import part_of
 from paint3d.files.project.session import SESSION_SUFFIX, is_session_path
 from paint3d.files.reading import Reading
-from paint3d.mesh.bvh import ClosestPoints
 from paint3d.mesh.sheets import is_sheet, parse_sheet
 from paint3d.pose.brush_pose import object_poses
 from paint3d.surface.sheen import PLAIN_SHINE
@@ -83,7 +82,7 @@ def warm_up(progress: Callable[[float], None] = lambda _: None) -> None:
 
 def _paint_unseen(progress: Callable[[float], None]) -> None:
     document = Document.new("plane", 4.0, "xuan")
-    hand, brush = Hand(ClosestPoints(document.surface.source)), document.painter.brush
+    hand, brush = Hand(document.surface.closest_points), document.painter.brush
     shown = LiveObject(document.surface)
     for upload in shown.uploads(document.refresh()):
         cone_of(upload.points, upload.faces, np.zeros(4))
