@@ -312,7 +312,11 @@ def _posed(
     if quaternion != _QUATERNION:
         orientation = multiply_quaternions(orientation, np.array(_TURNED))
     position = _points(table, tip, scale)
-    contact = _points(table, "contact_", scale) if _is_there(table, "contact_") else None
+    notes += _small(position, pressure, tip)
+    contact = None
+    if _is_there(table, "contact_"):
+        contact = _points(table, "contact_", scale)
+        notes += _small(contact, pressure, "contact_")
     if tip:
         if pressure is not None and contact is None:
             contact = position
@@ -331,9 +335,6 @@ def _posed(
         names = tuple(f"object_{q}" for q in _QUATERNION)
         if _first(table, names):
             given["object_orientation"] = _columns(table, names)
-    notes += _small(position, pressure, tip)
-    if contact is not None and contact is not position and not tip:
-        notes += _small(contact, pressure, "contact_")
     notes += _unread(table)
     return Recording(
         time_ns, position, orientation, pressure, header=_noted(header, notes), contact=contact,

@@ -799,7 +799,9 @@ class LayerStack:
             if amounts.any():
                 return np.asarray(amounts[0], np.float64)
             if rows[0] >= 0:
-                return np.asarray(dry.amounts[rows[0]], np.float64)
+                parts = np.zeros(len(self._store.pigments))
+                parts[: dry.amounts.shape[1]] = dry.amounts[rows[0]]  # pigments may have come since
+                return parts
         return np.zeros(len(self._store.pigments))
 
     # -- ink balance ------------------------------------------------------------------------

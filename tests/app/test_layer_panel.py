@@ -177,3 +177,21 @@ def test_groups_are_made_folded_shown_moved_copied_and_dissolved(window) -> None
     QtTest.QTest.keyClicks(name, "branch")
     QtTest.QTest.keyClick(name, KEY.Key_Return)
     wait_for(lambda: document().layers[0].group.name == "branch")
+
+
+def test_a_name_that_is_left_as_it_was_stays_in_the_windows_language(window) -> None:
+    panel = window.panels.layers
+    settled(window)
+    kept = [layer.name for layer in window.document.layers]
+    row = panel.list.itemWidget(panel.list.item(0))
+    name = row.findChild(QtWidgets.QLineEdit)
+    shown = name.text()
+    for typed in ("", shown):
+        panel.list.setCurrentRow(0)
+        panel.rename()
+        name.setText(typed)
+        QtTest.QTest.keyClick(name, KEY.Key_Return)
+        assert name.text() == shown
+        assert name.isReadOnly()
+    settled(window)
+    assert [layer.name for layer in window.document.layers] == kept

@@ -288,6 +288,18 @@ def test_a_colour_is_picked_from_the_highest_layer_that_shows():
     assert document.pick_colour(centre) == {"pine soot": 1.0}
 
 
+def test_dry_paint_of_a_layer_is_picked_after_another_pigment_has_come():
+    document = small_plane()
+    paint(document, *ACROSS)
+    centre = int(np.argmax(document.surface.coverage))
+    document.dry()
+    document.add_layer()
+    document.dip("cinnabar")
+    paint(document, *ALONG)
+    document.set_visible(1, False)
+    assert document.pick_colour(centre) == {"pine soot": 1.0}
+
+
 @settings(deadline=None, max_examples=60)
 @given(st.floats(0.01, 8.0), st.floats(0.0, 8.0), st.floats(0.0, 3.0), st.floats(0.1, 1.0))
 def test_three_grounds_tell_what_shows_over_any(k, s, coats, cover):

@@ -56,6 +56,22 @@ def test_kinds_are_told_by_names_without_opening_files(program, tmp_path) -> Non
         assert not NamesOnly().icon(QtCore.QFileInfo(str(tmp_path / name))).isNull()
 
 
+def test_a_folder_is_called_one_whatever_its_name_ends_with(program, tmp_path) -> None:
+    for name in ("scans", "old.txt"):
+        (tmp_path / name).mkdir()
+        assert NamesOnly().type(QtCore.QFileInfo(str(tmp_path / name))) == "Folder"
+
+
+def test_a_slow_folder_is_waited_for_in_any_place_of_the_list(monkeypatch) -> None:
+    def look(path: str) -> bool:
+        time.sleep(0.5 if path == "slow" else 0.0)
+        return True
+
+    monkeypatch.setattr(file_dialogs, "_is_there", look)
+    monkeypatch.setattr(file_dialogs, "_PATIENCE_S", 20.0)
+    assert that_exist(["here", "slow"]) == ["here", "slow"]
+
+
 @pytest.fixture(scope="module")
 def window(program):
     with opened(program, "plane", 4.0, "xuan", drawn=False) as window:

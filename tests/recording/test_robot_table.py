@@ -99,6 +99,15 @@ def test_a_path_that_spans_nothing_asks_for_its_unit(tmp_path: Path) -> None:
     assert not said(read(tmp_path, NAMED, WAY))
 
 
+def test_a_tip_that_spans_nothing_asks_for_its_unit_however_the_handle_sways(
+    tmp_path: Path,
+) -> None:
+    turns = [(np.sin(0.05 * k), np.cos(0.05 * k)) for k in range(5)]
+    rows = [f"0,0,{0.001 * k:g},{x:.9f},0,0,{w:.9f}" for k, (x, w) in enumerate(turns)]
+    recording = read(tmp_path, "tip_x,tip_y,tip_z,qx,qy,qz,qw", rows)
+    assert "expected metres? name the columns tip_x_m" in said(recording)
+
+
 def test_strokes_that_span_nothing_ask_for_their_unit(tmp_path: Path) -> None:
     far = ["30,0,0,0,0,0,1", *WAY]
     rows = [f"{row},{force}" for row, force in zip(far, (0, 1, 1, 0, 1, 1), strict=True)]

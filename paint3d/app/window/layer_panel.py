@@ -268,6 +268,7 @@ class LayerPanel(QtWidgets.QWidget):
         name.installEventFilter(self)
         name.setProperty("place", place)
         name.setProperty("group", group)
+        name.setProperty("shown", text)
         name.editingFinished.connect(lambda: self._renamed(place, group, name))
         return name
 
@@ -302,9 +303,14 @@ class LayerPanel(QtWidgets.QWidget):
         return super().eventFilter(watched, event)
 
     def _renamed(self, place: int, group: int, name: QtWidgets.QLineEdit) -> None:
-        if not name.isReadOnly() and name.text().strip():
-            name.setReadOnly(True)
-            self._ask("rename_group" if group else "rename_layer", place, name.text().strip())
+        if name.isReadOnly():
+            return
+        name.setReadOnly(True)
+        text, shown = name.text().strip(), name.property("shown")
+        if text and text != shown:  # a name in the window's language stays one
+            self._ask("rename_group" if group else "rename_layer", place, text)
+        else:
+            name.setText(shown)
 
     def rename(self) -> None:
         """Let the name of the layer that is painted on, or of the chosen group, be written."""

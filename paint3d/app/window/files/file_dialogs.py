@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import os
 import threading
+import time
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Any
 
 from PySide6 import QtCore, QtGui, QtWidgets
@@ -37,7 +37,9 @@ class NamesOnly(QtWidgets.QFileIconProvider):
         return super().icon(file)
 
     def type(self, file: QtCore.QFileInfo) -> str:
-        """The kind of a file by its suffix."""
+        """The kind of a folder, or of a file by its suffix."""
+        if file.isDir():
+            return super().type(file)
         by_name = QtCore.QMimeDatabase.MatchMode.MatchExtension
         return QtCore.QMimeDatabase().mimeTypeForFile(file.fileName(), by_name).comment()
 
@@ -94,10 +96,11 @@ def _look(paths: Sequence[str | os.PathLike[str]]) -> dict[str, bool]:
         )
         seeker.start()
         seekers.append(seeker)
+    deadline = time.monotonic() + _PATIENCE_S
     for seeker in seekers:
-        seeker.join(_PATIENCE_S if seeker is seekers[0] else 0.1 * _PATIENCE_S)
+        seeker.join(max(0.0, deadline - time.monotonic()))
     return dict(found)
 
 
 def _is_there(path: str) -> bool:
-    return Path(path).exists()
+    return os.path.exists(path)
