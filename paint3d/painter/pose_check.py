@@ -1,7 +1,7 @@
 """What a recording's poses tell of the frames that were logged: of the tool, and of its base.
 
-A robot's tool frame is another one than the pen's: its z axis points at the work, and its origin
-may be the tip; its places are those of its base. Painted as they are, such poses give marks that
+A robot's tool frame differs from the pen's: its z axis points at the work, and its origin may be
+the tip; its positions are in the frame of its base. Painted as they are, such poses give marks that
 nobody drew.
 """
 
@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from paint3d.core.arrays import dots_of
+from paint3d.core.arrays import as_number, dots_of
 from paint3d.core.quaternion import matrices_from_quaternions
 from paint3d.errors import Message
 from paint3d.mesh.bvh import ClosestPoints
@@ -49,8 +49,9 @@ class Doubts(NamedTuple):
 def rooted(recording: Recording, length_mm: float) -> Recording:
     """The recording for a tuft of this length, where its tip was logged (``tuft_mm``)."""
     meant = recording.header.get("tuft_mm")
-    if not isinstance(meant, int | float) or meant == length_mm:
+    if meant is None or meant == length_mm:
         return recording
+    meant = as_number(meant, "tuft_mm", 0.0, 1000.0)
     up = matrices_from_quaternions(recording.orientation)[:, :, 2]
     return replace(
         recording,
@@ -60,7 +61,7 @@ def rooted(recording: Recording, length_mm: float) -> Recording:
 
 
 def log_doubts(doubts: Iterable[Message | None]) -> None:
-    """Log those that there are."""
+    """Log each doubt that is not None."""
     for doubt in doubts:
         if doubt is not None:
             logging.getLogger("paint3d").warning("%s", doubt)

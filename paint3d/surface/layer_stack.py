@@ -34,7 +34,7 @@ from paint3d.surface.dry_layers import DryLayers
 from paint3d.surface.flow import Water
 from paint3d.surface.ink_store import InkStore, union
 
-__all__ = ["BLENDS", "MOST_NAME", "Group", "Layer", "LayerStack", "StackState"]
+__all__ = ["BLENDS", "MOST_NAME", "Group", "Layer", "LayerStack", "StackState", "group_span"]
 
 BLENDS = ("normal", "multiply")
 """How a layer lies on those below it."""
@@ -110,6 +110,15 @@ class Layer:
         return self.opacity == 1.0 and self.blend == "normal"
 
 
+def group_span(layers: Sequence[Layer], place: int) -> tuple[int, int]:
+    """The places of the lowest and the uppermost layer of a group; of a layer in none, its own."""
+    group = layers[place].group
+    if group is None:
+        return place, place
+    places = [k for k, layer in enumerate(layers) if layer.group == group]
+    return places[0], places[-1]
+
+
 @dataclass(eq=False)
 class _Content:
     """Paint of a resting layer: wet vertices (N,), dried rows and water."""
@@ -175,11 +184,7 @@ class LayerStack:
     @property
     def layers(self) -> tuple[Layer, ...]:
         """Name and flags of each layer, the lowest first."""
-        return tuple(
-            replace(self._about[key], group=self._groups[self._group_of[key]])
-            if key in self._group_of else self._about[key]
-            for key in self._keys
-        )  # fmt: skip
+        return tuple(replace(self._about[key], group=self._group(key)) for key in self._keys)
 
     @property
     def active(self) -> int:
@@ -246,8 +251,8 @@ class LayerStack:
         if group:
             self._group_of[key] = group
 
-    def _check_room(self) -> None:
-        if len(self._keys) >= _MOST_LAYERS:
+    def _check_room(self, more: int = 1) -> None:
+        if len(self._keys) + more > _MOST_LAYERS:
             raise InputError("there are {most} layers; expected no more", most=_MOST_LAYERS)
 
     def duplicate(self, place: int, name: str) -> None:
@@ -413,8 +418,7 @@ class LayerStack:
             too many layers.
         """
         group, (first, last) = self._group_key(place), self.group_span(place)
-        if len(self._keys) + last - first + 1 > _MOST_LAYERS:
-            raise InputError("there are {most} layers; expected no more", most=_MOST_LAYERS)
+        self._check_room(last - first + 1)
         about = replace(
             self._groups[group], key=max(self._groups) + 1, name=_checked_name(name), folded=False
         )
@@ -508,9 +512,8 @@ class LayerStack:
         InputError
             If there is no layer at that place, or it is in no group.
         """
-        group = self._group_key(place)
-        places = [k for k, key in enumerate(self._keys) if self._group_of.get(key) == group]
-        return places[0], places[-1]
+        self._group_key(place)
+        return group_span(self.layers, place)
 
     def _group_key(self, place: int) -> int:
         key = self._key(place)

@@ -9,7 +9,8 @@ import pytest
 
 from paint3d.core.quaternion import matrices_from_quaternions
 from paint3d.device.recorded import MAX_FORCE_N, Recording
-from paint3d.errors import RecordingError
+from paint3d.errors import InputError, RecordingError
+from paint3d.painter.pose_check import rooted
 from paint3d.recording.flat_recording import notes_of
 from paint3d.recording.recording import load_recording
 
@@ -193,3 +194,12 @@ def test_a_tip_is_the_place_that_is_meant(tmp_path: Path, with_force: bool) -> N
         assert recording.contact[0] == pytest.approx([10, 0, 40])
     else:
         assert recording.contact is None
+
+
+@pytest.mark.parametrize("length", [True, "35", float("nan"), -1.0, 1e9])
+def test_a_tufts_length_that_is_none_is_refused(length) -> None:
+    recording = Recording(
+        [0], [[0.0, 0.0, 35.0]], [[1.0, 0.0, 0.0, 0.0]], header={"tuft_mm": length}
+    )
+    with pytest.raises(InputError, match="tuft_mm is"):
+        rooted(recording, 52.0)

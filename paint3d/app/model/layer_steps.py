@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from paint3d.surface.layer_stack import Layer
+from paint3d.surface.layer_stack import Layer, group_span
 
-__all__ = ["group_span", "group_step", "layer_step"]
+__all__ = ["group_step", "layer_step"]
 
 
 def layer_step(layers: Sequence[Layer], place: int, by: int) -> tuple[int, int] | None:
@@ -32,12 +32,3 @@ def group_step(layers: Sequence[Layer], place: int, by: int) -> int | None:
         return None
     low, high = group_span(layers, beside)
     return first + by * (high - low + 1)
-
-
-def group_span(layers: Sequence[Layer], place: int) -> tuple[int, int]:
-    """The places of the lowest and the uppermost layer of a group; of a layer in none, its own."""
-    group = layers[place].group
-    if group is None:
-        return place, place
-    places = [k for k, layer in enumerate(layers) if layer.group == group]
-    return places[0], places[-1]

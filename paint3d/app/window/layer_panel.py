@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 from PySide6 import QtCore, QtGui, QtWidgets
 
-from paint3d.app.model.layer_steps import group_span, group_step, layer_step
+from paint3d.app.model.layer_steps import group_step, layer_step
 from paint3d.app.window.theme import Theme, make_icon
 from paint3d.app.window.wording import say, say_group, say_layer
 from paint3d.errors import Message
-from paint3d.surface.layer_stack import BLENDS, Group, Layer
+from paint3d.surface.layer_stack import BLENDS, Group, Layer, group_span
 
 __all__ = ["PICTURE", "LayerPanel"]
 
@@ -107,8 +107,8 @@ class LayerPanel(QtWidgets.QWidget):
         """Show these layers, the lowest first, and which is painted on."""
         if self._group and active != self._active:
             self._group = 0  # another one is painted on
-        message = tuple(layers), active, self._group
-        if message == self._shown:
+        wanted = tuple(layers), active, self._group
+        if wanted == self._shown:
             return
         self._layers, self._active = tuple(layers), active
         if self._group not in {layer.group.key for layer in layers if layer.group is not None}:
@@ -204,11 +204,7 @@ class LayerPanel(QtWidgets.QWidget):
 
     def _row(self, place: int, layer: Layer) -> QtWidgets.QWidget:
         row, layout = self._make_row(_INDENT if layer.group is not None else 0)
-        eye = self._button(
-            "eye" if layer.visible else "hidden",
-            say("Hide") if layer.visible else say("Show"),
-            lambda: self._ask("set_visible", place, not layer.visible),
-        )
+        eye = self._eye(layer.visible, "set_visible", place)
         lock = self._button(
             "lock" if layer.locked else "unlocked",
             say("Unlock") if layer.locked else say("Lock"),
@@ -228,11 +224,7 @@ class LayerPanel(QtWidgets.QWidget):
 
     def _group_row(self, place: int, group: Group) -> QtWidgets.QWidget:
         row, layout = self._make_row(0)
-        eye = self._button(
-            "eye" if group.visible else "hidden",
-            say("Hide") if group.visible else say("Show"),
-            lambda: self._ask("set_group_visible", place, not group.visible),
-        )
+        eye = self._eye(group.visible, "set_group_visible", place)
         fold = self._button(
             "folded" if group.folded else "unfolded",
             say("Show its layers") if group.folded else say("Fold"),
@@ -240,16 +232,23 @@ class LayerPanel(QtWidgets.QWidget):
         )
         fold.setObjectName("fold_group")
         name = self._name(say_group(group.name), say("Name of the group"), place, group.key)
-        count = group_span(self._layers, place)
-        told = QtWidgets.QLabel(str(count[1] - count[0] + 1))
-        told.setObjectName("faint")
-        told.setToolTip(say("Layers in the group"))
+        first, last = group_span(self._layers, place)
+        count = QtWidgets.QLabel(str(last - first + 1))
+        count.setObjectName("faint")
+        count.setToolTip(say("Layers in the group"))
         layout.addWidget(eye)
         layout.addWidget(fold)
         layout.addWidget(name, 1)
-        layout.addWidget(told)
+        layout.addWidget(count)
         layout.addSpacing(8)
         return row
+
+    def _eye(self, visible: bool, what: str, place: int) -> QtWidgets.QToolButton:
+        return self._button(
+            "eye" if visible else "hidden",
+            say("Hide") if visible else say("Show"),
+            lambda: self._ask(what, place, not visible),
+        )
 
     def _make_row(self, indent: int) -> tuple[QtWidgets.QWidget, QtWidgets.QHBoxLayout]:
         row = QtWidgets.QWidget()
