@@ -43,7 +43,7 @@ import numpy as np
 from paint3d.brush.presets import load_brush
 from paint3d.core.arrays import AnyArray
 from paint3d.core.quaternion import matrices_from_quaternions, multiply_quaternions
-from paint3d.device.recorded import MAX_FORCE_N, Recording
+from paint3d.device.recorded import FORMAT, MAX_FORCE_N, Recording
 from paint3d.errors import Message, RecordingError
 from paint3d.recording.flat_recording import (
     DEFAULT_LEAN,
@@ -312,11 +312,12 @@ def _posed(
     if quaternion != _QUATERNION:
         orientation = multiply_quaternions(orientation, np.array(_TURNED))
     position = _points(table, tip, scale)
-    notes += _small(position, pressure, tip)
+    ours = header.get("format") == FORMAT  # in the unit that it says
+    notes += [] if ours else _small(position, pressure, tip)
     contact = None
     if _is_there(table, "contact_"):
         contact = _points(table, "contact_", scale)
-        notes += _small(contact, pressure, "contact_")
+        notes += [] if ours else _small(contact, pressure, "contact_")
     if tip:
         if pressure is not None and contact is None:
             contact = position
