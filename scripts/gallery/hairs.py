@@ -40,17 +40,18 @@ def bristles(file: Path, _glyphs: Path) -> None:
 
 
 def feibai(file: Path, _glyphs: Path) -> None:
-    """Two sweeping strokes on the outside of the bowl, the brush half dry."""
+    """Two sweeping strokes on the outside of a bowl before it is glazed, the brush nearly dry."""
     paths = []
     for name, count in (("hairs", 1_000), ("solid", 0)):
         mesh = load_mesh("bowl")
-        surface, closest = PaintedSurface(mesh, 0.3, "porcelain"), ClosestPoints(mesh)
+        surface, closest = PaintedSurface(mesh, 0.2, "bisque"), ClosestPoints(mesh)
         chart = make_chart(closest, place(closest, (0.5, 0.5)), 55.0, 30.0)
         painter = Painter(surface, "full", "pine soot", hairs=count)
-        painter.wipe(0.74)
+        painter.wipe(0.84)
         turn = np.linspace(0.0, 1.0, 300)
         arch = np.column_stack([-46.0 + 92.0 * turn, 6.0 + 9.0 * np.sin(np.pi * turn)])
-        press = 0.62 * np.clip(np.minimum(6.0 * turn, 9.0 * (1.0 - turn)), 0.0, 1.0)
+        swell = np.sin(np.pi * np.clip(turn, 0.0, 1.0)) ** 0.4  # comes down and leaves as it goes
+        press = 0.55 * swell * (1.0 - 0.25 * turn)
         painter.replay(stroke(chart, arch, press))
         hook = np.column_stack([-30.0 + 66.0 * turn, -8.0 - 9.0 * turn + 5.0 * np.sin(5 * turn)])
         painter.replay(stroke(chart, hook, 0.8 * press))
