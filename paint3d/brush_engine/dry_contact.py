@@ -32,6 +32,8 @@ __all__ = [
     "dry_contact",
     "fill_noise",
     "note_way",
+    "per_width",
+    "supply_at",
     "thin_contact",
 ]
 
@@ -62,6 +64,7 @@ _BROAD, _BROAD_WAY, _BROAD_SPREAD = 1.25, 19.0, 0.72  # bundles: mm across, mm a
 BUNDLE_MM, _WAY, _SPREAD = 0.32, 16.0, 0.58  # the narrow ones of a solid tuft
 _WANDER_MM = 0.5  # narrow ones lie aside by the supply of broad ones: they part and meet
 _BROADER = 2.2  # broad ones are at least so much broader than narrow ones
+_WET_BROAD = 0.6  # of what broad ones bring shows in a wet film, over what narrow ones do
 _BELLY = 0.32  # of the root's diameter: half the width of a belly at whose scale bundles are told
 _NARROWEST = 0.35  # of it, below which hairs draw together no more
 _RIM = 0.35  # how much worse hairs at the rim are supplied
@@ -226,6 +229,24 @@ def _ahead(values):
 
 
 @uncounted(error_model="numpy")
+def per_width(values, root_mm):
+    """Belly's scale, at which bundles are told, over that of a footprint: hairs draw together."""
+    belly = _BELLY * root_mm
+    return belly / max(values.widest, _NARROWEST * belly)
+
+
+@uncounted(error_model="numpy")
+def supply_at(across, scale, way, bundles):
+    """What bundles of a solid tuft bring while wet at a place, mm across and along.
+
+    Of deviation 1.1; `scale` is that of `per_width`.
+    """
+    broad = _BROAD_SPREAD * bundle_at(_FROM + scale * across / _BROAD, way / _BROAD_WAY, bundles[0])
+    aside = across + _WANDER_MM * broad
+    return _WET_BROAD * broad + bundle_at(_FROM + scale * aside / BUNDLE_MM, way / _WAY, bundles[1])
+
+
+@uncounted(error_model="numpy")
 def _mean_supply(ahead_x, ahead_y, values, per_mm, ink):
     """What broad bundles bring, the mean across the way: they share what the tuft holds."""
     middle, half = _extent_across(ahead_x, ahead_y, values)
@@ -258,10 +279,8 @@ def dry_contact(level, carried, after, bundles, field, ink):
     ahead_x, ahead_y = _ahead(a)
     apart, tooth = field.soft_edge, ink.transfer[0].tooth_mm
     coarse, fine = _seen(tooth, apart), _seen(_FINER * tooth, apart)
-    widest, belly = max(a.widest, 1e-6), _BELLY * root
-    per_width = belly / max(widest, _NARROWEST * belly)
-    broad_mm = max(_BROAD, _BROADER * bundle)
-    broad, narrow = _seen(broad_mm / per_width, apart), _seen(bundle / per_width, apart)
+    scale, broad_mm = per_width(a, root), max(_BROAD, _BROADER * bundle)
+    broad, narrow = _seen(broad_mm / scale, apart), _seen(bundle / scale, apart)
     supply = _GAIN * (2.0 * level - 1.0) + _OFFSET
     supply += _FLOOD * max(0.0, level - _FLOODED) / (1.0 - _FLOODED)
     supply -= _STANDS * (1.0 - carried)
@@ -273,7 +292,7 @@ def dry_contact(level, carried, after, bundles, field, ink):
         unseen2 += _TOOTH_SPREAD**2 * (1.0 - shown)
     broad_spread, spread = differ * _BROAD_SPREAD, differ * _SPREAD
     unseen2 += broad_spread**2 * (1.0 - broad * broad) + spread**2 * (1.0 - narrow * narrow)
-    supply -= broad_spread * broad * _mean_supply(ahead_x, ahead_y, a, per_width / broad_mm, ink)
+    supply -= broad_spread * broad * _mean_supply(ahead_x, ahead_y, a, scale / broad_mm, ink)
     step = _STEPS / tooth if tooth > 0.0 else 0.0
     back = -_DRAGGED * tooth
     return DryContact(
@@ -283,8 +302,8 @@ def dry_contact(level, carried, after, bundles, field, ink):
         ahead_y,
         a.curve,
         a.parted + a.way,
-        _STEPS * per_width / broad_mm,
-        _STEPS * per_width / bundle,
+        _STEPS * scale / broad_mm,
+        _STEPS * scale / bundle,
         _TOOTH[0] * coarse / _LEVELS,
         _TOOTH[1] * fine / _LEVELS,
         broad_spread * broad / _LEVELS,
@@ -399,8 +418,9 @@ def bundle_at(across, along, table):
     """The noise of bundles at one place, in bundles across and along; of deviation 1."""
     x, y = _STEPS * across, _STEPS * along
     p, q = np.floor(x), np.floor(y)
-    t, s = x - p, y - q
-    four = table[((np.int64(p) & _MASK) << _SHIFT) | (np.int64(q) & _MASK)]
+    t, s, i, j = x - p, y - q, np.int64(p), np.int64(q)
+    j += _APART * (i >> _SHIFT)  # the table's next period is another part of it
+    four = table[((i & _MASK) << _SHIFT) | (j & _MASK)]
     near = (1.0 - t) * _signed_byte(four << _UP[0]) + t * _signed_byte(four << _UP[1])
     far = (1.0 - t) * _signed_byte(four << _UP[2]) + t * _signed_byte(four)
     return ((1.0 - s) * near + s * far) / _LEVELS

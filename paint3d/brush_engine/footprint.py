@@ -44,7 +44,10 @@ PROFILE_CELLS = 64
 LAST_PLACE = PROFILE_CELLS - 1e-4  # on the profile, in cells: within the last
 _LEAST_WAY = 1e-9  # mm
 _IN_PLACE = 0.35  # of the motion of a footprint that turns or grows where it stands: gives ink
-_ROUGH_MM = 3.5  # width from which a footprint's edge is as rough as paper makes it; set by eye
+# How much of what paper moves an edge by a footprint follows: docs/model.md, equation (20)
+_ROUGH_MM = 3.5  # all of it from this width on
+_CALM, _HASTY, _HASTY_MM_S, _THIRSTY = 0.58, 0.3, 120.0, 0.35  # slow and wet; more if fast, if dry
+_BELLY, _POINT = 1.15, 0.6  # times that at the heel of the footprint and at its tip
 _FIRM = 0.4  # pressure from which a footprint that grows gives ink for all of its growth
 
 _VECTOR = ("f8", (3,))
@@ -119,7 +122,9 @@ SWEEP = np.dtype(
         ("carry2", "f8"),  # square of how far a vertex may be carried into the plane, mm2
         ("ball", "f8", 3),  # middle of the ball in which vertices are carried, from the origin, mm
         ("ball2", "f8"),  # square of its radius
-        ("steady", "f8"),  # share of what paper moves the outlines by that these are too narrow for
+        ("wet", "f8"),  # load over that below which the tuft touches the heights alone, to 2
+        ("steady", "f8", 2),  # share of what paper moves the outlines by that they do not follow:
+        # at the plane's origin, and how much less to the mm along the bend
     ],
     align=True,
 )
@@ -404,10 +409,25 @@ def fill_sweep(before, after, plane, scale, bounds, sweep):
     last, first = after.values[0], before.values[0]
     sweep.after_touches, sweep.after_heel, sweep.after_tip = last.touches, last.heel, last.tip
     sweep.before_touches, sweep.before_heel, sweep.before_tip = first.touches, first.heel, first.tip
-    broad = 2.0 * max(last.widest, first.widest) / _ROUGH_MM
-    sweep.steady = max(0.0, 1.0 - broad * np.sqrt(broad))
+    _fill_steady(last if last.touches > 0.0 else first, sweep)
     for k in range(4):
         sweep.to_after[k] = 1.0 if k == 2 else 0.0
+
+
+@uncounted(error_model="numpy")
+def _fill_steady(values, sweep):
+    """How little of paper's unevenness the edge of a footprint follows.
+
+    A thin line brings little ink for fibres to draw on, and ink that has time and is plenty runs
+    together to a smooth edge. The point of the tuft draws a cleaner one than its belly.
+    """
+    broad = min(1.0, 2.0 * values.widest / _ROUGH_MM)
+    follows = _CALM + _HASTY * min(1.0, values.speed / _HASTY_MM_S)
+    follows += _THIRSTY * (1.0 - min(1.0, max(0.0, (sweep.wet - 0.5) / 1.5)))
+    follows = min(1.0, follows) * broad * np.sqrt(broad)
+    rise = (_POINT - _BELLY) * follows / max(values.tip - values.heel, 1e-6)
+    sweep.steady[0] = 1.0 - (_BELLY * follows - rise * values.heel)
+    sweep.steady[1] = rise
 
 
 @uncounted(error_model="numpy")

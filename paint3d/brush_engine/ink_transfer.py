@@ -20,9 +20,10 @@ from numpy.typing import NDArray
 from paint3d.brush_engine.coverage import fetch, weigh_block, weighed_area
 from paint3d.brush_engine.dry_contact import (
     BUNDLE_MM,
-    bundle_at,
     dry_contact,
     note_way,
+    per_width,
+    supply_at,
     thin_contact,
 )
 from paint3d.brush_engine.footprint import (
@@ -55,8 +56,8 @@ __all__ = [
     "TRANSFER",
     "Deposit",
     "InkField",
+    "absorbency",
     "add_ink",
-    "contact_level",
     "drawn_rate",
     "first_film",
     "given_on_way",
@@ -70,6 +71,7 @@ __all__ = [
     "sweep_deposit",
     "take_in",
     "take_up_ink",
+    "wetness",
 ]
 
 # ---- The even film -------------------------------------------------------------------------------
@@ -87,8 +89,7 @@ LINES = 64  # along the way, side by side, that a footprint is cut into
 _RUNS_DRY = (0.15, 0.3)  # contact level below which a tuft has no film, and from which it has one
 _MOST = 6.0  # times a share that a line gets
 _ON_GLAZE, _ON_GRAIN = 1.15, 0.8  # power of a line's length that what it gets falls with
-_STREAKED = 0.14  # deviation of what bundles of hairs bring on paper, over their mean
-_BUNDLE_WAY = 9.0  # mm: how far along the way they bring alike
+_STREAKED = 0.12  # deviation of what bundles of hairs bring on paper, over their mean
 
 
 @uncounted(error_model="numpy")
@@ -150,33 +151,36 @@ def _fill_gains(lines, strength, power):
 
 
 @uncounted(error_model="numpy")
-def _streak_gains(gains, first, apart, way, strength, table):
-    """Let bundles of hairs, side by side, bring more or less to each line: they show while wet."""
+def _fill_brought(brought, first, apart, values, strength, root_mm, bundles):
+    """Fill what bundles of hairs bring to each line: those show while wet that skip first."""
+    brought[:] = 1.0
     if strength <= 0.0:
         return
-    along = way / _BUNDLE_WAY
+    per_mm, way = per_width(values, root_mm), values.parted + values.way
     for line in range(LINES):
-        across = (first + (line + 0.5) * apart) / BUNDLE_MM
-        gains[line] *= max(0.0, 1.0 + strength * bundle_at(across, along, table))
+        supply = supply_at(first + (line + 0.5) * apart, per_mm, way, bundles)
+        brought[line] = np.exp(strength * supply)
 
 
 @uncounted(error_model="numpy", apart=True)
-def _give_by_line(n, ids, px, py, pz, across, start, gains, share):
-    """Multiply the shares of vertices by what the lines on which they lie get.
+def _give_by_line(n, ids, px, py, pz, across, start, gains, share, brings):
+    """Multiply the shares of vertices by what the lines on which they lie get; fill `brings`.
 
     Lines are counted along a vector, `across`, from a place, `start` (mm), where the middle of the
-    first lies. Between the middles of a line and the next, the gain is that of the first of
+    first lies. Between the middles of a line and the next, a gain is that of the first of a pair of
     `gains`, and so many times as the place says that of the second.
     """
     ax, ay, az = single(across)
     x, y, z = single(start)
-    starts, rises, last = gains[0], gains[1], np.float32(LINES - 1.001)
+    starts, rises, last = gains[0, 0], gains[0, 1], np.float32(LINES - 1.001)
+    begins, climbs = gains[1, 0], gains[1, 1]
     for k in range(n):
         v = as_index(ids[k])
         at = ax * (px[v] - x) + ay * (py[v] - y) + az * (pz[v] - z)
         at = min(max(at, np.float32(0.0)), last)
         line = np.uint32(np.int32(at)) & np.uint32(LINES - 1)
-        share[k] *= starts[line] + at * rises[line]
+        brings[k] = begins[line] + at * climbs[line]
+        share[k] *= (starts[line] + at * rises[line]) * brings[k]
 
 
 @uncounted(error_model="numpy")
@@ -191,16 +195,16 @@ def _count_lines(values, way, first, apart):
 
 
 @uncounted(error_model="numpy")
-def level_shares(before, after, level, grain, field, ink, n, scratch):
+def level_shares(before, after, level, root_mm, field, ink, n, scratch):
     """Let what a sweep leaves lie as an even film across the way, as far as the tuft is wet.
 
     Parameters
     ----------
     before, after : Stamp
     level : float
-        See `ink_transfer.contact_level`.
-    grain : float
-        Of the surface's material, 0 to 1.
+        The contact level: see `wetness`.
+    root_mm : float
+        Diameter of the tuft.
     field, ink : SurfaceField, InkField
     n : int
         Vertices in `scratch.found`; their shares are changed.
@@ -212,6 +216,7 @@ def level_shares(before, after, level, grain, field, ink, n, scratch):
         Whether they were.
     """
     values = after.values[0]
+    scratch.found.brings[:n] = 1.0
     if before.values[0].touches <= 0.0 or values.touches <= 0.0 or values.tip <= values.heel:
         return False
     wet = min(1.0, (level - _RUNS_DRY[0]) / (_RUNS_DRY[1] - _RUNS_DRY[0]))
@@ -220,18 +225,19 @@ def level_shares(before, after, level, grain, field, ink, n, scratch):
         return False
     way, lines, found = (along, across), scratch.lines, scratch.found
     first, apart = _fill_lines(after, way, lines)
-    power = _ON_GLAZE + grain * (_ON_GRAIN - _ON_GLAZE)
+    power = _ON_GLAZE + ink.transfer[0].grain * (_ON_GRAIN - _ON_GLAZE)
     _fill_gains(lines, wet * carried, power)
     streaks = wet * carried * _STREAKED * absorbency(ink)
-    _streak_gains(lines[2], first, apart, values.parted + values.way, streaks, ink.bundles[1])
-    for line in range(LINES - 1):
-        rise = lines[2, line + 1] - lines[2, line]
-        scratch.gains[0, line] = lines[2, line] - line * rise
-        scratch.gains[1, line] = rise
+    _fill_brought(lines[3], first, apart, values, streaks, root_mm, ink.bundles)
+    for row in range(2):
+        numbers, gains = lines[2 + row], scratch.gains[row]
+        for line in range(LINES - 1):
+            rise = numbers[line + 1] - numbers[line]
+            gains[0, line] = numbers[line] - line * rise
+            gains[1, line] = rise
     across, start = _count_lines(values, way, first, apart)
-    _give_by_line(
-        n, found.ids, field.px, field.py, field.pz, across, start, scratch.gains, found.share
-    )
+    ids, share, brings, gains = found.ids, found.share, found.brings, scratch.gains
+    _give_by_line(n, ids, field.px, field.py, field.pz, across, start, gains, share, brings)
     return True
 
 
@@ -278,12 +284,13 @@ _DRY_AT = 0.8  # share of a full load below which a light brush on grain 1 begin
 _DRY_PRESSED = 0.4  # less of it at full pressure
 _FLOWS_MM_S = 350.0  # speed of a hand at which it takes twice the load for the same contact
 _MOST_HASTE = 1.7
-FADING = 0.2  # k of equation (10a): the larger, the paler a brush writes on paper as it empties
+FADING = 0.1  # k of equation (10a): the larger, the paler a brush writes on paper as it empties
 FILM = 0.35  # of equation (12a): pressure under which a way as long as the root is wide gives it
 FILM_SHARE = 0.6  # of equation (12a): how much less a wet tuft gives on the way for its film
+_DRY_FILM = 0.5  # of that film, what a tuft leaves that hardly reaches the grain
 _FILM_MOST = 0.1  # share of what the tuft holds that goes into films in one sweep at most
 _SATURATED = 0.9  # coats, h of equation (12b), at which paper takes half of what comes on the way
-_POOLED = 0.4  # how much more the middle of a tuft's liquid gives than its rim
+_POOLED = 0.25  # how much more the middle of a tuft's liquid gives than its rim
 # speed of a hand at which h is that, the power it falls with, and the least speed that counts
 _EVEN_MM_S, _LINGERS, _SLOWEST_MM_S = 60.0, 0.35, 4.0
 _LEAST_WIDTH = 1e-6  # mm, of a tuft whose liquid is looked for
@@ -313,20 +320,20 @@ def held_ink(ink):
 
 
 @uncounted(error_model="numpy")
-def contact_level(before, after, ink):
-    """How deep into the grain the wet tuft reaches: 1 everywhere, 0 nowhere.
+def wetness(before, after, ink):
+    """Load of the brush over that below which it begins to skip; 2 where it never does.
 
     A full brush floods the grain; one that runs dry touches only what stands out (feibai), and so
     does a fuller one that goes faster than ink can follow from the belly; what is nearly dry has
-    less to lose by it.
+    less to lose by it. Up to 1 it is how deep into the grain the tuft reaches, the contact level.
     """
     transfer = ink.transfer[0]
     if transfer.grain <= 0.0 or transfer.capacity <= 0.0:
-        return 1.0
+        return 2.0
     begins = transfer.grain * (_DRY_AT - _DRY_PRESSED * mean_pressure(before, after))
     level = held_ink(ink) / (transfer.capacity * begins)
     haste = min(_MOST_HASTE, after.values[0].speed / _FLOWS_MM_S)  # clocks of devices jump
-    return min(1.0, level / (1.0 + haste * haste * min(1.0, level)))
+    return level / (1.0 + haste * haste * min(1.0, level))
 
 
 @uncounted(error_model="numpy")
@@ -359,13 +366,20 @@ def drawn_rate(rate, ink):
 @uncounted(error_model="numpy")
 def first_film(level, transfer_per_mm, root_mm, ink):
     """Coats that a tuft leaves at once where it comes first: docs/model.md, equation (12a)."""
-    return FILM * level * drawn_rate(transfer_per_mm / root_mm, ink) * held_ink(ink)
+    film = FILM * _film_kept(level)
+    return film * drawn_rate(transfer_per_mm / root_mm, ink) * held_ink(ink)
 
 
 @uncounted(error_model="numpy")
 def given_on_way(level):
     """Share of what equation (10) gives that is left for the way, beside the first film."""
-    return 1.0 - FILM_SHARE * level
+    return 1.0 - FILM_SHARE * _film_kept(level)
+
+
+@uncounted(error_model="numpy")
+def _film_kept(level):
+    """How much of a wet tuft's film one that runs dry leaves where it touches."""
+    return _DRY_FILM + (1.0 - _DRY_FILM) * level
 
 
 @uncounted(error_model="numpy", apart=True)
@@ -408,11 +422,11 @@ def _find_liquid(n, ids, mx, my, mz, values, lines, heights):
 
 
 @uncounted(error_model="numpy", apart=True)
-def _take_less(n, ids, take, coats, heights, draws, per_coat, share):
+def _take_less(n, ids, take, coats, heights, brings, draws, per_coat, share):
     """Let wet paper take less: docs/model.md, equation (12b)."""
     one, half, pooled = np.float32(1.0), np.float32(0.5), np.float32(_POOLED)
     for k in range(n):
-        stands = one + pooled * (heights[k] - half)
+        stands = (one + pooled * (heights[k] - half)) * brings[k]
         takes = take[as_index(ids[k])]
         wet = coats[k] * per_coat / (takes * takes * stands)
         wet2 = wet * wet
@@ -438,7 +452,7 @@ def _saturate(after, found, n, field, ink):
     heights[:n] = 0.0
     if values.touches > 0.0:
         _find_liquid(n, ids, field.mx, field.my, field.mz, values, after.lines, heights)
-    _take_less(n, ids, field.take, coats, heights, draws, per_coat, found.share)
+    _take_less(n, ids, field.take, coats, heights, found.brings, draws, per_coat, found.share)
     return True
 
 
@@ -801,6 +815,9 @@ def sweep_deposit(before, after, tuft, field, ink, scratch):
     (docs/model.md, equation (11)).
     """
     width, found = field.soft_edge, scratch.found
+    wet = wetness(before, after, ink)
+    level = min(1.0, wet)
+    scratch.sweep[0].wet = wet
     n = _gather(before, after, field, scratch)
     if n < 0:
         return False
@@ -814,7 +831,6 @@ def sweep_deposit(before, after, tuft, field, ink, scratch):
     total, released = _ink_released(before, after, tuft, ink)
     if area < width * width and n == 0:
         released = 0.0  # a touch finer than the vertices leaves nothing yet
-    level = contact_level(before, after, ink)
     released *= given_on_way(level)
     landing = released * landing_share(area, width, weighed, n)
     note_way(before, after)
@@ -832,7 +848,7 @@ def sweep_deposit(before, after, tuft, field, ink, scratch):
     scratch.taken[:] = 0.0
     if ink.transfer[0].pickup > 0.0:
         take_up_ink(before, after, released, found, n, field, ink, scratch.taken)
-    if level_shares(before, after, level, ink.transfer[0].grain, field, ink, n, scratch):
+    if level_shares(before, after, level, tuft.diameters[-1], field, ink, n, scratch):
         weighed = weighed_area(n, found.area, found.share, field.area_step)
     if weighed > 0.0:
         coats = first_film(level, tuft.transfer_per_mm, tuft.diameters[-1], ink)

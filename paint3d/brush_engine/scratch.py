@@ -62,6 +62,7 @@ class Found(NamedTuple):
     coats: NDArray  # (cap + 1,) float32, wet ink that lies there
     heights: NDArray  # (cap + 1,) float32, of the tuft's liquid over it
     lacks: NDArray  # (cap + 1,) float32, coats of a first film that it lacks
+    brings: NDArray  # (cap + 1,) float32, what bundles of hairs bring there, over their mean
 
 
 class Scratch(NamedTuple):
@@ -87,8 +88,10 @@ class Scratch(NamedTuple):
     query: Query
     block: Block
     found: Found
-    lines: NDArray  # (3, LINES), of the footprint, along its way: both ends and what each gets
-    gains: NDArray  # (2, LINES) float32, the last as straight lines: first + second x place
+    lines: NDArray  # (4, LINES), of the footprint, along its way: both ends, what each gets by
+    # its length, and what bundles bring
+    gains: NDArray  # (2, 2, LINES) float32, that by its length, and what bundles bring, as
+    # straight lines: first + second x place
 
 
 def make_scratch(mesh: PaintMesh, n_pigments: int) -> Scratch:
@@ -113,8 +116,8 @@ def make_scratch(mesh: PaintMesh, n_pigments: int) -> Scratch:
         query=_make_query(mesh),
         block=_make_block(),
         found=_make_found(mesh),
-        lines=np.zeros((3, LINES)),
-        gains=np.zeros((2, LINES), np.float32),
+        lines=np.zeros((4, LINES)),
+        gains=np.zeros((2, 2, LINES), np.float32),
     )
 
 
@@ -161,5 +164,5 @@ def _make_found(mesh: PaintMesh) -> Found:
         np.zeros(n, np.float32),
         np.zeros(n, np.float32),
         np.zeros(n, np.int16),
-        *(np.zeros(n, np.float32) for _ in range(5)),
+        *(np.zeros(n, np.float32) for _ in range(6)),
     )

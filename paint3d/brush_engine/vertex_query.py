@@ -522,24 +522,26 @@ def next_block(n_runs, n_cells, without_inside, sweep, field, scratch):
     )
     _fetch(n, block.ids[start:end], vertices, scattered)
     _project_run(scattered, 0, n, sweep, block.rows, start)
-    if sweep.steady > 0.0 and field.paper > 0.0:
+    if field.paper > 0.0:
         _steady(end, block.ids, vertices, field.px, field.py, field.pz, sweep, block.rows)
     return end
 
 
 @uncounted(error_model="numpy", apart=True)
 def _steady(n, ids, vertices, px, py, pz, sweep, rows):
-    """Take back the part of paper's shifts that a narrow footprint does not follow.
+    """Take back the part of paper's shifts that a footprint does not follow.
 
-    A thin line brings little ink for fibres to draw on: docs/model.md, equation (20).
+    docs/model.md, equation (20).
     """
     bx, by, bz = single(sweep.bend)
     cx, cy, cz = single(sweep.cross)
-    part = np.float32(sweep.steady)
+    begin, rise = np.float32(sweep.steady[0]), np.float32(sweep.steady[1])
+    zero, one = np.float32(0.0), np.float32(1.0)
     mx, my, mz, xs, ys = vertices.px, vertices.py, vertices.pz, rows[0], rows[1]
     for k in range(n):
         v = as_index(ids[k])
         dx, dy, dz = px[v] - mx[v], py[v] - my[v], pz[v] - mz[v]
+        part = min(max(begin - rise * xs[k], zero), one)
         xs[k] += part * (dx * bx + dy * by + dz * bz)
         ys[k] += part * (dx * cx + dy * cy + dz * cz)
 

@@ -49,7 +49,7 @@ def text(takes: list[float], steps: list[float] | None = None) -> Recording:
 
 def left(taken: float, load: float = 1.0) -> float:
     """Load of a brush after `taken` on paper: f + k ln f falls by (1 + k) times that."""
-    k = 0.2
+    k = 0.1
     return brentq(lambda f: f + k * np.log(f / load) - load + (1.0 + k) * taken, 1e-12, load)
 
 

@@ -170,3 +170,25 @@ def test_a_thin_line_has_a_cleaner_edge_than_a_broad_stroke() -> None:
     )
     assert 2.0 * thin.mean() < 1.5 < 5.0 < 2.0 * broad.mean()
     assert thin.std() < 0.5 * broad.std()
+
+
+@pytest.mark.parametrize(("hairs", "least"), [(0, 0.65), (1000, 0.4)])
+def test_what_a_nearly_dry_brush_touches_stays_dark(hairs, least) -> None:
+    """Docs/model.md, equations (10a) and (12a): it covers less, and does not turn grey."""
+    films = []
+    for load in (0.06, 1.0):
+        surface = PaintedSurface(sheet(flat, (35.0, 35.0), 4.0), 0.2, "xuan")
+        painter = Painter(surface, "full", "pine soot", hairs=hairs)
+        painter.wipe(1.0 - load)
+        painter.replay(stroke(0.0, 0.3))
+        touched = surface.coverage > 0.5
+        films.append(np.median(surface.amounts.sum(axis=1)[touched] / surface.coverage[touched]))
+    assert films[0] > least * films[1]
+
+
+@pytest.mark.parametrize("hairs", [0, 300, 1000])
+def test_a_nearly_dry_brush_marks_to_the_end_of_its_way(hairs) -> None:
+    """Its mark breaks up more and more; hairs do not all cease at one place."""
+    marks = covered(0.2, load=0.05, hairs=hairs).mean(axis=0).reshape(6, -1).mean(axis=1)
+    assert marks.min() > 0.005
+    assert marks.mean() > 0.05

@@ -66,10 +66,10 @@ def test_the_sheet_takes_its_share_on_the_whole() -> None:
     assert 0.02 < take.std() < 0.25
 
 
-def stroke(speed: float = 60.0) -> Recording:
+def stroke(speed: float = 60.0, y: float = 0.0) -> Recording:
     """24 mm along x."""
     n = 80
-    at = np.column_stack([np.linspace(-12.0, 12.0, n), np.zeros(n), np.full(n, 30.0)])
+    at = np.column_stack([np.linspace(-12.0, 12.0, n), np.full(n, y), np.full(n, 30.0)])
     pressure = np.where((np.arange(n) > 0) & (np.arange(n) < n - 1), 0.3, 0.0)
     times = np.round(np.arange(n) * 24.0 / n / speed * 1e9).astype(np.int64)
     return Recording(times, at, np.tile((1.0, 0.0, 0.0, 0.0), (n, 1)), pressure)
@@ -110,13 +110,20 @@ def test_a_fast_brush_flies_white_and_the_last_of_its_ink_still_marks() -> None:
     assert inked(300.0, 0.125) > 0.1 * slow
 
 
+STROKES_Y = (-60.0, -40.0, -20.0, 0.0, 20.0, 40.0, 60.0)
+
+
 def coats_within(material: str, speed: float) -> tuple[float, float]:
-    """Mean coats along the middle of a stroke's shaft, and beside it, just within its edge."""
+    """Mean coats along the middles of shafts of strokes, and beside them, just within their edges.
+
+    Strokes lie apart, for each has lanes of its own.
+    """
     surface = PaintedSurface(load_mesh("plane"), 0.2, material)
-    Painter(surface, "full", "pine soot").replay(stroke(speed))
+    for y in STROKES_Y:
+        Painter(surface, "full", "pine soot").replay(stroke(speed, y))
     vertices = surface.paint_mesh.vertices
     shaft = (np.abs(vertices[:, 0]) < 6.0) & (surface.coverage > 0.95)
-    aside = np.abs(vertices[:, 1])
+    aside = np.abs(vertices[:, 1:2] - np.array(STROKES_Y)).min(axis=1)
     edge = aside[shaft].max()
     coats = surface.amounts.sum(axis=1)
     middle, rim = shaft & (aside < 0.2 * edge), shaft & (aside > 0.7 * edge)

@@ -37,7 +37,6 @@ from paint3d.brush_engine.ink_transfer import (
     PAINTED,
     Deposit,
     add_ink,
-    contact_level,
     first_film,
     given_on_way,
     landing_share,
@@ -46,6 +45,7 @@ from paint3d.brush_engine.ink_transfer import (
     note_covered,
     take_in,
     take_up_ink,
+    wetness,
 )
 from paint3d.brush_engine.vertex_query import VISITED, find_candidates, next_block
 from paint3d.core.kernel import kernel, uncounted
@@ -69,6 +69,8 @@ LEVEL_BINS = 64  # across the tuft, within which hairs share
 _MOST_PER_HAIR = 8.0  # times its own share that a hair gives for those that do not touch
 _RETENTION = np.float32(0.4)  # of a hair's room: what those keep that hold back most
 _PER_SOFT = np.float32(1.0 / 0.06)  # of it, over which they do so
+_ALL_KEEP = 0.4  # fullness of the tuft below which pores draw on what hairs keep
+_LEAST_KEPT = 1e-3  # of what they keep of a fuller one
 _PASSING = np.float32(0.45)  # share of the retention that changes along the way
 _STAGE = 5.0  # mm of way, over which it becomes another
 _STEP = 6  # places that change alike
@@ -135,16 +137,17 @@ def _hold(load, first, n, row):
 
 
 @_elementwise
-def _wish(per_room, fraction, hair_mm, film_mm, per_piece, row, sums):
+def _wish(per_room, keeps, fraction, hair_mm, film_mm, per_piece, row, sums):
     """What each hair of a block is ready to give, how thick it is, and what it would lay down."""
     own, passing = _ONE - _PASSING, _PASSING
+    kept, per_soft = keeps * _RETENTION, _PER_SOFT / keeps
     for j in range(BLOCK):
         begin, end, held = row[BEGIN + j], row[END + j], row[HELD + j]
         here = _ONE if end >= _ZERO else _ZERO
         wet = held * per_room
         now, soon = row[_NOW + j], row[_SOON + j]
         retention = own * row[_OWN + j] + passing * (now + fraction * (soon - now))
-        flow = (wet - _RETENTION * retention) * _PER_SOFT
+        flow = (wet - kept * retention) * per_soft
         flow = flow if flow > _ZERO else _ZERO
         reach = _LEAST_WISH + (end - begin)
         reach = reach if reach < _ONE else _ONE
@@ -162,8 +165,11 @@ def _wish(per_room, fraction, hair_mm, film_mm, per_piece, row, sums):
 
 
 @kernel(error_model="numpy")
-def ask_hairs(bristles, load, capacity, way_done, per_piece, hair_contacts, sums):
+def ask_hairs(bristles, load, capacity, draws, way_done, per_piece, hair_contacts, sums):
     """What the hairs are ready to give, as against one another.
+
+    Each keeps some of its ink back; from a tuft that is nearly dry pores draw it all the same, so
+    that a mark on paper breaks up and does not end.
 
     Parameters
     ----------
@@ -172,6 +178,8 @@ def ask_hairs(bristles, load, capacity, way_done, per_piece, hair_contacts, sums
         Ink in each hair, coats x mm2.
     capacity : float
         Ink in a full hair.
+    draws : float
+        How far pores draw ink, 0 to 1.
     way_done : float
         As for `know_hairs`.
     per_piece : int
@@ -189,12 +197,14 @@ def ask_hairs(bristles, load, capacity, way_done, per_piece, hair_contacts, sums
     """
     count = load.shape[0]
     sums[:] = _ZERO
+    held = load.sum() / (count * capacity) if capacity > 0.0 else 1.0
+    keeps = np.float32(max(_LEAST_KEPT, 1.0 - draws * (1.0 - min(1.0, held / _ALL_KEEP))))
     fraction = np.float32(way_done / _STAGE - int(way_done / _STAGE))
     for g in range(hair_contacts.shape[0]):
         row = hair_contacts[g]
         _hold(load, g * BLOCK, min(BLOCK, count - g * BLOCK), row)
         _wish(
-            np.float32(1.0 / capacity) if capacity > 0.0 else _ZERO, fraction,
+            np.float32(1.0 / capacity) if capacity > 0.0 else _ZERO, keeps, fraction,
             np.float32(bristles.hair_mm), np.float32(bristles.film_mm), np.float32(per_piece),
             row, sums,
         )  # fmt: skip
@@ -555,7 +565,9 @@ def sweep_hairs(before, after, ready, transfer_per_mm, hairs, field, ink, scratc
     (docs/model.md, equation (11)).
     """
     width, found = field.soft_edge, scratch.found
-    level = contact_level(before, after, ink)
+    wet = wetness(before, after, ink)
+    level = min(1.0, wet)
+    scratch.sweep[0].wet = wet
     dry = min(1.0, (1.0 - level) / _DRIES)
     whole_from = np.float32(_BRIDGED + dry * (_WHOLE - _BRIDGED))
     n, within, weighed = _gather_under_hairs(
@@ -584,7 +596,7 @@ def sweep_hairs(before, after, ready, transfer_per_mm, hairs, field, ink, scratc
     scratch.taken[:] = 0.0
     if ink.transfer[0].pickup > 0.0:
         take_up_ink(before, after, ready * scale, found, n, field, ink, scratch.taken)
-    level_shares(before, after, level, ink.transfer[0].grain, field, ink, n, scratch)
+    level_shares(before, after, level, hairs.bristles.root_mm, field, ink, n, scratch)
     landing = ready * scale * lands
     weighed = weighed_area(n, found.area, found.share, field.area_step)
     if landing > 0.0 and weighed > 0.0:

@@ -35,7 +35,7 @@ from paint3d.brush_engine.bristles.ink_transfer import (
 )
 from paint3d.brush_engine.bristles.state import CAUSES, TRACKED, TRACKED_POINTS
 from paint3d.brush_engine.footprint import ink_way, outline_motion
-from paint3d.brush_engine.ink_transfer import drawn_rate, held_ink, mean_pressure
+from paint3d.brush_engine.ink_transfer import absorbency, drawn_rate, held_ink, mean_pressure
 from paint3d.brush_engine.stroke_loop import (
     FINISHED,
     FOOTPRINTS,
@@ -259,7 +259,7 @@ def _draw(stamp, touching, tuft, hairs, canvas, scratch):
     know_hairs(bristles, hairs.turned, hairs.roll, way, hairs.known, hairs.hair_contacts)
     full = ink.transfer[0].capacity / count  # of a hair
     wanted, wet, dot = ask_hairs(
-        bristles, hairs.load, full, way, SUB, hairs.hair_contacts, hairs.sums
+        bristles, hairs.load, full, absorbency(ink), way, SUB, hairs.hair_contacts, hairs.sums
     )
     if kept.drawn > 0.0:
         _carry_outline(stamp, kept, hairs.kept_lines)
