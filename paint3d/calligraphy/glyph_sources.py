@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import Protocol
 
@@ -86,7 +87,12 @@ class KanjiVGLines:
 
     def load(self, text: str) -> Glyph:
         """Read a character's lines and give them outlines."""
-        return Glyph(text, tuple(shape_strokes(load_lines(self.folder, text), repr(text))))
+        return _shaped(self.folder, text)
+
+
+@lru_cache(maxsize=1024)  # a text is laid anew each time that it is moved; about 20 ms each
+def _shaped(folder: Path, text: str) -> Glyph:
+    return Glyph(text, tuple(shape_strokes(load_lines(folder, text), repr(text))))
 
 
 def open_glyphs(folder: Path | str | None) -> GlyphSource:

@@ -36,6 +36,7 @@ __all__ = [
     "USUAL_FINE",
     "WATER",
     "Pigment",
+    "film_strengths",
     "load_drawdown_paints",
     "load_palette",
     "load_pigment",
@@ -247,6 +248,62 @@ def masstone_strengths(reflectance: AnyArray) -> tuple[AnyArray, AnyArray]:
     return k * scale, s * scale
 
 
+def film_strengths(
+    over_white: AnyArray, over_black: AnyArray, white: float, black: float
+) -> tuple[AnyArray, AnyArray]:
+    """K and S of a film from its reflectance over two grounds, per thickness of the film.
+
+    Parameters
+    ----------
+    over_white, over_black : (N,) ndarray
+        Reflectance of the film over a light and over a dark ground, 0 to 1.
+    white, black : float
+        Reflectance of those grounds, 0 to 1; white is the lighter.
+
+    Raises
+    ------
+    PigmentError
+        If no film shows so over such grounds, or it hides them, so that S is not to be known.
+
+    Notes
+    -----
+    With R0 the film's own reflectance and T what it lets through, R = R0 + T^2 g / (1 - R0 g) over
+    a ground g: docs/model.md, equations (14) and (15), which two grounds solve for R0 and T.
+    """
+    with np.errstate(all="ignore"):  # of measurements that belong to no film
+        lower = white * (1.0 + over_black * black) - black * (1.0 + over_white * white)
+        own = (over_black * white - over_white * black) / lower
+        through2 = (over_white - own) * (1.0 - own * white) / white
+    possible = (own >= -_NOISE) & (through2 <= (1.0 - own) ** 2 + _NOISE)
+    hides = over_white - over_black < _SHOWS * (white - black)
+    if hides.any():
+        worst = int(hides.argmax())
+        raise PigmentError(
+            "the film hides its ground at {nm:.0f} nm ({light:g} over white, {dark:g} over black); "
+            "expected a thinner one, or R_<nm> of a masstone",
+            nm=BANDS_NM[worst],
+            light=over_white[worst],
+            dark=over_black[worst],
+        )
+    if not possible.all():
+        worst = int(possible.argmin())
+        raise PigmentError(
+            "at {nm:.0f} nm no film is {light:g} over a ground of {white:g} and {dark:g} over one "
+            "of {black:g}; expected its reflectance, and those of the grounds",
+            nm=BANDS_NM[worst],
+            light=over_white[worst],
+            dark=over_black[worst],
+            white=white,
+            black=black,
+        )
+    through2, clear = np.minimum(through2, 1.0), own < _DARKEST
+    a = (1.0 + own**2 - through2) / (2.0 * np.maximum(own, _DARKEST))
+    b = np.sqrt(np.maximum(a * a - 1.0, 1e-12))
+    s = np.where(clear, 0.0, np.arcsinh(b * own / np.sqrt(through2)) / b)
+    k = np.where(clear, -0.5 * np.log(through2), s * (a - 1.0))
+    return k, s
+
+
 def _film(k: AnyArray, s: AnyArray, ground: float) -> AnyArray:
     reflected, alone, through = (np.empty(k.size) for _ in range(3))
     layer_bands(k, s, np.ones_like(k), np.full_like(k, ground), reflected, alone, through)
@@ -268,11 +325,14 @@ def _luminous_efficiency() -> AnyArray:
 
 _NUMBER = re.compile(r"\d+(\.\d*)?|\.\d+")
 _DARKEST = 1e-6  # of a reflectance; nothing is as black
+_NOISE = 0.002  # of what a film reflects
+_SHOWS = 0.005  # of what two grounds differ by, what a film over them differs by at least
 _COLUMNS = (
     "name", "chinese", "source", "basis", "licence", "saunderson", "gloss", "fine", "grain_um",
-    "density",
+    "density", "white", "black",
 )  # fmt: skip
-_BAND = re.compile(r"\s*([KSR])_(\d+(?:\.\d+)?)\s*")
+_BAND = re.compile(r"\s*([KSRWB])_(\d+(?:\.\d+)?)\s*")
+_KINDS = ("KS", "R", "WB")  # letters of columns that a table has
 
 
 def load_pigments_csv(path: str | Path) -> Mapping[str, Pigment]:
@@ -282,8 +342,10 @@ def load_pigments_csv(path: str | Path) -> Mapping[str, Pigment]:
     ----------
     path : str or Path
         CSV in UTF-8 with a header: ``name``, and either ``K_<nm>`` and ``S_<nm>``, per full coat,
-        or ``R_<nm>``, the reflectance of a masstone (see `masstone_strengths`), for rising
-        wavelengths that cover 400 to 700 nm (others than every 10 nm are interpolated linearly);
+        or ``R_<nm>``, the reflectance of a masstone (see `masstone_strengths`), or ``W_<nm>`` and
+        ``B_<nm>``, that of a film, as thick as a full coat, over two grounds, whose reflectance
+        ``white`` and ``black`` tell (see `film_strengths`), for rising wavelengths that cover 400
+        to 700 nm (others than every 10 nm are interpolated linearly);
         optionally ``chinese``, ``source``, ``basis``, ``licence``, ``saunderson`` (yes|no),
         ``gloss`` (0 to 1), ``fine`` (0 to 1; .12), what goes with the water until pores catch
         it, ``grain_um`` (0 to 1000; 0), the diameter of the other grains, um, and ``density``
@@ -357,9 +419,9 @@ def _read_masstones(path: Path) -> Mapping[str, Pigment]:
 
 
 def _read_bands(header: list[str], path: Path) -> tuple[AnyArray, dict[str, list[str]]]:
-    """Return wavelengths, and columns by letter: K and S for the same wavelengths, or R alone."""
-    columns: dict[str, list[str]] = {"K": [], "S": [], "R": []}
-    bands: dict[str, list[float]] = {"K": [], "S": [], "R": []}
+    """Return wavelengths, and columns by letter, all for the same wavelengths."""
+    columns: dict[str, list[str]] = {letter: [] for kind in _KINDS for letter in kind}
+    bands: dict[str, list[float]] = {letter: [] for letter in columns}
     for column in header:
         match = _BAND.fullmatch(column)
         if match:
@@ -370,23 +432,21 @@ def _read_bands(header: list[str], path: Path) -> tuple[AnyArray, dict[str, list
             or difflib.get_close_matches(column, _COLUMNS, 1, 0.75)
         ):
             raise PigmentError(
-                "{file}:1: {column!r} is no column of a table of pigments; expected K_<nm>, S_<nm> "
-                "or R_<nm>, {known}",
+                "{file}:1: {column!r} is no column of a table of pigments; expected K_<nm> and "
+                "S_<nm>, R_<nm>, or W_<nm> and B_<nm>, {known}",
                 file=path,
                 column=column,
                 known=", ".join(_COLUMNS),
             )
-    masstone = bool(bands["R"]) and not (bands["K"] or bands["S"])
-    if not masstone and (bands["R"] or not bands["K"] or bands["K"] != bands["S"]):
+    there = "".join(letter for letter, found in bands.items() if found)
+    if there not in _KINDS or any(bands[letter] != bands[there[0]] for letter in there):
         raise PigmentError(
-            "{file}:1: has {n_k} columns K_<nm>, {n_s} columns S_<nm> and {n_r} columns R_<nm>; "
-            "expected K and S for the same wavelengths, or R alone",
+            "{file}:1: has columns {found}; expected K_<nm> and S_<nm> for the same wavelengths, "
+            "R_<nm> alone, or W_<nm> and B_<nm> for the same",
             file=path,
-            n_k=len(bands["K"]),
-            n_s=len(bands["S"]),
-            n_r=len(bands["R"]),
+            found=", ".join(f"{a}_<nm> ({len(bands[a])})" for a in there) or "for no wavelength",
         )
-    nm = bands["R" if masstone else "K"]
+    nm = bands[there[0]]
     if sorted(set(nm)) != nm:
         raise PigmentError("{file}:1: wavelengths are not in rising order", file=path)
     if nm[0] > BANDS_NM[0] or nm[-1] < BANDS_NM[-1]:
@@ -437,6 +497,23 @@ def _read_row(
             )
         strengths = masstone_strengths(spectra["R"])
         words["basis"] = words["basis"] or "masstone"
+    elif "W" in spectra:
+        if corrected == "yes":
+            raise PigmentError("{where}: saunderson is yes; expected no for films", where=where)
+        white, black = (_read_number(row, where, ground, -1.0) for ground in ("white", "black"))
+        if not 0.0 <= black < white:
+            raise PigmentError(
+                "{where}: white is {white!r} and black {black!r}; expected the reflectance of the "
+                "grounds that the film lies on, 0 to 1, white the lighter",
+                where=where,
+                white=row.get("white") or "",
+                black=row.get("black") or "",
+            )
+        try:
+            strengths = film_strengths(spectra["W"], spectra["B"], white, black)
+        except PigmentError as cause:
+            raise PigmentError("{where}: {cause}", where=where, cause=cause) from None
+        words["basis"] = words["basis"] or "film over white and black"
     else:
         strengths = spectra["K"], spectra["S"]
     return Pigment(

@@ -92,6 +92,23 @@ def few_pictures() -> Iterator[None]:
         yield
 
 
+@pytest.fixture(autouse=True, scope="module")
+def plain_previews() -> Iterator[None]:
+    """Show a plain patch for each brush: the strokes of all are painted anew for each ink in hand.
+
+    Real ones are tested in test_brush_editor.
+    """
+    if "PySide6" not in sys.modules:
+        yield
+        return
+    from paint3d.app.window.brush import brush_panel
+    from tests.support.app.windows import plain_preview
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(brush_panel, "stroke_preview", plain_preview)
+        yield
+
+
 @pytest.fixture(autouse=True)
 def windows_go() -> Iterator[None]:
     """Delete the windows that a test has closed: each new one's theme restyles all there are."""

@@ -423,9 +423,10 @@ def test_a_mixture_that_was_picked_up_is_shown_in_the_previews(window) -> None:
 def test_previews_are_painted_when_the_window_waits_for_nothing(program, monkeypatch) -> None:
     """An object is opened sooner, and no ink is shown that is not the one in use."""
     inks: list[object] = []
-    paint = brush_panel.stroke_preview
     monkeypatch.setattr(
-        brush_panel, "stroke_preview", lambda brush, ink: inks.append(ink) or paint(brush, ink)
+        brush_panel,
+        "stroke_preview",
+        lambda brush, ink: inks.append(ink) or stroke_preview(brush, ink),
     )
     window = StudioWindow(program)
     try:

@@ -300,6 +300,47 @@ def test_the_command_checks_an_own_table(tmp_path, capsys):
     assert told.count("\n") == 1
 
 
+def films(tmp_path, k, s, white=0.82, black=0.04, grounds="0.82,0.04"):
+    """A table of a film over two grounds, as an instrument would measure it."""
+    over = [layer_reflectance(k, s, np.ones(31), np.full(31, g)) for g in (white, black)]
+    names = ",".join(f"{letter}_{nm:.0f}" for letter in "WB" for nm in BANDS_NM)
+    values = ",".join(repr(float(v)) for v in np.concatenate(over))
+    path = tmp_path / "films.csv"
+    path.write_text(f"name,white,black,{names}\nmine,{grounds},{values}\n", "utf-8")
+    return path
+
+
+@pytest.mark.parametrize("name", ["pine soot", "azurite", "gamboge", "titanium white"])
+def test_a_film_over_white_and_black_tells_what_absorbs_and_scatters(name, tmp_path):
+    found, thin = load_palette()[name], 0.3
+    ink = load_pigments_csv(films(tmp_path, thin * found.K, thin * found.S))["mine"]
+    np.testing.assert_allclose(ink.K, thin * found.K, rtol=1e-5, atol=1e-6)
+    np.testing.assert_allclose(ink.S, thin * found.S, rtol=1e-5, atol=1e-6)
+    assert ink.basis == "film over white and black"
+
+
+def test_a_film_that_only_absorbs_is_one_too(tmp_path):
+    k = np.linspace(0.1, 1.0, 31)
+    ink = load_pigments_csv(films(tmp_path, k, np.zeros(31)))["mine"]
+    np.testing.assert_allclose(ink.K, k, rtol=1e-6)
+    np.testing.assert_allclose(ink.S, 0.0, atol=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("strength", "grounds", "message"),
+    [
+        (9.0, "0.82,0.04", "films.csv:2: the film hides its ground at 400 nm"),
+        (0.3, "0.3,0.04", "films.csv:2: at 400 nm no film is 0..* over a ground of 0.3"),
+        (0.3, "0.04,0.82", "films.csv:2: white is '0.04' and black '0.82'; expected"),
+        (0.3, "0.82,", "films.csv:2: white is '0.82' and black ''; expected"),
+    ],
+)
+def test_films_that_tell_nothing_are_refused(strength, grounds, message, tmp_path):
+    path = films(tmp_path, np.full(31, strength), np.full(31, strength), grounds=grounds)
+    with pytest.raises(PigmentError, match=message):
+        load_pigments_csv(path)
+
+
 def test_water_does_nothing_to_light():
     assert load_pigment("water") is load_pigment("水") is WATER
     assert not WATER.K.any()
@@ -308,7 +349,10 @@ def test_water_does_nothing_to_light():
 
 def test_tables_without_columns_or_files_are_named(tmp_path):
     path = tmp_path / "mine.csv"
-    for text, message in [("", "no column 'name'"), ("name,K_400\nx,1\n", "1 columns K_<nm>, 0")]:
+    for text, message in [
+        ("", "no column 'name'"),
+        ("name,K_400\nx,1\n", "has columns K_<nm> .1.; exp"),
+    ]:
         path.write_text(text)
         with pytest.raises(PigmentError, match=message):
             load_pigments_csv(path)

@@ -7,12 +7,12 @@ import json
 import re
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from jsonschema import Draft202012Validator
 
 from paint3d.cli.main import main
 from paint3d.colour.pigments import Pigment
@@ -86,15 +86,23 @@ def is_taken(line: dict) -> bool:
     return True
 
 
-def test_the_schema_is_one() -> None:
-    Draft202012Validator.check_schema(schema())
+@pytest.fixture(scope="module")
+def validator() -> Any:
+    """Somebody else's reader of the schema, imported here: that takes 5 s of each process."""
+    from jsonschema import Draft202012Validator
+
+    return Draft202012Validator(schema())
+
+
+def test_the_schema_is_one(validator: Any) -> None:
+    validator.check_schema(schema())
 
 
 @pytest.mark.parametrize("line", GOOD + BAD, ids=json.dumps)
-def test_a_line_is_taken_where_the_schema_takes_it(line) -> None:
+def test_a_line_is_taken_where_the_schema_takes_it(line, validator: Any) -> None:
     """By somebody else's reading of the schema, too."""
     expected = line in GOOD and not any(line is bad for bad in BAD)
-    assert Draft202012Validator(schema()).is_valid(line) == expected
+    assert validator.is_valid(line) == expected
     assert is_taken(line) == expected
 
 
@@ -225,7 +233,7 @@ A, B, C = ([float(k), k + 1.0, k + 2.0] for k in (0, 10, 20))
 
 @settings(deadline=None, max_examples=25)
 @given(st.lists(st.tuples(st.integers(1, 6), EDITS), min_size=1, max_size=4))
-def test_an_edited_score_fits_the_schema_and_the_old_one_stays(tmp_path_factory, edits):
+def test_an_edited_score_fits_the_schema_and_the_old_one_stays(tmp_path_factory, validator, edits):
     score = load_score(EXAMPLE)
     before = list(write_score(score))
     edited = score
@@ -233,7 +241,6 @@ def test_an_edited_score_fits_the_schema_and_the_old_one_stays(tmp_path_factory,
         edited = edit_strokes(edited, [min(number, len(edited.strokes()))], edit, ground())
     assert list(write_score(score)) == before
     lines = list(write_score(edited))
-    validator = Draft202012Validator(schema())
     for line in lines:
         validator.validate(json.loads(line))
     file = tmp_path_factory.mktemp("edited") / "a.jsonl"

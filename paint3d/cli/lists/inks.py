@@ -33,8 +33,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="TABLE.csv",
         nargs="?",
         type=Path,
-        help="check and list your own pigments (K and S, or R of a masstone; .spdx, .txt: measured "
-        "masstones) instead",
+        help="check and list your own pigments (K and S, R of a masstone, or a film over white and "
+        "black; .spdx, .txt: measured masstones) instead",
     )
     parser.add_argument(
         "--nearest",

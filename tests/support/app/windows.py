@@ -7,12 +7,16 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
 
+import numpy as np
 from PySide6 import QtCore, QtTest
 
 from paint3d.app.model.document import Document
 from paint3d.app.model.paint_thread import PaintThread
 from paint3d.app.window import studio
+from paint3d.app.window.brush import brush_panel
 from paint3d.app.window.studio import StudioWindow
+from paint3d.brush.spec import BrushSpec
+from paint3d.core.arrays import AnyArray
 from paint3d.view import live_light, live_picture, live_scene
 from paint3d.view.studio import light_samples
 from tests.support.app.gestures import live, type_key, wait_for
@@ -23,9 +27,15 @@ _FOLLOWED_S = 0.1  # so often a window that draws no pictures looks what has bee
 
 
 def draw_little() -> None:
-    """Draw in this process as in the tests': by few lights, edges as they are, and seldom."""
+    """Draw in this process as in the tests': by few lights, edges as they are, seldom."""
+    brush_panel.stroke_preview = plain_preview
     live_light.light_samples = lambda n: light_samples(n)[::8]
     live_scene._JITTER, live_picture._TOO_MANY, studio._REST = ((0.0, 0.0),), -1, 4.0
+
+
+def plain_preview(brush: BrushSpec, ink: object) -> AnyArray:
+    """A patch in place of the stroke of a brush."""
+    return np.full((84, 264, 3), 200, np.uint8)
 
 
 @contextmanager
