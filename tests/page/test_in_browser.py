@@ -186,32 +186,74 @@ def test_strokes_on_layers_look_as_on_the_desktop(browser: Browser, tmp_path: Pa
     assert settled(browser) == by_the_desktop(browser, tmp_path)
 
 
-@pytest.mark.parametrize(("width", "height"), [(390, 844), (844, 390)])
-def test_on_a_phone_the_tools_are_one_row_and_say_nothing_of_keys(
+@pytest.mark.parametrize(
+    ("width", "height"), [(360, 740), (390, 844), (844, 390), (820, 1180), (1280, 800)]
+)
+def test_tools_are_named_and_lie_whole_in_rows_that_leave_the_picture_free(
     width: int, height: int, browser: Browser
 ) -> None:
     begin_with(browser, SHEET)
-    at = {"deviceScaleFactor": 1, "mobile": True}
+    is_phone = min(width, height) < 600
+    at = {"deviceScaleFactor": 1, "mobile": is_phone}
     try:
         browser.call("Emulation.setDeviceMetricsOverride", width=width, height=height, **at)
-        browser.call("Emulation.setTouchEmulationEnabled", enabled=True)
-        browser.evaluate("(b => { b.click(); b.click(); })(document.getElementById('language'))")
-        bar, *tools = browser.evaluate(
-            "[document.getElementById('bar'), ...document.querySelectorAll('#bar > *')].map(e =>"
-            " (b => [b.left, b.top, b.right, b.bottom])(e.getBoundingClientRect()))"
-            ".filter(b => b[2] > b[0])"
-        )
-        assert bar[3] - bar[1] <= 60
-        for left, top, right, bottom in tools:
-            assert bar[0] <= left < right <= width
-            assert bar[1] <= top < bottom <= bar[3]
-        assert "Ctrl" not in browser.evaluate("document.getElementById('hint').textContent")
+        browser.call("Emulation.setTouchEmulationEnabled", enabled=is_phone)
+        for _ in range(2):
+            browser.evaluate("document.getElementById('language').click()")
+            tops = set()
+            for row in ("tools", "acts"):
+                box, *within = browser.evaluate(
+                    f"(row => [row, ...row.querySelectorAll('button, select, label > span')])"
+                    f"(document.getElementById('{row}')).map(e =>"
+                    " (b => [b.left, b.top, b.right, b.bottom])(e.getBoundingClientRect()))"
+                )
+                assert box[3] - box[1] <= 60
+                tops.add(box[1])
+                for left, top, right, bottom in within:
+                    assert max(0, box[0]) <= left < right <= min(width, box[2])
+                    assert box[1] <= top < bottom <= box[3]
+            assert len(tops) == (2 if width < height and is_phone else 1)
+            said = browser.evaluate("document.getElementById('hint').textContent")
+            assert not (is_phone and "Ctrl" in said)
+        for tab in ("layers", "save", "more"):
+            browser.evaluate("document.querySelector('.opener[aria-expanded=true]')?.click()")
+            browser.evaluate(f"document.getElementById('show-{tab}').click()")
+            cut, fades = browser.evaluate(
+                "(p => [p.scrollHeight > p.clientHeight + 2, p.classList.contains('goes-on')])"
+                "(document.getElementById('panel'))"
+            )
+            assert cut == fades
+            assert not cut or height < 480
+        browser.evaluate("document.getElementById('show-more').click()")
     finally:
         browser.call("Emulation.setTouchEmulationEnabled", enabled=False)
         browser.call(
             "Emulation.setDeviceMetricsOverride", width=960, height=720, deviceScaleFactor=1,
             mobile=False,
         )  # fmt: skip
+
+
+def test_what_was_undone_is_done_again_and_a_name_stays(browser: Browser, tmp_path: Path) -> None:
+    begin_with(browser, SHEET)
+    dry, redo = "document.getElementById('dry')", "document.getElementById('redo')"
+    assert browser.evaluate(f"[{dry}.disabled, {redo}.disabled]") == [True, True]
+    browser.stroke(wave(350.0, 330.0))
+    painted_first = settled(browser)
+    assert browser.evaluate(f"{dry}.disabled") is False
+    choose(browser, "blend", 1)
+    name = "document.getElementById('name')"
+    browser.evaluate(f"{name}.value = '题款'; {name}.dispatchEvent(new Event('change'))")
+    browser.evaluate("for (const _ of [1, 2]) document.getElementById('undo').click()")
+    assert settled(browser)["amounts"] != painted_first["amounts"]
+    assert browser.evaluate(f"[{dry}.disabled, {redo}.disabled]") == [True, False]
+    assert browser.evaluate("document.getElementById('layer0').innerText") == "题款"
+    assert browser.evaluate("document.getElementById('blend').selectedIndex") == 0
+    browser.evaluate(f"for (const _ of [1, 2]) {redo}.click()")
+    assert browser.evaluate("document.getElementById('blend').selectedIndex") == 1
+    browser.stroke(wave(350.0, 420.0))
+    found = settled(browser)
+    assert browser.evaluate(f"{redo}.disabled") is True
+    assert found == by_the_desktop(browser, tmp_path)
 
 
 def test_a_piece_is_there_again_when_the_page_is_opened_again(
@@ -313,7 +355,7 @@ def test_it_speaks_both_languages(browser: Browser) -> None:
     texts = []
     for _ in range(2):
         browser.evaluate("document.getElementById('language').click()")
-        texts.append(browser.evaluate("document.getElementById('bar').innerText"))
+        texts.append(browser.evaluate("document.getElementById('bar').textContent"))
     chinese, english = sorted(texts, key=lambda text: "Undo" in text)
     assert "撤销" in chinese
     assert "中楷" in chinese

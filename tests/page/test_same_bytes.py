@@ -81,6 +81,7 @@ CASES: dict[str, dict[str, Any]] = {
 
 RUNS = {"do": "follow_time", "seconds": 0.05, "times": 6}
 RED = {"do": "dip", "ink": {"cinnabar": 1.0}}
+SOOT_AGAIN = {"do": "dip", "ink": SOOT}
 # whole paintings: strokes by where they are shifted to, mm, between what a page can do
 SCORES: dict[str, list[Any]] = {
     "strokes that erase": [
@@ -97,6 +98,22 @@ SCORES: dict[str, list[Any]] = {
         {"do": "select_layer", "place": 0}, {"do": "undo"}, (2, -5),
         {"do": "remove_layer", "place": 1}, {"do": "undo"}, ("erase", 2, -6),
         {"do": "set_opacity", "place": 0, "opacity": 0.3}, RUNS,
+    ],
+    "layers that multiply, undone and done again": [
+        RED, (0, 0), {"do": "add_layer"}, SOOT_AGAIN, (1, -2), {"do": "dry"},
+        {"do": "set_blend", "place": 1, "blend": "multiply"}, {"do": "rename_layer", "place": 1,
+        "name": "题"}, {"do": "set_opacity", "place": 1, "opacity": 0.7}, {"do": "undo"},
+        {"do": "undo"}, {"do": "redo"}, {"do": "set_blend", "place": 0, "blend": "multiply"},
+    ],
+    "strokes undone by another brush, and done again": [
+        (0, 0), {"do": "set_brush", "brush": "full"}, RED, (5, -6), RUNS, {"do": "undo"},
+        {"do": "set_brush", "brush": "zhongkai"}, {"do": "undo"}, (1, 1), {"do": "undo"},
+        {"do": "redo"}, (0, -4), {"do": "undo"}, {"do": "undo"}, RUNS, {"do": "redo"},
+        {"do": "redo"}, (2, -8),
+    ],
+    "a brush that runs dry, taken back": [
+        (0, 0), (0, -2), (0, -4), {"do": "undo"}, {"do": "undo"}, (0, -5), {"do": "undo"},
+        {"do": "set_brush", "brush": "full"}, {"do": "undo"}, (3, -3),
     ],
 }  # fmt: skip
 HAIRS = "lines by single hairs"

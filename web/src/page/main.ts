@@ -6,7 +6,9 @@ import { PIECE_S } from "../painter/painter";
 import { Studio, type Contents, type Fetch } from "../studio";
 import { ballAround, Camera } from "./camera";
 import { askForFile, button, choice, element, note, save, section, slider, tick } from "./controls";
+import { Panel, type Tab } from "./panel";
 import { Document, type LayerEdit } from "./document";
+import { LayerList } from "./layer_list";
 import { glbOf, plyOf } from "./export";
 import { Hand, type PointerInput } from "./hand";
 import { Keeper } from "./keeper";
@@ -37,6 +39,8 @@ class Missing extends Error {
 class Page {
   readonly #canvas = element<HTMLCanvasElement>("canvas");
   readonly #message = element("message");
+  readonly #panel = new Panel(() => this.#resize());
+  readonly #layers = new LayerList((edit) => this.#restack(edit));
   readonly #files = new Map<string, Promise<ArrayBuffer>>();
   readonly #stage: Stage;
   #studio: Studio | null = null;
@@ -70,7 +74,7 @@ class Page {
     };
     this.#canvas.addEventListener("webglcontextlost", lost);
     this.#listen();
-    element("panel").hidden = !matchMedia("(min-width: 1081px) and (min-height: 481px)").matches;
+    this.#panel.show(matchMedia("(min-width: 1081px) and (min-height: 481px)").matches ? "more" : null);
     new ResizeObserver(() => this.#resize()).observe(this.#canvas);
   }
 
@@ -226,7 +230,6 @@ class Page {
     document.title = say("title");
     element("hint").textContent = say(matchMedia("(pointer: coarse)").matches ? "hintTouch" : "hint");
     const objects = contents.objects.map((one) => `${named(one)} · ${say("size", { mm: one.resolution })}`);
-    const about = button("more", say("more"), () => this.#showPanel(element("panel").hidden !== false), "more");
     const filled = document.createElement("span");
     filled.id = "ink";
     for (const [key, value] of Object.entries({ role: "meter", "aria-valuemin": "0", "aria-valuemax": "100" }))
@@ -235,12 +238,9 @@ class Page {
     filled.append(document.createElement("div"));
     const dip = button("dip", say("dip"), () => this.#act(() => this.#dip()), "dip");
     dip.append(filled);
-    const view = button("whole", say("view"), () => this.#showAll(), "whole");
-    view.classList.add("wide");
-    about.classList.add("end");
     const erase = button("erase", say("erase"), () => this.#setErases(!this.#erases), "erase");
     erase.setAttribute("aria-pressed", String(this.#erases));
-    element("bar").replaceChildren(
+    element("tools").replaceChildren(
       choice("brush", say("brush"), contents.brushes.map(named),
         contents.brushes.findIndex((one) => one.name === this.#brush),
         (k) => this.#takeBrush(contents.brushes[k].name)),
@@ -249,11 +249,29 @@ class Page {
         (k) => this.#takeInk(contents.inks[k].name)),
       dip,
       erase,
-      button("undo", say("undo"), () => this.undo(), "undo"),
-      view,
-      about,
     ); // prettier-ignore
-    element("panel").replaceChildren(
+    const tab = (id: Tab, text: string): HTMLElement =>
+      this.#panel.opener(button(`show-${id}`, text, () => this.#panel.toggle(id), id));
+    element("acts").replaceChildren(
+      button("undo", say("undo"), () => this.#step(() => this.#opened().painting.undo()), "undo"),
+      button("redo", say("redo"), () => this.#step(() => this.#opened().painting.redo()), "redo"),
+      button("whole", say("view"), () => this.#showAll(), "whole"),
+      tab("layers", say("layers")),
+      tab("save", say("keep")),
+      tab("more", say("more")),
+    );
+    this.#panel.fill("layers", this.#layers.element);
+    this.#panel.fill("save",
+      section(say("keep"),
+        button("picture", say("picture"), () => void this.savePicture()),
+        button("score", say("score"), () => this.saveScore()),
+        button("glb", "GLB", () => save(glbOf(this.#opened().painting.surface, this.#name()), `${this.#name()}.glb`)),
+        button("ply", "PLY", () => save(plyOf(this.#opened().painting.surface), `${this.#name()}.ply`)),
+        note(say(this.#keeper === null ? "notKept" : "kept"))),
+      section(say("goOn"),
+        button("load", say("load"), () => askForFile(".jsonl", (file) => void this.#load(file)))),
+    ); // prettier-ignore
+    this.#panel.fill("more",
       section(say("piece"),
         choice("object", say("object"), objects, this.#object, (k) => this.#change(k)),
         choice("material", say("material"), contents.materials.map(named),
@@ -263,80 +281,33 @@ class Page {
       section(say("water"),
         tick("wet", say("spreads"), this.#spreads, (on) => this.#setSpreads(on)),
         button("dry", say("dry"), () => this.#act(() => this.#opened().painting.dry()))),
-      this.#layerSection(),
       section(say("hand"),
         slider("press", say("press"), this.#press, (value) => this.#setPress(value)),
-        tick("always", say("dipAlways"), this.#dipAlways, (on) => (this.#dipAlways = on)),
-        button("fit", say("view"), () => this.#showAll())),
-      section(say("keep"),
-        button("picture", say("picture"), () => void this.savePicture()),
-        button("score", say("score"), () => this.saveScore()),
-        button("load", say("load"), () => askForFile(".jsonl", (file) => void this.#load(file))),
-        button("glb", "GLB", () => save(glbOf(this.#opened().painting.surface, this.#name()), `${this.#name()}.glb`)),
-        button("ply", "PLY", () => save(plyOf(this.#opened().painting.surface), `${this.#name()}.ply`)),
-        note(say(this.#keeper === null ? "notKept" : "kept"))),
+        tick("always", say("dipAlways"), this.#dipAlways, (on) => (this.#dipAlways = on))),
       section(say("page"), button("language", say("language"), () => this.#speak())),
     ); // prettier-ignore
-    this.#showPanel(element("panel").hidden === false);
+    this.#showLayers();
     this.#showState();
   }
 
-  /** The layers, the uppermost first, and what can be done to them. */
-  #layerSection(): HTMLElement {
-    const made = section(say("layers"));
-    made.id = "layers";
-    const { layers } = this.#opened().painting;
-    const edit = (words: LayerEdit): void => {
-      this.#act(() => {
-        this.#paint(); // what was heard since the last frame
-        this.#opened().painting.restack(words);
-      });
-      this.#showLayers();
-    };
-    const all = layers.layers;
-    const rows = all.map(({ name, visible }, place) => {
-      const row = document.createElement("div");
-      row.className = "layer";
-      const seen = button(`seen${place}`, say(visible ? "hide" : "show"),
-        () => edit({ do: "set_visible", place, visible: !visible }), visible ? "eye" : "shut"); // prettier-ignore
-      const chosen = button(`layer${place}`, say("layer", { name }), () => edit({ do: "select_layer", place }));
-      chosen.setAttribute("aria-pressed", String(place === layers.active));
-      const up = button(`up${place}`, say("up"), () => edit({ do: "move_layer", place, to: place + 1 }), "up");
-      up.disabled = place === all.length - 1;
-      const gone = button(`gone${place}`, say("remove"), () => edit({ do: "remove_layer", place }), "close");
-      gone.disabled = all.length === 1;
-      row.append(seen, chosen, up, gone);
-      return row;
+  #restack(edit: LayerEdit): void {
+    this.#act(() => {
+      this.#paint(); // what was heard since the last frame
+      this.#opened().painting.restack(edit);
     });
-    const place = layers.active;
-    made.replaceChildren(
-      made.firstElementChild as HTMLElement,
-      ...rows.reverse(),
-      slider("opacity", say("opacity"), all[place].opacity, () => {}, [0.0, 1.0, 0.05]),
-      button("add", say("addLayer"), () => edit({ do: "add_layer" })),
-    );
-    const opacity = made.querySelector("#opacity") as HTMLInputElement;
-    opacity.addEventListener("change", () =>
-      edit({ do: "set_opacity", place, opacity: Number(opacity.value) }),
-    );
-    return made;
+    this.#showLayers();
   }
 
   #showLayers(): void {
-    element("layers").replaceWith(this.#layerSection());
-  }
-
-  /** Show what there is no room for in the row of tools, or hide it. */
-  #showPanel(shown: boolean): void {
-    element("panel").hidden = element("veil").hidden = !shown;
-    element("more").setAttribute("aria-expanded", String(shown));
-    this.#resize();
+    this.#layers.show(this.#opened().painting.layers);
   }
 
   #showState(): void {
     const painting = this.#painting;
     if (painting === null) return;
     element<HTMLButtonElement>("undo").disabled = !painting.canUndo;
+    element<HTMLButtonElement>("redo").disabled = !painting.canRedo;
+    element<HTMLButtonElement>("dry").disabled = !painting.canDry;
     element("hint").classList.toggle("done", painting.isPainted);
     const share = Math.round(100 * Math.min(1.0, painting.painter.inkLeft()));
     element("ink").setAttribute("aria-valuenow", String(share));
@@ -409,6 +380,7 @@ class Page {
     this.#passedMs = Math.max(this.#passedMs + 1000.0 * PIECE_S, now - MOST_BEHIND_MS);
     painting.followTime();
     this.#changed.push(painting.surface.refresh());
+    if (painting.surface.water.isStill) this.#showState(); // all is dry
   }
 
   #showAll(): void {
@@ -416,13 +388,20 @@ class Page {
     this.#resize();
   }
 
-  undo(): void {
-    const { painting } = this.#opened();
+  /** Undo or redo; what is in hand is shown as it is then. */
+  #step(take: () => void): void {
+    const { painting, studio } = this.#opened();
     if (this.#pointer !== null) return; // a stroke goes on
     this.#act(() => {
       this.#paint(); // what was heard since the last frame
-      painting.undo();
+      take();
     });
+    const { brushes, inks } = studio.contents;
+    this.#brush = painting.painter.brush.name;
+    this.#ink = inkOf(studio.contents, painting.dipped)?.name ?? this.#ink;
+    const chosen = { brush: [brushes, this.#brush], inks: [inks, this.#ink] } as const;
+    for (const [id, [all, name]] of Object.entries(chosen))
+      element<HTMLSelectElement>(id).selectedIndex = all.findIndex((one) => one.name === name);
     this.#showLayers();
   }
 
@@ -525,12 +504,12 @@ class Page {
 
   /** What of the picture nothing lies over: left, right, bottom and top, -1 to 1. */
   #free(): [number, number, number, number] {
-    const [all, bar, panel] = [this.#canvas, element("bar"), element("panel")].map((one) =>
-      one.getBoundingClientRect(),
-    );
-    const isBelow = bar.top > 0.5 * all.height;
-    let [right, bottom] = [all.right, isBelow ? bar.top : all.bottom];
-    const top = isBelow ? all.top : bar.bottom;
+    const boxOf = (id: string): DOMRect => element(id).getBoundingClientRect();
+    const [all, panel] = [this.#canvas.getBoundingClientRect(), boxOf("panel")];
+    let [right, bottom, top] = [all.right, all.bottom, all.top];
+    for (const row of [boxOf("tools"), boxOf("acts")])
+      if (row.top > 0.5 * all.height) bottom = Math.min(bottom, row.top);
+      else top = Math.max(top, row.bottom);
     if (panel.width >= all.width) bottom = Math.min(bottom, panel.top);
     else if (panel.width > 0) right = panel.left;
     const x = (at: number): number => (2.0 * (at - all.left)) / Math.max(1, all.width) - 1.0;
@@ -582,13 +561,18 @@ class Page {
       this.draw();
     };
     canvas.addEventListener("wheel", wheel, { passive: false });
-    element("veil").addEventListener("pointerdown", () => this.#showPanel(false));
+    element("veil").addEventListener("pointerdown", () => this.#panel.show(null));
     addEventListener("keydown", (event) => {
-      if (event.key === "Escape" && this.#painting) this.#showPanel(false);
-      if ((event.ctrlKey || event.metaKey) && event.key.toLowerCase() === "z" && this.#painting) {
-        event.preventDefault();
-        this.undo();
-      }
+      const painting = this.#painting;
+      const { target } = event;
+      if (painting === null || (target instanceof HTMLInputElement && target.type === "text")) return;
+      if (event.key === "Escape") this.#panel.show(null);
+      if (!event.ctrlKey && !event.metaKey) return;
+      const key = event.shiftKey ? `Shift+${event.key.toLowerCase()}` : event.key;
+      const take = { z: painting.undo, y: painting.redo, "Shift+z": painting.redo }[key];
+      if (take === undefined) return;
+      event.preventDefault();
+      this.#step(() => take.call(painting));
     });
     addEventListener("visibilitychange", () => this.#keep());
     addEventListener("beforeunload", (event) => {
