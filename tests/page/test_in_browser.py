@@ -12,7 +12,9 @@ import numpy as np
 import pytest
 import trimesh
 from PIL import Image
+from scipy.spatial import cKDTree
 
+from paint3d.app.model.copybook import Copybook
 from paint3d.app.model.score.playing import painted
 from paint3d.colour.spectra import encode_srgb
 from paint3d.files.load import load_mesh
@@ -36,7 +38,8 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     page = built_page(tmp_path_factory.mktemp("built"))
     out = tmp_path_factory.mktemp("page")
     objects = [PageObject("square", 0.8), PageObject("bowl", 0.8)]
-    build_page(out, objects, ["zhongkai", "xiaokai"], ["pine soot", "cinnabar"], page=page)
+    inks = ["pine soot", "cinnabar"]
+    build_page(out, objects, ["zhongkai", "xiaokai"], inks, copybook="一", page=page)
     return out
 
 
@@ -130,7 +133,7 @@ def test_what_a_pen_paints_on_a_sheet_the_desktop_paints_to_the_bit(
     after = picture(browser, tmp_path / "after.png")
     assert found["vertices"] >= first["vertices"] > bare["vertices"]
     dark = (before - after) > 60.0
-    assert dark[300:360, 340:600].any(axis=0).sum() > 180  # pixels of a stroke's length
+    assert dark[300:360, 340:600].any(axis=0).sum() > 160  # pixels of a stroke's length
     assert not dark[395:440, 340:600].any()  # where it was taken back
     assert found == by_the_desktop(browser, tmp_path)
 
@@ -254,6 +257,53 @@ def test_what_was_undone_is_done_again_and_a_name_stays(browser: Browser, tmp_pa
     found = settled(browser)
     assert browser.evaluate(f"{redo}.disabled") is True
     assert found == by_the_desktop(browser, tmp_path)
+
+
+@pytest.mark.parametrize("place", [SHEET, BOWL])
+def test_a_text_lies_where_the_desktop_lays_it_and_a_planned_hand_fills_it(
+    place: int, browser: Browser, tmp_path: Path
+) -> None:
+    begin_with(browser, place)
+    at = "document.getElementById('{}')".format
+    if browser.evaluate("document.getElementById('tab-copybook').hidden"):
+        browser.evaluate(f"{at('show-copybook')}.click()")
+    browser.wait_for(at("addText"))
+    browser.evaluate(f"{at('addText')}.click()")
+    browser.evaluate(f"{at('sign')}.click()")
+    browser.evaluate(f"{at('place')}.click()")
+    browser.stroke([(330.0, 500.0, 0.5), (330.0, 500.0, 0.5)])
+    change = "(e => {{ e.value = {}; e.dispatchEvent(new Event('change')); }})({})".format
+    browser.evaluate(change("'年永\\n和'", at("text")))
+    browser.evaluate(change(30, at("turn")))
+    browser.evaluate(change(12, at("em")))
+    browser.evaluate(f"{at('undo')}.click()")
+    lines = np.array(browser.evaluate("paint3d.guides().outlines")).reshape(-1, 3)
+    bare = settled(browser)
+    browser.evaluate(change(0, at("texts")).replace("value", "selectedIndex"))
+    browser.evaluate(f"{at('write')}.click()")
+    browser.wait_for("paint3d.score().includes('end_stroke')")
+    found = settled(browser)
+    assert found["amounts"] != bare["amounts"]
+    path = tmp_path / "page.score.jsonl"
+    path.write_text(browser.evaluate("paint3d.score()"), "utf-8")
+    score = load_score(path)
+    mesh = load_mesh(score.header["object"])
+    document = painted(score, mesh)
+    hashes = hashes_of(document.surface)
+    assert found == {name: hashes[name] for name in ("vertices", "srgb", "amounts")}
+    assert [(one.text, one.em_mm, one.turn) for one in document.texts] == [
+        ("一", 40.0, 0.0), ("年永\n和", 10.0, 30.0)
+    ]  # fmt: skip
+    ghosts = [ghost for laid in document.texts for ghost in Copybook.of(mesh, laid).ghosts]
+    ours = np.concatenate([line for ghost in ghosts for line in ghost.outlines])
+    away = cKDTree(ours).query(lines)[0]
+    assert away.max() < (0.15 if place == SHEET else 0.8)
+    assert cKDTree(lines).query(ours)[0].max() < 2.0  # points of ours lie up to 1/32 em apart
+    middle = next(ghost for ghost in ghosts if ghost.text == "一").chart.frame.origin
+    inside = np.linalg.norm(document.surface.paint_mesh.vertices - middle, axis=1) < 25.0
+    painted_share = document.surface.coverage[inside] > 0.0
+    assert painted_share.any()
+    assert not (document.surface.coverage[~inside] > 0.0).any()
 
 
 def test_a_piece_is_there_again_when_the_page_is_opened_again(

@@ -13,6 +13,7 @@ const ICONS = {
   erase: "M8 20 3.500 15.500a2 2 0 0 1 0-2.800L12.700 3.500a2 2 0 0 1 2.800 0l5 5a2 2 0 0 1 0 2.800L11.800 20zM8 8.200l7.800 7.800M8 20h12",
   undo: "M9 6 4 11l5 5M4.500 11H14a5.500 5.500 0 0 1 0 11h-3",
   redo: "M15 6l5 5-5 5M19.500 11H10a5.500 5.500 0 0 0 0 11h3",
+  copybook: "M4 4h16v16H4zM12 4v16M4 12h16",
   layers: "M12 3.500 21 8.500 12 13.500 3 8.500zM3.500 12.500 12 17.300l8.500-4.800M3.500 16.500 12 21.300l8.500-4.800",
   save: "M12 3.500v11M7.500 10l4.500 4.500 4.500-4.500M4 16v3a1.500 1.500 0 0 0 1.500 1.500h13A1.500 1.500 0 0 0 20 19v-3",
   whole: "M4 9V4h5M20 9V4h-5M4 15v5h5M20 15v5h-5",
@@ -58,6 +59,14 @@ export function choice(
 export function field(id: string, text: string, value: string, then: (value: string) => void): HTMLElement {
   const input = document.createElement("input");
   Object.assign(input, { id, type: "text", value, maxLength: 200, autocomplete: "off", spellcheck: false });
+  input.addEventListener("change", () => then(input.value));
+  return captioned(text, input);
+}
+
+/** A text of several lines. */
+export function lines(id: string, text: string, value: string, then: (value: string) => void): HTMLElement {
+  const input = document.createElement("textarea");
+  Object.assign(input, { id, value, rows: 2, maxLength: 200, spellcheck: false });
   input.addEventListener("change", () => then(input.value));
   return captioned(text, input);
 }

@@ -6,6 +6,7 @@ import type { Contents, Studio } from "../studio";
 import { ClosestPoints } from "../mesh/closest_points";
 import { Painter, PIECE_S, type Ink, type Kept } from "../painter/painter";
 import { AT_REST, RecordingError, type DeviceSample } from "../recording/recording";
+import type { LaidText } from "./copybook";
 import { Eraser } from "../surface/eraser";
 import type { Blend, LayerStack } from "../surface/layer_stack";
 import type { PaintedSurface, Snapshot } from "../surface/painted_surface";
@@ -32,6 +33,7 @@ const NO_STEPS = new Set(["select_layer", "set_visible", "rename_layer"]);
 type Line = Record<string, unknown>;
 
 interface Instant {
+  texts: readonly LaidText[];
   painter: Kept;
   surface: Snapshot;
 }
@@ -43,6 +45,7 @@ export class Document {
   #steps: Instant[] = []; // before each
   #undone: Instant[] = []; // after each, the next one last
   #back: Instant | null = null; // that was returned to last
+  #texts: readonly LaidText[] = [];
   #inStroke = false;
   #eraser: Eraser | null = null; // while a stroke erases
   #giveBack: (() => void) | null = null; // the brush that waits meanwhile
@@ -191,11 +194,12 @@ export class Document {
   }
 
   #now(): Instant {
-    return { painter: this.painter.keep(), surface: this.surface.keep() };
+    return { texts: this.#texts, painter: this.painter.keep(), surface: this.surface.keep() };
   }
 
   #return(instant: Instant): void {
     this.painter.restore(instant.painter, instant.surface);
+    this.#texts = instant.texts;
     this.#back = instant;
   }
 
@@ -237,6 +241,29 @@ export class Document {
     this.#lines.push({ ...edit });
   }
 
+  /** What lies on the object to be written after. */
+  get texts(): readonly LaidText[] {
+    return this.#texts;
+  }
+
+  /** Lay a text, in the place of the one of a number or beside all: a step that can be undone. */
+  layText(text: LaidText, number = this.#texts.length): void {
+    this.#changeTexts(number, [text], { do: "lay_text", text, number });
+  }
+
+  /** Take a text off the object: a step that can be undone. */
+  removeText(number: number): void {
+    this.#changeTexts(number, [], { do: "remove_text", number });
+  }
+
+  #changeTexts(number: number, by: LaidText[], line: Line): void {
+    if (this.#inStroke) return;
+    const isNew = number === this.#texts.length;
+    this.#begin();
+    this.#texts = [...this.#texts.slice(0, number), ...by, ...this.#texts.slice(number + 1)];
+    this.#lines.push(isNew ? { ...line, number: undefined } : line);
+  }
+
   #begin(): void {
     this.#undone = [];
     this.#back = null;
@@ -275,6 +302,8 @@ export class Document {
       else if (row.do === "undo") this.undo();
       else if (row.do === "redo") this.redo();
       else if (row.do === "dry") this.dry();
+      else if (row.do === "lay_text") this.layText(row.text as LaidText, row.number as number | undefined);
+      else if (row.do === "remove_text") this.removeText(row.number as number);
       else if (LAYER_EDITS.has(String(row.do))) this.restack(row as unknown as LayerEdit);
       else if (row.do === "follow_time")
         for (let n = Number(row.times ?? 1); n > 0; n--) this.followTime();

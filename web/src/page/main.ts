@@ -7,6 +7,8 @@ import { Studio, type Contents, type Fetch } from "../studio";
 import { ballAround, Camera } from "./camera";
 import { askForFile, button, choice, element, note, save, section, slider, tick } from "./controls";
 import { Panel, type Tab } from "./panel";
+import { Copybook, type Guides, type LaidText } from "./copybook";
+import { CopybookList } from "./copybook_list";
 import { Document, type LayerEdit } from "./document";
 import { LayerList } from "./layer_list";
 import { glbOf, plyOf } from "./export";
@@ -24,6 +26,7 @@ const WHEEL_NOTCH = 1.0015; // nearer by this a unit of the wheel
 const SEEN = 2000; // vertices, at most, that the picture is fitted to
 const MOST_BEHIND_MS = 200; // of wet ink's time, that is caught up with
 const ERASER_END = 5; // the button that a pen's other end says
+const WRITTEN_FASTER = 3.0; // than the planned hand goes
 const PALM_MS = 700; // after a pen's last word a touch is a palm
 
 /** What the page cannot do without. */
@@ -40,6 +43,18 @@ class Page {
   readonly #canvas = element<HTMLCanvasElement>("canvas");
   readonly #message = element("message");
   readonly #panel = new Panel(() => this.#resize());
+  readonly #texts = new CopybookList({
+    lay: (text, number) => this.#layText(text, number),
+    remove: (number) => this.#changeTexts(() => this.#opened().painting.removeText(number)),
+    place: (number) => {
+      this.#placing = number;
+      this.#notice(say("place"));
+    },
+    write: (number) => void this.#write(number),
+  });
+  #copybook: Copybook | null = null;
+  #placing: number | null = null; // the text that goes where the object is tapped next
+  #writes = false; // a planned hand
   readonly #layers = new LayerList((edit) => this.#restack(edit));
   readonly #files = new Map<string, Promise<ArrayBuffer>>();
   readonly #stage: Stage;
@@ -214,6 +229,9 @@ class Page {
     }); // prettier-ignore
     this.#setPress(this.#press);
     this.#stage.open(painting, flat);
+    this.#placing = null;
+    if (painting.texts.length > 0) await this.#openCopybook();
+    else this.#showTexts();
     this.#message.hidden = true;
     this.showBar();
     this.#showAll();
@@ -250,16 +268,26 @@ class Page {
       dip,
       erase,
     ); // prettier-ignore
-    const tab = (id: Tab, text: string): HTMLElement =>
-      this.#panel.opener(button(`show-${id}`, text, () => this.#panel.toggle(id), id));
+    const tab = (id: Tab, text: string): HTMLElement => {
+      const toggle = (): void => {
+        this.#panel.toggle(id);
+        if (id === "copybook" && this.#copybook === null)
+          this.#openCopybook().catch((cause: unknown) => this.fail(cause));
+      };
+      return this.#panel.opener(button(`show-${id}`, text, toggle, id));
+    };
+    const copybook = tab("copybook", say("copybook"));
+    copybook.hidden = contents.copybook === undefined;
     element("acts").replaceChildren(
       button("undo", say("undo"), () => this.#step(() => this.#opened().painting.undo()), "undo"),
       button("redo", say("redo"), () => this.#step(() => this.#opened().painting.redo()), "redo"),
       button("whole", say("view"), () => this.#showAll(), "whole"),
+      copybook,
       tab("layers", say("layers")),
       tab("save", say("keep")),
       tab("more", say("more")),
     );
+    this.#panel.fill("copybook", this.#texts.element);
     this.#panel.fill("layers", this.#layers.element);
     this.#panel.fill("save",
       section(say("keep"),
@@ -287,7 +315,96 @@ class Page {
       section(say("page"), button("language", say("language"), () => this.#speak())),
     ); // prettier-ignore
     this.#showLayers();
+    this.#showTexts();
     this.#showState();
+  }
+
+  // -- the copybook ---------------------------------------------------------------------------
+
+  async #openCopybook(): Promise<void> {
+    const { contents } = this.#opened().studio;
+    if (contents.copybook === undefined) return;
+    this.#copybook ??= await Copybook.read(this.#fetch, contents.copybook.file);
+    this.#showTexts();
+  }
+
+  /** Show the texts, and their lines on the object. */
+  #showTexts(): void {
+    const { painting, studio } = this.#opened();
+    if (this.#copybook !== null)
+      this.#texts.show(this.#copybook, painting.texts, studio.contents.copybook?.text ?? "");
+    this.#stage.guide(this.guides());
+    this.draw();
+  }
+
+  /** The lines that are shown to be written after, their points in pairs, mm. */
+  guides(): Guides {
+    const { closest, texts } = this.#opened().painting;
+    const all = texts.flatMap((text) => this.#copybook?.guides(closest, text) ?? []);
+    return {
+      outlines: all.flatMap(({ outlines }) => outlines),
+      grid: all.flatMap(({ grid }) => grid),
+    };
+  }
+
+  #changeTexts(change: () => void): void {
+    this.#act(() => {
+      this.#paint(); // what was heard since the last frame
+      change();
+    });
+    this.#showTexts();
+  }
+
+  /** Lay a text; a new one in the middle of what is seen. */
+  #layText(text: Partial<LaidText>, number?: number): void {
+    const { painting, camera } = this.#opened();
+    const middle = camera.ray(...camera.centre, this.#aspect()) as Vector;
+    const point = painting.closest.cast(camera.eye, middle)?.point ?? painting.closest.find([0, 0, 0]).point;
+    const usual: LaidText = { text: "", em_mm: 40.0, order: "columns", point, turn: 0.0, grid: "mi" };
+    this.#changeTexts(() => painting.layText({ ...usual, ...text }, number));
+  }
+
+  /** The text that waits for it goes where the pointer is. */
+  #place(event: PointerEvent, number: number): void {
+    const { painting } = this.#opened();
+    const { origin, direction } = this.#inputOf(event);
+    const found = painting.closest.cast(origin, direction);
+    if (found !== null) this.#layText({ ...painting.texts[number], point: found.point }, number);
+  }
+
+  /** Have a planned hand write a text, by its brush. */
+  async #write(number: number): Promise<void> {
+    const { painting, studio } = this.#opened();
+    const copybook = this.#copybook;
+    if (copybook === null || this.#writes || this.#pointer !== null) return;
+    this.#writes = true;
+    try {
+      const brush = await studio.brush(copybook.brush);
+      if (painting.painter.brush !== brush) painting.setBrush(brush);
+      for (const stroke of copybook.strokes(painting.closest, painting.texts[number])) {
+        painting.dip(studio, this.#ink);
+        painting.beginStroke();
+        const startNs = painting.lastNs + 500_000_000n;
+        const began = performance.now();
+        for (let done = 0; done < stroke.length; ) {
+          const now = await new Promise<number>((next) => requestAnimationFrame(next));
+          if (this.#painting !== painting) return; // another object was opened
+          const due = BigInt(Math.round(1e6 * WRITTEN_FASTER * Math.max(0.0, now - began)));
+          const part = stroke.slice(done).filter(({ timeNs }) => timeNs <= due);
+          painting.advance(part.map((one) => ({ ...one, timeNs: startNs + one.timeNs })));
+          done += part.length;
+          this.#refresh();
+        }
+        painting.endStroke();
+        this.#refresh();
+      }
+    } catch (cause) {
+      this.fail(cause);
+    } finally {
+      this.#writes = false;
+      this.#keep();
+      this.#showInHand();
+    }
   }
 
   #restack(edit: LayerEdit): void {
@@ -390,19 +507,26 @@ class Page {
 
   /** Undo or redo; what is in hand is shown as it is then. */
   #step(take: () => void): void {
-    const { painting, studio } = this.#opened();
-    if (this.#pointer !== null) return; // a stroke goes on
+    if (this.#pointer !== null || this.#writes) return; // a stroke goes on
     this.#act(() => {
       this.#paint(); // what was heard since the last frame
       take();
     });
+    this.#showInHand();
+    this.#showLayers();
+    this.#showTexts();
+  }
+
+  /** Show the brush and the ink that the painter has. */
+  #showInHand(): void {
+    const { painting, studio } = this.#opened();
     const { brushes, inks } = studio.contents;
     this.#brush = painting.painter.brush.name;
     this.#ink = inkOf(studio.contents, painting.dipped)?.name ?? this.#ink;
     const chosen = { brush: [brushes, this.#brush], inks: [inks, this.#ink] } as const;
     for (const [id, [all, name]] of Object.entries(chosen))
       element<HTMLSelectElement>(id).selectedIndex = all.findIndex((one) => one.name === name);
-    this.#showLayers();
+    this.#showState();
   }
 
   /** Keep in the browser what was done. */
@@ -444,7 +568,7 @@ class Page {
   /** Save what is seen, as PNG. */
   async savePicture(): Promise<void> {
     const { camera } = this.#opened();
-    this.#stage.draw(camera);
+    this.#stage.draw(camera, false);
     const seen = document.createElement("canvas");
     Object.assign(seen, { width: this.#canvas.width, height: this.#canvas.height });
     const context = seen.getContext("2d");
@@ -595,7 +719,12 @@ class Page {
       this.#turning = { pointer: event.pointerId, pans, x: event.clientX, y: event.clientY };
       return;
     }
-    if (this.#pointer !== null) return;
+    if (this.#pointer !== null || this.#writes) return;
+    if (this.#placing !== null) {
+      this.#place(event, this.#placing);
+      this.#placing = null;
+      return;
+    }
     this.#pointer = event.pointerId;
     this.#hear(event);
   }

@@ -2,7 +2,7 @@
 
 import { element } from "./controls";
 
-const TABS = ["layers", "save", "more"] as const;
+const TABS = ["copybook", "layers", "save", "more"] as const;
 export type Tab = (typeof TABS)[number];
 
 export class Panel {
