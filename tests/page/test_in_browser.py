@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import gzip
 import math
 from collections.abc import Iterator
 from pathlib import Path
@@ -112,6 +113,18 @@ def by_the_desktop(browser: Browser, tmp_path: Path) -> dict[str, Any]:
 def picture(browser: Browser, path: Path) -> np.ndarray:
     browser.screenshot(path)
     return np.asarray(Image.open(path).convert("L"), np.float64)
+
+
+def test_a_first_visit_loads_little_beside_the_object(folder: Path) -> None:
+    names = ["kernels.wasm", "kernels.json", "contents.json", "index.html", "common.bin.gz",
+             "brushes/zhongkai.bin.gz", "materials/xuan.bin.gz"]  # fmt: skip
+    files = [*(folder / name for name in names), *(folder / "assets").iterdir()]
+    sizes = {
+        one.name: len(one.read_bytes() if one.suffix == ".gz" else gzip.compress(one.read_bytes()))
+        for one in files
+    }
+    print(sizes, sum(sizes.values()))
+    assert sum(sizes.values()) < 1_500_000
 
 
 def test_what_a_pen_paints_on_a_sheet_the_desktop_paints_to_the_bit(
