@@ -213,7 +213,7 @@ export class Document {
 
   /** Let all wet paint dry at once: a step that can be undone. */
   dry(): void {
-    if (!this.canDry) return;
+    if (this.#inStroke) return;
     this.#begin();
     this.surface.dry();
     this.#lines.push({ do: "dry" });
