@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import gzip
 import math
+import os
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -17,6 +18,7 @@ from scipy.spatial import cKDTree
 
 from paint3d.app.model.copybook import Copybook
 from paint3d.app.model.score.playing import painted
+from paint3d.calligraphy.glyph_sources import load_glyphs, open_glyphs
 from paint3d.colour.spectra import encode_srgb
 from paint3d.files.load import load_mesh
 from paint3d.page.folder import KERNELS, PageObject, build_page
@@ -386,6 +388,48 @@ def test_a_stroke_in_the_bowl_is_painted_by_the_desktop_to_the_bit(
     browser.stroke(wave(380.0, 360.0, 200.0), tiltX=20, tiltY=10)
     found = settled(browser)
     assert found == by_the_desktop(browser, tmp_path)
+
+
+def test_yong_by_a_tilted_pen_in_the_bowl_is_filmed_and_painted_by_the_desktop(
+    browser: Browser, tmp_path: Path
+) -> None:
+    """`PAINT3D_FILM` names a file where the film is kept."""
+    begin_with(browser, BOWL)
+    browser.evaluate("document.querySelector('.opener[aria-expanded=true]')?.click()")
+    pictures = [picture(browser, tmp_path / "0.png")]
+    pen = {"pointerType": "pen", "button": "left", "clickCount": 1, "tiltX": 30, "tiltY": 18}
+    (glyph,) = load_glyphs(open_glyphs(None), "永").values()
+    strokes = [glyph.strokes[k].median[::2] - np.array(glyph.middle) for k in range(5)]
+    for median in strokes:
+        xy = np.array([480.0, 350.0]) + median * [0.26, -0.24]
+        kinds = ["mousePressed", *["mouseMoved"] * (len(xy) - 1), "mouseReleased"]
+        for k, kind in enumerate(kinds):
+            x, y = xy[min(k, len(xy) - 1)].tolist()
+            force = 0.1 + 0.28 * math.sin(math.pi * (k + 1) / len(kinds))
+            up = {"force": 0.0, "buttons": 0} if kind == "mouseReleased" else {"force": force}
+            words = {"type": kind, "x": x, "y": y, "buttons": 1, **pen, **up}
+            browser.call("Input.dispatchMouseEvent", **words)
+            if k % 8 == 7 or k == len(kinds) - 1:
+                path = tmp_path / f"{len(pictures)}.png"
+                pictures.append(picture(browser, path))
+    found = settled(browser)
+    film = Path(os.environ.get("PAINT3D_FILM", tmp_path / "yong.webp"))
+    shown = []
+    for k in range(len(pictures)):
+        with Image.open(tmp_path / f"{k}.png") as one:
+            shown.append(one.convert("RGB").resize((640, 480), Image.Resampling.LANCZOS))
+    first, *others = shown
+    durations = [70] * len(others) + [2000]
+    first.save(film, save_all=True, append_images=others, duration=durations, loop=0, quality=80)
+    assert browser.evaluate("paint3d.score()").count("end_stroke") == len(strokes)
+    with Image.open(film) as kept:
+        assert kept.n_frames > 5 * len(strokes)
+    dark = [np.count_nonzero(pictures[0] - one > 60.0) for one in pictures]
+    assert np.mean(np.diff(dark) >= -20) > 0.95  # ink comes, and does not go
+    assert dark[-1] > 3000
+    theirs = by_the_desktop(browser, tmp_path)
+    print(f"in Chromium {found['srgb']}, by the desktop {theirs['srgb']}")  # seen with -s
+    assert found == theirs
 
 
 def test_strokes_that_follow_each_other_within_a_frame_are_all_painted(browser: Browser) -> None:

@@ -689,7 +689,8 @@ class Page {
     addEventListener("keydown", (event) => {
       const painting = this.#painting;
       const { target } = event;
-      if (painting === null || (target instanceof HTMLInputElement && target.type === "text")) return;
+      const isWritten = target instanceof HTMLTextAreaElement || (target instanceof HTMLInputElement && target.type === "text");
+      if (painting === null || isWritten) return;
       if (event.key === "Escape") this.#panel.show(null);
       if (!event.ctrlKey && !event.metaKey) return;
       const key = event.shiftKey ? `Shift+${event.key.toLowerCase()}` : event.key;
