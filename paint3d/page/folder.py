@@ -143,7 +143,8 @@ def build_page(
         files[file] = lambda material=material: material_table(material, pigments)  # type: ignore[misc]
     if copybook:
         contents["copybook"] = {"file": "copybook.bin.gz", "text": copybook}
-        files["copybook.bin.gz"] = lambda: copybook_table(copybook, brushes[0], COPYBOOK_EM_MM)
+        characters = copybook_table(copybook, brushes[0], COPYBOOK_EM_MM)  # or says what is unknown
+        files["copybook.bin.gz"] = lambda: characters
     contents["inks"] = [
         {
             "name": name,

@@ -50,7 +50,7 @@ export class CopybookList {
       section(say("copybook"), ...parts,
         button("addText", say("addText"), () => add({ text: planned, em_mm: copybook.emMm })),
         button("sign", say("signature"), () => add({ text: `${yearOf(new Date())}年書`, em_mm: SIGNED_EM_MM, grid: "none" }))),
-      section(say("page"), note(say("asPlanned", { text: planned, mm: copybook.emMm })), note(copybook.licence)),
+      section(say("source"), note(say("asPlanned", { text: planned, mm: copybook.emMm })), note(copybook.licence)),
     ); // prettier-ignore
   }
 
@@ -79,7 +79,7 @@ export class CopybookList {
       choice("grid", say("grid"), GRIDS.map((one) => say(one)), GRIDS.indexOf(laid.grid),
         (k) => change({ grid: GRIDS[k] })),
       write,
-      button("place", say("place"), () => acts.place(number)),
+      button("place", say("move"), () => acts.place(number)),
       button("takeOff", say("remove"), () => acts.remove(number)),
     ]; // prettier-ignore
   }
