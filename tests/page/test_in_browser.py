@@ -399,7 +399,8 @@ def test_yong_by_a_tilted_pen_in_the_bowl_is_filmed_and_painted_by_the_desktop(
     pictures = [picture(browser, tmp_path / "0.png")]
     pen = {"pointerType": "pen", "button": "left", "clickCount": 1, "tiltX": 30, "tiltY": 18}
     (glyph,) = load_glyphs(open_glyphs(None), "永").values()
-    strokes = [glyph.strokes[k].median[::2] - np.array(glyph.middle) for k in range(5)]
+    strokes = [glyph.strokes[k].median[::3] - np.array(glyph.middle) for k in range(5)]
+    asked: list[tuple[str, dict[str, Any]]] = []
     for median in strokes:
         xy = np.array([480.0, 350.0]) + median * [0.26, -0.24]
         kinds = ["mousePressed", *["mouseMoved"] * (len(xy) - 1), "mouseReleased"]
@@ -408,8 +409,10 @@ def test_yong_by_a_tilted_pen_in_the_bowl_is_filmed_and_painted_by_the_desktop(
             force = 0.1 + 0.28 * math.sin(math.pi * (k + 1) / len(kinds))
             up = {"force": 0.0, "buttons": 0} if kind == "mouseReleased" else {"force": force}
             words = {"type": kind, "x": x, "y": y, "buttons": 1, **pen, **up}
-            browser.call("Input.dispatchMouseEvent", **words)
-            if k % 8 == 7 or k == len(kinds) - 1:
+            asked.append(("Input.dispatchMouseEvent", words))
+            if k % 6 == 5 or k == len(kinds) - 1:
+                browser.call_all(asked)
+                asked.clear()
                 path = tmp_path / f"{len(pictures)}.png"
                 pictures.append(picture(browser, path))
     found = settled(browser)
@@ -424,8 +427,8 @@ def test_yong_by_a_tilted_pen_in_the_bowl_is_filmed_and_painted_by_the_desktop(
     assert browser.evaluate("paint3d.score()").count("end_stroke") == len(strokes)
     with Image.open(film) as kept:
         assert kept.n_frames > 5 * len(strokes)
-    dark = [np.count_nonzero(pictures[0] - one > 60.0) for one in pictures]
-    assert np.mean(np.diff(dark) >= -20) > 0.95  # ink comes, and does not go
+    dark = [np.count_nonzero((pictures[0] - one)[60:680] > 60.0) for one in pictures]
+    assert np.mean(np.diff(dark) >= -20) > 0.9  # ink comes, and does not go
     assert dark[-1] > 3000
     theirs = by_the_desktop(browser, tmp_path)
     print(f"in Chromium {found['srgb']}, by the desktop {theirs['srgb']}")  # seen with -s
