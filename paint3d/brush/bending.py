@@ -37,6 +37,7 @@ from paint3d.errors import BrushError
 __all__ = [
     "FARTHEST_DRAG",
     "GREATEST_FRACTION",
+    "LEAST_COSINE",
     "LOWEST_TILT",
     "BendingTable",
     "bending_table",
@@ -52,7 +53,8 @@ _N_ARCS = 2 * (STATIONS - 1)
 _CROWDING = 2.6  # exponent of the arcs' spacing: even the lightest touch bends several at the tip
 Chain = tuple[float, float, float, float]
 FARTHEST_DRAG = 0.5  # the upper end of `BrushSpec.drag_fraction`
-_LEAST_COSINE = 1e-3  # of a section's angle; a steeper section is clear of the plane
+LEAST_COSINE = 1e-3
+"""Of a section's angle; a steeper section is clear of the plane."""
 
 
 class BendingTable:
@@ -169,7 +171,7 @@ def _shared(exponent: float, chain: Chain | None) -> tuple[NDArray[np.float32], 
     """Arrays common to tufts of one table, at the stations: `Tuft.spine`, `Tuft.reach`, chords."""
     along, up, angle = (part[..., ::2] for part in bending_table(exponent, chain).spine)
     spine = np.stack([along, up, angle], axis=2)
-    cosine = np.maximum(np.cos(angle), _LEAST_COSINE)
+    cosine = np.maximum(np.cos(angle), LEAST_COSINE)
     reach = along - up * np.sin(angle) / cosine
     return (
         _constant(spine),

@@ -79,6 +79,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="append",
         help="what objects may be made of, beside what suits them; given several times, a choice",
     )
+    build.add_argument(
+        "--copybook",
+        metavar="TEXT",
+        help="characters that the page shows how to write, by the first brush (default: 永)",
+    )
     add_quiet_option(build)
     serve = add("serve", "hand a built page out to browsers of this machine", _SERVE_EXAMPLES)
     serve.add_argument("folder", metavar="DIR", type=Path, help="what `build` has written")
@@ -99,8 +104,8 @@ def run(options: argparse.Namespace) -> None:
     ExportError
         If the page or its kernels are not built, or the folder cannot be written.
     InputError, UnknownNameError, MeshError
-        If an object, a brush or an ink is not known, or is one that a page cannot have; or the
-        folder to be served holds no page.
+        If an object, a brush, an ink or a character is not known, or is one that a page cannot
+        have; or the folder to be served holds no page.
     """
     if options.action == "build":
         _build(options)
@@ -125,6 +130,7 @@ def _build(options: argparse.Namespace) -> None:
             options.ink or folder.INKS,
             progress,
             materials=options.material or folder.MATERIALS,
+            copybook=folder.COPYBOOK if options.copybook is None else options.copybook,
             page=folder.BUILT,
         )
     if not options.quiet:

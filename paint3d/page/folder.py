@@ -28,6 +28,7 @@ from paint3d.errors import ExportError, InputError
 from paint3d.files.load import load_mesh
 from paint3d.mesh.sheet_mesh import sheet_of
 from paint3d.page.bundle import write_bundle
+from paint3d.page.copybook import copybook_table
 from paint3d.page.tables import (
     Table,
     brush_table,
@@ -56,6 +57,8 @@ OBJECTS = (PageObject("bowl", 0.4), PageObject("square", 0.4))
 BRUSHES = ("zhongkai", "full", "xiaokai", "zhongbaiyun", "gongbi", "feibai")
 INKS = ("pine soot", "heavy", "light", "clear", "cinnabar", "indigo", "gamboge", "carmine")
 MATERIALS = ("porcelain", "bisque", "xuan", "sized xuan", "silk")
+COPYBOOK = "永"
+COPYBOOK_EM_MM = 40.0
 _CHINESE_OF_TONES = {"heavy": "重墨", "light": "淡墨", "clear": "清墨"}
 
 
@@ -67,6 +70,7 @@ def build_page(
     progress: Callable[[float], None] = lambda share: None,
     *,
     materials: Sequence[str] = (),
+    copybook: str = "",
     page: Path | None = BUILT,
     kernels: Path = KERNELS,
 ) -> None:
@@ -86,6 +90,8 @@ def build_page(
         Called with the share that is done.
     materials : sequence of str
         Beside those that suit the objects.
+    copybook : str
+        Text whose characters are planned for the first brush; without one there is no copybook.
     page, kernels : Path
         Where ``npm run build`` and ``python -m tools.kernels --for wasm32`` have written to;
         without a page only its data are written.
@@ -96,7 +102,8 @@ def build_page(
         If the page or its kernels are not built, or the kernels are those of other sources, or
         the folder cannot be written.
     InputError, UnknownNameError, MeshError
-        If an object, a brush or an ink is not known, or is one that a page cannot have.
+        If an object, a brush, an ink or a character is not known, or is one that a page cannot
+        have.
     """
     index = _read_index(kernels)
     if page is not None and not (page / "index.html").is_file():
@@ -134,6 +141,10 @@ def build_page(
         words = {"name": material.name, "chinese": material.chinese, "file": file}
         contents["materials"].append(words)
         files[file] = lambda material=material: material_table(material, pigments)  # type: ignore[misc]
+    if copybook:
+        contents["copybook"] = {"file": "copybook.bin.gz", "text": copybook}
+        characters = copybook_table(copybook, brushes[0], COPYBOOK_EM_MM)  # or says what is unknown
+        files["copybook.bin.gz"] = lambda: characters
     contents["inks"] = [
         {
             "name": name,

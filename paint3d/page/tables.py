@@ -38,6 +38,7 @@ from paint3d.mesh.likeness import digest_of
 from paint3d.mesh.refined_mesh import PaintMesh
 from paint3d.mesh.sheet_mesh import sheet_of
 from paint3d.mesh.triangle_mesh import TriangleMesh
+from paint3d.page.shape_guess import differences
 from paint3d.painter.bristle_state import HairTuft
 from paint3d.surface.pores import fibre_frames, mobility_of, sieve_of
 
@@ -111,10 +112,16 @@ def _sizes() -> dict[str, Any]:
 
 
 def brush_table(name: str, chinese: str) -> Table:
-    """A brush: its tuft's tables and numbers, and its curves."""
+    """A brush: its tuft's tables and numbers, and its curves; see `page.shape_guess`."""
     brush = load_brush(name)
     tuft, curves = build_tuft(brush)._asdict(), build_curves(brush.inputs)._asdict()
-    arrays = {f"tuft.{key}": value for key, value in tuft.items() if isinstance(value, np.ndarray)}
+    apart = differences(tuft, brush.length_mm)
+    arrays = {f"apart.{key}": value for key, value in apart.items()}
+    arrays |= {
+        f"tuft.{key}": value
+        for key, value in tuft.items()
+        if isinstance(value, np.ndarray) and key not in apart
+    }
     words: dict[str, Any] = {
         "name": name,
         "chinese": chinese,

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import base64
+import gzip
 import math
+import os
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -12,8 +14,11 @@ import numpy as np
 import pytest
 import trimesh
 from PIL import Image
+from scipy.spatial import cKDTree
 
+from paint3d.app.model.copybook import Copybook
 from paint3d.app.model.score.playing import painted
+from paint3d.calligraphy.glyph_sources import load_glyphs, open_glyphs
 from paint3d.colour.spectra import encode_srgb
 from paint3d.files.load import load_mesh
 from paint3d.page.folder import KERNELS, PageObject, build_page
@@ -36,7 +41,8 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     page = built_page(tmp_path_factory.mktemp("built"))
     out = tmp_path_factory.mktemp("page")
     objects = [PageObject("square", 0.8), PageObject("bowl", 0.8)]
-    build_page(out, objects, ["zhongkai", "xiaokai"], ["pine soot", "cinnabar"], page=page)
+    inks = ["pine soot", "cinnabar"]
+    build_page(out, objects, ["zhongkai", "xiaokai"], inks, copybook="一", page=page)
     return out
 
 
@@ -111,6 +117,18 @@ def picture(browser: Browser, path: Path) -> np.ndarray:
     return np.asarray(Image.open(path).convert("L"), np.float64)
 
 
+def test_a_first_visit_loads_little_beside_the_object(folder: Path) -> None:
+    names = ["kernels.wasm", "kernels.json", "contents.json", "index.html", "common.bin.gz",
+             "brushes/zhongkai.bin.gz", "materials/xuan.bin.gz"]  # fmt: skip
+    files = [*(folder / name for name in names), *(folder / "assets").iterdir()]
+    sizes = {
+        one.name: len(one.read_bytes() if one.suffix == ".gz" else gzip.compress(one.read_bytes()))
+        for one in files
+    }
+    print(sizes, sum(sizes.values()))
+    assert sum(sizes.values()) < 1_500_000
+
+
 def test_what_a_pen_paints_on_a_sheet_the_desktop_paints_to_the_bit(
     browser: Browser, tmp_path: Path
 ) -> None:
@@ -130,7 +148,7 @@ def test_what_a_pen_paints_on_a_sheet_the_desktop_paints_to_the_bit(
     after = picture(browser, tmp_path / "after.png")
     assert found["vertices"] >= first["vertices"] > bare["vertices"]
     dark = (before - after) > 60.0
-    assert dark[300:360, 340:600].any(axis=0).sum() > 180  # pixels of a stroke's length
+    assert dark[300:360, 340:600].any(axis=0).sum() > 160  # pixels of a stroke's length
     assert not dark[395:440, 340:600].any()  # where it was taken back
     assert found == by_the_desktop(browser, tmp_path)
 
@@ -186,32 +204,121 @@ def test_strokes_on_layers_look_as_on_the_desktop(browser: Browser, tmp_path: Pa
     assert settled(browser) == by_the_desktop(browser, tmp_path)
 
 
-@pytest.mark.parametrize(("width", "height"), [(390, 844), (844, 390)])
-def test_on_a_phone_the_tools_are_one_row_and_say_nothing_of_keys(
+@pytest.mark.parametrize(
+    ("width", "height"), [(360, 740), (390, 844), (844, 390), (820, 1180), (1280, 800)]
+)
+def test_tools_are_named_and_lie_whole_in_rows_that_leave_the_picture_free(
     width: int, height: int, browser: Browser
 ) -> None:
     begin_with(browser, SHEET)
-    at = {"deviceScaleFactor": 1, "mobile": True}
+    is_phone = min(width, height) < 600
+    at = {"deviceScaleFactor": 1, "mobile": is_phone}
     try:
         browser.call("Emulation.setDeviceMetricsOverride", width=width, height=height, **at)
-        browser.call("Emulation.setTouchEmulationEnabled", enabled=True)
-        browser.evaluate("(b => { b.click(); b.click(); })(document.getElementById('language'))")
-        bar, *tools = browser.evaluate(
-            "[document.getElementById('bar'), ...document.querySelectorAll('#bar > *')].map(e =>"
-            " (b => [b.left, b.top, b.right, b.bottom])(e.getBoundingClientRect()))"
-            ".filter(b => b[2] > b[0])"
-        )
-        assert bar[3] - bar[1] <= 60
-        for left, top, right, bottom in tools:
-            assert bar[0] <= left < right <= width
-            assert bar[1] <= top < bottom <= bar[3]
-        assert "Ctrl" not in browser.evaluate("document.getElementById('hint').textContent")
+        browser.call("Emulation.setTouchEmulationEnabled", enabled=is_phone)
+        for _ in range(2):
+            browser.evaluate("document.getElementById('language').click()")
+            tops = set()
+            for row in ("tools", "acts"):
+                box, *within = browser.evaluate(
+                    f"(row => [row, ...row.querySelectorAll('button, select, label > span')])"
+                    f"(document.getElementById('{row}')).map(e =>"
+                    " (b => [b.left, b.top, b.right, b.bottom])(e.getBoundingClientRect()))"
+                )
+                assert box[3] - box[1] <= 60
+                tops.add(box[1])
+                for left, top, right, bottom in within:
+                    assert max(0, box[0]) <= left < right <= min(width, box[2])
+                    assert box[1] <= top < bottom <= box[3]
+            assert len(tops) == (2 if width < height and is_phone else 1)
+            said = browser.evaluate("document.getElementById('hint').textContent")
+            assert not (is_phone and "Ctrl" in said)
+        for tab in ("layers", "save", "more"):
+            browser.evaluate("document.querySelector('.opener[aria-expanded=true]')?.click()")
+            browser.evaluate(f"document.getElementById('show-{tab}').click()")
+            cut, fades = browser.evaluate(
+                "(p => [p.scrollHeight > p.clientHeight + 2, p.classList.contains('goes-on')])"
+                "(document.getElementById('panel'))"
+            )
+            assert cut == fades
+            assert not cut or height < 480
+        browser.evaluate("document.getElementById('show-more').click()")
     finally:
         browser.call("Emulation.setTouchEmulationEnabled", enabled=False)
         browser.call(
             "Emulation.setDeviceMetricsOverride", width=960, height=720, deviceScaleFactor=1,
             mobile=False,
         )  # fmt: skip
+
+
+def test_what_was_undone_is_done_again_and_a_name_stays(browser: Browser, tmp_path: Path) -> None:
+    begin_with(browser, SHEET)
+    dry, redo = "document.getElementById('dry')", "document.getElementById('redo')"
+    assert browser.evaluate(f"[{dry}.disabled, {redo}.disabled]") == [True, True]
+    browser.stroke(wave(350.0, 330.0))
+    painted_first = settled(browser)
+    assert browser.evaluate(f"{dry}.disabled") is False
+    choose(browser, "blend", 1)
+    name = "document.getElementById('name')"
+    browser.evaluate(f"{name}.value = '题款'; {name}.dispatchEvent(new Event('change'))")
+    browser.evaluate("for (const _ of [1, 2]) document.getElementById('undo').click()")
+    assert settled(browser)["amounts"] != painted_first["amounts"]
+    assert browser.evaluate(f"[{dry}.disabled, {redo}.disabled]") == [True, False]
+    assert browser.evaluate("document.getElementById('layer0').innerText") == "题款"
+    assert browser.evaluate("document.getElementById('blend').selectedIndex") == 0
+    browser.evaluate(f"for (const _ of [1, 2]) {redo}.click()")
+    assert browser.evaluate("document.getElementById('blend').selectedIndex") == 1
+    browser.stroke(wave(350.0, 420.0))
+    found = settled(browser)
+    assert browser.evaluate(f"{redo}.disabled") is True
+    assert found == by_the_desktop(browser, tmp_path)
+
+
+@pytest.mark.parametrize("place", [SHEET, BOWL])
+def test_a_text_lies_where_the_desktop_lays_it_and_a_planned_hand_fills_it(
+    place: int, browser: Browser, tmp_path: Path
+) -> None:
+    begin_with(browser, place)
+    at = "document.getElementById('{}')".format
+    if browser.evaluate("document.getElementById('tab-copybook').hidden"):
+        browser.evaluate(f"{at('show-copybook')}.click()")
+    browser.wait_for(at("addText"))
+    browser.evaluate(f"{at('addText')}.click()")
+    browser.evaluate(f"{at('sign')}.click()")
+    browser.evaluate(f"{at('place')}.click()")
+    browser.stroke([(330.0, 500.0, 0.5), (330.0, 500.0, 0.5)])
+    change = "(e => {{ e.value = {}; e.dispatchEvent(new Event('change')); }})({})".format
+    browser.evaluate(change("'年永\\n和'", at("text")))
+    browser.evaluate(change(30, at("turn")))
+    browser.evaluate(change(12, at("em")))
+    browser.evaluate(f"{at('undo')}.click()")
+    lines = np.array(browser.evaluate("paint3d.guides().outlines")).reshape(-1, 3)
+    bare = settled(browser)
+    browser.evaluate(change(0, at("texts")).replace("value", "selectedIndex"))
+    browser.evaluate(f"{at('write')}.click()")
+    browser.wait_for("paint3d.score().includes('end_stroke')")
+    found = settled(browser)
+    assert found["amounts"] != bare["amounts"]
+    path = tmp_path / "page.score.jsonl"
+    path.write_text(browser.evaluate("paint3d.score()"), "utf-8")
+    score = load_score(path)
+    mesh = load_mesh(score.header["object"])
+    document = painted(score, mesh)
+    hashes = hashes_of(document.surface)
+    assert found == {name: hashes[name] for name in ("vertices", "srgb", "amounts")}
+    assert [(one.text, one.em_mm, one.turn) for one in document.texts] == [
+        ("一", 40.0, 0.0), ("年永\n和", 10.0, 30.0)
+    ]  # fmt: skip
+    ghosts = [ghost for laid in document.texts for ghost in Copybook.of(mesh, laid).ghosts]
+    ours = np.concatenate([line for ghost in ghosts for line in ghost.outlines])
+    away = cKDTree(ours).query(lines)[0]
+    assert away.max() < (0.15 if place == SHEET else 0.8)
+    assert cKDTree(lines).query(ours)[0].max() < 2.0  # points of ours lie up to 1/32 em apart
+    middle = next(ghost for ghost in ghosts if ghost.text == "一").chart.frame.origin
+    inside = np.linalg.norm(document.surface.paint_mesh.vertices - middle, axis=1) < 25.0
+    painted_share = document.surface.coverage[inside] > 0.0
+    assert painted_share.any()
+    assert not (document.surface.coverage[~inside] > 0.0).any()
 
 
 def test_a_piece_is_there_again_when_the_page_is_opened_again(
@@ -283,6 +390,51 @@ def test_a_stroke_in_the_bowl_is_painted_by_the_desktop_to_the_bit(
     assert found == by_the_desktop(browser, tmp_path)
 
 
+def test_yong_by_a_tilted_pen_in_the_bowl_is_filmed_and_painted_by_the_desktop(
+    browser: Browser, tmp_path: Path
+) -> None:
+    """`PAINT3D_FILM` names a file where the film is kept."""
+    begin_with(browser, BOWL)
+    browser.evaluate("document.querySelector('.opener[aria-expanded=true]')?.click()")
+    pictures = [picture(browser, tmp_path / "0.png")]
+    pen = {"pointerType": "pen", "button": "left", "clickCount": 1, "tiltX": 30, "tiltY": 18}
+    (glyph,) = load_glyphs(open_glyphs(None), "永").values()
+    strokes = [glyph.strokes[k].median[::3] - np.array(glyph.middle) for k in range(5)]
+    asked: list[tuple[str, dict[str, Any]]] = []
+    for median in strokes:
+        xy = np.array([480.0, 350.0]) + median * [0.26, -0.24]
+        kinds = ["mousePressed", *["mouseMoved"] * (len(xy) - 1), "mouseReleased"]
+        for k, kind in enumerate(kinds):
+            x, y = xy[min(k, len(xy) - 1)].tolist()
+            force = 0.1 + 0.28 * math.sin(math.pi * (k + 1) / len(kinds))
+            up = {"force": 0.0, "buttons": 0} if kind == "mouseReleased" else {"force": force}
+            words = {"type": kind, "x": x, "y": y, "buttons": 1, **pen, **up}
+            asked.append(("Input.dispatchMouseEvent", words))
+            if k % 6 == 5 or k == len(kinds) - 1:
+                browser.call_all(asked)
+                asked.clear()
+                path = tmp_path / f"{len(pictures)}.png"
+                pictures.append(picture(browser, path))
+    found = settled(browser)
+    film = Path(os.environ.get("PAINT3D_FILM", tmp_path / "yong.webp"))
+    shown = []
+    for k in range(len(pictures)):
+        with Image.open(tmp_path / f"{k}.png") as one:
+            shown.append(one.convert("RGB").resize((640, 480), Image.Resampling.LANCZOS))
+    first, *others = shown
+    durations = [70] * len(others) + [2000]
+    first.save(film, save_all=True, append_images=others, duration=durations, loop=0, quality=80)
+    assert browser.evaluate("paint3d.score()").count("end_stroke") == len(strokes)
+    with Image.open(film) as kept:
+        assert kept.n_frames > 5 * len(strokes)
+    dark = [np.count_nonzero((pictures[0] - one)[60:680] > 60.0) for one in pictures]
+    assert np.mean(np.diff(dark) >= -20) > 0.9  # ink comes, and does not go
+    assert dark[-1] > 3000
+    theirs = by_the_desktop(browser, tmp_path)
+    print(f"in Chromium {found['srgb']}, by the desktop {theirs['srgb']}")  # seen with -s
+    assert found == theirs
+
+
 def test_strokes_that_follow_each_other_within_a_frame_are_all_painted(browser: Browser) -> None:
     begin_with(browser, SHEET)
     for y in (330.0, 420.0, 500.0):
@@ -313,7 +465,7 @@ def test_it_speaks_both_languages(browser: Browser) -> None:
     texts = []
     for _ in range(2):
         browser.evaluate("document.getElementById('language').click()")
-        texts.append(browser.evaluate("document.getElementById('bar').innerText"))
+        texts.append(browser.evaluate("document.getElementById('bar').textContent"))
     chinese, english = sorted(texts, key=lambda text: "Undo" in text)
     assert "撤销" in chinese
     assert "中楷" in chinese

@@ -171,6 +171,7 @@ def test_a_file_where_a_folder_is_needed_is_said_in_a_line(kernels: Path, tmp_pa
     [
         (["build", "FILE"], "is not a folder"),
         (["build", "out", "--resolution", "0.001"], "expected at least 0.005 mm"),
+        (["build", "out", "--copybook", "永☃"], "☃"),
         (["serve", "."], "holds no page; expected what paint3d page build has written"),
         (["serve", ".", "--port", "http"], "'http' is not a port; expected a whole number"),
     ],

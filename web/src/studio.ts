@@ -18,6 +18,7 @@ export interface Contents {
   brushes: { name: string; chinese: string; file: string }[];
   inks: { name: string; chinese: string; parts: Record<string, number>; srgb: number[] }[];
   materials: { name: string; chinese: string; file: string }[];
+  copybook?: { file: string; text: string };
 }
 
 /** What lies below the ink: a material, and its tables. */

@@ -1,9 +1,10 @@
 /** A brush, which Python has prepared: its tuft on a material (`paint3d/brush/bending.py`). */
 
-import type { NDArray, Records } from "../core/arrays";
+import { NDArray, type Records } from "../core/arrays";
 import type { Bundle } from "../core/bundle";
 import type { Argument, Kernels } from "../core/kernels";
 import type { Material } from "../colour/materials";
+import { guessed } from "./shape_guess";
 
 export interface Tuft {
   [name: string]: NDArray | number;
@@ -50,6 +51,11 @@ export class Brush {
         bundle.names(prefix).map((name) => [name, bundle.anyArray(kernels, prefix + name)]),
       );
     this.#tables = read("tuft.");
+    const [spine, diameters] = [bundle.numbers("tuft.spine", "f4"), bundle.numbers("tuft.diameters", "f8")];
+    const apart = { reach: bundle.numbers("apart.reach", "u4"), openness: bundle.numbers("apart.openness", "u4") };
+    const [tilts, descents, , stations] = this.#tables.spine.shape;
+    for (const [name, table] of Object.entries(guessed({ spine, diameters, lengthMm: this.lengthMm, apart })))
+      this.#tables[name] = NDArray.of(kernels, "f4", table, [tilts, descents, stations]);
     this.curves = read("curves.");
   }
 

@@ -34,7 +34,7 @@ export class Camera {
   }
 
   /** Where the focus is in the picture. */
-  get #centre(): [number, number] {
+  get centre(): [number, number] {
     const [left, right, bottom, top] = this.#free;
     return [0.5 * (left + right), 0.5 * (bottom + top)];
   }
@@ -95,7 +95,7 @@ export class Camera {
     const away = Math.min(Math.max(this.away / factor, 0.05 * this.radius), 12.0 * this.radius);
     const [right, up] = this.axes;
     const step = (this.away - away) * Math.tan(0.5 * VIEW_ANGLE);
-    const [cx, cy] = this.#centre;
+    const [cx, cy] = this.centre;
     const [aside, above] = [(x - cx) * aspect * step, (y - cy) * step];
     this.focus = plus(this.focus, plus(times(right, aside), times(up, above)));
     this.away = away;
@@ -105,7 +105,7 @@ export class Camera {
   ray(x: number, y: number, aspect: number): Vector {
     const [right, up, back] = this.axes;
     const tall = Math.tan(0.5 * VIEW_ANGLE);
-    const [cx, cy] = this.#centre;
+    const [cx, cy] = this.centre;
     const aside = plus(times(right, (x - cx) * tall * aspect), times(up, (y - cy) * tall));
     return unit(minus(aside, back));
   }
@@ -121,7 +121,7 @@ export class Camera {
     const at = (axis: Vector): number => -(axis[0] * eye[0] + axis[1] * eye[1] + axis[2] * eye[2]);
     const rows = [right, up, back].map((axis) => [...axis, at(axis)]);
     const result = new Float32Array(16);
-    const [cx, cy] = this.#centre;
+    const [cx, cy] = this.centre;
     for (let k = 0; k < 4; k++) {
       result[4 * k] = (f / aspect) * rows[0][k] - cx * rows[2][k];
       result[4 * k + 1] = f * rows[1][k] - cy * rows[2][k];

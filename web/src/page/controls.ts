@@ -12,8 +12,12 @@ const ICONS = {
   dip: "M12 3c3.5 4.5 6 7.6 6 11a6 6 0 0 1-12 0c0-3.400 2.500-6.500 6-11z",
   erase: "M8 20 3.500 15.500a2 2 0 0 1 0-2.800L12.700 3.500a2 2 0 0 1 2.800 0l5 5a2 2 0 0 1 0 2.800L11.800 20zM8 8.200l7.800 7.800M8 20h12",
   undo: "M9 6 4 11l5 5M4.500 11H14a5.500 5.500 0 0 1 0 11h-3",
+  redo: "M15 6l5 5-5 5M19.500 11H10a5.500 5.500 0 0 0 0 11h3",
+  copybook: "M4 4h16v16H4zM12 4v16M4 12h16",
+  layers: "M12 3.500 21 8.500 12 13.500 3 8.500zM3.500 12.500 12 17.300l8.500-4.800M3.500 16.500 12 21.300l8.500-4.800",
+  save: "M12 3.500v11M7.500 10l4.500 4.500 4.500-4.500M4 16v3a1.500 1.500 0 0 0 1.500 1.500h13A1.500 1.500 0 0 0 20 19v-3",
   whole: "M4 9V4h5M20 9V4h-5M4 15v5h5M20 15v5h-5",
-  more: "M4 7h9M19 7h1M4 17h1M11 17h9M16 4.500v5M8 14.500v5",
+  more: "M5 11a1 1 0 1 1 0 2 1 1 0 0 1 0-2zM12 11a1 1 0 1 1 0 2 1 1 0 0 1 0-2zM19 11a1 1 0 1 1 0 2 1 1 0 0 1 0-2z",
   eye: "M2.500 12S6 5.500 12 5.500 21.500 12 21.500 12 18 18.500 12 18.500 2.500 12 2.500 12zM12 9a3 3 0 1 1 0 6 3 3 0 0 1 0-6z",
   shut: "M3 10c2 3 5 5 9 5s7-2 9-5M6 13.500 4 16M18 13.500l2 2.500M12 15v3.500",
   up: "M12 19V5M6 11l6-6 6 6",
@@ -49,6 +53,22 @@ export function choice(
   select.append(...names.map((name, k) => new Option(name, String(k), k === chosen, k === chosen)));
   select.addEventListener("change", () => then(select.selectedIndex));
   return captioned(text, select);
+}
+
+/** A name that can be changed. */
+export function field(id: string, text: string, value: string, then: (value: string) => void): HTMLElement {
+  const input = document.createElement("input");
+  Object.assign(input, { id, type: "text", value, maxLength: 200, autocomplete: "off", spellcheck: false });
+  input.addEventListener("change", () => then(input.value));
+  return captioned(text, input);
+}
+
+/** A text of several lines. */
+export function lines(id: string, text: string, value: string, then: (value: string) => void): HTMLElement {
+  const input = document.createElement("textarea");
+  Object.assign(input, { id, value, rows: 2, maxLength: 200, spellcheck: false });
+  input.addEventListener("change", () => then(input.value));
+  return captioned(text, input);
 }
 
 /** A number between two others. */

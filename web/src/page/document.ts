@@ -4,10 +4,11 @@ import type { Kernels } from "../core/kernels";
 import type { Brush } from "../brush/brush";
 import type { Contents, Studio } from "../studio";
 import { ClosestPoints } from "../mesh/closest_points";
-import { Painter, PIECE_S, type Kept } from "../painter/painter";
+import { Painter, PIECE_S, type Ink, type Kept } from "../painter/painter";
 import { AT_REST, RecordingError, type DeviceSample } from "../recording/recording";
+import type { LaidText } from "./copybook";
 import { Eraser } from "../surface/eraser";
-import type { LayerStack } from "../surface/layer_stack";
+import type { Blend, LayerStack } from "../surface/layer_stack";
 import type { PaintedSurface, Snapshot } from "../surface/painted_surface";
 
 const MOST_STEPS = 30;
@@ -20,14 +21,19 @@ export type LayerEdit =
   | { do: "select_layer"; place: number }
   | { do: "move_layer"; place: number; to: number }
   | { do: "set_visible"; place: number; visible: boolean }
-  | { do: "set_opacity"; place: number; opacity: number };
-const LAYER_EDITS = new Set(
-  ["add_layer", "remove_layer", "select_layer", "move_layer", "set_visible", "set_opacity"],
-); // prettier-ignore
+  | { do: "rename_layer"; place: number; name: string }
+  | { do: "set_opacity"; place: number; opacity: number }
+  | { do: "set_blend"; place: number; blend: Blend };
+const LAYER_EDITS = new Set([
+  "add_layer", "remove_layer", "select_layer", "move_layer", "set_visible", "rename_layer", "set_opacity",
+  "set_blend",
+]); // prettier-ignore
+const NO_STEPS = new Set(["select_layer", "set_visible", "rename_layer"]);
 
 type Line = Record<string, unknown>;
 
-interface Step {
+interface Instant {
+  texts: readonly LaidText[];
   painter: Kept;
   surface: Snapshot;
 }
@@ -36,12 +42,14 @@ export class Document {
   readonly closest: ClosestPoints;
   readonly openness: Uint8Array; // of the base vertices: how much of the sky each sees
   #lines: Line[] = [];
-  #steps: Step[] = [];
+  #steps: Instant[] = []; // before each
+  #undone: Instant[] = []; // after each, the next one last
+  #back: Instant | null = null; // that was returned to last
+  #texts: readonly LaidText[] = [];
   #inStroke = false;
   #eraser: Eraser | null = null; // while a stroke erases
   #giveBack: (() => void) | null = null; // the brush that waits meanwhile
   #lastNs = 0n;
-  dipped: Record<string, number> = {}; // parts of the last dip, by pigment
   #taken = 0; // lines that were handed out, and do not change any more
 
   private constructor(
@@ -88,6 +96,21 @@ export class Document {
     return this.#steps.length > 0 && !this.#inStroke;
   }
 
+  get canRedo(): boolean {
+    return this.#undone.length > 0 && !this.#inStroke;
+  }
+
+  /** Whether something on the layer that is painted on is wet, and it is shown. */
+  get canDry(): boolean {
+    const { layers, active } = this.layers;
+    return !this.#inStroke && layers[active].visible && this.surface.ink.coverage.data.some((c) => c > 0.0);
+  }
+
+  /** Parts of the last dip, by pigment. */
+  get dipped(): Record<string, number> {
+    return Object.fromEntries([...this.painter.dipped].map(([pigment, part]) => [pigment.name, part]));
+  }
+
   /** Whether there is anything to be lost. */
   get isPainted(): boolean {
     return this.#lines.some((line) => line.do === "begin_stroke");
@@ -105,7 +128,6 @@ export class Document {
 
   #dipIn(studio: Studio, parts: Record<string, number>): void {
     this.painter.dip(studio.mixture(parts));
-    this.dipped = parts;
     this.#lines.push({ do: "dip", ink: parts });
   }
 
@@ -143,12 +165,42 @@ export class Document {
     this.#lines.push({ do: "end_stroke" });
   }
 
-  /** Take the last stroke, or drying, back. */
+  /** Take the last step back; the brush, and its ink, stay those that were chosen last. */
   undo(): void {
     const step = this.#steps.pop();
     if (step === undefined) return;
-    this.painter.restore(step.painter, step.surface);
+    this.#undone.push(this.#end());
+    const { brush, dipped } = this.painter;
+    this.#return(step);
+    if (this.painter.brush !== brush || !isSameInk(this.painter.dipped, dipped)) {
+      this.painter.changeBrush(brush);
+      this.painter.dip(dipped);
+    }
     this.#lines.push({ do: "undo" });
+  }
+
+  /** Do again what was taken back last; what came since is lost. */
+  redo(): void {
+    const step = this.#undone.pop();
+    if (step === undefined) return;
+    this.#steps.push(this.#back as Instant);
+    this.#return(step);
+    this.#lines.push({ do: "redo" });
+  }
+
+  /** Where the last step ends: at its successor's beginning, or now. */
+  #end(): Instant {
+    return this.#undone.length > 0 ? (this.#back as Instant) : this.#now();
+  }
+
+  #now(): Instant {
+    return { texts: this.#texts, painter: this.painter.keep(), surface: this.surface.keep() };
+  }
+
+  #return(instant: Instant): void {
+    this.painter.restore(instant.painter, instant.surface);
+    this.#texts = instant.texts;
+    this.#back = instant;
   }
 
   /** Let wet ink spread and dry for a time step. */
@@ -171,25 +223,51 @@ export class Document {
     return this.surface.useLayers();
   }
 
-  /** Add, remove, move, hide or fade a layer, or paint on another one. */
+  /** Add, remove, move, name, hide, fade or multiply a layer, or paint on another one. */
   restack(edit: LayerEdit): void {
     if (this.#inStroke) return;
     const { layers, surface } = this;
-    const isStep = edit.do !== "select_layer" && edit.do !== "set_visible";
-    if (isStep) this.#begin();
+    if (!NO_STEPS.has(edit.do)) this.#begin();
     const shown = layers.paintedIds();
     if (edit.do === "add_layer") layers.add();
     else if (edit.do === "remove_layer") layers.remove(edit.place);
     else if (edit.do === "move_layer") layers.move(edit.place, edit.to);
     else if (edit.do === "select_layer") layers.activate(edit.place);
     else if (edit.do === "set_visible") layers.describe(edit.place, { visible: edit.visible });
+    else if (edit.do === "rename_layer") layers.describe(edit.place, { name: edit.name });
+    else if (edit.do === "set_blend") layers.describe(edit.place, { blend: edit.blend });
     else layers.describe(edit.place, { opacity: edit.opacity });
-    if (edit.do !== "select_layer") surface.touch([...shown, ...layers.paintedIds()]);
+    if (edit.do !== "select_layer" && edit.do !== "rename_layer") surface.touch([...shown, ...layers.paintedIds()]);
     this.#lines.push({ ...edit });
   }
 
+  /** What lies on the object to be written after. */
+  get texts(): readonly LaidText[] {
+    return this.#texts;
+  }
+
+  /** Lay a text, in the place of the one of a number or beside all: a step that can be undone. */
+  layText(text: LaidText, number = this.#texts.length): void {
+    this.#changeTexts(number, [text], { do: "lay_text", text, number });
+  }
+
+  /** Take a text off the object: a step that can be undone. */
+  removeText(number: number): void {
+    this.#changeTexts(number, [], { do: "remove_text", number });
+  }
+
+  #changeTexts(number: number, by: LaidText[], line: Line): void {
+    if (this.#inStroke) return;
+    const isNew = number === this.#texts.length;
+    this.#begin();
+    this.#texts = [...this.#texts.slice(0, number), ...by, ...this.#texts.slice(number + 1)];
+    this.#lines.push(isNew ? { ...line, number: undefined } : line);
+  }
+
   #begin(): void {
-    this.#steps.push({ painter: this.painter.keep(), surface: this.surface.keep() });
+    this.#undone = [];
+    this.#back = null;
+    this.#steps.push(this.#now());
     const isTooMuch = (): boolean =>
       this.#steps.reduce((sum, { surface }) => sum + bytesIn({ ...surface, stack: null }), 0) > MOST_BYTES;
     while (this.#steps.length > 1 && (this.#steps.length > MOST_STEPS || isTooMuch())) this.#steps.shift();
@@ -222,7 +300,10 @@ export class Document {
       else if (row.do === "begin_stroke") this.beginStroke(row.erase === true);
       else if (row.do === "end_stroke") this.endStroke();
       else if (row.do === "undo") this.undo();
+      else if (row.do === "redo") this.redo();
       else if (row.do === "dry") this.dry();
+      else if (row.do === "lay_text") this.layText(row.text as LaidText, row.number as number | undefined);
+      else if (row.do === "remove_text") this.removeText(row.number as number);
       else if (LAYER_EDITS.has(String(row.do))) this.restack(row as unknown as LayerEdit);
       else if (row.do === "follow_time")
         for (let n = Number(row.times ?? 1); n > 0; n--) this.followTime();
@@ -237,6 +318,10 @@ export class Document {
   score(): string {
     return `${this.#lines.map(textOf).join("\n")}\n`;
   }
+}
+
+function isSameInk(one: Ink, two: Ink): boolean {
+  return one.size === two.size && [...one].every(([pigment, part]) => two.get(pigment) === part);
 }
 
 /** The bytes of the arrays in something. */

@@ -6,7 +6,11 @@ import { PIECE_S } from "../painter/painter";
 import { Studio, type Contents, type Fetch } from "../studio";
 import { ballAround, Camera } from "./camera";
 import { askForFile, button, choice, element, note, save, section, slider, tick } from "./controls";
+import { Panel, type Tab } from "./panel";
+import { Copybook, type Guides, type LaidText } from "./copybook";
+import { CopybookList } from "./copybook_list";
 import { Document, type LayerEdit } from "./document";
+import { LayerList } from "./layer_list";
 import { glbOf, plyOf } from "./export";
 import { Hand, type PointerInput } from "./hand";
 import { Keeper } from "./keeper";
@@ -22,6 +26,7 @@ const WHEEL_NOTCH = 1.0015; // nearer by this a unit of the wheel
 const SEEN = 2000; // vertices, at most, that the picture is fitted to
 const MOST_BEHIND_MS = 200; // of wet ink's time, that is caught up with
 const ERASER_END = 5; // the button that a pen's other end says
+const WRITTEN_FASTER = 3.0; // than the planned hand goes
 const PALM_MS = 700; // after a pen's last word a touch is a palm
 
 /** What the page cannot do without. */
@@ -37,6 +42,20 @@ class Missing extends Error {
 class Page {
   readonly #canvas = element<HTMLCanvasElement>("canvas");
   readonly #message = element("message");
+  readonly #panel = new Panel(() => this.#resize());
+  readonly #texts = new CopybookList({
+    lay: (text, number) => this.#layText(text, number),
+    remove: (number) => this.#changeTexts(() => this.#opened().painting.removeText(number)),
+    place: (number) => {
+      this.#placing = number;
+      this.#notice(say("place"));
+    },
+    write: (number) => void this.#write(number),
+  });
+  #copybook: Copybook | null = null;
+  #placing: number | null = null; // the text that goes where the object is tapped next
+  #writes = false; // a planned hand
+  readonly #layers = new LayerList((edit) => this.#restack(edit));
   readonly #files = new Map<string, Promise<ArrayBuffer>>();
   readonly #stage: Stage;
   #studio: Studio | null = null;
@@ -70,7 +89,7 @@ class Page {
     };
     this.#canvas.addEventListener("webglcontextlost", lost);
     this.#listen();
-    element("panel").hidden = !matchMedia("(min-width: 1081px) and (min-height: 481px)").matches;
+    this.#panel.show(matchMedia("(min-width: 1081px) and (min-height: 481px)").matches ? "more" : null);
     new ResizeObserver(() => this.#resize()).observe(this.#canvas);
   }
 
@@ -210,6 +229,9 @@ class Page {
     }); // prettier-ignore
     this.#setPress(this.#press);
     this.#stage.open(painting, flat);
+    this.#placing = null;
+    if (painting.texts.length > 0) await this.#openCopybook();
+    else this.#showTexts();
     this.#message.hidden = true;
     this.showBar();
     this.#showAll();
@@ -226,7 +248,6 @@ class Page {
     document.title = say("title");
     element("hint").textContent = say(matchMedia("(pointer: coarse)").matches ? "hintTouch" : "hint");
     const objects = contents.objects.map((one) => `${named(one)} · ${say("size", { mm: one.resolution })}`);
-    const about = button("more", say("more"), () => this.#showPanel(element("panel").hidden !== false), "more");
     const filled = document.createElement("span");
     filled.id = "ink";
     for (const [key, value] of Object.entries({ role: "meter", "aria-valuemin": "0", "aria-valuemax": "100" }))
@@ -235,12 +256,9 @@ class Page {
     filled.append(document.createElement("div"));
     const dip = button("dip", say("dip"), () => this.#act(() => this.#dip()), "dip");
     dip.append(filled);
-    const view = button("whole", say("view"), () => this.#showAll(), "whole");
-    view.classList.add("wide");
-    about.classList.add("end");
     const erase = button("erase", say("erase"), () => this.#setErases(!this.#erases), "erase");
     erase.setAttribute("aria-pressed", String(this.#erases));
-    element("bar").replaceChildren(
+    element("tools").replaceChildren(
       choice("brush", say("brush"), contents.brushes.map(named),
         contents.brushes.findIndex((one) => one.name === this.#brush),
         (k) => this.#takeBrush(contents.brushes[k].name)),
@@ -249,11 +267,39 @@ class Page {
         (k) => this.#takeInk(contents.inks[k].name)),
       dip,
       erase,
-      button("undo", say("undo"), () => this.undo(), "undo"),
-      view,
-      about,
     ); // prettier-ignore
-    element("panel").replaceChildren(
+    const tab = (id: Tab, text: string): HTMLElement => {
+      const toggle = (): void => {
+        this.#panel.toggle(id);
+        if (id === "copybook" && this.#copybook === null)
+          this.#openCopybook().catch((cause: unknown) => this.fail(cause));
+      };
+      return this.#panel.opener(button(`show-${id}`, text, toggle, id));
+    };
+    const copybook = tab("copybook", say("copybook"));
+    copybook.hidden = contents.copybook === undefined;
+    element("acts").replaceChildren(
+      button("undo", say("undo"), () => this.#step(() => this.#opened().painting.undo()), "undo"),
+      button("redo", say("redo"), () => this.#step(() => this.#opened().painting.redo()), "redo"),
+      button("whole", say("view"), () => this.#showAll(), "whole"),
+      copybook,
+      tab("layers", say("layers")),
+      tab("save", say("keep")),
+      tab("more", say("more")),
+    );
+    this.#panel.fill("copybook", this.#texts.element);
+    this.#panel.fill("layers", this.#layers.element);
+    this.#panel.fill("save",
+      section(say("keep"),
+        button("picture", say("picture"), () => void this.savePicture()),
+        button("score", say("score"), () => this.saveScore()),
+        button("glb", "GLB", () => save(glbOf(this.#opened().painting.surface, this.#name()), `${this.#name()}.glb`)),
+        button("ply", "PLY", () => save(plyOf(this.#opened().painting.surface), `${this.#name()}.ply`)),
+        note(say(this.#keeper === null ? "notKept" : "kept"))),
+      section(say("goOn"),
+        button("load", say("load"), () => askForFile(".jsonl", (file) => void this.#load(file)))),
+    ); // prettier-ignore
+    this.#panel.fill("more",
       section(say("piece"),
         choice("object", say("object"), objects, this.#object, (k) => this.#change(k)),
         choice("material", say("material"), contents.materials.map(named),
@@ -263,80 +309,122 @@ class Page {
       section(say("water"),
         tick("wet", say("spreads"), this.#spreads, (on) => this.#setSpreads(on)),
         button("dry", say("dry"), () => this.#act(() => this.#opened().painting.dry()))),
-      this.#layerSection(),
       section(say("hand"),
         slider("press", say("press"), this.#press, (value) => this.#setPress(value)),
-        tick("always", say("dipAlways"), this.#dipAlways, (on) => (this.#dipAlways = on)),
-        button("fit", say("view"), () => this.#showAll())),
-      section(say("keep"),
-        button("picture", say("picture"), () => void this.savePicture()),
-        button("score", say("score"), () => this.saveScore()),
-        button("load", say("load"), () => askForFile(".jsonl", (file) => void this.#load(file))),
-        button("glb", "GLB", () => save(glbOf(this.#opened().painting.surface, this.#name()), `${this.#name()}.glb`)),
-        button("ply", "PLY", () => save(plyOf(this.#opened().painting.surface), `${this.#name()}.ply`)),
-        note(say(this.#keeper === null ? "notKept" : "kept"))),
+        tick("always", say("dipAlways"), this.#dipAlways, (on) => (this.#dipAlways = on))),
       section(say("page"), button("language", say("language"), () => this.#speak())),
     ); // prettier-ignore
-    this.#showPanel(element("panel").hidden === false);
+    this.#showLayers();
+    this.#showTexts();
     this.#showState();
   }
 
-  /** The layers, the uppermost first, and what can be done to them. */
-  #layerSection(): HTMLElement {
-    const made = section(say("layers"));
-    made.id = "layers";
-    const { layers } = this.#opened().painting;
-    const edit = (words: LayerEdit): void => {
-      this.#act(() => {
-        this.#paint(); // what was heard since the last frame
-        this.#opened().painting.restack(words);
-      });
-      this.#showLayers();
+  // -- the copybook ---------------------------------------------------------------------------
+
+  async #openCopybook(): Promise<void> {
+    const { contents } = this.#opened().studio;
+    if (contents.copybook === undefined) return;
+    this.#copybook ??= await Copybook.read(this.#fetch, contents.copybook.file);
+    this.#showTexts();
+  }
+
+  /** Show the texts, and their lines on the object. */
+  #showTexts(): void {
+    const { painting, studio } = this.#opened();
+    if (this.#copybook !== null)
+      this.#texts.show(this.#copybook, painting.texts, studio.contents.copybook?.text ?? "");
+    this.#stage.guide(this.guides());
+    this.draw();
+  }
+
+  /** The lines that are shown to be written after, their points in pairs, mm. */
+  guides(): Guides {
+    const { closest, texts } = this.#opened().painting;
+    const all = texts.flatMap((text) => this.#copybook?.guides(closest, text) ?? []);
+    return {
+      outlines: all.flatMap(({ outlines }) => outlines),
+      grid: all.flatMap(({ grid }) => grid),
     };
-    const all = layers.layers;
-    const rows = all.map(({ name, visible }, place) => {
-      const row = document.createElement("div");
-      row.className = "layer";
-      const seen = button(`seen${place}`, say(visible ? "hide" : "show"),
-        () => edit({ do: "set_visible", place, visible: !visible }), visible ? "eye" : "shut"); // prettier-ignore
-      const chosen = button(`layer${place}`, say("layer", { name }), () => edit({ do: "select_layer", place }));
-      chosen.setAttribute("aria-pressed", String(place === layers.active));
-      const up = button(`up${place}`, say("up"), () => edit({ do: "move_layer", place, to: place + 1 }), "up");
-      up.disabled = place === all.length - 1;
-      const gone = button(`gone${place}`, say("remove"), () => edit({ do: "remove_layer", place }), "close");
-      gone.disabled = all.length === 1;
-      row.append(seen, chosen, up, gone);
-      return row;
+  }
+
+  #changeTexts(change: () => void): void {
+    this.#act(() => {
+      this.#paint(); // what was heard since the last frame
+      change();
     });
-    const place = layers.active;
-    made.replaceChildren(
-      made.firstElementChild as HTMLElement,
-      ...rows.reverse(),
-      slider("opacity", say("opacity"), all[place].opacity, () => {}, [0.0, 1.0, 0.05]),
-      button("add", say("addLayer"), () => edit({ do: "add_layer" })),
-    );
-    const opacity = made.querySelector("#opacity") as HTMLInputElement;
-    opacity.addEventListener("change", () =>
-      edit({ do: "set_opacity", place, opacity: Number(opacity.value) }),
-    );
-    return made;
+    this.#showTexts();
+  }
+
+  /** Lay a text; a new one in the middle of what is seen. */
+  #layText(text: Partial<LaidText>, number?: number): void {
+    const { painting, camera } = this.#opened();
+    const middle = camera.ray(...camera.centre, this.#aspect()) as Vector;
+    const point = painting.closest.cast(camera.eye, middle)?.point ?? painting.closest.find([0, 0, 0]).point;
+    const usual: LaidText = { text: "", em_mm: 40.0, order: "columns", point, turn: 0.0, grid: "mi" };
+    this.#changeTexts(() => painting.layText({ ...usual, ...text }, number));
+  }
+
+  /** The text that waits for it goes where the pointer is. */
+  #place(event: PointerEvent, number: number): void {
+    const { painting } = this.#opened();
+    const { origin, direction } = this.#inputOf(event);
+    const found = painting.closest.cast(origin, direction);
+    if (found !== null) this.#layText({ ...painting.texts[number], point: found.point }, number);
+  }
+
+  /** Have a planned hand write a text, by its brush. */
+  async #write(number: number): Promise<void> {
+    const { painting, studio } = this.#opened();
+    const copybook = this.#copybook;
+    if (copybook === null || this.#writes || this.#pointer !== null) return;
+    this.#writes = true;
+    try {
+      const brush = await studio.brush(copybook.brush);
+      if (painting.painter.brush !== brush) painting.setBrush(brush);
+      for (const stroke of copybook.strokes(painting.closest, painting.texts[number])) {
+        painting.dip(studio, this.#ink);
+        painting.beginStroke();
+        const startNs = painting.lastNs + 500_000_000n;
+        const began = performance.now();
+        for (let done = 0; done < stroke.length; ) {
+          const now = await new Promise<number>((next) => requestAnimationFrame(next));
+          if (this.#painting !== painting) return; // another object was opened
+          const due = BigInt(Math.round(1e6 * WRITTEN_FASTER * Math.max(0.0, now - began)));
+          const part = stroke.slice(done).filter(({ timeNs }) => timeNs <= due);
+          painting.advance(part.map((one) => ({ ...one, timeNs: startNs + one.timeNs })));
+          done += part.length;
+          this.#refresh();
+        }
+        painting.endStroke();
+        this.#refresh();
+      }
+    } catch (cause) {
+      this.fail(cause);
+    } finally {
+      this.#writes = false;
+      this.#keep();
+      this.#showInHand();
+    }
+  }
+
+  #restack(edit: LayerEdit): void {
+    this.#act(() => {
+      this.#paint(); // what was heard since the last frame
+      this.#opened().painting.restack(edit);
+    });
+    this.#showLayers();
   }
 
   #showLayers(): void {
-    element("layers").replaceWith(this.#layerSection());
-  }
-
-  /** Show what there is no room for in the row of tools, or hide it. */
-  #showPanel(shown: boolean): void {
-    element("panel").hidden = element("veil").hidden = !shown;
-    element("more").setAttribute("aria-expanded", String(shown));
-    this.#resize();
+    this.#layers.show(this.#opened().painting.layers);
   }
 
   #showState(): void {
     const painting = this.#painting;
     if (painting === null) return;
     element<HTMLButtonElement>("undo").disabled = !painting.canUndo;
+    element<HTMLButtonElement>("redo").disabled = !painting.canRedo;
+    element<HTMLButtonElement>("dry").disabled = !painting.canDry;
     element("hint").classList.toggle("done", painting.isPainted);
     const share = Math.round(100 * Math.min(1.0, painting.painter.inkLeft()));
     element("ink").setAttribute("aria-valuenow", String(share));
@@ -409,6 +497,7 @@ class Page {
     this.#passedMs = Math.max(this.#passedMs + 1000.0 * PIECE_S, now - MOST_BEHIND_MS);
     painting.followTime();
     this.#changed.push(painting.surface.refresh());
+    if (painting.surface.water.isStill) this.#showState(); // all is dry
   }
 
   #showAll(): void {
@@ -416,14 +505,28 @@ class Page {
     this.#resize();
   }
 
-  undo(): void {
-    const { painting } = this.#opened();
-    if (this.#pointer !== null) return; // a stroke goes on
+  /** Undo or redo; what is in hand is shown as it is then. */
+  #step(take: () => void): void {
+    if (this.#pointer !== null || this.#writes) return; // a stroke goes on
     this.#act(() => {
       this.#paint(); // what was heard since the last frame
-      painting.undo();
+      take();
     });
+    this.#showInHand();
     this.#showLayers();
+    this.#showTexts();
+  }
+
+  /** Show the brush and the ink that the painter has. */
+  #showInHand(): void {
+    const { painting, studio } = this.#opened();
+    const { brushes, inks } = studio.contents;
+    this.#brush = painting.painter.brush.name;
+    this.#ink = inkOf(studio.contents, painting.dipped)?.name ?? this.#ink;
+    const chosen = { brush: [brushes, this.#brush], inks: [inks, this.#ink] } as const;
+    for (const [id, [all, name]] of Object.entries(chosen))
+      element<HTMLSelectElement>(id).selectedIndex = all.findIndex((one) => one.name === name);
+    this.#showState();
   }
 
   /** Keep in the browser what was done. */
@@ -465,7 +568,7 @@ class Page {
   /** Save what is seen, as PNG. */
   async savePicture(): Promise<void> {
     const { camera } = this.#opened();
-    this.#stage.draw(camera);
+    this.#stage.draw(camera, false);
     const seen = document.createElement("canvas");
     Object.assign(seen, { width: this.#canvas.width, height: this.#canvas.height });
     const context = seen.getContext("2d");
@@ -525,12 +628,12 @@ class Page {
 
   /** What of the picture nothing lies over: left, right, bottom and top, -1 to 1. */
   #free(): [number, number, number, number] {
-    const [all, bar, panel] = [this.#canvas, element("bar"), element("panel")].map((one) =>
-      one.getBoundingClientRect(),
-    );
-    const isBelow = bar.top > 0.5 * all.height;
-    let [right, bottom] = [all.right, isBelow ? bar.top : all.bottom];
-    const top = isBelow ? all.top : bar.bottom;
+    const boxOf = (id: string): DOMRect => element(id).getBoundingClientRect();
+    const [all, panel] = [this.#canvas.getBoundingClientRect(), boxOf("panel")];
+    let [right, bottom, top] = [all.right, all.bottom, all.top];
+    for (const row of [boxOf("tools"), boxOf("acts")])
+      if (row.top > 0.5 * all.height) bottom = Math.min(bottom, row.top);
+      else top = Math.max(top, row.bottom);
     if (panel.width >= all.width) bottom = Math.min(bottom, panel.top);
     else if (panel.width > 0) right = panel.left;
     const x = (at: number): number => (2.0 * (at - all.left)) / Math.max(1, all.width) - 1.0;
@@ -582,13 +685,19 @@ class Page {
       this.draw();
     };
     canvas.addEventListener("wheel", wheel, { passive: false });
-    element("veil").addEventListener("pointerdown", () => this.#showPanel(false));
+    element("veil").addEventListener("pointerdown", () => this.#panel.show(null));
     addEventListener("keydown", (event) => {
-      if (event.key === "Escape" && this.#painting) this.#showPanel(false);
-      if ((event.ctrlKey || event.metaKey) && event.key.toLowerCase() === "z" && this.#painting) {
-        event.preventDefault();
-        this.undo();
-      }
+      const painting = this.#painting;
+      const { target } = event;
+      const isWritten = target instanceof HTMLTextAreaElement || (target instanceof HTMLInputElement && target.type === "text");
+      if (painting === null || isWritten) return;
+      if (event.key === "Escape") this.#panel.show(null);
+      if (!event.ctrlKey && !event.metaKey) return;
+      const key = event.shiftKey ? `Shift+${event.key.toLowerCase()}` : event.key;
+      const take = { z: painting.undo, y: painting.redo, "Shift+z": painting.redo }[key];
+      if (take === undefined) return;
+      event.preventDefault();
+      this.#step(() => take.call(painting));
     });
     addEventListener("visibilitychange", () => this.#keep());
     addEventListener("beforeunload", (event) => {
@@ -611,7 +720,12 @@ class Page {
       this.#turning = { pointer: event.pointerId, pans, x: event.clientX, y: event.clientY };
       return;
     }
-    if (this.#pointer !== null) return;
+    if (this.#pointer !== null || this.#writes) return;
+    if (this.#placing !== null) {
+      this.#place(event, this.#placing);
+      this.#placing = null;
+      return;
+    }
     this.#pointer = event.pointerId;
     this.#hear(event);
   }

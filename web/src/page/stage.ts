@@ -3,6 +3,7 @@
 import type { NDArray } from "../core/arrays";
 import type { Vector } from "../core/quaternion";
 import type { Camera } from "./camera";
+import type { Guides } from "./copybook";
 import type { Document } from "./document";
 
 const AXES = ["px", "py", "pz", "nx", "ny", "nz"] as const;
@@ -58,6 +59,23 @@ void main() {
   shown = vec4(encoded(lit), 1.0);
 }`;
 
+const LINE_VERTEX = `#version 300 es
+in vec3 place;
+uniform mat4 view;
+void main() {
+  gl_Position = view * vec4(place, 1.0);
+}`;
+
+const LINE_FRAGMENT = `#version 300 es
+precision highp float;
+uniform vec4 colour;
+out vec4 shown;
+void main() {
+  shown = vec4(colour.rgb * colour.a, colour.a);
+}`;
+const OUTLINES = [0.78, 0.16, 0.12, 0.85] as const;
+const GRID = [0.78, 0.16, 0.12, 0.3] as const;
+
 const GROUND_VERTEX = `#version 300 es
 in vec2 corner;
 uniform mat4 view; uniform vec3 middle; uniform vec2 half_size; uniform float margin;
@@ -89,6 +107,8 @@ export class Stage {
   readonly #gl: WebGL2RenderingContext;
   readonly #program: WebGLProgram;
   readonly #ground: WebGLProgram;
+  readonly #lines: WebGLProgram;
+  #guides: { array: WebGLVertexArrayObject; n: number; colour: readonly number[] }[] = [];
   #buffers: Record<string, WebGLBuffer> = {};
   #array: WebGLVertexArrayObject | null = null;
   #groundArray: WebGLVertexArrayObject | null = null;
@@ -110,6 +130,7 @@ export class Stage {
     this.#gl = gl;
     this.#program = linked(gl, VERTEX, FRAGMENT);
     this.#ground = linked(gl, GROUND_VERTEX, GROUND_FRAGMENT);
+    this.#lines = linked(gl, LINE_VERTEX, LINE_FRAGMENT);
   }
 
   /** Show another painting. */
@@ -125,6 +146,24 @@ export class Stage {
     this.flat = flat;
     this.#place(document);
     this.follow([]);
+  }
+
+  /** Show lines on the object in place of those before. */
+  guide(lines: Guides): void {
+    const gl = this.#gl;
+    for (const { array } of this.#guides) gl.deleteVertexArray(array);
+    const made = [[lines.grid, GRID], [lines.outlines, OUTLINES]] as const; // prettier-ignore
+    this.#guides = made.map(([points, colour]) => {
+      const array = gl.createVertexArray();
+      gl.bindVertexArray(array);
+      gl.bindBuffer(gl.ARRAY_BUFFER, gl.createBuffer());
+      gl.bufferData(gl.ARRAY_BUFFER, new Float32Array(points), gl.STATIC_DRAW);
+      const place = gl.getAttribLocation(this.#lines, "place");
+      gl.enableVertexAttribArray(place);
+      gl.vertexAttribPointer(place, 3, gl.FLOAT, false, 0, 0);
+      gl.bindVertexArray(null);
+      return { array, n: points.length / 3, colour };
+    });
   }
 
   /** Where it stands, and the shadow that it throws. */
@@ -236,7 +275,7 @@ export class Stage {
   }
 
   /** Draw the picture as large as the canvas is shown. */
-  draw(camera: Camera): void {
+  draw(camera: Camera, withGuides = true): void {
     const gl = this.#gl;
     const { width, height } = this.canvas;
     gl.viewport(0, 0, width, height);
@@ -256,7 +295,21 @@ export class Stage {
     gl.uniform1f(at("flatness"), Number(this.flat));
     gl.bindVertexArray(this.#array);
     gl.drawElements(gl.TRIANGLES, this.#corners, gl.UNSIGNED_INT, 0);
+    if (withGuides) this.#drawGuides(view);
     gl.bindVertexArray(null);
+  }
+
+  #drawGuides(view: Float32Array): void {
+    const gl = this.#gl;
+    gl.enable(gl.BLEND);
+    gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
+    gl.useProgram(this.#lines);
+    gl.uniformMatrix4fv(gl.getUniformLocation(this.#lines, "view"), false, view);
+    for (const { array, n, colour } of this.#guides) {
+      gl.uniform4fv(gl.getUniformLocation(this.#lines, "colour"), colour);
+      gl.bindVertexArray(array);
+      gl.drawArrays(gl.LINES, 0, n);
+    }
   }
 
   #drawGround(view: Float32Array): void {

@@ -115,6 +115,11 @@ export class Painter {
     this.#fitScratch();
   }
 
+  /** The ink of the last dip. */
+  get dipped(): Ink {
+    return this.#dipped;
+  }
+
   /** Switch to another brush, fully loaded with the same ink. */
   changeBrush(brush: Brush): void {
     this.tuft = this.#dippedTuft(brush);

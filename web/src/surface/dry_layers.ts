@@ -5,7 +5,8 @@ import type { Kernels } from "../core/kernels";
 
 const FIRST_ROWS = 1024;
 const BANDS = 31;
-const SPECTRUM_STEPS = 65535;
+/** Of a reflectance of 1. */
+export const SPECTRUM_STEPS = 65535;
 /** Reflectances of the grey grounds over which a dried row says what it shows. */
 export const GROUNDS = [0.04, 0.52, 1.0];
 

@@ -6,7 +6,7 @@
 import { NDArray } from "../core/arrays";
 import type { Kernels } from "../core/kernels";
 import type { GlazeModel } from "../colour/glazing";
-import { DryLayers, rounded, widened, type KeptRows } from "./dry_layers";
+import { DryLayers, rounded, SPECTRUM_STEPS, widened, type KeptRows } from "./dry_layers";
 import type { KeptFlow } from "./flow";
 import { distinct } from "./flow_graph";
 import type { PaintedSurface } from "./painted_surface";
@@ -19,7 +19,11 @@ export interface Layer {
   name: string;
   visible: boolean;
   opacity: number;
+  blend: Blend;
 }
+
+/** How a layer lies on those below it. */
+export type Blend = "normal" | "multiply";
 
 /** Paint of a layer that rests; it does not change, but for `dry` once the layer is painted on again. */
 interface Content {
@@ -42,7 +46,7 @@ export interface KeptStack {
 }
 
 export class LayerStack {
-  #about = new Map<number, Layer>([[0, { name: "1", visible: true, opacity: 1.0 }]]);
+  #about = new Map<number, Layer>([[0, freshLayer("1")]]);
   #contents = new Map<number, Content>();
   #keys = [0];
   #active = 0;
@@ -65,8 +69,8 @@ export class LayerStack {
 
   /** Whether there is one, which shows as it was painted. */
   get isPlain(): boolean {
-    const { visible, opacity } = this.#said(this.#active);
-    return this.#keys.length === 1 && visible && opacity === 1.0;
+    const { visible, opacity, blend } = this.#said(this.#active);
+    return this.#keys.length === 1 && visible && opacity === 1.0 && blend === "normal";
   }
 
   #said(key: number): Layer {
@@ -82,7 +86,7 @@ export class LayerStack {
     while (names.has(String(number))) number++;
     const key = this.#next++;
     const place = this.active + 1;
-    this.#about.set(key, { name: String(number), visible: true, opacity: 1.0 });
+    this.#about.set(key, freshLayer(String(number)));
     const dry = this.#freshDry();
     this.#contents.set(key, {
       dry, rows: dry.keep(), wet: new Map(), amounts: new Float32Array(0),
@@ -182,14 +186,15 @@ export class LayerStack {
     }; // prettier-ignore
   }
 
-  /** Return to a stack that was kept; the active layer's paint is the surface's to restore. */
+  /**
+   * Return to a stack that was kept; the active layer's paint is the surface's to restore. Names, and
+   * what is hidden, are no steps: they stay.
+   */
   restore(kept: KeptStack): void {
-    const about = new Map(kept.about);
-    for (const [key, layer] of this.#about) {
-      const then = about.get(key);
-      about.set(key, then === undefined ? layer : { ...then, visible: layer.visible });
+    for (const key of kept.keys) {
+      const { opacity, blend } = kept.about.get(key) as Layer;
+      this.#about.set(key, { ...this.#said(key), opacity, blend });
     }
-    this.#about = about;
     this.#keys = [...kept.keys];
     this.#active = kept.active;
     this.#contents = new Map(
@@ -224,13 +229,16 @@ export class LayerStack {
   }
 
   #layOver(glaze: GlazeModel, key: number, ids: Int32Array, spectra: NDArray<"u2">): void {
-    const { opacity } = this.#said(key);
-    if (opacity === 1.0) return this.#layPlainly(glaze, key, ids, spectra);
+    const { opacity, blend } = this.#said(key);
+    if (opacity === 1.0 && blend === "normal") return this.#layPlainly(glaze, key, ids, spectra);
     const below = spectra.data.slice();
+    if (blend === "multiply") spectra.data.fill(SPECTRUM_STEPS);
     this.#layPlainly(glaze, key, ids, spectra);
     const shown = spectra.data;
-    for (let k = 0; k < below.length; k++)
-      shown[k] = rounded(below[k] + opacity * (shown[k] - below[k]));
+    for (let k = 0; k < below.length; k++) {
+      const above = blend === "multiply" ? shown[k] * (below[k] / SPECTRUM_STEPS) : shown[k];
+      shown[k] = rounded(below[k] + opacity * (above - below[k]));
+    }
   }
 
   #layPlainly(glaze: GlazeModel, key: number, ids: Int32Array, spectra: NDArray<"u2">): void {
@@ -285,4 +293,8 @@ export class LayerStack {
     }
     return distinct(found);
   }
+}
+
+function freshLayer(name: string): Layer {
+  return { name, visible: true, opacity: 1.0, blend: "normal" };
 }

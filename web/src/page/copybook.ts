@@ -1,0 +1,212 @@
+/**
+ * Texts that lie on the object to be written after, as `Copybook` and `LaidText` of
+ * `paint3d/app/model` have them: outlines of characters, and how a planned hand writes them.
+ */
+
+import { Bundle } from "../core/bundle";
+import { fromAxes, type Quaternion, type Vector } from "../core/quaternion";
+import { plus, times } from "../core/vectors";
+import { Chart, frameAt, type Frame } from "../mesh/chart";
+import type { ClosestPoints } from "../mesh/closest_points";
+import { AT_REST, type DeviceSample } from "../recording/recording";
+import type { Fetch } from "../studio";
+
+/** A text as a score has it. */
+export interface LaidText {
+  text: string;
+  em_mm: number;
+  order: "columns" | "row";
+  point: Vector; // where its middle is
+  turn: number; // to the left, degrees
+  grid: Grid;
+}
+export const ORDERS = ["columns", "row"] as const;
+export const GRIDS = ["frame", "mi", "jiu", "tian", "none"] as const;
+export type Grid = (typeof GRIDS)[number];
+
+const UNITS = 1024.0; // of the em
+const GAP = 0.1; // ems between columns or rows
+const NODES = 16.0; // of the chart, per em
+const MARGIN = 0.25; // ems around the text that a brush's root may stray
+const DENSE = 1.0 / 32.0; // ems between two points of a line
+const LIFT_MM = 0.08; // above the surface, so that a line is seen
+const ROW = 9; // numbers of a planned sample
+
+type Line = readonly (readonly [number, number])[]; // em squares' halves from their middle
+const FRAME: Line[] = [[[-1, -1], [1, -1], [1, 1], [-1, 1], [-1, -1]]]; // prettier-ignore
+const CROSS: Line[] = [[[-1, 0], [1, 0]], [[0, -1], [0, 1]]]; // prettier-ignore
+const DIAGONALS: Line[] = [[[-1, -1], [1, 1]], [[-1, 1], [1, -1]]]; // prettier-ignore
+const THIRDS: Line[] = [-1 / 3, 1 / 3].flatMap((at): Line[] => [[[-1, at], [1, at]], [[at, -1], [at, 1]]]); // prettier-ignore
+const LINES: Record<Grid, Line[]> = {
+  frame: FRAME, tian: [...FRAME, ...CROSS], mi: [...FRAME, ...CROSS, ...DIAGONALS],
+  jiu: [...FRAME, ...THIRDS], none: [],
+}; // prettier-ignore
+
+interface Words {
+  brush: string;
+  em_mm: number;
+  licence: string;
+  characters: Record<string, { rings: number[]; plan: number[] }>;
+}
+
+/** A character's outlines, from the middle of an em of 1, and its planned strokes. */
+interface Character {
+  rings: Line[];
+  plan: Float32Array[]; // `ROW` numbers a sample
+}
+
+/** Lines on the object, points in pairs, mm. */
+export interface Guides {
+  outlines: number[];
+  grid: number[];
+}
+
+/** A character and where its middle is from that of its text, ems. */
+interface Cell {
+  text: string;
+  x: number;
+  y: number;
+}
+
+export class Copybook {
+  readonly #characters = new Map<string, Character>();
+
+  private constructor(private readonly words: Words) {}
+
+  static async read(fetch: Fetch, file: string): Promise<Copybook> {
+    const bundle = await Bundle.read<Words>(await fetch(file), file);
+    const [outlines, samples] = [bundle.numbers("outlines", "i2"), bundle.numbers("samples", "f4")];
+    const made = new Copybook(bundle.words);
+    let [point, row] = [0, 0];
+    for (const [text, { rings, plan }] of Object.entries(bundle.words.characters))
+      made.#characters.set(text, {
+        rings: rings.map((n) => {
+          const ring = Array.from({ length: n + 1 }, (_, k): [number, number] => {
+            const at = 2 * (point + (k % n));
+            return [outlines[at] / UNITS, outlines[at + 1] / UNITS];
+          });
+          point += n;
+          return ring;
+        }),
+        plan: plan.map((n) => samples.subarray(ROW * row, ROW * (row += n))),
+      });
+    return made;
+  }
+
+  get brush(): string {
+    return this.words.brush;
+  }
+
+  get emMm(): number {
+    return this.words.em_mm;
+  }
+
+  get licence(): string {
+    return this.words.licence;
+  }
+
+  /** The characters of a text that are not there. */
+  missing(text: string): string[] {
+    return [...new Set(cellsOf(text, "columns").map((cell) => cell.text))].filter((one) => !this.#characters.has(one));
+  }
+
+  /** Whether a hand is planned for all of a text as it lies. */
+  isPlanned(laid: LaidText): boolean {
+    const isThere = (text: string): boolean => (this.#characters.get(text)?.plan.length ?? 0) > 0;
+    return laid.em_mm === this.emMm && cellsOf(laid.text, laid.order).every(({ text }) => isThere(text));
+  }
+
+  /** The outlines of a text, and its grid. */
+  guides(surface: ClosestPoints, laid: LaidText): Guides {
+    const cells = cellsOf(laid.text, laid.order);
+    const chart = chartOf(surface, laid, cells);
+    const found: Guides = { outlines: [], grid: [] };
+    for (const { text, x, y } of cells) {
+      const draw = (line: Line, size: number, into: number[]): void => {
+        let before: Vector | null = null;
+        for (const [u, v] of dense(line, size)) {
+          const frame = chart.at(laid.em_mm * (x + size * u), laid.em_mm * (y + size * v));
+          const now = frame && plus(frame.point, times(frame.normal, LIFT_MM));
+          if (before !== null && now !== null) into.push(...before, ...now);
+          before = now;
+        }
+      };
+      for (const ring of this.#characters.get(text)?.rings ?? []) draw(ring, 1.0, found.outlines);
+      for (const line of LINES[laid.grid]) draw(line, 0.5, found.grid);
+    }
+    return found;
+  }
+
+  /** The strokes of a planned hand on the object, from 0 ns each. */
+  *strokes(surface: ClosestPoints, laid: LaidText): Generator<DeviceSample[]> {
+    const cells = cellsOf(laid.text, laid.order);
+    const chart = chartOf(surface, laid, cells);
+    for (const { text, x, y } of cells)
+      for (const rows of this.#characters.get(text)?.plan ?? []) {
+        const stroke: DeviceSample[] = [];
+        for (let k = 0; k < rows.length; k += ROW) {
+          const frame = chart.at(laid.em_mm * x + rows[k + 1], laid.em_mm * y + rows[k + 2]);
+          if (frame !== null) stroke.push(sampleOn(frame, rows.subarray(k, k + ROW)));
+        }
+        if (stroke.length > 1) yield stroke;
+      }
+  }
+}
+
+/** A sample over flat paper, over a frame in place of it. */
+function sampleOn(frame: Frame, row: Float32Array): DeviceSample {
+  const [seconds, , , height, w, x, y, z, pressure] = row;
+  const { ahead, up, normal } = frame;
+  const onSurface = (v: Vector): Vector =>
+    plus(plus(times(ahead, v[0]), times(up, v[1])), times(normal, v[2]));
+  const axes = axesOf([w, x, y, z]).map(onSurface);
+  return {
+    timeNs: BigInt(Math.round(1e9 * seconds)),
+    position: plus(frame.point, times(normal, height)),
+    orientation: fromAxes(axes[0], axes[1], axes[2]),
+    pressure,
+    buttons: 0,
+    objectPosition: AT_REST.position,
+    objectOrientation: AT_REST.orientation,
+    contact: null,
+  };
+}
+
+/** The columns of a rotation's matrix. */
+function axesOf([w, x, y, z]: Quaternion): Vector[] {
+  return [
+    [1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)],
+    [2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)],
+    [2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)],
+  ];
+}
+
+/** Columns from right to left, or rows from top to bottom, around the text's middle. */
+function cellsOf(text: string, order: LaidText["order"]): Cell[] {
+  const lines = text.split("\n").map((line) => [...line.replace(/\s/g, "")]).filter((line) => line.length > 0);
+  const longest = Math.max(...lines.map((line) => line.length));
+  return lines.flatMap((line, l) =>
+    line.map((one, k) => {
+      const across = (1.0 + GAP) * (0.5 * (lines.length - 1) - l);
+      const along = 0.5 * (longest - 1) - k;
+      return order === "columns" ? { text: one, x: across, y: along } : { text: one, x: -along, y: across };
+    }),
+  );
+}
+
+function chartOf(surface: ClosestPoints, laid: LaidText, cells: Cell[]): Chart {
+  const reach = (of: (cell: Cell) => number): number =>
+    laid.em_mm * (Math.max(...cells.map((cell) => Math.abs(of(cell)))) + 0.5 + MARGIN);
+  const frame = frameAt(surface.find(laid.point), laid.turn);
+  return new Chart(surface, frame, [reach(({ x }) => x), reach(({ y }) => y)], laid.em_mm / NODES);
+}
+
+/** Points along a line, a step apart at most. */
+function* dense(line: Line, size: number): Generator<readonly [number, number]> {
+  yield line[0];
+  for (let k = 1; k < line.length; k++) {
+    const [[a, b], [c, d]] = [line[k - 1], line[k]];
+    const n = Math.ceil((size * Math.hypot(c - a, d - b)) / DENSE);
+    for (let j = 1; j <= n; j++) yield [a + ((c - a) * j) / n, b + ((d - b) * j) / n];
+  }
+}

@@ -1,0 +1,86 @@
+/** The texts that lie on the object, and what can be done to them. */
+
+import { GRIDS, ORDERS, type Copybook, type LaidText } from "./copybook";
+import { button, choice, lines, note, section, slider } from "./controls";
+import { say } from "./texts";
+
+/** What a panel of texts asks for. */
+export interface CopybookActs {
+  lay(text: Partial<LaidText>, number?: number): void;
+  remove(number: number): void;
+  place(number: number): void; // where the object is tapped next
+  write(number: number): void;
+}
+
+const SIGNED_EM_MM = 10.0;
+const STEMS = "甲乙丙丁戊己庚辛壬癸";
+const BRANCHES = "子丑寅卯辰巳午未申酉戌亥";
+
+/** A year of the sixty, by the calendar that most screens show. */
+function yearOf(day: Date): string {
+  const year = day.getFullYear() - 4;
+  return STEMS[year % 10] + BRANCHES[year % 12];
+}
+
+export class CopybookList {
+  readonly element = document.createElement("div");
+  #chosen = 0;
+
+  constructor(private readonly acts: CopybookActs) {}
+
+  /** `planned`: the text that was asked for when the page was built. */
+  show(copybook: Copybook, texts: readonly LaidText[], planned: string): void {
+    const { acts } = this;
+    this.#chosen = Math.max(0, Math.min(this.#chosen, texts.length - 1));
+    const number = this.#chosen;
+    const add = (text: Partial<LaidText>): void => {
+      this.#chosen = texts.length;
+      acts.lay(text);
+    };
+    const laid = texts.at(number);
+    const parts: HTMLElement[] = [];
+    if (texts.length > 1)
+      parts.push(
+        choice("texts", say("copybook"), texts.map(({ text }, k) => `${say("texts", { number: k + 1 })} · ${text.replace(/\n/g, " ")}`),
+          number, (k) => { this.#chosen = k; this.show(copybook, texts, planned); }),
+      ); // prettier-ignore
+    if (laid !== undefined) parts.push(...this.#controls(copybook, laid, number));
+    else parts.push(note(say("guideNote")));
+    this.element.replaceChildren(
+      section(say("copybook"), ...parts,
+        button("addText", say("addText"), () => add({ text: planned, em_mm: copybook.emMm })),
+        button("sign", say("signature"), () => add({ text: `${yearOf(new Date())}年書`, em_mm: SIGNED_EM_MM, grid: "none" }))),
+      section(say("source"), note(say("asPlanned", { text: planned, mm: copybook.emMm })), note(copybook.licence)),
+    ); // prettier-ignore
+  }
+
+  #controls(copybook: Copybook, laid: LaidText, number: number): HTMLElement[] {
+    const { acts } = this;
+    const change = (words: Partial<LaidText>): void => acts.lay({ ...laid, ...words }, number);
+    const sized = (id: string, text: string, value: number, range: readonly [number, number, number],
+      then: (value: number) => void): HTMLElement => {
+      const made = slider(id, `${text}: ${value}`, value, () => {}, range);
+      const input = made.querySelector("input") as HTMLInputElement;
+      const caption = made.querySelector("span") as HTMLElement;
+      input.addEventListener("input", () => (caption.textContent = `${text}: ${input.value}`));
+      input.addEventListener("change", () => then(Number(input.value)));
+      return made;
+    }; // prettier-ignore
+    const missing = copybook.missing(laid.text);
+    const write = button("write", say("write"), () => acts.write(number));
+    write.disabled = !copybook.isPlanned(laid);
+    return [
+      lines("text", say("text"), laid.text, (text) => text.trim() !== "" && change({ text })),
+      ...(missing.length > 0 ? [note(say("missing", { names: missing.join(" ") }))] : []),
+      sized("em", say("size_mm"), laid.em_mm, [4, 120, 1], (em_mm) => change({ em_mm })),
+      sized("turn", say("turn"), laid.turn, [-180, 180, 1], (turn) => change({ turn })),
+      choice("order", say("order"), ORDERS.map((one) => say(one)), ORDERS.indexOf(laid.order),
+        (k) => change({ order: ORDERS[k] })),
+      choice("grid", say("grid"), GRIDS.map((one) => say(one)), GRIDS.indexOf(laid.grid),
+        (k) => change({ grid: GRIDS[k] })),
+      write,
+      button("place", say("move"), () => acts.place(number)),
+      button("takeOff", say("remove"), () => acts.remove(number)),
+    ]; // prettier-ignore
+  }
+}
