@@ -41,6 +41,7 @@ __all__ = ["CopybookGuide"]
 _OUTLINE, _NEXT = (176, 60, 44, 120), (176, 60, 44, 235)
 _SIGNATURE_EM_MM, _SIGNATURE_SHARE = 15.0, 0.4
 _LONGEST_TITLE = 16
+_SOME = 500  # samples after which it is looked what is written by now
 _STEMS, _BRANCHES = "甲乙丙丁戊己庚辛壬癸", "子丑寅卯辰巳午未申酉戌亥"
 _FRAME, _MEDIAN = (90, 84, 76, 110), (60, 90, 140, 150)
 
@@ -79,6 +80,8 @@ class CopybookGuide:
         self._coming: Future[Any] | None = None  # a change of the texts
         self._making: Future[Any] | None = None  # copybooks of texts that came with the painting
         self._claimed: int | None = None  # the text that a stroke was for
+        self._counting: Future[Any] | None = None  # strokes, for the characters
+        self._counted: object = None  # which strokes, for which texts
         self.mover = TextMover(workspace, self.held, self._choose_at)
         self.mover.changed.connect(self.change)
         self.mover.removed.connect(self.hide)
@@ -272,10 +275,12 @@ class CopybookGuide:
         if not workspace.went_well(done):
             return False
         book: Copybook = done.result()
-        before = None if number is None or number >= len(texts) else self._books.get(texts[number])
-        if before is not None and [g.text for g in before.ghosts] == [g.text for g in book.ghosts]:
-            for one, other in zip(book.ghosts, before.ghosts, strict=True):
-                one.strokes = other.strokes
+        old = None if number is None or number >= len(texts) else texts[number]
+        before = None if old is None else self._books.get(old)
+        if old is not None and before is not None and old.moved(grid=laid.grid) == laid:
+            book.go_on_from(before)
+        else:
+            book.begin_after(workspace.painting.strokes)
         self._books[laid] = book
         self._loose = None
         self._laid.unused = None
@@ -422,6 +427,7 @@ class CopybookGuide:
         if not workspace.went_well(done):
             return False
         self._loose, self._laid, self._active = done.result(), laid, None
+        self._loose.begin_after(workspace.painting.strokes)
         self._show_active()
         self._tell_fonts(self._loose, laid.note, laid.state)
         return True
@@ -449,12 +455,14 @@ class CopybookGuide:
         self._laid = _Laid(40.0, Layout())
         self._books, self._shown, self._loose = {}, (), None
         self._active = self._coming = self._making = self._claimed = None
+        self._counting = self._counted = None
         self._panel.show_texts([], None)
         self._panel.show_values(None)
 
     def follow(self) -> None:
         """Take what strokes were judged to be, and the texts that the painting has now."""
         self._sync()
+        self._count()
         claimed, self._claimed = self._claimed, None
         if claimed is not None and claimed != self._active:
             self.choose(claimed)
@@ -469,19 +477,50 @@ class CopybookGuide:
                     )
                     self._workspace.tell(message, state="good")
 
+    def _count(self) -> None:
+        """Have strokes counted for the characters they wrote, whoever painted them."""
+        if self._counting is not None:
+            if not self._counting.done():
+                return
+            done, self._counting = self._counting, None
+            if not done.cancelled() and done.exception() is None and done.result():
+                self._panel.show_counts()
+                self._draw()
+        books = [book for _, book in self._all_books()]
+        paint_thread = self._workspace.stage.paint_thread
+        if not books or paint_thread is None:
+            return
+        strokes = paint_thread.painting.strokes
+        so_far = paint_thread.n_painted // _SOME
+        state = [*map(id, books)], len(strokes), id(strokes[-1]) if strokes else 0, so_far
+        if state == self._counted:
+            return
+        self._counted = state
+
+        def count(document: Document) -> bool:
+            before = [len(ghost.strokes) for book in books for ghost in book.ghosts]
+            for book in books:
+                book.follow(document.strokes, document.current_stroke)
+            return before != [len(ghost.strokes) for book in books for ghost in book.ghosts]
+
+        self._counting = paint_thread.post(count)
+
+    def _all_books(self) -> list[tuple[int | None, Copybook]]:
+        """All copybooks that lie there, by the numbers of their texts."""
+        books: list[tuple[int | None, Copybook]] = [
+            (number, book)
+            for number, text in enumerate(self._shown)
+            if (book := self._books.get(text)) is not None
+        ]
+        return books if self._loose is None else [*books, (None, self._loose)]
+
     def _last(self, copybook: Copybook) -> int:
         """Place of the character before the next one."""
         following = copybook.next
         return (len(copybook.ghosts) if following is None else following) - 1
 
     def _judge(self, ended: Future[Stroke | None]) -> None:
-        books: list[tuple[int | None, Copybook]] = [
-            (number, book)
-            for number, text in enumerate(self._shown)
-            if (book := self._books.get(text)) is not None
-        ]
-        if self._loose is not None:
-            books.append((None, self._loose))
+        books = self._all_books()
         if not books:
             return
         active = self._active
@@ -508,19 +547,18 @@ class CopybookGuide:
             return
         chosen = self._panel.copybook
         books = [(text, self._books.get(text)) for text in self._shown]
-        all_books = [book for _, book in books if book is not None]
-        all_books += [self._loose] if self._loose is not None else []
+        left = [g for _, book in self._all_books() for g in book.ghosts if not g.is_written]
         following = chosen.next if chosen is not None else None
         current = [chosen.ghosts[following]] if chosen is not None and following is not None else []
-        waiting = [g for book in all_books for g in book.ghosts if not any(g is c for c in current)]
+        waiting = [ghost for ghost in left if not any(ghost is one for one in current)]
         frames = [
             line
             for text, book in books
             if book is not None
-            for line in book.grid(text.grid, text.order == "columns")
+            for line in book.grid(text.grid, text.order == "columns", unwritten=True)
         ]
         if self._loose is not None:
-            frames += [ghost.frame for ghost in self._loose.ghosts]
+            frames += [ghost.frame for ghost in self._loose.ghosts if not ghost.is_written]
         stage.show_lines("ghost frames", frames, _FRAME, 1.0)
         stage.show_lines("ghosts", [line for g in waiting for line in g.outlines], _OUTLINE, 1.4)
         stage.show_lines("next ghost", [line for g in current for line in g.outlines], _NEXT, 2.2)

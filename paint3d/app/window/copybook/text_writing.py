@@ -65,7 +65,7 @@ class TextWriting:
         if workspace.went_well(planned):
             samples, loads, strengths = planned.result()
             after = tools_in_hand(painting, brush)
-            tools = Tools(_fresh(painting), after, loads, strengths)
+            tools = Tools(_fresh(painting), after, loads, strengths, writes=True)
             self._player.play(samples, self._speed(), tools)
 
 
