@@ -195,3 +195,34 @@ def test_a_name_that_is_left_as_it_was_stays_in_the_windows_language(window) -> 
         assert name.isReadOnly()
     settled(window)
     assert [layer.name for layer in window.document.layers] == kept
+
+
+def test_each_of_two_quick_clicks_on_an_eye_counts(window) -> None:
+    paint_thread = window.stage.paint_thread
+    eye = row_of(window.panels.layers, "Layer 1").findChild(QtWidgets.QToolButton)
+    paint_thread.halt()
+    click(eye)
+    click(eye)
+    type_key(window.canvas, KEY.Key_H)
+    paint_thread.go_on()
+    wait_for(lambda: not window.document.layers[0].visible)
+    settled(window)
+    assert not window.document.layers[0].visible
+    type_key(window.canvas, KEY.Key_H)
+    wait_for(lambda: window.document.layers[0].visible)
+
+
+def test_a_layer_that_steps_into_a_folded_group_has_its_row(window) -> None:
+    panel, actions = window.panels.layers, window.workspace.actions
+    actions["add_layer"].trigger()
+    wait_for(lambda: panel.list.count() == 2)
+    actions["add_group"].trigger()
+    wait_for(lambda: window.document.layers[-1].group is not None)
+    settled(window)
+    window.workspace.post("set_group_folded", 1)
+    click_name(panel, "Layer 1")
+    settled(window)
+    actions["raise_layer"].trigger()
+    wait_for(lambda: window.document.layers[0].group is not None)
+    settled(window)
+    wait_for(lambda: "Layer 1" in names(panel))

@@ -38,7 +38,6 @@ POEMS = {
 def window(program):
     """A window with a small sheet in it."""
     with opened(program, "sheet:160x200", 1.0, "xuan", drawn=False) as window:
-        window.panels.history.pace.setCurrentIndex(window.panels.history.pace.count() - 1)
         yield window
 
 
@@ -82,15 +81,13 @@ def test_the_button_has_the_brush_write_it_where_it_lies(window) -> None:
 
 
 def test_the_key_writes_and_esc_stops_it(window) -> None:
-    pace = window.panels.history.pace
-    pace.setCurrentIndex(2)
     lay(window, "永和", 60.0)
     type_key(window.canvas, KEY.Key_T, HELD.ShiftModifier)
+    window.replay_bar.speed.activated.emit(window.replay_bar.speed.findText("1 x"))
     wait_for(lambda: window.document.surface.painted.any())
     assert window.player.is_playing
     type_key(window.canvas, KEY.Key_Escape)
     written(window)
-    pace.setCurrentIndex(pace.count() - 1)
 
 
 def test_with_no_text_there_it_says_what_to_do(window) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import datetime
 import os
+import re
 import threading
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Future
@@ -23,8 +24,9 @@ from paint3d.app.window.copybook.copybook_panel import CopybookPanel
 from paint3d.app.window.copybook.strokes_dialog import CorrectionState, Photographed, StrokesDialog
 from paint3d.app.window.copybook.text_moving import HeldText, TextMover
 from paint3d.app.window.questions import Answer, ask
-from paint3d.app.window.wording import say, say_error
+from paint3d.app.window.wording import say, say_brush, say_error, say_length
 from paint3d.app.window.workspace import Workspace
+from paint3d.brush.presets import brush_for, suits_size
 from paint3d.calligraphy.layout import Layout
 from paint3d.calligraphy.page.correcting import Steps
 from paint3d.calligraphy.page.opening import opened_page
@@ -34,12 +36,19 @@ from paint3d.errors import InputError, Paint3DError
 from paint3d.files.photographs import PHOTOGRAPH_SUFFIXES, load_photograph
 
 if TYPE_CHECKING:
+    from paint3d.brush.spec import BrushSpec
     from paint3d.calligraphy.photo.copying import CopiedSheet, SheetPicture
 
 __all__ = ["CopybookGuide"]
 
 _OUTLINE, _NEXT = (176, 60, 44, 120), (176, 60, 44, 235)
 _SIGNATURE_EM_MM, _SIGNATURE_SHARE = 15.0, 0.4
+_SEAL_SHARE = 0.8  # of a signature's characters, that is the side of a seal
+_DATED = re.compile(  # a year, and what else of a date is said before a name
+    r"\S*?年\s*[孟仲季]?[春夏秋冬]?\s*(?:[正一二三四五六七八九十冬臘腊]+月)?\s*"
+    r"(?:[初一二三四五六七八九十廿]+日)?"
+)
+_SIGNED = "書书寫写題题識识記记作畫画 "  # what one does who signs
 _LONGEST_TITLE = 16
 _SOME = 500  # samples after which it is looked what is written by now
 _STEMS, _BRANCHES = "甲乙丙丁戊己庚辛壬癸", "子丑寅卯辰巳午未申酉戌亥"
@@ -80,6 +89,7 @@ class CopybookGuide:
         self._coming: Future[Any] | None = None  # a change of the texts
         self._making: Future[Any] | None = None  # copybooks of texts that came with the painting
         self._claimed: int | None = None  # the text that a stroke was for
+        self._fitted: list[tuple[LaidText, BrushSpec, BrushSpec]] = []  # texts, brushes before, now
         self._counting: Future[Any] | None = None  # strokes, for the characters
         self._counted: object = None  # which strokes, for which texts
         self.mover = TextMover(workspace, self.held, self._choose_at)
@@ -122,16 +132,28 @@ class CopybookGuide:
         workspace = self._workspace
         text, agreed = QtWidgets.QInputDialog.getText(
             workspace.window, say("Signature and date…").rstrip("…"),
-            say("What the line says, beside the text"), text=date_line(datetime.date.today()),
+            say("Date and name, as the line beside the text says them"),
+            text=date_line(datetime.date.today(), workspace.settings.signer),
         )  # fmt: skip
         if not agreed or not text.strip():
             return
+        workspace.keep(signer=signer_in(text))
         signature = LaidText(text.strip(), _SIGNATURE_EM_MM, grid="none")
         texts = self._workspace.painting.texts
         if self._active is not None and self._active < len(texts):
             signature = self._beside(texts[self._active], text.strip())
         if self._put(signature, None):
             self.mover.begin()
+
+    def signature(self) -> tuple[str, float] | None:
+        """Who signed, and the size in mm that suits a seal below it; None without a text."""
+        texts = self._workspace.painting.texts
+        lines = [text for text in texts if text.grid == "none" and text.text.strip()]
+        if lines:
+            return signer_in(lines[-1].text), _SEAL_SHARE * lines[-1].em_mm
+        if not texts:
+            return None
+        return self._workspace.settings.signer, _SEAL_SHARE * _SIGNATURE_SHARE * texts[-1].em_mm
 
     def _beside(self, main: LaidText, words: str) -> LaidText:
         """A signature left of a text, smaller, as far down as the text goes."""
@@ -289,8 +311,22 @@ class CopybookGuide:
         self._active = len(texts) if place is None else place
         self._shown = (*texts[: self._active], laid, *texts[self._active + 1 :])
         self._show_active()
-        self._tell_fonts(book)
+        self._tell_fonts(book, self._fit_brush(laid) if laid.text.strip() else "")
         return True
+
+    def _fit_brush(self, laid: LaidText) -> str:
+        """Take a brush for the size of a text, where that in hand is not for it; say so."""
+        paint_thread, em_mm = self._workspace.paint_thread, laid.em_mm
+        if suits_size(paint_thread.brush, em_mm):
+            return ""
+        brush = brush_for(em_mm)
+        self._fitted.append((laid, paint_thread.brush, brush))
+        paint_thread.post("set_brush", brush)
+        return say(
+            "The brush is now {brush}, for characters of {size}; undo takes it back",
+            brush=say_brush(brush.name),
+            size=say_length(em_mm),
+        )
 
     def _tell_fonts(self, book: Copybook, note: str = "", state: str = "off") -> None:
         taken = [
@@ -330,11 +366,20 @@ class CopybookGuide:
             threading.Thread(target=run[0], args=run[1:], name="paint3d-texts", daemon=True).start()
         elif texts != self._shown:
             self._shown = texts
+            self._give_brush_back()
             if self._active is not None and self._active >= len(texts):
                 self._active = len(texts) - 1 if texts else None
             if self._active is None and self._loose is None and texts:
                 self._active = len(texts) - 1
             self._show_active()
+
+    def _give_brush_back(self) -> None:
+        """Have the brush that there was before a text that undo has taken back, unless changed."""
+        paint_thread = self._workspace.paint_thread
+        while self._fitted and self._fitted[-1][0] not in self._shown:
+            _, before, taken = self._fitted.pop()
+            if paint_thread.brush == taken:
+                paint_thread.post("set_brush", before)
 
     def _make_all(self, texts: Sequence[LaidText], done: Future[Any]) -> None:
         made: dict[LaidText, Copybook | Paint3DError] = {}
@@ -456,6 +501,7 @@ class CopybookGuide:
         self._books, self._shown, self._loose = {}, (), None
         self._active = self._coming = self._making = self._claimed = None
         self._counting = self._counted = None
+        self._fitted = []
         self._panel.show_texts([], None)
         self._panel.show_values(None)
 
@@ -584,11 +630,16 @@ def _lies_in(book: Copybook, place: AnyArray) -> bool:
     return near and abs(float((place - frame.origin) @ frame.normal)) <= reach
 
 
-def date_line(day: datetime.date) -> str:
-    """A year of the sixty, counted by January, and its season, as signatures say a date."""
+def signer_in(line: str) -> str:
+    """The name in a signature: what is left of it without the date, and without that it is one."""
+    return _DATED.sub("", line, count=1).strip(_SIGNED)
+
+
+def date_line(day: datetime.date, signer: str = "") -> str:
+    """A year of the sixty, counted by January, and its season, as signatures say a date; a name."""
     year = day.year - 4
     season = "冬春夏秋"[day.month % 12 // 3]
-    return f"{_STEMS[year % 10]}{_BRANCHES[year % 12]}年{season}書"
+    return f"{_STEMS[year % 10]}{_BRANCHES[year % 12]}年{season}{signer}書"
 
 
 def _photographed(file: Path) -> tuple[CopiedSheet, Photographed]:

@@ -95,6 +95,8 @@ class CopybookPanel(QtWidgets.QWidget):
         Texts are to be moved on the object, or no longer.
     signed : ()
         A signature is to be laid beside it.
+    sealed : ()
+        A seal is to be pressed.
     written : ()
         The chosen text is to be written with the brush.
     """
@@ -108,6 +110,7 @@ class CopybookPanel(QtWidgets.QWidget):
     nudged = QtCore.Signal(float, float)
     moving = QtCore.Signal(bool)
     signed = QtCore.Signal()
+    sealed = QtCore.Signal()
     written = QtCore.Signal()
 
     def __init__(self, theme: Theme) -> None:
@@ -154,6 +157,8 @@ class CopybookPanel(QtWidgets.QWidget):
         self.add_button.clicked.connect(lambda: self._ask(True))
         self.sign_button = QtWidgets.QPushButton(say("Signature and date…"))
         self.sign_button.clicked.connect(self.signed)
+        self.seal_button = QtWidgets.QPushButton(say("Press a seal…"))
+        self.seal_button.clicked.connect(self.sealed)
         self.write_button = QtWidgets.QPushButton(say("Write it with the brush"))
         self.write_button.setToolTip(
             say("The brush and the ink in hand write it, stroke by stroke; also by Shift+T")
@@ -212,7 +217,7 @@ class CopybookPanel(QtWidgets.QWidget):
         layout.addLayout(_side_by_side(layout_text, self.add_button))
         layout.addLayout(_side_by_side(self.move_button, hide))
         layout.addWidget(self.write_button)
-        layout.addWidget(self.sign_button)
+        layout.addLayout(_side_by_side(self.sign_button, self.seal_button))
         layout.addWidget(self.open_button)
         layout.addWidget(self.correct_button)
         layout.addWidget(self.told)
