@@ -287,6 +287,16 @@ def test_a_brush_that_fits_is_taken_and_undo_takes_it_back(window) -> None:
     assert not window.document.texts
 
 
+def test_a_sheet_proposes_a_size_of_which_four_columns_fit(program) -> None:
+    with opened(program, "sheet:100x150:margin=10", 2.0, "xuan", drawn=False) as window:
+        panel = window.panels.copybook
+        assert panel.em.value() == 18.0
+        panel.text.setPlainText("一二\n三四\n五六\n七八")
+        panel.ask()
+        wait_for(lambda: window.document.texts)
+        assert len(window.copying.held().book.ghosts) == 8
+
+
 def test_a_text_lies_in_the_middle_of_what_is_painted(window) -> None:
     pen_stroke(window.canvas, (0.45, 0.5), (0.55, 0.5), [0.5] * 12)
     settled(window)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import datetime
+import math
 import os
 import re
 import threading
@@ -23,6 +24,7 @@ from paint3d.app.model.stroke_log import Stroke
 from paint3d.app.window.copybook.copybook_panel import CopybookPanel
 from paint3d.app.window.copybook.strokes_dialog import CorrectionState, Photographed, StrokesDialog
 from paint3d.app.window.copybook.text_moving import HeldText, TextMover
+from paint3d.app.window.files.open_result import OpenResult
 from paint3d.app.window.questions import Answer, ask
 from paint3d.app.window.wording import say, say_brush, say_error, say_length
 from paint3d.app.window.workspace import Workspace
@@ -34,6 +36,7 @@ from paint3d.calligraphy.page.page import Composer, Page, Photograph, digest_of
 from paint3d.core.arrays import AnyArray
 from paint3d.errors import InputError, Paint3DError
 from paint3d.files.photographs import PHOTOGRAPH_SUFFIXES, load_photograph
+from paint3d.mesh.sheet_mesh import sheet_of
 
 if TYPE_CHECKING:
     from paint3d.brush.spec import BrushSpec
@@ -43,6 +46,7 @@ __all__ = ["CopybookGuide"]
 
 _OUTLINE, _NEXT = (176, 60, 44, 120), (176, 60, 44, 235)
 _SIGNATURE_EM_MM, _SIGNATURE_SHARE = 15.0, 0.4
+_ACROSS, _LEAST_EM_MM = 4.3, 2.0  # ems: four columns on a sheet, and what is between them
 _SEAL_SHARE = 0.8  # of a signature's characters, that is the side of a seal
 _DATED = re.compile(  # a year, and what else of a date is said before a name
     r"\S*?年\s*[孟仲季]?[春夏秋冬]?\s*(?:[正一二三四五六七八九十冬臘腊]+月)?\s*"
@@ -97,7 +101,7 @@ class CopybookGuide:
         self.mover.removed.connect(self.hide)
         self.mover.turned_on.connect(self._show_moving)
         workspace.may_drop = self.may_drop
-        workspace.opened.connect(lambda _: self._forget())
+        workspace.opened.connect(self._begin_anew)
         panel.asked.connect(self.ask)
         panel.opened.connect(self.layout_file)
         panel.corrected.connect(self.correct)
@@ -495,8 +499,12 @@ class CopybookGuide:
         self._coming = self._workspace.paint_thread.post("remove_text", number)
         self._shown = self._shown[:number] + self._shown[number + 1 :]
 
-    def _forget(self) -> None:
-        """Nothing lies on a painting that is opened but its own texts."""
+    def _begin_anew(self, opened: OpenResult) -> None:
+        """Nothing lies on a painting that is opened but its own texts; sheets propose a size."""
+        sheet = sheet_of(opened.surface.mesh)
+        if sheet is not None:
+            inside = min(sheet.size) - 2.0 * sheet.margin_mm
+            self._panel.em.setValue(max(_LEAST_EM_MM, math.floor(inside / _ACROSS)))
         self._laid = _Laid(40.0, Layout())
         self._books, self._shown, self._loose = {}, (), None
         self._active = self._coming = self._making = self._claimed = None
