@@ -28,6 +28,7 @@ from paint3d.errors import BrushError, Message
 __all__ = [
     "GREATEST_EM",
     "LEAST_EM",
+    "brush_for",
     "brush_names",
     "brush_note",
     "brush_text",
@@ -38,6 +39,7 @@ __all__ = [
     "load_presets",
     "meaning_of",
     "read_brush",
+    "suits_size",
     "write_brush",
 ]
 
@@ -281,6 +283,7 @@ _BRUSHES = ((22.0, "xiaobaiyun"), (60.0, "zhongbaiyun"), (GREATEST_EM, "dabaiyun
 """Each brush with the largest size (mm) that it writes. The three are alike in shape: a full belly
 and a blunt taper, whose footprints are about as long as wide and so reach into corners at any bend.
 """
+_ABOUT_AS_THICK = 1.7  # times as thick, or as thin
 
 
 @functools.lru_cache(maxsize=1)
@@ -353,3 +356,14 @@ def choose_brush(em_mm: float) -> str:
     """
     size = as_number(em_mm, "size of the characters (mm)", LEAST_EM, GREATEST_EM)
     return next(name for largest, name in _BRUSHES if size <= largest)
+
+
+def brush_for(em_mm: float) -> BrushSpec:
+    """Return the preset of `choose_brush` for a size, mm; the nearest for one out of its range."""
+    return load_brush(choose_brush(min(max(em_mm, LEAST_EM), GREATEST_EM)))
+
+
+def suits_size(brush: BrushSpec, em_mm: float) -> bool:
+    """Return whether a brush is about as thick as `brush_for` has it for a size, mm."""
+    thicker = brush.root_diameter_mm / brush_for(em_mm).root_diameter_mm
+    return 1.0 / _ABOUT_AS_THICK < thicker < _ABOUT_AS_THICK

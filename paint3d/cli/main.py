@@ -41,7 +41,7 @@ COMMANDS = {  # each by its module, which is imported when the command is asked 
         "copy writing from a photograph: find its strokes, then write them",
     ),
     "seal": ("paint3d.cli.seal", "press a seal, of text or a drawing"),
-    "paint": ("paint3d.cli.paint", "the desktop studio"),
+    "paint": ("paint3d.cli.paint", "the desktop studio (also: paint3d studio)"),
     "score": (
         "paint3d.cli.score",
         "a whole painting's strokes: list, delete, move, re-ink, re-time",
@@ -77,6 +77,7 @@ paint3d demo --out demo
 paint3d write 永和九年 --on vase --size 60 --out vase.glb
 paint3d COMMAND --help
 """
+_ALIASES = {"studio": "paint"}
 _BY_ITSELF = "paint"  # ends at once when asked to: what was painted is kept, and offered again
 _FAILED = 2
 _INTERRUPTED = 130
@@ -234,7 +235,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if not debug and not sys.warnoptions:
         warnings.simplefilter("ignore")
         logging.getLogger().addHandler(logging.NullHandler())
-    words = sys.argv[1:] if arguments is None else arguments
+    words = list(sys.argv[1:] if arguments is None else arguments)
+    words[:1] = [_ALIASES.get(word, word) for word in words[:1]]
     ends = Ends()
     try:
         with _hearing_interrupts(), nullcontext() if words[:1] == [_BY_ITSELF] else ends:

@@ -67,7 +67,7 @@ __all__ = [
 
 
 _OTHER_WORDS = {  # by which commands are looked for
-    "studio": "paint", "gui": "paint", "open": "paint", "render": "picture", "view": "picture",
+    "gui": "paint", "open": "paint", "render": "picture", "view": "picture",
     "film": "picture", "convert": "export", "text": "write", "stamp": "seal",
     "colours": "inks", "colors": "inks", "pigments": "inks", "surfaces": "materials",
 }  # fmt: skip

@@ -43,6 +43,7 @@ MOST_NAME = 200
 """Characters in the name of a layer or a group."""
 
 _MOST_LAYERS = 256
+_NONE = -1  # key of no layer
 _AT_ONCE = 1 << 16  # vertices composited per chunk
 
 
@@ -304,7 +305,7 @@ class LayerStack:
         spectra = store.bare_spectra(ids)
         amounts = np.zeros((len(ids), count), np.float32)
         share = np.zeros(len(ids), np.float32)
-        self._active = -1  # both rest
+        self._active = _NONE  # both rest
         for key in (lower, upper) if len(ids) else ():
             assert glaze is not None, "something has dried, so a pigment is known"
             for ground in (*over, spectra):

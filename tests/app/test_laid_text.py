@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import datetime
+
 import numpy as np
 import pytest
 
@@ -14,7 +16,8 @@ from paint3d.app.model.laid_text import LaidText, packed_texts, unpacked_texts
 from paint3d.app.model.paint_thread import PaintThread
 from paint3d.app.model.persistence.recovery_folder import RecoveryFolder, recoverable
 from paint3d.app.model.score.playing import painted
-from paint3d.app.window.copybook.copybook_guide import date_line
+from paint3d.app.window.copybook.copybook_guide import date_line, signer_in
+from paint3d.app.window.seal import SealDialog
 from paint3d.errors import InputError
 from tests.support.app.gestures import (
     BUTTON,
@@ -243,6 +246,55 @@ def test_a_signature_is_laid_smaller_to_the_left_and_written_in_another_ink(wind
     assert origins(window)[:, 0].max() < main[:, 0].min() - 20.0
     assert window.copying.mover.is_on
     window.copying.mover.end()
+
+
+@pytest.mark.parametrize(
+    ("line", "name"),
+    [
+        ("丙午年冬李明書", "李明"), ("丙午年三月初五日張大千畫", "張大千"),
+        ("李明書", "李明"), ("丙午年冬書", ""),
+    ],
+)  # fmt: skip
+def test_a_signature_says_who_signed(line: str, name: str) -> None:
+    assert signer_in(line) == name
+
+
+def test_a_seal_has_the_name_and_the_size_of_the_signature(window) -> None:
+    lay(window, "永和", 40.0)
+    answer(lambda dialog: (dialog.setTextValue("丙午年冬李明書"), dialog.accept()))
+    window.workspace.actions["sign"].trigger()
+    wait_for(lambda: len(window.document.texts) == 2)
+    window.copying.mover.end()
+    seen = []
+    answer(lambda dialog: (seen.append(dialog.asked()), dialog.reject()), SealDialog)
+    click_button(window.panels.copybook, "Press a seal…")
+    em = window.document.texts[1].em_mm
+    assert (seen[0].text, seen[0].size_mm) == ("李明", pytest.approx(0.8 * em, abs=0.25))
+    assert (
+        date_line(datetime.date(2026, 12, 1), window.workspace.settings.signer) == "丙午年冬李明書"
+    )
+    window.workspace.keep(signer="")
+
+
+def test_a_brush_that_fits_is_taken_and_undo_takes_it_back(window) -> None:
+    paint_thread = window.stage.paint_thread
+    before = paint_thread.brush
+    lay(window, "永", 14.0)
+    assert paint_thread.brush.name == "xiaobaiyun"
+    assert "xiaobaiyun" in window.status.told.text()
+    window.workspace.actions["undo"].trigger()
+    wait_for(lambda: window.document.painter.brush == before)
+    assert not window.document.texts
+
+
+def test_a_sheet_proposes_a_size_of_which_four_columns_fit(program) -> None:
+    with opened(program, "sheet:100x150:margin=10", 2.0, "xuan", drawn=False) as window:
+        panel = window.panels.copybook
+        assert panel.em.value() == 18.0
+        panel.text.setPlainText("一二\n三四\n五六\n七八")
+        panel.ask()
+        wait_for(lambda: window.document.texts)
+        assert len(window.copying.held().book.ghosts) == 8
 
 
 def test_a_text_lies_in_the_middle_of_what_is_painted(window) -> None:

@@ -195,3 +195,37 @@ def test_a_name_that_is_left_as_it_was_stays_in_the_windows_language(window) -> 
         assert name.isReadOnly()
     settled(window)
     assert [layer.name for layer in window.document.layers] == kept
+
+
+def test_each_of_two_quick_clicks_on_an_eye_counts(window) -> None:
+    paint_thread = window.stage.paint_thread
+    seen = []
+
+    def twice(ask) -> None:
+        paint_thread.halt()
+        for _ in range(2):
+            ask()
+            seen.append(paint_thread.post(lambda document: document.layers[0].visible))
+        paint_thread.go_on()
+        settled(window)
+
+    eye = row_of(window.panels.layers, "Layer 1").findChild(QtWidgets.QToolButton)
+    twice(lambda: click(eye))
+    twice(lambda: type_key(window.canvas, KEY.Key_H))
+    assert [one.result(60) for one in seen] == [False, True, False, True]
+
+
+def test_a_layer_that_steps_into_a_folded_group_has_its_row(window) -> None:
+    panel, actions = window.panels.layers, window.workspace.actions
+    actions["add_layer"].trigger()
+    wait_for(lambda: panel.list.count() == 2)
+    actions["add_group"].trigger()
+    wait_for(lambda: window.document.layers[-1].group is not None)
+    settled(window)
+    window.workspace.post("set_group_folded", 1)
+    click_name(panel, "Layer 1")
+    settled(window)
+    actions["raise_layer"].trigger()
+    wait_for(lambda: window.document.layers[0].group is not None)
+    settled(window)
+    wait_for(lambda: "Layer 1" in names(panel))

@@ -78,7 +78,7 @@ def test_a_panel_gets_the_height_that_it_needs_where_its_tab_is_clicked(window) 
     live(0.1)
     copybook, inks = window.panels.docks["copybook"], window.panels.docks["inks"]
     before = window.panels.docks["layers"].height()
-    click_tab(window, "Copybook")
+    click_tab(window, "Text and seal")
     wait_for(lambda: copybook.height() > before + 200)
     click_tab(window, "Hand")
     click_tab(window, "Inks")

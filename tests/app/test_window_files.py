@@ -220,6 +220,25 @@ def test_formats_are_listed_by_name_and_the_last_comes_first(window, tmp_path: P
     assert seen[1] == ["Wavefront OBJ (*.obj)"]
 
 
+def test_of_a_flat_sheet_a_picture_to_its_edges_comes_first(program, tmp_path: Path) -> None:
+    seen = []
+
+    def look(dialog: ExportDialog) -> None:
+        seen.append((dialog.shot().view, dialog.picture_size()))
+        dialog.accept()
+
+    with opened(program, "a4", 2.0, "xuan", drawn=False) as window:
+        window.workspace.keep(exports={"format": ".obj"})
+        window.targets.folder = tmp_path
+        answer(lambda dialog: (answer(look, ExportDialog), typed(dialog, "sheet")))
+        window.workspace.actions["export"].trigger()
+        assert window.workspace.settings.exports["format"] == ".obj"
+    with Image.open(tmp_path / "sheet.png") as picture:
+        assert seen == [("flat", picture.size)]
+        width, height = picture.size
+        assert height / width == pytest.approx(297.0 / 210.0, rel=0.01)
+
+
 def test_what_is_chosen_for_a_format_is_in_the_file_and_chosen_again(
     window, tmp_path: Path
 ) -> None:

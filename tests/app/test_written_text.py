@@ -10,7 +10,10 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
 from PySide6 import QtCore, QtTest
 
+from paint3d.app.model.score.playing import painted
+from paint3d.painter.ink_time import PIECE_S
 from tests.support.app.gestures import BUTTON, type_key, wait_for
+from tests.support.app.hands import same_vertices
 from tests.support.app.windows import opened, settled
 from tests.support.cases import long_but
 
@@ -35,7 +38,6 @@ POEMS = {
 def window(program):
     """A window with a small sheet in it."""
     with opened(program, "sheet:160x200", 1.0, "xuan", drawn=False) as window:
-        window.panels.history.pace.setCurrentIndex(window.panels.history.pace.count() - 1)
         yield window
 
 
@@ -79,15 +81,13 @@ def test_the_button_has_the_brush_write_it_where_it_lies(window) -> None:
 
 
 def test_the_key_writes_and_esc_stops_it(window) -> None:
-    pace = window.panels.history.pace
-    pace.setCurrentIndex(2)
     lay(window, "永和", 60.0)
     type_key(window.canvas, KEY.Key_T, HELD.ShiftModifier)
+    window.replay_bar.speed.activated.emit(window.replay_bar.speed.findText("1 x"))
     wait_for(lambda: window.document.surface.painted.any())
     assert window.player.is_playing
     type_key(window.canvas, KEY.Key_Escape)
     written(window)
-    pace.setCurrentIndex(pace.count() - 1)
 
 
 def test_with_no_text_there_it_says_what_to_do(window) -> None:
@@ -103,3 +103,64 @@ def test_poems_are_laid_in_both_scripts(window, title: str, script: int) -> None
     text = POEMS[title][script]
     lay(window, text, 24.0)
     assert "".join(ghost.text for ghost in window.panels.copybook.copybook.ghosts) == text
+
+
+def test_what_the_brush_has_written_is_counted_and_its_guide_goes(window) -> None:
+    lay(window, "十一", 40.0)
+    stage, panel = window.stage, window.panels.copybook
+    shown: dict[str, int] = {}
+    draw = stage.show_lines
+
+    def note(name: str, lines, *how) -> None:
+        shown[name] = len(lines)
+        draw(name, lines, *how)
+
+    stage.show_lines = note
+    try:
+        type_key(window.canvas, KEY.Key_T, HELD.ShiftModifier)
+        written(window)
+        wait_for(lambda: panel.told.text() == "All characters are written")
+        assert (shown["ghosts"], shown["next ghost"], shown["ghost frames"]) == (0, 0, 0)
+        counts = [panel.list.item(row).text() for row in range(2)]
+        assert counts == ["✓  十   2 / 2", "✓  一   1 / 1"]
+        type_key(window.canvas, KEY.Key_Z, HELD.ControlModifier)
+        wait_for(lambda: shown["next ghost"] == 2 and shown["ghosts"] == 1)
+        assert panel.told.text() == "0 of 2 written; next: 十"
+    finally:
+        del stage.show_lines
+
+
+def test_where_nobody_keeps_the_time_ink_has_that_of_a_swift_hand(window) -> None:
+    lay(window, "十", 40.0)
+    window.workspace.actions["wet"].setChecked(True)
+    type_key(window.canvas, KEY.Key_T, HELD.ShiftModifier)
+    written(window)
+    window.workspace.actions["wet"].setChecked(False)
+    settled(window)
+    document = window.document
+    (stroke,) = document.strokes
+    events = document.score.events
+    lines = [one for one in events if isinstance(one, dict)]
+    begun, ended = (
+        max(k for k, one in enumerate(lines) if one["do"] == name)
+        for name in ("begin_stroke", "end_stroke")
+    )
+    within = [one for one in lines[begun:ended] if one["do"] == "follow_time"]
+    pieces = sum(one.get("times", 1) for one in within)
+    assert pieces == pytest.approx(stroke.duration_s / (8 * PIECE_S), abs=1.0)
+    again = painted(document.score, document.surface.source)
+    same_vertices(document.surface, again.surface)
+
+
+def test_a_text_is_written_on_without_spreading(window) -> None:
+    lay(window, "十", 40.0)
+    wet = window.workspace.actions["wet"]
+    wet.setChecked(True)
+    type_key(window.canvas, KEY.Key_T, HELD.ShiftModifier)
+    wait_for(lambda: window.document.surface.painted.any())
+    window.player.stop_spreading()
+    assert not wet.isChecked()
+    assert not window.stage.paint_thread.wet
+    assert window.workspace.settings.wet is True  # of the next painting
+    written(window)
+    assert window.panels.copybook.copybook.next is None

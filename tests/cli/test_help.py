@@ -65,7 +65,7 @@ def test_the_program_by_itself_says_what_it_can_do(capsys) -> None:
     ("words", "meant"),
     [
         (["wrte", "永"], "there is no command 'wrte'; did you mean write?"),
-        (["studio"], "there is no command 'studio'; did you mean paint?"),
+        (["gui"], "there is no command 'gui'; did you mean paint?"),
         (["devices", "lst"], "there is no deed 'lst'; did you mean list?"),
         (["write", "永", "--on", "bowl", "--ot", "a.ply"], "required: --out; did you mean --out?"),
         (["write", "永", "--on", "bowl", "--out", "a.ply", "--sise", "3"], "did you mean --size?"),
@@ -88,6 +88,7 @@ def test_what_is_mistyped_is_answered_with_what_is_like_it(capsys, words, meant)
         ("replay", "none.jsonl", "--on", "bowl", "--out", "a.png"),
         ("write", "永", "--on", "none.obj", "--out", "a.png"),
         ("paint", "none.obj"),
+        ("studio", "none.obj"),
         ("score", "none.score.jsonl", "--list"),
     ],
 )

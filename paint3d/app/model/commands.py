@@ -58,7 +58,7 @@ GESTURES = ("press", "hold", "drag", "tap")
 """Pressed; held for as long as it counts; held, or pressed down, while the pointer moves; fingers
 that touch and leave."""
 
-GROUPS = ("file", "edit", "brush", "ink", "stroke", "view", "layers", "window")
+GROUPS = ("file", "edit", "brush", "ink", "text", "stroke", "view", "layers", "window")
 """Parts of the list of shortcuts."""
 
 TITLES = {
@@ -66,6 +66,7 @@ TITLES = {
     "edit": Message("Edit"),
     "brush": Message("Brush"),
     "ink": Message("Ink"),
+    "text": Message("Text and seal"),
     "stroke": Message("Stroke"),
     "view": Message("View"),
     "layers": Message("Layers"),
@@ -208,11 +209,6 @@ _TABLE: tuple[_Row, ...] = (
         _PART,
         Command("cancel_stroke", "Cancel the stroke", ["Esc"], group="stroke", codec=PLAIN),
         _PART,
-        Command("lay_out", "Lay out a text…"),
-        Command("arrange_text", "Move and turn texts", ["T"], checkable=True),
-        Command("sign", "Signature and date…"),
-        Command("write_text", "Write the text with the brush", ["Shift+T"]),
-        _PART,
         Command("reference", "Reference picture…", ["Ctrl+Shift+O"]),
         _PART,
         Command("stand", "Turn and scale the object…"),
@@ -256,7 +252,14 @@ _TABLE: tuple[_Row, ...] = (
         Command(
             "blot", "Blot what is wet", ["Shift+E"], codec=PLAIN, step=Message("blotting paper")
         ),
+    ),
+    *_menu(
+        "text",
+        Command("lay_out", "Lay out a text…"),
+        Command("arrange_text", "Move and turn texts", ["T"], checkable=True),
+        Command("write_text", "Write the text with the brush", ["Shift+T"]),
         _PART,
+        Command("sign", "Signature and date…"),
         Command("seal", "Press a seal…"),
     ),
     *_menu(

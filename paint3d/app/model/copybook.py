@@ -1,7 +1,8 @@
 """A copybook on the object: ghosts of characters to paint over, and how well each was met.
 
 The characters, or the pieces of a page, lie where `paint3d write` would put them. A stroke belongs
-to the character in whose em square most of it was painted; when a character has as many strokes as
+to the character in whose em square most of it was painted; of a recording, or a text that the brush
+wrote by itself, each time that the brush was down counts. When a character has as many strokes as
 its glyph, or whenever it is asked for, the painting is compared with the glyph's outlines in the
 surface's own coordinates.
 """
@@ -9,14 +10,14 @@ surface's own coordinates.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.app.model.laid_text import LaidText
-from paint3d.app.model.stroke_log import Stroke
+from paint3d.app.model.stroke_log import ERASES, Stroke
 from paint3d.calligraphy.fonts.fallback import FallbackGlyphs, with_fallback
 from paint3d.calligraphy.glyph_sources import load_glyphs, open_glyphs
 from paint3d.calligraphy.glyphs import Glyph
@@ -31,7 +32,7 @@ from paint3d.errors import MeshError
 from paint3d.mesh.bvh import ClosestPoints
 from paint3d.mesh.chart import EmSquare, SurfaceChart, SurfaceFrame, frame_at, make_chart, unroll
 from paint3d.mesh.triangle_mesh import TriangleMesh
-from paint3d.pose.brush_pose import object_poses
+from paint3d.pose.brush_pose import BrushPath, object_poses
 from paint3d.surface.painted_surface import PaintedSurface
 
 __all__ = ["Block", "Copybook", "CopybookMark", "Ghost"]
@@ -42,6 +43,9 @@ _STEP = 1.0 / 96.0  # ems between two points of a ghost
 _LIFT_MM = 0.05  # above the surface, so that a ghost is seen
 _LEAST_EM_MM, _MOST_EM_MM = 2.0, 1000.0
 _BLANK = "口"  # stands where nothing is said
+_LIFTED_S = 0.06  # from one stroke of a recording to the next, at least
+_LOOKED_AT = 24  # points of a stroke, at most
+_MANY, _SPARSE = 2000, 4  # samples, of which then every fourth is looked at
 
 _LEFT, _RIGHT = ((-1.0, -1.0), (-1.0, 1.0)), ((1.0, -1.0), (1.0, 1.0))
 _BOTTOM, _TOP = ((-1.0, -1.0), (1.0, -1.0)), ((-1.0, 1.0), (1.0, 1.0))
@@ -69,7 +73,7 @@ class Ghost:
     square : EmSquare
         Or the box of a piece.
     strokes : list of Stroke
-        What was painted for it so far.
+        What was painted for it so far; one that has several of its strokes, so often.
     """
 
     glyph: Glyph
@@ -300,6 +304,7 @@ class Copybook:
         else:
             self.page, placed = lay_page(surface, text, em_mm, layout)
         self._surface = surface
+        self._counted: dict[int, _Counted] = {}  # strokes by their id
         self.squares = tuple(one.square for one in placed)
         self.marks: dict[int, CopybookMark] = {}
         self.ghosts = tuple(
@@ -324,13 +329,16 @@ class Copybook:
         """The room that it takes."""
         return Block.of(self._surface, self.squares)
 
-    def grid(self, kind: str, columns: bool) -> list[AnyArray]:
-        """Lines (K, 3), mm, of one of the `GRIDS` around the characters."""
+    def grid(self, kind: str, columns: bool, *, unwritten: bool = False) -> list[AnyArray]:
+        """Lines (K, 3), mm, of one of the `GRIDS` around all characters, or those to be written."""
         ways = _GRID_LINES.get(kind, ())
         if kind == "columns":
             ways = (_LEFT, _RIGHT) if columns else (_TOP, _BOTTOM)
+        done = {id(ghost.square) for ghost in self.ghosts if unwritten and ghost.is_written}
         lines = []
         for square in self.squares:
+            if id(square) in done:
+                continue
             half = 0.5 * np.array([square.width_mm, square.height_mm])
             for way in ways:
                 xy = _dense(half * np.array(way), False, _STEP * square.em_mm)
@@ -342,26 +350,22 @@ class Copybook:
         """Place of the first character that is not written yet; None when all are."""
         return next((k for k, ghost in enumerate(self.ghosts) if not ghost.is_written), None)
 
-    def place_of(self, stroke: Stroke) -> int | None:
-        """The character in whose square most of a stroke was painted; None where in none."""
-        path = object_poses(stroke.samples)
-        way = path.way  # a brush that leans has its root over another character
-        if path.pressure is not None and (path.pressure > 0.0).any():
-            way = way[path.pressure > 0.0]
+    def _place_of(self, way: AnyArray) -> int | None:
+        """The character in whose square most of a way (N, 3) lies; None where in none."""
         if not self.ghosts:
             return None
-        feet = self._surface.find(way).points
+        feet = self._surface.find(way[:: -(-len(way) // _LOOKED_AT)]).points
         counts = [_inside(ghost, feet) for ghost in self.ghosts]
         best = int(np.argmax(counts))
         return best if counts[best] > 0 else None
 
     def note(self, stroke: Stroke, surface: PaintedSurface) -> CopybookMark | None:
         """Take a stroke that was painted; None where it belongs to no character."""
-        place = self.place_of(stroke)
-        if place is None:
+        places = self._count(stroke, is_over=True).places
+        if not places:
             return None
+        place = places[-1]
         ghost = self.ghosts[place]
-        ghost.strokes.append(stroke)
         stroke.tags |= {"character": ghost.text, "place": place}
         likeness = ghost.compare(surface) if ghost.is_written else None
         self.marks[place] = CopybookMark(
@@ -369,11 +373,84 @@ class Copybook:
         )
         return self.marks[place]
 
-    def follow(self, strokes: Sequence[Stroke]) -> None:
-        """Forget strokes that were undone."""
-        kept = {id(stroke) for stroke in strokes}
-        for ghost in self.ghosts:
-            ghost.strokes = [stroke for stroke in ghost.strokes if id(stroke) in kept]
+    def begin_after(self, strokes: Sequence[Stroke]) -> None:
+        """Count none of these strokes: they were there before the copybook."""
+        for stroke in strokes:
+            self._counted[id(stroke)] = _Counted(stroke, len(stroke.samples))
+
+    def go_on_from(self, other: Copybook) -> None:
+        """Have counted what another copybook of the same characters, in the same places, has."""
+        self.marks = dict(other.marks)
+        self._counted = {
+            k: replace(one, places=list(one.places)) for k, one in other._counted.items()
+        }
+        for ghost, before in zip(self.ghosts, other.ghosts, strict=True):
+            ghost.strokes = list(before.strokes)
+
+    def follow(self, strokes: Sequence[Stroke], current: Stroke | None = None) -> None:
+        """Count the strokes that are there, and forget those that were undone.
+
+        Of one that goes on, `current`, what it was lifted after is counted.
+        """
+        there = {id(stroke) for stroke in strokes}
+        if current is not None:
+            there.add(id(current))
+        if not self._counted.keys() <= there:
+            self._counted = {k: one for k, one in self._counted.items() if k in there}
+            for place, ghost in enumerate(self.ghosts):
+                ghost.strokes = [stroke for stroke in ghost.strokes if id(stroke) in there]
+                if not ghost.is_written:
+                    self.marks.pop(place, None)
+        for stroke in strokes:
+            self._count(stroke, is_over=True)
+        if current is not None:
+            self._count(current, is_over=False)
+
+    def _count(self, stroke: Stroke, *, is_over: bool) -> _Counted:
+        """Give what a stroke has painted since it was counted last to its characters."""
+        counted = self._counted.setdefault(id(stroke), _Counted(stroke))
+        samples = stroke.samples[counted.n_samples :]
+        if not samples or stroke.tags.get(ERASES):
+            return counted
+        step = 1 if len(samples) < _MANY else _SPARSE
+        # the way, not the root: that of a brush that leans is over another character
+        path = object_poses(samples[::step])
+        runs, n_looked = _strokes_in(path, is_over=is_over)
+        counted.n_samples += min(step * n_looked, len(samples))
+        for first, last in runs:
+            place = self._place_of(path.way[first:last])
+            if place is not None:
+                counted.places.append(place)
+                self.ghosts[place].strokes.append(stroke)
+        return counted
+
+
+@dataclass(eq=False)
+class _Counted:
+    """What a stroke was counted for: the places of characters, and how many of its samples."""
+
+    stroke: Stroke  # held: its id stands for it
+    n_samples: int = 0
+    places: list[int] = field(default_factory=list)
+
+
+def _strokes_in(path: BrushPath, *, is_over: bool) -> tuple[list[tuple[int, int]], int]:
+    """From where to before where the brush is down, and up to where that is known.
+
+    It is one stroke as long as the brush is lifted for moments only.
+    """
+    n = len(path)
+    if path.pressure is None:
+        return ([(0, n)], n) if is_over else ([], 0)
+    down = np.flatnonzero(path.pressure > 0.0)
+    if not len(down):
+        return [], n if is_over else 0
+    lifted = np.flatnonzero(np.diff(path.time_s[down]) > _LIFTED_S)
+    firsts, lasts = down[np.append(0, lifted + 1)], down[np.append(lifted, len(down) - 1)]
+    runs = [(int(first), int(last) + 1) for first, last in zip(firsts, lasts, strict=True)]
+    if not is_over and path.time_s[-1] - path.time_s[lasts[-1]] <= _LIFTED_S:
+        return runs[:-1], runs[-1][0]
+    return runs, n
 
 
 def _lines_of(placed: Sequence[PlacedCharacter]) -> str:

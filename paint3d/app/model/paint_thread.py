@@ -150,6 +150,7 @@ class PaintThread:
         self._document = document
         self._wet = wet
         self._by_samples_alone = False  # alone what time it is for the ink
+        self._haste = 1
         self.base_every_s = base_every_s
         self._writer = None if recovery is None else _JournalWriter(recovery, document, self.report)
         self._base_time, self._base_step = time.monotonic(), 0
@@ -299,13 +300,20 @@ class PaintThread:
             self._nudged = True
             self._wake.notify()
 
-    def use_sample_time_alone(self, on: bool) -> None:
+    def use_sample_time_alone(self, on: bool, haste: int = 1) -> None:
         """Drive ink time by sample timestamps alone instead of the wall clock, or by both again.
 
         For playing recordings: slowly, with pauses or late, they meet the ink as the hand did.
+
+        Parameters
+        ----------
+        on : bool
+        haste : int
+            So many times less time passes for the ink than between the samples, as if the hand had
+            been that much faster.
         """
         with self._wake:
-            self._by_samples_alone = on
+            self._by_samples_alone, self._haste = on, haste
             self._fed.clear()
             self.ink_clock = InkClock(time.perf_counter_ns())
             self._nudged = True
@@ -437,7 +445,8 @@ class PaintThread:
         first = 0
         for k, sample in enumerate(samples if self._wet else ()):
             most = sys.maxsize if all_time else self._pace.most(behind)
-            pieces = self.ink_clock.hear(sample.time_ns, round(1e9 * now), most)
+            at_ns = sample.time_ns // self._haste
+            pieces = self.ink_clock.hear(at_ns, round(1e9 * now), most)
             if pieces and first < k:
                 yield _Job(now, tuple(samples[first:k]))
                 first = k

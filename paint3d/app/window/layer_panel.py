@@ -36,9 +36,12 @@ class LayerPanel(QtWidgets.QWidget):
     -------
     asked : (str, tuple)
         A method of the document, and its arguments.
+    turned : (str, int)
+        What a layer, or the group of one, is to be the other way: a method, and its place.
     """
 
     asked = QtCore.Signal(str, object)
+    turned = QtCore.Signal(str, int)
 
     def __init__(self, theme: Theme) -> None:
         super().__init__()
@@ -208,7 +211,7 @@ class LayerPanel(QtWidgets.QWidget):
         lock = self._button(
             "lock" if layer.locked else "unlocked",
             say("Unlock") if layer.locked else say("Lock"),
-            lambda: self._ask("set_locked", place, not layer.locked),
+            lambda: self.turned.emit("set_locked", place),
         )
         picture = QtWidgets.QLabel()
         picture.setObjectName("thumbnail")
@@ -228,7 +231,7 @@ class LayerPanel(QtWidgets.QWidget):
         fold = self._button(
             "folded" if group.folded else "unfolded",
             say("Show its layers") if group.folded else say("Fold"),
-            lambda: self._ask("set_group_folded", place, not group.folded),
+            lambda: self.turned.emit("set_group_folded", place),
         )
         fold.setObjectName("fold_group")
         name = self._name(say_group(group.name), say("Name of the group"), place, group.key)
@@ -247,7 +250,7 @@ class LayerPanel(QtWidgets.QWidget):
         return self._button(
             "eye" if visible else "hidden",
             say("Hide") if visible else say("Show"),
-            lambda: self._ask(what, place, not visible),
+            lambda: self.turned.emit(what, place),
         )
 
     def _make_row(self, indent: int) -> tuple[QtWidgets.QWidget, QtWidgets.QHBoxLayout]:
@@ -323,6 +326,10 @@ class LayerPanel(QtWidgets.QWidget):
     def _ask(self, what: str, *arguments: object) -> None:
         self.asked.emit(what, arguments)
 
+    def _ask_of_chosen(self, of_layer: str, of_group: str, *arguments: object) -> None:
+        """Ask for something of the layer that is painted on, or of the group that was clicked."""
+        self._ask(of_group if self._group else of_layer, self._chosen_place(), *arguments)
+
     def _select(self, item: QtWidgets.QListWidgetItem) -> None:
         held = QtWidgets.QApplication.keyboardModifiers()
         if not held & QtCore.Qt.KeyboardModifier.ShiftModifier:
@@ -364,32 +371,26 @@ class LayerPanel(QtWidgets.QWidget):
 
     def remove(self) -> None:
         """Take the layer away that is painted on, or the chosen group."""
-        self._ask("remove_group" if self._group else "remove_layer", self._chosen_place())
+        self._ask_of_chosen("remove_layer", "remove_group")
 
     def duplicate(self) -> None:
         """Copy the layer that is painted on, or the chosen group."""
-        self._ask("duplicate_group" if self._group else "duplicate_layer", self._chosen_place())
+        self._ask_of_chosen("duplicate_layer", "duplicate_group")
 
     def _merge(self) -> None:
         self._ask("merge_layer", self._active)
 
     def _set_opacity(self, percent: int) -> None:
         self._tell_opacity(percent)
-        what = "set_group_opacity" if self._group else "set_opacity"
-        self._ask(what, self._chosen_place(), percent / 100.0)
+        self._ask_of_chosen("set_opacity", "set_group_opacity", percent / 100.0)
 
     def _set_blend(self, _: int) -> None:
-        what = "set_group_blend" if self._group else "set_blend"
-        self._ask(what, self._chosen_place(), self.blend.currentData())
+        self._ask_of_chosen("set_blend", "set_group_blend", self.blend.currentData())
 
     def hide_or_show(self) -> None:
         """Hide the layer that is painted on, or the chosen group, or show it."""
-        place = self._chosen_place()
-        layer = self._layers[place]
-        if self._group and layer.group is not None:
-            self._ask("set_group_visible", place, not layer.group.visible)
-        else:
-            self._ask("set_visible", place, not layer.visible)
+        what = "set_group_visible" if self._group else "set_visible"
+        self.turned.emit(what, self._chosen_place())
 
     def step(self, by: int) -> None:
         """Move the layer that is painted on, or the chosen group, one step up (1) or down (-1)."""
@@ -400,5 +401,9 @@ class LayerPanel(QtWidgets.QWidget):
                 self._ask("move_group", place, to)
             return
         step = layer_step(self._layers, place, by)
-        if step is not None:
-            self._ask("move_layer", place, *step)
+        if step is None:
+            return
+        group = self._layers[step[1]].group if step[1] >= 0 else None
+        self._ask("move_layer", place, *step)
+        if group is not None and group.folded:  # or it would have no row
+            self._ask("set_group_folded", step[0], False)

@@ -258,8 +258,7 @@ class PaintActions:
 
     def do_lock_layer(self) -> None:
         """Lock or unlock it."""
-        place = self._painting.active_layer
-        self._post("set_locked", place, not self._painting.layers[place].locked)
+        self._panels.layers.turned.emit("set_locked", self._painting.active_layer)
 
 
 for _k in range(1, 1 + len(brush_names())):

@@ -69,7 +69,7 @@ class Panels:
         lower = [
             self._dock("layers", say("Layers"), self.layers),
             self._dock("history", say("History"), self.history),
-            self._dock("copybook", say("Copybook"), self.copybook),
+            self._dock("copybook", say("Text and seal"), self.copybook),
             self._dock("devices", say("Devices"), self.devices),
         ]
         for group in (upper, lower):
@@ -84,6 +84,7 @@ class Panels:
             menu.addAction(dock.toggleViewAction())
         self._drawn: object = None  # what the layers' pictures show
         self._drawing: Future[Any] | None = None
+        self._turned: dict[tuple[str, int], tuple[bool, Future[Any] | None]] = {}
         self._groups = upper, lower
         window.tabifiedDockWidgetActivated.connect(self._give_room)
         self._connect()
@@ -137,10 +138,26 @@ class Panels:
         self.inks.dipped.connect(self._dip)
         self.inks.rinsed.connect(lambda: post("rinse"))
         self.layers.asked.connect(lambda what, arguments: post(what, *arguments))
+        self.layers.turned.connect(self._turn)
         self.history.told.connect(self._workspace.tell)
         self.hand.read.connect(lambda changes: self._workspace.hand.set_settings(**changes))
         self.hand.curve.changed.connect(self._keep_curve)
         self.hand.ruled.connect(lambda on: self._workspace.actions["ruler"].setChecked(on))
+
+    def _turn(self, what: str, place: int) -> None:
+        """Have a layer, or its group, the other way than it is or was last asked to be.
+
+        Clicks may come faster than the painting thread does what they ask for.
+        """
+        paint_thread = self._workspace.stage.paint_thread
+        if paint_thread is None:
+            return
+        asked, done = self._turned.get((what, place), (False, None))
+        if done is None or done.done():
+            layer = paint_thread.painting.layers[place]
+            of_group = what.startswith("set_group")
+            asked = getattr(layer.group if of_group else layer, what.rpartition("_")[2])
+        self._turned[what, place] = not asked, paint_thread.post(what, place, not asked)
 
     def _keep_curve(self, curve: PressureCurve) -> None:
         self._workspace.settings = dataclasses.replace(
@@ -160,6 +177,7 @@ class Panels:
         """Show another document."""
         painting = self._workspace.painting
         self._drawn = self._drawing = None
+        self._turned = {}
         self.layers.show_pictures(())
         self.brushes.show_brush(painting.brush)
         self.inks.show_inks(painting.inks)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from collections.abc import Callable
 from concurrent.futures import Future
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -34,6 +35,7 @@ _LOOK_MS = 40
 _PATIENCE_S = 1.0  # that the window waits for a step of the painting
 _RIM_POINTS = 12  # along a side of it
 _LIFT_MM = 0.1  # of the outline above the surface
+_LONGEST_NAME = 6  # characters that a seal has room for
 _PAPER, _CINNABAR = (243, 240, 230), (178, 44, 34)
 
 
@@ -148,6 +150,14 @@ class SealDialog(FormDialog):
         self.note.setText(f"{say_length(seal.width_mm)} × {say_length(seal.height_mm)}")
 
 
+def _proposed_seal(kept: SealAsked, name: str, size_mm: float) -> SealAsked:
+    """The seal of who signed, beside the signature."""
+    size = min(max(round(2.0 * size_mm) / 2.0, SMALLEST_MM), LARGEST_MM)
+    if not name or len(name) > _LONGEST_NAME:
+        return kept._replace(size_mm=size)
+    return kept._replace(text=name, drawing="", size_mm=size)
+
+
 def _cut(asked: SealAsked, glyphs: str) -> Seal:
     """The seal that is asked for."""
     text = None if asked.drawing else asked.text
@@ -197,12 +207,16 @@ class Sealing(QtCore.QObject):
     ----------
     seal : Seal or None
         What is pressed with the next click on the object.
+    of_signature : callable
+        Who signed the painting, and a size in mm that suits a seal there; None where nobody did.
     """
 
     def __init__(self, workspace: Workspace) -> None:
         super().__init__(workspace.window)
         self._workspace = workspace
         self._kept = SealAsked()
+        self._proposed: tuple[str, float] | None = None
+        self.of_signature: Callable[[], tuple[str, float] | None] = lambda: None
         self.seal: Seal | None = None
         self._moved: int | None = None  # the seal that is pressed elsewhere
         self._is_down = False  # a pen, a mouse or a finger that presses it when it is lifted
@@ -218,6 +232,10 @@ class Sealing(QtCore.QObject):
         workspace = self._workspace
         self.let_be()
         glyphs = workspace.settings.glyphs
+        proposed = self.of_signature()
+        if proposed is not None and proposed != self._proposed:
+            self._proposed = proposed
+            self._kept = _proposed_seal(self._kept, *proposed)
         dialog = SealDialog(workspace.window, self._kept, glyphs)
         if not dialog.exec():
             return

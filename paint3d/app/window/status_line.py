@@ -133,11 +133,12 @@ SPEEDS = (
     ("max", None),
 )  # fmt: skip
 _STEPS = 1000
-_WIDTH = 150  # pixels
+_WIDTH = 110  # pixels
+_LONG_S = 40.0  # that is still to be waited for: a way out is offered
 
 
 class ReplayBar(QtWidgets.QWidget):
-    """Bar that pauses, stops and speeds up what is played; seen meanwhile.
+    """Bar that pauses, stops and speeds up what is played, with the time left; seen meanwhile.
 
     Parameters
     ----------
@@ -153,6 +154,10 @@ class ReplayBar(QtWidgets.QWidget):
         Pauses while it is pressed down.
     button : QPushButton
         Stops.
+    left : QLabel
+        How long it still takes, once that is known.
+    still : QPushButton
+        Has a text written on without its ink spreading; seen where that takes long.
     """
 
     def __init__(self, workspace: Workspace, player: Player) -> None:
@@ -175,9 +180,14 @@ class ReplayBar(QtWidgets.QWidget):
         self.button.setObjectName("low")
         self.button.setToolTip(f"{say('Stop')}  ({COMMANDS['cancel_stroke'].keys[0]})")
         self.button.clicked.connect(player.do_stop)
+        self.left = QtWidgets.QLabel()
+        self.still = QtWidgets.QPushButton(say("Write without spreading"))
+        self.still.setObjectName("low")
+        self.still.setToolTip(say("The rest is written at once; ink stays where it is laid"))
+        self.still.clicked.connect(player.stop_spreading)
         row = QtWidgets.QHBoxLayout(self)
         row.setContentsMargins(0, 0, 0, 0)
-        for part in (self.bar, self.speed, self.hold, self.button):
+        for part in (self.bar, self.left, self.still, self.speed, self.hold, self.button):
             row.addWidget(part)
         workspace.window.statusBar().addPermanentWidget(self)
         self.hide()
@@ -190,3 +200,13 @@ class ReplayBar(QtWidgets.QWidget):
                 self.hold.setChecked(False)
         self.setVisible(fraction >= 0.0)
         self.bar.setValue(round(_STEPS * min(max(fraction, 0.0), 1.0)))
+        left = self._player.left_s
+        self.left.setText("" if left is None else say_left(left))
+        self.still.setVisible(self._player.is_spreading and (left or 0.0) > _LONG_S)
+
+
+def say_left(seconds: float) -> str:
+    """How long something still takes, in words."""
+    if seconds < 57.5:
+        return say("about {n} s left", n=max(5, 5 * round(seconds / 5.0)))
+    return say("about {n} min left", n=round(seconds / 60.0))

@@ -107,8 +107,8 @@ class StudioWindow(QtWidgets.QMainWindow):
             leave_wheel_to_scrolling(dock)
         self._make_jobs()
         self.copying = CopybookGuide(workspace, self.panels.copybook)
-        speed = self.panels.history.speed
-        self.writing = TextWriting(workspace, self.player, speed, self.copying.held)
+        self.writing = TextWriting(workspace, self.player, self.copying.held)
+        self.sealing.of_signature = self.copying.signature
         self.tour = Tour(workspace, self.opening, self.copying)
         self._bind_actions()
         self.both_hands = DeviceInput(workspace, self.panels.devices, plugged, feel)
@@ -213,6 +213,7 @@ class StudioWindow(QtWidgets.QMainWindow):
         self.mark.changed.connect(panels.history.mark)
         panels.history.exported.connect(self.recordings.do_save_recording)
         panels.copybook.written.connect(self.writing.do_write_text)
+        panels.copybook.sealed.connect(self.sealing.do_seal)
         panels.hand.turns.connect(self.painting.set_turns)
         panels.hand.mask_degrees.connect(self.painting.set_mask_degrees)
 

@@ -129,6 +129,8 @@ class Settings:
         What the window keeps for itself: size, place, panels.
     exports : dict
         What was chosen last for exports and films.
+    signer : str
+        Whose name the last signature said.
 
     Raises
     ------
@@ -173,6 +175,7 @@ class Settings:
     pigment_tables: Mapping[str, str] = field(default_factory=dict)
     window: Mapping[str, object] = field(default_factory=dict)
     exports: Mapping[str, object] = field(default_factory=dict)
+    signer: str = ""
 
     def __post_init__(self) -> None:
         for name, known in _CHOICES.items():
@@ -195,7 +198,7 @@ class Settings:
             )
         _check_words("recent", self.recent)
         _check_words("favourite_brushes", self.favourite_brushes)
-        for name in ("begun_on", "glyphs"):
+        for name in ("begun_on", "glyphs", "signer"):
             if not isinstance(getattr(self, name), str):
                 raise InputError(
                     "{name} is {value}; expected a name",

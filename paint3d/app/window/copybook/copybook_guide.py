@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import datetime
+import math
 import os
+import re
 import threading
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Future
@@ -22,9 +24,11 @@ from paint3d.app.model.stroke_log import Stroke
 from paint3d.app.window.copybook.copybook_panel import CopybookPanel
 from paint3d.app.window.copybook.strokes_dialog import CorrectionState, Photographed, StrokesDialog
 from paint3d.app.window.copybook.text_moving import HeldText, TextMover
+from paint3d.app.window.files.open_result import OpenResult
 from paint3d.app.window.questions import Answer, ask
-from paint3d.app.window.wording import say, say_error
+from paint3d.app.window.wording import say, say_brush, say_error, say_length
 from paint3d.app.window.workspace import Workspace
+from paint3d.brush.presets import brush_for, suits_size
 from paint3d.calligraphy.layout import Layout
 from paint3d.calligraphy.page.correcting import Steps
 from paint3d.calligraphy.page.opening import opened_page
@@ -32,15 +36,25 @@ from paint3d.calligraphy.page.page import Composer, Page, Photograph, digest_of
 from paint3d.core.arrays import AnyArray
 from paint3d.errors import InputError, Paint3DError
 from paint3d.files.photographs import PHOTOGRAPH_SUFFIXES, load_photograph
+from paint3d.mesh.sheet_mesh import sheet_of
 
 if TYPE_CHECKING:
+    from paint3d.brush.spec import BrushSpec
     from paint3d.calligraphy.photo.copying import CopiedSheet, SheetPicture
 
 __all__ = ["CopybookGuide"]
 
 _OUTLINE, _NEXT = (176, 60, 44, 120), (176, 60, 44, 235)
 _SIGNATURE_EM_MM, _SIGNATURE_SHARE = 15.0, 0.4
+_ACROSS, _LEAST_EM_MM = 4.3, 2.0  # ems: four columns on a sheet, and what is between them
+_SEAL_SHARE = 0.8  # of a signature's characters, that is the side of a seal
+_DATED = re.compile(  # a year, and what else of a date is said before a name
+    r"\S*?年\s*[孟仲季]?[春夏秋冬]?\s*(?:[正一二三四五六七八九十冬臘腊]+月)?\s*"
+    r"(?:[初一二三四五六七八九十廿]+日)?"
+)
+_SIGNED = "書书寫写題题識识記记作畫画 "  # what one does who signs
 _LONGEST_TITLE = 16
+_SOME = 500  # samples after which it is looked what is written by now
 _STEMS, _BRANCHES = "甲乙丙丁戊己庚辛壬癸", "子丑寅卯辰巳午未申酉戌亥"
 _FRAME, _MEDIAN = (90, 84, 76, 110), (60, 90, 140, 150)
 
@@ -79,12 +93,15 @@ class CopybookGuide:
         self._coming: Future[Any] | None = None  # a change of the texts
         self._making: Future[Any] | None = None  # copybooks of texts that came with the painting
         self._claimed: int | None = None  # the text that a stroke was for
+        self._fitted: list[tuple[LaidText, BrushSpec, BrushSpec]] = []  # texts, brushes before, now
+        self._counting: Future[Any] | None = None  # strokes, for the characters
+        self._counted: object = None  # which strokes, for which texts
         self.mover = TextMover(workspace, self.held, self._choose_at)
         self.mover.changed.connect(self.change)
         self.mover.removed.connect(self.hide)
         self.mover.turned_on.connect(self._show_moving)
         workspace.may_drop = self.may_drop
-        workspace.opened.connect(lambda _: self._forget())
+        workspace.opened.connect(self._begin_anew)
         panel.asked.connect(self.ask)
         panel.opened.connect(self.layout_file)
         panel.corrected.connect(self.correct)
@@ -119,16 +136,28 @@ class CopybookGuide:
         workspace = self._workspace
         text, agreed = QtWidgets.QInputDialog.getText(
             workspace.window, say("Signature and date…").rstrip("…"),
-            say("What the line says, beside the text"), text=date_line(datetime.date.today()),
+            say("Date and name, as the line beside the text says them"),
+            text=date_line(datetime.date.today(), workspace.settings.signer),
         )  # fmt: skip
         if not agreed or not text.strip():
             return
+        workspace.keep(signer=signer_in(text))
         signature = LaidText(text.strip(), _SIGNATURE_EM_MM, grid="none")
         texts = self._workspace.painting.texts
         if self._active is not None and self._active < len(texts):
             signature = self._beside(texts[self._active], text.strip())
         if self._put(signature, None):
             self.mover.begin()
+
+    def signature(self) -> tuple[str, float] | None:
+        """Who signed, and the size in mm that suits a seal below it; None without a text."""
+        texts = self._workspace.painting.texts
+        lines = [text for text in texts if text.grid == "none" and text.text.strip()]
+        if lines:
+            return signer_in(lines[-1].text), _SEAL_SHARE * lines[-1].em_mm
+        if not texts:
+            return None
+        return self._workspace.settings.signer, _SEAL_SHARE * _SIGNATURE_SHARE * texts[-1].em_mm
 
     def _beside(self, main: LaidText, words: str) -> LaidText:
         """A signature left of a text, smaller, as far down as the text goes."""
@@ -272,10 +301,12 @@ class CopybookGuide:
         if not workspace.went_well(done):
             return False
         book: Copybook = done.result()
-        before = None if number is None or number >= len(texts) else self._books.get(texts[number])
-        if before is not None and [g.text for g in before.ghosts] == [g.text for g in book.ghosts]:
-            for one, other in zip(book.ghosts, before.ghosts, strict=True):
-                one.strokes = other.strokes
+        old = None if number is None or number >= len(texts) else texts[number]
+        before = None if old is None else self._books.get(old)
+        if old is not None and before is not None and old.moved(grid=laid.grid) == laid:
+            book.go_on_from(before)
+        else:
+            book.begin_after(workspace.painting.strokes)
         self._books[laid] = book
         self._loose = None
         self._laid.unused = None
@@ -284,8 +315,22 @@ class CopybookGuide:
         self._active = len(texts) if place is None else place
         self._shown = (*texts[: self._active], laid, *texts[self._active + 1 :])
         self._show_active()
-        self._tell_fonts(book)
+        self._tell_fonts(book, self._fit_brush(laid) if laid.text.strip() else "")
         return True
+
+    def _fit_brush(self, laid: LaidText) -> str:
+        """Take a brush for the size of a text, where that in hand is not for it; say so."""
+        paint_thread, em_mm = self._workspace.paint_thread, laid.em_mm
+        if suits_size(paint_thread.brush, em_mm):
+            return ""
+        brush = brush_for(em_mm)
+        self._fitted.append((laid, paint_thread.brush, brush))
+        paint_thread.post("set_brush", brush)
+        return say(
+            "The brush is now {brush}, for characters of {size}; undo takes it back",
+            brush=say_brush(brush.name),
+            size=say_length(em_mm),
+        )
 
     def _tell_fonts(self, book: Copybook, note: str = "", state: str = "off") -> None:
         taken = [
@@ -325,11 +370,20 @@ class CopybookGuide:
             threading.Thread(target=run[0], args=run[1:], name="paint3d-texts", daemon=True).start()
         elif texts != self._shown:
             self._shown = texts
+            self._give_brush_back()
             if self._active is not None and self._active >= len(texts):
                 self._active = len(texts) - 1 if texts else None
             if self._active is None and self._loose is None and texts:
                 self._active = len(texts) - 1
             self._show_active()
+
+    def _give_brush_back(self) -> None:
+        """Have the brush that there was before a text that undo has taken back, unless changed."""
+        paint_thread = self._workspace.paint_thread
+        while self._fitted and self._fitted[-1][0] not in self._shown:
+            _, before, taken = self._fitted.pop()
+            if paint_thread.brush == taken:
+                paint_thread.post("set_brush", before)
 
     def _make_all(self, texts: Sequence[LaidText], done: Future[Any]) -> None:
         made: dict[LaidText, Copybook | Paint3DError] = {}
@@ -422,6 +476,7 @@ class CopybookGuide:
         if not workspace.went_well(done):
             return False
         self._loose, self._laid, self._active = done.result(), laid, None
+        self._loose.begin_after(workspace.painting.strokes)
         self._show_active()
         self._tell_fonts(self._loose, laid.note, laid.state)
         return True
@@ -444,17 +499,24 @@ class CopybookGuide:
         self._coming = self._workspace.paint_thread.post("remove_text", number)
         self._shown = self._shown[:number] + self._shown[number + 1 :]
 
-    def _forget(self) -> None:
-        """Nothing lies on a painting that is opened but its own texts."""
+    def _begin_anew(self, opened: OpenResult) -> None:
+        """Nothing lies on a painting that is opened but its own texts; sheets propose a size."""
+        sheet = sheet_of(opened.surface.mesh)
+        if sheet is not None:
+            inside = min(sheet.size) - 2.0 * sheet.margin_mm
+            self._panel.em.setValue(max(_LEAST_EM_MM, math.floor(inside / _ACROSS)))
         self._laid = _Laid(40.0, Layout())
         self._books, self._shown, self._loose = {}, (), None
         self._active = self._coming = self._making = self._claimed = None
+        self._counting = self._counted = None
+        self._fitted = []
         self._panel.show_texts([], None)
         self._panel.show_values(None)
 
     def follow(self) -> None:
         """Take what strokes were judged to be, and the texts that the painting has now."""
         self._sync()
+        self._count()
         claimed, self._claimed = self._claimed, None
         if claimed is not None and claimed != self._active:
             self.choose(claimed)
@@ -469,19 +531,50 @@ class CopybookGuide:
                     )
                     self._workspace.tell(message, state="good")
 
+    def _count(self) -> None:
+        """Have strokes counted for the characters they wrote, whoever painted them."""
+        if self._counting is not None:
+            if not self._counting.done():
+                return
+            done, self._counting = self._counting, None
+            if not done.cancelled() and done.exception() is None and done.result():
+                self._panel.show_counts()
+                self._draw()
+        books = [book for _, book in self._all_books()]
+        paint_thread = self._workspace.stage.paint_thread
+        if not books or paint_thread is None:
+            return
+        strokes = paint_thread.painting.strokes
+        so_far = paint_thread.n_painted // _SOME
+        state = [*map(id, books)], len(strokes), id(strokes[-1]) if strokes else 0, so_far
+        if state == self._counted:
+            return
+        self._counted = state
+
+        def count(document: Document) -> bool:
+            before = [len(ghost.strokes) for book in books for ghost in book.ghosts]
+            for book in books:
+                book.follow(document.strokes, document.current_stroke)
+            return before != [len(ghost.strokes) for book in books for ghost in book.ghosts]
+
+        self._counting = paint_thread.post(count)
+
+    def _all_books(self) -> list[tuple[int | None, Copybook]]:
+        """All copybooks that lie there, by the numbers of their texts."""
+        books: list[tuple[int | None, Copybook]] = [
+            (number, book)
+            for number, text in enumerate(self._shown)
+            if (book := self._books.get(text)) is not None
+        ]
+        return books if self._loose is None else [*books, (None, self._loose)]
+
     def _last(self, copybook: Copybook) -> int:
         """Place of the character before the next one."""
         following = copybook.next
         return (len(copybook.ghosts) if following is None else following) - 1
 
     def _judge(self, ended: Future[Stroke | None]) -> None:
-        books: list[tuple[int | None, Copybook]] = [
-            (number, book)
-            for number, text in enumerate(self._shown)
-            if (book := self._books.get(text)) is not None
-        ]
-        if self._loose is not None:
-            books.append((None, self._loose))
+        books = self._all_books()
         if not books:
             return
         active = self._active
@@ -508,19 +601,18 @@ class CopybookGuide:
             return
         chosen = self._panel.copybook
         books = [(text, self._books.get(text)) for text in self._shown]
-        all_books = [book for _, book in books if book is not None]
-        all_books += [self._loose] if self._loose is not None else []
+        left = [g for _, book in self._all_books() for g in book.ghosts if not g.is_written]
         following = chosen.next if chosen is not None else None
         current = [chosen.ghosts[following]] if chosen is not None and following is not None else []
-        waiting = [g for book in all_books for g in book.ghosts if not any(g is c for c in current)]
+        waiting = [ghost for ghost in left if not any(ghost is one for one in current)]
         frames = [
             line
             for text, book in books
             if book is not None
-            for line in book.grid(text.grid, text.order == "columns")
+            for line in book.grid(text.grid, text.order == "columns", unwritten=True)
         ]
         if self._loose is not None:
-            frames += [ghost.frame for ghost in self._loose.ghosts]
+            frames += [ghost.frame for ghost in self._loose.ghosts if not ghost.is_written]
         stage.show_lines("ghost frames", frames, _FRAME, 1.0)
         stage.show_lines("ghosts", [line for g in waiting for line in g.outlines], _OUTLINE, 1.4)
         stage.show_lines("next ghost", [line for g in current for line in g.outlines], _NEXT, 2.2)
@@ -546,11 +638,16 @@ def _lies_in(book: Copybook, place: AnyArray) -> bool:
     return near and abs(float((place - frame.origin) @ frame.normal)) <= reach
 
 
-def date_line(day: datetime.date) -> str:
-    """A year of the sixty, counted by January, and its season, as signatures say a date."""
+def signer_in(line: str) -> str:
+    """The name in a signature: what is left of it without the date, and without that it is one."""
+    return _DATED.sub("", line, count=1).strip(_SIGNED)
+
+
+def date_line(day: datetime.date, signer: str = "") -> str:
+    """A year of the sixty, counted by January, and its season, as signatures say a date; a name."""
     year = day.year - 4
     season = "冬春夏秋"[day.month % 12 // 3]
-    return f"{_STEMS[year % 10]}{_BRANCHES[year % 12]}年{season}書"
+    return f"{_STEMS[year % 10]}{_BRANCHES[year % 12]}年{season}{signer}書"
 
 
 def _photographed(file: Path) -> tuple[CopiedSheet, Photographed]:

@@ -95,6 +95,8 @@ class CopybookPanel(QtWidgets.QWidget):
         Texts are to be moved on the object, or no longer.
     signed : ()
         A signature is to be laid beside it.
+    sealed : ()
+        A seal is to be pressed.
     written : ()
         The chosen text is to be written with the brush.
     """
@@ -108,6 +110,7 @@ class CopybookPanel(QtWidgets.QWidget):
     nudged = QtCore.Signal(float, float)
     moving = QtCore.Signal(bool)
     signed = QtCore.Signal()
+    sealed = QtCore.Signal()
     written = QtCore.Signal()
 
     def __init__(self, theme: Theme) -> None:
@@ -154,6 +157,8 @@ class CopybookPanel(QtWidgets.QWidget):
         self.add_button.clicked.connect(lambda: self._ask(True))
         self.sign_button = QtWidgets.QPushButton(say("Signature and date…"))
         self.sign_button.clicked.connect(self.signed)
+        self.seal_button = QtWidgets.QPushButton(say("Press a seal…"))
+        self.seal_button.clicked.connect(self.sealed)
         self.write_button = QtWidgets.QPushButton(say("Write it with the brush"))
         self.write_button.setToolTip(
             say("The brush and the ink in hand write it, stroke by stroke; also by Shift+T")
@@ -212,7 +217,7 @@ class CopybookPanel(QtWidgets.QWidget):
         layout.addLayout(_side_by_side(layout_text, self.add_button))
         layout.addLayout(_side_by_side(self.move_button, hide))
         layout.addWidget(self.write_button)
-        layout.addWidget(self.sign_button)
+        layout.addLayout(_side_by_side(self.sign_button, self.seal_button))
         layout.addWidget(self.open_button)
         layout.addWidget(self.correct_button)
         layout.addWidget(self.told)
@@ -321,7 +326,7 @@ class CopybookPanel(QtWidgets.QWidget):
         """Show another copybook, or none."""
         self.copybook, self._coming = copybook, []
         self.correct_button.setEnabled(copybook is not None and copybook.page is not None)
-        self._fill()
+        self.show_counts()
 
     def expect(self, coming: Future[Any]) -> None:
         """Show the score of a stroke when it is there."""
@@ -334,7 +339,7 @@ class CopybookPanel(QtWidgets.QWidget):
         scores = [one.result() for one in done if one.exception() is None]
         came = any(score is not None for score in scores)
         if came:
-            self._fill()
+            self.show_counts()
         return came
 
     def percent(self, place: int) -> float | None:
@@ -344,13 +349,16 @@ class CopybookPanel(QtWidgets.QWidget):
             return None
         return 100.0 * mark.likeness.iou
 
-    def _fill(self) -> None:
+    def show_counts(self) -> None:
+        """Show how far each character is written."""
         self.list.clear()
         ghosts = self.copybook.ghosts if self.copybook is not None else ()
         for place, ghost in enumerate(ghosts):
             percent = self.percent(place)
             n = len(ghost.strokes)
             text = f"{ghost.text}   {n} / {len(ghost.glyph.strokes)}"
+            if ghost.is_written:
+                text = f"✓  {text}"
             if percent is not None:
                 mark = "✓" if percent >= _GOOD else "·"
                 message = say("{character}: {percent:.0f} %", character=ghost.text, percent=percent)
@@ -365,10 +373,15 @@ class CopybookPanel(QtWidgets.QWidget):
         elif following is None:
             self.told.setText(say("All characters are written"))
         else:
-            self.told.setText(say("Next: {character}", character=ghosts[following].text))
+            told = say(
+                "{n} of {count} written; next: {character}",
+                n=sum(ghost.is_written for ghost in ghosts), count=len(ghosts),
+                character=ghosts[following].text,
+            )  # fmt: skip
+            self.told.setText(told)
             self.list.setCurrentRow(following)
 
     def set_theme(self, theme: Theme) -> None:
         """Use other colours."""
         self._theme = theme
-        self._fill()
+        self.show_counts()

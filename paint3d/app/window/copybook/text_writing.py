@@ -12,8 +12,9 @@ from paint3d.app.window.copybook.text_moving import HeldText
 from paint3d.app.window.job import Progress
 from paint3d.app.window.playing.player import Asked, Player, Tools
 from paint3d.app.window.playing.recordings import samples_of, told_of, tools_in_hand
-from paint3d.app.window.wording import say
+from paint3d.app.window.wording import say, say_brush, say_length
 from paint3d.app.window.workspace import Workspace
+from paint3d.brush.presets import brush_for, suits_size
 from paint3d.core.machine import usable_cores
 
 if TYPE_CHECKING:
@@ -35,8 +36,6 @@ class TextWriting:
     workspace : Workspace
     player : Player
         Paints what was planned.
-    speed : callable
-        How many times the hand's own speed; None: as fast as it goes.
     held : callable
         The text that is chosen, as it lies there, or None.
     """
@@ -45,28 +44,44 @@ class TextWriting:
         self,
         workspace: Workspace,
         player: Player,
-        speed: Callable[[], float | None],
         held: Callable[[], HeldText | None],
     ) -> None:
         self._workspace, self._player = workspace, player
-        self._speed, self._held = speed, held
+        self._held = held
 
     def do_write_text(self) -> None:
-        """Plan the strokes of the text that is chosen, and paint them as a hand would."""
+        """Plan the strokes of the text that is chosen, and paint them as a hand would.
+
+        As fast as it goes; the bar of what is played slows it down.
+        """
         workspace, held = self._workspace, self._held()
         if held is None or not held.book.ghosts:
             workspace.tell(say("There is no text to write; lay one out first"), state="bad")
             return
         workspace.hand.interrupt()
+        workspace.actions["arrange_text"].setChecked(False)
         painting, brush = workspace.painting, workspace.paint_thread.brush
+        in_hand, em = brush, held.laid.em_mm
+        if not suits_size(in_hand, em):
+            brush = brush_for(em)
         folder = workspace.settings.glyphs or None
         title = say("Planning the strokes…")
         planned = workspace.run(title, partial(_made_ready, held, painting, brush, folder))
         if workspace.went_well(planned):
             samples, loads, strengths = planned.result()
-            after = tools_in_hand(painting, brush)
-            tools = Tools(_fresh(painting), after, loads, strengths)
-            self._player.play(samples, self._speed(), tools)
+            after = tools_in_hand(painting, in_hand)
+            before = _fresh(painting)
+            if brush != in_hand:
+                before.insert(1, ("set_brush", (brush,)))
+            tools = Tools(before, after, loads, strengths, writes=True)
+            self._player.play(samples, None, tools)
+            if brush != in_hand:
+                told = say(
+                    "The brush is {brush}, for characters of {size}; Esc stops it",
+                    brush=say_brush(brush.name),
+                    size=say_length(em),
+                )
+                workspace.tell(told)
 
 
 def _fresh(painting: Snapshot) -> list[Asked]:

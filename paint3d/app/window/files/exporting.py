@@ -113,9 +113,10 @@ class ExportDialog(FormDialog):
         if self.suffix in FORMATS:
             views["studio"] = say("The painted side, in the studio's light")
             views |= {name: say(text) for name, text in _VIEWS.items()}
-        view = self.add_box(say("View"), views, self._kept.get("view"))
+        flat = FLAT if self._sheet is not None and FLAT in views else None
+        view = self.add_box(say("View"), views, self._kept.get("view", flat))
         self.choices["view"] = view
-        self.size_boxes = SizeBoxes(self._kept_size(self._screen), self._screen)
+        self.size_boxes = SizeBoxes(self._kept_size(self._usual_size()), self._screen)
         self.form.addRow(say("Size in pixels"), self.size_boxes)
         if self.suffix == ".jpg":
             quality = kept_number(self._kept, "quality", _QUALITY)
@@ -136,13 +137,18 @@ class ExportDialog(FormDialog):
         """Begin with the size that is usual for a view."""
         boxes = self._sizes()
         boxes.kept.setChecked(self.is_of_screen)
-        width, height = self._screen if self.is_of_screen else _STUDIO_SIZE
-        if self._sheet is not None and self.choices["view"].currentData() == FLAT:
-            scale = _SHEET_SIDE / max(self._sheet)
-            width, height = (max(LEAST_PIXELS, round(scale * mm)) for mm in self._sheet)
+        width, height = self._usual_size()
         boxes.width_box.setValue(width)
         boxes.height_box.setValue(height)
         self._follow()
+
+    def _usual_size(self) -> tuple[int, int]:
+        """The size that is usual for the view, pixels."""
+        if self._sheet is not None and self.choices["view"].currentData() == FLAT:
+            scale = _SHEET_SIDE / max(self._sheet)
+            width, height = (max(LEAST_PIXELS, round(scale * mm)) for mm in self._sheet)
+            return width, height
+        return self._screen if self.is_of_screen else _STUDIO_SIZE
 
     def _add_mesh(self) -> None:
         if "unit" in self._takes:
@@ -314,6 +320,7 @@ FORMAT_NAMES = {
     ".p3d.txt": Message("Records of the vertices"),
     SESSION_SUFFIX: Message("Copy of the painting"),
 }
+_PICTURES_FIRST = {s: FORMAT_NAMES[s] for s in (*_PICTURES, *FORMAT_NAMES)}  # of a flat sheet
 _TAKEN = 0.5  # of an export's time, about, until the painting may go on
 
 
@@ -327,7 +334,10 @@ class Exporting:
         """Ask for a name and a format, then for what can be chosen in that format; write it."""
         workspace = self._workspace
         kept = workspace.settings.exports
-        path = self._targets.ask(say("Export…"), FORMAT_NAMES, str(kept.get("format", "")))
+        extent = _extent(workspace.painting.source)
+        remembered = "format" if extent is None else "format of sheets"
+        names = FORMAT_NAMES if extent is None else _PICTURES_FIRST
+        path = self._targets.ask(say("Export…"), names, str(kept.get(remembered, "")))
         if path is None:
             return
         name = path.name.lower()
@@ -337,11 +347,11 @@ class Exporting:
             return
         dialog = ExportDialog(
             workspace.window, suffix, kept_options(kept, suffix), workspace.canvas.pixel_size,
-            _extent(workspace.painting.source),
+            extent,
         )  # fmt: skip
         if not dialog.exec():
             return
-        workspace.keep(exports={**kept, "format": suffix, suffix: dialog.chosen()})
+        workspace.keep(exports={**kept, remembered: suffix, suffix: dialog.chosen()})
         if dialog.is_of_screen:
             self._pictures.picture_to(path, dialog.picture_size(), dialog.quality())
         elif dialog.is_taken_otherwise:

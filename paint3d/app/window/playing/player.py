@@ -28,6 +28,8 @@ _BATCH = 64  # samples handed on at once where no time is kept
 _MOST_BATCHES = 16  # in one tick: the window lives on
 _MOST_CUES = 1024
 _AHEAD = 64  # batches that wait: painting is not to wait for the next tick
+_HASTE = 8  # times as fast as planned a hand writes, for the ink, where nobody keeps the time
+_LOOK_S, _LOOK_SHARE = 2.0, 0.004  # until it is known how fast it goes
 
 Asked = tuple[str, tuple[Any, ...]]
 """A command of a document, and what it is called with."""
@@ -39,12 +41,23 @@ class Tools:
 
     And how much ink the brush comes to hold at its samples, and how strong it is; see
     `Document.begin_stroke`.
+
+    Attributes
+    ----------
+    writes : bool
+        Whether it is no recording but a text that is written: played as fast as it goes, its ink
+        has the time of a swifter hand, and goes on afterwards by the clock.
     """
 
     before: Sequence[Asked] = ()
     after: Sequence[Asked] = ()
     loads: Sequence[tuple[int, float]] = ()
     strengths: Sequence[tuple[int, float]] = ()
+    writes: bool = False
+
+    def haste(self, speed: float | None) -> int:
+        """How many times less time the ink has than passes between samples."""
+        return _HASTE if self.writes and speed is None else 1
 
 
 class _Clock:
@@ -116,8 +129,8 @@ class _Strokes:
     ) -> _Strokes:
         """Begin the stroke."""
         # by the hand's clock, and by whole pieces of the ink's time: as it was painted
-        since = time.perf_counter_ns() - samples[0].time_ns
-        later_ns = since // PIECE_NS * PIECE_NS
+        whole = tools.haste(None) * PIECE_NS
+        later_ns = (time.perf_counter_ns() - samples[0].time_ns) // whole * whole
         times = np.array([sample.time_ns for sample in samples], np.int64)
         when = HandTime(in_full=paint_thread.wet).pass_samples(times).tolist()
         _ask(paint_thread, tools.before)
@@ -307,6 +320,7 @@ class Player(QtCore.QObject):
         self._workspace = workspace
         self._replay: _Strokes | _Score | None = None
         self._clock = _Clock(None)
+        self._since = 0.0, 0.0  # when it was at which fraction
         self._is_paused = self._refused = False
         workspace.said.connect(self._hear)
 
@@ -325,6 +339,36 @@ class Player(QtCore.QObject):
         """Whether it stands still until it is to go on."""
         return self._is_paused
 
+    @property
+    def left_s(self) -> float | None:
+        """How long it still takes as it has gone at this speed, s; None while that is not known."""
+        replay, paint_thread = self._replay, self._workspace.stage.paint_thread
+        if replay is None or paint_thread is None or self._is_paused:
+            return None
+        (since, before), fraction = self._since, replay.fraction(paint_thread)
+        passed, done = time.perf_counter() - since, fraction - before
+        if passed < _LOOK_S or done < _LOOK_SHARE:
+            return None
+        return passed / done * (1.0 - fraction)
+
+    @property
+    def is_spreading(self) -> bool:
+        """Whether a text is written and its ink spreads meanwhile, as `stop_spreading` ends."""
+        replay, paint_thread = self._replay, self._workspace.stage.paint_thread
+        writes = isinstance(replay, _Strokes) and replay.tools.writes
+        return writes and paint_thread is not None and paint_thread.wet
+
+    def stop_spreading(self) -> None:
+        """Write on while the ink stays where it is laid, until it is to spread again."""
+        wet = self._workspace.actions["wet"]
+        with QtCore.QSignalBlocker(wet):
+            wet.setChecked(False)
+        self._workspace.paint_thread.wet = False
+        self._look_again()
+        self._workspace.tell(
+            say("Ink stays where it is laid; “Ink spreads and dries” lets it spread again")
+        )
+
     def play(
         self, samples: Sequence[DeviceSample], speed: float | None, tools: Tools | None = None
     ) -> None:
@@ -334,8 +378,9 @@ class Player(QtCore.QObject):
         """
         self.stop()
         if samples:
-            self._workspace.paint_thread.use_sample_time_alone(True)
-            playing = _Strokes.begun(self._workspace.paint_thread, samples, tools or Tools())
+            tools = tools or Tools()
+            self._workspace.paint_thread.use_sample_time_alone(True, tools.haste(speed))
+            playing = _Strokes.begun(self._workspace.paint_thread, samples, tools)
             self._begin(playing, speed)
 
     def play_score(self, cues: Sequence[Cue], speed: float | None) -> None:
@@ -350,20 +395,40 @@ class Player(QtCore.QObject):
     def _begin(self, playing: _Strokes | _Score, speed: float | None) -> None:
         self._replay, self._clock = playing, _Clock(speed)
         self._is_paused = self._refused = False
-        self._workspace.tell(say("Replaying; Esc stops it"))
+        self._look_again()
+        if not isinstance(playing, _Strokes) or not playing.tools.writes:
+            told = say("Replaying; Esc stops it")
+        elif self.is_spreading:
+            told = say("The brush writes, and its ink spreads; Esc stops it")
+        else:
+            told = say("The brush writes; Esc stops it")
+        self._workspace.tell(told)
         self.moved.emit(0.0)
         self.tick()
 
     def set_speed(self, speed: float | None) -> None:
         """Play on at so many times the hand's own speed."""
-        if self._replay is not None:
-            self._clock.change(self._replay.reached, speed, self._is_paused)
+        replay = self._replay
+        if replay is not None:
+            if isinstance(replay, _Strokes):
+                haste = replay.tools.haste(speed)
+                if haste != replay.tools.haste(self._clock.speed):
+                    self._workspace.paint_thread.use_sample_time_alone(True, haste)
+            self._clock.change(replay.reached, speed, self._is_paused)
+            self._look_again()
 
     def pause(self, on: bool) -> None:
         """Stand still where it is, or go on from there."""
         if self._replay is not None:
             self._is_paused = on
             self._clock.change(self._replay.reached, self._clock.speed, on)
+            self._look_again()
+
+    def _look_again(self) -> None:
+        """Look from now on how fast it goes."""
+        replay, paint_thread = self._replay, self._workspace.stage.paint_thread
+        if replay is not None and paint_thread is not None:
+            self._since = time.perf_counter(), replay.fraction(paint_thread)
 
     def tick(self) -> None:
         """Hand on what is due by now, and see how much is painted."""
