@@ -490,14 +490,14 @@ def _too_long(grid: _Grid, lines: Sequence[str], fits: int) -> InputError:
     }
     return InputError(
         Message(
-            "the text of {n} characters does not fit on {object} at an em of {em_mm:g} mm: {fits} "
-            "would; expected a shorter text, a smaller size or another place",
+            "the text of {n} characters does not fit on {object} at a size of {em_mm:g} mm: {fits} "
+            "of them would; expected a shorter text, a smaller size or another place",
             **fields,
         )
         if smaller is None
         else Message(
-            "the text of {n} characters does not fit on {object} at an em of {em_mm:g} mm: {fits} "
-            "would; expected a size of {smaller:g} mm, a shorter text or another place",
+            "the text of {n} characters does not fit on {object} at a size of {em_mm:g} mm: {fits} "
+            "of them would; expected a size of {smaller:g} mm, a shorter text or another place",
             smaller=smaller,
             **fields,
         )

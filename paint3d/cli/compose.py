@@ -41,7 +41,7 @@ from paint3d.cli.painting import (
     paint_onto,
     take_layer,
 )
-from paint3d.cli.results import Painting, finish, result_suffixes
+from paint3d.cli.results import Painting, finish, result_suffixes, say_if_over
 from paint3d.cli.sources import check_source
 from paint3d.errors import InputError, Paint3DError
 
@@ -56,7 +56,6 @@ paint3d compose --on bowl --out b.glb --piece '{"text": "永", "size": 30}' --pi
 """
 
 _LOG = logging.getLogger("paint3d")
-_MUCH_OVER = 0.02  # of a piece: less is a touch
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -241,6 +240,5 @@ def _paint(
         painted = paint_onto(document, write.inked(written, surface), wanted, seconds)
         counts = {"characters": written.characters, "brush": painted.counts["brush"]}
         over = float(painted.counts["over_paint"])
-    if over > _MUCH_OVER:
-        _LOG.warning("%s: %.0f %% of it lies over earlier paint", name, 100.0 * over)
+    say_if_over(over, name)
     return {**counts, "over_paint": round(over, 4)}

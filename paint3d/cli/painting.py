@@ -504,7 +504,7 @@ def open_document(wanted: PaintingOptions, options: argparse.Namespace) -> Docum
         if getattr(options, name, None) is not None:
             option = name.replace("_", "-")
             raise InputError(
-                "--{option} is given, and {on} is a painting with its own",
+                "--{option} is given, and {on} is a painting with its own; expected none",
                 option=option,
                 on=wanted.on,
             )

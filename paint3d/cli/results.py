@@ -180,11 +180,7 @@ def finish(painting: Painting, options: argparse.Namespace, film: _Film | None =
     Paint3DError
         If one cannot be written.
     """
-    if painting.counts.get("over_paint", 0.0) > _MUCH_OVER:
-        _LOG.warning(
-            "%.0f %% of it lies over what was painted before",
-            100.0 * painting.counts["over_paint"],
-        )
+    say_if_over(painting.counts.get("over_paint", 0.0))
     with timed(painting.seconds, "export"):
         if options.out is not None:
             write_result(painting, options.out, quiet=options.quiet)
@@ -192,6 +188,13 @@ def finish(painting: Painting, options: argparse.Namespace, film: _Film | None =
             film.write()
     if options.report is not None:
         write_report(options.report, painting)
+
+
+def say_if_over(fraction: float, name: str = "") -> None:
+    """Tell that so much of what was painted, 0 to 1, lies over earlier paint, if it is no touch."""
+    if fraction > _MUCH_OVER:
+        piece = f"{name}: " if name else ""
+        _LOG.warning("%s%.0f %% of it lies over what was painted before", piece, 100.0 * fraction)
 
 
 def write_report(file: Path, painting: Painting) -> None:

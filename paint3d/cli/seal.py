@@ -25,12 +25,13 @@ from paint3d.cli.options import (
 from paint3d.cli.painting import (
     PaintingOptions,
     add_out_option,
+    fraction_over,
     new_document,
     open_document,
     take_layer,
 )
 from paint3d.cli.progress import ProgressBar
-from paint3d.cli.results import add_layer_option, result_suffixes
+from paint3d.cli.results import add_layer_option, result_suffixes, say_if_over
 from paint3d.cli.sources import WHAT, add_drawing_options, parse_face
 from paint3d.errors import InputError, MeshError
 
@@ -159,7 +160,10 @@ def run(options: argparse.Namespace) -> None:
     else:
         document = new_document(wanted)
     take_layer(document, options.layer)
+    document.refresh()
+    before = document.surface.painted
     told = press(document, options)
+    say_if_over(fraction_over(document, before))
     with ProgressBar("writing", enabled=not options.quiet) as progress:
         document.export(options.out, progress=progress)
     if not options.quiet:

@@ -6,6 +6,7 @@ With a painting (.p3d) as --on, it goes on with that; --layer keeps what is writ
 from __future__ import annotations
 
 import argparse
+import logging
 import sys
 from collections.abc import Callable, Iterable
 from dataclasses import replace
@@ -92,6 +93,8 @@ paint3d write --svg logo.svg --on hello.p3d --size 40 --out both.p3d
 _RECORDINGS = (".jsonl", ".csv", ".jsonl.gz", ".csv.gz")
 _TECHNIQUES = ("zhongfeng", "cefeng", "pianfeng")
 _SIDES = ("outside", "inside", "top", "bottom")
+_FINE, _FINER = 40.0, 75.0  # vertices to a character's side: fewer show ragged strokes; enough
+_LOG = logging.getLogger("paint3d")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -264,6 +267,8 @@ def carry_out(
             check_is_plane(surface.source)
     take_layer(document or surface, options.layer)
     written = plan(options, surface, write, pen, source, dips, seconds)
+    if options.text is not None and not as_outlines:
+        _say_if_coarse(pen.em_mm, surface)
     if trials:
         written = _rehearsed(written, surface, wanted, seconds, trials, sheet)
     recording = inked(written, surface)
@@ -290,6 +295,19 @@ def carry_out(
     if not options.quiet:
         sys.stdout.write(f"{options.out}: {painting.summarize()}\n")
     return written, painting
+
+
+def _say_if_coarse(em_mm: float, surface: PaintedSurface) -> None:
+    """Tell that fine strokes of a text come out ragged, where vertices lie too far apart for it."""
+    apart = surface.resolution
+    if apart is not None and apart * _FINE > em_mm:
+        _LOG.warning(
+            "strokes of %g mm characters are fine for vertices %g mm apart: they come out ragged; "
+            "--resolution %.2g, where the object is made ready, draws them",
+            em_mm,
+            apart,
+            em_mm / _FINER,
+        )
 
 
 def inked(written: Written, surface: PaintedSurface) -> Recording:

@@ -275,6 +275,11 @@ def film_strengths(
         own = (over_black * white - over_white * black) / lower
         through2 = (over_white - own) * (1.0 - own * white) / white
     possible = (own >= -_NOISE) & (through2 <= (1.0 - own) ** 2 + _NOISE)
+    if (over_white < over_black).all():
+        raise PigmentError(
+            "the film is darker over white than over black; expected W_<nm> over white "
+            "and B_<nm> over black"
+        )
     hides = over_white - over_black < _SHOWS * (white - black)
     if hides.any():
         worst = int(hides.argmax())
@@ -375,6 +380,10 @@ def load_pigments_csv(path: str | Path) -> Mapping[str, Pigment]:
             "{file}: cannot be read as a table of pigments: {cause}", file=path, cause=cause
         ) from None
     if "name" not in header:
+        if any(";" in column or "\t" in column for column in header):
+            raise PigmentError(
+                "{file}:1: has no column 'name'; expected commas between columns", file=path
+            )
         raise PigmentError("{file}:1: has no column 'name'", file=path)
     nm, columns = _read_bands(header, path)
     pigments: dict[str, Pigment] = {}

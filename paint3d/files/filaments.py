@@ -2,8 +2,9 @@
 
 The colours of a painting are gathered into clusters in CIE L*a*b*, every colour weighted by the
 area that shows it (k-means from the colours farthest apart, so that a little cinnabar is not lost
-on much porcelain), or taken as the nearest (CIEDE2000) of colours that are given. Triangles between
-two filaments are as small as the painting's; where one filament covers many, they are joined.
+on much porcelain), or are given. A colour gets the one that is nearest (CIEDE2000), or the larger
+part of two, as at an edge. Triangles between two filaments are as small as the painting's; where
+one filament covers many, they are joined.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ from paint3d.core.arrays import AnyArray
 __all__ = ["Filaments", "choose_filaments", "choose_for_triangles", "split_by_filament"]
 
 ROUNDS = 50
+_ALONE = 2.0  # dE00 that a mixture of two has to be nearer by than one filament alone
 NEGLIGIBLE = 1e-4  # share of the area below which a colour cannot start a cluster
 
 
@@ -57,7 +59,7 @@ def choose_filaments(
     else:
         rgb = [bytes.fromhex(colour.lstrip("#")) for colour in wanted]
         palette = np.frombuffer(b"".join(rgb), np.uint8).reshape(-1, 3)
-    nearest = _nearest(codes, palette)
+    nearest = _painted_with(codes, palette)
     cover = np.bincount(nearest, weights=weights, minlength=len(palette))
     order = np.argsort(-cover, kind="stable") if isinstance(wanted, int) else np.arange(len(cover))
     rank = np.empty(len(order), np.int32)
@@ -102,6 +104,29 @@ def _nearest(codes: NDArray[np.uint8], palette: NDArray[np.uint8]) -> NDArray[np
     gaps = [delta_e(lab, filament[None]) for filament in filaments]
     result: NDArray[np.int32] = np.argmin(gaps, axis=0).astype(np.int32)
     return result
+
+
+def _painted_with(codes: NDArray[np.uint8], palette: NDArray[np.uint8]) -> NDArray[np.int32]:
+    """Place in the palette (n,) of the filament that each colour shows, or shows most of.
+
+    At an edge a vertex shows two of them: black over white is grey there, which looks like teal
+    before it looks like either. So a colour is one filament or a mixture of two, as light, whatever
+    is nearest to it; of a mixture it gets the one that it has more of.
+    """
+    lab, linear = lab_from_srgb(codes), decode_srgb(codes)
+    filaments = decode_srgb(palette)
+    best = _nearest(codes, palette)
+    gap = delta_e(lab, lab_from_srgb(palette)[best]) - _ALONE
+    for a in range(len(palette)):
+        for b in range(a + 1, len(palette)):
+            way = filaments[b] - filaments[a]
+            share = (linear - filaments[a]) @ way / max(float(way @ way), 1e-12)
+            mixture = filaments[a] + np.clip(share, 0.0, 1.0)[:, None] * way
+            apart = delta_e(lab, lab_from_linear_rgb(mixture))
+            nearer = apart < gap
+            gap = np.where(nearer, apart, gap)
+            best = np.where(nearer, np.where(share > 0.5, b, a), best).astype(np.int32)
+    return best
 
 
 def choose_for_triangles(

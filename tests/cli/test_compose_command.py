@@ -55,7 +55,7 @@ def test_pieces_may_be_given_without_a_table_and_overlaps_are_told(capsys) -> No
     assert compose("--piece", piece, "--piece", piece, "--quiet") == 0
     assert capsys.readouterr().err == ""
     assert compose("--piece", piece, "--piece", piece) == 0
-    assert "piece 2: 100 % of it lies over earlier paint" in capsys.readouterr().err
+    assert "piece 2: 100 % of it lies over what was painted before" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

@@ -40,6 +40,7 @@ def test_a_seal_on_a_painting_is_a_step_on_a_layer_of_its_own(painting: str, cap
     told = capsys.readouterr()
     assert done == 0
     assert "12.0 x 6.6 mm" in told.out
+    assert "% of it lies over what was painted before" in told.err
     before, after = Document.open(painting), Document.open("sealed.p3d")
     assert [layer.name for layer in after.layers] == ["1", "seal"]
     assert after.steps.done[-1] == "seal"

@@ -34,7 +34,7 @@ def glyphs(tmp_path_factory) -> Path:
         (
             "一丨十一丨十一丨十",
             {"size": 66},
-            "9 characters does not fit on plane at an em of 66 mm",
+            "9 characters does not fit on plane at a size of 66 mm",
         ),
         ("一", {"size": 300, "brush": "full"}, "no place for an em of 300 mm"),
         ("一", {"size": 300}, "size of the characters (mm) is 300"),
@@ -195,3 +195,14 @@ def test_kept_strokes_of_a_drawing_paint_it_again(tmp_path: Path, monkeypatch) -
     one, two = (load_recording(name).position for name in ("a.jsonl", "b.jsonl"))
     for end in (np.min, np.max, np.mean):
         np.testing.assert_allclose(end(one, axis=0), end(two, axis=0), atol=0.01)
+
+
+@pytest.mark.parametrize(("size", "told"), [("10", True), ("40", False)])
+def test_text_too_small_for_its_vertices_is_told(tmp_path, monkeypatch, capsys, size, told) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main.main(["write", "一", "--on", "plane", "--size", size, "--resolution", "0.8",
+                      "--out", "a.p3d", "--processes", "1"]) == 0  # fmt: skip
+    said = (
+        "strokes of 10 mm characters are fine for vertices 0.8 mm apart" in capsys.readouterr().err
+    )
+    assert said == told

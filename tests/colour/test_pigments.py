@@ -332,11 +332,14 @@ def test_a_film_that_only_absorbs_is_one_too(tmp_path):
         (9.0, "0.82,0.04", "films.csv:2: the film hides its ground at 400 nm"),
         (0.3, "0.3,0.04", "films.csv:2: at 400 nm no film is 0..* over a ground of 0.3"),
         (0.3, "0.04,0.82", "films.csv:2: white is '0.04' and black '0.82'; expected"),
+        (-0.3, "0.82,0.04", "films.csv:2: the film is darker over white than over black"),
         (0.3, "0.82,", "films.csv:2: white is '0.82' and black ''; expected"),
     ],
 )
 def test_films_that_tell_nothing_are_refused(strength, grounds, message, tmp_path):
-    path = films(tmp_path, np.full(31, strength), np.full(31, strength), grounds=grounds)
+    film = np.full(31, abs(strength))
+    sides = (0.82, 0.04) if strength > 0.0 else (0.04, 0.82)
+    path = films(tmp_path, film, film, *sides, grounds=grounds)
     with pytest.raises(PigmentError, match=message):
         load_pigments_csv(path)
 

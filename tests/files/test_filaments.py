@@ -11,6 +11,7 @@ import pytest
 import trimesh
 
 from paint3d.colour.difference import delta_e, lab_from_srgb
+from paint3d.colour.spectra import decode_srgb, srgb_from_linear
 from paint3d.files.export import export
 from paint3d.files.export_options import ExportOptions
 from paint3d.files.filaments import (
@@ -72,6 +73,17 @@ def test_given_filaments_stay_in_their_order_and_the_nearest_is_taken():
     palette, chosen = choose_filaments(codes, np.ones(len(codes)), given)
     assert palette.tolist() == [[200, 32, 32], [16, 16, 16], [255, 255, 255], [0, 255, 0]]
     assert np.bincount(chosen, minlength=4).tolist() == [100, 900, 9000, 0]
+
+
+def test_edges_of_black_on_white_are_black_or_white_though_teal_is_nearer():
+    given = ["#f4f1e8", "#1c1b1a", "#b23a2a", "#2ca2a4"]
+    white, black, _, teal = (decode_srgb(np.frombuffer(bytes.fromhex(c[1:]), "u1")) for c in given)
+    share = np.linspace(0.0, 1.0, 41)[:, None]
+    for ink, place in ((black, 1), (teal, 3)):
+        edge = srgb_from_linear((1.0 - share) * white + share * ink)
+        _, chosen = choose_filaments(edge, np.ones(len(edge)), given)
+        assert set(chosen) == {0, place}
+        assert abs(int((chosen == 0).sum()) - 20) < 6
 
 
 def test_a_triangle_takes_what_two_of_its_corners_have_or_the_mean():
