@@ -258,8 +258,9 @@ def _draw(stamp, touching, tuft, hairs, canvas, scratch):
     way, ink = hairs.memory[0].way, canvas.ink
     know_hairs(bristles, hairs.turned, hairs.roll, way, hairs.known, hairs.hair_contacts)
     full = ink.transfer[0].capacity / count  # of a hair
+    draws = min(1.0, 2.0 * absorbency(ink))
     wanted, wet, dot = ask_hairs(
-        bristles, hairs.load, full, absorbency(ink), way, SUB, hairs.hair_contacts, hairs.sums
+        bristles, hairs.load, full, draws, way, SUB, hairs.hair_contacts, hairs.sums
     )
     if kept.drawn > 0.0:
         _carry_outline(stamp, kept, hairs.kept_lines)
