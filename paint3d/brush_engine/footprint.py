@@ -44,7 +44,7 @@ PROFILE_CELLS = 64
 LAST_PLACE = PROFILE_CELLS - 1e-4  # on the profile, in cells: within the last
 _LEAST_WAY = 1e-9  # mm
 _IN_PLACE = 0.35  # of the motion of a footprint that turns or grows where it stands: gives ink
-# How much of what paper moves an edge by a footprint follows: docs/model.md, equation (20)
+# How much of what paper moves an edge by a footprint follows: docs/model.md, equation (20a)
 _ROUGH_MM = 3.5  # all of it from this width on
 _CALM, _HASTY, _HASTY_MM_S, _THIRSTY = 0.58, 0.3, 120.0, 0.35  # slow and wet; more if fast, if dry
 _BELLY, _POINT = 1.15, 0.6  # times that at the heel of the footprint and at its tip
@@ -122,7 +122,7 @@ SWEEP = np.dtype(
         ("carry2", "f8"),  # square of how far a vertex may be carried into the plane, mm2
         ("ball", "f8", 3),  # middle of the ball in which vertices are carried, from the origin, mm
         ("ball2", "f8"),  # square of its radius
-        ("wet", "f8"),  # load over that below which the tuft touches the heights alone, to 2
+        ("wet", "f8"),  # load over that below which the tuft begins to skip: `wetness`
         ("steady", "f8", 2),  # share of what paper moves the outlines by that they do not follow:
         # at the plane's origin, and how much less to the mm along the bend
     ],

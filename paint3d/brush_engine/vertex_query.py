@@ -531,7 +531,7 @@ def next_block(n_runs, n_cells, without_inside, sweep, field, scratch):
 def _steady(n, ids, vertices, px, py, pz, sweep, rows):
     """Take back the part of paper's shifts that a footprint does not follow.
 
-    docs/model.md, equation (20).
+    docs/model.md, equation (20a).
     """
     bx, by, bz = single(sweep.bend)
     cx, cy, cz = single(sweep.cross)

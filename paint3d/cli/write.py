@@ -302,10 +302,10 @@ def _say_if_coarse(em_mm: float, surface: PaintedSurface) -> None:
     apart = surface.resolution
     if apart is not None and apart * _FINE > em_mm:
         _LOG.warning(
-            "strokes of %g mm characters are fine for vertices %g mm apart: they come out ragged; "
-            "--resolution %.2g, where the object is made ready, draws them",
-            em_mm,
+            "vertices %g mm apart are too coarse for characters of %g mm: thin strokes come out "
+            "ragged; expected --resolution %.2g where the object is made ready",
             apart,
+            em_mm,
             em_mm / _FINER,
         )
 

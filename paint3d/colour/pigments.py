@@ -301,8 +301,9 @@ def film_strengths(
             white=white,
             black=black,
         )
-    through2, clear = np.minimum(through2, 1.0), own < _DARKEST
-    a = (1.0 + own**2 - through2) / (2.0 * np.maximum(own, _DARKEST))
+    own = np.maximum(own, 0.0)
+    through2, clear = np.minimum(through2, (1.0 - own) ** 2), own < _DARKEST
+    a = np.maximum(1.0, (1.0 + own**2 - through2) / (2.0 * np.maximum(own, _DARKEST)))
     b = np.sqrt(np.maximum(a * a - 1.0, 1e-12))
     s = np.where(clear, 0.0, np.arcsinh(b * own / np.sqrt(through2)) / b)
     k = np.where(clear, -0.5 * np.log(through2), s * (a - 1.0))

@@ -10,6 +10,7 @@ one filament covers many, they are joined.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
@@ -22,7 +23,9 @@ from paint3d.core.arrays import AnyArray
 __all__ = ["Filaments", "choose_filaments", "choose_for_triangles", "split_by_filament"]
 
 ROUNDS = 50
-_ALONE = 2.0  # dE00 that a mixture of two has to be nearer by than one filament alone
+# In L*a*b*: how much nearer a mixture of two has to be than one filament alone, and how far from it
+# the nearest filament lies that is none of its kind. Of more than so many the nearest is taken.
+_ALONE, _ASIDE, _MOST_MIXED = 2.0, 8.0, 16
 NEGLIGIBLE = 1e-4  # share of the area below which a colour cannot start a cluster
 
 
@@ -111,22 +114,34 @@ def _painted_with(codes: NDArray[np.uint8], palette: NDArray[np.uint8]) -> NDArr
 
     At an edge a vertex shows two of them: black over white is grey there, which looks like teal
     before it looks like either. So a colour is one filament or a mixture of two, as light, whatever
-    is nearest to it; of a mixture it gets the one that it has more of.
+    is nearest to it; of a mixture it gets the one that it has more of. A grey that lies between
+    black and white is one of its own.
     """
-    lab, linear = lab_from_srgb(codes), decode_srgb(codes)
-    filaments = decode_srgb(palette)
-    best = _nearest(codes, palette)
-    gap = delta_e(lab, lab_from_srgb(palette)[best]) - _ALONE
-    for a in range(len(palette)):
-        for b in range(a + 1, len(palette)):
-            way = filaments[b] - filaments[a]
-            share = (linear - filaments[a]) @ way / max(float(way @ way), 1e-12)
-            mixture = filaments[a] + np.clip(share, 0.0, 1.0)[:, None] * way
-            apart = delta_e(lab, lab_from_linear_rgb(mixture))
-            nearer = apart < gap
-            gap = np.where(nearer, apart, gap)
-            best = np.where(nearer, np.where(share > 0.5, b, a), best).astype(np.int32)
+    nearest = _nearest(codes, palette)
+    if len(palette) > _MOST_MIXED:
+        return nearest
+    lab, known = lab_from_srgb(codes), lab_from_srgb(palette)
+    linear, filaments = decode_srgb(codes), decode_srgb(palette)
+    best, gap = nearest, np.linalg.norm(lab - known[nearest], axis=1) - _ALONE
+    for a, b in combinations(range(len(palette)), 2):
+        share, apart = _mixed(linear, lab, filaments[a], filaments[b])
+        aside = _mixed(filaments, known, filaments[a], filaments[b])[1] > _ASIDE
+        aside[[a, b]] = True
+        nearer = aside[nearest] & (apart < gap)
+        gap = np.where(nearer, apart, gap)
+        best = np.where(nearer, np.where(share > 0.5, b, a), best).astype(np.int32)
     return best
+
+
+def _mixed(linear: AnyArray, lab: AnyArray, a: AnyArray, b: AnyArray) -> tuple[AnyArray, AnyArray]:
+    """Share of b in the mixture of a and b that is nearest as light, and how far it is off, in Lab.
+
+    Of n colours, (n, 3); a and b are linear.
+    """
+    way = b - a
+    share = np.clip((linear - a) @ way / max(float(way @ way), 1e-12), 0.0, 1.0)
+    gap: AnyArray = np.linalg.norm(lab - lab_from_linear_rgb(a + share[:, None] * way), axis=1)
+    return share, gap
 
 
 def choose_for_triangles(

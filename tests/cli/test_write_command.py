@@ -202,7 +202,5 @@ def test_text_too_small_for_its_vertices_is_told(tmp_path, monkeypatch, capsys, 
     monkeypatch.chdir(tmp_path)
     assert main.main(["write", "一", "--on", "plane", "--size", size, "--resolution", "0.8",
                       "--out", "a.p3d", "--processes", "1"]) == 0  # fmt: skip
-    said = (
-        "strokes of 10 mm characters are fine for vertices 0.8 mm apart" in capsys.readouterr().err
-    )
+    said = "vertices 0.8 mm apart are too coarse for characters of 10 mm" in capsys.readouterr().err
     assert said == told

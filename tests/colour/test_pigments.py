@@ -300,9 +300,11 @@ def test_the_command_checks_an_own_table(tmp_path, capsys):
     assert told.count("\n") == 1
 
 
-def films(tmp_path, k, s, white=0.82, black=0.04, grounds="0.82,0.04"):
+def films(tmp_path, k, s, white=0.82, black=0.04, grounds="0.82,0.04", noise=0.0):
     """A table of a film over two grounds, as an instrument would measure it."""
-    over = [layer_reflectance(k, s, np.ones(31), np.full(31, g)) for g in (white, black)]
+    over = noise + np.array(
+        [layer_reflectance(k, s, np.ones(31), np.full(31, g)) for g in (white, black)]
+    )
     names = ",".join(f"{letter}_{nm:.0f}" for letter in "WB" for nm in BANDS_NM)
     values = ",".join(repr(float(v)) for v in np.concatenate(over))
     path = tmp_path / "films.csv"
@@ -317,6 +319,16 @@ def test_a_film_over_white_and_black_tells_what_absorbs_and_scatters(name, tmp_p
     np.testing.assert_allclose(ink.K, thin * found.K, rtol=1e-5, atol=1e-6)
     np.testing.assert_allclose(ink.S, thin * found.S, rtol=1e-5, atol=1e-6)
     assert ink.basis == "film over white and black"
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_white_film_measured_with_noise_is_one(seed, tmp_path):
+    """Within a thousandth it may seem to let through more than there is."""
+    white = load_palette()["titanium white"]
+    noise = np.random.default_rng(seed).uniform(-1e-3, 1e-3, (2, 31))
+    path = films(tmp_path, 0.1 * white.K, 0.1 * white.S, noise=noise)
+    ink = load_pigments_csv(path)["mine"]
+    assert np.abs(ink.S - 0.1 * white.S).max() < 0.1 * white.S.max()
 
 
 def test_a_film_that_only_absorbs_is_one_too(tmp_path):

@@ -86,6 +86,15 @@ def test_edges_of_black_on_white_are_black_or_white_though_teal_is_nearer():
         assert abs(int((chosen == 0).sum()) - 20) < 6
 
 
+def test_greys_between_black_and_white_have_filaments_of_their_own():
+    given = ["#f4f1e8", "#c8c6c0", "#6e6c69", "#1c1b1a"]
+    white, black = (decode_srgb(np.frombuffer(bytes.fromhex(c[1:]), "u1")) for c in given[::3])
+    ramp = srgb_from_linear(white + np.linspace(0.0, 1.0, 61)[:, None] * (black - white))
+    _, chosen = choose_filaments(ramp, np.ones(61), given)
+    assert (np.diff(chosen) >= 0).all()
+    assert set(chosen) == {0, 1, 2, 3}
+
+
 def test_a_triangle_takes_what_two_of_its_corners_have_or_the_mean():
     palette = np.uint8([(0, 0, 0), (255, 255, 255), (170, 170, 170)])
     faces = np.int32([[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 0, 0], [0, 2, 3]])

@@ -3,9 +3,10 @@
 On a material with fibres or pores a wet edge does not run where the tuft's outline does: ink is
 drawn on along a fibre and stops before the next. And dense places of a sheet take less of it than
 open ones. Both are functions of the place alone, so every sweep meets the same paper, and two
-meshings of one object have the same. An outline meets a vertex at x + W(x), and the vertex takes
-tau(x) times its share of what the sweep leaves: docs/model.md, equations (20) and (21), sums of
-octaves of smooth noise, besides fibres and pores. What the vertices cannot show is left out.
+meshings of one object have the same. An outline meets a vertex at x and a part of W(x)
+that depends on what draws it, and the vertex takes tau(x) times its share of what the sweep leaves:
+docs/model.md, equations (20) and (21), sums of octaves of smooth noise, besides fibres and
+pores. What the vertices cannot show is left out.
 """
 
 from __future__ import annotations
@@ -17,12 +18,11 @@ from paint3d.mesh.kernels.mesh_arrays import mix
 
 __all__ = ["MOST_ASIDE_MM", "lay_paper", "lay_paper_at"]
 
-# h_k, half a wavelength, and a_k along each axis: mm. Set so that edges of wet strokes on xuan are
+# h_k, half a wavelength, and a_k along each axis: mm. Set so that edges on xuan are about
 # as rough as those of ink on raw practice paper in each octave of .13 to 2.1 mm.
 _EDGE = ((0.09, 0.004), (0.19, 0.01), (0.38, 0.026), (0.75, 0.042), (1.4, 0.065), (3.1, 0.1))
-# An edge is clean here and torn there, on one side of a stroke and on the other, and on one part of
-# a sheet more than on another: h and deviation of the log of each, up to which h all of it counts,
-# from there on its root, and the most of it.
+# An edge is somewhat cleaner here than there: h and deviation of the log of each, up to which h all
+# of it counts, from there on its root, and the most of it.
 _RAGGED, _SMOOTH_MM, _MOST_RAGGED = ((3.5, 0.55), (15.0, 0.35)), 1.0, 3.0
 # Fibres that draw an edge on or keep it off: h of the noise along whose zeros they lie, and half
 # their width as a deviation of it; how far, mm, h of the noise that says whither, and the most of
