@@ -18,6 +18,8 @@ from paint3d.app.model.persistence.recovery_folder import RecoveryFolder, recove
 from paint3d.app.model.score.playing import painted
 from paint3d.app.window.copybook.copybook_guide import date_line, signer_in
 from paint3d.app.window.seal import SealDialog
+from paint3d.brush.presets import load_brush
+from paint3d.calligraphy.seal.stone import cut_seal
 from paint3d.errors import InputError
 from tests.support.app.gestures import (
     BUTTON,
@@ -252,7 +254,9 @@ def test_a_signature_is_laid_smaller_to_the_left_and_written_in_another_ink(wind
     ("line", "name"),
     [
         ("丙午年冬李明書", "李明"), ("丙午年三月初五日張大千畫", "張大千"),
-        ("李明書", "李明"), ("丙午年冬書", ""),
+        ("李明書", "李明"), ("丙午年冬書", ""), ("王羲之丙午年春", "王羲之"), ("張大年", "張大年"),
+        ("2026年11月29日 Anna", "Anna"), ("二〇二六年十一月二十九日李明", "李明"),
+        ("丙午年冬月張大年", "張大年"), ("民國一一五年春三月李明", "李明"),
     ],
 )  # fmt: skip
 def test_a_signature_says_who_signed(line: str, name: str) -> None:
@@ -274,6 +278,26 @@ def test_a_seal_has_the_name_and_the_size_of_the_signature(window) -> None:
         date_line(datetime.date(2026, 12, 1), window.workspace.settings.signer) == "丙午年冬李明書"
     )
     window.workspace.keep(signer="")
+    window.copying.mover.end()
+    window.copying.choose(1)
+    window.copying.change({"grid": "frame"})
+    wait_for(lambda: window.document.texts[1].grid == "frame")
+    assert unpacked_texts(packed_texts(window.document.texts))[1].is_signature
+    assert window.copying.signature() == ("李明", pytest.approx(0.8 * em))
+
+
+def test_a_text_without_a_grid_is_no_signature_and_a_long_name_no_seal(window) -> None:
+    lay(window, "靜心", 40.0)
+    window.copying.change({"grid": "none"})
+    wait_for(lambda: text_of(window).grid == "none")
+    assert window.copying.signature() == ("", pytest.approx(0.8 * 0.4 * 40.0))
+    shown = []
+    window.workspace.keep(signer="張大千李明")
+    answer(lambda dialog: (shown.append(dialog.asked()), dialog.reject()), SealDialog)
+    click_button(window.panels.copybook, "Press a seal…")
+    window.workspace.keep(signer="")
+    assert cut_seal(shown[0].text).text != "張大千李明"
+    assert shown[0].size_mm == pytest.approx(0.8 * 0.4 * 40.0, abs=0.3)
 
 
 def test_a_brush_that_fits_is_taken_and_undo_takes_it_back(window) -> None:
@@ -287,10 +311,49 @@ def test_a_brush_that_fits_is_taken_and_undo_takes_it_back(window) -> None:
     assert not window.document.texts
 
 
+def test_moves_and_signatures_leave_the_brush_and_so_does_undo_of_a_move(window) -> None:
+    paint_thread, undo = window.stage.paint_thread, window.workspace.actions["undo"]
+    before = paint_thread.brush
+    lay(window, "永", 14.0)
+    fitted = paint_thread.brush
+    assert fitted != before
+    for _ in range(2):
+        window.copying.nudge(3.0, 0.0)
+        settled(window)
+    place = text_of(window).point
+    undo.trigger()
+    wait_for(lambda: text_of(window).point != place)
+    settled(window)
+    wait_for(lambda: window.copying._shown == window.document.texts)
+    assert paint_thread.brush == fitted
+    paint_thread.post("set_brush", load_brush("dabaiyun"))
+    window.copying.nudge(3.0, 0.0)
+    settled(window)
+    assert paint_thread.brush.name == "dabaiyun"
+    answer(lambda dialog: (dialog.setTextValue("李明"), dialog.accept()))
+    window.workspace.actions["sign"].trigger()
+    wait_for(lambda: len(window.document.texts) == 2)
+    window.copying.mover.end()
+    window.workspace.keep(signer="")
+    assert paint_thread.brush.name == "dabaiyun"
+    window.copying.choose(0)
+    window.copying.change({"em_mm": 13.0})
+    settled(window)
+    assert paint_thread.brush == fitted
+    paint_thread.post("set_brush", before)
+
+
 def test_a_sheet_proposes_a_size_of_which_four_columns_fit(program) -> None:
     with opened(program, "sheet:100x150:margin=10", 2.0, "xuan", drawn=False) as window:
         panel = window.panels.copybook
         assert panel.em.value() == 18.0
+        lay(window, "永", 12.0)
+        pretend_saved(window.stage.paint_thread)
+        changes = []
+        panel.changed.connect(changes.append)
+        assert window.opening.open_path("sheet:100x150:margin=10", 2.0, "xuan", asked=True)
+        wait_for(lambda: not window.copying._shown)
+        assert (panel.em.value(), changes) == (18.0, [])
         panel.text.setPlainText("一二\n三四\n五六\n七八")
         panel.ask()
         wait_for(lambda: window.document.texts)
@@ -362,7 +425,8 @@ def test_a_text_on_a_bowl_is_moved_over_its_wall(program) -> None:
 
 
 @pytest.mark.parametrize("words", [{"em_mm": 1.0}, {"turn": 200.0}, {"grid": "star"}, {"size": 3},
-    {"cells": [0, 4]}, {"text": 3}, {"point": [1.0, 2.0]}, {"order": "up"}])  # fmt: skip
+    {"cells": [0, 4]}, {"text": 3}, {"point": [1.0, 2.0]}, {"order": "up"},
+    {"is_signature": 1}])  # fmt: skip
 def test_what_is_no_text_is_refused_and_changes_nothing(words) -> None:
     document = Document.new("plane", 4.0, "xuan")
     with pytest.raises(InputError):
@@ -376,8 +440,13 @@ def test_what_is_no_text_is_refused_and_changes_nothing(words) -> None:
 
 
 def test_words_of_a_text_say_it_again() -> None:
-    text = LaidText("永和", 33.0, "Kai", "row", (1.0, 2.0, 3.0), -20.0, 0.3, 0.1, "jiu", (2, 3))
+    text = LaidText(
+        "永和", 33.0, "Kai", "row", (1.0, 2.0, 3.0), -20.0, 0.3, 0.1, "jiu", (2, 3), True
+    )
     assert unpacked_texts(packed_texts([text, LaidText("二")])) == (text, LaidText("二"))
+    document = Document.new("plane", 4.0, "xuan")
+    document.lay_text(text.words())
+    assert document.score.events[-1]["text"] == text.words()
 
 
 def test_a_year_of_the_sixty_and_its_season_are_said() -> None:

@@ -215,6 +215,20 @@ def test_each_of_two_quick_clicks_on_an_eye_counts(window) -> None:
     assert [one.result(60) for one in seen] == [False, True, False, True]
 
 
+def test_an_eye_is_for_the_layer_it_is_shown_beside_though_others_have_gone(window) -> None:
+    panel, paint_thread = window.panels.layers, window.stage.paint_thread
+    window.workspace.actions["add_layer"].trigger()
+    wait_for(lambda: panel.list.count() == 2)
+    settled(window)
+    upper, lower = (row_of(panel, f"Layer {n}").findChild(QtWidgets.QToolButton) for n in (2, 1))
+    paint_thread.post("remove_layer", 0).result(60)  # and the panel still shows it
+    click(lower)
+    assert [one.visible for one in paint_thread.post(lambda d: d.layers).result(60)] == [True]
+    click(upper)
+    assert [one.visible for one in paint_thread.post(lambda d: d.layers).result(60)] == [False]
+    settled(window)
+
+
 def test_a_layer_that_steps_into_a_folded_group_has_its_row(window) -> None:
     panel, actions = window.panels.layers, window.workspace.actions
     actions["add_layer"].trigger()

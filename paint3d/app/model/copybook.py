@@ -9,6 +9,7 @@ surface's own coordinates.
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -305,6 +306,7 @@ class Copybook:
             self.page, placed = lay_page(surface, text, em_mm, layout)
         self._surface = surface
         self._counted: dict[int, _Counted] = {}  # strokes by their id
+        self._keeping = threading.Lock()  # held to change what is counted, or to copy it
         self.squares = tuple(one.square for one in placed)
         self.marks: dict[int, CopybookMark] = {}
         self.ghosts = tuple(
@@ -368,10 +370,10 @@ class Copybook:
         ghost = self.ghosts[place]
         stroke.tags |= {"character": ghost.text, "place": place}
         likeness = ghost.compare(surface) if ghost.is_written else None
-        self.marks[place] = CopybookMark(
-            place, ghost.text, len(ghost.strokes), likeness, ghost.seconds
-        )
-        return self.marks[place]
+        mark = CopybookMark(place, ghost.text, len(ghost.strokes), likeness, ghost.seconds)
+        with self._keeping:
+            self.marks[place] = mark
+        return mark
 
     def begin_after(self, strokes: Sequence[Stroke]) -> None:
         """Count none of these strokes: they were there before the copybook."""
@@ -380,12 +382,13 @@ class Copybook:
 
     def go_on_from(self, other: Copybook) -> None:
         """Have counted what another copybook of the same characters, in the same places, has."""
-        self.marks = dict(other.marks)
-        self._counted = {
-            k: replace(one, places=list(one.places)) for k, one in other._counted.items()
-        }
-        for ghost, before in zip(self.ghosts, other.ghosts, strict=True):
-            ghost.strokes = list(before.strokes)
+        with other._keeping:
+            self.marks = dict(other.marks)
+            self._counted = {
+                k: replace(one, places=list(one.places)) for k, one in other._counted.items()
+            }
+            for ghost, before in zip(self.ghosts, other.ghosts, strict=True):
+                ghost.strokes = list(before.strokes)
 
     def follow(self, strokes: Sequence[Stroke], current: Stroke | None = None) -> None:
         """Count the strokes that are there, and forget those that were undone.
@@ -396,11 +399,12 @@ class Copybook:
         if current is not None:
             there.add(id(current))
         if not self._counted.keys() <= there:
-            self._counted = {k: one for k, one in self._counted.items() if k in there}
-            for place, ghost in enumerate(self.ghosts):
-                ghost.strokes = [stroke for stroke in ghost.strokes if id(stroke) in there]
-                if not ghost.is_written:
-                    self.marks.pop(place, None)
+            with self._keeping:
+                self._counted = {k: one for k, one in self._counted.items() if k in there}
+                for place, ghost in enumerate(self.ghosts):
+                    ghost.strokes = [stroke for stroke in ghost.strokes if id(stroke) in there]
+                    if not ghost.is_written:
+                        self.marks.pop(place, None)
         for stroke in strokes:
             self._count(stroke, is_over=True)
         if current is not None:
@@ -408,7 +412,7 @@ class Copybook:
 
     def _count(self, stroke: Stroke, *, is_over: bool) -> _Counted:
         """Give what a stroke has painted since it was counted last to its characters."""
-        counted = self._counted.setdefault(id(stroke), _Counted(stroke))
+        counted = self._counted.get(id(stroke)) or _Counted(stroke)
         samples = stroke.samples[counted.n_samples :]
         if not samples or stroke.tags.get(ERASES):
             return counted
@@ -416,11 +420,13 @@ class Copybook:
         # the way, not the root: that of a brush that leans is over another character
         path = object_poses(samples[::step])
         runs, n_looked = _strokes_in(path, is_over=is_over)
-        counted.n_samples += min(step * n_looked, len(samples))
-        for first, last in runs:
-            place = self._place_of(path.way[first:last])
-            if place is not None:
-                counted.places.append(place)
+        found = [self._place_of(path.way[first:last]) for first, last in runs]
+        places = [place for place in found if place is not None]
+        with self._keeping:
+            self._counted[id(stroke)] = counted
+            counted.n_samples += min(step * n_looked, len(samples))
+            counted.places += places
+            for place in places:
                 self.ghosts[place].strokes.append(stroke)
         return counted
 

@@ -50,6 +50,8 @@ class LaidText:
         One of `GRIDS`.
     cells : (int, int)
         Squares of a grid alone: across and down.
+    is_signature : bool
+        Whether it says who wrote the others.
 
     Raises
     ------
@@ -67,6 +69,7 @@ class LaidText:
     between: float = 0.0
     grid: str = "frame"
     cells: tuple[int, int] = (4, 5)
+    is_signature: bool = False
 
     def __post_init__(self) -> None:
         for name in ("text", "font"):
@@ -103,6 +106,11 @@ class LaidText:
                 most=_MOST_CELLS,
             )
         object.__setattr__(self, "cells", cells)
+        if not isinstance(self.is_signature, bool):
+            raise InputError(
+                "is_signature is {value}; expected true or false",
+                value=f"{self.is_signature!r:.40}",
+            )
 
     @property
     def layout(self) -> Layout:

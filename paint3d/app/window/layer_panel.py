@@ -36,12 +36,13 @@ class LayerPanel(QtWidgets.QWidget):
     -------
     asked : (str, tuple)
         A method of the document, and its arguments.
-    turned : (str, int)
-        What a layer, or the group of one, is to be the other way: a method, and its place.
+    turned : (str, int, Layer)
+        What a layer, or the group of one, is to be the other way: a method; where that is shown,
+        and as what.
     """
 
     asked = QtCore.Signal(str, object)
-    turned = QtCore.Signal(str, int)
+    turned = QtCore.Signal(str, int, object)
 
     def __init__(self, theme: Theme) -> None:
         super().__init__()
@@ -211,7 +212,7 @@ class LayerPanel(QtWidgets.QWidget):
         lock = self._button(
             "lock" if layer.locked else "unlocked",
             say("Unlock") if layer.locked else say("Lock"),
-            lambda: self.turned.emit("set_locked", place),
+            lambda: self._turn("set_locked", place),
         )
         picture = QtWidgets.QLabel()
         picture.setObjectName("thumbnail")
@@ -231,7 +232,7 @@ class LayerPanel(QtWidgets.QWidget):
         fold = self._button(
             "folded" if group.folded else "unfolded",
             say("Show its layers") if group.folded else say("Fold"),
-            lambda: self.turned.emit("set_group_folded", place),
+            lambda: self._turn("set_group_folded", place),
         )
         fold.setObjectName("fold_group")
         name = self._name(say_group(group.name), say("Name of the group"), place, group.key)
@@ -250,7 +251,7 @@ class LayerPanel(QtWidgets.QWidget):
         return self._button(
             "eye" if visible else "hidden",
             say("Hide") if visible else say("Show"),
-            lambda: self.turned.emit(what, place),
+            lambda: self._turn(what, place),
         )
 
     def _make_row(self, indent: int) -> tuple[QtWidgets.QWidget, QtWidgets.QHBoxLayout]:
@@ -390,7 +391,15 @@ class LayerPanel(QtWidgets.QWidget):
     def hide_or_show(self) -> None:
         """Hide the layer that is painted on, or the chosen group, or show it."""
         what = "set_group_visible" if self._group else "set_visible"
-        self.turned.emit(what, self._chosen_place())
+        self._turn(what, self._chosen_place())
+
+    def lock_or_unlock(self) -> None:
+        """Lock the layer that is painted on, or unlock it."""
+        self._turn("set_locked", self._active)
+
+    def _turn(self, what: str, place: int) -> None:
+        """Ask for a layer that is shown, or its group, to be the other way."""
+        self.turned.emit(what, place, self._layers[place])
 
     def step(self, by: int) -> None:
         """Move the layer that is painted on, or the chosen group, one step up (1) or down (-1)."""

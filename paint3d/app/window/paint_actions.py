@@ -258,7 +258,7 @@ class PaintActions:
 
     def do_lock_layer(self) -> None:
         """Lock or unlock it."""
-        self._panels.layers.turned.emit("set_locked", self._painting.active_layer)
+        self._panels.layers.lock_or_unlock()
 
 
 for _k in range(1, 1 + len(brush_names())):

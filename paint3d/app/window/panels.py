@@ -25,6 +25,7 @@ from paint3d.app.window.wording import say
 from paint3d.app.window.workspace import Workspace
 from paint3d.brush.spec import BrushSpec
 from paint3d.painter.painter import Ink
+from paint3d.surface.layer_stack import Layer
 
 __all__ = ["Panels"]
 
@@ -84,7 +85,7 @@ class Panels:
             menu.addAction(dock.toggleViewAction())
         self._drawn: object = None  # what the layers' pictures show
         self._drawing: Future[Any] | None = None
-        self._turned: dict[tuple[str, int], tuple[bool, Future[Any] | None]] = {}
+        self._turned: dict[tuple[str, str | int, int], tuple[bool, Future[Any] | None]] = {}
         self._groups = upper, lower
         window.tabifiedDockWidgetActivated.connect(self._give_room)
         self._connect()
@@ -144,20 +145,26 @@ class Panels:
         self.hand.curve.changed.connect(self._keep_curve)
         self.hand.ruled.connect(lambda on: self._workspace.actions["ruler"].setChecked(on))
 
-    def _turn(self, what: str, place: int) -> None:
+    def _turn(self, what: str, place: int, shown: Layer) -> None:
         """Have a layer, or its group, the other way than it is or was last asked to be.
 
-        Clicks may come faster than the painting thread does what they ask for.
+        Clicks may come faster than the painting thread does what they ask for, or the panel shows
+        what it did: it is the one that is called as the one shown, the nearest to its place.
         """
         paint_thread = self._workspace.stage.paint_thread
         if paint_thread is None:
             return
-        asked, done = self._turned.get((what, place), (False, None))
+        flag, of_group = what.rpartition("_")[2], what.startswith("set_group")
+        name = _called(shown, of_group)
+        layers = paint_thread.painting.layers
+        places = [k for k, layer in enumerate(layers) if _called(layer, of_group) == name]
+        if name is None or not places:  # it was removed since
+            return
+        now = min(places, key=lambda k: abs(k - place))
+        asked, done = self._turned.get((what, name, now), (False, None))
         if done is None or done.done():
-            layer = paint_thread.painting.layers[place]
-            of_group = what.startswith("set_group")
-            asked = getattr(layer.group if of_group else layer, what.rpartition("_")[2])
-        self._turned[what, place] = not asked, paint_thread.post(what, place, not asked)
+            asked = getattr(layers[now].group if of_group else layers[now], flag)
+        self._turned[what, name, now] = not asked, paint_thread.post(what, now, not asked)
 
     def _keep_curve(self, curve: PressureCurve) -> None:
         self._workspace.settings = dataclasses.replace(
@@ -296,6 +303,13 @@ def _takes_keys(widget: QtWidgets.QWidget) -> bool:
     tab = bool(widget.focusPolicy() & QtCore.Qt.FocusPolicy.TabFocus)
     can = tab and widget.isEnabled() and not widget.isHidden()
     return can and not isinstance(widget, QtWidgets.QScrollArea)
+
+
+def _called(layer: Layer, of_group: bool) -> str | int | None:
+    """A layer's name, or the key of the group that it is in."""
+    if not of_group:
+        return layer.name
+    return None if layer.group is None else layer.group.key
 
 
 def _scrolled(panel: QtWidgets.QWidget) -> QtWidgets.QScrollArea:

@@ -18,7 +18,7 @@ from paint3d.app.window.hand.canvas import Touch
 from paint3d.app.window.job import Progress
 from paint3d.app.window.wording import say, say_error, say_length
 from paint3d.app.window.workspace import Workspace
-from paint3d.calligraphy.seal.stone import LARGEST_MM, SMALLEST_MM, Seal, cut_seal
+from paint3d.calligraphy.seal.stone import LARGEST_MM, MOST_CHARACTERS, SMALLEST_MM, Seal, cut_seal
 from paint3d.core.arrays import AnyArray
 from paint3d.errors import Paint3DError
 from paint3d.mesh.chart import frame_at
@@ -35,7 +35,6 @@ _LOOK_MS = 40
 _PATIENCE_S = 1.0  # that the window waits for a step of the painting
 _RIM_POINTS = 12  # along a side of it
 _LIFT_MM = 0.1  # of the outline above the surface
-_LONGEST_NAME = 6  # characters that a seal has room for
 _PAPER, _CINNABAR = (243, 240, 230), (178, 44, 34)
 
 
@@ -153,7 +152,7 @@ class SealDialog(FormDialog):
 def _proposed_seal(kept: SealAsked, name: str, size_mm: float) -> SealAsked:
     """The seal of who signed, beside the signature."""
     size = min(max(round(2.0 * size_mm) / 2.0, SMALLEST_MM), LARGEST_MM)
-    if not name or len(name) > _LONGEST_NAME:
+    if not 1 <= len("".join(name.split())) <= MOST_CHARACTERS:
         return kept._replace(size_mm=size)
     return kept._replace(text=name, drawing="", size_mm=size)
 

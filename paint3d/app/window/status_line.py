@@ -183,7 +183,7 @@ class ReplayBar(QtWidgets.QWidget):
         self.left = QtWidgets.QLabel()
         self.still = QtWidgets.QPushButton(say("Write without spreading"))
         self.still.setObjectName("low")
-        self.still.setToolTip(say("The rest is written at once; ink stays where it is laid"))
+        self.still.setToolTip(say("The rest is written on, only faster: ink no longer spreads"))
         self.still.clicked.connect(player.stop_spreading)
         row = QtWidgets.QHBoxLayout(self)
         row.setContentsMargins(0, 0, 0, 0)

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "LARGEST_MM",
+    "MOST_CHARACTERS",
     "SMALLEST_MM",
     "STYLES",
     "Seal",
@@ -42,8 +43,7 @@ __all__ = [
 STYLES = ("zhuwen", "baiwen")
 """Red lines in a frame, cut in relief; or white lines on red, cut into the stone."""
 SMALLEST_MM, LARGEST_MM = 4.0, 300.0
-
-_MOST_CHARACTERS = 4
+MOST_CHARACTERS = 4
 _COLUMNS = {1: (1,), 2: (1, 1), 3: (1, 2), 4: (2, 2)}  # characters of each column, from the right
 _FRAME, _ROUNDING = 0.035, 0.05  # of the shorter side: width of the frame, its corners' radius
 _MARGIN = {"zhuwen": 0.085, "baiwen": 0.075}  # of the shorter side, to what is written
@@ -174,11 +174,11 @@ def _check(style: str, size_mm: float) -> None:
 
 def _characters(text: str) -> list[str]:
     characters = [one for one in text if not one.isspace()]
-    if not 1 <= len(characters) <= _MOST_CHARACTERS:
+    if not 1 <= len(characters) <= MOST_CHARACTERS:
         raise InputError(
             "a seal of {n} characters; expected 1 to {most}, or a drawing",
             n=len(characters),
-            most=_MOST_CHARACTERS,
+            most=MOST_CHARACTERS,
         )
     return characters
 

@@ -48,14 +48,16 @@ _OUTLINE, _NEXT = (176, 60, 44, 120), (176, 60, 44, 235)
 _SIGNATURE_EM_MM, _SIGNATURE_SHARE = 15.0, 0.4
 _ACROSS, _LEAST_EM_MM = 4.3, 2.0  # ems: four columns on a sheet, and what is between them
 _SEAL_SHARE = 0.8  # of a signature's characters, that is the side of a seal
-_DATED = re.compile(  # a year, and what else of a date is said before a name
-    r"\S*?年\s*[孟仲季]?[春夏秋冬]?\s*(?:[正一二三四五六七八九十冬臘腊]+月)?\s*"
-    r"(?:[初一二三四五六七八九十廿]+日)?"
+_STEMS, _BRANCHES = "甲乙丙丁戊己庚辛壬癸", "子丑寅卯辰巳午未申酉戌亥"
+_NUMERALS = r"\d〇零○一二三四五六七八九十"
+_DATED = re.compile(  # a year, and what else of a date is said beside a name
+    rf"(?:歲次|岁次|公元|西元|民國|民国)?(?:[{_STEMS}][{_BRANCHES}]|[{_NUMERALS}百千廿卅]+)\s*年\s*"
+    rf"(?:[孟仲季]?[春夏秋冬](?!月))?\s*(?:[{_NUMERALS}正冬臘腊]+\s*月)?\s*"
+    rf"(?:[{_NUMERALS}初廿卅]+\s*日)?"
 )
 _SIGNED = "書书寫写題题識识記记作畫画 "  # what one does who signs
 _LONGEST_TITLE = 16
 _SOME = 500  # samples after which it is looked what is written by now
-_STEMS, _BRANCHES = "甲乙丙丁戊己庚辛壬癸", "子丑寅卯辰巳午未申酉戌亥"
 _FRAME, _MEDIAN = (90, 84, 76, 110), (60, 90, 140, 150)
 
 
@@ -93,7 +95,8 @@ class CopybookGuide:
         self._coming: Future[Any] | None = None  # a change of the texts
         self._making: Future[Any] | None = None  # copybooks of texts that came with the painting
         self._claimed: int | None = None  # the text that a stroke was for
-        self._fitted: list[tuple[LaidText, BrushSpec, BrushSpec]] = []  # texts, brushes before, now
+        # texts that a brush was taken for, each in all ways it lay; the brush before, and that one
+        self._fitted: list[tuple[set[LaidText], BrushSpec, BrushSpec]] = []
         self._counting: Future[Any] | None = None  # strokes, for the characters
         self._counted: object = None  # which strokes, for which texts
         self.mover = TextMover(workspace, self.held, self._choose_at)
@@ -142,7 +145,7 @@ class CopybookGuide:
         if not agreed or not text.strip():
             return
         workspace.keep(signer=signer_in(text))
-        signature = LaidText(text.strip(), _SIGNATURE_EM_MM, grid="none")
+        signature = LaidText(text.strip(), _SIGNATURE_EM_MM, grid="none", is_signature=True)
         texts = self._workspace.painting.texts
         if self._active is not None and self._active < len(texts):
             signature = self._beside(texts[self._active], text.strip())
@@ -152,7 +155,7 @@ class CopybookGuide:
     def signature(self) -> tuple[str, float] | None:
         """Who signed, and the size in mm that suits a seal below it; None without a text."""
         texts = self._workspace.painting.texts
-        lines = [text for text in texts if text.grid == "none" and text.text.strip()]
+        lines = [text for text in texts if text.is_signature]
         if lines:
             return signer_in(lines[-1].text), _SEAL_SHARE * lines[-1].em_mm
         if not texts:
@@ -163,7 +166,7 @@ class CopybookGuide:
         """A signature left of a text, smaller, as far down as the text goes."""
         book = self._books.get(main)
         em = max(4.0, _SIGNATURE_SHARE * main.em_mm)
-        signature = LaidText(words, em, main.font, grid="none", turn=main.turn)
+        signature = LaidText(words, em, main.font, grid="none", turn=main.turn, is_signature=True)
         if book is None:
             return signature
         block = book.block
@@ -315,16 +318,24 @@ class CopybookGuide:
         self._active = len(texts) if place is None else place
         self._shown = (*texts[: self._active], laid, *texts[self._active + 1 :])
         self._show_active()
-        self._tell_fonts(book, self._fit_brush(laid) if laid.text.strip() else "")
+        self._tell_fonts(book, self._fit_brush(laid, old))
         return True
 
-    def _fit_brush(self, laid: LaidText) -> str:
-        """Take a brush for the size of a text, where that in hand is not for it; say so."""
+    def _fit_brush(self, laid: LaidText, old: LaidText | None) -> str:
+        """Take a brush for a text that is new, or of another size than the old one; say so.
+
+        None is taken for a signature, which is written after the text, nor where that in hand fits.
+        """
         paint_thread, em_mm = self._workspace.paint_thread, laid.em_mm
-        if suits_size(paint_thread.brush, em_mm):
+        is_new = old is None or not old.text.strip() or old.em_mm != em_mm
+        is_main = bool(laid.text.strip()) and not laid.is_signature
+        if not is_new or not is_main or suits_size(paint_thread.brush, em_mm):
+            for ways, _, _ in self._fitted:
+                if old in ways:
+                    ways.add(laid)
             return ""
         brush = brush_for(em_mm)
-        self._fitted.append((laid, paint_thread.brush, brush))
+        self._fitted.append(({laid}, paint_thread.brush, brush))
         paint_thread.post("set_brush", brush)
         return say(
             "The brush is now {brush}, for characters of {size}; undo takes it back",
@@ -380,7 +391,7 @@ class CopybookGuide:
     def _give_brush_back(self) -> None:
         """Have the brush that there was before a text that undo has taken back, unless changed."""
         paint_thread = self._workspace.paint_thread
-        while self._fitted and self._fitted[-1][0] not in self._shown:
+        while self._fitted and self._fitted[-1][0].isdisjoint(self._shown):
             _, before, taken = self._fitted.pop()
             if paint_thread.brush == taken:
                 paint_thread.post("set_brush", before)
@@ -501,10 +512,6 @@ class CopybookGuide:
 
     def _begin_anew(self, opened: OpenResult) -> None:
         """Nothing lies on a painting that is opened but its own texts; sheets propose a size."""
-        sheet = sheet_of(opened.surface.mesh)
-        if sheet is not None:
-            inside = min(sheet.size) - 2.0 * sheet.margin_mm
-            self._panel.em.setValue(max(_LEAST_EM_MM, math.floor(inside / _ACROSS)))
         self._laid = _Laid(40.0, Layout())
         self._books, self._shown, self._loose = {}, (), None
         self._active = self._coming = self._making = self._claimed = None
@@ -512,6 +519,11 @@ class CopybookGuide:
         self._fitted = []
         self._panel.show_texts([], None)
         self._panel.show_values(None)
+        sheet = sheet_of(opened.surface.mesh)
+        if sheet is not None:
+            inside = min(sheet.size) - 2.0 * sheet.margin_mm
+            with QtCore.QSignalBlocker(self._panel.em):
+                self._panel.em.setValue(max(_LEAST_EM_MM, math.floor(inside / _ACROSS)))
 
     def follow(self) -> None:
         """Take what strokes were judged to be, and the texts that the painting has now."""
