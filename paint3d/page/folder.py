@@ -19,6 +19,7 @@ from paint3d.app.window.wording import (
     say_object,
 )
 from paint3d.brush.presets import load_brush
+from paint3d.calligraphy.glyph_sources import load_glyphs, open_glyphs
 from paint3d.colour.inks import load_ink
 from paint3d.colour.materials import load_material
 from paint3d.colour.pigments import WATER, Pigment, load_pigment
@@ -105,6 +106,7 @@ def build_page(
         If an object, a brush, an ink or a character is not known, or is one that a page cannot
         have.
     """
+    load_glyphs(open_glyphs(None), "".join(copybook.split()))  # or says what is unknown
     index = _read_index(kernels)
     if page is not None and not (page / "index.html").is_file():
         raise ExportError(
@@ -143,7 +145,7 @@ def build_page(
         files[file] = lambda material=material: material_table(material, pigments)  # type: ignore[misc]
     if copybook:
         contents["copybook"] = {"file": "copybook.bin.gz", "text": copybook}
-        characters = copybook_table(copybook, brushes[0], COPYBOOK_EM_MM)  # or says what is unknown
+        characters = copybook_table(copybook, brushes[0], COPYBOOK_EM_MM)
         files["copybook.bin.gz"] = lambda: characters
     contents["inks"] = [
         {

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import gzip
+import json
 import math
 import os
 from collections.abc import Iterator
@@ -17,6 +18,7 @@ from PIL import Image
 from scipy.spatial import cKDTree
 
 from paint3d.app.model.copybook import Copybook
+from paint3d.app.model.laid_text import LaidText
 from paint3d.app.model.score.playing import painted
 from paint3d.calligraphy.glyph_sources import load_glyphs, open_glyphs
 from paint3d.colour.spectra import encode_srgb
@@ -125,7 +127,6 @@ def test_a_first_visit_loads_little_beside_the_object(folder: Path) -> None:
         one.name: len(one.read_bytes() if one.suffix == ".gz" else gzip.compress(one.read_bytes()))
         for one in files
     }
-    print(sizes, sum(sizes.values()))
     assert sum(sizes.values()) < 1_500_000
 
 
@@ -294,9 +295,21 @@ def test_a_text_lies_where_the_desktop_lays_it_and_a_planned_hand_fills_it(
     browser.evaluate(f"{at('undo')}.click()")
     lines = np.array(browser.evaluate("paint3d.guides().outlines")).reshape(-1, 3)
     bare = settled(browser)
+    choose(browser, "brush", 1)
+    browser.wait_for("paint3d.score().includes('set_brush')")
     browser.evaluate(change(0, at("texts")).replace("value", "selectedIndex"))
-    browser.evaluate(f"{at('write')}.click()")
+    meanwhile = browser.evaluate(
+        f"{at('write')}.click(); new Promise(done => {{ const look = () => {{"
+        "if (!paint3d.score().includes('begin_stroke')) return setTimeout(look);"
+        f"const brush = {at('brush')}; brush.selectedIndex = 1;"
+        "brush.dispatchEvent(new Event('change'));"  # which the hand that writes keeps
+        f"done([{at('tools')}.inert, {at('panel')}.inert, paint3d.score()]); }}; look(); }})"
+    )
+    assert meanwhile[:2] == [True, True]
+    assert "end_stroke" not in meanwhile[2]
     browser.wait_for("paint3d.score().includes('end_stroke')")
+    browser.wait_for(f"!{at('tools')}.inert && !{at('panel')}.inert")
+    assert browser.evaluate(f"{at('brush')}.selectedIndex") == 0
     found = settled(browser)
     assert found["amounts"] != bare["amounts"]
     path = tmp_path / "page.score.jsonl"
@@ -319,6 +332,84 @@ def test_a_text_lies_where_the_desktop_lays_it_and_a_planned_hand_fills_it(
     painted_share = document.surface.coverage[inside] > 0.0
     assert painted_share.any()
     assert not (document.surface.coverage[~inside] > 0.0).any()
+
+
+def test_a_move_ends_with_the_text_that_was_to_be_moved(browser: Browser) -> None:
+    begin_with(browser, SHEET)
+    at = "document.getElementById('{}')".format
+    if browser.evaluate("document.getElementById('tab-copybook').hidden"):
+        browser.evaluate(f"{at('show-copybook')}.click()")
+    browser.wait_for(at("addText"))
+    locked = {"modifiers": 2, "key": "Z", "code": "KeyZ", "windowsVirtualKeyCode": 90}
+    for take_off in (
+        lambda: browser.evaluate(f"{at('takeOff')}.click()"),
+        lambda: browser.call("Input.dispatchKeyEvent", type="keyDown", **locked),
+    ):
+        browser.evaluate(f"{at('addText')}.click()")
+        browser.evaluate(f"{at('place')}.click()")
+        take_off()
+        assert browser.evaluate("paint3d.guides().outlines.length") == 0
+        browser.stroke(wave(350.0, 500.0)[::8])
+        settled(browser)
+    score = browser.evaluate("paint3d.score()")
+    assert (score.count("lay_text"), score.count("begin_stroke")) == (2, 2)
+    browser.evaluate(f"{at('addText')}.click()")
+    browser.evaluate(f"{at('text')}.focus()")
+    escape = {"key": "Escape", "code": "Escape", "windowsVirtualKeyCode": 27}
+    browser.call("Input.dispatchKeyEvent", type="keyDown", **escape)
+    assert browser.evaluate(f"{at('panel')}.hidden")
+
+
+def with_text(browser: Browser, words: dict[str, Any]) -> None:
+    """Open a fresh sheet's score with a text that a desktop has laid."""
+    (head, *_) = browser.evaluate("paint3d.score()").splitlines()
+    score = f"{head}\n{json.dumps({'do': 'lay_text', 'text': words})}\n"
+    browser.evaluate(
+        "fetch('contents.json').then(r => r.json())"
+        f".then(c => paint3d.open(c, {SHEET}, undefined, {json.dumps(score)}))"
+    )
+
+
+def test_a_text_of_the_desktop_lies_in_the_page_as_it_does_there(
+    browser: Browser,
+) -> None:
+    begin_with(browser, SHEET)
+    mesh = load_mesh("square")
+    for laid in (
+        LaidText("永和\n年", 12.0, point=(3.0, 5.0, 0.0), gap=0.6, between=0.4, grid="columns"),
+        LaidText("永和\n年", 12.0, order="row", point=(3.0, 5.0, 0.0), grid="columns"),
+        LaidText("", 10.0, point=(0.0, 0.0, 0.0), cells=(3, 2)),
+        LaidText("永", point=(0.0, 0.0, 0.0)),
+    ):
+        with_text(browser, laid.words())
+        book = Copybook.of(mesh, laid)
+        outlines = [line for ghost in book.ghosts for line in ghost.outlines]
+        grid = book.grid(laid.grid, laid.order == "columns")
+        guides = browser.evaluate("paint3d.guides()")
+        for ours, theirs in ((outlines, "outlines"), (grid, "grid")):
+            lines = np.array(guides[theirs]).reshape(-1, 3)
+            assert (len(lines) > 0) == (len(ours) > 0)
+            if ours:
+                assert cKDTree(np.concatenate(ours)).query(lines)[0].max() < 1.0
+                assert cKDTree(lines).query(np.concatenate(ours))[0].max() < 1.0
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ({"font": "Kai"}, 'the font of a text is "Kai"; expected none'),
+        ({"point": None}, "the point of a text is null; expected three numbers, mm"),
+        ({"grid": "stars"}, 'the grid of a text is "stars"; expected frame or mi or '),
+        ({"em_mm": "large"}, 'the em_mm of a text is "large"; expected 2 to 1000'),
+    ],
+)
+def test_a_text_that_a_page_cannot_lay_is_refused_in_words(
+    words: dict[str, Any], said: str, browser: Browser
+) -> None:
+    begin_with(browser, SHEET)
+    with pytest.raises(AssertionError) as refused:
+        with_text(browser, {"text": "永", "point": [0.0, 0.0, 0.0]} | words)
+    assert f"RecordingError: line 2: {said}" in refused.value.args[0]["exception"]["description"]
 
 
 def test_a_piece_is_there_again_when_the_page_is_opened_again(
@@ -395,6 +486,8 @@ def test_yong_by_a_tilted_pen_in_the_bowl_is_filmed_and_painted_by_the_desktop(
 ) -> None:
     """`PAINT3D_FILM` names a file where the film is kept."""
     begin_with(browser, BOWL)
+    choose(browser, "brush", 0)
+    browser.wait_for("paint3d.score().includes('set_brush')")
     browser.evaluate("document.querySelector('.opener[aria-expanded=true]')?.click()")
     pictures = [picture(browser, tmp_path / "0.png")]
     pen = {"pointerType": "pen", "button": "left", "clickCount": 1, "tiltX": 30, "tiltY": 18}
@@ -430,9 +523,7 @@ def test_yong_by_a_tilted_pen_in_the_bowl_is_filmed_and_painted_by_the_desktop(
     dark = [np.count_nonzero((pictures[0] - one)[60:680] > 60.0) for one in pictures]
     assert np.mean(np.diff(dark) >= -20) > 0.9  # ink comes, and does not go
     assert dark[-1] > 3000
-    theirs = by_the_desktop(browser, tmp_path)
-    print(f"in Chromium {found['srgb']}, by the desktop {theirs['srgb']}")  # seen with -s
-    assert found == theirs
+    assert found == by_the_desktop(browser, tmp_path)
 
 
 def test_strokes_that_follow_each_other_within_a_frame_are_all_painted(browser: Browser) -> None:

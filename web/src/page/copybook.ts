@@ -8,24 +8,32 @@ import { fromAxes, type Quaternion, type Vector } from "../core/quaternion";
 import { plus, times } from "../core/vectors";
 import { Chart, frameAt, type Frame } from "../mesh/chart";
 import type { ClosestPoints } from "../mesh/closest_points";
-import { AT_REST, type DeviceSample } from "../recording/recording";
+import { AT_REST, RecordingError, type DeviceSample } from "../recording/recording";
 import type { Fetch } from "../studio";
 
-/** A text as a score has it. */
+/** A text, or an empty grid, as a score has it. */
 export interface LaidText {
   text: string;
   em_mm: number;
   order: "columns" | "row";
   point: Vector; // where its middle is
   turn: number; // to the left, degrees
+  gap: number; // ems between columns or rows
+  between: number; // ems between the characters of one
   grid: Grid;
+  cells: readonly [number, number]; // of a grid alone: across and down
 }
 export const ORDERS = ["columns", "row"] as const;
-export const GRIDS = ["frame", "mi", "jiu", "tian", "none"] as const;
+export const GRIDS = ["frame", "mi", "jiu", "tian", "columns", "none"] as const;
 export type Grid = (typeof GRIDS)[number];
+/** What a score leaves out of a text. */
+export const USUAL = {
+  text: "", em_mm: 40.0, order: "columns", turn: 0.0, gap: 0.1, between: 0.0, grid: "frame", cells: [4, 5],
+} as const; // prettier-ignore
+const LONGEST = 2000;
+const MOST_CELLS = 40;
 
 const UNITS = 1024.0; // of the em
-const GAP = 0.1; // ems between columns or rows
 const NODES = 16.0; // of the chart, per em
 const MARGIN = 0.25; // ems around the text that a brush's root may stray
 const DENSE = 1.0 / 32.0; // ems between two points of a line
@@ -37,7 +45,9 @@ const FRAME: Line[] = [[[-1, -1], [1, -1], [1, 1], [-1, 1], [-1, -1]]]; // prett
 const CROSS: Line[] = [[[-1, 0], [1, 0]], [[0, -1], [0, 1]]]; // prettier-ignore
 const DIAGONALS: Line[] = [[[-1, -1], [1, 1]], [[-1, 1], [1, -1]]]; // prettier-ignore
 const THIRDS: Line[] = [-1 / 3, 1 / 3].flatMap((at): Line[] => [[[-1, at], [1, at]], [[at, -1], [at, 1]]]); // prettier-ignore
-const LINES: Record<Grid, Line[]> = {
+const SIDES: Line[] = [[[-1, -1], [-1, 1]], [[1, -1], [1, 1]]]; // prettier-ignore
+const ENDS: Line[] = [[[-1, -1], [1, -1]], [[-1, 1], [1, 1]]]; // prettier-ignore
+const LINES: Record<Exclude<Grid, "columns">, Line[]> = {
   frame: FRAME, tian: [...FRAME, ...CROSS], mi: [...FRAME, ...CROSS, ...DIAGONALS],
   jiu: [...FRAME, ...THIRDS], none: [],
 }; // prettier-ignore
@@ -59,6 +69,34 @@ interface Character {
 export interface Guides {
   outlines: number[];
   grid: number[];
+}
+
+/** The text that a score's words say, if a page can show it. */
+export function readText(words: unknown, where: string): LaidText {
+  const said = { font: "", ...USUAL, ...(words as Partial<LaidText> & { font?: string }) };
+  const expect = (holds: boolean, name: keyof typeof said, expected: string): void => {
+    if (!holds) throw new RecordingError(`${where}: the ${name} of a text is ${JSON.stringify(said[name])}; expected ${expected}`);
+  };
+  const isWithin = (value: unknown, low: number, high: number): boolean =>
+    typeof value === "number" && value >= low && value <= high;
+  const { point } = said;
+  expect(said.font === "", "font", "none: a page has characters of its own");
+  expect(typeof said.text === "string" && said.text.length <= LONGEST, "text", `up to ${LONGEST} characters`);
+  expect(ORDERS.includes(said.order), "order", ORDERS.join(" or "));
+  expect(GRIDS.includes(said.grid), "grid", GRIDS.join(" or "));
+  for (const [name, low, high] of [["em_mm", 2, 1000], ["turn", -180, 180], ["gap", 0, 5], ["between", 0, 5]] as const)
+    expect(isWithin(said[name], low, high), name, `${low} to ${high}`);
+  expect(isTuple(said.cells, 2, (n) => Number.isInteger(n) && isWithin(n, 1, MOST_CELLS)), "cells", `two counts to ${MOST_CELLS}`);
+  if (!isTuple(point, 3, Number.isFinite)) {
+    const got = point === undefined ? "missing" : JSON.stringify(point);
+    throw new RecordingError(`${where}: the point of a text is ${got}; expected three numbers, mm`);
+  }
+  const { text, em_mm, order, turn, gap, between, grid, cells } = said;
+  return { text, em_mm, order, point: point as Vector, turn, gap, between, grid, cells };
+}
+
+function isTuple(value: unknown, n: number, holds: (one: unknown) => boolean): boolean {
+  return Array.isArray(value) && value.length === n && value.every(holds);
 }
 
 /** A character and where its middle is from that of its text, ems. */
@@ -107,20 +145,21 @@ export class Copybook {
 
   /** The characters of a text that are not there. */
   missing(text: string): string[] {
-    return [...new Set(cellsOf(text, "columns").map((cell) => cell.text))].filter((one) => !this.#characters.has(one));
+    return [...new Set(text.replace(/\s/g, ""))].filter((one) => !this.#characters.has(one));
   }
 
   /** Whether a hand is planned for all of a text as it lies. */
   isPlanned(laid: LaidText): boolean {
     const isThere = (text: string): boolean => (this.#characters.get(text)?.plan.length ?? 0) > 0;
-    return laid.em_mm === this.emMm && cellsOf(laid.text, laid.order).every(({ text }) => isThere(text));
+    return laid.em_mm === this.emMm && cellsOf(laid).every(({ text }) => isThere(text));
   }
 
   /** The outlines of a text, and its grid. */
   guides(surface: ClosestPoints, laid: LaidText): Guides {
-    const cells = cellsOf(laid.text, laid.order);
+    const cells = cellsOf(laid);
     const chart = chartOf(surface, laid, cells);
     const found: Guides = { outlines: [], grid: [] };
+    const between = laid.order === "columns" ? SIDES : ENDS;
     for (const { text, x, y } of cells) {
       const draw = (line: Line, size: number, into: number[]): void => {
         let before: Vector | null = null;
@@ -132,14 +171,14 @@ export class Copybook {
         }
       };
       for (const ring of this.#characters.get(text)?.rings ?? []) draw(ring, 1.0, found.outlines);
-      for (const line of LINES[laid.grid]) draw(line, 0.5, found.grid);
+      for (const line of laid.grid === "columns" ? between : LINES[laid.grid]) draw(line, 0.5, found.grid);
     }
     return found;
   }
 
   /** The strokes of a planned hand on the object, from 0 ns each. */
   *strokes(surface: ClosestPoints, laid: LaidText): Generator<DeviceSample[]> {
-    const cells = cellsOf(laid.text, laid.order);
+    const cells = cellsOf(laid);
     const chart = chartOf(surface, laid, cells);
     for (const { text, x, y } of cells)
       for (const rows of this.#characters.get(text)?.plan ?? []) {
@@ -181,14 +220,18 @@ function axesOf([w, x, y, z]: Quaternion): Vector[] {
   ];
 }
 
-/** Columns from right to left, or rows from top to bottom, around the text's middle. */
-function cellsOf(text: string, order: LaidText["order"]): Cell[] {
-  const lines = text.split("\n").map((line) => [...line.replace(/\s/g, "")]).filter((line) => line.length > 0);
+/** Columns from right to left, or rows from top to bottom, around the text's middle; empty of a grid alone. */
+function cellsOf({ text, order, gap, between, cells }: LaidText): Cell[] {
+  const [n, length] = order === "columns" ? cells : [cells[1], cells[0]];
+  const lines =
+    text.trim() === ""
+      ? Array.from({ length: n }, () => Array.from({ length }, () => ""))
+      : text.split("\n").map((line) => [...line.replace(/\s/g, "")]).filter((line) => line.length > 0);
   const longest = Math.max(...lines.map((line) => line.length));
   return lines.flatMap((line, l) =>
     line.map((one, k) => {
-      const across = (1.0 + GAP) * (0.5 * (lines.length - 1) - l);
-      const along = 0.5 * (longest - 1) - k;
+      const across = (1.0 + gap) * (0.5 * (lines.length - 1) - l);
+      const along = (1.0 + between) * (0.5 * (longest - 1) - k);
       return order === "columns" ? { text: one, x: across, y: along } : { text: one, x: -along, y: across };
     }),
   );

@@ -76,7 +76,7 @@ export class CopybookList {
       sized("turn", say("turn"), laid.turn, [-180, 180, 1], (turn) => change({ turn })),
       choice("order", say("order"), ORDERS.map((one) => say(one)), ORDERS.indexOf(laid.order),
         (k) => change({ order: ORDERS[k] })),
-      choice("grid", say("grid"), GRIDS.map((one) => say(one)), GRIDS.indexOf(laid.grid),
+      choice("grid", say("grid"), GRIDS.map((one) => say(one === "columns" ? "ruled" : one)), GRIDS.indexOf(laid.grid),
         (k) => change({ grid: GRIDS[k] })),
       write,
       button("place", say("move"), () => acts.place(number)),

@@ -6,7 +6,7 @@ import type { Contents, Studio } from "../studio";
 import { ClosestPoints } from "../mesh/closest_points";
 import { Painter, PIECE_S, type Ink, type Kept } from "../painter/painter";
 import { AT_REST, RecordingError, type DeviceSample } from "../recording/recording";
-import type { LaidText } from "./copybook";
+import { readText, type LaidText } from "./copybook";
 import { Eraser } from "../surface/eraser";
 import type { Blend, LayerStack } from "../surface/layer_stack";
 import type { PaintedSurface, Snapshot } from "../surface/painted_surface";
@@ -116,7 +116,9 @@ export class Document {
     return this.#lines.some((line) => line.do === "begin_stroke");
   }
 
+  /** Take another brush; not during a stroke, which one brush paints. */
   setBrush(brush: Brush): void {
+    if (this.#inStroke) return;
     this.painter.changeBrush(brush);
     this.#lines.push({ do: "set_brush", brush: brush.name });
   }
@@ -157,12 +159,12 @@ export class Document {
   }
 
   endStroke(): void {
+    this.#inStroke = false; // whatever the brush may still meet
+    this.#lines.push({ do: "end_stroke" });
     this.painter.finish();
     if (this.#eraser !== null) this.painter.loaded -= this.#eraser.wipe();
     this.#giveBack?.();
     this.#giveBack = this.#eraser = null;
-    this.#inStroke = false;
-    this.#lines.push({ do: "end_stroke" });
   }
 
   /** Take the last step back; the brush, and its ink, stay those that were chosen last. */
@@ -302,7 +304,7 @@ export class Document {
       else if (row.do === "undo") this.undo();
       else if (row.do === "redo") this.redo();
       else if (row.do === "dry") this.dry();
-      else if (row.do === "lay_text") this.layText(row.text as LaidText, row.number as number | undefined);
+      else if (row.do === "lay_text") this.layText(readText(row.text, `line ${k + 1}`), row.number as number | undefined);
       else if (row.do === "remove_text") this.removeText(row.number as number);
       else if (LAYER_EDITS.has(String(row.do))) this.restack(row as unknown as LayerEdit);
       else if (row.do === "follow_time")

@@ -7,7 +7,7 @@ import { Studio, type Contents, type Fetch } from "../studio";
 import { ballAround, Camera } from "./camera";
 import { askForFile, button, choice, element, note, save, section, slider, tick } from "./controls";
 import { Panel, type Tab } from "./panel";
-import { Copybook, type Guides, type LaidText } from "./copybook";
+import { Copybook, USUAL, type Guides, type LaidText } from "./copybook";
 import { CopybookList } from "./copybook_list";
 import { Document, type LayerEdit } from "./document";
 import { LayerList } from "./layer_list";
@@ -348,6 +348,7 @@ class Page {
   }
 
   #changeTexts(change: () => void): void {
+    this.#placing = null; // it may have another number now
     this.#act(() => {
       this.#paint(); // what was heard since the last frame
       change();
@@ -360,8 +361,7 @@ class Page {
     const { painting, camera } = this.#opened();
     const middle = camera.ray(...camera.centre, this.#aspect()) as Vector;
     const point = painting.closest.cast(camera.eye, middle)?.point ?? painting.closest.find([0, 0, 0]).point;
-    const usual: LaidText = { text: "", em_mm: 40.0, order: "columns", point, turn: 0.0, grid: "mi" };
-    this.#changeTexts(() => painting.layText({ ...usual, ...text }, number));
+    this.#changeTexts(() => painting.layText({ ...USUAL, point, grid: "mi", ...text }, number));
   }
 
   /** The text that waits for it goes where the pointer is. */
@@ -377,34 +377,44 @@ class Page {
     const { painting, studio } = this.#opened();
     const copybook = this.#copybook;
     if (copybook === null || this.#writes || this.#pointer !== null) return;
-    this.#writes = true;
+    this.#setWrites(true);
     try {
+      this.#paint(); // what was heard since the last frame
       const brush = await studio.brush(copybook.brush);
       if (painting.painter.brush !== brush) painting.setBrush(brush);
       for (const stroke of copybook.strokes(painting.closest, painting.texts[number])) {
         painting.dip(studio, this.#ink);
         painting.beginStroke();
-        const startNs = painting.lastNs + 500_000_000n;
-        const began = performance.now();
-        for (let done = 0; done < stroke.length; ) {
-          const now = await new Promise<number>((next) => requestAnimationFrame(next));
-          if (this.#painting !== painting) return; // another object was opened
-          const due = BigInt(Math.round(1e6 * WRITTEN_FASTER * Math.max(0.0, now - began)));
-          const part = stroke.slice(done).filter(({ timeNs }) => timeNs <= due);
-          painting.advance(part.map((one) => ({ ...one, timeNs: startNs + one.timeNs })));
-          done += part.length;
-          this.#refresh();
+        try {
+          const startNs = painting.lastNs + 500_000_000n;
+          const began = performance.now();
+          for (let done = 0; done < stroke.length; ) {
+            const now = await new Promise<number>((next) => requestAnimationFrame(next));
+            if (this.#painting !== painting) return; // another object was opened
+            const due = BigInt(Math.round(1e6 * WRITTEN_FASTER * Math.max(0.0, now - began)));
+            const part = stroke.slice(done).filter(({ timeNs }) => timeNs <= due);
+            painting.advance(part.map((one) => ({ ...one, timeNs: startNs + one.timeNs })));
+            done += part.length;
+            this.#refresh();
+          }
+        } finally {
+          painting.endStroke();
         }
-        painting.endStroke();
         this.#refresh();
       }
     } catch (cause) {
       this.fail(cause);
     } finally {
-      this.#writes = false;
+      this.#setWrites(false);
       this.#keep();
       this.#showInHand();
     }
+  }
+
+  /** Let a planned hand alone with the brush, or have it back. */
+  #setWrites(on: boolean): void {
+    this.#writes = on;
+    for (const id of ["tools", "panel"]) element(id).inert = on;
   }
 
   #restack(edit: LayerEdit): void {
@@ -446,11 +456,10 @@ class Page {
   #takeBrush(name: string): void {
     const { studio, painting } = this.#opened();
     studio.brush(name).then(
-      (brush) =>
-        this.#act(() => {
-          this.#brush = name;
-          painting.setBrush(brush);
-        }),
+      (brush) => {
+        this.#act(() => painting.setBrush(brush));
+        this.#showInHand();
+      },
       (cause: unknown) => this.fail(cause),
     );
   }
@@ -508,6 +517,7 @@ class Page {
   /** Undo or redo; what is in hand is shown as it is then. */
   #step(take: () => void): void {
     if (this.#pointer !== null || this.#writes) return; // a stroke goes on
+    this.#placing = null; // the text may be gone
     this.#act(() => {
       this.#paint(); // what was heard since the last frame
       take();
@@ -690,10 +700,11 @@ class Page {
       const painting = this.#painting;
       const { target } = event;
       const isWritten = target instanceof HTMLTextAreaElement || (target instanceof HTMLInputElement && target.type === "text");
-      if (painting === null || isWritten) return;
+      if (painting === null || event.isComposing) return;
       if (event.key === "Escape") this.#panel.show(null);
-      if (!event.ctrlKey && !event.metaKey) return;
-      const key = event.shiftKey ? `Shift+${event.key.toLowerCase()}` : event.key;
+      if (isWritten || (!event.ctrlKey && !event.metaKey)) return;
+      const letter = event.key.toLowerCase(); // also where capitals are locked
+      const key = event.shiftKey ? `Shift+${letter}` : letter;
       const take = { z: painting.undo, y: painting.redo, "Shift+z": painting.redo }[key];
       if (take === undefined) return;
       event.preventDefault();
@@ -722,8 +733,9 @@ class Page {
     }
     if (this.#pointer !== null || this.#writes) return;
     if (this.#placing !== null) {
-      this.#place(event, this.#placing);
+      const number = this.#placing;
       this.#placing = null;
+      this.#place(event, number);
       return;
     }
     this.#pointer = event.pointerId;

@@ -108,7 +108,7 @@ export class Stage {
   readonly #program: WebGLProgram;
   readonly #ground: WebGLProgram;
   readonly #lines: WebGLProgram;
-  #guides: { array: WebGLVertexArrayObject; n: number; colour: readonly number[] }[] = [];
+  #guides: { array: WebGLVertexArrayObject; buffer: WebGLBuffer; n: number; colour: readonly number[] }[] = [];
   #buffers: Record<string, WebGLBuffer> = {};
   #array: WebGLVertexArrayObject | null = null;
   #groundArray: WebGLVertexArrayObject | null = null;
@@ -151,18 +151,22 @@ export class Stage {
   /** Show lines on the object in place of those before. */
   guide(lines: Guides): void {
     const gl = this.#gl;
-    for (const { array } of this.#guides) gl.deleteVertexArray(array);
+    for (const { array, buffer } of this.#guides) {
+      gl.deleteVertexArray(array);
+      gl.deleteBuffer(buffer);
+    }
     const made = [[lines.grid, GRID], [lines.outlines, OUTLINES]] as const; // prettier-ignore
     this.#guides = made.map(([points, colour]) => {
       const array = gl.createVertexArray();
+      const buffer = gl.createBuffer();
       gl.bindVertexArray(array);
-      gl.bindBuffer(gl.ARRAY_BUFFER, gl.createBuffer());
+      gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
       gl.bufferData(gl.ARRAY_BUFFER, new Float32Array(points), gl.STATIC_DRAW);
       const place = gl.getAttribLocation(this.#lines, "place");
       gl.enableVertexAttribArray(place);
       gl.vertexAttribPointer(place, 3, gl.FLOAT, false, 0, 0);
       gl.bindVertexArray(null);
-      return { array, n: points.length / 3, colour };
+      return { array, buffer, n: points.length / 3, colour };
     });
   }
 
