@@ -150,14 +150,14 @@ def test_a_place_that_was_asked_for_is_kept():
 
 
 def test_a_text_that_does_not_fit_says_how_much_would():
-    with pytest.raises(InputError, match=r"9 characters does not fit on plane .* 4 would"):
+    with pytest.raises(InputError, match=r"9 characters does not fit on plane .* 4 of them would"):
         layout_text(body("plane"), POEM[:9], 66.0)
 
 
 def test_a_text_that_does_not_fit_says_at_which_size_it_would():
-    with pytest.raises(InputError, match=r"a size of [\d.]+ mm") as fault:
+    with pytest.raises(InputError, match=r"expected a size of [\d.]+ mm") as fault:
         layout_text(body("plane"), POEM[:9], 66.0)
-    proposed = float(re.search(r"a size of ([\d.]+) mm", str(fault.value))[1])
+    proposed = float(re.search(r"expected a size of ([\d.]+) mm", str(fault.value))[1])
     assert 40.0 < proposed < 60.0
     assert len(layout_text(body("plane"), POEM[:9], proposed)) == 9
 
@@ -203,7 +203,7 @@ def test_a_place_is_looked_for_where_the_middle_has_none():
 
 def test_a_text_that_fits_nowhere_says_how_much_would_at_the_best_place():
     apart = sheets((0, 0, 0), (90, 0, 0), (0, 0, 80), (90, 0, 80))
-    with pytest.raises(InputError, match=r"9 characters does not fit on sheets .* [1-4] would"):
+    with pytest.raises(InputError, match=r"9 characters does not fit on sheets .* [1-4] of them would"):
         layout_text(apart, POEM[:9], 25.0)
 
 
@@ -248,7 +248,7 @@ def test_an_unknown_order_is_refused():
 def test_a_row_longer_than_the_ring_is_refused():
     """It would end in its own beginning: the ring is 251 mm."""
     assert len(layout_text(body("cylinder"), POEM[:12], 20.0, Layout("row"))) == 12
-    with pytest.raises(InputError, match=r"text of 13 characters does not fit .*: 12 would"):
+    with pytest.raises(InputError, match=r"text of 13 characters does not fit .*: 12 of them would"):
         layout_text(body("cylinder"), POEM[:13], 20.0, Layout("row"))
 
 
