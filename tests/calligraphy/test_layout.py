@@ -203,7 +203,9 @@ def test_a_place_is_looked_for_where_the_middle_has_none():
 
 def test_a_text_that_fits_nowhere_says_how_much_would_at_the_best_place():
     apart = sheets((0, 0, 0), (90, 0, 0), (0, 0, 80), (90, 0, 80))
-    with pytest.raises(InputError, match=r"9 characters does not fit on sheets .* [1-4] of them would"):
+    with pytest.raises(
+        InputError, match=r"9 characters does not fit on sheets .* [1-4] of them would"
+    ):
         layout_text(apart, POEM[:9], 25.0)
 
 
@@ -248,7 +250,9 @@ def test_an_unknown_order_is_refused():
 def test_a_row_longer_than_the_ring_is_refused():
     """It would end in its own beginning: the ring is 251 mm."""
     assert len(layout_text(body("cylinder"), POEM[:12], 20.0, Layout("row"))) == 12
-    with pytest.raises(InputError, match=r"text of 13 characters does not fit .*: 12 of them would"):
+    with pytest.raises(
+        InputError, match=r"text of 13 characters does not fit .*: 12 of them would"
+    ):
         layout_text(body("cylinder"), POEM[:13], 20.0, Layout("row"))
 
 
