@@ -152,7 +152,7 @@ def _fill_gains(lines, strength, power):
 
 @uncounted(error_model="numpy")
 def _fill_brought(brought, first, apart, values, strength, root_mm, bundles):
-    """Fill what bundles of hairs bring to each line: those show while wet that skip first."""
+    """Fill what bundles of hairs bring to each line: they show while wet."""
     brought[:] = 1.0
     if strength <= 0.0:
         return

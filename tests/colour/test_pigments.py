@@ -321,14 +321,13 @@ def test_a_film_over_white_and_black_tells_what_absorbs_and_scatters(name, tmp_p
     assert ink.basis == "film over white and black"
 
 
-@pytest.mark.parametrize("seed", range(4))
-def test_a_white_film_measured_with_noise_is_one(seed, tmp_path):
-    """Within a thousandth it may seem to let through more than there is."""
+def test_a_white_film_measured_a_thousandth_too_light_is_one(tmp_path):
+    """It seems to let through more than there is."""
     white = load_palette()["titanium white"]
-    noise = np.random.default_rng(seed).uniform(-1e-3, 1e-3, (2, 31))
-    path = films(tmp_path, 0.1 * white.K, 0.1 * white.S, noise=noise)
+    noise = np.array([[1e-3], [0.0]])
+    path = films(tmp_path, 0.02 * white.K, 0.02 * white.S, noise=noise)
     ink = load_pigments_csv(path)["mine"]
-    assert np.abs(ink.S - 0.1 * white.S).max() < 0.1 * white.S.max()
+    assert np.abs(ink.S - 0.02 * white.S).max() < 0.1 * 0.02 * white.S.max()
 
 
 def test_a_film_that_only_absorbs_is_one_too(tmp_path):
