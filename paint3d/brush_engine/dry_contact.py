@@ -26,15 +26,13 @@ from paint3d.mesh.kernels.mesh_arrays import mix
 __all__ = [
     "BUNDLE_MM",
     "DryContact",
-    "bundle_at",
     "bundle_noise",
     "contact_noise",
     "dry_contact",
     "fill_noise",
     "note_way",
-    "per_width",
-    "supply_at",
     "thin_contact",
+    "weigh_streaks",
 ]
 
 _CELLS, _STEPS = 8, 8  # of the noise's lattice to a period, and of the table to a cell
@@ -64,7 +62,6 @@ _BROAD, _BROAD_WAY, _BROAD_SPREAD = 1.25, 19.0, 0.72  # bundles: mm across, mm a
 BUNDLE_MM, _WAY, _SPREAD = 0.32, 16.0, 0.58  # the narrow ones of a solid tuft
 _WANDER_MM = 0.5  # narrow ones lie aside by the supply of broad ones: they part and meet
 _BROADER = 2.2  # broad ones are at least so much broader than narrow ones
-_WET_BROAD = 0.6  # of what broad ones bring shows in a wet film, over what narrow ones do
 _BELLY = 0.32  # of the root's diameter: half the width of a belly at whose scale bundles are told
 _NARROWEST = 0.35  # of it, below which hairs draw together no more
 _RIM = 0.35  # how much worse hairs at the rim are supplied
@@ -82,6 +79,7 @@ class DryContact(NamedTuple):
     """What a sweep's vertices share."""
 
     supply: float  # of the whole tuft, standard deviations over the mean height
+    mean_broad: float  # what broad bundles bring, the mean across the way, as `broad` shows it
     per_soft: float
     ahead_x: float  # direction of the way in the stamp's frame, along the bend and across
     ahead_y: float
@@ -229,21 +227,10 @@ def _ahead(values):
 
 
 @uncounted(error_model="numpy")
-def per_width(values, root_mm):
+def _per_width(values, root_mm):
     """Belly's scale, at which bundles are told, over that of a footprint: hairs draw together."""
     belly = _BELLY * root_mm
     return belly / max(values.widest, _NARROWEST * belly)
-
-
-@uncounted(error_model="numpy")
-def supply_at(across, scale, way, bundles):
-    """What bundles of a solid tuft bring while wet at a place, mm across and along.
-
-    Of deviation 1.1; `scale` is that of `per_width`.
-    """
-    broad = _BROAD_SPREAD * bundle_at(_FROM + scale * across / _BROAD, way / _BROAD_WAY, bundles[0])
-    aside = across + _WANDER_MM * broad
-    return _WET_BROAD * broad + bundle_at(_FROM + scale * aside / BUNDLE_MM, way / _WAY, bundles[1])
 
 
 @uncounted(error_model="numpy")
@@ -253,7 +240,7 @@ def _mean_supply(ahead_x, ahead_y, values, per_mm, ink):
     along, total = (values.parted + values.way) / _BROAD_WAY, 0.0
     for n in range(-_EACH_SIDE, _EACH_SIDE + 1):
         across = middle + half * n / (_EACH_SIDE + 0.5)
-        total += bundle_at(_FROM + per_mm * across, along, ink.bundles[0])
+        total += _bundle_at(_FROM + per_mm * across, along, ink.bundles[0])
     return total / (2 * _EACH_SIDE + 1)
 
 
@@ -279,7 +266,7 @@ def dry_contact(level, carried, after, bundles, field, ink):
     ahead_x, ahead_y = _ahead(a)
     apart, tooth = field.soft_edge, ink.transfer[0].tooth_mm
     coarse, fine = _seen(tooth, apart), _seen(_FINER * tooth, apart)
-    scale, broad_mm = per_width(a, root), max(_BROAD, _BROADER * bundle)
+    scale, broad_mm = _per_width(a, root), max(_BROAD, _BROADER * bundle)
     broad, narrow = _seen(broad_mm / scale, apart), _seen(bundle / scale, apart)
     supply = _GAIN * (2.0 * level - 1.0) + _OFFSET
     supply += _FLOOD * max(0.0, level - _FLOODED) / (1.0 - _FLOODED)
@@ -292,11 +279,12 @@ def dry_contact(level, carried, after, bundles, field, ink):
         unseen2 += _TOOTH_SPREAD**2 * (1.0 - shown)
     broad_spread, spread = differ * _BROAD_SPREAD, differ * _SPREAD
     unseen2 += broad_spread**2 * (1.0 - broad * broad) + spread**2 * (1.0 - narrow * narrow)
-    supply -= broad_spread * broad * _mean_supply(ahead_x, ahead_y, a, scale / broad_mm, ink)
+    mean_broad = broad_spread * broad * _mean_supply(ahead_x, ahead_y, a, scale / broad_mm, ink)
     step = _STEPS / tooth if tooth > 0.0 else 0.0
     back = -_DRAGGED * tooth
     return DryContact(
-        supply,
+        supply - mean_broad,
+        mean_broad,
         0.5 / (np.sqrt(3.0) * np.sqrt(_SOFT * _SOFT + unseen2)),
         ahead_x,
         ahead_y,
@@ -414,7 +402,7 @@ def _signed_byte(number):
 
 
 @uncounted(error_model="numpy")
-def bundle_at(across, along, table):
+def _bundle_at(across, along, table):
     """The noise of bundles at one place, in bundles across and along; of deviation 1."""
     x, y = _STEPS * across, _STEPS * along
     p, q = np.floor(x), np.floor(y)
@@ -466,20 +454,32 @@ def _begin_supply(n, contact, under, supply):
 
 
 @uncounted(error_model="numpy")
+def _add_supply(n, contact, after, ink, block):
+    """Add to row 6 of a block what the bundles bring to vertices; rows 4 and 5 become their places.
+
+    The first three rows hold the vertices' places, mm.
+    """
+    supply, across, begins = block.rows[6], block.rows[4], block.rows[3]
+    _place_on_tuft(n, contact, after.values[0], block)
+    for k in range(n):
+        begins[k] = supply[k]
+    bundles, broad_way, way = ink.bundles, _STEPS / _BROAD_WAY, _STEPS / _WAY
+    _add_bundles(n, bundles[0], contact.per_broad, broad_way, contact.broad, block)
+    wander = np.float32(_WANDER_MM)
+    for k in range(n):
+        across[k] += wander * (supply[k] - begins[k])
+    _add_bundles(n, bundles[1], contact.per_narrow, way, contact.narrow, block)
+
+
+@uncounted(error_model="numpy")
 def _touch(n, contact, after, ink, block):
     """Make of the supply in row 6 of a block the share that the tuft touches.
 
     The first three rows hold the vertices' places (mm), and are lost.
     """
-    supply, high = block.rows[6], block.rows[3]
+    across, supply, high = block.rows[4], block.rows[6], block.rows[3]
     values = after.values[0]
-    _place_on_tuft(n, contact, values, block)
-    across, begin, wander = block.rows[4], np.float32(contact.supply), np.float32(_WANDER_MM)
-    bundles, broad_way, way = ink.bundles, _STEPS / _BROAD_WAY, _STEPS / _WAY
-    _add_bundles(n, bundles[0], contact.per_broad, broad_way, contact.broad, block)
-    for k in range(n):
-        across[k] += wander * (supply[k] - begin)
-    _add_bundles(n, bundles[1], contact.per_narrow, way, contact.narrow, block)
+    _add_supply(n, contact, after, ink, block)
     middle, half_extent = _extent_across(contact.ahead_x, contact.ahead_y, values)
     per_rim, middle = np.float32(1.0 / max(half_extent, 0.15)), np.float32(middle)
     worse = np.float32(_RIM)
@@ -532,3 +532,43 @@ def thin_contact(contact, after, found, n, field, ink, block):
             cover[kept] = own_cover[k] * touched[k]
             kept += np.uint32(touched[k] > _LEAST)
     return np.int64(kept)
+
+
+@uncounted(error_model="numpy")
+def weigh_streaks(strength, contact, after, found, n, field, ink, block):
+    """Weigh the shares of vertices under a wet tuft by what bundles bring: docs/model.md, (12).
+
+    Where a bundle brings much there is ink last when the brush runs dry.
+
+    Parameters
+    ----------
+    strength : float
+        Of the logarithm of a weight, over the supply of (13).
+    contact : DryContact
+    after : Stamp
+    found : Found
+        The first `n` of it; `brings` becomes their weights.
+    n : int
+    field, ink : SurfaceField, InkField
+    block : Block
+        Overwritten.
+    """
+    ids, share, brings = found.ids, found.share, found.brings
+    xs, ys, zs, supply = block.rows[0], block.rows[1], block.rows[2], block.rows[6]
+    one, half, third = np.float32(1.0), np.float32(1.0 / 2.0), np.float32(1.0 / 3.0)
+    begin, factor = np.float32(strength * contact.mean_broad), np.float32(strength)
+    for first in range(0, n, xs.shape[0]):
+        m = min(xs.shape[0], n - first)
+        last = first + m
+        own_ids, own_share, own_brings = ids[first:last], share[first:last], brings[first:last]
+        fetch(m, own_ids, field.px, xs)
+        fetch(m, own_ids, field.py, ys)
+        fetch(m, own_ids, field.pz, zs)
+        for k in range(m):
+            supply[k] = np.float32(0.0)
+        _add_supply(m, contact, after, ink, block)
+        for k in range(m):
+            e = factor * supply[k] - begin
+            weight = one + e * (one + half * e * (one + third * e))  # exp(e), which is small
+            own_brings[k] = weight
+            own_share[k] *= weight

@@ -46,7 +46,9 @@ _LEAST_WAY = 1e-9  # mm
 _IN_PLACE = 0.35  # of the motion of a footprint that turns or grows where it stands: gives ink
 # How much of what paper moves an edge by a footprint follows: docs/model.md, equation (20a)
 _ROUGH_MM = 3.5  # all of it from this width on
-_CALM, _HASTY, _HASTY_MM_S, _THIRSTY = 0.58, 0.3, 120.0, 0.35  # slow and wet; more if fast, if dry
+_CALM = 0.45  # of a slow, wet brush
+_HASTY, _HASTY_MM_S = 0.4, 150.0  # more up to this speed
+_THIRSTY, _SATED, _PARCHED = 0.5, 1.6, 0.6  # and more between these loads over that of skipping
 _BELLY, _POINT = 1.15, 0.6  # times that at the heel of the footprint and at its tip
 _FIRM = 0.4  # pressure from which a footprint that grows gives ink for all of its growth
 
@@ -423,7 +425,8 @@ def _fill_steady(values, sweep):
     """
     broad = min(1.0, 2.0 * values.widest / _ROUGH_MM)
     follows = _CALM + _HASTY * min(1.0, values.speed / _HASTY_MM_S)
-    follows += _THIRSTY * (1.0 - min(1.0, max(0.0, (sweep.wet - 0.5) / 1.5)))
+    sated = (sweep.wet - _PARCHED) / (_SATED - _PARCHED)
+    follows += _THIRSTY * (1.0 - min(1.0, max(0.0, sated)))
     follows = min(1.0, follows) * broad * np.sqrt(broad)
     rise = (_POINT - _BELLY) * follows / max(values.tip - values.heel, 1e-6)
     sweep.steady[0] = 1.0 - (_BELLY * follows - rise * values.heel)

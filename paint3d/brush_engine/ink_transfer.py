@@ -22,9 +22,8 @@ from paint3d.brush_engine.dry_contact import (
     BUNDLE_MM,
     dry_contact,
     note_way,
-    per_width,
-    supply_at,
     thin_contact,
+    weigh_streaks,
 )
 from paint3d.brush_engine.footprint import (
     LAST_PLACE,
@@ -89,7 +88,7 @@ LINES = 64  # along the way, side by side, that a footprint is cut into
 _RUNS_DRY = (0.15, 0.3)  # contact level below which a tuft has no film, and from which it has one
 _MOST = 6.0  # times a share that a line gets
 _ON_GLAZE, _ON_GRAIN = 1.15, 0.8  # power of a line's length that what it gets falls with
-_STREAKED = 0.12  # deviation of what bundles of hairs bring on paper, over their mean
+_STREAKED = 0.15  # strength of what bundles of hairs bring on paper: see `weigh_streaks`
 
 
 @uncounted(error_model="numpy")
@@ -150,21 +149,9 @@ def _fill_gains(lines, strength, power):
         gains[line] = 1.0 + strength * (gain - 1.0)
 
 
-@uncounted(error_model="numpy")
-def _fill_brought(brought, first, apart, values, strength, root_mm, bundles):
-    """Fill what bundles of hairs bring to each line: they show while wet."""
-    brought[:] = 1.0
-    if strength <= 0.0:
-        return
-    per_mm, way = per_width(values, root_mm), values.parted + values.way
-    for line in range(LINES):
-        supply = supply_at(first + (line + 0.5) * apart, per_mm, way, bundles)
-        brought[line] = np.exp(strength * supply)
-
-
 @uncounted(error_model="numpy", apart=True)
-def _give_by_line(n, ids, px, py, pz, across, start, gains, share, brings):
-    """Multiply the shares of vertices by what the lines on which they lie get; fill `brings`.
+def _give_by_line(n, ids, px, py, pz, across, start, gains, share):
+    """Multiply the shares of vertices by what the lines on which they lie get.
 
     Lines are counted along a vector, `across`, from a place, `start` (mm), where the middle of the
     first lies. Between the middles of a line and the next, a gain is that of the first of a pair of
@@ -172,15 +159,13 @@ def _give_by_line(n, ids, px, py, pz, across, start, gains, share, brings):
     """
     ax, ay, az = single(across)
     x, y, z = single(start)
-    starts, rises, last = gains[0, 0], gains[0, 1], np.float32(LINES - 1.001)
-    begins, climbs = gains[1, 0], gains[1, 1]
+    starts, rises, last = gains[0], gains[1], np.float32(LINES - 1.001)
     for k in range(n):
         v = as_index(ids[k])
         at = ax * (px[v] - x) + ay * (py[v] - y) + az * (pz[v] - z)
         at = min(max(at, np.float32(0.0)), last)
         line = np.uint32(np.int32(at)) & np.uint32(LINES - 1)
-        brings[k] = begins[line] + at * climbs[line]
-        share[k] *= (starts[line] + at * rises[line]) * brings[k]
+        share[k] *= starts[line] + at * rises[line]
 
 
 @uncounted(error_model="numpy")
@@ -195,16 +180,18 @@ def _count_lines(values, way, first, apart):
 
 
 @uncounted(error_model="numpy")
-def level_shares(before, after, level, root_mm, field, ink, n, scratch):
+def level_shares(before, after, level, contact, field, ink, n, scratch):
     """Let what a sweep leaves lie as an even film across the way, as far as the tuft is wet.
+
+    On paper bundles of hairs show in it.
 
     Parameters
     ----------
     before, after : Stamp
     level : float
         The contact level: see `wetness`.
-    root_mm : float
-        Diameter of the tuft.
+    contact : DryContact
+        Where bundles are.
     field, ink : SurfaceField, InkField
     n : int
         Vertices in `scratch.found`; their shares are changed.
@@ -215,29 +202,29 @@ def level_shares(before, after, level, root_mm, field, ink, n, scratch):
     bool
         Whether they were.
     """
-    values = after.values[0]
-    scratch.found.brings[:n] = 1.0
+    values, found, drinks = after.values[0], scratch.found, absorbency(ink)
+    if drinks > 0.0:
+        found.brings[:n] = 1.0
     if before.values[0].touches <= 0.0 or values.touches <= 0.0 or values.tip <= values.heel:
         return False
     wet = min(1.0, (level - _RUNS_DRY[0]) / (_RUNS_DRY[1] - _RUNS_DRY[0]))
     carried, along, across = find_way(before, after)
     if wet <= 0.0 or carried <= 0.0:
         return False
-    way, lines, found = (along, across), scratch.lines, scratch.found
+    way, lines, gains = (along, across), scratch.lines, scratch.gains
     first, apart = _fill_lines(after, way, lines)
     power = _ON_GLAZE + ink.transfer[0].grain * (_ON_GRAIN - _ON_GLAZE)
     _fill_gains(lines, wet * carried, power)
-    streaks = wet * carried * _STREAKED * absorbency(ink)
-    _fill_brought(lines[3], first, apart, values, streaks, root_mm, ink.bundles)
-    for row in range(2):
-        numbers, gains = lines[2 + row], scratch.gains[row]
-        for line in range(LINES - 1):
-            rise = numbers[line + 1] - numbers[line]
-            gains[0, line] = numbers[line] - line * rise
-            gains[1, line] = rise
+    numbers = lines[2]
+    for line in range(LINES - 1):
+        rise = numbers[line + 1] - numbers[line]
+        gains[0, line] = numbers[line] - line * rise
+        gains[1, line] = rise
     across, start = _count_lines(values, way, first, apart)
-    ids, share, brings, gains = found.ids, found.share, found.brings, scratch.gains
-    _give_by_line(n, ids, field.px, field.py, field.pz, across, start, gains, share, brings)
+    _give_by_line(n, found.ids, field.px, field.py, field.pz, across, start, gains, found.share)
+    if drinks > 0.0:
+        strength = wet * carried * _STREAKED * drinks
+        weigh_streaks(strength, contact, after, found, n, field, ink, scratch.block)
     return True
 
 
@@ -834,9 +821,9 @@ def sweep_deposit(before, after, tuft, field, ink, scratch):
     released *= given_on_way(level)
     landing = released * landing_share(area, width, weighed, n)
     note_way(before, after)
+    bundles = (tuft.diameters[-1], BUNDLE_MM, 1.0, 0.0)
+    contact = dry_contact(level, find_way(before, after)[0], after, bundles, field, ink)
     if level < 1.0 and weighed > 0.0:  # a brush that runs dry gives less, and only to the heights
-        bundles = (tuft.diameters[-1], BUNDLE_MM, 1.0, 0.0)
-        contact = dry_contact(level, find_way(before, after)[0], after, bundles, field, ink)
         n = thin_contact(contact, after, found, n, field, ink, scratch.block)
         whole = weighed
         weighed = weighed_area(n, found.area, found.share, field.area_step)
@@ -848,7 +835,7 @@ def sweep_deposit(before, after, tuft, field, ink, scratch):
     scratch.taken[:] = 0.0
     if ink.transfer[0].pickup > 0.0:
         take_up_ink(before, after, released, found, n, field, ink, scratch.taken)
-    if level_shares(before, after, level, tuft.diameters[-1], field, ink, n, scratch):
+    if level_shares(before, after, level, contact, field, ink, n, scratch):
         weighed = weighed_area(n, found.area, found.share, field.area_step)
     if weighed > 0.0:
         coats = first_film(level, tuft.transfer_per_mm, tuft.diameters[-1], ink)

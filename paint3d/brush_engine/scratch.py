@@ -88,10 +88,8 @@ class Scratch(NamedTuple):
     query: Query
     block: Block
     found: Found
-    lines: NDArray  # (4, LINES), of the footprint, along its way: both ends, what each gets by
-    # its length, and what bundles bring
-    gains: NDArray  # (2, 2, LINES) float32, that by its length, and what bundles bring, as
-    # straight lines: first + second x place
+    lines: NDArray  # (3, LINES), of the footprint, along its way: both ends, and what each gets
+    gains: NDArray  # (2, LINES) float32, what they get as straight lines: first + second x place
 
 
 def make_scratch(mesh: PaintMesh, n_pigments: int) -> Scratch:
@@ -116,8 +114,8 @@ def make_scratch(mesh: PaintMesh, n_pigments: int) -> Scratch:
         query=_make_query(mesh),
         block=_make_block(),
         found=_make_found(mesh),
-        lines=np.zeros((4, LINES)),
-        gains=np.zeros((2, 2, LINES), np.float32),
+        lines=np.zeros((3, LINES)),
+        gains=np.zeros((2, LINES), np.float32),
     )
 
 

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import functools
+import itertools
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -160,6 +162,52 @@ def test_each_press_parts_the_hairs_anew() -> None:
     assert alike.mean() < 0.8
     assert alike.min() < 0.6
     assert np.array_equal(covered.__wrapped__(0.2, load=0.13), strokes[0])
+
+
+def test_lanes_of_a_wet_brush_foretell_where_it_will_run_dry() -> None:
+    """Bundles that bring much while wet leave ink longest: docs/model.md, equations (12), (13)."""
+    alike = []
+    for down in (0.0, -8.0, 4.0):
+        surface = PaintedSurface(sheet(flat, (35.0, 35.0), 4.0), 0.2, "xuan")
+        painter = Painter(surface, "full", {"pine soot": 0.3, "water": 0.7}, hairs=0)
+        along = stroke(0.0, 0.4)
+        painter.replay(replace(along, position=along.position + [0.0, down, 0.0]))
+        x, y, _ = surface.paint_mesh.vertices.T
+        amounts, within = surface.amounts.sum(axis=1), (abs(x) < 4.0)
+        edges = np.linspace(-1.9, 1.9, 20)  # mm across
+        film = [
+            amounts[within & (y - down > low) & (y - down < high)].mean()
+            for low, high in itertools.pairwise(edges)
+        ]
+        picture = covered(0.2, load=0.13, down=down)[:, 160:320]
+        cover = picture.mean(axis=1)[2:78].reshape(19, 4).mean(axis=1)
+        bowed = [values - np.polyval(np.polyfit(edges[:-1], values, 2), edges[:-1])
+                 for values in (film, cover)]  # fmt: skip
+        alike.append(np.corrcoef(bowed)[0, 1])
+    assert np.mean(alike) > 0.7
+
+
+def _wobble(load: float, mm_s: float) -> float:
+    """Deviation (mm) of a stroke's edges on xuan from smooth curves."""
+    surface = PaintedSurface(sheet(flat, (35.0, 35.0), 4.0), 0.1, "xuan")
+    painter = Painter(surface, "full", {"pine soot": 0.3, "water": 0.7}, hairs=0)
+    painter.wipe(1.0 - load)
+    along = stroke(0.0, 0.3)
+    painter.replay(replace(along, time_ns=np.linspace(0.0, 4e10 / mm_s, 160).astype(np.int64)))
+    places = (np.asarray(surface.mesh.vertices)[:, :2] - [BOX[0], -8.0]) / GRID_MM
+    picture = np.empty((320, round((BOX[1] - BOX[0]) / GRID_MM)), "f4")
+    faces = np.asarray(surface.mesh.faces, np.int32)
+    fill_triangles(places, surface.coverage.astype(np.float32), faces, picture)
+    halves = [GRID_MM * (half > 0.5).sum(axis=0) for half in (picture[:160], picture[160:])]
+    at = np.arange(picture.shape[1])
+    return float(np.mean([np.std(h - np.polyval(np.polyfit(at, h, 3), at)) for h in halves]))
+
+
+def test_edges_are_rougher_the_faster_and_the_drier_the_brush() -> None:
+    """Ink that is plenty and has time runs together: docs/model.md, equation (20a)."""
+    calm = _wobble(1.0, 20.0)
+    assert _wobble(1.0, 150.0) > 1.4 * calm
+    assert _wobble(0.5, 60.0) > 1.1 * _wobble(1.0, 60.0)
 
 
 def test_a_thin_line_has_a_cleaner_edge_than_a_broad_stroke() -> None:

@@ -584,23 +584,23 @@ def sweep_hairs(before, after, ready, transfer_per_mm, hairs, field, ink, scratc
     scale = 0.0 if bare or (area < width * width and within == 0) else given_on_way(level)
     lands = landing_share(area, width, weighed, within)
     note_way(before, after)
+    bristles = hairs.bristles
+    bundles = (bristles.root_mm, bristles.bundle_mm, _BUNDLES, dry * _DIFFER)
+    reached = min(1.0, _OWN_GAPS * level)
+    contact = dry_contact(reached, find_way(before, after)[0], after, bundles, field, ink)
     if level < 1.0 and n > 0:  # hairs that run dry give less, and only to the heights
         whole = weighed_area(n, found.area, found.share, field.area_step)
-        bristles = hairs.bristles
-        bundles = (bristles.root_mm, bristles.bundle_mm, _BUNDLES, dry * _DIFFER)
-        reached = min(1.0, _OWN_GAPS * level)
-        contact = dry_contact(reached, find_way(before, after)[0], after, bundles, field, ink)
         n = thin_contact(contact, after, found, n, field, ink, scratch.block)
         rest = weighed_area(n, found.area, found.share, field.area_step)
         scale *= rest / whole if whole > 0.0 else 0.0
     scratch.taken[:] = 0.0
     if ink.transfer[0].pickup > 0.0:
         take_up_ink(before, after, ready * scale, found, n, field, ink, scratch.taken)
-    level_shares(before, after, level, hairs.bristles.root_mm, field, ink, n, scratch)
+    level_shares(before, after, level, contact, field, ink, n, scratch)
     landing = ready * scale * lands
     weighed = weighed_area(n, found.area, found.share, field.area_step)
     if landing > 0.0 and weighed > 0.0:
-        coats = first_film(level, transfer_per_mm, hairs.bristles.root_mm, ink)
+        coats = first_film(level, transfer_per_mm, bristles.root_mm, ink)
         rest, first, _ = take_in(coats, before, after, landing, weighed, found, n, field, ink)
         scale *= rest + first / landing
     _take_from_hairs(hairs.load, hairs.hair_contacts, scale, hairs.whole_sums, hairs.released)

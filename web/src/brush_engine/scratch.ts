@@ -112,8 +112,8 @@ export function makeScratch(
       eights: kinds.seenAs("u8"),
     },
     found: makeFound(kernels, mesh),
-    lines: zeros("f8", 4, sizes.lines),
-    gains: zeros("f4", 2, 2, sizes.lines),
+    lines: zeros("f8", 3, sizes.lines),
+    gains: zeros("f4", 2, sizes.lines),
   };
 }
 
