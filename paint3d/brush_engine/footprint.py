@@ -88,6 +88,7 @@ GEOMETRY = np.dtype(
         ("heading", *_VECTOR),  # where the way leads, 0 until it does
         ("curve", "f8"),  # of the way to the left, over some mm, 1/mm
         ("speed", "f8"),  # of the hand, mm/s
+        ("haste", "f8"),  # lag of the ink behind it: see `dry_contact.note_way`
         ("centred", "f8"),  # 1 where the middle of the outline lies at that place, else 0
     ],
     align=True,

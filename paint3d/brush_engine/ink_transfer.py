@@ -269,8 +269,6 @@ class InkField(NamedTuple):
 
 _DRY_AT = 0.8  # share of a full load below which a light brush on grain 1 begins to skip
 _DRY_PRESSED = 0.4  # less of it at full pressure
-_FLOWS_MM_S = 350.0  # speed of a hand at which it takes twice the load for the same contact
-_MOST_HASTE = 1.7
 FADING = 0.1  # k of equation (10a): the larger, the paler a brush writes on paper as it empties
 FILM = 0.35  # of equation (12a): pressure under which a way as long as the root is wide gives it
 FILM_SHARE = 0.6  # of equation (12a): how much less a wet tuft gives on the way for its film
@@ -319,7 +317,7 @@ def wetness(before, after, ink):
         return 2.0
     begins = transfer.grain * (_DRY_AT - _DRY_PRESSED * mean_pressure(before, after))
     level = held_ink(ink) / (transfer.capacity * begins)
-    haste = min(_MOST_HASTE, after.values[0].speed / _FLOWS_MM_S)  # clocks of devices jump
+    haste = after.values[0].haste
     return level / (1.0 + haste * haste * min(1.0, level))
 
 
@@ -802,6 +800,7 @@ def sweep_deposit(before, after, tuft, field, ink, scratch):
     (docs/model.md, equation (11)).
     """
     width, found = field.soft_edge, scratch.found
+    note_way(before, after)
     wet = wetness(before, after, ink)
     level = min(1.0, wet)
     scratch.sweep[0].wet = wet
@@ -820,7 +819,6 @@ def sweep_deposit(before, after, tuft, field, ink, scratch):
         released = 0.0  # a touch finer than the vertices leaves nothing yet
     released *= given_on_way(level)
     landing = released * landing_share(area, width, weighed, n)
-    note_way(before, after)
     bundles = (tuft.diameters[-1], BUNDLE_MM, 1.0, 0.0)
     contact = dry_contact(level, find_way(before, after)[0], after, bundles, field, ink)
     if level < 1.0 and weighed > 0.0:  # a brush that runs dry gives less, and only to the heights

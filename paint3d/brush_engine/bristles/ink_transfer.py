@@ -565,6 +565,7 @@ def sweep_hairs(before, after, ready, transfer_per_mm, hairs, field, ink, scratc
     (docs/model.md, equation (11)).
     """
     width, found = field.soft_edge, scratch.found
+    note_way(before, after)
     wet = wetness(before, after, ink)
     level = min(1.0, wet)
     scratch.sweep[0].wet = wet
@@ -583,7 +584,6 @@ def sweep_hairs(before, after, ready, transfer_per_mm, hairs, field, ink, scratc
     bare = n == 0 and within > 0  # no hair lies over the vertices that the outline covers
     scale = 0.0 if bare or (area < width * width and within == 0) else given_on_way(level)
     lands = landing_share(area, width, weighed, within)
-    note_way(before, after)
     bristles = hairs.bristles
     bundles = (bristles.root_mm, bristles.bundle_mm, _BUNDLES, dry * _DIFFER)
     reached = min(1.0, _OWN_GAPS * level)
