@@ -122,12 +122,12 @@ Set by eye, such that a colour gets paler with water as painters know it; a draw
 brush.
 """
 
-GLOSSES = {"oil soot": 0.4, "gamboge": 0.3}
+GLOSSES = {"oil soot": 0.35, "gamboge": 0.3}
 """How glossy a coat dries; set by eye: oil soot is known for its gloss, gamboge is a resin."""
 
 FINES = {
-    "pine soot": 0.12,
-    "oil soot": 0.25,
+    "pine soot": 0.3,
+    "oil soot": 0.35,
     "cinnabar": 0.02,
     "minium": 0.04,
     "azurite 1": 0.0,
@@ -156,8 +156,7 @@ FINES = {
 }
 """The share that no pore of paper holds back.
 
-No measurement of it was to be had. Pine soot's is what the halo was set by (the finest eighth: by
-`SOOTS` the particles below .2 um); the others are set by eye, in the order of their grains. Oil
+No measurement of it was to be had. Pine soot's is what the halo was set by; the others are set by eye, in the order of their grains. Oil
 soot's are the smaller ones (Boku-undo: 15 to 80 nm, but glue keeps soot in flocks: Swider, Hackley,
 Winter, J. Cultural Heritage 4, 2003). Gamboge is a gum (a fifth) that dissolves and a resin that it
 turns to an emulsion (CAMEO, Museum of Fine Arts, Boston); carmine is a dye in water, save for what

@@ -128,9 +128,7 @@ _SHOWN = (0.7, 1.2)  # spacing of the vertices, mm, at which fibres start to fad
 _SIEVE = 2.8  # saturation at which pores let all soot pass, per unit of 1 - `passing`
 _FIBRES_OF_SIEVE = 0.5  # log of the drop of that potential along fibres, whose pores are wide
 _RAW_MM = 0.06  # depth of the pores of raw paper
-_CATCH_MM = (
-    0.8  # in such: way through pores after which a part 1 / e of the fine pigment is still afloat
-)
+_CATCH_MM = 0.4  # in such: way through pores after which 1 / e of the fine pigment is still afloat
 _FIBRES_OF_CATCH, _FLOCS_OF_CATCH = 1.2, 1.0  # log of that way along fibres, and lost in flocs
 _GLUE = 0.25  # coats of dried ink that close half of what can be closed
 _GLUE_OF_WAYS = 0.9  # greatest fraction of the conductance that glue takes

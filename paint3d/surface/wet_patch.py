@@ -238,16 +238,16 @@ class WetPatch:
     def _add_pigment(self, node: AnyArray, change: AnyArray, thin: AnyArray) -> None:
         """Add pigment (N, P) to nodes (N,), or remove it, of all kinds in proportion.
 
-        The thinner the ink that comes (N,), 0 to 1, the more of its flocs are loose.
+        The thinner the ink that comes (N,), 0 to 1, the more of its flocs are loose, fine ones, too.
         """
         came, before = np.maximum(change, 0.0), self.pigment[node]
         left = 1.0 + np.divide(change - came, before, out=np.zeros_like(came), where=before > 0)
         fine = np.array([pigment.fine for pigment in self._store.pigments])
-        loose = _LOOSE * self.mobility * (1.0 - fine) * thin[:, None]
+        loose = _LOOSE * self.mobility * thin[:, None]
         np.add.at(self.pigment, node, change)
         self.pigment[node] = np.maximum(self.pigment[node], 0.0)
         rest = self.pigment[node]
-        for kept, fraction in ((self.fine, fine), (self.loose, loose)):
+        for kept, fraction in ((self.fine, fine * (1.0 - loose)), (self.loose, loose)):
             np.multiply.at(kept, node, np.clip(left, 0.0, 1.0))
             np.add.at(kept, node, fraction * came)
             kept[node] = np.minimum(kept[node], rest)

@@ -97,7 +97,7 @@ def test_radius_and_profile_do_not_depend_on_the_triangles():
     for mesh in (irregular(22, 0.4), grid(22, 0.3)):
         other_radius, other_rings = spread_disc(mesh)
         assert other_radius == pytest.approx(radius, rel=0.03)
-        np.testing.assert_allclose(other_rings, rings, atol=0.04 * rings[0])  # a rim is sharp
+        np.testing.assert_allclose(other_rings, rings, atol=0.05 * rings[0])  # a rim is sharp
     lazy = spread_disc(grid(22, 5.5), resolution=0.5)
     assert lazy[0] == pytest.approx(radius, rel=0.03)
 

@@ -32,7 +32,7 @@ TOO_LITTLE_ROOM = -2
 
 _MOST = 0.5  # of the pores' depth: a longer step in which more moves is cut in parts
 _FLOATS = 0.005  # mm: a film as deep carries pigment as fast as itself
-_SLIPS = 0.12  # of the rate at which pores catch fine pigment: that at which they catch loose
+_SLIPS = 0.06  # of the rate at which pores catch fine pigment: that at which they catch loose
 _GONE = -(1 << 30)  # of what a node waits for, once it is taken out of its turn
 
 

@@ -313,9 +313,10 @@ export class WetPatch {
     every((to) => (pigment[to] = Math.max(pigment[to], 0.0)));
     const rest = new Float64Array(n * count);
     every((to, k) => (rest[k] = pigment[to]));
+    const looseOf = (p: number, i: number): number => LOOSE * mobility[p] * thin[i];
     const parts = [
-      [fine, (p: number) => pigments[p].fine],
-      [loose, (p: number, i: number) => LOOSE * mobility[p] * (1.0 - pigments[p].fine) * thin[i]],
+      [fine, (p: number, i: number) => pigments[p].fine * (1.0 - looseOf(p, i))],
+      [loose, looseOf],
     ] as const;
     for (const [held, fraction] of parts) {
       every((to, k) => (held[to] *= clip(left[k], 0.0, 1.0)));
