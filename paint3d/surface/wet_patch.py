@@ -238,7 +238,7 @@ class WetPatch:
     def _add_pigment(self, node: AnyArray, change: AnyArray, thin: AnyArray) -> None:
         """Add pigment (N, P) to nodes (N,), or remove it, of all kinds in proportion.
 
-        The thinner the ink that comes (N,), 0 to 1, the more of its flocs are loose, fine ones, too.
+        The thinner the ink that comes (N,), 0 to 1, the more of all its flocs are loose.
         """
         came, before = np.maximum(change, 0.0), self.pigment[node]
         left = 1.0 + np.divide(change - came, before, out=np.zeros_like(came), where=before > 0)

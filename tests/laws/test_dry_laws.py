@@ -171,7 +171,7 @@ def test_lanes_of_a_wet_brush_foretell_where_it_will_run_dry() -> None:
         surface = PaintedSurface(sheet(flat, (35.0, 35.0), 4.0), 0.2, "xuan")
         painter = Painter(surface, "full", {"pine soot": 0.3, "water": 0.7}, hairs=0)
         along = stroke(0.0, 0.4)
-        painter.replay(replace(along, position=along.position + [0.0, down, 0.0]))
+        painter.replay(replace(along, position=along.position + np.array([0.0, down, 0.0])))
         x, y, _ = surface.paint_mesh.vertices.T
         amounts, within = surface.amounts.sum(axis=1), (abs(x) < 4.0)
         edges = np.linspace(-1.9, 1.9, 20)  # mm across

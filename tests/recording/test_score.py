@@ -7,13 +7,15 @@ import json
 import re
 from functools import cache
 from pathlib import Path
-from typing import Any
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from paint3d.app.model.commands import COMMANDS
 from paint3d.cli.main import main
 from paint3d.colour.pigments import Pigment
 from paint3d.errors import ExportError, InputError, RecordingError
@@ -468,3 +470,13 @@ def test_a_score_with_a_large_shift_is_read_again(tmp_path: Path, shift: float) 
     score = retime_stroke(Score({}, (*stroke(A), *stroke(B))), 1, shift_s=shift)
     save_score(score, tmp_path / "a.jsonl")
     assert load_score(tmp_path / "a.jsonl").n_samples == score.n_samples
+
+
+@pytest.mark.parametrize(
+    "name", [n for n, command in COMMANDS.items() if command.step and not n.startswith("edit_")]
+)
+def test_a_command_with_a_step_of_undo_is_one_in_a_score(name: str) -> None:
+    """Else an undo after it would be taken for one of the stroke before."""
+    bare = SimpleNamespace(events=(*stroke(A), {"do": name}, {"do": "undo"}))  # no arguments
+    steps = follow_steps(cast("Score", bare))
+    assert [step.number for step in steps.done] == [1]
