@@ -88,7 +88,9 @@ LINES = 64  # along the way, side by side, that a footprint is cut into
 _RUNS_DRY = (0.15, 0.3)  # contact level below which a tuft has no film, and from which it has one
 _MOST = 6.0  # times a share that a line gets
 _ON_GLAZE, _ON_GRAIN = 1.15, 0.8  # power of a line's length that what it gets falls with
-_STREAKED = 0.15  # strength of what bundles of hairs bring on paper: see `weigh_streaks`
+# Strength of what bundles of hairs bring on paper: of a tuft about to skip, and of one so many
+# times as full, in which ink runs together
+_STREAKED, _RUN_TOGETHER, _SATED = 0.16, 0.05, 2.2
 
 
 @uncounted(error_model="numpy")
@@ -180,7 +182,7 @@ def _count_lines(values, way, first, apart):
 
 
 @uncounted(error_model="numpy")
-def level_shares(before, after, level, contact, field, ink, n, scratch):
+def level_shares(before, after, wet, contact, field, ink, n, scratch):
     """Let what a sweep leaves lie as an even film across the way, as far as the tuft is wet.
 
     On paper bundles of hairs show in it.
@@ -188,8 +190,8 @@ def level_shares(before, after, level, contact, field, ink, n, scratch):
     Parameters
     ----------
     before, after : Stamp
-    level : float
-        The contact level: see `wetness`.
+    wet : float
+        See `wetness`.
     contact : DryContact
         Where bundles are.
     field, ink : SurfaceField, InkField
@@ -207,14 +209,15 @@ def level_shares(before, after, level, contact, field, ink, n, scratch):
         found.brings[:n] = 1.0
     if before.values[0].touches <= 0.0 or values.touches <= 0.0 or values.tip <= values.heel:
         return False
-    wet = min(1.0, (level - _RUNS_DRY[0]) / (_RUNS_DRY[1] - _RUNS_DRY[0]))
+    evens = min(1.0, (wet - _RUNS_DRY[0]) / (_RUNS_DRY[1] - _RUNS_DRY[0]))
     carried, along, across = find_way(before, after)
-    if wet <= 0.0 or carried <= 0.0:
+    if evens <= 0.0 or carried <= 0.0:
         return False
+    evens *= carried
     way, lines, gains = (along, across), scratch.lines, scratch.gains
     first, apart = _fill_lines(after, way, lines)
     power = _ON_GLAZE + ink.transfer[0].grain * (_ON_GRAIN - _ON_GLAZE)
-    _fill_gains(lines, wet * carried, power)
+    _fill_gains(lines, evens, power)
     numbers = lines[2]
     for line in range(LINES - 1):
         rise = numbers[line + 1] - numbers[line]
@@ -223,7 +226,8 @@ def level_shares(before, after, level, contact, field, ink, n, scratch):
     across, start = _count_lines(values, way, first, apart)
     _give_by_line(n, found.ids, field.px, field.py, field.pz, across, start, gains, found.share)
     if drinks > 0.0:
-        strength = wet * carried * _STREAKED * drinks
+        sated = min(1.0, max(0.0, (wet - 1.0) / (_SATED - 1.0)))
+        strength = evens * drinks * (_STREAKED + sated * (_RUN_TOGETHER - _STREAKED))
         weigh_streaks(strength, contact, after, found, n, field, ink, scratch.block)
     return True
 
@@ -833,7 +837,7 @@ def sweep_deposit(before, after, tuft, field, ink, scratch):
     scratch.taken[:] = 0.0
     if ink.transfer[0].pickup > 0.0:
         take_up_ink(before, after, released, found, n, field, ink, scratch.taken)
-    if level_shares(before, after, level, contact, field, ink, n, scratch):
+    if level_shares(before, after, wet, contact, field, ink, n, scratch):
         weighed = weighed_area(n, found.area, found.share, field.area_step)
     if weighed > 0.0:
         coats = first_film(level, tuft.transfer_per_mm, tuft.diameters[-1], ink)

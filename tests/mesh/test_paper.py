@@ -38,7 +38,7 @@ def test_a_glaze_meets_outlines_where_it_is_and_takes_alike() -> None:
 def test_outlines_are_met_in_the_surface_and_not_far_off(name: str, resolution: float) -> None:
     mesh = on(name, "xuan", resolution)
     aside = met(mesh)
-    assert np.linalg.norm(aside, axis=1).max() < MOST_ASIDE_MM
+    assert np.linalg.norm(aside, axis=1).max() < 1.0001 * MOST_ASIDE_MM
     assert np.abs((aside * mesh.normals).sum(axis=1)).max() < 2e-5  # float32 coordinates
     assert aside.std() > 0.02
 

@@ -596,7 +596,7 @@ def sweep_hairs(before, after, ready, transfer_per_mm, hairs, field, ink, scratc
     scratch.taken[:] = 0.0
     if ink.transfer[0].pickup > 0.0:
         take_up_ink(before, after, ready * scale, found, n, field, ink, scratch.taken)
-    level_shares(before, after, level, contact, field, ink, n, scratch)
+    level_shares(before, after, wet, contact, field, ink, n, scratch)
     landing = ready * scale * lands
     weighed = weighed_area(n, found.area, found.share, field.area_step)
     if landing > 0.0 and weighed > 0.0:
