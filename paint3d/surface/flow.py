@@ -30,7 +30,7 @@ from paint3d.core.arrays import AnyArray
 from paint3d.surface.ink_store import InkStore, union
 from paint3d.surface.kernels.diffusion import Drying, ease_entries, evaporate, solve_edges
 from paint3d.surface.kernels.wet_graph import grade_paces
-from paint3d.surface.kernels.wet_step import TOO_LITTLE_ROOM, Drink, Room, move_water
+from paint3d.surface.kernels.wet_step import TOO_LITTLE_ROOM, Absorption, Workspace, move_water
 from paint3d.surface.pores import capacity_of, film_of
 from paint3d.surface.wet_patch import FIRST_PACE, WetPatch
 
@@ -65,7 +65,7 @@ class WorkMemory(threading.local):
 
     Attributes
     ----------
-    room : Room
+    room : Workspace
         Scratch arrays passed to each step.
     """
 
@@ -73,7 +73,7 @@ class WorkMemory(threading.local):
         self._make(_ROOM)
 
     def _make(self, size: int) -> None:
-        self.room = Room(np.empty(size), np.empty(size // 2, np.int32))
+        self.room = Workspace(np.empty(size), np.empty(size // 2, np.int32))
 
     def grow(self) -> None:
         """Double the scratch arrays."""
@@ -128,7 +128,7 @@ class Flow:
         self._store = store
         self._patch = WetPatch(store)
         made_of = store.material
-        self._drink = Drink(capacity_of(made_of), film_of(made_of), made_of.passing)
+        self._absorption = Absorption(capacity_of(made_of), film_of(made_of), made_of.passing)
         self.steps = 0
         self._ease = 1.0
         self.waiting = np.zeros(0, np.int32)
@@ -202,7 +202,7 @@ class Flow:
         # Bring every block up to the present, due or not.
         while len(wet := patch.wet_blocks()) and patch.owed[wet].any():
             self._step(wet[patch.owed[wet] > 0.0])
-        patch.hand_back()
+        patch.write_surface()
 
     def follow(self, seconds: float, fresh: AnyArray, most_nodes: int) -> bool:
         """Advance time interactively: a bounded amount of work, the most urgent blocks first.
@@ -225,14 +225,14 @@ class Flow:
         self._take_up(now)
         if not patch.open_wet(_OPENED):
             patch.owed += seconds
-            patch.hand_back()
+            patch.write_surface()
             return False
         pieces = max(1, math.ceil(seconds / _PIECE))
         for _ in range(pieces):
             patch.owed += seconds / pieces
             wet = patch.wet_blocks()
             self._step(self._most_urgent(self._due(wet, patch.pace[wet]), most_nodes))
-        patch.hand_back()
+        patch.write_surface()
         wet = patch.wet_blocks()
         is_late = patch.owed[wet] >= np.maximum(_LATE, 3.0 * patch.pace[wet])
         return not is_late.any() and self._waited < _LATE
@@ -265,7 +265,7 @@ class Flow:
         blocks = np.unique(patch.graph.block[patch.graph.node_of[at]])
         owed = patch.owed[blocks]
         self._step(blocks[np.isfinite(owed) & (owed > 0.0)])
-        patch.take_up(at)
+        patch.read_surface(at)
 
     # -- steps ------------------------------------------------------------------------------
 
@@ -348,7 +348,9 @@ class Flow:
         nodes = p.graph.nodes_of(blocks)
         fields, rims = p.fields(step.due, step.mobile, step.moved), p.graph.rims_of(blocks)
         while True:
-            stages = move_water(fields, nodes, rims, self._drink, _SHORTEST, rest, work_memory.room)
+            stages = move_water(
+                fields, nodes, rims, self._absorption, _SHORTEST, rest, work_memory.room
+            )
             if stages != TOO_LITTLE_ROOM:
                 break
             work_memory.grow()

@@ -140,32 +140,32 @@ _POOL_MM = 0.25  # depth of a pool at which its border advances over a water-rep
 _SHEDS = (0.6, 0.9)  # advance saturations at which repellence starts, and is complete
 
 
-def capacity_of(drink: Material) -> float:
+def capacity_of(material: Material) -> float:
     """Return the depth of water that the pores hold, mm, above 0."""
-    return max(drink.pores_mm, _LEAST_MM)
+    return max(material.pores_mm, _LEAST_MM)
 
 
-def film_of(drink: Material) -> float:
+def film_of(material: Material) -> float:
     """Return the diffusivity of a film of water on full pores, mm2/s."""
-    return max(drink.spread_mm2_s, _FILM_MM2_S)
+    return max(material.spread_mm2_s, _FILM_MM2_S)
 
 
-def mobility_of(drink: Material, grain_um: AnyArray) -> NDArray[np.float64]:
+def mobility_of(material: Material, grain_um: AnyArray) -> NDArray[np.float64]:
     """Return the mobility (P,) of grains of diameters (P,), um, relative to soot, 0 to 1.
 
     A sphere cannot come nearer to a pore's wall than its radius, and is carried by the flow further
     inside: of spheres that take up the fraction k of its width 1 - (k (2 - k))^2 get through
     (Ferry, *J. Gen. Physiol.* 20, 1936), and none that is wider. The widths are set by eye.
     """
-    width = _SHEET_UM if drink.pores_mm <= _SHEET_MM else _BODY_UM
+    width = _SHEET_UM if material.pores_mm <= _SHEET_MM else _BODY_UM
     k = np.minimum(grain_um / width, 1.0)
     result: NDArray[np.float64] = 1.0 - (k * (2.0 - k)) ** 2
     return result
 
 
-def sieve_of(drink: Material) -> float:
+def sieve_of(material: Material) -> float:
     """Return the potential above which pores let all pigment pass, as a part of their strength."""
-    return float(np.clip(_SIEVE * (1.0 - drink.passing), 0.0, 1.0)) ** 3
+    return float(np.clip(_SIEVE * (1.0 - material.passing), 0.0, 1.0)) ** 3
 
 
 class Pores(NamedTuple):
@@ -175,55 +175,65 @@ class Pores(NamedTuple):
     strength: NDArray[np.float64]
     sieve: NDArray[np.float64]
     catch: NDArray[np.float64]
-    held: NDArray[np.float64]
-    ways: NDArray[np.float64]
+    entry_depth: NDArray[np.float64]
+    conductance: NDArray[np.float64]
 
 
-def find_pores(points: AnyArray, drink: Material, spacing: float) -> Pores:
+def find_pores(points: AnyArray, material: Material, spacing: float) -> Pores:
     """Return the pores without glue at points (N, 3), mm, of vertices `spacing` mm apart."""
     height = np.empty(len(points))
     fill_grain(points, _GRAIN_MM, height)
-    bump, fibres = drink.grain * (2.0 * height - 1.0), _fibres_shown(points, drink, spacing)
+    bump, fibres = material.grain * (2.0 * height - 1.0), _fibres_shown(points, material, spacing)
     relief = _GRAIN_OF_PORES * bump
     if fibres is not None:
         bump *= _UNDER_FIBRES
-        relief = drink.grain * _floc_relief(points)
-    residual = np.clip(drink.residual * (1.0 + relief), 0.0, 0.95)
-    strength = capacity_of(drink) * drink.spread_mm2_s * (1.0 - residual) / 3.0
-    held = capacity_of(drink) * np.maximum(residual, drink.advance * (1.0 + relief))
-    sieve = strength * sieve_of(drink)
-    ways = np.maximum(0.05, 1.0 + _GRAIN_OF_WAYS * bump)
+        relief = material.grain * _floc_relief(points)
+    residual = np.clip(material.residual * (1.0 + relief), 0.0, 0.95)
+    strength = capacity_of(material) * material.spread_mm2_s * (1.0 - residual) / 3.0
+    entry_depth = capacity_of(material) * np.maximum(residual, material.advance * (1.0 + relief))
+    sieve = strength * sieve_of(material)
+    conductance = np.maximum(0.05, 1.0 + _GRAIN_OF_WAYS * bump)
     if fibres is not None:
-        sieve *= even_exp(-_FIBRES_OF_SIEVE * drink.grain * fibres)
-        ways *= even_exp(_FIBRES_OF_WAYS * drink.grain * fibres - _FLOCS_OF_WAYS * relief)
-    tight = min(1.0, drink.pores_mm / _RAW_MM) if drink.pores_mm else 1.0  # sized: narrower pores
+        sieve *= even_exp(-_FIBRES_OF_SIEVE * material.grain * fibres)
+        conductance *= even_exp(_FIBRES_OF_WAYS * material.grain * fibres - _FLOCS_OF_WAYS * relief)
+    tight = (
+        min(1.0, material.pores_mm / _RAW_MM) if material.pores_mm else 1.0
+    )  # sized: narrower pores
     catch = np.full(len(points), _CATCH_MM * tight)
     if fibres is not None:
-        catch *= even_exp(_FIBRES_OF_CATCH * drink.grain * fibres - _FLOCS_OF_CATCH * relief)
-    return Pores(residual, strength, sieve, catch, held, ways)
+        catch *= even_exp(_FIBRES_OF_CATCH * material.grain * fibres - _FLOCS_OF_CATCH * relief)
+    return Pores(residual, strength, sieve, catch, entry_depth, conductance)
 
 
 def close_pores(
-    pores: Pores, drink: Material, glue: AnyArray
+    pores: Pores, material: Material, glue: AnyArray
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
     """Return the pores as `glue` (N,), coats of dried ink, leaves them.
 
     Returns
     -------
-    held, entry, ways : (N,) float64
+    entry_depth, entry, conductance : (N,) float64
         Depth to which a dry node fills before water advances, mm; the potential that this takes;
         the factor on the conductance.
     """
     closed = glue / (glue + _GLUE)
-    depth = capacity_of(drink)
+    depth = capacity_of(material)
     full = _FULL * depth
-    held = pores.held + _GLUE_OF_ENTRY * closed * np.maximum(0.0, full - pores.held)
-    s = np.clip((held / depth - pores.residual), 0.0, 1.0)
+    entry_depth = pores.entry_depth + _GLUE_OF_ENTRY * closed * np.maximum(
+        0.0, full - pores.entry_depth
+    )
+    s = np.clip((entry_depth / depth - pores.residual), 0.0, 1.0)
     s = np.minimum(1.0, s / (1.0 - pores.residual))
     low, high = _SHEDS
-    sheds = np.clip((drink.advance - low) / (high - low), 0.0, 1.0) if drink.pores_mm else 1.0
-    pinned = film_of(drink) * _POOL_MM * sheds
-    return held, pores.strength * (s * s * s) + pinned, pores.ways * (1.0 - _GLUE_OF_WAYS * closed)
+    repellence = (
+        np.clip((material.advance - low) / (high - low), 0.0, 1.0) if material.pores_mm else 1.0
+    )
+    pool_entry = film_of(material) * _POOL_MM * repellence
+    return (
+        entry_depth,
+        pores.strength * (s * s * s) + pool_entry,
+        pores.conductance * (1.0 - _GLUE_OF_WAYS * closed),
+    )
 
 
 def _floc_relief(points: AnyArray) -> AnyArray:
@@ -235,10 +245,10 @@ def _floc_relief(points: AnyArray) -> AnyArray:
     return denser
 
 
-def _fibres_shown(points: AnyArray, drink: Material, spacing: float) -> AnyArray | None:
+def _fibres_shown(points: AnyArray, material: Material, spacing: float) -> AnyArray | None:
     """Return the fibre relief (N,), faded out for coarse spacings; None if this is no sheet."""
     fade, gone = _SHOWN
-    if not 0.0 < drink.pores_mm <= _SHEET_MM:
+    if not 0.0 < material.pores_mm <= _SHEET_MM:
         return None
     if spacing >= gone:
         return np.zeros(len(points))

@@ -21,10 +21,10 @@ __all__ = ["FIRST_PACE", "WetPatch"]
 _KEPT = ("water", "inside", "soaked", "pigment", "fine", "loose")
 _OF_PLACES = ("written", "share")
 _OF_NODES = (
-    *_KEPT, "changed", "residual", "strength", "sieve", "catch", "held", "entry", "dry_entry",
-    "ways", "place", "bare_held", "bare_ways",
+    *_KEPT, "changed", "residual", "strength", "sieve", "catch", "entry_depth", "entry",
+    "dry_entry", "conductance", "place", "bare_entry_depth", "bare_conductance",
 )  # fmt: skip
-_OF_PORES = ("residual", "strength", "sieve", "catch", "bare_held", "bare_ways")
+_OF_PORES = ("residual", "strength", "sieve", "catch", "bare_entry_depth", "bare_conductance")
 _THICK = 9.0  # coats to the mm of liquid from which on soot's flocs hold together: one part in 4
 _LOOSE = 0.95  # of its flocs that ever more water parts
 _PARTICLES = 0.75  # what is not fine of a pigment that has no more of a dye than soot has
@@ -48,9 +48,9 @@ class WetPatch:
         Potential above which the pores let all pigment pass.
     catch : (N,) float64
         Fraction of the fine pigment arriving through its pores that a node holds back.
-    bare_held, bare_ways : (N,) float64
-        `held` and `ways` (factors on the conductance) as they would be without glue.
-    held : (N,) float64
+    bare_entry_depth, bare_conductance : (N,) float64
+        `entry_depth` and `conductance` (factors on the conductance) as they would be without glue.
+    entry_depth : (N,) float64
         Depth, mm, to which a dry node fills before water advances.
     water : (N,) float64
         Depth, mm.
@@ -67,7 +67,7 @@ class WetPatch:
     inside : (N,) float32
         See `kernels.diffusion.solve_edges`.
     soaked : (N,) float32
-        Greatest fraction of the node's area that was under water since it was last dry, 0 to 1.
+        Fullest since it was last dry: water over `entry_depth`, 0 to 1.
     changed : (N,) bool
         Nodes whose ink moved since it was handed back.
     owed : (B,) float32
@@ -86,11 +86,11 @@ class WetPatch:
     sticks: NDArray[np.float64]
     entry: NDArray[np.float64]
     dry_entry: NDArray[np.float64]
-    held: NDArray[np.float64]
+    entry_depth: NDArray[np.float64]
     water: NDArray[np.float64]
-    ways: NDArray[np.float64]
-    bare_held: NDArray[np.float64]
-    bare_ways: NDArray[np.float64]
+    conductance: NDArray[np.float64]
+    bare_entry_depth: NDArray[np.float64]
+    bare_conductance: NDArray[np.float64]
 
     def __init__(self, store: InkStore) -> None:
         self._store = store
@@ -136,7 +136,7 @@ class WetPatch:
         for name in _KEPT:
             getattr(self, name)[:] = 0.0
         self.written[:] = 0.0
-        self.see_glue()
+        self.update_glue()
         self.entry[:] = self.dry_entry
         self.changed[:] = False
         self.owed[:], self.pace[:] = np.inf, FIRST_PACE
@@ -163,8 +163,8 @@ class WetPatch:
         return WetFields(
             graph.first, graph.last, graph.links, self.weights, graph.area, graph.block,
             graph.closed, self.place, self.residual, self.strength, self.sieve, self.catch,
-            self.held, self.entry, self.water, self.pigment, self.fine, self.loose, self.mobility,
-            self.sticks, self.soaked, self.changed, self.owed, due, mobile, moved,
+            self.entry_depth, self.entry, self.water, self.pigment, self.fine, self.loose,
+            self.mobility, self.sticks, self.soaked, self.changed, self.owed, due, mobile, moved,
         )  # fmt: skip
 
     def is_wet(self) -> bool:
@@ -181,7 +181,7 @@ class WetPatch:
         """Return the places of those vertices (N,) whose ink is not what was handed back."""
         store, graph = self._store, self.graph
         self._know_pigments()
-        self.see_glue()
+        self.update_glue()
         place = graph.places(fresh)
         is_new = np.empty(len(fresh), bool)
         mark_news(
@@ -200,7 +200,7 @@ class WetPatch:
         result: AnyArray = at[(now != self.written[at]).any(axis=1)]
         return result
 
-    def take_up(self, at: AnyArray) -> None:
+    def read_surface(self, at: AnyArray) -> None:
         """Apply changes of the ink at places (N,) to water and pigment; see `find_changed`."""
         graph = self.graph
         now = self._store.ink.amounts[graph.vertices[at]]
@@ -267,7 +267,7 @@ class WetPatch:
         fine = np.array([pigment.fine for pigment in self._store.pigments], float)
         self.sticks = np.minimum(1.0, (1.0 - fine) / _PARTICLES)
 
-    def hand_back(self) -> None:
+    def write_surface(self) -> None:
         """Write pigment that moved back to the vertices; ink that came since stays there."""
         graph, count = self.graph, self.graph.n_places
         ids = np.empty(count, np.int32)
@@ -280,9 +280,9 @@ class WetPatch:
     def dry(self, nodes: AnyArray) -> None:
         """Turn the pigment on nodes (N,), which have lost their water, into dried paint.
 
-        Ink that came since is wet, and stays for `take_up`.
+        Ink that came since is wet, and stays for `read_surface`.
         """
-        self.hand_back()
+        self.write_surface()
         graph, ink = self.graph, self._store.ink
         at = graph.places_at(nodes)
         ids = graph.vertices[at]
@@ -369,7 +369,10 @@ class WetPatch:
             pores = find_pores(graph.points[nodes], self.material, spacing)
             self.residual[nodes], self.strength[nodes], self.sieve[nodes] = pores[:3]
             self.catch[nodes] = 1.0 - even_exp(-np.sqrt(graph.area[nodes]) / pores.catch)
-            self.bare_held[nodes], self.bare_ways[nodes] = pores.held, pores.ways
+            self.bare_entry_depth[nodes], self.bare_conductance[nodes] = (
+                pores.entry_depth,
+                pores.conductance,
+            )
             self._close_pores(np.arange(nodes.start, nodes.stop))
             # Each vertex has the fraction of its node's area that is its own.
             first = np.searchsorted(graph.node_of[: graph.n_places], nodes.start)
@@ -393,19 +396,23 @@ class WetPatch:
         if (row >= 0).any():
             glue[row >= 0] = store.dry_layers.amounts[row[row >= 0]].sum(axis=1)
         pores = Pores(*(getattr(self, name)[nodes] for name in _OF_PORES))
-        held, entry, ways = close_pores(pores, self.material, glue)
-        self.held[nodes], self.dry_entry[nodes], self.ways[nodes] = held, entry, ways
+        entry_depth, entry, conductance = close_pores(pores, self.material, glue)
+        self.entry_depth[nodes], self.dry_entry[nodes], self.conductance[nodes] = (
+            entry_depth,
+            entry,
+            conductance,
+        )
         self.entry[nodes] = np.where(self.soaked[nodes] >= 1.0, 0.0, entry)
 
-    def see_glue(self) -> None:
+    def update_glue(self) -> None:
         """Update all pores if dried paint was added or removed by other means than `dry`."""
         dry = self._store.dry_layers
         if (dry, dry.changes) == self._seen:
             return
         self._seen = (dry, dry.changes)
-        before = self.ways.copy()
+        before = self.conductance.copy()
         self._close_pores(np.arange(self._n_nodes))
-        self._weigh(np.flatnonzero(self.ways != before))
+        self._weigh(np.flatnonzero(self.conductance != before))
 
     def _weigh(self, nodes: AnyArray) -> None:
         """Update the weights of all links from and to nodes (N,) whose conductance has changed."""
@@ -422,5 +429,5 @@ class WetPatch:
     def _weigh_links(self, links: AnyArray) -> None:
         """Multiply weights by the harmonic mean of the conductance factors at both ends."""
         graph = self.graph
-        start, end = self.ways[graph.owner[links]], self.ways[graph.links[links]]
+        start, end = self.conductance[graph.owner[links]], self.conductance[graph.links[links]]
         self.weights[links] = graph.weights[links] * (2.0 * start * end / (start + end))

@@ -23,14 +23,20 @@ from paint3d.surface.flow_graph import graph_of_triangles
 from paint3d.surface.kernels.diffusion import activate_cells
 from paint3d.surface.kernels.grain import fill_grain
 from paint3d.surface.kernels.wet_graph import grade_paces, group_blocks
-from paint3d.surface.kernels.wet_step import TOO_LITTLE_ROOM, Drink, Room, WetFields, move_water
+from paint3d.surface.kernels.wet_step import (
+    TOO_LITTLE_ROOM,
+    Absorption,
+    WetFields,
+    Workspace,
+    move_water,
+)
 from paint3d.surface.painted_surface import PaintedSurface
 from paint3d.surface.pores import fibre_relief
 from paint3d.surface.wet_patch import WetPatch
 
 XUAN = load_material("xuan")
 SMOOTH = dataclasses.replace(XUAN, grain=0.0)
-ROOM = Room(np.full(100_000, np.nan), np.full(50_000, -7, np.int32))
+ROOM = Workspace(np.full(100_000, np.nan), np.full(50_000, -7, np.int32))
 
 
 def grid(size: float, spacing: float) -> TriangleMesh:
@@ -351,9 +357,12 @@ def test_no_new_extremes_at_any_step(step):
         np.ones(1, bool), np.zeros(1, bool), np.zeros((1, 3)),
     )  # fmt: skip
     nodes = np.arange(n, dtype=np.int32)
-    given = (fields, nodes, nodes[:0], Drink(0.06, 10.0, 1.0), step, np.ones(1))
+    given = (fields, nodes, nodes[:0], Absorption(0.06, 10.0, 1.0), step, np.ones(1))
     before = water.copy()
-    for little in (Room(ROOM.floats[:500], ROOM.ints), Room(ROOM.floats, ROOM.ints[:200])):
+    for little in (
+        Workspace(ROOM.floats[:500], ROOM.ints),
+        Workspace(ROOM.floats, ROOM.ints[:200]),
+    ):
         assert move_water(*given, little) == TOO_LITTLE_ROOM
     np.testing.assert_array_equal(water, before)
     assert move_water(*given, ROOM) > 0
@@ -400,7 +409,7 @@ def test_work_grows_with_the_root_of_the_time():
             np.zeros(n, bool),
             np.array([step], np.float32), np.ones(1, bool), np.zeros(1, bool), np.zeros((1, 3)),
         )  # fmt: skip
-        given = (fields, nodes, nodes[:0], Drink(0.06, 10.0, 0.8), step, np.zeros(1), ROOM)
+        given = (fields, nodes, nodes[:0], Absorption(0.06, 10.0, 0.8), step, np.zeros(1), ROOM)
         stages.append(move_water(*given))
         assert 0.05 - 1e-12 <= water.min() <= water.max() <= 0.055 + 1e-12
     assert stages[1] == pytest.approx(10 * stages[0], rel=0.25)
@@ -601,8 +610,8 @@ def test_ink_that_comes_onto_what_dries_covers_as_much_as_it_did():
     """Also where it is taken up later: ink without coverage would not be seen until then."""
     surface = drop(PaintedSurface(grid(12.0, 0.5), None, XUAN), 1e-5)
     patch = WetPatch(surface)
-    patch.take_up(patch.find_changed(np.flatnonzero(surface.coverage).astype(np.int32)))
-    patch.hand_back()
+    patch.read_surface(patch.find_changed(np.flatnonzero(surface.coverage).astype(np.int32)))
+    patch.write_surface()
     drop(surface, 0.5)
     laid = surface.coverage.copy()
     patch.dry(np.arange(patch.graph.n_nodes))

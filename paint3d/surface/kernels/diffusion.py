@@ -214,7 +214,7 @@ def give_back(vertices, node_of, changed, pigment, soaked, written, ink, out):
 
 @kernel
 def mark_news(ids, place, node_of, block, block_open, written, amounts, out):
-    """Mark vertices (N,) whose ink is not what was put there, or lies where no ways are known.
+    """Mark vertices (N,) whose ink is not what was put there, or lies where no links are known.
 
     `place` (N,) i32 is theirs or -1, `block` (K,) i32, `block_open` (B,) bool; `out` (N,) bool is
     filled, the others are as in `give_back`.

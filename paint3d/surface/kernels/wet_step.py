@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 
 from paint3d.core.kernel import kernel
 
-__all__ = ["TOO_LITTLE_ROOM", "Drink", "Room", "WetFields", "move_water"]
+__all__ = ["TOO_LITTLE_ROOM", "Absorption", "WetFields", "Workspace", "move_water"]
 
 TOO_LITTLE_ROOM = -2
 
@@ -51,7 +51,7 @@ class WetFields(NamedTuple):
     strength: NDArray  # (N,) float64, c D (1 - r) / 3
     sieve: NDArray  # (N,) float64, potential from which on pores let all pigment pass
     catch: NDArray  # (N,) float64, share of the fine pigment coming through its pores that it keeps
-    held: NDArray  # (N,) float64, depth to which a dry node fills before water goes on, mm
+    entry_depth: NDArray  # (N,) float64, depth to which a dry node fills before water goes on, mm
     entry: NDArray  # (N,) float64, potential that it takes to get in: 0 where it is wet already
     water: NDArray  # (N,) float64, depth, mm
     pigment: NDArray  # (N, P) float64, coats
@@ -59,7 +59,7 @@ class WetFields(NamedTuple):
     loose: NDArray  # (N, P) float64, and the flocs that much water parts, which pores hardly catch
     mobility: NDArray  # (P,) float64, what pores let pass of the others, over that of soot
     sticks: NDArray  # (P,) float64, to pores, 0 to 1: soot does, a dye does not
-    soaked: NDArray  # (N,) float32, greatest share that was under water since it was dry
+    soaked: NDArray  # (N,) float32, fullest since it was dry: water over `entry_depth`, 1 at most
     changed: NDArray  # (N,) bool, set where anything moved
     owed: NDArray  # (B,) float32, time since each block's last step, s
     due: NDArray  # (B,) bool, those that take theirs now
@@ -68,7 +68,7 @@ class WetFields(NamedTuple):
     # that changed, and wet area that could, mm3 and mm2
 
 
-class Drink(NamedTuple):
+class Absorption(NamedTuple):
     """What takes the water up."""
 
     capacity: float  # depth that the pores hold, mm
@@ -76,7 +76,7 @@ class Drink(NamedTuple):
     passing: float  # speed of coarse soot over that of the water where pores let it pass, 0 to 1
 
 
-class Room(NamedTuple):
+class Workspace(NamedTuple):
     """Memory to work in; what is there counts for nothing."""
 
     floats: NDArray  # (F,) float64
@@ -92,12 +92,14 @@ class _Rows(NamedTuple):
     starts: NDArray  # (R + 1,) uint32
     cols: NDArray  # (K,) uint32, places in ids
     x: NDArray  # (K,) float64, weight times the time for which water runs there
-    ran: NDArray  # (2, K) float64, what came in by edges with an entry; in the end what runs out
+    edge_flow: (
+        NDArray  # (2, K) float64, what came in by edges with an entry; in the end what runs out
+    )
     # and carries soot, and what of it runs as a film, which carries all pigment
     totals: NDArray  # (R,) float64, sum of x
     share: NDArray  # (R,) float64, 1 / area
-    low: NDArray  # (R,) float64, depth below which nothing moves
-    inverse: NDArray  # (R,) float64, 1 / (capacity - low)
+    residual_depth: NDArray  # (R,) float64, depth below which nothing moves
+    inverse: NDArray  # (R,) float64, 1 / (capacity - residual_depth)
     strength: NDArray  # (R,) float64
     sieve: NDArray  # (R,) float64
     entry: NDArray  # (R + ring,) float64
@@ -108,9 +110,9 @@ class _Rows(NamedTuple):
 
 
 @kernel(error_model="numpy", inline="always")
-def _psi(depth, low, inverse, strength, film, capacity):
-    """psi (mm2/s) of a depth (mm); below `low` nothing moves, `inverse` is 1 / (capacity - low)."""
-    s = (depth - low) * inverse
+def _psi(depth, residual_depth, inverse, strength, film, capacity):
+    """psi (mm2/s) of a depth (mm); `inverse` is 1 / (capacity - residual_depth)."""
+    s = (depth - residual_depth) * inverse
     within = min(max(s, 0.0), 1.0)
     above = film * (depth - capacity) if s >= 1.0 else 0.0
     return strength * within * within * within + above
@@ -122,14 +124,14 @@ def _make_rows(floats, ints, size, n_links):
     of_nodes = floats[: 10 * size].reshape(10, size)
     mean = floats[10 * size : 12 * size].reshape(2, size)
     first = 12 * size
-    ran = floats[first : first + 2 * n_links].reshape(2, n_links)
+    edge_flow = floats[first : first + 2 * n_links].reshape(2, n_links)
     x = floats[first + 2 * n_links : first + 3 * n_links]
     numbers = ints.view(np.uint32)
     return _Rows(
         ints[:size], ints[size : 2 * size], numbers[2 * size : 3 * size],
-        numbers[3 * size : 4 * size + 1], numbers[4 * size + 1 : 4 * size + 1 + n_links], x, ran,
-        of_nodes[0], of_nodes[1], of_nodes[2], of_nodes[3], of_nodes[4], of_nodes[5], of_nodes[6],
-        of_nodes[7], of_nodes[8], of_nodes[9], mean,
+        numbers[3 * size : 4 * size + 1], numbers[4 * size + 1 : 4 * size + 1 + n_links], x,
+        edge_flow, of_nodes[0], of_nodes[1], of_nodes[2], of_nodes[3], of_nodes[4], of_nodes[5],
+        of_nodes[6], of_nodes[7], of_nodes[8], of_nodes[9], mean,
     )  # fmt: skip
 
 
@@ -174,18 +176,20 @@ def _grow(f, rows, n_rows, n_ids, rest, capacity, film):
             end += np.uint32(1)
         if barrier > 0.0:
             for e in range(begin, end):
-                rows.ran[0, e] = rows.ran[1, e] = 0.0
-        low = capacity * f.residual[i]
+                rows.edge_flow[0, e] = rows.edge_flow[1, e] = 0.0
+        residual_depth = capacity * f.residual[i]
         rows.starts[r + 1] = end
         rows.totals[r] = total
         rows.share[r] = 1.0 / f.area[i]
-        rows.low[r] = low
-        rows.inverse[r] = 1.0 / (capacity - low)
+        rows.residual_depth[r] = residual_depth
+        rows.inverse[r] = 1.0 / (capacity - residual_depth)
         rows.strength[r] = f.strength[i]
         rows.sieve[r] = f.sieve[i]
         rows.before[r] = f.water[i]
         rows.barrier[r] = barrier
-        rows.psi[r] = _psi(f.water[i], low, rows.inverse[r], f.strength[i], film, capacity)
+        rows.psi[r] = _psi(
+            f.water[i], residual_depth, rows.inverse[r], f.strength[i], film, capacity
+        )
     return known
 
 
@@ -231,7 +235,7 @@ def _run_stage(rows, n_rows, stage, n_stages, film, capacity, come):
     """Bring all potentials to the end of a stage; see the module. `come` (R,) is for work."""
     now = rows.mean[stage % 2]
     last = rows.mean[1 - stage % 2]
-    ran, ran_last = rows.ran[stage % 2], rows.ran[1 - stage % 2]
+    edge_flow, edge_flow_last = rows.edge_flow[stage % 2], rows.edge_flow[1 - stage % 2]
     a = (2.0 * stage - 1.0) / stage
     b = (1.0 - stage) / stage
     c = a * 2.0 / (n_stages * (n_stages + 1.0))
@@ -248,26 +252,34 @@ def _run_stage(rows, n_rows, stage, n_stages, film, capacity, come):
             for e in range(rows.starts[r], rows.starts[r + 1]):
                 k = rows.cols[e]  # without branches, which nobody could foretell at a front
                 fall = _fall(rows.psi[r], rows.psi[k], entry, rows.entry[k])
-                ran[e] = a * ran_last[e] + b * ran[e] + c * rows.x[e] * fall
+                edge_flow[e] = a * edge_flow_last[e] + b * edge_flow[e] + c * rows.x[e] * fall
                 flows = rows.x[e] * (now[k] - now[r])
-                inflow += flows if entry == 0.0 and rows.entry[k] == 0.0 else ran[e]
+                inflow += flows if entry == 0.0 and rows.entry[k] == 0.0 else edge_flow[e]
         come[r] = inflow
     for r in range(n_rows):  # apart, several at once
         depth = rows.before[r] + rows.share[r] * come[r]
-        rows.psi[r] = _psi(depth, rows.low[r], rows.inverse[r], rows.strength[r], film, capacity)
+        rows.psi[r] = _psi(
+            depth, rows.residual_depth[r], rows.inverse[r], rows.strength[r], film, capacity
+        )
 
 
 @kernel(error_model="numpy")
 def _find_flows(rows, n_rows, n_ids, n_stages, passing, film):
     """Find what runs out by each link, and what of it carries coarse pigment, mm3.
 
-    `starts`, `cols`, `x` and `ran` tell it of the links by which anything runs out, and of them
-    alone; `totals` is what leaves in all, below 0 what comes; `waits` how many give to each node.
-    Pores that are barely wet let no soot pass, those above `sieve` all of it; in a film on them
+    `starts`, `cols`, `x` and `edge_flow` hold it for the links by which anything runs out, and for
+    them alone; `totals` is what leaves in all, below 0 what comes; `waits` how many give to each
+    node. Pores that are barely wet let no soot pass, those above `sieve` all of it; in a film on them
     nothing holds it.
     """
-    mean, ran = rows.mean[n_stages % 2], rows.ran[n_stages % 2]
-    x, cols, waits, carries, floating = rows.x, rows.cols, rows.waits, rows.ran[0], rows.ran[1]
+    mean, edge_flow = rows.mean[n_stages % 2], rows.edge_flow[n_stages % 2]
+    x, cols, waits, carries, floating = (
+        rows.x,
+        rows.cols,
+        rows.waits,
+        rows.edge_flow[0],
+        rows.edge_flow[1],
+    )
     waits[:n_ids] = 0
     floats = 1.0 / (film * _FLOATS)
     end, n = np.uint32(0), np.uint32(0)  # flows that were found lie before links not yet read
@@ -284,7 +296,7 @@ def _find_flows(rows, n_rows, n_ids, n_stages, passing, film):
             other = mean[k]
             flow = x[e] * (own - other)
             if not free and not (free_here and rows.entry[k] == 0.0):
-                flow = -ran[e]
+                flow = -edge_flow[e]
             total += flow
             level = min(own, other)
             film_share = max(min(floats * (level - full), 1.0), 0.0)
@@ -332,8 +344,8 @@ def _carry(f, rows, n_rows, n_ids, work):
         out, carrying, floating = 0.0, 0.0, 0.0
         for e in range(begin, end):
             out += rows.x[e]
-            carrying += rows.ran[0, e]
-            floating += rows.ran[1, e]
+            carrying += rows.edge_flow[0, e]
+            floating += rows.edge_flow[1, e]
         volume = f.water[i] * f.area[i] + coming[r, 0]
         gone = min(out, volume)
         scale = gone / out if out > 0.0 else 0.0
@@ -342,9 +354,9 @@ def _carry(f, rows, n_rows, n_ids, work):
         for e in range(begin, end):
             k = rows.cols[e]
             flux = rows.x[e] * scale
-            carried, afloat = rows.ran[0, e] * scale, rows.ran[1, e] * scale
+            carried, afloat = rows.edge_flow[0, e] * scale, rows.edge_flow[1, e] * scale
             coming[k, 0] += flux
-            within = 1.0 - rows.ran[1, e] / rows.x[e]  # of the flow, through pores
+            within = 1.0 - rows.edge_flow[1, e] / rows.x[e]  # of the flow, through pores
             for p in range(n_pigments):
                 drawn = _drawn(f.mobility[p], carried, afloat)
                 fine, loose = flux * coming[r, 2 + 3 * p], flux * coming[r, 3 + 3 * p]
@@ -440,7 +452,7 @@ def _note(f, rows, n_rows, rest):
         f.moved[b, 1] += change * f.area[i]
         if np.isinf(f.owed[b]):
             f.owed[b] = rest
-        share = water / f.held[i] if water < f.held[i] else 1.0
+        share = water / f.entry_depth[i] if water < f.entry_depth[i] else 1.0
         f.soaked[i] = max(f.soaked[i], share)
         if f.soaked[i] >= 1.0:
             f.entry[i] = 0.0
@@ -464,9 +476,9 @@ def _seed(f, rows, nodes, around, capacity):
 
 
 @kernel(error_model="numpy")
-def _find(f, rows, known, rest, drink, come):
+def _find(f, rows, known, rest, absorption, come):
     """Find what flows; return rows and nodes known, stages, and whether more has to be known."""
-    capacity, film, passing = drink
+    capacity, film, passing = absorption
     inner, n_rows = 0, known  # those within have all neighbours among the rows
     rows.starts[0] = 0
     known = _grow(f, rows, 0, known, rest, capacity, film)
@@ -519,7 +531,7 @@ def _measure(f, nodes, around):
 
 
 @kernel(error_model="numpy")
-def move_water(f, nodes, around, drink, shortest, rest, room):
+def move_water(f, nodes, around, absorption, shortest, rest, room):
     """Let the water of some blocks run for the time that they are owed, or a part of it.
 
     Parameters
@@ -530,12 +542,12 @@ def move_water(f, nodes, around, drink, shortest, rest, room):
         All nodes of these blocks.
     around : (R,) i32
         All nodes next to them, and perhaps some more than once, or of the blocks themselves.
-    drink : Drink
+    absorption : Absorption
     shortest : f64
         A longer step, s, in which much would move is not taken whole.
     rest : (1,) f64
         Filled with what all these blocks are still owed then, if they are not owed less.
-    room : Room
+    room : Workspace
         For M nodes, these and around, and their K links it has to have (13 + 3 P) M + 3 K numbers
         and 4 M + 1 + K whole ones.
 
@@ -557,14 +569,15 @@ def move_water(f, nodes, around, drink, shortest, rest, room):
     length = longest
     while True:
         rest[0] = longest - length
-        seeds = _seed(f, rows, nodes, around, drink.capacity)
+        seeds = _seed(f, rows, nodes, around, absorption.capacity)
         n_rows, known, n_stages = seeds, seeds, 0
         if seeds > 0:
-            n_rows, known, n_stages = _find(f, rows, seeds, rest[0], drink, work)
+            n_rows, known, n_stages = _find(f, rows, seeds, rest[0], absorption, work)
         is_long = (
             n_stages > 0
             and length > 2.0 * shortest
-            and _greatest_change(f, rows, n_rows, rest[0] + 2.0 * shortest) > _MOST * drink.capacity
+            and _greatest_change(f, rows, n_rows, rest[0] + 2.0 * shortest)
+            > _MOST * absorption.capacity
         )
         if n_stages > 0 and not is_long:
             _carry(f, rows, n_rows, known, work)

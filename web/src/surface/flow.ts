@@ -250,12 +250,12 @@ export class Flow {
     const { material } = patch.surface;
     const nodes = this.#listed(patch.graph.nodesOf(blocks));
     const rims = this.#listed(patch.graph.rimsOf(blocks));
-    const drink = { capacity: capacityOf(material), film: filmOf(material), passing: material.passing };
+    const absorption = { capacity: capacityOf(material), film: filmOf(material), passing: material.passing };
     let stages: number;
     for (;;) {
       stages = kernels.call(
         "surface.kernels.wet_step.move_water",
-        this.#fields(step), nodes, rims, drink, SHORTEST, rest,
+        this.#fields(step), nodes, rims, absorption, SHORTEST, rest,
         { floats: this.#floats, ints: this.#ints },
       ) as number; // prettier-ignore
       if (stages !== TOO_LITTLE_ROOM) break;

@@ -62,13 +62,13 @@ export function clip(x: number, low: number, high: number): number {
 }
 
 /** The depth of water that the pores hold, mm, above 0. */
-export function capacityOf(drink: Material): number {
-  return Math.max(drink.pores_mm, LEAST_MM);
+export function capacityOf(material: Material): number {
+  return Math.max(material.pores_mm, LEAST_MM);
 }
 
 /** The diffusivity of a film of water on full pores, mm2/s. */
-export function filmOf(drink: Material): number {
-  return Math.max(drink.spread_mm2_s, FILM_MM2_S);
+export function filmOf(material: Material): number {
+  return Math.max(material.spread_mm2_s, FILM_MM2_S);
 }
 
 /** Pore properties at N points. */
@@ -77,52 +77,52 @@ export interface Pores {
   strength: Float64Array;
   sieve: Float64Array;
   catch: Float64Array;
-  held: Float64Array;
-  ways: Float64Array;
+  entryDepth: Float64Array;
+  conductance: Float64Array;
 }
 
 /** Finds the pores of a material without glue. */
 export class PoreFinder {
   constructor(
     private readonly kernels: Kernels,
-    private readonly drink: Material,
+    private readonly material: Material,
     private readonly frames: Float64Array, // (12, 3, 3)
     private readonly spacing: number,
   ) {}
 
   /** The pores at points (N, 3), mm. */
   find(points: Float64Array): Pores {
-    const { drink } = this;
+    const { material } = this;
     const n = points.length / 3;
     const height = this.#grain(points, GRAIN_MM);
     const fibres = this.#fibresShown(points);
     const flocs = fibres === null ? null : this.#flocs(points);
-    const capacity = capacityOf(drink);
+    const capacity = capacityOf(material);
     const pores: Pores = {
       residual: new Float64Array(n), strength: new Float64Array(n), sieve: new Float64Array(n),
-      catch: new Float64Array(n), held: new Float64Array(n), ways: new Float64Array(n),
+      catch: new Float64Array(n), entryDepth: new Float64Array(n), conductance: new Float64Array(n),
     }; // prettier-ignore
-    const tight = drink.pores_mm !== 0.0 ? Math.min(1.0, drink.pores_mm / RAW_MM) : 1.0;
+    const tight = material.pores_mm !== 0.0 ? Math.min(1.0, material.pores_mm / RAW_MM) : 1.0;
     for (let i = 0; i < n; i++) {
-      let bump = drink.grain * (2.0 * height[i] - 1.0);
+      let bump = material.grain * (2.0 * height[i] - 1.0);
       let relief = GRAIN_OF_PORES * bump;
       if (flocs !== null) {
         bump *= UNDER_FIBRES;
-        relief = drink.grain * flocs[i];
+        relief = material.grain * flocs[i];
       }
-      const residual = clip(drink.residual * (1.0 + relief), 0.0, 0.95);
-      const strength = (capacity * drink.spread_mm2_s * (1.0 - residual)) / 3.0;
+      const residual = clip(material.residual * (1.0 + relief), 0.0, 0.95);
+      const strength = (capacity * material.spread_mm2_s * (1.0 - residual)) / 3.0;
       pores.residual[i] = residual;
       pores.strength[i] = strength;
-      pores.held[i] = capacity * Math.max(residual, drink.advance * (1.0 + relief));
-      pores.sieve[i] = strength * drink.sieve;
-      pores.ways[i] = Math.max(0.05, 1.0 + GRAIN_OF_WAYS * bump);
+      pores.entryDepth[i] = capacity * Math.max(residual, material.advance * (1.0 + relief));
+      pores.sieve[i] = strength * material.sieve;
+      pores.conductance[i] = Math.max(0.05, 1.0 + GRAIN_OF_WAYS * bump);
       pores.catch[i] = CATCH_MM * tight;
       if (fibres !== null) {
         const along = fibres[i];
-        pores.sieve[i] *= evenExp(-FIBRES_OF_SIEVE * drink.grain * along);
-        pores.ways[i] *= evenExp(FIBRES_OF_WAYS * drink.grain * along - FLOCS_OF_WAYS * relief);
-        pores.catch[i] *= evenExp(FIBRES_OF_CATCH * drink.grain * along - FLOCS_OF_CATCH * relief);
+        pores.sieve[i] *= evenExp(-FIBRES_OF_SIEVE * material.grain * along);
+        pores.conductance[i] *= evenExp(FIBRES_OF_WAYS * material.grain * along - FLOCS_OF_WAYS * relief);
+        pores.catch[i] *= evenExp(FIBRES_OF_CATCH * material.grain * along - FLOCS_OF_CATCH * relief);
       }
     }
     return pores;
@@ -150,7 +150,7 @@ export class PoreFinder {
 
   #fibresShown(points: Float64Array): Float64Array | null {
     const [fade, gone] = SHOWN;
-    const { pores_mm: pores } = this.drink;
+    const { pores_mm: pores } = this.material;
     if (!(pores > 0.0 && pores <= SHEET_MM)) return null;
     if (this.spacing >= gone) return new Float64Array(points.length / 3);
     const shown = Math.min(1.0, (gone - this.spacing) / (gone - fade));
@@ -181,18 +181,18 @@ export class PoreFinder {
   }
 }
 
-/** Depth held, potential and factor on the conductance of a pore, as some glue leaves it. */
+/** Entry depth, its potential and factor on the conductance of a pore, as some glue leaves it. */
 export function closePore(
-  drink: Material, residual: number, strength: number, held: number, ways: number, glue: number,
+  material: Material, residual: number, strength: number, entryDepth: number, conductance: number, glue: number,
 ): [number, number, number] {
   const closed = glue / (glue + GLUE);
-  const depth = capacityOf(drink);
+  const depth = capacityOf(material);
   const full = FULL * depth;
-  const kept = held + GLUE_OF_ENTRY * closed * Math.max(0.0, full - held);
+  const kept = entryDepth + GLUE_OF_ENTRY * closed * Math.max(0.0, full - entryDepth);
   let s = clip(kept / depth - residual, 0.0, 1.0);
   s = Math.min(1.0, s / (1.0 - residual));
   const [low, high] = SHEDS;
-  const sheds = drink.pores_mm !== 0.0 ? clip((drink.advance - low) / (high - low), 0.0, 1.0) : 1.0;
-  const pinned = filmOf(drink) * POOL_MM * sheds;
-  return [kept, strength * (s * s * s) + pinned, ways * (1.0 - GLUE_OF_WAYS * closed)];
+  const repellence = material.pores_mm !== 0.0 ? clip((material.advance - low) / (high - low), 0.0, 1.0) : 1.0;
+  const poolEntry = filmOf(material) * POOL_MM * repellence;
+  return [kept, strength * (s * s * s) + poolEntry, conductance * (1.0 - GLUE_OF_WAYS * closed)];
 }

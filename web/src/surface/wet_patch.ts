@@ -38,13 +38,13 @@ export class WetPatch {
   strength: NDArray<"f8">;
   sieve: NDArray<"f8">;
   catch: NDArray<"f8">;
-  held: NDArray<"f8">;
+  entryDepth: NDArray<"f8">;
   entry: NDArray<"f8">;
   dryEntry: NDArray<"f8">;
-  ways: NDArray<"f8">;
+  conductance: NDArray<"f8">;
   place: NDArray<"i4">;
-  bareHeld: NDArray<"f8">;
-  bareWays: NDArray<"f8">;
+  bareEntryDepth: NDArray<"f8">;
+  bareConductance: NDArray<"f8">;
   written: NDArray<"f4">;
   share: NDArray<"f8">;
   weights: NDArray<"f8">;
@@ -79,13 +79,13 @@ export class WetPatch {
     this.strength = empty();
     this.sieve = empty();
     this.catch = empty();
-    this.held = empty();
+    this.entryDepth = empty();
     this.entry = empty();
     this.dryEntry = empty();
-    this.ways = empty();
+    this.conductance = empty();
     this.place = kernels.zeros("i4", 0);
-    this.bareHeld = empty();
-    this.bareWays = empty();
+    this.bareEntryDepth = empty();
+    this.bareConductance = empty();
     this.written = kernels.zeros("f4", 0, count);
     this.share = empty();
     this.weights = empty();
@@ -158,7 +158,7 @@ export class WetPatch {
       first: graph.first, last: graph.last, links: graph.links, weights: this.weights,
       area: graph.area, block: graph.block, closed: graph.closed, place: this.place,
       residual: this.residual, strength: this.strength, sieve: this.sieve, catch: this.catch,
-      held: this.held, entry: this.entry, water: this.water, pigment: this.pigment,
+      entry_depth: this.entryDepth, entry: this.entry, water: this.water, pigment: this.pigment,
       fine: this.fine, loose: this.loose, mobility: this.#mobility, sticks: this.#sticks,
       soaked: this.soaked, changed: this.changed, owed: this.owed, due, mobile, moved,
     }; // prettier-ignore
@@ -318,14 +318,14 @@ export class WetPatch {
       [fine, (p: number, i: number) => pigments[p].fine * (1.0 - looseOf(p, i))],
       [loose, looseOf],
     ] as const;
-    for (const [held, fraction] of parts) {
-      every((to, k) => (held[to] *= clip(left[k], 0.0, 1.0)));
-      every((to, k, p, i) => (held[to] += fraction(p, i) * Math.max(change[k], 0.0)));
+    for (const [amounts, fraction] of parts) {
+      every((to, k) => (amounts[to] *= clip(left[k], 0.0, 1.0)));
+      every((to, k, p, i) => (amounts[to] += fraction(p, i) * Math.max(change[k], 0.0)));
       // at once, as two places may share a node
       const now = new Float64Array(n * count);
-      every((to, k) => (now[k] = Math.min(held[to], rest[k])));
-      every((to, k) => (held[to] = now[k]));
-      every((to, k) => (rest[k] = Math.max(rest[k] - held[to], 0.0)));
+      every((to, k) => (now[k] = Math.min(amounts[to], rest[k])));
+      every((to, k) => (amounts[to] = now[k]));
+      every((to, k) => (rest[k] = Math.max(rest[k] - amounts[to], 0.0)));
     }
   }
 
@@ -456,7 +456,7 @@ export class WetPatch {
     const { graph, surface } = this;
     const n = graph.nNodes;
     for (const name of ["water", "pigment", "fine", "loose", "residual", "strength", "sieve", "catch",
-      "held", "entry", "dryEntry", "ways", "bareHeld", "bareWays", "totals"] as const)
+      "entryDepth", "entry", "dryEntry", "conductance", "bareEntryDepth", "bareConductance", "totals"] as const)
       this[name] = withRoom(this[name], n); // prettier-ignore
     this.inside = withRoom(this.inside, n);
     this.soaked = withRoom(this.soaked, n);
@@ -472,8 +472,8 @@ export class WetPatch {
       this.residual.data.set(found.residual, from);
       this.strength.data.set(found.strength, from);
       this.sieve.data.set(found.sieve, from);
-      this.bareHeld.data.set(found.held, from);
-      this.bareWays.data.set(found.ways, from);
+      this.bareEntryDepth.data.set(found.entryDepth, from);
+      this.bareConductance.data.set(found.conductance, from);
       const caught = this.catch.data;
       for (let k = from; k < n; k++) caught[k] = 1.0 - evenExp(-Math.sqrt(area[k]) / found.catch[k - from]);
       this.#closePores(Int32Array.from({ length: n - from }, (_, k) => from + k));
@@ -497,13 +497,13 @@ export class WetPatch {
   #closePores(nodes: Int32Array): void {
     const { graph, surface } = this;
     const [residual, strength] = [this.residual.data, this.strength.data];
-    const [bareHeld, bareWays] = [this.bareHeld.data, this.bareWays.data];
-    const [held, dryEntry, ways, entry, soaked] = [this.held.data, this.dryEntry.data, this.ways.data, this.entry.data, this.soaked.data];
+    const [bareEntryDepth, bareConductance] = [this.bareEntryDepth.data, this.bareConductance.data];
+    const [entryDepth, dryEntry, conductance, entry, soaked] = [this.entryDepth.data, this.dryEntry.data, this.conductance.data, this.entry.data, this.soaked.data];
     const vertices = graph.vertices.data;
     for (const node of nodes) {
       const glue = surface.dryLayers.count > 0 ? surface.dryLayers.glueOf(vertices[graph.firstPlace(node)]) : 0.0;
-      [held[node], dryEntry[node], ways[node]] = closePore(
-        surface.material, residual[node], strength[node], bareHeld[node], bareWays[node], glue,
+      [entryDepth[node], dryEntry[node], conductance[node]] = closePore(
+        surface.material, residual[node], strength[node], bareEntryDepth[node], bareConductance[node], glue,
       ); // prettier-ignore
       entry[node] = soaked[node] >= 1.0 ? 0.0 : dryEntry[node];
     }
@@ -514,10 +514,10 @@ export class WetPatch {
     const { dryLayers } = this.surface;
     if (dryLayers === this.#seen[0] && dryLayers.changes === this.#seen[1]) return;
     this.#seen = [dryLayers, dryLayers.changes];
-    const before = this.ways.data.slice();
+    const before = this.conductance.data.slice();
     this.#closePores(Int32Array.from({ length: this.#nNodes }, (_, k) => k));
-    const ways = this.ways.data;
-    this.#weigh(Int32Array.from(before.keys()).filter((k) => ways[k] !== before[k]));
+    const conductance = this.conductance.data;
+    this.#weigh(Int32Array.from(before.keys()).filter((k) => conductance[k] !== before[k]));
   }
 
   /** Update the weights of all links from and to nodes whose conductance has changed. */
@@ -540,10 +540,10 @@ export class WetPatch {
 
   #weighLinks(from: number, to: number): void {
     const { graph } = this;
-    const [ways, owner, links] = [this.ways.data, graph.owner.data, graph.links.data];
+    const [conductance, owner, links] = [this.conductance.data, graph.owner.data, graph.links.data];
     const [bare, weights] = [graph.weights.data, this.weights.data];
     for (let k = from; k < to; k++) {
-      const [start, end] = [ways[owner[k]], ways[links[k]]];
+      const [start, end] = [conductance[owner[k]], conductance[links[k]]];
       weights[k] = bare[k] * ((2.0 * start * end) / (start + end));
     }
   }
