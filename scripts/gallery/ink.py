@@ -214,17 +214,20 @@ def wet_in_wet(folder: Path) -> None:
 
 
 def feathering(folder: Path) -> None:
-    """The same two strokes on xuan, bisque and glaze, a minute after."""
+    """The same strokes by a free hand on xuan, bisque and glaze, a minute after."""
+    from freehand import STROKES, moved  # which takes its sheet from here
+
+    level, falling = (np.array(dict(STROKES)[name], float) for name in "勒磔")
     pictures = []
     for name in ("xuan", "bisque", "porcelain"):
-        mesh = sheet(64.0, 92.0)
-        surface, chart = PaintedSurface(mesh, 0.35, name), sheet_chart(mesh)
-        painter = Painter(surface, "full", "pine soot")
-        line(chart, painter, [(-20, 26), (-4, 29), (18, 27)], [0.3, 0.16, 0.34])
+        surface = PaintedSurface(sheet(64.0, 92.0), 0.2, name)
+        painter = Painter(surface, "full", {"pine soot": 0.45, "water": 0.55}, azimuth="dragged")
+        painter.replay(moved(level * [1.4, 1.4, 1.3], (0.0, 30.0)))
         painter.dip({"pine soot": 0.1, "water": 0.9})
-        line(chart, painter, [(-19, 2), (0, 5), (19, 2)], [0.2, 0.42, 0.2])
-        painter.wipe(0.93)
-        line(chart, painter, [(-20, -24), (2, -20), (21, -25)], [0.32, 0.3, 0.26])
+        painter.replay(moved(falling * [1.3, 0.7, 1.2], (0.0, 5.0)))
+        painter.dip({"pine soot": 0.3, "water": 0.7})
+        painter.wipe(0.8)
+        painter.replay(moved(level * [1.4, 2.0, 1.4], (0.0, -26.0), 160.0))
         surface.diffuse(60.0)
         surface.dry()
         path = folder / f"feathering_{name}.png"
