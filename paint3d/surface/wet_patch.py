@@ -214,11 +214,13 @@ class WetPatch:
         before = self.written[at].sum(axis=1, dtype=np.float64)
         kept = 1.0 - share * np.divide(went, before, out=np.zeros_like(went), where=before > 0)
         np.multiply.at(self.water, node, kept)
-        np.add.at(self.water, node, share * came)
         is_water = np.array([p is WATER for p in self._store.pigments])
         coats = np.maximum(change[:, ~is_water], 0.0).sum(axis=1)
-        thick = np.divide(coats, _THICK * came, out=np.ones_like(came), where=came > 0.0)
+        coats += self.pigment[node].sum(axis=1)  # what comes runs together with what is there
+        liquid = self.water[node] + came
+        thick = np.divide(coats, _THICK * liquid, out=np.ones_like(came), where=liquid > 0.0)
         thin = np.maximum(0.0, 1.0 - thick * thick)
+        np.add.at(self.water, node, share * came)
         self._add_pigment(node, share[:, None] * change, thin)
         self.written[at] = now
         for column, pigment in enumerate(self._store.pigments):
@@ -238,7 +240,7 @@ class WetPatch:
     def _add_pigment(self, node: AnyArray, change: AnyArray, thin: AnyArray) -> None:
         """Add pigment (N, P) to nodes (N,), or remove it, of all kinds in proportion.
 
-        The thinner the ink that comes (N,), 0 to 1, the more of all its flocs are loose.
+        The thinner the ink is then (N,), 0 to 1, the more of all flocs that come are loose.
         """
         came, before = np.maximum(change, 0.0), self.pigment[node]
         left = 1.0 + np.divide(change - came, before, out=np.zeros_like(came), where=before > 0)

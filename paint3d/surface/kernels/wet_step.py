@@ -269,8 +269,8 @@ def _find_flows(rows, n_rows, n_ids, n_stages, passing, film):
 
     `starts`, `cols`, `x` and `edge_flow` hold it for the links by which anything runs out, and for
     them alone; `totals` is what leaves in all, below 0 what comes; `waits` how many give to each
-    node. Pores that are barely wet let no soot pass, those above `sieve` all of it; in a film on them
-    nothing holds it.
+    node. Pores that are barely wet let no soot pass, those above `sieve` all of it; in a film on
+    them nothing holds it.
     """
     mean, edge_flow = rows.mean[n_stages % 2], rows.edge_flow[n_stages % 2]
     x, cols, waits, carries, floating = (

@@ -240,29 +240,35 @@ export class WetPatch {
     const node = Array.from(at, (place) => nodeOf[place]);
     const change = new Float64Array(n * count);
     const came = new Float64Array(n);
-    const thin = new Float64Array(n);
+    const coats = new Float64Array(n);
     const kept = new Float64Array(n);
     for (let i = 0; i < n; i++) {
       const [to, from] = [vertices[at[i]] * count, at[i] * count];
       const out: number[] = [];
-      const coats: number[] = [];
+      const laid: number[] = [];
       for (let p = 0; p < count; p++) {
         const by = Math.fround(amounts[to + p] - written[from + p]);
         change[i * count + p] = by;
         came[i] += Math.max(by, 0.0) * (pigments[p].lasting ? WET_INK_MM : WET_COAT_MM);
         out.push(Math.max(-by, 0.0));
-        if (pigments[p].lasting) coats.push(Math.max(by, 0.0));
+        if (pigments[p].lasting) laid.push(Math.max(by, 0.0));
       }
       const went = rowSum(out);
       const before = rowSum(written.subarray(from, from + count));
       kept[i] = 1.0 - share[at[i]] * (before > 0.0 ? went / before : 0.0);
-      const thick = came[i] > 0.0 ? rowSum(coats) / (THICK * came[i]) : 1.0;
-      thin[i] = Math.max(0.0, 1.0 - thick * thick);
+      coats[i] = rowSum(laid);
     }
+    const [pigment, fine, loose] = [this.pigment.data, this.fine.data, this.loose.data];
     for (let i = 0; i < n; i++) water[node[i]] *= kept[i];
+    // what comes runs together with what is there
+    const thin = Float64Array.from(node, (to, i) => {
+      const liquid = water[to] + came[i];
+      const there = rowSum(pigment.subarray(to * count, (to + 1) * count));
+      const thick = liquid > 0.0 ? (coats[i] + there) / (THICK * liquid) : 1.0;
+      return Math.max(0.0, 1.0 - thick * thick);
+    });
     for (let i = 0; i < n; i++) water[node[i]] += share[at[i]] * came[i];
     this.#addPigment(node, at, change, thin);
-    const [pigment, fine, loose] = [this.pigment.data, this.fine.data, this.loose.data];
     for (let i = 0; i < n; i++)
       for (let p = 0; p < count; p++) {
         written[at[i] * count + p] = amounts[vertices[at[i]] * count + p];
