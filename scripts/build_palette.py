@@ -156,12 +156,13 @@ FINES = {
 }
 """The share that no pore of paper holds back.
 
-No measurement of it was to be had. Pine soot's is what the halo was set by; the others are set by eye, in the order of their grains. Oil
-soot's are the smaller ones (Boku-undo: 15 to 80 nm, but glue keeps soot in flocks: Swider, Hackley,
-Winter, J. Cultural Heritage 4, 2003). Gamboge is a gum (a fifth) that dissolves and a resin that it
-turns to an emulsion (CAMEO, Museum of Fine Arts, Boston); carmine is a dye in water, save for what
-is laked; indigo does not dissolve, but is ground and washed for days until it floats. Stones
-are sold by grain, 40 to 5 um here, and lie between the fibres or on them.
+No measurement of it was to be had. Pine soot's is what the halo was set by; the others are set by
+eye, in the order of their grains. Oil soot's are the smaller ones (Boku-undo: 15 to 80 nm, but glue
+keeps soot in flocks: Swider, Hackley, Winter, J. Cultural Heritage 4, 2003). Gamboge is a gum (a
+fifth) that dissolves and a resin that it turns to an emulsion (CAMEO, Museum of Fine Arts, Boston);
+carmine is a dye in water, save for what is laked; indigo does not dissolve, but is ground and
+washed for days until it floats. Stones are sold by grain, 40 to 5 um here, and lie between the
+fibres or on them.
 """
 
 
