@@ -26,7 +26,14 @@ from paint3d.calligraphy.page.page import Page, Photograph, Piece, digest_of
 from paint3d.calligraphy.photo.characters import Character, characters_of
 from paint3d.calligraphy.photo.dryness import dryness_along, region_of, strength_of
 from paint3d.calligraphy.photo.flat_page import FlatPage, on_sheet
-from paint3d.calligraphy.photo.ink_mask import InkMask, find_ink, polygons_in, rubbed, unmixed
+from paint3d.calligraphy.photo.ink_mask import (
+    InkMask,
+    find_carved,
+    find_ink,
+    polygons_in,
+    rubbed,
+    unmixed,
+)
 from paint3d.calligraphy.photo.sheet import (
     check_exposure,
     check_ground,
@@ -184,7 +191,7 @@ def copy_sheet(
         check_ground(sheet)
         check_exposure(sheet, paper)
     inks = rubbed(sheet) if asked.invert else unmixed(reflected)
-    ink = find_ink(inks.black, asked.darker)
+    ink = (find_carved if asked.invert else find_ink)(inks.black, asked.darker)
     found = _characters(ink, asked)
     per_unit = _em_of(found) / EM_UNITS
     origin = np.array([0.0, float(sheet.shape[0])])
@@ -334,8 +341,10 @@ def _note_on_lost_ink(sheet: CopiedSheet) -> Message | None:
 
 
 def _em_of(found: Sequence[Character]) -> float:
-    """Longer side of a usual character, pixels."""
-    return float(np.median([max(one.size) for one in found]))
+    """Longer side of a usual character, pixels: that half of the ink is in shorter ones."""
+    one_by_one = sorted(found, key=lambda one: max(one.size))
+    ink = np.cumsum([one.shape.area for one in one_by_one])
+    return float(max(one_by_one[int(np.searchsorted(ink, 0.5 * ink[-1]))].size))
 
 
 def _piece(one: Character, ink: InkMask, asked: Asked, per_unit: float, origin: AnyArray) -> Piece:

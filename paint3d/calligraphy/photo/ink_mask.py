@@ -21,6 +21,7 @@ __all__ = [
     "InkMask",
     "Inks",
     "bodies_in",
+    "find_carved",
     "find_ink",
     "otsu",
     "polygons_in",
@@ -241,9 +242,7 @@ def find_ink(density: NDArray[np.float32], darker: float = 0.0) -> InkMask:
     """
     from scipy.ndimage import gaussian_filter
 
-    margin = max(1, round(_MARGIN * min(density.shape)))
-    inner = np.zeros(density.shape, bool)
-    inner[margin:-margin, margin:-margin] = True
+    inner = _within_margin(density)
     smooth = np.where(inner, gaussian_filter(density, 0.5), 0.0)
     taken = 1.0 - 10.0 ** -np.where(inner, density, 0.0)  # linear in what is inked of a pixel
     near = _inked(smooth, inner)
@@ -277,6 +276,107 @@ def find_ink(density: NDArray[np.float32], darker: float = 0.0) -> InkMask:
             pieces=pieces,
         )
     body = bodies_in(mask, faint, width)
+    _check_pieces(body)
+    mask &= body
+    width = _checked_width(body)
+    full = max(float(np.percentile(taken[mask], 75.0)), 1e-3)
+    return InkMask(np.clip(taken / full, 0.0, 1.0).astype(np.float32), mask, body, width, full)
+
+
+# ---- The mask of a rubbing -----------------------------------------------------------------------
+# Strokes of stone were cut, not written: they have no flying white. Dots of grain and of worn
+# stone, alone and in bands, are ground; dark ones within strokes are not.
+
+
+_BLUR = 0.15  # of a width: what grain is smoothed by
+_ROUNDS = 4  # of looking for the width that this is a part of
+_CARVED = 0.35  # of white: less is ground
+_THIN = 0.15  # of a width: half of that of what is too thin for a stroke
+_LARGE = 0.1  # of the largest piece: smaller ones may be grain
+_CHIP = 0.6  # squares of a width: smaller pieces are grain
+_WORN = 0.7  # of what strokes are as white as: darker pieces are worn stone
+_FEW_WIDTHS, _WORN_BIT = 4.0, 0.8  # squares of a width, and the same of pieces that are smaller
+_RIM = 1.5  # widths along the sheet's edge that a stroke across it takes at the most
+_MOUNT = 0.25  # of the sheet's shorter side: what lies so long along an edge is the rubbing's mount
+
+
+def find_carved(density: NDArray[np.float32], darker: float = 0.0) -> InkMask:
+    """Find the strokes of a rubbing by how white it is, 0 to 1 (H, W).
+
+    Parameters
+    ----------
+    density : (H, W) float32
+        0 on black ground, 1 on white strokes.
+    darker : float
+        Only what is whiter than this.
+
+    Raises
+    ------
+    InputError
+        If there are none, if they lie in more pieces than writing has, or are too few pixels wide.
+    """
+    from scipy.ndimage import distance_transform_edt, gaussian_filter, label, mean
+
+    inner = _within_margin(density)
+    width = _COARSEST
+    for _ in range(_ROUNDS):
+        smooth = gaussian_filter(density, _BLUR * width)
+        mask = inner & (smooth > max(_CARVED, otsu(np.clip(smooth[inner], 0.0, 1.0)), darker))
+        mask = _off_rim(mask, inner, _MOUNT * min(mask.shape))
+        before, width = width, max(_width(_large(mask)), _COARSEST)
+        if abs(width - before) < 0.05 * width:
+            break
+    thick = distance_transform_edt(mask) > _THIN * width
+    core = distance_transform_edt(~thick) <= _THIN * width
+    mask &= distance_transform_edt(~core) <= 2.0 * _THIN * width
+    mask = without_specks(mask, _CHIP * width**2)
+    pieces, n = label(mask, np.ones((3, 3)))
+    whiteness = (
+        mean(smooth, pieces, np.arange(n + 1)) / np.median(smooth[mask]) if n else np.ones(1)
+    )
+    is_bit = np.bincount(pieces.ravel()) < _FEW_WIDTHS * width**2
+    dropped = whiteness < np.where(is_bit, _WORN_BIT, _WORN)
+    body = _off_rim(mask & ~dropped[pieces], inner, _RIM * width)
+    body |= ~without_specks(~body, _HOLE * width**2)
+    body = gaussian_filter(body.astype(np.float32), _BLUR * width) > 0.5
+    if body.mean() < _LEAST:
+        raise InputError(
+            "no white strokes were found on the sheet; expected those of a rubbing on black",
+            hint="of ink on paper no --invert",
+        )
+    _check_pieces(body)
+    return InkMask(body.astype(np.float32), body, body, _checked_width(body), 1.0)
+
+
+def _large(mask: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """The larger pieces of a mask: grain is more in number."""
+    from scipy.ndimage import label
+
+    pieces, _ = label(mask, np.ones((3, 3)))
+    sizes = np.bincount(pieces[mask], minlength=1)
+    result: NDArray[np.bool_] = mask & (sizes >= _LARGE * sizes.max())[pieces]
+    return result
+
+
+def _off_rim(mask: NDArray[np.bool_], inner: NDArray[np.bool_], most: float) -> NDArray[np.bool_]:
+    """A mask without pieces of which more pixels lie along the rim of what is looked at."""
+    from scipy.ndimage import binary_erosion, label
+
+    pieces, n = label(mask, np.ones((3, 3)))
+    along = np.bincount(pieces[inner & ~binary_erosion(inner)], minlength=n + 1)
+    result: NDArray[np.bool_] = mask & (along <= most)[pieces]
+    return result
+
+
+def _within_margin(density: AnyArray) -> NDArray[np.bool_]:
+    """All of a sheet but the margin along its edges, which may be the table's or a frame's."""
+    margin = max(1, round(_MARGIN * min(density.shape)))
+    inner = np.zeros(density.shape, bool)
+    inner[margin:-margin, margin:-margin] = True
+    return inner
+
+
+def _check_pieces(body: NDArray[np.bool_]) -> None:
     pieces = _pieces_and_holes(body)
     if pieces > _MOST_PIECES:
         raise InputError(
@@ -286,7 +386,10 @@ def find_ink(density: NDArray[np.float32], darker: float = 0.0) -> InkMask:
             pieces=pieces,
             most=_MOST_PIECES,
         )
-    mask &= body
+
+
+def _checked_width(body: NDArray[np.bool_]) -> float:
+    """Of a usual stroke, pixels, where it is not too narrow."""
     width = _width(body)
     if width < _COARSEST:
         raise InputError(
@@ -295,8 +398,7 @@ def find_ink(density: NDArray[np.float32], darker: float = 0.0) -> InkMask:
             width=width,
             least=_COARSEST,
         )
-    full = max(float(np.percentile(taken[mask], 75.0)), 1e-3)
-    return InkMask(np.clip(taken / full, 0.0, 1.0).astype(np.float32), mask, body, width, full)
+    return width
 
 
 def _pieces_and_holes(mask: NDArray[np.bool_]) -> int:
@@ -498,15 +600,19 @@ def rubbed(sheet: NDArray[np.float32]) -> Inks:
     sheet : (H, W, 3) float32
         Linear light.
     """
-    from scipy.ndimage import percentile_filter, zoom
+    from scipy.ndimage import gaussian_filter, percentile_filter, zoom
 
     grey = np.sqrt(np.clip(sheet.mean(axis=2), 0.0, 1.0))
     step = max(1, round(max(grey.shape) / 150))
     small = grey[::step, ::step]
     window = max(3, round(0.15 * max(small.shape)))
+    dark = (small < otsu(small)).astype(np.float64)  # a wide stroke is no ground, if all is white
+    reach = 0.5 * window
+    weight = gaussian_filter(dark, reach)
+    least = float(np.average(small, weights=np.maximum(dark, 1e-9)))
+    means = (gaussian_filter(dark * small, reach) + 1e-3 * least) / (weight + 1e-3)
     levels = []
-    for percent in (25.0, 98.0):
-        level = percentile_filter(small, percent, size=window)
+    for level in (means, percentile_filter(small, 98.0, size=window)):
         factor = np.array(grey.shape) / level.shape
         levels.append(zoom(level, factor, order=1, grid_mode=True, mode="nearest"))
     ground, white = levels
