@@ -291,6 +291,17 @@ def inked(*boxes: tuple[int, int, int, int]) -> np.ndarray:
     return pixels
 
 
+def test_counters_stay_open_beside_flying_white() -> None:
+    """Bars with narrow counters between them, and a dry stroke's hairs near by."""
+    bars = [(60 + 26 * k, 80 + 26 * k, 30, 90) for k in range(4)]
+    hairs = [(40, 170, x, x + 3) for x in (*range(96, 126, 6), *range(6, 26, 6))]
+    sides = (60, 158, 30, 45), (60, 158, 78, 90)
+    sheet = copy_sheet(inked(*bars, *sides, *hairs), "c", Asked(whole=True))
+    for k in range(3):
+        assert not sheet.ink.body[81 + 26 * k : 85 + 26 * k, 50:74].any()
+    assert sheet.ink.body[60:150, 100:118].mean() > 0.95
+
+
 def left_out(sheet: CopiedSheet, box: tuple[int, int, int, int]) -> float:
     """What share of a box of pixels no stroke covers."""
     top, bottom, left, right = box

@@ -49,6 +49,8 @@ _ALONG = 2.0  # widths: bare bits of a hair's way up to so long belong to the st
 _BESIDE = 0.8  # widths from ink that such a way lies at the most
 _GRAIN, _TURN = 0.06, 0.4  # widths over which edges are seen, and the way of the streaks
 _HOLE = 0.3  # squares of a width: smaller holes belong to the stroke
+_SLIT = 0.1  # widths: half of that of a filled gap that may be a counter
+_THICK, _STREAKY = 0.28, 0.5  # of a width: half of ink that is no hair's; hairs' part of a rim
 _NARROW = 0.4  # widths: half of that of a hole among streaks that does, too
 
 
@@ -71,6 +73,7 @@ def bodies_in(mask: NDArray[np.bool_], faint: NDArray[np.bool_], width: float) -
     many = _spread(streaks, _MANY_NEAR * width) > _MANY
     closed |= _closed(inked, _DRY_GAP * 0.5 * width) & many
     closed |= _small_holes(closed, near > _ANY, width)
+    closed &= ~_counters(closed & ~_closed(mask, _NOTCH * 0.5 * width), mask, width)
     return without_specks(closed, _BIT * width**2)
 
 
@@ -105,6 +108,23 @@ def _small_holes(closed: AnyArray, streaky: AnyArray, width: float) -> NDArray[n
         small |= (depth < _NARROW * width) & (mean(streaky, holes, np.arange(n + 1)) > 0.5)
     small[0] = False
     result: NDArray[np.bool_] = small[holes]
+    return result
+
+
+def _counters(filled: AnyArray, mask: AnyArray, width: float) -> NDArray[np.bool_]:
+    """Filled gaps between strokes: wider than slits, with more ink of strokes around than hairs."""
+    from scipy.ndimage import binary_dilation, distance_transform_edt, label, maximum, mean
+
+    gaps, n = label(filled)
+    each = np.arange(n + 1)
+    thick = distance_transform_edt(distance_transform_edt(mask) <= _THICK * width) <= _THICK * width
+    beside = binary_dilation(mask & ~thick, iterations=2)
+    rim = np.where(filled & (distance_transform_edt(filled) <= 1.5), gaps, 0)
+    streaky = mean(beside, rim, each)
+    wide = maximum(distance_transform_edt(filled), gaps, each) > _SLIT * width
+    open_ = wide & (streaky < _STREAKY)
+    open_[0] = False
+    result: NDArray[np.bool_] = open_[gaps]
     return result
 
 
