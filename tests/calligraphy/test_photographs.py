@@ -139,6 +139,24 @@ def test_what_is_pale_or_small_is_left_out_where_it_is_asked(asked: Asked, n: in
     assert len(shapes) == n
 
 
+def test_soft_pale_blots_are_stains_which_is_told() -> None:
+    """Old paper: blots of two thirds of the ink's darkness at the most, ink with crisp edges."""
+    rng = np.random.default_rng(4)
+    blots = ndimage.gaussian_filter(rng.standard_normal((500, 400)), 8.0)
+    light = 190.0 + 3.0 * rng.standard_normal((500, 400))
+    light[:150] -= 40.0 * np.clip(blots / blots.std(), 0.0, 2.0)[:150]
+    light[200:420, 120:145] = light[200:420, 260:285] = 60.0
+    light[300:325, 120:285] = 85.0  # thinner ink, with the edges of ink
+    codes = np.clip(ndimage.gaussian_filter(light, 0.8), 0, 255).astype(np.uint8)
+    pixels = np.repeat(codes[..., None], 3, axis=2)
+    sheet = copy_sheet(pixels, "s", Asked(whole=True))
+    assert [one for one in sheet.notes if "stains" in one]
+    assert not sheet.ink.body[:190].any()
+    assert left_out(sheet, (200, 420, 120, 145)) < 0.05
+    assert left_out(sheet, (300, 325, 150, 255)) < 0.1
+    assert copy_sheet(pixels, "s", Asked(whole=True, darker=0.0)).ink.body[:190].any()
+
+
 def test_all_that_is_too_small_is_said() -> None:
     with pytest.raises(InputError, match="all ink on the sheet is in smaller bits"):
         copy_sheet(stained(), "a.png", Asked(whole=True, least=9.0))

@@ -84,8 +84,9 @@ class Asked:
         Glyphs of characters that are known.
     least : float
         Of the square of a character's size: smaller bits of ink are no strokes.
-    darker : float
-        Of the light that the ink takes, 0 to 1: what takes less is no ink.
+    darker : float, optional
+        Of the light that the ink takes, 0 to 1: what takes less is no ink. Without it, what is pale
+        with soft edges is a stain.
     """
 
     corners: AnyArray | None = None
@@ -96,7 +97,7 @@ class Asked:
     columns: bool = True
     templates: Mapping[str, Glyph] | None = None
     least: float = 0.0
-    darker: float = 0.0
+    darker: float | None = None
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -219,6 +220,7 @@ def copy_sheet(
     notes = (
         _note_on_others(corners, others),
         _note_on_ground(sheet) if asked.invert else None,
+        _note_on_stains(ink.stains),
         _note_on_lost_ink(copied),
     )
     return replace(copied, notes=tuple(note for note in notes if note is not None))
@@ -308,6 +310,17 @@ def _note_on_ground(sheet: NDArray[np.float32]) -> Message | None:
     return Message(
         "{share:.0%} of the sheet is white, and was copied as the strokes of a rubbing",
         share=share,
+    )
+
+
+def _note_on_stains(n: int) -> Message | None:
+    """Note of blots that were left out as stains; None where there are none."""
+    if not n:
+        return None
+    return Message(
+        "a pale blot with soft edges was taken for a stain of the paper and left out",
+        "{n} pale blots with soft edges were taken for stains of the paper and left out",
+        n=n,
     )
 
 

@@ -208,6 +208,10 @@ _LENS = 1.0  # pixels: how far a photograph spreads what is narrow
 _NOISES = 5.0  # standard deviations of the paper that ink stands out by at the least
 _FAINTEST = 0.06  # density of the palest ink that is one
 _DARK = 90.0  # per cent of what is inked take less light than unbroken ink
+_LENS_EDGE = 0.7  # pixels over which the steepness of edges is measured
+_SHARP, _SOFT = 25.0, 1.8  # per cent of edges are sharper than usual ink's; times as soft: stains'
+_PALE = 0.68  # of the ink's darkness: what is darker is no stain
+_MOST_STAINED = 0.5  # of all that is dark
 _SPECK = 0.01  # squares of a stroke's width: smaller bits of ink are dust
 _MARGIN = 0.012  # of the sheet's shorter side: its edges are no strokes
 _MOST = 0.6  # of the sheet: more than that is no writing
@@ -235,6 +239,8 @@ class InkMask:
         Of a usual stroke, pixels.
     full : float
         Share of the light that unbroken ink takes.
+    stains : int
+        How many pale blots with soft edges were taken for stains of the paper.
     """
 
     cover: NDArray[np.float32]
@@ -242,17 +248,18 @@ class InkMask:
     body: NDArray[np.bool_]
     width: float
     full: float
+    stains: int = 0
 
 
-def find_ink(density: NDArray[np.float32], darker: float = 0.0) -> InkMask:
+def find_ink(density: NDArray[np.float32], darker: float | None = None) -> InkMask:
     """Find the ink on a sheet by its density (H, W).
 
     Parameters
     ----------
     density : (H, W) float32
-    darker : float
+    darker : float, optional
         Only what takes more than this share of the light that the ink takes, 0 to 1: what is paler,
-        such as stains, is ground.
+        such as stains, is ground. Without it, pale blots with soft edges are.
 
     Raises
     ------
@@ -266,7 +273,7 @@ def find_ink(density: NDArray[np.float32], darker: float = 0.0) -> InkMask:
     smooth = np.where(inner, gaussian_filter(density, 0.5), 0.0)
     taken = 1.0 - 10.0 ** -np.where(inner, density, 0.0)  # linear in what is inked of a pixel
     near = _inked(smooth, inner)
-    if darker > 0.0 and near.any():
+    if darker and near.any():
         full = float(np.percentile(gaussian_filter(taken, 0.7)[near], _DARK))
         smooth = np.where(gaussian_filter(taken, 0.7) > darker * full, smooth, 0.0)
         near = _inked(smooth, inner)
@@ -274,6 +281,8 @@ def find_ink(density: NDArray[np.float32], darker: float = 0.0) -> InkMask:
         _taken_near(taken, near), 1e-6
     )
     mask, faint = near & (share > _EDGE), near & (share > _FAINT)
+    stained, n_stains = _stains(mask, taken) if darker is None else (np.zeros_like(mask), 0)
+    mask, faint = mask & ~stained, faint & ~stained
     if mask.mean() < _LEAST:
         raise InputError(
             "no ink was found on the sheet; expected dark strokes on paper",
@@ -300,7 +309,43 @@ def find_ink(density: NDArray[np.float32], darker: float = 0.0) -> InkMask:
     mask &= body
     width = _checked_width(body)
     full = max(float(np.percentile(taken[mask], 75.0)), 1e-3)
-    return InkMask(np.clip(taken / full, 0.0, 1.0).astype(np.float32), mask, body, width, full)
+    return InkMask(
+        np.clip(taken / full, 0.0, 1.0).astype(np.float32), mask, body, width, full, n_stains
+    )
+
+
+def _stains(mask: NDArray[np.bool_], taken: AnyArray) -> tuple[NDArray[np.bool_], int]:
+    """Pale pieces whose edges are much softer than the ink's, a little around them; how many.
+
+    Where they are more than a part of all, what is pale is the writing.
+    """
+    from scipy.ndimage import (
+        binary_dilation,
+        binary_erosion,
+        gaussian_gradient_magnitude,
+        label,
+        mean,
+        median,
+    )
+
+    pieces, n = label(mask, np.ones((3, 3)))
+    each = np.arange(n + 1)
+    edges = mask & ~binary_erosion(mask)
+    if not edges.any():
+        return np.zeros_like(mask), 0
+    steep = gaussian_gradient_magnitude(taken, _LENS_EDGE)
+    dark = mean(taken, pieces, each)
+    softness = dark[pieces] / np.maximum(steep, 1e-4)
+    usual = float(np.percentile(softness[edges], _SHARP))
+    soft = median(softness, np.where(edges, pieces, 0), each) > _SOFT * usual
+    pale = dark < _PALE * np.percentile(taken[mask], 75.0)
+    stained = soft & pale
+    stained[0] = False
+    found = stained[pieces]
+    if found.sum() > _MOST_STAINED * mask.sum():
+        return np.zeros_like(mask), 0
+    sizes = np.bincount(pieces.ravel())
+    return binary_dilation(found, iterations=2), int((sizes[stained] > _width(mask) ** 2).sum())
 
 
 # ---- The mask of a rubbing -----------------------------------------------------------------------
@@ -320,14 +365,14 @@ _RIM = 1.5  # widths along the sheet's edge that a stroke across it takes at the
 _MOUNT = 0.25  # of the sheet's shorter side: what lies so long along an edge is the rubbing's mount
 
 
-def find_carved(density: NDArray[np.float32], darker: float = 0.0) -> InkMask:
+def find_carved(density: NDArray[np.float32], darker: float | None = None) -> InkMask:
     """Find the strokes of a rubbing by how white it is, 0 to 1 (H, W).
 
     Parameters
     ----------
     density : (H, W) float32
         0 on black ground, 1 on white strokes.
-    darker : float
+    darker : float, optional
         Only what is whiter than this.
 
     Raises
@@ -341,7 +386,9 @@ def find_carved(density: NDArray[np.float32], darker: float = 0.0) -> InkMask:
     width = _COARSEST
     for _ in range(_ROUNDS):
         smooth = gaussian_filter(density, _BLUR * width)
-        mask = inner & (smooth > max(_CARVED, otsu(np.clip(smooth[inner], 0.0, 1.0)), darker))
+        mask = inner & (
+            smooth > max(_CARVED, otsu(np.clip(smooth[inner], 0.0, 1.0)), darker or 0.0)
+        )
         mask = _off_rim(mask, inner, _MOUNT * min(mask.shape))
         before, width = width, max(_width(_large(mask)), _COARSEST)
         if abs(width - before) < 0.05 * width:
