@@ -137,6 +137,7 @@ _MIDDLE = (0.5, 0.5)
 _MOST_GRIDS = 8  # places without enough room after which the search is given up
 _SMALLER_SHARES = (0.85, 0.7, 0.55, 0.4)  # of the em, tried in turn for what may be proposed
 _TURNS_ASIDE = (0.0625, -0.0625, 0.125, -0.125, 0.1875, -0.1875, 0.25, -0.25, 0.375, -0.375, 0.5)
+_DENSER = 4.0  # times as many characters as areas say may fit at a smaller size: two lines for one
 _SMALLER = 16  # tenths off the em, one after the other, of which one may be proposed
 
 
@@ -481,7 +482,7 @@ def with_remedy(
 
 
 def _too_long(grid: _Grid, lines: Sequence[str], fits: int) -> InputError:
-    smaller = grid.smaller(lines)
+    smaller = grid.smaller(lines, fits)
     fields: dict[str, object] = {
         "n": sum(map(len, lines)),
         "object": grid.surface.mesh.name,
@@ -627,9 +628,15 @@ class _Grid:
                 few = n
         return few
 
-    def smaller(self, lines: Sequence[str]) -> float | None:
-        """The first smaller em, mm, at which all of a text fits here; None where none is found."""
+    def smaller(self, lines: Sequence[str], fits: int) -> float | None:
+        """The first smaller em, mm, at which all of a text fits here; None where none is found.
+
+        So many of its characters fit at this em.
+        """
+        most = _DENSER * (fits + 1) / sum(map(len, lines))
         for step in range(1, _SMALLER):
+            if 0.81**step > most:
+                continue
             em_mm = float(f"{self.em_mm * 0.9**step:.2g}")
             try:
                 grid = _Grid(self.ground, em_mm, self.layout, self.limits, self.middle)
@@ -645,9 +652,7 @@ class _Grid:
         """The squares of a text, or None where it does not fit."""
         for widest in _WIDEST_PITCHES:
             for broken in self._ways_to_break(lines):
-                cells = self._cells(broken)
-                shape = 1 + max(c.across for c in cells), 1 + max(c.down for c in cells)
-                placed = self._fit_cells(cells, shape, widest)
+                placed = self._fit_lines(broken, widest)
                 if placed is not None:
                     return placed
         return None
@@ -664,11 +669,10 @@ class _Grid:
         ordered = sorted(heights, reverse=not self.layout.around)
         return [[text[k : k + tall] for k in range(0, n, tall)] for tall in ordered]
 
-    def _fit_cells(
-        self, cells: Sequence[_Cell], shape: tuple[int, int], widest: float
-    ) -> list[PlacedCharacter] | None:
+    def _fit_lines(self, lines: Sequence[str], widest: float) -> list[PlacedCharacter] | None:
         """Lay a grid as narrow as it can be; None where it does not fit."""
-        wide, tall = shape
+        shape = len(lines), max(map(len, lines))
+        wide, tall = shape = shape if self.layout.order == "columns" else shape[::-1]
         pitch = self.pitch.copy()
         if self.layout.around:
             pitch[0] = self.right.length / wide
@@ -677,6 +681,7 @@ class _Grid:
             try:
                 apart = self._overlaps(sample, self._placed(sample, shape, pitch), wide)
                 if not apart.any():
+                    cells = self._cells(lines)
                     placed = self._placed(cells, shape, pitch)
                     apart = self._overlaps(cells, placed, wide)
             except MeshError:

@@ -78,9 +78,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--darker",
         metavar="SHARE",
         type=lambda text: parse_number(text, "a share", "0 to 1", lambda n: 0.0 <= n <= 1.0),
-        default=0.0,
-        help="what takes less than this share of the light that the ink takes, such as stains, is "
-        "no ink",
+        help="what takes less than this share of the light that the ink takes is no ink; 0: all "
+        "is, stains too (default: all but pale blots with soft edges)",
     )
     photograph.add_argument(
         "--text",

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
-from paint3d.calligraphy.layout import Layout, layout_text, split_text
+from paint3d.calligraphy.layout import Layout, _Grid, layout_text, split_text
 from paint3d.errors import InputError, MeshError
 from paint3d.files.load import load_mesh
 from paint3d.mesh.bvh import ClosestPoints
@@ -199,6 +199,16 @@ def test_a_place_is_looked_for_where_the_middle_has_none():
         layout_text(apart, "\u6c38", 70.0)
     with pytest.raises(MeshError, match=r"no surface at \[0.5, 0.5\] seen from the outside"):
         layout_text(apart, "\u6c38", 40.0, Layout(at=(0.5, 0.5)))
+
+
+def test_a_text_of_thousands_is_refused_before_it_is_laid(monkeypatch: pytest.MonkeyPatch):
+    """Squares are laid for what may fit; how long the rest is is all that is asked."""
+    laid = []
+    cells = _Grid._cells
+    monkeypatch.setattr(_Grid, "_cells", lambda *asked: laid.append(cells(*asked)) or laid[-1])
+    with pytest.raises(InputError, match=r"10000 characters does not fit on plane .* 4 of them"):
+        layout_text(body("plane"), "\u6c38" * 10_000, 90.0)
+    assert sum(map(len, laid)) < 100
 
 
 def test_a_text_that_fits_nowhere_says_how_much_would_at_the_best_place():

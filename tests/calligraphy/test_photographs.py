@@ -139,6 +139,24 @@ def test_what_is_pale_or_small_is_left_out_where_it_is_asked(asked: Asked, n: in
     assert len(shapes) == n
 
 
+def test_soft_pale_blots_are_stains_which_is_told() -> None:
+    """Old paper: blots of two thirds of the ink's darkness at the most, ink with crisp edges."""
+    rng = np.random.default_rng(4)
+    blots = ndimage.gaussian_filter(rng.standard_normal((500, 400)), 8.0)
+    light = 190.0 + 3.0 * rng.standard_normal((500, 400))
+    light[:150] -= 40.0 * np.clip(blots / blots.std(), 0.0, 2.0)[:150]
+    light[200:420, 120:145] = light[200:420, 260:285] = 60.0
+    light[300:325, 120:285] = 85.0  # thinner ink, with the edges of ink
+    codes = np.clip(ndimage.gaussian_filter(light, 0.8), 0, 255).astype(np.uint8)
+    pixels = np.repeat(codes[..., None], 3, axis=2)
+    sheet = copy_sheet(pixels, "s", Asked(whole=True))
+    assert [one for one in sheet.notes if "stains" in one]
+    assert not sheet.ink.body[:190].any()
+    assert left_out(sheet, (200, 420, 120, 145)) < 0.05
+    assert left_out(sheet, (300, 325, 150, 255)) < 0.1
+    assert copy_sheet(pixels, "s", Asked(whole=True, darker=0.0)).ink.body[:190].any()
+
+
 def test_all_that_is_too_small_is_said() -> None:
     with pytest.raises(InputError, match="all ink on the sheet is in smaller bits"):
         copy_sheet(stained(), "a.png", Asked(whole=True, least=9.0))
@@ -227,11 +245,60 @@ def test_a_rubbing_is_read_by_its_white_strokes() -> None:
     assert sheet.notes == ()
 
 
-def test_a_sheet_that_is_no_rubbing_is_told_where_it_is_read_as_one() -> None:
+def rubbing_of(text: str, seed: int) -> tuple[np.ndarray, np.ndarray, int]:
+    """A rubbing of worn stone: its pixels, where strokes are, and how many there are.
+
+    Grain lies all over it and in bands, as cracked stone leaves it; it mottles the strokes too, and
+    the stone is chipped along one edge.
+    """
+    rng = np.random.default_rng(seed)
+    glyphs = [open_glyphs(None).load(one) for one in text]
+    carved = sheet_of(glyphs, seed, seals=0, longest=600).body
+    down = np.arange(carved.shape[0])[:, None]
+    often = 0.004 + 0.06 * np.exp(-(((down - 0.15 * len(down)) / 9.0) ** 2))
+    grain = ndimage.binary_dilation(rng.random(carved.shape) < often, np.ones((2, 4)))
+    light = 28.0 + 8.0 * rng.standard_normal(carved.shape)
+    light[grain] = 150.0
+    light[:40, 200:320] = 120.0 + 60.0 * rng.standard_normal((40, 120))
+    worn = ndimage.gaussian_filter(rng.standard_normal(carved.shape), 3.0)
+    light[carved] = 195.0 + (20.0 * worn / worn.std())[carved]
+    light[carved & grain] = 90.0
+    codes = np.clip(ndimage.gaussian_filter(light, 0.7), 0, 255).astype(np.uint8)
+    return np.repeat(codes[..., None], 3, axis=2), carved, sum(len(one.strokes) for one in glyphs)
+
+
+@pytest.mark.parametrize(
+    ("text", "seed"), long_but([("永", 1)], [("永", 1), ("木山", 2), ("和", 3)])
+)
+def test_stone_grain_is_neither_strokes_nor_flying_white(text: str, seed: int) -> None:
+    pixels, carved, n = rubbing_of(text, seed)
+    sheet = copy_sheet(pixels, "r", Asked(whole=True, invert=True))
+    strokes = [stroke for piece in sheet.page.pieces for stroke in piece.glyph.strokes]
+    assert n <= len(strokes) <= 1.2 * n
+    assert all(max(stroke.dryness) < 0.02 for stroke in strokes)
+    assert (sheet.ink.body & carved).sum() > 0.9 * (sheet.ink.body | carved).sum()
+
+
+def test_a_wide_stroke_of_a_rubbing_is_not_hollow() -> None:
+    pixels = np.full((400, 400, 3), 25, np.uint8)
+    pixels[80:320, 60:80] = pixels[120:280, 160:340] = 200
+    sheet = copy_sheet(pixels, "r", Asked(whole=True, invert=True))
+    assert sheet.ink.body[125:275, 165:335].all()
+
+
+def test_a_mount_around_a_rubbing_is_left_out_and_told() -> None:
     there = shot("大", 2, 0.0, Camera(size=700, fills=True, shadow=0.0), seals=0)
-    sheet = copy_sheet(there.pixels, "r", Asked(whole=True, invert=True))
+    mounted = np.pad(255 - there.pixels, ((150, 150), (150, 150), (0, 0)), constant_values=235)
+    sheet = copy_sheet(mounted, "r", Asked(whole=True, invert=True))
     (note,) = sheet.notes
     assert note.fields["share"] > 0.5
+    assert not sheet.ink.body[:140].any()
+
+
+def test_a_sheet_that_is_no_rubbing_is_refused_as_one() -> None:
+    there = shot("大", 2, 0.0, Camera(size=700, fills=True, shadow=0.0), seals=0)
+    told = refused(there.pixels, whole=True, invert=True)
+    assert "no white strokes" in told
 
 
 def inked(*boxes: tuple[int, int, int, int]) -> np.ndarray:
@@ -240,6 +307,17 @@ def inked(*boxes: tuple[int, int, int, int]) -> np.ndarray:
     for top, bottom, left, right in boxes:
         pixels[top:bottom, left:right] = 0
     return pixels
+
+
+def test_counters_stay_open_beside_flying_white() -> None:
+    """Bars with narrow counters between them, and a dry stroke's hairs near by."""
+    bars = [(60 + 26 * k, 80 + 26 * k, 30, 90) for k in range(4)]
+    hairs = [(40, 170, x, x + 3) for x in (*range(96, 126, 6), *range(6, 26, 6))]
+    sides = (60, 158, 30, 45), (60, 158, 78, 90)
+    sheet = copy_sheet(inked(*bars, *sides, *hairs), "c", Asked(whole=True))
+    for k in range(3):
+        assert not sheet.ink.body[81 + 26 * k : 85 + 26 * k, 50:74].any()
+    assert sheet.ink.body[60:150, 100:118].mean() > 0.95
 
 
 def left_out(sheet: CopiedSheet, box: tuple[int, int, int, int]) -> float:

@@ -26,7 +26,14 @@ from paint3d.calligraphy.page.page import Page, Photograph, Piece, digest_of
 from paint3d.calligraphy.photo.characters import Character, characters_of
 from paint3d.calligraphy.photo.dryness import dryness_along, region_of, strength_of
 from paint3d.calligraphy.photo.flat_page import FlatPage, on_sheet
-from paint3d.calligraphy.photo.ink_mask import InkMask, find_ink, polygons_in, rubbed, unmixed
+from paint3d.calligraphy.photo.ink_mask import (
+    InkMask,
+    find_carved,
+    find_ink,
+    polygons_in,
+    rubbed,
+    unmixed,
+)
 from paint3d.calligraphy.photo.sheet import (
     check_exposure,
     check_ground,
@@ -77,8 +84,9 @@ class Asked:
         Glyphs of characters that are known.
     least : float
         Of the square of a character's size: smaller bits of ink are no strokes.
-    darker : float
-        Of the light that the ink takes, 0 to 1: what takes less is no ink.
+    darker : float, optional
+        Of the light that the ink takes, 0 to 1: what takes less is no ink. Without it, what is pale
+        with soft edges is a stain.
     """
 
     corners: AnyArray | None = None
@@ -89,7 +97,7 @@ class Asked:
     columns: bool = True
     templates: Mapping[str, Glyph] | None = None
     least: float = 0.0
-    darker: float = 0.0
+    darker: float | None = None
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -184,7 +192,7 @@ def copy_sheet(
         check_ground(sheet)
         check_exposure(sheet, paper)
     inks = rubbed(sheet) if asked.invert else unmixed(reflected)
-    ink = find_ink(inks.black, asked.darker)
+    ink = (find_carved if asked.invert else find_ink)(inks.black, asked.darker)
     found = _characters(ink, asked)
     per_unit = _em_of(found) / EM_UNITS
     origin = np.array([0.0, float(sheet.shape[0])])
@@ -212,6 +220,7 @@ def copy_sheet(
     notes = (
         _note_on_others(corners, others),
         _note_on_ground(sheet) if asked.invert else None,
+        _note_on_stains(ink.stains),
         _note_on_lost_ink(copied),
     )
     return replace(copied, notes=tuple(note for note in notes if note is not None))
@@ -304,6 +313,17 @@ def _note_on_ground(sheet: NDArray[np.float32]) -> Message | None:
     )
 
 
+def _note_on_stains(n: int) -> Message | None:
+    """Note of blots that were left out as stains; None where there are none."""
+    if not n:
+        return None
+    return Message(
+        "a pale blot with soft edges was taken for a stain of the paper and left out",
+        "{n} pale blots with soft edges were taken for stains of the paper and left out",
+        n=n,
+    )
+
+
 def _note_on_lost_ink(sheet: CopiedSheet) -> Message | None:
     """Note of characters with ink that no stroke covers, and how much; None where hardly any."""
     from scipy.ndimage import distance_transform_edt
@@ -334,8 +354,10 @@ def _note_on_lost_ink(sheet: CopiedSheet) -> Message | None:
 
 
 def _em_of(found: Sequence[Character]) -> float:
-    """Longer side of a usual character, pixels."""
-    return float(np.median([max(one.size) for one in found]))
+    """Longer side of a usual character, pixels: that half of the ink is in shorter ones."""
+    one_by_one = sorted(found, key=lambda one: max(one.size))
+    ink = np.cumsum([one.shape.area for one in one_by_one])
+    return float(max(one_by_one[int(np.searchsorted(ink, 0.5 * ink[-1]))].size))
 
 
 def _piece(one: Character, ink: InkMask, asked: Asked, per_unit: float, origin: AnyArray) -> Piece:

@@ -21,6 +21,7 @@ __all__ = [
     "InkMask",
     "Inks",
     "bodies_in",
+    "find_carved",
     "find_ink",
     "otsu",
     "polygons_in",
@@ -48,6 +49,8 @@ _ALONG = 2.0  # widths: bare bits of a hair's way up to so long belong to the st
 _BESIDE = 0.8  # widths from ink that such a way lies at the most
 _GRAIN, _TURN = 0.06, 0.4  # widths over which edges are seen, and the way of the streaks
 _HOLE = 0.3  # squares of a width: smaller holes belong to the stroke
+_SLIT = 0.1  # widths: half of that of a filled gap that may be a counter
+_THICK, _STREAKY = 0.28, 0.5  # of a width: half of ink that is no hair's; hairs' part of a rim
 _NARROW = 0.4  # widths: half of that of a hole among streaks that does, too
 
 
@@ -70,6 +73,7 @@ def bodies_in(mask: NDArray[np.bool_], faint: NDArray[np.bool_], width: float) -
     many = _spread(streaks, _MANY_NEAR * width) > _MANY
     closed |= _closed(inked, _DRY_GAP * 0.5 * width) & many
     closed |= _small_holes(closed, near > _ANY, width)
+    closed &= ~_counters(closed & ~_closed(mask, _NOTCH * 0.5 * width), mask, width)
     return without_specks(closed, _BIT * width**2)
 
 
@@ -104,6 +108,23 @@ def _small_holes(closed: AnyArray, streaky: AnyArray, width: float) -> NDArray[n
         small |= (depth < _NARROW * width) & (mean(streaky, holes, np.arange(n + 1)) > 0.5)
     small[0] = False
     result: NDArray[np.bool_] = small[holes]
+    return result
+
+
+def _counters(filled: AnyArray, mask: AnyArray, width: float) -> NDArray[np.bool_]:
+    """Filled gaps between strokes: wider than slits, with more ink of strokes around than hairs."""
+    from scipy.ndimage import binary_dilation, distance_transform_edt, label, maximum, mean
+
+    gaps, n = label(filled)
+    each = np.arange(n + 1)
+    thick = distance_transform_edt(distance_transform_edt(mask) <= _THICK * width) <= _THICK * width
+    beside = binary_dilation(mask & ~thick, iterations=2)
+    rim = np.where(filled & (distance_transform_edt(filled) <= 1.5), gaps, 0)
+    streaky = mean(beside, rim, each)
+    wide = maximum(distance_transform_edt(filled), gaps, each) > _SLIT * width
+    open_ = wide & (streaky < _STREAKY)
+    open_[0] = False
+    result: NDArray[np.bool_] = open_[gaps]
     return result
 
 
@@ -187,6 +208,10 @@ _LENS = 1.0  # pixels: how far a photograph spreads what is narrow
 _NOISES = 5.0  # standard deviations of the paper that ink stands out by at the least
 _FAINTEST = 0.06  # density of the palest ink that is one
 _DARK = 90.0  # per cent of what is inked take less light than unbroken ink
+_LENS_EDGE = 0.7  # pixels over which the steepness of edges is measured
+_SHARP, _SOFT = 25.0, 1.8  # per cent of edges are sharper than usual ink's; times as soft: stains'
+_PALE = 0.68  # of the ink's darkness: what is darker is no stain
+_MOST_STAINED = 0.5  # of all that is dark
 _SPECK = 0.01  # squares of a stroke's width: smaller bits of ink are dust
 _MARGIN = 0.012  # of the sheet's shorter side: its edges are no strokes
 _MOST = 0.6  # of the sheet: more than that is no writing
@@ -214,6 +239,8 @@ class InkMask:
         Of a usual stroke, pixels.
     full : float
         Share of the light that unbroken ink takes.
+    stains : int
+        How many pale blots with soft edges were taken for stains of the paper.
     """
 
     cover: NDArray[np.float32]
@@ -221,17 +248,18 @@ class InkMask:
     body: NDArray[np.bool_]
     width: float
     full: float
+    stains: int = 0
 
 
-def find_ink(density: NDArray[np.float32], darker: float = 0.0) -> InkMask:
+def find_ink(density: NDArray[np.float32], darker: float | None = None) -> InkMask:
     """Find the ink on a sheet by its density (H, W).
 
     Parameters
     ----------
     density : (H, W) float32
-    darker : float
+    darker : float, optional
         Only what takes more than this share of the light that the ink takes, 0 to 1: what is paler,
-        such as stains, is ground.
+        such as stains, is ground. Without it, pale blots with soft edges are.
 
     Raises
     ------
@@ -241,13 +269,11 @@ def find_ink(density: NDArray[np.float32], darker: float = 0.0) -> InkMask:
     """
     from scipy.ndimage import gaussian_filter
 
-    margin = max(1, round(_MARGIN * min(density.shape)))
-    inner = np.zeros(density.shape, bool)
-    inner[margin:-margin, margin:-margin] = True
+    inner = _within_margin(density)
     smooth = np.where(inner, gaussian_filter(density, 0.5), 0.0)
     taken = 1.0 - 10.0 ** -np.where(inner, density, 0.0)  # linear in what is inked of a pixel
     near = _inked(smooth, inner)
-    if darker > 0.0 and near.any():
+    if darker and near.any():
         full = float(np.percentile(gaussian_filter(taken, 0.7)[near], _DARK))
         smooth = np.where(gaussian_filter(taken, 0.7) > darker * full, smooth, 0.0)
         near = _inked(smooth, inner)
@@ -255,6 +281,8 @@ def find_ink(density: NDArray[np.float32], darker: float = 0.0) -> InkMask:
         _taken_near(taken, near), 1e-6
     )
     mask, faint = near & (share > _EDGE), near & (share > _FAINT)
+    stained, n_stains = _stains(mask, taken) if darker is None else (np.zeros_like(mask), 0)
+    mask, faint = mask & ~stained, faint & ~stained
     if mask.mean() < _LEAST:
         raise InputError(
             "no ink was found on the sheet; expected dark strokes on paper",
@@ -277,6 +305,145 @@ def find_ink(density: NDArray[np.float32], darker: float = 0.0) -> InkMask:
             pieces=pieces,
         )
     body = bodies_in(mask, faint, width)
+    _check_pieces(body)
+    mask &= body
+    width = _checked_width(body)
+    full = max(float(np.percentile(taken[mask], 75.0)), 1e-3)
+    return InkMask(
+        np.clip(taken / full, 0.0, 1.0).astype(np.float32), mask, body, width, full, n_stains
+    )
+
+
+def _stains(mask: NDArray[np.bool_], taken: AnyArray) -> tuple[NDArray[np.bool_], int]:
+    """Pale pieces whose edges are much softer than the ink's, a little around them; how many.
+
+    Where they are more than a part of all, what is pale is the writing.
+    """
+    from scipy.ndimage import (
+        binary_dilation,
+        binary_erosion,
+        gaussian_gradient_magnitude,
+        label,
+        mean,
+        median,
+    )
+
+    pieces, n = label(mask, np.ones((3, 3)))
+    each = np.arange(n + 1)
+    edges = mask & ~binary_erosion(mask)
+    if not edges.any():
+        return np.zeros_like(mask), 0
+    steep = gaussian_gradient_magnitude(taken, _LENS_EDGE)
+    dark = mean(taken, pieces, each)
+    softness = dark[pieces] / np.maximum(steep, 1e-4)
+    usual = float(np.percentile(softness[edges], _SHARP))
+    soft = median(softness, np.where(edges, pieces, 0), each) > _SOFT * usual
+    pale = dark < _PALE * np.percentile(taken[mask], 75.0)
+    stained = soft & pale
+    stained[0] = False
+    found = stained[pieces]
+    if found.sum() > _MOST_STAINED * mask.sum():
+        return np.zeros_like(mask), 0
+    sizes = np.bincount(pieces.ravel())
+    return binary_dilation(found, iterations=2), int((sizes[stained] > _width(mask) ** 2).sum())
+
+
+# ---- The mask of a rubbing -----------------------------------------------------------------------
+# Strokes of stone were cut, not written: they have no flying white. Dots of grain and of worn
+# stone, alone and in bands, are ground; dark ones within strokes are not.
+
+
+_BLUR = 0.15  # of a width: what grain is smoothed by
+_ROUNDS = 4  # of looking for the width that this is a part of
+_CARVED = 0.35  # of white: less is ground
+_THIN = 0.15  # of a width: half of that of what is too thin for a stroke
+_LARGE = 0.1  # of the largest piece: smaller ones may be grain
+_CHIP = 0.6  # squares of a width: smaller pieces are grain
+_WORN = 0.7  # of what strokes are as white as: darker pieces are worn stone
+_FEW_WIDTHS, _WORN_BIT = 4.0, 0.8  # squares of a width, and the same of pieces that are smaller
+_RIM = 1.5  # widths along the sheet's edge that a stroke across it takes at the most
+_MOUNT = 0.25  # of the sheet's shorter side: what lies so long along an edge is the rubbing's mount
+
+
+def find_carved(density: NDArray[np.float32], darker: float | None = None) -> InkMask:
+    """Find the strokes of a rubbing by how white it is, 0 to 1 (H, W).
+
+    Parameters
+    ----------
+    density : (H, W) float32
+        0 on black ground, 1 on white strokes.
+    darker : float, optional
+        Only what is whiter than this.
+
+    Raises
+    ------
+    InputError
+        If there are none, if they lie in more pieces than writing has, or are too few pixels wide.
+    """
+    from scipy.ndimage import distance_transform_edt, gaussian_filter, label, mean
+
+    inner = _within_margin(density)
+    width = _COARSEST
+    for _ in range(_ROUNDS):
+        smooth = gaussian_filter(density, _BLUR * width)
+        mask = inner & (
+            smooth > max(_CARVED, otsu(np.clip(smooth[inner], 0.0, 1.0)), darker or 0.0)
+        )
+        mask = _off_rim(mask, inner, _MOUNT * min(mask.shape))
+        before, width = width, max(_width(_large(mask)), _COARSEST)
+        if abs(width - before) < 0.05 * width:
+            break
+    thick = distance_transform_edt(mask) > _THIN * width
+    core = distance_transform_edt(~thick) <= _THIN * width
+    mask &= distance_transform_edt(~core) <= 2.0 * _THIN * width
+    mask = without_specks(mask, _CHIP * width**2)
+    pieces, n = label(mask, np.ones((3, 3)))
+    whiteness = (
+        mean(smooth, pieces, np.arange(n + 1)) / np.median(smooth[mask]) if n else np.ones(1)
+    )
+    is_bit = np.bincount(pieces.ravel()) < _FEW_WIDTHS * width**2
+    dropped = whiteness < np.where(is_bit, _WORN_BIT, _WORN)
+    body = _off_rim(mask & ~dropped[pieces], inner, _RIM * width)
+    body |= ~without_specks(~body, _HOLE * width**2)
+    body = gaussian_filter(body.astype(np.float32), _BLUR * width) > 0.5
+    if body.mean() < _LEAST:
+        raise InputError(
+            "no white strokes were found on the sheet; expected those of a rubbing on black",
+            hint="of ink on paper no --invert",
+        )
+    _check_pieces(body)
+    return InkMask(body.astype(np.float32), body, body, _checked_width(body), 1.0)
+
+
+def _large(mask: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """The larger pieces of a mask: grain is more in number."""
+    from scipy.ndimage import label
+
+    pieces, _ = label(mask, np.ones((3, 3)))
+    sizes = np.bincount(pieces[mask], minlength=1)
+    result: NDArray[np.bool_] = mask & (sizes >= _LARGE * sizes.max())[pieces]
+    return result
+
+
+def _off_rim(mask: NDArray[np.bool_], inner: NDArray[np.bool_], most: float) -> NDArray[np.bool_]:
+    """A mask without pieces of which more pixels lie along the rim of what is looked at."""
+    from scipy.ndimage import binary_erosion, label
+
+    pieces, n = label(mask, np.ones((3, 3)))
+    along = np.bincount(pieces[inner & ~binary_erosion(inner)], minlength=n + 1)
+    result: NDArray[np.bool_] = mask & (along <= most)[pieces]
+    return result
+
+
+def _within_margin(density: AnyArray) -> NDArray[np.bool_]:
+    """All of a sheet but the margin along its edges, which may be the table's or a frame's."""
+    margin = max(1, round(_MARGIN * min(density.shape)))
+    inner = np.zeros(density.shape, bool)
+    inner[margin:-margin, margin:-margin] = True
+    return inner
+
+
+def _check_pieces(body: NDArray[np.bool_]) -> None:
     pieces = _pieces_and_holes(body)
     if pieces > _MOST_PIECES:
         raise InputError(
@@ -286,7 +453,10 @@ def find_ink(density: NDArray[np.float32], darker: float = 0.0) -> InkMask:
             pieces=pieces,
             most=_MOST_PIECES,
         )
-    mask &= body
+
+
+def _checked_width(body: NDArray[np.bool_]) -> float:
+    """Of a usual stroke, pixels, where it is not too narrow."""
     width = _width(body)
     if width < _COARSEST:
         raise InputError(
@@ -295,8 +465,7 @@ def find_ink(density: NDArray[np.float32], darker: float = 0.0) -> InkMask:
             width=width,
             least=_COARSEST,
         )
-    full = max(float(np.percentile(taken[mask], 75.0)), 1e-3)
-    return InkMask(np.clip(taken / full, 0.0, 1.0).astype(np.float32), mask, body, width, full)
+    return width
 
 
 def _pieces_and_holes(mask: NDArray[np.bool_]) -> int:
@@ -498,15 +667,19 @@ def rubbed(sheet: NDArray[np.float32]) -> Inks:
     sheet : (H, W, 3) float32
         Linear light.
     """
-    from scipy.ndimage import percentile_filter, zoom
+    from scipy.ndimage import gaussian_filter, percentile_filter, zoom
 
     grey = np.sqrt(np.clip(sheet.mean(axis=2), 0.0, 1.0))
     step = max(1, round(max(grey.shape) / 150))
     small = grey[::step, ::step]
     window = max(3, round(0.15 * max(small.shape)))
+    dark = (small < otsu(small)).astype(np.float64)  # a wide stroke is no ground, if all is white
+    reach = 0.5 * window
+    weight = gaussian_filter(dark, reach)
+    least = float(np.average(small, weights=np.maximum(dark, 1e-9)))
+    means = (gaussian_filter(dark * small, reach) + 1e-3 * least) / (weight + 1e-3)
     levels = []
-    for percent in (25.0, 98.0):
-        level = percentile_filter(small, percent, size=window)
+    for level in (means, percentile_filter(small, 98.0, size=window)):
         factor = np.array(grey.shape) / level.shape
         levels.append(zoom(level, factor, order=1, grid_mode=True, mode="nearest"))
     ground, white = levels
