@@ -182,6 +182,8 @@ class WetPatch:
         store, graph = self._store, self.graph
         self._know_pigments()
         self.see_glue()
+        if not len(fresh):
+            return fresh
         place = graph.places(fresh)
         is_new = np.empty(len(fresh), bool)
         mark_news(
@@ -269,6 +271,8 @@ class WetPatch:
 
     def hand_back(self) -> None:
         """Write pigment that moved back to the vertices; ink that came since stays there."""
+        if not self.changed.any():
+            return
         graph, count = self.graph, self.graph.n_places
         ids = np.empty(count, np.int32)
         n = give_back(
