@@ -913,7 +913,9 @@ class _Schedule(NamedTuple):
 
 def _refills(buttons: AnyArray, schedule: _Schedule) -> list[_Refill]:
     """List dips (the button goes down), loads and strengths by sample; at one, in this order."""
-    down = np.asarray(buttons) & DIP
+    if not (buttons.any() or schedule.loads or schedule.strengths):
+        return []
+    down = buttons & DIP
     dips = np.flatnonzero(down[1:] > down[:-1]) + 1 if down.any() else ()
     refills: list[_Refill] = [(int(k), Painter.dip) for k in dips]
     refills += [(k, partial(Painter.fill_to, share=load)) for k, load in schedule.loads]

@@ -11,6 +11,7 @@ and an interval with the pen up at both ends is not joined.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -122,10 +123,9 @@ def object_poses(samples: Sequence[DeviceSample]) -> BrushPath:
     """
     if not samples:
         raise RecordingError("there are no samples; expected at least one")
-    times = np.array([sample.time_ns for sample in samples], dtype=np.int64)
-    late = times[1:] <= times[:-1]
-    if late.any():
-        i = int(np.flatnonzero(late)[0]) + 1
+    times = [sample.time_ns for sample in samples]
+    i = next((k for k in range(1, len(times)) if times[k] <= times[k - 1]), 0)
+    if i:
         raise RecordingError(
             "sample {i}: time_ns is {times}; expected over {i_times}",
             i=i,
@@ -140,14 +140,19 @@ def object_poses(samples: Sequence[DeviceSample]) -> BrushPath:
             n_given=n_given,
             n=len(samples),
         )
+    parts = [  # joined by one call: for a few samples calls take longer than numbers
+        part for s in samples
+        for part in (s.position, s.orientation, s.object_position, s.object_orientation)
+    ]  # fmt: skip
+    rows = np.concatenate(parts, dtype=np.float64).reshape(len(samples), 14)
     return _path(
-        times,
-        np.array([sample.position for sample in samples], dtype=np.float64),
-        np.array([sample.orientation for sample in samples], dtype=np.float64),
+        np.array(times, dtype=np.int64),
+        rows[:, :3],
+        rows[:, 3:7],
         np.array(pressures, dtype=np.float64) if n_given else None,
         np.array([sample.buttons for sample in samples], dtype=np.int32),
-        np.array([sample.object_position for sample in samples], dtype=np.float64),
-        np.array([sample.object_orientation for sample in samples], dtype=np.float64),
+        rows[:, 7:10],
+        rows[:, 10:],
         contacts_of(samples),
     )
 
@@ -156,8 +161,9 @@ def contacts_of(samples: Sequence[DeviceSample]) -> AnyArray | None:
     """Intended contact points (N, 3) of samples, NaN for none; None if no sample has one."""
     if all(sample.contact is None for sample in samples):
         return None
-    none = np.full(3, np.nan)
-    return np.array([none if s.contact is None else s.contact for s in samples], np.float64)
+    none = (math.nan, math.nan, math.nan)
+    contacts = [none if s.contact is None else s.contact for s in samples]
+    return np.concatenate(contacts, dtype=np.float64).reshape(len(samples), 3)
 
 
 def _path(

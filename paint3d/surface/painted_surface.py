@@ -131,6 +131,11 @@ class PaintedSurface(InkStore):
             self.ink.n_dirty[0] = 0
         return seen
 
+    @property
+    def n_outdated(self) -> int:
+        """How many vertices may have other colours than at the last `refresh`."""
+        return int(self.ink.n_dirty[0])
+
     def take_changed(self) -> NDArray[np.int32]:
         """Return the vertices (N,) int32 whose ink may have changed since the last call.
 

@@ -182,6 +182,8 @@ class WetPatch:
         store, graph = self._store, self.graph
         self._know_pigments()
         self.update_glue()
+        if not len(fresh):
+            return fresh
         place = graph.places(fresh)
         is_new = np.empty(len(fresh), bool)
         mark_news(
@@ -271,6 +273,8 @@ class WetPatch:
 
     def write_surface(self) -> None:
         """Write pigment that moved back to the vertices; ink that came since stays there."""
+        if not self.changed.any():
+            return
         graph, count = self.graph, self.graph.n_places
         ids = np.empty(count, np.int32)
         n = give_back(

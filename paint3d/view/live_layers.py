@@ -87,6 +87,11 @@ class KeptPicture:
         self._blit(source, target, (small, whole), (_COLOUR, _LINEAR), clipped=True)
         self._blit(source, target, (small, whole), (_DEPTH, _NEAREST), clipped=True)
 
+    def give_enlarged(self, box: Box, large: Box) -> None:
+        """Copy the colours of a box of pixels to a larger box of the window, without depths."""
+        target = self._window.GetRenderFramebuffer()
+        self._blit(self._kept, target, (box, large), (_COLOUR, _NEAREST))
+
     def release(self) -> None:
         """Release the graphics memory."""
         self._window.MakeCurrent()

@@ -26,11 +26,11 @@ __all__ = ["LivePicture"]
 _CELL = 160  # side of a cell, pixels
 _PART = 640  # side of a part in `draw_by_parts`, pixels
 _FINE, _PLAIN, _ROUGH = 0, 1, 2  # states of a cell: smooth edges; every triangle; coarse
+_BEST = _FINE  # that software draws; a graphics card smooths edges by itself
 _SETTLED_S = 0.15  # time after the view moved until all triangles are drawn
 _CALM_S = 0.35  # time after anything changed until edges are smoothed
 _STEP_S = 0.025  # longest time spent at once on such improvements
 _MANY = 120_000  # triangles above which the object is drawn coarsely while the view moves
-_TOO_MANY = 700_000  # triangles above which edges are not smoothed
 _Levels = tuple[tuple[float, float], ...]
 # Levels of detail while the view moves: most triangles, and fraction of the pixels per side.
 _LEVELS: _Levels = (
@@ -246,7 +246,8 @@ class LivePicture:
         for row, column in np.argwhere(cells):
             x, y = column * _CELL, row * _CELL
             box = x, y, min(x + _CELL, width), min(y + _CELL, height)
-            self._scene.draw_object(box, fine=state == _FINE)
+            draw = self._scene.smooth if state == _FINE else self._scene.draw_object
+            draw(box)
             self._cells[row, column] = state
             boxes.append(box)
             if time.perf_counter() - started > _STEP_S:
@@ -255,10 +256,7 @@ class LivePicture:
 
     def _left(self) -> NDArray[np.bool_]:
         """Return which cells (R, C) can still be improved."""
-        best = _FINE
-        if not self._scene.is_software or self._scene.seen()[0] > _TOO_MANY:
-            best = _PLAIN
-        return self._cells > best
+        return self._cells > (_BEST if self._scene.is_software else _PLAIN)
 
     def _take_boxes(self) -> list[Box]:
         """Return and clear the boxes in which to redraw the object, joining near ones."""

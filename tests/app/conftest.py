@@ -66,13 +66,13 @@ def light_once(few_lights: None) -> Iterator[None]:
 
 @pytest.fixture(autouse=True, scope="module")
 def plain_edges() -> Iterator[None]:
-    """Draw what stands still once, not four times for smooth edges: half of a window's time.
+    """Draw what stands still once, not once more for smooth edges: half of a window's time.
 
     Smooth edges are tested in tests/view, and in the files here whose `plain_edges` does nothing.
     """
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(live_scene, "_JITTER", ((0.0, 0.0),))
-        patch.setattr(live_picture, "_TOO_MANY", -1)  # nor once more, when all is calm
+        patch.setattr(live_picture, "_BEST", live_picture._PLAIN)  # nor once more, when all is calm
         yield
 
 

@@ -170,6 +170,24 @@ def test_a_view_that_moves_is_drawn_coarsely_and_then_to_the_last_triangle(
     stage.close()
 
 
+def test_ink_that_runs_by_itself_is_taken_seldom_until_the_hand_moves(
+    screen: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    stage = standing("plane", 6.0, View((0.0, -0.45, 1.0)), screen)
+    thread, until = stage.paint_thread, time.perf_counter() + 300.0
+    thread.wet = True
+    for after_s, taken in ((60.0, False), (0.0, True)):
+        monkeypatch.setattr(stage, "_cost_s", 1.0)  # a picture took so long
+        monkeypatch.setattr(stage, "_taken_s", time.monotonic())
+        thread.hover(sample(0, 0.0, 0.0))
+        while thread.is_still or thread._slot is None:
+            assert time.perf_counter() < until
+            time.sleep(0.002)
+        thread.last_asked_s = time.monotonic() - after_s
+        assert (stage.follow() is not None) == taken
+    stage.close()
+
+
 @pytest.mark.parametrize(("long_s", "falls_short"), [(0.0, True), (1e9, False)])
 def test_a_card_that_takes_long_draws_coarsely_while_the_view_moves_and_none_else(
     screen: str, monkeypatch: pytest.MonkeyPatch, long_s: float, falls_short: bool
@@ -177,6 +195,7 @@ def test_a_card_that_takes_long_draws_coarsely_while_the_view_moves_and_none_els
     monkeypatch.setattr(live_scene, "_SOFTWARE", ())  # what draws passes for a card
     monkeypatch.setattr(live_picture, "_CARD_LEVELS", ((math.inf, 1.0), (2000, 1.0)))
     monkeypatch.setattr(live_picture, "_CARD_LONG_S", long_s)
+    monkeypatch.setattr(live_picture, "_SETTLED_S", 2.0)  # a busy machine draws as slowly
     monkeypatch.setattr(live_picture, "_MANY", 100)
     monkeypatch.setattr(live_picture, "_CELL", 64)
     stage = standing("bowl", 4.0, View((0.12, -1.0, 0.62)), screen)

@@ -60,6 +60,9 @@ class Renderer:
         self.share = share
         self.frame_s = 0.002 + 0.006 * share**2 + 1e-6 * self.us_a_triangle * self.triangles
 
+    def smooth(self, box: object) -> None:
+        self.frame_s = 0.002
+
     def show(self, box: object = None, *, fine: bool = False, keep: bool = True) -> np.ndarray:
         assert not self.is_lost, "what is asked for is gone"
         self.is_lost = not keep or self.share < 1.0
@@ -181,11 +184,11 @@ def test_what_is_drawn_for_a_file_is_no_view_that_moves() -> None:
 
 def test_edges_are_smoothed_once_nothing_moves(clock, monkeypatch) -> None:
     renderer, drawn = Renderer(), []
-    monkeypatch.setattr(renderer, "seen", lambda: (5_000, 1))
     draw = renderer.draw_object
     monkeypatch.setattr(
-        renderer, "draw_object", lambda *a, fine=False, **how: drawn.append(fine) or draw(*a, **how)
+        renderer, "draw_object", lambda *a, **how: drawn.append(False) or draw(*a, **how)
     )
+    monkeypatch.setattr(renderer, "smooth", lambda _: drawn.append(True))
     picture = LivePicture(renderer, renderer.prepare)  # type: ignore[arg-type]
     turned(picture, 2)
     clock.now += 0.2  # it stands, but not for long

@@ -88,6 +88,7 @@ __all__ = ["Document", "FileState"]
 
 _BLOTTED = 0.8  # of wet ink, that blotting paper lifts
 _MOST_PICKUP = 1000.0  # 1/mm, as in recordings
+_MANY_OUTDATED = 1024  # vertices, above which their colours are found while nobody paints
 _EDIT_STEP = COMMANDS["edit_strokes"].step
 # Label of a step of an edit that no stroke begins: it is taken back with the step before it, and
 # done again with the one after it.
@@ -797,6 +798,8 @@ class Document:
         """Get ready for the next stroke while nobody paints; nothing that is painted changes."""
         if not self.in_stroke:
             self.surface.grow_ahead()
+            if self.surface.n_outdated > _MANY_OUTDATED:  # wet ink looks at them at every step
+                self._gather()
 
     @recorded
     def follow_time(self, seconds: float) -> bool:

@@ -50,12 +50,13 @@ _KEEPS_UP = 0.8  # than so much of the time itself: then painting catches up
 _BESIDE_S = 0.05  # that painting is behind where a piece of time always passes, whatever it takes
 _SHORTEST_S = 1e-4  # that a piece of time is thought to take
 _NEWS = 0.15  # fraction of the last piece of time in what one is thought to take
+_LIVELY_S = 5.0  # after the hand has rested so long, time for the ink comes in larger portions:
+_PORTION, _LARGEST_S = 0.05, 1.0  # of the rest; at most, and never more than painting catches up
 _FOLLOW, _LIFT = "follow_time", "lift"
 _ENDS = frozenset({"begin_stroke", "cancel_stroke", "end_stroke"})
 
 _BASE_EVERY_S = 120.0
 _AGAIN_S = 10.0  # after which a base is tried again that is to make up for a gap in the journal
-_LIVE_S = 0.002  # between two looks for a heartbeat
 
 Command = str | Callable[..., object]
 
@@ -138,6 +139,9 @@ class PaintThread:
     base_every_s : float
     n_painted : int
         Samples that have been painted.
+    last_asked_s : float
+        When something was asked for, shown by the hand, or done, by `time.monotonic`; time for the
+        ink is none of it.
     """
 
     def __init__(
@@ -168,6 +172,7 @@ class PaintThread:
         self.painting = Snapshot.of(document)
         self._holder: int | None = None  # the thread that has the document by `paused`
         self._hovering: DeviceSample | None = None
+        self.last_asked_s = time.monotonic()
         self._fed: deque[DeviceSample] = deque(maxlen=LOOKAHEAD)  # last of this stroke, if wet
         self.newest: DeviceSample | None = None
         self._stopping = self._halted = self._working = self._nudged = False
@@ -258,6 +263,7 @@ class PaintThread:
         """Show the brush here, without painting."""
         with self._wake:
             self._hovering = self.newest = sample
+            self.last_asked_s = time.monotonic()
             self._stale = True
             self._wake.notify()
 
@@ -270,6 +276,11 @@ class PaintThread:
         now = time.perf_counter_ns()
         with self._wake:
             self._seen_ns = (now if self._seen_ns is None else self._seen_ns[1], now)
+            if self._runs_by_the_clock:
+                until_ns = self._handed_over_ns() - self._saved_up_ns()
+                if self.ink_clock.patience(until_ns) <= 0.0:
+                    self._nudged = True
+                    self._wake.notify()
 
     def take_frame(self) -> Frame | None:
         """What changed since the last frame that was taken, or None; never waits."""
@@ -460,7 +471,9 @@ class PaintThread:
     def _enqueue(self, job: _Job) -> None:
         """Put a job into the queue and into the journal, in one order; holds the lock."""
         self._jobs.append(job)
-        self._n_asked += job.command != _FOLLOW
+        if job.command != _FOLLOW:
+            self._n_asked += 1
+            self.last_asked_s = time.monotonic()
         if self._writer is not None:
             self._writer.put(job)
 
@@ -499,19 +512,27 @@ class PaintThread:
 
     def _patience(self) -> float | None:
         """How long to sleep at most, s."""
-        if self._wet and not self._by_samples_alone:
+        if self._runs_by_the_clock:
             patience = self.ink_clock.patience(self._handed_over_ns())
-            return patience if self._seen_ns is None else max(patience, _LIVE_S)
+            if self._seen_ns is None or patience <= 0.0:
+                return patience  # else a heartbeat says that it is time
         if self._writer is None:
             return None
         return min(_AGAIN_S, self.base_every_s) if self._writer.has_gap else self.base_every_s
+
+    @property
+    def _runs_by_the_clock(self) -> bool:
+        """Whether time passes for the ink while nothing is heard."""
+        return self._wet and not self._by_samples_alone
 
     def _work(self) -> None:
         with self._wake:
             job = self._jobs.popleft() if self._jobs else None
         if job is not None:
             self._do(job)
-            self._n_done += job.command != _FOLLOW
+            if job.command != _FOLLOW:
+                self._n_done += 1
+                self.last_asked_s = time.monotonic()
         elif self._wet:
             self._wait_for_the_hand()
         if self._slot is None and self._stale:
@@ -572,11 +593,19 @@ class PaintThread:
         """Let time pass for the ink while nothing is heard."""
         is_dry = self._document.surface.flow_patience == math.inf
         with self._wake:
-            if self._jobs or self._stopping or not self._wet or self._by_samples_alone:
+            if self._jobs or self._stopping or not self._runs_by_the_clock:
                 return
             passed = self.ink_clock.wait(self._handed_over_ns(), self._pace.most(0.0))
             if passed and not is_dry:
                 self._enqueue(_piece(time.perf_counter()))
+
+    def _saved_up_ns(self) -> int:
+        """How much time for the ink waits before it passes, ns: waking for each step costs more."""
+        rested_s = time.monotonic() - self.last_asked_s
+        if rested_s < _LIVELY_S:
+            return 0
+        most_s = PIECE_S * (self._pace.most(0.0) // 2)
+        return round(1e9 * min(_PORTION * rested_s, _LARGEST_S, most_s))
 
     def _handed_over_ns(self) -> int:
         """Up to when the hand's events have been handed over, but for what is on its way."""

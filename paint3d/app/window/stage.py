@@ -8,6 +8,7 @@ the renderer works.
 from __future__ import annotations
 
 import dataclasses
+import time
 from collections.abc import Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from typing import Any
@@ -44,6 +45,8 @@ _NOWHERE = object()
 _NOWHERE_YET = np.empty((0, 3))
 _APART_MM, _JUMP_MM = 1.0, 60.0  # between places that are kept; beyond the last, another stroke
 _KEPT = 300
+_LIVELY_S = 5.0  # after the hand has rested so long, ink that runs by itself is drawn less often:
+_LEAST, _RAREST_S = 0.008, 30.0  # in a fraction of the time that falls with the square of the rest
 
 
 class Stage:
@@ -84,8 +87,10 @@ class Stage:
         self._drawn = LivePicture(self.scene, self._prepare_coarse)
         self._pending: list[AnyArray] = []
         self._stood: tuple[Any, ...] = ()
+        self._taken_s = self._cost_s = 0.0  # when the last frame was taken, and what it took since
         self._seen: BrushView | None = None
         self._seen_at: DeviceSample | None = None
+        self._seen_from: Frame | None = None
         self._left_at: DeviceSample | object = _NOWHERE
         self._painted: list[AnyArray] = []  # places where the brush was pressed last, mm
         self._stood_before: Camera | None = None
@@ -136,7 +141,7 @@ class Stage:
         self.paint_thread = self.frame = self._object = self._brush = None
         self._brush_spec, self._stood, self._pending = None, (), []
         self._stencil = self._unlit = self._baking = None
-        self._seen = self._seen_at = None
+        self._seen = self._seen_at = self._seen_from = None
         self._left_at = _NOWHERE
         self._painted = []
 
@@ -193,12 +198,36 @@ class Stage:
         """Have it drawn again."""
         self._drawn.touch()
 
+    @property
+    def rested_s(self) -> float:
+        """How long nothing has been asked of the painting, and the hand has not moved, s."""
+        if self.paint_thread is None or self.paint_thread.is_behind:
+            return 0.0
+        return time.monotonic() - self.paint_thread.last_asked_s
+
     def follow(self) -> Frame | None:
-        """Take what the painting thread has done since the last time; None if nothing."""
+        """Take what the painting thread has done since the last time; None if nothing.
+
+        The longer the hand has rested, the slower wet ink runs, and the less often it is taken.
+        """
+        started = time.thread_time()
+        try:
+            return self._follow()
+        finally:
+            self._cost_s += time.thread_time() - started
+
+    def _follow(self) -> Frame | None:
         if self.paint_thread is None:
             return None
         self._take_light()
         self._take_mask()
+        if self.paint_thread.wet and not self._pending:
+            now, rested_s = time.monotonic(), max(_LIVELY_S, self.rested_s)
+            fraction = max(_LEAST, (_LIVELY_S / rested_s) ** 2)
+            pause_s = min(self._cost_s / fraction, _RAREST_S)
+            if rested_s > _LIVELY_S and now - self._taken_s < pause_s:
+                return None
+            self._taken_s, self._cost_s = now, 0.0
         frame = self.paint_thread.take_frame()
         if frame is None:
             if self._pending:
@@ -217,8 +246,11 @@ class Stage:
 
         The brush is drawn where the hand is now, also where the painting has not come there yet.
         """
+        started = time.thread_time()
         self._place_brush()
-        return self._drawn.draw()
+        pixels = self._drawn.draw()
+        self._cost_s += time.thread_time() - started
+        return pixels
 
     @property
     def changed(self) -> Box | None:
@@ -377,10 +409,13 @@ class Stage:
             return None
         if seen is None or newest is None:
             return seen
+        if newest is self._seen_at and frame is self._seen_from:
+            return self._seen
+        self._seen_from = frame
         pose = object_poses([newest])
         shift = pose.position[0] - seen.position
         if not shift.any() and np.array_equal(pose.orientation[0], seen.orientation):
-            return seen
+            self._seen, self._seen_at = seen, newest
         if newest is not self._seen_at:
             with self.open_paint_thread.paused(0.0) as document:
                 self._seen = (

@@ -59,6 +59,7 @@ from paint3d.errors import Message, Paint3DError
 __all__ = ["StudioWindow"]
 
 _TICK_MS = 12
+_RESTING_S, _REST_TICK_MS = 2.0, 80  # after which ticks come less often, and how often
 _REST = 0.25  # of a picture's time, left to hand and painting before the next one
 _UNTIMED = Message("This pen reports no times; its events are spaced evenly")
 _MISREAD = Message("This pen reports pressures outside 0 to 1; they are clipped")
@@ -199,6 +200,9 @@ class StudioWindow(QtWidgets.QMainWindow):
         self.hand.began.connect(self.player.give_way)
         self.hand.began.connect(self.panels.history.give_way)
         self.player.moved.connect(self._allow_undo)
+        canvas = self.canvas
+        for moved in (canvas.touched, canvas.steered, canvas.gestured, canvas.wheeled):
+            moved.connect(self._wake)
         self.canvas.resized.connect(self._resized)
         self.canvas.dropped.connect(self.opening.open_path)
         self.canvas.untimed.connect(lambda: workspace.tell(say(_UNTIMED)))
@@ -304,6 +308,9 @@ class StudioWindow(QtWidgets.QMainWindow):
             self._tell_event(event)
         if time.perf_counter() < self._next_draw:
             return
+        is_still = self.stage.is_drawn and not self.player.is_playing
+        if is_still and self.stage.rested_s > _RESTING_S:
+            self._tick_in(1e-3 * _REST_TICK_MS)
         started = time.thread_time()
         frame = self.stage.follow()
         if frame is not None:
@@ -324,6 +331,11 @@ class StudioWindow(QtWidgets.QMainWindow):
         """Let the next tick come then, and later ones as always."""
         if self._timer.isActive():  # it may be held
             self._timer.start(max(1, math.ceil(1e3 * seconds)))
+
+    def _wake(self) -> None:
+        """Let ticks come often again at once: a hand has moved over the picture."""
+        if self._timer.isActive() and self._timer.interval() > _TICK_MS:
+            self._timer.start(_TICK_MS)
 
     def _tell_event(self, event: Event) -> None:
         if event.kind == "kept":

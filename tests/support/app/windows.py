@@ -30,7 +30,7 @@ def draw_little() -> None:
     """Draw in this process as in the tests': by few lights, edges as they are, seldom."""
     brush_panel.stroke_preview = plain_preview
     live_light.light_samples = lambda n: light_samples(n)[::8]
-    live_scene._JITTER, live_picture._TOO_MANY, studio._REST = ((0.0, 0.0),), -1, 4.0
+    live_scene._JITTER, live_picture._BEST, studio._REST = ((0.0, 0.0),), 1, 4.0
 
 
 def plain_preview(brush: BrushSpec, ink: object) -> AnyArray:
