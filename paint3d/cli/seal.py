@@ -47,6 +47,7 @@ paint3d seal --svg logo.svg --on vase --size 20 --out vase.glb
 """
 
 _STYLES = ("zhuwen", "baiwen")
+_SHAPES = ("square", "upright", "level")
 _SIDES = ("outside", "inside", "top", "bottom")
 _RESOLUTION_MM = 0.1
 _MOST_PLACES = 12
@@ -85,6 +86,13 @@ def _add_stone_options(parser: argparse._ActionsContainer) -> None:
         choices=_STYLES,
         default=_STYLES[0],
         help="zhuwen: red lines in a frame; baiwen: white lines on red (default: zhuwen)",
+    )
+    add(
+        "--shape",
+        choices=_SHAPES,
+        default=_SHAPES[0],
+        help="of the stone: square; upright, its characters one above the other; or level, in a "
+        "row from the right (default: square)",
     )
     add(
         "--size",
@@ -214,6 +222,7 @@ def press(document: Document, options: argparse.Namespace) -> str:
         options.svg,
         options.style,
         options.size,
+        shape=options.shape,
         ids=options.ids or (),
         font=options.font,
         font_number=options.font_number or 0,

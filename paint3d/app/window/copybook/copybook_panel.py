@@ -126,6 +126,11 @@ class CopybookPanel(QtWidgets.QWidget):
         self.text = _Lines(_EXAMPLE)
         self.text.finished.connect(self.ask)
         self.em = self._number("em_mm", 2.0, 1000.0, 40.0, " mm")
+        self.fill_box = QtWidgets.QCheckBox(say("Fill the sheet"))
+        self.fill_box.setToolTip(
+            say("Size, columns and distances are found; a number of your own takes it off")
+        )
+        self.fill_box.setChecked(True)
         self.direction = QtWidgets.QComboBox()
         self.direction.addItem(say("Columns"), True)
         self.direction.addItem(say("Row"), False)
@@ -206,6 +211,7 @@ class CopybookPanel(QtWidgets.QWidget):
         form.addRow(say("Text"), self.text)
         form.addRow(say("Font"), self.font_box)
         form.addRow(say("Size"), _side_by_side(self.em, self.direction))
+        form.addRow("", self.fill_box)
         form.addRow(say("Grid"), self.grid_box)
         form.addRow(say("Squares"), _side_by_side(self.across, self.down))
         form.addRow(say("Apart"), _side_by_side(self.gap, self.between))
@@ -214,6 +220,8 @@ class CopybookPanel(QtWidgets.QWidget):
         layout = QtWidgets.QVBoxLayout(self)
         layout.setContentsMargins(10, 6, 10, 8)
         layout.addLayout(form)
+        self._form = form
+        self.offer_filling(False)
         layout.addLayout(_side_by_side(layout_text, self.add_button))
         layout.addLayout(_side_by_side(self.move_button, hide))
         layout.addWidget(self.write_button)
@@ -285,6 +293,16 @@ class CopybookPanel(QtWidgets.QWidget):
         self.font_box.show_font(laid.font)
         if not self.text.hasFocus():
             self.text.setPlainText(laid.text)
+
+    @property
+    def fills(self) -> bool:
+        """Whether a text that is laid out is to fill the sheet."""
+        return self._form.isRowVisible(self.fill_box) and self.fill_box.isChecked()
+
+    def offer_filling(self, on: bool) -> None:
+        """Show whether text fills the sheet, where there is one."""
+        self.fill_box.setChecked(True)
+        self._form.setRowVisible(self.fill_box, on)
 
     def show_moving(self, on: bool) -> None:
         """Show whether texts are moved."""
