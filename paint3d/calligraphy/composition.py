@@ -33,10 +33,10 @@ _MOST_GAP, _MOST_BETWEEN = 0.45, 0.32
 _LARGEST = 0.8  # of a sheet's shorter side: a character's square
 _AT_HEAD = 1.4  # margins above and below, over those at the sides, on a sheet of twice its width
 _FLOWING, _ALONE = 0.92, 0.85  # of the size: columns that part verses; one left in the last column
-_SIGNATURE, _OF_WIDTH = 0.38, 1.0 / 9.0  # of the characters' size, of the paper's width at most
-_WITH_ROOM = 1.7  # widths of a signature's characters that its column takes
+_SIGNATURE, _OF_WIDTH = 0.35, 1.0 / 10.0  # of the characters' size, of the paper's width at most
+_WITH_ROOM = 2.0  # widths of a signature's characters that its column takes
 _USUAL_SIGNATURE = 7  # characters: a year, a season, a name
-_SIGNED_BETWEEN, _TO_SEAL, _SEAL = 0.06, 0.35, 1.15  # of a signature's characters
+_SIGNED_BETWEEN, _TO_SEAL, _SEAL = 0.06, 0.35, 1.0  # of a signature's characters
 _LEAST_SIGNATURE_MM, _LEAST_SHARE = 4.0, 0.2
 _LEAST_SEAL_MM = 4.0
 _STEP_MM, _OFF_MM, _FARTHEST_MM, _TRIALS = 2.0, 0.01, 2000.0, 4
@@ -394,7 +394,7 @@ def sign_beside(
         free = paper.room(first.origin + 0.5 * em * aside, aside)
         size = min(size, free / 1.5)
         for _ in range(_TRIALS):
-            away = 0.5 * (em + size) + min(0.6 * size, max(0.5 * (free - size), 0.1 * size))
+            away = 0.5 * (em + size) + min(0.6 * size, max(0.3 * (free - size), 0.1 * size))
             at, down = paper.beside(first.origin, away, aside, onward)
             above, under = (paper.room(at, way) - 0.4 * size for way in (-down, down))
             if whole * size <= above + under:

@@ -48,7 +48,7 @@ paint3d seal --svg logo.svg --on vase --size 20 --out vase.glb
 
 _STYLES = ("zhuwen", "baiwen")
 _SHAPES = ("square", "upright", "level")
-_SIDES = ("outside", "inside", "top", "bottom")
+_SIDES = ("outside", "inside", "top", "bottom", "front", "right", "back", "left")
 _RESOLUTION_MM = 0.1
 _MOST_PLACES = 12
 
@@ -133,10 +133,17 @@ def _add_stone_options(parser: argparse._ActionsContainer) -> None:
 
 def _add_place_options(parser: argparse._ActionsContainer) -> None:
     parser.add_argument(
-        "--at", metavar="U,V", type=parse_place, help="where its middle goes (see the guide)"
-    )
+        "--at",
+        metavar="U,V",
+        type=parse_place,
+        help="where its middle goes: U to the right, V upwards, "
+        "both 0 to 1 (paint3d info OBJECT says in mm)",
+    )  # fmt: skip
     parser.add_argument(
-        "--side", choices=_SIDES, help="from where the object is looked at (default: by its shape)"
+        "--side",
+        choices=_SIDES,
+        help="from where the object is looked at: on its front, right, back or left U is 0.5 in "
+        "the middle (default: outside, top of what is flat)",
     )
     parser.add_argument(
         "--rotate",

@@ -99,7 +99,7 @@ paint3d write --svg logo.svg --on hello.p3d --size 40 --out both.p3d
 
 _RECORDINGS = (".jsonl", ".csv", ".jsonl.gz", ".csv.gz")
 _TECHNIQUES = ("zhongfeng", "cefeng", "pianfeng")
-_SIDES = ("outside", "inside", "top", "bottom")
+_SIDES = ("outside", "inside", "top", "bottom", "front", "right", "back", "left")
 _USUAL_MM, _GAP = 20.0, 0.1
 _FINE, _FINER = 40.0, 75.0  # vertices to a character's side: fewer show ragged strokes; enough
 _LOG = logging.getLogger("paint3d")
@@ -184,13 +184,20 @@ def _add_writing_options(parser: argparse.ArgumentParser) -> None:
     )
     where = place.add_mutually_exclusive_group()
     where.add_argument(
-        "--at", metavar="U,V", type=parse_place, help="where the text's middle goes (see the guide)"
+        "--at",
+        metavar="U,V",
+        type=parse_place,
+        help="where the text's middle goes: U to the right, V "
+        "upwards, both 0 to 1 (paint3d info OBJECT says in mm)",
     )
     where.add_argument(
         "--around", action="store_true", help="spread the text evenly around the body"
     )
     place.add_argument(
-        "--side", choices=_SIDES, help="from where the object is looked at (default: by its shape)"
+        "--side",
+        choices=_SIDES,
+        help="from where the object is looked at: on its front, right, back or left U is 0.5 in "
+        "the middle (default: outside, top of what is flat)",
     )
     place.add_argument(
         "--rotate", metavar="DEG", type=parse_turn, default=0.0,
