@@ -24,6 +24,7 @@ fields (九宮格), or a cross (田字格); lines between columns or rows; nothi
 
 _LEAST_EM_MM, _MOST_EM_MM = 2.0, 1000.0
 _MOST_GAP = 5.0  # ems
+_MOST_STROKES = 1_000_000_000
 _LONGEST, _MOST_TEXTS, _MOST_CELLS = 2000, 50, 40
 
 
@@ -52,6 +53,8 @@ class LaidText:
         Squares of a grid alone: across and down.
     is_signature : bool
         Whether it says who wrote the others.
+    n_before : int
+        Strokes that were there when it was laid: they are no writing of it.
 
     Raises
     ------
@@ -70,6 +73,7 @@ class LaidText:
     grid: str = "frame"
     cells: tuple[int, int] = (4, 5)
     is_signature: bool = False
+    n_before: int = 0
 
     def __post_init__(self) -> None:
         for name in ("text", "font"):
@@ -110,6 +114,11 @@ class LaidText:
             raise InputError(
                 "is_signature is {value}; expected true or false",
                 value=f"{self.is_signature!r:.40}",
+            )
+        if type(self.n_before) is not int or not 0 <= self.n_before <= _MOST_STROKES:
+            raise InputError(
+                "n_before is {value}; expected a count of strokes",
+                value=f"{self.n_before!r:.40}",
             )
 
     @property

@@ -83,6 +83,8 @@ class CopybookGuide:
     Attributes
     ----------
     mover : TextMover
+    laid_out : callable
+        Called when a text has been laid, or laid otherwise.
     """
 
     def __init__(self, workspace: Workspace, panel: CopybookPanel) -> None:
@@ -95,6 +97,7 @@ class CopybookGuide:
         self._coming: Future[Any] | None = None  # a change of the texts
         self._making: Future[Any] | None = None  # copybooks of texts that came with the painting
         self._claimed: int | None = None  # the text that a stroke was for
+        self.laid_out: Callable[[], None] = lambda: None
         # texts that a brush was taken for, each in all ways it lay; the brush before, and that one
         self._fitted: list[tuple[set[LaidText], BrushSpec, BrushSpec]] = []
         self._counting: Future[Any] | None = None  # strokes, for the characters
@@ -211,8 +214,10 @@ class CopybookGuide:
         base = LaidText()
         if number is not None and number < len(texts):
             base = texts[number]
+        values = dict(values)
+        fills = values.pop("fills", False) and not (another and texts) and not base.is_signature
         try:
-            if self._panel.fills and not (another and texts) and not base.is_signature:
+            if fills:
                 values = self._filling(values)
             laid = base.moved(**values)
         except Paint3DError as error:
@@ -334,6 +339,7 @@ class CopybookGuide:
         if old is not None and before is not None and old.moved(grid=laid.grid) == laid:
             book.go_on_from(before)
         else:
+            laid = laid.moved(n_before=len(workspace.painting.strokes))
             book.begin_after(workspace.painting.strokes)
         self._books[laid] = book
         self._loose = None
@@ -344,6 +350,7 @@ class CopybookGuide:
         self._shown = (*texts[: self._active], laid, *texts[self._active + 1 :])
         self._show_active()
         self._tell_fonts(book, self._fit_brush(laid, old))
+        self.laid_out()
         return True
 
     def _fit_brush(self, laid: LaidText, old: LaidText | None) -> str:
@@ -431,8 +438,10 @@ class CopybookGuide:
         done.set_result(made)
 
     def _take_made(self, done: Future[Any]) -> None:
+        strokes = self._workspace.painting.strokes
         for text, book in done.result().items():
             if isinstance(book, Copybook):
+                book.begin_after(strokes[: text.n_before])
                 self._books[text] = book
             else:
                 self._books[text] = None

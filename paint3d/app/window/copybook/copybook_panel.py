@@ -78,7 +78,8 @@ class CopybookPanel(QtWidgets.QWidget):
     Signals
     -------
     asked : (dict, bool)
-        What the text is to be, by the names of `LaidText`, and whether it is another one.
+        What the text is to be, by the names of `LaidText`, with `fills`: whether it is to fill the
+        sheet; and whether it is another one.
     opened : (str, float)
         A drawing or a file of strokes, and its size in mm.
     corrected : ()
@@ -324,6 +325,7 @@ class CopybookPanel(QtWidgets.QWidget):
             "gap": 0.01 * self.gap.value(),
             "between": 0.01 * self.between.value(),
             "turn": self.turn.value(),
+            "fills": self.fills,
         }
         self.asked.emit(values, another)
 
