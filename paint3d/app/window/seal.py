@@ -103,7 +103,7 @@ class SealDialog(FormDialog):
         styles = {"zhuwen": say("Red lines (zhuwen)"), "baiwen": say("White lines (baiwen)")}
         self.style_box = self.add_box(say("Style"), styles, kept.style)
         shapes = {
-            "square": say("Square"),
+            "square": say("As wide as high"),
             "upright": say("Upright: one above the other"),
             "level": say("Level: side by side, from the right"),
         }
