@@ -383,6 +383,9 @@ def sign_beside(
     length = em + (rows - 1) * pitch
     whole = _signed_length(n) if n else _SEAL
     size = min(_SIGNATURE * em, max(0.9 * length / whole, _LEAST_SHARE * em))
+    sheet = sheet_of(mesh)
+    if sheet is not None:
+        size = min(size, _OF_WIDTH * min(sheet.size))
     below = (rows - len(last)) * pitch - 0.4 * em
     end = length - 0.5 * em - (0.5 * em if length > 4.0 * em else 0.0)  # from the first's middle
     away = 0.0

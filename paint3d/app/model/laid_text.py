@@ -55,6 +55,8 @@ class LaidText:
         Whether it says who wrote the others.
     n_before : int
         Strokes that were there when it was laid: they are no writing of it.
+    around : bool
+        Whether it is spread all around the body.
 
     Raises
     ------
@@ -74,6 +76,7 @@ class LaidText:
     cells: tuple[int, int] = (4, 5)
     is_signature: bool = False
     n_before: int = 0
+    around: bool = False
 
     def __post_init__(self) -> None:
         for name in ("text", "font"):
@@ -110,11 +113,13 @@ class LaidText:
                 most=_MOST_CELLS,
             )
         object.__setattr__(self, "cells", cells)
-        if not isinstance(self.is_signature, bool):
-            raise InputError(
-                "is_signature is {value}; expected true or false",
-                value=f"{self.is_signature!r:.40}",
-            )
+        for name in ("is_signature", "around"):
+            if not isinstance(getattr(self, name), bool):
+                raise InputError(
+                    "{name} is {value}; expected true or false",
+                    name=name,
+                    value=f"{getattr(self, name)!r:.40}",
+                )
         if type(self.n_before) is not int or not 0 <= self.n_before <= _MOST_STROKES:
             raise InputError(
                 "n_before is {value}; expected a count of strokes",
@@ -125,8 +130,9 @@ class LaidText:
     def layout(self) -> Layout:
         """How it is laid out."""
         return Layout(
-            self.order, gap=self.gap, between=self.between, point=self.point, turn=self.turn
-        )
+            self.order, gap=self.gap, between=self.between, point=self.point, turn=self.turn,
+            around=self.around,
+        )  # fmt: skip
 
     def words(self) -> dict[str, Any]:
         """What `of` makes the same of, as JSON holds it; what is as usual is left out."""

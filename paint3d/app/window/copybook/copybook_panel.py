@@ -132,6 +132,8 @@ class CopybookPanel(QtWidgets.QWidget):
             say("Size, columns and distances are found; a number of your own takes it off")
         )
         self.fill_box.setChecked(True)
+        self.around_box = QtWidgets.QCheckBox(say("All around the object"))
+        self.around_box.toggled.connect(lambda on: self.changed.emit({"around": on}))
         self.direction = QtWidgets.QComboBox()
         self.direction.addItem(say("Columns"), True)
         self.direction.addItem(say("Row"), False)
@@ -213,6 +215,7 @@ class CopybookPanel(QtWidgets.QWidget):
         form.addRow(say("Font"), self.font_box)
         form.addRow(say("Size"), _side_by_side(self.em, self.direction))
         form.addRow("", self.fill_box)
+        form.addRow("", self.around_box)
         form.addRow(say("Grid"), self.grid_box)
         form.addRow(say("Squares"), _side_by_side(self.across, self.down))
         form.addRow(say("Apart"), _side_by_side(self.gap, self.between))
@@ -280,9 +283,12 @@ class CopybookPanel(QtWidgets.QWidget):
         """Show what the chosen text is; what would be laid out stays as it is where none is."""
         if laid is None:
             return
-        boxes = (self.em, self.turn, self.gap, self.between, self.across, self.down)
+        boxes = (
+            self.em, self.turn, self.gap, self.between, self.across, self.down, self.around_box,
+        )  # fmt: skip
         blocked = [QtCore.QSignalBlocker(box) for box in boxes]
         self.em.setValue(laid.em_mm)
+        self.around_box.setChecked(laid.around)
         self.turn.setValue(laid.turn)
         self.gap.setValue(100.0 * laid.gap)
         self.between.setValue(100.0 * laid.between)
@@ -303,7 +309,10 @@ class CopybookPanel(QtWidgets.QWidget):
     def offer_filling(self, on: bool) -> None:
         """Show whether text fills the sheet, where there is one."""
         self.fill_box.setChecked(True)
+        with QtCore.QSignalBlocker(self.around_box):
+            self.around_box.setChecked(False)
         self._form.setRowVisible(self.fill_box, on)
+        self._form.setRowVisible(self.around_box, not on)
 
     def show_moving(self, on: bool) -> None:
         """Show whether texts are moved."""
@@ -325,6 +334,7 @@ class CopybookPanel(QtWidgets.QWidget):
             "gap": 0.01 * self.gap.value(),
             "between": 0.01 * self.between.value(),
             "turn": self.turn.value(),
+            "around": self.around_box.isChecked(),
             "fills": self.fills,
         }
         self.asked.emit(values, another)
