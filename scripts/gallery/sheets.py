@@ -34,10 +34,4 @@ def draw_signed_scroll(file: Path, _: Path) -> None:
          "--sign", "丙午年秋李白書", "--seal", "李白")  # fmt: skip
 
 
-def draw_signed_fan(file: Path, _: Path) -> None:
-    """The same on a folding fan, in ink that spreads."""
-    draw(file, "1600x800", POEM, "--on", "fan", "--spread", 10,
-         "--sign", "丙午年秋李白書", "--seal", "李白")  # fmt: skip
-
-
-PICTURES = {"signed_scroll.webp": draw_signed_scroll, "signed_fan.webp": draw_signed_fan}
+PICTURES = {"signed_scroll.webp": draw_signed_scroll}
