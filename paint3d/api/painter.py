@@ -244,6 +244,7 @@ class Painter(StrokePainter):
         *,
         svg: str | Path | None = None,
         style: str = "zhuwen",
+        shape: str = "square",
         font: str | Path | None = None,
         ink: Ink = "cinnabar",
         rotate: float = 0.0,
@@ -266,6 +267,8 @@ class Painter(StrokePainter):
             A drawing that is cut instead.
         style : {"zhuwen", "baiwen"}
             Red lines in a frame, or white lines on red.
+        shape : {"square", "upright", "level"}
+            Of the stone: square, a column of characters, or a row of them.
         font : path or str, optional
         ink : str, Pigment or mapping
             The paste.
@@ -292,7 +295,7 @@ class Painter(StrokePainter):
         from paint3d.calligraphy.seal.stone import cut_seal
         from paint3d.mesh.chart import frame_at
 
-        stone = cut_seal(text, svg, style, size, font=font)
+        stone = cut_seal(text, svg, style, size, shape=shape, font=font)
         closest, angle = self.surface.closest_points, math.radians(rotate)
         frames = places_for(closest, at, side)
         pressing = Pressing(coats=coats, wear=wear, seed=seed)

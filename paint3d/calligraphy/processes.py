@@ -7,7 +7,8 @@ leaves nothing behind. An interrupt is the starter's affair; it ends the others 
 from __future__ import annotations
 
 import multiprocessing
-from collections.abc import Callable, Iterator, Sequence
+import os
+from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import suppress
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
@@ -20,6 +21,7 @@ from paint3d.errors import Paint3DError
 
 __all__ = ["in_processes", "serve"]
 
+_PATIENCE = 10  # of niceness
 _Answer = tuple[int, object, Exception | None]  # the item's number, what was found, what failed
 _Given = TypeVar("_Given")
 _Found = TypeVar("_Found")
@@ -37,11 +39,16 @@ def _ready(workers: Sequence[_Worker]) -> list[_Worker]:
 
 
 def in_processes(
-    work: Callable[[_Given], _Found], items: Sequence[_Given], n: int
-) -> Iterator[_Found]:
+    work: Callable[[_Given], _Found],
+    items: Sequence[_Given],
+    n: int,
+    *,
+    is_patient: bool = False,
+) -> Generator[_Found]:
     """Yield what `work` gives for each item, in their order, found by `n` processes.
 
-    All of it must be such as can be sent to another process.
+    All of it must be such as can be sent to another process. With `is_patient` they give way to
+    others.
 
     Raises
     ------
@@ -51,7 +58,7 @@ def in_processes(
     workers = list[_Worker]()
     left, found = iter(enumerate(items)), dict[int, _Found]()
     try:
-        _start(workers, work, n)
+        _start(workers, work, n, is_patient=is_patient)
         busy = [w for w in workers if _give(w, left)]
         for k in range(len(items)):
             while k not in found:
@@ -71,13 +78,15 @@ def in_processes(
             worker.connection.close()
 
 
-def _start(workers: list[_Worker], work: Callable[..., Any], n: int) -> None:
+def _start(
+    workers: list[_Worker], work: Callable[..., Any], n: int, *, is_patient: bool = False
+) -> None:
     """Add so many: those that are there already are known where the next one fails."""
     context = multiprocessing.get_context("spawn")
     with holding_interrupts(), blocking_interrupts():
         for _ in range(n):
             ours, theirs = context.Pipe()
-            process = context.Process(target=serve, args=(work, theirs), daemon=True)
+            process = context.Process(target=serve, args=(work, theirs, is_patient), daemon=True)
             process.start()
             theirs.close()
             workers.append(_Worker(process, ours))
@@ -104,8 +113,12 @@ def _answer(worker: _Worker) -> _Answer:
         ) from None
 
 
-def serve(work: Callable[..., Any], connection: Connection) -> None:
+def serve(
+    work: Callable[..., Any], connection: Connection[Any, Any], is_patient: bool = False
+) -> None:
     """Do what comes until the other end is closed."""
+    if is_patient and hasattr(os, "nice"):
+        os.nice(_PATIENCE)
     ignore_interrupts()
     end_with_parent()
     while True:

@@ -5,6 +5,9 @@ Everything is told by the recording of the handle that comes out: replaying it p
 
 from __future__ import annotations
 
+import hashlib
+import threading
+from collections import OrderedDict
 from collections.abc import Callable, Collection, Generator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field, replace
@@ -45,7 +48,7 @@ from paint3d.mesh.bvh import ClosestPoints
 from paint3d.mesh.chart import SquareLimits, make_chart
 from paint3d.mesh.triangle_mesh import TriangleMesh
 
-__all__ = ["Pen", "Written", "write_page", "write_text"]
+__all__ = ["Pen", "Written", "plan_ahead", "write_page", "write_text"]
 
 LEAST_EM_MM, MOST_EM_MM = 2.0, 1000.0
 MOST_VARIATION = 3.0
@@ -56,6 +59,7 @@ _STEPS_PER_EM = 64.0
 _FINEST_MM = 0.25
 _DECIMALS = {"position": 6, "orientation": 7, "pressure": 7}  # 1 nm: keeps the jerk unrounded
 _MOST_STRETCH = 2.0
+_MOST_PLANS = 500
 _FEW = 3  # characters that are not worth starting processes for
 
 
@@ -221,9 +225,7 @@ def _write(
     """Plan every glyph once, lay it wherever it stands, and join the ways."""
     as_number(pen.variation, "variation", 0.0, MOST_VARIATION)
     as_number(pen.seed, "seed", 0)
-    tuft = build_tuft(pen.brush)
-    footprints = tabulate_footprints(tuft, _WIDEST * pen.em_mm)
-    pen = replace(pen, tempo=pen.tempo.slower(_root_stretch(placed, tuft)))
+    tuft, footprints, pen = _made_ready(placed, pen)
     glyphs = {id(piece.glyph): piece.glyph for piece in placed}
     motions: dict[int, Motion] = {}
     with closing(_plan_all(glyphs.values(), footprints, pen, processes)) as plans:
@@ -253,6 +255,26 @@ def _write(
     written = Written(recording, told, placed=tuple(placed))
     stations = partial(stations_of_motion, em_mm=pen.em_mm, footprints=footprints)
     return _as_asked(written, motions, parts, stations)
+
+
+def _made_ready(placed: Sequence[PlacedPiece], pen: Pen) -> tuple[Tuft, FootprintTable, Pen]:
+    """The tuft and its footprints, and the pen in the tempo that the surface asks for."""
+    tuft = build_tuft(pen.brush)
+    footprints = tabulate_footprints(tuft, _WIDEST * pen.em_mm)
+    return tuft, footprints, replace(pen, tempo=pen.tempo.slower(_root_stretch(placed, tuft)))
+
+
+def plan_ahead(placed: Sequence[PlacedPiece], pen: Pen) -> Generator[None]:
+    """Plan what lies on an object before it is to be written, glyph by glyph.
+
+    In a process that gives way to others; what is planned then need not be planned by `write_text`
+    and `write_page` any more. It may be ended at any time.
+    """
+    _, footprints, pen = _made_ready(placed, pen)
+    glyphs = {id(piece.glyph): piece.glyph for piece in placed}
+    with closing(_plan_all(glyphs.values(), footprints, pen, 1, apart=True)) as plans:
+        for _ in plans:
+            yield
 
 
 def _as_asked(
@@ -318,17 +340,71 @@ def _surface_of(mesh: TriangleMesh) -> ClosestPoints:
 # -- planning -----------------------------------------------------------------------------------
 
 
-def _plan_all(
-    glyphs: Collection[Glyph], footprints: FootprintTable, pen: Pen, processes: int
-) -> Generator[Motion]:
-    """The motions of glyphs in their order; few are planned here, stroke beside stroke."""
-    n = min(processes, len(glyphs))
-    if n < 2 or len(glyphs) < _FEW:
-        for glyph in glyphs:
-            yield _planned(glyph, footprints, pen, processes)
-        return
+class _Plans:
+    """Motions of glyphs that were planned before, the last ones used.
 
-    yield from in_processes(partial(_planned, footprints=footprints, pen=pen), [*glyphs], n)
+    Several threads may ask.
+    """
+
+    def __init__(self) -> None:
+        self._kept: OrderedDict[bytes, Motion] = OrderedDict()
+        self._lock = threading.Lock()
+
+    def find(self, key: bytes) -> Motion | None:
+        """The motion of a key; None where it is not known."""
+        with self._lock:
+            if key in self._kept:
+                self._kept.move_to_end(key)
+            return self._kept.get(key)
+
+    def keep(self, key: bytes, motion: Motion) -> None:
+        """Keep it, in the place of the one that was used least lately."""
+        with self._lock:
+            self._kept[key] = motion
+            while len(self._kept) > _MOST_PLANS:
+                self._kept.popitem(last=False)
+
+
+_plans = _Plans()
+
+
+def _key(glyph: Glyph, pen: Pen) -> bytes:
+    """What a glyph's motion depends on."""
+    told = repr((glyph.box, pen.brush, pen.em_mm, pen.settings, pen.tempo)).encode()
+    found = hashlib.sha256(told)
+    for stroke in glyph.strokes:
+        for ring in (stroke.outline, stroke.median, *stroke.holes):
+            found.update(repr(ring.shape).encode() + ring.tobytes())
+    return found.digest()
+
+
+def _plan_all(
+    glyphs: Collection[Glyph],
+    footprints: FootprintTable,
+    pen: Pen,
+    processes: int,
+    *,
+    apart: bool = False,
+) -> Generator[Motion]:
+    """The motions of glyphs in their order; few are planned here, stroke beside stroke.
+
+    What was planned before is not planned again. With `apart` nothing is planned in this process.
+    """
+    keys = [_key(glyph, pen) for glyph in glyphs]
+    known = [_plans.find(key) for key in keys]
+    lacking = [glyph for glyph, motion in zip(glyphs, known, strict=True) if motion is None]
+    n = min(processes, len(lacking))
+    if not apart and (n < 2 or len(lacking) < _FEW):
+        made = (_planned(glyph, footprints, pen, processes) for glyph in lacking)
+    else:
+        work = partial(_planned, footprints=footprints, pen=pen)
+        made = in_processes(work, lacking, n, is_patient=apart)
+    with closing(made):
+        for key, motion in zip(keys, known, strict=True):
+            if motion is None:
+                motion = next(made)
+                _plans.keep(key, motion)
+            yield motion
 
 
 def _planned(glyph: Glyph, footprints: FootprintTable, pen: Pen, threads: int = 1) -> Motion:
@@ -339,7 +415,7 @@ def _planned(glyph: Glyph, footprints: FootprintTable, pen: Pen, threads: int = 
 # -- laying -------------------------------------------------------------------------------------
 
 
-def _root_stretch(placed: list[PlacedPiece], tuft: Tuft) -> float:
+def _root_stretch(placed: Sequence[PlacedPiece], tuft: Tuft) -> float:
     """Ratio of the root's ways to those that are planned; rough spots count as 2."""
     squares = [piece.square for piece in placed]
     return min(_MOST_STRETCH, max(root_stretch(s.points, s.normals, tuft) for s in squares))

@@ -196,6 +196,7 @@ def _asked(name: str, piece: Mapping[str, str], *, quiet: bool) -> argparse.Name
             seal.check_seal(asked)
         else:
             check_source(asked)
+            write.settle_size(asked, "")
     except (UsageError, InputError) as cause:
         raise InputError(
             "{name}: {cause}", name=name, cause=str(cause).partition(" (see ")[0]
@@ -238,6 +239,8 @@ def _paint(
         surface = document.surface
         written = write.plan(piece, surface, make, pen, source, dips, seconds)
         painted = paint_onto(document, write.inked(written, surface), wanted, seconds)
+        if piece.sign:
+            write.sign(document, piece, wanted, written, seconds)
         counts = {"characters": written.characters, "brush": painted.counts["brush"]}
         over = float(painted.counts["over_paint"])
     say_if_over(over, name)

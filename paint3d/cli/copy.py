@@ -21,7 +21,7 @@ from paint3d.cli.options import FILES, check_output_file, group_of, parse_number
 from paint3d.cli.painting import PaintingOptions
 from paint3d.cli.progress import ProgressBar
 from paint3d.cli.sources import TRIALS, add_rehearsals_option
-from paint3d.cli.write import add_task_options, carry_out, check_files
+from paint3d.cli.write import add_task_options, carry_out, check_files, settle_size
 from paint3d.errors import InputError
 
 if TYPE_CHECKING:
@@ -140,6 +140,7 @@ def run(options: argparse.Namespace) -> None:
     if options.beside is not None:
         check_output_file(options.beside, _PICTURES)
     wanted.check()
+    settle_size(options, wanted.on)
     sheet = _copied(options)
     brush = load_brush(options.brush or choose_brush(options.size))
     check_widths(sheet.page, brush, options.size, wanted.resolution)

@@ -55,6 +55,7 @@ COMMANDS = {  # each by its module, which is imported when the command is asked 
         "paint3d.cli.devices",
         "6-DOF mice and styli: what is plugged in, live values, a recording, settings",
     ),
+    "info": ("paint3d.cli.info", "an object's size, and where --at U,V is on it, in mm"),
     "inks": ("paint3d.cli.lists.inks", "the palette with sources and swatches"),
     "brushes": (
         "paint3d.cli.lists.brushes",

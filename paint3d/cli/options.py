@@ -69,6 +69,7 @@ __all__ = [
 _OTHER_WORDS = {  # by which commands are looked for
     "gui": "paint", "open": "paint", "render": "picture", "view": "picture",
     "film": "picture", "convert": "export", "text": "write", "stamp": "seal",
+    "size": "info", "measure": "info", "inspect": "info",
     "colours": "inks", "colors": "inks", "pigments": "inks", "surfaces": "materials",
 }  # fmt: skip
 

@@ -97,8 +97,8 @@ class PaintingOptions:
         unsaid="what suits a sheet, else porcelain", metavar="NAME|FILE",
     )  # fmt: skip
     resolution: float = _option(
-        0.4, OBJECTS, "vertex spacing wanted where paint is, mm", metavar="MM",
-        type=parse_resolution_mm,
+        0.4, OBJECTS, "vertex spacing wanted where paint is, mm; on sheets of a metre 0.6",
+        metavar="MM", type=parse_resolution_mm,
     )  # fmt: skip
     unit: str | None = _option(None, OBJECTS, UNIT_HELP, choices=UNITS)
     up: str | None = _option(None, OBJECTS, "")
@@ -182,7 +182,9 @@ class PaintingOptions:
         said = {one.name: getattr(options, one.name, None) for one in fields(cls)}
         on = said["on"]
         if on is not None and is_sheet(on) and not os.path.isfile(on):
-            otherwise["material"] = parse_sheet(on).usual.material
+            sheet = parse_sheet(on)
+            otherwise["material"] = sheet.usual.material
+            otherwise.setdefault("resolution", sheet.detail_mm)
         return cls(**{**otherwise, **{k: value for k, value in said.items() if value is not None}})
 
     def check(self) -> None:

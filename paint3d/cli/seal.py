@@ -47,7 +47,8 @@ paint3d seal --svg logo.svg --on vase --size 20 --out vase.glb
 """
 
 _STYLES = ("zhuwen", "baiwen")
-_SIDES = ("outside", "inside", "top", "bottom")
+_SHAPES = ("square", "upright", "level")
+_SIDES = ("outside", "inside", "top", "bottom", "front", "right", "back", "left")
 _RESOLUTION_MM = 0.1
 _MOST_PLACES = 12
 
@@ -85,6 +86,13 @@ def _add_stone_options(parser: argparse._ActionsContainer) -> None:
         choices=_STYLES,
         default=_STYLES[0],
         help="zhuwen: red lines in a frame; baiwen: white lines on red (default: zhuwen)",
+    )
+    add(
+        "--shape",
+        choices=_SHAPES,
+        default=_SHAPES[0],
+        help="of the stone: square; upright, its characters one above the other; or level, in a "
+        "row from the right (default: square)",
     )
     add(
         "--size",
@@ -125,10 +133,17 @@ def _add_stone_options(parser: argparse._ActionsContainer) -> None:
 
 def _add_place_options(parser: argparse._ActionsContainer) -> None:
     parser.add_argument(
-        "--at", metavar="U,V", type=parse_place, help="where its middle goes (see the guide)"
-    )
+        "--at",
+        metavar="U,V",
+        type=parse_place,
+        help="where its middle goes: U to the right, V upwards, "
+        "both 0 to 1 (paint3d info OBJECT says in mm)",
+    )  # fmt: skip
     parser.add_argument(
-        "--side", choices=_SIDES, help="from where the object is looked at (default: by its shape)"
+        "--side",
+        choices=_SIDES,
+        help="from where the object is looked at: on its front, right, back or left U is 0.5 in "
+        "the middle (default: outside, top of what is flat)",
     )
     parser.add_argument(
         "--rotate",
@@ -214,6 +229,7 @@ def press(document: Document, options: argparse.Namespace) -> str:
         options.svg,
         options.style,
         options.size,
+        shape=options.shape,
         ids=options.ids or (),
         font=options.font,
         font_number=options.font_number or 0,

@@ -41,6 +41,7 @@ from paint3d.cli.painting import (
     PaintingOptions,
     add_out_option,
     load_object,
+    new_document,
     open_document,
     paint,
     paint_onto,
@@ -61,6 +62,7 @@ from paint3d.cli.results import (
 from paint3d.cli.sources import (
     STROKES_FILE,
     TRIALS,
+    WHAT,
     add_source_options,
     check_source,
     open_page,
@@ -68,10 +70,13 @@ from paint3d.cli.sources import (
 )
 from paint3d.core.machine import usable_cores
 from paint3d.errors import InputError
+from paint3d.mesh.sheets import is_sheet
 
 if TYPE_CHECKING:
+    from paint3d.app.model.document import Document
     from paint3d.calligraphy.photo.flat_page import FlatPage
     from paint3d.calligraphy.writing import Pen, Written
+    from paint3d.core.arrays import AnyArray
     from paint3d.recording.recording import Recording
     from paint3d.surface.painted_surface import PaintedSurface
 
@@ -82,6 +87,8 @@ __all__ = [
     "carry_out",
     "check_files",
     "run",
+    "settle_size",
+    "sign",
 ]
 
 EXAMPLES = """
@@ -92,7 +99,8 @@ paint3d write --svg logo.svg --on hello.p3d --size 40 --out both.p3d
 
 _RECORDINGS = (".jsonl", ".csv", ".jsonl.gz", ".csv.gz")
 _TECHNIQUES = ("zhongfeng", "cefeng", "pianfeng")
-_SIDES = ("outside", "inside", "top", "bottom")
+_SIDES = ("outside", "inside", "top", "bottom", "front", "right", "back", "left")
+_USUAL_MM, _GAP = 20.0, 0.1
 _FINE, _FINER = 40.0, 75.0  # vertices to a character's side: fewer show ragged strokes; enough
 _LOG = logging.getLogger("paint3d")
 
@@ -106,6 +114,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="what to write; a line break starts a new column or row",
     )
     add_source_options(parser)
+    what = group_of(parser, WHAT)
+    what.add_argument(
+        "--sign", metavar="TEXT", help="a signature, in smaller characters beside the text"
+    )
+    what.add_argument(
+        "--seal", metavar="TEXT", help="1 to 4 characters of a seal, pressed below the signature"
+    )
     add_task_options(parser)
     add_dip_option(parser, f"{DIPS}; of drawings always")
     brush = group_of(parser, BRUSH)
@@ -158,8 +173,8 @@ def _add_writing_options(parser: argparse.ArgumentParser) -> None:
         "--size",
         metavar="MM",
         type=parse_length_mm,
-        default=20.0,
-        help="side of a character's square, longer side of a drawing (default: %(default)g)",
+        help="side of a character's square, longer side of a drawing (default: a text fills a "
+        f"sheet, in as many columns as let it be largest; else {_USUAL_MM:g})",
     )
     place.add_argument(
         "--layout",
@@ -169,24 +184,32 @@ def _add_writing_options(parser: argparse.ArgumentParser) -> None:
     )
     where = place.add_mutually_exclusive_group()
     where.add_argument(
-        "--at", metavar="U,V", type=parse_place, help="where the text's middle goes (see the guide)"
+        "--at",
+        metavar="U,V",
+        type=parse_place,
+        help="where the text's middle goes: U to the right, V "
+        "upwards, both 0 to 1 (paint3d info OBJECT says in mm)",
     )
     where.add_argument(
         "--around", action="store_true", help="spread the text evenly around the body"
     )
     place.add_argument(
-        "--side", choices=_SIDES, help="from where the object is looked at (default: by its shape)"
+        "--side",
+        choices=_SIDES,
+        help="from where the object is looked at: on its front, right, back or left U is 0.5 in "
+        "the middle (default: outside, top of what is flat)",
     )
     place.add_argument(
         "--rotate", metavar="DEG", type=parse_turn, default=0.0,
         help="turn the text to the left, degrees (default: 0)",
     )  # fmt: skip
     for name, what, usual in (
-        ("gap", "columns, or rows,", 0.1), ("between", "the characters of one", 0.0),
+        ("gap", "columns, or rows,", _GAP), ("between", "the characters of one", 0.0),
     ):  # fmt: skip
         place.add_argument(
-            f"--{name}", metavar="SHARE", type=parse_gap, default=usual,
-            help=f"room between {what} in parts of the size (default: {usual:g})",
+            f"--{name}", metavar="SHARE", type=parse_gap,
+            help=f"distance between {what} in parts of the size (default: {usual:g}; on a sheet "
+            "what lets the text fill it)",
         )  # fmt: skip
     brush.add_argument(
         "--azimuth",
@@ -211,6 +234,7 @@ def run(options: argparse.Namespace) -> None:
     wanted = PaintingOptions.of(options)
     check_files(options, wanted, (options.font, options.svg, options.strokes))
     wanted.check()
+    settle_size(options, wanted.on)
     dips = options.dip or (DIPS if options.text is not None else "always")
     write, source = planner(options)
     trials = 0
@@ -253,12 +277,20 @@ def carry_out(
     from paint3d.files.project.session import is_session_path
 
     film = film_of(options)
+    is_signed = bool(getattr(options, "sign", None) or getattr(options, "seal", None))
     as_outlines = options.out.name.lower().endswith(".svg")
+    if is_signed and (film is not None or as_outlines):
+        raise InputError(
+            "--sign and --seal are painted after the text; expected them without a film or "
+            "outlines (.svg)"
+        )
     if as_outlines and options.azimuth != "commanded":
         raise InputError("--azimuth dragged turns the tuft; outlines (.svg) need a commanded one")
     pen = pen_of(options)
     seconds: dict[str, float] = {}
     document = open_document(wanted, options) if is_session_path(wanted.on) else None
+    if document is None and is_signed:
+        document = new_document(wanted)
     if document is None:
         surface = _made_ready(wanted, pen, seconds, flat=as_outlines)
     else:
@@ -277,6 +309,8 @@ def carry_out(
         painting = paint(surface, recording, wanted, seconds, watch)
     else:
         painting = paint_onto(document, recording, wanted, seconds, watch)
+        if is_signed:
+            sign(document, options, wanted, written, seconds)
     header, written = recording.header, replace(written, recording=recording)
     told = {key: header[key] for key in ("glyphs", "source") if key in header}
     painting.counts.update(told, characters=written.characters)
@@ -297,6 +331,40 @@ def carry_out(
     return written, painting
 
 
+def settle_size(options: argparse.Namespace, on: str) -> None:
+    """Give a text without a size one that lets it fill the sheet it is for, or the usual size.
+
+    Its columns, distances and place are then settled, too.
+    """
+    if options.size is not None:
+        return
+    options.size = _USUAL_MM
+    is_free = options.at is None and not options.around and options.rotate == 0.0
+    text = getattr(options, "text", None)
+    if text is None or not is_free or not is_sheet(on):
+        return
+    from paint3d.calligraphy.composition import compose, place_on
+    from paint3d.mesh.sheets import parse_sheet
+
+    sheet = parse_sheet(on)
+    found = compose(
+        sheet, text, options.layout or "columns",
+        is_signed=bool(options.sign or options.seal), gap=options.gap, between=options.between,
+    )  # fmt: skip
+    if found is None:
+        return
+    options.text = "\n".join(found.lines)
+    options.size, options.gap, options.between = found.em_mm, found.gap, found.between
+    if found.point is not None:
+        options.at = place_on(sheet, found.point)
+    if not options.quiet:
+        n, what = len(found.lines), "row" if options.layout == "row" else "column"
+        sys.stderr.write(
+            f"{sum(map(len, found.lines))} characters of {found.em_mm:.0f} mm in {n} {what}"
+            f"{'s' if n > 1 else ''} fill the sheet\n"
+        )
+
+
 def _say_if_coarse(em_mm: float, surface: PaintedSurface) -> None:
     """Tell that fine strokes of a text come out ragged, where vertices lie too far apart for it."""
     apart = surface.resolution
@@ -315,6 +383,48 @@ def inked(written: Written, surface: PaintedSurface) -> Recording:
     from paint3d.calligraphy.flying_white import inked_as
 
     return inked_as(written.recording, written.dryness, written.strength, surface.material)
+
+
+def sign(
+    document: Document,
+    options: argparse.Namespace,
+    wanted: PaintingOptions,
+    written: Written,
+    seconds: dict[str, float],
+) -> None:
+    """Write a signature beside a text, and press a seal below it, as options ask for them.
+
+    Raises
+    ------
+    Paint3DError
+        If there is no place for them.
+    """
+    from paint3d.calligraphy.composition import sign_beside
+    from paint3d.calligraphy.seal.stone import cut_seal
+
+    words = "".join((options.sign or "").split())
+    mesh, order = document.surface.source, options.layout or "columns"
+    beside = sign_beside(mesh, [piece.square for piece in written.placed], len(words), order)
+    if words:
+        asked = argparse.Namespace(**vars(options))
+        asked.text, asked.svg, asked.strokes = words, None, None
+        asked.size, asked.between, asked.around, asked.at = (
+            beside.em_mm,
+            beside.between,
+            False,
+            None,
+        )
+        if not wanted.brush:
+            asked.brush = None
+        make, source = planner(asked)
+        pen = pen_of(asked)
+        line = plan(asked, document.surface, make, pen, source, DIPS, seconds, beside.point)
+        paint_onto(document, inked(line, document.surface), wanted, seconds)
+    if options.seal:
+        stone = cut_seal(options.seal, None, size_mm=beside.seal_mm, glyphs=options.glyphs)
+        rings = [ring.tolist() for ring in stone.rings]
+        with ProgressBar("pressing", enabled=not options.quiet):
+            document.press_seal(rings, beside.seal_point.tolist(), beside.up.tolist())
 
 
 def _made_ready(
@@ -423,6 +533,7 @@ def plan(
     source: dict[str, str],
     dips: str | int,
     seconds: dict[str, float],
+    point: AnyArray | None = None,
 ) -> Written:
     """Plan what is written on a surface, dips included, telling the progress; see `carry_out`."""
     from paint3d.calligraphy.dips import dipped_as
@@ -430,8 +541,9 @@ def plan(
     from paint3d.colour.inks import describe_ink, load_ink
 
     layout = Layout(
-        options.layout or "columns", options.at, options.around, options.side, options.gap,
-        options.between, turn=options.rotate,
+        options.layout or "columns", options.at, options.around, options.side,
+        _GAP if options.gap is None else options.gap, options.between or 0.0, turn=options.rotate,
+        point=None if point is None else tuple(point.tolist()),
     )  # fmt: skip
     header: dict[str, object] = {
         "ink": describe_ink(load_ink(options.ink or WRITING_INK)),
@@ -459,11 +571,11 @@ def plan(
 
 def pen_of(options: argparse.Namespace) -> Pen:
     """The brush that is asked for, or that suits the size, and how it is held."""
-    from paint3d.brush.presets import choose_brush, load_brush
+    from paint3d.brush.presets import brush_for, load_brush
     from paint3d.calligraphy.planning import PlanSettings
     from paint3d.calligraphy.writing import Pen
 
-    brush = load_brush(options.brush or choose_brush(options.size))
+    brush = load_brush(options.brush) if options.brush else brush_for(options.size)
     settings = PlanSettings(technique=options.technique, azimuth=options.azimuth)
     return Pen(
         brush,

@@ -17,10 +17,24 @@ from paint3d.errors import InputError, MeshError, Message
 from paint3d.mesh.bvh import ClosestPoints
 from paint3d.mesh.chart import SurfaceFrame, frame_at
 
-__all__ = ["SIDES", "SurfaceLine", "Upright", "is_flat", "place", "upwards", "walk"]
+__all__ = [
+    "FACES",
+    "SIDES",
+    "SurfaceLine",
+    "Upright",
+    "is_flat",
+    "place",
+    "ring",
+    "upwards",
+    "walk",
+]
 
 SIDES = ("outside", "inside", "top", "bottom")
 """The sides from which a position on an object is seen."""
+
+FACES = {"front": 0.0, "right": 0.25, "back": 0.5, "left": 0.75}
+"""Parts of the outside, and the turns by which their middles lie right of the front's. Of a flat
+object the front is its top and the back its bottom."""
 
 _FLAT = 0.35
 """An object lower than this fraction of its smaller width is written on from above."""
@@ -91,8 +105,9 @@ def place(
         above, with 0.5 at the front (-y), and v the height from bottom to top. Three numbers are a
         direction from the middle of that axis, to the outermost point along it or, on the inside,
         the first.
-    side : {"outside", "inside", "top", "bottom"}, optional
+    side : {"outside", "inside", "top", "bottom", "front", "right", "back", "left"}, optional
         The side it is seen from; by default the top of a flat object and the outside of others.
+        In the middle of one of the `FACES` u is 0.5.
 
     Raises
     ------
@@ -103,13 +118,25 @@ def place(
     """
     if side is None:
         side = "top" if is_flat(surface) else "outside"
-    if side not in SIDES:
+    if side not in (*SIDES, *FACES):
         raise InputError(
             "side is {side!r}; expected one of {sides}",
             side=side,
-            sides=", ".join(SIDES),
+            sides=", ".join((*SIDES, *FACES)),
         )
     values = np.asarray(at, dtype=np.float64)
+    if side in FACES:
+        if is_flat(surface):
+            if side not in ("front", "back"):
+                raise InputError(
+                    "{object} lies flat; expected its front, which is its top, or its back",
+                    object=surface.mesh.name,
+                )
+            side = "top" if side == "front" else "bottom"
+        else:
+            if values.shape == (2,) and 0.0 <= values[0] <= 1.0:
+                values = np.array([(values[0] + FACES[side]) % 1.0, values[1]])
+            side = "outside"
     if values.shape not in ((2,), (3,)):
         raise InputError(
             "at has shape {values_shape}; expected u, v or a direction x, y, z",
@@ -133,6 +160,29 @@ def place(
             where=where,
         )
     return frame_at(surface, point, upwards(normal))
+
+
+def ring(surface: ClosestPoints, v: float, side: str, n: int = 180) -> NDArray[np.float64]:
+    """Points (n, 3), mm, once around an object at a height, as `place` finds them.
+
+    Parameters
+    ----------
+    surface : ClosestPoints
+    v : float
+        The height, 0 to 1.
+    side : {"outside", "inside"}
+    n : int
+        From u = 0 on, evenly; NaN where there is no surface, or it shows its back.
+    """
+    rays = [_ray(surface, np.array([k / n, v]), side) for k in range(n)]
+    start, way = (np.array(parts) for parts in zip(*rays, strict=True))
+    hits = surface.cast(start, way)
+    points = np.where(hits.hit[:, None], hits.points, np.nan)
+    seen = np.flatnonzero(hits.hit)
+    if len(seen):
+        normals = surface.find(points[seen]).normals
+        points[seen[(normals * way[seen]).sum(axis=1) >= 0.0]] = np.nan
+    return points
 
 
 def _ray(surface: ClosestPoints, at: AnyArray, side: str) -> tuple[AnyArray, AnyArray]:

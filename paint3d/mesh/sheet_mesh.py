@@ -20,7 +20,16 @@ from paint3d.errors import InputError
 from paint3d.mesh.sheets import Sheet, is_sheet, parse_sheet
 from paint3d.mesh.triangle_mesh import TriangleMesh
 
-__all__ = ["WritingArea", "drawn", "make_sheet", "sheet_of", "with_paper", "writing_areas"]
+__all__ = [
+    "Fan",
+    "WritingArea",
+    "drawn",
+    "fan_of",
+    "make_sheet",
+    "sheet_of",
+    "with_paper",
+    "writing_areas",
+]
 
 _EDGE_MM, _CURVED_EDGE_MM = 20.0, 8.0
 _BETWEEN_MM = 120.0  # panels of a couplet
@@ -100,7 +109,7 @@ def writing_areas(mesh: TriangleMesh, within_margins: bool = True) -> tuple[Writ
     if sheet is None:
         return (WritingArea(mesh),)
     points, faces = _paper(sheet, sheet.margin_mm if within_margins else 0.0)
-    apex = np.array([0.0, _fan(sheet)[2], 0.0]) if sheet.usual.shape == "sector" else None
+    apex = np.array([0.0, fan_of(sheet).apex, 0.0]) if sheet.usual.shape == "sector" else None
     return tuple(
         WritingArea(TriangleMesh(_beside(points, x), faces, None, mesh.name), apex)
         for x in reversed(_middles(sheet))
@@ -118,11 +127,20 @@ def _beside(points: AnyArray, x: float) -> AnyArray:
     return moved
 
 
-def _fan(sheet: Sheet) -> tuple[float, float, float]:
-    """Outer and inner radius of a fan's leaf, and the y of its apex: its box is in the middle."""
+class Fan(NamedTuple):
+    """A folding fan's leaf: its radii, the y of its apex, mm, and half of its opening, radians."""
+
+    outer: float
+    inner: float
+    apex: float
+    half_opening: float
+
+
+def fan_of(sheet: Sheet) -> Fan:
+    """The leaf of a folding fan, whose box is in the middle."""
     outer = 0.5 * sheet.width_mm / math.sin(_HALF_OPENING)
     inner = outer - sheet.height_mm
-    return outer, inner, -0.5 * (outer + inner * math.cos(_HALF_OPENING))
+    return Fan(outer, inner, -0.5 * (outer + inner * math.cos(_HALF_OPENING)), _HALF_OPENING)
 
 
 def _paper(sheet: Sheet, margin: float) -> tuple[AnyArray, AnyArray]:
@@ -132,7 +150,7 @@ def _paper(sheet: Sheet, margin: float) -> tuple[AnyArray, AnyArray]:
         return _grid(-0.5 * width, 0.5 * width, -0.5 * height, 0.5 * height)
     if sheet.usual.shape == "disc":
         return _disc(0.5 * width)
-    outer, inner, apex = _fan(sheet)
+    outer, inner, apex, _ = fan_of(sheet)
     side = margin / (0.5 * (outer + inner))  # the margin at the ends, as an angle
     inner, outer, half = inner + margin, outer - margin, _HALF_OPENING - side
     points, faces = _grid(-half, half, inner, outer, outer, _CURVED_EDGE_MM)
@@ -299,7 +317,7 @@ def _rims(sheet: Sheet) -> tuple[AnyArray, AnyArray]:
         turn = np.pi * (1.0 - np.arange(n + 1) / n)
         upper = w * np.stack([np.cos(turn), np.sin(turn)], axis=1)
         return upper, upper * [1.0, -1.0]
-    outer, inner, apex = _fan(sheet)
+    outer, inner, apex, _ = fan_of(sheet)
     n = max(1, round(2.0 * _HALF_OPENING * outer / _CURVED_EDGE_MM))
     turn = np.linspace(-_HALF_OPENING, _HALF_OPENING, n + 1)
     ray = np.stack([np.sin(turn), np.cos(turn)], axis=1)

@@ -16,6 +16,7 @@ from paint3d.errors import InputError
 __all__ = ["FORMS", "Form", "Sheet", "is_sheet", "parse_sheet"]
 
 _LEAST_MM, _MOST_MM = 10.0, 5000.0
+_DETAIL_MM, _COARSER_MM, _LARGE_MM = 0.4, 0.6, 1000.0
 _SIZE = re.compile(r"(\d+(?:\.\d+)?)(?:x(\d+(?:\.\d+)?))?")
 
 
@@ -134,6 +135,11 @@ class Sheet:
         if self.margin_mm != _margin(usual, self.size):
             words.append(f"margin={self.margin_mm:g}")
         return ":".join(words + ["mounted"] * self.mounted)
+
+    @property
+    def detail_mm(self) -> float:
+        """Distance of vertices that suits it, mm: its characters grow with it."""
+        return _DETAIL_MM if max(self.size) < _LARGE_MM else _COARSER_MM
 
     @property
     def size(self) -> tuple[float, float]:

@@ -11,12 +11,15 @@ from hypothesis import strategies as st
 
 from paint3d.brush.bending import build_tuft
 from paint3d.brush.presets import choose_brush, load_brush
-from paint3d.calligraphy import lag_compensation, path_fit
+from paint3d.calligraphy import lag_compensation, path_fit, writing
 from paint3d.calligraphy.centre_line import centre_line, grid_step, outline_field
 from paint3d.calligraphy.footprint_table import FootprintTable, tabulate_footprints
+from paint3d.calligraphy.glyph_sources import load_glyphs, open_glyphs
 from paint3d.calligraphy.glyphs import Glyph, GlyphStroke
 from paint3d.calligraphy.hand_motion import root_stretch
 from paint3d.calligraphy.kernels import planning as kernels
+from paint3d.calligraphy.layout import layout_text
+from paint3d.calligraphy.page.laying import PlacedPiece
 from paint3d.calligraphy.path_fit import PathFitter
 from paint3d.calligraphy.planning import (
     Corner,
@@ -29,6 +32,8 @@ from paint3d.calligraphy.planning import (
 )
 from paint3d.calligraphy.timing import Tempo, time_courses
 from paint3d.errors import InputError
+from paint3d.files.load import load_mesh
+from paint3d.mesh.bvh import ClosestPoints
 from tests.support.cases import long_but
 from tests.support.examples import examples
 from tests.support.planned_strokes import EM, band, boundary, overlap, signed_distance
@@ -561,3 +566,16 @@ def test_only_trailing_can_be_asked_of_a_dragged_tuft():
         PlanSettings(azimuth="dragged", technique="pianfeng")
     with pytest.raises(InputError, match="azimuth is 'pushed'"):
         PlanSettings(azimuth="pushed")
+
+
+def test_what_was_planned_ahead_is_not_planned_again(monkeypatch) -> None:
+    mesh, pen = load_mesh("plane"), writing.Pen(load_brush("xiaokai"), 18.0)
+    glyphs = load_glyphs(open_glyphs(None), "十")
+    placed = [
+        PlacedPiece(glyphs[one.text], one.square)
+        for one in layout_text(ClosestPoints(mesh), "十", 18.0)
+    ]
+    assert len(list(writing.plan_ahead(placed, pen))) == 1
+    monkeypatch.setattr(writing, "_planned", lambda *_, **__: pytest.fail("planned again"))
+    again = writing.write_text(mesh, "十", open_glyphs(None), pen)
+    assert len(again.recording) > 100

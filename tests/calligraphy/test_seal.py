@@ -135,3 +135,19 @@ def test_where_there_is_no_room_it_is_said() -> None:
     _, high = surface.source.bounds
     with pytest.raises(MeshError, match="a seal of 11 x 11 mm has no room there"):
         pressed(surface, cross(), at=(high[0], 0, 0))
+
+
+@pytest.mark.parametrize("style", ["zhuwen", "baiwen"])
+def test_a_stone_of_two_characters_stands_upright_or_lies_level(style: str) -> None:
+    square, upright, level = (
+        cut_seal("太白", style=style, size_mm=20.0, shape=shape)
+        for shape in ("square", "upright", "level")
+    )
+    assert (square.width_mm, square.height_mm) == pytest.approx((20.0, 20.0))
+    assert upright.height_mm == pytest.approx(20.0)
+    assert 0.45 < upright.width_mm / upright.height_mm < 0.6
+    assert (level.width_mm, level.height_mm) == pytest.approx((upright.height_mm, upright.width_mm))
+    points = np.concatenate(upright.rings)
+    assert np.ptp(points[:, 1]) > 1.8 * np.ptp(points[:, 0])
+    with pytest.raises(InputError, match="expected one of square, upright, level"):
+        cut_seal("太白", shape="round")

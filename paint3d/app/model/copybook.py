@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from paint3d.app.model.laid_text import LaidText
 from paint3d.app.model.stroke_log import ERASES, Stroke
-from paint3d.calligraphy.fonts.fallback import FallbackGlyphs, with_fallback
+from paint3d.calligraphy.fonts.fallback import FallbackGlyphs, set_whole, with_fallback
 from paint3d.calligraphy.glyph_sources import load_glyphs, open_glyphs
 from paint3d.calligraphy.glyphs import Glyph
 from paint3d.calligraphy.layout import Layout, PlacedCharacter, layout_text
@@ -324,6 +324,9 @@ class Copybook:
         text: str | Composer = laid.text
         if laid.font:
             text = set_in(laid.text, laid.font, columns=laid.order == "columns")
+        elif laid.around:  # words stay together
+            whole = set_whole(open_glyphs(folder), laid.text, laid.order, around=True)
+            text = laid.text if whole is None else whole
         return cls(mesh, text, laid.em_mm, laid.layout, folder)
 
     @cached_property

@@ -24,6 +24,7 @@ fields (九宮格), or a cross (田字格); lines between columns or rows; nothi
 
 _LEAST_EM_MM, _MOST_EM_MM = 2.0, 1000.0
 _MOST_GAP = 5.0  # ems
+_MOST_STROKES = 1_000_000_000
 _LONGEST, _MOST_TEXTS, _MOST_CELLS = 2000, 50, 40
 
 
@@ -52,6 +53,10 @@ class LaidText:
         Squares of a grid alone: across and down.
     is_signature : bool
         Whether it says who wrote the others.
+    n_before : int
+        Strokes that were there when it was laid: they are no writing of it.
+    around : bool
+        Whether it is spread all around the body.
 
     Raises
     ------
@@ -70,6 +75,8 @@ class LaidText:
     grid: str = "frame"
     cells: tuple[int, int] = (4, 5)
     is_signature: bool = False
+    n_before: int = 0
+    around: bool = False
 
     def __post_init__(self) -> None:
         for name in ("text", "font"):
@@ -106,18 +113,26 @@ class LaidText:
                 most=_MOST_CELLS,
             )
         object.__setattr__(self, "cells", cells)
-        if not isinstance(self.is_signature, bool):
+        for name in ("is_signature", "around"):
+            if not isinstance(getattr(self, name), bool):
+                raise InputError(
+                    "{name} is {value}; expected true or false",
+                    name=name,
+                    value=f"{getattr(self, name)!r:.40}",
+                )
+        if type(self.n_before) is not int or not 0 <= self.n_before <= _MOST_STROKES:
             raise InputError(
-                "is_signature is {value}; expected true or false",
-                value=f"{self.is_signature!r:.40}",
+                "n_before is {value}; expected a count of strokes",
+                value=f"{self.n_before!r:.40}",
             )
 
     @property
     def layout(self) -> Layout:
         """How it is laid out."""
         return Layout(
-            self.order, gap=self.gap, between=self.between, point=self.point, turn=self.turn
-        )
+            self.order, gap=self.gap, between=self.between, point=self.point, turn=self.turn,
+            around=self.around,
+        )  # fmt: skip
 
     def words(self) -> dict[str, Any]:
         """What `of` makes the same of, as JSON holds it; what is as usual is left out."""

@@ -30,6 +30,7 @@ from paint3d.surface.layer_stack import Layer
 __all__ = ["Panels"]
 
 _WIDTH = 316
+_AGAIN_MS = 20
 _LEAST = 160  # pixels of height that stay for the other panels
 _RIGHT = QtCore.Qt.DockWidgetArea.RightDockWidgetArea
 _LEFT = QtCore.Qt.DockWidgetArea.LeftDockWidgetArea
@@ -85,6 +86,7 @@ class Panels:
             menu.addAction(dock.toggleViewAction())
         self._drawn: object = None  # what the layers' pictures show
         self._drawing: Future[Any] | None = None
+        self._asked_of_layers: Future[Any] | None = None
         self._turned: dict[tuple[str, str | int, int], tuple[bool, Future[Any] | None]] = {}
         self._groups = upper, lower
         window.tabifiedDockWidgetActivated.connect(self._give_room)
@@ -138,21 +140,32 @@ class Panels:
         self.surface.failed.connect(lambda why: self._workspace.tell(why, state="bad"))
         self.inks.dipped.connect(self._dip)
         self.inks.rinsed.connect(lambda: post("rinse"))
-        self.layers.asked.connect(lambda what, arguments: post(what, *arguments))
+        self.layers.asked.connect(self._ask_layers)
         self.layers.turned.connect(self._turn)
         self.history.told.connect(self._workspace.tell)
         self.hand.read.connect(lambda changes: self._workspace.hand.set_settings(**changes))
         self.hand.curve.changed.connect(self._keep_curve)
         self.hand.ruled.connect(lambda on: self._workspace.actions["ruler"].setChecked(on))
 
+    def _ask_layers(self, what: str, arguments: tuple[Any, ...]) -> None:
+        """Ask for something of the layers, which may lie elsewhere afterwards."""
+        paint_thread = self._workspace.stage.paint_thread
+        if paint_thread is not None:
+            self._asked_of_layers = paint_thread.post(what, *arguments)
+
     def _turn(self, what: str, place: int, shown: Layer) -> None:
         """Have a layer, or its group, the other way than it is or was last asked to be.
 
         Clicks may come faster than the painting thread does what they ask for, or the panel shows
-        what it did: it is the one that is called as the one shown, the nearest to its place.
+        what it did: it is the one that is called as the one shown, the nearest to its place, once
+        layers lie where they were asked to.
         """
         paint_thread = self._workspace.stage.paint_thread
         if paint_thread is None:
+            return
+        asked_before = self._asked_of_layers
+        if asked_before is not None and not asked_before.done():
+            QtCore.QTimer.singleShot(_AGAIN_MS, lambda: self._turn(what, place, shown))
             return
         flag, of_group = what.rpartition("_")[2], what.startswith("set_group")
         name = _called(shown, of_group)
@@ -184,7 +197,7 @@ class Panels:
         """Show another document."""
         painting = self._workspace.painting
         self._drawn = self._drawing = None
-        self._turned = {}
+        self._turned, self._asked_of_layers = {}, None
         self.layers.show_pictures(())
         self.brushes.show_brush(painting.brush)
         self.inks.show_inks(painting.inks)

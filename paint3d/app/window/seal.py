@@ -24,7 +24,7 @@ from paint3d.errors import Paint3DError
 from paint3d.mesh.chart import frame_at
 from paint3d.view.camera import picture_axes
 
-__all__ = ["SealAsked", "SealDialog", "Sealing"]
+__all__ = ["ProposedSeal", "SealAsked", "SealDialog", "Sealing"]
 
 # ---- The dialog ----------------------------------------------------------------------------------
 # What is cut into a seal: a text or a drawing, its style and size.
@@ -46,6 +46,18 @@ class SealAsked(NamedTuple):
     style: str = "zhuwen"
     size_mm: float = 16.0
     font: str = ""
+    shape: str = "square"
+
+
+class ProposedSeal(NamedTuple):
+    """Whose seal may be pressed, how large and where: below a signature."""
+
+    name: str
+    size_mm: float
+    point: AnyArray
+    """(3,) mm"""
+    up: AnyArray
+    """(3,)"""
 
 
 class SealDialog(FormDialog):
@@ -90,6 +102,12 @@ class SealDialog(FormDialog):
         self.form.addRow("SVG", row)
         styles = {"zhuwen": say("Red lines (zhuwen)"), "baiwen": say("White lines (baiwen)")}
         self.style_box = self.add_box(say("Style"), styles, kept.style)
+        shapes = {
+            "square": say("As wide as high"),
+            "upright": say("Upright: one above the other"),
+            "level": say("Level: side by side, from the right"),
+        }
+        self.shape_box = self.add_box(say("Shape"), shapes, kept.shape)
         self.size_box = self.add_number(
             say("Longer side"), SMALLEST_MM, LARGEST_MM, kept.size_mm, "mm", 1
         )
@@ -118,6 +136,7 @@ class SealDialog(FormDialog):
             self.style_box.currentData(),
             self.size_box.value(),
             self.font_box.font_name,
+            self.shape_box.currentData(),
         )
 
     # -- its picture ------------------------------------------------------------------------
@@ -151,8 +170,11 @@ class SealDialog(FormDialog):
 
 def _proposed_seal(kept: SealAsked, name: str, size_mm: float) -> SealAsked:
     """The seal of who signed, beside the signature."""
+    n = len("".join(name.split()))
+    if kept.shape != "square" and 1 <= n <= MOST_CHARACTERS:
+        size_mm *= n
     size = min(max(round(2.0 * size_mm) / 2.0, SMALLEST_MM), LARGEST_MM)
-    if not 1 <= len("".join(name.split())) <= MOST_CHARACTERS:
+    if not 1 <= n <= MOST_CHARACTERS:
         return kept._replace(size_mm=size)
     return kept._replace(text=name, drawing="", size_mm=size)
 
@@ -162,8 +184,9 @@ def _cut(asked: SealAsked, glyphs: str) -> Seal:
     text = None if asked.drawing else asked.text
     folder, font = glyphs or None, asked.font or None
     return cut_seal(
-        text, asked.drawing or None, asked.style, asked.size_mm, font=font, glyphs=folder
-    )
+        text, asked.drawing or None, asked.style, asked.size_mm,
+        shape=asked.shape, font=font, glyphs=folder,
+    )  # fmt: skip
 
 
 def _cut_beside(asked: SealAsked, glyphs: str, done: Future[Seal]) -> None:
@@ -207,7 +230,7 @@ class Sealing(QtCore.QObject):
     seal : Seal or None
         What is pressed with the next click on the object.
     of_signature : callable
-        Who signed the painting, and a size in mm that suits a seal there; None where nobody did.
+        The `ProposedSeal` of who signed the painting; None where there is no text.
     """
 
     def __init__(self, workspace: Workspace) -> None:
@@ -215,7 +238,8 @@ class Sealing(QtCore.QObject):
         self._workspace = workspace
         self._kept = SealAsked()
         self._proposed: tuple[str, float] | None = None
-        self.of_signature: Callable[[], tuple[str, float] | None] = lambda: None
+        self.of_signature: Callable[[], ProposedSeal | None] = lambda: None
+        self._place: ProposedSeal | None = None  # where Enter presses it
         self.seal: Seal | None = None
         self._moved: int | None = None  # the seal that is pressed elsewhere
         self._is_down = False  # a pen, a mouse or a finger that presses it when it is lifted
@@ -232,9 +256,9 @@ class Sealing(QtCore.QObject):
         self.let_be()
         glyphs = workspace.settings.glyphs
         proposed = self.of_signature()
-        if proposed is not None and proposed != self._proposed:
-            self._proposed = proposed
-            self._kept = _proposed_seal(self._kept, *proposed)
+        if proposed is not None and proposed[:2] != self._proposed:
+            self._proposed = proposed[:2]
+            self._kept = _proposed_seal(self._kept, *proposed[:2])
         dialog = SealDialog(workspace.window, self._kept, glyphs)
         if not dialog.exec():
             return
@@ -245,7 +269,7 @@ class Sealing(QtCore.QObject):
         done = workspace.run(say("Cutting the seal…"), lambda _: _cut(asked, glyphs))
         if workspace.went_well(done):
             self._moved = None
-            self._take_up(done.result())
+            self._take_up(done.result(), proposed)
 
     def edit(self, what: str, number: int) -> None:
         """Move a seal that was pressed, press it in the ink in hand, or delete it.
@@ -287,15 +311,21 @@ class Sealing(QtCore.QObject):
                 say("Seal {n} is changed; undo takes it back", n=number + 1), state="good"
             )
 
-    def _take_up(self, seal: Seal) -> None:
+    def _take_up(self, seal: Seal, proposed: ProposedSeal | None = None) -> None:
         """Have a stone in the hand until it is pressed, or let be."""
         workspace = self._workspace
+        self._place = proposed
         workspace.canvas.take_up(self._take, self.let_be)
         self.seal, self._is_down = seal, False
         workspace.canvas.setCursor(QtCore.Qt.CursorShape.CrossCursor)
         self._hold_brush(True)
         workspace.canvas.setFocus()
-        workspace.tell(say("Click where to press the seal; Esc cancels"), stays=True)
+        if proposed is None:
+            workspace.tell(say("Click where to press the seal; Esc cancels"), stays=True)
+        else:
+            self._show_outline(proposed.point, proposed.up)
+            told = say("Enter presses the seal there, a click elsewhere; Esc cancels")
+            workspace.tell(told, stays=True)
 
     def let_be(self) -> None:
         """Press nothing."""
@@ -308,10 +338,18 @@ class Sealing(QtCore.QObject):
     # -- the click --------------------------------------------------------------------------
 
     def eventFilter(self, watched: QtCore.QObject, event: QtCore.QEvent) -> bool:
-        """Let it be by Esc."""
+        """Let it be by Esc, press it by Enter where that is proposed."""
         if self.seal is None or event.type() not in _KEYS:
             return False
-        if not isinstance(event, QtGui.QKeyEvent) or event.key() != QtCore.Qt.Key.Key_Escape:
+        if not isinstance(event, QtGui.QKeyEvent):
+            return False
+        key = QtCore.Qt.Key
+        if event.key() in (key.Key_Return, key.Key_Enter) and self._place is not None:
+            event.accept()
+            if event.type() == _KIND.KeyPress:
+                self._press(self._place.point, self._place.up)
+            return True
+        if event.key() != key.Key_Escape:
             return False
         event.accept()
         self.let_be()
@@ -324,7 +362,7 @@ class Sealing(QtCore.QObject):
         self._workspace.stage.shows_brush = shown and not away
         self._workspace.stage.touch()
 
-    def _show_outline(self, place: AnyArray | None) -> None:
+    def _show_outline(self, place: AnyArray | None, up: AnyArray | None = None) -> None:
         """Draw what the stone would print at a place (3,) of the object, in its true size."""
         stage, seal = self._workspace.stage, self.seal
         if stage.paint_thread is None:
@@ -332,7 +370,9 @@ class Sealing(QtCore.QObject):
         lines: list[AnyArray] = []
         if place is not None and seal is not None:
             surface = self._workspace.hand.surface
-            frame = frame_at(surface, place, picture_axes(self._workspace.hand.open_camera)[1])
+            if up is None:
+                up = picture_axes(self._workspace.hand.open_camera)[1]
+            frame = frame_at(surface, place, up)
             half = 0.5 * np.array([seal.width_mm, seal.height_mm])
             along = np.linspace(-1.0, 1.0, _RIM_POINTS)[:, None]
             ends = np.ones((_RIM_POINTS, 1))
@@ -361,11 +401,12 @@ class Sealing(QtCore.QObject):
         """Press nothing: what a finger began was the beginning of a gesture of several."""
         self._is_down = False
 
-    def _press(self, place: AnyArray) -> None:
-        """Press it there, upright in the picture."""
+    def _press(self, place: AnyArray, up: AnyArray | None = None) -> None:
+        """Press it there, by default upright in the picture."""
         workspace, seal = self._workspace, self.seal
         assert seal is not None
-        up = picture_axes(workspace.hand.open_camera)[1]
+        if up is None:
+            up = picture_axes(workspace.hand.open_camera)[1]
         rings = [ring.tolist() for ring in seal.rings]
         moved = self._moved
         self.let_be()

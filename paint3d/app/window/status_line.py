@@ -93,7 +93,7 @@ class StatusLine:
         if not self._stays:
             self._invite()
 
-    def show(self, frame: Frame, picture_s: float | None) -> None:
+    def show(self, frame: Frame, picture_s: float | None, *, plays: bool = False) -> None:
         """Say how the painting keeps up, and how many pictures a second there are.
 
         Parameters
@@ -101,8 +101,12 @@ class StatusLine:
         frame : Frame
         picture_s : float, optional
             From one picture to the next, s; None before the first.
+        plays : bool
+            Whether a recording is played or a text written: no hand waits for the painting.
         """
         (state, text), now = keeping_up(frame), time.perf_counter()
+        if plays:
+            state, text = "good", say("goes on")
         if state == self._state and now < self._next:
             return
         _dress(self.state, state, self._workspace.theme)

@@ -109,6 +109,7 @@ class StudioWindow(QtWidgets.QMainWindow):
         self._make_jobs()
         self.copying = CopybookGuide(workspace, self.panels.copybook)
         self.writing = TextWriting(workspace, self.player, self.copying.held)
+        self.copying.laid_out = self.writing.prepare
         self.sealing.of_signature = self.copying.signature
         self.tour = Tour(workspace, self.opening, self.copying)
         self._bind_actions()
@@ -356,7 +357,7 @@ class StudioWindow(QtWidgets.QMainWindow):
         picture_s = None
         if self.stage.picture_s > 0.0:  # something has been drawn
             picture_s = max(1e-3 * _TICK_MS, (1.0 + _REST) * self.stage.picture_s)
-        self.status.show(frame, picture_s)
+        self.status.show(frame, picture_s, plays=self.player.is_playing)
 
     def _allow_undo(self, fraction: float) -> None:
         """Let a replay that goes on be taken back."""

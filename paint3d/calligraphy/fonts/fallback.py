@@ -1,7 +1,8 @@
 """Characters that a source of glyphs lacks, in the forms of a font of the system.
 
 A font's characters fill more of their em than those of the sources do, and are bolder or finer, so
-they are made as large and as bold as those of the source that they stand beside.
+they are made as large as those of the source that they stand beside, and as bold as those of them
+that have as many strokes: the more there are, the finer they are.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ import re
 import unicodedata
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -37,7 +39,8 @@ _KAI = re.compile(r"楷|kai(ti)?(?![a-z])", re.IGNORECASE)
 _SONG = re.compile(r"宋|明|song|sung|sun(?![a-z])|ming|mincho|(?<!sans )serif", re.IGNORECASE)
 _PLAIN = {"book", "medium", "normal", "regular", "roman"}
 _SIMPLIFIED, _TRADITIONAL = {"cn", "sc"}, {"hk", "tc", "tw"}
-_REFERENCE = "永中大天木水田西有年山生"
+_REFERENCE = "永中大天木水田西有年山生前明是思書高道無新筆頭龍"
+_FEW = 8  # common characters that say nothing of how width falls with the strokes
 _LEAST_GROWTH, _MOST_GROWTH = -0.25, 0.5  # of the width of a font's strokes, on both sides together
 
 
@@ -51,14 +54,15 @@ class FittedFont:
     scale : float
     shift : (2,) float64
         Added to what is scaled, glyph units.
-    growth : float
-        By how much edges are moved outwards then, glyph units.
+    weight : (2,) float64 or None
+        Width of strokes, glyph units, of a character whose ink's edge is x sizes long:
+        `weight[0] * x + weight[1]`; None leaves them as the font has them.
     """
 
     font: FontFile
     scale: float
     shift: NDArray[np.float64]
-    growth: float
+    weight: NDArray[np.float64] | None
 
     @classmethod
     def beside(cls, source: GlyphSource, font: FontFile) -> FittedFont:
@@ -69,23 +73,40 @@ class FittedFont:
             if source.has(one) and ord(one) in font.face.unicodes and not font.is_empty(one)
         ]
         if not pairs:
-            return cls(font, 1.0, np.zeros(2), 0.0)
+            return cls(font, 1.0, np.zeros(2), None)
         wanted, own = (np.array(sizes) for sizes in zip(*pairs, strict=True))
         scale = float(np.median(wanted[:, 2] / own[:, 2]))
         shift = np.median(wanted[:, :2] - scale * own[:, :2], axis=0)
-        width = scale * float(np.median(own[:, 3]))
-        more = float(np.median(wanted[:, 3])) / width - 1.0
-        growth = 0.5 * width * min(max(more, _LEAST_GROWTH), _MOST_GROWTH)
-        return cls(font, scale, shift, growth)
+        if len(pairs) < _FEW:
+            weight = np.array([0.0, np.median(wanted[:, 3])])
+        else:
+            weight = np.polyfit(own[:, 4], wanted[:, 3], 1)
+        return cls(font, scale, shift, weight)
 
     def load(self, text: str) -> Glyph:
         """A character and the strokes that its shape is made of."""
-        from shapely import transform
+        return _fitted(self, text)
 
-        ink = _ink(self.font, text)
-        ink = transform(ink, lambda points: self.scale * points + self.shift)
-        grown = as_multipolygon(ink.buffer(self.growth))
-        return Glyph(text, tuple(decompose(ink if grown.is_empty else grown)))
+
+@lru_cache(maxsize=256)  # a text is laid anew each time that it is moved
+def _fitted(font: FittedFont, text: str) -> Glyph:
+    from shapely import transform
+
+    ink = _ink(font.font, text)
+    growth = 0.0
+    if font.weight is not None:
+        *_, own, edge = _measured(ink)
+        width = font.scale * own
+        more = float(np.polyval(font.weight, edge)) / width - 1.0
+        growth = 0.5 * width * min(max(more, _LEAST_GROWTH), _MOST_GROWTH)
+    ink = transform(ink, lambda points: font.scale * points + font.shift)
+    grown = as_multipolygon(ink.buffer(growth))
+    return Glyph(text, tuple(decompose(ink if grown.is_empty else grown)))
+
+
+@lru_cache(maxsize=32)
+def _beside(source: GlyphSource, font: SystemFont) -> FittedFont:
+    return FittedFont.beside(source, open_font(font.path, font.number))
 
 
 @dataclass(frozen=True, eq=False)
@@ -180,7 +201,7 @@ def with_fallback(source: GlyphSource, text: str) -> GlyphSource:
             characters="".join(lacking),
         )
     fitted = {
-        font: FittedFont.beside(source, open_font(font.path, font.number))
+        font: _beside(source, font)  # type: ignore[arg-type]  # sources are frozen
         for font in dict.fromkeys(found.values())
     }
     result = FallbackGlyphs(source, {one: fitted[font] for one, font in found.items()})
@@ -291,9 +312,12 @@ def _ink_of(glyph: Glyph) -> Geometry:
     return unary_union([Polygon(one.outline, one.holes).buffer(0.0) for one in glyph.strokes])
 
 
-def _measured(ink: Geometry) -> tuple[float, float, float, float]:
-    """The middle (x, y) of ink, its size from line to line, and the mean width of its strokes."""
+def _measured(ink: Geometry) -> tuple[float, float, float, float, float]:
+    """Middle (x, y) of ink, size from line to line, mean width of strokes, length of its edge.
+
+    The edge is counted in sizes.
+    """
     left, lower, right, upper = ink.bounds
     width = 2.0 * ink.area / ink.length
     size = math.sqrt((right - left) * (upper - lower)) - width
-    return 0.5 * (left + right), 0.5 * (lower + upper), size, width
+    return 0.5 * (left + right), 0.5 * (lower + upper), size, width, ink.length / size

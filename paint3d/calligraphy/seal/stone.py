@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 __all__ = [
     "LARGEST_MM",
     "MOST_CHARACTERS",
+    "SHAPES",
     "SMALLEST_MM",
     "STYLES",
     "Seal",
@@ -42,6 +43,8 @@ __all__ = [
 
 STYLES = ("zhuwen", "baiwen")
 """Red lines in a frame, cut in relief; or white lines on red, cut into the stone."""
+SHAPES = ("square", "upright", "level")
+"""Of the stone: as high as wide; a column of square characters; a row of them, from the right."""
 SMALLEST_MM, LARGEST_MM = 4.0, 300.0
 MOST_CHARACTERS = 4
 _COLUMNS = {1: (1,), 2: (1, 1), 3: (1, 2), 4: (2, 2)}  # characters of each column, from the right
@@ -84,7 +87,9 @@ class Seal:
     licence: str
 
 
-def cut_known(text: str, source: GlyphSource, style: str, size_mm: float) -> Seal:
+def cut_known(
+    text: str, source: GlyphSource, style: str, size_mm: float, shape: str = "square"
+) -> Seal:
     """A seal of characters whose strokes are known, cut as lines of one width.
 
     Parameters
@@ -94,22 +99,23 @@ def cut_known(text: str, source: GlyphSource, style: str, size_mm: float) -> Sea
     source : GlyphSource
     style : {"zhuwen", "baiwen"}
     size_mm : float
-        Side of the stone, 4 to 300 mm.
+        Longer side of the stone, 4 to 300 mm.
+    shape : {"square", "upright", "level"}
 
     Raises
     ------
     InputError
         If there are no or too many characters, or the source lacks one.
     """
-    _check(style, size_mm)
+    _check(style, size_mm, shape)
     characters = _characters(text)
     glyphs = load_glyphs(source, "".join(characters))
-    cells = _cells(len(characters), style)
+    cells, sides = _cells(len(characters), style, shape)
     shapes = [_wired(glyphs[one], cell, style) for one, cell in zip(characters, cells, strict=True)]
-    return _cut(text, style, size_mm, (1.0, 1.0), shapes, source.licence)
+    return _cut(text, style, size_mm, sides, shapes, source.licence)
 
 
-def cut_font(text: str, font: FontFile, style: str, size_mm: float) -> Seal:
+def cut_font(text: str, font: FontFile, style: str, size_mm: float, shape: str = "square") -> Seal:
     """A seal in the shapes of a font.
 
     Up to four characters of a script that runs in columns stand as in seals; any other text is one
@@ -119,23 +125,23 @@ def cut_font(text: str, font: FontFile, style: str, size_mm: float) -> Seal:
     ----------
     text : str
     font : FontFile
-    style, size_mm
-        As for `cut_known`; the size is the stone's longer side.
+    style, size_mm, shape
+        As for `cut_known`; the shape is that of up to four characters.
 
     Raises
     ------
     InputError
         If the text is empty, too long, or has characters that the font lacks.
     """
-    _check(style, size_mm)
+    _check(style, size_mm, shape)
     font.check_has(text)
     words = "".join(text.split())
     if is_written_down(text) or len(words) == 1:
         characters = _characters(text)
         inks = [_line_of(one, font) for one in characters]
-        cells = _cells(len(characters), style)
+        cells, sides = _cells(len(characters), style, shape)
         shapes = [_drawn_into(ink, cell) for ink, cell in zip(inks, cells, strict=True)]
-        return _cut(text, style, size_mm, (1.0, 1.0), shapes, font.licence)
+        return _cut(text, style, size_mm, sides, shapes, font.licence)
     return _cut_whole(text.strip(), _line_of(text.strip(), font), style, size_mm, font.licence)
 
 
@@ -162,7 +168,11 @@ def cut_drawing(name: str, shape: MultiPolygon, style: str, size_mm: float) -> S
 # -- what stands on it --------------------------------------------------------------------------
 
 
-def _check(style: str, size_mm: float) -> None:
+def _check(style: str, size_mm: float, shape: str = "square") -> None:
+    if shape not in SHAPES:
+        raise InputError(
+            "shape is {shape!r}; expected one of {shapes}", shape=shape, shapes=", ".join(SHAPES)
+        )
     if style not in STYLES:
         raise InputError(
             "style is {style!r}; expected one of {styles}",
@@ -183,19 +193,25 @@ def _characters(text: str) -> list[str]:
     return characters
 
 
-def _cells(n: int, style: str) -> list[AnyArray]:
-    """Left, lower, right and upper side of every character's cell on a stone of side 1."""
-    columns, margin = _COLUMNS[n], _MARGIN[style]
+def _cells(n: int, style: str, shape: str) -> tuple[list[AnyArray], tuple[float, float]]:
+    """Left, lower, right and upper side of every character's cell, and the stone's sides.
+
+    The shorter side of the stone is 1.
+    """
+    columns = {"square": _COLUMNS[n], "upright": (n,), "level": (1,) * n}[shape]
+    margin = _MARGIN[style]
     side = 1.0 - 2.0 * margin
-    width = (side - _GAP * (len(columns) - 1)) / len(columns)
+    long = side if shape == "square" else n * side + (n - 1) * _GAP
+    wide, high = (long, side) if shape == "level" else (side, long)
+    width = (wide - _GAP * (len(columns) - 1)) / len(columns)
     cells = []
     for k, count in enumerate(columns):
-        right = 0.5 * side - k * (width + _GAP)
-        height = (side - _GAP * (count - 1)) / count
+        right = 0.5 * wide - k * (width + _GAP)
+        height = (high - _GAP * (count - 1)) / count
         for row in range(count):
-            top = 0.5 * side - row * (height + _GAP)
+            top = 0.5 * high - row * (height + _GAP)
             cells.append(np.array([right - width, top - height, right, top]))
-    return cells
+    return cells, (wide + 2.0 * margin, high + 2.0 * margin)
 
 
 def _wired(glyph: Glyph, cell: AnyArray, style: str) -> Geometry:
@@ -311,6 +327,7 @@ def cut_seal(
     style: str = "zhuwen",
     size_mm: float = 16.0,
     *,
+    shape: str = "square",
     ids: Sequence[str] = (),
     font: Path | str | None = None,
     font_number: int = 0,
@@ -328,6 +345,8 @@ def cut_seal(
         Red lines in a frame, or white lines on red.
     size_mm : float
         The stone's longer side.
+    shape : {"square", "upright", "level"}
+        Of the stone of 1 to 4 characters.
     ids : sequence of str
         Of a drawing, only elements and groups of these names.
     font : path or str, optional
@@ -356,8 +375,8 @@ def cut_seal(
     if font is not None:
         from paint3d.calligraphy.fonts.font_file import open_font
 
-        return cut_font(text, open_font(font, font_number), style, size_mm)
+        return cut_font(text, open_font(font, font_number), style, size_mm, shape)
     from paint3d.calligraphy.fonts.fallback import with_fallback
     from paint3d.calligraphy.glyph_sources import open_glyphs
 
-    return cut_known(text, with_fallback(open_glyphs(glyphs), text), style, size_mm)
+    return cut_known(text, with_fallback(open_glyphs(glyphs), text), style, size_mm, shape)

@@ -141,8 +141,14 @@ def codes_in_light(surface: Any, viewing: Viewing) -> Codes:
     return viewing.codes_of(len(codes), lambda ids: decode_srgb(codes[ids]) @ primaries)
 
 
+_FEW_CLIPPED = 0.1  # of the painted vertices, in the painting's own light
+
+
 def tell_clipped(surface: Any, viewing: Viewing | None) -> int:
-    """Warn of colours that a gamut does not hold, where there are any; return how many."""
+    """Warn of colours that a gamut does not hold, where they are no few; return how many.
+
+    A seal or a blossom on a painting in black is nothing to be told.
+    """
     if isinstance(surface, InLight):
         n_clipped, n = surface.seen.n_clipped, len(surface.srgb)
     elif hasattr(surface, "spectra"):
@@ -151,6 +157,8 @@ def tell_clipped(surface: Any, viewing: Viewing | None) -> int:
             return 0
         found = _OWN_LIGHT.codes_of(len(ids), lambda some: surface.spectra(ids[some]))
         n_clipped, n = found.n_clipped, surface.n_vertices
+        if n_clipped < _FEW_CLIPPED * len(ids):
+            return n_clipped
     else:
         return 0
     if n_clipped:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import datetime
-import math
 import os
 import re
 import threading
@@ -26,9 +25,11 @@ from paint3d.app.window.copybook.strokes_dialog import CorrectionState, Photogra
 from paint3d.app.window.copybook.text_moving import HeldText, TextMover
 from paint3d.app.window.files.open_result import OpenResult
 from paint3d.app.window.questions import Answer, ask
+from paint3d.app.window.seal import ProposedSeal
 from paint3d.app.window.wording import say, say_brush, say_error, say_length
 from paint3d.app.window.workspace import Workspace
 from paint3d.brush.presets import brush_for, suits_size
+from paint3d.calligraphy.composition import compose, seal_below, sign_beside
 from paint3d.calligraphy.layout import Layout
 from paint3d.calligraphy.page.correcting import Steps
 from paint3d.calligraphy.page.opening import opened_page
@@ -45,9 +46,8 @@ if TYPE_CHECKING:
 __all__ = ["CopybookGuide"]
 
 _OUTLINE, _NEXT = (176, 60, 44, 120), (176, 60, 44, 235)
-_SIGNATURE_EM_MM, _SIGNATURE_SHARE = 15.0, 0.4
-_ACROSS, _LEAST_EM_MM = 4.3, 2.0  # ems: four columns on a sheet, and what is between them
-_SEAL_SHARE = 0.8  # of a signature's characters, that is the side of a seal
+_SIGNATURE_EM_MM = 15.0  # where there is no text that it belongs to
+_BY_ITSELF = {"em_mm", "point", "turn", "gap", "between"}  # values that let a text fill no sheet
 _STEMS, _BRANCHES = "甲乙丙丁戊己庚辛壬癸", "子丑寅卯辰巳午未申酉戌亥"
 _NUMERALS = r"\d〇零○一二三四五六七八九十"
 _DATED = re.compile(  # a year, and what else of a date is said beside a name
@@ -83,6 +83,8 @@ class CopybookGuide:
     Attributes
     ----------
     mover : TextMover
+    laid_out : callable
+        Called when a text has been laid, or laid otherwise.
     """
 
     def __init__(self, workspace: Workspace, panel: CopybookPanel) -> None:
@@ -95,6 +97,7 @@ class CopybookGuide:
         self._coming: Future[Any] | None = None  # a change of the texts
         self._making: Future[Any] | None = None  # copybooks of texts that came with the painting
         self._claimed: int | None = None  # the text that a stroke was for
+        self.laid_out: Callable[[], None] = lambda: None
         # texts that a brush was taken for, each in all ways it lay; the brush before, and that one
         self._fitted: list[tuple[set[LaidText], BrushSpec, BrushSpec]] = []
         self._counting: Future[Any] | None = None  # strokes, for the characters
@@ -147,41 +150,62 @@ class CopybookGuide:
         workspace.keep(signer=signer_in(text))
         signature = LaidText(text.strip(), _SIGNATURE_EM_MM, grid="none", is_signature=True)
         texts = self._workspace.painting.texts
+        mains = [one for one in texts if one.text.strip() and not one.is_signature]
         if self._active is not None and self._active < len(texts):
-            signature = self._beside(texts[self._active], text.strip())
-        if self._put(signature, None):
+            mains = [one for one in mains if one == texts[self._active]] or mains
+        if mains:
+            signature = self._beside(mains[-1], text.strip())
+        if self._put(signature, None) and signature.point is None:
             self.mover.begin()
 
-    def signature(self) -> tuple[str, float] | None:
-        """Who signed, and the size in mm that suits a seal below it; None without a text."""
+    def signature(self) -> ProposedSeal | None:
+        """The seal of who signed, below the signature; None without a text."""
         texts = self._workspace.painting.texts
         lines = [text for text in texts if text.is_signature]
-        if lines:
-            return signer_in(lines[-1].text), _SEAL_SHARE * lines[-1].em_mm
-        if not texts:
+        written = lines or [text for text in texts if text.text.strip()]
+        if not written:
             return None
-        return self._workspace.settings.signer, _SEAL_SHARE * _SIGNATURE_SHARE * texts[-1].em_mm
+        laid, signer = written[-1], self._workspace.settings.signer
+        book = self._books.get(laid)
+        if book is None:
+            return None
+        mesh = self._workspace.painting.source
+        if lines:
+            signer, beside = signer_in(laid.text), seal_below(book.squares)
+        else:
+            beside = sign_beside(mesh, book.squares, 0, laid.order)
+        return ProposedSeal(signer, beside.seal_mm, beside.seal_point, beside.up)
 
     def _beside(self, main: LaidText, words: str) -> LaidText:
-        """A signature left of a text, smaller, as far down as the text goes."""
+        """A signature beside a text, smaller, below its last column or left of it."""
         book = self._books.get(main)
-        em = max(4.0, _SIGNATURE_SHARE * main.em_mm)
-        signature = LaidText(words, em, main.font, grid="none", turn=main.turn, is_signature=True)
+        signature = LaidText(words, main.em_mm, main.font, main.order, turn=main.turn,
+                             grid="none", is_signature=True)  # fmt: skip
         if book is None:
-            return signature
-        block = book.block
-        frame, lower_left = block.frame, block.corners[3]
-        off = lower_left - frame.origin
-        x = float(off @ frame.x_axis) - 0.9 * em
-        y = float(off @ frame.y_axis) + 0.5 * em * len(words)
-        place = frame.origin + x * frame.x_axis + y * frame.y_axis
-        found = self._workspace.hand.surface.find(place[None]).points[0].tolist()
-        beside = signature.moved(point=tuple(found))
+            return signature.moved(em_mm=_SIGNATURE_EM_MM)
+        count = len("".join(words.split()))
+        beside = sign_beside(self._workspace.painting.source, book.squares, count, main.order)
+        found = self._workspace.hand.surface.find(beside.point[None]).points[0].tolist()
+        signature = signature.moved(em_mm=beside.em_mm, between=beside.between)
+        placed = signature.moved(point=tuple(found))
         try:
-            self._make(beside)
+            self._make(placed)
         except Paint3DError:  # there is no room: it lies where it fits, to be moved
             return signature
-        return beside
+        return placed
+
+    def _filling(self, values: Mapping[str, Any]) -> Mapping[str, Any]:
+        """What a text is to be, so that it fills the sheet and leaves room for a signature."""
+        sheet = sheet_of(self._workspace.painting.source)
+        text = values["text"]
+        if sheet is None or not text.strip():
+            return values
+        found = compose(sheet, text, values["order"], is_signed=True)
+        if found is None:  # letters that do not stand in squares
+            return values
+        composed = {"text": "\n".join(found.lines), "em_mm": found.em_mm, "point": found.point}
+        composed |= {"gap": found.gap, "between": found.between, "turn": 0.0}
+        return {**values, **composed}
 
     def ask(self, values: Mapping[str, Any], another: bool) -> bool:
         """Lay what the panel says out: another text, or the chosen one otherwise."""
@@ -190,7 +214,11 @@ class CopybookGuide:
         base = LaidText()
         if number is not None and number < len(texts):
             base = texts[number]
+        values = dict(values)
+        fills = values.pop("fills", False) and not (another and texts) and not base.is_signature
         try:
+            if fills:
+                values = self._filling(values)
             laid = base.moved(**values)
         except Paint3DError as error:
             self._workspace.tell(say_error(error), state="bad")
@@ -210,6 +238,8 @@ class CopybookGuide:
 
     def change(self, values: Mapping[str, Any]) -> None:
         """Give the chosen text other values: its size, place, turn, distances, grid."""
+        if not _BY_ITSELF.isdisjoint(values):
+            self._panel.fill_box.setChecked(False)
         held = self.held()
         if held is None:
             return
@@ -309,6 +339,7 @@ class CopybookGuide:
         if old is not None and before is not None and old.moved(grid=laid.grid) == laid:
             book.go_on_from(before)
         else:
+            laid = laid.moved(n_before=len(workspace.painting.strokes))
             book.begin_after(workspace.painting.strokes)
         self._books[laid] = book
         self._loose = None
@@ -319,6 +350,7 @@ class CopybookGuide:
         self._shown = (*texts[: self._active], laid, *texts[self._active + 1 :])
         self._show_active()
         self._tell_fonts(book, self._fit_brush(laid, old))
+        self.laid_out()
         return True
 
     def _fit_brush(self, laid: LaidText, old: LaidText | None) -> str:
@@ -406,8 +438,10 @@ class CopybookGuide:
         done.set_result(made)
 
     def _take_made(self, done: Future[Any]) -> None:
+        strokes = self._workspace.painting.strokes
         for text, book in done.result().items():
             if isinstance(book, Copybook):
+                book.begin_after(strokes[: text.n_before])
                 self._books[text] = book
             else:
                 self._books[text] = None
@@ -511,7 +545,7 @@ class CopybookGuide:
         self._shown = self._shown[:number] + self._shown[number + 1 :]
 
     def _begin_anew(self, opened: OpenResult) -> None:
-        """Nothing lies on a painting that is opened but its own texts; sheets propose a size."""
+        """Nothing lies on a painting that is opened but its own texts; text fills sheets."""
         self._laid = _Laid(40.0, Layout())
         self._books, self._shown, self._loose = {}, (), None
         self._active = self._coming = self._making = self._claimed = None
@@ -519,11 +553,7 @@ class CopybookGuide:
         self._fitted = []
         self._panel.show_texts([], None)
         self._panel.show_values(None)
-        sheet = sheet_of(opened.surface.mesh)
-        if sheet is not None:
-            inside = min(sheet.size) - 2.0 * sheet.margin_mm
-            with QtCore.QSignalBlocker(self._panel.em):
-                self._panel.em.setValue(max(_LEAST_EM_MM, math.floor(inside / _ACROSS)))
+        self._panel.offer_filling(sheet_of(opened.surface.mesh) is not None)
 
     def follow(self) -> None:
         """Take what strokes were judged to be, and the texts that the painting has now."""

@@ -78,7 +78,8 @@ class CopybookPanel(QtWidgets.QWidget):
     Signals
     -------
     asked : (dict, bool)
-        What the text is to be, by the names of `LaidText`, and whether it is another one.
+        What the text is to be, by the names of `LaidText`, with `fills`: whether it is to fill the
+        sheet; and whether it is another one.
     opened : (str, float)
         A drawing or a file of strokes, and its size in mm.
     corrected : ()
@@ -126,6 +127,13 @@ class CopybookPanel(QtWidgets.QWidget):
         self.text = _Lines(_EXAMPLE)
         self.text.finished.connect(self.ask)
         self.em = self._number("em_mm", 2.0, 1000.0, 40.0, " mm")
+        self.fill_box = QtWidgets.QCheckBox(say("Fill the sheet"))
+        self.fill_box.setToolTip(
+            say("Size, columns and distances are found; a number of your own takes it off")
+        )
+        self.fill_box.setChecked(True)
+        self.around_box = QtWidgets.QCheckBox(say("All around the object"))
+        self.around_box.toggled.connect(lambda on: self.changed.emit({"around": on}))
         self.direction = QtWidgets.QComboBox()
         self.direction.addItem(say("Columns"), True)
         self.direction.addItem(say("Row"), False)
@@ -206,6 +214,8 @@ class CopybookPanel(QtWidgets.QWidget):
         form.addRow(say("Text"), self.text)
         form.addRow(say("Font"), self.font_box)
         form.addRow(say("Size"), _side_by_side(self.em, self.direction))
+        form.addRow("", self.fill_box)
+        form.addRow("", self.around_box)
         form.addRow(say("Grid"), self.grid_box)
         form.addRow(say("Squares"), _side_by_side(self.across, self.down))
         form.addRow(say("Apart"), _side_by_side(self.gap, self.between))
@@ -214,6 +224,8 @@ class CopybookPanel(QtWidgets.QWidget):
         layout = QtWidgets.QVBoxLayout(self)
         layout.setContentsMargins(10, 6, 10, 8)
         layout.addLayout(form)
+        self._form = form
+        self.offer_filling(False)
         layout.addLayout(_side_by_side(layout_text, self.add_button))
         layout.addLayout(_side_by_side(self.move_button, hide))
         layout.addWidget(self.write_button)
@@ -271,9 +283,12 @@ class CopybookPanel(QtWidgets.QWidget):
         """Show what the chosen text is; what would be laid out stays as it is where none is."""
         if laid is None:
             return
-        boxes = (self.em, self.turn, self.gap, self.between, self.across, self.down)
+        boxes = (
+            self.em, self.turn, self.gap, self.between, self.across, self.down, self.around_box,
+        )  # fmt: skip
         blocked = [QtCore.QSignalBlocker(box) for box in boxes]
         self.em.setValue(laid.em_mm)
+        self.around_box.setChecked(laid.around)
         self.turn.setValue(laid.turn)
         self.gap.setValue(100.0 * laid.gap)
         self.between.setValue(100.0 * laid.between)
@@ -285,6 +300,19 @@ class CopybookPanel(QtWidgets.QWidget):
         self.font_box.show_font(laid.font)
         if not self.text.hasFocus():
             self.text.setPlainText(laid.text)
+
+    @property
+    def fills(self) -> bool:
+        """Whether a text that is laid out is to fill the sheet."""
+        return self._form.isRowVisible(self.fill_box) and self.fill_box.isChecked()
+
+    def offer_filling(self, on: bool) -> None:
+        """Show whether text fills the sheet, where there is one."""
+        self.fill_box.setChecked(True)
+        with QtCore.QSignalBlocker(self.around_box):
+            self.around_box.setChecked(False)
+        self._form.setRowVisible(self.fill_box, on)
+        self._form.setRowVisible(self.around_box, not on)
 
     def show_moving(self, on: bool) -> None:
         """Show whether texts are moved."""
@@ -306,6 +334,8 @@ class CopybookPanel(QtWidgets.QWidget):
             "gap": 0.01 * self.gap.value(),
             "between": 0.01 * self.between.value(),
             "turn": self.turn.value(),
+            "around": self.around_box.isChecked(),
+            "fills": self.fills,
         }
         self.asked.emit(values, another)
 

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
+
+from PySide6 import QtCore
 
 from paint3d.app.model.frame import Snapshot
 from paint3d.app.window.copybook.text_moving import HeldText
@@ -15,7 +19,10 @@ from paint3d.app.window.playing.recordings import samples_of, told_of, tools_in_
 from paint3d.app.window.wording import say, say_brush, say_length
 from paint3d.app.window.workspace import Workspace
 from paint3d.brush.presets import brush_for, suits_size
+from paint3d.calligraphy.page.laying import PlacedPiece
+from paint3d.calligraphy.writing import Pen, plan_ahead
 from paint3d.core.machine import usable_cores
+from paint3d.errors import Paint3DError
 
 if TYPE_CHECKING:
     from paint3d.brush.spec import BrushSpec
@@ -24,6 +31,7 @@ if TYPE_CHECKING:
 __all__ = ["TextWriting"]
 
 _DIPS = "auto"  # before the characters for which there is not enough ink left
+_SETTLED_MS = 700  # after a text was laid
 _VARIATION = 1.0  # as a practised hand's
 _PLANNED = 0.6  # of the time until the brush moves
 
@@ -48,6 +56,31 @@ class TextWriting:
     ) -> None:
         self._workspace, self._player = workspace, player
         self._held = held
+        self._ahead = 0  # times that planning ahead was begun or ended: only the last goes on
+        self._timer = QtCore.QTimer(workspace, interval=_SETTLED_MS, singleShot=True)
+        self._timer.timeout.connect(self._plan_ahead)
+
+    def prepare(self) -> None:
+        """Plan the text that is chosen beside the window, once it is left as it lies."""
+        self._ahead += 1
+        self._timer.start()
+
+    def _plan_ahead(self) -> None:
+        held, paint_thread = self._held(), self._workspace.stage.paint_thread
+        if held is None or paint_thread is None or not held.book.ghosts:
+            return
+        pieces = [PlacedPiece(ghost.glyph, ghost.square) for ghost in held.book.ghosts]
+        brush, em = paint_thread.brush, held.laid.em_mm
+        pen = _pen(brush if suits_size(brush, em) else brush_for(em), em)
+        number = self._ahead
+
+        def plan() -> None:
+            with suppress(Paint3DError):  # told when it is to be written
+                for _ in plan_ahead(pieces, pen):
+                    if number != self._ahead:
+                        return
+
+        threading.Thread(target=plan, name="paint3d-plans", daemon=True).start()
 
     def do_write_text(self) -> None:
         """Plan the strokes of the text that is chosen, and paint them as a hand would.
@@ -59,6 +92,8 @@ class TextWriting:
             workspace.tell(say("There is no text to write; lay one out first"), state="bad")
             return
         workspace.hand.interrupt()
+        self._timer.stop()
+        self._ahead += 1
         workspace.actions["arrange_text"].setChecked(False)
         painting, brush = workspace.painting, workspace.paint_thread.brush
         in_hand, em = brush, held.laid.em_mm
@@ -119,13 +154,20 @@ def _plan(
 ) -> Any:
     from paint3d.calligraphy.fonts.fallback import with_fallback
     from paint3d.calligraphy.glyph_sources import open_glyphs
-    from paint3d.calligraphy.writing import Pen, write_page, write_text
+    from paint3d.calligraphy.writing import write_page, write_text
 
     laid, page = held.laid, held.book.page
-    pen = Pen(brush, laid.em_mm, variation=_VARIATION, seed=1)
-    options: dict[str, Any] = {"pen": pen, "layout": laid.layout, "progress": tell}
+    options: dict[str, Any] = {
+        "pen": _pen(brush, laid.em_mm),
+        "layout": laid.layout,
+        "progress": tell,
+    }
     options["processes"] = usable_cores()
     if page is not None:
         return write_page(painting.source, page, **options)
     source = with_fallback(open_glyphs(folder), laid.text)
     return write_text(painting.source, laid.text, source, **options)
+
+
+def _pen(brush: BrushSpec, em_mm: float) -> Pen:
+    return Pen(brush, em_mm, variation=_VARIATION, seed=1)

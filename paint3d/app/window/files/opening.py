@@ -162,7 +162,9 @@ class Opening:
         if not dialog.exec() or not self._saving.may_leave():
             return
         name, material, resolution = dialog.chosen()
-        self._workspace.keep(material=material, resolution_mm=resolution, begun_on=name)
+        self._workspace.keep(begun_on=name)
+        if not is_sheet(name):  # which each have a material and a detail that suit them
+            self._workspace.keep(material=material, resolution_mm=resolution)
         if name:
             self.open_path(name, resolution, material, asked=True)
         else:

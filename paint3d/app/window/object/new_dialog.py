@@ -163,6 +163,7 @@ class NewDialog(FormDialog):
             self.margin.setValue(sheet.margin_mm)
             self.mounted.setChecked(sheet.mounted)
         self.material.show_material(material)
+        self.resolution.setValue(max(self._wanted, 0.0 if sheet is None else sheet.detail_mm))
         del blocked
         self._draw()
 

@@ -1,0 +1,427 @@
+"""Composition of a text on a sheet, as calligraphers compose: it fills the paper.
+
+Columns run from the right, as many as let the characters be largest; what is left of the height and
+the width goes between them. A signature (落款) in smaller characters stands below the last column
+where that is shorter than the others, else left of it, in its lower part; a seal, about as large
+as one of its characters, stands right below.
+"""
+
+from __future__ import annotations
+
+import math
+import unicodedata
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.calligraphy.layout import split_text
+from paint3d.core.arrays import AnyArray
+from paint3d.mesh.bvh import ClosestPoints
+from paint3d.mesh.chart import EmSquare
+from paint3d.mesh.sheet_mesh import fan_of, make_sheet, sheet_of, writing_areas
+from paint3d.mesh.sheets import Sheet
+from paint3d.mesh.triangle_mesh import TriangleMesh
+
+__all__ = ["Composition", "Signing", "compose", "lines_of", "place_on", "seal_below", "sign_beside"]
+
+_GAP, _BETWEEN = 0.02, 0.0  # ems: the least between columns, and between characters of one
+_BARE = 0.09  # ems on either side of a character that its ink leaves bare: they may lie in margins
+_MOST_GAP, _MOST_BETWEEN = 0.45, 0.32
+_LARGEST = 0.8  # of a sheet's shorter side: a character's square
+_AT_HEAD = 1.4  # margins above and below, over those at the sides, on a sheet of twice its width
+_FLOWING, _ALONE = 0.92, 0.85  # of the size: columns that part verses; one left in the last column
+_SIGNATURE, _OF_WIDTH = 0.35, 1.0 / 10.0  # of the characters' size, of the paper's width at most
+_WITH_ROOM = 2.0  # widths of a signature's characters that its column takes
+_USUAL_SIGNATURE = 7  # characters: a year, a season, a name
+_SIGNED_BETWEEN, _TO_SEAL, _SEAL = 0.06, 0.35, 1.0  # of a signature's characters
+_LEAST_SIGNATURE_MM, _LEAST_SHARE = 4.0, 0.2
+_LEAST_SEAL_MM = 4.0
+_STEP_MM, _OFF_MM, _FARTHEST_MM, _TRIALS = 2.0, 0.01, 2000.0, 4
+_HEAD_ON_FAN = 0.15  # ems from the upper margin of a fan
+_WIDEST_ON_FAN = 0.8  # ems between columns, in the middle of their length
+
+
+@dataclass(frozen=True)
+class Composition:
+    """How a text stands on a sheet.
+
+    Attributes
+    ----------
+    lines : tuple of str
+        Its columns from the right, or its rows.
+    em_mm : float
+        Side of a character's square, mm.
+    gap, between : float
+        As `Layout` has them, ems.
+    point : (float, float, float) or None
+        Where its middle is, mm; None: in the middle of the panels.
+    """
+
+    lines: tuple[str, ...]
+    em_mm: float
+    gap: float
+    between: float
+    point: tuple[float, float, float] | None
+
+
+def compose(
+    sheet: Sheet,
+    text: str,
+    order: str = "columns",
+    *,
+    is_signed: bool = False,
+    gap: float | None = None,
+    between: float | None = None,
+) -> Composition | None:
+    """Find the size, columns and distances at which a text fills a sheet.
+
+    Parameters
+    ----------
+    sheet : Sheet
+    text : str
+        Line breaks are ends of verses: a column holds one, several, or none wholly, whatever lets
+        the characters be largest.
+    order : {"columns", "row"}
+    is_signed : bool
+        Leave room for a signature where the columns leave none.
+    gap, between : float, optional
+        Distances that are given, ems, as `Layout` has them.
+
+    Returns
+    -------
+    Composition or None
+        None of a text with letters that do not stand in squares.
+
+    Raises
+    ------
+    InputError
+        If the text is empty.
+    """
+    verses = split_text("".join("\n" if _is_mark(one) else one for one in text))
+    if not all(unicodedata.east_asian_width(one) in "WF" for one in "".join(verses)):
+        return None
+    asked = _Asked(
+        sheet,
+        order == "columns",
+        is_signed,
+        (_GAP, _MOST_GAP) if gap is None else (gap, gap),
+        (_BETWEEN, _MOST_BETWEEN) if between is None else (between, between),
+    )
+    if sheet.usual.panels > 1:
+        return _on_panels(asked, verses)
+    return _best(asked, verses)
+
+
+def place_on(sheet: Sheet, point: Sequence[float]) -> tuple[float, float]:
+    """A point of a sheet as fractions of its panels' width and height; see `place`."""
+    boxes = np.array([area.mesh.bounds for area in writing_areas(make_sheet(sheet), False)])
+    low, high = boxes[:, 0].min(axis=0)[:2], boxes[:, 1].max(axis=0)[:2]
+    u, v = ((np.array(point[:2]) - low) / (high - low)).tolist()
+    return u, v
+
+
+def _is_mark(character: str) -> bool:
+    """Whether it is punctuation, which calligraphers do not write: it ends a verse."""
+    return unicodedata.category(character)[0] == "P"
+
+
+@dataclass(frozen=True)
+class _Asked:
+    """A sheet, and what is asked of a composition on it."""
+
+    sheet: Sheet
+    columns: bool
+    is_signed: bool
+    gap: tuple[float, float]  # from the least to the most, ems
+    between: tuple[float, float]
+
+
+def _best(asked: _Asked, verses: Sequence[str]) -> Composition:
+    found = (_fitted(asked, lines) for lines in _ways_to_break(verses))
+    return max(found, key=lambda one: one[0])[1]
+
+
+def _on_panels(asked: _Asked, verses: list[str]) -> Composition:
+    """A couplet: a half on each panel, in as many columns of one size."""
+    n = asked.sheet.usual.panels
+    if len(verses) == 1:
+        half = -(-len(verses[0]) // n)
+        verses = [verses[0][k : k + half] for k in range(0, len(verses[0]), half)]
+    halves = ["".join(part) for part in np.array_split(np.array(verses, dtype=object), n)]
+    longest = max(halves, key=len)
+    best = _best(asked, [longest])
+    rows = len(best.lines[0])
+    columns = [half[k : k + rows] for half in halves for k in range(0, len(longest), rows)]
+    return Composition(tuple(filter(None, columns)), best.em_mm, best.gap, best.between, None)
+
+
+def _ways_to_break(verses: Sequence[str]) -> Iterator[list[str]]:
+    """The verses in columns: so many in each, or parted."""
+    for n in range(1, len(verses) + 1):
+        yield ["".join(verses[k : k + n]) for k in range(0, len(verses), n)]
+    whole = "".join(verses)
+    for rows in sorted({math.ceil(len(whole) / n) for n in range(1, len(whole) + 1)}):
+        yield [whole[k : k + rows] for k in range(0, len(whole), rows)]
+
+
+def _fitted(asked: _Asked, lines: list[str]) -> tuple[float, Composition]:
+    """The composition of lines, and how good it is."""
+    n, longest = len(lines), max(map(len, lines))
+    shape = asked.sheet.usual.shape
+    fit = {"sector": _on_fan, "disc": _on_disc}.get(shape, _on_rectangle)
+    em, gap, between, x, y = fit(asked, lines)
+    worth = em
+    if n > 1 and len(set(map(len, lines[:-1]))) == 1 and len(lines[-1]) == 1 and longest > 1:
+        worth *= _ALONE
+    point = None if asked.sheet.usual.panels > 1 else (x, y, 0.0)
+    return worth, Composition(tuple(lines), em, gap, between, point)
+
+
+def _signature_mm(em: float, sheet: Sheet, length: float) -> float:
+    """The size of a usual signature beside characters of an em, in a column of a length, mm."""
+    all_of_it = _signed_length(_USUAL_SIGNATURE)
+    return min(_SIGNATURE * em, _OF_WIDTH * min(sheet.size), 0.9 * length / all_of_it)
+
+
+def _signed_length(n: int) -> float:
+    """Length of a signature of n characters with its seal, in sizes of its characters."""
+    return n * (1.0 + _SIGNED_BETWEEN) + _TO_SEAL + _SEAL
+
+
+def _spread(free: float, em: float, n: int, least: float, most: float) -> float:
+    """The distance, ems, that lets n characters fill a length, mm."""
+    return least if n == 1 else min(max((free / em - n) / (n - 1), least), most)
+
+
+def _on_rectangle(asked: _Asked, lines: list[str]) -> tuple[float, float, float, float, float]:
+    sheet, columns, is_signed = asked.sheet, asked.columns, asked.is_signed
+    width, height = sheet.size
+    at_side = sheet.margin_mm
+    at_head = at_side * (_AT_HEAD if height >= 2.0 * width else 1.0)
+    size = np.array([width - 2.0 * at_side, height - 2.0 * at_head])
+    across, along = size if columns else size[::-1]  # of the columns, or the rows
+    n, rows = len(lines), max(map(len, lines))
+    bare = 2.0 * _BARE if sheet.usual.panels == 1 else -_BARE  # halves are laid within margins
+    least_wide = n + (n - 1) * asked.gap[0] - bare
+    least_long = rows + (rows - 1) * asked.between[0] - bare
+    em = min(
+        across / least_wide,
+        along / least_long,
+        (across + at_side) / (least_wide + bare),  # its squares stay on the paper
+        (along + at_head) / (least_long + bare),
+        _LARGEST * min(sheet.size),
+    )
+    edge = at_side if columns else at_head
+    paper, taken = across + 2.0 * edge, edge - 0.5 * bare * em
+    if is_signed:
+        for _ in range(30):  # the column of the signature narrows with the characters
+            least = edge - 0.5 * bare * em  # from squares to the paper's edge
+            length = em * least_long
+            below = (rows - len(lines[-1])) * em * (1.0 + asked.between[0])
+            signature = _signature_mm(em, sheet, max(length, 0.6 * along))
+            if n > 1 and below >= 0.4 * em + _signed_length(_USUAL_SIGNATURE) * signature:
+                taken = least
+                break
+            taken = max(least, _WITH_ROOM * signature)
+            if em * (least_wide + bare) + least + taken <= paper:
+                break
+            em *= 0.98
+    least = edge - 0.5 * bare * em
+    gap = _spread(paper - least - taken, em, n, *asked.gap)
+    between = _spread(along + bare * em, em, rows, *asked.between)
+    beside = 0.5 * (paper - em * (n + (n - 1) * gap))  # on either side, to the edge
+    x = min(max(0.0, taken - beside), max(0.0, beside - least))
+    return (em, gap, between, x, 0.0) if columns else (em, gap, between, 0.0, x)
+
+
+def _on_disc(asked: _Asked, lines: list[str]) -> tuple[float, float, float, float, float]:
+    sheet, columns, is_signed = asked.sheet, asked.columns, asked.is_signed
+    radius = 0.5 * sheet.width_mm - sheet.margin_mm
+    n, rows = len(lines), max(map(len, lines))
+    wide = n + (n - 1) * asked.gap[0] - 2.0 * _BARE
+    long = rows + (rows - 1) * asked.between[0] - 2.0 * _BARE
+    signed = _WITH_ROOM * _SIGNATURE * 0.75 if is_signed and columns else 0.0
+    em = 2.0 * radius / math.hypot(wide + signed, long)
+    corner = math.hypot(wide + 2.0 * _BARE, long + 2.0 * _BARE)
+    em = min(em, 0.97 * sheet.width_mm / corner, 0.6 * sheet.width_mm)
+    return em, asked.gap[0], asked.between[0], 0.5 * signed * em, 0.0
+
+
+def _on_fan(asked: _Asked, lines: list[str]) -> tuple[float, float, float, float, float]:
+    sheet, columns, is_signed = asked.sheet, asked.columns, asked.is_signed
+    fan = fan_of(sheet)
+    margin = sheet.margin_mm
+    outer, inner = fan.outer - margin, fan.inner + margin
+    opening = 2.0 * (fan.half_opening - margin / (0.5 * (outer + inner)))
+    n, rows = (len(lines), max(map(len, lines))) if columns else (max(map(len, lines)), len(lines))
+    long = rows + (rows - 1) * asked.between[0]
+    signed = _WITH_ROOM * _SIGNATURE if is_signed and columns else 0.0
+    # columns touch where they are nearest to the apex
+    em = opening * outer / (n + (n - 1) * asked.gap[0] + signed + opening * (long + _HEAD_ON_FAN))
+    em = min(em, (outer - inner) / (long + 2.0 * _HEAD_ON_FAN))
+    lower = outer - em * (long + _HEAD_ON_FAN)
+    middle = lower + 0.5 * em * long
+    signature = signed * em / lower  # an angle, as that of a pitch
+    pitch = (opening - signature - em / lower) / (n - 1) if n > 1 else 0.0
+    gap = min(max(pitch * middle / em - 1.0, asked.gap[0]), max(asked.gap[1], _WIDEST_ON_FAN))
+    between = asked.between[0]
+    turn = 0.5 * signature
+    x, y = middle * math.sin(turn), middle * math.cos(turn) + fan.apex
+    return (em, gap, between, x, y) if columns else (em, between, gap, x, y)
+
+
+# ---- Signatures ----------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Signing:
+    """Where a signature stands beside a text, and the seal below it.
+
+    Attributes
+    ----------
+    em_mm : float
+        Side of its characters' squares, mm.
+    between : float
+        Between them, ems.
+    point : (3,) float64
+        Where its middle is, mm, in the tangent plane of the text's last column.
+    seal_mm : float
+        Side of the seal, mm.
+    seal_point : (3,) float64
+        Where the seal's middle is, mm, likewise.
+    up : (3,) float64
+        Upwards there.
+    """
+
+    em_mm: float
+    between: float
+    point: NDArray[np.float64]
+    seal_mm: float
+    seal_point: NDArray[np.float64]
+    up: NDArray[np.float64]
+
+
+def lines_of(squares: Sequence[EmSquare], order: str = "columns") -> list[list[EmSquare]]:
+    """The squares of a text, in writing order, as its columns or rows."""
+    lines = [[squares[0]]]
+    for before, square in pairwise(squares):
+        frame = before.chart.frame
+        way = square.chart.frame.origin - frame.origin
+        onward = -frame.y_axis if order == "columns" else frame.x_axis
+        if way @ onward < 0.5 * np.linalg.norm(way):
+            lines.append([])
+        lines[-1].append(square)
+    return lines
+
+
+class _Paper:
+    """A sheet's paper, of which one asks how far it goes."""
+
+    def __init__(self, mesh: TriangleMesh) -> None:
+        areas = () if sheet_of(mesh) is None else writing_areas(mesh, False)
+        self._apex = areas[0].apex if areas else None
+        self._panels = [ClosestPoints(area.mesh) for area in areas]
+
+    def beside(
+        self, place: AnyArray, away: float, aside: AnyArray, onward: AnyArray
+    ) -> tuple[AnyArray, AnyArray]:
+        """The place so far (mm) aside of one (3,), and which way is onward there.
+
+        On a folding fan that is to where its ribs meet.
+        """
+        if self._apex is None:
+            return place + away * aside, onward
+        rib = place - self._apex
+        turn = away / float(np.linalg.norm(rib))
+        turned = math.cos(turn) * rib + math.sin(turn) * float(np.linalg.norm(rib)) * aside
+        return self._apex + turned, -turned / float(np.linalg.norm(turned))
+
+    def room(self, place: AnyArray, way: AnyArray) -> float:
+        """How far (mm) one can go from a place (3,) in a direction; endless on other objects."""
+        if not self._panels:
+            return math.inf
+        steps = np.arange(0.0, _FARTHEST_MM, _STEP_MM)
+        points = place + np.outer(steps, way)
+        off = np.min(
+            [np.linalg.norm(panel.find(points).points - points, axis=1) for panel in self._panels],
+            axis=0,
+        )
+        return float(steps[int(np.argmax(off > _OFF_MM))] if off.max() > _OFF_MM else steps[-1])
+
+
+def sign_beside(
+    mesh: TriangleMesh, squares: Sequence[EmSquare], n: int, order: str = "columns"
+) -> Signing:
+    """Find where a signature stands beside a text.
+
+    Parameters
+    ----------
+    mesh : TriangleMesh
+    squares : sequence of EmSquare
+        Of the text, in writing order.
+    n : int
+        Characters of the signature; 0 for a seal alone.
+    order : {"columns", "row"}
+        Of the text; the signature is laid out likewise.
+    """
+    lines = lines_of(squares, order)
+    last, em = lines[-1], lines[-1][0].em_mm
+    rows = max(map(len, lines))
+    first = last[0].chart.frame
+    if order == "columns":
+        onward, aside = -first.y_axis, -first.x_axis
+    else:
+        onward, aside = first.x_axis, -first.y_axis
+    most = max(lines, key=len)
+    pitch = em * (1.0 + _BETWEEN)
+    if rows > 1:
+        ends = most[-1].chart.frame.origin - most[0].chart.frame.origin
+        pitch = float(np.linalg.norm(ends)) / (rows - 1)
+    length = em + (rows - 1) * pitch
+    whole = _signed_length(n) if n else _SEAL
+    size = min(_SIGNATURE * em, max(0.9 * length / whole, _LEAST_SHARE * em))
+    sheet = sheet_of(mesh)
+    if sheet is not None:
+        size = min(size, _OF_WIDTH * min(sheet.size))
+    below = (rows - len(last)) * pitch - 0.4 * em
+    end = length - 0.5 * em - (0.5 * em if length > 4.0 * em else 0.0)  # from the first's middle
+    away = 0.0
+    paper = _Paper(mesh)
+    if len(lines) > 1 and below >= whole * size:
+        start = (len(last) - 1) * pitch + 0.9 * em
+        end = min(end, max(start + whole * size, 0.7 * end))
+    else:
+        free = paper.room(first.origin + 0.5 * em * aside, aside)
+        size = min(size, free / 1.5)
+        for _ in range(_TRIALS):
+            away = 0.5 * (em + size) + min(0.6 * size, max(0.3 * (free - size), 0.1 * size))
+            at, down = paper.beside(first.origin, away, aside, onward)
+            above, under = (paper.room(at, way) - 0.4 * size for way in (-down, down))
+            if whole * size <= above + under:
+                break
+            size = 0.98 * (above + under) / whole
+        end = max(min(end, under), whole * size - above)
+    size = max(size, _LEAST_SIGNATURE_MM)
+    seal = max(_SEAL * size, _LEAST_SEAL_MM)
+    written = n * (1.0 + _SIGNED_BETWEEN) * size
+    at_seal = end - 0.5 * seal
+    at_text = end - seal - _TO_SEAL * size - 0.5 * written
+
+    at, down = paper.beside(first.origin, away, aside, onward)
+    up = -down if order == "columns" else first.y_axis
+    point, seal_point = at + at_text * down, at + at_seal * down
+    return Signing(size, _SIGNED_BETWEEN, point, seal, seal_point, up)
+
+
+def seal_below(signature: Sequence[EmSquare]) -> Signing:
+    """A signature as it lies, and where its seal stands below it."""
+    last = signature[-1]
+    frame, size = last.chart.frame, last.em_mm
+    seal = max(_SEAL * size, _LEAST_SEAL_MM)
+    below = (0.5 + _TO_SEAL) * size + 0.5 * seal
+    middle = np.mean([square.chart.frame.origin for square in signature], axis=0)
+    place = frame.origin - below * frame.y_axis
+    return Signing(size, _SIGNED_BETWEEN, middle, seal, place, frame.y_axis)

@@ -1,0 +1,102 @@
+"""Text that fills a sheet: size, columns, margins, and where a signature and a seal stand."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from paint3d.calligraphy.composition import compose, lines_of, seal_below, sign_beside
+from paint3d.calligraphy.layout import Layout, layout_text
+from paint3d.mesh.bvh import ClosestPoints
+from paint3d.mesh.sheet_mesh import make_sheet, writing_areas
+from paint3d.mesh.sheets import parse_sheet
+
+POEM = "床前明月光\n疑是地上霜\n舉頭望明月\n低頭思故郷"
+FORMS = ("scroll", "couplet", "square", "horizontal", "fan", "round-fan", "album", "a4")
+
+
+def laid(name: str, text: str, **asked):
+    sheet = parse_sheet(name)
+    mesh = make_sheet(sheet)
+    found = compose(sheet, text, **asked)
+    layout = Layout(
+        asked.get("order", "columns"), gap=found.gap, between=found.between, point=found.point
+    )
+    placed = layout_text(ClosestPoints(mesh), "\n".join(found.lines), found.em_mm, layout)
+    return mesh, found, [one.square for one in placed]
+
+
+def middles(squares) -> np.ndarray:
+    return np.array([square.chart.frame.origin for square in squares])
+
+
+@pytest.mark.parametrize("form", FORMS)
+@pytest.mark.parametrize("text", [POEM, "寧靜致遠", "永"])
+def test_text_fills_a_sheet_and_stays_within_it(form: str, text: str) -> None:
+    mesh, found, squares = laid(form, text)
+    assert "".join(found.lines) == text.replace("\n", "")
+    corners = np.concatenate([square.points.reshape(-1, 3) for square in squares])
+    low, high = mesh.bounds
+    assert (corners >= low - 0.1).all()
+    assert (corners <= high + 0.1).all()
+    panels = writing_areas(mesh, False)
+    room = sum(_area(area.mesh) for area in panels)
+    assert len(squares) * found.em_mm**2 > (0.25 if len(squares) > 1 else 0.06) * room
+
+
+def _area(mesh) -> float:
+    corners = mesh.vertices[mesh.faces]
+    crossed = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    return 0.5 * float(np.linalg.norm(crossed, axis=1).sum())
+
+
+def test_a_quatrain_on_a_scroll_stands_in_two_columns_from_the_right() -> None:
+    _, found, squares = laid("scroll", POEM)
+    assert found.lines == ("床前明月光疑是地上霜", "舉頭望明月低頭思故郷")
+    right, left = np.split(middles(squares), 2)
+    assert (right[:, 0] > left[:, 0] + found.em_mm - 0.1).all()
+    assert (np.diff(right[:, 1]) < 0.0).all()
+
+
+def test_marks_end_verses_and_letters_that_stand_in_lines_are_not_composed() -> None:
+    marked = compose(parse_sheet("scroll"), "床前明月光，疑是地上霜。舉頭望明月，低頭思故郷。")
+    assert marked == compose(parse_sheet("scroll"), POEM)
+    assert compose(parse_sheet("scroll"), "Hello") is None
+
+
+@pytest.mark.parametrize("form", FORMS)
+@pytest.mark.parametrize("text", [POEM, "寧靜致遠"])
+def test_signature_and_seal_stand_apart_from_the_text_on_the_paper(form: str, text: str) -> None:
+    mesh, found, squares = laid(form, text, is_signed=True)
+    surface = ClosestPoints(mesh)
+    beside = sign_beside(mesh, squares, 7)
+    assert 0.09 * found.em_mm < beside.em_mm < 0.5 * found.em_mm
+    layout = Layout(point=tuple(beside.point.tolist()), between=beside.between)
+    signature = layout_text(surface, "丙午年秋李白書", beside.em_mm, layout)
+    signed = middles([one.square for one in signature])
+    for other in (signed, beside.seal_point[None]):
+        away = np.linalg.norm(other[:, None] - middles(squares), axis=2).min()
+        assert away > 0.5 * (found.em_mm + beside.em_mm)
+    half = 0.5 * beside.seal_mm
+    rim = beside.seal_point + half * np.array([[1, 1, 0], [1, -1, 0], [-1, 1, 0], [-1, -1, 0]])
+    assert np.linalg.norm(surface.find(rim).points - rim, axis=1).max() < 0.3 * half
+    gap = np.linalg.norm(signed[-1] - beside.seal_point)
+    assert gap < 1.5 * beside.em_mm + half
+    below = seal_below([one.square for one in signature])
+    assert np.linalg.norm(below.seal_point - beside.seal_point) < 0.3 * beside.em_mm
+
+
+def test_a_signature_stands_below_a_last_column_that_is_short() -> None:
+    mesh, _, squares = laid("square", "床前明月光疑是地上霜舉頭望明月低頭思故郷無", is_signed=True)
+    lines = lines_of(squares)
+    assert len(lines[-1]) < len(lines[0])
+    beside = sign_beside(mesh, squares, 2)
+    last = lines[-1][-1].chart.frame.origin
+    assert beside.point[0] == pytest.approx(last[0], abs=0.1)
+    assert beside.point[1] < last[1]
+
+
+def test_given_distances_hold() -> None:
+    sheet = parse_sheet("scroll")
+    tight = compose(sheet, POEM, between=0.0, gap=0.3)
+    assert (tight.gap, tight.between) == (0.3, 0.0)
