@@ -122,7 +122,8 @@ def _counters(filled: AnyArray, mask: AnyArray, width: float) -> NDArray[np.bool
     rim = np.where(filled & (distance_transform_edt(filled) <= 1.5), gaps, 0)
     streaky = mean(beside, rim, each)
     wide = maximum(distance_transform_edt(filled), gaps, each) > _SLIT * width
-    open_ = wide & (streaky < _STREAKY)
+    large = np.bincount(gaps.ravel()) > _HOLE * width**2
+    open_ = wide & large & (streaky < _STREAKY)
     open_[0] = False
     result: NDArray[np.bool_] = open_[gaps]
     return result
@@ -211,6 +212,7 @@ _DARK = 90.0  # per cent of what is inked take less light than unbroken ink
 _LENS_EDGE = 0.7  # pixels over which the steepness of edges is measured
 _SHARP, _SOFT = 25.0, 1.8  # per cent of edges are sharper than usual ink's; times as soft: stains'
 _PALE = 0.68  # of the ink's darkness: what is darker is no stain
+_BLOT_PX = 2.5  # half the width of the narrowest stain: what a lens spread is a hair
 _MOST_STAINED = 0.5  # of all that is dark
 _SPECK = 0.01  # squares of a stroke's width: smaller bits of ink are dust
 _MARGIN = 0.012  # of the sheet's shorter side: its edges are no strokes
@@ -322,8 +324,10 @@ def _stains(mask: NDArray[np.bool_], taken: AnyArray) -> tuple[NDArray[np.bool_]
     from scipy.ndimage import (
         binary_dilation,
         binary_erosion,
+        distance_transform_edt,
         gaussian_gradient_magnitude,
         label,
+        maximum,
         mean,
         median,
     )
@@ -339,7 +343,8 @@ def _stains(mask: NDArray[np.bool_], taken: AnyArray) -> tuple[NDArray[np.bool_]
     usual = float(np.percentile(softness[edges], _SHARP))
     soft = median(softness, np.where(edges, pieces, 0), each) > _SOFT * usual
     pale = dark < _PALE * np.percentile(taken[mask], 75.0)
-    stained = soft & pale
+    broad = maximum(distance_transform_edt(mask), pieces, each) > _BLOT_PX
+    stained = soft & pale & broad
     stained[0] = False
     found = stained[pieces]
     if found.sum() > _MOST_STAINED * mask.sum():
