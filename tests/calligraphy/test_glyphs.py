@@ -344,8 +344,8 @@ def test_characters_are_as_large_and_bold_as_their_neighbours(
     system_fonts.add("Test Kai", REFERENCE + "步", scale, growth)
     wanted = measured(SOURCE.load("歩").strokes)
     found = measured(with_fallback(SOURCE, "步").load("步").strokes)
-    np.testing.assert_allclose(found[:4], wanted[:4], atol=10.0)
-    assert found[4] == pytest.approx(wanted[4], rel=0.08)
+    np.testing.assert_allclose(found[:4], wanted[:4], atol=12.0)
+    assert found[4] == pytest.approx(wanted[4], rel=0.1)
 
 
 def test_a_character_that_no_font_has_is_told(system_fonts) -> None:
