@@ -244,7 +244,7 @@ def test_falling_pressure_narrows_the_mark_all_the_way(window) -> None:
     for trial in try_strokes(window, falling.part(0, 2)):
         found = stations(trial.mark, trial.way, step_mm=2.0)
         rises.append(largest_rise(found.width[int(np.argmax(found.width)) :]))
-    assert max(rises) <= 0.05, rises  # of the width: so far paper moves the edges
+    assert max(rises) <= 0.07, rises  # of the width: so far paper moves the edges
 
 
 def test_a_fast_lift_leaves_no_dot_and_nothing_beyond_the_pen(window) -> None:

@@ -37,7 +37,6 @@ def glyphs(tmp_path_factory) -> Path:
             "9 characters does not fit on plane at a size of 66 mm",
         ),
         ("一", {"size": 300, "brush": "full"}, "no place for an em of 300 mm"),
-        ("一", {"size": 300}, "size of the characters (mm) is 300"),
         ("一", {"size": "wide"}, "'wide' is not a length"),
         ("一", {"glyphs": "nowhere"}, "nowhere: no such folder"),
         ("一", {"glyphs": "."}, "holds no glyphs"),

@@ -66,7 +66,7 @@ def faults(trial: Trial, wanted_ink: float | None = None) -> list[str]:
     if jump > 2.0:
         told.append(f"jump of {jump:.2f} mm")
     ink = 1.0 if wanted_ink is None else ink_per_mm(trial.mark, trial.way) / wanted_ink
-    if not 0.85 <= ink <= 1.2:
+    if not 0.85 <= ink <= 1.25:  # on paper lanes of hairs bring more or less
         told.append(f"ink {ink:.2f} of what was wanted")
     return [f"stroke {trial.number}: {', '.join(told)}"] if told else []
 
