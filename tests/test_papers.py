@@ -1,8 +1,8 @@
 """docs/papers.md: every row has its test, and all that it names is there, by the program itself.
 
-Commands and options are looked up in the command line's own parser, words of the studio in a
-window that is open. That the tests exercise what their rows name is read, not computed: what can
-be is that a row which names a command is held by a test that runs one, and a row that names the
+Commands and options are looked up in the command line's own parser, words of the studio in its
+window (`tests/app/test_papers_in_window.py`). That the tests exercise what their rows name is read,
+not computed: what can be is that a row which names a command is held by a test that runs one, and a row that names the
 studio by one that opens its window.
 """
 
@@ -17,8 +17,6 @@ from pathlib import Path
 
 import pytest
 
-from paint3d.app.model.commands import COMMANDS as ACTIONS
-from paint3d.app.model.commands import SHORTCUTS
 from paint3d.bench.registry import BENCHMARKS
 from paint3d.cli import main
 from paint3d.cli.options import UsageError
@@ -171,45 +169,6 @@ def test_a_row_is_held_by_a_test_that_does_what_it_names(number: int) -> None:
         assert RUNS.search(sources), f"{names} run no command"
     if "paint" in commands or WORDS.search(reached) or "studio" in reached:
         assert OPENS.search(sources), f"{names} open no window"
-
-
-@pytest.fixture(scope="module")
-def words_of_the_window() -> Iterator[set[str]]:
-    """All that a studio with a painting shows: menus, tools, panels, dialogs, the list of keys."""
-    pytest.importorskip("PySide6", reason="PySide6 is not installed")
-    from PySide6 import QtGui, QtWidgets
-
-    from paint3d.app.model.persistence.settings import Settings
-    from paint3d.app.window.questions import PreferencesDialog
-    from paint3d.app.window.start import make_program
-    from paint3d.app.window.studio import StudioWindow
-    from paint3d.app.window.wording import say
-    from tests.support.app.windows import close_unasked
-
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("QT_QPA_PLATFORM", "offscreen")
-        window = StudioWindow(make_program(), Settings())
-    dialog = PreferencesDialog(window, Settings())
-    shown = {say(ACTIONS[one.action].text) for one in SHORTCUTS if one.gesture != "press"}
-    for root in (window, dialog):
-        for action in root.findChildren(QtGui.QAction):
-            shown |= {action.text(), action.toolTip()}
-        for widget in (root, *root.findChildren(QtWidgets.QWidget)):
-            shown |= {widget.toolTip(), widget.windowTitle(), widget.accessibleName()}
-            if isinstance(widget, QtWidgets.QLabel | QtWidgets.QAbstractButton):
-                shown.add(widget.text())
-            if isinstance(widget, QtWidgets.QComboBox):
-                shown |= {widget.itemText(k) for k in range(widget.count())}
-    yield shown
-    dialog.close()
-    close_unasked(window)
-
-
-@pytest.mark.parametrize(
-    "word", sorted({word for row in ROWS.values() for word in WORDS.findall(row)})
-)
-def test_words_of_the_studio_are_seen_in_its_window(words_of_the_window: set[str], word) -> None:
-    assert word in words_of_the_window
 
 
 def test_every_picture_and_page_is_there() -> None:

@@ -10,11 +10,13 @@ import pytest
 
 pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
-from PySide6 import QtCore, QtTest
+from PySide6 import QtCore, QtGui, QtTest, QtWidgets
 
+from paint3d.app.model.commands import COMMANDS, SHORTCUTS
 from paint3d.app.model.persistence.settings import load_settings
 from paint3d.app.window.object.new_dialog import NewDialog
 from paint3d.app.window.questions import PreferencesDialog
+from paint3d.app.window.wording import say
 from paint3d.core.quaternion import matrices_from_quaternions
 from tests.support.app.gestures import (
     BUTTON,
@@ -28,6 +30,7 @@ from tests.support.app.gestures import (
 )
 from tests.support.app.pointers import Touching
 from tests.support.app.windows import faults, opened, settled
+from tests.test_papers import ROWS, WORDS
 
 KEY = QtCore.Qt.Key
 PRESSURES = [0.1, *[0.5] * 10, 0.0]
@@ -175,3 +178,28 @@ def test_a_new_painting_begins_bare(window, monkeypatch) -> None:
     assert not window.document.strokes
     assert window.document.surface.amounts.sum() == 0.0
     assert not window.document.can_undo
+
+
+@pytest.fixture(scope="module")
+def shown(window) -> set[str]:
+    """All that a studio with a painting shows: menus, tools, panels, preferences, list of keys."""
+    dialog = PreferencesDialog(window, load_settings()[0])
+    found = {say(COMMANDS[one.action].text) for one in SHORTCUTS if one.gesture != "press"}
+    for root in (window, dialog):
+        for action in root.findChildren(QtGui.QAction):
+            found |= {action.text(), action.toolTip()}
+        for widget in (root, *root.findChildren(QtWidgets.QWidget)):
+            found |= {widget.toolTip(), widget.windowTitle(), widget.accessibleName()}
+            if isinstance(widget, QtWidgets.QLabel | QtWidgets.QAbstractButton):
+                found.add(widget.text())
+            if isinstance(widget, QtWidgets.QComboBox):
+                found |= {widget.itemText(k) for k in range(widget.count())}
+    dialog.close()
+    return found
+
+
+@pytest.mark.parametrize(
+    "word", sorted({word for row in ROWS.values() for word in WORDS.findall(row)})
+)
+def test_words_of_the_papers_page_are_seen_in_the_window(shown: set[str], word: str) -> None:
+    assert word in shown

@@ -571,6 +571,7 @@ def test_without_a_display_it_says_so(tmp_path: Path) -> None:
 def test_without_pyside_it_says_what_to_install(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
+    monkeypatch.setattr(paint3d.app, "window", paint3d.app.window)  # a failed import replaces it
     for name in [name for name in sys.modules if name.startswith("paint3d.app.window")]:
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, "PySide6", None)
