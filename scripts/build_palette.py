@@ -122,7 +122,7 @@ Set by eye, such that a colour gets paler with water as painters know it; a draw
 brush.
 """
 
-GLOSSES = {"oil soot": 0.35, "gamboge": 0.3}
+GLOSSES = {"oil soot": 0.4, "gamboge": 0.3}
 """How glossy a coat dries; set by eye: oil soot is known for its gloss, gamboge is a resin."""
 
 FINES = {

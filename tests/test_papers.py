@@ -2,8 +2,8 @@
 
 Commands and options are looked up in the command line's own parser, words of the studio in its
 window (`tests/app/test_papers_in_window.py`). That the tests exercise what their rows name is read,
-not computed: what can be is that a row which names a command is held by a test that runs one, and a row that names the
-studio by one that opens its window.
+not computed: what can be is that a row which names a command is held by a test that runs one, and a
+row that names the studio by one that opens its window.
 """
 
 from __future__ import annotations

@@ -73,7 +73,7 @@ _LEAST = np.float32(0.02)  # share below which nothing is touched
 _LEADS_MM = 1.0  # of the way, over which it is told where it leads
 _CURVES_MM, _SHARPEST = 3.0, 0.2  # mm over which the way's curve is told; 1/mm, at most
 _FLOWS_MM_S, _MOST_HASTE = 220.0, 2.0  # speed at which haste is 1; clocks of devices jump
-_DRAINS_MM, _FILLS_S, _SLOWEST_MM_S = 50.0, 0.25, 4.0  # way and time that it lags behind by
+_DRAINS_MM, _FILLS_S = 50.0, 0.25  # way and time over which it follows
 _SEEN = 1.6  # wavelength of bumps over their length
 
 
@@ -182,7 +182,7 @@ def note_way(before, after):
     is pressed or turned in its place sways; one that comes down lies against its way.
 
     Haste is the speed over that at which ink from the belly falls behind. A tuft comes down wet,
-    and is drained over some way, or filled again in some time where the hand slows down.
+    and is drained over some way, or filled again in some time where the hand slows down or rests.
     """
     a, b = before.values[0], after.values[0]
     dx, dy, dz = (
@@ -197,7 +197,7 @@ def note_way(before, after):
             b.heading[axis] = -b.bend[axis]
         return
     b.way = a.way + step
-    stays = np.exp(-step / _DRAINS_MM - step / (_FILLS_S * max(b.speed, _SLOWEST_MM_S)))
+    stays = np.exp(-step / _DRAINS_MM - max(b.time - a.time, 0.0) / _FILLS_S)
     b.haste = stays * a.haste + (1.0 - stays) * min(_MOST_HASTE, b.speed / _FLOWS_MM_S)
     hx, hy, hz = a.heading[0], a.heading[1], a.heading[2]
     keep = np.exp(-step / _LEADS_MM)

@@ -48,7 +48,7 @@ _IN_PLACE = 0.35  # of the motion of a footprint that turns or grows where it st
 _ROUGH_MM = 3.5  # all of it from this width on
 _CALM = 0.58  # of a slow, wet brush
 _HASTY, _HASTY_MM_S = 0.42, 180.0  # more up to this speed
-_THIRSTY, _SATED, _PARCHED = 0.5, 1.6, 0.6  # and more between these loads over that of skipping
+_DRY, _WET_FROM, _DRY_TO = 0.5, 1.6, 0.6  # and more between these loads over that of skipping
 _BELLY, _POINT = 1.15, 0.6  # times that at the heel of the footprint and at its tip
 _FIRM = 0.4  # pressure from which a footprint that grows gives ink for all of its growth
 
@@ -87,6 +87,7 @@ GEOMETRY = np.dtype(
         ("short", "f8"),  # and how much nearer to M_d than the footprint is long that is, mm
         ("heading", *_VECTOR),  # where the way leads, 0 until it does
         ("curve", "f8"),  # of the way to the left, over some mm, 1/mm
+        ("time", "f8"),  # s, as its samples count it
         ("speed", "f8"),  # of the hand, mm/s
         ("haste", "f8"),  # lag of the ink behind it: see `dry_contact.note_way`
         ("centred", "f8"),  # 1 where the middle of the outline lies at that place, else 0
@@ -426,8 +427,8 @@ def _fill_steady(values, sweep):
     """
     broad = min(1.0, 2.0 * values.widest / _ROUGH_MM)
     follows = _CALM + _HASTY * min(1.0, values.speed / _HASTY_MM_S)
-    sated = (sweep.wet - _PARCHED) / (_SATED - _PARCHED)
-    follows += _THIRSTY * (1.0 - min(1.0, max(0.0, sated)))
+    wet = (sweep.wet - _DRY_TO) / (_WET_FROM - _DRY_TO)
+    follows += _DRY * (1.0 - min(1.0, max(0.0, wet)))
     follows = min(1.0, follows) * broad * np.sqrt(broad)
     rise = (_POINT - _BELLY) * follows / max(values.tip - values.heel, 1e-6)
     sweep.steady[0] = 1.0 - (_BELLY * follows - rise * values.heel)

@@ -90,7 +90,7 @@ _MOST = 6.0  # times a share that a line gets
 _ON_GLAZE, _ON_GRAIN = 1.15, 0.8  # power of a line's length that what it gets falls with
 # Strength of what bundles of hairs bring on paper: of a tuft about to skip, and of one so many
 # times as full, in which ink runs together
-_STREAKED, _RUN_TOGETHER, _SATED = 0.16, 0.05, 2.2
+_STREAKS, _STREAKS_FULL, _FULL = 0.16, 0.05, 2.2
 
 
 @uncounted(error_model="numpy")
@@ -205,7 +205,7 @@ def level_shares(before, after, wet, contact, field, ink, n, scratch):
         Whether they were.
     """
     values, found, drinks = after.values[0], scratch.found, absorbency(ink)
-    if drinks > 0.0:
+    if drinks > 0.0:  # on a glaze nobody reads it
         found.brings[:n] = 1.0
     if before.values[0].touches <= 0.0 or values.touches <= 0.0 or values.tip <= values.heel:
         return False
@@ -226,8 +226,8 @@ def level_shares(before, after, wet, contact, field, ink, n, scratch):
     across, start = _count_lines(values, way, first, apart)
     _give_by_line(n, found.ids, field.px, field.py, field.pz, across, start, gains, found.share)
     if drinks > 0.0:
-        sated = min(1.0, max(0.0, (wet - 1.0) / (_SATED - 1.0)))
-        strength = evens * drinks * (_STREAKED + sated * (_RUN_TOGETHER - _STREAKED))
+        full = min(1.0, max(0.0, (wet - 1.0) / (_FULL - 1.0)))
+        strength = evens * drinks * (_STREAKS + full * (_STREAKS_FULL - _STREAKS))
         weigh_streaks(strength, contact, after, found, n, field, ink, scratch.block)
     return True
 

@@ -407,6 +407,7 @@ def place_at(samples, i, share, brush, canvas, before, after, scratch):
         a, b = samples.velocity[i, axis], samples.velocity[i + 1, axis]
         speed2 += (a + share * (b - a)) ** 2
     after.values[0].speed = np.sqrt(speed2)
+    after.values[0].time = samples.time[i] + share * (samples.time[i + 1] - samples.time[i])
     return tuft
 
 

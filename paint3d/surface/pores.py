@@ -196,9 +196,8 @@ def find_pores(points: AnyArray, material: Material, spacing: float) -> Pores:
     if fibres is not None:
         sieve *= even_exp(-_FIBRES_OF_SIEVE * material.grain * fibres)
         conductance *= even_exp(_FIBRES_OF_WAYS * material.grain * fibres - _FLOCS_OF_WAYS * relief)
-    tight = (
-        min(1.0, material.pores_mm / _RAW_MM) if material.pores_mm else 1.0
-    )  # sized: narrower pores
+    # pores of sized paper are narrower
+    tight = min(1.0, material.pores_mm / _RAW_MM) if material.pores_mm else 1.0
     catch = np.full(len(points), _CATCH_MM * tight)
     if fibres is not None:
         catch *= even_exp(_FIBRES_OF_CATCH * material.grain * fibres - _FLOCS_OF_CATCH * relief)

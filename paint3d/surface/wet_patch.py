@@ -27,7 +27,7 @@ _OF_NODES = (
 _OF_PORES = ("residual", "strength", "sieve", "catch", "bare_entry_depth", "bare_conductance")
 _THICK = 9.0  # coats to the mm of liquid from which on soot's flocs hold together: one part in 4
 _LOOSE = 0.95  # of its flocs that ever more water parts
-_PARTICLES = 0.75  # what is not fine of a pigment that has no more of a dye than soot has
+_PARTICLES = 0.65  # what is not fine of a pigment that has no more of a dye than soot has
 FIRST_PACE = 1.0 / 30.0  # s: the time step of a block after ink arrived
 
 

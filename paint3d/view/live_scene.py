@@ -577,9 +577,11 @@ class LiveScene:
         """Draw the lines of other meshes so much wider meanwhile."""
         for drawn, width in self._beside.items():
             drawn.actor.GetProperty().SetLineWidth(factor * width)
-        yield
-        for drawn, width in self._beside.items():
-            drawn.actor.GetProperty().SetLineWidth(width)
+        try:
+            yield
+        finally:
+            for drawn, width in self._beside.items():
+                drawn.actor.GetProperty().SetLineWidth(width)
 
     def _draw_smaller(self, share: float) -> None:
         """Draw the object at reduced resolution into the lower left corner."""

@@ -127,7 +127,7 @@ def lay_paper_at(field, v):
         take -= _VOID * amount * coarse * shown * deep * deep
     far = np.sqrt(wx * wx + wy * wy + wz * wz)
     if far > MOST_ASIDE_MM * amount:
-        less = MOST_ASIDE_MM * amount / far
+        less = 0.9999 * MOST_ASIDE_MM * amount / far  # within it when rounded
         wx, wy, wz = less * wx, less * wy, less * wz
     nx, ny, nz = np.float64(field.nx[v]), np.float64(field.ny[v]), np.float64(field.nz[v])
     up = wx * nx + wy * ny + wz * nz  # the edge moves in the surface

@@ -92,10 +92,8 @@ class _Rows(NamedTuple):
     starts: NDArray  # (R + 1,) uint32
     cols: NDArray  # (K,) uint32, places in ids
     x: NDArray  # (K,) float64, weight times the time for which water runs there
-    edge_flow: (
-        NDArray  # (2, K) float64, what came in by edges with an entry; in the end what runs out
-    )
-    # and carries soot, and what of it runs as a film, which carries all pigment
+    edge_flow: NDArray  # (2, K) float64, what came in by edges with an entry; in the end what
+    # runs out and carries soot, and what of it runs as a film, which carries all pigment
     totals: NDArray  # (R,) float64, sum of x
     share: NDArray  # (R,) float64, 1 / area
     residual_depth: NDArray  # (R,) float64, depth below which nothing moves

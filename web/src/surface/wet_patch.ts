@@ -11,7 +11,7 @@ export const WET_COAT_MM = 0.03;
 const WET_INK_MM = 0.015;
 const THICK = 9.0;
 const LOOSE = 0.95;
-const PARTICLES = 0.75;
+const PARTICLES = 0.65;
 /** The time step of a block after ink arrived, s. */
 export const FIRST_PACE = 1.0 / 30.0;
 const KEPT = ["water", "inside", "soaked", "pigment", "fine", "loose"] as const;
