@@ -74,7 +74,7 @@ def test_streaks_are_long_and_narrow_in_any_direction(turn) -> None:
     picture = covered(turn=turn)
     assert correlation_mm(picture, 1) > 3.0 * correlation_mm(picture, 0)
     by_place = [
-        [covered(turn=to, down=down).mean() for down in (-12.0, -4.0, 0.0, 4.0, 12.0)]
+        [covered(0.2, turn=to, down=down).mean() for down in (-12.0, -4.0, 0.0, 4.0, 12.0)]
         for to in (0.0, turn)
     ]
     assert np.mean(by_place[0]) == pytest.approx(np.mean(by_place[1]), abs=0.1)
