@@ -437,6 +437,8 @@ def test_a_seal_is_pressed_where_one_taps_as_on_the_desktop(
     bare, tap = settled(browser), [(410.0, 345.0, 0.5)] * 2
     press, undo, redo = (f"{at(name)}.click()" for name in ("press-seal", "undo", "redo"))
     browser.evaluate(press)
+    browser.stroke(wave(350.0, 420.0, 60.0))  # no tap, and no stroke
+    assert settled(browser) == bare
     browser.stroke(tap)
     pressed = settled(browser)
     assert pressed["srgb"] != bare["srgb"]

@@ -33,6 +33,7 @@ const MOST_BEHIND_MS = 200; // of wet ink's time, that is caught up with
 const ERASER_END = 5; // the button that a pen's other end says
 const WRITTEN_FASTER = 3.0; // than the planned hand goes
 const MESH = /\.(glb|gltf|obj|ply|stl)$/i;
+const TAP_PX = 12; // that a tap may slip
 const PALM_MS = 700; // after a pen's last word a touch is a palm
 
 /** What the page cannot do without. */
@@ -58,6 +59,7 @@ class Page {
   #copybook: Copybook | null = null;
   readonly #seals = new SealList((seal) => this.#whenTapped(say("tapForSeal"), (event) => this.#pressSeal(event, seal)));
   #sealLines: SealLines | null = null;
+  #tapping: PointerEvent | null = null; // that is down there
   #tapped: ((event: PointerEvent) => void) | null = null; // what is done where the object is tapped next
   #writes = false; // a planned hand
   readonly #layers = new LayerList((edit) => this.#restack(edit));
@@ -143,7 +145,7 @@ class Page {
     this.#ink = contents.inks[0].name;
     this.#keeper = await Keeper.open();
     const text = (await this.#keeper?.read().catch(() => "")) ?? "";
-    if (text.includes("begin_stroke") && (await this.#goOn(contents, text)) === "") return;
+    if (/begin_stroke|press_seal/.test(text) && (await this.#goOn(contents, text)) === "") return;
     await this.open(contents, 0);
   }
 
@@ -793,9 +795,7 @@ class Page {
     }
     if (this.#pointer !== null || this.#writes) return;
     if (this.#tapped !== null) {
-      const then = this.#tapped;
-      this.#tapped = null;
-      then(event);
+      this.#tapping = event; // until it is up: a second finger may come, to turn
       return;
     }
     this.#pointer = event.pointerId;
@@ -808,6 +808,7 @@ class Page {
 
   /** A second finger came: what the first has painted was no stroke. */
   #takeBack(): void {
+    this.#tapping = null;
     if (this.#pointer === null) return;
     const pointer = this.#pointer;
     this.#pointer = null;
@@ -856,9 +857,19 @@ class Page {
   #up(event: PointerEvent): void {
     this.#touches.delete(event.pointerId);
     if (this.#turning?.pointer === event.pointerId) this.#turning = null;
+    if (this.#tapping?.pointerId === event.pointerId) this.#tap(this.#tapping, event);
     if (this.#pointer !== event.pointerId) return;
     this.#pointer = null;
     this.#hear(event);
+  }
+
+  /** What came down in one place has gone up: do what waits for it, unless it went elsewhere. */
+  #tap(down: PointerEvent, up: PointerEvent): void {
+    const [then, apart] = [this.#tapped, Math.hypot(up.clientX - down.clientX, up.clientY - down.clientY)];
+    this.#tapping = null;
+    if (then === null || up.type === "pointercancel" || apart > TAP_PX) return;
+    this.#tapped = null;
+    then(down);
   }
 
   #hear(event: PointerEvent): void {
