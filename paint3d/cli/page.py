@@ -84,6 +84,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="TEXT",
         help="characters that the page shows how to write, by the first brush (default: 永)",
     )
+    build.add_argument(
+        "--seals",
+        metavar="TEXT",
+        default="all",
+        help="characters that seals can be cut from in the page (default: all that are known, "
+        "some 20 s)",
+    )
     add_quiet_option(build)
     serve = add("serve", "hand a built page out to browsers of this machine", _SERVE_EXAMPLES)
     serve.add_argument("folder", metavar="DIR", type=Path, help="what `build` has written")
@@ -131,6 +138,7 @@ def _build(options: argparse.Namespace) -> None:
             progress,
             materials=options.material or folder.MATERIALS,
             copybook=folder.COPYBOOK if options.copybook is None else options.copybook,
+            seals=options.seals,
             page=folder.BUILT,
         )
     if not options.quiet:

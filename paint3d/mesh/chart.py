@@ -155,9 +155,9 @@ def frame_at(surface: ClosestPoints, point: ArrayLike, up: ArrayLike) -> Surface
     wanted = as_array(up, "up", (3,))
     found = surface.find(as_array(point, "point", (3,))[None])
     normal = found.normals[0]
-    tangent = wanted - normal * (wanted @ normal)
-    length = math.sqrt(tangent @ tangent)
-    if length < 1e-6 * max(math.sqrt(wanted @ wanted), 1e-12):
+    tangent = wanted - normal * dots_of(wanted, normal)
+    length = float(lengths_of(tangent))
+    if length < 1e-6 * max(float(lengths_of(wanted)), 1e-12):
         raise InputError(
             "up is {wanted}, along the surface's normal; expected another direction",
             wanted=wanted.tolist(),
@@ -344,7 +344,7 @@ def _trace(
     surface: ClosestPoints, frame: SurfaceFrame, x: AnyArray, y: AnyArray, step_mm: float
 ) -> tuple[AnyArray, AnyArray]:
     """Trace geodesics from the frame to chart coordinates x, y; return points, normals (N, 3)."""
-    reach = np.hypot(x, y)
+    reach = np.sqrt(x * x + y * y)
     n_steps = max(1, math.ceil(reach.max() / step_mm))
     step = (reach / n_steps)[:, None]
     safe = np.where(reach > 0.0, reach, 1.0)[:, None]
@@ -353,8 +353,8 @@ def _trace(
     normals = np.broadcast_to(frame.normal, heading.shape).copy()
     for k in range(n_steps):
         found = surface.find(points + step * heading)
-        advance = np.sum((found.points - points) * heading, axis=1)
-        turned = np.sum(found.normals * normals, axis=1)  # cosine between the two normals
+        advance = dots_of(found.points - points, heading)
+        turned = dots_of(found.normals, normals)  # cosine between the two normals
         lost = (advance < _LEAST_ADVANCE * step[:, 0] - _FINEST_STEP) | (turned <= 0.0)
         if lost.any():
             i = int(np.flatnonzero(lost)[0])
@@ -368,7 +368,7 @@ def _trace(
             )
         # Parallel transport: the least rotation that takes one normal to the next. Projecting the
         # headings instead would pull every geodesic towards the direction of least bending.
-        ratio = np.sum(heading * found.normals, axis=1) / (1.0 + turned)
+        ratio = dots_of(heading, found.normals) / (1.0 + turned)
         heading = _in_plane(heading - ratio[:, None] * (normals + found.normals), found.normals)
         points, normals = found.points, found.normals
     return points, normals
@@ -411,10 +411,13 @@ def unroll(chart: SurfaceChart, points: ArrayLike) -> NDArray[np.float64]:
     there = chart.points(nodes)
     step = 2.0 * reach.max() / (_NODES - 1)
     stretch = np.linalg.norm(np.diff(there.reshape(_NODES, _NODES, 3), axis=0), axis=2).max()
-    apart, nearest = KDTree(there).query(given, distance_upper_bound=2.0 * max(step, stretch))
-    near = np.flatnonzero(np.isfinite(apart))
+    most = 2.0 * max(step, stretch)
+    apart, nearest = KDTree(there).query(given, k=4, distance_upper_bound=most)
+    near = np.flatnonzero(np.isfinite(apart[:, 0]))
     flat = np.full((len(given), 2), np.nan)
-    at = nodes[nearest[near]]
+    # of several that are as near the first, which no tree says of itself
+    first = np.where(apart == apart[:, :1], nearest, len(nodes)).min(axis=1)
+    at = nodes[first[near]]
     beyond = np.zeros(len(near), np.bool_)
     for _ in range(_ROUNDS):
         moved = at + _newton_step(chart, at, given[near])
@@ -437,9 +440,8 @@ def _newton_step(chart: SurfaceChart, at: AnyArray, wanted: AnyArray) -> NDArray
         span = (high - low)[:, axis, None]
         columns.append((chart.points(high) - chart.points(low)) / span)
     along_x, along_y = columns
-    xx, xy = np.sum(along_x * along_x, axis=1), np.sum(along_x * along_y, axis=1)
-    yy = np.sum(along_y * along_y, axis=1)
-    bx, by = np.sum(along_x * away, axis=1), np.sum(along_y * away, axis=1)
+    xx, xy, yy = dots_of(along_x, along_x), dots_of(along_x, along_y), dots_of(along_y, along_y)
+    bx, by = dots_of(along_x, away), dots_of(along_y, away)
     determinant = xx * yy - xy * xy
     result: NDArray[np.float64] = (
         np.stack([yy * bx - xy * by, xx * by - xy * bx], axis=1) / determinant[:, None]

@@ -30,6 +30,7 @@ from paint3d.files.load import load_mesh
 from paint3d.mesh.sheet_mesh import sheet_of
 from paint3d.page.bundle import write_bundle
 from paint3d.page.copybook import copybook_table
+from paint3d.page.seals import seal_table
 from paint3d.page.tables import (
     Table,
     brush_table,
@@ -72,6 +73,7 @@ def build_page(
     *,
     materials: Sequence[str] = (),
     copybook: str = "",
+    seals: str = "",
     page: Path | None = BUILT,
     kernels: Path = KERNELS,
 ) -> None:
@@ -93,6 +95,8 @@ def build_page(
         Beside those that suit the objects.
     copybook : str
         Text whose characters are planned for the first brush; without one there is no copybook.
+    seals : str
+        Characters that seals can be cut from, or `seals.EVERY`; without any there is no seal.
     page, kernels : Path
         Where ``npm run build`` and ``python -m tools.kernels --for wasm32`` have written to;
         without a page only its data are written.
@@ -147,6 +151,10 @@ def build_page(
         contents["copybook"] = {"file": "copybook.bin.gz", "text": copybook}
         characters = copybook_table(copybook, brushes[0], COPYBOOK_EM_MM)
         files["copybook.bin.gz"] = lambda: characters
+    if seals:
+        contents["seals"] = {"file": "seals.bin.gz"}
+        lines = seal_table(seals)
+        files["seals.bin.gz"] = lambda: lines
     contents["inks"] = [
         {
             "name": name,

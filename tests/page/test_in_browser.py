@@ -16,11 +16,13 @@ import pytest
 import trimesh
 from PIL import Image
 from scipy.spatial import cKDTree
+from shapely import Polygon
 
 from paint3d.app.model.copybook import Copybook
 from paint3d.app.model.laid_text import LaidText
 from paint3d.app.model.score.playing import painted
 from paint3d.calligraphy.glyph_sources import load_glyphs, open_glyphs
+from paint3d.calligraphy.seal.stone import cut_seal
 from paint3d.colour.spectra import encode_srgb
 from paint3d.files.load import load_mesh
 from paint3d.page.folder import KERNELS, PageObject, build_page
@@ -44,7 +46,9 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     out = tmp_path_factory.mktemp("page")
     objects = [PageObject("square", 0.8), PageObject("bowl", 0.8)]
     inks = ["pine soot", "cinnabar"]
-    build_page(out, objects, ["zhongkai", "xiaokai"], inks, copybook="一", page=page)
+    build_page(
+        out, objects, ["zhongkai", "xiaokai"], inks, copybook="一", seals="永和九年書", page=page
+    )
     return out
 
 
@@ -410,6 +414,92 @@ def test_a_text_that_a_page_cannot_lay_is_refused_in_words(
     with pytest.raises(AssertionError) as refused:
         with_text(browser, {"text": "永", "point": [0.0, 0.0, 0.0]} | words)
     assert f"RecordingError: line 2: {said}" in refused.value.args[0]["exception"]["description"]
+
+
+@pytest.mark.parametrize("place", [SHEET, BOWL])
+def test_a_seal_is_pressed_where_one_taps_as_on_the_desktop(
+    place: int, browser: Browser, tmp_path: Path
+) -> None:
+    begin_with(browser, place)
+    at = "document.getElementById('{}')".format
+    if browser.evaluate(f"{at('tab-copybook')}.hidden"):
+        browser.evaluate(f"{at('show-copybook')}.click()")
+    browser.wait_for(at("press-seal"))
+    change = "(e => {{ e.value = {}; e.dispatchEvent(new Event('{}')); }})({})".format
+    note = f"{at('seal-text')}.closest('section').querySelector('.note')"
+    for text, said in (("永和九年書", "1 to 4 characters, not 5"), ("永☃", "Not in this page: ☃")):
+        browser.evaluate(change(f"'{text}'", "input", at("seal-text")))
+        assert said in browser.evaluate(f"{note}.textContent")
+        assert browser.evaluate(f"{at('press-seal')}.disabled")
+    browser.evaluate(change("'永和'", "input", at("seal-text")))
+    browser.evaluate(change(20, "input", at("seal-turn")))
+    browser.stroke(wave(330.0, 330.0, 160.0))
+    bare, tap = settled(browser), [(410.0, 345.0, 0.5)] * 2
+    press, undo, redo = (f"{at(name)}.click()" for name in ("press-seal", "undo", "redo"))
+    browser.evaluate(press)
+    browser.stroke(wave(350.0, 420.0, 60.0))  # no tap, and no stroke
+    assert settled(browser) == bare
+    browser.stroke(tap)
+    pressed = settled(browser)
+    assert pressed["srgb"] != bare["srgb"]
+    browser.evaluate(undo)
+    assert settled(browser)["srgb"] != pressed["srgb"]
+    browser.evaluate(redo)
+    assert settled(browser) == pressed
+    if place == SHEET:
+        browser.evaluate(press)
+        for x in range(20, 340, 10):  # up to the first place on the sheet, which ends there
+            browser.stroke([(float(x), 345.0, 0.5)] * 2)
+            settled(browser)
+            if "no room for the seal" in browser.evaluate(f"{at('hint')}.textContent"):
+                break
+        else:
+            pytest.fail("the sheet ends nowhere")
+        assert settled(browser) == pressed
+    score = browser.evaluate("paint3d.score()")
+    assert (score.count("press_seal"), score.count("begin_stroke")) == (1, 1)
+    assert pressed == by_the_desktop(browser, tmp_path)
+    line = json.loads(next(line for line in score.splitlines() if "press_seal" in line))
+    cut, ours = Polygon(), Polygon()
+    for ring in line["rings"]:
+        cut = cut.symmetric_difference(Polygon(ring))
+    for ring in cut_seal("永和").rings:
+        ours = ours.symmetric_difference(Polygon(ring))
+    assert cut.symmetric_difference(ours).area < 0.03 * ours.area
+
+
+def test_what_cannot_be_opened_says_why(browser: Browser) -> None:
+    begin_with(browser, SHEET)
+    browser.stroke(wave(350.0, 330.0))
+    before, (head, *rest) = settled(browser), browser.evaluate("paint3d.score()").splitlines()
+    words = json.loads(head)
+
+    def said_of(name: str, text: str) -> str:
+        browser.evaluate(
+            f"(d => {{ d.items.add(new File([{json.dumps(text)}], '{name}'));"
+            "document.getElementById('hint').textContent = '';"
+            "document.body.dispatchEvent(new DragEvent('drop',"
+            " {dataTransfer: d, bubbles: true, cancelable: true})); })(new DataTransfer())"
+        )
+        browser.wait_for("document.getElementById('hint').textContent")
+        said: str = browser.evaluate("document.getElementById('hint').textContent")
+        return said
+
+    for changed, said in (
+        ({"object": "teapot"}, "it was painted on teapot at 0.8 mm, which this page does not have"),
+        ({"ink": {"walnut": 1.0}}, 'its first ink, {"walnut":1}, is none of this page\'s'),
+        ({"brush": "mop"}, "this page has no Brush called mop"),
+        ({"material": "slate"}, "this page has no Material called slate"),
+        ({"mesh": "0"}, "its square has another shape than this page's"),
+        ({"format": "diary"}, "its first line says no format"),
+    ):
+        text = "\n".join([json.dumps(words | changed), *rest])
+        assert f"{said}." in said_of("a.jsonl", text)
+        assert browser.evaluate(MESSAGE) == ""
+    flown = "\n".join([head, json.dumps({"do": "fly"})])
+    assert "line 2: a page does not know fly" in said_of("a.jsonl", flown)
+    assert "page build studio --on cup.glb" in said_of("cup.glb", "glTF")
+    assert settled(browser) == before
 
 
 def test_a_piece_is_there_again_when_the_page_is_opened_again(

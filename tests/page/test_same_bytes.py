@@ -17,6 +17,7 @@ import pytest
 
 from paint3d.app.model.score.playing import painted
 from paint3d.brush.spec import DipAmount
+from paint3d.calligraphy.seal.stone import cut_seal
 from paint3d.device.recorded import Recording
 from paint3d.files.load import load_mesh
 from paint3d.mesh.likeness import digest_of
@@ -111,10 +112,20 @@ SITTINGS, QUICK_SITTINGS = 16, 4
 RUNS = {"do": "follow_time", "seconds": 0.05, "times": 6}
 RED = {"do": "dip", "ink": {"cinnabar": 1.0}}
 SOOT_AGAIN = {"do": "dip", "ink": SOOT}
+SEAL = {
+    "do": "press_seal", "at": [3.0, -7.0, 0.0], "up": [0.1, 1.0, 0.0], "ink": {"cinnabar": 1.0},
+    "coats": 1.3, "pad_mm": 3.0, "wear": 1.0, "seed": 1,
+    "rings": [ring.tolist() for ring in cut_seal("永和", size_mm=14.0).rings],
+}  # fmt: skip
 # whole paintings: strokes by where they are shifted to, mm, between what a page can do
 SCORES: dict[str, list[Any]] = {
     "strokes that erase": [
         (0, 0), (5, -10), ("erase", 0, -5), {"do": "undo"}, ("erase", 3, -4), (0, -6),
+    ],
+    "seals in running ink, on another layer, undone": [
+        (0, 0), RUNS, SEAL, (0, -4), RUNS, {"do": "undo"}, {"do": "add_layer"},
+        SEAL | {"at": [-20.0, 5.0, 0.0], "wear": 2.0, "seed": 7}, {"do": "undo"}, {"do": "redo"},
+        RUNS, (2, -9), RUNS,
     ],
     "layers, one of them hidden, one faded": [
         (0, 0), {"do": "add_layer"}, RED, (5, -3), RUNS,

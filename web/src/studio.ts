@@ -19,6 +19,7 @@ export interface Contents {
   inks: { name: string; chinese: string; parts: Record<string, number>; srgb: number[] }[];
   materials: { name: string; chinese: string; file: string }[];
   copybook?: { file: string; text: string };
+  seals?: { file: string }; // lines that they are cut from
 }
 
 /** What lies below the ink: a material, and its tables. */
@@ -40,6 +41,14 @@ export type Fetch = (name: string) => Promise<ArrayBuffer>;
 /** A name that the folder does not hold. */
 export class UnknownNameError extends Error {
   override name = "UnknownNameError";
+
+  constructor(
+    readonly kind: "brush" | "ink" | "material" | "object" | "pigment",
+    readonly unknown: string,
+    known: string[] = [],
+  ) {
+    super(`no ${kind} is called ${unknown}${known.length > 0 ? `; expected ${known.join(", ")}` : ""}`);
+  }
 }
 
 export class Studio {
@@ -123,7 +132,7 @@ export class Studio {
     return new Map(
       Object.entries(parts).map(([name, part]) => {
         const pigment = this.#pigments.get(name);
-        if (pigment === undefined) throw new UnknownNameError(`no pigment is called ${name}`);
+        if (pigment === undefined) throw new UnknownNameError("pigment", name);
         return [pigment, part];
       }),
     );
@@ -136,9 +145,9 @@ export class Studio {
     const found = this.contents.objects.find((o) => o.name === name && o.resolution === resolution);
     if (found === undefined)
       throw new UnknownNameError(
-        `no object is called ${name} at ${resolution} mm; expected ` +
-          this.contents.objects.map((o) => `${o.name} at ${o.resolution} mm`).join(", "),
-      );
+        "object", `${name} at ${resolution} mm`,
+        this.contents.objects.map((o) => `${o.name} at ${o.resolution} mm`),
+      ); // prettier-ignore
     const material = named(this.contents.materials, "material", materialName ?? found.material);
     const [object, tables] = await Promise.all([
       this.fetch(found.file).then((bytes) => Bundle.read<ObjectWords>(bytes, found.file)),
@@ -177,11 +186,9 @@ function json<T>(bytes: ArrayBuffer): T {
   return JSON.parse(new TextDecoder().decode(bytes)) as T;
 }
 
-function named<T extends { name: string }>(list: T[], kind: string, name: string): T {
+function named<T extends { name: string }>(list: T[], kind: UnknownNameError["kind"], name: string): T {
   const found = list.find((one) => one.name === name);
   if (found === undefined)
-    throw new UnknownNameError(
-      `no ${kind} is called ${name}; expected ${list.map((one) => one.name).join(", ")}`,
-    );
+    throw new UnknownNameError(kind, name, list.map((one) => one.name)); // prettier-ignore
   return found;
 }

@@ -3,7 +3,8 @@
 A pad below (or behind) the stone gives way, so that it lies on the surface as a sheet does and
 presses less where that falls away from it. Paste is uneven: thicker along the edges of what is cut,
 patchy within, worn off where the stone's rim has been knocked. All of it follows from the place on
-the stone and a number, so the same seal is the same everywhere and at every resolution.
+the stone and a number, so the same seal is the same everywhere and at every resolution; and all of
+it is made of sums, products and roots, so it is to the bit what `web/src/seal/print.ts` leaves.
 """
 
 from __future__ import annotations
@@ -16,12 +17,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.core.arrays import AnyArray
+from paint3d.core.arrays import AnyArray, dots_of, lengths_of
 from paint3d.errors import InputError, MeshError
 from paint3d.mesh.bvh import ClosestPoints
 from paint3d.mesh.chart import SurfaceChart, SurfaceFrame, make_chart, unroll
 from paint3d.surface.kernels.diffusion import activate_cells
 from paint3d.surface.painted_surface import PaintedSurface
+from paint3d.surface.pores import even_exp
 
 if TYPE_CHECKING:
     from shapely import Geometry
@@ -127,32 +129,45 @@ def find_impression(
             second=2.0 * half[1],
             cause=cause,
         ) from None
+    stone = _Stone(rings)
+    would_touch = _touched(chart, stone, pressing)
+    if would_touch < _LEAST_TOUCHED:
+        raise InputError(
+            "the seal would touch {percent:.0f} % of what it is to print: the surface falls away "
+            "from it; expected a smaller seal, a softer pad or a flatter place",
+            percent=100.0 * would_touch,
+        )
     _refine(surface, chart, max(_FINEST_MM, 2.0 * float(half.max()) / _ACROSS))
     ids, xy = _vertices_under(surface, chart)
     if not len(ids):
         raise InputError("the seal meets no vertex of the surface; expected another place")
-    inside = _signed_distances(xy, rings)
+    inside = stone.within(xy)
     wide = np.sqrt(surface.vertex_areas[ids])
-    inside = inside - pressing.wear * _worn(xy, inside, half, pressing.seed)
+    inside = inside - pressing.wear * _worn(xy, half, pressing.seed)
     soft = np.maximum(_EDGE * wide, _SOFT_MM)
     share = np.clip(0.5 + 0.5 * inside / soft, 0.0, 1.0)
     wanted = share.sum()
     firm = _firmness(chart, xy, pressing.pad_mm)
     bare = _patches(xy, pressing.seed)
-    thick = 1.0 + _RIDGE * np.exp(-np.maximum(inside, 0.0) / _RIDGE_MM) + bare[0]
+    thick = 1.0 + _RIDGE * _fading(np.maximum(inside, 0.0) / _RIDGE_MM) + bare[0]
     share *= np.clip(firm / _FIRM, 0.0, 1.0) * np.clip(1.0 - pressing.wear * bare[1], 0.0, 1.0)
     thick *= 0.55 + 0.45 * firm
     touched = float(share.sum() / max(wanted, 1e-9))
     kept = share > 1e-3
-    if touched < _LEAST_TOUCHED or not kept.any():
-        raise InputError(
-            "the seal would touch {percent:.0f} % of what it is to print: the surface falls away "
-            "from it; expected a smaller seal, a softer pad or a flatter place",
-            percent=100.0 * touched,
-        )
     covered = share[kept]
     coats = pressing.coats * np.maximum(thick[kept], 0.1) * covered
     return Impression(ids[kept], coats.astype(np.float32), covered.astype(np.float32), touched)
+
+
+def _touched(chart: SurfaceChart, stone: _Stone, pressing: Pressing) -> float:
+    """How much of the stone's ink would meet the surface, 0 to 1, before that is refined."""
+    reach = np.array([chart.half_width, chart.half_height])
+    x, y = np.meshgrid(*(np.linspace(-r, r, int(_ACROSS) + 1) for r in reach), indexing="ij")
+    lattice = np.stack([x.ravel(), y.ravel()], axis=1)
+    soft = max(_EDGE * (2.0 * reach.max() / _ACROSS), _SOFT_MM)
+    share = np.clip(0.5 + 0.5 * stone.within(lattice) / soft, 0.0, 1.0)
+    firm = np.clip(_firmness(chart, lattice, pressing.pad_mm) / _FIRM, 0.0, 1.0)
+    return float((share * firm).sum() / max(share.sum(), 1e-9))
 
 
 # -- on the surface -----------------------------------------------------------------------------
@@ -196,15 +211,15 @@ def _vertices_under(surface: PaintedSurface, chart: SurfaceChart) -> tuple[AnyAr
     """Vertices (N,) on the chart's own sheet of surface, and where on it they are (N, 2)."""
     vertices = surface.paint_mesh.vertices.astype(np.float64)
     radius = math.hypot(chart.half_width, chart.half_height) + 1.0
-    ids = np.flatnonzero(np.linalg.norm(vertices - chart.frame.origin, axis=1) <= radius)
+    ids = np.flatnonzero(lengths_of(vertices - chart.frame.origin) <= radius)
     xy = unroll(chart, vertices[ids])
     known = np.isfinite(xy).all(axis=1)
     ids, xy = ids[known], xy[known]
     if not len(ids):
         return ids.astype(np.int32), xy
     normals = surface.paint_mesh.normals[ids].astype(np.float64)
-    alike = (normals * chart.normals(xy)).sum(axis=1) > _SAME_SIDE
-    near = np.linalg.norm(vertices[ids] - chart.points(xy), axis=1) < _OFF_MM
+    alike = dots_of(normals, chart.normals(xy)) > _SAME_SIDE
+    near = lengths_of(vertices[ids] - chart.points(xy)) < _OFF_MM
     kept = alike & near
     return ids[kept].astype(np.int32), xy[kept]
 
@@ -212,7 +227,7 @@ def _vertices_under(surface: PaintedSurface, chart: SurfaceChart) -> tuple[AnyAr
 def _firmness(chart: SurfaceChart, xy: AnyArray, pad_mm: float) -> AnyArray:
     """Pressure of the stone, 0 to 1: less where the surface falls away from its plane."""
     frame = chart.frame
-    fallen = np.abs((chart.points(xy) - frame.origin) @ frame.normal)
+    fallen = np.abs(dots_of(chart.points(xy) - frame.origin, frame.normal))
     result: AnyArray = np.clip(1.0 - fallen / pad_mm, 0.0, 1.0)
     return result
 
@@ -220,31 +235,63 @@ def _firmness(chart: SurfaceChart, xy: AnyArray, pad_mm: float) -> AnyArray:
 # -- on the stone -------------------------------------------------------------------------------
 
 
-def _signed_distances(xy: AnyArray, rings: Sequence[AnyArray]) -> AnyArray:
-    """Signed distance (mm) of points (N, 2) inside what takes paste; negative outside."""
-    import shapely
+class _Stone:
+    """What of a stone takes paste.
 
-    shape: Geometry = shapely.Polygon()
-    for ring in rings:
-        shape = shape.symmetric_difference(shapely.Polygon(ring).buffer(0.0))
-    if shape.is_empty:
-        raise InputError("the seal prints nothing: its rings go around no area")
-    shapely.prepare(shape)
-    edge = shape.boundary
-    shapely.prepare(edge)
-    points = shapely.points(xy)
-    away = shapely.distance(edge, points)
-    result: AnyArray = np.where(shapely.contains(shape, points), away, -away)
-    return result
+    Parameters
+    ----------
+    rings : sequence of (N, 2)
+        By the even-odd rule.
+
+    Raises
+    ------
+    InputError
+        If they go around no area.
+    """
+
+    def __init__(self, rings: Sequence[AnyArray]) -> None:
+        import shapely
+
+        shape: Geometry = shapely.Polygon()
+        for ring in rings:
+            shape = shape.symmetric_difference(shapely.Polygon(ring).buffer(0.0))
+        if shape.is_empty:
+            raise InputError("the seal prints nothing: its rings go around no area")
+        shapely.prepare(shape)
+        self._shape = shape
+        lines = [shapely.get_coordinates(line) for line in shapely.get_parts(shape.boundary)]
+        edges = np.concatenate([np.stack([line[:-1], line[1:]], axis=1) for line in lines])
+        (ax, ay), (bx, by) = edges.transpose(1, 2, 0)
+        later = (ax > bx) | ((ax == bx) & (ay > by))  # the lesser end first, whatever the way
+        edges[later] = edges[later, ::-1]
+        self._edges = edges
+        self._tree = shapely.STRtree(shapely.linestrings(edges))
+
+    def within(self, xy: AnyArray) -> AnyArray:
+        """How far within points (N, 2) are, mm; negative outside."""
+        import shapely
+
+        points = shapely.points(xy)
+        edges = self._edges[self._tree.nearest(points)]
+        way, off = edges[:, 1] - edges[:, 0], xy - edges[:, 0]
+        share = np.clip(dots_of(off, way) / dots_of(way, way), 0.0, 1.0)
+        away = lengths_of(off - share[:, None] * way)
+        result: AnyArray = np.where(shapely.contains(self._shape, points), away, -away)
+        return result
 
 
-def _worn(xy: AnyArray, inside: AnyArray, half: AnyArray, seed: int) -> AnyArray:
+def _fading(x: AnyArray) -> AnyArray:
+    """e to the power of -x."""
+    return even_exp(-np.minimum(x, 700.0))
+
+
+def _worn(xy: AnyArray, half: AnyArray, seed: int) -> AnyArray:
     """Wear (mm) of what was cut: little everywhere, more along the rim."""
     ragged = _RAGGED_MM * (_noise(xy, _ROUGH_MM, seed) + 0.7 * _noise(xy, 0.3, seed + 1))
     from_rim = (half - _MARGIN_MM - np.abs(xy)).min(axis=1)
     knocked = np.maximum(_noise(xy, _CHIP_MM, seed + 2) - _CHIP_FROM, 0.0)
-    corner = np.exp(-np.abs(half - _MARGIN_MM - np.abs(xy)).max(axis=1) / 1.2)
-    depth = knocked * 1.6 * np.exp(-np.maximum(from_rim, 0.0) / 0.5)
+    corner = _fading(np.abs(half - _MARGIN_MM - np.abs(xy)).max(axis=1) / 1.2)
+    depth = knocked * 1.6 * _fading(np.maximum(from_rim, 0.0) / 0.5)
     result: AnyArray = ragged + depth + 0.18 * corner * (1.0 + _noise(xy, _ROUGH_MM, seed + 3))
     return result
 

@@ -21,6 +21,14 @@ export function frameAt({ point, normal }: Found, turn: number): Frame {
   return { point, normal, up, ahead: cross(up, normal) };
 }
 
+/** The frame at a place whose up is as near a direction as can be: `frame_at` of Python. */
+export function frameUp({ point, normal }: Found, wanted: Vector): Frame {
+  const tangent = minus(wanted, times(normal, dot(wanted, normal)));
+  const length = lengthOf(tangent);
+  const up = tangent.map((value) => value / length) as unknown as Vector;
+  return { point, normal, up, ahead: cross(up, normal) };
+}
+
 export class Chart {
   readonly #nodes: (Frame | null)[][];
   readonly #reach: [number, number];

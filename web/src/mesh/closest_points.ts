@@ -43,6 +43,21 @@ export class ClosestPoints {
     return { point: vector(point.data), normal: vector(normal.data) };
   }
 
+  /** The same of places (N, 3) at once. */
+  findAll(places: Float64Array): Found[] {
+    const { kernels } = this;
+    const n = places.length / 3;
+    const [query, point, weights, normal] = [NDArray.of(kernels, "f8", places, [n, 3]),
+      ...[0, 1, 2].map(() => kernels.zeros("f8", n, 3))]; // prettier-ignore
+    const face = kernels.zeros("i8", n);
+    kernels.call("mesh.kernels.bvh.find_closest", this.tree, query, point, face, weights, normal);
+    const rows = [point, normal].map((array) => array.data.slice());
+    for (const array of [query, point, weights, normal, face]) array.free();
+    return Array.from({ length: n }, (_, i) => ({
+      point: vector(rows[0].subarray(3 * i, 3 * i + 3)), normal: vector(rows[1].subarray(3 * i, 3 * i + 3)),
+    })); // prettier-ignore
+  }
+
   /** Where a ray first meets the surface; null where it meets none. */
   cast(origin: Vector, direction: Vector): Found | null {
     const { ray, distance } = this.#row;

@@ -3,7 +3,10 @@
 import type { Kernels } from "../core/kernels";
 import type { Brush } from "../brush/brush";
 import type { Contents, Studio } from "../studio";
+import { frameUp } from "../mesh/chart";
 import { ClosestPoints } from "../mesh/closest_points";
+import { readPressing, type PressedSeal } from "../seal/pressing";
+import { findImpression, layPaste } from "../seal/print";
 import { Painter, PIECE_S, type Ink, type Kept } from "../painter/painter";
 import { AT_REST, RecordingError, type DeviceSample } from "../recording/recording";
 import { readText, type LaidText } from "./copybook";
@@ -113,7 +116,7 @@ export class Document {
 
   /** Whether there is anything to be lost. */
   get isPainted(): boolean {
-    return this.#lines.some((line) => line.do === "begin_stroke");
+    return this.#lines.some((line) => line.do === "begin_stroke" || line.do === "press_seal");
   }
 
   /** Take another brush; not during a stroke, which one brush paints. */
@@ -221,6 +224,19 @@ export class Document {
     this.#lines.push({ do: "dry" });
   }
 
+  /** Press a seal onto the layer that is painted on: a step that can be undone. */
+  pressSeal(studio: Studio, seal: PressedSeal): void {
+    if (this.#inStroke) return;
+    const { kernels, surface } = this;
+    const { rings, at, up, ink, ...pressing } = seal;
+    const frame = frameUp(this.closest.find(at), up);
+    const left = findImpression(kernels, surface, this.closest, frame, rings, pressing);
+    const parts = this.painter.partsOf(studio.mixture(ink));
+    this.#begin();
+    this.painter.loaded += layPaste(surface, left, parts);
+    this.#lines.push({ do: "press_seal", ...seal });
+  }
+
   get layers(): LayerStack {
     return this.surface.useLayers();
   }
@@ -304,6 +320,7 @@ export class Document {
       else if (row.do === "undo") this.undo();
       else if (row.do === "redo") this.redo();
       else if (row.do === "dry") this.dry();
+      else if (row.do === "press_seal") this.pressSeal(studio, readPressing(row, `line ${k + 1}`));
       else if (row.do === "lay_text") this.layText(readText(row.text, `line ${k + 1}`), row.number as number | undefined);
       else if (row.do === "remove_text") this.removeText(row.number as number);
       else if (LAYER_EDITS.has(String(row.do))) this.restack(row as unknown as LayerEdit);

@@ -3,12 +3,17 @@
 import { KernelError } from "../core/kernels";
 import type { Vector } from "../core/quaternion";
 import { PIECE_S } from "../painter/painter";
-import { Studio, type Contents, type Fetch } from "../studio";
+import { Studio, UnknownNameError, type Contents, type Fetch } from "../studio";
 import { ballAround, Camera } from "./camera";
 import { askForFile, button, choice, element, note, save, section, slider, tick } from "./controls";
 import { Panel, type Tab } from "./panel";
 import { Copybook, USUAL, type Guides, type LaidText } from "./copybook";
 import { CopybookList } from "./copybook_list";
+import { SealList, type CutSeal } from "./seal_list";
+import { frameAt } from "../mesh/chart";
+import { PASTE } from "../seal/pressing";
+import { NoRoomError, NoTouchError, USUAL_PRESSING } from "../seal/print";
+import { SealLines } from "../seal/stone";
 import { Document, type LayerEdit } from "./document";
 import { LayerList } from "./layer_list";
 import { glbOf, plyOf } from "./export";
@@ -27,6 +32,8 @@ const SEEN = 2000; // vertices, at most, that the picture is fitted to
 const MOST_BEHIND_MS = 200; // of wet ink's time, that is caught up with
 const ERASER_END = 5; // the button that a pen's other end says
 const WRITTEN_FASTER = 3.0; // than the planned hand goes
+const MESH = /\.(glb|gltf|obj|ply|stl)$/i;
+const TAP_PX = 12; // that a tap may slip
 const PALM_MS = 700; // after a pen's last word a touch is a palm
 
 /** What the page cannot do without. */
@@ -46,14 +53,14 @@ class Page {
   readonly #texts = new CopybookList({
     lay: (text, number) => this.#layText(text, number),
     remove: (number) => this.#changeTexts(() => this.#opened().painting.removeText(number)),
-    place: (number) => {
-      this.#placing = number;
-      this.#notice(say("place"));
-    },
+    place: (number) => this.#whenTapped(say("place"), (event) => this.#place(event, number)),
     write: (number) => void this.#write(number),
   });
   #copybook: Copybook | null = null;
-  #placing: number | null = null; // the text that goes where the object is tapped next
+  readonly #seals = new SealList((seal) => this.#whenTapped(say("tapForSeal"), (event) => this.#pressSeal(event, seal)));
+  #sealLines: SealLines | null = null;
+  #tapping: PointerEvent | null = null; // that is down there
+  #tapped: ((event: PointerEvent) => void) | null = null; // what is done where the object is tapped next
   #writes = false; // a planned hand
   readonly #layers = new LayerList((edit) => this.#restack(edit));
   readonly #files = new Map<string, Promise<ArrayBuffer>>();
@@ -138,7 +145,7 @@ class Page {
     this.#ink = contents.inks[0].name;
     this.#keeper = await Keeper.open();
     const text = (await this.#keeper?.read().catch(() => "")) ?? "";
-    if (text.includes("begin_stroke") && (await this.#goOn(contents, text))) return;
+    if (/begin_stroke|press_seal/.test(text) && (await this.#goOn(contents, text)) === "") return;
     await this.open(contents, 0);
   }
 
@@ -147,10 +154,10 @@ class Page {
     const { studio, painting } = this.#opened();
     if (painting.isPainted && !confirm(say("leave"))) return;
     const text = await file.text();
-    const isOpen = text.startsWith("{") && (await this.#goOn(studio.contents, text));
-    if (!isOpen) {
+    const cause = await this.#goOn(studio.contents, text);
+    if (cause !== "") {
       if (this.#painting === painting) this.#message.hidden = true;
-      return this.#notice(say("notOpened", { name: file.name }));
+      return this.#notice(say("notOpened", { name: file.name, cause }));
     }
     this.#keeper?.begin();
     this.#keeper?.append(this.score());
@@ -164,25 +171,27 @@ class Page {
     setTimeout(() => hint.classList.add("done"), 8000);
   }
 
-  /** Open the piece that a score of a page says; whether it could be. */
-  async #goOn(contents: Contents, text: string): Promise<boolean> {
+  /** Open the piece that a score of a page says; "", or why it cannot be. */
+  async #goOn(contents: Contents, text: string): Promise<string> {
     const [brushBefore, inkBefore] = [this.#brush, this.#ink];
     try {
-      const head = JSON.parse(text.slice(0, text.indexOf("\n"))) as Record<string, unknown>;
-      const place = contents.objects.findIndex(
-        (one) => one.name === head.object && one.resolution === head.resolution_mm,
-      );
-      const [brush, material] = [head.brush, head.material] as string[];
+      const head = headOf(text);
+      if (head === null) return say("noHead");
+      const [object, mm] = [String(head.object), Number(head.resolution_mm)];
+      const place = contents.objects.findIndex((one) => one.name === object && one.resolution === mm);
+      if (place < 0) return say("noObject", { object, mm });
       const ink = inkOf(contents, head.ink);
-      if (place < 0 || ink === undefined) return false;
-      this.#brush = brush;
+      if (ink === undefined) return say("noInk", { ink: JSON.stringify(head.ink) });
+      this.#brush = String(head.brush);
       this.#ink = ink.name;
-      await this.open(contents, place, material, text);
-      return true;
+      await this.open(contents, place, head.material as string | undefined, text);
+      return "";
     } catch (cause) {
       console.warn("the piece cannot be opened:", cause);
       [this.#brush, this.#ink] = [brushBefore, inkBefore];
-      return false;
+      if (cause instanceof Missing) return say(cause.key, cause.fields);
+      if (cause instanceof UnknownNameError) return say("noName", { kind: say(cause.kind), name: cause.unknown });
+      return cause instanceof Error ? cause.message : String(cause);
     }
   }
 
@@ -194,8 +203,8 @@ class Page {
     const studio = await Studio.open(this.#fetch);
     const painting = await Document.open(studio, about, this.#brush, this.#ink, material);
     if (score !== "") {
-      const head = JSON.parse(score.slice(0, score.indexOf("\n"))) as { mesh?: string };
-      if (head.mesh !== painting.surface.object.words.mesh) throw new Error("it is of another mesh");
+      const isSame = headOf(score)?.mesh === painting.surface.object.words.mesh;
+      if (!isSame) throw new Missing("otherMesh", { object: named(about) });
       let shown = performance.now();
       await painting.repeat(studio, score, async (share) => {
         if (performance.now() - shown < 100.0) return;
@@ -229,7 +238,7 @@ class Page {
     }); // prettier-ignore
     this.#setPress(this.#press);
     this.#stage.open(painting, flat);
-    this.#placing = null;
+    this.#tapped = null;
     if (painting.texts.length > 0) await this.#openCopybook();
     else this.#showTexts();
     this.#message.hidden = true;
@@ -273,11 +282,13 @@ class Page {
         this.#panel.toggle(id);
         if (id === "copybook" && this.#copybook === null)
           this.#openCopybook().catch((cause: unknown) => this.fail(cause));
+        if (id === "copybook" && this.#sealLines === null)
+          this.#openSeals().catch((cause: unknown) => this.fail(cause));
       };
       return this.#panel.opener(button(`show-${id}`, text, toggle, id));
     };
-    const copybook = tab("copybook", say("copybook"));
-    copybook.hidden = contents.copybook === undefined;
+    const copybook = tab("copybook", say(contents.seals === undefined ? "copybook" : "copybookAndSeal"));
+    copybook.hidden = contents.copybook === undefined && contents.seals === undefined;
     element("acts").replaceChildren(
       button("undo", say("undo"), () => this.#step(() => this.#opened().painting.undo()), "undo"),
       button("redo", say("redo"), () => this.#step(() => this.#opened().painting.redo()), "redo"),
@@ -287,7 +298,8 @@ class Page {
       tab("save", say("keep")),
       tab("more", say("more")),
     );
-    this.#panel.fill("copybook", this.#texts.element);
+    this.#panel.fill("copybook", this.#texts.element, this.#seals.element);
+    this.#showSeals();
     this.#panel.fill("layers", this.#layers.element);
     this.#panel.fill("save",
       section(say("keep"),
@@ -297,7 +309,8 @@ class Page {
         button("ply", "PLY", () => save(plyOf(this.#opened().painting.surface), `${this.#name()}.ply`)),
         note(say(this.#keeper === null ? "notKept" : "kept"))),
       section(say("goOn"),
-        button("load", say("load"), () => askForFile(".jsonl", (file) => void this.#load(file)))),
+        button("load", say("load"), () =>
+          askForFile(".jsonl", (file) => this.#load(file).catch((cause: unknown) => this.fail(cause))))),
     ); // prettier-ignore
     this.#panel.fill("more",
       section(say("piece"),
@@ -328,6 +341,47 @@ class Page {
     this.#showTexts();
   }
 
+  async #openSeals(): Promise<void> {
+    const { contents } = this.#opened().studio;
+    if (contents.seals === undefined) return;
+    this.#sealLines ??= await SealLines.read(this.#fetch, contents.seals.file);
+    this.#showSeals();
+  }
+
+  #showSeals(): void {
+    const { contents } = this.#opened().studio;
+    if (this.#sealLines !== null) this.#seals.show(this.#sealLines, contents.copybook === undefined);
+  }
+
+  /** Do something where the object is tapped next, rather than paint. */
+  #whenTapped(notice: string, then: (event: PointerEvent) => void): void {
+    this.#tapped = then;
+    this.#notice(notice);
+    if (element("veil").checkVisibility()) this.#panel.show(null); // which lies over the object
+  }
+
+  /** Press a seal where the pointer is, or say why it cannot be. */
+  #pressSeal(event: PointerEvent, { rings, turn }: CutSeal): void {
+    const { painting, studio } = this.#opened();
+    const { origin, direction } = this.#inputOf(event);
+    const found = painting.closest.cast(origin, direction);
+    if (found === null) return this.#whenTapped(say("tapForSeal"), (next) => this.#pressSeal(next, { rings, turn }));
+    const { layers } = painting;
+    if (!layers.layers[layers.active].visible) return this.#notice(say("isHidden"));
+    const paste = studio.contents.inks.find((one) => one.name === PASTE)?.name ?? this.#ink;
+    this.#act(() => {
+      this.#paint(); // what was heard since the last frame
+      const { up } = frameAt(found, turn);
+      try {
+        painting.pressSeal(studio, { rings, at: found.point, up, ink: studio.partsOf(paste), ...USUAL_PRESSING });
+      } catch (cause) {
+        if (cause instanceof NoRoomError) this.#notice(say("sealNoRoom", { cause: cause.message }));
+        else if (cause instanceof NoTouchError) this.#notice(say("sealNoTouch"));
+        else throw cause;
+      }
+    });
+  }
+
   /** Show the texts, and their lines on the object. */
   #showTexts(): void {
     const { painting, studio } = this.#opened();
@@ -348,7 +402,7 @@ class Page {
   }
 
   #changeTexts(change: () => void): void {
-    this.#placing = null; // it may have another number now
+    this.#tapped = null; // it may have another number now
     this.#act(() => {
       this.#paint(); // what was heard since the last frame
       change();
@@ -517,7 +571,7 @@ class Page {
   /** Undo or redo; what is in hand is shown as it is then. */
   #step(take: () => void): void {
     if (this.#pointer !== null || this.#writes) return; // a stroke goes on
-    this.#placing = null; // the text may be gone
+    this.#tapped = null; // the text may be gone
     this.#act(() => {
       this.#paint(); // what was heard since the last frame
       take();
@@ -710,6 +764,14 @@ class Page {
       event.preventDefault();
       this.#step(() => take.call(painting));
     });
+    addEventListener("dragover", (event) => event.preventDefault());
+    addEventListener("drop", (event) => {
+      event.preventDefault();
+      const file = event.dataTransfer?.files[0];
+      if (file === undefined || this.#painting === null || this.#writes) return;
+      if (MESH.test(file.name)) this.#notice(say("ownObject", { name: file.name }));
+      else this.#load(file).catch((cause: unknown) => this.fail(cause));
+    });
     addEventListener("visibilitychange", () => this.#keep());
     addEventListener("beforeunload", (event) => {
       this.#keep();
@@ -732,10 +794,8 @@ class Page {
       return;
     }
     if (this.#pointer !== null || this.#writes) return;
-    if (this.#placing !== null) {
-      const number = this.#placing;
-      this.#placing = null;
-      this.#place(event, number);
+    if (this.#tapped !== null) {
+      this.#tapping = event; // until it is up: a second finger may come, to turn
       return;
     }
     this.#pointer = event.pointerId;
@@ -748,6 +808,7 @@ class Page {
 
   /** A second finger came: what the first has painted was no stroke. */
   #takeBack(): void {
+    this.#tapping = null;
     if (this.#pointer === null) return;
     const pointer = this.#pointer;
     this.#pointer = null;
@@ -796,9 +857,19 @@ class Page {
   #up(event: PointerEvent): void {
     this.#touches.delete(event.pointerId);
     if (this.#turning?.pointer === event.pointerId) this.#turning = null;
+    if (this.#tapping?.pointerId === event.pointerId) this.#tap(this.#tapping, event);
     if (this.#pointer !== event.pointerId) return;
     this.#pointer = null;
     this.#hear(event);
+  }
+
+  /** What came down in one place has gone up: do what waits for it, unless it went elsewhere. */
+  #tap(down: PointerEvent, up: PointerEvent): void {
+    const [then, apart] = [this.#tapped, Math.hypot(up.clientX - down.clientX, up.clientY - down.clientY)];
+    this.#tapping = null;
+    if (then === null || up.type === "pointercancel" || apart > TAP_PX) return;
+    this.#tapped = null;
+    then(down);
   }
 
   #hear(event: PointerEvent): void {
@@ -885,6 +956,16 @@ class Page {
       (2.0 * (event.clientX - box.left)) / box.width - 1.0,
       1.0 - (2.0 * (event.clientY - box.top)) / box.height,
     ];
+  }
+}
+
+/** What a recording of a page says first; null where it is none. */
+function headOf(text: string): Record<string, unknown> | null {
+  try {
+    const head = JSON.parse(text.split("\n", 1)[0]) as Record<string, unknown> | null;
+    return head?.format === "paint3d-recording" ? head : null;
+  } catch {
+    return null;
   }
 }
 

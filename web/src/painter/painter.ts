@@ -183,6 +183,16 @@ export class Painter {
     return parts;
   }
 
+  /** The same of paste, float32, which the brush does not hold. */
+  partsOf(ink: Ink): Float32Array {
+    const columns = [...ink.keys()].map((pigment) => this.surface.columnOf(pigment));
+    const parts = new Float32Array(this.surface.pigments.length);
+    const sum = Math.fround([...ink.values()].reduce((a, b) => a + b, 0.0));
+    for (const [k, weight] of [...ink.values()].entries()) parts[columns[k]] += Math.fround(weight) / sum;
+    this.#fitScratch();
+    return parts;
+  }
+
   /** Set the load, uniform along the tuft. */
   #hold(load: Float64Array): void {
     const { ink } = this.surface;

@@ -123,6 +123,14 @@ export class PaintedSurface {
     return Int32Array.from(found);
   }
 
+  /** The vertices with paint on them, wet or dry, on any layer. */
+  paintedIds(): Set<number> {
+    const coverage = this.ink.coverage.data;
+    const ids = new Set([...this.dryLayers.ids.subarray(0, this.dryLayers.count), ...(this.layers?.paintedIds() ?? [])]);
+    for (let id = 0; id < this.nVertices; id++) if (coverage[id] > 0.0) ids.add(id);
+    return ids;
+  }
+
   /** What the bare surface reflects: 31 bands, in steps of 1/65535. */
   get bareSteps(): Float64Array {
     return Float64Array.from(this.reflectance, (r) =>

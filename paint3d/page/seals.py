@@ -1,0 +1,73 @@
+"""Lines of characters that seals of the page are cut from.
+
+A file for the page (`paint3d.page.bundle`). Words: ``{"licence", "units", "characters"}``, the
+units of an em. Arrays: how many `strokes` (C,) each character has, how many points the lines
+of all strokes have, `lengths` (S,), and these `points` (N, 2) int16 from a corner of the em square.
+"""
+
+from __future__ import annotations
+
+import os
+
+import numpy as np
+
+from paint3d.calligraphy.glyph_sources import load_glyphs, open_glyphs
+from paint3d.calligraphy.glyphs import EM_UNITS
+from paint3d.calligraphy.kanjivg import find_kanjivg, load_lines
+from paint3d.core.arrays import AnyArray
+from paint3d.errors import InputError
+from paint3d.page.tables import Table
+
+__all__ = ["EVERY", "seal_table"]
+
+EVERY = "all"
+"""Asks for all characters that there are."""
+
+_STRAY = 2.0  # glyph units that a line's chord may
+
+
+def seal_table(text: str) -> Table:
+    """The lines of a text's characters, or of `EVERY` one.
+
+    Raises
+    ------
+    InputError
+        If one is not known, or none is installed.
+    """
+    source, folder = open_glyphs(None), find_kanjivg()
+    assert folder is not None, "else open_glyphs refuses"
+    if text == EVERY:
+        names = (name.removesuffix(".svg") for name in os.listdir(folder) if name.endswith(".svg"))
+        characters = [chr(int(name, 16)) for name in sorted(names) if len(name) == 5]
+    else:
+        characters = list(dict.fromkeys("".join(text.split())))
+        load_glyphs(source, "".join(characters))
+    strokes: list[int] = []
+    lengths: list[int] = []
+    points: list[AnyArray] = [np.empty((0, 2), np.int16)]
+    kept = []
+    for one in characters:
+        try:
+            lines = [_simple(stroke.line) for stroke in load_lines(folder, one)]
+        except InputError:
+            if text != EVERY:
+                raise
+            continue
+        kept.append(one)
+        strokes.append(len(lines))
+        lengths += map(len, lines)
+        points += lines
+    words = {"licence": source.licence, "units": EM_UNITS, "characters": "".join(kept)}
+    return words, {
+        "strokes": np.array(strokes, np.uint8),
+        "lengths": np.array(lengths, np.uint8),
+        "points": np.concatenate(points),
+    }
+
+
+def _simple(line: AnyArray) -> AnyArray:
+    import shapely
+
+    simple = shapely.LineString(line).simplify(_STRAY)
+    result: AnyArray = np.rint(shapely.get_coordinates(simple)).astype(np.int16)
+    return result
