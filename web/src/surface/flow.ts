@@ -81,10 +81,10 @@ export class Flow {
     const [now, waiting] = patch.openSome(fresh, OPENED);
     this.waiting = waiting;
     this.#waited = waiting.length > 0 ? this.#waited + seconds : 0.0;
-    this.#takeUp(now);
+    this.#readSurface(now);
     if (!patch.openWet(OPENED)) {
       this.#wait(seconds);
-      patch.handBack();
+      patch.writeSurface();
       return false;
     }
     const pieces = Math.max(1, Math.ceil(seconds / PIECE));
@@ -92,7 +92,7 @@ export class Flow {
       this.#wait(seconds / pieces);
       this.#step(this.#mostUrgent(this.#due(patch.wetBlocks())));
     }
-    patch.handBack();
+    patch.writeSurface();
     const [owed, pace] = [patch.owed.data, patch.pace.data];
     const isLate = patch.wetBlocks().some((k) => owed[k] >= Math.max(Math.fround(LATE), Math.fround(3.0 * pace[k])));
     return !isLate && this.#waited < LATE;
@@ -132,14 +132,14 @@ export class Flow {
   }
 
   /** Take up ink that changed, after bringing the water there up to the present. */
-  #takeUp(fresh: Int32Array): void {
+  #readSurface(fresh: Int32Array): void {
     const { patch } = this;
     const at = patch.findChanged(fresh);
     if (at.length === 0) return;
     const [nodeOf, blockOf, owed] = [patch.graph.nodeOf.data, patch.graph.block.data, patch.owed.data];
     const blocks = distinct(at.map((place) => blockOf[nodeOf[place]]));
     this.#step(blocks.filter((block) => Number.isFinite(owed[block]) && owed[block] > 0.0));
-    patch.takeUp(at);
+    patch.readSurface(at);
   }
 
   // -- steps ----------------------------------------------------------------------------------

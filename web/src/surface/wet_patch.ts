@@ -105,7 +105,7 @@ export class WetPatch {
     this.#knowPigments();
     for (const name of KEPT) this[name].bytes.fill(0);
     this.written.bytes.fill(0);
-    this.seeGlue();
+    this.updateGlue();
     this.entry.data.set(this.dryEntry.data);
     this.changed.bytes.fill(0);
     this.owed.data.fill(Infinity);
@@ -182,7 +182,7 @@ export class WetPatch {
   findChanged(fresh: Int32Array): Int32Array {
     const { graph, kernels, surface } = this;
     this.#knowPigments();
-    this.seeGlue();
+    this.updateGlue();
     const given = [
       NDArray.of(kernels, "i4", fresh),
       NDArray.of(kernels, "i4", fresh.map((id) => graph.placeOf(id))),
@@ -228,7 +228,7 @@ export class WetPatch {
   }
 
   /** Apply changes of the ink at places to water and pigment. */
-  takeUp(at: Int32Array): void {
+  readSurface(at: Int32Array): void {
     const { graph, surface } = this;
     const count = this.#count;
     const { pigments } = surface;
@@ -357,7 +357,7 @@ export class WetPatch {
   }
 
   /** Write pigment that moved back to the vertices; ink that came since stays there. */
-  handBack(): void {
+  writeSurface(): void {
     const { graph, kernels } = this;
     const n = graph.nPlaces;
     const seen = (array: NDArray<"i4">): NDArray<"i4"> =>
@@ -375,7 +375,7 @@ export class WetPatch {
 
   /** Turn the pigment on nodes, which have lost their water, into dried paint. */
   dry(nodes: Int32Array): void {
-    this.handBack();
+    this.writeSurface();
     const { graph, surface } = this;
     const count = this.#count;
     const at = graph.placesAt(nodes);
@@ -516,7 +516,7 @@ export class WetPatch {
   }
 
   /** Update all pores if dried paint came or went by other means than `dry`. */
-  seeGlue(): void {
+  updateGlue(): void {
     const { dryLayers } = this.surface;
     if (dryLayers === this.#seen[0] && dryLayers.changes === this.#seen[1]) return;
     this.#seen = [dryLayers, dryLayers.changes];
