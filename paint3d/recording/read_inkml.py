@@ -380,7 +380,9 @@ def _on_canvas(table: AnyArray, layout: _Format) -> tuple[AnyArray, _Format]:
         return table, layout
     sources, targets, rows, there = layout.canvas
     names = list(layout.channels)
-    moved = table[:, [names.index(key) for key in sources]] @ rows[:, :-1].T + rows[:, -1]
+    own = table[:, [names.index(key) for key in sources]]
+    with np.errstate(over="ignore", invalid="ignore"):  # what is not finite is refused
+        moved = own @ rows[:, :-1].T + rows[:, -1]
     columns = dict(zip(names, table.T, strict=True)) | dict(zip(targets, moved.T, strict=True))
     kept = {key: {**layout.channels.get(key, {}), "type": "decimal"} for key in targets}
     channels = {**layout.channels, **kept, **{key: there[key] for key in targets if key in there}}
