@@ -333,6 +333,14 @@ def test_points_with_colours_and_normals_in_any_order(tmp_path, columns, told):
     assert left == ["left out: numbers after the places of points"] * told
 
 
+@pytest.mark.parametrize(("line", "told"), [("color 0.8 0.1 0.1\n", True), ("", False)])
+def test_colours_of_an_stl_in_text_are_told(tmp_path, line, told):
+    corners = "vertex 0 0 0\nvertex 9 0 0\nvertex 9 9 0\n"
+    facet = f"facet normal 0 0 1\n{line}outer loop\n{corners}endloop\nendfacet\n"
+    reading = read(tmp_path, "a.stl", f"solid color\n{facet}endsolid\n")
+    assert reading.notes == ((FACES,) if told else ())
+
+
 # -- 3MF -----------------------------------------------------------------------------------------
 
 
