@@ -70,6 +70,12 @@ class FootprintTable:
         lengths = self.points[:, 0, 0] - self.points[:, _SIDE + 1, 0]
         return np.interp(level, np.arange(len(self.descents)), lengths)
 
+    def width_at(self, level: AnyArray) -> NDArray[np.float64]:
+        """Width (mm) at fractional levels."""
+        widths = 2.0 * self.points[:, :, 1].max(axis=1)
+        result: NDArray[np.float64] = np.interp(level, np.arange(len(self.descents)), widths)
+        return result
+
     def slack_at(self, level: AnyArray) -> NDArray[np.float64]:
         """Slack of the drag law (mm) at fractional levels."""
         return np.interp(level, np.arange(len(self.descents)), self.slack)

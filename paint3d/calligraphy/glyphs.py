@@ -139,11 +139,16 @@ class Glyph:
     strokes : tuple of GlyphStroke
     box : Box
         What it is laid on a surface by: the em square, or a box of its own.
+    solid : bool
+        Whether it is a filled shape, of which nothing is to stay bare: it is written without
+        variation, and the brush is dipped as often as it takes. What the strokes leave of their
+        outlines is dabbed, unless one says how dry or how pale it is.
     """
 
     text: str
     strokes: tuple[GlyphStroke, ...]
     box: Box = EM_BOX
+    solid: bool = False
 
     @property
     def middle(self) -> tuple[float, float]:

@@ -26,6 +26,7 @@ from paint3d.calligraphy.centre_line import (
     outline_field,
     resampled,
 )
+from paint3d.calligraphy.dabs import dabs_in
 from paint3d.calligraphy.footprint_table import FootprintTable
 from paint3d.calligraphy.glyphs import DESCENDER, EM_UNITS, Glyph
 from paint3d.calligraphy.kernels.raster import fill_depths, label_patches
@@ -186,7 +187,7 @@ def plan_glyph(
     settings: PlanSettings | None = None,
     threads: int = 1,
 ) -> list[StrokePath]:
-    """Plan all strokes of a glyph, in writing order.
+    """Plan all strokes of a glyph, in writing order, and the dabs of one that is solid after them.
 
     Parameters
     ----------
@@ -214,13 +215,21 @@ def plan_glyph(
         return plan_stroke(outline, median, em_mm, footprints, settings, name, start, holes)
 
     numbers = range(len(glyph.strokes))
+    courses: list[StrokePath] = []
     if settings is not None and settings.azimuth == "dragged":  # the tuft lies as it was left
-        courses: list[StrokePath] = []
         for k in numbers:
             courses.append(plan(k, float(courses[-1].azimuth[-1]) if courses else None))
-        return courses
-    with ThreadPoolExecutor(max(1, min(threads, len(numbers)))) as side_by_side:
-        return list(side_by_side.map(plan, numbers))
+    else:
+        with ThreadPoolExecutor(max(1, min(threads, len(numbers)))) as side_by_side:
+            courses += side_by_side.map(plan, numbers)
+    evenly = not any(one.dryness or one.strength < 1.0 for one in glyph.strokes)
+    if glyph.solid and evenly and courses:
+        shapes = [
+            (on_paper(one.outline, em_mm), [on_paper(hole, em_mm) for hole in one.holes])
+            for one in glyph.strokes
+        ]
+        courses += dabs_in(shapes, courses, em_mm, footprints, settings or PlanSettings())
+    return courses
 
 
 def plan_stroke(

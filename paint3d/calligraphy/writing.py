@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from paint3d.brush.bending import build_tuft
 from paint3d.brush.spec import BrushSpec
 from paint3d.brush_engine.tuft import Tuft
+from paint3d.calligraphy.dabs import loads_of
 from paint3d.calligraphy.flying_white import (
     dryness_at,
     stations_of_motion,
@@ -236,9 +237,8 @@ def _write(
     laid = []
     for k, piece in enumerate(placed):
         middle = on_paper(np.array(piece.glyph.middle), pen.em_mm)
-        motion = vary_motion(
-            motions[id(piece.glyph)], middle, pen.em_mm, pen.variation, [pen.seed, k]
-        )
+        amount = 0.0 if piece.glyph.solid else pen.variation  # its strokes have to join
+        motion = vary_motion(motions[id(piece.glyph)], middle, pen.em_mm, amount, [pen.seed, k])
         laid.append(_laid(surface, piece, motion, tuft, pen))
     told = [_described(piece) for piece in placed]
     entries = {
@@ -291,7 +291,10 @@ def _as_asked(
     if not asked and not pale:
         return written
     counted = _counted_on(
-        glyphs, parts, lambda glyph: _own_stroke(motions[id(glyph)]), lambda g: len(g.strokes)
+        glyphs,
+        parts,
+        lambda glyph: _own_stroke(motions[id(glyph)], glyph),
+        lambda g: len(g.strokes),
     )
     stroke = np.nan_to_num(counted, nan=-1.0).astype(np.int64)
     written = replace(written, stroke=stroke)
@@ -323,8 +326,10 @@ def _counted_on(
     return np.concatenate(values)
 
 
-def _own_stroke(motion: Motion) -> NDArray[np.float64]:
-    return np.where(motion.stroke >= 0, motion.stroke, np.nan)
+def _own_stroke(motion: Motion, glyph: Glyph) -> NDArray[np.float64]:
+    """Number of the stroke at each sample; dabs count as the last one's."""
+    own = np.minimum(motion.stroke, len(glyph.strokes) - 1)
+    return np.where(own >= 0, own, np.nan)
 
 
 def _count_stations(glyph: Glyph) -> int:
@@ -370,7 +375,7 @@ _plans = _Plans()
 
 def _key(glyph: Glyph, pen: Pen) -> bytes:
     """What a glyph's motion depends on."""
-    told = repr((glyph.box, pen.brush, pen.em_mm, pen.settings, pen.tempo)).encode()
+    told = repr((glyph.box, glyph.solid, pen.brush, pen.em_mm, pen.settings, pen.tempo)).encode()
     found = hashlib.sha256(told)
     for stroke in glyph.strokes:
         for ring in (stroke.outline, stroke.median, *stroke.holes):
@@ -409,7 +414,8 @@ def _plan_all(
 
 def _planned(glyph: Glyph, footprints: FootprintTable, pen: Pen, threads: int = 1) -> Motion:
     courses = plan_glyph(glyph, pen.em_mm, footprints, pen.settings, threads)
-    return time_courses([courses], pen.em_mm, pen.tempo)
+    loads = loads_of(courses, pen.em_mm, footprints) if glyph.solid else [courses]
+    return time_courses(loads, pen.em_mm, pen.tempo)
 
 
 # -- laying -------------------------------------------------------------------------------------

@@ -554,12 +554,17 @@ class EmSquare:
         middle = edge[edge.shape[0] // 2, edge.shape[1] // 2]  # of one that lies upon this
         rim = np.concatenate([edge[:, 0], edge[-1], edge[::-1, -1], edge[0, ::-1], [middle]])
         flat = self.points.reshape(-1, 3)
-        apart = np.linalg.norm(rim[:, None] - flat, axis=2)
-        nearest = apart.argmin(axis=1)
         size = np.array([self.width_mm, self.height_mm])
         spacings = size / (np.array(self.points.shape[:2]) - 1)
         spacing = float(spacings.max())
-        close = apart[np.arange(len(rim)), nearest] < 1.5 * spacing
+        reach = 1.5 * spacing
+        near = (rim > flat.min(axis=0) - reach) & (rim < flat.max(axis=0) + reach)
+        rim = rim[near.all(axis=1)]
+        if not len(rim):
+            return 0.0
+        apart = np.linalg.norm(rim[:, None] - flat, axis=2)
+        nearest = apart.argmin(axis=1)
+        close = apart[np.arange(len(rim)), nearest] < reach
         i, j = np.divmod(nearest[close], self.points.shape[1])
         at = np.stack([i, j], axis=1) * spacings - 0.5 * size
         axes = self.chart.tangents(at)

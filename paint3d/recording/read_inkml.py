@@ -5,12 +5,14 @@ unless its channel says ``orientation="-ve"``; azimuths turn from the file's x t
 Counts of a device become lengths, angles or times by its channel's property ``resolution``. Each
 trace is a stroke, with those that continue it, and the pen is lifted between two of them; a trace
 of type penUp is its way through the air. Without OA or tilts the surface drags the tip. Times are
-those of T, else of the traces' timeOffset, else of the ink source's sampleRate.
+those of T, else of the traces' timeOffset, else of the ink source's sampleRate. Points lie where an
+affine mapping to the canvas has them; of other mappings a note says that they are left out.
 """
 
 from __future__ import annotations
 
 import json
+import logging
 import math
 import re
 from collections.abc import Callable, Iterator, Mapping
@@ -35,6 +37,7 @@ from paint3d.recording.flat_recording import (
 
 __all__ = ["read_inkml", "write_inkml"]
 
+_LOG = logging.getLogger("paint3d")
 _NAMESPACE = "http://www.w3.org/2003/InkML"
 _ID = "{http://www.w3.org/XML/1998/namespace}id"
 _LENGTHS = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4, "pt": 25.4 / 72, "pc": 25.4 / 6}
@@ -122,13 +125,27 @@ class _Format(NamedTuple):
     """Channels: what the numbers of a point are.
 
     `channels` are attributes by name, in the points' order, of which the last `intermittent` may
-    be missing; `resolutions` are counts to a unit, `step_ns` is from one point to the next.
+    be missing; `resolutions` are counts to a unit, `step_ns` is from one point to the next, and
+    `canvas` is where the points lie, if that is elsewhere.
     """
 
     channels: dict[str, dict[str, str]]
     intermittent: int
     resolutions: dict[str, tuple[float, str]]
     step_ns: int
+    canvas: _Canvas | None = None
+
+
+class _Canvas(NamedTuple):
+    """Affine way of channels to a canvas: `targets` are rows @ (the values of `sources`, 1).
+
+    `channels` are the attributes of the targets there; none where nothing is said.
+    """
+
+    sources: list[str]
+    targets: list[str]
+    rows: AnyArray
+    channels: dict[str, dict[str, str]]
 
 
 class _Trace(NamedTuple):
@@ -250,9 +267,13 @@ def _formats(root: ElementTree.Element, name: str) -> Callable[[str], _Format]:
     ) -> tuple[ElementTree.Element | None, dict[str, tuple[float, str]], int]:
         """The first trace format in an element, the resolutions that belong to it, and its step.
 
+        A canvas's format is not that of traces.
         Those are its ink source's; where it stands in none, all there are.
         """
-        every = list(element.iter())
+        inner = {
+            e for canvas in element.iter() if _local(canvas) == "canvas" for e in canvas.iter()
+        }
+        every = [e for e in element.iter() if e not in inner]
         layout = next((e for e in every if _local(e) == "traceFormat"), None)
         for source in (e for e in every if _local(e) == "inkSource"):
             if layout is not None and layout in source.iter():
@@ -281,9 +302,95 @@ def _formats(root: ElementTree.Element, name: str) -> Callable[[str], _Format]:
         for _, counts, _ in reversed(found):
             resolutions |= counts
         step_ns = next((step for _, _, step in found if step), _DEFAULT_STEP_NS)
-        return _Format(*channels(layout), resolutions, step_ns)
+        named_channels, intermittent = channels(layout)
+        canvas = _canvas(places, named, named_channels, name)
+        return _Format(named_channels, intermittent, resolutions, step_ns, canvas)
 
     return format_of
+
+
+def _canvas(
+    contexts: list[ElementTree.Element],
+    named: Mapping[str | None, ElementTree.Element],
+    channels: Mapping[str, object],
+    name: str,
+) -> _Canvas | None:
+    """The affine way of a context's traces to its canvas; None where it is none, or not known."""
+
+    def inherited(kind: str) -> ElementTree.Element | None:
+        for context in contexts:
+            inside = next((e for e in context.iter() if _local(e) == kind), None)
+            referred = named.get(context.get(f"{kind}Ref", "")[1:])
+            if inside is not None or referred is not None:
+                return inside if inside is not None else referred
+        return None
+
+    transform = inherited("canvasTransform")
+    if transform is None:
+        return None
+    mapping = next((e for e in transform if _local(e) == "mapping"), None)
+    seen: list[ElementTree.Element] = []
+    while mapping is not None and mapping.get("mappingRef") and mapping not in seen:
+        seen.append(mapping)
+        mapping = named.get(mapping.get("mappingRef", "")[1:])
+    kind = "identity" if mapping is None else mapping.get("type", "unknown")
+    if kind == "identity":
+        return None
+    way = _affine(mapping, list(channels)) if mapping is not None and kind == "affine" else None
+    if way is None:
+        _LOG.warning("%s: left out: a mapping to a canvas that is not affine", name)
+        return None
+    canvas = inherited("canvas")
+    layout = None if canvas is None else named.get(canvas.get("traceFormatRef", "")[1:])
+    if canvas is not None and layout is None:
+        layout = next((e for e in canvas.iter() if _local(e) == "traceFormat"), None)
+    there = {} if layout is None else _channels(layout, name)[0]
+    return _Canvas(*way, there)
+
+
+def _affine(
+    mapping: ElementTree.Element, channels: list[str]
+) -> tuple[list[str], list[str], AnyArray] | None:
+    """Sources, targets and rows of an affine mapping of X, Y and the like; None where it is none.
+
+    By its bindings; without, of the first channels to themselves.
+    """
+    text = next((e.text or "" for e in mapping if _local(e) in ("matrix", "affine")), "")
+    try:
+        rows = [[float(word) for word in row.split()] for row in text.strip(", \n").split(",")]
+    except ValueError:
+        return None
+    n = len(rows[0]) - 1
+    if n < 1 or any(len(row) != n + 1 for row in rows) or not np.isfinite(rows).all():
+        return None
+    binds = [e for e in mapping if _local(e) == "bind"]
+    sources = [bind.get("source", "") for bind in binds if bind.get("source")] or channels[:n]
+    targets = [bind.get("target", "") for bind in binds if bind.get("target")] or channels[
+        : len(rows)
+    ]
+    known = len(sources) == n and len(targets) == len(rows) and set(sources) <= set(channels)
+    if not known or not set(targets) <= {"X", "Y", "Z"}:
+        return None
+    return sources, targets, np.array(rows)
+
+
+def _on_canvas(table: AnyArray, layout: _Format) -> tuple[AnyArray, _Format]:
+    """Points (N, C) where their canvas has them, in its format."""
+    if layout.canvas is None:
+        return table, layout
+    sources, targets, rows, there = layout.canvas
+    names = list(layout.channels)
+    own = table[:, [names.index(key) for key in sources]]
+    with np.errstate(over="ignore", invalid="ignore"):  # what is not finite is refused
+        moved = own @ rows[:, :-1].T + rows[:, -1]
+    columns = dict(zip(names, table.T, strict=True)) | dict(zip(targets, moved.T, strict=True))
+    kept = {key: {**layout.channels.get(key, {}), "type": "decimal"} for key in targets}
+    channels = {**layout.channels, **kept, **{key: there[key] for key in targets if key in there}}
+    resolutions = {k: told for k, told in layout.resolutions.items() if k not in targets}
+    return (
+        np.column_stack([columns[key] for key in channels]),
+        layout._replace(channels=channels, resolutions=resolutions),
+    )
 
 
 def _channels(layout: ElementTree.Element, name: str) -> tuple[dict[str, dict[str, str]], int]:
@@ -471,6 +578,7 @@ def _assemble(
 
 def _measured(table: AnyArray, layout: _Format, scale: float, y_down: bool) -> dict[str, AnyArray]:
     """The known channels of points (N, C) in mm, rad, shares of the highest force, and ns."""
+    table, layout = _on_canvas(table, layout)
     degree = _ANGLES["deg"]
     up = -1.0 if _is_down(layout.channels["Y"], y_down) else 1.0
     right = -1.0 if layout.channels["X"].get("orientation") == "-ve" else 1.0

@@ -105,7 +105,16 @@ def _inkml_seeds() -> list[tuple[str, bytes]]:
         b'continuation="begin" timeOffset="3" contextRef="#c">1 2 3 4,\'5\'6 * #1F .5</trace>'
         b'<trace priorRef="#a" duration="8" timeOffset="20">9 9 ? T F,"1"2 1 1</trace></ink>'
     )
-    return [made, (".inkml", plain), (".inkml", office), (".inkml", timed)]
+    moved = (
+        b'<ink><definitions><mapping xml:id="m" type="affine"><bind source="Y" target="X"/><bind '
+        b'source="X" target="Y"/><matrix>2 0 10, 0 -3 5</matrix></mapping><canvas xml:id="v">'
+        b'<traceFormat><channel name="X" units="cm"/><channel name="Y" orientation="-ve"/>'
+        b'</traceFormat></canvas><canvasTransform xml:id="t"><mapping mappingRef="#m"/>'
+        b'</canvasTransform><context xml:id="c" canvasRef="#v" canvasTransformRef="#t"/>'
+        b'</definitions><trace contextRef="#c">1 2, 3 4, 8 9</trace></ink>'
+    )
+    seeds = (plain, office, timed, moved)
+    return [made, *((".inkml", seed) for seed in seeds)]
 
 
 def _check_recording(suffix: str, content: bytes) -> None:

@@ -295,6 +295,18 @@ def test_a_mount_around_a_rubbing_is_left_out_and_told() -> None:
     assert not sheet.ink.body[:140].any()
 
 
+def test_what_lies_along_the_edge_of_a_rubbing_is_told() -> None:
+    """A stroke across the edge is one; what lies along it for longer is none, and said."""
+    pixels = np.full((500, 400, 3), 25, np.uint8)
+    pixels[100:400, 190:215] = pixels[240:265, 100:300] = 200
+    crossed = pixels.copy()
+    crossed[:60, 300:325] = 200
+    assert copy_sheet(crossed, "r", Asked(whole=True, invert=True)).notes == ()
+    pixels[200:290, :30] = 200
+    (note,) = copy_sheet(pixels, "r", Asked(whole=True, invert=True)).notes
+    assert str(note).startswith("a white piece along the edge of the sheet")
+
+
 def test_a_sheet_that_is_no_rubbing_is_refused_as_one() -> None:
     there = shot("大", 2, 0.0, Camera(size=700, fills=True, shadow=0.0), seals=0)
     told = refused(there.pixels, whole=True, invert=True)

@@ -8,11 +8,15 @@ import zipfile
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from PIL import Image
 
 from paint3d.errors import MeshError
+from paint3d.files.formats.threemf import read_3mf
 from paint3d.files.reading import Wanted, read_surface
 from paint3d.files.references import refers_to
+from tests.support.examples import examples
 
 RED, BLUE = (200, 30, 30), (30, 30, 200)
 SQUARE = np.array([(0, 0, 0), (9, 0, 0), (9, 9, 0), (0, 9, 0)], float)
@@ -329,13 +333,24 @@ def test_points_with_colours_and_normals_in_any_order(tmp_path, columns, told):
     assert left == ["left out: numbers after the places of points"] * told
 
 
+@pytest.mark.parametrize(("line", "told"), [("color 0.8 0.1 0.1\n", True), ("", False)])
+def test_colours_of_an_stl_in_text_are_told(tmp_path, line, told):
+    corners = "vertex 0 0 0\nvertex 9 0 0\nvertex 9 9 0\n"
+    facet = f"facet normal 0 0 1\n{line}outer loop\n{corners}endloop\nendfacet\n"
+    reading = read(tmp_path, "a.stl", f"solid color\n{facet}endsolid\n")
+    assert reading.notes == ((FACES,) if told else ())
+
+
 # -- 3MF -----------------------------------------------------------------------------------------
 
 
-def threemf(attribute, settings=None):
+def threemf(attribute, settings=None, each=("", "")):
     core = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
     points = "".join(f'<vertex x="{x}" y="{y}" z="{z}"/>' for x, y, z in SQUARE)
-    faces = "".join(f'<triangle v1="{a}" v2="{b}" v3="{c}" {attribute}/>' for a, b, c in HALVES)
+    faces = "".join(
+        f'<triangle v1="{a}" v2="{b}" v3="{c}" {attribute} {own}/>'
+        for (a, b, c), own in zip(HALVES, each, strict=True)
+    )
     model = (
         f'<model xmlns="{core}" xmlns:slic3rpe="http://schemas.slic3r.org/3mf/2017/06"><resources>'
         f'<object id="1"><mesh><vertices>{points}</vertices><triangles>{faces}</triangles></mesh>'
@@ -356,6 +371,84 @@ def threemf(attribute, settings=None):
 def test_what_was_painted_in_a_slicer_is_told(tmp_path, attribute):
     reading = read(tmp_path, "a.3mf", threemf(f'{attribute}="8"'), texture=False)
     assert reading.notes == ("left out: colours painted in a slicer",)
+
+
+ORCA = (
+    "Metadata/project_settings.config",
+    '{"filament_colour": ["#FFFFFF", "#C81E1E", "#1E1EC8"]}',
+)
+PRUSA = (
+    "Metadata/Slic3r_PE.config",
+    "; extruder_colour = ;#C81E1E;#1E1EC8\n; filament_colour = #FFFFFF;#000000;#000000\n",
+)
+
+
+@pytest.mark.parametrize(("attribute", "settings"), [
+    ("paint_color", ORCA), ("slic3rpe:mmu_segmentation", PRUSA),
+])  # fmt: skip
+@pytest.mark.parametrize(
+    ("code", "colour", "middle"),
+    [
+        ("8", RED, (6, 3)),
+        ("0C", BLUE, (6, 3)),  # the third filament takes two digits
+        ("481", RED, (6, 4.5)),  # the edge across from the first corner is halved
+        ("485", RED, (4.5, 1.5)),  # from the second
+        ("40C9", BLUE, (7.5, 3)),
+        ("4482", RED, (7.5, 4.5)),  # two edges
+        ("44483", RED, (6, 3)),  # all three: the part in the middle
+    ],
+)
+def test_what_was_painted_in_a_slicer_is_read(tmp_path, attribute, settings, code, colour, middle):
+    """Of the triangle (0, 0) (9, 0) (9, 9): where the middle of the only part in a colour lies."""
+    raw = read_3mf(threemf(f'{attribute}="{code}"', settings), texture=True)
+    assert raw.notes == ()
+    faces, colours = raw.corners.reshape(-1, 3), raw.corner_colours.reshape(-1, 3, 3)[:, 0]
+    middles = raw.vertices[faces][:, :, :2].mean(axis=1)
+    below = middles[(colours == colour).all(axis=1) & (middles[:, 1] < middles[:, 0])]
+    np.testing.assert_allclose(below, [middle])
+
+
+@given(st.lists(st.recursive(st.integers(0, 5), lambda inner: st.tuples(
+    st.integers(1, 3), st.integers(0, 2), st.lists(inner, min_size=4, max_size=4)), max_leaves=20,
+), min_size=2, max_size=2))  # fmt: skip
+@settings(deadline=None, max_examples=examples(60))
+def test_what_is_split_beside_another_has_no_crack(trees):
+    """Inner edges belong to two triangles, and nothing is lost of the square's area."""
+
+    def written(tree):  # the first digit last
+        if isinstance(tree, int):
+            return f"{tree << 2:X}" if tree < 3 else f"{tree - 3:X}C"
+        split, first, parts = tree
+        return "".join(written(part) for part in parts[: split + 1]) + f"{first << 2 | split:X}"
+
+    data = threemf("", ORCA, [f'paint_color="{written(tree)}"' for tree in trees])
+    raw = read_3mf(data, texture=True)
+    faces = raw.corners.reshape(-1, 3)
+    a, b, c = raw.vertices[faces].transpose(1, 0, 2)
+    areas = np.cross(b - a, c - a)[:, 2]
+    assert areas.sum() == pytest.approx(2 * 81.0)
+    assert (areas > 0.0).all()
+    edges = {
+        tuple(edge)
+        for face in faces.tolist()
+        for edge in zip(face, np.roll(face, -1).tolist(), strict=True)
+    }
+    assert len(edges) == 3 * len(faces)
+    for p, q in edges:
+        if (q, p) not in edges:
+            along = raw.vertices[[p, q], :2]
+            assert any((along[:, k] == side).all() for k in (0, 1) for side in (0.0, 9.0))
+
+
+@pytest.mark.parametrize("code", ["x", "3", "81", "C", "4 8"])
+def test_a_painting_that_breaks_off_is_refused(tmp_path, code):
+    with pytest.raises(MeshError, match="the painting of a triangle is"):
+        read(tmp_path, "a.3mf", threemf(f'paint_color="{code}"', ORCA))
+
+
+def test_filaments_without_a_colour_are_told(tmp_path):
+    reading = read(tmp_path, "a.3mf", threemf('paint_color="3C"', ORCA))
+    assert reading.notes == ("left out: colours of filaments that its settings do not name",)
 
 
 @pytest.mark.parametrize(

@@ -422,6 +422,65 @@ def test_what_is_defined_is_no_stroke(tmp_path):
     assert strokes_of(load_recording(table(tmp_path, text, "a.inkml"))) == [[1, 2]]
 
 
+MOVED = '<mapping xml:id="m" type="affine"><matrix>2 0 10, 0 -3 5</matrix></mapping>'
+TURNED = (
+    '<mapping type="affine"><bind source="Y" target="X"/><bind source="X" target="Y"/>'
+    "<matrix>1 0 0, 0 1 0</matrix></mapping>"
+)
+CANVAS = (
+    '<canvas><traceFormat><channel name="X" units="cm"/><channel name="Y" units="cm" '
+    'orientation="-ve"/></traceFormat></canvas>'
+)
+
+
+def mapped(tmp_path, context, more=""):
+    file = tmp_path / "a.inkml"
+    file.write_text(
+        f'<ink><definitions>{more}<context xml:id="c">{context}</context></definitions>'
+        '<trace contextRef="#c">1 2, 3 4</trace></ink>',
+        "utf-8",
+    )
+    return load_recording(file, scale=1.0).position[:, :2].round(6).tolist()
+
+
+@pytest.mark.parametrize(
+    ("context", "more", "wanted"),
+    [
+        (f"<canvasTransform>{MOVED}</canvasTransform>", "", [[12, 1], [16, 7]]),
+        (f"<canvasTransform>{TURNED}</canvasTransform>", "", [[2, -1], [4, -3]]),
+        (f"<canvasTransform>{MOVED}</canvasTransform>{CANVAS}", "", [[120, -10], [160, -70]]),
+        (
+            '<canvasTransform><mapping mappingRef="#m"/></canvasTransform>',
+            MOVED,
+            [[12, 1], [16, 7]],
+        ),
+        ('<canvasTransform><mapping type="identity"/></canvasTransform>', "", [[1, -2], [3, -4]]),
+        ("<canvasTransform/>", "", [[1, -2], [3, -4]]),
+    ],
+)
+def test_points_lie_where_their_canvas_has_them(tmp_path, caplog, context, more, wanted):
+    found = mapped(tmp_path, context, more)
+    assert found[: len(wanted)] == wanted
+    assert not caplog.messages
+
+
+@pytest.mark.parametrize(
+    "mapping",
+    [
+        '<mapping type="mathml"/>',
+        '<mapping type="lookup"><table>1 2, 3 4</table></mapping>',
+        '<mapping type="affine"/>',
+        '<mapping type="affine"><matrix>1 0 0, 0 1</matrix></mapping>',
+        '<mapping type="affine"><matrix>1 0 x, 0 1 0</matrix></mapping>',
+        '<mapping type="affine"><matrix>1 0 0 0, 0 1 0 0</matrix></mapping>',
+    ],
+)
+def test_a_mapping_that_is_not_affine_is_told(tmp_path, caplog, mapping):
+    found = mapped(tmp_path, f"<canvasTransform>{mapping}</canvasTransform>")
+    assert found[:2] == [[1, -2], [3, -4]]
+    assert caplog.messages == ["a.inkml: left out: a mapping to a canvas that is not affine"]
+
+
 def test_a_sheet_may_grow_to_the_left(tmp_path):
     text = """<ink><traceFormat><channel name="X" units="mm" orientation="-ve"/>
     <channel name="Y" units="mm" orientation="-ve"/></traceFormat><trace>3 4</trace></ink>"""

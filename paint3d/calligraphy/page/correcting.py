@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.calligraphy.glyphs import Box, Glyph, GlyphStroke
+from paint3d.calligraphy.glyphs import Box, GlyphStroke
 from paint3d.calligraphy.page.page import Page, Piece
 from paint3d.core.arrays import AnyArray
 from paint3d.errors import InputError
@@ -208,7 +208,7 @@ class CorrectedPage:
         back = -_to_page(piece)
         strokes = tuple(_moved(one.stroke, back) for one in mine if not one.is_left_out)
         box = _around(piece.glyph.box, strokes)
-        glyph = Glyph(piece.glyph.text, strokes, box)
+        glyph = replace(piece.glyph, strokes=strokes, box=box)
         moved = np.array(glyph.middle) - piece.glyph.middle
         return Piece(glyph, (piece.at[0] + float(moved[0]), piece.at[1] + float(moved[1])))
 

@@ -86,12 +86,13 @@ def _as_json(value: Any) -> str:
 def _piece_words(piece: Piece) -> dict[str, Any]:
     glyph = piece.glyph
     strokes = [_stroke_words(k + 1, stroke) for k, stroke in enumerate(glyph.strokes)]
-    return {
+    words = {
         "text": glyph.text,
         "at": _rounded(np.array(piece.at)),
         "box": _rounded(np.array(glyph.box)),
         "strokes": strokes,
     }
+    return {**words, "solid": True} if glyph.solid else words
 
 
 def _stroke_words(order: int, stroke: GlyphStroke) -> dict[str, Any]:
@@ -200,8 +201,12 @@ def _glyph(data: dict[str, Any], name: str) -> Glyph:
             box=box.tolist(),
         )
     left, lower, right, upper = box.tolist()
-    text = _text(data, "text", name)
-    return Glyph(text, tuple(stroke for _, stroke in read), (left, lower, right, upper))
+    return Glyph(
+        _text(data, "text", name),
+        tuple(stroke for _, stroke in read),
+        (left, lower, right, upper),
+        data.get("solid", False) is True,
+    )
 
 
 def _stroke(data: Any, name: str) -> tuple[float, GlyphStroke]:

@@ -843,7 +843,8 @@ def _pieces(inks: Sequence[_Ink]) -> tuple[Piece, ...]:
     for run, box in _runs(scaled):
         strokes = tuple(stroke for ink in run for stroke in _strokes(ink))
         if strokes:
-            glyph = Glyph(run[0].name, strokes, box)
+            solid = any(ink.line is None for ink in run)
+            glyph = Glyph(run[0].name, strokes, box, solid)
             pieces.append(Piece(glyph, glyph.middle))
     return tuple(pieces)
 

@@ -221,6 +221,7 @@ def copy_sheet(
         _note_on_others(corners, others),
         _note_on_ground(sheet) if asked.invert else None,
         _note_on_stains(ink.stains),
+        _note_on_edge(ink.along_edge),
         _note_on_lost_ink(copied),
     )
     return replace(copied, notes=tuple(note for note in notes if note is not None))
@@ -320,6 +321,19 @@ def _note_on_stains(n: int) -> Message | None:
     return Message(
         "a pale blot with soft edges was taken for a stain of the paper and left out",
         "{n} pale blots with soft edges were taken for stains of the paper and left out",
+        n=n,
+    )
+
+
+def _note_on_edge(n: int) -> Message | None:
+    """Note of what lies along a rubbing's edge and was left out; None where there is nothing."""
+    if not n:
+        return None
+    return Message(
+        "a white piece along the edge of the sheet was taken for no stroke and left out: give "
+        "corners farther out if it is one",
+        "{n} white pieces along the edge of the sheet were taken for no strokes and left out: give "
+        "corners farther out if they are",
         n=n,
     )
 

@@ -243,6 +243,8 @@ class InkMask:
         Share of the light that unbroken ink takes.
     stains : int
         How many pale blots with soft edges were taken for stains of the paper.
+    along_edge : int
+        How many white pieces that lie along the edge of a rubbing were taken for no strokes.
     """
 
     cover: NDArray[np.float32]
@@ -251,6 +253,7 @@ class InkMask:
     width: float
     full: float
     stains: int = 0
+    along_edge: int = 0
 
 
 def find_ink(density: NDArray[np.float32], darker: float | None = None) -> InkMask:
@@ -394,7 +397,7 @@ def find_carved(density: NDArray[np.float32], darker: float | None = None) -> In
         mask = inner & (
             smooth > max(_CARVED, otsu(np.clip(smooth[inner], 0.0, 1.0)), darker or 0.0)
         )
-        mask = _off_rim(mask, inner, _MOUNT * min(mask.shape))
+        mask, _ = _off_rim(mask, inner, _MOUNT * min(mask.shape))
         before, width = width, max(_width(_large(mask)), _COARSEST)
         if abs(width - before) < 0.05 * width:
             break
@@ -408,7 +411,7 @@ def find_carved(density: NDArray[np.float32], darker: float | None = None) -> In
     )
     is_bit = np.bincount(pieces.ravel()) < _FEW_WIDTHS * width**2
     dropped = whiteness < np.where(is_bit, _WORN_BIT, _WORN)
-    body = _off_rim(mask & ~dropped[pieces], inner, _RIM * width)
+    body, n_along = _off_rim(mask & ~dropped[pieces], inner, _RIM * width)
     body |= ~without_specks(~body, _HOLE * width**2)
     body = gaussian_filter(body.astype(np.float32), _BLUR * width) > 0.5
     if body.mean() < _LEAST:
@@ -417,7 +420,8 @@ def find_carved(density: NDArray[np.float32], darker: float | None = None) -> In
             hint="of ink on paper no --invert",
         )
     _check_pieces(body)
-    return InkMask(body.astype(np.float32), body, body, _checked_width(body), 1.0)
+    cover, width = body.astype(np.float32), _checked_width(body)
+    return InkMask(cover, body, body, width, 1.0, along_edge=n_along)
 
 
 def _large(mask: NDArray[np.bool_]) -> NDArray[np.bool_]:
@@ -430,14 +434,16 @@ def _large(mask: NDArray[np.bool_]) -> NDArray[np.bool_]:
     return result
 
 
-def _off_rim(mask: NDArray[np.bool_], inner: NDArray[np.bool_], most: float) -> NDArray[np.bool_]:
-    """A mask without pieces of which more pixels lie along the rim of what is looked at."""
+def _off_rim(
+    mask: NDArray[np.bool_], inner: NDArray[np.bool_], most: float
+) -> tuple[NDArray[np.bool_], int]:
+    """A mask without pieces of which more pixels lie along the rim of what is seen; how many."""
     from scipy.ndimage import binary_erosion, label
 
     pieces, n = label(mask, np.ones((3, 3)))
     along = np.bincount(pieces[inner & ~binary_erosion(inner)], minlength=n + 1)
-    result: NDArray[np.bool_] = mask & (along <= most)[pieces]
-    return result
+    along[0] = 0
+    return mask & (along <= most)[pieces], int(np.count_nonzero(along > most))
 
 
 def _within_margin(density: AnyArray) -> NDArray[np.bool_]:

@@ -3,13 +3,21 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.core.arrays import AnyArray
 from paint3d.errors import MeshError, Message
-from paint3d.files.raw_mesh import RawMesh, check_count, parse_numbers, with_face_colours
+from paint3d.files.raw_mesh import (
+    FACE_COLOURS,
+    RawMesh,
+    check_count,
+    left_out,
+    parse_numbers,
+    with_face_colours,
+)
 
 __all__ = ["read_stl"]
 
@@ -17,6 +25,7 @@ HEADER = 84
 FACET = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 VERTEX = re.compile(rb"^\s*vertex\s+(\S+\s+\S+\s+\S+)", re.IGNORECASE | re.MULTILINE)
 FACETS = re.compile(rb"^\s*facet\b", re.IGNORECASE | re.MULTILINE)
+COLOURS = re.compile(rb"^\s*colou?r\s+[\d.]", re.IGNORECASE | re.MULTILINE)
 ENDS = re.compile(rb"^\s*endfacet\b", re.IGNORECASE | re.MULTILINE)
 
 
@@ -40,7 +49,9 @@ def read_stl(data: bytes, texture: bool = False) -> RawMesh:
     """
     binary = len(data) >= HEADER and len(data) == HEADER + FACET.itemsize * _count(data)
     if not binary and data[:512].lstrip().lower().startswith(b"solid") and FACETS.search(data):
-        return RawMesh.of_triangles(*_merge(_read_ascii(data)))
+        raw = RawMesh.of_triangles(*_merge(_read_ascii(data)))
+        told = {FACE_COLOURS} if COLOURS.search(data) else set()
+        return replace(raw, notes=left_out(told))
     facets = _read_binary(data)
     raw = RawMesh.of_triangles(*_merge(facets["corners"].reshape(-1, 3)))
     codes = _facet_colours(data[: HEADER - 4], facets["attribute"])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import json
 import posixpath
 import re
 import zipfile
@@ -166,8 +167,6 @@ class Paint3mf:
             number = triangle.get("pid", otherwise[0])
             group = groups.get(number)
             if group is None:
-                if any(key.endswith(PAINTED) for key in triangle.keys()):  # noqa: SIM118
-                    self.dropped.add(LEFT_OUT["painted"])
                 if number is not None and number not in self._present[part]:
                     self.dropped.add(Message("colours of resources that it does not contain"))
                 continue
@@ -270,6 +269,7 @@ class Package:
 
     archive: zipfile.ZipFile
     paint: Paint3mf
+    filaments: NDArray[np.float64]  # (k, 3) sRGB codes of those that a slicer's settings name
     models: dict[str, ElementTree.Element] = field(default_factory=dict)
     pieces: list[RawMesh] = field(default_factory=list)
 
@@ -316,7 +316,7 @@ def read_3mf(data: bytes, texture: bool = False) -> RawMesh:
         with zipfile.ZipFile(io.BytesIO(data)) as archive:
             _check_entries(archive)
             paint = Paint3mf(partial(read_part, archive), texture)
-            raw = _read_package(Package(archive, paint))
+            raw = _read_package(Package(archive, paint, _filaments(archive)))
             return raw if texture else replace(raw, looks=(), look_of=None, uv=None)
     except (zipfile.BadZipFile, zlib.error, EOFError, OSError, NotImplementedError) as cause:
         raise MeshError("it is not a readable 3MF archive: {cause}", cause=cause) from None
@@ -450,6 +450,14 @@ def _mesh(
             last=len(vertices) - 1,
         )
     seen = package.paint.see(part, package.model(part), solid, triangles)
+    codes = [next((t.get(k, "") for k in t.keys() if k.endswith(PAINTED)), "") for t in triangles]  # noqa: SIM118
+    plain = ~seen.coloured & (seen.look_of < 0)
+    if any(code for code, own in zip(codes, plain, strict=True) if own):
+        if len(package.filaments) and plain.all():
+            vertices, faces, filaments = _split_as_painted(vertices, faces, codes)
+            seen = _seen_in(package.filaments, filaments, package.paint)
+        else:
+            package.paint.dropped.add(LEFT_OUT["painted"])
     corners = None if seen.colours is None else seen.colours.reshape(-1, 3, 3)
     uv = seen.uv.reshape(-1, 3, 2)
     colours = None if corners is None else _means(seen, faces, len(vertices))
@@ -471,6 +479,142 @@ def _means(seen: Seen, faces: NDArray[np.int64], n_vertices: int) -> NDArray[np.
     total = [np.bincount(corners, codes[:, k], n_vertices) for k in range(3)]
     mean = np.where(weight > 0, np.stack(total, axis=1) / np.maximum(weight, 1), 255.0)
     return np.floor(mean + 0.5).astype(np.uint8)
+
+
+# ---- Painted in slicers --------------------------------------------------------------------------
+# Bambu Studio, Orca and PrusaSlicer paint with filaments, and halve the edges of triangles where
+# paint ends. A triangle's attribute is that tree in hexadecimal digits, the last one first: of
+# each digit the low two bits are how many edges are halved, the others which corner comes first,
+# or the filament, 0 for the part's own and 3 for 3 more than the next digit. Children come from
+# the last to the first.
+
+
+SETTINGS = "Metadata/project_settings.config"  # Bambu Studio's and Orca's, JSON
+PRUSA_SETTINGS = "Metadata/Slic3r_PE.config"
+_PRUSA_COLOURS = re.compile(r"^; (extruder|filament)_colour = (.*)$", re.MULTILINE)
+
+
+def _filaments(archive: zipfile.ZipFile) -> NDArray[np.float64]:
+    """Return the colours (k, 3) of the filaments that a slicer's settings name; none: (0, 3)."""
+    there = set(archive.namelist())
+    told: list[str] = []
+    if SETTINGS in there:
+        try:
+            settings = json.loads(archive.read(SETTINGS))
+            told = list(settings["filament_colour"])
+        except (ValueError, KeyError, TypeError, RecursionError):
+            pass
+    elif PRUSA_SETTINGS in there:
+        text = archive.read(PRUSA_SETTINGS).decode("utf-8", "replace")
+        lists = {
+            kind: line.replace('"', "").split(";") for kind, line in _PRUSA_COLOURS.findall(text)
+        }
+        own = lists.get("extruder", [])  # where an extruder has none it shows its filament's
+        told = [
+            (own[k].strip() if k < len(own) else "") or colour.strip()
+            for k, colour in enumerate(lists.get("filament", own))
+        ]
+    try:
+        codes = [_hex(colour) for colour in told]
+    except (MeshError, AttributeError):
+        codes = []
+    return np.array(codes, np.float64).reshape(-1, 3)
+
+
+def _seen_in(colours: NDArray[np.float64], filaments: list[int], paint: Paint3mf) -> Seen:
+    """Return what triangles look like in filaments counted from 0, -1 for the part's own."""
+    which = np.array(filaments)
+    if which.max() >= len(colours):
+        paint.dropped.add(Message("colours of filaments that its settings do not name"))
+        which[which >= len(colours)] = -1
+    n = len(which)
+    corners = np.repeat(colours[np.maximum(which, 0)], 3, axis=0)
+    return Seen(corners, np.ones(n, np.bool_), np.full(n, -1), np.full((3 * n, 2), np.nan))
+
+
+def _split_as_painted(
+    vertices: NDArray[np.float64], faces: NDArray[np.int64], codes: Sequence[str]
+) -> tuple[NDArray[np.float64], NDArray[np.int64], list[int]]:
+    """Return vertices and triangles split where they are painted, and the filament of each.
+
+    What lies beside a split edge is split there, too, from a vertex in its middle: the surface
+    stays closed.
+    """
+    halves: dict[tuple[int, int], int] = {}
+    n = len(vertices)
+
+    def half(a: int, b: int) -> int:
+        return halves.setdefault((a, b) if a < b else (b, a), n + len(halves))
+
+    leaves = [
+        leaf
+        for (a, b, c), code in zip(faces.tolist(), codes, strict=True)
+        for leaf in _leaves((a, b, c), code, half)
+    ]
+    points = np.concatenate([vertices, np.empty((len(halves), 3))])
+    for (a, b), k in halves.items():  # those of finer edges come later
+        points[k] = 0.5 * (points[a] + points[b])
+
+    def way(a: int, b: int) -> list[int]:
+        """The vertices from a to b, without b."""
+        found, open_ways = [], [(a, b)]
+        while open_ways:
+            a, b = open_ways.pop()
+            middle = halves.get((a, b) if a < b else (b, a))
+            if middle is None:
+                found.append(a)
+            else:
+                open_ways += [(middle, b), (a, middle)]
+        return found
+
+    triangles: list[tuple[int, int, int]] = []
+    filaments: list[int] = []
+    middles: list[NDArray[np.float64]] = []
+    for corners, filament in leaves:
+        a, b, c = corners
+        ring = [*way(a, b), *way(b, c), *way(c, a)]
+        if len(ring) == 3:
+            parts = [corners]
+        else:
+            middle = len(points) + len(middles)
+            middles.append(points[list(corners)].mean(axis=0))
+            parts = [(p, q, middle) for p, q in zip(ring, [*ring[1:], ring[0]], strict=True)]
+        triangles += parts
+        filaments += [filament] * len(parts)
+    points = np.concatenate([points, np.reshape(middles, (-1, 3))])
+    return points, np.array(triangles, np.int64).reshape(-1, 3), filaments
+
+
+def _leaves(
+    corners: tuple[int, int, int], code: str, half: Callable[[int, int], int]
+) -> list[tuple[tuple[int, int, int], int]]:
+    """The parts of a painted triangle, and the filament of each, from 0; -1 is the part's own."""
+    if not code:
+        return [(corners, -1)]
+    leaves, left = [], [corners]
+    try:
+        digits = iter([int(digit, 16) for digit in reversed(code.strip())])
+        while left:
+            a, b, c = left.pop()
+            split, said = (digit := next(digits)) & 3, digit >> 2
+            if not split:
+                filament = 3 + next(digits) if said == 3 else said
+                leaves.append(((a, b, c), filament - 1))
+                continue
+            a, b, c = ((a, b, c), (b, c, a), (c, a, b))[said % 3]
+            if split == 1:
+                left += [(a, b, half(b, c)), (half(b, c), c, a)]
+            elif split == 2:
+                ab, ca = half(a, b), half(a, c)
+                left += [(a, ab, ca), (ab, b, ca), (b, c, ca)]
+            else:
+                ab, bc, ca = half(a, b), half(b, c), half(c, a)
+                left += [(a, ab, ca), (ab, b, bc), (bc, c, ca), (ab, bc, ca)]
+    except (ValueError, StopIteration):
+        raise MeshError(
+            "the painting of a triangle is {code!r:.40}; expected the digits of a slicer", code=code
+        ) from None
+    return leaves
 
 
 # ---- Writing -------------------------------------------------------------------------------------
