@@ -144,7 +144,7 @@ def run(options: argparse.Namespace) -> None:
 
 def _edited(score: Score, edits: Sequence[_Edit], options: argparse.Namespace) -> Score:
     """All edits, with the numbers that strokes have in the file: so deleting comes last."""
-    from paint3d.recording.score_edits import edit_strokes
+    from paint3d.recording.score_edits import apply_stroke_edit
 
     count = len(score.strokes())
     for edit in edits:
@@ -171,13 +171,13 @@ def _edited(score: Score, edits: Sequence[_Edit], options: argparse.Namespace) -
                 cause=cause,
             ) from None
         for number in edit.numbers:
-            score = edit_strokes(score, [number], words, ground)
+            score = apply_stroke_edit(score, [number], words, ground)
     gone = {number for edit in edits if edit.kind == "delete" for number in edit.numbers}
-    return edit_strokes(score, sorted(gone), {"do": "delete"})
+    return apply_stroke_edit(score, sorted(gone), {"do": "delete"})
 
 
 def _words(edit: _Edit, score: Score) -> dict[str, Any]:
-    """An edit as `score_edits.edit_strokes` takes it."""
+    """An edit as `score_edits.apply_stroke_edit` takes it."""
     text = edit.text
     if edit.kind == "move":
         x, y, *turn = _move(text)

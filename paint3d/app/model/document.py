@@ -24,7 +24,7 @@ from paint3d.app.model.edit_history import (
     Turned,
     Version,
     first_difference,
-    places_of,
+    locate_strokes,
     without_refusals,
 )
 from paint3d.app.model.input.symmetry import Symmetry
@@ -76,7 +76,7 @@ from paint3d.painter.ink_time import LOOKAHEAD
 from paint3d.painter.painter import Ink, Painter
 from paint3d.painter.recorded_tools import LEAST_INK
 from paint3d.recording.score import Score
-from paint3d.recording.score_edits import edit_seal, edit_strokes
+from paint3d.recording.score_edits import apply_seal_edit, apply_stroke_edit
 from paint3d.recording.score_steps import follow_steps
 from paint3d.surface.ink_store import union
 from paint3d.surface.layer_stack import Layer, LayerStack
@@ -1525,8 +1525,8 @@ class Document:
             Of the strokes, from 0, among `strokes` and, after them, `undone_strokes`; scores number
             theirs from 1.
         edit : mapping
-            See `score_edits.edit_strokes`; the ink may be one in hand, the brush a `BrushSpec`, and
-            the brushes of strokes that are scaled are theirs, scaled.
+            See `score_edits.apply_stroke_edit`; the ink may be one in hand, the brush a
+            `BrushSpec`, and the brushes of strokes that are scaled are theirs, scaled.
 
         Returns
         -------
@@ -1546,18 +1546,18 @@ class Document:
         if self._looking:
             self.replay_history(len(self.strokes) + len(self.undone_strokes))
             score = self._score_to_edit()
-        spans = places_of(score, len(self.strokes), len(self.undone_strokes))
-        for place in chosen:
-            self._check_number(place, len(self.strokes))
+        spans = locate_strokes(score, len(self.strokes), len(self.undone_strokes))
+        for index in chosen:
+            self._check_index(index, len(self.strokes))
         words = self._in_words(edit, score)
         if edit.get("do") == "scale" and "factor" in edit:
             brushes = [scaled(self.strokes[k].brush, edit["factor"]) for k in chosen]
             words = {**words, "brushes": [brush_named(brush) for brush in brushes]}
-        edited = edit_strokes(score, [spans[k][0] for k in chosen], words, self.surface.source)
+        edited = apply_stroke_edit(score, [spans[k][0] for k in chosen], words, self.surface.source)
         first = first_difference(score, edited)
         back = max((k for k, (_, begin) in enumerate(spans) if begin <= first), default=0)
         back = min([back, *chosen])
-        self._check_number(back, len(self.strokes))
+        self._check_index(back, len(self.strokes))
         return self._paint_anew(
             edited, lambda: len(self.strokes) > back, min(spans[back][1], first)
         )
@@ -1583,7 +1583,7 @@ class Document:
         place : int
             Of the seal, from 0, among those that are there; scores number theirs from 1.
         edit : mapping
-            See `score_edits.edit_seal`; the ink may be one in hand.
+            See `score_edits.apply_seal_edit`; the ink may be one in hand.
 
         Returns
         -------
@@ -1610,7 +1610,7 @@ class Document:
                 steps=held,
             )
         words = self._in_words(edit, score)
-        edited = edit_seal(score, place + 1, words)
+        edited = apply_seal_edit(score, place + 1, words)
         step = COMMANDS["press_seal"].step
         return self._paint_anew(
             edited, lambda: self._undo.done.count(step) > place, seals[place].begin
@@ -1629,24 +1629,24 @@ class Document:
         assert score is not None, "it is kept"
         return score
 
-    def _check_number(self, number: int, count: int) -> None:
-        if not 0 <= number < count:
-            if count <= number < count + len(self.undone_strokes):
+    def _check_index(self, index: int, count: int) -> None:
+        if not 0 <= index < count:
+            if count <= index < count + len(self.undone_strokes):
                 raise InputError(
                     "stroke {number} is undone; expected 1 to {count}",
-                    number=number + 1,
+                    number=index + 1,
                     count=count,
                 )
             raise InputError(
                 "there is no stroke {number}; expected 1 to {count}",
-                number=number + 1,
+                number=index + 1,
                 count=count,
             )
-        if number < self.oldest_stroke:
+        if index < self.oldest_stroke:
             raise InputError(
                 "no step leads back to stroke {number}; expected one from {oldest_stroke} on: save "
                 "the strokes as a whole painting and replay it",
-                number=number + 1,
+                number=index + 1,
                 oldest_stroke=self.oldest_stroke + 1,
             )
 

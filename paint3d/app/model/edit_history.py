@@ -22,7 +22,7 @@ __all__ = [
     "Turned",
     "Version",
     "first_difference",
-    "places_of",
+    "locate_strokes",
     "without_refusals",
 ]
 
@@ -147,7 +147,7 @@ class EditHistory:
         return touched
 
 
-def places_of(score: Score, there: int, undone: int) -> list[tuple[int, int]]:
+def locate_strokes(score: Score, there: int, undone: int) -> list[tuple[int, int]]:
     """Of the strokes that are there and those that were undone: number in the score, and event.
 
     Raises

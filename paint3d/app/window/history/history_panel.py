@@ -19,7 +19,7 @@ __all__ = ["HistoryPanel"]
 
 _ICON = 22
 _SPEEDS = (("¼ x", 0.25), ("½ x", 0.5), ("1 x", 1.0), ("4 x", 4.0), ("16 x", 16.0), ("max", None))
-_EDITS = (
+_STROKE_EDIT_MENU = (
     ("pick", Message("Choose one on the object")),
     ("drag", Message("Move it on the object")),
     ("move", Message("Move it by numbers…")),
@@ -29,7 +29,7 @@ _EDITS = (
     ("delete", Message("Delete it")),
 )
 """What can be done with a stroke, and how the menu says it."""
-_SEAL_EDITS = (
+_SEAL_EDIT_MENU = (
     ("drag", Message("Move it on the object")),
     ("ink", Message("Press it in the ink in hand")),
     ("delete", Message("Delete it")),
@@ -144,7 +144,7 @@ class HistoryPanel(QtWidgets.QWidget):
         """A menu of what can be done with the stroke of a row."""
         menu = QtWidgets.QMenu(parent)
         menu.aboutToShow.connect(lambda: self._mark_row(row()))
-        for name, text in _EDITS:
+        for name, text in _STROKE_EDIT_MENU:
             if name in ("drag", "delete"):
                 menu.addSeparator()
             action = menu.addAction(say(text))
@@ -167,7 +167,7 @@ class HistoryPanel(QtWidgets.QWidget):
             return
         number = self.seals.row(item)
         menu = QtWidgets.QMenu(self.seals)
-        for name, text in _SEAL_EDITS:
+        for name, text in _SEAL_EDIT_MENU:
             action = menu.addAction(say(text))
             action.setObjectName(name)
             action.triggered.connect(lambda _=False, name=name: self.seal_edited.emit(name, number))

@@ -35,7 +35,7 @@ class StrokeChooser(CanvasTool):
     Signals
     -------
     edited : dict
-        What is to be done with them; see `score_edits.edit_strokes`.
+        What is to be done with them; see `score_edits.apply_stroke_edit`.
     """
 
     edited = QtCore.Signal(object)

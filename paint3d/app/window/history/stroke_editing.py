@@ -102,7 +102,7 @@ class MoveDialog(FormDialog):
 
     @property
     def edit(self) -> dict[str, Any]:
-        """What was chosen, as `score_edits.edit_strokes` takes it."""
+        """What was chosen, as `score_edits.apply_stroke_edit` takes it."""
         along = [self.right.value(), self.up.value()]
         return {"do": "move", "along": along, "turn_deg": self.turn.value()}
 
@@ -129,7 +129,7 @@ class ShapeDialog(FormDialog):
 
     @property
     def edits(self) -> list[dict[str, Any]]:
-        """What was chosen, as `score_edits.edit_strokes` takes it, one after the other."""
+        """What was chosen, as `score_edits.apply_stroke_edit` takes it, one after the other."""
         along, turn = [self.right.value(), self.up.value()], self.turn.value()
         found: list[dict[str, Any]] = []
         if any(along) or turn:
@@ -162,7 +162,7 @@ class TimeDialog(FormDialog):
 
     @property
     def edit(self) -> dict[str, Any]:
-        """What was chosen, as `score_edits.edit_strokes` takes it."""
+        """What was chosen, as `score_edits.apply_stroke_edit` takes it."""
         words: dict[str, Any] = {"do": "time", "shift_s": self.shift.value()}
         if abs(self.seconds.value() - self._was) > 0.005:  # of what the box shows
             words["seconds"] = self.seconds.value()
