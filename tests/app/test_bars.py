@@ -115,7 +115,7 @@ JOBS: dict[str, Callable[..., bool]] = {
     "turntable": lambda w, at: w.pictures.turntable_to(at / "a.gif", Film(0.5, 8.0, (160, 120))),
     "picture": lambda w, at: w.pictures.picture_to(at / "a.png", (900, 700)),
     "export": lambda w, at: w.exporting.export_to(at / "a.glb"),
-    "edit": lambda w, at: w.editing.edit([1], {"do": "delete"}),
+    "edit": lambda w, at: w.editing.run_edit([1], {"do": "delete"}),
     "refine": _refine,
     "warm": _warm,
     "save": _save_and_open,

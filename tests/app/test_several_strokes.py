@@ -78,7 +78,7 @@ def choose_two(window) -> None:
     type_key(window.canvas, KEY.Key_Q)
     wait_for(lambda: window.editing.chooser.is_on)
     lead(window, [(-50.0, 30.0), (0.0, 30.0), (0.0, -10.0), (-50.0, -10.0), (-50.0, 28.0)])
-    assert window.mark.numbers == (0, 1)
+    assert window.mark.indices == (0, 1)
 
 
 def test_a_loop_and_clicks_choose_strokes(window) -> None:
@@ -87,11 +87,11 @@ def test_a_loop_and_clicks_choose_strokes(window) -> None:
     bold = [k for k in range(3) if window.panels.history.list.item(k).font().bold()]
     assert bold == [0, 1]
     lead(window, [(30.0, -30.0), (30.0, -30.0)])
-    assert window.mark.numbers == (0, 1, 2)
+    assert window.mark.indices == (0, 1, 2)
     lead(window, [(-25.0, 20.0), (-25.0, 20.0)])
-    assert window.mark.numbers == (1, 2)
+    assert window.mark.indices == (1, 2)
     lead(window, [(60.0, 60.0), (60.0, 60.0)])
-    assert window.mark.numbers == ()
+    assert window.mark.indices == ()
     type_key(window.canvas, KEY.Key_Escape)
     assert not window.workspace.actions["choose_strokes"].isChecked()
     assert len(window.document.strokes) == 3
@@ -106,7 +106,7 @@ def test_a_drag_moves_all_and_one_undo_brings_them_back(window) -> None:
     for k in (0, 1):
         np.testing.assert_allclose(after[k] - before[k], [20.0, 10.0, 0.0], atol=0.6)
     np.testing.assert_allclose(after[2], before[2], atol=1e-6)
-    assert window.mark.numbers == (0, 1)
+    assert window.mark.indices == (0, 1)
     type_key(window.canvas, KEY.Key_Z, HELD.ControlModifier)
     wait_for(lambda: np.allclose(middles(window)[0], before[0]))
 

@@ -271,44 +271,44 @@ class Sealing(QtCore.QObject):
             self._moved = None
             self._take_up(done.result(), proposed)
 
-    def edit(self, what: str, number: int) -> None:
+    def edit(self, what: str, index: int) -> None:
         """Move a seal that was pressed, press it in the ink in hand, or delete it.
 
         Parameters
         ----------
         what : {"drag", "ink", "delete"}
-        number : int
+        index : int
             From 0, among those that are there.
         """
         workspace = self._workspace
         self.let_be()
         if what == "ink":
-            self._edit(number, {"do": "ink", "ink": workspace.painting.dipped})
+            self._edit(index, {"do": "ink", "ink": workspace.painting.dipped})
             return
         if what == "delete":
-            self._edit(number, {"do": "delete"})
+            self._edit(index, {"do": "delete"})
             return
         with workspace.paint_thread.paused(_PATIENCE_S) as document:
             pressed = [] if document is None else document.pressed_seals()
-        if not 0 <= number < len(pressed):
+        if not 0 <= index < len(pressed):
             workspace.tell(say("Still painting; try again in a moment"), state="slow")
             return
-        rings = tuple(np.array(ring, np.float64) for ring in pressed[number]["rings"])
+        rings = tuple(np.array(ring, np.float64) for ring in pressed[index]["rings"])
         size = np.ptp(np.concatenate(rings), axis=0).tolist()
-        self._moved = number
+        self._moved = index
         self._take_up(Seal("", "", size[0], size[1], rings, 0.0, ""))
 
-    def _edit(self, number: int, edit: dict[str, Any]) -> None:
+    def _edit(self, index: int, edit: dict[str, Any]) -> None:
         workspace = self._workspace
         paint_thread = workspace.paint_thread
 
         def work(progress: Progress) -> None:
             with paint_thread.reporting(progress):
-                paint_thread.post("edit_seal", number, edit).result()
+                paint_thread.post("edit_seal", index, edit).result()
 
         if workspace.went_well(workspace.run(say("Pressing the seal anew…"), work)):
             workspace.tell(
-                say("Seal {n} is changed; undo takes it back", n=number + 1), state="good"
+                say("Seal {n} is changed; undo takes it back", n=index + 1), state="good"
             )
 
     def _take_up(self, seal: Seal, proposed: ProposedSeal | None = None) -> None:

@@ -61,7 +61,7 @@ class HistoryPanel(QtWidgets.QWidget):
     edited : (str, int)
         What is to be done with a stroke, and its row; see `StrokeEditing.ask`.
     seal_edited : (str, int)
-        What is to be done with a seal ("drag", "ink", "delete"), and its number, from 0.
+        What is to be done with a seal ("drag", "ink", "delete"), and its index, from 0.
     exported : ()
         The strokes are to be saved as a recording.
     told : (str)
@@ -165,12 +165,12 @@ class HistoryPanel(QtWidgets.QWidget):
         item = self.seals.itemAt(place)
         if item is None:
             return
-        number = self.seals.row(item)
+        index = self.seals.row(item)
         menu = QtWidgets.QMenu(self.seals)
         for name, text in _SEAL_EDIT_MENU:
             action = menu.addAction(say(text))
             action.setObjectName(name)
-            action.triggered.connect(lambda _=False, name=name: self.seal_edited.emit(name, number))
+            action.triggered.connect(lambda _=False, name=name: self.seal_edited.emit(name, index))
         menu.setAttribute(QtCore.Qt.WidgetAttribute.WA_DeleteOnClose)
         menu.popup(self.seals.viewport().mapToGlobal(place))
 

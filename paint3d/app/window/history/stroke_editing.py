@@ -194,8 +194,8 @@ class StrokeEditing:
         drag = self.drag = StrokeDrag(workspace, mark.stroke_at)
         drag.chosen.connect(mark.choose)
         drag.dragged.connect(
-            lambda number, ends: self.edit(
-                [number], {"do": "move", "to": [e.tolist() for e in ends]}
+            lambda index, ends: self.run_edit(
+                [index], {"do": "move", "to": [e.tolist() for e in ends]}
             )
         )
         self.chooser = StrokeChooser(workspace, mark)
@@ -235,32 +235,32 @@ class StrokeEditing:
     def do_shape_strokes(self) -> None:
         """Ask by how much what is chosen is moved, turned and scaled."""
         if self._are_chosen():
-            dialog = ShapeDialog(self._workspace.window, len(self._mark.numbers))
+            dialog = ShapeDialog(self._workspace.window, len(self._mark.indices))
             if dialog.exec() == QtWidgets.QDialog.DialogCode.Accepted:
                 for edit in dialog.edits:
                     if not self.edit_chosen(edit):
                         break
 
     def _are_chosen(self) -> bool:
-        if not self._mark.numbers:
+        if not self._mark.indices:
             self._workspace.tell(say("No stroke is chosen; press Q and draw a loop"), state="bad")
-        return bool(self._mark.numbers)
+        return bool(self._mark.indices)
 
     def edit_chosen(self, edit: Mapping[str, Any]) -> bool:
         """Edit the strokes that are chosen as one; whether that went well."""
-        return self._are_chosen() and self.edit(self._mark.numbers, edit)
+        return self._are_chosen() and self.run_edit(self._mark.indices, edit)
 
     # -- one --------------------------------------------------------------------------------
 
-    def ask(self, what: str, number: int) -> None:
+    def ask(self, what: str, index: int) -> None:
         """Do what was chosen for a stroke.
 
         Parameters
         ----------
         what : {"pick", "delete", "drag", "move", "ink", "brush", "time"}
             "pick": one is to be chosen on the object, whatever the number.
-        number : int
-            Place of the stroke in the history, from 0.
+        index : int
+            Of the stroke in the history, from 0.
         """
         workspace, painting = self._workspace, self._workspace.painting
         if what == "pick":
@@ -268,12 +268,12 @@ class StrokeEditing:
             self.drag.begin()
             return
         strokes = [*painting.strokes, *painting.undone_strokes]
-        if not 0 <= number < len(strokes):
+        if not 0 <= index < len(strokes):
             return
         self.drag.end()
-        self._mark.choose(number)
+        self._mark.choose(index)
         if what == "drag":
-            self.drag.begin(number)
+            self.drag.begin(index)
             return
         edit: Mapping[str, Any] | None = {"do": what}
         if what == "ink":
@@ -281,19 +281,19 @@ class StrokeEditing:
         elif what == "brush":
             edit = {"do": "brush", "brush": workspace.paint_thread.brush}
         elif what == "move":
-            edit = _answer(MoveDialog(workspace.window, number + 1))
+            edit = _answer(MoveDialog(workspace.window, index + 1))
         elif what == "time":
-            edit = _answer(TimeDialog(workspace.window, number + 1, strokes[number].duration_s))
+            edit = _answer(TimeDialog(workspace.window, index + 1, strokes[index].duration_s))
         if edit is not None:
-            self.edit([number], edit)
+            self.run_edit([index], edit)
 
-    def edit(self, numbers: Sequence[int], edit: Mapping[str, Any]) -> bool:
+    def run_edit(self, indices: Sequence[int], edit: Mapping[str, Any]) -> bool:
         """Edit strokes, several as one; say whether that went well.
 
         Parameters
         ----------
-        numbers : sequence of int
-            Places of the strokes in the history, from 0.
+        indices : sequence of int
+            Of the strokes in the history, from 0.
         edit : mapping
             See `Document.edit_strokes`.
         """
@@ -302,32 +302,32 @@ class StrokeEditing:
 
         def work(progress: Progress) -> None:
             with paint_thread.reporting(progress):
-                paint_thread.post("edit_strokes", list(numbers), edit).result()
+                paint_thread.post("edit_strokes", list(indices), edit).result()
 
         began = time.perf_counter()
-        number = min(numbers)
-        after = len(painting.strokes) + len(painting.undone_strokes) - number - 1
-        title = say("Repainting what follows stroke {n}…", n=number + 1)
+        first = min(indices)
+        after = len(painting.strokes) + len(painting.undone_strokes) - first - 1
+        title = say("Repainting what follows stroke {n}…", n=first + 1)
         if not workspace.went_well(workspace.run(title, work)):
             return False
         seconds = time.perf_counter() - began
         message = say(
             "Stroke {n} edited; {after} after it repainted in {seconds:.1f} s; undo takes it back "
             "until the painting is closed",
-            n=number + 1, after=after, seconds=seconds,
+            n=first + 1, after=after, seconds=seconds,
         )  # fmt: skip
-        if len(numbers) > 1:
+        if len(indices) > 1:
             message = say(
                 "{n} stroke edited in {seconds:.1f} s; undo takes it back until the painting is "
                 "closed",
                 "{n} strokes edited in {seconds:.1f} s; undo takes it back until the painting is "
                 "closed",
-                n=len(numbers), seconds=seconds,
+                n=len(indices), seconds=seconds,
             )  # fmt: skip
         workspace.tell(message, state="good")
         self._mark.choose(None)
         if edit["do"] != "delete":
-            self._mark.choose_all(numbers)
+            self._mark.choose_all(indices)
         return True
 
 
