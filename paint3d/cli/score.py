@@ -188,19 +188,19 @@ def _words(edit: _Edit, score: Score) -> dict[str, Any]:
         is_length = text.endswith("s")
         return {"do": "time", "seconds" if is_length else "factor": float(text.rstrip("s"))}
     if edit.kind == "brush":
-        from paint3d.app.model.score.words import brush_named
+        from paint3d.app.model.score.codecs import encode_brush
         from paint3d.brush.presets import load_brush
 
-        return {"do": "brush", "brush": brush_named(load_brush(text))}
-    from paint3d.app.model.score.words import Inks
+        return {"do": "brush", "brush": encode_brush(load_brush(text))}
+    from paint3d.app.model.score.codecs import InkTable
     from paint3d.colour.inks import load_ink
 
     own = dict(score.header.get("pigments", {}))
     if text in own:
         return {"do": "ink", "ink": text}
-    inks = Inks(own)
+    inks = InkTable(own)
     stirred = load_ink(text)
-    said = inks.words(next(iter(stirred)) if len(stirred) == 1 else stirred)
+    said = inks.encode(next(iter(stirred)) if len(stirred) == 1 else stirred)
     return {"do": "ink", "ink": said, "pigments": inks.table}
 
 

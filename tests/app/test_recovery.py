@@ -22,7 +22,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from paint3d.app.model.commands import decode_command, do_again, encode_command
+from paint3d.app.model.commands import decode_command, encode_command, replay_command
 from paint3d.app.model.document import Document
 from paint3d.app.model.input.symmetry import MirrorPlane, RadialSymmetry, Symmetry
 from paint3d.app.model.mask import AngleMask, Mask, RegionPick
@@ -728,11 +728,11 @@ def test_inks_of_ones_own_are_written_down_also_two_of_one_name():
 def test_a_journal_of_before_commands_were_lines_is_read(name, arguments, options):
     """A crash of an older version may have left one; it gave arguments by their places."""
     document, other = small_plane(), small_plane()
-    do_again(document, {"do": name, "with": arguments, "options": options})
+    replay_command(document, {"do": name, "with": arguments, "options": options})
     _, given, more = decode_command({"do": name, "with": arguments, "options": options},
                                     document.surface)  # fmt: skip
     line = json.loads(json.dumps(encode_command(other, name, given, more)))
-    do_again(other, line)
+    replay_command(other, line)
     assert document.score.events == other.score.events
     assert document.mask == other.mask
 
@@ -744,7 +744,7 @@ def test_what_no_document_does_is_refused():
         {"do": "dip", "with": 3}, {"do": "dip", "with": [{"@": "x"}]},
     ):  # fmt: skip
         with pytest.raises(SessionError, match="journal"):
-            do_again(document, note)
+            replay_command(document, note)
     with pytest.raises(RecordingError, match="nothing that a recording can say"):
         encode_command(document, "wipe", [object()], {})
     with pytest.raises(SessionError, match="cannot be called so"):

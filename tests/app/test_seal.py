@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import paint3d
-from paint3d.app.model.commands import do_again, encode_command
+from paint3d.app.model.commands import encode_command, replay_command
 from paint3d.app.model.document import Document
 from paint3d.app.model.mask import AngleMask, Mask
 from paint3d.app.model.score.playing import painted
@@ -94,7 +94,7 @@ def test_a_score_repeats_it_to_the_bit(document: Document, tmp_path) -> None:
 def test_a_journal_repeats_it(document: Document) -> None:
     other = Document.new(small_plane().surface.source, 0.5, "xuan")
     note = encode_command(other, "press_seal", [RINGS, HERE, UP], {"seed": 3})
-    do_again(other, note)
+    replay_command(other, note)
     assert other.steps.done == ["seal"]
     assert other.surface.painted.any()
 

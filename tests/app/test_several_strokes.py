@@ -11,7 +11,7 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
 from PySide6 import QtCore
 
-from paint3d.app.model.commands import do_again, encode_command
+from paint3d.app.model.commands import encode_command, replay_command
 from paint3d.app.window.history.stroke_editing import ShapeDialog
 from paint3d.app.window.history.stroke_mark import ways_of
 from paint3d.errors import Paint3DError
@@ -187,7 +187,7 @@ def test_the_journal_says_an_edit_of_several_and_what_is_none_changes_nothing() 
     edit = {"do": "move", "along": [3.0, 0.0], "turn_deg": 20.0}
     line = encode_command(documents[0], "edit_strokes", ([0, 2], edit), {})
     documents[0].edit_strokes([0, 2], edit)
-    do_again(documents[1], line)
+    replay_command(documents[1], line)
     np.testing.assert_array_equal(documents[0].surface.srgb, documents[1].surface.srgb)
     seen = documents[0].surface.srgb.copy()
     for numbers, bad in (

@@ -473,7 +473,8 @@ def test_a_score_with_a_large_shift_is_read_again(tmp_path: Path, shift: float) 
 
 
 @pytest.mark.parametrize(
-    "name", [n for n, command in COMMANDS.items() if command.step and not n.startswith("edit_")]
+    "name",
+    [n for n, command in COMMANDS.items() if command.undo_label and not n.startswith("edit_")],
 )
 def test_a_command_with_a_step_of_undo_is_one_in_a_score(name: str) -> None:
     """Else an undo after it would be taken for one of the stroke before."""

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from paint3d.app.model.brush_in_hand import BrushLease, resized, scaled, stepped
-from paint3d.app.model.commands import COMMANDS, arguments_of
+from paint3d.app.model.commands import COMMANDS, decode_arguments
 from paint3d.app.model.edit_history import (
     EditHistory,
     Turned,
@@ -40,9 +40,9 @@ from paint3d.app.model.persistence.saved_settings import (
     saved_unit,
 )
 from paint3d.app.model.repainting import Repainter, dips_of, names_of
-from paint3d.app.model.score.keeping import ScoreKeeper, recorded
+from paint3d.app.model.score.codecs import InkTable, Vocabulary, encode_brush
+from paint3d.app.model.score.recorder import ScoreRecorder, recorded
 from paint3d.app.model.score.stepping import play
-from paint3d.app.model.score.words import Inks, Vocabulary, brush_named
 from paint3d.app.model.seal_press import PASTE, SealPress
 from paint3d.app.model.stroke_log import (
     ERASES,
@@ -89,7 +89,7 @@ __all__ = ["Document", "FileState"]
 _BLOTTED = 0.8  # of wet ink, that blotting paper lifts
 _MOST_PICKUP = 1000.0  # 1/mm, as in recordings
 _MANY_OUTDATED = 1024  # vertices, above which their colours are found while nobody paints
-_EDIT_STEP = COMMANDS["edit_strokes"].step
+_EDIT_STEP = COMMANDS["edit_strokes"].undo_label
 # Label of a step of an edit that no stroke begins: it is taken back with the step before it, and
 # done again with the one after it.
 
@@ -121,7 +121,7 @@ class Document:
         Whether it is otherwise than it was saved; undo and redo may lead back there.
     left_out : bool
         Whether some steps found no room in the file when it was saved last.
-    keeper : ScoreKeeper or None
+    recorder : ScoreKeeper or None
         Writes down what is asked, to be played again; None where how it began is not known.
     check_access : callable
         Raises RuntimeError where the thread that calls a method may not use the document.
@@ -167,19 +167,19 @@ class Document:
         self._edits = EditHistory(self._undo)
         self._is_anew = False  # strokes are painted anew
         self._passing = self._looking = False  # strokes were undone to look at what was before
-        self.keeper = self._keeper(saved)
+        self.recorder = self._make_recorder(saved)
         self.refused_history = self._take_history(saved)
         self._saved_at = self._undo.next_undo
         surface.keeps_up = self.settings.pop("behind", False) is not True
         self._pending: list[AnyArray] = []
         self.tuft_follower = TuftFollower()
 
-    def _keeper(self, saved: Session | None) -> ScoreKeeper | None:
+    def _make_recorder(self, saved: Session | None) -> ScoreRecorder | None:
         if saved is None:
-            return ScoreKeeper.begin(self.surface, self.painter)
+            return ScoreRecorder.begin(self.surface, self.painter)
         if saved.score is None:
             return None
-        return ScoreKeeper.resumed(saved.score, len(saved.strokes))
+        return ScoreRecorder.resumed(saved.score, len(saved.strokes))
 
     @property
     def score(self) -> Score | None:
@@ -187,7 +187,7 @@ class Document:
 
         `score_of_strokes` then tells of the strokes alone.
         """
-        return None if self.keeper is None else self.keeper.score(self.surface.source.name)
+        return None if self.recorder is None else self.recorder.score(self.surface.source.name)
 
     def _take_history(self, saved: Session | None) -> Message | None:
         """Have the way back that was saved; why not, where it is damaged."""
@@ -689,8 +689,8 @@ class Document:
         self._log.append(samples)
         self._strokes.advance(samples)
         self.modified = True
-        if self.keeper is not None and not self.keeper.is_within:
-            self.keeper.feed(samples)
+        if self.recorder is not None and not self.recorder.is_suspended:
+            self.recorder.feed(samples)
 
     @recorded
     def lift(self) -> None:
@@ -826,7 +826,7 @@ class Document:
         self._refuse_in_stroke(Message("drying"))
         self._come_back()
         self._paintable()
-        self._undo.begin(COMMANDS["dry"].step)
+        self._undo.begin(COMMANDS["dry"].undo_label)
         self.surface.dry()
         self.modified = True
 
@@ -845,7 +845,7 @@ class Document:
         share = as_number(share, "share", 0.0, 1.0)
         self._come_back()
         self._paintable()
-        self._undo.begin(COMMANDS["blot"].step)
+        self._undo.begin(COMMANDS["blot"].undo_label)
         surface = self.surface
         surface.drop_flow()
         before = surface.wet_ink()
@@ -892,7 +892,7 @@ class Document:
         """
         name = name or self._free_name()
         place = self.active_layer + 1 if place is None else place
-        self._restack(COMMANDS["add_layer"].step, lambda stack: stack.add(name, place))
+        self._restack(COMMANDS["add_layer"].undo_label, lambda stack: stack.add(name, place))
 
     @recorded
     def remove_layer(self, place: int) -> None:
@@ -903,7 +903,7 @@ class Document:
         InputError
             If there is none at that place, it is the only one, or a stroke is going on.
         """
-        self._restack(COMMANDS["remove_layer"].step, lambda stack: stack.remove(place))
+        self._restack(COMMANDS["remove_layer"].undo_label, lambda stack: stack.remove(place))
 
     @recorded
     def move_layer(self, place: int, to: int, within: int | None = None) -> None:
@@ -920,7 +920,9 @@ class Document:
         InputError
             If there is no such place, a group would lie in two parts, or a stroke is going on.
         """
-        self._restack(COMMANDS["move_layer"].step, lambda stack: stack.move(place, to, within))
+        self._restack(
+            COMMANDS["move_layer"].undo_label, lambda stack: stack.move(place, to, within)
+        )
 
     # A group is named by the place of any of its layers.
 
@@ -936,7 +938,7 @@ class Document:
         """
         last = place if last is None else last
         name = name or self._free_group_name()
-        step = COMMANDS["add_group"].step
+        step = COMMANDS["add_group"].undo_label
         self._restack(step, lambda stack: stack.group(place, last, name))
 
     @recorded
@@ -948,7 +950,7 @@ class Document:
         InputError
             If there is no layer at that place, it is in no group, or a stroke is going on.
         """
-        self._restack(COMMANDS["ungroup"].step, lambda stack: stack.ungroup(place))
+        self._restack(COMMANDS["ungroup"].undo_label, lambda stack: stack.ungroup(place))
 
     @recorded
     def duplicate_group(self, place: int, name: str | None = None) -> None:
@@ -961,7 +963,7 @@ class Document:
             many, or a stroke is going on.
         """
         name = name or self._free_group_name()
-        step = COMMANDS["duplicate_group"].step
+        step = COMMANDS["duplicate_group"].undo_label
         self._restack(step, lambda stack: stack.duplicate_group(place, name))
 
     @recorded
@@ -974,7 +976,7 @@ class Document:
             If there is no such place, the layer is in no group, another group would lie in two
             parts, or a stroke is going on.
         """
-        self._restack(COMMANDS["move_group"].step, lambda stack: stack.move_group(place, to))
+        self._restack(COMMANDS["move_group"].undo_label, lambda stack: stack.move_group(place, to))
 
     @recorded
     def remove_group(self, place: int) -> None:
@@ -986,7 +988,7 @@ class Document:
             If there is no layer at that place, it is in no group, no other layer would stay, or a
             stroke is going on.
         """
-        self._restack(COMMANDS["remove_group"].step, lambda stack: stack.remove_group(place))
+        self._restack(COMMANDS["remove_group"].undo_label, lambda stack: stack.remove_group(place))
 
     @recorded
     def set_group_opacity(self, place: int, opacity: float) -> None:
@@ -998,7 +1000,7 @@ class Document:
             If there is no layer at that place, it is in no group, it is no such share, or a stroke
             is going on.
         """
-        step = COMMANDS["set_group_opacity"].step
+        step = COMMANDS["set_group_opacity"].undo_label
         self._restack(step, lambda stack: stack.describe_group(place, opacity=opacity))
 
     @recorded
@@ -1011,7 +1013,7 @@ class Document:
             If there is no layer at that place, it is in no group, it is neither, or a stroke is
             going on.
         """
-        step = COMMANDS["set_group_blend"].step
+        step = COMMANDS["set_group_blend"].undo_label
         self._restack(step, lambda stack: stack.describe_group(place, blend=blend))
 
     @recorded
@@ -1056,7 +1058,7 @@ class Document:
             going on.
         """
         name = name or self._free_name()
-        step = COMMANDS["duplicate_layer"].step
+        step = COMMANDS["duplicate_layer"].undo_label
         self._restack(step, lambda stack: stack.duplicate(place, name))
 
     @recorded
@@ -1081,7 +1083,7 @@ class Document:
             # a part of its own: undo comes to the layer that dried last before it takes that back
             self._undo.change(stack.state, lambda: stack.merge(place, self.surface.glaze))
 
-        self._restack(COMMANDS["merge_layer"].step, merge)
+        self._restack(COMMANDS["merge_layer"].undo_label, merge)
 
     @recorded
     def set_opacity(self, place: int, opacity: float) -> None:
@@ -1093,7 +1095,7 @@ class Document:
             If there is none at that place, it is no such share, or a stroke is going on.
         """
         self._restack(
-            COMMANDS["set_opacity"].step, lambda stack: stack.describe(place, opacity=opacity)
+            COMMANDS["set_opacity"].undo_label, lambda stack: stack.describe(place, opacity=opacity)
         )
 
     @recorded
@@ -1105,7 +1107,9 @@ class Document:
         InputError
             If there is none at that place, it is neither, or a stroke is going on.
         """
-        self._restack(COMMANDS["set_blend"].step, lambda stack: stack.describe(place, blend=blend))
+        self._restack(
+            COMMANDS["set_blend"].undo_label, lambda stack: stack.describe(place, blend=blend)
+        )
 
     def _free_name(self) -> str:
         """The first number that no layer is called by."""
@@ -1230,7 +1234,7 @@ class Document:
         changed = (*self._texts[:number], *by, *self._texts[number + 1 :])
         unpacked_texts([text.words() for text in changed])  # not too many
         self._come_back()
-        self._undo.begin(COMMANDS[command].step)
+        self._undo.begin(COMMANDS[command].undo_label)
         self._texts = changed
         self._undo.seal()
         self.modified = True
@@ -1507,7 +1511,7 @@ class Document:
             found = union(touched, self.surface.paint_mesh.capacity)
             self.surface.touch(found)
             self._note(found)
-        self.keeper = None  # what is painted again is not what was
+        self.recorder = None  # what is painted again is not what was
         return found
 
     # -- edits of strokes -------------------------------------------------------------------
@@ -1552,7 +1556,7 @@ class Document:
         words = self._in_words(edit, score)
         if edit.get("do") == "scale" and "factor" in edit:
             brushes = [scaled(self.strokes[k].brush, edit["factor"]) for k in chosen]
-            words = {**words, "brushes": [brush_named(brush) for brush in brushes]}
+            words = {**words, "brushes": [encode_brush(brush) for brush in brushes]}
         edited = apply_stroke_edit(score, [spans[k][0] for k in chosen], words, self.surface.source)
         first = first_difference(score, edited)
         back = max((k for k, (_, begin) in enumerate(spans) if begin <= first), default=0)
@@ -1565,7 +1569,7 @@ class Document:
     @property
     def n_seals(self) -> int:
         """How many seals there are that steps take back."""
-        return self._undo.done.count(COMMANDS["press_seal"].step)
+        return self._undo.done.count(COMMANDS["press_seal"].undo_label)
 
     def pressed_seals(self) -> list[dict[str, Any]]:
         """What each seal that is there was pressed with, as a line of the score says it."""
@@ -1611,7 +1615,7 @@ class Document:
             )
         words = self._in_words(edit, score)
         edited = apply_seal_edit(score, place + 1, words)
-        step = COMMANDS["press_seal"].step
+        step = COMMANDS["press_seal"].undo_label
         return self._paint_anew(
             edited, lambda: self._undo.done.count(step) > place, seals[place].begin
         )
@@ -1620,7 +1624,7 @@ class Document:
         """The score, during no stroke."""
         self.check_access()
         self.break_off()
-        if self.keeper is None:
+        if self.recorder is None:
             raise InputError(
                 "of this painting only the strokes are known, not what was between them; expected "
                 "one whose score is kept: save the strokes as a whole painting and replay it"
@@ -1653,16 +1657,16 @@ class Document:
     def _in_words(self, edit: Mapping[str, Any], score: Score) -> Mapping[str, Any]:
         """An edit as it can be done to a score."""
         if edit.get("do") == "ink" and "ink" in edit:
-            inks = Inks(dict(score.header.get("pigments", {})))
-            return {**edit, "ink": inks.words(edit["ink"]), "pigments": inks.table}
+            inks = InkTable(dict(score.header.get("pigments", {})))
+            return {**edit, "ink": inks.encode(edit["ink"]), "pigments": inks.table}
         if isinstance(edit.get("brush"), BrushSpec):
-            return {**edit, "brush": brush_named(edit["brush"])}
+            return {**edit, "brush": encode_brush(edit["brush"])}
         return edit
 
     def _paint_anew(self, edited: Score, goes_on: Callable[[], bool], begin: int) -> AnyArray:
         """Go back while there is something to undo, and play the edited score from an event on."""
-        keeper, steps = self.keeper, self._undo
-        assert keeper is not None, "it was looked at"
+        recorder, steps = self.recorder, self._undo
+        assert recorder is not None, "it was looked at"
         self._gather()
         before, there, n_done = self._in_hand(), steps.next_undo, len(steps.done)
         layers = self.surface.use_layers().layers
@@ -1673,20 +1677,20 @@ class Document:
             self._follow_log()
         depth = len(steps.done)
         aside = steps.exchange_undone(())
-        version = Version(depth, aside, n_done - depth, since, keeper, there, there, 0)
+        version = Version(depth, aside, n_done - depth, since, recorder, there, there, 0)
         try:
-            with keeper.within(), self._as_it_was(edited, begin):
+            with recorder.suspended(), self._as_it_was(edited, begin):
                 self._play(edited, begin)
         except BaseException:
-            with keeper.within():
+            with recorder.suspended():
                 self.cancel_stroke()
             touched += self._edits.exchange(version)
-            self.keeper = keeper
+            self.recorder = recorder
             self._follow_log()
             raise
         else:
             self._edits.add(version)
-            self.keeper = ScoreKeeper(edited.header, edited.events)
+            self.recorder = ScoreRecorder(edited.header, edited.events)
             self.compare_with_saved()
         finally:
             self._describe(layers)
@@ -1741,7 +1745,7 @@ class Document:
 
     def _set_up(self, score: Score, begin: int) -> None:
         """Have the symmetry, the mask and the like that the score had at an event."""
-        vocabulary = Vocabulary(self.surface, Inks(dict(score.header.get("pigments", {}))))
+        vocabulary = Vocabulary(self.surface, InkTable(dict(score.header.get("pigments", {}))))
         asked: dict[str, Mapping[str, Any]] = {
             "set_symmetry": {"symmetry": Symmetry()}, "set_mask": {"mask": Mask()},
             "set_tags": {}, "set_azimuth": {"azimuth": score.header.get("azimuth", "commanded")},
@@ -1750,7 +1754,7 @@ class Document:
             if isinstance(event, Recording) or event.get("refused"):
                 continue
             if event["do"] in asked:
-                asked[event["do"]] = arguments_of(event, vocabulary)
+                asked[event["do"]] = decode_arguments(event, vocabulary)
         for name, settings in asked.items():
             getattr(self, name)(**settings)
 
@@ -1768,10 +1772,10 @@ class Document:
     def _can_edit_again(self) -> bool:
         return not self._is_anew and self._edits.continues_here
 
-    def _exchange_edit(self, turn: Callable[[ScoreKeeper | None], Turned]) -> AnyArray:
+    def _exchange_edit(self, turn: Callable[[ScoreRecorder | None], Turned]) -> AnyArray:
         """Exchange the painting for the other version of the last edit."""
         before = self._in_hand()
-        touched, self.keeper = turn(self.keeper)
+        touched, self.recorder = turn(self.recorder)
         self._follow_log()
         self._hold(before)
         self._passing = self._looking = False

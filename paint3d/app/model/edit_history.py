@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from paint3d.app.model.score.keeping import ScoreKeeper
+from paint3d.app.model.score.recorder import ScoreRecorder
 from paint3d.core.arrays import AnyArray
 from paint3d.device.recorded import Recording
 from paint3d.errors import InputError
@@ -27,8 +27,8 @@ __all__ = [
 ]
 
 
-Turned = tuple[list[AnyArray], ScoreKeeper | None]
-"""Vertices (N,) int32 whose colours may have changed, and the keeper of the painting as it is."""
+Turned = tuple[list[AnyArray], ScoreRecorder | None]
+"""Vertices (N,) int32 whose colours may have changed, and the recorder of the painting as it is."""
 
 
 @dataclass(eq=False)
@@ -45,7 +45,7 @@ class Version:
         How many of them are to be done.
     since : Step
         What came since an undo, to do again after them.
-    keeper : ScoreKeeper or None
+    recorder : ScoreKeeper or None
     here : int
         Number of the last step of the version that is there now.
     there : int
@@ -58,7 +58,7 @@ class Version:
     aside: list[Step]
     count: int
     since: Step
-    keeper: ScoreKeeper | None
+    recorder: ScoreRecorder | None
     here: int
     there: int
     newest: int
@@ -107,30 +107,32 @@ class EditHistory:
         self._done.append(version)
         self._undone.clear()
 
-    def take_back(self, keeper: ScoreKeeper | None) -> Turned:
+    def take_back(self, recorder: ScoreRecorder | None) -> Turned:
         """Take the last edit back.
 
         Parameters
         ----------
-        keeper : ScoreKeeper or None
+        recorder : ScoreKeeper or None
             Of the painting as it is.
 
         Returns
         -------
         Turned
         """
-        return self._turn(self._done, self._undone, keeper)
+        return self._turn(self._done, self._undone, recorder)
 
-    def do_again(self, keeper: ScoreKeeper | None) -> Turned:
+    def do_again(self, recorder: ScoreRecorder | None) -> Turned:
         """Do the next edit again; see `take_back`."""
-        return self._turn(self._undone, self._done, keeper)
+        return self._turn(self._undone, self._done, recorder)
 
-    def _turn(self, one: list[Version], other: list[Version], keeper: ScoreKeeper | None) -> Turned:
+    def _turn(
+        self, one: list[Version], other: list[Version], recorder: ScoreRecorder | None
+    ) -> Turned:
         version = one.pop()
         touched = self.exchange(version)
         version.newest = self._steps.newest
         other.append(version)
-        back, version.keeper = version.keeper, keeper
+        back, version.recorder = version.recorder, recorder
         return touched, back
 
     def exchange(self, version: Version) -> list[AnyArray]:

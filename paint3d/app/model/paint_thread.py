@@ -58,7 +58,7 @@ _ENDS = frozenset({"begin_stroke", "cancel_stroke", "end_stroke"})
 _BASE_EVERY_S = 120.0
 _AGAIN_S = 10.0  # after which a base is tried again that is to make up for a gap in the journal
 
-Command = str | Callable[..., object]
+Operation = str | Callable[..., object]
 
 
 @dataclass(frozen=True)
@@ -89,7 +89,7 @@ class _Job:
 
     came: float
     samples: Sequence[DeviceSample] = ()
-    command: Command | None = None
+    command: Operation | None = None
     arguments: tuple[Any, ...] = ()
     options: Mapping[str, Any] = field(default_factory=dict)
     result: Future[Any] | None = None
@@ -187,7 +187,7 @@ class PaintThread:
 
     # -- for everybody ----------------------------------------------------------------------
 
-    def post(self, command: Command, *arguments: object, **options: object) -> Future[Any]:
+    def post(self, command: Operation, *arguments: object, **options: object) -> Future[Any]:
         """Queue a command behind all that was posted before.
 
         Parameters
