@@ -564,7 +564,7 @@ def window(program):
         window.panels.docks["inks"].raise_()
         live(0.05)
         yield window
-        window.workspace.keep(dips_by_itself=False)
+        window.workspace.update_settings(dips_by_itself=False)
     assert found == []
 
 

@@ -277,7 +277,7 @@ def test_a_seal_has_the_name_and_the_size_of_the_signature(window) -> None:
     assert (
         date_line(datetime.date(2026, 12, 1), window.workspace.settings.signer) == "丙午年冬李明書"
     )
-    window.workspace.keep(signer="")
+    window.workspace.update_settings(signer="")
     window.copying.mover.end()
     window.copying.choose(1)
     window.copying.change({"grid": "frame"})
@@ -294,10 +294,10 @@ def test_a_text_without_a_grid_is_no_signature_and_a_long_name_no_seal(window) -
     assert (signature.name, signature.size_mm) == ("", pytest.approx(0.35 * 40.0))
     assert signature.point[0] < origins(window)[:, 0].min() - 20.0
     shown = []
-    window.workspace.keep(signer="張大千李明")
+    window.workspace.update_settings(signer="張大千李明")
     answer(lambda dialog: (shown.append(dialog.asked()), dialog.reject()), SealDialog)
     click_button(window.panels.copybook, "Press a seal…")
-    window.workspace.keep(signer="")
+    window.workspace.update_settings(signer="")
     assert cut_seal(shown[0].text).text != "張大千李明"
     assert shown[0].size_mm == pytest.approx(0.35 * 40.0, abs=0.3)
 
@@ -336,7 +336,7 @@ def test_moves_and_signatures_leave_the_brush_and_so_does_undo_of_a_move(window)
     window.workspace.actions["sign"].trigger()
     wait_for(lambda: len(window.document.texts) == 2)
     window.copying.mover.end()
-    window.workspace.keep(signer="")
+    window.workspace.update_settings(signer="")
     assert paint_thread.brush.name == "dabaiyun"
     window.copying.choose(0)
     window.copying.change({"em_mm": 13.0})

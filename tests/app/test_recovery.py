@@ -66,10 +66,10 @@ def n_written(folder):
 
 def keep_a_base(paint_thread):
     """Have one base, now that the hand rests, and no other soon."""
-    paint_thread.keep_every(0.001)
+    paint_thread.set_autosave_interval(0.001)
     rested(paint_thread)
     with paint_thread.paused():  # once it has been kept
-        paint_thread.keep_every(600.0)
+        paint_thread.set_autosave_interval(600.0)
 
 
 def paint_all_sorts(paint_thread):
@@ -156,9 +156,9 @@ def test_the_reference_the_views_and_the_light_come_back(tmp_path, new_base):
     again = unfinished.recover().document
     light = {"kind": "raking", "turn": 0.25}
     kept = {"reference": reference, "views": {"正面": camera}, "light": light}
-    assert {name: again.settings.get(name) for name in kept} == kept
+    assert {name: again.properties.get(name) for name in kept} == kept
     again.set_reference()
-    assert "reference" not in again.settings
+    assert "reference" not in again.properties
 
 
 def test_undo_past_the_base_makes_a_new_one(tmp_path):

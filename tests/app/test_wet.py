@@ -290,16 +290,18 @@ def test_nothing_is_written_down_where_all_is_dry(tmp_path):
 
 
 @pytest.fixture
-def base_every_s():
+def autosave_interval_s():
     """No base but the first."""
     return 1e9
 
 
 @pytest.fixture
-def wet_sitting(quick_wall, tmp_path, base_every_s):
+def wet_sitting(quick_wall, tmp_path, autosave_interval_s):
     """Strokes that run into one another, while time goes on; left to be recovered."""
     document = small_plane(1.0, material="xuan")
-    paint_thread = PaintThread(document, True, RecoveryFolder(document, tmp_path), base_every_s)
+    paint_thread = PaintThread(
+        document, True, RecoveryFolder(document, tmp_path), autosave_interval_s
+    )
     for k in range(4):
         paint_thread.post("begin_stroke")
         for sample in line((-20, 6 * k), (20, 6 * k - 10), n=40):
@@ -344,7 +346,7 @@ def test_recovery_can_be_stopped_and_done_later(wet_sitting, tmp_path):
     same_vertices(recoverable(tmp_path)[0].recover().document.surface, wet_sitting.surface)
 
 
-@pytest.mark.parametrize("base_every_s", [-1.0])  # the clock stands still
+@pytest.mark.parametrize("autosave_interval_s", [-1.0])  # the clock stands still
 def test_a_wet_sitting_comes_back_to_the_bit_from_a_later_base(wet_sitting, tmp_path):
     (unfinished,) = recoverable(tmp_path)
     (base,) = unfinished.folder.glob("base-*")

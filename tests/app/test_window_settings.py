@@ -153,10 +153,10 @@ def test_preferences_have_an_effect_now_and_with_the_next_start(start) -> None:
     assert say_length(120.0) == "12 cm"
     assert window.workspace.actions["wet"].isChecked()
     assert window.stage.paint_thread.wet
-    assert window.stage.paint_thread.base_every_s == 45.0
+    assert window.stage.paint_thread.autosave_interval_s == 45.0
     window = start(resolution=4.0)
     assert window.panels.brushes.told.text() == "3.5 cm"
-    assert window.stage.paint_thread.base_every_s == 45.0
+    assert window.stage.paint_thread.autosave_interval_s == 45.0
     assert window.stage.paint_thread.wet
     assert window.document.steps.memory_budget == 64 << 20
 
@@ -183,8 +183,8 @@ def test_a_folder_that_cannot_be_written_is_told_and_nothing_stops(
     window = start(resolution=4.0)
     folder = config_folder()
     monkeypatch.setenv("PAINT3D_CONFIG", "/proc/none")
-    window.workspace.keep(theme="light")
+    window.workspace.update_settings(theme="light")
     assert "cannot be made" in window.status.told.text()
     monkeypatch.setenv("PAINT3D_CONFIG", str(folder))
-    window.workspace.keep(theme="dark")
+    window.workspace.update_settings(theme="dark")
     assert (folder / "settings.json").is_file()

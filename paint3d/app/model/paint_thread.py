@@ -55,7 +55,7 @@ _PORTION, _LARGEST_S = 0.05, 1.0  # of the rest; at most, and never more than pa
 _FOLLOW, _LIFT = "follow_time", "lift"
 _ENDS = frozenset({"begin_stroke", "cancel_stroke", "end_stroke"})
 
-_BASE_EVERY_S = 120.0
+_AUTOSAVE_INTERVAL_S = 120.0
 _AGAIN_S = 10.0  # after which a base is tried again that is to make up for a gap in the journal
 
 Operation = str | Callable[..., object]
@@ -125,7 +125,7 @@ class PaintThread:
         Let ink spread and dry in real time.
     recovery : RecoveryFolder, optional
         Where what is painted is kept until it is saved; closed by `stop`.
-    base_every_s : float
+    autosave_interval_s : float
         The least time between two bases of the recovery folder.
 
     Attributes
@@ -136,7 +136,7 @@ class PaintThread:
         What the hand did last, whether it is painted yet or not.
     ink_clock : InkClock
         Counts the time that passes for the ink, if it is wet.
-    base_every_s : float
+    autosave_interval_s : float
     n_painted : int
         Samples that have been painted.
     last_asked_s : float
@@ -149,13 +149,13 @@ class PaintThread:
         document: Document,
         wet: bool = False,
         recovery: RecoveryFolder | None = None,
-        base_every_s: float = _BASE_EVERY_S,
+        autosave_interval_s: float = _AUTOSAVE_INTERVAL_S,
     ) -> None:
         self._document = document
         self._wet = wet
         self._by_samples_alone = False  # alone what time it is for the ink
         self._haste = 1
-        self.base_every_s = base_every_s
+        self.autosave_interval_s = autosave_interval_s
         self._writer = None if recovery is None else _JournalWriter(recovery, document, self.report)
         self._base_time, self._base_step = time.monotonic(), 0
         self._base_due = False
@@ -392,10 +392,10 @@ class PaintThread:
         """Where what is painted is kept."""
         return None if self._writer is None else self._writer.recovery
 
-    def keep_every(self, seconds: float) -> None:
+    def set_autosave_interval(self, seconds: float) -> None:
         """Save bases for recovery no oftener than that, from now on."""
         with self._wake:
-            self.base_every_s = seconds
+            self.autosave_interval_s = seconds
             self._wake.notify()
 
     def halt(self) -> None:
@@ -518,7 +518,11 @@ class PaintThread:
                 return patience  # else a heartbeat says that it is time
         if self._writer is None:
             return None
-        return min(_AGAIN_S, self.base_every_s) if self._writer.has_gap else self.base_every_s
+        return (
+            min(_AGAIN_S, self.autosave_interval_s)
+            if self._writer.has_gap
+            else self.autosave_interval_s
+        )
 
     @property
     def _runs_by_the_clock(self) -> bool:
@@ -637,7 +641,7 @@ class PaintThread:
         if self._writer is None or self._document.in_stroke:
             return
         passed_s = time.monotonic() - self._base_time
-        late = passed_s > self.base_every_s
+        late = passed_s > self.autosave_interval_s
         gap = self._writer.has_gap and passed_s > _AGAIN_S
         if not (self._base_due or gap or (late and self._writer.n_put)):
             return

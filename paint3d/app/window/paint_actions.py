@@ -118,7 +118,7 @@ class PaintActions:
 
     def do_wet(self, on: bool) -> None:
         """Let ink spread in real time, or not; kept for paintings to come."""
-        self._workspace.keep(wet=on)
+        self._workspace.update_settings(wet=on)
         if self._workspace.stage.paint_thread is not None:
             self._workspace.stage.paint_thread.wet = on
 

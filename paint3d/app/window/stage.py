@@ -103,7 +103,7 @@ class Stage:
         *,
         wet: bool = False,
         recovery: RecoveryFolder | None = None,
-        base_every_s: float = 120.0,
+        autosave_interval_s: float = 120.0,
     ) -> None:
         """Put another document on stage, and let go of the one before.
 
@@ -114,7 +114,7 @@ class Stage:
             Let ink spread and dry in real time.
         recovery : RecoveryFolder, optional
             Where what is painted is kept until it is saved.
-        base_every_s : float
+        autosave_interval_s : float
             See `PaintThread`.
         """
         self.close_document()
@@ -127,7 +127,7 @@ class Stage:
         self.scene.apply(opened.uploads)
         self._unlit = shown.light
         self.light = shown.light.setting
-        self.paint_thread = PaintThread(opened.document, wet, recovery, base_every_s)
+        self.paint_thread = PaintThread(opened.document, wet, recovery, autosave_interval_s)
         self.touch()
 
     def close_document(self) -> None:

@@ -189,7 +189,7 @@ class Workspace(QtCore.QObject):
 
     # -- choices ----------------------------------------------------------------------------
 
-    def keep(self, **changes: Any) -> None:
+    def update_settings(self, **changes: Any) -> None:
         """Change settings, and save them."""
         self.settings = dataclasses.replace(self.settings, **changes)
         try:
@@ -197,7 +197,7 @@ class Workspace(QtCore.QObject):
         except Paint3DError as error:
             self.tell(say_error(error), state="bad")
 
-    def keep_in_hand(self) -> None:
+    def remember_in_hand(self) -> None:
         """Remember the brush, the inks and the force for the next painting."""
         if self.stage.paint_thread is None:
             return

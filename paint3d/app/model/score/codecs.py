@@ -233,7 +233,7 @@ class Vocabulary:
     ----------
     surface : PaintedSurface
         Of the painting that is asked.
-    inks : Inks
+    inks : InkTable
     exact : bool
         Whether the line is only for this painting, so that it may name faces by their numbers.
     """

@@ -70,8 +70,8 @@ def listed_strokes(score: Score) -> list[ListedStroke]:
         if event["do"] == "set_brush":
             brush = _brush_of(event, brush)
         elif event["do"] in BRUSH_COMMANDS:
-            asked = [value for key, value in event.items() if key not in ("do", "refused")]
-            brush = brush_after(brush, event["do"], asked)
+            arguments = [value for key, value in event.items() if key not in ("do", "refused")]
+            brush = brush_after(brush, event["do"], arguments)
         elif event["do"] == "dip":
             ink = event.get("ink", ink)
         elif k in begun:

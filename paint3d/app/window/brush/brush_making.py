@@ -33,8 +33,12 @@ class BrushMaking:
         panels.brushes.edit.connect(self.do_edit_brush)
         panels.brushes.open_file.connect(self.do_open_brush)
         panels.brushes.inked.connect(self._follow_ink)
-        panels.brushes.favoured.connect(lambda names: workspace.keep(favourite_brushes=names))
-        panels.brushes.filed.connect(lambda folders: workspace.keep(brush_folders=folders))
+        panels.brushes.favoured.connect(
+            lambda names: workspace.update_settings(favourite_brushes=names)
+        )
+        panels.brushes.filed.connect(
+            lambda folders: workspace.update_settings(brush_folders=folders)
+        )
         self._list()
 
     def _list(self) -> None:

@@ -147,7 +147,7 @@ class CopybookGuide:
         )  # fmt: skip
         if not agreed or not text.strip():
             return
-        workspace.keep(signer=signer_in(text))
+        workspace.update_settings(signer=signer_in(text))
         signature = LaidText(text.strip(), _SIGNATURE_EM_MM, grid="none", is_signature=True)
         texts = self._workspace.painting.texts
         mains = [one for one in texts if one.text.strip() and not one.is_signature]

@@ -351,7 +351,7 @@ class Exporting:
         )  # fmt: skip
         if not dialog.exec():
             return
-        workspace.keep(exports={**kept, remembered: suffix, suffix: dialog.chosen()})
+        workspace.update_settings(exports={**kept, remembered: suffix, suffix: dialog.chosen()})
         if dialog.is_of_screen:
             self._pictures.picture_to(path, dialog.picture_size(), dialog.quality())
         elif dialog.is_taken_otherwise:

@@ -162,9 +162,9 @@ class Opening:
         if not dialog.exec() or not self._saving.may_leave():
             return
         name, material, resolution = dialog.chosen()
-        self._workspace.keep(begun_on=name)
+        self._workspace.update_settings(begun_on=name)
         if not is_sheet(name):  # which each have a material and a detail that suit them
-            self._workspace.keep(material=material, resolution_mm=resolution)
+            self._workspace.update_settings(material=material, resolution_mm=resolution)
         if name:
             self.open_path(name, resolution, material, asked=True)
         else:
@@ -270,7 +270,7 @@ class Opening:
         )
         if choice is None:
             return None
-        self._workspace.keep_in_hand()
+        self._workspace.remember_in_hand()
         settings = self._workspace.settings
         brush, inks = chosen_brush(settings), chosen_inks(settings)
         undo_bytes = self._undo_bytes()

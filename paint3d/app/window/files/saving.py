@@ -39,7 +39,7 @@ class RecentFiles(QtCore.QObject):
 
     def add(self, path: str) -> None:
         """Put a file first."""
-        self._workspace.keep(recent=self._workspace.settings.with_recent(path).recent)
+        self._workspace.update_settings(recent=self._workspace.settings.with_recent(path).recent)
         self.show()
 
     def show(self) -> None:

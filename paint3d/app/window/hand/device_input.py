@@ -321,7 +321,7 @@ class DeviceInput:
         """Feel with this one from now on, one of `STYLI`; again, if it was chosen before."""
         kept = self._workspace.settings.stylus
         if kept.partition("=")[0] != stylus:  # the place of a library or a service stays
-            self._workspace.keep(stylus=stylus)
+            self._workspace.update_settings(stylus=stylus)
         if self._workspace.stage.paint_thread is not None:
             self._start_feeling()
             if self._feeling is not None:
@@ -329,11 +329,11 @@ class DeviceInput:
 
     def choose_feel(self, changes: Mapping[str, float]) -> None:
         """Change what of a haptic stylus is the user's choice: see `Feel`."""
-        self._workspace.keep(feel={**self._workspace.settings.feel, **changes})
+        self._workspace.update_settings(feel={**self._workspace.settings.feel, **changes})
 
     def choose_mouse(self, mouse: MouseSettings) -> None:
         """Read the 6-DOF mouse so from now on."""
-        self._workspace.keep(mouse=mouse.as_words())
+        self._workspace.update_settings(mouse=mouse.as_words())
         if self.desk is not None:
             self.desk.set_mouse(mouse)
 
@@ -341,7 +341,7 @@ class DeviceInput:
         """Let a button of the 6-DOF mouse, from 0, do this; "": nothing."""
         buttons = {**self._workspace.settings.buttons, button: action}
         buttons = {number: act for number, act in buttons.items() if act}
-        self._workspace.keep(buttons=buttons)
+        self._workspace.update_settings(buttons=buttons)
         self._show_choices()
         if self.desk is not None:
             self.desk.set_actions(buttons)

@@ -411,7 +411,7 @@ class Standing:
     def _keep(self, material: str | Material) -> None:
         """Begin with this material the next time, if it has a name by which it is found."""
         if isinstance(material, str):
-            self._workspace.keep(material=material)
+            self._workspace.update_settings(material=material)
 
     # -- turning what is open ---------------------------------------------------------------
 

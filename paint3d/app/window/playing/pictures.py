@@ -412,7 +412,7 @@ class Pictures:
         )  # fmt: skip
         if dialog.exec():
             now = {**kept, "film": dialog.chosen(), "film_format": path.suffix.lower()}
-            self._workspace.keep(exports=now)
+            self._workspace.update_settings(exports=now)
             write(path, dialog.film())
 
     def turntable_to(self, path: Path, film: Film | None = None) -> bool:
