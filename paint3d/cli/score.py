@@ -50,7 +50,7 @@ class _Edit:
     text: str
 
 
-class _Asked(argparse.Action):
+class _EditAction(argparse.Action):
     """Collects edits of several options in the order in which they are given."""
 
     def __call__(
@@ -88,7 +88,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         ("shift", "N:SECONDS", "begin so much later, or (below 0) earlier"),
     )  # fmt: skip
     for name, metavar, told in edits:
-        parser.add_argument(f"--{name}", metavar=metavar, action=_Asked, help=told)
+        parser.add_argument(f"--{name}", metavar=metavar, action=_EditAction, help=told)
     parser.add_argument(
         "--on",
         metavar="MESH",

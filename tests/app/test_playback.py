@@ -19,7 +19,7 @@ from paint3d.app.model.persistence.recovery_folder import recoverable
 from paint3d.app.model.score.playing import painted
 from paint3d.app.model.stroke_log import weights_of
 from paint3d.app.window.playing import pictures
-from paint3d.app.window.playing.pictures import Film, FilmDialog
+from paint3d.app.window.playing.pictures import FilmDialog, FilmOptions
 from paint3d.app.window.wording import say
 from paint3d.brush.spec import DipAmount
 from paint3d.cli.main import main
@@ -235,14 +235,14 @@ def test_a_film_that_grows_too_large_is_refused_before_anything_is_painted(
     monkeypatch.setattr(pictures, "begun", None)
     told: list[str] = []
     answer(lambda box: (told.append(box.text()), box.accept()))
-    assert not window.pictures.growth_to(tmp_path / "a.gif", Film(60.0, 30.0, (1920, 1080)))
+    assert not window.pictures.growth_to(tmp_path / "a.gif", FilmOptions(60.0, 30.0, (1920, 1080)))
     assert "too many" in told[0]
 
 
 def grown(window, path: Path) -> bool:
     """Ask for a film; what is said instead is read away."""
     answer(lambda box: box.accept())
-    return window.pictures.growth_to(path, Film(1.0, 5.0, (64, 48)))
+    return window.pictures.growth_to(path, FilmOptions(1.0, 5.0, (64, 48)))
 
 
 # -- painted and played wet --------------------------------------------------------------------

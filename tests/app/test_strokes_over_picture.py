@@ -18,7 +18,7 @@ from PySide6 import QtCore, QtGui, QtTest, QtWidgets
 
 from paint3d.app.model.copybook import Copybook
 from paint3d.app.window.copybook import copybook_guide
-from paint3d.app.window.copybook.strokes_dialog import StrokesDialog, Taken
+from paint3d.app.window.copybook.strokes_dialog import LabelGrid, StrokesDialog
 from paint3d.app.window.questions import Answer
 from paint3d.calligraphy.page.opening import opened_page
 from paint3d.calligraphy.page.strokes_file import load_strokes, save_strokes
@@ -423,7 +423,7 @@ def test_a_drag_moves_the_picture_and_keys_show_it_from_near(window, drawing) ->
 def test_numbers_cover_no_other() -> None:
     """And of many only near ones are looked at."""
     rng = np.random.default_rng(20)
-    taken, there = Taken(), []
+    taken, there = LabelGrid(), []
     for x, y in rng.uniform(-60.0, 60.0, (200, 2)):
         is_free = all(np.hypot(x - a, y - b) > 18.0 for a, b in there)
         assert taken.is_free(QtCore.QPointF(x, y)) == is_free

@@ -28,7 +28,7 @@ from paint3d.app.model.input.devices import Feeling
 from paint3d.app.model.persistence.recovery_folder import recoverable
 from paint3d.app.window import garbage
 from paint3d.app.window.hand.device_input import DeviceInput, carried_camera
-from paint3d.app.window.playing.pictures import Film
+from paint3d.app.window.playing.pictures import FilmOptions
 from paint3d.app.window.studio import StudioWindow
 from paint3d.app.window.wording import choose_language
 from paint3d.core.quaternion import rotate
@@ -468,7 +468,7 @@ def test_save_export_and_pictures(window, tmp_path: Path) -> None:
     with seen(window):
         wait_for(lambda: window.stage.is_drawn)
         window.pictures.screenshot_to(tmp_path / "a.png")
-        window.pictures.turntable_to(tmp_path / "a.gif", Film(0.2, 15.0))
+        window.pictures.turntable_to(tmp_path / "a.gif", FilmOptions(0.2, 15.0))
         shot = window.grab().toImage()
     assert (tmp_path / "a.png").stat().st_size > 1000
     assert (tmp_path / "a.gif").stat().st_size > 1000

@@ -22,7 +22,7 @@ from paint3d.app.model import paint_thread
 from paint3d.app.model.persistence.recovery_folder import recoverable
 from paint3d.app.window.files.exporting import ExportDialog
 from paint3d.app.window.files.target_dialog import TargetDialog
-from paint3d.app.window.playing.pictures import Film, FilmDialog
+from paint3d.app.window.playing.pictures import FilmDialog, FilmOptions
 from paint3d.app.window.wording import say, say_object
 from paint3d.errors import ExportError
 from paint3d.files.colour_tags import icc_profile
@@ -387,7 +387,7 @@ def test_a_film_has_the_length_size_and_rate_that_are_asked(
 
 
 def test_a_film_that_is_too_long_for_its_size_is_refused(window, tmp_path: Path) -> None:
-    dialog = FilmDialog(window, Film(60.0, 30.0, (1920, 1080)), (1920, 1080))
+    dialog = FilmDialog(window, FilmOptions(60.0, 30.0, (1920, 1080)), (1920, 1080))
     standard = QtWidgets.QDialogButtonBox.StandardButton
     ok = dialog.findChild(QtWidgets.QDialogButtonBox).button(standard.Ok)
     assert not ok.isEnabled()
@@ -396,7 +396,9 @@ def test_a_film_that_is_too_long_for_its_size_is_refused(window, tmp_path: Path)
     assert ok.isEnabled()
     told: list[str] = []
     answer(lambda box: (told.append(box.text()), box.accept()))
-    assert not window.pictures.turntable_to(tmp_path / "a.gif", Film(60.0, 30.0, (1920, 1080)))
+    assert not window.pictures.turntable_to(
+        tmp_path / "a.gif", FilmOptions(60.0, 30.0, (1920, 1080))
+    )
     assert "too many" in told[0]
 
 
@@ -433,14 +435,14 @@ def test_a_film_for_which_there_is_no_room_is_given_up_at_once(
         return whole(**how)
 
     monkeypatch.setattr(window.stage, "picture_by_parts", counted)
-    film = Film(6.0, 10.0, (160, 120))
+    film = FilmOptions(6.0, 10.0, (160, 120))
     with full_disk(4096):
         assert not window.pictures.turntable_to(tmp_path / f"a{suffix}", film)
     assert isinstance(window.workspace.error, ExportError)
     assert "cannot write" in str(window.workspace.error)
     assert os.listdir(tmp_path) == []
     assert len(drawn) < 0.5 * film.n_pictures  # two, and those that were drawn meanwhile
-    assert window.pictures.turntable_to(tmp_path / f"b{suffix}", Film(1.0, 8.0, (160, 120)))
+    assert window.pictures.turntable_to(tmp_path / f"b{suffix}", FilmOptions(1.0, 8.0, (160, 120)))
     data = (tmp_path / f"b{suffix}").read_bytes()  # of what was kept free nothing is left
     if suffix == ".gif":
         assert data.endswith(b"\x00;")

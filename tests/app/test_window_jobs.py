@@ -36,7 +36,7 @@ from paint3d.app.window import start, studio
 from paint3d.app.window.files import opening
 from paint3d.app.window.files.open_result import some_points
 from paint3d.app.window.job import is_waiting, run_beside
-from paint3d.app.window.playing.pictures import Film
+from paint3d.app.window.playing.pictures import FilmOptions
 from paint3d.app.window.studio import StudioWindow
 from paint3d.app.window.wording import choose_language
 from paint3d.core.machine import is_locked
@@ -220,7 +220,7 @@ def test_a_film_that_is_stopped_leaves_no_file_and_the_view_as_it_was(
     window.hand.look(replace(window.hand.camera))  # by choice: it is not fitted anew
     camera = window.hand.camera
     answer_bar(cancel)
-    assert not window.pictures.turntable_to(tmp_path / "a.gif", Film(20.0, 20.0, (320, 240)))
+    assert not window.pictures.turntable_to(tmp_path / "a.gif", FilmOptions(20.0, 20.0, (320, 240)))
     wait_for(lambda: os.listdir(tmp_path) == [])
     assert window.hand.camera is camera
     assert window.stage.scene.size == window.canvas.pixel_size

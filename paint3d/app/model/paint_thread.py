@@ -30,7 +30,7 @@ from typing import Any
 from paint3d.app.model.brush_in_hand import BRUSH_COMMANDS, brush_after
 from paint3d.app.model.commands import COMMANDS, encode_command
 from paint3d.app.model.document import Document
-from paint3d.app.model.frame import Frame, Snapshot, view_brush
+from paint3d.app.model.frame import PaintingFrame, Snapshot, view_brush
 from paint3d.app.model.ink_clock import InkClock
 from paint3d.app.model.persistence.recovery_folder import RecoveryFolder, refusal
 from paint3d.brush.spec import BrushSpec
@@ -165,7 +165,9 @@ class PaintThread:
         self._wake = threading.Condition()
         self._busy = threading.Lock()
         self._wanting = 0
-        self._slot: tuple[Frame, int] | None = None  # and how many jobs were done when it was made
+        self._slot: tuple[PaintingFrame, int] | None = (
+            None  # and how many jobs were done when it was made
+        )
         self._n_asked = self._n_done = 0  # jobs; time for the ink is none of them
         self._events: deque[Event] = deque()
         self._counts = document.surface.paint_mesh.arrays.counts.copy()  # in the last frame
@@ -282,7 +284,7 @@ class PaintThread:
                     self._nudged = True
                     self._wake.notify()
 
-    def take_frame(self) -> Frame | None:
+    def take_frame(self) -> PaintingFrame | None:
         """What changed since the last frame that was taken, or None; never waits."""
         with self._wake:
             slot, self._slot = self._slot, None
@@ -671,7 +673,7 @@ class PaintThread:
         self._counts = counts
         sample = self._hovering
         self.painting = Snapshot.of(document)
-        frame = Frame(
+        frame = PaintingFrame(
             ids,
             has_grown,
             None if sample is None else view_brush(document, sample),

@@ -15,7 +15,7 @@ from paint3d.app.window.files.file_dialogs import look_at_names_only
 from paint3d.app.window.font_box import FontBox
 from paint3d.app.window.forms import FormDialog
 from paint3d.app.window.hand.canvas import Touch
-from paint3d.app.window.job import Progress
+from paint3d.app.window.job import JobProgress
 from paint3d.app.window.wording import say, say_error, say_length
 from paint3d.app.window.workspace import Workspace
 from paint3d.calligraphy.seal.stone import LARGEST_MM, MOST_CHARACTERS, SMALLEST_MM, Seal, cut_seal
@@ -302,7 +302,7 @@ class Sealing(QtCore.QObject):
         workspace = self._workspace
         paint_thread = workspace.paint_thread
 
-        def work(progress: Progress) -> None:
+        def work(progress: JobProgress) -> None:
             with paint_thread.reporting(progress):
                 paint_thread.post("edit_seal", index, edit).result()
 

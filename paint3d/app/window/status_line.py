@@ -7,7 +7,7 @@ import time
 from PySide6 import QtCore, QtWidgets
 
 from paint3d.app.model.commands import COMMANDS
-from paint3d.app.model.frame import Frame
+from paint3d.app.model.frame import PaintingFrame
 from paint3d.app.window.playing.player import Player
 from paint3d.app.window.theme import STATES, Theme
 from paint3d.app.window.wording import say
@@ -22,7 +22,7 @@ __all__ = ["SPEEDS", "ReplayBar", "StatusLine", "keeping_up"]
 _SLOW_S = 0.1  # what was painted last had waited so long: it is said to be behind
 
 
-def keeping_up(frame: Frame | None) -> tuple[str, str]:
+def keeping_up(frame: PaintingFrame | None) -> tuple[str, str]:
     """A state of the theme's `STATES`, and what is said; before the first frame it keeps up."""
     lag_s = 0.0 if frame is None else frame.lag_s
     if frame is None or lag_s <= _SLOW_S:
@@ -93,12 +93,12 @@ class StatusLine:
         if not self._stays:
             self._invite()
 
-    def show(self, frame: Frame, picture_s: float | None, *, plays: bool = False) -> None:
+    def show(self, frame: PaintingFrame, picture_s: float | None, *, plays: bool = False) -> None:
         """Say how the painting keeps up, and how many pictures a second there are.
 
         Parameters
         ----------
-        frame : Frame
+        frame : PaintingFrame
         picture_s : float, optional
             From one picture to the next, s; None before the first.
         plays : bool

@@ -10,7 +10,7 @@ from dataclasses import replace
 from PySide6 import QtCore, QtGui, QtWidgets
 
 from paint3d.app.model.document import Document
-from paint3d.app.model.frame import Frame
+from paint3d.app.model.frame import PaintingFrame
 from paint3d.app.model.input.devices import Devices, Feeling
 from paint3d.app.model.paint_thread import Event
 from paint3d.app.model.persistence.recovery_folder import RecoveryFolder
@@ -348,7 +348,7 @@ class StudioWindow(QtWidgets.QMainWindow):
             told = say("Recovery data cannot be saved: {message}", message=told)
         self.workspace.tell(told, state="bad", stays=not refused or keeping)
 
-    def _show_state(self, frame: Frame) -> None:
+    def _show_state(self, frame: PaintingFrame) -> None:
         workspace = self.workspace
         workspace.actions["undo"].setEnabled(frame.painting.can_undo or self.player.is_playing)
         workspace.actions["redo"].setEnabled(frame.painting.can_redo)

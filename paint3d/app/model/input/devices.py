@@ -39,9 +39,9 @@ __all__ = [
     "DeviceHub",
     "DeviceView",
     "Feeling",
+    "HandInput",
     "NoDevices",
     "StrokeCutter",
-    "Taken",
     "plug_in_mice",
     "plug_in_pens",
     "start_feeling",
@@ -165,7 +165,7 @@ class DeviceView:
 
 
 @dataclass(frozen=True, eq=False)
-class Taken:
+class HandInput:
     """What the hands did since the last time.
 
     Attributes
@@ -269,7 +269,7 @@ class DeviceHub:
         """Let the 6-DOF mouse's buttons do this; see `device.button_actions`."""
         self._actions = checked_actions(actions)
 
-    def take(self) -> Taken:
+    def take(self) -> HandInput:
         """Take what the devices said, and do what the buttons ask of the object."""
         events, readings = self._plugged.take_mouse(), self._plugged.take_stylus()
         if self._feedback is not None:
@@ -293,7 +293,7 @@ class DeviceHub:
         self._heard["right"].extend(reading.time_ns for reading in readings)
         self._feel(readings)
         samples += self.hands.take(self._clock() - _SETTLE_NS)
-        return Taken(samples, commands, self.hands.object_pose, tuple(failures))
+        return HandInput(samples, commands, self.hands.object_pose, tuple(failures))
 
     def _click(self, commands: list[str], readings: list[StylusReading]) -> None:
         """Let a dip be felt, whichever hand's button asked for it."""

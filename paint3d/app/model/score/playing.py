@@ -15,7 +15,7 @@ from paint3d.app.model.score.codecs import (
     encode_brush,
     make_header,
 )
-from paint3d.app.model.score.stepping import Step, play
+from paint3d.app.model.score.stepping import PlaybackStep, play
 from paint3d.app.model.stroke_log import ERASES, Stroke, recording_of
 from paint3d.brush.spec import DipAmount
 from paint3d.colour.materials import Material
@@ -28,7 +28,7 @@ from paint3d.recording.recording import Recording
 from paint3d.recording.score import Score
 from paint3d.surface.painted_surface import PaintedSurface
 
-__all__ = ["Step", "begun", "painted", "play", "score_of_strokes"]
+__all__ = ["PlaybackStep", "begun", "painted", "play", "score_of_strokes"]
 
 _RESOLUTION_MM = 0.4
 _log = logging.getLogger("paint3d.score")

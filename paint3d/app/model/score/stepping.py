@@ -18,7 +18,7 @@ from paint3d.surface.painted_surface import PaintedSurface
 
 __all__ = [
     "Cue",
-    "Step",
+    "PlaybackStep",
     "cues_of",
     "in_pieces",
     "pass_step",
@@ -33,7 +33,7 @@ _AT_ONCE = 256  # samples between two looks at whether it goes on
 
 
 @dataclass(frozen=True, eq=False)
-class Step:
+class PlaybackStep:
     """Something to be done: samples of the stroke that goes on, or a command.
 
     Attributes
@@ -59,7 +59,7 @@ class Step:
     fraction: float
 
 
-def _steps_of(score: Score, surface: PaintedSurface, first: int) -> Iterator[Step]:
+def _steps_of(score: Score, surface: PaintedSurface, first: int) -> Iterator[PlaybackStep]:
     """What is to be done from an event on, in order; each is made when those before it are done.
 
     Raises
@@ -76,7 +76,7 @@ def _steps_of(score: Score, surface: PaintedSurface, first: int) -> Iterator[Ste
             for at in range(0, len(samples), _AT_ONCE):
                 part = samples[at : at + _AT_ONCE]
                 done += len(part)
-                yield Step(k, part, "", {}, False, done / whole)
+                yield PlaybackStep(k, part, "", {}, False, done / whole)
             continue
         try:
             arguments = decode_arguments(event, vocabulary)
@@ -95,7 +95,9 @@ def _steps_of(score: Score, surface: PaintedSurface, first: int) -> Iterator[Ste
         cost = _cost(event) / times
         for _ in range(times):
             done += cost
-            yield Step(k, [], event["do"], arguments, bool(event.get("refused")), done / whole)
+            yield PlaybackStep(
+                k, [], event["do"], arguments, bool(event.get("refused")), done / whole
+            )
 
 
 def _cost(event: Any) -> float:
@@ -104,7 +106,7 @@ def _cost(event: Any) -> float:
     return float(COMMANDS[event["do"]].cost * event.get("times", 1))
 
 
-def play(document: Any, score: Score, first: int = 0) -> Iterator[Step]:
+def play(document: Any, score: Score, first: int = 0) -> Iterator[PlaybackStep]:
     """Do what a score says, step by step; each is done when it comes out.
 
     Parameters
@@ -190,7 +192,7 @@ def in_pieces(score: Score, n: int = 1) -> Score:
     return replace(score, events=tuple(events), lines=tuple(lines))
 
 
-def pass_step(clock: HandTime, step: Step) -> None:
+def pass_step(clock: HandTime, step: PlaybackStep) -> None:
     """Count a step that has been done."""
     if step.samples:
         clock.pass_samples(_times(step.samples))

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from PySide6 import QtCore, QtGui, QtWidgets
 
 from paint3d.app.window.copybook.picture_view import PictureView, image_of, length_of
-from paint3d.app.window.files.target_dialog import Kind, ask_target
+from paint3d.app.window.files.target_dialog import FileKind, ask_target
 from paint3d.app.window.forms import buttons
 from paint3d.app.window.job import run_beside
 from paint3d.app.window.questions import Answer, ask
@@ -34,11 +34,11 @@ __all__ = [
     "Behind",
     "CornerView",
     "CorrectionState",
+    "LabelGrid",
     "Photographed",
     "ShownStroke",
     "StrokeView",
     "StrokesDialog",
-    "Taken",
 ]
 
 # ---- Strokes over their picture ------------------------------------------------------------------
@@ -225,7 +225,7 @@ class StrokeView(PictureView):
         lines = {k: self._line(k) for k in shown}
         for k in shown:
             self._draw_way(painter, k, lines[k])
-        taken = Taken()
+        taken = LabelGrid()
         for k in shown[::-1]:  # the chosen one has its number where it begins
             place = _free(lines[k], taken)
             taken.add(place)
@@ -302,7 +302,7 @@ def _pen(
     return pen
 
 
-class Taken:
+class LabelGrid:
     """Places of numbers, by cells as wide as one: of many strokes only near ones are looked at."""
 
     def __init__(self) -> None:
@@ -326,7 +326,7 @@ class Taken:
         return int(place.x() // (2.0 * _BADGE)), int(place.y() // (2.0 * _BADGE))
 
 
-def _free(line: Sequence[QtCore.QPointF], taken: Taken) -> QtCore.QPointF:
+def _free(line: Sequence[QtCore.QPointF], taken: LabelGrid) -> QtCore.QPointF:
     """Where a number goes: at a line's start, or farther along it where no other one is."""
     length = sum(length_of(b - a) for a, b in pairwise(line))
     for fraction in (0.0, 0.12, 0.24, 0.36, 0.5):
@@ -818,7 +818,7 @@ class StrokesDialog(QtWidgets.QDialog):
         name = self._beside.name
         stem = name.removesuffix(_SUFFIX) if name.endswith(_SUFFIX) else self._beside.stem
         start = self._beside.with_name(f"{stem}{_SUFFIX}")
-        path = ask_target(self, say("Save the strokes"), start, [Kind(say("Strokes"), _SUFFIX)])
+        path = ask_target(self, say("Save the strokes"), start, [FileKind(say("Strokes"), _SUFFIX)])
         if path is None:
             return
         try:

@@ -12,7 +12,7 @@ from PySide6 import QtWidgets
 from paint3d.app.model.document import Document
 from paint3d.app.window.files.target_dialog import Targets
 from paint3d.app.window.forms import LEAST_PIXELS, FormDialog, SizeBoxes, kept_number
-from paint3d.app.window.job import Progress, result_of
+from paint3d.app.window.job import JobProgress, result_of
 from paint3d.app.window.playing.pictures import Pictures
 from paint3d.app.window.wording import say, say_units
 from paint3d.app.window.workspace import Workspace
@@ -388,7 +388,7 @@ class Exporting:
         workspace = self._workspace
         paint_thread = workspace.paint_thread
 
-        def work(progress: Progress) -> None:
+        def work(progress: JobProgress) -> None:
             def write(document: Document) -> None:
                 write_picture(document.surface, path, shot, progress=progress, viewing=viewing)
 
@@ -399,25 +399,25 @@ class Exporting:
         workspace.tell(say("Exported {name}", name=path.name), state="good")
         return True
 
-    def _in_paint_thread(self, path: Path) -> Callable[[Progress], None]:
+    def _in_paint_thread(self, path: Path) -> Callable[[JobProgress], None]:
         """Write it while nothing is painted."""
         paint_thread = self._workspace.paint_thread
 
-        def work(progress: Progress) -> None:
+        def work(progress: JobProgress) -> None:
             result_of(paint_thread.post("export", path, progress=progress), progress)
 
         return work
 
     def _beside(
         self, path: Path, options: Mapping[str, Any], clipped: list[int]
-    ) -> Callable[[Progress], None]:
+    ) -> Callable[[JobProgress], None]:
         """Take what is needed from the painting, then write it while that may go on.
 
         How many colours did not fit in, is added to `clipped`.
         """
         paint_thread = self._workspace.paint_thread
 
-        def work(progress: Progress) -> None:
+        def work(progress: JobProgress) -> None:
             taken = part_of(progress, 0.0, _TAKEN)
             asked = paint_thread.post("prepare_export", path, ExportOptions(**options), taken)
             prepared = result_of(asked, progress)

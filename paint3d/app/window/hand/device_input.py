@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from paint3d.app.model.document import Document
     from paint3d.app.model.input.devices import Devices, Feeling
     from paint3d.app.model.persistence.settings import Settings
-    from paint3d.app.window.hand.canvas import Canvas, Touch
+    from paint3d.app.window.hand.canvas import CanvasWidget, Touch
     from paint3d.app.window.hand.device_panel import StylusForm
     from paint3d.device.sample import StylusReading
     from paint3d.view.camera import Camera
@@ -63,7 +63,7 @@ class Calibrating:
     ----------
     form : StylusForm
         Says what is to be touched, and how far it was off.
-    canvas : Canvas
+    canvas : CanvasWidget
         Takes no touches meanwhile: a pen is also the window system's.
     find_pens : callable, optional
         Opens the pads that are there; see `plug_in_pens`.
@@ -72,7 +72,7 @@ class Calibrating:
     def __init__(
         self,
         form: StylusForm,
-        canvas: Canvas,
+        canvas: CanvasWidget,
         find_pens: Callable[[], Devices | None] = plug_in_pens,
     ) -> None:
         self._form, self._canvas, self.find_pens = form, canvas, find_pens

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from PySide6 import QtCore, QtGui, QtWidgets
 
-from paint3d.app.model.frame import Frame
+from paint3d.app.model.frame import PaintingFrame
 from paint3d.app.model.input.devices import DeviceHub, DeviceView
 from paint3d.app.window.status_line import keeping_up
 from paint3d.app.window.theme import STATES, Theme
@@ -418,7 +418,7 @@ class DevicePanel(QtWidgets.QWidget):
         self.picture.object_axes = axes
         self.picture.update()
 
-    def show_desk(self, desk: DeviceHub | None, frame: Frame | None) -> None:
+    def show_desk(self, desk: DeviceHub | None, frame: PaintingFrame | None) -> None:
         """Show what is plugged in, and how it does."""
         views = [] if desk is None else desk.views()
         lines = [] if desk is None else _lines_of(desk, views)

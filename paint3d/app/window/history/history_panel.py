@@ -7,7 +7,7 @@ from typing import Any
 
 from PySide6 import QtCore, QtGui, QtWidgets
 
-from paint3d.app.model.frame import Frame, Snapshot
+from paint3d.app.model.frame import PaintingFrame, Snapshot
 from paint3d.app.model.stroke_log import ERASES
 from paint3d.app.window.brush.brush_panel import plain_icon, plain_name
 from paint3d.app.window.ink.ink_panel import ink_label, paint_dish
@@ -224,7 +224,7 @@ class HistoryPanel(QtWidgets.QWidget):
         self.show_strokes(painting.strokes, painting.undone_strokes, painting.earliest_stroke)
         self.show_seals(painting.n_seals)
 
-    def follow(self, frame: Frame) -> None:
+    def follow(self, frame: PaintingFrame) -> None:
         """Show what a frame says."""
         painting = frame.painting
         if len(painting.strokes) == self._wanted or not frame.queue_length:

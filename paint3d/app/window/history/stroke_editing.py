@@ -11,7 +11,7 @@ from PySide6 import QtCore, QtWidgets
 from paint3d.app.window.forms import FormDialog
 from paint3d.app.window.history.stroke_choosing import StrokeChooser
 from paint3d.app.window.history.stroke_mark import StrokeDrag, StrokeMark
-from paint3d.app.window.job import Progress
+from paint3d.app.window.job import JobProgress
 from paint3d.app.window.wording import say
 from paint3d.app.window.workspace import Workspace
 
@@ -52,7 +52,7 @@ class Recalling:
             workspace.post("replay_history", upto, passing)
             return
 
-        def work(progress: Progress) -> None:
+        def work(progress: JobProgress) -> None:
             with paint_thread.reporting(progress):
                 paint_thread.post("replay_history", upto, passing).result()
 
@@ -300,7 +300,7 @@ class StrokeEditing:
         workspace = self._workspace
         paint_thread, painting = workspace.paint_thread, workspace.painting
 
-        def work(progress: Progress) -> None:
+        def work(progress: JobProgress) -> None:
             with paint_thread.reporting(progress):
                 paint_thread.post("edit_strokes", list(indices), edit).result()
 

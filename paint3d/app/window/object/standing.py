@@ -19,7 +19,7 @@ from paint3d.app.model.own_object import (
     sensible_resolution,
 )
 from paint3d.app.window.files.open_result import OpenResult, open_with_progress
-from paint3d.app.window.job import Progress
+from paint3d.app.window.job import JobProgress
 from paint3d.app.window.object.material_box import MaterialBox
 from paint3d.app.window.questions import Answer, ask
 from paint3d.app.window.wording import say, say_units
@@ -469,7 +469,7 @@ class Standing:
             assert document is not None, "it was waited for"
             brush, inks = document.painter.brush, list(document.inks)
 
-        def make(progress: Progress) -> OpenResult:
+        def make(progress: JobProgress) -> OpenResult:
             document = Document.new(
                 choice.apply(source), choice.resolution, choice.material, brush=brush, ink=inks[0],
                 undo_bytes=int(workspace.settings.undo_megabytes * (1 << 20)),

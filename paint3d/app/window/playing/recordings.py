@@ -14,7 +14,7 @@ from paint3d.app.model.score.stepping import Cue, cues_of
 from paint3d.app.window.files.file_dialogs import ask_file
 from paint3d.app.window.files.open_result import OpenResult, open_with_progress
 from paint3d.app.window.files.target_dialog import Targets
-from paint3d.app.window.job import Progress
+from paint3d.app.window.job import JobProgress
 from paint3d.app.window.playing.player import Asked, Player, Tools
 from paint3d.app.window.wording import say
 from paint3d.app.window.workspace import Workspace
@@ -157,7 +157,7 @@ class Recordings:
             return self._play_score(path, title, speed)
         surface, camera = workspace.hand.surface, workspace.hand.open_camera
 
-        def read(progress: Progress) -> tuple[list[DeviceSample], Tools]:
+        def read(progress: JobProgress) -> tuple[list[DeviceSample], Tools]:
             recording = load_recording(path, progress=part_of(progress, 0.0, _READ))
             if recording.is_pad:
                 recording = lay_in_view(recording, surface, camera)
@@ -189,7 +189,7 @@ class Recordings:
         if not is_bare and not self._may_leave():
             return False
 
-        def make(progress: Progress) -> tuple[OpenResult, list[Cue]]:
+        def make(progress: JobProgress) -> tuple[OpenResult, list[Cue]]:
             score = load_score(path, part_of(progress, 0.0, 0.1))
             cues: list[Cue] = []
             if speed is None:
@@ -236,7 +236,7 @@ def tools_in_hand(painting: Snapshot, brush: BrushSpec) -> list[Asked]:
     return asked + [("dip", (ink, reach, amount if reach is None else None)) for ink, reach in dips]
 
 
-def samples_of(recording: Recording, progress: Progress) -> list[DeviceSample]:
+def samples_of(recording: Recording, progress: JobProgress) -> list[DeviceSample]:
     """The samples of a recording, telling how far it is."""
     samples = []
     for k, sample in enumerate(recording.samples()):
@@ -246,7 +246,7 @@ def samples_of(recording: Recording, progress: Progress) -> list[DeviceSample]:
     return samples
 
 
-def _write(recording: Recording, score: Score, path: Path, progress: Progress) -> None:
+def _write(recording: Recording, score: Score, path: Path, progress: JobProgress) -> None:
     if path.name.lower().endswith((".score.jsonl", ".score.jsonl.gz")):
         save_score(score, path, progress)
         return
