@@ -161,7 +161,7 @@ def test_beside_all_paint_no_stroke_is_chosen(window) -> None:
     choose_in_menu(window, "pick")
     pen_stroke(window.canvas, (0.48, 0.75), (0.48, 0.75), [0.5, 0.5, 0.0])
     assert window.mark.indices == ()
-    assert "There is no stroke there" in window.status.told.text()
+    assert "There is no stroke there" in window.status.message_label.text()
     assert window.editing.drag.is_on
     window.canvas.setFocus()
     type_key(window.canvas, QtCore.Qt.Key.Key_Escape)

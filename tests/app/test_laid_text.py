@@ -307,7 +307,7 @@ def test_a_brush_that_fits_is_taken_and_undo_takes_it_back(window) -> None:
     before = paint_thread.brush
     lay(window, "永", 14.0)
     assert paint_thread.brush.name == "xiaobaiyun"
-    assert "xiaobaiyun" in window.status.told.text()
+    assert "xiaobaiyun" in window.status.message_label.text()
     window.workspace.actions["undo"].trigger()
     wait_for(lambda: window.document.painter.brush == before)
     assert not window.document.texts
@@ -416,7 +416,7 @@ def test_a_text_that_has_no_room_stays_where_it_was(window) -> None:
     before = origins(window)
     begin(window)
     drag(window, pixel(window, (0.0, 0.0, 0.0)), pixel(window, (62.0, 0.0, 0.0)))
-    wait_for(lambda: "does not fit" in window.status.told.text())
+    wait_for(lambda: "does not fit" in window.status.message_label.text())
     np.testing.assert_array_equal(origins(window), before)
     assert text_of(window).point is None
 

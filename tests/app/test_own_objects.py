@@ -374,7 +374,7 @@ def test_what_is_opened_without_asking_is_told(window, tmp_path: Path) -> None:
         assert window.opening.open_path(str(lying_jug(tmp_path)), 2.0, "xuan", asked=True)
     finally:
         window.workspace.quiet = False
-    assert "y was taken as up" in window.status.told.text()
+    assert "y was taken as up" in window.status.message_label.text()
     size = spans(window)
     assert size[2] == size.max()
     ball = tmp_path / "ball.ply"

@@ -83,7 +83,7 @@ def choose_two(window) -> None:
 
 def test_a_loop_and_clicks_choose_strokes(window) -> None:
     choose_two(window)
-    assert "2 strokes" in window.status.told.text()
+    assert "2 strokes" in window.status.message_label.text()
     bold = [k for k in range(3) if window.panels.history.list.item(k).font().bold()]
     assert bold == [0, 1]
     lead(window, [(30.0, -30.0), (30.0, -30.0)])
@@ -174,7 +174,7 @@ def test_numbers_move_turn_and_scale_them(window) -> None:
 
 def test_with_none_chosen_it_says_how(window) -> None:
     window.workspace.actions["mirror_strokes"].trigger()
-    wait_for(lambda: "press Q" in window.status.told.text())
+    wait_for(lambda: "press Q" in window.status.message_label.text())
 
 
 def test_the_journal_says_an_edit_of_several_and_what_is_none_changes_nothing() -> None:

@@ -124,7 +124,7 @@ def test_a_stroke_is_chosen_and_reversed_and_its_ghost_follows(window, drawing) 
     def act(dialog) -> None:
         click(dialog, place_on(dialog, 1))
         assert dialog.chosen == 1
-        assert "1" in dialog.told.text()
+        assert "1" in dialog.message_label.text()
         key(dialog, KEY.Key_R)
         use(dialog)
 
@@ -380,7 +380,7 @@ def test_another_correction_ends_a_join_that_was_begun(window, drawing) -> None:
         key(dialog, KEY.Key_Z, CONTROL)
         key(dialog, KEY.Key_J)
         click(dialog, place_on(dialog, 0))
-        assert "itself" in dialog.told.text()
+        assert "itself" in dialog.message_label.text()
         assert dialog.view.other == 1
         key(dialog, KEY.Key_Escape)
         use(dialog)

@@ -87,7 +87,7 @@ def test_a_view_is_kept_by_name_and_comes_back_with_the_file(window, tmp_path) -
 def test_with_no_view_kept_it_is_told(window) -> None:
     window.views.views = {}
     type_key(window.canvas, KEY.Key_B, HELD.ControlModifier)
-    wait_for(lambda: "No view is kept" in window.status.told.text())
+    wait_for(lambda: "No view is kept" in window.status.message_label.text())
 
 
 @pytest.mark.parametrize("notches", [120, -120])

@@ -242,7 +242,7 @@ def test_its_recording_gives_the_ink_the_same_time(monkeypatch, painted_in_time,
 def test_the_same_pieces_of_time_pass_before_a_sample_however_late_it_comes(gaps, lates, looks):
     samples = 5 + np.cumsum(np.round(np.array(gaps) * 1e9).astype(np.int64))
     calm, late = InkClock(7_000), InkClock(7_000)
-    at_once = [calm.hear(int(t), 0, 1000) for t in samples]
+    at_once = [calm.advance_to(int(t), 0, 1000) for t in samples]
     come = np.maximum.accumulate(samples + np.round(1e9 * np.array(lates[: len(gaps)])))
     before, passed = int(come[0]), []
     for k, (t, now) in enumerate(zip(samples, come, strict=True)):
@@ -250,7 +250,7 @@ def test_the_same_pieces_of_time_pass_before_a_sample_however_late_it_comes(gaps
         for look in np.linspace(before, int(now), looks[k], endpoint=False) if k else ():
             while late.wait(int(look), 1000):
                 waited += 1
-        passed.append(waited + late.hear(int(t), int(now), 1000))
+        passed.append(waited + late.advance_to(int(t), int(now), 1000))
         before = int(now)
     assert passed == at_once
     assert calm.left_out == late.left_out == 0
@@ -259,7 +259,7 @@ def test_the_same_pieces_of_time_pass_before_a_sample_however_late_it_comes(gaps
 
 def test_the_wall_goes_on_for_a_hand_that_is_silent():
     clock, pieces, now = InkClock(0), 0, 0
-    assert clock.hear(10**12, now, 1000) == 0
+    assert clock.advance_to(10**12, now, 1000) == 0
     for _ in range(1000):
         now += max(1000, round(1e9 * clock.patience(now)))
         pieces += clock.wait(now, 1000)
@@ -269,13 +269,13 @@ def test_the_wall_goes_on_for_a_hand_that_is_silent():
 
 def test_a_clock_that_starts_anew_and_one_that_stood_still_do_no_harm():
     clock = InkClock(0)
-    assert clock.hear(10**15, 0, 5) == 0  # of a hand whose clock is another one
-    assert clock.hear(10**15 + 10**9, 0, 5) == 5
+    assert clock.advance_to(10**15, 0, 5) == 0  # of a hand whose clock is another one
+    assert clock.advance_to(10**15 + 10**9, 0, 5) == 5
     assert clock.left_out == 15
-    assert clock.hear(10**15 + 10**12, 0, 10**9) == 19_980  # however long it was silent
-    assert clock.hear(2 * 10**15, 0, 70) == 70
-    assert clock.hear(77, 0, 10**9) == 0
-    assert clock.hear(77 + 10**8, 0, 10**9) == 2
+    assert clock.advance_to(10**15 + 10**12, 0, 10**9) == 19_980  # however long it was silent
+    assert clock.advance_to(2 * 10**15, 0, 70) == 70
+    assert clock.advance_to(77, 0, 10**9) == 0
+    assert clock.advance_to(77 + 10**8, 0, 10**9) == 2
 
 
 def test_nothing_is_written_down_where_all_is_dry(tmp_path):

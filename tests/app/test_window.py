@@ -277,7 +277,7 @@ def test_a_stroke_by_hand_ends_a_replay_and_is_one_of_its_own(painted_once, by: 
         window.both_hands.close()
         window.both_hands = DeviceInput(window.workspace, window.panels.devices)
     assert not window.player.is_playing
-    assert "replay was stopped" in window.status.told.text()
+    assert "replay was stopped" in window.status.message_label.text()
     settled(window)
     replayed, own = window.document.strokes[there:]
     assert len(replayed.samples) < len(stroke.samples)
@@ -603,7 +603,7 @@ def test_the_window_says_that_there_is_no_home_to_write_to(
     monkeypatch.setattr(start, "stand_in", lambda: tmp_path)
     monkeypatch.setattr(start, "open_first", lambda window, *_: shown.append(window))
     monkeypatch.setattr(
-        type(program), "exec", lambda app: shown[0].status.told.text(), raising=False
+        type(program), "exec", lambda app: shown[0].status.message_label.text(), raising=False
     )
     told = start.run_studio(None, language="en")
     shown[0].close()

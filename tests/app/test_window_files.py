@@ -391,7 +391,7 @@ def test_a_film_that_is_too_long_for_its_size_is_refused(window, tmp_path: Path)
     standard = QtWidgets.QDialogButtonBox.StandardButton
     ok = dialog.findChild(QtWidgets.QDialogButtonBox).button(standard.Ok)
     assert not ok.isEnabled()
-    assert "too many" in dialog.told.text()
+    assert "too many" in dialog.message_label.text()
     dialog.seconds.setValue(2.0)
     assert ok.isEnabled()
     told: list[str] = []
@@ -465,11 +465,11 @@ def test_two_windows_on_one_file_know_of_each_other(window, program, tmp_path: P
     path = tmp_path / "both.p3d"
     assert window.saving.save_to(path)
     with opened(program, str(path), drawn=False) as second:
-        assert "both.p3d is open in another window" in second.status.told.text()
+        assert "both.p3d is open in another window" in second.status.message_label.text()
         drag(second.canvas, (0.4, 0.55), (0.6, 0.6), n=8)
         settled(second)
         second.workspace.actions["save"].trigger()  # the file is as it was opened: nothing is asked
-        assert "Saved" in second.status.told.text()
+        assert "Saved" in second.status.message_label.text()
         theirs = path.read_bytes()
 
         said: list[str] = []
@@ -508,7 +508,7 @@ def test_a_painting_that_is_reopened_is_not_said_to_be_open_elsewhere(window, tm
     path = tmp_path / "own.p3d"
     assert window.saving.save_to(path)
     assert window.opening.open_path(str(path), asked=True)
-    assert "another window" not in window.status.told.text()
+    assert "another window" not in window.status.message_label.text()
 
 
 def test_whole_copies_are_kept_as_often_as_was_chosen_however_much_is_painted(program) -> None:
@@ -586,11 +586,11 @@ def test_what_a_full_disk_could_not_keep_is_kept_as_soon_as_there_is_room(
             disk.setattr(sitting, "save_base", full)
             drag(window.canvas, (0.4, 0.45), (0.6, 0.5), n=8)
             settled(window)
-            wait_for(lambda: "Recovery data cannot be saved" in window.status.told.text())
+            wait_for(lambda: "Recovery data cannot be saved" in window.status.message_label.text())
         monkeypatch.setattr(paint_thread, "_AGAIN_S", 0.0)
         drag(window.canvas, (0.4, 0.55), (0.6, 0.6), n=8)
         settled(window)
-        wait_for(lambda: "being saved again" in window.status.told.text())
+        wait_for(lambda: "being saved again" in window.status.message_label.text())
         shutil.copytree(sitting.folder, tmp_path / "left")  # as a crash would leave it
         with window.stage.paint_thread.paused() as document:
             painted = document.surface.srgb.copy()

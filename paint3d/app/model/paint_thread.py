@@ -459,12 +459,12 @@ class PaintThread:
         for k, sample in enumerate(samples if self._wet else ()):
             most = sys.maxsize if all_time else self._pace.most(behind)
             at_ns = sample.time_ns // self._haste
-            pieces = self.ink_clock.hear(at_ns, round(1e9 * now), most)
+            pieces = self.ink_clock.advance_to(at_ns, round(1e9 * now), most)
             if pieces and first < k:
                 yield _Job(now, tuple(samples[first:k]))
                 first = k
             if pieces and is_lifted([*self._fed, sample]):
-                yield _asked(now, _LIFT)
+                yield _make_job(now, _LIFT)
             for _ in range(pieces):
                 yield _piece(now)
             self._fed.append(sample)
@@ -703,10 +703,10 @@ def _report_to(document: Document, progress: Callable[[float], None] | None) -> 
 
 def _piece(came: float) -> _Job:
     """A piece of time for the ink."""
-    return _asked(came, _FOLLOW, PIECE_S)
+    return _make_job(came, _FOLLOW, PIECE_S)
 
 
-def _asked(came: float, command: str, *arguments: object) -> _Job:
+def _make_job(came: float, command: str, *arguments: object) -> _Job:
     return _Job(came, (), command, arguments, {}, Future())
 
 

@@ -101,13 +101,13 @@ class Actions:
             else:
                 action.triggered.connect(_without_state(do))
             if name in _NEVER_LOST:
-                self._hear_always(name, do)
+                self._bind_shortcut(name, do)
 
     def _post(self, command: Command) -> None:
         assert command.codec is not None, "what does not change the painting has its do_<name>"
         self._workspace.post(command.name)
 
-    def _hear_always(self, name: str, do: Callable[[], object]) -> None:
+    def _bind_shortcut(self, name: str, do: Callable[[], object]) -> None:
         """Do what an action does by its keys while it is disabled, and so swallows them."""
         action = self._workspace.actions[name]
         keys = QtGui.QShortcut(self._workspace.window)

@@ -39,7 +39,7 @@ class JobProgress:
     def __init__(self) -> None:
         self._lock = threading.Lock()
         self._stopped = self._settled = False
-        self._told = 0.0, time.monotonic()  # fraction done, and when that was said
+        self._reported = 0.0, time.monotonic()  # fraction done, and when that was said
 
     def __call__(self, fraction: float) -> None:
         """Say how far it is, 0 to 1; with 1 it is done, and cannot be stopped any more.
@@ -55,7 +55,7 @@ class JobProgress:
             if self._stopped:
                 raise CancelledError
             self._settled = self._settled or fraction >= 1.0
-        self._told = max(self._told[0], float(fraction)), time.monotonic()
+        self._reported = max(self._reported[0], float(fraction)), time.monotonic()
 
     @property
     def fraction(self) -> float:
@@ -63,7 +63,7 @@ class JobProgress:
 
         It is at most 0.05 ahead of what was said last, so it goes back by no more than that.
         """
-        done, since = self._told
+        done, since = self._reported
         gone = time.monotonic() - since
         return done + min(_AHEAD, 1.0 - done) * gone / (gone + _AHEAD_S)
 

@@ -142,7 +142,7 @@ class Panels:
         self.inks.rinsed.connect(lambda: post("rinse"))
         self.layers.asked.connect(self._ask_layers)
         self.layers.turned.connect(self._turn)
-        self.history.told.connect(self._workspace.tell)
+        self.history.reported.connect(self._workspace.tell)
         self.hand.read.connect(lambda changes: self._workspace.hand.set_settings(**changes))
         self.hand.curve.changed.connect(self._keep_curve)
         self.hand.ruled.connect(lambda on: self._workspace.actions["ruler"].setChecked(on))

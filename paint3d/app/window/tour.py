@@ -49,8 +49,8 @@ class Tour(QtWidgets.QFrame):
         self.setObjectName("card")
         self.setCursor(QtCore.Qt.CursorShape.ArrowCursor)
         self.setFixedWidth(_WIDTH)
-        self.told = QtWidgets.QLabel()
-        self.told.setWordWrap(True)
+        self.message_label = QtWidgets.QLabel()
+        self.message_label.setWordWrap(True)
         self.counted = QtWidgets.QLabel()
         self.counted.setObjectName("faint")
         self.next_button = QtWidgets.QPushButton(say("Next"))
@@ -59,7 +59,7 @@ class Tour(QtWidgets.QFrame):
         self.end_button.clicked.connect(self.end)
         column = QtWidgets.QVBoxLayout(self)
         column.setContentsMargins(20, 14, 20, 14)
-        column.addWidget(self.told)
+        column.addWidget(self.message_label)
         row = QtWidgets.QHBoxLayout()
         row.addWidget(self.counted, 1)
         row.addWidget(self.next_button)
@@ -155,7 +155,7 @@ class Tour(QtWidgets.QFrame):
         self._show()
 
     def _show(self) -> None:
-        self.told.setText(self._steps[self._at].text)
+        self.message_label.setText(self._steps[self._at].text)
         self.counted.setText(f"{self._at + 1} / {len(self._steps)}")
         self.adjustSize()
         self._place()

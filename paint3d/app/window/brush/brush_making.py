@@ -83,13 +83,13 @@ class BrushMaking:
             path = keep_brush(brush)
         except Paint3DError as error:
             if self.editor is not None:
-                self.editor.tell(error)
+                self.editor.show_message(error)
             return
         self._take(brush)
         message = say("{name} is saved in {path}", name=brush.name, path=path)
         self._workspace.tell(message, state="good")
         if self.editor is not None:
-            self.editor.tell(message)
+            self.editor.show_message(message)
 
     # -- files ------------------------------------------------------------------------------
 

@@ -503,7 +503,7 @@ class StrokesDialog(QtWidgets.QDialog):
         What was corrected, to be undone.
     buttons : dict of str to QAbstractButton
         By their names in `_BUTTONS`.
-    told : QLabel
+    message_label : QLabel
         What is chosen, and what is expected next.
     """
 
@@ -535,8 +535,8 @@ class StrokesDialog(QtWidgets.QDialog):
         if photographed is not None:
             self.corners = CornerView(theme, photographed.pixels)
             self._views.addWidget(self.corners)
-        self.told = QtWidgets.QLabel()
-        self.told.setWordWrap(True)
+        self.message_label = QtWidgets.QLabel()
+        self.message_label.setWordWrap(True)
         self.buttons: dict[str, QtWidgets.QAbstractButton] = {}
         self._lay_out()
         room = parent.window().size()
@@ -608,7 +608,7 @@ class StrokesDialog(QtWidgets.QDialog):
         if self.corners is not None:
             side.addWidget(self._button("corners"))
         side.addSpacing(6)
-        side.addWidget(self.told)
+        side.addWidget(self.message_label)
         side.addStretch(1)
         side.addWidget(self._button("save"))
         box = buttons(self, say("Use"))
@@ -760,7 +760,7 @@ class StrokesDialog(QtWidgets.QDialog):
         try:
             joined, at = self._now.join(self._chosen, other)
         except Paint3DError as error:
-            self.told.setText(say_error(error))
+            self.message_label.setText(say_error(error))
         else:
             self._take(joined, at)
 
@@ -769,7 +769,7 @@ class StrokesDialog(QtWidgets.QDialog):
         try:
             parts = self._now.split(self._chosen, point)
         except Paint3DError as error:
-            self.told.setText(say_error(error))
+            self.message_label.setText(say_error(error))
         else:
             self._take(parts)
 
@@ -827,7 +827,7 @@ class StrokesDialog(QtWidgets.QDialog):
             QtWidgets.QMessageBox.warning(self, "paint3d", say_error(error))
         else:
             self._beside, self._kept = path, self.steps.now
-            self.told.setText(say("Exported {name}", name=path.name))
+            self.message_label.setText(say("Exported {name}", name=path.name))
 
     def reject(self) -> None:
         """Close it; corrections that are not in a file are asked for."""
@@ -875,7 +875,7 @@ class StrokesDialog(QtWidgets.QDialog):
         self.buttons["leave out"].setText(
             f"{say('Take in') if is_out else say('Leave out')}  ({key})"
         )
-        self.told.setText(self._words())
+        self.message_label.setText(self._words())
         self.view.update()
 
     def _words(self) -> str:

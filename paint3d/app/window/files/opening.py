@@ -224,7 +224,7 @@ class Opening:
             return False
         if not self._workspace.show(done.result()):
             return False
-        self._standing.tell()
+        self._standing.report_assumptions()
         if not is_built_in(str(path)):
             self._recent.add(path)
         for message in open_elsewhere(self._workspace):

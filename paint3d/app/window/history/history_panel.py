@@ -64,7 +64,7 @@ class HistoryPanel(QtWidgets.QWidget):
         What is to be done with a seal ("drag", "ink", "delete"), and its index, from 0.
     exported : ()
         The strokes are to be saved as a recording.
-    told : (str)
+    reported : (str)
         Something to say.
     """
 
@@ -73,7 +73,7 @@ class HistoryPanel(QtWidgets.QWidget):
     edited = QtCore.Signal(str, int)
     seal_edited = QtCore.Signal(str, int)
     exported = QtCore.Signal()
-    told = QtCore.Signal(str)
+    reported = QtCore.Signal(str)
 
     def __init__(self, theme: Theme) -> None:
         super().__init__()
@@ -190,7 +190,7 @@ class HistoryPanel(QtWidgets.QWidget):
         if 0 <= row < len(self._strokes):
             self.edited.emit(what, row)
         else:
-            self.told.emit(say("There is no stroke to edit"))
+            self.reported.emit(say("There is no stroke to edit"))
 
     def _row_to_edit(self) -> int:
         """The stroke that is marked, or else the one that is shown last."""
@@ -331,7 +331,7 @@ class HistoryPanel(QtWidgets.QWidget):
             self.stop()
             return
         if self._shown[1] >= len(self._strokes):
-            self.told.emit(say("There is no stroke to replay"))
+            self.reported.emit(say("There is no stroke to replay"))
             return
         self._is_playing = True
         self.chosen.emit(None)
@@ -352,7 +352,7 @@ class HistoryPanel(QtWidgets.QWidget):
         """Stop for a stroke by hand, which the next that is shown would break off."""
         if self._is_playing:
             self.stop()
-            self.told.emit(say("The replay was stopped by your stroke"))
+            self.reported.emit(say("The replay was stopped by your stroke"))
 
     def _wait(self, there: int) -> None:
         """Wait as long as the next stroke took."""

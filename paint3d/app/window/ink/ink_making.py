@@ -99,9 +99,9 @@ class ColourDialog(QtWidgets.QDialog):
     def _make_found(self) -> QtWidgets.QGridLayout:
         grid = QtWidgets.QGridLayout()
         self.wanted, self.coat = QtWidgets.QLabel(), QtWidgets.QLabel()
-        self.told = QtWidgets.QLabel()
-        self.told.setWordWrap(True)
-        self.told.setMinimumWidth(300)
+        self.message_label = QtWidgets.QLabel()
+        self.message_label.setWordWrap(True)
+        self.message_label.setMinimumWidth(300)
         for column, (text, patch) in enumerate(
             ((say("Asked for"), self.wanted), (say("A coat of it"), self.coat))
         ):
@@ -110,7 +110,7 @@ class ColourDialog(QtWidgets.QDialog):
             grid.addWidget(label, 0, column)
             patch.setFixedSize(_PATCH)
             grid.addWidget(patch, 1, column)
-        grid.addWidget(self.told, 0, 2, 2, 3)
+        grid.addWidget(self.message_label, 0, 2, 2, 3)
         grid.setColumnStretch(2, 1)
         self.mix, self.dip = (
             self._button(say("Into the mixing dish")),
@@ -162,7 +162,7 @@ class ColourDialog(QtWidgets.QDialog):
     def _show(self, coming: Future[Nearest]) -> None:
         error = coming.exception()
         if error is not None:
-            self.told.setText(say_error(error))
+            self.message_label.setText(say_error(error))
             return
         found = self.nearest = coming.result()
         self._paint(self.coat, QtGui.QColor(*found.srgb))
@@ -174,7 +174,7 @@ class ColourDialog(QtWidgets.QDialog):
             else say("seen side by side") if found.difference < _FAIR
             else say("no mixture of these inks comes nearer")
         )  # fmt: skip
-        self.told.setText(f"{parts}\nΔE00 {found.difference:.1f}, {how}")
+        self.message_label.setText(f"{parts}\nΔE00 {found.difference:.1f}, {how}")
         self._enable(self._next is None)
 
     def _paint(self, label: QtWidgets.QLabel, colour: QtGui.QColor) -> None:

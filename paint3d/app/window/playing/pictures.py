@@ -16,7 +16,7 @@ from paint3d.app.model.input.navigation import orbit
 from paint3d.app.model.score.playing import begun, play, score_of_strokes
 from paint3d.app.model.score.stepping import in_pieces, pass_step, seconds_of
 from paint3d.app.window.files.target_dialog import Targets
-from paint3d.app.window.forms import FormDialog, SizeBoxes, kept_number
+from paint3d.app.window.forms import FormDialog, SizeBoxes, stored_number
 from paint3d.app.window.job import JobProgress
 from paint3d.app.window.wording import say, say_error
 from paint3d.app.window.workspace import Workspace
@@ -35,7 +35,7 @@ __all__ = [
     "FilmDialog",
     "FilmOptions",
     "Pictures",
-    "kept_film",
+    "stored_film",
     "write_growth_film",
     "write_turntable",
 ]
@@ -74,13 +74,13 @@ class FilmOptions(NamedTuple):
         return width * height * self.n_pictures > MOST_PIXELS
 
 
-def kept_film(kept: Mapping[str, object]) -> FilmOptions:
+def stored_film(kept: Mapping[str, object]) -> FilmOptions:
     """The film that was chosen last."""
     own = kept.get("film")
     own = own if isinstance(own, Mapping) else {}
-    seconds = min(max(kept_number(own, "seconds", 5.0), 0.5), _LONGEST_S)
-    rate = min(max(kept_number(own, "rate", 15.0), 1.0), _FASTEST)
-    width, height = (round(kept_number(own, name, 0.0)) for name in ("width", "height"))
+    seconds = min(max(stored_number(own, "seconds", 5.0), 0.5), _LONGEST_S)
+    rate = min(max(stored_number(own, "rate", 15.0), 1.0), _FASTEST)
+    width, height = (round(stored_number(own, name, 0.0)) for name in ("width", "height"))
     return FilmOptions(seconds, rate, (width, height) if width > 0 and height > 0 else None)
 
 
@@ -114,9 +114,9 @@ class FilmDialog(FormDialog):
         self.rate = self.add_number(say("Pictures a second"), 1, _FASTEST, kept.rate)
         self.size_boxes = SizeBoxes(kept.size or screen, screen)
         self.form.addRow(say("Size in pixels"), self.size_boxes)
-        self.told = QtWidgets.QLabel()
-        self.told.setObjectName("faint")
-        self.form.addRow("", self.told)
+        self.message_label = QtWidgets.QLabel()
+        self.message_label.setObjectName("faint")
+        self.form.addRow("", self.message_label)
         self.finish(say("Save"))
         for box in (self.seconds, self.rate, self.size_boxes.width_box, self.size_boxes.height_box):
             box.valueChanged.connect(self._tell)
@@ -128,7 +128,7 @@ class FilmDialog(FormDialog):
         too_long = film.is_too_long and not self._any_length
         n = film.n_pictures
         told = say("{n} picture", "{n} pictures", n=n)
-        self.told.setText(
+        self.message_label.setText(
             say("{pictures}: too many of this size", pictures=told) if too_long else told
         )
         below = self.findChild(QtWidgets.QDialogButtonBox)
@@ -407,7 +407,7 @@ class Pictures:
         if path is None:
             return
         dialog = FilmDialog(
-            self._workspace.window, kept_film(kept), self._workspace.canvas.pixel_size,
+            self._workspace.window, stored_film(kept), self._workspace.canvas.pixel_size,
             any_length=path.suffix.lower() == ".mp4", title=title,
         )  # fmt: skip
         if dialog.exec():

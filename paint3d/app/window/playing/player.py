@@ -322,7 +322,7 @@ class Player(QtCore.QObject):
         self._clock = _Clock(None)
         self._since = 0.0, 0.0  # when it was at which fraction
         self._is_paused = self._refused = False
-        workspace.said.connect(self._hear)
+        workspace.said.connect(self._note_failure)
 
     @property
     def is_playing(self) -> bool:
@@ -484,7 +484,7 @@ class Player(QtCore.QObject):
         self._workspace.stage.hide_brush()  # it would stand on what it has just painted
         self.moved.emit(-1.0)
 
-    def _hear(self, _: str, state: str, __: bool) -> None:
+    def _note_failure(self, _: str, state: str, __: bool) -> None:
         """Leave what went wrong on the status line."""
         if self._replay is not None and state == "bad":
             self._refused = True

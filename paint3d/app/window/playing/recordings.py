@@ -33,7 +33,7 @@ from paint3d.painter.recorded_tools import (
 from paint3d.recording.recording import Recording, load_recording, save_recording
 from paint3d.recording.score import Score, is_score, load_score, save_score
 
-__all__ = ["FORMATS", "Recordings", "samples_of", "told_of", "tools_in_hand"]
+__all__ = ["FORMATS", "Recordings", "samples_of", "tool_changes_of", "tools_in_hand"]
 
 # What a file may be, by its ending, and how the dialog says it:
 FORMATS = {
@@ -165,7 +165,7 @@ class Recordings:
                 brush = recorded_brush(recording.header)
                 assert brush is not None, "it names the brush that it was planned for"
                 recording = dipped_as(recording, brush, dips)
-            tools = Tools(_tools_of(recording), (), *told_of(recording))
+            tools = Tools(_tools_of(recording), (), *tool_changes_of(recording))
             return samples_of(recording, progress), tools
 
         loaded = workspace.run(title, read)
@@ -222,7 +222,9 @@ def _tools_of(recording: Recording) -> list[Asked]:
     return asked
 
 
-def told_of(recording: Recording) -> tuple[list[tuple[int, float]], list[tuple[int, float]]]:
+def tool_changes_of(
+    recording: Recording,
+) -> tuple[list[tuple[int, float]], list[tuple[int, float]]]:
     """What the brush comes to hold at samples; one that is told again holds the last."""
     loads, strengths = told_at(recording.header, recording.time_ns)
     return list(dict(loads).items()), list(dict(strengths).items())
