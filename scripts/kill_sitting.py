@@ -112,7 +112,7 @@ def sit(folder: Path, teller: Teller, seed: int) -> None:
     gc.freeze()  # nor are its parent's objects looked at, whose pages would be copied by that
     document, chance = new_document(), random.Random(seed)
     paint_thread = PaintThread(
-        document, wet=True, recovery=RecoveryFolder(document, folder), base_every_s=BASES_S
+        document, wet=True, recovery=RecoveryFolder(document, folder), autosave_interval_s=BASES_S
     )
     between = (
         [("add_layer",)], [("undo",), ("redo",)], [("dip", {"cinnabar": 0.4, "water": 0.6})],

@@ -89,7 +89,7 @@ class _Hand:
 
     def _paint(self, at: float, sample: DeviceSample) -> None:
         most = self._pace.most(self.now - at)
-        for _ in range(self._clock.hear(sample.time_ns, round(1e9 * at), most)):
+        for _ in range(self._clock.advance_to(sample.time_ns, round(1e9 * at), most)):
             self._follow_time()
         self._spend(lambda: self.document.feed([sample]))
 

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from paint3d.app.model.persistence.settings import kept_calibration, load_settings
+from paint3d.app.model.persistence.settings import load_settings, stored_calibration
 from paint3d.cli.options import (
     add_actions,
     add_force_option,
@@ -21,7 +21,7 @@ from paint3d.cli.options import (
     check_overwriting,
     parse_number,
 )
-from paint3d.core.ending import heard_by
+from paint3d.core.ending import signals_handled_by
 from paint3d.device.force.force_port import HidForcePort
 from paint3d.device.force.port_reader import PortReader
 from paint3d.device.hid_nodes import HidNode, list_nodes
@@ -143,7 +143,7 @@ class OpenedDevices(PluggedDevices):
         frame = DeviceCalibration() if self._found is None else self._found.frame
         if self._found is None and all(node.kind == "mouse" for node in self.nodes()):
             return frame
-        return kept_calibration(self.key()) or frame
+        return stored_calibration(self.key()) or frame
 
     def stop(self) -> None:
         """Stop looking and close everything."""
@@ -214,7 +214,7 @@ def calibrate(options: argparse.Namespace) -> None:
     DeviceError
         If there is no stylus, or the touches give no frame: by how much.
     """
-    from paint3d.app.model.persistence.settings import keep_calibration
+    from paint3d.app.model.persistence.settings import store_calibration
     from paint3d.pose.calibration import save_calibration
     from paint3d.pose.touching import Touches, sheet_corners
 
@@ -237,7 +237,7 @@ def calibrate(options: argparse.Namespace) -> None:
         save_calibration(fitted.calibration, options.out)
         file = options.out
     else:
-        file = keep_calibration(key, fitted.calibration)
+        file = store_calibration(key, fitted.calibration)
     errors = ", ".join(f"{error:.2f}" for error in fitted.errors_mm)
     residual = fitted.calibration.residual_mm
     sys.stdout.write(f"{file}: {residual:.2f} mm off (root mean square of {errors})\n")
@@ -844,7 +844,7 @@ def rounds(seconds: float | None, pause_s: float) -> Iterator[None]:
     """Once every `pause_s`, for so long or until Ctrl-C, or `kill`, which cuts no round short."""
     end = None if seconds is None else time.monotonic() + seconds
     over: list[bool] = []
-    with heard_by(lambda _: over.append(True)):
+    with signals_handled_by(lambda _: over.append(True)):
         while not over and (end is None or time.monotonic() < end):
             time.sleep(pause_s)
             yield

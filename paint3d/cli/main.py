@@ -24,7 +24,7 @@ from importlib import import_module
 
 from paint3d.cli.options import Parser, UsageError
 from paint3d.core.ending import Ends, remove_unfinished
-from paint3d.core.machine import tell_nobody
+from paint3d.core.machine import discard_output
 from paint3d.errors import Paint3DError
 
 __all__ = ["COMMANDS", "main", "make_parser"]
@@ -129,7 +129,7 @@ def _tell_error(message: str) -> None:
     try:
         sys.stderr.write(f"paint3d: error: {line}\n")
     except OSError:  # a pipe that nobody reads, a terminal that is gone; the status tells
-        tell_nobody(sys.stderr)
+        discard_output(sys.stderr)
 
 
 def _report_failure(message: str) -> int:
@@ -159,7 +159,7 @@ def _run(words: Sequence[str]) -> int:
     except (UsageError, Paint3DError) as error:
         return _report_failure(str(error))
     except BrokenPipeError:  # the reader of our output has gone: nobody to tell
-        tell_nobody(sys.stdout)
+        discard_output(sys.stdout)
     except OSError as error:
         return _report_failure(_describe_os_error(error))
     except MemoryError:

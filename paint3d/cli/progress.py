@@ -8,7 +8,7 @@ import time
 from types import TracebackType
 from typing import Self, TextIO
 
-from paint3d.core.machine import leave_interrupts_to_others, tell_nobody
+from paint3d.core.machine import discard_output, leave_interrupts_to_others
 
 __all__ = ["ProgressBar", "say_if_compiling"]
 
@@ -85,7 +85,7 @@ class ProgressBar:
             if not self._is_terminal:
                 raise
             self._active = False  # the terminal is gone, and the work does without
-            tell_nobody(self._stream)
+            discard_output(self._stream)
 
     def _tick(self) -> None:
         leave_interrupts_to_others()  # who waits for the work is to be interrupted

@@ -50,7 +50,7 @@ class _Edit:
     text: str
 
 
-class _Asked(argparse.Action):
+class _EditAction(argparse.Action):
     """Collects edits of several options in the order in which they are given."""
 
     def __call__(
@@ -88,7 +88,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         ("shift", "N:SECONDS", "begin so much later, or (below 0) earlier"),
     )  # fmt: skip
     for name, metavar, told in edits:
-        parser.add_argument(f"--{name}", metavar=metavar, action=_Asked, help=told)
+        parser.add_argument(f"--{name}", metavar=metavar, action=_EditAction, help=told)
     parser.add_argument(
         "--on",
         metavar="MESH",
@@ -144,7 +144,7 @@ def run(options: argparse.Namespace) -> None:
 
 def _edited(score: Score, edits: Sequence[_Edit], options: argparse.Namespace) -> Score:
     """All edits, with the numbers that strokes have in the file: so deleting comes last."""
-    from paint3d.recording.score_edits import edit_strokes
+    from paint3d.recording.score_edits import apply_stroke_edit
 
     count = len(score.strokes())
     for edit in edits:
@@ -171,13 +171,13 @@ def _edited(score: Score, edits: Sequence[_Edit], options: argparse.Namespace) -
                 cause=cause,
             ) from None
         for number in edit.numbers:
-            score = edit_strokes(score, [number], words, ground)
+            score = apply_stroke_edit(score, [number], words, ground)
     gone = {number for edit in edits if edit.kind == "delete" for number in edit.numbers}
-    return edit_strokes(score, sorted(gone), {"do": "delete"})
+    return apply_stroke_edit(score, sorted(gone), {"do": "delete"})
 
 
 def _words(edit: _Edit, score: Score) -> dict[str, Any]:
-    """An edit as `score_edits.edit_strokes` takes it."""
+    """An edit as `score_edits.apply_stroke_edit` takes it."""
     text = edit.text
     if edit.kind == "move":
         x, y, *turn = _move(text)
@@ -188,19 +188,19 @@ def _words(edit: _Edit, score: Score) -> dict[str, Any]:
         is_length = text.endswith("s")
         return {"do": "time", "seconds" if is_length else "factor": float(text.rstrip("s"))}
     if edit.kind == "brush":
-        from paint3d.app.model.score.words import brush_named
+        from paint3d.app.model.score.codecs import encode_brush
         from paint3d.brush.presets import load_brush
 
-        return {"do": "brush", "brush": brush_named(load_brush(text))}
-    from paint3d.app.model.score.words import Inks
+        return {"do": "brush", "brush": encode_brush(load_brush(text))}
+    from paint3d.app.model.score.codecs import InkTable
     from paint3d.colour.inks import load_ink
 
     own = dict(score.header.get("pigments", {}))
     if text in own:
         return {"do": "ink", "ink": text}
-    inks = Inks(own)
+    inks = InkTable(own)
     stirred = load_ink(text)
-    said = inks.words(next(iter(stirred)) if len(stirred) == 1 else stirred)
+    said = inks.encode(next(iter(stirred)) if len(stirred) == 1 else stirred)
     return {"do": "ink", "ink": said, "pigments": inks.table}
 
 

@@ -14,7 +14,7 @@ from paint3d.errors import InputError, RecordingError
 
 if TYPE_CHECKING:
     from paint3d.app.model.document import Document
-    from paint3d.app.model.score.playing import Step
+    from paint3d.app.model.score.playing import PlaybackStep
     from paint3d.cli.films import FilmWanted, Watch
     from paint3d.recording.score import Score
 
@@ -98,7 +98,7 @@ def _painted(
     return document, Painting(document.surface, counts, seconds, document=document), watch
 
 
-def _watched(document: Document, score: Score, watch: Watch) -> Iterator[Step]:
+def _watched(document: Document, score: Score, watch: Watch) -> Iterator[PlaybackStep]:
     """Play a score sample by sample for a film."""
     from paint3d.app.model.score.playing import play
     from paint3d.app.model.score.stepping import in_pieces, pass_step

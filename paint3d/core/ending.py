@@ -28,9 +28,9 @@ __all__ = [
     "begin_file",
     "end_now",
     "forget_file",
-    "heard_by",
     "holding_interrupts",
     "remove_unfinished",
+    "signals_handled_by",
 ]
 
 _PATIENCE_S = 3.0
@@ -75,7 +75,7 @@ def end_now(status: int) -> None:
 
 
 @contextmanager
-def heard_by(hear: Callable[[int], object], *, patiently: bool = True) -> Iterator[None]:
+def signals_handled_by(hear: Callable[[int], object], *, patiently: bool = True) -> Iterator[None]:
     """Have somebody else told, in the main thread, by which signal this process is asked to end.
 
     What is ignored, as by what a shell runs behind, stays so. In another thread nothing is heard.
@@ -107,7 +107,7 @@ def holding_interrupts() -> Iterator[None]:
     """
     held: list[int] = []
     try:
-        with heard_by(held.append, patiently=False):
+        with signals_handled_by(held.append, patiently=False):
             yield
     finally:
         for number in held[:1]:  # the first one tells how this process ends

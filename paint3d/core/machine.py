@@ -28,6 +28,7 @@ __all__ = [
     "ENDING",
     "blocking_interrupts",
     "copy_permissions",
+    "discard_output",
     "end_with_parent",
     "flush_file",
     "flush_folder",
@@ -46,7 +47,6 @@ __all__ = [
     "nobodys",
     "open_no_more",
     "reserve_space",
-    "tell_nobody",
     "this_machine",
     "usable_cores",
     "user_number",
@@ -145,7 +145,7 @@ def blocking_interrupts() -> Iterator[None]:
         signal.pthread_sigmask(signal.SIG_SETMASK, blocked)
 
 
-def tell_nobody(stream: TextIO) -> None:
+def discard_output(stream: TextIO) -> None:
     """Let what is written to a stream go nowhere: whoever read it, or its terminal, is gone."""
     with suppress(OSError):  # some streams are no files
         os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())

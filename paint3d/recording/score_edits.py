@@ -2,7 +2,7 @@
 
 Every function takes a score and gives a new one; what comes after the strokes stays as it was asked
 for, and is painted anew when the score is played. Strokes count from 1, as `Score.strokes` has
-them. `EDITS` is all that can be done with strokes, by name: with one, or with several as one.
+them. `STROKE_EDITS` is all that can be done with strokes, by name: with one, or several as one.
 """
 
 from __future__ import annotations
@@ -29,12 +29,12 @@ from paint3d.recording.score import Event, Score, check_command, joined_parts
 from paint3d.recording.score_steps import ScoreSteps, ScoreStroke, follow_steps, stroke_of
 
 __all__ = [
-    "EDITS",
+    "STROKE_EDITS",
+    "apply_seal_edit",
+    "apply_stroke_edit",
     "change_brush",
     "change_ink",
     "delete_stroke",
-    "edit_seal",
-    "edit_strokes",
     "move_stroke",
     "pressed_places",
     "retime_stroke",
@@ -308,10 +308,9 @@ def _turn_about(axis: AnyArray, angle: float) -> AnyArray:
 # ---- Edits ---------------------------------------------------------------------------------------
 
 
-_PIECE_S = 0.05  # of the ink's time beside a hand
+_TIME_STEP_S = 0.05  # of the ink's time beside a hand
 _SHORTEST, _LONGEST = 1e-3, 1e3  # that a stroke becomes of its length
 _LATEST_NS = 1 << 62  # or earliest below 0: as a line of a score may say it
-Words = dict[str, Any]
 
 
 def delete_stroke(score: Score, number: int) -> Score:
@@ -329,34 +328,34 @@ def delete_stroke(score: Score, number: int) -> Score:
     events: list[Event] = []
     for k, event in enumerate(score.events):
         if stroke.begin <= k < stroke.end:
-            events += _left_of(k, event, stroke, number < len(steps.strokes))
-        elif k in steps.moved and not isinstance(event, Recording):
-            events += _way_without(k, event, stroke, steps)
+            events += _remaining_events(k, event, stroke, number < len(steps.strokes))
+        elif k in steps.affected_steps and not isinstance(event, Recording):
+            events += _history_command_without(k, event, stroke, steps)
         else:
             events.append(event)
     return _with_events(score, events)
 
 
-def _left_of(k: int, event: Event, stroke: ScoreStroke, goes_on: bool) -> list[Event]:
+def _remaining_events(k: int, event: Event, stroke: ScoreStroke, goes_on: bool) -> list[Event]:
     """Events that stay of an event of a stroke that is deleted."""
     if isinstance(event, Recording):
         return []
-    if k == stroke.begin and stroke.began_anew:  # a stroke of nothing forgets as it did
+    if k == stroke.begin and stroke.emptied_redo:  # a stroke of nothing forgets as it did
         return [event, {"do": "end_stroke"}]
     lasts = event["do"] == "dip" and ("ink" in event or "amount" in event)
     return [event] if goes_on and lasts else []
 
 
-def _way_without(
+def _history_command_without(
     k: int, event: Mapping[str, Any], stroke: ScoreStroke, steps: ScoreSteps
 ) -> list[Event]:
-    """A way back or forth without a stroke."""
+    """An undo, redo or replay without a stroke."""
     if event["do"] == "replay_history":
-        left = sum(one is not stroke for one in steps.left[k])
-        return [{**event, "upto": left}] if not event.get("refused") else [event]
-    moved = steps.moved[k]
-    idle = k > stroke.begin and not moved and event["do"] == "redo"
-    return [] if idle or any(step is stroke for step in moved) else [event]
+        n_left = sum(one is not stroke for one in steps.strokes_after[k])
+        return [{**event, "upto": n_left}] if not event.get("refused") else [event]
+    affected = steps.affected_steps[k]
+    idle = k > stroke.begin and not affected and event["do"] == "redo"
+    return [] if idle or any(step is stroke for step in affected) else [event]
 
 
 def move_stroke(
@@ -471,7 +470,7 @@ def change_ink(
         If there is no such stroke, or this is no ink.
     """
     said = dict(ink) if isinstance(ink, Mapping) else ink
-    changed = _begun_with(score, number, {"ink": said})
+    changed = _with_begin(score, number, {"ink": said})
     if not pigments:
         return changed
     known = {**changed.header.get("pigments", {}), **pigments}
@@ -494,10 +493,10 @@ def change_brush(score: Score, number: int, brush: str | Mapping[str, Any]) -> S
         If there is no such stroke, or this is no brush.
     """
     said = dict(brush) if isinstance(brush, Mapping) else brush
-    return _begun_with(score, number, {"brush": said})
+    return _with_begin(score, number, {"brush": said})
 
 
-def _begun_with(score: Score, number: int, words: Words) -> Score:
+def _with_begin(score: Score, number: int, words: Mapping[str, Any]) -> Score:
     stroke, _ = stroke_of(score, number)
     events = list(score.events)
     begin = events[stroke.begin]
@@ -520,8 +519,8 @@ def retime_stroke(
 ) -> Score:
     """Give a stroke another time, or have it begin earlier or later.
 
-    Where ink runs meanwhile, its time in the stroke becomes longer or shorter with it, in pieces
-    as they were; a shift takes from the pause on one side and gives to that on the other.
+    Where ink runs meanwhile, its time in the stroke becomes longer or shorter with it, in time
+    steps as they were; a shift takes from the pause on one side and gives to that on the other.
 
     Parameters
     ----------
@@ -575,9 +574,9 @@ def retime_stroke(
         own[0] = {**begin, "time_s": max(0.0, begin["time_s"] + shift_s)}
     before, after = events[: stroke.begin], events[stroke.end :]
     if shift_s and any(not isinstance(e, Recording) and _is_time(e) for e in events):
-        pieces = round(shift_s / _PIECE_S)
-        _give_time(before, pieces, len(before), number)
-        _give_time(after, -pieces, 0, number)
+        n_steps = round(shift_s / _TIME_STEP_S)
+        _give_time(before, n_steps, len(before), number)
+        _give_time(after, -n_steps, 0, number)
     return _with_events(score, [*before, *own, *after])
 
 
@@ -613,30 +612,30 @@ def _stretched(own: Sequence[Event], first: int, factor: float, shift: int) -> l
             stretched.append(replace(event, time_ns=times))
         elif _is_time(event):
             passed += event.get("times", 1)
-            pieces = int(np.floor(passed * factor + 0.5)) - given
-            given += pieces
-            if pieces:
-                stretched.append({**event, "times": pieces})
+            n_steps = int(np.floor(passed * factor + 0.5)) - given
+            given += n_steps
+            if n_steps:
+                stretched.append({**event, "times": n_steps})
         else:
             stretched.append(event)
     return joined_parts(stretched)
 
 
-def _give_time(events: list[Event], pieces: int, at: int, number: int) -> None:
-    """Add so many pieces of time beside a stroke (remove below 0), at one end of events."""
-    wanted, step = abs(pieces) * _PIECE_S, -1 if at else 1
+def _give_time(events: list[Event], n_steps: int, at: int, number: int) -> None:
+    """Add so many time steps beside a stroke (remove below 0), at one end of events."""
+    wanted, step = abs(n_steps) * _TIME_STEP_S, -1 if at else 1
     k = at + (step if at else 0)
-    while pieces < 0 and 0 <= k < len(events):
+    while n_steps < 0 and 0 <= k < len(events):
         event = events[k]
         if isinstance(event, Recording) or event["do"] in ("begin_stroke", "end_stroke"):
             break
         if _is_time(event):
-            taken = min(-pieces, event.get("times", 1))
+            taken = min(-n_steps, event.get("times", 1))
             events[k] = {**event, "times": event.get("times", 1) - taken}
-            pieces += taken
+            n_steps += taken
         k += step
-    if pieces < 0 and 0 <= k < len(events):
-        pause = wanted + pieces * _PIECE_S
+    if n_steps < 0 and 0 <= k < len(events):
+        pause = wanted + n_steps * _TIME_STEP_S
         if at:
             raise RecordingError(
                 "stroke {number} cannot begin {wanted:.2f} s earlier: the pause before it is "
@@ -652,8 +651,8 @@ def _give_time(events: list[Event], pieces: int, at: int, number: int) -> None:
             wanted=wanted,
             pause=pause,
         )
-    if pieces > 0:
-        events.insert(at, {"do": "follow_time", "seconds": _PIECE_S, "times": pieces})
+    if n_steps > 0:
+        events.insert(at, {"do": "follow_time", "seconds": _TIME_STEP_S, "times": n_steps})
     events[:] = [e for e in events if isinstance(e, Recording) or e.get("times", 1) > 0]
 
 
@@ -664,7 +663,7 @@ def _with_events(score: Score, events: Sequence[Event]) -> Score:
 # -- seals ------------------------------------------------------------------------------------
 
 
-def edit_seal(score: Score, number: int, edit: Mapping[str, Any]) -> Score:
+def apply_seal_edit(score: Score, number: int, edit: Mapping[str, Any]) -> Score:
     """Delete a seal, press it elsewhere, or in another paste.
 
     Parameters
@@ -700,8 +699,8 @@ def edit_seal(score: Score, number: int, edit: Mapping[str, Any]) -> Score:
     if do == "delete":
         kept: list[Event] = []
         for k, event in enumerate(score.events):
-            if k in steps.moved and not isinstance(event, Recording):
-                kept += _way_without(k, event, seal, steps)
+            if k in steps.affected_steps and not isinstance(event, Recording):
+                kept += _history_command_without(k, event, seal, steps)
             elif k != seal.begin:
                 kept.append(event)
         return _with_events(score, kept)
@@ -718,7 +717,7 @@ def edit_seal(score: Score, number: int, edit: Mapping[str, Any]) -> Score:
 # -- edits by name ----------------------------------------------------------------------------
 
 
-def edit_strokes(
+def apply_stroke_edit(
     score: Score,
     numbers: Sequence[int],
     edit: Mapping[str, Any],
@@ -752,11 +751,11 @@ def edit_strokes(
         If there is no such stroke, or it would come to lie beyond an edge of the object.
     """
     do, words = edit.get("do"), {key: value for key, value in edit.items() if key != "do"}
-    if not isinstance(do, str) or do not in EDITS:
+    if not isinstance(do, str) or do not in STROKE_EDITS:
         raise InputError(
-            "edit is {do!r:.40}; expected one of {edits}", do=do, edits=", ".join(EDITS)
+            "edit is {do!r:.40}; expected one of {edits}", do=do, edits=", ".join(STROKE_EDITS)
         )
-    takes = inspect.signature(EDITS[do])
+    takes = inspect.signature(STROKE_EDITS[do])
     try:
         takes.bind(score, numbers, mesh, **words)
     except TypeError:
@@ -766,7 +765,7 @@ def edit_strokes(
             words=", ".join(words),
             takes=", ".join(list(takes.parameters)[3:]),
         ) from None
-    return EDITS[do](score, numbers, mesh, **words)
+    return STROKE_EDITS[do](score, numbers, mesh, **words)
 
 
 def _delete(score: Score, numbers: Sequence[int], _: object) -> Score:
@@ -810,7 +809,7 @@ def _time(
     return score
 
 
-EDITS: Mapping[str, Callable[..., Score]] = {
+STROKE_EDITS: Mapping[str, Callable[..., Score]] = {
     "delete": _delete,
     "move": _move,
     "scale": _scale,

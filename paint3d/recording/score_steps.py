@@ -17,13 +17,13 @@ from paint3d.recording.score import Score
 
 __all__ = ["ScoreSteps", "ScoreStroke", "follow_steps", "stroke_of"]
 
-_LAYERS = frozenset(
+_LAYER_COMMANDS = frozenset(
     {"add_layer", "duplicate_layer", "merge_layer", "move_layer", "remove_layer", "set_blend",
      "set_opacity", "add_group", "ungroup", "duplicate_group", "move_group", "remove_group",
      "set_group_opacity", "set_group_blend"}
 )  # fmt: skip
-_ACTS = frozenset({"blot", "dry", "press_seal", "lay_text", "remove_text"})
-_WAYS = frozenset({"undo", "redo", "replay_history"})
+_UNDOABLE_COMMANDS = frozenset({"blot", "dry", "press_seal", "lay_text", "remove_text"})
+_HISTORY_COMMANDS = frozenset({"undo", "redo", "replay_history"})
 
 
 @dataclass(eq=False)
@@ -40,7 +40,7 @@ class ScoreStroke:
         Whether it is painted at the end.
     is_cancelled : bool
         Whether it was taken back before it ended.
-    began_anew : bool
+    emptied_redo : bool
         Whether what had been undone was done again, or could no longer be, when it began.
     """
 
@@ -49,7 +49,7 @@ class ScoreStroke:
     end: int = 0
     is_there: bool = True
     is_cancelled: bool = False
-    began_anew: bool = False
+    emptied_redo: bool = False
     has_samples: bool = False
     is_seal: bool = False
 
@@ -65,10 +65,10 @@ class ScoreSteps:
         Those that are there at the end.
     done, undone : list of ScoreStroke
         Those that are there at the end, and those that could be done again, the next one first.
-    moved : dict
+    affected_steps : dict
         For each event that goes back or forth, the steps that it takes back or does again: strokes,
         seals, and None for others.
-    left : dict
+    strokes_after : dict
         For each of these, the strokes that are there after it.
     """
 
@@ -76,8 +76,8 @@ class ScoreSteps:
     seals: list[ScoreStroke] = field(default_factory=list)
     done: list[ScoreStroke] = field(default_factory=list)
     undone: list[ScoreStroke] = field(default_factory=list)
-    moved: dict[int, list[ScoreStroke | None]] = field(default_factory=dict)
-    left: dict[int, list[ScoreStroke]] = field(default_factory=dict)
+    affected_steps: dict[int, list[ScoreStroke | None]] = field(default_factory=dict)
+    strokes_after: dict[int, list[ScoreStroke]] = field(default_factory=dict)
 
 
 class _Follower:
@@ -88,7 +88,7 @@ class _Follower:
         self.done: list[ScoreStroke | None] = []
         self.undone: list[ScoreStroke | None] = []
         self.current: ScoreStroke | None = None
-        self.passing = False
+        self.is_previewing = False
 
     def command(self, k: int, line: Mapping[str, Any]) -> list[ScoreStroke | None]:
         """Do what a line says; the steps that it takes back or does again."""
@@ -97,29 +97,29 @@ class _Follower:
             self._begin(k, refused)
         elif name in ("end_stroke", "cancel_stroke"):
             self._end(k + 1, cancelled=name == "cancel_stroke")
-        elif name in _ACTS and self.current is None:
-            self._come_back()
+        elif name in _UNDOABLE_COMMANDS and self.current is None:
+            self._end_preview()
             if not refused:
                 is_seal = name == "press_seal"
                 self._step(ScoreStroke(0, k, k + 1, is_seal=True) if is_seal else None)
-        elif name in _LAYERS and self.current is None and not self.passing:
+        elif name in _LAYER_COMMANDS and self.current is None and not self.is_previewing:
             self._step(None)
-        elif name in _WAYS:
+        elif name in _HISTORY_COMMANDS:
             self._end(k)
-            self.passing = name == "replay_history" and bool(line.get("passing"))
+            self.is_previewing = name == "replay_history" and bool(line.get("passing"))
             if name == "replay_history":
                 return self._go_to(line["upto"]) if not refused else []
-            return self._back() if name == "undo" else self._forth()
+            return self._undo() if name == "undo" else self._redo()
         return []
 
     def _begin(self, k: int, refused: bool) -> None:
         if self.current is not None:
             return
-        anew = self.passing or bool(self.undone)
-        self._come_back()
+        empties_redo = self.is_previewing or bool(self.undone)
+        self._end_preview()
         if refused:
             return
-        self.current = ScoreStroke(0, k, began_anew=anew)
+        self.current = ScoreStroke(0, k, emptied_redo=empties_redo)
         self._step(self.current)
 
     def _step(self, step: ScoreStroke | None) -> None:
@@ -137,33 +137,33 @@ class _Follower:
             self.strokes.append(stroke)
             stroke.number = len(self.strokes)
 
-    def _come_back(self) -> None:
-        if self.passing:
-            self.passing = False
-            self._go_to(len(self.there()) + sum(_is_stroke(step) for step in self.undone))
+    def _end_preview(self) -> None:
+        if self.is_previewing:
+            self.is_previewing = False
+            self._go_to(len(self.strokes_done()) + sum(_is_stroke(step) for step in self.undone))
 
-    def there(self) -> list[ScoreStroke]:
+    def strokes_done(self) -> list[ScoreStroke]:
         return [step for step in self.done if step is not None and not step.is_seal]
 
-    def _back(self) -> list[ScoreStroke | None]:
+    def _undo(self) -> list[ScoreStroke | None]:
         if not self.done:
             return []
         self.undone.append(self.done.pop())
         return [self.undone[-1]]
 
-    def _forth(self) -> list[ScoreStroke | None]:
+    def _redo(self) -> list[ScoreStroke | None]:
         if not self.undone:
             return []
         self.done.append(self.undone.pop())
         return [self.done[-1]]
 
     def _go_to(self, upto: int) -> list[ScoreStroke | None]:
-        moved: list[ScoreStroke | None] = []
-        while len(self.there()) > upto and self.done:
-            moved += self._back()
-        while self.undone and (len(self.there()) < upto or not _is_stroke(self.undone[-1])):
-            moved += self._forth()
-        return moved
+        affected: list[ScoreStroke | None] = []
+        while len(self.strokes_done()) > upto and self.done:
+            affected += self._undo()
+        while self.undone and (len(self.strokes_done()) < upto or not _is_stroke(self.undone[-1])):
+            affected += self._redo()
+        return affected
 
 
 def _is_stroke(step: ScoreStroke | None) -> bool:
@@ -178,11 +178,11 @@ def follow_steps(score: Score) -> ScoreSteps:
             if follower.current is not None:
                 follower.current.has_samples = True
             continue
-        moved = follower.command(k, event)
-        if event["do"] in _WAYS:
-            found.moved[k], found.left[k] = moved, follower.there()
+        affected = follower.command(k, event)
+        if event["do"] in _HISTORY_COMMANDS:
+            found.affected_steps[k], found.strokes_after[k] = affected, follower.strokes_done()
     follower._end(len(score.events))
-    found.strokes, found.done = follower.strokes, follower.there()
+    found.strokes, found.done = follower.strokes, follower.strokes_done()
     found.undone = [s for s in reversed(follower.undone) if s is not None and not s.is_seal]
     found.seals = [step for step in follower.done if step is not None and step.is_seal]
     for number, seal in enumerate(found.seals, 1):

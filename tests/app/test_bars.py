@@ -17,7 +17,7 @@ from paint3d.app.model.persistence.recovery_folder import RecoveryFolder, recove
 from paint3d.app.window import job as jobs
 from paint3d.app.window.files import opening
 from paint3d.app.window.job import run_beside
-from paint3d.app.window.playing.pictures import Film
+from paint3d.app.window.playing.pictures import FilmOptions
 from tests.support.app.gestures import answer_bar, drag, wait_for
 from tests.support.app.windows import faults, opened, settled
 
@@ -38,7 +38,7 @@ def test_a_bar_stays_by_what_is_told_however_often_that_is(window) -> None:
     """The share shown was the floor of the next one: 3000 reports of a third showed all done."""
     done, seen = [0.0], []
 
-    def work(progress: jobs.Progress) -> None:
+    def work(progress: jobs.JobProgress) -> None:
         wait_for_bar = time.monotonic() + 60.0
         while not seen and time.monotonic() < wait_for_bar:
             time.sleep(0.005)
@@ -59,7 +59,7 @@ def test_a_bar_stays_by_what_is_told_however_often_that_is(window) -> None:
         assert shown <= at + AHEAD + 0.001  # the bar counts in thousandths
 
 
-class _Watched(jobs.Progress):
+class _Watched(jobs.JobProgress):
     """Remembers what was said and what was shown."""
 
     def __init__(self) -> None:
@@ -111,11 +111,13 @@ def _refine(window, folder: Path) -> bool:
 
 
 JOBS: dict[str, Callable[..., bool]] = {
-    "growth": lambda w, at: w.pictures.growth_to(at / "a.gif", Film(0.5, 10.0, (160, 120))),
-    "turntable": lambda w, at: w.pictures.turntable_to(at / "a.gif", Film(0.5, 8.0, (160, 120))),
+    "growth": lambda w, at: w.pictures.growth_to(at / "a.gif", FilmOptions(0.5, 10.0, (160, 120))),
+    "turntable": lambda w, at: w.pictures.turntable_to(
+        at / "a.gif", FilmOptions(0.5, 8.0, (160, 120))
+    ),
     "picture": lambda w, at: w.pictures.picture_to(at / "a.png", (900, 700)),
     "export": lambda w, at: w.exporting.export_to(at / "a.glb"),
-    "edit": lambda w, at: w.editing.edit([1], {"do": "delete"}),
+    "edit": lambda w, at: w.editing.run_edit([1], {"do": "delete"}),
     "refine": _refine,
     "warm": _warm,
     "save": _save_and_open,
@@ -134,7 +136,7 @@ def test_the_bar_of_each_job_is_never_far_from_what_is_done(
         made.append(_Watched())
         return made[-1]
 
-    monkeypatch.setattr(jobs, "Progress", make)
+    monkeypatch.setattr(jobs, "JobProgress", make)
     assert JOBS[name](window, tmp_path)
     assert made
     for progress in made:

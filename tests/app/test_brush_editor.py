@@ -137,7 +137,7 @@ def test_out_of_range_and_bad_names_are_told_in_the_editor(program) -> None:
         for name, told in (("full", "a brush that comes with the program"), ("", "expected 1 to")):
             editor.name_box.setText(name)
             click(editor.keep)
-            assert told in editor.told.text()
+            assert told in editor.message_label.text()
         assert own_brushes() == ({}, [])
         click(editor.again)
         assert editor.brush == editor.begun == load_brush("full")
@@ -302,7 +302,7 @@ def test_another_size_of_a_preset_is_not_called_like_it(program) -> None:
         assert editor.brush.length_mm == 50.0
         editor.name_box.setText("full")
         click(editor.take)
-        assert "a brush that comes with the program" in editor.told.text()
+        assert "a brush that comes with the program" in editor.message_label.text()
         assert taken == []
         editor.close()
 
@@ -462,7 +462,7 @@ def test_previews_that_fail_are_told_once_and_the_timer_rests(window, monkeypatc
             live(0.4)
     assert found == []
     assert told == ["ValueError: no preview today"]
-    assert "no preview today" in window.status.told.text()
+    assert "no preview today" in window.status.message_label.text()
     monkeypatch.undo()
     window.panels.brushes.set_ink("pine soot")
     wait_for(lambda: not window.panels.brushes.is_busy)
@@ -480,7 +480,7 @@ def test_a_fault_in_every_tick_is_told_once_and_the_window_lives(window, monkeyp
     with faults() as found:
         wait_for(lambda: len(ticks) > 5)
         assert found == ["ValueError: nothing goes"]
-        assert "nothing goes" in window.status.told.text()
+        assert "nothing goes" in window.status.message_label.text()
         monkeypatch.setattr(window, "tick", before)
         drag(window.canvas, (0.45, 0.4), (0.55, 0.4))
         settled(window)

@@ -45,7 +45,7 @@ def test_what_looks_under_the_pointer_does_not_wait_for_a_long_step(window, name
     started = time.thread_time()  # waiting takes no time of the thread's own
     try:
         window.workspace.actions[name].trigger()
-        assert "Still painting" in window.status.told.text()
+        assert "Still painting" in window.status.message_label.text()
         assert not gate.is_set()
         assert time.thread_time() - started < 5.0
     finally:
@@ -274,7 +274,7 @@ def test_cancel_goes_on_with_the_old_painting_and_all_that_waits(one_window, ste
     timer.stop()
     assert not step_gate.is_set()
     assert one_window.document is before
-    assert "Stopped" in one_window.status.told.text()
+    assert "Stopped" in one_window.status.message_label.text()
     step_gate.set()
     settled(one_window)
     assert len(one_window.document.strokes) == N_WAITING

@@ -139,7 +139,7 @@ def test_a_click_on_its_paint_chooses_a_stroke_and_a_drag_moves_it(window) -> No
     pen_stroke(canvas, (0.48, 0.58), (0.48, 0.58), [0.5, 0.5, 0.0])
     found = np.argwhere(accents(window))
     assert found[:, 0].mean() / canvas.pixels.shape[0] == pytest.approx(0.58, abs=0.02)
-    assert window.mark.numbers == (2,)
+    assert window.mark.indices == (2,)
     pen_stroke(canvas, (0.48, 0.50), (0.48, 0.70), [0.5] * 8 + [0.0])
     settled(window)
     assert window.document.n_edits == 1
@@ -154,14 +154,14 @@ def test_of_two_strokes_at_one_place_the_upper_one_is_chosen(window) -> None:
     settled(window)
     choose_in_menu(window, "pick")
     pen_stroke(window.canvas, (0.48, 0.58), (0.48, 0.58), [0.5, 0.5, 0.0])
-    assert window.mark.numbers == (3,)
+    assert window.mark.indices == (3,)
 
 
 def test_beside_all_paint_no_stroke_is_chosen(window) -> None:
     choose_in_menu(window, "pick")
     pen_stroke(window.canvas, (0.48, 0.75), (0.48, 0.75), [0.5, 0.5, 0.0])
-    assert window.mark.numbers == ()
-    assert "There is no stroke there" in window.status.told.text()
+    assert window.mark.indices == ()
+    assert "There is no stroke there" in window.status.message_label.text()
     assert window.editing.drag.is_on
     window.canvas.setFocus()
     type_key(window.canvas, QtCore.Qt.Key.Key_Escape)

@@ -33,7 +33,7 @@ class _Recorder:
 
 
 @pytest.fixture(scope="module")
-def doers() -> dict[str, tuple[object, ...]]:
+def handlers() -> dict[str, tuple[object, ...]]:
     """What the window would have done its commands by."""
     return {}
 
@@ -53,12 +53,12 @@ def recorder(every_command: _Recorder, window) -> _Recorder:
 
 
 @pytest.fixture(scope="module")
-def window(program, doers, every_command):
+def window(program, handlers, every_command):
     """A window whose commands are written down, and not done."""
     bind = Actions.bind
 
     def bind_recorder(actions, parts) -> None:
-        doers["parts"] = tuple(parts)
+        handlers["parts"] = tuple(parts)
         bind(actions, [every_command])
 
     with pytest.MonkeyPatch.context() as patch:
@@ -97,8 +97,10 @@ def test_each_way_that_leads_to_a_command_asks_for_it_alone(window, recorder, na
     assert (not action.icon().isNull()) == bool(row.icon)
 
 
-def test_what_no_part_of_the_window_does_the_document_does_without_arguments(window, doers) -> None:
-    own = [n for n in IN_MENUS if not any(hasattr(part, f"do_{n}") for part in doers["parts"])]
+def test_what_no_part_of_the_window_does_the_document_does_without_arguments(
+    window, handlers
+) -> None:
+    own = [n for n in IN_MENUS if not any(hasattr(part, f"do_{n}") for part in handlers["parts"])]
     assert own
     for name in own:
         assert COMMANDS[name].codec is not None, name
@@ -107,7 +109,7 @@ def test_what_no_part_of_the_window_does_the_document_does_without_arguments(win
 
 
 def test_what_can_be_undone_is_written_down_and_done_by_the_document() -> None:
-    undoable = [name for name, row in COMMANDS.items() if row.step]
+    undoable = [name for name, row in COMMANDS.items() if row.undo_label]
     assert undoable
     assert [name for name in undoable if COMMANDS[name].codec is None] == []
     assert all(callable(getattr(Document, name)) for name in undoable)

@@ -16,7 +16,7 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 from PySide6 import QtCore, QtTest, QtWidgets
 
 from paint3d.app.window.files.exporting import ExportDialog
-from paint3d.app.window.playing.pictures import Film, FilmDialog
+from paint3d.app.window.playing.pictures import FilmDialog, FilmOptions
 from tests.support.app.gestures import answer, drag, live, wait_for
 from tests.support.app.windows import faults, opened, settled
 
@@ -71,7 +71,9 @@ MODAL: dict[str, Callable[..., object]] = {
     "move": by_edit("move"),
     "time": by_edit("time"),
     **{f"export {suffix}": export(suffix) for suffix in (".glb", ".html", ".png", ".3mf")},
-    "film": lambda window: FilmDialog(window, Film(), SIZE, any_length=False, title="A").exec(),
+    "film": lambda window: FilmDialog(
+        window, FilmOptions(), SIZE, any_length=False, title="A"
+    ).exec(),
 }  # fmt: skip
 
 

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from shapely import LineString
 
-from paint3d.app.model.commands import do_again, encode_command
+from paint3d.app.model.commands import encode_command, replay_command
 from paint3d.app.model.document import Document
 from paint3d.app.model.input.symmetry import MirrorPlane, Symmetry
 from paint3d.app.model.repainting import Repainter
@@ -221,7 +221,7 @@ def test_the_journal_knows_an_amount() -> None:
     document = small_plane(5.0)
     line = encode_command(document, "dip", ("cinnabar",), {"amount": LITTLE})
     note = json.loads(json.dumps(line))
-    do_again(document, note)
+    replay_command(document, note)
     assert in_hand(document) == of_amount(document, DipAmount(**LITTLE))
 
 
@@ -564,7 +564,7 @@ def window(program):
         window.panels.docks["inks"].raise_()
         live(0.05)
         yield window
-        window.workspace.keep(dips_by_itself=False)
+        window.workspace.update_settings(dips_by_itself=False)
     assert found == []
 
 

@@ -11,7 +11,7 @@ from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 from scipy.spatial import cKDTree
 
-from paint3d.app.model.commands import decode_command, do_again, encode_command
+from paint3d.app.model.commands import decode_command, encode_command, replay_command
 from paint3d.app.model.document import Document
 from paint3d.app.model.input.symmetry import MirrorPlane, Symmetry
 from paint3d.app.model.mask import AngleMask, Mask
@@ -264,7 +264,7 @@ def test_a_journal_does_an_edit_again() -> None:
 def test_a_journal_of_before_edits_of_several_is_done_again() -> None:
     documents = [sitting(), sitting()]
     documents[0].edit_strokes([2], {"do": "delete"})
-    do_again(documents[1], {"do": "edit_stroke", "number": 2, "edit": {"do": "delete"}})
+    replay_command(documents[1], {"do": "edit_stroke", "number": 2, "edit": {"do": "delete"}})
     same(snap(documents[0]), snap(documents[1]))
 
 
@@ -290,6 +290,6 @@ def test_a_painting_that_was_saved_is_edited_on(tmp_path) -> None:
 
 def test_strokes_of_which_the_score_is_not_known_are_not_edited() -> None:
     document = sitting(2)
-    document.keeper = None
+    document.recorder = None
     with pytest.raises(InputError, match="only the strokes are known"):
         document.edit_strokes([0], {"do": "delete"})

@@ -79,7 +79,7 @@ def test_a_session_keeps_every_hair(tmp_path):
     for each in (document, again):
         paint(each, (-20, 9), (20, 9))
     same_vertices(again.surface, document.surface)
-    again.settings["hairs"] = None
+    again.properties["hairs"] = None
     for bad in ({}, {"load": [[1.0]], "memory": []}, {"load": 5, "memory": 5}):
         again.painter.hairs.keep = lambda bad=bad: {k: np.array(v) for k, v in bad.items()}
         again.save(tmp_path / "b.p3d")
@@ -141,10 +141,10 @@ def test_a_kill_gives_every_hair_back(tmp_path):
     for y in (-10, 0, 10):
         paint_thread.post("begin_stroke")
         paint_thread.feed(line((-20, y), (20, y)))
-        paint_thread.keep_every(0.001 if y == 0 else 600.0)
+        paint_thread.set_autosave_interval(0.001 if y == 0 else 600.0)
         paint_thread.post("end_stroke").result(timeout=300)
         with paint_thread.paused():  # a base is kept after the second, before the third is begun
-            paint_thread.keep_every(600.0)
+            paint_thread.set_autosave_interval(600.0)
     paint_thread.stop(keep=True)
     (unfinished,) = recoverable(tmp_path)
     assert [base.name for base in unfinished.folder.glob("base*")] == ["base-2.p3d"]

@@ -77,7 +77,7 @@ def test_any_colour_is_mixed_of_the_inks_there_are(window) -> None:
     wait_for(lambda: not dialog.is_busy)
     found = dialog.nearest
     assert found.difference < 1.0
-    assert "ΔE00 0" in dialog.told.text()
+    assert "ΔE00 0" in dialog.message_label.text()
     click(dialog.mix)
     assert window.panels.inks.mixture() == pytest.approx(
         {ink.name: part for ink, part in found.parts.items()}
@@ -244,7 +244,7 @@ def test_a_table_is_among_the_dishes_of_the_next_start(program, table, monkeypat
     with started(program) as window:
         assert own(window) == ["dragon blood"]
         assert window.document.inks[0].name == "dragon blood"  # what was in hand is so again
-        assert "mine.csv" not in window.status.told.text()
+        assert "mine.csv" not in window.status.message_label.text()
 
 
 def test_a_table_that_has_changed_is_told_once_and_read_as_it_is(
@@ -254,10 +254,10 @@ def test_a_table_that_has_changed_is_told_once_and_read_as_it_is(
         open_table(window, table, monkeypatch)
     table.write_text(HEAD + RED + DUN, encoding="utf-8")
     with started(program) as window:
-        wait_for(lambda: "mine.csv: has changed" in window.status.told.text())
+        wait_for(lambda: "mine.csv: has changed" in window.status.message_label.text())
         assert own(window) == ["dragon blood", "dun"]
     with started(program) as window:
-        assert "mine.csv" not in window.status.told.text()
+        assert "mine.csv" not in window.status.message_label.text()
         assert own(window) == ["dragon blood", "dun"]
 
 
@@ -280,16 +280,16 @@ def test_a_table_that_is_gone_or_spoiled_is_one_line_and_nothing_breaks(
     whole = table.read_text(encoding="utf-8")
     spoil(table)
     with started(program) as window:
-        wait_for(lambda: told in window.status.told.text())
-        assert "\n" not in window.status.told.text()
+        wait_for(lambda: told in window.status.message_label.text())
+        assert "\n" not in window.status.message_label.text()
         assert own(window) == []
         assert window.document.inks[0] == "pine soot"
     with started(program) as window:  # told once
-        assert "mine.csv" not in window.status.told.text()
+        assert "mine.csv" not in window.status.message_label.text()
     table.write_text(whole, encoding="utf-8")  # a stick that is plugged in again
     with started(program) as window:
         assert own(window) == ["dragon blood"]
-        assert "mine.csv" not in window.status.told.text()
+        assert "mine.csv" not in window.status.message_label.text()
 
 
 def test_own_pigments_are_put_away_for_good(program, table, monkeypatch) -> None:

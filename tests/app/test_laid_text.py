@@ -277,7 +277,7 @@ def test_a_seal_has_the_name_and_the_size_of_the_signature(window) -> None:
     assert (
         date_line(datetime.date(2026, 12, 1), window.workspace.settings.signer) == "丙午年冬李明書"
     )
-    window.workspace.keep(signer="")
+    window.workspace.update_settings(signer="")
     window.copying.mover.end()
     window.copying.choose(1)
     window.copying.change({"grid": "frame"})
@@ -294,10 +294,10 @@ def test_a_text_without_a_grid_is_no_signature_and_a_long_name_no_seal(window) -
     assert (signature.name, signature.size_mm) == ("", pytest.approx(0.35 * 40.0))
     assert signature.point[0] < origins(window)[:, 0].min() - 20.0
     shown = []
-    window.workspace.keep(signer="張大千李明")
+    window.workspace.update_settings(signer="張大千李明")
     answer(lambda dialog: (shown.append(dialog.asked()), dialog.reject()), SealDialog)
     click_button(window.panels.copybook, "Press a seal…")
-    window.workspace.keep(signer="")
+    window.workspace.update_settings(signer="")
     assert cut_seal(shown[0].text).text != "張大千李明"
     assert shown[0].size_mm == pytest.approx(0.35 * 40.0, abs=0.3)
 
@@ -307,7 +307,7 @@ def test_a_brush_that_fits_is_taken_and_undo_takes_it_back(window) -> None:
     before = paint_thread.brush
     lay(window, "永", 14.0)
     assert paint_thread.brush.name == "xiaobaiyun"
-    assert "xiaobaiyun" in window.status.told.text()
+    assert "xiaobaiyun" in window.status.message_label.text()
     window.workspace.actions["undo"].trigger()
     wait_for(lambda: window.document.painter.brush == before)
     assert not window.document.texts
@@ -336,7 +336,7 @@ def test_moves_and_signatures_leave_the_brush_and_so_does_undo_of_a_move(window)
     window.workspace.actions["sign"].trigger()
     wait_for(lambda: len(window.document.texts) == 2)
     window.copying.mover.end()
-    window.workspace.keep(signer="")
+    window.workspace.update_settings(signer="")
     assert paint_thread.brush.name == "dabaiyun"
     window.copying.choose(0)
     window.copying.change({"em_mm": 13.0})
@@ -416,7 +416,7 @@ def test_a_text_that_has_no_room_stays_where_it_was(window) -> None:
     before = origins(window)
     begin(window)
     drag(window, pixel(window, (0.0, 0.0, 0.0)), pixel(window, (62.0, 0.0, 0.0)))
-    wait_for(lambda: "does not fit" in window.status.told.text())
+    wait_for(lambda: "does not fit" in window.status.message_label.text())
     np.testing.assert_array_equal(origins(window), before)
     assert text_of(window).point is None
 

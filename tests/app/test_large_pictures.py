@@ -13,7 +13,7 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 from PIL import Image
 from PySide6 import QtWidgets
 
-from paint3d.app.window.playing.pictures import Film
+from paint3d.app.window.playing.pictures import FilmOptions
 from tests.support.app.gestures import drag, wait_for
 from tests.support.app.windows import opened, settled
 
@@ -62,7 +62,7 @@ def test_the_bar_moves_between_parts_and_cancel_stops_before_the_next(
     if what == "picture":
         assert not window.pictures.picture_to(tmp_path / "b.png", SIZE)
     else:
-        assert not window.pictures.turntable_to(tmp_path / "b.gif", Film(0.5, 4.0, SIZE))
+        assert not window.pictures.turntable_to(tmp_path / "b.gif", FilmOptions(0.5, 4.0, SIZE))
     monkeypatch.undo()
     assert isinstance(window.workspace.error, CancelledError)
     assert len(drawn) == 3  # of nine for each picture

@@ -289,7 +289,7 @@ def test_a_mask_that_is_gone_is_told(window) -> None:
     window.workspace.actions["clear_mask"].trigger()
     settled(window)
     assert window.document.mask == Mask()
-    assert window.status.told.text() == "Paint is taken everywhere"
+    assert window.status.message_label.text() == "Paint is taken everywhere"
 
 
 def test_a_stroke_over_the_stencil_leaves_the_hatching(window) -> None:

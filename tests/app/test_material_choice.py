@@ -98,7 +98,9 @@ def test_a_bad_file_says_why_and_all_stays(window, tmp_path) -> None:
     (tmp_path / "bad.toml").write_text('base = "xuan"\nfriction = 9\n')
     answer(take_file(tmp_path / "bad.toml"))
     choose_a_file(box)
-    wait_for(lambda: "friction of bad is 9; expected 0.2 to 2" in window.status.told.text())
+    wait_for(
+        lambda: "friction of bad is 9; expected 0.2 to 2" in window.status.message_label.text()
+    )
     assert made_of(window) == before
     assert box.currentText() == shown
 

@@ -246,7 +246,7 @@ def test_every_way_alone_is_enough(window, by, what) -> None:
         settled(window)
     assert found == []
     if what == "save":
-        assert "ball.p3d" in window.status.told.text()
+        assert "ball.p3d" in window.status.message_label.text()
 
 
 # -- menus by keys -----------------------------------------------------------------------------

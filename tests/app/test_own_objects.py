@@ -111,7 +111,7 @@ def drop(window: StudioWindow, path: Path) -> None:
 
 def test_a_file_is_opened_and_stood_up(window, tmp_path: Path) -> None:
     path = lying_jug(tmp_path)
-    window.workspace.keep(material="bisque", resolution_mm=2.0)
+    window.workspace.update_settings(material="bisque", resolution_mm=2.0)
 
     def agree(dialog: ObjectDialog) -> None:
         assert dialog.ways["y"].isChecked()
@@ -151,7 +151,7 @@ def test_axes_are_called_as_the_file_has_them(window, tmp_path: Path) -> None:
 
 def test_a_dropped_file_asks_the_same_and_shows_the_last_material(window, tmp_path: Path) -> None:
     path = lying_jug(tmp_path)
-    window.workspace.keep(material="bisque")
+    window.workspace.update_settings(material="bisque")
 
     def change(dialog: ObjectDialog) -> None:
         assert dialog.material.currentData() == "bisque"
@@ -374,7 +374,7 @@ def test_what_is_opened_without_asking_is_told(window, tmp_path: Path) -> None:
         assert window.opening.open_path(str(lying_jug(tmp_path)), 2.0, "xuan", asked=True)
     finally:
         window.workspace.quiet = False
-    assert "y was taken as up" in window.status.told.text()
+    assert "y was taken as up" in window.status.message_label.text()
     size = spans(window)
     assert size[2] == size.max()
     ball = tmp_path / "ball.ply"

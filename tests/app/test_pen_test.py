@@ -46,19 +46,19 @@ def test_a_pen_that_tells_all(dialog) -> None:
     assert rows["lean"].text().startswith("25°")
     assert "10.0 to 82.0 %" in rows["pressure"].text()
     assert rows["rate"].text() == "125"
-    assert "tilt arrive" in dialog.told.text()
+    assert "tilt arrive" in dialog.message_label.text()
     assert width_at(pad, 72) < 0.5 * width_at(pad, 236)  # as wide as it presses
 
 
 def test_what_it_does_not_tell_is_said(dialog) -> None:
-    assert "Draw on the sheet" in dialog.told.text()
+    assert "Draw on the sheet" in dialog.message_label.text()
     draw(dialog.pad, [0.5] * 12)
-    assert "Only one pressure" in dialog.told.text()
+    assert "Only one pressure" in dialog.message_label.text()
     draw(dialog.pad, [0.2, 0.4, 0.9, 0.0])
-    assert "Tilt the pen" in dialog.told.text()
+    assert "Tilt the pen" in dialog.message_label.text()
     assert dialog.rows["lean"].text() == "–"
     QtTest.QTest.mouseClick(dialog.pad, QtCore.Qt.MouseButton.LeftButton)
-    assert "as a mouse" in dialog.told.text()
+    assert "as a mouse" in dialog.message_label.text()
 
 
 def test_a_new_sheet_is_empty_and_forgets(dialog) -> None:

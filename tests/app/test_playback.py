@@ -19,7 +19,7 @@ from paint3d.app.model.persistence.recovery_folder import recoverable
 from paint3d.app.model.score.playing import painted
 from paint3d.app.model.stroke_log import weights_of
 from paint3d.app.window.playing import pictures
-from paint3d.app.window.playing.pictures import Film, FilmDialog
+from paint3d.app.window.playing.pictures import FilmDialog, FilmOptions
 from paint3d.app.window.wording import say
 from paint3d.brush.spec import DipAmount
 from paint3d.cli.main import main
@@ -154,7 +154,7 @@ def test_a_whole_painting_is_played_in_time_pauses_and_changes_its_speed(window,
     wait_for(lambda: not window.player.is_playing)
     settled(window)
     assert not window.replay_bar.isVisible()
-    assert "Ready" in window.status.told.text()
+    assert "Ready" in window.status.message_label.text()
     again = painted(load_score(SCORE), load_mesh("plane"))
     same_vertices(window.document.surface, again.surface)
     assert window.document.layers == again.layers
@@ -172,7 +172,7 @@ def test_a_played_score_is_a_score_again_and_stops_where_it_is(window, tmp_path)
     assert not window.stage.paint_thread.wet  # the score says when ink spreads
     QtTest.QTest.mouseClick(window.replay_bar.button, BUTTON.LeftButton)
     assert not window.player.is_playing
-    assert "stopped" in window.status.told.text()
+    assert "stopped" in window.status.message_label.text()
     assert window.stage.paint_thread.wet
     window.workspace.actions["wet"].trigger()
     settled(window)
@@ -235,14 +235,14 @@ def test_a_film_that_grows_too_large_is_refused_before_anything_is_painted(
     monkeypatch.setattr(pictures, "begun", None)
     told: list[str] = []
     answer(lambda box: (told.append(box.text()), box.accept()))
-    assert not window.pictures.growth_to(tmp_path / "a.gif", Film(60.0, 30.0, (1920, 1080)))
+    assert not window.pictures.growth_to(tmp_path / "a.gif", FilmOptions(60.0, 30.0, (1920, 1080)))
     assert "too many" in told[0]
 
 
 def grown(window, path: Path) -> bool:
     """Ask for a film; what is said instead is read away."""
     answer(lambda box: box.accept())
-    return window.pictures.growth_to(path, Film(1.0, 5.0, (64, 48)))
+    return window.pictures.growth_to(path, FilmOptions(1.0, 5.0, (64, 48)))
 
 
 # -- painted and played wet --------------------------------------------------------------------
@@ -480,13 +480,13 @@ def test_it_is_ready_when_all_is_painted_and_a_bar_says_how_far_it_is(studio, tm
         assert of_all - 20 < shares[0] <= of_all + 1
     while studio.player.is_playing:
         assert studio.replay_bar.bar.value() <= 1000 * (paint_thread.n_painted - before) / n + 1
-        assert "Ready" not in studio.status.told.text()
+        assert "Ready" not in studio.status.message_label.text()
         assert studio.replay_bar.isVisible()
         shares.append(studio.replay_bar.bar.value())
         live(0.0)
     assert len(studio.document.strokes) == 6
     assert not studio.document.in_stroke
-    assert "Ready" in studio.status.told.text()
+    assert "Ready" in studio.status.message_label.text()
     assert not studio.replay_bar.isVisible()
     assert shares == sorted(shares)
 
@@ -501,7 +501,7 @@ def test_it_is_stopped_at_once_and_undone_as_a_whole(studio, tmp_path, stop) -> 
     at = paint_thread.n_painted
     assert not studio.player.is_playing
     assert not studio.replay_bar.isVisible()
-    assert "stopped" in studio.status.told.text()
+    assert "stopped" in studio.status.message_label.text()
     settled(studio)
     assert paint_thread.n_painted <= at + CHUNKS
     (stroke,) = studio.document.strokes
@@ -525,7 +525,7 @@ def test_undo_stops_it_and_takes_all_of_it_back(studio, tmp_path) -> None:
     assert not studio.player.is_playing
     assert not studio.document.strokes
     assert not studio.document.surface.painted.any()
-    assert "undone" in studio.status.told.text()
+    assert "undone" in studio.status.message_label.text()
 
 
 def test_the_rest_of_a_wet_recording_is_not_waited_for(studio, tmp_path) -> None:
@@ -581,7 +581,7 @@ def test_a_pads_recording_is_laid_where_the_picture_is_looked_at(
         towards = (0.0, -1.0, 0.0) if beside else (-1.0, 0.0, 0.0)  # its front, or what is seen
         assert side @ towards > 0.95
         assert studio.document.surface.painted.any()
-        assert "Ready" in studio.status.told.text()
+        assert "Ready" in studio.status.message_label.text()
 
 
 def test_a_pads_recording_that_does_not_fit_is_refused_in_words(studio, tmp_path) -> None:

@@ -22,7 +22,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from paint3d.app.model.commands import decode_command, do_again, encode_command
+from paint3d.app.model.commands import decode_command, encode_command, replay_command
 from paint3d.app.model.document import Document
 from paint3d.app.model.input.symmetry import MirrorPlane, RadialSymmetry, Symmetry
 from paint3d.app.model.mask import AngleMask, Mask, RegionPick
@@ -66,10 +66,10 @@ def n_written(folder):
 
 def keep_a_base(paint_thread):
     """Have one base, now that the hand rests, and no other soon."""
-    paint_thread.keep_every(0.001)
+    paint_thread.set_autosave_interval(0.001)
     rested(paint_thread)
     with paint_thread.paused():  # once it has been kept
-        paint_thread.keep_every(600.0)
+        paint_thread.set_autosave_interval(600.0)
 
 
 def paint_all_sorts(paint_thread):
@@ -156,9 +156,9 @@ def test_the_reference_the_views_and_the_light_come_back(tmp_path, new_base):
     again = unfinished.recover().document
     light = {"kind": "raking", "turn": 0.25}
     kept = {"reference": reference, "views": {"正面": camera}, "light": light}
-    assert {name: again.settings.get(name) for name in kept} == kept
+    assert {name: again.properties.get(name) for name in kept} == kept
     again.set_reference()
-    assert "reference" not in again.settings
+    assert "reference" not in again.properties
 
 
 def test_undo_past_the_base_makes_a_new_one(tmp_path):
@@ -728,11 +728,11 @@ def test_inks_of_ones_own_are_written_down_also_two_of_one_name():
 def test_a_journal_of_before_commands_were_lines_is_read(name, arguments, options):
     """A crash of an older version may have left one; it gave arguments by their places."""
     document, other = small_plane(), small_plane()
-    do_again(document, {"do": name, "with": arguments, "options": options})
+    replay_command(document, {"do": name, "with": arguments, "options": options})
     _, given, more = decode_command({"do": name, "with": arguments, "options": options},
                                     document.surface)  # fmt: skip
     line = json.loads(json.dumps(encode_command(other, name, given, more)))
-    do_again(other, line)
+    replay_command(other, line)
     assert document.score.events == other.score.events
     assert document.mask == other.mask
 
@@ -744,7 +744,7 @@ def test_what_no_document_does_is_refused():
         {"do": "dip", "with": 3}, {"do": "dip", "with": [{"@": "x"}]},
     ):  # fmt: skip
         with pytest.raises(SessionError, match="journal"):
-            do_again(document, note)
+            replay_command(document, note)
     with pytest.raises(RecordingError, match="nothing that a recording can say"):
         encode_command(document, "wipe", [object()], {})
     with pytest.raises(SessionError, match="cannot be called so"):

@@ -155,7 +155,7 @@ def test_it_is_kept_with_the_painting_and_comes_back(window, picture, tmp_path) 
     settled(window)
     document = window.document
     document.save(tmp_path / "one.p3d")
-    assert Document.open(tmp_path / "one.p3d").settings["reference"]["place"] == "pinned"
+    assert Document.open(tmp_path / "one.p3d").properties["reference"]["place"] == "pinned"
     window.reference.close()
     settled(window)
     pretend_saved(window.stage.paint_thread)

@@ -44,18 +44,18 @@ def test_a_layer_that_takes_no_paint_says_why_and_nothing_else(window, state) ->
     settled(window)
     drag(window.canvas, (0.4, 0.5), (0.6, 0.5))
     settled(window)
-    wait_for(lambda: state in window.status.told.text())
+    wait_for(lambda: state in window.status.message_label.text())
     live(0.2)
-    assert window.status.told.text().startswith(
+    assert window.status.message_label.text().startswith(
         f"■  “Layer 1” is {state}; "
     )  # as the panel calls it
-    assert "stroke" not in window.status.told.text()
+    assert "stroke" not in window.status.message_label.text()
     assert not len(window.document.strokes)
     window.workspace.post(*back)
     drag(window.canvas, (0.4, 0.5), (0.6, 0.5))
     settled(window)
     assert len(window.document.strokes) == 1
-    assert state not in window.status.told.text()  # it is no longer true
+    assert state not in window.status.message_label.text()  # it is no longer true
     window.workspace.post("undo")
     settled(window)
 
@@ -99,7 +99,7 @@ def test_a_copybook_counts_no_stroke_that_a_layer_refused(window, earlier, count
     window.workspace.post("set_locked", 0)
     drag(window.canvas, *ends)
     settled(window)
-    assert "locked" in window.status.told.text()
+    assert "locked" in window.status.message_label.text()
     assert len(ghost.strokes) == counted
     window.workspace.post("set_locked", 0, False)
     for _ in range(earlier + counted):

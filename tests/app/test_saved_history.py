@@ -558,7 +558,7 @@ def test_painting_while_strokes_are_replayed_loses_none(window, painted, samples
     pen_stroke(window.canvas, (0.42, 0.62), (0.55, 0.62), [0.1, *[0.5] * samples, 0.0])
     settled(window)
     assert not panel.is_playing
-    assert "replay was stopped" in window.status.told.text()
+    assert "replay was stopped" in window.status.message_label.text()
     assert len(window.document.strokes) == 5
     assert len(window.document.strokes[-1].samples) > samples
     press(window, Z, CTRL)
@@ -573,7 +573,7 @@ def test_strokes_of_an_older_file_are_painted_again_to_go_back(window, painted):
     settled(window)
     click_row(window, 0)
     looks(window, states[1])
-    assert "repainted" in window.status.told.text()
+    assert "repainted" in window.status.message_label.text()
     click_row(window, 3)
     looks(window, states[4])
     assert window.opening.open_path(str(path), asked=True)
@@ -590,7 +590,7 @@ def test_damaged_steps_are_dropped_and_it_is_said(window, painted):
     assert window.opening.open_path(str(path), asked=True)
     settled(window)
     looks(window, states[-1])
-    assert "undo steps cannot be used" in window.status.told.text()
+    assert "undo steps cannot be used" in window.status.message_label.text()
 
 
 def test_a_replay_of_nothing_says_so(window):
@@ -598,7 +598,7 @@ def test_a_replay_of_nothing_says_so(window):
     assert window.opening.open_path("plane", 1.5, "xuan", asked=True)
     settled(window)
     QtTest.QTest.mouseClick(window.panels.history.play, QtCore.Qt.MouseButton.LeftButton)
-    assert "no stroke" in window.status.told.text()
+    assert "no stroke" in window.status.message_label.text()
 
 
 def test_a_painting_brought_back_after_a_crash_has_its_history(window, painted, tmp_path):

@@ -15,14 +15,14 @@ from hypothesis import strategies as st
 from scipy.spatial import cKDTree
 
 from paint3d.app.model import paint_thread as paint_threads
-from paint3d.app.model.commands import COMMANDS, arguments_of, line_of
+from paint3d.app.model.commands import COMMANDS, decode_arguments, encode_line
 from paint3d.app.model.document import Document
 from paint3d.app.model.input.symmetry import MirrorPlane, RadialSymmetry, Symmetry
 from paint3d.app.model.mask import AngleMask, Mask, RegionPick
 from paint3d.app.model.paint_thread import PaintThread
 from paint3d.app.model.score import playing
+from paint3d.app.model.score.codecs import InkTable, Vocabulary
 from paint3d.app.model.score.playing import begun, painted, score_of_strokes
-from paint3d.app.model.score.words import Inks, Vocabulary
 from paint3d.app.model.stroke_log import recording_of
 from paint3d.brush.presets import load_brush
 from paint3d.cli.main import main
@@ -217,23 +217,23 @@ def test_what_is_written_down_as_a_dip_is_dipped_in(tmp_path, command) -> None:
     inverted=st.booleans(),
 )
 def test_a_mask_is_said_and_heard(face, up_to, degrees, leaning, inverted) -> None:
-    vocabulary = Vocabulary(bowl(), Inks({}))
+    vocabulary = Vocabulary(bowl(), InkTable({}))
     angle = AngleMask((0.0, 0.6, 0.8), leaning)
     mask = Mask(angle, (RegionPick(face, up_to, degrees), RegionPick(7)), inverted)
-    line = line_of("set_mask", {"mask": mask}, vocabulary)
+    line = encode_line("set_mask", {"mask": mask}, vocabulary)
     check_command(json.loads(json.dumps(line)))
-    assert arguments_of(line, vocabulary)["mask"] == mask
+    assert decode_arguments(line, vocabulary)["mask"] == mask
 
 
 @settings(deadline=None, max_examples=25)
 @given(point=st.tuples(*[st.floats(-50, 50)] * 3), count=st.integers(2, 12))
 def test_a_symmetry_is_said_and_heard(point, count) -> None:
-    vocabulary = Vocabulary(bowl(), Inks({}))
+    vocabulary = Vocabulary(bowl(), InkTable({}))
     axis = (0.0, 0.6, 0.8)
     symmetry = Symmetry((MirrorPlane(point, axis),), RadialSymmetry(count, point, axis))
-    line = line_of("set_symmetry", {"symmetry": symmetry}, vocabulary)
+    line = encode_line("set_symmetry", {"symmetry": symmetry}, vocabulary)
     check_command(json.loads(json.dumps(line)))
-    assert arguments_of(line, vocabulary)["symmetry"] == symmetry
+    assert decode_arguments(line, vocabulary)["symmetry"] == symmetry
 
 
 @cache
@@ -261,7 +261,7 @@ def test_samples_become_recordings_once_however_often_it_is_saved(tmp_path, monk
         made.append(len(samples))
         return recording_of(samples, header)
 
-    monkeypatch.setattr("paint3d.app.model.score.keeping.recording_of", counted)
+    monkeypatch.setattr("paint3d.app.model.score.recorder.recording_of", counted)
     document, samples = small_plane(), line((-18, 0), (18, 0), n=60)
     document.begin_stroke()
     for k in range(0, 40, 10):
@@ -285,7 +285,7 @@ def test_what_cannot_be_known_is_not_said(tmp_path) -> None:
     """Of a painting from before scores, and one whose strokes were painted anew under others."""
     document = small_plane()
     paint(document, (-10, 0), (10, 0))
-    document.keeper = None
+    document.recorder = None
     document.save(tmp_path / "old.p3d")
     opened = Document.open(tmp_path / "old.p3d")
     paint(opened, (-10, 5), (10, 5))

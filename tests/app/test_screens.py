@@ -18,7 +18,7 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
 from PySide6 import QtCore, QtGui
 
-from paint3d.app.window.hand.canvas import Canvas
+from paint3d.app.window.hand.canvas import CanvasWidget
 from tests.support.app.screens import start_screen
 from tests.support.cases import long_but
 
@@ -113,7 +113,7 @@ NOTHING = (1, 2, 3)  # codes that no picture has here
 PLACE = QtCore.QPoint(35, 30)
 
 
-def drawn(canvas: Canvas, part: QtCore.QRect, ratio: float) -> np.ndarray:
+def drawn(canvas: CanvasWidget, part: QtCore.QRect, ratio: float) -> np.ndarray:
     """(H, W, 3) codes of a screen on which a part of a widget within a window is drawn."""
     image = QtGui.QImage(760, 580, QtGui.QImage.Format.Format_RGBX8888)
     image.setDevicePixelRatio(ratio)
@@ -123,9 +123,9 @@ def drawn(canvas: Canvas, part: QtCore.QRect, ratio: float) -> np.ndarray:
     return rows[:, :, :3].copy()
 
 
-def noisy(size, ratio, monkeypatch) -> tuple[Canvas, np.ndarray, np.random.Generator]:
+def noisy(size, ratio, monkeypatch) -> tuple[CanvasWidget, np.ndarray, np.random.Generator]:
     """A canvas on a screen of this ratio that shows noise, its pixels, and where they are from."""
-    canvas, chance = Canvas(), np.random.default_rng(5)
+    canvas, chance = CanvasWidget(), np.random.default_rng(5)
     canvas.resize(*size)
     monkeypatch.setattr(canvas, "devicePixelRatioF", lambda: ratio)
     width, height = canvas.pixel_size

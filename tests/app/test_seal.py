@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import paint3d
-from paint3d.app.model.commands import do_again, encode_command
+from paint3d.app.model.commands import encode_command, replay_command
 from paint3d.app.model.document import Document
 from paint3d.app.model.mask import AngleMask, Mask
 from paint3d.app.model.score.playing import painted
@@ -94,7 +94,7 @@ def test_a_score_repeats_it_to_the_bit(document: Document, tmp_path) -> None:
 def test_a_journal_repeats_it(document: Document) -> None:
     other = Document.new(small_plane().surface.source, 0.5, "xuan")
     note = encode_command(other, "press_seal", [RINGS, HERE, UP], {"seed": 3})
-    do_again(other, note)
+    replay_command(other, note)
     assert other.steps.done == ["seal"]
     assert other.surface.painted.any()
 
@@ -230,7 +230,7 @@ def test_a_seal_is_pressed_where_one_clicks_and_is_one_step(window) -> None:
     np.testing.assert_allclose(middle, window.hand.place(), atol=1.0)
     assert np.ptp(where[:, 0]) == pytest.approx(16.0, abs=1.2)
     assert len(window.document.strokes) == 0  # the click painted nothing
-    wait_for(lambda: "Seal pressed" in window.status.told.text())
+    wait_for(lambda: "Seal pressed" in window.status.message_label.text())
     type_key(window.canvas, QtCore.Qt.Key.Key_Z, QtCore.Qt.KeyboardModifier.ControlModifier)
     wait_for(lambda: not window.document.surface.painted.any())
 
@@ -389,7 +389,7 @@ def test_a_seal_in_the_history_is_moved_inked_and_deleted(window) -> None:
     history.seal_edited.emit("drag", 0)
     assert window.sealing.seal is not None
     click(window.canvas, 0.6, 0.5)
-    wait_for(lambda: "Seal 1 is changed" in window.status.told.text())
+    wait_for(lambda: "Seal 1 is changed" in window.status.message_label.text())
     settled(window)
     after = reds(window.document.surface).mean(axis=0)
     assert after[0] - before[0] > 5.0

@@ -216,7 +216,7 @@ def test_a_pressure_that_is_none_is_clipped_and_told_once(window, given, painted
     assert strokes(window) == n + 1
     assert heard[:4] == [painted] * 4
     assert len(told) == 1
-    assert "pressures outside 0 to 1" in window.status.told.text()  # after the stroke, too
+    assert "pressures outside 0 to 1" in window.status.message_label.text()  # after the stroke, too
 
 
 def click_beside(widget, x: float, y: float) -> None:

@@ -11,7 +11,7 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
 from PySide6 import QtCore
 
-from paint3d.app.model.commands import do_again, encode_command
+from paint3d.app.model.commands import encode_command, replay_command
 from paint3d.app.window.history.stroke_editing import ShapeDialog
 from paint3d.app.window.history.stroke_mark import ways_of
 from paint3d.errors import Paint3DError
@@ -78,20 +78,20 @@ def choose_two(window) -> None:
     type_key(window.canvas, KEY.Key_Q)
     wait_for(lambda: window.editing.chooser.is_on)
     lead(window, [(-50.0, 30.0), (0.0, 30.0), (0.0, -10.0), (-50.0, -10.0), (-50.0, 28.0)])
-    assert window.mark.numbers == (0, 1)
+    assert window.mark.indices == (0, 1)
 
 
 def test_a_loop_and_clicks_choose_strokes(window) -> None:
     choose_two(window)
-    assert "2 strokes" in window.status.told.text()
+    assert "2 strokes" in window.status.message_label.text()
     bold = [k for k in range(3) if window.panels.history.list.item(k).font().bold()]
     assert bold == [0, 1]
     lead(window, [(30.0, -30.0), (30.0, -30.0)])
-    assert window.mark.numbers == (0, 1, 2)
+    assert window.mark.indices == (0, 1, 2)
     lead(window, [(-25.0, 20.0), (-25.0, 20.0)])
-    assert window.mark.numbers == (1, 2)
+    assert window.mark.indices == (1, 2)
     lead(window, [(60.0, 60.0), (60.0, 60.0)])
-    assert window.mark.numbers == ()
+    assert window.mark.indices == ()
     type_key(window.canvas, KEY.Key_Escape)
     assert not window.workspace.actions["choose_strokes"].isChecked()
     assert len(window.document.strokes) == 3
@@ -106,7 +106,7 @@ def test_a_drag_moves_all_and_one_undo_brings_them_back(window) -> None:
     for k in (0, 1):
         np.testing.assert_allclose(after[k] - before[k], [20.0, 10.0, 0.0], atol=0.6)
     np.testing.assert_allclose(after[2], before[2], atol=1e-6)
-    assert window.mark.numbers == (0, 1)
+    assert window.mark.indices == (0, 1)
     type_key(window.canvas, KEY.Key_Z, HELD.ControlModifier)
     wait_for(lambda: np.allclose(middles(window)[0], before[0]))
 
@@ -174,7 +174,7 @@ def test_numbers_move_turn_and_scale_them(window) -> None:
 
 def test_with_none_chosen_it_says_how(window) -> None:
     window.workspace.actions["mirror_strokes"].trigger()
-    wait_for(lambda: "press Q" in window.status.told.text())
+    wait_for(lambda: "press Q" in window.status.message_label.text())
 
 
 def test_the_journal_says_an_edit_of_several_and_what_is_none_changes_nothing() -> None:
@@ -187,7 +187,7 @@ def test_the_journal_says_an_edit_of_several_and_what_is_none_changes_nothing() 
     edit = {"do": "move", "along": [3.0, 0.0], "turn_deg": 20.0}
     line = encode_command(documents[0], "edit_strokes", ([0, 2], edit), {})
     documents[0].edit_strokes([0, 2], edit)
-    do_again(documents[1], line)
+    replay_command(documents[1], line)
     np.testing.assert_array_equal(documents[0].surface.srgb, documents[1].surface.srgb)
     seen = documents[0].surface.srgb.copy()
     for numbers, bad in (

@@ -59,7 +59,7 @@ def disc(window) -> np.ndarray:
 def test_the_ink_in_the_brush_is_shown_before_the_pointer_came(fresh) -> None:
     assert fresh.stage.frame is None or fresh.stage.frame.brush is None
     assert held(fresh).fraction == pytest.approx(1.0)
-    assert fresh.hud.told(held(fresh)) == "ink 100 %  ·  pine soot 26 % + water 74 %"
+    assert fresh.hud.describe(held(fresh)) == "ink 100 %  ·  pine soot 26 % + water 74 %"
     assert disc(fresh).max() < 90
 
 
@@ -90,7 +90,7 @@ def test_all_inks_of_a_mixture_are_named_and_shown_in_their_colour(window) -> No
     window.panels.inks.dipped.emit({"indigo": 0.2, "water": 0.8}, None)
     window.panels.inks.dipped.emit("pine soot", 0.35)
     settled(window)
-    told = window.hud.told(held(window))
+    told = window.hud.describe(held(window))
     assert all(name in told for name in ("water", "pine soot", "indigo"))
     assert len(held(window).bands) == 2
     window.panels.inks.dipped.emit({"pine soot": 0.05, "water": 0.95}, None)
@@ -102,7 +102,7 @@ def test_all_inks_of_a_mixture_are_named_and_shown_in_their_colour(window) -> No
     assert blue > red + 80
     window.workspace.post("rinse")
     settled(window)
-    assert window.hud.told(held(window)) == "ink 0 %"
+    assert window.hud.describe(held(window)) == "ink 0 %"
     window.panels.inks.dipped.emit("pine soot", None)
     settled(window)
 
@@ -258,7 +258,7 @@ def test_no_tool_is_lost_in_a_low_window(window, size) -> None:
 def test_the_status_can_be_read_right_after_the_theme_has_changed(window) -> None:
     window.workspace.tell("all is well", state="good")
     window.workspace.actions["dark"].setChecked(True)
-    for label in (window.status.told, window.status.state):
+    for label in (window.status.message_label, window.status.state):
         assert window.workspace.theme.name == "dark"
         assert any(
             colour in label.styleSheet()
@@ -332,7 +332,7 @@ def brightness_of_icon(icon: QtGui.QIcon) -> float:
 def test_good_news_of_one_painting_is_not_said_of_the_next(window) -> None:
     window.workspace.tell("Recovered; save it to keep it", state="good")
     assert window.opening.open_path("plane", 1.5, "xuan", asked=True)
-    assert "Recovered" not in window.status.told.text()
+    assert "Recovered" not in window.status.message_label.text()
 
 
 def test_parts_of_the_mixing_dish_can_be_taken_out_again(window) -> None:
@@ -342,10 +342,10 @@ def test_parts_of_the_mixing_dish_can_be_taken_out_again(window) -> None:
     inks.stir("cinnabar")
     inks.stir("cinnabar")
     inks.stir("gamboge")
-    inks.told.linkActivated.emit("-cinnabar")
+    inks.message_label.linkActivated.emit("-cinnabar")
     assert inks.mixture() == {"cinnabar": 0.5, "gamboge": 0.5}
-    inks.told.linkActivated.emit("+gamboge")
-    inks.told.linkActivated.emit("-cinnabar")
+    inks.message_label.linkActivated.emit("+gamboge")
+    inks.message_label.linkActivated.emit("-cinnabar")
     assert inks.mixture() == {"gamboge": 1.0}
     inks.dishes.setFocus()
     for key in (QtCore.Qt.Key.Key_Plus, QtCore.Qt.Key.Key_Minus, QtCore.Qt.Key.Key_Minus):
@@ -471,8 +471,8 @@ def test_errors_are_told_in_the_language_of_the_window(window) -> None:
         window.workspace.post("set_locked", 0)
         window.workspace.post("begin_stroke")
         settled(window)
-        wait_for(lambda: "图层" in window.status.told.text())
-        assert "已锁定" in window.status.told.text()
+        wait_for(lambda: "图层" in window.status.message_label.text())
+        assert "已锁定" in window.status.message_label.text()
     finally:
         choose_language("en")
         window.workspace.post("end_stroke")

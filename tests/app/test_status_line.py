@@ -32,15 +32,15 @@ def test_what_was_saved_is_said_until_the_next_stroke(window, tmp_path) -> None:
     assert window.saving.save_to(tmp_path / "mine.p3d")
     settled(window)
     live(0.2)
-    assert "mine.p3d" in window.status.told.text()
+    assert "mine.p3d" in window.status.message_label.text()
     stroke(window)
-    assert HINT in window.status.told.text()
+    assert HINT in window.status.message_label.text()
 
 
 def test_what_goes_on_is_said_beside_the_strokes(window) -> None:
     window.workspace.tell("No room to keep what is painted", state="bad", stays=True)
     stroke(window)
-    assert "No room" in window.status.told.text()
+    assert "No room" in window.status.message_label.text()
     window.workspace.tell("")
 
 
@@ -78,12 +78,12 @@ def test_that_strokes_are_recorded_is_said_until_they_are_not(window, monkeypatc
     monkeypatch.setattr(window.recordings, "do_save_recording", lambda first=0: None)
     type_key(window.canvas, QtCore.Qt.Key.Key_R, QtCore.Qt.KeyboardModifier.ControlModifier)
     assert window.workspace.actions["record"].isChecked()
-    said = window.status.told.text()
+    said = window.status.message_label.text()
     assert HINT not in said
     stroke(window)
-    assert window.status.told.text() == said
+    assert window.status.message_label.text() == said
     type_key(window.canvas, QtCore.Qt.Key.Key_R, QtCore.Qt.KeyboardModifier.ControlModifier)
-    assert HINT in window.status.told.text()
+    assert HINT in window.status.message_label.text()
 
 
 @pytest.mark.parametrize(

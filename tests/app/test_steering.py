@@ -522,7 +522,7 @@ def test_alt_that_moves_the_window_is_told(window) -> None:
     window.move(window.x() + 7, window.y() + 5)
     live(0.1)
     QtTest.QTest.keyRelease(window.canvas, KEY.Key_Alt)
-    assert "Space" in window.status.told.text()
+    assert "Space" in window.status.message_label.text()
 
 
 @pytest.mark.parametrize("elsewhere", [False, True])
@@ -536,7 +536,7 @@ def test_alt_that_has_moved_the_window_is_told_after_it_was_let_go(window, elsew
         drag(window.canvas, (0.05, 0.5), (0.06, 0.5), n=2)
     window.move(window.x() + 7, window.y() + 5)
     live(0.1)
-    wait_for(lambda: ("Space" in window.status.told.text()) != elsewhere)
+    wait_for(lambda: ("Space" in window.status.message_label.text()) != elsewhere)
 
 
 def test_a_window_manager_that_takes_the_keys_while_it_moves_the_window_is_told(
@@ -553,7 +553,7 @@ def test_a_window_manager_that_takes_the_keys_while_it_moves_the_window_is_told(
     live(0.1)
     monkeypatch.undo()
     QtTest.QTest.keyRelease(window.canvas, KEY.Key_Alt)
-    assert "Space" in window.status.told.text()
+    assert "Space" in window.status.message_label.text()
 
 
 SEEN: list[QtCore.QEvent.Type] = []

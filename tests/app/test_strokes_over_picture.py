@@ -18,7 +18,7 @@ from PySide6 import QtCore, QtGui, QtTest, QtWidgets
 
 from paint3d.app.model.copybook import Copybook
 from paint3d.app.window.copybook import copybook_guide
-from paint3d.app.window.copybook.strokes_dialog import StrokesDialog, Taken
+from paint3d.app.window.copybook.strokes_dialog import LabelGrid, StrokesDialog
 from paint3d.app.window.questions import Answer
 from paint3d.calligraphy.page.opening import opened_page
 from paint3d.calligraphy.page.strokes_file import load_strokes, save_strokes
@@ -124,7 +124,7 @@ def test_a_stroke_is_chosen_and_reversed_and_its_ghost_follows(window, drawing) 
     def act(dialog) -> None:
         click(dialog, place_on(dialog, 1))
         assert dialog.chosen == 1
-        assert "1" in dialog.told.text()
+        assert "1" in dialog.message_label.text()
         key(dialog, KEY.Key_R)
         use(dialog)
 
@@ -380,7 +380,7 @@ def test_another_correction_ends_a_join_that_was_begun(window, drawing) -> None:
         key(dialog, KEY.Key_Z, CONTROL)
         key(dialog, KEY.Key_J)
         click(dialog, place_on(dialog, 0))
-        assert "itself" in dialog.told.text()
+        assert "itself" in dialog.message_label.text()
         assert dialog.view.other == 1
         key(dialog, KEY.Key_Escape)
         use(dialog)
@@ -423,7 +423,7 @@ def test_a_drag_moves_the_picture_and_keys_show_it_from_near(window, drawing) ->
 def test_numbers_cover_no_other() -> None:
     """And of many only near ones are looked at."""
     rng = np.random.default_rng(20)
-    taken, there = Taken(), []
+    taken, there = LabelGrid(), []
     for x, y in rng.uniform(-60.0, 60.0, (200, 2)):
         is_free = all(np.hypot(x - a, y - b) > 18.0 for a, b in there)
         assert taken.is_free(QtCore.QPointF(x, y)) == is_free

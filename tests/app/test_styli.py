@@ -15,7 +15,7 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 from PySide6 import QtCore, QtTest
 
 from paint3d.app.model.input.devices import Feeling, NoDevices, start_feeling
-from paint3d.app.model.persistence.settings import Settings, kept_calibration, load_settings
+from paint3d.app.model.persistence.settings import Settings, load_settings, stored_calibration
 from paint3d.app.window.studio import StudioWindow
 from paint3d.brush.presets import load_brush
 from paint3d.colour.materials import load_material
@@ -242,7 +242,7 @@ def test_a_stroke_ends_with_the_stylus_that_paints_it(felt, how) -> None:
         assert window.opening.open_path("plane", 2.0, "porcelain", asked=True)
     wait_for(lambda: not window.both_hands.in_stroke)
     if how == "it fails":
-        assert "Force feedback stopped: its cable is off" in window.status.told.text()
+        assert "Force feedback stopped: its cable is off" in window.status.message_label.text()
     if how == "it is gone":
         laws[-1].say(0.0, LIFTED)
         done(window)
@@ -295,18 +295,18 @@ def test_it_is_calibrated_in_the_panel_and_paints_where_it_was_touched(window, s
     form = window.panels.devices.stylus
     form.calibrate.click()
     for x, y in SHEET:
-        said = form.told.text()
+        said = form.message_label.text()
         assert "corner" in said
         for buttons in (0, 1, 0):
             stylus.hold(x + 20.0, y, -5.0, buttons)
             told = stylus.n_said()
             wait_for(lambda told=told: stylus.n_said() > told + 1)  # and that with the buttons
             live(0.1)  # for longer than a touch is held
-        wait_for(lambda said=said: form.told.text() != said)
-    assert "0.0" in form.told.text()
+        wait_for(lambda said=said: form.message_label.text() != said)
+    assert "0.0" in form.message_label.text()
     assert not window.document.strokes  # touching paints nothing
     feeling = window.both_hands.feeling
-    middle = kept_calibration(feeling.key).to_world(np.zeros(3))
+    middle = stored_calibration(feeling.key).to_world(np.zeros(3))
     assert np.allclose(feeling.calibration.to_world(np.zeros(3)), middle)
     assert np.allclose(middle, [-20.0, 0.0, 5.0], atol=0.01)
     stylus.hold(20.0, 0.0, LIFTED)
@@ -318,14 +318,14 @@ def test_what_is_missing_is_said(window) -> None:
     form.kind.activated.emit(form.kind.currentIndex())  # again, as it was: at the same place
     assert window.workspace.settings.stylus == kept
     assert "=" in kept
-    assert window.both_hands.feeling.name in window.status.told.text()
+    assert window.both_hands.feeling.name in window.status.message_label.text()
     form.kind.setCurrentIndex(form.kind.findData("hid"))
     form.kind.activated.emit(form.kind.currentIndex())
-    assert "f055:4a50" in window.status.told.text()
+    assert "f055:4a50" in window.status.message_label.text()
     assert window.workspace.settings.stylus == "hid"
     assert window.both_hands.feeling is None
     form.calibrate.click()
-    assert "No stylus" in form.told.text()
+    assert "No stylus" in form.message_label.text()
 
 
 class Caps(NoDevices):
@@ -540,14 +540,17 @@ def press(button) -> None:
 
 def touch(pad_window, link, corner, by: str) -> None:
     """Touch a corner with the tip, and say so by the pen's button or in the panel."""
-    form, said = pad_window.panels.devices.stylus, pad_window.panels.devices.stylus.told.text()
+    form, said = (
+        pad_window.panels.devices.stylus,
+        pad_window.panels.devices.stylus.message_label.text(),
+    )
     link.place, link.flags = corner, NEAR | TIP
     live(0.15)
     if by == "the pen's button":
         link.flags |= BARREL
     else:
         press(form.touches)
-    wait_for(lambda: form.told.text() != said)
+    wait_for(lambda: form.message_label.text() != said)
     link.flags = NEAR
     live(0.03)
 
@@ -564,13 +567,13 @@ def test_four_touches_give_the_frame_and_each_error(pad_window, link, by) -> Non
         touch(pad_window, link, (x + (0.8 if k == 2 else 0.0), y), by)
     settled(pad_window)
     assert len(pad_window.document.strokes) == strokes  # what the window system says of the pen too
-    told = form.told.text()
+    told = form.message_label.text()
     total, each = told.split(" mm")[0].split()[-1], told.split("(")[1].rstrip(")").split(", ")
     errors = np.array([float(error) for error in each])
     assert len(errors) == 4
     assert float(total) == pytest.approx(np.sqrt((errors**2).mean()), abs=0.01)
     assert 0.1 < float(total) < 0.5
-    kept = kept_calibration("pen-056a-0357-7")
+    kept = stored_calibration("pen-056a-0357-7")
     assert np.allclose(kept.to_world(np.array([100.0, 50.0, 0.0])), 0.0, atol=0.5)
     assert link.is_closed
     assert not form.touches.isEnabled()
@@ -584,11 +587,11 @@ def test_a_wrong_order_is_told_and_asked_for_anew_until_it_is_cancelled(pad_wind
     press(form.calibrate)
     for k in (0, 2, 1, 3):
         touch(pad_window, link, CORNERS[k], "the panel")
-    assert "expected" in form.told.text()
-    assert "near left" in form.told.text()
+    assert "expected" in form.message_label.text()
+    assert "near left" in form.message_label.text()
     press(form.calibrate)  # Cancel
-    assert form.told.text() == ""
-    assert kept_calibration("pen-056a-0357-7") is None
+    assert form.message_label.text() == ""
+    assert stored_calibration("pen-056a-0357-7") is None
     assert link.is_closed
     assert pad_window.canvas.tool is None
 
@@ -617,6 +620,6 @@ def test_without_a_pad_it_is_said_why(pad_window) -> None:
     for found, told in ((find, "/dev/hidraw5: may not be opened"), (lambda: None, "No stylus")):
         calibrating.find_pens = found
         press(form.calibrate)
-        assert told in form.told.text()
+        assert told in form.message_label.text()
         assert not form.touches.isEnabled()
         assert not calibrating.is_on

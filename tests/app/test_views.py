@@ -79,7 +79,7 @@ def test_a_view_is_kept_by_name_and_comes_back_with_the_file(window, tmp_path) -
     assert same(window.views.views["inside"], left)
     pretend_saved(window.stage.paint_thread)
     document = window.document
-    document.settings["view"] = {"position": [0, 0, 0], "focus": [0, 0, 0], "up": 3}
+    document.properties["view"] = {"position": [0, 0, 0], "focus": [0, 0, 0], "up": 3}
     window.views.recall_last(document)
     assert same(window.hand.camera, back)
 
@@ -87,7 +87,7 @@ def test_a_view_is_kept_by_name_and_comes_back_with_the_file(window, tmp_path) -
 def test_with_no_view_kept_it_is_told(window) -> None:
     window.views.views = {}
     type_key(window.canvas, KEY.Key_B, HELD.ControlModifier)
-    wait_for(lambda: "No view is kept" in window.status.told.text())
+    wait_for(lambda: "No view is kept" in window.status.message_label.text())
 
 
 @pytest.mark.parametrize("notches", [120, -120])
@@ -137,7 +137,7 @@ def test_a_picture_of_a_sheet_to_its_edges_has_its_shape(program, tmp_path) -> N
         answer(choose, ExportDialog)
 
     with opened(program, "sheet:60x180", 8.0, "xuan", drawn=False) as window:
-        window.workspace.keep(exports={})
+        window.workspace.update_settings(exports={})
         answer(name, QtWidgets.QFileDialog)
         window.workspace.actions["export"].trigger()
         wait_for((tmp_path / "sheet.png").exists)
@@ -150,7 +150,7 @@ def test_a_picture_of_a_sheet_to_its_edges_has_its_shape(program, tmp_path) -> N
 def test_a_picture_is_taken_flat_and_without_ground(window, tmp_path) -> None:
     pen_stroke(window.canvas, (0.4, 0.5), (0.6, 0.5), [0.5] * 12)
     settled(window)
-    window.workspace.keep(exports={})
+    window.workspace.update_settings(exports={})
 
     def choose(dialog: ExportDialog) -> None:
         view, light = dialog.choices["view"], dialog.choices["light"]

@@ -56,7 +56,7 @@ def test_v_held_and_a_drag_water_the_brush_and_thicken_it_again(window) -> None:
     settled(window)
     type_key(window.canvas, KEY.Key_Shift)  # the window has the keyboard
     drag_with_v(window, 120.0)
-    assert "Water" in window.status.told.text()
+    assert "Water" in window.status.message_label.text()
     wait_for(lambda: isinstance(window.document.inks[0], dict))
     settled(window)
     ink = window.document.inks[0]

@@ -242,7 +242,7 @@ def test_its_recording_gives_the_ink_the_same_time(monkeypatch, painted_in_time,
 def test_the_same_pieces_of_time_pass_before_a_sample_however_late_it_comes(gaps, lates, looks):
     samples = 5 + np.cumsum(np.round(np.array(gaps) * 1e9).astype(np.int64))
     calm, late = InkClock(7_000), InkClock(7_000)
-    at_once = [calm.hear(int(t), 0, 1000) for t in samples]
+    at_once = [calm.advance_to(int(t), 0, 1000) for t in samples]
     come = np.maximum.accumulate(samples + np.round(1e9 * np.array(lates[: len(gaps)])))
     before, passed = int(come[0]), []
     for k, (t, now) in enumerate(zip(samples, come, strict=True)):
@@ -250,7 +250,7 @@ def test_the_same_pieces_of_time_pass_before_a_sample_however_late_it_comes(gaps
         for look in np.linspace(before, int(now), looks[k], endpoint=False) if k else ():
             while late.wait(int(look), 1000):
                 waited += 1
-        passed.append(waited + late.hear(int(t), int(now), 1000))
+        passed.append(waited + late.advance_to(int(t), int(now), 1000))
         before = int(now)
     assert passed == at_once
     assert calm.left_out == late.left_out == 0
@@ -259,7 +259,7 @@ def test_the_same_pieces_of_time_pass_before_a_sample_however_late_it_comes(gaps
 
 def test_the_wall_goes_on_for_a_hand_that_is_silent():
     clock, pieces, now = InkClock(0), 0, 0
-    assert clock.hear(10**12, now, 1000) == 0
+    assert clock.advance_to(10**12, now, 1000) == 0
     for _ in range(1000):
         now += max(1000, round(1e9 * clock.patience(now)))
         pieces += clock.wait(now, 1000)
@@ -269,13 +269,13 @@ def test_the_wall_goes_on_for_a_hand_that_is_silent():
 
 def test_a_clock_that_starts_anew_and_one_that_stood_still_do_no_harm():
     clock = InkClock(0)
-    assert clock.hear(10**15, 0, 5) == 0  # of a hand whose clock is another one
-    assert clock.hear(10**15 + 10**9, 0, 5) == 5
+    assert clock.advance_to(10**15, 0, 5) == 0  # of a hand whose clock is another one
+    assert clock.advance_to(10**15 + 10**9, 0, 5) == 5
     assert clock.left_out == 15
-    assert clock.hear(10**15 + 10**12, 0, 10**9) == 19_980  # however long it was silent
-    assert clock.hear(2 * 10**15, 0, 70) == 70
-    assert clock.hear(77, 0, 10**9) == 0
-    assert clock.hear(77 + 10**8, 0, 10**9) == 2
+    assert clock.advance_to(10**15 + 10**12, 0, 10**9) == 19_980  # however long it was silent
+    assert clock.advance_to(2 * 10**15, 0, 70) == 70
+    assert clock.advance_to(77, 0, 10**9) == 0
+    assert clock.advance_to(77 + 10**8, 0, 10**9) == 2
 
 
 def test_nothing_is_written_down_where_all_is_dry(tmp_path):
@@ -290,16 +290,18 @@ def test_nothing_is_written_down_where_all_is_dry(tmp_path):
 
 
 @pytest.fixture
-def base_every_s():
+def autosave_interval_s():
     """No base but the first."""
     return 1e9
 
 
 @pytest.fixture
-def wet_sitting(quick_wall, tmp_path, base_every_s):
+def wet_sitting(quick_wall, tmp_path, autosave_interval_s):
     """Strokes that run into one another, while time goes on; left to be recovered."""
     document = small_plane(1.0, material="xuan")
-    paint_thread = PaintThread(document, True, RecoveryFolder(document, tmp_path), base_every_s)
+    paint_thread = PaintThread(
+        document, True, RecoveryFolder(document, tmp_path), autosave_interval_s
+    )
     for k in range(4):
         paint_thread.post("begin_stroke")
         for sample in line((-20, 6 * k), (20, 6 * k - 10), n=40):
@@ -344,7 +346,7 @@ def test_recovery_can_be_stopped_and_done_later(wet_sitting, tmp_path):
     same_vertices(recoverable(tmp_path)[0].recover().document.surface, wet_sitting.surface)
 
 
-@pytest.mark.parametrize("base_every_s", [-1.0])  # the clock stands still
+@pytest.mark.parametrize("autosave_interval_s", [-1.0])  # the clock stands still
 def test_a_wet_sitting_comes_back_to_the_bit_from_a_later_base(wet_sitting, tmp_path):
     (unfinished,) = recoverable(tmp_path)
     (base,) = unfinished.folder.glob("base-*")

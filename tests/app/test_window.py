@@ -28,7 +28,7 @@ from paint3d.app.model.input.devices import Feeling
 from paint3d.app.model.persistence.recovery_folder import recoverable
 from paint3d.app.window import garbage
 from paint3d.app.window.hand.device_input import DeviceInput, carried_camera
-from paint3d.app.window.playing.pictures import Film
+from paint3d.app.window.playing.pictures import FilmOptions
 from paint3d.app.window.studio import StudioWindow
 from paint3d.app.window.wording import choose_language
 from paint3d.core.quaternion import rotate
@@ -277,7 +277,7 @@ def test_a_stroke_by_hand_ends_a_replay_and_is_one_of_its_own(painted_once, by: 
         window.both_hands.close()
         window.both_hands = DeviceInput(window.workspace, window.panels.devices)
     assert not window.player.is_playing
-    assert "replay was stopped" in window.status.told.text()
+    assert "replay was stopped" in window.status.message_label.text()
     settled(window)
     replayed, own = window.document.strokes[there:]
     assert len(replayed.samples) < len(stroke.samples)
@@ -468,7 +468,7 @@ def test_save_export_and_pictures(window, tmp_path: Path) -> None:
     with seen(window):
         wait_for(lambda: window.stage.is_drawn)
         window.pictures.screenshot_to(tmp_path / "a.png")
-        window.pictures.turntable_to(tmp_path / "a.gif", Film(0.2, 15.0))
+        window.pictures.turntable_to(tmp_path / "a.gif", FilmOptions(0.2, 15.0))
         shot = window.grab().toImage()
     assert (tmp_path / "a.png").stat().st_size > 1000
     assert (tmp_path / "a.gif").stat().st_size > 1000
@@ -604,7 +604,7 @@ def test_the_window_says_that_there_is_no_home_to_write_to(
     monkeypatch.setattr(start, "stand_in", lambda: tmp_path)
     monkeypatch.setattr(start, "open_first", lambda window, *_: shown.append(window))
     monkeypatch.setattr(
-        type(program), "exec", lambda app: shown[0].status.told.text(), raising=False
+        type(program), "exec", lambda app: shown[0].status.message_label.text(), raising=False
     )
     told = start.run_studio(None, language="en")
     shown[0].close()

@@ -100,7 +100,7 @@ def test_characters_that_are_taken_from_a_font_are_told(window, panel, system_fo
     click_button(panel, "Lay out")
     wait_for(lambda: panel.copybook is not None)
     assert [ghost.text for ghost in panel.copybook.ghosts] == ["漫", "步"]
-    assert "步 taken from the font Test Kai" in window.status.told.text()
+    assert "步 taken from the font Test Kai" in window.status.message_label.text()
 
 
 @pytest.mark.parametrize(
@@ -150,7 +150,7 @@ def test_ink_that_is_in_no_stroke_is_told(window, panel, tmp_path: Path) -> None
         wait_for(lambda: panel.copybook is not None)
     finally:
         choose_language("en")
-    assert "部分墨迹未归入笔画：字 1 (" in window.status.told.text()
+    assert "部分墨迹未归入笔画：字 1 (" in window.status.message_label.text()
 
 
 @pytest.mark.parametrize("kind", [".svg", ".strokes.json"])

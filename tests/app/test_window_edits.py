@@ -99,7 +99,7 @@ def test_a_stroke_in_the_middle_is_deleted_and_undone_and_done_again(window) -> 
     settled(window)
     assert len(window.document.strokes) == 4
     assert window.panels.history.list.count() == 4
-    assert "Stroke 2 edited; 3 after it repainted" in window.status.told.text()
+    assert "Stroke 2 edited; 3 after it repainted" in window.status.message_label.text()
     gone = state(window)
     assert (gone[1] != before[1]).any()
     control = QtCore.Qt.KeyboardModifier.ControlModifier
@@ -113,7 +113,7 @@ def test_a_stroke_is_dragged_on_the_object(window) -> None:
     canvas, before = window.canvas, inked(window)
     n_samples = window.stage.paint_thread.n_painted
     choose(window, 0, "drag")
-    assert "Drag stroke 1" in window.status.told.text()
+    assert "Drag stroke 1" in window.status.message_label.text()
     drag(canvas, (0.48, 0.40), (0.48, 0.30))
     settled(window)
     assert len(window.document.strokes) == 5
@@ -128,7 +128,7 @@ def test_a_drag_beside_the_object_waits_and_esc_leaves_it(window) -> None:
     choose(window, 0, "drag")
     drag(canvas, (0.01, 0.02), (0.02, 0.03))
     assert window.editing.drag.is_on
-    assert "beside the object" in window.status.told.text()
+    assert "beside the object" in window.status.message_label.text()
     press(window, QtCore.Qt.Key.Key_Escape)
     assert not window.editing.drag.is_on
     same(window, before)
@@ -232,7 +232,7 @@ def test_what_cannot_be_is_told_and_cancel_leaves_everything(window, monkeypatch
     choose(window, 0, "delete")
     wait_for(lambda: not window.workspace.is_waiting)
     settled(window)
-    assert window.status.told.text() == "Stopped"
+    assert window.status.message_label.text() == "Stopped"
     assert len(window.document.strokes) == 5
     same(window, before)
 

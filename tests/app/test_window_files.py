@@ -22,7 +22,7 @@ from paint3d.app.model import paint_thread
 from paint3d.app.model.persistence.recovery_folder import recoverable
 from paint3d.app.window.files.exporting import ExportDialog
 from paint3d.app.window.files.target_dialog import TargetDialog
-from paint3d.app.window.playing.pictures import Film, FilmDialog
+from paint3d.app.window.playing.pictures import FilmDialog, FilmOptions
 from paint3d.app.window.wording import say, say_object
 from paint3d.errors import ExportError
 from paint3d.files.colour_tags import icc_profile
@@ -160,7 +160,7 @@ def said_name(window) -> str:
 def test_a_name_without_its_suffix_asks_once_before_a_file_is_replaced(
     window, tmp_path: Path, action: str, suffix: str, more: int
 ) -> None:
-    window.workspace.keep(
+    window.workspace.update_settings(
         exports={"film": {"seconds": 0.5, "rate": 4, "width": 160, "height": 120}}
     )
     window.targets.folder = tmp_path
@@ -196,7 +196,7 @@ def test_a_link_is_named_with_where_it_leads_and_stays_a_link(window, tmp_path: 
 
 
 def test_formats_are_listed_by_name_and_the_last_comes_first(window, tmp_path: Path) -> None:
-    window.workspace.keep(exports={})
+    window.workspace.update_settings(exports={})
     window.targets.folder = tmp_path
     seen: list[list[str]] = []
 
@@ -228,7 +228,7 @@ def test_of_a_flat_sheet_a_picture_to_its_edges_comes_first(program, tmp_path: P
         dialog.accept()
 
     with opened(program, "a4", 2.0, "xuan", drawn=False) as window:
-        window.workspace.keep(exports={"format": ".obj"})
+        window.workspace.update_settings(exports={"format": ".obj"})
         window.targets.folder = tmp_path
         answer(lambda dialog: (answer(look, ExportDialog), typed(dialog, "sheet")))
         window.workspace.actions["export"].trigger()
@@ -295,7 +295,7 @@ def test_a_picture_is_the_view_on_the_screen_in_the_size_that_is_asked(
         dialog.accept()
 
     for name in ("a.png", "a.jpg"):
-        window.workspace.keep(exports={})
+        window.workspace.update_settings(exports={})
         with answers(name, larger):
             window.workspace.actions["export"].trigger()
         with Image.open(tmp_path / name) as picture:
@@ -312,7 +312,7 @@ def test_a_picture_is_the_view_on_the_screen_in_the_size_that_is_asked(
 
 
 def test_the_studios_light_is_offered_too(window, tmp_path: Path) -> None:
-    window.workspace.keep(exports={})
+    window.workspace.update_settings(exports={})
     window.targets.folder = tmp_path
 
     def in_the_studio(dialog: ExportDialog) -> None:
@@ -331,7 +331,7 @@ def test_the_studios_light_is_offered_too(window, tmp_path: Path) -> None:
 def test_the_screen_whose_colours_a_file_has_is_chosen_and_what_does_not_fit_is_told(
     window, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    window.workspace.keep(exports={})
+    window.workspace.update_settings(exports={})
     window.targets.folder = tmp_path
 
     def of_p3(dialog: ExportDialog) -> None:
@@ -362,7 +362,7 @@ def test_the_screen_whose_colours_a_file_has_is_chosen_and_what_does_not_fit_is_
 def test_a_film_has_the_length_size_and_rate_that_are_asked(
     window, tmp_path: Path, suffix: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    window.workspace.keep(exports={})
+    window.workspace.update_settings(exports={})
     window.targets.folder = tmp_path
 
     def short(dialog: FilmDialog) -> None:
@@ -387,16 +387,18 @@ def test_a_film_has_the_length_size_and_rate_that_are_asked(
 
 
 def test_a_film_that_is_too_long_for_its_size_is_refused(window, tmp_path: Path) -> None:
-    dialog = FilmDialog(window, Film(60.0, 30.0, (1920, 1080)), (1920, 1080))
+    dialog = FilmDialog(window, FilmOptions(60.0, 30.0, (1920, 1080)), (1920, 1080))
     standard = QtWidgets.QDialogButtonBox.StandardButton
     ok = dialog.findChild(QtWidgets.QDialogButtonBox).button(standard.Ok)
     assert not ok.isEnabled()
-    assert "too many" in dialog.told.text()
+    assert "too many" in dialog.message_label.text()
     dialog.seconds.setValue(2.0)
     assert ok.isEnabled()
     told: list[str] = []
     answer(lambda box: (told.append(box.text()), box.accept()))
-    assert not window.pictures.turntable_to(tmp_path / "a.gif", Film(60.0, 30.0, (1920, 1080)))
+    assert not window.pictures.turntable_to(
+        tmp_path / "a.gif", FilmOptions(60.0, 30.0, (1920, 1080))
+    )
     assert "too many" in told[0]
 
 
@@ -433,14 +435,14 @@ def test_a_film_for_which_there_is_no_room_is_given_up_at_once(
         return whole(**how)
 
     monkeypatch.setattr(window.stage, "picture_by_parts", counted)
-    film = Film(6.0, 10.0, (160, 120))
+    film = FilmOptions(6.0, 10.0, (160, 120))
     with full_disk(4096):
         assert not window.pictures.turntable_to(tmp_path / f"a{suffix}", film)
     assert isinstance(window.workspace.error, ExportError)
     assert "cannot write" in str(window.workspace.error)
     assert os.listdir(tmp_path) == []
     assert len(drawn) < 0.5 * film.n_pictures  # two, and those that were drawn meanwhile
-    assert window.pictures.turntable_to(tmp_path / f"b{suffix}", Film(1.0, 8.0, (160, 120)))
+    assert window.pictures.turntable_to(tmp_path / f"b{suffix}", FilmOptions(1.0, 8.0, (160, 120)))
     data = (tmp_path / f"b{suffix}").read_bytes()  # of what was kept free nothing is left
     if suffix == ".gif":
         assert data.endswith(b"\x00;")
@@ -463,11 +465,11 @@ def test_two_windows_on_one_file_know_of_each_other(window, program, tmp_path: P
     path = tmp_path / "both.p3d"
     assert window.saving.save_to(path)
     with opened(program, str(path), drawn=False) as second:
-        assert "both.p3d is open in another window" in second.status.told.text()
+        assert "both.p3d is open in another window" in second.status.message_label.text()
         drag(second.canvas, (0.4, 0.55), (0.6, 0.6), n=8)
         settled(second)
         second.workspace.actions["save"].trigger()  # the file is as it was opened: nothing is asked
-        assert "Saved" in second.status.told.text()
+        assert "Saved" in second.status.message_label.text()
         theirs = path.read_bytes()
 
         said: list[str] = []
@@ -506,14 +508,14 @@ def test_a_painting_that_is_reopened_is_not_said_to_be_open_elsewhere(window, tm
     path = tmp_path / "own.p3d"
     assert window.saving.save_to(path)
     assert window.opening.open_path(str(path), asked=True)
-    assert "another window" not in window.status.told.text()
+    assert "another window" not in window.status.message_label.text()
 
 
 def test_whole_copies_are_kept_as_often_as_was_chosen_however_much_is_painted(program) -> None:
     """On a large wet sheet every 3 s of the painting's work wrote 155 MB."""
     with opened(program, resolution=2.0, drawn=False) as window:
         paints = window.stage.paint_thread
-        paints.keep_every(1e9)
+        paints.set_autosave_interval(1e9)
         first = paints.recovery.number
 
         def work(document: object) -> None:
@@ -526,7 +528,7 @@ def test_whole_copies_are_kept_as_often_as_was_chosen_however_much_is_painted(pr
             drag(window.canvas, (0.4, y), (0.6, y), n=8)
             settled(window)
         assert paints.recovery.number == first
-        paints.keep_every(0.1)
+        paints.set_autosave_interval(0.1)
         drag(window.canvas, (0.4, 0.65), (0.6, 0.65), n=8)
         wait_for(lambda: paints.recovery.number > first)
 
@@ -548,12 +550,12 @@ def test_what_is_kept_is_the_users_alone_whatever_the_umask(
             paints = window.stage.paint_thread
             drag(window.canvas, (0.4, 0.45), (0.6, 0.5), n=8)
             settled(window)
-            paints.keep_every(0.1)
+            paints.set_autosave_interval(0.1)
             drag(window.canvas, (0.4, 0.55), (0.6, 0.55), n=8)
             wait_for(lambda: paints.recovery.number > 1)
-            paints.keep_every(1e9)
+            paints.set_autosave_interval(1e9)
             settled(window)
-            window.workspace.keep(theme="light")
+            window.workspace.update_settings(theme="light")
             kept = [*(state / "sittings").rglob("*"), *config.rglob("*"), state / "sittings"]
             if umask != 0o022:
                 kept += [state, config]
@@ -574,7 +576,7 @@ def test_what_a_full_disk_could_not_keep_is_kept_as_soon_as_there_is_room(
     """Said in the status line; a stroke that the journal missed is in the next base."""
     with opened(program, resolution=2.0, drawn=False) as window:
         sitting = window.stage.paint_thread.recovery
-        window.stage.paint_thread.keep_every(1e9)
+        window.stage.paint_thread.set_autosave_interval(1e9)
 
         def full(*_: object) -> None:
             raise ExportError("a.p3dj: cannot write: No space left on device")
@@ -584,11 +586,11 @@ def test_what_a_full_disk_could_not_keep_is_kept_as_soon_as_there_is_room(
             disk.setattr(sitting, "save_base", full)
             drag(window.canvas, (0.4, 0.45), (0.6, 0.5), n=8)
             settled(window)
-            wait_for(lambda: "Recovery data cannot be saved" in window.status.told.text())
+            wait_for(lambda: "Recovery data cannot be saved" in window.status.message_label.text())
         monkeypatch.setattr(paint_thread, "_AGAIN_S", 0.0)
         drag(window.canvas, (0.4, 0.55), (0.6, 0.6), n=8)
         settled(window)
-        wait_for(lambda: "being saved again" in window.status.told.text())
+        wait_for(lambda: "being saved again" in window.status.message_label.text())
         shutil.copytree(sitting.folder, tmp_path / "left")  # as a crash would leave it
         with window.stage.paint_thread.paused() as document:
             painted = document.surface.srgb.copy()

@@ -36,7 +36,7 @@ from paint3d.app.window import start, studio
 from paint3d.app.window.files import opening
 from paint3d.app.window.files.open_result import some_points
 from paint3d.app.window.job import is_waiting, run_beside
-from paint3d.app.window.playing.pictures import Film
+from paint3d.app.window.playing.pictures import FilmOptions
 from paint3d.app.window.studio import StudioWindow
 from paint3d.app.window.wording import choose_language
 from paint3d.core.machine import is_locked
@@ -211,7 +211,7 @@ def test_what_waits_in_the_queue_is_not_begun_after_cancel(window, gate: threadi
     settled(window)
     assert window.document.surface.n_vertices == before
     live(0.1)
-    assert "CancelledError" not in window.status.told.text()
+    assert "CancelledError" not in window.status.message_label.text()
 
 
 def test_a_film_that_is_stopped_leaves_no_file_and_the_view_as_it_was(
@@ -220,7 +220,7 @@ def test_a_film_that_is_stopped_leaves_no_file_and_the_view_as_it_was(
     window.hand.look(replace(window.hand.camera))  # by choice: it is not fitted anew
     camera = window.hand.camera
     answer_bar(cancel)
-    assert not window.pictures.turntable_to(tmp_path / "a.gif", Film(20.0, 20.0, (320, 240)))
+    assert not window.pictures.turntable_to(tmp_path / "a.gif", FilmOptions(20.0, 20.0, (320, 240)))
     wait_for(lambda: os.listdir(tmp_path) == [])
     assert window.hand.camera is camera
     assert window.stage.scene.size == window.canvas.pixel_size
@@ -364,7 +364,7 @@ def test_what_is_brought_back_and_cannot_be_kept_anew_stays(
     monkeypatch.setattr(studio, "RecoveryFolder", full)
     assert empty.recovery.recover(recoverable()[0])
     assert len(empty.document.layers) == 2
-    assert "the disk is full" in empty.status.told.text()
+    assert "the disk is full" in empty.status.message_label.text()
     (left,) = recoverable()
     left.discard()
 
@@ -400,7 +400,7 @@ def test_what_is_brought_back_says_that_its_file_is_open_elsewhere(empty, tmp_pa
         assert empty.recovery.recover(recoverable()[0])
     finally:
         theirs.close()
-    told = empty.status.told.text()
+    told = empty.status.message_label.text()
     assert "Recovered" in told
     assert "both.p3d is open in another window" in told
 
@@ -424,9 +424,9 @@ def test_what_a_damaged_journal_lost_is_told(empty, tongue: str) -> None:
         choose_language("en")
     words = {"en": ("Recovered", f"about {n_lost} samples", "1 steps", "layer 7")}
     words["zh"] = ("已找回", f"约有 {n_lost} 个", "有 1 步", "7")
-    assert all(part in empty.status.told.text() for part in words[tongue])
+    assert all(part in empty.status.message_label.text() for part in words[tongue])
     drag(empty.canvas, (0.4, 0.5), (0.55, 0.5), n=6)
-    assert words[tongue][1] in empty.status.told.text()  # it stays
+    assert words[tongue][1] in empty.status.message_label.text()  # it stays
 
 
 def test_nothing_is_said_of_what_was_refused_before_the_crash(window) -> None:
@@ -480,7 +480,7 @@ def test_what_was_put_off_stays_in_the_file_menu(empty) -> None:
     answer(later, QtWidgets.QMessageBox)
     start.open_first(empty, "sphere", 8.0, None)
     assert empty.document.surface.source.name == "sphere"
-    assert "File, Recover" in empty.status.told.text()
+    assert "File, Recover" in empty.status.message_label.text()
     menu = empty.commands.menus["file"]
     menu.aboutToShow.emit()
     (back,) = empty.commands.unsaved.actions()

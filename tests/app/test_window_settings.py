@@ -138,7 +138,7 @@ def test_material_and_fineness_are_those_that_were_chosen_last(start) -> None:
 
 def test_preferences_have_an_effect_now_and_with_the_next_start(start) -> None:
     window = start(resolution=4.0)
-    assert window.panels.brushes.told.text() == "35 mm"
+    assert window.panels.brushes.length_label.text() == "35 mm"
 
     def choose(dialog: PreferencesDialog) -> None:
         dialog.boxes["unit"].setCurrentIndex(dialog.boxes["unit"].findData("cm"))
@@ -149,14 +149,14 @@ def test_preferences_have_an_effect_now_and_with_the_next_start(start) -> None:
 
     answer(choose)
     window.workspace.actions["preferences"].trigger()
-    assert window.panels.brushes.told.text() == "3.5 cm"
+    assert window.panels.brushes.length_label.text() == "3.5 cm"
     assert say_length(120.0) == "12 cm"
     assert window.workspace.actions["wet"].isChecked()
     assert window.stage.paint_thread.wet
-    assert window.stage.paint_thread.base_every_s == 45.0
+    assert window.stage.paint_thread.autosave_interval_s == 45.0
     window = start(resolution=4.0)
-    assert window.panels.brushes.told.text() == "3.5 cm"
-    assert window.stage.paint_thread.base_every_s == 45.0
+    assert window.panels.brushes.length_label.text() == "3.5 cm"
+    assert window.stage.paint_thread.autosave_interval_s == 45.0
     assert window.stage.paint_thread.wet
     assert window.document.steps.memory_budget == 64 << 20
 
@@ -183,8 +183,8 @@ def test_a_folder_that_cannot_be_written_is_told_and_nothing_stops(
     window = start(resolution=4.0)
     folder = config_folder()
     monkeypatch.setenv("PAINT3D_CONFIG", "/proc/none")
-    window.workspace.keep(theme="light")
-    assert "cannot be made" in window.status.told.text()
+    window.workspace.update_settings(theme="light")
+    assert "cannot be made" in window.status.message_label.text()
     monkeypatch.setenv("PAINT3D_CONFIG", str(folder))
-    window.workspace.keep(theme="dark")
+    window.workspace.update_settings(theme="dark")
     assert (folder / "settings.json").is_file()

@@ -92,7 +92,7 @@ def test_the_key_writes_and_esc_stops_it(window) -> None:
 
 def test_with_no_text_there_it_says_what_to_do(window) -> None:
     type_key(window.canvas, KEY.Key_T, HELD.ShiftModifier)
-    wait_for(lambda: "lay one out first" in window.status.told.text())
+    wait_for(lambda: "lay one out first" in window.status.message_label.text())
     assert not window.player.is_playing
 
 
@@ -119,13 +119,13 @@ def test_what_the_brush_has_written_is_counted_and_its_guide_goes(window) -> Non
     try:
         type_key(window.canvas, KEY.Key_T, HELD.ShiftModifier)
         written(window)
-        wait_for(lambda: panel.told.text() == "All characters are written")
+        wait_for(lambda: panel.message_label.text() == "All characters are written")
         assert (shown["ghosts"], shown["next ghost"], shown["ghost frames"]) == (0, 0, 0)
         counts = [panel.list.item(row).text() for row in range(2)]
         assert counts == ["✓  十   2 / 2", "✓  一   1 / 1"]
         type_key(window.canvas, KEY.Key_Z, HELD.ControlModifier)
         wait_for(lambda: shown["next ghost"] == 2 and shown["ghosts"] == 1)
-        assert panel.told.text() == "0 of 2 written; next: 十"
+        assert panel.message_label.text() == "0 of 2 written; next: 十"
     finally:
         del stage.show_lines
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from paint3d.app.model.score.words import Inks, header_of, material_in
+from paint3d.app.model.score.codecs import InkTable, decode_material, make_header
 from paint3d.brush.bending import build_tuft, tuft_on
 from paint3d.brush.presets import brush_names, load_brush
 from paint3d.colour.materials import (
@@ -133,7 +133,7 @@ def test_names_out_of_files_open_no_files(tmp_path: Path) -> None:
     with pytest.raises(PigmentError, match="which a file may not name"):
         load_material(file, own_files=False)
     with pytest.raises(UnknownNameError):
-        material_in({"material": file})  # of a score
+        decode_material({"material": file})  # of a score
     assert load_material("silk", own_files=False) is load_material("silk")
 
 
@@ -143,8 +143,8 @@ def test_paintings_keep_the_whole_material_and_no_file(tmp_path: Path) -> None:
     save_session(Session(surface), tmp_path / "a.p3d")
     (tmp_path / "mine.toml").unlink()
     assert values(load_session(tmp_path / "a.p3d").surface.material) == values(mine)
-    said = header_of(surface, load_brush("full"), "pine soot", Inks({}))
-    assert values(material_in(json.loads(json.dumps(said)))) == values(mine)
+    said = make_header(surface, load_brush("full"), "pine soot", InkTable({}))
+    assert values(decode_material(json.loads(json.dumps(said)))) == values(mine)
 
 
 def test_surfaces_from_before_friction_are_of_the_materials_that_they_name() -> None:

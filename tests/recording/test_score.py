@@ -35,7 +35,7 @@ from paint3d.recording.score import (
     schema,
     write_score,
 )
-from paint3d.recording.score_edits import edit_strokes, tangents_at
+from paint3d.recording.score_edits import apply_stroke_edit, tangents_at
 from paint3d.recording.score_steps import follow_steps
 
 DOCS = Path(__file__).parents[2] / "docs" / "recordings.md"
@@ -240,7 +240,7 @@ def test_an_edited_score_fits_the_schema_and_the_old_one_stays(tmp_path_factory,
     before = list(write_score(score))
     edited = score
     for number, edit in edits:
-        edited = edit_strokes(edited, [min(number, len(edited.strokes()))], edit, ground())
+        edited = apply_stroke_edit(edited, [min(number, len(edited.strokes()))], edit, ground())
     assert list(write_score(score)) == before
     lines = list(write_score(edited))
     for line in lines:
@@ -308,8 +308,8 @@ def test_a_stroke_is_carried_to_a_place() -> None:
 @pytest.mark.parametrize("across", "xy")
 def test_strokes_that_are_mirrored_twice_are_what_they_were(across: str) -> None:
     score, edit = load_score(EXAMPLE), {"do": "mirror", "across": across}
-    once = edit_strokes(score, [1, 3], edit, ground())
-    twice = edit_strokes(once, [1, 3], edit, ground())
+    once = apply_stroke_edit(score, [1, 3], edit, ground())
+    twice = apply_stroke_edit(once, [1, 3], edit, ground())
     for k in (0, 2):
         was, other, again = (s.strokes()[k] for s in (score, once, twice))
         assert np.abs(other.position - was.position).max() > 1.0
@@ -322,15 +322,15 @@ def test_strokes_that_are_mirrored_twice_are_what_they_were(across: str) -> None
 def test_strokes_are_scaled_about_the_middle_of_all_and_have_their_brushes() -> None:
     score = load_score(EXAMPLE)
     edit = {"do": "scale", "factor": 0.5, "brushes": ["feibai", "full"]}
-    small = edit_strokes(score, [1, 3], edit, ground())
+    small = apply_stroke_edit(score, [1, 3], edit, ground())
     a, b = (np.concatenate([s.strokes()[k].position for k in (0, 2)]) for s in (score, small))
     np.testing.assert_allclose(np.ptp(b, axis=0), 0.5 * np.ptp(a, axis=0), atol=1e-9)
     begins = [e for e in small.events if not isinstance(e, Recording) and e["do"] == "begin_stroke"]
     assert [begins[k]["brush"] for k in (0, 2)] == ["feibai", "full"]
     with pytest.raises(InputError, match=r"0 brushes for 2 strokes"):
-        edit_strokes(score, [1, 3], {**edit, "brushes": []}, ground())
+        apply_stroke_edit(score, [1, 3], {**edit, "brushes": []}, ground())
     with pytest.raises(InputError, match=r"scale does not take 'factor'; it takes .*brushes"):
-        edit_strokes(score, [1, 3], {"do": "scale", "factor": 0.5}, ground())
+        apply_stroke_edit(score, [1, 3], {"do": "scale", "factor": 0.5}, ground())
 
 
 def test_several_strokes_are_shifted_where_each_alone_would_have_no_pause() -> None:
@@ -338,8 +338,8 @@ def test_several_strokes_are_shifted_where_each_alone_would_have_no_pause() -> N
     events = [*stroke(A), {**second, "times": 2}, *stroke(B), second, *stroke(C)]
     edit = {"do": "time", "shift_s": 0.5}
     with pytest.raises(RecordingError, match=r"the pause after it is 0\.10 s"):
-        edit_strokes(Score({}, tuple(events)), [1], edit)
-    later = edit_strokes(Score({}, tuple(events)), [1, 2], edit)
+        apply_stroke_edit(Score({}, tuple(events)), [1], edit)
+    later = apply_stroke_edit(Score({}, tuple(events)), [1, 2], edit)
     assert said(later, "times") == [10, 2, 10]
 
 
@@ -432,9 +432,9 @@ def test_what_cannot_be_edited_is_said_with_the_number(edit, told) -> None:
 def test_an_edit_that_is_none_is_refused() -> None:
     score = load_score(EXAMPLE)
     with pytest.raises(InputError, match="edit is 'colour'; expected one of delete, move"):
-        edit_strokes(score, [1], {"do": "colour"}, ground())
+        apply_stroke_edit(score, [1], {"do": "colour"}, ground())
     with pytest.raises(InputError, match="delete does not take 'far'"):
-        edit_strokes(score, [1], {"do": "delete", "far": 1}, ground())
+        apply_stroke_edit(score, [1], {"do": "delete", "far": 1}, ground())
 
 
 NAN, INF = float("nan"), float("inf")
@@ -461,7 +461,7 @@ def test_an_edit_with_values_that_are_none_is_refused(edit: dict) -> None:
     """In a score without time for the ink, where no pause says how far a stroke may be shifted."""
     score = Score({}, (*stroke(A), *stroke(B)))
     with pytest.raises(InputError) as caught:
-        edit_strokes(score, [1], edit, ground())
+        apply_stroke_edit(score, [1], edit, ground())
     assert "\n" not in str(caught.value)
 
 
@@ -473,7 +473,8 @@ def test_a_score_with_a_large_shift_is_read_again(tmp_path: Path, shift: float) 
 
 
 @pytest.mark.parametrize(
-    "name", [n for n, command in COMMANDS.items() if command.step and not n.startswith("edit_")]
+    "name",
+    [n for n, command in COMMANDS.items() if command.undo_label and not n.startswith("edit_")],
 )
 def test_a_command_with_a_step_of_undo_is_one_in_a_score(name: str) -> None:
     """Else an undo after it would be taken for one of the stroke before."""

@@ -19,7 +19,7 @@ from paint3d.surface.undo import BrushLoad
 
 __all__ = [
     "BRUSH_COMMANDS",
-    "BrushLease",
+    "ToolOverride",
     "brush_after",
     "resized",
     "scaled",
@@ -119,7 +119,7 @@ def brush_after(brush: BrushSpec, command: str, arguments: Sequence[object]) -> 
 # ---- Another brush or ink for one stroke ---------------------------------------------------------
 
 
-class BrushLease:
+class ToolOverride:
     """Swaps in another brush, or another ink for the one in hand, until `end` restores it.
 
     Parameters
@@ -144,7 +144,7 @@ class BrushLease:
         ink: Ink | None,
     ) -> None:
         self._painter, self._is_brush = painter, brush is not None
-        self._kept = painter.keep()
+        self._state = painter.keep()
         self._load = BrushLoad.of(painter.surface)
         try:
             if brush is not None:
@@ -155,7 +155,7 @@ class BrushLease:
                 painter.recolour(ink)
         except BaseException:
             self._load.put(painter.surface)
-            painter.restore(self._kept)
+            painter.restore(self._state)
             raise
         self._began = BrushLoad.of(painter.surface)
         self._hair_load = None if painter.hairs is None else painter.hairs.load.copy()
@@ -164,7 +164,7 @@ class BrushLease:
         """Restore what was in hand before."""
         painter, surface = self._painter, self._painter.surface
         now, hairs = BrushLoad.of(surface), painter.hairs
-        own, of_hairs = self._load, self._kept["of_hairs"]
+        own, of_hairs = self._load, self._state["of_hairs"]
         if not self._is_brush:
             own = replace(
                 own,
@@ -182,7 +182,7 @@ class BrushLease:
         own.put(surface)
         surface.ink.off_surface[:] = now.off_surface
         back = loaded + painter.in_brush() - before
-        painter.restore({**self._kept, "of_hairs": of_hairs, "loaded": back})
+        painter.restore({**self._state, "of_hairs": of_hairs, "loaded": back})
 
 
 def _left(now: AnyArray, began: AnyArray) -> AnyArray:

@@ -16,7 +16,7 @@ from typing import Any
 
 from paint3d.app.model.input.symmetry import MirrorPlane, RadialSymmetry, Symmetry
 from paint3d.app.model.mask import AngleMask, Mask, RegionPick
-from paint3d.app.model.score.words import (
+from paint3d.app.model.score.codecs import (
     BRUSH,
     DIP,
     EDIT,
@@ -27,7 +27,7 @@ from paint3d.app.model.score.words import (
     SYMMETRY,
     TAGS,
     Codec,
-    Inks,
+    InkTable,
     Vocabulary,
 )
 from paint3d.brush.presets import brush_names
@@ -46,12 +46,12 @@ __all__ = [
     "TOOLS",
     "Command",
     "Shortcut",
-    "arguments_of",
+    "decode_arguments",
     "decode_command",
-    "do_again",
     "encode_command",
+    "encode_line",
     "find_shortcuts",
-    "line_of",
+    "replay_command",
 ]
 
 GESTURES = ("press", "hold", "drag", "tap")
@@ -107,7 +107,7 @@ class Command:
     codec : Codec or None
         How its arguments are written down, if it changes the painting: journals have all such
         commands, recordings those that ``recording/data/score.schema.json`` describes.
-    step : str
+    undo_label : str
         Label of the undo step that it makes; empty where it makes none.
     cost : float
         Of doing it again, in samples painted, roughly.
@@ -128,7 +128,7 @@ class Command:
     always: bool = False
     on_picture: bool = False
     codec: Codec | None = None
-    step: str = ""
+    undo_label: str = ""
     cost: float = 1.0
     written_as: str = ""
 
@@ -247,10 +247,19 @@ _TABLE: tuple[_Row, ...] = (
         _PART,
         Command("wet", "Ink spreads and dries", icon="water", checkable=True),
         Command(
-            "dry", "Let everything dry", ["Shift+W"], icon="dry", codec=PLAIN, step=Message("dry")
+            "dry",
+            "Let everything dry",
+            ["Shift+W"],
+            icon="dry",
+            codec=PLAIN,
+            undo_label=Message("dry"),
         ),
         Command(
-            "blot", "Blot what is wet", ["Shift+E"], codec=PLAIN, step=Message("blotting paper")
+            "blot",
+            "Blot what is wet",
+            ["Shift+E"],
+            codec=PLAIN,
+            undo_label=Message("blotting paper"),
         ),
     ),
     *_menu(
@@ -324,14 +333,14 @@ _TABLE: tuple[_Row, ...] = (
             ["Ctrl+Shift+N"],
             icon="layers",
             codec=PLAIN,
-            step=Message("add layer"),
+            undo_label=Message("add layer"),
         ),
         Command(
             "remove_layer",
             "Delete layer",
             ["Ctrl+Shift+Del"],
             codec=PLAIN,
-            step=Message("remove layer"),
+            undo_label=Message("remove layer"),
         ),
         Command("rename_layer", "Rename layer", ["F2"], codec=PLAIN),
         Command(
@@ -339,14 +348,14 @@ _TABLE: tuple[_Row, ...] = (
             "Duplicate layer",
             ["Ctrl+J"],
             codec=PLAIN,
-            step=Message("duplicate layer"),
+            undo_label=Message("duplicate layer"),
         ),
         Command(
             "merge_layer",
             "Merge with the layer below",
             ["Ctrl+Shift+J"],
             codec=PLAIN,
-            step=Message("merge layers"),
+            undo_label=Message("merge layers"),
         ),
         _PART,
         Command(
@@ -355,14 +364,14 @@ _TABLE: tuple[_Row, ...] = (
             ["Ctrl+G"],
             icon="group",
             codec=PLAIN,
-            step=Message("group layers"),
+            undo_label=Message("group layers"),
         ),
         Command(
             "ungroup",
             "Ungroup layers",
             ["Ctrl+Shift+G"],
             codec=PLAIN,
-            step=Message("ungroup layers"),
+            undo_label=Message("ungroup layers"),
         ),
         _PART,
         Command("layer_above", "Layer above", ["PgUp"]),
@@ -440,25 +449,25 @@ _TABLE: tuple[_Row, ...] = (
     Command("set_views", codec=PLAIN),
     Command("set_light", codec=PLAIN),
     Command("select_layer", codec=PLAIN),
-    Command("move_layer", codec=PLAIN, step=Message("move layer")),
-    Command("set_opacity", codec=PLAIN, step=Message("opacity of a layer")),
-    Command("set_blend", codec=PLAIN, step=Message("blend of a layer")),
+    Command("move_layer", codec=PLAIN, undo_label=Message("move layer")),
+    Command("set_opacity", codec=PLAIN, undo_label=Message("opacity of a layer")),
+    Command("set_blend", codec=PLAIN, undo_label=Message("blend of a layer")),
     Command("set_visible", codec=PLAIN),
-    Command("duplicate_group", codec=PLAIN, step=Message("duplicate group")),
-    Command("move_group", codec=PLAIN, step=Message("move group")),
-    Command("remove_group", codec=PLAIN, step=Message("remove group")),
-    Command("set_group_opacity", codec=PLAIN, step=Message("opacity of a group")),
-    Command("set_group_blend", codec=PLAIN, step=Message("blend of a group")),
+    Command("duplicate_group", codec=PLAIN, undo_label=Message("duplicate group")),
+    Command("move_group", codec=PLAIN, undo_label=Message("move group")),
+    Command("remove_group", codec=PLAIN, undo_label=Message("remove group")),
+    Command("set_group_opacity", codec=PLAIN, undo_label=Message("opacity of a group")),
+    Command("set_group_blend", codec=PLAIN, undo_label=Message("blend of a group")),
     Command("rename_group", codec=PLAIN),
     Command("set_group_visible", codec=PLAIN),
     Command("set_group_folded", codec=PLAIN),
     Command("set_locked", codec=PLAIN),
-    Command("lay_text", codec=PLAIN, step=Message("text")),
-    Command("remove_text", codec=PLAIN, step=Message("text")),
-    Command("press_seal", codec=SEAL, step=Message("seal")),
+    Command("lay_text", codec=PLAIN, undo_label=Message("text")),
+    Command("remove_text", codec=PLAIN, undo_label=Message("text")),
+    Command("press_seal", codec=SEAL, undo_label=Message("seal")),
     Command("replay_history", codec=PLAIN),
-    Command("edit_strokes", codec=EDIT, step=Message("edit")),
-    Command("edit_seal", codec=EDIT, step=Message("edit")),
+    Command("edit_strokes", codec=EDIT, undo_label=Message("edit")),
+    Command("edit_seal", codec=EDIT, undo_label=Message("edit")),
 )
 
 TOOLS = (
@@ -508,13 +517,13 @@ def find_shortcuts(name: str) -> list[Shortcut]:
 # lines brings the pigments that are not in the palette.
 
 
-def line_of(name: str, asked: Mapping[str, Any], vocabulary: Vocabulary) -> dict[str, Any]:
+def encode_line(name: str, arguments: Mapping[str, Any], vocabulary: Vocabulary) -> dict[str, Any]:
     """A command as a line of a recording says it.
 
     Parameters
     ----------
     name : str
-    asked : mapping
+    arguments : mapping
         What it was called with, by the names of its parameters.
     vocabulary : Vocabulary
 
@@ -527,11 +536,13 @@ def line_of(name: str, asked: Mapping[str, Any], vocabulary: Vocabulary) -> dict
     """
     codec = COMMANDS[name].codec
     assert codec is not None, "it changes the painting"
-    given = {k: v for k, v in asked.items() if v is not None and not (isinstance(v, str) and not v)}
+    given = {
+        k: v for k, v in arguments.items() if v is not None and not (isinstance(v, str) and not v)
+    }
     return {"do": name, **codec.encode(given, vocabulary)}
 
 
-def arguments_of(line: Mapping[str, Any], vocabulary: Vocabulary) -> dict[str, Any]:
+def decode_arguments(line: Mapping[str, Any], vocabulary: Vocabulary) -> dict[str, Any]:
     """The arguments, by name, that a line calls a method of `Document` with.
 
     Raises
@@ -558,13 +569,13 @@ def encode_command(
         If an argument is one that the document refuses.
     """
     try:
-        asked = dict(_signature(getattr(type(document), name)).bind(None, *arguments, **options)
+        named = dict(_signature(getattr(type(document), name)).bind(None, *arguments, **options)
                      .arguments)  # fmt: skip
     except TypeError as cause:
         raise SessionError("{name} cannot be called so: {cause}", name=name, cause=cause) from None
-    asked.pop("self")
-    inks = Inks({}, apart=True)
-    line = line_of(name, asked, Vocabulary(document.surface, inks, exact=True))
+    named.pop("self")
+    inks = InkTable({}, apart=True)
+    line = encode_line(name, named, Vocabulary(document.surface, inks, exact=True))
     return line | ({"pigments": inks.table} if inks.table else {})
 
 
@@ -592,17 +603,21 @@ def decode_command(
         )
     try:
         if "with" in line or "options" in line:
-            arguments = [_rich(value) for value in line.get("with", [])]
-            return name, arguments, {k: _rich(v) for k, v in line.get("options", {}).items()}
-        inks = Inks(dict(line.get("pigments", {})), apart=True)
-        return name, [], arguments_of(line, Vocabulary(surface, inks, exact=True))
+            arguments = [_decode_legacy(value) for value in line.get("with", [])]
+            return (
+                name,
+                arguments,
+                {k: _decode_legacy(v) for k, v in line.get("options", {}).items()},
+            )
+        inks = InkTable(dict(line.get("pigments", {})), apart=True)
+        return name, [], decode_arguments(line, Vocabulary(surface, inks, exact=True))
     except (TypeError, AttributeError, KeyError) as cause:
         raise SessionError(
             "the journal's {name} cannot be used: {cause}", name=name, cause=cause
         ) from None
 
 
-def do_again(document: Any, line: Mapping[str, Any]) -> None:
+def replay_command(document: Any, line: Mapping[str, Any]) -> None:
     """Do what a document's journal wrote down.
 
     Raises
@@ -622,12 +637,12 @@ _KINDS: dict[str, type[Any]] = {
 }  # fmt: skip
 
 
-def _rich(value: object) -> object:
+def _decode_legacy(value: object) -> object:
     if isinstance(value, list):
-        return tuple(_rich(item) for item in value)
+        return tuple(_decode_legacy(item) for item in value)
     if not isinstance(value, Mapping):
         return value
     if value.get("@") == "pairs":
-        return {_rich(key): _rich(item) for key, item in value["pairs"]}
-    own = {key: _rich(item) for key, item in value.items() if key != "@"}
+        return {_decode_legacy(key): _decode_legacy(item) for key, item in value["pairs"]}
+    own = {key: _decode_legacy(item) for key, item in value.items() if key != "@"}
     return _KINDS[value["@"]](**own) if "@" in value else own

@@ -36,7 +36,7 @@ from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.pose.brush_pose import BrushPath, object_poses
 from paint3d.surface.painted_surface import PaintedSurface
 
-__all__ = ["Block", "Copybook", "CopybookMark", "Ghost"]
+__all__ = ["Copybook", "CopybookBlock", "CopybookMark", "Ghost"]
 
 _REACH = 0.15  # ems that a chart goes beyond the em square, for what strays
 _NODES_PER_EM = 24.0
@@ -207,7 +207,7 @@ class CopybookMark:
 
 
 @dataclass(frozen=True, eq=False)
-class Block:
+class CopybookBlock:
     """The room that a text takes, around its middle.
 
     Attributes
@@ -222,7 +222,7 @@ class Block:
     corners: AnyArray
 
     @classmethod
-    def of(cls, surface: ClosestPoints, squares: Sequence[EmSquare]) -> Block:
+    def of(cls, surface: ClosestPoints, squares: Sequence[EmSquare]) -> CopybookBlock:
         """The block of squares or boxes."""
         frames = [square.chart.frame for square in squares]
         points = np.concatenate([square.points.reshape(-1, 3) for square in squares])
@@ -260,7 +260,7 @@ class Copybook:
         Of all characters or pieces, also where there is nothing to be written.
     lines : str
         The text with a line break after each column or row; empty of a page.
-    block : Block
+    block : CopybookBlock
     marks : dict of int to CopybookMark
         Of characters by their place, the last of each.
     page : Page or None
@@ -330,9 +330,9 @@ class Copybook:
         return cls(mesh, text, laid.em_mm, laid.layout, folder)
 
     @cached_property
-    def block(self) -> Block:
+    def block(self) -> CopybookBlock:
         """The room that it takes."""
-        return Block.of(self._surface, self.squares)
+        return CopybookBlock.of(self._surface, self.squares)
 
     def grid(self, kind: str, columns: bool, *, unwritten: bool = False) -> list[AnyArray]:
         """Lines (K, 3), mm, of one of the `GRIDS` around all characters, or those to be written."""

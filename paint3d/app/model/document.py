@@ -17,14 +17,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from paint3d.app.model.brush_in_hand import BrushLease, resized, scaled, stepped
-from paint3d.app.model.commands import COMMANDS, arguments_of
+from paint3d.app.model.brush_in_hand import ToolOverride, resized, scaled, stepped
+from paint3d.app.model.commands import COMMANDS, decode_arguments
 from paint3d.app.model.edit_history import (
     EditHistory,
     Turned,
     Version,
     first_difference,
-    places_of,
+    locate_strokes,
     without_refusals,
 )
 from paint3d.app.model.input.symmetry import Symmetry
@@ -40,9 +40,9 @@ from paint3d.app.model.persistence.saved_settings import (
     saved_unit,
 )
 from paint3d.app.model.repainting import Repainter, dips_of, names_of
-from paint3d.app.model.score.keeping import ScoreKeeper, recorded
+from paint3d.app.model.score.codecs import InkTable, Vocabulary, encode_brush
+from paint3d.app.model.score.recorder import ScoreRecorder, recorded
 from paint3d.app.model.score.stepping import play
-from paint3d.app.model.score.words import Inks, Vocabulary, brush_named
 from paint3d.app.model.seal_press import PASTE, SealPress
 from paint3d.app.model.stroke_log import (
     ERASES,
@@ -76,7 +76,7 @@ from paint3d.painter.ink_time import LOOKAHEAD
 from paint3d.painter.painter import Ink, Painter
 from paint3d.painter.recorded_tools import LEAST_INK
 from paint3d.recording.score import Score
-from paint3d.recording.score_edits import edit_seal, edit_strokes
+from paint3d.recording.score_edits import apply_seal_edit, apply_stroke_edit
 from paint3d.recording.score_steps import follow_steps
 from paint3d.surface.ink_store import union
 from paint3d.surface.layer_stack import Layer, LayerStack
@@ -89,7 +89,7 @@ __all__ = ["Document", "FileState"]
 _BLOTTED = 0.8  # of wet ink, that blotting paper lifts
 _MOST_PICKUP = 1000.0  # 1/mm, as in recordings
 _MANY_OUTDATED = 1024  # vertices, above which their colours are found while nobody paints
-_EDIT_STEP = COMMANDS["edit_strokes"].step
+_EDIT_STEP = COMMANDS["edit_strokes"].undo_label
 # Label of a step of an edit that no stroke begins: it is taken back with the step before it, and
 # done again with the one after it.
 
@@ -113,7 +113,7 @@ class Document:
         Of lengths as they are shown: "mm", "cm", "m" or "in".
     inks : list of two inks
         The one the brush is dipped in, and the one that `swap_inks` takes.
-    settings : dict
+    properties : dict
         Anything else that is to be kept with the painting, as JSON holds it.
     tuft_follower : TuftFollower
         Finds how the tuft lies on the surface, for drawing it.
@@ -121,7 +121,7 @@ class Document:
         Whether it is otherwise than it was saved; undo and redo may lead back there.
     left_out : bool
         Whether some steps found no room in the file when it was saved last.
-    keeper : ScoreKeeper or None
+    recorder : ScoreRecorder or None
         Writes down what is asked, to be played again; None where how it began is not known.
     check_access : callable
         Raises RuntimeError where the thread that calls a method may not use the document.
@@ -146,8 +146,8 @@ class Document:
         self.path = path
         self._written = _written(path)
         self.unit = unit
-        self.settings: dict[str, Any] = dict(saved.settings if saved else {})
-        at_hand = saved_inks(surface, self.settings)
+        self.properties: dict[str, Any] = dict(saved.settings if saved else {})
+        at_hand = saved_inks(surface, self.properties)
         self.inks: list[Ink] = list(at_hand or (painter.dipped, PURE_INKS[1]))
         self.progress: Callable[[float], None] | None = None
         self.check_access: Callable[[], None] = lambda: None
@@ -155,31 +155,32 @@ class Document:
         self._saved_at: int | None = 0
         self.left_out = False
         self._recordings = tuple(saved.recordings if saved else ())
-        self._texts = unpacked_texts(self.settings.pop("texts", []))
-        self._log = StrokeLog(saved.strokes if saved else (), self.settings.get("brushes", {}))
+        self._texts = unpacked_texts(self.properties.pop("texts", []))
+        self._log = StrokeLog(saved.strokes if saved else (), self.properties.get("brushes", {}))
         surface.use_layers()
-        self._dipped_since_stroke = self.settings.get("fresh", True) is not False
-        self._undo = UndoHistory(surface, undo_bytes, self._keep, self._restore)
+        self._dipped_since_stroke = self.properties.get("fresh", True) is not False
+        self._undo = UndoHistory(surface, undo_bytes, self._capture_state, self._restore_state)
         self._strokes = StrokePainter(painter, self._undo)
-        self._lease: BrushLease | None = None
+        self._override: ToolOverride | None = None
         self._refused = False  # the stroke whose samples come
         self._press = SealPress(painter, self._undo)
         self._edits = EditHistory(self._undo)
-        self._is_anew = False  # strokes are painted anew
-        self._passing = self._looking = False  # strokes were undone to look at what was before
-        self.keeper = self._keeper(saved)
+        self._is_repainting = False
+        self._is_previewing = False  # strokes were undone only to look at what was before
+        self._looks_back = False  # and are not done again
+        self.recorder = self._make_recorder(saved)
         self.refused_history = self._take_history(saved)
         self._saved_at = self._undo.next_undo
-        surface.keeps_up = self.settings.pop("behind", False) is not True
+        surface.keeps_up = self.properties.pop("behind", False) is not True
         self._pending: list[AnyArray] = []
         self.tuft_follower = TuftFollower()
 
-    def _keeper(self, saved: Session | None) -> ScoreKeeper | None:
+    def _make_recorder(self, saved: Session | None) -> ScoreRecorder | None:
         if saved is None:
-            return ScoreKeeper.begin(self.surface, self.painter)
+            return ScoreRecorder.begin(self.surface, self.painter)
         if saved.score is None:
             return None
-        return ScoreKeeper.resumed(saved.score, len(saved.strokes))
+        return ScoreRecorder.resumed(saved.score, len(saved.strokes))
 
     @property
     def score(self) -> Score | None:
@@ -187,14 +188,14 @@ class Document:
 
         `score_of_strokes` then tells of the strokes alone.
         """
-        return None if self.keeper is None else self.keeper.score(self.surface.source.name)
+        return None if self.recorder is None else self.recorder.score(self.surface.source.name)
 
     def _take_history(self, saved: Session | None) -> Message | None:
         """Have the way back that was saved; why not, where it is damaged."""
         if saved is None or saved.history is None:
             return None
         try:
-            undone = strokes_of(saved.undone, self.settings.get("brushes"))
+            undone = strokes_of(saved.undone, self.properties.get("brushes"))
             log = self._log
             held = restore_history(self.surface, self._undo, saved.history, log.strokes, undone)
         except SessionError as error:
@@ -202,15 +203,15 @@ class Document:
         self._log.hold(held)
         return None
 
-    def _keep(self) -> dict[str, object]:
+    def _capture_state(self) -> dict[str, object]:
         """What undo brings back besides the surface."""
         texts = packed_texts(self._texts)
         return {"painter": self.painter.keep(), "dipped": self._dipped_since_stroke, "texts": texts}
 
-    def _restore(self, kept: Any) -> None:
-        self.painter.restore(kept["painter"])
-        self._dipped_since_stroke = kept["dipped"]
-        self._texts = unpacked_texts(kept["texts"])
+    def _restore_state(self, state: Any) -> None:
+        self.painter.restore(state["painter"])
+        self._dipped_since_stroke = state["dipped"]
+        self._texts = unpacked_texts(state["texts"])
 
     # -- opening and saving ---------------------------------------------------------------
 
@@ -347,12 +348,12 @@ class Document:
 
     def set_reference(self, reference: Mapping[str, Any] | None = None) -> None:
         """Keep with the painting which picture is beside the work, and how; None: none."""
-        if self._keep_setting("reference", reference):
+        if self._set_property("reference", reference):
             self.differ_from_saved()
 
     def set_views(self, views: Mapping[str, Mapping[str, Any]]) -> None:
         """Keep with the painting from where it is looked at, by name."""
-        if self._keep_setting("views", views):
+        if self._set_property("views", views):
             self.differ_from_saved()
 
     def set_light(self, kind: str, turn: float) -> None:
@@ -360,18 +361,18 @@ class Document:
 
         That is no reason to save it.
         """
-        self._keep_setting("light", {"kind": kind, "turn": turn})
+        self._set_property("light", {"kind": kind, "turn": turn})
 
-    def _keep_setting(self, name: str, words: Mapping[str, Any] | None) -> bool:
-        """Put words among `settings`, or take them out; whether they were others."""
+    def _set_property(self, name: str, value: Mapping[str, Any] | None) -> bool:
+        """Put a property among `properties`, or take it out; whether it was another."""
         self.check_access()
-        before = self.settings.pop(name, None)
-        if words is not None:
-            self.settings[name] = dict(words)
-        return bool(before != words)
+        before = self.properties.pop(name, None)
+        if value is not None:
+            self.properties[name] = dict(value)
+        return bool(before != value)
 
     def _session(self) -> Session:
-        settings = {**self.settings, "brush": brush_words(self.painter.brush)}
+        settings = {**self.properties, "brush": brush_words(self.painter.brush)}
         settings |= {"ink": self.painter.ink.name, "unit": self.unit}
         settings["azimuth"] = self.painter.azimuth
         if self._texts:
@@ -385,8 +386,8 @@ class Document:
             settings["behind"] = True
         settings["inks"] = [weights_of(ink) for ink in self.inks]
         history, gone = saved_history(self.surface, self._undo, self._log.current, MOST_BYTES)
-        kept, steps = len(history["done"]) + len(history["undone"]), self._undo
-        self.left_out = kept < len(steps.done) + len(steps.undone)
+        n_kept, steps = len(history["done"]) + len(history["undone"]), self._undo
+        self.left_out = n_kept < len(steps.done) + len(steps.undone)
         names = names_apart(stroke.brush for stroke in (*self.strokes, *gone))
         settings["brushes"] = {name: brush_words(brush) for brush, name in names.items()}
         strokes = tuple(stroke.recording(names[stroke.brush]) for stroke in self.strokes)
@@ -416,8 +417,9 @@ class Document:
             self.save_copy(path, progress)
             return
         self._gather()
-        told = part_of(progress, 0.0, 0.6)
-        prepared = prepare_export(self.surface, path, ExportOptions(**options), told)
+        prepared = prepare_export(
+            self.surface, path, ExportOptions(**options), part_of(progress, 0.0, 0.6)
+        )
         prepared.write(part_of(progress, 0.6, 1.0))
 
     def prepare_export(
@@ -628,7 +630,7 @@ class Document:
             belong to the stroke that was refused.
         """
         self._refuse_in_stroke(Message("a stroke"))
-        self._come_back()
+        self._end_preview()
         self._refused = True
         loads = checked_pairs("loads", loads)
         strengths = checked_pairs("strengths", strengths, LEAST_INK)
@@ -648,11 +650,11 @@ class Document:
             brush, ink = brush or painter.brush, ink or painter.dipped  # never an empty brush
             stroke.tags[ERASES] = True
         if brush is not None or ink is not None:
-            self._borrow(stroke, brush, ink)
+            self._override_tool(stroke, brush, ink)
         self._refused = self._dipped_since_stroke = False
         self._strokes.begin(loads, strengths, erase=erase)
 
-    def _borrow(
+    def _override_tool(
         self,
         stroke: Stroke,
         brush: BrushSpec | None,
@@ -661,7 +663,7 @@ class Document:
         """Take a brush or an ink for the stroke that begins; where that fails, none begins."""
         painter = self.painter
         try:
-            self._lease = BrushLease(painter, brush, ink)
+            self._override = ToolOverride(painter, brush, ink)
         except BaseException:
             self._log.cancel()
             self._note(self._undo.revert())
@@ -689,8 +691,8 @@ class Document:
         self._log.append(samples)
         self._strokes.advance(samples)
         self.modified = True
-        if self.keeper is not None and not self.keeper.is_within:
-            self.keeper.feed(samples)
+        if self.recorder is not None and not self.recorder.is_suspended:
+            self.recorder.feed(samples)
 
     @recorded
     def lift(self) -> None:
@@ -711,9 +713,9 @@ class Document:
         if not self.in_stroke:
             return None
         self._strokes.finish()
-        if self._lease is not None:
-            self._lease.end()
-            self._lease = None
+        if self._override is not None:
+            self._override.end()
+            self._override = None
         stroke = self._log.end()
         if stroke is None:
             self._note(self._undo.revert())
@@ -733,7 +735,7 @@ class Document:
         if not self.in_stroke:
             return
         self._strokes.abandon()
-        self._lease = None  # what was in hand comes back with the step
+        self._override = None  # what was in hand comes back with the step
         self._log.cancel()
         self._note(self._undo.revert())
         self.compare_with_saved()
@@ -824,9 +826,9 @@ class Document:
     def dry(self) -> None:
         """Let all wet paint dry at once: a step that can be undone."""
         self._refuse_in_stroke(Message("drying"))
-        self._come_back()
+        self._end_preview()
         self._paintable()
-        self._undo.begin(COMMANDS["dry"].step)
+        self._undo.begin(COMMANDS["dry"].undo_label)
         self.surface.dry()
         self.modified = True
 
@@ -843,9 +845,9 @@ class Document:
         """
         self._refuse_in_stroke(Message("blotting"))
         share = as_number(share, "share", 0.0, 1.0)
-        self._come_back()
+        self._end_preview()
         self._paintable()
-        self._undo.begin(COMMANDS["blot"].step)
+        self._undo.begin(COMMANDS["blot"].undo_label)
         surface = self.surface
         surface.drop_flow()
         before = surface.wet_ink()
@@ -892,7 +894,7 @@ class Document:
         """
         name = name or self._free_name()
         place = self.active_layer + 1 if place is None else place
-        self._restack(COMMANDS["add_layer"].step, lambda stack: stack.add(name, place))
+        self._restack(COMMANDS["add_layer"].undo_label, lambda stack: stack.add(name, place))
 
     @recorded
     def remove_layer(self, place: int) -> None:
@@ -903,7 +905,7 @@ class Document:
         InputError
             If there is none at that place, it is the only one, or a stroke is going on.
         """
-        self._restack(COMMANDS["remove_layer"].step, lambda stack: stack.remove(place))
+        self._restack(COMMANDS["remove_layer"].undo_label, lambda stack: stack.remove(place))
 
     @recorded
     def move_layer(self, place: int, to: int, within: int | None = None) -> None:
@@ -920,7 +922,9 @@ class Document:
         InputError
             If there is no such place, a group would lie in two parts, or a stroke is going on.
         """
-        self._restack(COMMANDS["move_layer"].step, lambda stack: stack.move(place, to, within))
+        self._restack(
+            COMMANDS["move_layer"].undo_label, lambda stack: stack.move(place, to, within)
+        )
 
     # A group is named by the place of any of its layers.
 
@@ -936,7 +940,7 @@ class Document:
         """
         last = place if last is None else last
         name = name or self._free_group_name()
-        step = COMMANDS["add_group"].step
+        step = COMMANDS["add_group"].undo_label
         self._restack(step, lambda stack: stack.group(place, last, name))
 
     @recorded
@@ -948,7 +952,7 @@ class Document:
         InputError
             If there is no layer at that place, it is in no group, or a stroke is going on.
         """
-        self._restack(COMMANDS["ungroup"].step, lambda stack: stack.ungroup(place))
+        self._restack(COMMANDS["ungroup"].undo_label, lambda stack: stack.ungroup(place))
 
     @recorded
     def duplicate_group(self, place: int, name: str | None = None) -> None:
@@ -961,7 +965,7 @@ class Document:
             many, or a stroke is going on.
         """
         name = name or self._free_group_name()
-        step = COMMANDS["duplicate_group"].step
+        step = COMMANDS["duplicate_group"].undo_label
         self._restack(step, lambda stack: stack.duplicate_group(place, name))
 
     @recorded
@@ -974,7 +978,7 @@ class Document:
             If there is no such place, the layer is in no group, another group would lie in two
             parts, or a stroke is going on.
         """
-        self._restack(COMMANDS["move_group"].step, lambda stack: stack.move_group(place, to))
+        self._restack(COMMANDS["move_group"].undo_label, lambda stack: stack.move_group(place, to))
 
     @recorded
     def remove_group(self, place: int) -> None:
@@ -986,7 +990,7 @@ class Document:
             If there is no layer at that place, it is in no group, no other layer would stay, or a
             stroke is going on.
         """
-        self._restack(COMMANDS["remove_group"].step, lambda stack: stack.remove_group(place))
+        self._restack(COMMANDS["remove_group"].undo_label, lambda stack: stack.remove_group(place))
 
     @recorded
     def set_group_opacity(self, place: int, opacity: float) -> None:
@@ -998,7 +1002,7 @@ class Document:
             If there is no layer at that place, it is in no group, it is no such share, or a stroke
             is going on.
         """
-        step = COMMANDS["set_group_opacity"].step
+        step = COMMANDS["set_group_opacity"].undo_label
         self._restack(step, lambda stack: stack.describe_group(place, opacity=opacity))
 
     @recorded
@@ -1011,7 +1015,7 @@ class Document:
             If there is no layer at that place, it is in no group, it is neither, or a stroke is
             going on.
         """
-        step = COMMANDS["set_group_blend"].step
+        step = COMMANDS["set_group_blend"].undo_label
         self._restack(step, lambda stack: stack.describe_group(place, blend=blend))
 
     @recorded
@@ -1056,7 +1060,7 @@ class Document:
             going on.
         """
         name = name or self._free_name()
-        step = COMMANDS["duplicate_layer"].step
+        step = COMMANDS["duplicate_layer"].undo_label
         self._restack(step, lambda stack: stack.duplicate(place, name))
 
     @recorded
@@ -1081,7 +1085,7 @@ class Document:
             # a part of its own: undo comes to the layer that dried last before it takes that back
             self._undo.change(stack.state, lambda: stack.merge(place, self.surface.glaze))
 
-        self._restack(COMMANDS["merge_layer"].step, merge)
+        self._restack(COMMANDS["merge_layer"].undo_label, merge)
 
     @recorded
     def set_opacity(self, place: int, opacity: float) -> None:
@@ -1093,7 +1097,7 @@ class Document:
             If there is none at that place, it is no such share, or a stroke is going on.
         """
         self._restack(
-            COMMANDS["set_opacity"].step, lambda stack: stack.describe(place, opacity=opacity)
+            COMMANDS["set_opacity"].undo_label, lambda stack: stack.describe(place, opacity=opacity)
         )
 
     @recorded
@@ -1105,7 +1109,9 @@ class Document:
         InputError
             If there is none at that place, it is neither, or a stroke is going on.
         """
-        self._restack(COMMANDS["set_blend"].step, lambda stack: stack.describe(place, blend=blend))
+        self._restack(
+            COMMANDS["set_blend"].undo_label, lambda stack: stack.describe(place, blend=blend)
+        )
 
     def _free_name(self) -> str:
         """The first number that no layer is called by."""
@@ -1141,7 +1147,7 @@ class Document:
     def _restack(self, step: str, action: Callable[[LayerStack], None]) -> None:
         """Change which layers there are; ink that goes or comes with them is no longer loaded."""
         self._refuse_in_stroke(Message("another order of layers"))
-        if step and self._passing:
+        if step and self._is_previewing:
             raise InputError(
                 "{step} was asked for during a replay; expected its end first",
                 step=step,
@@ -1168,16 +1174,16 @@ class Document:
     def _paintable(self, place: int | None = None) -> Layer:
         """The layer that is painted on, or another one that is to be changed."""
         layer = self.layers[self.active_layer if place is None else place]
-        told = Message("Layer {number}", number=layer.name) if layer.name.isdigit() else layer.name
+        name = Message("Layer {number}", number=layer.name) if layer.name.isdigit() else layer.name
         if layer.locked:
             raise LayerError(
-                "“{layer}” is locked; unlock it, or paint on another layer", layer=told
+                "“{layer}” is locked; unlock it, or paint on another layer", layer=name
             )
         if not layer.visible:
-            raise LayerError("“{layer}” is hidden; show it, or paint on another layer", layer=told)
+            raise LayerError("“{layer}” is hidden; show it, or paint on another layer", layer=name)
         if not layer.is_seen:
             raise LayerError(
-                "the group of “{layer}” is hidden; show it, or paint on another layer", layer=told
+                "the group of “{layer}” is hidden; show it, or paint on another layer", layer=name
             )
         return layer
 
@@ -1229,8 +1235,8 @@ class Document:
             )
         changed = (*self._texts[:number], *by, *self._texts[number + 1 :])
         unpacked_texts([text.words() for text in changed])  # not too many
-        self._come_back()
-        self._undo.begin(COMMANDS[command].step)
+        self._end_preview()
+        self._undo.begin(COMMANDS[command].undo_label)
         self._texts = changed
         self._undo.seal()
         self.modified = True
@@ -1281,7 +1287,7 @@ class Document:
         """
         self._refuse_in_stroke(Message("a seal"))
         seal = self._press.check(rings, coats, pad_mm, wear, seed)
-        self._come_back()
+        self._end_preview()
         self._paintable()
         touched = self._press.press(seal, at, up, ink, self.stencil)
         self.modified = True
@@ -1307,7 +1313,7 @@ class Document:
     @property
     def looks_back(self) -> bool:
         """Whether strokes were undone by `replay_history` and not done again since."""
-        return self._looking
+        return self._looks_back
 
     @recorded
     def undo(self) -> AnyArray:
@@ -1322,12 +1328,12 @@ class Document:
             Vertices whose colours may have changed.
         """
         self.break_off()
-        if not self._is_anew and self._edits.ends_here:
-            return self._exchange_edit(self._edits.take_back)
-        return self._step_back()
+        if not self._is_repainting and self._edits.ends_here:
+            return self._exchange_edit(self._edits.undo)
+        return self._undo_step()
 
-    def _step_back(self) -> AnyArray:
-        self._passing = self._looking = False
+    def _undo_step(self) -> AnyArray:
+        self._is_previewing = self._looks_back = False
         if not self._undo.done and self.can_undo:
             self.recall_strokes()
         painter, steps = self.painter, self._undo
@@ -1348,11 +1354,11 @@ class Document:
         """Do again what was undone last; returns as `undo`."""
         self.break_off()
         if self._can_edit_again:
-            return self._exchange_edit(self._edits.do_again)
-        return self._step_forth()
+            return self._exchange_edit(self._edits.redo)
+        return self._redo_step()
 
-    def _step_forth(self) -> AnyArray:
-        self._passing = self._looking = False
+    def _redo_step(self) -> AnyArray:
+        self._is_previewing = self._looks_back = False
         steps = self._undo
         touched = [steps.redo()]
         while steps.undone and steps.done[-1] == _EDIT_STEP:
@@ -1416,15 +1422,15 @@ class Document:
         if upto < self.oldest_stroke:
             touched.append(self.recall_strokes())
         while len(self.strokes) > upto:
-            touched.append(self._step_back())
+            touched.append(self._undo_step())
         while len(self.strokes) < upto or self._next_is_no_stroke():
-            touched.append(self._step_forth())
-        self._passing, self._looking = passing, upto < most
+            touched.append(self._redo_step())
+        self._is_previewing, self._looks_back = passing, upto < most
         return union(touched, self.surface.paint_mesh.capacity)
 
-    def _come_back(self) -> None:
+    def _end_preview(self) -> None:
         """Do all again that was undone only to look at what was before."""
-        if self._passing:
+        if self._is_previewing:
             self.replay_history(len(self.strokes) + len(self.undone_strokes))
 
     def _next_is_no_stroke(self) -> bool:
@@ -1507,7 +1513,7 @@ class Document:
             found = union(touched, self.surface.paint_mesh.capacity)
             self.surface.touch(found)
             self._note(found)
-        self.keeper = None  # what is painted again is not what was
+        self.recorder = None  # what is painted again is not what was
         return found
 
     # -- edits of strokes -------------------------------------------------------------------
@@ -1525,8 +1531,8 @@ class Document:
             Of the strokes, from 0, among `strokes` and, after them, `undone_strokes`; scores number
             theirs from 1.
         edit : mapping
-            See `score_edits.edit_strokes`; the ink may be one in hand, the brush a `BrushSpec`, and
-            the brushes of strokes that are scaled are theirs, scaled.
+            See `score_edits.apply_stroke_edit`; the ink may be one in hand, the brush a
+            `BrushSpec`, and the brushes of strokes that are scaled are theirs, scaled.
 
         Returns
         -------
@@ -1543,29 +1549,29 @@ class Document:
         if not chosen:
             raise InputError("no stroke is chosen; expected one or several")
         score = self._score_to_edit()
-        if self._looking:
+        if self._looks_back:
             self.replay_history(len(self.strokes) + len(self.undone_strokes))
             score = self._score_to_edit()
-        spans = places_of(score, len(self.strokes), len(self.undone_strokes))
-        for place in chosen:
-            self._check_number(place, len(self.strokes))
-        words = self._in_words(edit, score)
+        spans = locate_strokes(score, len(self.strokes), len(self.undone_strokes))
+        for index in chosen:
+            self._check_index(index, len(self.strokes))
+        words = self._serialize_edit(edit, score)
         if edit.get("do") == "scale" and "factor" in edit:
             brushes = [scaled(self.strokes[k].brush, edit["factor"]) for k in chosen]
-            words = {**words, "brushes": [brush_named(brush) for brush in brushes]}
-        edited = edit_strokes(score, [spans[k][0] for k in chosen], words, self.surface.source)
+            words = {**words, "brushes": [encode_brush(brush) for brush in brushes]}
+        edited = apply_stroke_edit(score, [spans[k][0] for k in chosen], words, self.surface.source)
         first = first_difference(score, edited)
         back = max((k for k, (_, begin) in enumerate(spans) if begin <= first), default=0)
         back = min([back, *chosen])
-        self._check_number(back, len(self.strokes))
-        return self._paint_anew(
+        self._check_index(back, len(self.strokes))
+        return self._repaint_from(
             edited, lambda: len(self.strokes) > back, min(spans[back][1], first)
         )
 
     @property
     def n_seals(self) -> int:
         """How many seals there are that steps take back."""
-        return self._undo.done.count(COMMANDS["press_seal"].step)
+        return self._undo.done.count(COMMANDS["press_seal"].undo_label)
 
     def pressed_seals(self) -> list[dict[str, Any]]:
         """What each seal that is there was pressed with, as a line of the score says it."""
@@ -1583,7 +1589,7 @@ class Document:
         place : int
             Of the seal, from 0, among those that are there; scores number theirs from 1.
         edit : mapping
-            See `score_edits.edit_seal`; the ink may be one in hand.
+            See `score_edits.apply_seal_edit`; the ink may be one in hand.
 
         Returns
         -------
@@ -1597,7 +1603,7 @@ class Document:
             everything is as it was then.
         """
         score = self._score_to_edit()
-        if self._looking:
+        if self._looks_back:
             self.replay_history(len(self.strokes) + len(self.undone_strokes))
             score = self._score_to_edit()
         seals = follow_steps(score).seals
@@ -1609,10 +1615,10 @@ class Document:
                 count=len(seals),
                 steps=held,
             )
-        words = self._in_words(edit, score)
-        edited = edit_seal(score, place + 1, words)
-        step = COMMANDS["press_seal"].step
-        return self._paint_anew(
+        words = self._serialize_edit(edit, score)
+        edited = apply_seal_edit(score, place + 1, words)
+        step = COMMANDS["press_seal"].undo_label
+        return self._repaint_from(
             edited, lambda: self._undo.done.count(step) > place, seals[place].begin
         )
 
@@ -1620,7 +1626,7 @@ class Document:
         """The score, during no stroke."""
         self.check_access()
         self.break_off()
-        if self.keeper is None:
+        if self.recorder is None:
             raise InputError(
                 "of this painting only the strokes are known, not what was between them; expected "
                 "one whose score is kept: save the strokes as a whole painting and replay it"
@@ -1629,68 +1635,70 @@ class Document:
         assert score is not None, "it is kept"
         return score
 
-    def _check_number(self, number: int, count: int) -> None:
-        if not 0 <= number < count:
-            if count <= number < count + len(self.undone_strokes):
+    def _check_index(self, index: int, count: int) -> None:
+        if not 0 <= index < count:
+            if count <= index < count + len(self.undone_strokes):
                 raise InputError(
                     "stroke {number} is undone; expected 1 to {count}",
-                    number=number + 1,
+                    number=index + 1,
                     count=count,
                 )
             raise InputError(
                 "there is no stroke {number}; expected 1 to {count}",
-                number=number + 1,
+                number=index + 1,
                 count=count,
             )
-        if number < self.oldest_stroke:
+        if index < self.oldest_stroke:
             raise InputError(
                 "no step leads back to stroke {number}; expected one from {oldest_stroke} on: save "
                 "the strokes as a whole painting and replay it",
-                number=number + 1,
+                number=index + 1,
                 oldest_stroke=self.oldest_stroke + 1,
             )
 
-    def _in_words(self, edit: Mapping[str, Any], score: Score) -> Mapping[str, Any]:
+    def _serialize_edit(self, edit: Mapping[str, Any], score: Score) -> Mapping[str, Any]:
         """An edit as it can be done to a score."""
         if edit.get("do") == "ink" and "ink" in edit:
-            inks = Inks(dict(score.header.get("pigments", {})))
-            return {**edit, "ink": inks.words(edit["ink"]), "pigments": inks.table}
+            inks = InkTable(dict(score.header.get("pigments", {})))
+            return {**edit, "ink": inks.encode(edit["ink"]), "pigments": inks.table}
         if isinstance(edit.get("brush"), BrushSpec):
-            return {**edit, "brush": brush_named(edit["brush"])}
+            return {**edit, "brush": encode_brush(edit["brush"])}
         return edit
 
-    def _paint_anew(self, edited: Score, goes_on: Callable[[], bool], begin: int) -> AnyArray:
+    def _repaint_from(self, edited: Score, goes_on: Callable[[], bool], begin: int) -> AnyArray:
         """Go back while there is something to undo, and play the edited score from an event on."""
-        keeper, steps = self.keeper, self._undo
-        assert keeper is not None, "it was looked at"
+        recorder, steps = self.recorder, self._undo
+        assert recorder is not None, "it was looked at"
         self._gather()
-        before, there, n_done = self._in_hand(), steps.next_undo, len(steps.done)
+        before, last_step, n_done = self._in_hand(), steps.next_undo, len(steps.done)
         layers = self.surface.use_layers().layers
-        since, ids = steps.lay_aside_since()
+        later_step, ids = steps.lay_aside_since()
         touched = [ids]
         while goes_on():
             touched.append(steps.undo())
             self._follow_log()
-        depth = len(steps.done)
-        aside = steps.exchange_undone(())
-        version = Version(depth, aside, n_done - depth, since, keeper, there, there, 0)
+        n_shared = len(steps.done)
+        redo_stack = steps.exchange_undone(())
+        version = Version(
+            n_shared, redo_stack, n_done - n_shared, later_step, recorder, last_step, last_step, 0
+        )
         try:
-            with keeper.within(), self._as_it_was(edited, begin):
+            with recorder.suspended(), self._restore_context(edited, begin):
                 self._play(edited, begin)
         except BaseException:
-            with keeper.within():
+            with recorder.suspended():
                 self.cancel_stroke()
             touched += self._edits.exchange(version)
-            self.keeper = keeper
+            self.recorder = recorder
             self._follow_log()
             raise
         else:
             self._edits.add(version)
-            self.keeper = ScoreKeeper(edited.header, edited.events)
+            self.recorder = ScoreRecorder(edited.header, edited.events)
             self.compare_with_saved()
         finally:
             self._describe(layers)
-            self._hold(before)
+            self._take_in_hand(before)
             found = union(touched, self.surface.paint_mesh.capacity)
             self.surface.touch(found)
             self._note(found)
@@ -1708,13 +1716,13 @@ class Document:
             self.end_stroke()
 
     @contextmanager
-    def _as_it_was(self, score: Score, begin: int) -> Iterator[None]:
+    def _restore_context(self, score: Score, begin: int) -> Iterator[None]:
         """Within: symmetry, mask and the like as they were then, all layers seen and open."""
         stack, saved_at = self.surface.use_layers(), self._saved_at
         strokes, tags, azimuth = self._strokes, dict(self._log.tags), self.painter.azimuth
         now = strokes.symmetry, strokes.mask, strokes.stencil
         inks = list(self.inks)
-        self._is_anew = True
+        self._is_repainting = True
         self._set_up(score, begin)
         for place in range(len(stack.layers)):
             stack.describe(place, visible=True, locked=False)
@@ -1725,7 +1733,7 @@ class Document:
         finally:
             strokes.symmetry, strokes.mask, strokes.stencil = now
             self._log.tags, self.painter.azimuth = tags, azimuth
-            self.inks, self._saved_at, self._is_anew = inks, saved_at, False
+            self.inks, self._saved_at, self._is_repainting = inks, saved_at, False
 
     def _describe(self, layers: Sequence[Layer]) -> None:
         """Have layers seen, locked and called as they were."""
@@ -1741,18 +1749,18 @@ class Document:
 
     def _set_up(self, score: Score, begin: int) -> None:
         """Have the symmetry, the mask and the like that the score had at an event."""
-        vocabulary = Vocabulary(self.surface, Inks(dict(score.header.get("pigments", {}))))
-        asked: dict[str, Mapping[str, Any]] = {
+        vocabulary = Vocabulary(self.surface, InkTable(dict(score.header.get("pigments", {}))))
+        calls: dict[str, Mapping[str, Any]] = {
             "set_symmetry": {"symmetry": Symmetry()}, "set_mask": {"mask": Mask()},
             "set_tags": {}, "set_azimuth": {"azimuth": score.header.get("azimuth", "commanded")},
         }  # fmt: skip
         for event in score.events[:begin]:
             if isinstance(event, Recording) or event.get("refused"):
                 continue
-            if event["do"] in asked:
-                asked[event["do"]] = arguments_of(event, vocabulary)
-        for name, settings in asked.items():
-            getattr(self, name)(**settings)
+            if event["do"] in calls:
+                calls[event["do"]] = decode_arguments(event, vocabulary)
+        for name, arguments in calls.items():
+            getattr(self, name)(**arguments)
 
     @property
     def n_edits(self) -> int:
@@ -1766,15 +1774,15 @@ class Document:
 
     @property
     def _can_edit_again(self) -> bool:
-        return not self._is_anew and self._edits.continues_here
+        return not self._is_repainting and self._edits.continues_here
 
-    def _exchange_edit(self, turn: Callable[[ScoreKeeper | None], Turned]) -> AnyArray:
+    def _exchange_edit(self, turn: Callable[[ScoreRecorder | None], Turned]) -> AnyArray:
         """Exchange the painting for the other version of the last edit."""
         before = self._in_hand()
-        touched, self.keeper = turn(self.keeper)
+        touched, self.recorder = turn(self.recorder)
         self._follow_log()
-        self._hold(before)
-        self._passing = self._looking = False
+        self._take_in_hand(before)
+        self._is_previewing = self._looks_back = False
         found = union(touched, self.surface.paint_mesh.capacity)
         self.compare_with_saved()
         self._note(found)
@@ -1783,7 +1791,7 @@ class Document:
     def _in_hand(self) -> tuple[BrushSpec, Any, DipAmount]:
         return self.painter.brush, self.painter.dipped, self.painter.amount
 
-    def _hold(self, in_hand: tuple[BrushSpec, Any, DipAmount]) -> None:
+    def _take_in_hand(self, in_hand: tuple[BrushSpec, Any, DipAmount]) -> None:
         """Have the brush, the ink and so much of it as were chosen last."""
         brush, dipped, amount = in_hand
         if self.painter.brush != brush:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from paint3d.app.model.score.keeping import ScoreKeeper
+from paint3d.app.model.score.recorder import ScoreRecorder
 from paint3d.core.arrays import AnyArray
 from paint3d.device.recorded import Recording
 from paint3d.errors import InputError
@@ -22,13 +22,13 @@ __all__ = [
     "Turned",
     "Version",
     "first_difference",
-    "places_of",
+    "locate_strokes",
     "without_refusals",
 ]
 
 
-Turned = tuple[list[AnyArray], ScoreKeeper | None]
-"""Vertices (N,) int32 whose colours may have changed, and the keeper of the painting as it is."""
+Turned = tuple[list[AnyArray], ScoreRecorder | None]
+"""Vertices (N,) int32 whose colours may have changed, and the recorder of the painting as it is."""
 
 
 @dataclass(eq=False)
@@ -37,30 +37,30 @@ class Version:
 
     Attributes
     ----------
-    depth : int
+    n_shared : int
         Steps that both have.
-    aside : list of Step
+    redo_stack : list of Step
         Those to do again after them, the next one last.
-    count : int
+    n_redo : int
         How many of them are to be done.
-    since : Step
+    later_step : Step
         What came since an undo, to do again after them.
-    keeper : ScoreKeeper or None
-    here : int
+    recorder : ScoreRecorder or None
+    last_step : int
         Number of the last step of the version that is there now.
-    there : int
+    other_last_step : int
         And of the other one.
     newest : int
         Number of the newest step when the versions were exchanged.
     """
 
-    depth: int
-    aside: list[Step]
-    count: int
-    since: Step
-    keeper: ScoreKeeper | None
-    here: int
-    there: int
+    n_shared: int
+    redo_stack: list[Step]
+    n_redo: int
+    later_step: Step
+    recorder: ScoreRecorder | None
+    last_step: int
+    other_last_step: int
     newest: int
 
 
@@ -91,7 +91,7 @@ class EditHistory:
     @property
     def ends_here(self) -> bool:
         """Whether the last thing that was done is an edit."""
-        return bool(self._done) and self._done[-1].here == self._steps.next_undo
+        return bool(self._done) and self._done[-1].last_step == self._steps.next_undo
 
     @property
     def continues_here(self) -> bool:
@@ -99,55 +99,57 @@ class EditHistory:
         last = self._undone[-1] if self._undone else None
         if last is None:
             return False
-        return last.here == self._steps.next_undo and last.newest == self._steps.newest
+        return last.last_step == self._steps.next_undo and last.newest == self._steps.newest
 
     def add(self, version: Version) -> None:
         """Have another edit, which has just been done; the version is the painting without it."""
-        version.here = self._steps.next_undo
+        version.last_step = self._steps.next_undo
         self._done.append(version)
         self._undone.clear()
 
-    def take_back(self, keeper: ScoreKeeper | None) -> Turned:
+    def undo(self, recorder: ScoreRecorder | None) -> Turned:
         """Take the last edit back.
 
         Parameters
         ----------
-        keeper : ScoreKeeper or None
+        recorder : ScoreRecorder or None
             Of the painting as it is.
 
         Returns
         -------
         Turned
         """
-        return self._turn(self._done, self._undone, keeper)
+        return self._exchange_last(self._done, self._undone, recorder)
 
-    def do_again(self, keeper: ScoreKeeper | None) -> Turned:
-        """Do the next edit again; see `take_back`."""
-        return self._turn(self._undone, self._done, keeper)
+    def redo(self, recorder: ScoreRecorder | None) -> Turned:
+        """Do the next edit again; see `undo`."""
+        return self._exchange_last(self._undone, self._done, recorder)
 
-    def _turn(self, one: list[Version], other: list[Version], keeper: ScoreKeeper | None) -> Turned:
+    def _exchange_last(
+        self, one: list[Version], other: list[Version], recorder: ScoreRecorder | None
+    ) -> Turned:
         version = one.pop()
         touched = self.exchange(version)
         version.newest = self._steps.newest
         other.append(version)
-        back, version.keeper = version.keeper, keeper
+        back, version.recorder = version.recorder, recorder
         return touched, back
 
     def exchange(self, version: Version) -> list[AnyArray]:
-        """Undo to where the versions part, and redo in the other one; see `take_back`."""
+        """Undo to where the versions part, and redo in the other one; see `undo`."""
         steps = self._steps
-        since, ids = steps.lay_aside_since()
-        count = len(steps.done) - version.depth
+        later_step, ids = steps.lay_aside_since()
+        count = len(steps.done) - version.n_shared
         touched = [ids, *(steps.undo() for _ in range(count))]
-        aside = steps.exchange_undone(version.aside)
-        touched += [steps.redo() for _ in range(version.count)]
-        touched.append(steps.resume_since(version.since))
-        version.aside, version.count, version.since = aside, count, since
-        version.here, version.there = version.there, version.here
+        redo_stack = steps.exchange_undone(version.redo_stack)
+        touched += [steps.redo() for _ in range(version.n_redo)]
+        touched.append(steps.resume_since(version.later_step))
+        version.redo_stack, version.n_redo, version.later_step = redo_stack, count, later_step
+        version.last_step, version.other_last_step = version.other_last_step, version.last_step
         return touched
 
 
-def places_of(score: Score, there: int, undone: int) -> list[tuple[int, int]]:
+def locate_strokes(score: Score, n_done: int, n_undone: int) -> list[tuple[int, int]]:
     """Of the strokes that are there and those that were undone: number in the score, and event.
 
     Raises
@@ -156,14 +158,14 @@ def places_of(score: Score, there: int, undone: int) -> list[tuple[int, int]]:
         If they are others than the score's.
     """
     steps = follow_steps(score)
-    if (len(steps.done), len(steps.undone)) != (there, undone):
+    if (len(steps.done), len(steps.undone)) != (n_done, n_undone):
         raise InputError(
             "the score has {n} strokes there and {steps_undone} undone; expected {there} and "
             "{undone}, as in the painting",
             n=len(steps.done),
             steps_undone=len(steps.undone),
-            there=there,
-            undone=undone,
+            there=n_done,
+            undone=n_undone,
         )
     return [(stroke.number, stroke.begin) for stroke in (*steps.done, *steps.undone)]
 

@@ -35,8 +35,8 @@ __all__ = [
     "DISH",
     "HAIR",
     "BrushView",
-    "Frame",
     "HeldInk",
+    "PaintingFrame",
     "Snapshot",
     "held_ink",
     "ink_srgb",
@@ -272,7 +272,7 @@ class Snapshot:
 
 
 @dataclass(frozen=True, eq=False)
-class Frame:
+class PaintingFrame:
     """One state of the painting, as far as it differs from the frame before.
 
     Attributes

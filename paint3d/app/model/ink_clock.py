@@ -34,10 +34,10 @@ class InkClock:
     def __init__(self, now_ns: int) -> None:
         self.left_out = 0
         self._passed = pieces_until(now_ns)  # since the clock's zero
-        self._heard = self._heard_at = now_ns  # news
+        self._sample_ns = self._arrived_ns = now_ns  # news
         self._knows_hand = False
 
-    def hear(self, sample_ns: int, now_ns: int, most: int) -> int:
+    def advance_to(self, sample_ns: int, now_ns: int, most: int) -> int:
         """Advance the clock to a sample.
 
         Parameters
@@ -54,7 +54,7 @@ class InkClock:
         int
             Time steps that pass before it is painted; none before the first sample.
         """
-        self._heard, self._heard_at = sample_ns, now_ns
+        self._sample_ns, self._arrived_ns = sample_ns, now_ns
         ended = pieces_until(sample_ns)
         if not self._knows_hand or ended < self._passed - round(_OTHER_S / PIECE_S):
             self._passed, self._knows_hand = ended, True
@@ -82,4 +82,4 @@ class InkClock:
 
     def _hand_ns(self, now_ns: int) -> int:
         """Up to when all input of the hand is known, by its own clock."""
-        return self._heard + now_ns - self._heard_at - round(LATE_S * _NS)
+        return self._sample_ns + now_ns - self._arrived_ns - round(LATE_S * _NS)

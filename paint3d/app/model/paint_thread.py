@@ -30,7 +30,7 @@ from typing import Any
 from paint3d.app.model.brush_in_hand import BRUSH_COMMANDS, brush_after
 from paint3d.app.model.commands import COMMANDS, encode_command
 from paint3d.app.model.document import Document
-from paint3d.app.model.frame import Frame, Snapshot, view_brush
+from paint3d.app.model.frame import PaintingFrame, Snapshot, view_brush
 from paint3d.app.model.ink_clock import InkClock
 from paint3d.app.model.persistence.recovery_folder import RecoveryFolder, refusal
 from paint3d.brush.spec import BrushSpec
@@ -55,10 +55,10 @@ _PORTION, _LARGEST_S = 0.05, 1.0  # of the rest; at most, and never more than pa
 _FOLLOW, _LIFT = "follow_time", "lift"
 _ENDS = frozenset({"begin_stroke", "cancel_stroke", "end_stroke"})
 
-_BASE_EVERY_S = 120.0
+_AUTOSAVE_INTERVAL_S = 120.0
 _AGAIN_S = 10.0  # after which a base is tried again that is to make up for a gap in the journal
 
-Command = str | Callable[..., object]
+Operation = str | Callable[..., object]
 
 
 @dataclass(frozen=True)
@@ -89,7 +89,7 @@ class _Job:
 
     came: float
     samples: Sequence[DeviceSample] = ()
-    command: Command | None = None
+    command: Operation | None = None
     arguments: tuple[Any, ...] = ()
     options: Mapping[str, Any] = field(default_factory=dict)
     result: Future[Any] | None = None
@@ -125,7 +125,7 @@ class PaintThread:
         Let ink spread and dry in real time.
     recovery : RecoveryFolder, optional
         Where what is painted is kept until it is saved; closed by `stop`.
-    base_every_s : float
+    autosave_interval_s : float
         The least time between two bases of the recovery folder.
 
     Attributes
@@ -136,7 +136,7 @@ class PaintThread:
         What the hand did last, whether it is painted yet or not.
     ink_clock : InkClock
         Counts the time that passes for the ink, if it is wet.
-    base_every_s : float
+    autosave_interval_s : float
     n_painted : int
         Samples that have been painted.
     last_asked_s : float
@@ -149,13 +149,13 @@ class PaintThread:
         document: Document,
         wet: bool = False,
         recovery: RecoveryFolder | None = None,
-        base_every_s: float = _BASE_EVERY_S,
+        autosave_interval_s: float = _AUTOSAVE_INTERVAL_S,
     ) -> None:
         self._document = document
         self._wet = wet
         self._by_samples_alone = False  # alone what time it is for the ink
         self._haste = 1
-        self.base_every_s = base_every_s
+        self.autosave_interval_s = autosave_interval_s
         self._writer = None if recovery is None else _JournalWriter(recovery, document, self.report)
         self._base_time, self._base_step = time.monotonic(), 0
         self._base_due = False
@@ -165,7 +165,9 @@ class PaintThread:
         self._wake = threading.Condition()
         self._busy = threading.Lock()
         self._wanting = 0
-        self._slot: tuple[Frame, int] | None = None  # and how many jobs were done when it was made
+        self._slot: tuple[PaintingFrame, int] | None = (
+            None  # and how many jobs were done when it was made
+        )
         self._n_asked = self._n_done = 0  # jobs; time for the ink is none of them
         self._events: deque[Event] = deque()
         self._counts = document.surface.paint_mesh.arrays.counts.copy()  # in the last frame
@@ -187,7 +189,7 @@ class PaintThread:
 
     # -- for everybody ----------------------------------------------------------------------
 
-    def post(self, command: Command, *arguments: object, **options: object) -> Future[Any]:
+    def post(self, command: Operation, *arguments: object, **options: object) -> Future[Any]:
         """Queue a command behind all that was posted before.
 
         Parameters
@@ -282,7 +284,7 @@ class PaintThread:
                     self._nudged = True
                     self._wake.notify()
 
-    def take_frame(self) -> Frame | None:
+    def take_frame(self) -> PaintingFrame | None:
         """What changed since the last frame that was taken, or None; never waits."""
         with self._wake:
             slot, self._slot = self._slot, None
@@ -392,10 +394,10 @@ class PaintThread:
         """Where what is painted is kept."""
         return None if self._writer is None else self._writer.recovery
 
-    def keep_every(self, seconds: float) -> None:
+    def set_autosave_interval(self, seconds: float) -> None:
         """Save bases for recovery no oftener than that, from now on."""
         with self._wake:
-            self.base_every_s = seconds
+            self.autosave_interval_s = seconds
             self._wake.notify()
 
     def halt(self) -> None:
@@ -457,12 +459,12 @@ class PaintThread:
         for k, sample in enumerate(samples if self._wet else ()):
             most = sys.maxsize if all_time else self._pace.most(behind)
             at_ns = sample.time_ns // self._haste
-            pieces = self.ink_clock.hear(at_ns, round(1e9 * now), most)
+            pieces = self.ink_clock.advance_to(at_ns, round(1e9 * now), most)
             if pieces and first < k:
                 yield _Job(now, tuple(samples[first:k]))
                 first = k
             if pieces and is_lifted([*self._fed, sample]):
-                yield _asked(now, _LIFT)
+                yield _make_job(now, _LIFT)
             for _ in range(pieces):
                 yield _piece(now)
             self._fed.append(sample)
@@ -518,7 +520,11 @@ class PaintThread:
                 return patience  # else a heartbeat says that it is time
         if self._writer is None:
             return None
-        return min(_AGAIN_S, self.base_every_s) if self._writer.has_gap else self.base_every_s
+        return (
+            min(_AGAIN_S, self.autosave_interval_s)
+            if self._writer.has_gap
+            else self.autosave_interval_s
+        )
 
     @property
     def _runs_by_the_clock(self) -> bool:
@@ -637,7 +643,7 @@ class PaintThread:
         if self._writer is None or self._document.in_stroke:
             return
         passed_s = time.monotonic() - self._base_time
-        late = passed_s > self.base_every_s
+        late = passed_s > self.autosave_interval_s
         gap = self._writer.has_gap and passed_s > _AGAIN_S
         if not (self._base_due or gap or (late and self._writer.n_put)):
             return
@@ -667,7 +673,7 @@ class PaintThread:
         self._counts = counts
         sample = self._hovering
         self.painting = Snapshot.of(document)
-        frame = Frame(
+        frame = PaintingFrame(
             ids,
             has_grown,
             None if sample is None else view_brush(document, sample),
@@ -697,10 +703,10 @@ def _report_to(document: Document, progress: Callable[[float], None] | None) -> 
 
 def _piece(came: float) -> _Job:
     """A piece of time for the ink."""
-    return _asked(came, _FOLLOW, PIECE_S)
+    return _make_job(came, _FOLLOW, PIECE_S)
 
 
-def _asked(came: float, command: str, *arguments: object) -> _Job:
+def _make_job(came: float, command: str, *arguments: object) -> _Job:
     return _Job(came, (), command, arguments, {}, Future())
 
 

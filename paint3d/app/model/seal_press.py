@@ -97,7 +97,7 @@ class SealPress:
                 share=left.share[free],
             )
         parts = _parts(surface, ink)
-        self._undo.begin(COMMANDS["press_seal"].step)
+        self._undo.begin(COMMANDS["press_seal"].undo_label)
         self._painter.loaded += lay_paste(surface, left, parts)
         if left.touched < _PALE:
             _LOG.warning(

@@ -92,7 +92,7 @@ class Stroke:
             own["dip"] = self.amount.words()
         return (
             own
-            | self.told_in_time()
+            | self.tool_changes()
             | {
                 "brush": brush or self.brush.name,
                 "ink": max(self.ink, key=self.ink.__getitem__) if self.ink else None,
@@ -104,14 +104,16 @@ class Stroke:
             }
         )
 
-    def told_in_time(self, shift: int = 0) -> dict[str, list[list[float]]]:
+    def tool_changes(self, shift: int = 0) -> dict[str, list[list[float]]]:
         """Loads and strengths as a recording's header tells them, times moved by `shift` ns."""
-        told = {}
+        changes = {}
         for name, pairs in (("loads", self.loads), ("strengths", self.strengths)):
             known = [one for one in pairs if one[0] < len(self.samples)]
             if known:
-                told[name] = [[self.samples[k].time_ns + shift, fraction] for k, fraction in known]
-        return told
+                changes[name] = [
+                    [self.samples[k].time_ns + shift, fraction] for k, fraction in known
+                ]
+        return changes
 
     def recording(self, brush: str = "") -> Recording:
         """The stroke by itself; see `header`."""
@@ -222,20 +224,20 @@ class StrokeLog:
         if not strokes:
             return None
         samples: list[DeviceSample] = []
-        told: dict[str, list[list[float]]] = {}
+        changes: dict[str, list[list[float]]] = {}
         shift = 0
         for stroke in strokes:
             own = _whole(stroke)
             if samples:
                 shift = _shift(samples[-1].time_ns, own[0].time_ns, shift)
             samples += [_with(s, time_ns=s.time_ns + shift) for s in own] if shift else own
-            for name, pairs in stroke.told_in_time(shift).items():
-                told[name] = [*told.get(name, []), *pairs]
-        return recording_of(samples, {**strokes[0].header(), **told, "object": object_name})
+            for name, pairs in stroke.tool_changes(shift).items():
+                changes[name] = [*changes.get(name, []), *pairs]
+        return recording_of(samples, {**strokes[0].header(), **changes, "object": object_name})
 
 
 def checked_pairs(
-    name: str, told: Sequence[tuple[int, float]], least: float = 0.0
+    name: str, changes: Sequence[tuple[int, float]], least: float = 0.0
 ) -> tuple[tuple[int, float], ...]:
     """What is told of samples of a stroke, shares from `least` to 1.
 
@@ -246,12 +248,12 @@ def checked_pairs(
     """
     expected = f"pairs of a sample, counted from 0, and a fraction from {least:g} to 1, in order"
     try:
-        pairs = [(k, as_number(fraction, "fraction", least, 1.0)) for k, fraction in told]
+        pairs = [(k, as_number(fraction, "fraction", least, 1.0)) for k, fraction in changes]
     except (TypeError, ValueError, InputError):
         raise InputError(
             "{name} are {told!r:.60}; expected {expected}",
             name=name,
-            told=told,
+            told=changes,
             expected=expected,
         ) from None
     whole = all(type(k) is int and k >= 0 for k, _ in pairs)
@@ -259,7 +261,7 @@ def checked_pairs(
         raise InputError(
             "{name} are {told!r:.60}; expected {expected}",
             name=name,
-            told=told,
+            told=changes,
             expected=expected,
         )
     return tuple(pairs)

@@ -85,29 +85,29 @@ class Actions:
                 bar.addAction(self._workspace.actions[name])
         return bar
 
-    def bind(self, doers: Iterable[object]) -> None:
-        """Have each command done by the one of the doers that has a ``do_<name>``.
+    def bind(self, handlers: Iterable[object]) -> None:
+        """Have each command done by the one of the handlers that has a ``do_<name>``.
 
         One that only changes the painting, and needs no argument, is posted to the painting thread.
         Undo and redo look as the last frame says. Their keys and taps are heard whatever it says:
         what was asked for since may have brought something to undo or redo.
         """
-        doers = tuple(doers)
+        handlers = tuple(handlers)
         for name, action in self._workspace.actions.items():
-            own = [getattr(d, f"do_{name}") for d in doers if hasattr(d, f"do_{name}")]
+            own = [getattr(d, f"do_{name}") for d in handlers if hasattr(d, f"do_{name}")]
             do = own[0] if own else partial(self._post, COMMANDS[name])
             if COMMANDS[name].checkable:
                 action.toggled.connect(do)
             else:
                 action.triggered.connect(_without_state(do))
             if name in _NEVER_LOST:
-                self._hear_always(name, do)
+                self._bind_shortcut(name, do)
 
     def _post(self, command: Command) -> None:
         assert command.codec is not None, "what does not change the painting has its do_<name>"
         self._workspace.post(command.name)
 
-    def _hear_always(self, name: str, do: Callable[[], object]) -> None:
+    def _bind_shortcut(self, name: str, do: Callable[[], object]) -> None:
         """Do what an action does by its keys while it is disabled, and so swallows them."""
         action = self._workspace.actions[name]
         keys = QtGui.QShortcut(self._workspace.window)

@@ -29,11 +29,11 @@ class _Milestones(logging.Handler):
 
     def emit(self, record: logging.LogRecord) -> None:
         """One line."""
-        self.tell(record.getMessage())
+        self.write(record.getMessage())
         if record.getMessage() == _HEARS:
             self._stroke = _Stroke(self)  # Qt keeps nobody alive
 
-    def tell(self, what: str) -> None:
+    def write(self, what: str) -> None:
         """Write it with its time."""
         sys.stdout.write(f"{time.monotonic() - self._since:.4f} {what}\n")
         sys.stdout.flush()
@@ -70,7 +70,7 @@ class _Stroke:
 
     def _look(self) -> None:
         if self._window.document.surface.painted.any():
-            self._milestones.tell(_PAINTED)
+            self._milestones.write(_PAINTED)
             os._exit(0)
 
 

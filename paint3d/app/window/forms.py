@@ -10,7 +10,7 @@ from PySide6 import QtCore, QtWidgets
 
 from paint3d.app.window.wording import say
 
-__all__ = ["FormDialog", "SizeBoxes", "buttons", "kept_number", "leave_wheel_to_scrolling"]
+__all__ = ["FormDialog", "SizeBoxes", "buttons", "leave_wheel_to_scrolling", "stored_number"]
 
 LEAST_PIXELS, MOST_PIXELS = 64, 4096
 
@@ -26,7 +26,7 @@ def buttons(dialog: QtWidgets.QDialog, accept: str) -> QtWidgets.QDialogButtonBo
     return box
 
 
-def kept_number(kept: Mapping[str, object], name: str, default: float) -> float:
+def stored_number(kept: Mapping[str, object], name: str, default: float) -> float:
     """A number that was kept under a name; the default where there is none."""
     value = kept.get(name)
     if not isinstance(value, int | float) or isinstance(value, bool) or not math.isfinite(value):

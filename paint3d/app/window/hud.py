@@ -67,7 +67,7 @@ class Hud:
         """Its two lines."""
         brush = self._workspace.paint_thread.brush
         name = f"{say_brush(plain_name(brush))}  ·  {say_length(brush.length_mm)}"
-        return name, self.told(held)
+        return name, self.describe(held)
 
     def follow(self) -> None:
         """Have it drawn again if the brush in use is another than it shows."""
@@ -83,7 +83,7 @@ class Hud:
         self._plate = QtCore.QRectF()
         canvas.update(0, canvas.height() - high, canvas.width(), high)
 
-    def told(self, held: HeldInk) -> str:
+    def describe(self, held: HeldInk) -> str:
         """How much of which inks the brush holds, in words."""
         ink = say("ink {share:.0f} %", share=100 * held.fraction)
         if not held.parts:

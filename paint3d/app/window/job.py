@@ -12,7 +12,7 @@ from PySide6 import QtCore, QtWidgets
 
 from paint3d.app.window.wording import say
 
-__all__ = ["Progress", "is_waiting", "result_of", "run_beside"]
+__all__ = ["JobProgress", "is_waiting", "result_of", "run_beside"]
 
 _SOON_MS = 350  # work that is done by then shows no bar, unless the window itself works, too
 _LOOK_MS = 40
@@ -33,13 +33,13 @@ _DEAF = frozenset(
 _waiting: list[QtWidgets.QWidget] = []
 
 
-class Progress:
+class JobProgress:
     """Given to the work: how far it is, and whether it should stop."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
         self._stopped = self._settled = False
-        self._told = 0.0, time.monotonic()  # fraction done, and when that was said
+        self._reported = 0.0, time.monotonic()  # fraction done, and when that was said
 
     def __call__(self, fraction: float) -> None:
         """Say how far it is, 0 to 1; with 1 it is done, and cannot be stopped any more.
@@ -55,7 +55,7 @@ class Progress:
             if self._stopped:
                 raise CancelledError
             self._settled = self._settled or fraction >= 1.0
-        self._told = max(self._told[0], float(fraction)), time.monotonic()
+        self._reported = max(self._reported[0], float(fraction)), time.monotonic()
 
     @property
     def fraction(self) -> float:
@@ -63,7 +63,7 @@ class Progress:
 
         It is at most 0.05 ahead of what was said last, so it goes back by no more than that.
         """
-        done, since = self._told
+        done, since = self._reported
         gone = time.monotonic() - since
         return done + min(_AHEAD, 1.0 - done) * gone / (gone + _AHEAD_S)
 
@@ -83,7 +83,7 @@ class Progress:
         return self._stopped
 
 
-def result_of(future: Future[Any], progress: Progress) -> Any:
+def result_of(future: Future[Any], progress: JobProgress) -> Any:
     """Wait for what somebody else does; what waits in a queue when it is stopped is not begun."""
     while not wait([future], timeout=_LOOK_MS / 1e3).done:
         try:
@@ -97,7 +97,7 @@ def result_of(future: Future[Any], progress: Progress) -> Any:
 def run_beside(
     parent: QtWidgets.QWidget,
     title: str,
-    work: Callable[[Progress], object],
+    work: Callable[[JobProgress], object],
     here: Callable[[], None] | None = None,
 ) -> Future[Any]:
     """Run work in a thread of its own while the window lives on; returns when it has ended.
@@ -113,7 +113,7 @@ def run_beside(
     title : str
         What is being done.
     work : callable
-        Called with a `Progress`, which raises CancelledError once it is to stop.
+        Called with a `JobProgress`, which raises CancelledError once it is to stop.
     here : callable, optional
         Called again and again in the window's own thread while the work goes on, once the bar is
         seen.
@@ -125,7 +125,7 @@ def run_beside(
     """
     if parent in _waiting:
         return _cancelled()
-    progress, future = Progress(), Future[Any]()
+    progress, future = JobProgress(), Future[Any]()
     worker = threading.Thread(target=_do, args=(work, progress, future), name="paint3d-work")
     _waiting.append(parent)
     try:
@@ -142,7 +142,7 @@ def is_waiting(window: QtWidgets.QWidget) -> bool:
     return window in _waiting
 
 
-def _do(work: Callable[[Progress], object], progress: Progress, future: Future[Any]) -> None:
+def _do(work: Callable[[JobProgress], object], progress: JobProgress, future: Future[Any]) -> None:
     try:
         result = work(progress)
         progress(1.0)  # from here on it is done; if it was stopped before, it does not count
@@ -164,7 +164,7 @@ class _Bar(QtCore.QObject):
         self,
         parent: QtWidgets.QWidget,
         title: str,
-        progress: Progress,
+        progress: JobProgress,
         future: Future[Any],
         here: Callable[[], None] | None,
     ) -> None:

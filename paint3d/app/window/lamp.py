@@ -52,7 +52,7 @@ class Lamp:
 
     def recall(self, document: Document) -> None:
         """Show a painting in the light it was seen in last; the studio's where it says none."""
-        kind, turn = _light_of(document.settings.get("light"))
+        kind, turn = _light_of(document.properties.get("light"))
         self._workspace.stage.set_light(kind, turn)
 
 

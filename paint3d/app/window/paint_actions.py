@@ -9,7 +9,7 @@ from paint3d.app.model.input.symmetry import MirrorPlane, RadialSymmetry, Symmet
 from paint3d.app.model.mask import AngleMask, Mask, RegionPick, face_at, nearest_vertex
 from paint3d.app.window.history.stroke_editing import Recalling
 from paint3d.app.window.ink.ink_panel import TIP_REACH
-from paint3d.app.window.job import Progress, result_of
+from paint3d.app.window.job import JobProgress, result_of
 from paint3d.app.window.panels import Panels
 from paint3d.app.window.playing.player import Player
 from paint3d.app.window.wording import say
@@ -118,7 +118,7 @@ class PaintActions:
 
     def do_wet(self, on: bool) -> None:
         """Let ink spread in real time, or not; kept for paintings to come."""
-        self._workspace.keep(wet=on)
+        self._workspace.update_settings(wet=on)
         if self._workspace.stage.paint_thread is not None:
             self._workspace.stage.paint_thread.wet = on
 
@@ -196,7 +196,7 @@ class PaintActions:
         workspace = self._workspace
         paint_thread = workspace.paint_thread
 
-        def work(progress: Progress) -> None:
+        def work(progress: JobProgress) -> None:
             result_of(
                 paint_thread.post(lambda document: document.surface.refine_all(progress)), progress
             )

@@ -8,7 +8,7 @@ from typing import Any, Protocol
 
 from PySide6 import QtCore, QtWidgets
 
-from paint3d.app.model.frame import Frame
+from paint3d.app.model.frame import PaintingFrame
 from paint3d.app.model.input.pressure_curve import PressureCurve
 from paint3d.app.model.layer_pictures import layer_pictures
 from paint3d.app.window.brush.brush_panel import BrushPanel
@@ -142,7 +142,7 @@ class Panels:
         self.inks.rinsed.connect(lambda: post("rinse"))
         self.layers.asked.connect(self._ask_layers)
         self.layers.turned.connect(self._turn)
-        self.history.told.connect(self._workspace.tell)
+        self.history.reported.connect(self._workspace.tell)
         self.hand.read.connect(lambda changes: self._workspace.hand.set_settings(**changes))
         self.hand.curve.changed.connect(self._keep_curve)
         self.hand.ruled.connect(lambda on: self._workspace.actions["ruler"].setChecked(on))
@@ -211,7 +211,7 @@ class Panels:
             why = painting.refused_history
             self._workspace.tell(say("Its undo steps cannot be used: {why}", why=why), state="bad")
 
-    def follow(self, frame: Frame) -> None:
+    def follow(self, frame: PaintingFrame) -> None:
         """Show what a frame says."""
         painting = frame.painting
         self.surface.show_surface(painting)
@@ -224,7 +224,7 @@ class Panels:
             self.inks.show_inks(painting.inks)
             self.brushes.set_ink(painting.inks[0])
 
-    def _follow_layers(self, frame: Frame) -> None:
+    def _follow_layers(self, frame: PaintingFrame) -> None:
         """Have the layers' pictures drawn anew where something was painted, and nothing waits."""
         if self._drawing is not None and self._drawing.done():
             drawing, self._drawing = self._drawing, None

@@ -209,7 +209,7 @@ _BUTTONS = {
 _GESTURES = {"hold": Message("hold"), "drag": Message("drag"), "tap": Message("tap")}
 
 
-def _keys_told(one: Shortcut) -> str:
+def _format_keys(one: Shortcut) -> str:
     """Keys, buttons or fingers in words, and what is done with them unless they are pressed."""
     *held, last = one.keys.replace("++", "+plus").replace("Num+", "Num ").split("+")
     words = [say("Space") if key == "Space" else key for key in held]
@@ -241,7 +241,7 @@ def _key_table(group: str) -> QtWidgets.QWidget:
     top = QtCore.Qt.AlignmentFlag.AlignTop
     rows: dict[tuple[str, str], list[str]] = {}
     for one in _of_group(group):
-        rows.setdefault((one.action, one.gesture), []).append(_keys_told(one))
+        rows.setdefault((one.action, one.gesture), []).append(_format_keys(one))
     for k, ((action, gesture), keys) in enumerate(rows.items(), 1):
         shown = QtWidgets.QLabel(("  " if gesture == "press" else "\n").join(keys))
         shown.setObjectName("title")

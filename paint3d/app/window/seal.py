@@ -15,7 +15,7 @@ from paint3d.app.window.files.file_dialogs import look_at_names_only
 from paint3d.app.window.font_box import FontBox
 from paint3d.app.window.forms import FormDialog
 from paint3d.app.window.hand.canvas import Touch
-from paint3d.app.window.job import Progress
+from paint3d.app.window.job import JobProgress
 from paint3d.app.window.wording import say, say_error, say_length
 from paint3d.app.window.workspace import Workspace
 from paint3d.calligraphy.seal.stone import LARGEST_MM, MOST_CHARACTERS, SMALLEST_MM, Seal, cut_seal
@@ -24,7 +24,7 @@ from paint3d.errors import Paint3DError
 from paint3d.mesh.chart import frame_at
 from paint3d.view.camera import picture_axes
 
-__all__ = ["ProposedSeal", "SealAsked", "SealDialog", "Sealing"]
+__all__ = ["ProposedSeal", "SealDialog", "SealOptions", "Sealing"]
 
 # ---- The dialog ----------------------------------------------------------------------------------
 # What is cut into a seal: a text or a drawing, its style and size.
@@ -38,7 +38,7 @@ _LIFT_MM = 0.1  # of the outline above the surface
 _PAPER, _CINNABAR = (243, 240, 230), (178, 44, 34)
 
 
-class SealAsked(NamedTuple):
+class SealOptions(NamedTuple):
     """A seal as it is asked for: a text, or the path of a drawing."""
 
     text: str = "永和"
@@ -66,16 +66,16 @@ class SealDialog(FormDialog):
     Parameters
     ----------
     parent : QWidget
-    kept : SealAsked
+    kept : SealOptions
         What was asked for last.
     glyphs : str
         A folder of characters, as the settings name it.
     """
 
-    def __init__(self, parent: QtWidgets.QWidget, kept: SealAsked, glyphs: str = "") -> None:
+    def __init__(self, parent: QtWidgets.QWidget, kept: SealOptions, glyphs: str = "") -> None:
         super().__init__(parent, say("Press a seal…").rstrip("…"))
         self._glyphs = glyphs
-        self._shown: SealAsked | None = None
+        self._shown: SealOptions | None = None
         self._cutting: Future[Seal] | None = None
         self.picture = QtWidgets.QLabel()
         self.picture.setFixedSize(_PICTURE + 60, _PICTURE + 8)
@@ -128,9 +128,9 @@ class SealDialog(FormDialog):
         if dialog.exec() and dialog.selectedFiles():
             self.drawing.setText(dialog.selectedFiles()[0])
 
-    def asked(self) -> SealAsked:
+    def asked(self) -> SealOptions:
         """What was asked for."""
-        return SealAsked(
+        return SealOptions(
             self.text.text().strip(),
             self.drawing.text().strip(),
             self.style_box.currentData(),
@@ -168,7 +168,7 @@ class SealDialog(FormDialog):
         self.note.setText(f"{say_length(seal.width_mm)} × {say_length(seal.height_mm)}")
 
 
-def _proposed_seal(kept: SealAsked, name: str, size_mm: float) -> SealAsked:
+def _proposed_seal(kept: SealOptions, name: str, size_mm: float) -> SealOptions:
     """The seal of who signed, beside the signature."""
     n = len("".join(name.split()))
     if kept.shape != "square" and 1 <= n <= MOST_CHARACTERS:
@@ -179,7 +179,7 @@ def _proposed_seal(kept: SealAsked, name: str, size_mm: float) -> SealAsked:
     return kept._replace(text=name, drawing="", size_mm=size)
 
 
-def _cut(asked: SealAsked, glyphs: str) -> Seal:
+def _cut(asked: SealOptions, glyphs: str) -> Seal:
     """The seal that is asked for."""
     text = None if asked.drawing else asked.text
     folder, font = glyphs or None, asked.font or None
@@ -189,7 +189,7 @@ def _cut(asked: SealAsked, glyphs: str) -> Seal:
     )  # fmt: skip
 
 
-def _cut_beside(asked: SealAsked, glyphs: str, done: Future[Seal]) -> None:
+def _cut_beside(asked: SealOptions, glyphs: str, done: Future[Seal]) -> None:
     try:
         done.set_result(_cut(asked, glyphs))
     except Exception as error:
@@ -236,7 +236,7 @@ class Sealing(QtCore.QObject):
     def __init__(self, workspace: Workspace) -> None:
         super().__init__(workspace.window)
         self._workspace = workspace
-        self._kept = SealAsked()
+        self._kept = SealOptions()
         self._proposed: tuple[str, float] | None = None
         self.of_signature: Callable[[], ProposedSeal | None] = lambda: None
         self._place: ProposedSeal | None = None  # where Enter presses it
@@ -271,44 +271,44 @@ class Sealing(QtCore.QObject):
             self._moved = None
             self._take_up(done.result(), proposed)
 
-    def edit(self, what: str, number: int) -> None:
+    def edit(self, what: str, index: int) -> None:
         """Move a seal that was pressed, press it in the ink in hand, or delete it.
 
         Parameters
         ----------
         what : {"drag", "ink", "delete"}
-        number : int
+        index : int
             From 0, among those that are there.
         """
         workspace = self._workspace
         self.let_be()
         if what == "ink":
-            self._edit(number, {"do": "ink", "ink": workspace.painting.dipped})
+            self._edit(index, {"do": "ink", "ink": workspace.painting.dipped})
             return
         if what == "delete":
-            self._edit(number, {"do": "delete"})
+            self._edit(index, {"do": "delete"})
             return
         with workspace.paint_thread.paused(_PATIENCE_S) as document:
             pressed = [] if document is None else document.pressed_seals()
-        if not 0 <= number < len(pressed):
+        if not 0 <= index < len(pressed):
             workspace.tell(say("Still painting; try again in a moment"), state="slow")
             return
-        rings = tuple(np.array(ring, np.float64) for ring in pressed[number]["rings"])
+        rings = tuple(np.array(ring, np.float64) for ring in pressed[index]["rings"])
         size = np.ptp(np.concatenate(rings), axis=0).tolist()
-        self._moved = number
+        self._moved = index
         self._take_up(Seal("", "", size[0], size[1], rings, 0.0, ""))
 
-    def _edit(self, number: int, edit: dict[str, Any]) -> None:
+    def _edit(self, index: int, edit: dict[str, Any]) -> None:
         workspace = self._workspace
         paint_thread = workspace.paint_thread
 
-        def work(progress: Progress) -> None:
+        def work(progress: JobProgress) -> None:
             with paint_thread.reporting(progress):
-                paint_thread.post("edit_seal", number, edit).result()
+                paint_thread.post("edit_seal", index, edit).result()
 
         if workspace.went_well(workspace.run(say("Pressing the seal anew…"), work)):
             workspace.tell(
-                say("Seal {n} is changed; undo takes it back", n=number + 1), state="good"
+                say("Seal {n} is changed; undo takes it back", n=index + 1), state="good"
             )
 
     def _take_up(self, seal: Seal, proposed: ProposedSeal | None = None) -> None:

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.app.model.frame import BrushView, Frame, view_brush
+from paint3d.app.model.frame import BrushView, PaintingFrame, view_brush
 from paint3d.app.model.mask import Stencil
 from paint3d.app.model.paint_thread import PaintThread
 from paint3d.app.model.persistence.recovery_folder import RecoveryFolder
@@ -61,7 +61,7 @@ class Stage:
     Attributes
     ----------
     paint_thread : PaintThread or None
-    frame : Frame or None
+    frame : PaintingFrame or None
         The last one.
     points : (N, 3) float32
         Of the object, to place the camera by, mm.
@@ -72,7 +72,7 @@ class Stage:
     def __init__(self, size: tuple[int, int], mood: Background = LIGHT) -> None:
         self.scene = LiveScene(size, mood)
         self.paint_thread: PaintThread | None = None
-        self.frame: Frame | None = None
+        self.frame: PaintingFrame | None = None
         self.points: AnyArray = np.empty((0, 3), np.float32)
         self.shows_brush = self.shows_mask = True
         self._stencil: Stencil | None = None
@@ -90,7 +90,7 @@ class Stage:
         self._taken_s = self._cost_s = 0.0  # when the last frame was taken, and what it took since
         self._seen: BrushView | None = None
         self._seen_at: DeviceSample | None = None
-        self._seen_from: Frame | None = None
+        self._seen_from: PaintingFrame | None = None
         self._left_at: DeviceSample | object = _NOWHERE
         self._painted: list[AnyArray] = []  # places where the brush was pressed last, mm
         self._stood_before: Camera | None = None
@@ -103,7 +103,7 @@ class Stage:
         *,
         wet: bool = False,
         recovery: RecoveryFolder | None = None,
-        base_every_s: float = 120.0,
+        autosave_interval_s: float = 120.0,
     ) -> None:
         """Put another document on stage, and let go of the one before.
 
@@ -114,7 +114,7 @@ class Stage:
             Let ink spread and dry in real time.
         recovery : RecoveryFolder, optional
             Where what is painted is kept until it is saved.
-        base_every_s : float
+        autosave_interval_s : float
             See `PaintThread`.
         """
         self.close_document()
@@ -127,7 +127,7 @@ class Stage:
         self.scene.apply(opened.uploads)
         self._unlit = shown.light
         self.light = shown.light.setting
-        self.paint_thread = PaintThread(opened.document, wet, recovery, base_every_s)
+        self.paint_thread = PaintThread(opened.document, wet, recovery, autosave_interval_s)
         self.touch()
 
     def close_document(self) -> None:
@@ -205,7 +205,7 @@ class Stage:
             return 0.0
         return time.monotonic() - self.paint_thread.last_asked_s
 
-    def follow(self) -> Frame | None:
+    def follow(self) -> PaintingFrame | None:
         """Take what the painting thread has done since the last time; None if nothing.
 
         The longer the hand has rested, the slower wet ink runs, and the less often it is taken.
@@ -216,7 +216,7 @@ class Stage:
         finally:
             self._cost_s += time.thread_time() - started
 
-    def _follow(self) -> Frame | None:
+    def _follow(self) -> PaintingFrame | None:
         if self.paint_thread is None:
             return None
         self._take_light()
@@ -402,7 +402,7 @@ class Stage:
         if self.frame is not None:
             self._show_brush(self._brush_now(self.frame))
 
-    def _brush_now(self, frame: Frame) -> BrushView | None:
+    def _brush_now(self, frame: PaintingFrame) -> BrushView | None:
         """The brush where the hand was last; how it stands there, if that can be found at once."""
         seen, newest = frame.brush, self.open_paint_thread.newest
         if newest is self._left_at:

@@ -7,7 +7,7 @@ import time
 from PySide6 import QtCore, QtWidgets
 
 from paint3d.app.model.commands import COMMANDS
-from paint3d.app.model.frame import Frame
+from paint3d.app.model.frame import PaintingFrame
 from paint3d.app.window.playing.player import Player
 from paint3d.app.window.theme import STATES, Theme
 from paint3d.app.window.wording import say
@@ -22,7 +22,7 @@ __all__ = ["SPEEDS", "ReplayBar", "StatusLine", "keeping_up"]
 _SLOW_S = 0.1  # what was painted last had waited so long: it is said to be behind
 
 
-def keeping_up(frame: Frame | None) -> tuple[str, str]:
+def keeping_up(frame: PaintingFrame | None) -> tuple[str, str]:
     """A state of the theme's `STATES`, and what is said; before the first frame it keeps up."""
     lag_s = 0.0 if frame is None else frame.lag_s
     if frame is None or lag_s <= _SLOW_S:
@@ -43,22 +43,24 @@ class StatusLine:
 
     Attributes
     ----------
-    told, state : QLabel
+    message_label, state : QLabel
         What was said last, and how the painting keeps up.
     """
 
     def __init__(self, workspace: Workspace) -> None:
         self._workspace = workspace
-        self.told = QtWidgets.QLabel()  # as wide as there is room for, however long the text
+        self.message_label = (
+            QtWidgets.QLabel()
+        )  # as wide as there is room for, however long the text
         policy = QtWidgets.QSizePolicy.Policy
-        self.told.setSizePolicy(policy.Ignored, policy.Preferred)
+        self.message_label.setSizePolicy(policy.Ignored, policy.Preferred)
         self.state = QtWidgets.QLabel()
         self.state.setObjectName("state")
-        self._told_state = self._state = "off"
+        self._message_state = self._state = "off"
         self._stays = False
         self._next = 0.0
         bar = workspace.window.statusBar()
-        bar.addWidget(self.told, 1)
+        bar.addWidget(self.message_label, 1)
         bar.addPermanentWidget(self.state)
         bar.setSizeGripEnabled(False)
         bar.setContentsMargins(8, 0, 12, 0)
@@ -68,10 +70,10 @@ class StatusLine:
 
     def _tell(self, text: str, state: str, stays: bool) -> None:
         mark = "" if state == "off" else f"{STATES[state]}  "
-        self._told_state, self._stays = state, stays
-        self.told.setText(mark + text)
-        self.told.setToolTip(text)
-        _dress(self.told, state, self._workspace.theme)
+        self._message_state, self._stays = state, stays
+        self.message_label.setText(mark + text)
+        self.message_label.setToolTip(text)
+        _dress(self.message_label, state, self._workspace.theme)
 
     def _invite(self) -> None:
         self._tell(
@@ -85,7 +87,7 @@ class StatusLine:
 
     def forget_good(self) -> None:
         """Leave off what was good news; what went wrong is still to be read."""
-        if self._told_state != "bad":
+        if self._message_state != "bad":
             self._invite()
 
     def forget_passing(self) -> None:
@@ -93,12 +95,12 @@ class StatusLine:
         if not self._stays:
             self._invite()
 
-    def show(self, frame: Frame, picture_s: float | None, *, plays: bool = False) -> None:
+    def show(self, frame: PaintingFrame, picture_s: float | None, *, plays: bool = False) -> None:
         """Say how the painting keeps up, and how many pictures a second there are.
 
         Parameters
         ----------
-        frame : Frame
+        frame : PaintingFrame
         picture_s : float, optional
             From one picture to the next, s; None before the first.
         plays : bool
@@ -117,7 +119,7 @@ class StatusLine:
         self.state.setText(f"{STATES[state]} {say('Painting')} {text}{seen}")
 
     def _set_theme(self, theme: Theme) -> None:
-        for label, state in ((self.told, self._told_state), (self.state, self._state)):
+        for label, state in ((self.message_label, self._message_state), (self.state, self._state)):
             _dress(label, state, theme)
 
 

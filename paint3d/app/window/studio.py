@@ -10,7 +10,7 @@ from dataclasses import replace
 from PySide6 import QtCore, QtGui, QtWidgets
 
 from paint3d.app.model.document import Document
-from paint3d.app.model.frame import Frame
+from paint3d.app.model.frame import PaintingFrame
 from paint3d.app.model.input.devices import Devices, Feeling
 from paint3d.app.model.paint_thread import Event
 from paint3d.app.model.persistence.recovery_folder import RecoveryFolder
@@ -243,11 +243,11 @@ class StudioWindow(QtWidgets.QMainWindow):
         self.player.stop()
         self.status.forget_good()
         wet = settings.wants_wet(document.surface.material)
-        self.workspace.keep_in_hand()
+        self.workspace.remember_in_hand()
         self.stage.close_document()
         self._show_open(False)
         recovery = self._recovery_folder(document)
-        self.stage.open(opened, wet=wet, recovery=recovery, base_every_s=settings.autosave_s)
+        self.stage.open(opened, wet=wet, recovery=recovery, autosave_interval_s=settings.autosave_s)
         self._show_open(True)
         self.commands.check("wet", wet)
         self.hand.open(opened.surface)
@@ -348,7 +348,7 @@ class StudioWindow(QtWidgets.QMainWindow):
             told = say("Recovery data cannot be saved: {message}", message=told)
         self.workspace.tell(told, state="bad", stays=not refused or keeping)
 
-    def _show_state(self, frame: Frame) -> None:
+    def _show_state(self, frame: PaintingFrame) -> None:
         workspace = self.workspace
         workspace.actions["undo"].setEnabled(frame.painting.can_undo or self.player.is_playing)
         workspace.actions["redo"].setEnabled(frame.painting.can_redo)
@@ -402,11 +402,11 @@ class StudioWindow(QtWidgets.QMainWindow):
         self.panels.close_down()
         self.brushes.close_down()
         self.inks.close_down()
-        self.workspace.keep_in_hand()
+        self.workspace.remember_in_hand()
         now, settings = self.hand.settings, self.workspace.settings
         if now.mouse_smoothing != settings.mouse_steadiness:
             settings = replace(settings, mouse_smoothing=now.mouse_smoothing)
         self.workspace.settings = settings
-        self.workspace.keep(smoothing=now.smoothing, window=window_words(self))
+        self.workspace.update_settings(smoothing=now.smoothing, window=window_words(self))
         self.stage.close()
         event.accept()

@@ -22,7 +22,7 @@ _WIDTH, _BELOW = 440, 96  # pixels; from the canvas's lower edge
 _TURNED = 0.02  # of the camera's distance
 
 
-class _Step(NamedTuple):
+class _TourStep(NamedTuple):
     """What is said, and whether it has been done."""
 
     text: str
@@ -44,13 +44,13 @@ class Tour(QtWidgets.QFrame):
     def __init__(self, workspace: Workspace, opening: Opening, copying: CopybookGuide) -> None:
         super().__init__(workspace.canvas)
         self._workspace, self._opening, self._copying = workspace, opening, copying
-        self._steps: list[_Step] = []
+        self._steps: list[_TourStep] = []
         self._at = 0
         self.setObjectName("card")
         self.setCursor(QtCore.Qt.CursorShape.ArrowCursor)
         self.setFixedWidth(_WIDTH)
-        self.told = QtWidgets.QLabel()
-        self.told.setWordWrap(True)
+        self.message_label = QtWidgets.QLabel()
+        self.message_label.setWordWrap(True)
         self.counted = QtWidgets.QLabel()
         self.counted.setObjectName("faint")
         self.next_button = QtWidgets.QPushButton(say("Next"))
@@ -59,7 +59,7 @@ class Tour(QtWidgets.QFrame):
         self.end_button.clicked.connect(self.end)
         column = QtWidgets.QVBoxLayout(self)
         column.setContentsMargins(20, 14, 20, 14)
-        column.addWidget(self.told)
+        column.addWidget(self.message_label)
         row = QtWidgets.QHBoxLayout()
         row.addWidget(self.counted, 1)
         row.addWidget(self.next_button)
@@ -85,29 +85,29 @@ class Tour(QtWidgets.QFrame):
             return float(np.linalg.norm(now.position - camera.position)) > _TURNED * away
 
         self._steps = [
-            _Step(
+            _TourStep(
                 say("Press and draw over the sheet: with a pen, a finger, or the left button."),
                 lambda: bool(workspace.painting.strokes),
             ),
-            _Step(
+            _TourStep(
                 say(
                     "Turn it: drag beside the sheet, or anywhere with Space held. The wheel comes "
                     "nearer, Home shows all again."
                 ),
                 turned,
             ),
-            _Step(
+            _TourStep(
                 say(
                     "Take another ink: a click on a dish of Inks. V held and a drag waters it, "
                     "F held and a drag changes the brush's size."
                 ),
                 lambda: list(workspace.painting.inks) != list(painting.inks),
             ),
-            _Step(
+            _TourStep(
                 say("Ctrl+Z takes back what you did last, as far as you like."),
                 lambda: bool(workspace.painting.undone_strokes),
             ),
-            _Step(
+            _TourStep(
                 say(
                     "Now 永, eternity, which has all the strokes of kaishu. The first is the dot "
                     "at its top: press on its upper left, lead down to the right, and lift."
@@ -155,7 +155,7 @@ class Tour(QtWidgets.QFrame):
         self._show()
 
     def _show(self) -> None:
-        self.told.setText(self._steps[self._at].text)
+        self.message_label.setText(self._steps[self._at].text)
         self.counted.setText(f"{self._at + 1} / {len(self._steps)}")
         self.adjustSize()
         self._place()

@@ -96,7 +96,7 @@ class ViewActions:
     def do_dark(self, on: bool) -> None:
         """Change the theme."""
         self._workspace.set_dark(on)
-        self._workspace.keep(theme="dark" if on else "light")
+        self._workspace.update_settings(theme="dark" if on else "light")
 
     def do_test_pen(self) -> None:
         """Show what a pen tells."""
@@ -110,7 +110,7 @@ class ViewActions:
         if not dialog.exec():
             return
         before, chosen = workspace.settings, dialog.chosen()
-        workspace.keep(**chosen)
+        workspace.update_settings(**chosen)
         workspace.hand.set_settings(pressure_by=chosen["pressure_by"])
         workspace.canvas.finger = workspace.settings.finger
         choose_unit(workspace.settings.unit)
@@ -118,7 +118,7 @@ class ViewActions:
         workspace.canvas.update()
         paint_thread = workspace.stage.paint_thread
         if paint_thread is not None:
-            paint_thread.keep_every(workspace.settings.autosave_s)
+            paint_thread.set_autosave_interval(workspace.settings.autosave_s)
         if chosen["wet"] != before.wet and paint_thread is not None:
             wet = workspace.settings.wants_wet(workspace.painting.material)
             with QtCore.QSignalBlocker(workspace.actions["wet"]):

@@ -63,13 +63,13 @@ class ViewKeeping:
         """Look as when a painting was saved, and know the views that are kept with it."""
         self.views = {}
         self._lamp.recall(document)
-        words = document.settings.get("views")
+        words = document.properties.get("views")
         if isinstance(words, Mapping):
             for name, view in list(words.items())[:_MOST]:
                 camera = _camera_of(view)
                 if camera is not None:
                     self.views[str(name)] = camera
-        last = _camera_of(document.settings.get("view"))
+        last = _camera_of(document.properties.get("view"))
         if last is not None:
             self._workspace.hand.look(last)
 
@@ -77,7 +77,7 @@ class ViewKeeping:
         """Have a painting that is about to be saved know how it is seen."""
         camera = self._workspace.hand.camera
         if camera is not None:
-            document.settings["view"] = _words_of(camera)
+            document.properties["view"] = _words_of(camera)
 
 
 def _words_of(camera: Camera) -> dict[str, Any]:

@@ -15,9 +15,9 @@ from paint3d.app.model.paint_thread import PaintThread
 from paint3d.app.model.persistence.saved_settings import in_hand
 from paint3d.app.model.persistence.settings import Settings, save_settings
 from paint3d.app.window.files.open_result import OpenResult
-from paint3d.app.window.hand.canvas import Canvas
+from paint3d.app.window.hand.canvas import CanvasWidget
 from paint3d.app.window.hand.canvas_hand import CanvasHand
-from paint3d.app.window.job import Progress, is_waiting, run_beside
+from paint3d.app.window.job import JobProgress, is_waiting, run_beside
 from paint3d.app.window.stage import Stage
 from paint3d.app.window.theme import DARK_THEME, LIGHT_THEME, apply_theme, is_system_dark
 from paint3d.app.window.wording import choose_unit, say, say_error
@@ -45,7 +45,7 @@ class Workspace(QtCore.QObject):
     ----------
     actions : dict of str to QAction
         What can be asked for, by name.
-    canvas : Canvas
+    canvas : CanvasWidget
     stage : Stage
     hand : CanvasHand
     theme : Theme
@@ -94,7 +94,7 @@ class Workspace(QtCore.QObject):
         self.theme = DARK_THEME if dark else LIGHT_THEME
         apply_theme(app, self.theme)
         self.actions: dict[str, QtGui.QAction] = {}
-        self.canvas = Canvas()
+        self.canvas = CanvasWidget()
         self.canvas.setAccessibleName(say("Picture"))
         self.stage = Stage(self.canvas.pixel_size, DARK if dark else LIGHT)
         self.hand = CanvasHand(self.canvas, self.stage)
@@ -147,7 +147,7 @@ class Workspace(QtCore.QObject):
         if paint_thread.has_halted(0.0):
             return True
 
-        def wait(progress: Progress) -> None:
+        def wait(progress: JobProgress) -> None:
             while not paint_thread.has_halted(_LOOK_S):
                 progress.check()
 
@@ -189,7 +189,7 @@ class Workspace(QtCore.QObject):
 
     # -- choices ----------------------------------------------------------------------------
 
-    def keep(self, **changes: Any) -> None:
+    def update_settings(self, **changes: Any) -> None:
         """Change settings, and save them."""
         self.settings = dataclasses.replace(self.settings, **changes)
         try:
@@ -197,7 +197,7 @@ class Workspace(QtCore.QObject):
         except Paint3DError as error:
             self.tell(say_error(error), state="bad")
 
-    def keep_in_hand(self) -> None:
+    def remember_in_hand(self) -> None:
         """Remember the brush, the inks and the force for the next painting."""
         if self.stage.paint_thread is None:
             return
@@ -228,7 +228,7 @@ class Workspace(QtCore.QObject):
     def run(
         self,
         title: str,
-        work: Callable[[Progress], object],
+        work: Callable[[JobProgress], object],
         here: Callable[[], None] | None = None,
     ) -> Future[Any]:
         """Run work beside the window, with a bar that ends it; see `run_beside`."""

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from PySide6 import QtCore, QtGui, QtTest, QtWidgets
 
-from paint3d.app.window.hand.canvas import Canvas
+from paint3d.app.window.hand.canvas import CanvasWidget
 
 BUTTON, KIND = QtCore.Qt.MouseButton, QtCore.QEvent.Type
 NO_KEY, ALT = QtCore.Qt.KeyboardModifier.NoModifier, QtCore.Qt.KeyboardModifier.AltModifier
@@ -60,7 +60,7 @@ class HandsTime(QtCore.QObject):
         if event.type() in _MICE:
             event.setTimestamp(self.now_ms)
             return False
-        if event.type() not in _TOUCHES or not isinstance(watched, Canvas):
+        if event.type() not in _TOUCHES or not isinstance(watched, CanvasWidget):
             return False
         if event.type() != KIND.TouchBegin:
             event.setTimestamp(self.now_ms)

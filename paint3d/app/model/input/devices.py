@@ -13,7 +13,7 @@ from typing import Protocol
 import numpy as np
 
 from paint3d.app.model.document import Document
-from paint3d.app.model.persistence.settings import Settings, kept_calibration
+from paint3d.app.model.persistence.settings import Settings, stored_calibration
 from paint3d.brush.spec import BrushSpec
 from paint3d.colour.materials import Material
 from paint3d.core.arrays import AnyArray
@@ -39,9 +39,9 @@ __all__ = [
     "DeviceHub",
     "DeviceView",
     "Feeling",
+    "HandInput",
     "NoDevices",
     "StrokeCutter",
-    "Taken",
     "plug_in_mice",
     "plug_in_pens",
     "start_feeling",
@@ -165,7 +165,7 @@ class DeviceView:
 
 
 @dataclass(frozen=True, eq=False)
-class Taken:
+class HandInput:
     """What the hands did since the last time.
 
     Attributes
@@ -246,7 +246,7 @@ class DeviceHub:
         self._clock = clock
         self._buttons = 0
         self._held: int | None = None  # by the stylus; None where it has not been heard
-        self._heard: dict[str, deque[int]] = {h: deque(maxlen=_REMEMBERED) for h in _HANDS}
+        self._reading_times: dict[str, deque[int]] = {h: deque(maxlen=_REMEMBERED) for h in _HANDS}
         self._force = 0.0
 
     def views(self) -> list[DeviceView]:
@@ -269,7 +269,7 @@ class DeviceHub:
         """Let the 6-DOF mouse's buttons do this; see `device.button_actions`."""
         self._actions = checked_actions(actions)
 
-    def take(self) -> Taken:
+    def take(self) -> HandInput:
         """Take what the devices said, and do what the buttons ask of the object."""
         events, readings = self._plugged.take_mouse(), self._plugged.take_stylus()
         if self._feedback is not None:
@@ -289,11 +289,11 @@ class DeviceHub:
                     failures.append(failure)
             self._buttons = event.buttons
         self._click(commands, readings)
-        self._heard["left"].extend(event.time_ns for event in events)
-        self._heard["right"].extend(reading.time_ns for reading in readings)
+        self._reading_times["left"].extend(event.time_ns for event in events)
+        self._reading_times["right"].extend(reading.time_ns for reading in readings)
         self._feel(readings)
         samples += self.hands.take(self._clock() - _SETTLE_NS)
-        return Taken(samples, commands, self.hands.object_pose, tuple(failures))
+        return HandInput(samples, commands, self.hands.object_pose, tuple(failures))
 
     def _click(self, commands: list[str], readings: list[StylusReading]) -> None:
         """Let a dip be felt, whichever hand's button asked for it."""
@@ -338,11 +338,11 @@ class DeviceHub:
 
     def rate_hz(self, hand: str) -> float:
         """How often a hand's device reports, Hz; 0 where it does not."""
-        return find_report_rate(np.array(self._heard[hand], np.int64)).rate_hz
+        return find_report_rate(np.array(self._reading_times[hand], np.int64)).rate_hz
 
     def lateness_ms(self, hand: str) -> float:
         """By how much one report in a hundred comes later than most, ms; 0 where there are few."""
-        rate = find_report_rate(np.array(self._heard[hand], np.int64))
+        rate = find_report_rate(np.array(self._reading_times[hand], np.int64))
         late = rate.interval_p99_ms - rate.interval_p50_ms
         return float(late) if np.isfinite(late) else 0.0
 
@@ -471,7 +471,7 @@ def start_feeling(document: Document, settings: Settings) -> Feeling | None:
     if found is None:
         return None
     feel, brush = Feel.from_words(settings.feel), document.painter.brush
-    calibration = kept_calibration(found.key) or found.frame
+    calibration = stored_calibration(found.key) or found.frame
     surface = document.surface
     felt = feel.settings(brush, found.limits, surface.material)
     feedback = ForceFeedback(found.port, surface.contact_tree, felt, calibration)

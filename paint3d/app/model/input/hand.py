@@ -329,7 +329,7 @@ class HandSettings:
 
 
 @dataclass
-class _State:
+class _StrokeState:
     """What is remembered between events."""
 
     time_ns: int
@@ -388,12 +388,12 @@ class Hand:
         self.settings = settings or HandSettings()
         self.force = as_number(force, "force (N)", 0.0, MAX_FORCE_N)
         self._surface = surface
-        self._state: _State | None = None
+        self._state: _StrokeState | None = None
         self._waiting: list[_Stand] = []  # of a stroke that does not yet say whither it goes
         self._last: _Stand | None = None
 
     @property
-    def _now(self) -> _State:
+    def _now(self) -> _StrokeState:
         assert self._state is not None, "the pointer has been over the object"
         return self._state
 
@@ -568,7 +568,7 @@ class Hand:
         state = self._state
         if state is None:
             tip = point + any_tangent(normal, np.zeros(3))
-            state = self._state = _State(event.time_ns, point, point, point, normal, tip)
+            state = self._state = _StrokeState(event.time_ns, point, point, point, normal, tip)
         self._follow_speed(event.time_ns, point)
         state.time_ns, state.target, state.ray = event.time_ns, point, _ray_of(event)
         if pulled and self.settings.ruler != "none":

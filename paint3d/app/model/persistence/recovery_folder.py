@@ -21,7 +21,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import BinaryIO
 
-from paint3d.app.model.commands import COMMANDS, do_again, encode_command
+from paint3d.app.model.commands import COMMANDS, encode_command, replay_command
 from paint3d.app.model.document import Document, FileState
 from paint3d.app.model.persistence.places import make_private, make_private_folder, recovery_folder
 from paint3d.core.machine import is_locked, lock
@@ -489,7 +489,7 @@ def _done_again(document: Document, piece: _Piece) -> list[Message]:
         if isinstance(piece, list):
             document.feed(piece)
         else:
-            do_again(document, piece)
+            replay_command(document, piece)
     except Paint3DError as error:
         return [error.message]
     return []

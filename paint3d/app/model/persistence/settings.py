@@ -33,10 +33,10 @@ from paint3d.pose.mouse_settings import MouseSettings
 __all__ = [
     "Settings",
     "calibration_file",
-    "keep_calibration",
-    "kept_calibration",
     "load_settings",
     "save_settings",
+    "store_calibration",
+    "stored_calibration",
 ]
 
 VERSION = 2
@@ -378,7 +378,7 @@ def calibration_file(key: str) -> Path:
     return config_folder() / "calibrations" / f"{key}.json"
 
 
-def kept_calibration(key: str) -> DeviceCalibration | None:
+def stored_calibration(key: str) -> DeviceCalibration | None:
     """A device's calibration; None where none was kept.
 
     Raises
@@ -390,7 +390,7 @@ def kept_calibration(key: str) -> DeviceCalibration | None:
     return load_calibration(file) if file.is_file() else None
 
 
-def keep_calibration(key: str, calibration: DeviceCalibration) -> Path:
+def store_calibration(key: str, calibration: DeviceCalibration) -> Path:
     """Keep a device's calibration; the file.
 
     Raises

@@ -10,7 +10,7 @@ import numpy as np
 
 from paint3d.app.model.brush_in_hand import BRUSH_COMMANDS, brush_after
 from paint3d.app.model.persistence.saved_settings import DEFAULT_BRUSH, PURE_INKS
-from paint3d.app.model.score.words import brush_in
+from paint3d.app.model.score.codecs import decode_brush
 from paint3d.errors import Message, Paint3DError, RecordingError
 from paint3d.pose.brush_pose import brush_poses
 from paint3d.recording.recording import Recording
@@ -54,7 +54,7 @@ def listed_strokes(score: Score) -> list[ListedStroke]:
         If the header names a brush that is not known.
     """
     try:
-        brush = brush_in(score.header, DEFAULT_BRUSH)
+        brush = decode_brush(score.header, DEFAULT_BRUSH)
     except Paint3DError as cause:
         raise RecordingError(
             "{score}: its header: {cause}",
@@ -70,8 +70,8 @@ def listed_strokes(score: Score) -> list[ListedStroke]:
         if event["do"] == "set_brush":
             brush = _brush_of(event, brush)
         elif event["do"] in BRUSH_COMMANDS:
-            asked = [value for key, value in event.items() if key not in ("do", "refused")]
-            brush = brush_after(brush, event["do"], asked)
+            arguments = [value for key, value in event.items() if key not in ("do", "refused")]
+            brush = brush_after(brush, event["do"], arguments)
         elif event["do"] == "dip":
             ink = event.get("ink", ink)
         elif k in begun:
@@ -95,7 +95,7 @@ def listed_strokes(score: Score) -> list[ListedStroke]:
 def _brush_of(line: Mapping[str, Any], brush: Any) -> Any:
     """The brush that a line says, if it says one that is known."""
     try:
-        return brush_in(line, "") if "brush" in line else brush
+        return decode_brush(line, "") if "brush" in line else brush
     except Paint3DError:
         return brush
 

@@ -8,8 +8,14 @@ from typing import Any
 
 from paint3d.app.model.document import Document
 from paint3d.app.model.persistence.saved_settings import DEFAULT_BRUSH, PURE_INKS
-from paint3d.app.model.score.stepping import Step, play
-from paint3d.app.model.score.words import Inks, brush_in, brush_named, header_of, material_in
+from paint3d.app.model.score.codecs import (
+    InkTable,
+    decode_brush,
+    decode_material,
+    encode_brush,
+    make_header,
+)
+from paint3d.app.model.score.stepping import PlaybackStep, play
 from paint3d.app.model.stroke_log import ERASES, Stroke, recording_of
 from paint3d.brush.spec import DipAmount
 from paint3d.colour.materials import Material
@@ -22,7 +28,7 @@ from paint3d.recording.recording import Recording
 from paint3d.recording.score import Score
 from paint3d.surface.painted_surface import PaintedSurface
 
-__all__ = ["Step", "begun", "painted", "play", "score_of_strokes"]
+__all__ = ["PlaybackStep", "begun", "painted", "play", "score_of_strokes"]
 
 _RESOLUTION_MM = 0.4
 _log = logging.getLogger("paint3d.score")
@@ -58,9 +64,9 @@ def begun(
     """
     header = score.header
     try:
-        brush = brush_in(header, DEFAULT_BRUSH)
-        ink = Inks(dict(header.get("pigments", {}))).mixture(header.get("ink", PURE_INKS[0]))
-        made_of = material_in(header) if material is None else material
+        brush = decode_brush(header, DEFAULT_BRUSH)
+        ink = InkTable(dict(header.get("pigments", {}))).decode(header.get("ink", PURE_INKS[0]))
+        made_of = decode_material(header) if material is None else material
     except Paint3DError as cause:
         raise RecordingError(
             "{score}: its header: {cause}",
@@ -145,14 +151,14 @@ def score_of_strokes(strokes: Sequence[Stroke], surface: PaintedSurface) -> Scor
     """
     if not strokes:
         return None
-    inks, first = Inks({}), strokes[0]
+    inks, first = InkTable({}), strokes[0]
     known = {pigment.name: pigment for pigment in surface.pigments}
     events: list[Recording | dict[str, Any]] = [
         {"do": "rename_layer", "place": 0, "name": first.layer}
     ]
     layers, active, brush, amount = [first.layer], first.layer, None, DipAmount()
     for stroke in strokes:
-        ink = inks.words({known.get(name, name): part for name, part in stroke.ink.items()})
+        ink = inks.encode({known.get(name, name): part for name, part in stroke.ink.items()})
         if stroke.layer not in layers:
             events.append({"do": "add_layer", "name": stroke.layer, "place": len(layers)})
             layers.append(stroke.layer)
@@ -160,7 +166,7 @@ def score_of_strokes(strokes: Sequence[Stroke], surface: PaintedSurface) -> Scor
             events.append({"do": "select_layer", "place": layers.index(stroke.layer)})
         active = stroke.layer
         if stroke.brush != brush:
-            events.append({"do": "set_brush", "brush": brush_named(stroke.brush)})
+            events.append({"do": "set_brush", "brush": encode_brush(stroke.brush)})
         if stroke.brush != brush or stroke.dipped_since_stroke:
             amounts = {} if stroke.amount == amount else {"amount": stroke.amount.words()}
             events.append({"do": "dip", "ink": ink, **amounts})
@@ -174,6 +180,6 @@ def score_of_strokes(strokes: Sequence[Stroke], surface: PaintedSurface) -> Scor
         events.append(recording_of(stroke.samples, {}))
         events.append({"do": "end_stroke"})
     dipped = {known.get(name, name): part for name, part in first.ink.items()}
-    header = header_of(surface, first.brush, dipped, inks)
+    header = make_header(surface, first.brush, dipped, inks)
     own = {"pigments": inks.table} if inks.table else {}
     return Score({**header, **own}, tuple(events))

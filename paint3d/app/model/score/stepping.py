@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from paint3d.app.model.commands import COMMANDS, arguments_of
-from paint3d.app.model.score.words import Inks, Vocabulary
+from paint3d.app.model.commands import COMMANDS, decode_arguments
+from paint3d.app.model.score.codecs import InkTable, Vocabulary
 from paint3d.device.sample import DeviceSample
 from paint3d.errors import Message, Paint3DError, RecordingError
 from paint3d.recording.recording import HandTime, Recording
@@ -18,7 +18,7 @@ from paint3d.surface.painted_surface import PaintedSurface
 
 __all__ = [
     "Cue",
-    "Step",
+    "PlaybackStep",
     "cues_of",
     "in_pieces",
     "pass_step",
@@ -33,7 +33,7 @@ _AT_ONCE = 256  # samples between two looks at whether it goes on
 
 
 @dataclass(frozen=True, eq=False)
-class Step:
+class PlaybackStep:
     """Something to be done: samples of the stroke that goes on, or a command.
 
     Attributes
@@ -59,7 +59,7 @@ class Step:
     fraction: float
 
 
-def _steps_of(score: Score, surface: PaintedSurface, first: int) -> Iterator[Step]:
+def _steps_of(score: Score, surface: PaintedSurface, first: int) -> Iterator[PlaybackStep]:
     """What is to be done from an event on, in order; each is made when those before it are done.
 
     Raises
@@ -67,7 +67,7 @@ def _steps_of(score: Score, surface: PaintedSurface, first: int) -> Iterator[Ste
     RecordingError
         ``file:line: what is wrong`` for a brush or an ink that is not known, and the like.
     """
-    vocabulary = Vocabulary(surface, Inks(dict(score.header.get("pigments", {}))))
+    vocabulary = Vocabulary(surface, InkTable(dict(score.header.get("pigments", {}))))
     whole = sum(map(_cost, score.events[first:])) or 1.0
     done = 0.0
     for k, event in enumerate(score.events[first:], first):
@@ -76,10 +76,10 @@ def _steps_of(score: Score, surface: PaintedSurface, first: int) -> Iterator[Ste
             for at in range(0, len(samples), _AT_ONCE):
                 part = samples[at : at + _AT_ONCE]
                 done += len(part)
-                yield Step(k, part, "", {}, False, done / whole)
+                yield PlaybackStep(k, part, "", {}, False, done / whole)
             continue
         try:
-            asked = arguments_of(event, vocabulary)
+            arguments = decode_arguments(event, vocabulary)
         except Paint3DError as cause:
             if event.get("refused"):  # as it was then
                 continue
@@ -90,12 +90,14 @@ def _steps_of(score: Score, surface: PaintedSurface, first: int) -> Iterator[Ste
                 cause=cause,
             ) from None
         if event["do"] == "begin_stroke" and not event.get("refused"):
-            asked.setdefault("time_s", 0.0)
+            arguments.setdefault("time_s", 0.0)
         times = event.get("times", 1)
         cost = _cost(event) / times
         for _ in range(times):
             done += cost
-            yield Step(k, [], event["do"], asked, bool(event.get("refused")), done / whole)
+            yield PlaybackStep(
+                k, [], event["do"], arguments, bool(event.get("refused")), done / whole
+            )
 
 
 def _cost(event: Any) -> float:
@@ -104,7 +106,7 @@ def _cost(event: Any) -> float:
     return float(COMMANDS[event["do"]].cost * event.get("times", 1))
 
 
-def play(document: Any, score: Score, first: int = 0) -> Iterator[Step]:
+def play(document: Any, score: Score, first: int = 0) -> Iterator[PlaybackStep]:
     """Do what a score says, step by step; each is done when it comes out.
 
     Parameters
@@ -190,7 +192,7 @@ def in_pieces(score: Score, n: int = 1) -> Score:
     return replace(score, events=tuple(events), lines=tuple(lines))
 
 
-def pass_step(clock: HandTime, step: Step) -> None:
+def pass_step(clock: HandTime, step: PlaybackStep) -> None:
     """Count a step that has been done."""
     if step.samples:
         clock.pass_samples(_times(step.samples))
@@ -213,7 +215,7 @@ def cues_of(score: Score, surface: PaintedSurface) -> Iterator[Cue]:
         ``file:line: what is wrong`` for a brush or an ink that is not known, and the like.
     """
     clock = HandTime()
-    vocabulary = Vocabulary(surface, Inks(dict(score.header.get("pigments", {}))))
+    vocabulary = Vocabulary(surface, InkTable(dict(score.header.get("pigments", {}))))
     for k, event in enumerate(score.events):
         if isinstance(event, Recording):
             for when, sample in zip(
@@ -222,7 +224,7 @@ def cues_of(score: Score, surface: PaintedSurface) -> Iterator[Cue]:
                 yield Cue(float(when), [sample])
             continue
         try:
-            asked = arguments_of(event, vocabulary)
+            arguments = decode_arguments(event, vocabulary)
         except Paint3DError as cause:
             if event.get("refused"):  # as it was then
                 continue
@@ -233,10 +235,10 @@ def cues_of(score: Score, surface: PaintedSurface) -> Iterator[Cue]:
                 cause=cause,
             ) from None
         if event["do"] == "begin_stroke":
-            asked.setdefault("time_s", 0.0)
+            arguments.setdefault("time_s", 0.0)
         for _ in range(event.get("times", 1)):
             _pass_command(clock, event["do"], event, 1)
-            yield Cue(clock.seconds, [], event["do"], asked)
+            yield Cue(clock.seconds, [], event["do"], arguments)
 
 
 def _pass_command(clock: HandTime, name: str, options: Mapping[str, Any], times: int) -> None:

@@ -247,13 +247,13 @@ class FactorCurve(QtWidgets.QWidget):
         at = self._point_at(place)
         if event.button() == QtCore.Qt.MouseButton.RightButton:
             if at >= 0:
-                self._tell(self.points[:at] + self.points[at + 1 :])
+                self._change_points(self.points[:at] + self.points[at + 1 :])
             return
         if at < 0 and len(self.points) < MOST_POINTS:
             x, y = self._value(place)
             at = sum(point[0] < x for point in self.points)
             if self._fits(x, at, at):
-                self._tell((*self.points[:at], (x, y), *self.points[at:]))
+                self._change_points((*self.points[:at], (x, y), *self.points[at:]))
             else:
                 at = -1
         self._held = at
@@ -265,7 +265,7 @@ class FactorCurve(QtWidgets.QWidget):
             return
         x, y = self._value(event.position())
         x = x if self._fits(x, at, at + 1) else self.points[at][0]
-        self._tell((*self.points[:at], (x, y), *self.points[at + 1 :]))
+        self._change_points((*self.points[:at], (x, y), *self.points[at + 1 :]))
 
     def mouseReleaseEvent(self, event: QtGui.QMouseEvent) -> None:
         """Let go of it with the button that holds it."""
@@ -279,7 +279,7 @@ class FactorCurve(QtWidgets.QWidget):
         behind = self.points[after][0] if after < len(self.points) else math.inf
         return before + apart <= x <= behind - apart
 
-    def _tell(self, points: Points) -> None:
+    def _change_points(self, points: Points) -> None:
         self.points = points
         self.update()
         self.changed.emit(points)
@@ -363,7 +363,7 @@ class NumberRow(QtCore.QObject):
             self.box.setSingleStep(1.0 if self._whole else 10.0 ** (1 - digits))
             self.box.setValue(value)
             self.slider.setValue(round(_STEPS * self._share(value)))
-        self.range.setText(f"{_told(low)} – {_told(high)}")
+        self.range.setText(f"{_format_limit(low)} – {_format_limit(high)}")
 
     def enable(self, on: bool) -> None:
         """Let it be chosen, or not."""
@@ -401,7 +401,7 @@ class _PlainBox(QtWidgets.QDoubleSpinBox):
         return text.rstrip("0").removesuffix(point) if point in text else text
 
 
-def _told(number: float) -> str:
+def _format_limit(number: float) -> str:
     """An end of a range: three digits; powers of ten below a thousandth and from a million on."""
     if number != 0.0 and not 1e-3 <= abs(number) < 1e6:
         digits, power = f"{number:.2e}".split("e")
@@ -676,14 +676,14 @@ class BrushEditor(QtWidgets.QDialog):
         return column
 
     def _make_foot(self) -> QtWidgets.QVBoxLayout:
-        self.told = QtWidgets.QLabel()
-        self.told.setObjectName("heading")
-        self.told.setWordWrap(True)
+        self.message_label = QtWidgets.QLabel()
+        self.message_label.setObjectName("heading")
+        self.message_label.setWordWrap(True)
         row = QtWidgets.QHBoxLayout()
         row.addWidget(QtWidgets.QLabel(say("Name")))
         self.name_box = QtWidgets.QLineEdit(self._first_name())
         self.name_box.setMaxLength(60)
-        self.name_box.textChanged.connect(lambda _: self.told.clear())
+        self.name_box.textChanged.connect(lambda _: self.message_label.clear())
         row.addWidget(self.name_box, 1)
         self.take, self.keep = self._button(say("Paint with it")), self._button(say("Save as mine"))
         self.again, self.leave = self._button(say("Begin anew")), self._button(say("Close"))
@@ -694,7 +694,7 @@ class BrushEditor(QtWidgets.QDialog):
         self.again.clicked.connect(self._begin_anew)
         self.leave.clicked.connect(self.close)
         column = QtWidgets.QVBoxLayout()
-        column.addWidget(self.told)
+        column.addWidget(self.message_label)
         column.addLayout(row)
         return column
 
@@ -725,9 +725,9 @@ class BrushEditor(QtWidgets.QDialog):
         """Change the brush, or tell why not."""
         try:
             self.brush = change(self.brush)
-            self.told.clear()
+            self.message_label.clear()
         except BrushError as error:
-            self.told.setText(say_error(error))
+            self.message_label.setText(say_error(error))
         self._show()
 
     def _begin_anew(self) -> None:
@@ -741,14 +741,14 @@ class BrushEditor(QtWidgets.QDialog):
             if dataclasses.replace(self.brush, name=name) != load_presets().get(name):
                 check_unlike_presets(name, load_presets())
         except BrushError as error:
-            self.tell(error)
+            self.show_message(error)
             return
-        self.told.clear()
+        self.message_label.clear()
         signal.emit(dataclasses.replace(self.brush, name=name))
 
-    def tell(self, what: str | Paint3DError) -> None:
+    def show_message(self, what: str | Paint3DError) -> None:
         """Say how it went."""
-        self.told.setText(what if isinstance(what, str) else say_error(what))
+        self.message_label.setText(what if isinstance(what, str) else say_error(what))
 
     # -- showing ----------------------------------------------------------------------------
 
@@ -799,7 +799,7 @@ class BrushEditor(QtWidgets.QDialog):
 
     def _show_drawn(self, drawn: Drawn) -> None:
         if drawn.error is not None or drawn.footprints is None or drawn.stroke is None:
-            self.tell(say_error(drawn.error or ""))
+            self.show_message(say_error(drawn.error or ""))
             return
         for label, pixels in ((self.footprints, drawn.footprints), (self.stroke, drawn.stroke)):
             pixmap = pixmap_of(pixels, label.size() * _SHARPER)

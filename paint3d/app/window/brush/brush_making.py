@@ -33,8 +33,12 @@ class BrushMaking:
         panels.brushes.edit.connect(self.do_edit_brush)
         panels.brushes.open_file.connect(self.do_open_brush)
         panels.brushes.inked.connect(self._follow_ink)
-        panels.brushes.favoured.connect(lambda names: workspace.keep(favourite_brushes=names))
-        panels.brushes.filed.connect(lambda folders: workspace.keep(brush_folders=folders))
+        panels.brushes.favoured.connect(
+            lambda names: workspace.update_settings(favourite_brushes=names)
+        )
+        panels.brushes.filed.connect(
+            lambda folders: workspace.update_settings(brush_folders=folders)
+        )
         self._list()
 
     def _list(self) -> None:
@@ -79,13 +83,13 @@ class BrushMaking:
             path = keep_brush(brush)
         except Paint3DError as error:
             if self.editor is not None:
-                self.editor.tell(error)
+                self.editor.show_message(error)
             return
         self._take(brush)
         message = say("{name} is saved in {path}", name=brush.name, path=path)
         self._workspace.tell(message, state="good")
         if self.editor is not None:
-            self.editor.tell(message)
+            self.editor.show_message(message)
 
     # -- files ------------------------------------------------------------------------------
 

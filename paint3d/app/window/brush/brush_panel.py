@@ -98,13 +98,13 @@ class BrushPanel(QtWidgets.QWidget):
         self._size = QtWidgets.QSlider(QtCore.Qt.Orientation.Horizontal)
         self._size.setRange(0, 1000)
         self._size.setAccessibleName(say("Tuft"))
-        self.told = QtWidgets.QLabel()
+        self.length_label = QtWidgets.QLabel()
         self._keep_room()
-        self.told.setAlignment(QtCore.Qt.AlignmentFlag.AlignRight)
+        self.length_label.setAlignment(QtCore.Qt.AlignmentFlag.AlignRight)
         row = QtWidgets.QHBoxLayout()
         row.addWidget(QtWidgets.QLabel(say("Tuft")))
         row.addWidget(self._size, 1)
-        row.addWidget(self.told)
+        row.addWidget(self.length_label)
         layout = QtWidgets.QVBoxLayout(self)
         layout.setContentsMargins(8, 6, 8, 8)
         layout.addWidget(self.folder)
@@ -272,20 +272,20 @@ class BrushPanel(QtWidgets.QWidget):
         self._wanted = brush.length_mm
         with QtCore.QSignalBlocker(self._size):
             self._size.setValue(_step_of(brush.length_mm))
-        self.told.setText(say_length(brush.length_mm))
+        self.length_label.setText(say_length(brush.length_mm))
 
     def show_unit(self) -> None:
         """Tell lengths in the unit that is chosen now."""
         for row in range(self._list.count()):
             brush = self._brushes[self._name(row)]
-            self._list.item(row).setText(_told(brush, self._name(row) in self._favourites))
-        self.told.setText(say_length(self._wanted))
+            self._list.item(row).setText(_describe(brush, self._name(row) in self._favourites))
+        self.length_label.setText(say_length(self._wanted))
         self._keep_room()
 
     def _keep_room(self) -> None:
         """Leave room for any length, so that the panel never grows, nor the picture moves."""
         texts = [say_length(mm) for mm in (_SHORTEST_MM, 45.25, 88.88, _LONGEST_MM)]
-        self.told.setMinimumWidth(max(map(self.fontMetrics().horizontalAdvance, texts)) + 2)
+        self.length_label.setMinimumWidth(max(map(self.fontMetrics().horizontalAdvance, texts)) + 2)
 
     def set_ink(self, ink: Ink) -> None:
         """Paint the previews in this ink, soon: a name, or parts by name."""
@@ -333,7 +333,7 @@ class BrushPanel(QtWidgets.QWidget):
     def _want(self, length: float) -> None:
         least, most = size_limits(self.brush)
         self._wanted = min(max(length, 1.0001 * least), 0.9999 * most)
-        self.told.setText(say_length(self._wanted))
+        self.length_label.setText(say_length(self._wanted))
         self._settle.start()
 
     def _size_settled(self) -> None:
@@ -377,14 +377,14 @@ def plain_name(brush: BrushSpec) -> str:
     return brush.name.split(" @")[0]
 
 
-def _told(brush: BrushSpec, favourite: bool = False) -> str:
+def _describe(brush: BrushSpec, favourite: bool = False) -> str:
     mark = "★ " if favourite else ""
     purpose = say_purpose(plain_name(brush))
     return f"{mark}{say_brush(brush.name)}  ·  {say_length(brush.length_mm)}\n{purpose}"
 
 
 def _list_item(brush: BrushSpec, favourite: bool = False) -> QtWidgets.QListWidgetItem:
-    item = QtWidgets.QListWidgetItem(_told(brush, favourite))
+    item = QtWidgets.QListWidgetItem(_describe(brush, favourite))
     item.setData(QtCore.Qt.ItemDataRole.UserRole, brush.name)
     purpose = say_purpose(plain_name(brush))
     item.setToolTip(

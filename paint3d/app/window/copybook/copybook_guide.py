@@ -62,7 +62,7 @@ _FRAME, _MEDIAN = (90, 84, 76, 110), (60, 90, 140, 150)
 
 
 @dataclass
-class _Laid:
+class _TextLayout:
     """What lies on the object, and how it came there."""
 
     em_mm: float
@@ -89,7 +89,7 @@ class CopybookGuide:
 
     def __init__(self, workspace: Workspace, panel: CopybookPanel) -> None:
         self._workspace, self._panel = workspace, panel
-        self._laid = _Laid(40.0, Layout())
+        self._laid = _TextLayout(40.0, Layout())
         self._books: dict[LaidText, Copybook | None] = {}  # None: it cannot be laid here
         self._shown: tuple[LaidText, ...] = ()
         self._loose: Copybook | None = None  # of a file
@@ -147,7 +147,7 @@ class CopybookGuide:
         )  # fmt: skip
         if not agreed or not text.strip():
             return
-        workspace.keep(signer=signer_in(text))
+        workspace.update_settings(signer=signer_in(text))
         signature = LaidText(text.strip(), _SIGNATURE_EM_MM, grid="none", is_signature=True)
         texts = self._workspace.painting.texts
         mains = [one for one in texts if one.text.strip() and not one.is_signature]
@@ -449,7 +449,7 @@ class CopybookGuide:
 
     def layout_file(self, file: str, em_mm: float) -> bool:
         """Lay a drawing, a file of strokes or a photographed sheet; whether that went well."""
-        laid = _Laid(em_mm, Layout(), file=Path(file))
+        laid = _TextLayout(em_mm, Layout(), file=Path(file))
 
         def composed() -> Composer:
             if file.lower().endswith(PHOTOGRAPH_SUFFIXES):
@@ -477,7 +477,7 @@ class CopybookGuide:
             return
         workspace, number = self._workspace, self._active
         if number is not None:  # a text in a font
-            laid = _Laid(held.laid.em_mm, held.laid.layout)
+            laid = _TextLayout(held.laid.em_mm, held.laid.layout)
         page, beside = copybook.page, laid.file
         photographed = laid.photographed
         dialog = StrokesDialog(
@@ -489,7 +489,7 @@ class CopybookGuide:
         if accepted and dialog.is_changed:  # else what was written after them stays judged
             corrected = dialog.page
             laid.unused = dialog.steps  # until they lie on the object
-            now = _Laid(laid.em_mm, laid.layout, laid.file, dialog.photographed)
+            now = _TextLayout(laid.em_mm, laid.layout, laid.file, dialog.photographed)
             if not self._lay(lambda: corrected, now):
                 workspace.tell(say("The corrections are kept; check the strokes again"))
             elif number is not None:  # they take the text's place
@@ -506,7 +506,7 @@ class CopybookGuide:
         window = self._workspace.window
         return ask(window, message, destroy=say("Drop them"), warns=True) is Answer.DestructiveRole
 
-    def _lay(self, compose: Callable[[], Composer], laid: _Laid) -> bool:
+    def _lay(self, compose: Callable[[], Composer], laid: _TextLayout) -> bool:
         """Lay a page, in the place of what is chosen."""
         workspace = self._workspace
         mesh = workspace.painting.source
@@ -546,7 +546,7 @@ class CopybookGuide:
 
     def _begin_anew(self, opened: OpenResult) -> None:
         """Nothing lies on a painting that is opened but its own texts; text fills sheets."""
-        self._laid = _Laid(40.0, Layout())
+        self._laid = _TextLayout(40.0, Layout())
         self._books, self._shown, self._loose = {}, (), None
         self._active = self._coming = self._making = self._claimed = None
         self._counting = self._counted = None

@@ -187,8 +187,8 @@ class CopybookPanel(QtWidgets.QWidget):
         hide = QtWidgets.QPushButton(say("Take the guide away"))
         layout_text.clicked.connect(self.ask)
         hide.clicked.connect(self.hidden)
-        self.told = QtWidgets.QLabel()
-        self.told.setObjectName("title")
+        self.message_label = QtWidgets.QLabel()
+        self.message_label.setObjectName("title")
         self.list = QtWidgets.QListWidget()
         self.list.setObjectName("copybook")
         self.list.setAccessibleName(say("Characters"))
@@ -232,7 +232,7 @@ class CopybookPanel(QtWidgets.QWidget):
         layout.addLayout(_side_by_side(self.sign_button, self.seal_button))
         layout.addWidget(self.open_button)
         layout.addWidget(self.correct_button)
-        layout.addWidget(self.told)
+        layout.addWidget(self.message_label)
         layout.addWidget(self.list, 1)
         self.show_texts([], None)
 
@@ -399,16 +399,16 @@ class CopybookPanel(QtWidgets.QWidget):
             self.list.addItem(item)
         following = self.copybook.next if self.copybook is not None else None
         if self.copybook is None:
-            self.told.setText("")
+            self.message_label.setText("")
         elif following is None:
-            self.told.setText(say("All characters are written"))
+            self.message_label.setText(say("All characters are written"))
         else:
             told = say(
                 "{n} of {count} written; next: {character}",
                 n=sum(ghost.is_written for ghost in ghosts), count=len(ghosts),
                 character=ghosts[following].text,
             )  # fmt: skip
-            self.told.setText(told)
+            self.message_label.setText(told)
             self.list.setCurrentRow(following)
 
     def set_theme(self, theme: Theme) -> None:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from PySide6 import QtCore, QtGui, QtWidgets
 
 from paint3d.app.window.copybook.picture_view import PictureView, image_of, length_of
-from paint3d.app.window.files.target_dialog import Kind, ask_target
+from paint3d.app.window.files.target_dialog import FileKind, ask_target
 from paint3d.app.window.forms import buttons
 from paint3d.app.window.job import run_beside
 from paint3d.app.window.questions import Answer, ask
@@ -34,11 +34,11 @@ __all__ = [
     "Behind",
     "CornerView",
     "CorrectionState",
+    "LabelGrid",
     "Photographed",
     "ShownStroke",
     "StrokeView",
     "StrokesDialog",
-    "Taken",
 ]
 
 # ---- Strokes over their picture ------------------------------------------------------------------
@@ -225,7 +225,7 @@ class StrokeView(PictureView):
         lines = {k: self._line(k) for k in shown}
         for k in shown:
             self._draw_way(painter, k, lines[k])
-        taken = Taken()
+        taken = LabelGrid()
         for k in shown[::-1]:  # the chosen one has its number where it begins
             place = _free(lines[k], taken)
             taken.add(place)
@@ -302,7 +302,7 @@ def _pen(
     return pen
 
 
-class Taken:
+class LabelGrid:
     """Places of numbers, by cells as wide as one: of many strokes only near ones are looked at."""
 
     def __init__(self) -> None:
@@ -326,7 +326,7 @@ class Taken:
         return int(place.x() // (2.0 * _BADGE)), int(place.y() // (2.0 * _BADGE))
 
 
-def _free(line: Sequence[QtCore.QPointF], taken: Taken) -> QtCore.QPointF:
+def _free(line: Sequence[QtCore.QPointF], taken: LabelGrid) -> QtCore.QPointF:
     """Where a number goes: at a line's start, or farther along it where no other one is."""
     length = sum(length_of(b - a) for a, b in pairwise(line))
     for fraction in (0.0, 0.12, 0.24, 0.36, 0.5):
@@ -503,7 +503,7 @@ class StrokesDialog(QtWidgets.QDialog):
         What was corrected, to be undone.
     buttons : dict of str to QAbstractButton
         By their names in `_BUTTONS`.
-    told : QLabel
+    message_label : QLabel
         What is chosen, and what is expected next.
     """
 
@@ -535,8 +535,8 @@ class StrokesDialog(QtWidgets.QDialog):
         if photographed is not None:
             self.corners = CornerView(theme, photographed.pixels)
             self._views.addWidget(self.corners)
-        self.told = QtWidgets.QLabel()
-        self.told.setWordWrap(True)
+        self.message_label = QtWidgets.QLabel()
+        self.message_label.setWordWrap(True)
         self.buttons: dict[str, QtWidgets.QAbstractButton] = {}
         self._lay_out()
         room = parent.window().size()
@@ -608,7 +608,7 @@ class StrokesDialog(QtWidgets.QDialog):
         if self.corners is not None:
             side.addWidget(self._button("corners"))
         side.addSpacing(6)
-        side.addWidget(self.told)
+        side.addWidget(self.message_label)
         side.addStretch(1)
         side.addWidget(self._button("save"))
         box = buttons(self, say("Use"))
@@ -760,7 +760,7 @@ class StrokesDialog(QtWidgets.QDialog):
         try:
             joined, at = self._now.join(self._chosen, other)
         except Paint3DError as error:
-            self.told.setText(say_error(error))
+            self.message_label.setText(say_error(error))
         else:
             self._take(joined, at)
 
@@ -769,7 +769,7 @@ class StrokesDialog(QtWidgets.QDialog):
         try:
             parts = self._now.split(self._chosen, point)
         except Paint3DError as error:
-            self.told.setText(say_error(error))
+            self.message_label.setText(say_error(error))
         else:
             self._take(parts)
 
@@ -818,7 +818,7 @@ class StrokesDialog(QtWidgets.QDialog):
         name = self._beside.name
         stem = name.removesuffix(_SUFFIX) if name.endswith(_SUFFIX) else self._beside.stem
         start = self._beside.with_name(f"{stem}{_SUFFIX}")
-        path = ask_target(self, say("Save the strokes"), start, [Kind(say("Strokes"), _SUFFIX)])
+        path = ask_target(self, say("Save the strokes"), start, [FileKind(say("Strokes"), _SUFFIX)])
         if path is None:
             return
         try:
@@ -827,7 +827,7 @@ class StrokesDialog(QtWidgets.QDialog):
             QtWidgets.QMessageBox.warning(self, "paint3d", say_error(error))
         else:
             self._beside, self._kept = path, self.steps.now
-            self.told.setText(say("Exported {name}", name=path.name))
+            self.message_label.setText(say("Exported {name}", name=path.name))
 
     def reject(self) -> None:
         """Close it; corrections that are not in a file are asked for."""
@@ -875,7 +875,7 @@ class StrokesDialog(QtWidgets.QDialog):
         self.buttons["leave out"].setText(
             f"{say('Take in') if is_out else say('Leave out')}  ({key})"
         )
-        self.told.setText(self._words())
+        self.message_label.setText(self._words())
         self.view.update()
 
     def _words(self) -> str:

@@ -13,9 +13,9 @@ from PySide6 import QtCore
 
 from paint3d.app.model.frame import Snapshot
 from paint3d.app.window.copybook.text_moving import HeldText
-from paint3d.app.window.job import Progress
+from paint3d.app.window.job import JobProgress
 from paint3d.app.window.playing.player import Asked, Player, Tools
-from paint3d.app.window.playing.recordings import samples_of, told_of, tools_in_hand
+from paint3d.app.window.playing.recordings import samples_of, tool_changes_of, tools_in_hand
 from paint3d.app.window.wording import say, say_brush, say_length
 from paint3d.app.window.workspace import Workspace
 from paint3d.brush.presets import brush_for, suits_size
@@ -128,7 +128,7 @@ def _fresh(painting: Snapshot) -> list[Asked]:
 
 
 def _made_ready(
-    held: HeldText, painting: Snapshot, brush: BrushSpec, folder: str | None, progress: Progress
+    held: HeldText, painting: Snapshot, brush: BrushSpec, folder: str | None, progress: JobProgress
 ) -> tuple[Any, ...]:
     """The samples of a text that is written, and what the brush comes to hold at them."""
     from paint3d.calligraphy.dips import dipped_as
@@ -142,7 +142,7 @@ def _made_ready(
     recording: Recording = inked_as(
         written.recording, written.dryness, written.strength, painting.material
     )
-    return (samples_of(recording, progress), *told_of(recording))
+    return (samples_of(recording, progress), *tool_changes_of(recording))
 
 
 def _plan(

@@ -11,8 +11,8 @@ from PySide6 import QtWidgets
 
 from paint3d.app.model.document import Document
 from paint3d.app.window.files.target_dialog import Targets
-from paint3d.app.window.forms import LEAST_PIXELS, FormDialog, SizeBoxes, kept_number
-from paint3d.app.window.job import Progress, result_of
+from paint3d.app.window.forms import LEAST_PIXELS, FormDialog, SizeBoxes, stored_number
+from paint3d.app.window.job import JobProgress, result_of
 from paint3d.app.window.playing.pictures import Pictures
 from paint3d.app.window.wording import say, say_units
 from paint3d.app.window.workspace import Workspace
@@ -31,7 +31,7 @@ __all__ = [
     "FORMAT_NAMES",
     "ExportDialog",
     "Exporting",
-    "kept_options",
+    "stored_options",
 ]
 
 # ---- The dialog ----------------------------------------------------------------------------------
@@ -60,7 +60,7 @@ _QUALITY = 92
 _FILAMENTS = 6
 
 
-def kept_options(kept: Mapping[str, object], suffix: str) -> Mapping[str, object]:
+def stored_options(kept: Mapping[str, object], suffix: str) -> Mapping[str, object]:
     """What was chosen last for a format, of all that was kept."""
     own = kept.get(suffix)
     return own if isinstance(own, Mapping) else {}
@@ -116,18 +116,18 @@ class ExportDialog(FormDialog):
         flat = FLAT if self._sheet is not None and FLAT in views else None
         view = self.add_box(say("View"), views, self._kept.get("view", flat))
         self.choices["view"] = view
-        self.size_boxes = SizeBoxes(self._kept_size(self._usual_size()), self._screen)
+        self.size_boxes = SizeBoxes(self._stored_size(self._usual_size()), self._screen)
         self.form.addRow(say("Size in pixels"), self.size_boxes)
         if self.suffix == ".jpg":
-            quality = kept_number(self._kept, "quality", _QUALITY)
+            quality = stored_number(self._kept, "quality", _QUALITY)
             self.numbers["quality"] = self.add_number(say("Quality"), 1, 100, quality, "%")
         if self.suffix in FORMATS:
             lights = {name: say(text) for name, text in _LIGHTS.items()}
             self.choices["light"] = self.add_box(say("Light"), lights, self._kept.get("light"))
-            self._add_kept_check("transparent", say("Without ground and background"))
+            self._add_stored_check("transparent", say("Without ground and background"))
         view.currentIndexChanged.connect(self._view_chosen)
 
-    def _kept_size(self, default: tuple[int, int]) -> tuple[int, int]:
+    def _stored_size(self, default: tuple[int, int]) -> tuple[int, int]:
         match self._kept.get("size"):
             case [int(width), int(height)]:
                 return width, height
@@ -163,18 +163,18 @@ class ExportDialog(FormDialog):
             kept = self._kept.get("texture", False)
             self.choices["texture"] = self.add_box(say("Colours"), ways, kept)
             self.choices["texture"].currentIndexChanged.connect(self._follow)
-        tolerance = kept_number(self._kept, "tolerance", 1.0)
+        tolerance = stored_number(self._kept, "tolerance", 1.0)
         self.numbers["tolerance"] = self.add_number(
             say("Colours may miss by"), 0.0, 20.0, tolerance, "ΔE", 1
         )
-        self._add_kept_check("exact", say("Every vertex, none left out"))
+        self._add_stored_check("exact", say("Every vertex, none left out"))
         self.checks["exact"].toggled.connect(self._follow)
         if "unlit" in self._takes:
-            self._add_kept_check("unlit", say("Colours as they are, without light"))
+            self._add_stored_check("unlit", say("Colours as they are, without light"))
         if "packed_normals" in self._takes:
-            self._add_kept_check("packed_normals", say("Normals in one number"))
+            self._add_stored_check("packed_normals", say("Normals in one number"))
 
-    def _add_kept_check(self, name: str, text: str) -> None:
+    def _add_stored_check(self, name: str, text: str) -> None:
         self.checks[name] = self.add_check(text, self._kept.get(name) is True)
 
     def _add_gamut(self) -> None:
@@ -346,12 +346,12 @@ class Exporting:
             self.export_to(path)
             return
         dialog = ExportDialog(
-            workspace.window, suffix, kept_options(kept, suffix), workspace.canvas.pixel_size,
+            workspace.window, suffix, stored_options(kept, suffix), workspace.canvas.pixel_size,
             extent,
         )  # fmt: skip
         if not dialog.exec():
             return
-        workspace.keep(exports={**kept, remembered: suffix, suffix: dialog.chosen()})
+        workspace.update_settings(exports={**kept, remembered: suffix, suffix: dialog.chosen()})
         if dialog.is_of_screen:
             self._pictures.picture_to(path, dialog.picture_size(), dialog.quality())
         elif dialog.is_taken_otherwise:
@@ -388,7 +388,7 @@ class Exporting:
         workspace = self._workspace
         paint_thread = workspace.paint_thread
 
-        def work(progress: Progress) -> None:
+        def work(progress: JobProgress) -> None:
             def write(document: Document) -> None:
                 write_picture(document.surface, path, shot, progress=progress, viewing=viewing)
 
@@ -399,25 +399,25 @@ class Exporting:
         workspace.tell(say("Exported {name}", name=path.name), state="good")
         return True
 
-    def _in_paint_thread(self, path: Path) -> Callable[[Progress], None]:
+    def _in_paint_thread(self, path: Path) -> Callable[[JobProgress], None]:
         """Write it while nothing is painted."""
         paint_thread = self._workspace.paint_thread
 
-        def work(progress: Progress) -> None:
+        def work(progress: JobProgress) -> None:
             result_of(paint_thread.post("export", path, progress=progress), progress)
 
         return work
 
     def _beside(
         self, path: Path, options: Mapping[str, Any], clipped: list[int]
-    ) -> Callable[[Progress], None]:
+    ) -> Callable[[JobProgress], None]:
         """Take what is needed from the painting, then write it while that may go on.
 
         How many colours did not fit in, is added to `clipped`.
         """
         paint_thread = self._workspace.paint_thread
 
-        def work(progress: Progress) -> None:
+        def work(progress: JobProgress) -> None:
             taken = part_of(progress, 0.0, _TAKEN)
             asked = paint_thread.post("prepare_export", path, ExportOptions(**options), taken)
             prepared = result_of(asked, progress)

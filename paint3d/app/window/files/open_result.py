@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.app.model.document import Document
-from paint3d.app.window.job import Progress
+from paint3d.app.window.job import JobProgress
 from paint3d.app.window.wording import say_length, say_material, say_object
 from paint3d.colour.materials import Material
 from paint3d.core.arrays import AnyArray
@@ -85,7 +85,7 @@ class OpenResult:
         return cls(document, shown, uploads, surface, some_points(document.surface.source.vertices))
 
 
-def open_with_progress(document: Document, progress: Progress, fraction: float) -> OpenResult:
+def open_with_progress(document: Document, progress: JobProgress, fraction: float) -> OpenResult:
     """Make a painting ready to be shown; the fraction of the work that is done before."""
     progress(fraction)
     return OpenResult.of(document, part_of(progress, fraction, 0.98))

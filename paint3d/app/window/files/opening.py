@@ -17,7 +17,7 @@ from paint3d.app.window.files.file_dialogs import ask_file
 from paint3d.app.window.files.open_result import OpenResult, open_with_progress
 from paint3d.app.window.files.recovery import open_elsewhere
 from paint3d.app.window.files.saving import RecentFiles, Saving
-from paint3d.app.window.job import Progress
+from paint3d.app.window.job import JobProgress
 from paint3d.app.window.object.new_dialog import NewDialog
 from paint3d.app.window.object.standing import Standing
 from paint3d.app.window.wording import say, say_object
@@ -162,9 +162,9 @@ class Opening:
         if not dialog.exec() or not self._saving.may_leave():
             return
         name, material, resolution = dialog.chosen()
-        self._workspace.keep(begun_on=name)
+        self._workspace.update_settings(begun_on=name)
         if not is_sheet(name):  # which each have a material and a detail that suit them
-            self._workspace.keep(material=material, resolution_mm=resolution)
+            self._workspace.update_settings(material=material, resolution_mm=resolution)
         if name:
             self.open_path(name, resolution, material, asked=True)
         else:
@@ -224,7 +224,7 @@ class Opening:
             return False
         if not self._workspace.show(done.result()):
             return False
-        self._standing.tell()
+        self._standing.report_assumptions()
         if not is_built_in(str(path)):
             self._recent.add(path)
         for message in open_elsewhere(self._workspace):
@@ -238,7 +238,7 @@ class Opening:
     def _open_session(self, path: str, title: str) -> Future[Any]:
         undo_bytes = self._undo_bytes()
 
-        def work(progress: Progress) -> OpenResult:
+        def work(progress: JobProgress) -> OpenResult:
             message = part_of(progress, 0.0, 0.9)
             document = Document.open(path, undo_bytes=undo_bytes, progress=message)
             return open_with_progress(document, progress, 0.9)
@@ -254,7 +254,7 @@ class Opening:
             suited = is_sheet(path) and not Path(path).is_file()
             material = parse_sheet(path).usual.material if suited else chosen_material(settings)
 
-        def read(progress: Progress) -> Reading:
+        def read(progress: JobProgress) -> Reading:
             message = _before_one(progress)
             found = read_mesh(path, self.unit, texture=True, up=self.up, progress=message)
             _ = found.likely_up, found.mesh.face_normals, found.mesh.bounds  # found here, not in
@@ -270,12 +270,12 @@ class Opening:
         )
         if choice is None:
             return None
-        self._workspace.keep_in_hand()
+        self._workspace.remember_in_hand()
         settings = self._workspace.settings
         brush, inks = chosen_brush(settings), chosen_inks(settings)
         undo_bytes = self._undo_bytes()
 
-        def make(progress: Progress) -> OpenResult:
+        def make(progress: JobProgress) -> OpenResult:
             found = reading.mesh
             if not choice.coloured:  # as it was before it was refined for its picture
                 message = part_of(progress, 0.0, 0.4)
@@ -305,9 +305,9 @@ def say_warming() -> str:
     return say("Preparing the brush…")
 
 
-def _warm_up(progress: Progress) -> None:
+def _warm_up(progress: JobProgress) -> None:
     warm_up(_before_one(progress))
 
 
-def _before_one(progress: Progress) -> Callable[[float], None]:
+def _before_one(progress: JobProgress) -> Callable[[float], None]:
     return part_of(progress, 0.0, 0.98)

@@ -14,7 +14,7 @@ from paint3d.app.model.persistence.recovery_folder import (
     recoverable,
 )
 from paint3d.app.window.files.open_result import open_with_progress
-from paint3d.app.window.job import Progress
+from paint3d.app.window.job import JobProgress
 from paint3d.app.window.questions import Answer, ask
 from paint3d.app.window.wording import say, say_error, say_object
 from paint3d.app.window.workspace import Workspace
@@ -99,7 +99,7 @@ class Recovery:
         workspace = self._workspace
         workspace.error = None
 
-        def work(progress: Progress) -> object:
+        def work(progress: JobProgress) -> object:
             recovered = one.recover(part_of(progress, 0.0, 0.9))
             return recovered, open_with_progress(recovered.document, progress, 0.9)
 

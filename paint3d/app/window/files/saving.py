@@ -9,7 +9,7 @@ from PySide6 import QtCore, QtWidgets
 
 from paint3d.app.window.files.file_dialogs import that_exist
 from paint3d.app.window.files.target_dialog import Targets
-from paint3d.app.window.job import Progress, result_of
+from paint3d.app.window.job import JobProgress, result_of
 from paint3d.app.window.questions import Answer, ask
 from paint3d.app.window.wording import say, say_object
 from paint3d.app.window.workspace import Workspace
@@ -39,7 +39,7 @@ class RecentFiles(QtCore.QObject):
 
     def add(self, path: str) -> None:
         """Put a file first."""
-        self._workspace.keep(recent=self._workspace.settings.with_recent(path).recent)
+        self._workspace.update_settings(recent=self._workspace.settings.with_recent(path).recent)
         self.show()
 
     def show(self) -> None:
@@ -89,7 +89,7 @@ class Saving:
         workspace, found = self._workspace, list[tuple[Path | None, bool]]()
         paint_thread, painting = workspace.paint_thread, workspace.painting
 
-        def work(progress: Progress) -> None:  # beside a bar: a step that goes on may last
+        def work(progress: JobProgress) -> None:  # beside a bar: a step that goes on may last
             asked = paint_thread.post(
                 lambda document: (document.path, document.is_written_by_others)
             )
@@ -129,7 +129,7 @@ class Saving:
         workspace = self._workspace
         paint_thread = workspace.paint_thread
 
-        def work(progress: Progress) -> None:
+        def work(progress: JobProgress) -> None:
             paint_thread.post(workspace.before_saving)
             result_of(paint_thread.post("save", path, progress=progress), progress)
 

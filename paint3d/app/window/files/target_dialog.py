@@ -15,10 +15,10 @@ from paint3d.app.window.questions import Answer, ask
 from paint3d.app.window.wording import say, say_object
 from paint3d.app.window.workspace import Workspace
 
-__all__ = ["Kind", "TargetDialog", "Targets", "ask_target"]
+__all__ = ["FileKind", "TargetDialog", "Targets", "ask_target"]
 
 
-class Kind(NamedTuple):
+class FileKind(NamedTuple):
     """A format: its name in words, and the suffix that a file of it has."""
 
     name: str
@@ -42,7 +42,7 @@ class TargetDialog(QtWidgets.QFileDialog):
     title : str
     start : Path
         The folder to look into, and a name to begin with.
-    kinds : sequence of Kind
+    kinds : sequence of FileKind
     preferred : str
         The suffix of the kind that is chosen at first.
 
@@ -57,7 +57,7 @@ class TargetDialog(QtWidgets.QFileDialog):
         parent: QtWidgets.QWidget,
         title: str,
         start: Path,
-        kinds: Sequence[Kind],
+        kinds: Sequence[FileKind],
         preferred: str,
     ) -> None:
         super().__init__(parent, title)
@@ -123,13 +123,13 @@ class TargetDialog(QtWidgets.QFileDialog):
         super().accept()
 
 
-def _suffix(name: str, kinds: Sequence[Kind]) -> str | None:
+def _suffix(name: str, kinds: Sequence[FileKind]) -> str | None:
     """The longest known suffix of a name."""
     found = [k.suffix for k in kinds if name.lower().endswith(k.suffix)]
     return max(found, key=len, default=None)
 
 
-def _without(name: str, kinds: Sequence[Kind]) -> str:
+def _without(name: str, kinds: Sequence[FileKind]) -> str:
     suffix = _suffix(name, kinds)
     return name if suffix is None else name[: -len(suffix)]
 
@@ -144,7 +144,11 @@ def _may_replace(parent: QtWidgets.QWidget, path: Path) -> bool:
 
 
 def ask_target(
-    parent: QtWidgets.QWidget, title: str, start: Path, kinds: Sequence[Kind], preferred: str = ""
+    parent: QtWidgets.QWidget,
+    title: str,
+    start: Path,
+    kinds: Sequence[FileKind],
+    preferred: str = "",
 ) -> Path | None:
     """Ask where to write; None: nowhere. What it returns may be replaced; see `TargetDialog`."""
     dialog = TargetDialog(parent, title, start, kinds, preferred)
@@ -190,7 +194,7 @@ class Targets:
         start = (self.folder or beside) / f"{stem}{suffix}"
         if painting.path is None and answers(start.parent):
             start = _free(start, suffix)
-        kinds = [Kind(say(name), suffix) for suffix, name in names.items()]
+        kinds = [FileKind(say(name), suffix) for suffix, name in names.items()]
         path = ask_target(self._workspace.window, title.rstrip("…"), start, kinds, suffix)
         if path is not None:
             self.folder = path.parent

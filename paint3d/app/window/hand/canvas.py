@@ -18,7 +18,7 @@ from paint3d.view.live_layers import Box
 
 __all__ = [
     "WRITING",
-    "Canvas",
+    "CanvasWidget",
     "Drag",
     "Touch",
     "pressure_of_contact",
@@ -152,7 +152,7 @@ class Drag:
     y: float
 
 
-class Canvas(QtWidgets.QWidget):
+class CanvasWidget(QtWidgets.QWidget):
     """Shows pixels; tells what pen, mouse, fingers and wheel do.
 
     Signals

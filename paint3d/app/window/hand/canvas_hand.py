@@ -13,7 +13,7 @@ from PySide6 import QtCore
 
 from paint3d.app.model.input import navigation
 from paint3d.app.model.input.hand import Hand, HandSettings, PointerInput
-from paint3d.app.window.hand.canvas import Canvas, Touch
+from paint3d.app.window.hand.canvas import CanvasWidget, Touch
 from paint3d.app.window.stage import Stage
 from paint3d.core.arrays import AnyArray
 from paint3d.device.sample import DeviceSample
@@ -60,7 +60,7 @@ class CanvasHand(QtCore.QObject):
     began = QtCore.Signal()
     ended = QtCore.Signal(object)
 
-    def __init__(self, canvas: Canvas, stage: Stage) -> None:
+    def __init__(self, canvas: CanvasWidget, stage: Stage) -> None:
         super().__init__(canvas)
         self._canvas, self._stage = canvas, stage
         self.camera: Camera | None = None

@@ -1,8 +1,8 @@
 """A tool that has the picture's drags while it is on: choosing, moving and scaling what lies there.
 
-The canvas hands touches to one tool at a time (`Canvas.take_up`). What all tools of this kind do is
-here: they come and go, follow one press to its end, leave steering to Space and the view's grips,
-end by Esc, and let go when a finger turns out to be one of several.
+The canvas hands touches to one tool at a time (`CanvasWidget.take_up`). What all tools of this kind
+do is here: they come and go, follow one press to its end, leave steering to Space and the view's
+grips, end by Esc, and let go when a finger turns out to be one of several.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from typing import ClassVar
 
 from PySide6 import QtCore, QtGui
 
-from paint3d.app.window.hand.canvas import Canvas, Touch
+from paint3d.app.window.hand.canvas import CanvasWidget, Touch
 from paint3d.app.window.wording import say
 from paint3d.app.window.workspace import Workspace
 
@@ -49,7 +49,7 @@ class CanvasTool(QtCore.QObject):
     def __init__(self, workspace: Workspace) -> None:
         super().__init__(workspace)
         self._workspace = workspace
-        self._canvas: Canvas = workspace.canvas
+        self._canvas: CanvasWidget = workspace.canvas
         self._is_down = False
         self._mode_at: Callable[..., str | None] = self._canvas.mode_at
         self._canvas.overlays.append(lambda painter, _: self.paint(painter) if self.is_on else None)

@@ -15,7 +15,7 @@ from paint3d.app.model.input.devices import (
     plug_in_pens,
     went_down,
 )
-from paint3d.app.model.persistence.settings import keep_calibration
+from paint3d.app.model.persistence.settings import store_calibration
 from paint3d.app.window.hand.device_panel import DevicePanel
 from paint3d.app.window.wording import say, say_error
 from paint3d.app.window.workspace import Workspace
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from paint3d.app.model.document import Document
     from paint3d.app.model.input.devices import Devices, Feeling
     from paint3d.app.model.persistence.settings import Settings
-    from paint3d.app.window.hand.canvas import Canvas, Touch
+    from paint3d.app.window.hand.canvas import CanvasWidget, Touch
     from paint3d.app.window.hand.device_panel import StylusForm
     from paint3d.device.sample import StylusReading
     from paint3d.view.camera import Camera
@@ -63,7 +63,7 @@ class Calibrating:
     ----------
     form : StylusForm
         Says what is to be touched, and how far it was off.
-    canvas : Canvas
+    canvas : CanvasWidget
         Takes no touches meanwhile: a pen is also the window system's.
     find_pens : callable, optional
         Opens the pads that are there; see `plug_in_pens`.
@@ -72,7 +72,7 @@ class Calibrating:
     def __init__(
         self,
         form: StylusForm,
-        canvas: Canvas,
+        canvas: CanvasWidget,
         find_pens: Callable[[], Devices | None] = plug_in_pens,
     ) -> None:
         self._form, self._canvas, self.find_pens = form, canvas, find_pens
@@ -128,12 +128,12 @@ class Calibrating:
             self._canvas.lay_down(_keep_still)
         self._form.show_calibrating(message, False)
 
-    def hear_pens(self) -> None:
+    def follow_pens(self) -> None:
         """Follow the pen of a pad; it paints nothing meanwhile."""
         if self._pens is not None:
-            self.hear(self._pens.take_stylus())
+            self.follow(self._pens.take_stylus())
 
-    def hear(self, readings: list[StylusReading]) -> str | None:
+    def follow(self, readings: list[StylusReading]) -> str | None:
         """Follow the device, in its own frame; what is to be told once its frame is kept."""
         touches = self._touches
         if touches is None:
@@ -163,7 +163,7 @@ class Calibrating:
             self._ask("")
             return None
         fitted = touches.fit()
-        keep_calibration(self._key, fitted.calibration)
+        store_calibration(self._key, fitted.calibration)
         each = ", ".join(f"{error:.2f}" for error in fitted.errors_mm)
         message = say("Calibrated: {mm:.2f} mm off", mm=fitted.calibration.residual_mm)
         self.stop(f"{message} ({each})")
@@ -237,15 +237,15 @@ class DeviceInput:
         self._cutter = StrokeCutter(self._is_touching)
         self._pose = ObjectPose()
         self._ticks = 0
-        self._told: str | None = None
+        self._reported_end: str | None = None
         self._held: int | None = None  # buttons of the stylus
         self._held_still: Document | None = None  # while samples are cut into strokes
         self._closed = False
         self._show_choices()
-        for signal, slot in self._heard():
+        for signal, slot in self._connections():
             signal.connect(slot)
 
-    def _heard(self) -> list[tuple[Any, Callable[..., None]]]:
+    def _connections(self) -> list[tuple[Any, Callable[..., None]]]:
         """What the panel says, and who hears it."""
         stylus, mouse = self._panel.stylus, self._panel.mouse
         return [
@@ -296,7 +296,7 @@ class DeviceInput:
                 self._workspace.tell(say_error(error), state="bad", stays=True)
         if self._feeling is not None or self.desk is not None:
             self.desk = self._make_desk()
-        self._told = None
+        self._reported_end = None
 
     def _make_desk(self) -> DeviceHub | None:
         """A hub for what is there; the object stays where the left hand has it."""
@@ -321,7 +321,7 @@ class DeviceInput:
         """Feel with this one from now on, one of `STYLI`; again, if it was chosen before."""
         kept = self._workspace.settings.stylus
         if kept.partition("=")[0] != stylus:  # the place of a library or a service stays
-            self._workspace.keep(stylus=stylus)
+            self._workspace.update_settings(stylus=stylus)
         if self._workspace.stage.paint_thread is not None:
             self._start_feeling()
             if self._feeling is not None:
@@ -329,11 +329,11 @@ class DeviceInput:
 
     def choose_feel(self, changes: Mapping[str, float]) -> None:
         """Change what of a haptic stylus is the user's choice: see `Feel`."""
-        self._workspace.keep(feel={**self._workspace.settings.feel, **changes})
+        self._workspace.update_settings(feel={**self._workspace.settings.feel, **changes})
 
     def choose_mouse(self, mouse: MouseSettings) -> None:
         """Read the 6-DOF mouse so from now on."""
-        self._workspace.keep(mouse=mouse.as_words())
+        self._workspace.update_settings(mouse=mouse.as_words())
         if self.desk is not None:
             self.desk.set_mouse(mouse)
 
@@ -341,7 +341,7 @@ class DeviceInput:
         """Let a button of the 6-DOF mouse, from 0, do this; "": nothing."""
         buttons = {**self._workspace.settings.buttons, button: action}
         buttons = {number: act for number, act in buttons.items() if act}
-        self._workspace.keep(buttons=buttons)
+        self._workspace.update_settings(buttons=buttons)
         self._show_choices()
         if self.desk is not None:
             self.desk.set_actions(buttons)
@@ -360,7 +360,7 @@ class DeviceInput:
         if self.calibrating.begin(width, depth, None if feeling is None else feeling.key):
             self._leave_object()
 
-    def _hear_touches(self, samples: list[DeviceSample]) -> None:
+    def _follow_touches(self, samples: list[DeviceSample]) -> None:
         """Follow a stylus that is calibrated: it paints nothing meanwhile."""
         feeling = self._feeling
         if feeling is None:
@@ -372,7 +372,7 @@ class DeviceInput:
             )
             for one in samples
         ]
-        self._use_frame(self.calibrating.hear(readings))
+        self._use_frame(self.calibrating.follow(readings))
 
     def _touch(self) -> None:
         """Take the corner as it is touched now: the panel says so."""
@@ -389,10 +389,10 @@ class DeviceInput:
     def tick(self) -> None:
         """Take what the devices said; show them now and then."""
         self._ticks += 1
-        self.calibrating.hear_pens()
+        self.calibrating.follow_pens()
         if self.desk is not None:
             self._take(self.desk)
-            self._tell_end(self.desk)
+            self._report_end(self.desk)
         if self._feeling is not None:
             feel = Feel.from_words(self._workspace.settings.feel)
             if self.calibrating.is_on:
@@ -421,7 +421,7 @@ class DeviceInput:
         held = [sample.buttons for sample in taken.samples]
         dips, self._held = went_down(DIP, self._held, held)
         if self.calibrating.is_on:
-            self._hear_touches(taken.samples)
+            self._follow_touches(taken.samples)
             return
         parts = self._cut(taken.samples)
         if dips and not parts:
@@ -448,10 +448,10 @@ class DeviceInput:
     def _end_stroke(self) -> None:
         self._workspace.hand.ended.emit(self._workspace.paint_thread.post("end_stroke"))
 
-    def _tell_end(self, desk: DeviceHub) -> None:
+    def _report_end(self, desk: DeviceHub) -> None:
         """Say why the force feedback has ended, once."""
-        if desk.ended is not None and desk.ended != self._told:
-            self._told = desk.ended
+        if desk.ended is not None and desk.ended != self._reported_end:
+            self._reported_end = desk.ended
             self._feeling = None
             self._leave_object()
             self.calibrating.stop()
@@ -497,7 +497,7 @@ class DeviceInput:
         """Let go of the devices."""
         if not self._closed:
             self._closed = True
-            for signal, slot in self._heard():
+            for signal, slot in self._connections():
                 signal.disconnect(slot)
         self.calibrating.stop()
         if self.desk is not None:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from PySide6 import QtCore, QtGui, QtWidgets
 
-from paint3d.app.model.frame import Frame
+from paint3d.app.model.frame import PaintingFrame
 from paint3d.app.model.input.devices import DeviceHub, DeviceView
 from paint3d.app.window.status_line import keeping_up
 from paint3d.app.window.theme import STATES, Theme
@@ -138,9 +138,9 @@ class StylusForm(_Form):
         self.calibrate = QtWidgets.QPushButton(say("Calibrate…"))
         self.calibrate.setToolTip(say("Touch the four corners of a sheet on the table"))
         self.calibrate.clicked.connect(self._ask)
-        self.told = QtWidgets.QLabel()
-        self.told.setObjectName("faint")
-        self.told.setWordWrap(True)
+        self.message_label = QtWidgets.QLabel()
+        self.message_label.setObjectName("faint")
+        self.message_label.setWordWrap(True)
         self.touches = QtWidgets.QPushButton(say("It touches"))
         self.touches.setToolTip(say("For a stylus without a button, by the other hand"))
         self.touches.setEnabled(False)
@@ -149,7 +149,7 @@ class StylusForm(_Form):
         row.addWidget(self.calibrate, 1)
         row.addWidget(self.touches, 1)
         self._form.addRow(row)
-        self._form.addRow(self.told)
+        self._form.addRow(self.message_label)
         self._going_on = False
 
     def show_choices(self, stylus: str, feel: Feel) -> None:
@@ -168,7 +168,7 @@ class StylusForm(_Form):
     def show_calibrating(self, message: str, going_on: bool) -> None:
         """Say what is to be touched next, or what came of it."""
         self._going_on = going_on
-        self.told.setText(message)
+        self.message_label.setText(message)
         self.calibrate.setText(say("Cancel") if going_on else say("Calibrate…"))
         self.touches.setEnabled(going_on)
 
@@ -418,7 +418,7 @@ class DevicePanel(QtWidgets.QWidget):
         self.picture.object_axes = axes
         self.picture.update()
 
-    def show_desk(self, desk: DeviceHub | None, frame: Frame | None) -> None:
+    def show_desk(self, desk: DeviceHub | None, frame: PaintingFrame | None) -> None:
         """Show what is plugged in, and how it does."""
         views = [] if desk is None else desk.views()
         lines = [] if desk is None else _lines_of(desk, views)

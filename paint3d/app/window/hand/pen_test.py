@@ -27,7 +27,7 @@ class PenPad(QtWidgets.QWidget):
 
     Signals
     -------
-    heard : ()
+    received : ()
         Something has come; the attributes tell what.
 
     Attributes
@@ -47,7 +47,7 @@ class PenPad(QtWidgets.QWidget):
         Held now, bit by bit.
     """
 
-    heard = QtCore.Signal()
+    received = QtCore.Signal()
 
     def __init__(self, theme: Theme, curve: PressureCurve) -> None:
         super().__init__()
@@ -90,7 +90,7 @@ class PenPad(QtWidgets.QWidget):
         """Draw with the pen, as wide as the curve makes its pressure."""
         event.accept()
         touch = touch_of_tablet(event, event.timestamp() * _NS_PER_MS)
-        self._hear(event.pointingDevice().name(), event.timestamp(), mouse=False)
+        self._note_event(event.pointingDevice().name(), event.timestamp(), mouse=False)
         pressure = self.pressure = touch.pressure or 0.0
         self.tilts = touch.tilt_x * _DEG, touch.tilt_y * _DEG
         self.turn = touch.twist * _DEG
@@ -104,17 +104,17 @@ class PenPad(QtWidgets.QWidget):
 
     def mousePressEvent(self, event: QtGui.QMouseEvent) -> None:
         """Draw with a mouse, which tells no pressure."""
-        self._hear_mouse(event)
+        self._handle_mouse(event)
 
     mouseMoveEvent = mouseReleaseEvent = mousePressEvent
 
-    def _hear_mouse(self, event: QtGui.QMouseEvent) -> None:
+    def _handle_mouse(self, event: QtGui.QMouseEvent) -> None:
         down = bool(event.buttons() & QtCore.Qt.MouseButton.LeftButton)
-        self._hear(event.pointingDevice().name(), event.timestamp(), mouse=True)
+        self._note_event(event.pointingDevice().name(), event.timestamp(), mouse=True)
         self.pressure, self.is_eraser, self.buttons = 0.0, False, event.buttons().value
         self._draw_to(event.position(), down, 0.15)
 
-    def _hear(self, device: str, time_ms: int, *, mouse: bool) -> None:
+    def _note_event(self, device: str, time_ms: int, *, mouse: bool) -> None:
         if self._times and not 0 <= time_ms - self._times[-1] < _PAUSE_MS:
             self._times.clear()
         self._times.append(time_ms)
@@ -133,7 +133,7 @@ class PenPad(QtWidgets.QWidget):
             painter.end()
         self._place, self._down = place, down
         self.update()
-        self.heard.emit()
+        self.received.emit()
 
     def leaveEvent(self, event: QtCore.QEvent) -> None:
         """Show the pen no more."""
@@ -167,10 +167,10 @@ class PenTestDialog(QtWidgets.QDialog):
         super().__init__(parent)
         self.setWindowTitle(say("Test the pen"))
         self.pad = PenPad(theme, curve)
-        self.pad.heard.connect(self._show)
-        self.told = QtWidgets.QLabel()
-        self.told.setWordWrap(True)
-        self.told.setMinimumWidth(420)
+        self.pad.received.connect(self._show)
+        self.message_label = QtWidgets.QLabel()
+        self.message_label.setWordWrap(True)
+        self.message_label.setMinimumWidth(420)
         self.rows: dict[str, QtWidgets.QLabel] = {}
         form = QtWidgets.QFormLayout()
         for name, text in (
@@ -194,7 +194,7 @@ class PenTestDialog(QtWidgets.QDialog):
         row.addWidget(clear)
         row.addWidget(leave)
         column = QtWidgets.QVBoxLayout(self)
-        column.addWidget(self.told)
+        column.addWidget(self.message_label)
         column.addWidget(self.pad, 1)
         column.addLayout(form)
         column.addLayout(row)
@@ -206,7 +206,7 @@ class PenTestDialog(QtWidgets.QDialog):
 
     def _show(self) -> None:
         pad, rows = self.pad, self.rows
-        self.told.setText(self._verdict())
+        self.message_label.setText(self._verdict())
         rows["device"].setText(pad.device or "–")
         eraser = say("the eraser") if pad.is_eraser else say("the tip")
         rows["end"].setText(eraser if pad.device and not pad.is_mouse else "–")

@@ -11,7 +11,7 @@ from PySide6 import QtCore, QtGui
 from paint3d.app.model.commands import COMMANDS
 from paint3d.app.model.input import navigation
 from paint3d.app.model.input.fingers import Meaning
-from paint3d.app.window.hand.canvas import Canvas, Drag
+from paint3d.app.window.hand.canvas import CanvasWidget, Drag
 from paint3d.app.window.hand.canvas_hand import ADJUSTED, CanvasHand
 from paint3d.app.window.theme import Theme, make_icon
 from paint3d.app.window.wording import say
@@ -150,7 +150,7 @@ class Steering(QtCore.QObject):
 
     Parameters
     ----------
-    canvas : Canvas
+    canvas : CanvasWidget
     hand : CanvasHand
         Has the camera.
     theme : callable
@@ -164,7 +164,7 @@ class Steering(QtCore.QObject):
 
     asked = QtCore.Signal(str)
 
-    def __init__(self, canvas: Canvas, hand: CanvasHand, theme: Callable[[], Theme]) -> None:
+    def __init__(self, canvas: CanvasWidget, hand: CanvasHand, theme: Callable[[], Theme]) -> None:
         super().__init__(canvas)
         self._canvas, self._hand = canvas, hand
         self.grips = Grips(theme)

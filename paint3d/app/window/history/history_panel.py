@@ -7,7 +7,7 @@ from typing import Any
 
 from PySide6 import QtCore, QtGui, QtWidgets
 
-from paint3d.app.model.frame import Frame, Snapshot
+from paint3d.app.model.frame import PaintingFrame, Snapshot
 from paint3d.app.model.stroke_log import ERASES
 from paint3d.app.window.brush.brush_panel import plain_icon, plain_name
 from paint3d.app.window.ink.ink_panel import ink_label, paint_dish
@@ -19,7 +19,7 @@ __all__ = ["HistoryPanel"]
 
 _ICON = 22
 _SPEEDS = (("¼ x", 0.25), ("½ x", 0.5), ("1 x", 1.0), ("4 x", 4.0), ("16 x", 16.0), ("max", None))
-_EDITS = (
+_STROKE_EDIT_MENU = (
     ("pick", Message("Choose one on the object")),
     ("drag", Message("Move it on the object")),
     ("move", Message("Move it by numbers…")),
@@ -29,7 +29,7 @@ _EDITS = (
     ("delete", Message("Delete it")),
 )
 """What can be done with a stroke, and how the menu says it."""
-_SEAL_EDITS = (
+_SEAL_EDIT_MENU = (
     ("drag", Message("Move it on the object")),
     ("ink", Message("Press it in the ink in hand")),
     ("delete", Message("Delete it")),
@@ -61,10 +61,10 @@ class HistoryPanel(QtWidgets.QWidget):
     edited : (str, int)
         What is to be done with a stroke, and its row; see `StrokeEditing.ask`.
     seal_edited : (str, int)
-        What is to be done with a seal ("drag", "ink", "delete"), and its number, from 0.
+        What is to be done with a seal ("drag", "ink", "delete"), and its index, from 0.
     exported : ()
         The strokes are to be saved as a recording.
-    told : (str)
+    reported : (str)
         Something to say.
     """
 
@@ -73,7 +73,7 @@ class HistoryPanel(QtWidgets.QWidget):
     edited = QtCore.Signal(str, int)
     seal_edited = QtCore.Signal(str, int)
     exported = QtCore.Signal()
-    told = QtCore.Signal(str)
+    reported = QtCore.Signal(str)
 
     def __init__(self, theme: Theme) -> None:
         super().__init__()
@@ -144,7 +144,7 @@ class HistoryPanel(QtWidgets.QWidget):
         """A menu of what can be done with the stroke of a row."""
         menu = QtWidgets.QMenu(parent)
         menu.aboutToShow.connect(lambda: self._mark_row(row()))
-        for name, text in _EDITS:
+        for name, text in _STROKE_EDIT_MENU:
             if name in ("drag", "delete"):
                 menu.addSeparator()
             action = menu.addAction(say(text))
@@ -165,12 +165,12 @@ class HistoryPanel(QtWidgets.QWidget):
         item = self.seals.itemAt(place)
         if item is None:
             return
-        number = self.seals.row(item)
+        index = self.seals.row(item)
         menu = QtWidgets.QMenu(self.seals)
-        for name, text in _SEAL_EDITS:
+        for name, text in _SEAL_EDIT_MENU:
             action = menu.addAction(say(text))
             action.setObjectName(name)
-            action.triggered.connect(lambda _=False, name=name: self.seal_edited.emit(name, number))
+            action.triggered.connect(lambda _=False, name=name: self.seal_edited.emit(name, index))
         menu.setAttribute(QtCore.Qt.WidgetAttribute.WA_DeleteOnClose)
         menu.popup(self.seals.viewport().mapToGlobal(place))
 
@@ -190,7 +190,7 @@ class HistoryPanel(QtWidgets.QWidget):
         if 0 <= row < len(self._strokes):
             self.edited.emit(what, row)
         else:
-            self.told.emit(say("There is no stroke to edit"))
+            self.reported.emit(say("There is no stroke to edit"))
 
     def _row_to_edit(self) -> int:
         """The stroke that is marked, or else the one that is shown last."""
@@ -224,7 +224,7 @@ class HistoryPanel(QtWidgets.QWidget):
         self.show_strokes(painting.strokes, painting.undone_strokes, painting.earliest_stroke)
         self.show_seals(painting.n_seals)
 
-    def follow(self, frame: Frame) -> None:
+    def follow(self, frame: PaintingFrame) -> None:
         """Show what a frame says."""
         painting = frame.painting
         if len(painting.strokes) == self._wanted or not frame.queue_length:
@@ -331,7 +331,7 @@ class HistoryPanel(QtWidgets.QWidget):
             self.stop()
             return
         if self._shown[1] >= len(self._strokes):
-            self.told.emit(say("There is no stroke to replay"))
+            self.reported.emit(say("There is no stroke to replay"))
             return
         self._is_playing = True
         self.chosen.emit(None)
@@ -352,7 +352,7 @@ class HistoryPanel(QtWidgets.QWidget):
         """Stop for a stroke by hand, which the next that is shown would break off."""
         if self._is_playing:
             self.stop()
-            self.told.emit(say("The replay was stopped by your stroke"))
+            self.reported.emit(say("The replay was stopped by your stroke"))
 
     def _wait(self, there: int) -> None:
         """Wait as long as the next stroke took."""

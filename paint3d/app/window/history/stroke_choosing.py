@@ -35,7 +35,7 @@ class StrokeChooser(CanvasTool):
     Signals
     -------
     edited : dict
-        What is to be done with them; see `score_edits.edit_strokes`.
+        What is to be done with them; see `score_edits.apply_stroke_edit`.
     """
 
     edited = QtCore.Signal(object)
@@ -79,7 +79,7 @@ class StrokeChooser(CanvasTool):
         self._doing = self._grip_at(at)
         if not self._doing:
             held = None if self._place is None or adds else self._mark.stroke_at(self._place)
-            self._doing = "move" if held is not None and held in self._mark.numbers else "loop"
+            self._doing = "move" if held is not None and held in self._mark.indices else "loop"
 
     def drag(self, at: QtCore.QPointF) -> None:
         """Go on with a loop, or with what is held."""
@@ -113,16 +113,16 @@ class StrokeChooser(CanvasTool):
 
     def _click(self, place: AnyArray | None) -> None:
         """Choose the stroke at a place besides those that are, or let it go; none beside all."""
-        number = None if place is None else self._mark.stroke_at(place)
-        self._mark.choose_all(() if number is None else {*self._mark.numbers} ^ {number})
+        index = None if place is None else self._mark.stroke_at(place)
+        self._mark.choose_all(() if index is None else {*self._mark.indices} ^ {index})
         self._tell_chosen()
 
     def _choose_within(self, way: list[QtCore.QPointF]) -> None:
         """Choose the strokes of which the most lies within a loop, and is seen."""
         loop = np.array([[p.x(), p.y()] for p in way])
         ground = self._workspace.hand.surface
-        found = set(self._mark.numbers) if self._adds else set()
-        for number, stroke in enumerate(self._workspace.painting.strokes):
+        found = set(self._mark.indices) if self._adds else set()
+        for index, stroke in enumerate(self._workspace.painting.strokes):
             ways = ways_of(stroke, ground)
             if not ways:
                 continue
@@ -132,12 +132,12 @@ class StrokeChooser(CanvasTool):
                 inside.mean() >= _INSIDE
                 and self._workspace.hand.sees(points[inside]).mean() >= _INSIDE
             ):
-                found.add(number)
+                found.add(index)
         self._mark.choose_all(found)
         self._tell_chosen()
 
     def _tell_chosen(self) -> None:
-        n = len(self._mark.numbers)
+        n = len(self._mark.indices)
         self._workspace.tell(
             say("{n} stroke is chosen", "{n} strokes are chosen", n=n)
             if n
@@ -168,7 +168,7 @@ class StrokeChooser(CanvasTool):
 
     def _lines(self) -> list[AnyArray]:
         """The ways (K, 2) of the chosen strokes in the picture, pixels."""
-        if self._workspace.hand.camera is None or not self._mark.numbers:
+        if self._workspace.hand.camera is None or not self._mark.indices:
             return []
         found = [self._workspace.hand.pixels_of(way) for way in self._mark.ways()]
         return [line for line in found if np.isfinite(line).all()]

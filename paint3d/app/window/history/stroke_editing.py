@@ -11,7 +11,7 @@ from PySide6 import QtCore, QtWidgets
 from paint3d.app.window.forms import FormDialog
 from paint3d.app.window.history.stroke_choosing import StrokeChooser
 from paint3d.app.window.history.stroke_mark import StrokeDrag, StrokeMark
-from paint3d.app.window.job import Progress
+from paint3d.app.window.job import JobProgress
 from paint3d.app.window.wording import say
 from paint3d.app.window.workspace import Workspace
 
@@ -52,7 +52,7 @@ class Recalling:
             workspace.post("replay_history", upto, passing)
             return
 
-        def work(progress: Progress) -> None:
+        def work(progress: JobProgress) -> None:
             with paint_thread.reporting(progress):
                 paint_thread.post("replay_history", upto, passing).result()
 
@@ -102,7 +102,7 @@ class MoveDialog(FormDialog):
 
     @property
     def edit(self) -> dict[str, Any]:
-        """What was chosen, as `score_edits.edit_strokes` takes it."""
+        """What was chosen, as `score_edits.apply_stroke_edit` takes it."""
         along = [self.right.value(), self.up.value()]
         return {"do": "move", "along": along, "turn_deg": self.turn.value()}
 
@@ -129,7 +129,7 @@ class ShapeDialog(FormDialog):
 
     @property
     def edits(self) -> list[dict[str, Any]]:
-        """What was chosen, as `score_edits.edit_strokes` takes it, one after the other."""
+        """What was chosen, as `score_edits.apply_stroke_edit` takes it, one after the other."""
         along, turn = [self.right.value(), self.up.value()], self.turn.value()
         found: list[dict[str, Any]] = []
         if any(along) or turn:
@@ -162,7 +162,7 @@ class TimeDialog(FormDialog):
 
     @property
     def edit(self) -> dict[str, Any]:
-        """What was chosen, as `score_edits.edit_strokes` takes it."""
+        """What was chosen, as `score_edits.apply_stroke_edit` takes it."""
         words: dict[str, Any] = {"do": "time", "shift_s": self.shift.value()}
         if abs(self.seconds.value() - self._was) > 0.005:  # of what the box shows
             words["seconds"] = self.seconds.value()
@@ -194,8 +194,8 @@ class StrokeEditing:
         drag = self.drag = StrokeDrag(workspace, mark.stroke_at)
         drag.chosen.connect(mark.choose)
         drag.dragged.connect(
-            lambda number, ends: self.edit(
-                [number], {"do": "move", "to": [e.tolist() for e in ends]}
+            lambda index, ends: self.run_edit(
+                [index], {"do": "move", "to": [e.tolist() for e in ends]}
             )
         )
         self.chooser = StrokeChooser(workspace, mark)
@@ -235,32 +235,32 @@ class StrokeEditing:
     def do_shape_strokes(self) -> None:
         """Ask by how much what is chosen is moved, turned and scaled."""
         if self._are_chosen():
-            dialog = ShapeDialog(self._workspace.window, len(self._mark.numbers))
+            dialog = ShapeDialog(self._workspace.window, len(self._mark.indices))
             if dialog.exec() == QtWidgets.QDialog.DialogCode.Accepted:
                 for edit in dialog.edits:
                     if not self.edit_chosen(edit):
                         break
 
     def _are_chosen(self) -> bool:
-        if not self._mark.numbers:
+        if not self._mark.indices:
             self._workspace.tell(say("No stroke is chosen; press Q and draw a loop"), state="bad")
-        return bool(self._mark.numbers)
+        return bool(self._mark.indices)
 
     def edit_chosen(self, edit: Mapping[str, Any]) -> bool:
         """Edit the strokes that are chosen as one; whether that went well."""
-        return self._are_chosen() and self.edit(self._mark.numbers, edit)
+        return self._are_chosen() and self.run_edit(self._mark.indices, edit)
 
     # -- one --------------------------------------------------------------------------------
 
-    def ask(self, what: str, number: int) -> None:
+    def ask(self, what: str, index: int) -> None:
         """Do what was chosen for a stroke.
 
         Parameters
         ----------
         what : {"pick", "delete", "drag", "move", "ink", "brush", "time"}
             "pick": one is to be chosen on the object, whatever the number.
-        number : int
-            Place of the stroke in the history, from 0.
+        index : int
+            Of the stroke in the history, from 0.
         """
         workspace, painting = self._workspace, self._workspace.painting
         if what == "pick":
@@ -268,12 +268,12 @@ class StrokeEditing:
             self.drag.begin()
             return
         strokes = [*painting.strokes, *painting.undone_strokes]
-        if not 0 <= number < len(strokes):
+        if not 0 <= index < len(strokes):
             return
         self.drag.end()
-        self._mark.choose(number)
+        self._mark.choose(index)
         if what == "drag":
-            self.drag.begin(number)
+            self.drag.begin(index)
             return
         edit: Mapping[str, Any] | None = {"do": what}
         if what == "ink":
@@ -281,53 +281,53 @@ class StrokeEditing:
         elif what == "brush":
             edit = {"do": "brush", "brush": workspace.paint_thread.brush}
         elif what == "move":
-            edit = _answer(MoveDialog(workspace.window, number + 1))
+            edit = _answer(MoveDialog(workspace.window, index + 1))
         elif what == "time":
-            edit = _answer(TimeDialog(workspace.window, number + 1, strokes[number].duration_s))
+            edit = _answer(TimeDialog(workspace.window, index + 1, strokes[index].duration_s))
         if edit is not None:
-            self.edit([number], edit)
+            self.run_edit([index], edit)
 
-    def edit(self, numbers: Sequence[int], edit: Mapping[str, Any]) -> bool:
+    def run_edit(self, indices: Sequence[int], edit: Mapping[str, Any]) -> bool:
         """Edit strokes, several as one; say whether that went well.
 
         Parameters
         ----------
-        numbers : sequence of int
-            Places of the strokes in the history, from 0.
+        indices : sequence of int
+            Of the strokes in the history, from 0.
         edit : mapping
             See `Document.edit_strokes`.
         """
         workspace = self._workspace
         paint_thread, painting = workspace.paint_thread, workspace.painting
 
-        def work(progress: Progress) -> None:
+        def work(progress: JobProgress) -> None:
             with paint_thread.reporting(progress):
-                paint_thread.post("edit_strokes", list(numbers), edit).result()
+                paint_thread.post("edit_strokes", list(indices), edit).result()
 
         began = time.perf_counter()
-        number = min(numbers)
-        after = len(painting.strokes) + len(painting.undone_strokes) - number - 1
-        title = say("Repainting what follows stroke {n}…", n=number + 1)
+        first = min(indices)
+        after = len(painting.strokes) + len(painting.undone_strokes) - first - 1
+        title = say("Repainting what follows stroke {n}…", n=first + 1)
         if not workspace.went_well(workspace.run(title, work)):
             return False
         seconds = time.perf_counter() - began
         message = say(
             "Stroke {n} edited; {after} after it repainted in {seconds:.1f} s; undo takes it back "
             "until the painting is closed",
-            n=number + 1, after=after, seconds=seconds,
+            n=first + 1, after=after, seconds=seconds,
         )  # fmt: skip
-        if len(numbers) > 1:
+        if len(indices) > 1:
             message = say(
                 "{n} stroke edited in {seconds:.1f} s; undo takes it back until the painting is "
                 "closed",
                 "{n} strokes edited in {seconds:.1f} s; undo takes it back until the painting is "
                 "closed",
-                n=len(numbers), seconds=seconds,
+                n=len(indices), seconds=seconds,
             )  # fmt: skip
         workspace.tell(message, state="good")
         self._mark.choose(None)
         if edit["do"] != "delete":
-            self._mark.choose_all(numbers)
+            self._mark.choose_all(indices)
         return True
 
 

@@ -92,11 +92,11 @@ class StrokeMark(QtCore.QObject):
     Signals
     -------
     changed : (object)
-        The numbers (tuple of int) of the strokes that are marked, from 0; None for none.
+        The indices (tuple of int) of the strokes that are marked, from 0; None for none.
 
     Attributes
     ----------
-    numbers : tuple of int
+    indices : tuple of int
         Of those that are marked.
     """
 
@@ -108,26 +108,26 @@ class StrokeMark(QtCore.QObject):
         self._marked: list[Stroke] = []
         self._was_there = False
         self._pixel_mm = 0.0  # for which it was drawn
-        self.numbers: tuple[int, ...] = ()
+        self.indices: tuple[int, ...] = ()
         workspace.opened.connect(lambda _: self.choose(None))
         workspace.hand.began.connect(lambda: self.choose(None))
         workspace.theme_changed.connect(lambda _: self._draw())
 
-    def choose(self, number: int | None) -> None:
+    def choose(self, index: int | None) -> None:
         """Mark this stroke of the history, from 0, those that were undone among them; or none."""
-        self.choose_all(() if number is None else (number,))
+        self.choose_all(() if index is None else (index,))
 
-    def choose_all(self, numbers: Iterable[int]) -> None:
+    def choose_all(self, indices: Iterable[int]) -> None:
         """Mark these strokes and no other; see `choose`."""
-        strokes = self._strokes() if numbers else []
-        numbers = sorted({number for number in numbers if 0 <= number < len(strokes)})
-        marked = [strokes[number] for number in numbers]
+        strokes = self._strokes() if indices else []
+        indices = sorted({index for index in indices if 0 <= index < len(strokes)})
+        marked = [strokes[index] for index in indices]
         if len(marked) == len(self._marked) and all(map(is_, marked, self._marked)):
             return
-        self._marked, self.numbers = marked, tuple(numbers)
+        self._marked, self.indices = marked, tuple(indices)
         self._was_there = False
         self._draw()
-        self.changed.emit(self.numbers or None)
+        self.changed.emit(self.indices or None)
 
     def follow(self) -> None:
         """Let the mark go with its stroke: when that is undone, deleted, or painted anew."""
@@ -144,13 +144,13 @@ class StrokeMark(QtCore.QObject):
             self.choose(None)
 
     def stroke_at(self, place: AnyArray) -> int | None:
-        """The number of the stroke whose way comes nearest to a place (3,), if it lies on it."""
+        """The index of the stroke whose way comes nearest to a place (3,), if it lies on it."""
         best, found = np.inf, None
-        for number, stroke in enumerate(self._workspace.painting.strokes):
+        for index, stroke in enumerate(self._workspace.painting.strokes):
             near = _distance(ways_of(stroke, self._workspace.hand.surface), place)
             reach = max(_LEAST_REACH_MM, 0.5 * stroke.brush.root_diameter_mm)
             if near <= min(best, reach):  # of two that are as near the upper one
-                best, found = near, number
+                best, found = near, index
         return found
 
     def ways(self) -> list[AnyArray]:
@@ -195,7 +195,7 @@ class StrokeDrag(CanvasTool):
     ----------
     workspace : Workspace
     stroke_at : callable
-        The number of the stroke that lies at a place (3,) of the object, from 0, or None.
+        The index of the stroke that lies at a place (3,) of the object, from 0, or None.
 
     Signals
     -------
@@ -215,24 +215,24 @@ class StrokeDrag(CanvasTool):
     ) -> None:
         super().__init__(workspace)
         self._stroke_at = stroke_at
-        self._named: int | None = None  # the stroke that is to be moved
-        self._number: int | None = None  # the one that is held
+        self._named_index: int | None = None  # the stroke that is to be moved
+        self._held_index: int | None = None  # the one that is held
         self._from: tuple[QtCore.QPointF, AnyArray] | None = None
         self._now = QtCore.QPointF()
 
-    def begin(self, number: int | None = None) -> None:
+    def begin(self, index: int | None = None) -> None:
         """Let the next drag move this stroke, or the one at which it begins."""
         self.end()
-        self._named = number
+        self._named_index = index
         self.turn_on(
             say("Click a stroke on the object, or drag it to its new place; Esc cancels")
-            if number is None
-            else say("Drag stroke {n} to its new place; Esc cancels", n=number + 1)
+            if index is None
+            else say("Drag stroke {n} to its new place; Esc cancels", n=index + 1)
         )
 
     def drop(self) -> None:
         """Hold nothing."""
-        self._number = self._from = None
+        self._held_index = self._from = None
         self._canvas.setCursor(self.cursor)
 
     def _place(self) -> AnyArray | None:
@@ -245,12 +245,14 @@ class StrokeDrag(CanvasTool):
         if place is None:
             self._workspace.tell(say("That is beside the object"), state="bad")
             return
-        self._number = self._stroke_at(place) if self._named is None else self._named
-        if self._number is None:
+        self._held_index = (
+            self._stroke_at(place) if self._named_index is None else self._named_index
+        )
+        if self._held_index is None:
             self._workspace.tell(say("There is no stroke there"), state="bad")
             return
-        if self._named is None:
-            self.chosen.emit(self._number)
+        if self._named_index is None:
+            self.chosen.emit(self._held_index)
         self._from = self._now, place
         self._canvas.setCursor(QtCore.Qt.CursorShape.ClosedHandCursor)
 
@@ -261,18 +263,18 @@ class StrokeDrag(CanvasTool):
     def let_go(self, at: QtCore.QPointF) -> None:
         """Have it moved there."""
         self._now = at
-        held, place, number = self._from, self._place(), self._number
-        if held is None or number is None:
+        held, place, index = self._from, self._place(), self._held_index
+        if held is None or index is None:
             return
         way = self._now - held[0]
-        if self._named is None and abs(way.x()) + abs(way.y()) < CLICK:
+        if self._named_index is None and abs(way.x()) + abs(way.y()) < CLICK:
             self.drop()
         elif place is None:
             self.drop()
             self._workspace.tell(say("That is beside the object"), state="bad")
         else:
             self.end()
-            self.dragged.emit(number, (held[1], place))
+            self.dragged.emit(index, (held[1], place))
 
     def paint(self, painter: QtGui.QPainter) -> None:
         """Draw how far it is dragged."""

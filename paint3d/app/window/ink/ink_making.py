@@ -99,9 +99,9 @@ class ColourDialog(QtWidgets.QDialog):
     def _make_found(self) -> QtWidgets.QGridLayout:
         grid = QtWidgets.QGridLayout()
         self.wanted, self.coat = QtWidgets.QLabel(), QtWidgets.QLabel()
-        self.told = QtWidgets.QLabel()
-        self.told.setWordWrap(True)
-        self.told.setMinimumWidth(300)
+        self.message_label = QtWidgets.QLabel()
+        self.message_label.setWordWrap(True)
+        self.message_label.setMinimumWidth(300)
         for column, (text, patch) in enumerate(
             ((say("Asked for"), self.wanted), (say("A coat of it"), self.coat))
         ):
@@ -110,7 +110,7 @@ class ColourDialog(QtWidgets.QDialog):
             grid.addWidget(label, 0, column)
             patch.setFixedSize(_PATCH)
             grid.addWidget(patch, 1, column)
-        grid.addWidget(self.told, 0, 2, 2, 3)
+        grid.addWidget(self.message_label, 0, 2, 2, 3)
         grid.setColumnStretch(2, 1)
         self.mix, self.dip = (
             self._button(say("Into the mixing dish")),
@@ -162,7 +162,7 @@ class ColourDialog(QtWidgets.QDialog):
     def _show(self, coming: Future[Nearest]) -> None:
         error = coming.exception()
         if error is not None:
-            self.told.setText(say_error(error))
+            self.message_label.setText(say_error(error))
             return
         found = self.nearest = coming.result()
         self._paint(self.coat, QtGui.QColor(*found.srgb))
@@ -174,7 +174,7 @@ class ColourDialog(QtWidgets.QDialog):
             else say("seen side by side") if found.difference < _FAIR
             else say("no mixture of these inks comes nearer")
         )  # fmt: skip
-        self.told.setText(f"{parts}\nΔE00 {found.difference:.1f}, {how}")
+        self.message_label.setText(f"{parts}\nΔE00 {found.difference:.1f}, {how}")
         self._enable(self._next is None)
 
     def _paint(self, label: QtWidgets.QLabel, colour: QtGui.QColor) -> None:
@@ -220,9 +220,13 @@ class InkMaking:
         panels.inks.table_asked.connect(self.do_open_pigments)
         panels.inks.pickup_chosen.connect(lambda fraction: workspace.post("set_pickup", fraction))
         panels.inks.amount_chosen.connect(self._choose_amount)
-        panels.inks.by_itself_chosen.connect(lambda on: workspace.keep(dips_by_itself=on))
+        panels.inks.by_itself_chosen.connect(
+            lambda on: workspace.update_settings(dips_by_itself=on)
+        )
         panels.inks.show_by_itself(workspace.settings.dips_by_itself)
-        panels.inks.mixtures_changed.connect(lambda mixtures: workspace.keep(mixtures=mixtures))
+        panels.inks.mixtures_changed.connect(
+            lambda mixtures: workspace.update_settings(mixtures=mixtures)
+        )
         workspace.hand.began.connect(self._dip_by_itself)
         self._take_kept()
         panels.inks.show_last(workspace.settings.mixtures)
@@ -254,7 +258,7 @@ class InkMaking:
         own = own_pigments(tables)
         self._panels.inks.add_pigments(own.pigments.values(), "settings")
         if own.tables != tables:
-            self._workspace.keep(pigment_tables=own.tables)
+            self._workspace.update_settings(pigment_tables=own.tables)
         if own.problems:
             self._workspace.tell_first("; ".join(map(say_error, own.problems)))
 
@@ -306,7 +310,7 @@ class InkMaking:
         try:
             self._panels.inks.add_pigments(load_pigments_csv(path).values(), str(path))
             table = {os.path.abspath(path): fingerprint_of(path)}
-            self._workspace.keep(pigment_tables={**kept, **table})
+            self._workspace.update_settings(pigment_tables={**kept, **table})
         except Paint3DError as error:
             self._workspace.tell(say_error(error), state="bad", stays=True)
             return False
@@ -316,5 +320,5 @@ class InkMaking:
         """Take all pigments of one's own off the dishes; their tables are read no more."""
         self.close_down()
         self._panels.inks.put_away_own()
-        self._workspace.keep(pigment_tables={})
+        self._workspace.update_settings(pigment_tables={})
         self._workspace.tell(say("Your own pigments are off the list; their files stay"))

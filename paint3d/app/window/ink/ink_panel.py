@@ -574,14 +574,14 @@ class InkPanel(QtWidgets.QWidget):
         self._own_mixture: dict[str, float] = {}  # as it was found, until something is stirred in
         self.dishes = DishGrid(list(load_palette()), theme)
         self._mixing = _MixingDish(theme)
-        self.told = QtWidgets.QLabel()
-        self.told.setWordWrap(True)
-        self.told.setObjectName("faint")
-        self.told.setTextInteractionFlags(
+        self.message_label = QtWidgets.QLabel()
+        self.message_label.setWordWrap(True)
+        self.message_label.setObjectName("faint")
+        self.message_label.setTextInteractionFlags(
             QtCore.Qt.TextInteractionFlag.LinksAccessibleByMouse
             | QtCore.Qt.TextInteractionFlag.LinksAccessibleByKeyboard
         )
-        self.told.linkActivated.connect(self._link)
+        self.message_label.linkActivated.connect(self._link)
         self.water = QtWidgets.QSlider(QtCore.Qt.Orientation.Horizontal)
         self.water.setRange(0, _WATER_STEPS)
         self.water.setAccessibleName(say("Water"))
@@ -645,7 +645,7 @@ class InkPanel(QtWidgets.QWidget):
         grid.setContentsMargins(8, 5, 8, 6)
         grid.setVerticalSpacing(4)
         grid.addWidget(self._mixing, 0, 0, 2, 1)
-        grid.addWidget(self.told, 0, 1)
+        grid.addWidget(self.message_label, 0, 1)
         row = QtWidgets.QHBoxLayout()
         self._water_told = QtWidgets.QLabel()
         row.addWidget(self._water_told)
@@ -878,14 +878,14 @@ class InkPanel(QtWidgets.QWidget):
         self._dip_button.setEnabled(bool(parts))
         if not parts:
             self._water_told.setText(say("Water"))
-            self.told.setText(
+            self.message_label.setText(
                 say("Mixing dish: stir inks in with a long press or the right button")
             )
             return
         water = 100.0 * parts.get(WATER.name, 0.0)
         self._water_told.setText(say("Water {share:.0f} %", share=water))
         stirred = (name for name in parts if name != WATER.name or name in self._stirred)
-        self.told.setText("<br>".join(self._line(name, parts[name]) for name in stirred))
+        self.message_label.setText("<br>".join(self._line(name, parts[name]) for name in stirred))
 
     def _line(self, name: str, part: float) -> str:
         """An ink of the mixing dish, with signs to put a part in and to take one out."""

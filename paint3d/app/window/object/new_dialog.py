@@ -54,7 +54,7 @@ class NewDialog(FormDialog):
         self._error = ""
         self.sheets, self.objects = _Pictures(), _Pictures()
         for form in FORMS:
-            self.sheets.add(form, f"{say_object(form)}\n{_told(_usual(form))}")
+            self.sheets.add(form, f"{say_object(form)}\n{_format_size(_usual(form))}")
         for name in BUILT_IN_OBJECTS:
             self.objects.add(name, say_object(name))
         self.objects.add("", say("A mesh file…"))
@@ -252,7 +252,7 @@ def _usual(form: str) -> Sheet:
     return parse_sheet(_FREE if form == "sheet" else form)
 
 
-def _told(sheet: Sheet) -> str:
+def _format_size(sheet: Sheet) -> str:
     """A sheet's size in words."""
     width, height = 0.1 * sheet.width_mm, 0.1 * sheet.height_mm
     if sheet.usual.shape == "disc":

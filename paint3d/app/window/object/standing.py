@@ -19,7 +19,7 @@ from paint3d.app.model.own_object import (
     sensible_resolution,
 )
 from paint3d.app.window.files.open_result import OpenResult, open_with_progress
-from paint3d.app.window.job import Progress
+from paint3d.app.window.job import JobProgress
 from paint3d.app.window.object.material_box import MaterialBox
 from paint3d.app.window.questions import Answer, ask
 from paint3d.app.window.wording import say, say_units
@@ -35,7 +35,7 @@ from paint3d.view.preview import Preview
 __all__ = [
     "ObjectDialog",
     "Standing",
-    "told_size",
+    "format_length",
 ]
 
 # ---- The dialog ----------------------------------------------------------------------------------
@@ -49,7 +49,7 @@ _QUARTERS = {
 }
 
 
-def told_size(size_mm: float) -> str:
+def format_length(size_mm: float) -> str:
     """A length in words, in a unit that suits it."""
     for unit, mm in (("m", 1000.0), ("cm", 10.0)):
         if size_mm >= mm * 1.5:
@@ -198,7 +198,7 @@ class ObjectDialog(QtWidgets.QDialog):
             for unit, words in say_units().items():
                 self.unit.addItem("", unit)
                 size = longest_side(self._mesh) * UNITS_MM[unit] / self._unit_mm
-                self.unit.setItemText(self.unit.count() - 1, f"{words}   ({told_size(size)})")
+                self.unit.setItemText(self.unit.count() - 1, f"{words}   ({format_length(size)})")
             now = self._unit_mm * start.scale
             at = [k for k, mm in enumerate(UNITS_MM.values()) if math.isclose(mm, now)]
             self.unit.setCurrentIndex(at[0] if at else -1)
@@ -378,7 +378,7 @@ class Standing:
         )
         return self._answer(dialog)
 
-    def tell(self) -> None:
+    def report_assumptions(self) -> None:
         """Say what was taken without having been asked."""
         if self._said:
             self._workspace.tell(self._said)
@@ -411,7 +411,7 @@ class Standing:
     def _keep(self, material: str | Material) -> None:
         """Begin with this material the next time, if it has a name by which it is found."""
         if isinstance(material, str):
-            self._workspace.keep(material=material)
+            self._workspace.update_settings(material=material)
 
     # -- turning what is open ---------------------------------------------------------------
 
@@ -469,7 +469,7 @@ class Standing:
             assert document is not None, "it was waited for"
             brush, inks = document.painter.brush, list(document.inks)
 
-        def make(progress: Progress) -> OpenResult:
+        def make(progress: JobProgress) -> OpenResult:
             document = Document.new(
                 choice.apply(source), choice.resolution, choice.material, brush=brush, ink=inks[0],
                 undo_bytes=int(workspace.settings.undo_megabytes * (1 << 20)),

@@ -16,8 +16,8 @@ from paint3d.app.model.input.navigation import orbit
 from paint3d.app.model.score.playing import begun, play, score_of_strokes
 from paint3d.app.model.score.stepping import in_pieces, pass_step, seconds_of
 from paint3d.app.window.files.target_dialog import Targets
-from paint3d.app.window.forms import FormDialog, SizeBoxes, kept_number
-from paint3d.app.window.job import Progress
+from paint3d.app.window.forms import FormDialog, SizeBoxes, stored_number
+from paint3d.app.window.job import JobProgress
 from paint3d.app.window.wording import say, say_error
 from paint3d.app.window.workspace import Workspace
 from paint3d.core.arrays import AnyArray
@@ -32,10 +32,10 @@ from paint3d.view.shot import Shot
 __all__ = [
     "FILMS",
     "PICTURES",
-    "Film",
     "FilmDialog",
+    "FilmOptions",
     "Pictures",
-    "kept_film",
+    "stored_film",
     "write_growth_film",
     "write_turntable",
 ]
@@ -52,7 +52,7 @@ _LONGEST_S, _FASTEST = 60.0, 30.0
 _LEAST_PICTURES = 2
 
 
-class Film(NamedTuple):
+class FilmOptions(NamedTuple):
     """How a film is to be.
 
     A GIF counts hundredths of a second, so that not every rate is met exactly.
@@ -74,14 +74,14 @@ class Film(NamedTuple):
         return width * height * self.n_pictures > MOST_PIXELS
 
 
-def kept_film(kept: Mapping[str, object]) -> Film:
+def stored_film(kept: Mapping[str, object]) -> FilmOptions:
     """The film that was chosen last."""
     own = kept.get("film")
     own = own if isinstance(own, Mapping) else {}
-    seconds = min(max(kept_number(own, "seconds", 5.0), 0.5), _LONGEST_S)
-    rate = min(max(kept_number(own, "rate", 15.0), 1.0), _FASTEST)
-    width, height = (round(kept_number(own, name, 0.0)) for name in ("width", "height"))
-    return Film(seconds, rate, (width, height) if width > 0 and height > 0 else None)
+    seconds = min(max(stored_number(own, "seconds", 5.0), 0.5), _LONGEST_S)
+    rate = min(max(stored_number(own, "rate", 15.0), 1.0), _FASTEST)
+    width, height = (round(stored_number(own, name, 0.0)) for name in ("width", "height"))
+    return FilmOptions(seconds, rate, (width, height) if width > 0 and height > 0 else None)
 
 
 class FilmDialog(FormDialog):
@@ -90,7 +90,7 @@ class FilmDialog(FormDialog):
     Parameters
     ----------
     parent : QWidget
-    kept : Film
+    kept : FilmOptions
         What was chosen last.
     screen : (int, int)
         Width and height of the picture on the screen, pixels.
@@ -103,7 +103,7 @@ class FilmDialog(FormDialog):
     def __init__(
         self,
         parent: QtWidgets.QWidget,
-        kept: Film,
+        kept: FilmOptions,
         screen: tuple[int, int],
         any_length: bool = False,
         title: str = "",
@@ -114,9 +114,9 @@ class FilmDialog(FormDialog):
         self.rate = self.add_number(say("Pictures a second"), 1, _FASTEST, kept.rate)
         self.size_boxes = SizeBoxes(kept.size or screen, screen)
         self.form.addRow(say("Size in pixels"), self.size_boxes)
-        self.told = QtWidgets.QLabel()
-        self.told.setObjectName("faint")
-        self.form.addRow("", self.told)
+        self.message_label = QtWidgets.QLabel()
+        self.message_label.setObjectName("faint")
+        self.form.addRow("", self.message_label)
         self.finish(say("Save"))
         for box in (self.seconds, self.rate, self.size_boxes.width_box, self.size_boxes.height_box):
             box.valueChanged.connect(self._tell)
@@ -128,17 +128,17 @@ class FilmDialog(FormDialog):
         too_long = film.is_too_long and not self._any_length
         n = film.n_pictures
         told = say("{n} picture", "{n} pictures", n=n)
-        self.told.setText(
+        self.message_label.setText(
             say("{pictures}: too many of this size", pictures=told) if too_long else told
         )
         below = self.findChild(QtWidgets.QDialogButtonBox)
         assert below is not None, "it was finished"
         below.button(QtWidgets.QDialogButtonBox.StandardButton.Ok).setEnabled(not too_long)
 
-    def film(self) -> Film:
+    def film(self) -> FilmOptions:
         """What was chosen."""
         size = self.size_boxes.size_in_pixels()
-        return Film(self.seconds.value(), self.rate.value(), size)
+        return FilmOptions(self.seconds.value(), self.rate.value(), size)
 
     def chosen(self) -> dict[str, object]:
         """The same, as JSON can hold it."""
@@ -154,7 +154,7 @@ _AHEAD = 3  # pictures that are drawn before they are written
 _FILM_DRAWN = 0.9  # of the time, about, that drawing takes
 
 
-def write_turntable(workspace: Workspace, path: Path, film: Film) -> Future[Any]:
+def write_turntable(workspace: Workspace, path: Path, film: FilmOptions) -> Future[Any]:
     """Draw a film picture by picture, with a bar, and write it; nothing if it was stopped.
 
     What it will take of the disk is kept free for it when two pictures are there: where there is no
@@ -186,7 +186,7 @@ def write_turntable(workspace: Workspace, path: Path, film: Film) -> Future[Any]
         if not drawn.full() and (picture := next(parts, None)) is not None:
             drawn.put(picture)
 
-    def work(progress: Progress) -> None:
+    def work(progress: JobProgress) -> None:
         pictures = _taken(drawn, n, progress)
         with write_atomically(path, progress) as part:
             write_film(part, pictures, n, form, film.rate)
@@ -215,7 +215,7 @@ def _parts(workspace: Workspace, turns: Sequence[float]) -> Iterator[Image.Image
             yield Image.fromarray(np.array(pixels[::-1, :, :3])) if done else None
 
 
-def _taken(drawn: queue.Queue[Image.Image], n: int, progress: Progress) -> Iterator[Image.Image]:
+def _taken(drawn: queue.Queue[Image.Image], n: int, progress: JobProgress) -> Iterator[Image.Image]:
     """Pictures as they are drawn."""
     for k in range(n):
         progress(_FILM_DRAWN * k / n)
@@ -238,7 +238,7 @@ _HOLD_S = 1.0  # that the finished painting is shown
 _PAINTED = 0.3  # of the time, about, that painting takes
 
 
-def write_growth_film(workspace: Workspace, path: Path, film: Film) -> Future[Any]:
+def write_growth_film(workspace: Workspace, path: Path, film: FilmOptions) -> Future[Any]:
     """Write a film of all that happened, in the studio's light; nothing if it was stopped.
 
     Raises
@@ -268,7 +268,7 @@ def write_growth_film(workspace: Workspace, path: Path, film: Film) -> Future[An
     filmed.check(path, shot, round((film.seconds - hold) * film.rate) + 2)
     step_s = max(seconds_of(score), 1e-3) / ((film.seconds - hold) * film.rate)
 
-    def work(progress: Progress) -> None:
+    def work(progress: JobProgress) -> None:
         painting = begun(known, mesh, painted_on=None if original is None else original.mesh)
         clock, message = HandTime(), part_of(progress, 0.0, _PAINTED)
         with Growth(painting.surface, step_s) as growth:
@@ -339,7 +339,7 @@ class _Drawing:
     def _take(self, pixels: AnyArray) -> None:
         self._pixels.set_result(np.array(pixels[::-1, :, :3]))
 
-    def wait(self, progress: Progress) -> AnyArray:
+    def wait(self, progress: JobProgress) -> AnyArray:
         """(H, W, 3) uint8, the first row on top; called beside the window's thread."""
         while not wait([self._pixels], timeout=_LOOK_S).done:
             progress(_DRAWN * self._share)
@@ -377,7 +377,7 @@ class Pictures:
         form = _FORMATS.get(path.suffix.lower())
         drawing = _Drawing(self._workspace, size)
 
-        def work(progress: Progress) -> None:
+        def work(progress: JobProgress) -> None:
             if form is None:
                 raise ExportError("{file}: a picture is written as .png or .jpg", file=path)
             pixels = drawing.wait(progress)
@@ -401,30 +401,33 @@ class Pictures:
         """Ask where and how, and save a film of the painting as it grew."""
         self._ask_for_film(say("Film of the painting growing…"), self.growth_to)
 
-    def _ask_for_film(self, title: str, write: Callable[[Path, Film], bool]) -> None:
+    def _ask_for_film(self, title: str, write: Callable[[Path, FilmOptions], bool]) -> None:
         kept = self._workspace.settings.exports
         path = self._targets.ask(title, FILMS, str(kept.get("film_format", "")))
         if path is None:
             return
         dialog = FilmDialog(
-            self._workspace.window, kept_film(kept), self._workspace.canvas.pixel_size,
+            self._workspace.window, stored_film(kept), self._workspace.canvas.pixel_size,
             any_length=path.suffix.lower() == ".mp4", title=title,
         )  # fmt: skip
         if dialog.exec():
             now = {**kept, "film": dialog.chosen(), "film_format": path.suffix.lower()}
-            self._workspace.keep(exports=now)
+            self._workspace.update_settings(exports=now)
             write(path, dialog.film())
 
-    def turntable_to(self, path: Path, film: Film | None = None) -> bool:
+    def turntable_to(self, path: Path, film: FilmOptions | None = None) -> bool:
         """Write a film of the object turning once; say whether that went well."""
-        return self._film_to(path, write_turntable, film or Film())
+        return self._film_to(path, write_turntable, film or FilmOptions())
 
-    def growth_to(self, path: Path, film: Film | None = None) -> bool:
+    def growth_to(self, path: Path, film: FilmOptions | None = None) -> bool:
         """Write a film of the painting as it grew; say whether that went well."""
-        return self._film_to(path, write_growth_film, film or Film())
+        return self._film_to(path, write_growth_film, film or FilmOptions())
 
     def _film_to(
-        self, path: Path, write: Callable[[Workspace, Path, Film], Future[Any]], film: Film
+        self,
+        path: Path,
+        write: Callable[[Workspace, Path, FilmOptions], Future[Any]],
+        film: FilmOptions,
     ) -> bool:
         try:
             done = write(self._workspace, path, film)

@@ -89,7 +89,7 @@ class _Clock:
 
 
 @dataclass(eq=False)
-class _Strokes:
+class _StrokeReplay:
     """A recording of version 1 that is being played: one stroke for each turn of its pen.
 
     Attributes
@@ -126,7 +126,7 @@ class _Strokes:
     @classmethod
     def begun(
         cls, paint_thread: PaintThread, samples: Sequence[DeviceSample], tools: Tools
-    ) -> _Strokes:
+    ) -> _StrokeReplay:
         """Begin the stroke."""
         # by the hand's clock, and by whole pieces of the ink's time: as it was painted
         whole = tools.haste(None) * PIECE_NS
@@ -318,11 +318,11 @@ class Player(QtCore.QObject):
     def __init__(self, workspace: Workspace) -> None:
         super().__init__(workspace)
         self._workspace = workspace
-        self._replay: _Strokes | _Score | None = None
+        self._replay: _StrokeReplay | _Score | None = None
         self._clock = _Clock(None)
         self._since = 0.0, 0.0  # when it was at which fraction
         self._is_paused = self._refused = False
-        workspace.said.connect(self._hear)
+        workspace.said.connect(self._note_failure)
 
     @property
     def is_playing(self) -> bool:
@@ -355,7 +355,7 @@ class Player(QtCore.QObject):
     def is_spreading(self) -> bool:
         """Whether a text is written and its ink spreads meanwhile, as `stop_spreading` ends."""
         replay, paint_thread = self._replay, self._workspace.stage.paint_thread
-        writes = isinstance(replay, _Strokes) and replay.tools.writes
+        writes = isinstance(replay, _StrokeReplay) and replay.tools.writes
         return writes and paint_thread is not None and paint_thread.wet
 
     def stop_spreading(self) -> None:
@@ -380,7 +380,7 @@ class Player(QtCore.QObject):
         if samples:
             tools = tools or Tools()
             self._workspace.paint_thread.use_sample_time_alone(True, tools.haste(speed))
-            playing = _Strokes.begun(self._workspace.paint_thread, samples, tools)
+            playing = _StrokeReplay.begun(self._workspace.paint_thread, samples, tools)
             self._begin(playing, speed)
 
     def play_score(self, cues: Sequence[Cue], speed: float | None) -> None:
@@ -392,11 +392,11 @@ class Player(QtCore.QObject):
             paint_thread.wet = False
             self._begin(playing, speed)
 
-    def _begin(self, playing: _Strokes | _Score, speed: float | None) -> None:
+    def _begin(self, playing: _StrokeReplay | _Score, speed: float | None) -> None:
         self._replay, self._clock = playing, _Clock(speed)
         self._is_paused = self._refused = False
         self._look_again()
-        if not isinstance(playing, _Strokes) or not playing.tools.writes:
+        if not isinstance(playing, _StrokeReplay) or not playing.tools.writes:
             told = say("Replaying; Esc stops it")
         elif self.is_spreading:
             told = say("The brush writes, and its ink spreads; Esc stops it")
@@ -410,7 +410,7 @@ class Player(QtCore.QObject):
         """Play on at so many times the hand's own speed."""
         replay = self._replay
         if replay is not None:
-            if isinstance(replay, _Strokes):
+            if isinstance(replay, _StrokeReplay):
                 haste = replay.tools.haste(speed)
                 if haste != replay.tools.haste(self._clock.speed):
                     self._workspace.paint_thread.use_sample_time_alone(True, haste)
@@ -478,13 +478,13 @@ class Player(QtCore.QObject):
             self._workspace.tell(say("The replay was stopped by your stroke"))
 
     def _forget(self) -> None:
-        if isinstance(self._replay, _Strokes):
+        if isinstance(self._replay, _StrokeReplay):
             self._workspace.paint_thread.use_sample_time_alone(False)
         self._replay = None
         self._workspace.stage.hide_brush()  # it would stand on what it has just painted
         self.moved.emit(-1.0)
 
-    def _hear(self, _: str, state: str, __: bool) -> None:
+    def _note_failure(self, _: str, state: str, __: bool) -> None:
         """Leave what went wrong on the status line."""
         if self._replay is not None and state == "bad":
             self._refused = True

@@ -14,7 +14,7 @@ from paint3d.app.model.score.stepping import Cue, cues_of
 from paint3d.app.window.files.file_dialogs import ask_file
 from paint3d.app.window.files.open_result import OpenResult, open_with_progress
 from paint3d.app.window.files.target_dialog import Targets
-from paint3d.app.window.job import Progress
+from paint3d.app.window.job import JobProgress
 from paint3d.app.window.playing.player import Asked, Player, Tools
 from paint3d.app.window.wording import say
 from paint3d.app.window.workspace import Workspace
@@ -33,7 +33,7 @@ from paint3d.painter.recorded_tools import (
 from paint3d.recording.recording import Recording, load_recording, save_recording
 from paint3d.recording.score import Score, is_score, load_score, save_score
 
-__all__ = ["FORMATS", "Recordings", "samples_of", "told_of", "tools_in_hand"]
+__all__ = ["FORMATS", "Recordings", "samples_of", "tool_changes_of", "tools_in_hand"]
 
 # What a file may be, by its ending, and how the dialog says it:
 FORMATS = {
@@ -157,7 +157,7 @@ class Recordings:
             return self._play_score(path, title, speed)
         surface, camera = workspace.hand.surface, workspace.hand.open_camera
 
-        def read(progress: Progress) -> tuple[list[DeviceSample], Tools]:
+        def read(progress: JobProgress) -> tuple[list[DeviceSample], Tools]:
             recording = load_recording(path, progress=part_of(progress, 0.0, _READ))
             if recording.is_pad:
                 recording = lay_in_view(recording, surface, camera)
@@ -165,7 +165,7 @@ class Recordings:
                 brush = recorded_brush(recording.header)
                 assert brush is not None, "it names the brush that it was planned for"
                 recording = dipped_as(recording, brush, dips)
-            tools = Tools(_tools_of(recording), (), *told_of(recording))
+            tools = Tools(_tools_of(recording), (), *tool_changes_of(recording))
             return samples_of(recording, progress), tools
 
         loaded = workspace.run(title, read)
@@ -189,7 +189,7 @@ class Recordings:
         if not is_bare and not self._may_leave():
             return False
 
-        def make(progress: Progress) -> tuple[OpenResult, list[Cue]]:
+        def make(progress: JobProgress) -> tuple[OpenResult, list[Cue]]:
             score = load_score(path, part_of(progress, 0.0, 0.1))
             cues: list[Cue] = []
             if speed is None:
@@ -222,7 +222,9 @@ def _tools_of(recording: Recording) -> list[Asked]:
     return asked
 
 
-def told_of(recording: Recording) -> tuple[list[tuple[int, float]], list[tuple[int, float]]]:
+def tool_changes_of(
+    recording: Recording,
+) -> tuple[list[tuple[int, float]], list[tuple[int, float]]]:
     """What the brush comes to hold at samples; one that is told again holds the last."""
     loads, strengths = told_at(recording.header, recording.time_ns)
     return list(dict(loads).items()), list(dict(strengths).items())
@@ -236,7 +238,7 @@ def tools_in_hand(painting: Snapshot, brush: BrushSpec) -> list[Asked]:
     return asked + [("dip", (ink, reach, amount if reach is None else None)) for ink, reach in dips]
 
 
-def samples_of(recording: Recording, progress: Progress) -> list[DeviceSample]:
+def samples_of(recording: Recording, progress: JobProgress) -> list[DeviceSample]:
     """The samples of a recording, telling how far it is."""
     samples = []
     for k, sample in enumerate(recording.samples()):
@@ -246,7 +248,7 @@ def samples_of(recording: Recording, progress: Progress) -> list[DeviceSample]:
     return samples
 
 
-def _write(recording: Recording, score: Score, path: Path, progress: Progress) -> None:
+def _write(recording: Recording, score: Score, path: Path, progress: JobProgress) -> None:
     if path.name.lower().endswith((".score.jsonl", ".score.jsonl.gz")):
         save_score(score, path, progress)
         return

@@ -142,7 +142,7 @@ class Reference:
     def _recall(self, document: Document) -> None:
         """Show the reference of a painting that is being opened, if its file is still there."""
         self._let_go()
-        words = document.settings.get("reference")
+        words = document.properties.get("reference")
         if isinstance(words, dict):
             try:
                 self._read(words)

@@ -12,7 +12,7 @@ from paint3d.app.window.theme import Theme
 from paint3d.app.window.wording import say
 from paint3d.errors import Message
 
-__all__ = ["PLACES", "ReferencePanel", "ReferenceView", "Shown", "image_of"]
+__all__ = ["PLACES", "ReferenceLook", "ReferencePanel", "ReferenceView", "image_of"]
 
 PLACES = ("beside", "pinned", "laid")
 """Where the picture is shown: in the panel alone; over the view, too; on the object, too."""
@@ -26,7 +26,7 @@ _NEARER, _MOST_ZOOM = 1.2, 40.0
 _CLICK = 5.0  # pixels
 
 
-class Shown(TypedDict):
+class ReferenceLook(TypedDict):
     """How a reference is shown: one of `PLACES`, how densely (0 to 1), times its first size."""
 
     place: str
@@ -265,7 +265,7 @@ class ReferencePanel(QtWidgets.QWidget):
         for widget in (self.place, self.opacity, self.scale, self.close_button, self.copy_button):
             widget.setEnabled(image is not None)
 
-    def values(self) -> Shown:
+    def values(self) -> ReferenceLook:
         """How it is shown."""
         return {
             "place": self.place.currentData(),

@@ -42,20 +42,20 @@ __all__ = [
     "SYMMETRY",
     "TAGS",
     "Codec",
-    "Inks",
+    "InkTable",
     "Vocabulary",
-    "brush_in",
-    "brush_named",
-    "header_of",
-    "material_in",
+    "decode_brush",
+    "decode_material",
+    "encode_brush",
+    "make_header",
 ]
 
-Words = dict[str, Any]
+JsonObject = dict[str, Any]
 _REST = (0.0, 0.0, 0.0)
 _UP = (0.0, 0.0, 1.0)
 
 
-class Inks:
+class InkTable:
     """Inks by the names that a score has for them.
 
     Parameters
@@ -71,8 +71,8 @@ class Inks:
         self.table, self._apart = table, apart
         self._own: dict[str, Pigment] = {}
 
-    def words(self, ink: str | Pigment | Mapping[Any, float]) -> str | dict[str, float]:
-        """How a score says an ink, or a mixture of several.
+    def encode(self, ink: str | Pigment | Mapping[Any, float]) -> str | dict[str, float]:
+        """How a score writes an ink, or a mixture of several.
 
         Raises
         ------
@@ -98,7 +98,7 @@ class Inks:
             known = self._known(name)
             if known is None:
                 self._own[name] = pigment
-                self.table[name] = _pigment_words(pigment)
+                self.table[name] = _encode_pigment(pigment)
                 if name != pigment.name:
                     self.table[name]["name"] = pigment.name
                 return name
@@ -115,8 +115,8 @@ class Inks:
         except Paint3DError:
             return None
 
-    def mixture(self, words: str | Mapping[str, float]) -> str | Pigment | dict[Any, float]:
-        """The ink that was said.
+    def decode(self, words: str | Mapping[str, float]) -> str | Pigment | dict[Any, float]:
+        """The ink that a score writes so.
 
         Raises
         ------
@@ -137,19 +137,19 @@ class Inks:
         return self._own.get(name) or load_pigment(name, own_tables=False)
 
 
-def _pigment_words(pigment: Pigment) -> Words:
+def _encode_pigment(pigment: Pigment) -> JsonObject:
     given = record_words(pigment)
     return {k: v for k, v in given.items() if v is not None and k != "name"}
 
 
-def brush_named(brush: BrushSpec) -> str | Words:
+def encode_brush(brush: BrushSpec) -> str | JsonObject:
     """How a score says a brush: by its name where it is a preset, else with all its parameters."""
     if brush.name in brush_names() and load_brush(brush.name) == brush:
         return brush.name
     return brush_words(brush)
 
 
-def brush_in(words: Mapping[str, Any], default: str) -> BrushSpec:
+def decode_brush(words: Mapping[str, Any], default: str) -> BrushSpec:
     """The brush that a line or a header says, of the length and with the hairs that it says.
 
     Raises
@@ -157,13 +157,13 @@ def brush_in(words: Mapping[str, Any], default: str) -> BrushSpec:
     UnknownNameError, BrushError
         If there is no such preset, or it describes no brush.
     """
-    said = words.get("brush", default)
-    if isinstance(said, str):
-        if said not in brush_names():  # a recording names no files of this machine
-            raise UnknownNameError("brush", said, brush_names())
-        brush = load_brush(said)
+    value = words.get("brush", default)
+    if isinstance(value, str):
+        if value not in brush_names():  # a recording names no files of this machine
+            raise UnknownNameError("brush", value, brush_names())
+        brush = load_brush(value)
     else:
-        brush = brush_from_words(said)
+        brush = brush_from_words(value)
     if "length_mm" in words:
         brush = resized(brush, words["length_mm"])
     if "hairs" in words:
@@ -175,32 +175,35 @@ def brush_in(words: Mapping[str, Any], default: str) -> BrushSpec:
     return brush
 
 
-def header_of(
-    surface: PaintedSurface, brush: BrushSpec, ink: str | Pigment | Mapping[Any, float], inks: Inks
-) -> Words:
+def make_header(
+    surface: PaintedSurface,
+    brush: BrushSpec,
+    ink: str | Pigment | Mapping[Any, float],
+    inks: InkTable,
+) -> JsonObject:
     """What a header says of the object, and of the brush that is in hand at the beginning."""
-    original, first = surface.original, Words()
+    original, first = surface.original, JsonObject()
     if original is not None:
-        first["painted_on"] = _mesh_said(original.mesh, original.resolution)
+        first["painted_on"] = _encode_mesh(original.mesh, original.resolution)
     return first | {
-        **_mesh_said(surface.source, surface.resolution),
-        "material": _material_said(surface.material),
-        "brush": brush_named(brush),
-        "ink": inks.words(ink),
+        **_encode_mesh(surface.source, surface.resolution),
+        "material": _encode_material(surface.material),
+        "brush": encode_brush(brush),
+        "ink": inks.encode(ink),
     }
 
 
-def _mesh_said(mesh: TriangleMesh, resolution: float | None) -> Words:
+def _encode_mesh(mesh: TriangleMesh, resolution: float | None) -> JsonObject:
     return {"object": mesh.name, "mesh": digest_of(mesh), "resolution_mm": resolution}
 
 
-def _material_said(material: Material) -> str | Words:
+def _encode_material(material: Material) -> str | JsonObject:
     if material.name in material_names() and load_material(material.name) is material:
         return material.name
     return record_words(material)
 
 
-def material_in(header: Mapping[str, Any]) -> Material:
+def decode_material(header: Mapping[str, Any]) -> Material:
     """The material that a header says; porcelain where it says none.
 
     Raises
@@ -208,13 +211,13 @@ def material_in(header: Mapping[str, Any]) -> Material:
     UnknownNameError, PigmentError
         If there is none of that name, or it describes none.
     """
-    said = header.get("material", "porcelain")
-    if isinstance(said, str):
-        if said not in material_names():  # a recording names no files of this machine
-            raise UnknownNameError("material", said, material_names())
-        return load_material(said)
+    value = header.get("material", "porcelain")
+    if isinstance(value, str):
+        if value not in material_names():  # a recording names no files of this machine
+            raise UnknownNameError("material", value, material_names())
+        return load_material(value)
     try:
-        return Material(**said)
+        return Material(**value)
     except TypeError as cause:
         raise PigmentError("this describes no material: {cause}", cause=cause) from None
 
@@ -224,23 +227,23 @@ def material_in(header: Mapping[str, Any]) -> Material:
 
 @dataclass(frozen=True)
 class Vocabulary:
-    """What the words of a line refer to.
+    """What the fields of a line refer to.
 
     Attributes
     ----------
     surface : PaintedSurface
         Of the painting that is asked.
-    inks : Inks
+    inks : InkTable
     exact : bool
         Whether the line is only for this painting, so that it may name faces by their numbers.
     """
 
     surface: PaintedSurface
-    inks: Inks
+    inks: InkTable
     exact: bool = False
 
 
-_Coder = Callable[[Mapping[str, Any], Vocabulary], Words]
+_Conversion = Callable[[Mapping[str, Any], Vocabulary], dict[str, Any]]
 
 
 @dataclass(frozen=True)
@@ -250,121 +253,122 @@ class Codec:
     Attributes
     ----------
     encode : callable
-        From arguments by name to the words of a line. Raises RecordingError for a value that no
-        line can say, another Paint3DError for one that the document refuses.
+        From arguments by name to the fields of a line. Raises RecordingError for a value that no
+        line can hold, another Paint3DError for one that the document refuses.
     decode : callable
         And back. Raises Paint3DError where a brush or an ink is not known, or a value is out of its
         range.
     """
 
-    encode: _Coder
-    decode: _Coder
+    encode: _Conversion
+    decode: _Conversion
 
 
-def _plain(value: Any) -> Any:
+def _encode_value(value: Any) -> Any:
     if isinstance(value, np.ndarray | np.generic):
         return value.tolist()
     if isinstance(value, Mapping):
-        return {str(key): _plain(item) for key, item in value.items()}
+        return {str(key): _encode_value(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
-        return [_plain(item) for item in value]
+        return [_encode_value(item) for item in value]
     if isinstance(value, str | int | float | bool) or value is None:
         return value
     raise RecordingError("{kind} is nothing that a recording can say", kind=type(value).__name__)
 
 
-def _say_plainly(asked: Mapping[str, Any], _: Vocabulary) -> Words:
-    return {key: _plain(value) for key, value in asked.items()}
+def _encode_plain(arguments: Mapping[str, Any], _: Vocabulary) -> JsonObject:
+    return {key: _encode_value(value) for key, value in arguments.items()}
 
 
-PLAIN = Codec(_say_plainly, lambda said, _: dict(said))
+PLAIN = Codec(_encode_plain, lambda fields, _: dict(fields))
 """Numbers, texts, lists and mappings of them, as they are."""
 
 TAGS = Codec(
-    lambda asked, _: {"tags": _plain(asked.get("tags", {}))}, lambda said, _: dict(said["tags"])
+    lambda arguments, _: {"tags": _encode_value(arguments.get("tags", {}))},
+    lambda fields, _: dict(fields["tags"]),
 )
 """Of a method that takes whatever it is given by name."""
 
 
-def _say_brush(asked: Mapping[str, Any], _: Vocabulary) -> Words:
-    brush = asked["brush"]
+def _encode_brush_argument(arguments: Mapping[str, Any], _: Vocabulary) -> JsonObject:
+    brush = arguments["brush"]
     if isinstance(brush, Mapping):
         brush = brush_from_words(brush)
-    return {"brush": brush_named(brush) if isinstance(brush, BrushSpec) else brush}
+    return {"brush": encode_brush(brush) if isinstance(brush, BrushSpec) else brush}
 
 
-BRUSH = Codec(_say_brush, lambda said, _: {"brush": brush_in(said, "")})
+BRUSH = Codec(_encode_brush_argument, lambda fields, _: {"brush": decode_brush(fields, "")})
 """A brush, by its name or by all its parameters."""
 
 
-def _say_ink(asked: Mapping[str, Any], vocabulary: Vocabulary) -> Words:
+def _encode_ink(arguments: Mapping[str, Any], vocabulary: Vocabulary) -> JsonObject:
     inks = vocabulary.inks
-    return {k: inks.words(v) if k == "ink" else _plain(v) for k, v in asked.items()}
+    return {k: inks.encode(v) if k == "ink" else _encode_value(v) for k, v in arguments.items()}
 
 
-def _hear_ink(said: Mapping[str, Any], vocabulary: Vocabulary) -> Words:
-    return {**said} | ({"ink": vocabulary.inks.mixture(said["ink"])} if "ink" in said else {})
+def _decode_ink(fields: Mapping[str, Any], vocabulary: Vocabulary) -> dict[str, Any]:
+    return {**fields} | ({"ink": vocabulary.inks.decode(fields["ink"])} if "ink" in fields else {})
 
 
-DIP = SEAL = Codec(_say_ink, _hear_ink)
+DIP = SEAL = Codec(_encode_ink, _decode_ink)
 """An ink, and plain values."""
 
 
-def _say_stroke(asked: Mapping[str, Any], vocabulary: Vocabulary) -> Words:
-    empty = {key for key in ("loads", "strengths") if key in asked and not len(asked[key])}
-    own = _say_brush(asked, vocabulary) if "brush" in asked else {}
-    rest = {key: value for key, value in asked.items() if key not in empty | {"brush"}}
-    return _say_ink(rest, vocabulary) | own
+def _encode_stroke(arguments: Mapping[str, Any], vocabulary: Vocabulary) -> JsonObject:
+    empty = {key for key in ("loads", "strengths") if key in arguments and not len(arguments[key])}
+    own = _encode_brush_argument(arguments, vocabulary) if "brush" in arguments else {}
+    rest = {key: value for key, value in arguments.items() if key not in empty | {"brush"}}
+    return _encode_ink(rest, vocabulary) | own
 
 
-def _hear_stroke(said: Mapping[str, Any], vocabulary: Vocabulary) -> Words:
-    own = {"brush": brush_in(said, "")} if "brush" in said else {}
-    return _hear_ink(said, vocabulary) | own
+def _decode_stroke(fields: Mapping[str, Any], vocabulary: Vocabulary) -> dict[str, Any]:
+    own = {"brush": decode_brush(fields, "")} if "brush" in fields else {}
+    return _decode_ink(fields, vocabulary) | own
 
 
-STROKE = Codec(_say_stroke, _hear_stroke)
+STROKE = Codec(_encode_stroke, _decode_stroke)
 """What a stroke begins with."""
 
 
-def _say_edit(asked: Mapping[str, Any], vocabulary: Vocabulary) -> Words:
-    edit = dict(asked["edit"])
+def _encode_edit(arguments: Mapping[str, Any], vocabulary: Vocabulary) -> JsonObject:
+    edit = dict(arguments["edit"])
     if isinstance(edit.get("brush"), BrushSpec):
-        edit["brush"] = brush_named(edit["brush"])
-    which = {key: _plain(value) for key, value in asked.items() if key != "edit"}
-    return which | {"edit": _say_ink(edit, vocabulary)}
+        edit["brush"] = encode_brush(edit["brush"])
+    which = {key: _encode_value(value) for key, value in arguments.items() if key != "edit"}
+    return which | {"edit": _encode_ink(edit, vocabulary)}
 
 
-def _hear_edit(said: Mapping[str, Any], vocabulary: Vocabulary) -> Words:
+def _decode_edit(fields: Mapping[str, Any], vocabulary: Vocabulary) -> dict[str, Any]:
     now = {"numbers": "places", "number": "place"}  # as older journals call them
-    which = {now.get(key, key): value for key, value in said.items()}
-    return {**which, "edit": _hear_ink(said["edit"], vocabulary)}
+    which = {now.get(key, key): value for key, value in fields.items()}
+    return {**which, "edit": _decode_ink(fields["edit"], vocabulary)}
 
 
-EDIT = Codec(_say_edit, _hear_edit)
+EDIT = Codec(_encode_edit, _decode_edit)
 """Which strokes or which seal, and an edit as `Document.edit_strokes` or `edit_seal` takes it."""
 
 
-def _say_symmetry(asked: Mapping[str, Any], _: Vocabulary) -> Words:
-    symmetry = asked["symmetry"]
-    said: Words = {}
+def _encode_symmetry(arguments: Mapping[str, Any], _: Vocabulary) -> JsonObject:
+    symmetry = arguments["symmetry"]
+    fields: JsonObject = {}
     if symmetry.planes:
-        said["planes"] = [
-            {"point": _plain(plane.point), "normal": _plain(plane.normal)}
+        fields["planes"] = [
+            {"point": _encode_value(plane.point), "normal": _encode_value(plane.normal)}
             for plane in symmetry.planes
         ]
     if symmetry.radial is not None:
         radial = symmetry.radial
-        said["radial"] = {"count": radial.count, "point": _plain(radial.point),
-                          "axis": _plain(radial.axis)}  # fmt: skip
-    return said
+        fields["radial"] = {"count": radial.count, "point": _encode_value(radial.point),
+                          "axis": _encode_value(radial.axis)}  # fmt: skip
+    return fields
 
 
-def _hear_symmetry(said: Mapping[str, Any], _: Vocabulary) -> Words:
+def _decode_symmetry(fields: Mapping[str, Any], _: Vocabulary) -> dict[str, Any]:
     planes = tuple(
         MirrorPlane(tuple(plane["point"]), tuple(plane["normal"]))
-        for plane in said.get("planes", ())
+        for plane in fields.get("planes", ())
     )
-    radial = said.get("radial")
+    radial = fields.get("radial")
     turns = None
     if radial is not None:
         point, axis = tuple(radial.get("point", _REST)), tuple(radial.get("axis", _UP))
@@ -372,15 +376,18 @@ def _hear_symmetry(said: Mapping[str, Any], _: Vocabulary) -> Words:
     return {"symmetry": Symmetry(planes, turns)}
 
 
-SYMMETRY = Codec(_say_symmetry, _hear_symmetry)
+SYMMETRY = Codec(_encode_symmetry, _decode_symmetry)
 
 
-def _say_mask(asked: Mapping[str, Any], vocabulary: Vocabulary) -> Words:
-    mask, said = asked["mask"], Words()
+def _encode_mask(arguments: Mapping[str, Any], vocabulary: Vocabulary) -> JsonObject:
+    mask, fields = arguments["mask"], JsonObject()
     if mask.angle is not None:
-        said["angle"] = {"direction": _plain(mask.angle.direction), "degrees": mask.angle.degrees}
+        fields["angle"] = {
+            "direction": _encode_value(mask.angle.direction),
+            "degrees": mask.angle.degrees,
+        }
     if mask.regions:
-        said["regions"] = [
+        fields["regions"] = [
             {
                 **({"face": int(pick.face)} if vocabulary.exact
                    else {"at": _middle_of(vocabulary.surface, pick.face)}),
@@ -389,7 +396,7 @@ def _say_mask(asked: Mapping[str, Any], vocabulary: Vocabulary) -> Words:
             }
             for pick in mask.regions
         ]  # fmt: skip
-    return said | ({"inverted": True} if mask.inverted else {})
+    return fields | ({"inverted": True} if mask.inverted else {})
 
 
 def _middle_of(surface: PaintedSurface, face: int) -> list[float]:
@@ -401,8 +408,8 @@ def _middle_of(surface: PaintedSurface, face: int) -> list[float]:
     return middle
 
 
-def _hear_mask(said: Mapping[str, Any], vocabulary: Vocabulary) -> Words:
-    angle, regions = said.get("angle"), said.get("regions", ())
+def _decode_mask(fields: Mapping[str, Any], vocabulary: Vocabulary) -> dict[str, Any]:
+    angle, regions = fields.get("angle"), fields.get("regions", ())
     faces = [region.get("face") for region in regions]
     if None in faces:
         mesh = vocabulary.surface.paint_mesh
@@ -414,7 +421,7 @@ def _hear_mask(said: Mapping[str, Any], vocabulary: Vocabulary) -> Words:
         for face, region in zip(faces, regions, strict=True)
     )
     leaning = None if angle is None else AngleMask(tuple(angle["direction"]), angle["degrees"])
-    return {"mask": Mask(leaning, picks, said.get("inverted", False))}
+    return {"mask": Mask(leaning, picks, fields.get("inverted", False))}
 
 
-MASK = Codec(_say_mask, _hear_mask)
+MASK = Codec(_encode_mask, _decode_mask)

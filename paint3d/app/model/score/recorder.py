@@ -1,4 +1,4 @@
-"""Keeps a document's score: all that is asked of it, as it is asked."""
+"""Recorder of a document's score: all that is asked of it, as it is asked."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from contextlib import contextmanager
 from functools import wraps
 from typing import Any, Concatenate, ParamSpec, Protocol, TypeVar
 
-from paint3d.app.model.commands import COMMANDS, Command, line_of
-from paint3d.app.model.score.words import Inks, Vocabulary, header_of
+from paint3d.app.model.commands import COMMANDS, Command, encode_line
+from paint3d.app.model.score.codecs import InkTable, Vocabulary, make_header
 from paint3d.app.model.stroke_log import recording_of
 from paint3d.brush.spec import DipAmount
 from paint3d.device.sample import DeviceSample
@@ -19,13 +19,13 @@ from paint3d.recording.recording import Recording
 from paint3d.recording.score import Score, check_command
 from paint3d.surface.painted_surface import PaintedSurface
 
-__all__ = ["ScoreKeeper", "recorded"]
+__all__ = ["ScoreRecorder", "recorded"]
 
 
 class _Recorded(Protocol):
     """What a document has for its methods to be recorded."""
 
-    keeper: ScoreKeeper | None
+    recorder: ScoreRecorder | None
     check_access: Callable[[], None]
 
     @property
@@ -42,13 +42,13 @@ _P = ParamSpec("_P")
 _Result = TypeVar("_Result")
 _Document = TypeVar("_Document", bound=_Recorded)
 
-_GOES = frozenset(
+_PREVIEW_COMMANDS = frozenset(  # that begin or end a preview
     {"undo", "redo", "replay_history", "begin_stroke", "dry", "press_seal", "lay_text",
      "remove_text"}
 )  # fmt: skip
 
 
-class _Fed(list[DeviceSample]):
+class _SampleRun(list[DeviceSample]):
     """Samples that came one after the other."""
 
     _recording: Recording | None = None
@@ -60,10 +60,10 @@ class _Fed(list[DeviceSample]):
         return self._recording
 
 
-_Kept = dict[str, Any] | _Fed
+_Event = dict[str, Any] | _SampleRun
 
 
-class ScoreKeeper:
+class ScoreRecorder:
     """Writes down what a document is asked for.
 
     Parameters
@@ -78,20 +78,20 @@ class ScoreKeeper:
         self, header: Mapping[str, Any], events: Sequence[Recording | Mapping[str, Any]] = ()
     ) -> None:
         self._header = dict(header)
-        self._inks = Inks(dict(self._header.pop("pigments", {})))
-        self._events: list[_Kept] = [
-            _Fed(e.samples()) if isinstance(e, Recording) else dict(e) for e in events
+        self._inks = InkTable(dict(self._header.pop("pigments", {})))
+        self._events: list[_Event] = [
+            _SampleRun(e.samples()) if isinstance(e, Recording) else dict(e) for e in events
         ]
-        self.is_within = False
+        self.is_suspended = False
 
     @classmethod
-    def begin(cls, surface: PaintedSurface, painter: Painter) -> ScoreKeeper | None:
+    def begin(cls, surface: PaintedSurface, painter: Painter) -> ScoreRecorder | None:
         """For a painting that begins; None where there is something already."""
         untouched = surface.n_vertices == surface.paint_mesh.n_base_vertices
         if not untouched or surface.painted.any() or painter.loaded != painter.in_brush():
             return None
-        inks = Inks({})
-        header = header_of(surface, painter.brush, painter.dipped, inks)
+        inks = InkTable({})
+        header = make_header(surface, painter.brush, painter.dipped, inks)
         header["azimuth"] = painter.azimuth
         pickup = float(surface.ink.transfer["pickup"].item())
         own = {"pigments": inks.table} if inks.table else {}
@@ -100,37 +100,37 @@ class ScoreKeeper:
         return cls(header | own | ({"pickup": pickup} if pickup else {}), events)
 
     @classmethod
-    def resumed(cls, score: Score, n_strokes: int) -> ScoreKeeper:
+    def resumed(cls, score: Score, n_strokes: int) -> ScoreRecorder:
         """For a painting of so many strokes that was saved: what no session holds begins anew."""
-        keeper = cls(score.header, score.events)
+        recorder = cls(score.header, score.events)
         lines = [event for event in score.events if not isinstance(event, Recording)]
-        asked = {line["do"] for line in lines}
-        keeper._events += [{"do": name} for name in ("set_symmetry", "set_mask") if name in asked]
-        if "set_tags" in asked:
-            keeper._events.append({"do": "set_tags", "tags": {}})
-        went = next((line for line in reversed(lines) if line["do"] in _GOES), {})
+        names = {line["do"] for line in lines}
+        recorder._events += [{"do": name} for name in ("set_symmetry", "set_mask") if name in names]
+        if "set_tags" in names:
+            recorder._events.append({"do": "set_tags", "tags": {}})
+        went = next((line for line in reversed(lines) if line["do"] in _PREVIEW_COMMANDS), {})
         if went.get("passing"):  # it was saved while somebody only looked at what was before
-            keeper._events.append({"do": "replay_history", "upto": n_strokes})
-        return keeper
+            recorder._events.append({"do": "replay_history", "upto": n_strokes})
+        return recorder
 
     @contextmanager
-    def within(self) -> Iterator[None]:
+    def suspended(self) -> Iterator[None]:
         """Write nothing down meanwhile: it belongs to what is being done."""
-        self.is_within = True
+        self.is_suspended = True
         try:
             yield
         finally:
-            self.is_within = False
+            self.is_suspended = False
 
     def feed(self, samples: Sequence[DeviceSample]) -> None:
         """Write samples down."""
         last = self._events[-1] if self._events else None
-        if isinstance(last, _Fed):
+        if isinstance(last, _SampleRun):
             last.extend(samples)
         else:
-            self._events.append(_Fed(samples))
+            self._events.append(_SampleRun(samples))
 
-    def command(self, name: str, asked: Mapping[str, Any], surface: PaintedSurface) -> None:
+    def command(self, name: str, arguments: Mapping[str, Any], surface: PaintedSurface) -> None:
         """Write a command down.
 
         Raises
@@ -138,7 +138,7 @@ class ScoreKeeper:
         RecordingError
             If a score cannot say it.
         """
-        line = line_of(name, asked, Vocabulary(surface, self._inks))
+        line = encode_line(name, arguments, Vocabulary(surface, self._inks))
         check_command(line)
         last = self._events[-1] if self._events else None
         if name == "follow_time" and isinstance(last, dict) and {**last, "times": 1} == {
@@ -151,11 +151,11 @@ class ScoreKeeper:
             self._events.pop()
         self._events.append(line)
 
-    def refused(self, name: str, asked: Mapping[str, Any], surface: PaintedSurface) -> None:
+    def refused(self, name: str, arguments: Mapping[str, Any], surface: PaintedSurface) -> None:
         """Write down what was refused: it may have changed something before it was."""
         vocabulary = Vocabulary(surface, self._inks)
         try:
-            line = {**line_of(name, asked, vocabulary), "refused": True}
+            line = {**encode_line(name, arguments, vocabulary), "refused": True}
             check_command(line)
         except Paint3DError:
             return
@@ -165,7 +165,8 @@ class ScoreKeeper:
         """All of it."""
         own = {"pigments": dict(self._inks.table)} if self._inks.table else {}
         events = [
-            event.recording() if isinstance(event, _Fed) else dict(event) for event in self._events
+            event.recording() if isinstance(event, _SampleRun) else dict(event)
+            for event in self._events
         ]
         return Score({**self._header, "object": object_name, **own}, tuple(events))
 
@@ -176,7 +177,7 @@ class ScoreKeeper:
 def recorded(
     method: Callable[Concatenate[_Document, _P], _Result],
 ) -> Callable[Concatenate[_Document, _P], _Result]:
-    """Let a method of `Document` write down what it is asked for in the document's `keeper`.
+    """Let a method of `Document` write down what it is asked for in the document's `recorder`.
 
     Its command stands in `app.model.commands`. What a method asks of the document meanwhile belongs
     to it, and is not written down by itself.
@@ -185,42 +186,42 @@ def recorded(
     signature = inspect.signature(method)
 
     @wraps(method)
-    def kept(document: _Document, /, *arguments: _P.args, **options: _P.kwargs) -> _Result:
+    def wrapper(document: _Document, /, *arguments: _P.args, **options: _P.kwargs) -> _Result:
         document.check_access()
-        keeper = document.keeper
-        if keeper is None or keeper.is_within:
+        recorder = document.recorder
+        if recorder is None or recorder.is_suspended:
             return method(document, *arguments, **options)
 
-        def asked() -> dict[str, Any]:
+        def bound_arguments() -> dict[str, Any]:
             given = dict(signature.bind(document, *arguments, **options).arguments)
             given.pop("self")
             return given
 
         try:
-            with keeper.within():
+            with recorder.suspended():
                 done = method(document, *arguments, **options)
         except Paint3DError:
-            if document.keeper is keeper:
-                keeper.refused(command.name, asked(), document.surface)
+            if document.recorder is recorder:
+                recorder.refused(command.name, bound_arguments(), document.surface)
             raise
-        if document.keeper is keeper:
-            _write(document, command, asked(), done)
+        if document.recorder is recorder:
+            _write(document, command, bound_arguments(), done)
         return done
 
-    return kept
+    return wrapper
 
 
-def _write(document: _Recorded, command: Command, asked: dict[str, Any], done: object) -> None:
+def _write(document: _Recorded, command: Command, arguments: dict[str, Any], done: object) -> None:
     """Write down what was done; a score that cannot say it is a score no longer."""
     name = command.written_as or command.name
     if name == "begin_stroke":
-        asked["time_s"] = document.current_stroke.time_s
+        arguments["time_s"] = document.current_stroke.time_s
     if command.name == "pick_colour" and done is None:
         return
     if command.written_as:
-        asked = {"ink": document.painter.dipped}
-    assert document.keeper is not None, "it has been asked"
+        arguments = {"ink": document.painter.dipped}
+    assert document.recorder is not None, "it has been asked"
     try:
-        document.keeper.command(name, asked, document.surface)
+        document.recorder.command(name, arguments, document.surface)
     except Paint3DError:
-        document.keeper = None
+        document.recorder = None
