@@ -289,6 +289,8 @@ def test_a_text_lies_where_the_desktop_lays_it_and_a_planned_hand_fills_it(
         browser.evaluate(f"{at('show-copybook')}.click()")
     browser.wait_for(at("addText"))
     browser.evaluate(f"{at('addText')}.click()")
+    browser.evaluate(f"{at('place')}.click()")  # away from the bowl's wall, which is near the hand
+    browser.stroke([(430.0, 430.0, 0.5), (430.0, 430.0, 0.5)])
     browser.evaluate(f"{at('sign')}.click()")
     browser.evaluate(f"{at('place')}.click()")
     browser.stroke([(330.0, 500.0, 0.5), (330.0, 500.0, 0.5)])
