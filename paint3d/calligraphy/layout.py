@@ -30,7 +30,7 @@ from paint3d.mesh.chart import (
     overlapping,
 )
 from paint3d.mesh.placement import SIDES, SurfaceLine, Upright, is_flat, place, upwards, walk
-from paint3d.mesh.sheet_mesh import sheet_of, writing_areas
+from paint3d.mesh.sheet_mesh import paper_bounds, sheet_of, writing_areas
 from paint3d.mesh.triangle_mesh import TriangleMesh
 
 __all__ = [
@@ -89,7 +89,7 @@ def frames_to_try(surface: ClosestPoints, side: str | None) -> Iterator[SurfaceF
     Parameters
     ----------
     surface : ClosestPoints
-    side : {"outside", "inside", "top", "bottom"}, optional
+    side : {"outside", "inside", "top", "bottom", "front", "right", "back", "left"}, optional
         From where one looks; by default the object's usual side first, then the others, and at
         last places spread evenly over its area, which no side may show.
     """
@@ -154,7 +154,7 @@ class Layout:
         where that makes it fit, or where the surface is smooth enough if it is not there.
     around : bool
         Spread the columns (or the letters of a row) evenly all around the body, starting at `at`.
-    side : {"outside", "inside", "top", "bottom"}, optional
+    side : {"outside", "inside", "top", "bottom", "front", "right", "back", "left"}, optional
         From where one looks at the object.
     gap : float
         Room between two columns or two rows, ems.
@@ -234,8 +234,7 @@ def grounds_of(surface: ClosestPoints, layout: Layout) -> tuple[tuple[Ground, ..
     if not layout.is_placed or len(panels) == 1:
         return panels, layout
     if layout.at is not None:
-        boxes = np.array([panel.surface.mesh.bounds for panel in panels])
-        low, high = boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)
+        low, high = paper_bounds(surface.mesh)
         x, y = (low + np.append(as_array(layout.at, "at", (2,)), 0.0) * (high - low)).tolist()[:2]
         layout = replace(layout, at=None, point=(x, y, 0.0))
     at = np.array(layout.point)
