@@ -125,7 +125,8 @@ def place(
             side=side,
             sides=", ".join((*SIDES, *FACES)),
         )
-    values = np.asarray(at, dtype=np.float64)
+    asked, values = side, np.asarray(at, dtype=np.float64)
+    told = values.tolist()
     if side in FACES:
         if values.shape == (3,):
             raise InputError(
@@ -149,7 +150,7 @@ def place(
         )
     start, ray = _ray(surface, as_array(values, "at", values.shape), side)
     hits = surface.cast(start[None], ray[None])
-    where = Message("at {place} seen from the {side}", place=values.tolist(), side=side)
+    where = Message("at {place} seen from the {side}", place=told, side=asked)
     if not hits.hit[0]:
         raise MeshError(
             "{object}: there is no surface {where}; expected another place",
@@ -160,7 +161,7 @@ def place(
     normal = surface.find(point[None]).normals[0]
     if normal @ ray >= 0.0:
         raise MeshError(
-            "{object}: {where} the surface shows its back; try another",
+            "{object}: {where} the surface faces away; try another",
             object=surface.mesh.name,
             where=where,
         )

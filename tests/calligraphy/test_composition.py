@@ -16,7 +16,7 @@ from paint3d.calligraphy.composition import (
 )
 from paint3d.calligraphy.layout import Layout, layout_text, places_for
 from paint3d.cli.info import info_lines
-from paint3d.errors import InputError
+from paint3d.errors import InputError, MeshError
 from paint3d.mesh.bvh import ClosestPoints
 from paint3d.mesh.sheet_mesh import make_sheet, writing_areas
 from paint3d.mesh.sheets import parse_sheet
@@ -136,6 +136,14 @@ def test_a_point_of_a_sheet_is_the_place_of_its_fractions(name: str) -> None:
     at = place_on(sheet, point)
     (frame,) = places_for(surface, at, None)
     np.testing.assert_allclose(frame.origin[:2], point[:2], atol=0.01)
+
+
+def test_a_place_between_panels_is_on_the_nearest_and_a_sheet_has_no_back() -> None:
+    surface = ClosestPoints(make_sheet(parse_sheet("couplet")))
+    (frame,) = places_for(surface, (0.55, 0.5), None)
+    assert frame.origin[0] == pytest.approx(60.0, abs=0.01)  # the right one's rim
+    with pytest.raises(MeshError, match="seen from the back the surface faces away"):
+        list(places_for(surface, (0.2, 0.5), "back"))
 
 
 @pytest.mark.parametrize("name", ["scroll", "scroll:mounted", "couplet", "couplet:mounted", "fan"])
